@@ -1,0 +1,245 @@
+//! The commands, their numbers and their wire layouts: one table, from which the structs, the
+//! schema hash and the page `docs/protocol.md` follow.
+//!
+//! A request is a packed little-endian struct (`zerocopy`), sometimes followed by items of one
+//! fixed layout; so is a reply. Integers that the manuals' API passes as `short` or `long` travel as
+//! `i16` and `i32`, so that a wrong value reaches the dispatcher and is refused there by name.
+//!
+//! Names, parameters and their order: `API.md`; what a command does: `SPEC.md` sections 4 to 6.
+
+use zerocopy::little_endian::{F64, I16, I32, U16, U32, U64};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
+
+/// A struct of one fixed little-endian layout.
+pub trait Wire: FromBytes + IntoBytes + KnownLayout + Immutable + Unaligned + Copy {
+    /// Fields in wire order: name and type as the protocol page prints them.
+    const FIELDS: &'static [(&'static str, &'static str)];
+}
+
+/// A request that the controller answers.
+pub trait Request: Wire {
+    /// Its number on the wire.
+    const OPCODE: u16;
+    /// Its name, which is the manuals' without `GT_`/`GTN_` where they have it.
+    const NAME: &'static str;
+    /// What follows the struct: zero or more items of this layout.
+    type Item: Wire;
+    /// The fixed part of a reply with code 0.
+    type Reply: Wire;
+    /// What follows the reply's fixed part.
+    type ReplyItem: Wire;
+}
+
+/// One row of the table, for the protocol page, the reason texts and the schema hash.
+#[derive(Debug, Clone, Copy)]
+pub struct CommandInfo {
+    /// Number on the wire.
+    pub opcode: u16,
+    /// Name.
+    pub name: &'static str,
+    /// Fields of the request.
+    pub fields: &'static [(&'static str, &'static str)],
+    /// Fields of each item after the request.
+    pub items: &'static [(&'static str, &'static str)],
+    /// Fields of the reply.
+    pub reply: &'static [(&'static str, &'static str)],
+    /// Fields of each item after the reply.
+    pub reply_items: &'static [(&'static str, &'static str)],
+}
+
+macro_rules! wire_structs {
+    ($( $(#[$doc:meta])* $name:ident { $( $field:ident : $ty:ty ),* $(,)? } )*) => {$(
+        $(#[$doc])*
+        #[allow(missing_docs)]
+        #[derive(Debug, Clone, Copy, PartialEq, Default, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+        #[repr(C, packed)]
+        pub struct $name { $( pub $field: $ty ),* }
+        impl Wire for $name {
+            const FIELDS: &'static [(&'static str, &'static str)] = &[$( (stringify!($field), stringify!($ty)) ),*];
+        }
+    )*};
+}
+
+macro_rules! commands {
+    ($( $opcode:literal $name:ident { $( $field:ident : $ty:ty ),* $(,)? } [$item:ident] -> $reply:ident [$ritem:ident] ; )*) => {
+        $(
+            #[doc = concat!("Command ", stringify!($opcode), ": see `docs/protocol.md`.")]
+            #[allow(missing_docs)]
+            #[derive(Debug, Clone, Copy, PartialEq, Default, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+            #[repr(C, packed)]
+            pub struct $name { $( pub $field: $ty ),* }
+            impl Wire for $name {
+                const FIELDS: &'static [(&'static str, &'static str)] = &[$( (stringify!($field), stringify!($ty)) ),*];
+            }
+            impl Request for $name {
+                const OPCODE: u16 = $opcode;
+                const NAME: &'static str = stringify!($name);
+                type Item = $item;
+                type Reply = $reply;
+                type ReplyItem = $ritem;
+            }
+        )*
+        /// Every command that has a layout, by number.
+        pub const COMMANDS: &[CommandInfo] = &[$(
+            CommandInfo {
+                opcode: $opcode,
+                name: stringify!($name),
+                fields: <$name as Wire>::FIELDS,
+                items: <$item as Wire>::FIELDS,
+                reply: <$reply as Wire>::FIELDS,
+                reply_items: <$ritem as Wire>::FIELDS,
+            },
+        )*];
+        /// The numbers of the commands that have a layout, by name.
+        #[allow(non_upper_case_globals, missing_docs)]
+        pub mod opcode { $( pub const $name: u16 = $opcode; )* }
+    };
+}
+
+wire_structs! {
+    /// No fields.
+    Nothing {}
+    /// A number of items follows or was done.
+    Count { count: U16 }
+    /// One 16-bit value.
+    Short { value: I16 }
+    /// One 32-bit value.
+    Long { value: I32 }
+    /// One real value.
+    Real { value: F64 }
+    /// Real values of consecutive axes, read in one tick at `clock_ms`.
+    Reals { clock_ms: U32, count: U16 }
+    /// 32-bit values of consecutive axes, read in one tick at `clock_ms`.
+    Longs { clock_ms: U32, count: U16 }
+    /// Trap parameters (TTrapPrm).
+    TrapPrm { acc: F64, dec: F64, vel_start: F64, smooth_time_ms: I16 }
+    /// Jog parameters (TJogPrm).
+    JogPrm { acc: F64, dec: F64, smooth: F64 }
+    /// Smooth and abrupt stop deceleration, pulse/ms².
+    StopDec { smooth: F64, abrupt: F64 }
+    /// Band in pulses, time in 250 µs cycles.
+    Band { band: I32, time_cycles: I32 }
+    /// Soft limits in pulses; 0x7fffffff and -0x80000000 are off.
+    SoftLimit { positive: I32, negative: I32 }
+    /// One PT segment: end position and end time from the start of the pass.
+    PtItem { pos: F64, time_ms: I32, kind: u8 }
+    /// After PT data: how many segments were taken, places free now, and how long the data that is
+    /// in the stream lasts (ms; for a FIFO at rest, the length of its data).
+    PtTaken { taken: U16, space: U16, dry_ms: U32 }
+    /// PT state: 0 never ran, 1 running, 2 ended, 3 ended by underrun, 4 ended by Stop or a fault.
+    PtState { state: u8, loops: I32, space0: U16, space1: U16, dry_ms: U32 }
+    /// One axis of a configuration file. `given` says which fields the file named (bit 0 limits,
+    /// 1 limit sense, 2 alarm, 3 alarm sense, 4 soft limits, 5 stop decelerations, 6 following
+    /// error, 7 band, 8 home sense).
+    ConfigItem {
+        axis: I16, given: U16, limits_on: u8, limit_sense: u8, alarm_on: u8, alarm_sense: u8,
+        soft_positive: I32, soft_negative: I32, dec_smooth: F64, dec_abrupt: F64, pos_err: I32,
+        band: I32, band_time_cycles: I32, home_sense: u8,
+    }
+    /// What a controller is.
+    VersionReply {
+        major: U16, minor: U16, patch: U16, schema: U32, board: [u8; 16], profile: u8, family: u8,
+        cores: u8, axes_per_core: u8, lasers: u8, crds_per_core: u8, tick_us: U32,
+    }
+    /// Controller time: ms and servo ticks since power-on.
+    Clock { clock_ms: U32, ticks: U32 }
+    /// The program queue: entries accepted, executed and waiting, free bytes, late entries, state
+    /// (0 empty, 1 held, 2 running, 3 stopped by a failure, 4 stopped by Stop or link loss), and
+    /// the script clock in ns.
+    ProgramReply {
+        accepted: U32, executed: U32, space_bytes: U32, late: U32, worst_late_us: U32, state: u8,
+        clock_ns: U64,
+    }
+    /// Home or index capture.
+    CaptureReply { status: I16, value: I32, clock_ms: U32 }
+    /// Raw bytes.
+    Byte { value: u8 }
+    /// One axis of an `AxisStatus` reply: what a display needs, of one tick.
+    AxisItem {
+        status: U32, mode: I16, reason: U16, prf_pos: F64, prf_vel: F64, enc_pos: F64,
+    }
+}
+
+commands! {
+    // -- session ---------------------------------------------------------------------------
+    0x0001 Version {} [Nothing] -> VersionReply [Nothing];
+    0x0002 Reset { core: I16 } [Nothing] -> Nothing [Nothing];
+    0x0003 GetClock {} [Nothing] -> Clock [Nothing];
+    0x0004 ClrSts { core: I16, axis: I16, count: I16 } [Nothing] -> Nothing [Nothing];
+    0x0005 SetTick { tick_us: I32 } [Nothing] -> Nothing [Nothing];
+    0x0006 SetLinkLoss { time_ms: I32, stop_all: I16 } [Nothing] -> Nothing [Nothing];
+    0x0007 LoadConfig { core: I16, count: U16 } [ConfigItem] -> Nothing [Nothing];
+    0x0008 KeepAlive {} [Nothing] -> Nothing [Nothing];
+    0x0009 Choose { profile: u8, family: u8 } [Nothing] -> VersionReply [Nothing];
+    // -- the program queue (SPEC 7) ----------------------------------------------------------
+    0x0010 Sleep { ns: U64 } [Nothing] -> Nothing [Nothing];
+    0x0011 WaitStop { core: I16, axes: I32, crds: I32 } [Nothing] -> Nothing [Nothing];
+    0x0012 ProgramStart { strict: u8 } [Nothing] -> ProgramReply [Nothing];
+    0x0013 ProgramClear {} [Nothing] -> ProgramReply [Nothing];
+    0x0014 ProgramStatus {} [Nothing] -> ProgramReply [Nothing];
+    0x0015 Trace { every: U32, axes: U64, lasers: u8, crds: u8 } [Nothing] -> Nothing [Nothing];
+    0x0016 ProgramEnd {} [Nothing] -> Nothing [Nothing];
+    // -- axis --------------------------------------------------------------------------------
+    0x0100 AxisOn { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
+    0x0101 AxisOff { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
+    0x0102 Stop { core: I16, mask: I32, option: I32, form: u8 } [Nothing] -> Nothing [Nothing];
+    0x0103 ZeroPos { core: I16, axis: I16, count: I16 } [Nothing] -> Nothing [Nothing];
+    0x0104 SetPrfPos { core: I16, profile: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0105 SynchAxisPos { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x0106 SetStopDec { core: I16, profile: I16, smooth: F64, abrupt: F64 } [Nothing] -> Nothing [Nothing];
+    0x0107 GetStopDec { core: I16, profile: I16 } [Nothing] -> StopDec [Nothing];
+    0x0108 SetAxisBand { core: I16, axis: I16, band: I32, time_cycles: I32 } [Nothing] -> Nothing [Nothing];
+    0x0109 GetAxisBand { core: I16, axis: I16 } [Nothing] -> Band [Nothing];
+    0x010A GetSts { core: I16, axis: I16, count: I16 } [Nothing] -> Longs [Long];
+    0x010B GetPrfPos { core: I16, profile: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x010C GetPrfVel { core: I16, profile: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x010D GetPrfAcc { core: I16, profile: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x010E GetPrfMode { core: I16, profile: I16, count: I16 } [Nothing] -> Longs [Long];
+    0x010F GetEncPos { core: I16, encoder: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x0110 GetEncVel { core: I16, encoder: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x0111 SetEncPos { core: I16, encoder: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0112 SetSoftLimit { core: I16, axis: I16, positive: I32, negative: I32 } [Nothing] -> Nothing [Nothing];
+    0x0113 GetSoftLimit { core: I16, axis: I16 } [Nothing] -> SoftLimit [Nothing];
+    0x0114 LmtsOn { core: I16, axis: I16, limit_type: I16 } [Nothing] -> Nothing [Nothing];
+    0x0115 LmtsOff { core: I16, axis: I16, limit_type: I16 } [Nothing] -> Nothing [Nothing];
+    0x0116 LmtSns { core: I16, sense: U16 } [Nothing] -> Nothing [Nothing];
+    0x0117 AlarmOn { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
+    0x0118 AlarmOff { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
+    0x0119 SetPosErr { core: I16, control: I16, error: I32 } [Nothing] -> Nothing [Nothing];
+    0x011A GetPosErr { core: I16, control: I16 } [Nothing] -> Long [Nothing];
+    0x011B SetCaptureMode { core: I16, encoder: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
+    0x011C GetCaptureStatus { core: I16, encoder: I16, count: I16 } [Nothing] -> Count [CaptureReply];
+    0x011D AxisStatus { core: I16, axis: I16, count: I16 } [Nothing] -> Reals [AxisItem];
+    // -- trap and jog ------------------------------------------------------------------------
+    0x0120 PrfTrap { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
+    0x0121 SetTrapPrm { core: I16, profile: I16, acc: F64, dec: F64, vel_start: F64, smooth_time_ms: I16 } [Nothing] -> Nothing [Nothing];
+    0x0122 GetTrapPrm { core: I16, profile: I16 } [Nothing] -> TrapPrm [Nothing];
+    0x0123 PrfJog { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
+    0x0124 SetJogPrm { core: I16, profile: I16, acc: F64, dec: F64, smooth: F64 } [Nothing] -> Nothing [Nothing];
+    0x0125 GetJogPrm { core: I16, profile: I16 } [Nothing] -> JogPrm [Nothing];
+    0x0126 SetPos { core: I16, profile: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0127 GetPos { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
+    0x0128 SetVel { core: I16, profile: I16, vel: F64 } [Nothing] -> Nothing [Nothing];
+    0x0129 GetVel { core: I16, profile: I16 } [Nothing] -> Real [Nothing];
+    0x012A Update { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    // -- digital and analog inputs and outputs -------------------------------------------------
+    0x0140 GetDi { core: I16, di_type: I16 } [Nothing] -> Long [Nothing];
+    0x0141 SetDo { core: I16, do_type: I16, value: I32 } [Nothing] -> Nothing [Nothing];
+    0x0142 GetDo { core: I16, do_type: I16 } [Nothing] -> Long [Nothing];
+    0x0143 SetDoBit { core: I16, do_type: I16, index: I16, value: I16 } [Nothing] -> Nothing [Nothing];
+    0x0144 SetDac { core: I16, dac: I16, count: U16 } [Short] -> Nothing [Nothing];
+    0x0145 GetDac { core: I16, dac: I16, count: I16 } [Nothing] -> Count [Short];
+    0x0146 GetAdc { core: I16, adc: I16, count: I16 } [Nothing] -> Reals [Real];
+    // -- PT (GXN chapter 2) -------------------------------------------------------------------
+    0x0200 PrfPt { core: I16, profile: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
+    0x0201 PtSpace { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
+    0x0202 PtData { core: I16, profile: I16, pos: F64, time_ms: I32, kind: I16, fifo: I16 } [Nothing] -> PtTaken [Nothing];
+    0x0203 PtDataMany { core: I16, profile: I16, fifo: I16, count: U16 } [PtItem] -> PtTaken [Nothing];
+    0x0204 PtClear { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
+    0x0205 SetPtLoop { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
+    0x0206 GetPtLoop { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
+    0x0207 SetPtMemory { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
+    0x0208 GetPtMemory { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
+    0x0209 PtStart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
+    0x020A GetPtState { core: I16, profile: I16 } [Nothing] -> PtState [Nothing];
+}

@@ -1,0 +1,107 @@
+//! Why a command was refused: a return code (SPEC 3) and a reason that a person can read once the
+//! host has put the command's and the parameter's name to it.
+
+use crate::command::Wire;
+use zerocopy::little_endian::{F64, I16, U16};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
+
+/// Return values of SPEC section 3 that the controller itself gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(i16)]
+pub enum Code {
+    /// Done.
+    Done = 0,
+    /// Cannot be executed in the present state.
+    State = 1,
+    /// Library and firmware do not match.
+    Mismatch = 3,
+    /// A parameter is out of range.
+    Range = 7,
+    /// The firmware does not know the command.
+    Unknown = 8,
+}
+
+macro_rules! reasons {
+    ($( $number:literal $name:ident $code:ident $text:literal ; )*) => {
+        /// What was wrong, as a number on the wire.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+        #[repr(u16)]
+        pub enum Reason { $( #[doc = $text] $name = $number, )* }
+        /// Every reason: its number, its return code and its text. In the text `{field}` is the
+        /// parameter's name, `{got}` what was given, `{low}` and `{high}` the limits, `{axis}` the axis.
+        pub const REASONS: &[(Reason, Code, &str)] = &[$( (Reason::$name, Code::$code, $text), )*];
+        impl Reason {
+            /// The reason with this number.
+            pub const fn from_number(number: u16) -> Option<Self> {
+                match number { $( $number => Some(Reason::$name), )* _ => None }
+            }
+            /// The return code that goes with it.
+            pub const fn code(self) -> Code {
+                match self { $( Reason::$name => Code::$code, )* }
+            }
+            /// Its text, with placeholders.
+            pub const fn text(self) -> &'static str {
+                match self { $( Reason::$name => $text, )* }
+            }
+        }
+    };
+}
+
+reasons! {
+    1  OutOfRange Range "{field} is {got}; it must be from {low} to {high}";
+    2  NotFinite Range "{field} is not a finite number";
+    3  NotIncreasing Range "{field} is {got}; it must be greater than {low}, that of the segment before";
+    4  TooFast Range "{field}: this segment's speed is {got} pulse/ms; the limit is {high}";
+    5  Length Range "the command's length is wrong: {got} bytes came, {low} were expected";
+    6  TooMany Range "{field} is {got}; at most {high} fit";
+    7  BeyondTravel Range "{field} is {got}; an axis travels from {low} to {high} pulses";
+    8  Selector Range "{field} is {got}; allowed are {low} to {high}";
+    20 UnknownCommand Unknown "the firmware does not know command number {got}";
+    21 Mismatch Mismatch "client and firmware speak different protocol versions: {got} here, {high} there";
+    22 ProfileTooLarge Mismatch "this board cannot hold the profile: it has room for {high} axes, {got} are asked for";
+    30 WrongMode State "axis {axis} is not in the mode that this command is for; its mode is {got}";
+    31 Moving State "axis {axis} is moving; stop it first";
+    32 FifoFull State "axis {axis}: the FIFO is full; {high} segments fit";
+    33 FifoEmpty State "axis {axis}: the FIFO holds no data";
+    34 ServoOff State "axis {axis}: the servo is off; call AxisOn first";
+    35 AxisFault State "axis {axis} has a latched fault (status {got}); clear its cause and call ClrSts";
+    36 FifoInUse State "axis {axis}: FIFO {got} is running; it can be cleared at rest";
+    37 NotInDynamic State "axis {axis}: not available in dynamic PT mode";
+    38 NoAcceleration State "axis {axis}: {field} is 0; set the motion parameters first";
+    39 ProgramRuns State "a program is running; only reads and Stop are taken beside it";
+    40 QueueFull State "the program queue is full; {high} bytes fit";
+    41 NotInProgram State "this command is only for the program queue";
+    42 Discarded State "not executed: an earlier entry of the program failed, or it was stopped";
+    43 RingFull State "the controller is busy; send it again";
+    44 Late State "the entry was late and the program is strict";
+    45 NotInitialised State "axis {axis} does not exist in this profile";
+    46 OnlyAtRest State "only while every axis is at rest; axis {axis} is moving";
+    47 ProgramOnlyHeld State "the program is not held; it runs already or has failed";
+    48 TraceLost State "the trace lost rows: the link does not carry {got} rows a second";
+}
+
+/// The payload of a refusing reply.
+#[derive(Debug, Clone, Copy, PartialEq, Default, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C, packed)]
+pub struct Refusal {
+    /// [`Reason`] number.
+    pub reason: U16,
+    /// Index of the parameter in the request's fields; 255 names none.
+    pub field: u8,
+    /// Index of the item that was refused, 65535 names none.
+    pub item: U16,
+    /// The axis concerned, 0 names none.
+    pub axis: I16,
+    /// What was given.
+    pub got: F64,
+    /// Lower limit.
+    pub low: F64,
+    /// Upper limit.
+    pub high: F64,
+}
+
+impl Wire for Refusal {
+    const FIELDS: &'static [(&'static str, &'static str)] = &[
+        ("reason", "U16"), ("field", "u8"), ("item", "U16"), ("axis", "I16"), ("got", "F64"), ("low", "F64"), ("high", "F64"),
+    ];
+}

@@ -1,0 +1,13 @@
+#![no_std]
+#![forbid(unsafe_code)]
+//! Everything that runs inside the servo tick.
+//!
+//! In: admitted operations ([`op::Op`]) from two lanes, input samples from a [`port::Port`].
+//! Out: set-points to the port, a [`view::View`] for the thread, samples for a trace.
+//! Nothing here divides by a variable, uses floating point, waits, logs or panics.
+pub mod op;
+pub mod piece;
+pub mod port;
+pub mod ramp;
+pub mod units;
+pub mod view;

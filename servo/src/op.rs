@@ -1,0 +1,129 @@
+//! Admitted operations: what the thread hands to the tick.
+//!
+//! An [`Op`] has passed every check, so the tick can only carry it out or, where the machine's state
+//! changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`]. Two lanes lead in:
+//! the immediate lane acts on the next tick; the program lane is timed (SPEC 7): an entry's instant
+//! is that of the entry before plus `delay`, and it acts on the first tick after that instant.
+use crate::units::{Axis, AxisMask, Ns, Pos};
+
+/// An operation with the number under which its execution is reported and its place on the
+/// script clock.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry {
+    /// Counts up by one per entry and lane; the view reports the last one executed.
+    pub seq: u32,
+    /// Program lane only: time since the instant of the entry before.
+    pub delay: Ns,
+    /// What to do.
+    pub op: Op,
+}
+
+/// Digital outputs that `SetDo` addresses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DoGroup {
+    /// Servo enable, a bit an axis (of the core's first axis on).
+    Enable,
+    /// Alarm clear, a bit an axis.
+    Clear,
+    /// General outputs.
+    General,
+}
+
+/// Per-axis inputs that can be switched off and inverted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Guarded {
+    /// Positive limit switch.
+    LimitPositive,
+    /// Negative limit switch.
+    LimitNegative,
+    /// Drive alarm.
+    Alarm,
+    /// Home switch (sense only).
+    Home,
+}
+
+/// Rate in 2⁻⁶⁴-scaled units is built by [`crate::ramp`]; a mode is one of these.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(i8)]
+pub enum Mode {
+    /// Point to point (power-on).
+    #[default]
+    Trap = 0,
+    /// Constant velocity.
+    Jog = 1,
+    /// Position and time, segments kept and repeatable.
+    PtStatic = 2,
+    /// Position and time, segments streamed.
+    PtDynamic = 3,
+}
+
+/// Everything the tick can be asked to do. Sizes are kept small: an entry is copied once.
+#[derive(Debug, Clone, Copy)]
+pub enum Op {
+    /// Nothing; its execution is the news.
+    Mark,
+    /// Immediate lane: the held program begins; the script clock is zero at the tick in force now.
+    ProgramRun,
+    /// Immediate lane: the program's remaining entries are dropped and the lane is held again.
+    ProgramDrop,
+    /// Program lane: the script clock waits until none of these axes runs.
+    WaitRest { axes: AxisMask },
+    /// All axes of the mask to power-on state: stopped, servo off, Trap mode, latches cleared.
+    Reset { axes: AxisMask },
+    /// Clears latched status bits whose cause is gone.
+    ClearStatus { axes: AxisMask },
+    /// Servo on or off; off while moving stops abruptly.
+    Servo { axis: Axis, on: bool },
+    /// Stops: axes in `abrupt` at once, the others with their stop deceleration.
+    Stop { axes: AxisMask, abrupt: AxisMask },
+    /// Sets planned positions at rest (ZeroPos also zeroes the encoders of `axes`).
+    Zero { axes: AxisMask },
+    /// Sets the planned position at rest.
+    SetPosition { axis: Axis, pos: Pos },
+    /// Sets the encoder's reading.
+    SetEncoder { axis: Axis, pulses: i64 },
+    /// Planned position := encoder position, at rest.
+    Synchronise { axes: AxisMask },
+    /// Mode at rest. Changes of mode or FIFO use clear the PT data.
+    SetMode { axis: Axis, mode: Mode },
+    /// Stop decelerations.
+    StopDec { axis: Axis, smooth: crate::ramp::Accel, abrupt: crate::ramp::Accel },
+    /// In-position band and time.
+    Band { axis: Axis, band: u32, time: Ns },
+    /// Soft limits; `None` is off.
+    SoftLimit { axis: Axis, positive: Option<i32>, negative: Option<i32> },
+    /// Switches a guarded input on or off.
+    Guard { axis: Axis, input: Guarded, on: bool },
+    /// The level at which a guarded input is active: true is low.
+    Sense { axis: Axis, input: Guarded, active_low: bool },
+    /// Following-error limit in pulses; `None` is off.
+    PositionError { axis: Axis, limit: Option<u32> },
+    /// Arms home or index capture.
+    Capture { axis: Axis, mode: u8 },
+    /// Sets the masked bits of a group.
+    Output { group: DoGroup, mask: u64, value: u64 },
+    /// Analog output.
+    Analog { channel: u8, value: i16 },
+    /// Jog parameters, effective with the next Update.
+    JogPrm { axis: Axis, acc: crate::ramp::Accel, dec: crate::ramp::Accel, smooth: u16 },
+    /// Trap parameters, effective with the next Update.
+    TrapPrm { axis: Axis, acc: crate::ramp::Accel, dec: crate::ramp::Accel, vel_start: crate::ramp::Speed, smooth: Ns },
+    /// Target velocity of Jog and Trap.
+    TargetSpeed { axis: Axis, speed: crate::ramp::Speed },
+    /// Target position of Trap.
+    TargetPosition { axis: Axis, pulses: i32 },
+    /// Jog and Trap of these axes begin, or change, with the present targets.
+    Update { axes: AxisMask },
+    /// The FIFO's data now ends at this count of segments pushed since it was cleared.
+    PtCommit { axis: Axis, fifo: u8, end: u32 },
+    /// Empties a FIFO at rest (both in dynamic mode).
+    PtClear { axis: Axis, fifo: u8 },
+    /// Passes; 0 is for ever.
+    PtLoop { axis: Axis, passes: u32 },
+    /// PT of these axes begins; bits of `fifo1` take FIFO 1.
+    PtStart { axes: AxisMask, fifo1: AxisMask },
+    /// Period of the tick from now on, at rest.
+    TickPeriod { ns: u32 },
+    /// Begins (`every` ≥ 1) or ends (0) a trace; the row before the next tick is the first.
+    Trace { every: u32, axes: AxisMask },
+}

@@ -1,0 +1,36 @@
+//! What the tick needs from a machine. `hal` and `host/virtual` implement it.
+use crate::units::{Axis, Pos};
+
+/// Levels of the digital inputs of one axis, sampled once a tick; true is the high level.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct AxisInputs {
+    /// Positive limit switch.
+    pub limit_positive: bool,
+    /// Negative limit switch.
+    pub limit_negative: bool,
+    /// Drive alarm.
+    pub alarm: bool,
+    /// Home switch.
+    pub home: bool,
+    /// Drive reports arrival.
+    pub arrive: bool,
+}
+
+/// A machine, as the tick sees it. No call may wait.
+pub trait Port {
+    /// Inputs of one axis now.
+    fn inputs(&mut self, axis: Axis) -> AxisInputs;
+    /// Encoder count of one axis now, in whole pulses since power-on.
+    fn encoder(&mut self, axis: Axis) -> i64;
+    /// General inputs now, bit 0 is GPI 1.
+    fn general_inputs(&mut self) -> u32;
+    /// Analog input in 1/3276.7 V (as SetDac counts), from 0.
+    fn analog(&mut self, channel: usize) -> i16;
+    /// The set-point in force from the next tick on; the machine turns the whole pulses between two
+    /// set-points into evenly spaced steps.
+    fn set_point(&mut self, axis: Axis, pos: Pos);
+    /// Servo enable and alarm-clear outputs, and general outputs, from the next tick on.
+    fn outputs(&mut self, enable: u64, clear: u64, general: u32);
+    /// Analog output, −32768…32767 is −10…10 V.
+    fn analog_out(&mut self, channel: usize, value: i16);
+}

@@ -1,0 +1,62 @@
+//! Quantities of the tick, one newtype each, so that a pulse cannot be added to a ratio.
+
+/// Position in 2⁻²² pulse. An axis travels ±2⁴⁰ pulses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[repr(transparent)]
+pub struct Pos(pub i64);
+
+impl Pos {
+    /// Fraction bits.
+    pub const FRAC_BITS: u32 = 22;
+    /// The edge of travel: 2⁴⁰ pulses.
+    pub const TRAVEL: Pos = Pos(1 << (40 + Self::FRAC_BITS));
+    /// A whole number of pulses.
+    pub const fn pulses(pulses: i32) -> Pos {
+        Pos((pulses as i64) << Self::FRAC_BITS)
+    }
+}
+
+/// Position or displacement in 2⁻⁶⁴ pulse: knots, origins and what passes accumulate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[repr(transparent)]
+pub struct Exact(pub i128);
+
+/// Controller time or a duration in ns; 2⁶⁴ ns are 584 years.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[repr(transparent)]
+pub struct Ns(pub u64);
+
+/// An axis of the controller, over all cores, from 0: core × axes per core + axis − 1.
+/// Its only constructor checks it against the capacity, so an index from it needs no other bound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[repr(transparent)]
+pub struct Axis(u8);
+
+impl Axis {
+    /// The largest capacity of any build (gsn-048: 2 cores × 24 axes).
+    pub const MAX: usize = 48;
+    /// Axis `index` from 0, if the largest build has it.
+    pub const fn new(index: usize) -> Option<Axis> {
+        if index < Self::MAX { Some(Axis(index as u8)) } else { None }
+    }
+    /// Index from 0.
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+    /// Its bit in an [`AxisMask`].
+    pub const fn mask(self) -> AxisMask {
+        AxisMask(1 << self.0)
+    }
+}
+
+/// A set of axes over all cores, bit 0 the first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(transparent)]
+pub struct AxisMask(pub u64);
+
+impl AxisMask {
+    /// Whether the set holds this axis.
+    pub const fn has(self, axis: Axis) -> bool {
+        self.0 >> axis.0 & 1 == 1
+    }
+}
