@@ -1,0 +1,103 @@
+//! Every interleaving and every reordering the memory model allows, within loom's bounds.
+//! Each model is run as it is, and again with one ordering weakened, when it must fail.
+use crate::sync::{WEAK, Weak};
+use crate::{Latest, Ring, Store};
+use std::boxed::Box;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+/// Runs a model; how many executions were explored, or none if one of them failed.
+fn explore(weak: Weak, model: fn()) -> Option<u64> {
+    let executions = Arc::new(AtomicU64::new(0));
+    let count = executions.clone();
+    WEAK.set(weak);
+    let result = catch_unwind(AssertUnwindSafe(|| {
+        loom::model(move || {
+            count.fetch_add(1, Relaxed);
+            model();
+        })
+    }));
+    WEAK.set(Weak::Nothing);
+    result.ok().map(|()| executions.load(Relaxed))
+}
+
+/// Three values through two places, so that a place is used again; each value also shows a slot.
+fn ring() {
+    // Leaked so that the halves can go to a thread; a few hundred bytes an execution.
+    let ring: &'static Ring<[u32; 2], 2> = Box::leak(Box::new(Ring::new()));
+    let store: &'static Store<1, 4> = Box::leak(Box::new(Store::new()));
+    let (mut tx, mut rx) = ring.split_once().unwrap();
+    let thread = loom::thread::spawn(move || {
+        for n in 1..=3 {
+            store.write(n, [n * 10]);
+            if tx.push([n, n + 7]).is_err() {
+                break;
+            }
+        }
+    });
+    let mut expected = 1;
+    let mut take = || {
+        if let Some([n, m]) = rx.pop() {
+            assert_eq!((n, m), (expected, expected + 7));
+            assert_eq!(store.read(n), [n * 10]);
+            expected += 1;
+        }
+    };
+    take();
+    take();
+    thread.join().unwrap();
+    take();
+    take();
+    take();
+    assert!(expected >= 3);
+}
+
+/// Three values published while two are read: whole, and never going back.
+fn latest() {
+    let latest: &'static Latest<[u32; 2]> = Box::leak(Box::new(Latest::new([0; 2])));
+    let (mut tx, mut rx) = latest.split_once().unwrap();
+    let thread = loom::thread::spawn(move || {
+        for n in 1..=3 {
+            *tx.buffer() = [n, n];
+            tx.publish();
+        }
+    });
+    let mut before = 0;
+    for _ in 0..2 {
+        let [a, b] = *rx.read();
+        assert!(a == b && a >= before);
+        before = a;
+    }
+    thread.join().unwrap();
+    assert_eq!(*rx.read(), [3, 3]);
+}
+
+#[test]
+fn ring_holds_in_every_execution() {
+    let executions = explore(Weak::Nothing, ring).expect("the ring's model fails");
+    std::println!("ring: {executions} executions");
+    assert!(executions > 10);
+}
+
+#[test]
+fn ring_needs_its_release() {
+    assert_eq!(explore(Weak::Publish, ring), None);
+}
+
+#[test]
+fn ring_needs_its_acquire() {
+    assert_eq!(explore(Weak::Observe, ring), None);
+}
+
+#[test]
+fn latest_holds_in_every_execution() {
+    let executions = explore(Weak::Nothing, latest).expect("the triple buffer's model fails");
+    std::println!("latest: {executions} executions");
+    assert!(executions > 10);
+}
+
+#[test]
+fn latest_needs_its_exchange() {
+    assert_eq!(explore(Weak::Exchange, latest), None);
+}

@@ -1,0 +1,185 @@
+//! A queue between one producer and one consumer.
+//!
+//! In: values pushed in one context. Out: the same values, in order, popped in the other.
+//! Owns: `N` places. Fails: `push` into a full ring gives the value back. Budget: one load of each
+//! index and one store per call, no loop.
+use crate::sync::{AtomicBool, AtomicU32, Cell, Ordering, observe, publish};
+use core::mem::MaybeUninit;
+
+/// `N` places (a power of two) for `T`; all bytes are zero or undefined until used, so a static
+/// takes no room in the image.
+pub struct Ring<T: Copy, const N: usize> {
+    /// Values pushed so far, modulo 2³²; written by the producer only.
+    pushed: AtomicU32,
+    /// Values popped so far, modulo 2³²; written by the consumer only.
+    popped: AtomicU32,
+    /// Whether `split_once` has been called.
+    taken: AtomicBool,
+    places: [Cell<MaybeUninit<T>>; N],
+}
+
+// SAFETY: the two halves are handed out once (or under `&mut`), and a place is touched by the producer
+// only while it is free and by the consumer only while it is filled; the indices carry the change of
+// hands with Release and Acquire. Values move to the other context, hence `T: Send`.
+unsafe impl<T: Copy + Send, const N: usize> Sync for Ring<T, N> {}
+
+impl<T: Copy, const N: usize> Ring<T, N> {
+    const MASK: u32 = {
+        assert!(N.is_power_of_two() && N <= 1 << 31, "a ring's size is a power of two");
+        (N - 1) as u32
+    };
+
+    /// An empty ring.
+    #[cfg(not(all(test, loom)))]
+    pub const fn new() -> Self {
+        Ring {
+            pushed: AtomicU32::new(0),
+            popped: AtomicU32::new(0),
+            taken: AtomicBool::new(false),
+            places: [const { Cell::new(MaybeUninit::uninit()) }; N],
+        }
+    }
+
+    /// An empty ring, of loom's parts, which have no const constructor.
+    #[cfg(all(test, loom))]
+    pub fn new() -> Self {
+        Ring {
+            pushed: AtomicU32::new(0),
+            popped: AtomicU32::new(0),
+            taken: AtomicBool::new(false),
+            places: core::array::from_fn(|_| Cell::new(MaybeUninit::uninit())),
+        }
+    }
+
+    /// An empty ring whose counts are about to wrap.
+    #[cfg(all(test, not(loom)))]
+    pub(crate) fn counted_from(count: u32) -> Self {
+        let ring = Self::new();
+        ring.pushed.store(count, Ordering::Relaxed);
+        ring.popped.store(count, Ordering::Relaxed);
+        ring
+    }
+
+    /// The two ends, for as long as the ring is borrowed.
+    pub fn split(&mut self) -> (Producer<'_, T, N>, Consumer<'_, T, N>) {
+        self.halves()
+    }
+
+    /// The two ends of a shared (usually `static`) ring; `None` from the second call on.
+    pub fn split_once(&self) -> Option<(Producer<'_, T, N>, Consumer<'_, T, N>)> {
+        // Relaxed: the flag only makes one caller the winner; it publishes no data.
+        if self.taken.swap(true, Ordering::Relaxed) { None } else { Some(self.halves()) }
+    }
+
+    fn halves(&self) -> (Producer<'_, T, N>, Consumer<'_, T, N>) {
+        (Producer { ring: self }, Consumer { ring: self })
+    }
+
+    fn place(&self, count: u32) -> &Cell<MaybeUninit<T>> {
+        // The mask is N − 1, so the index is below N and the check folds away.
+        &self.places[(count & Self::MASK) as usize]
+    }
+}
+
+impl<T: Copy, const N: usize> Default for Ring<T, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The end that pushes.
+pub struct Producer<'a, T: Copy, const N: usize> {
+    ring: &'a Ring<T, N>,
+}
+
+/// The end that pops.
+pub struct Consumer<'a, T: Copy, const N: usize> {
+    ring: &'a Ring<T, N>,
+}
+
+impl<T: Copy, const N: usize> Producer<'_, T, N> {
+    /// Appends `value`, or gives it back if the ring is full.
+    pub fn push(&mut self, value: T) -> Result<(), T> {
+        // Relaxed: this end alone writes `pushed`.
+        let pushed = self.ring.pushed.load(Ordering::Relaxed);
+        // Acquire: the consumer has read the place before it is written again.
+        let popped = self.ring.popped.load(observe());
+        if pushed.wrapping_sub(popped) >= N as u32 {
+            return Err(value);
+        }
+        self.ring.place(pushed).with_mut(|place| {
+            // SAFETY: fewer than N values are in the ring, so the consumer does not look at this place
+            // before `pushed` passes it; there is one producer, and it is borrowed mutably.
+            unsafe { (*place).write(value) };
+        });
+        // Release: the value is in its place before the consumer can see the count.
+        self.ring.pushed.store(pushed.wrapping_add(1), publish());
+        Ok(())
+    }
+
+    /// Places free at least; the consumer may free more meanwhile.
+    pub fn free(&self) -> usize {
+        // Relaxed: the number is advice, `push` looks for itself.
+        let used = self.ring.pushed.load(Ordering::Relaxed).wrapping_sub(self.ring.popped.load(Ordering::Relaxed));
+        N.saturating_sub(used as usize)
+    }
+
+    /// Values not yet popped, at most.
+    pub fn len(&self) -> usize {
+        N - self.free()
+    }
+
+    /// Whether everything pushed has been popped.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl<T: Copy, const N: usize> Consumer<'_, T, N> {
+    /// The oldest value, left in its place.
+    pub fn peek(&self) -> Option<&T> {
+        // Relaxed: this end alone writes `popped`.
+        let popped = self.ring.popped.load(Ordering::Relaxed);
+        // Acquire: sees the value that was written before the count.
+        if self.ring.pushed.load(observe()) == popped {
+            return None;
+        }
+        // SAFETY: `pushed` is past this place, so it holds a value and the producer leaves it alone until
+        // `popped` passes it, which needs `&mut self` and so ends this borrow.
+        Some(self.ring.place(popped).with(|place| unsafe { (*place).assume_init_ref() }))
+    }
+
+    /// Takes the oldest value.
+    pub fn pop(&mut self) -> Option<T> {
+        let value = *self.peek()?;
+        self.skip();
+        Some(value)
+    }
+
+    /// Drops the oldest value, if there is one; after a `peek` this saves `pop`'s copy.
+    pub fn skip(&mut self) {
+        let popped = self.ring.popped.load(Ordering::Relaxed);
+        // Relaxed: nothing of the value is read here.
+        if self.ring.pushed.load(Ordering::Relaxed) != popped {
+            // Release: reading the value is over before the producer can see the place free.
+            self.ring.popped.store(popped.wrapping_add(1), publish());
+        }
+    }
+
+    /// Drops everything that is in the ring now.
+    pub fn clear(&mut self) {
+        let pushed = self.ring.pushed.load(Ordering::Relaxed);
+        // Release, as in `skip`.
+        self.ring.popped.store(pushed, publish());
+    }
+
+    /// Values in the ring at least; the producer may add more meanwhile.
+    pub fn len(&self) -> usize {
+        self.ring.pushed.load(Ordering::Relaxed).wrapping_sub(self.ring.popped.load(Ordering::Relaxed)) as usize
+    }
+
+    /// Whether there is nothing to pop.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
