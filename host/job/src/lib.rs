@@ -1,1 +1,44 @@
+#![forbid(unsafe_code)]
+//! Job scripts (SPEC section 7): the text of a `.gts` file in, a list of timed calls out.
+//!
+//! In: the text, and a [`Files`] that hands over the configuration files it loads. Out: a [`Job`],
+//! whose steps hold requests already packed for the wire, or [`Diagnostic`]s with line and column.
+//! Nothing here opens a link, keeps time, or knows what a call does beyond its parameters; the one
+//! exception is the rule about endless motions ([`Action::WaitAll`]).
+//!
+//! [`scan`] text to tokens, [`read`] tokens to steps, [`value`] expressions, [`api`] the manuals' names and
+//! their requests, [`endless`] what may never stop, [`config`] files of `GT_LoadConfig`.
+//! The language and the configuration keys are described in `docs/jobs.md`.
 
+mod diagnostic;
+mod job;
+
+pub use diagnostic::{Diagnostic, Severity, render};
+pub use job::{Action, Axis, Call, Job, Out, Step};
+
+use std::path::{Path, PathBuf};
+
+/// Where the files that a job names are read from.
+pub trait Files {
+    /// The text of `path` as the job writes it, or why there is none.
+    fn text(&self, path: &str) -> Result<String, String>;
+}
+
+/// Files beside the job: relative paths start at this folder.
+#[derive(Debug, Clone)]
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    /// The folder that holds the job file `job`.
+    pub fn of(job: &Path) -> Self {
+        Self(job.parent().map_or_else(PathBuf::new, Path::to_path_buf))
+    }
+}
+
+impl Files for Folder {
+    fn text(&self, path: &str) -> Result<String, String> {
+        let full = self.0.join(path.replace('\\', "/"));
+        let bytes = std::fs::read(&full).map_err(|error| format!("{}: {error}", full.display()))?;
+        String::from_utf8(bytes).map_err(|_| format!("{}: not UTF-8 text", full.display()))
+    }
+}

@@ -1,0 +1,85 @@
+//! What a compiled job is: steps in the order of the script, ready for the program queue.
+
+use crate::Diagnostic;
+
+/// A compiled job.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Job {
+    /// What it does, in order.
+    pub steps: Vec<Step>,
+    /// What was accepted although it is odd: misspelt names, stray braces, assumed values.
+    pub warnings: Vec<Diagnostic>,
+    /// Axes that the job uses in the sense of SPEC section 8 (mode set or position set), ascending.
+    pub axes: Vec<Axis>,
+}
+
+/// An axis of a core, both counted from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Axis {
+    /// Logical core.
+    pub core: i16,
+    /// Axis of that core.
+    pub axis: i16,
+}
+
+/// One entry of the program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// Line of the script, from 1.
+    pub line: u32,
+    /// Column of the statement in characters, from 1.
+    pub column: u32,
+    /// The statement as it is written, on one line.
+    pub text: String,
+    /// What it does.
+    pub action: Action,
+}
+
+/// What a step does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Action {
+    /// The script clock goes on by this time.
+    Sleep {
+        /// Nanoseconds.
+        ns: u64,
+    },
+    /// Until the first tick at which nothing named runs.
+    WaitStop {
+        /// Logical core, from 1.
+        core: i16,
+        /// Bit k - 1 is axis k.
+        axes: u32,
+        /// Bit k - 1 is coordinate system k.
+        crds: u32,
+    },
+    /// `while(!kbhit())`: until nothing runs on any core. The runner knows how many axes there are.
+    WaitAll,
+    /// A request to the controller.
+    Call(Call),
+}
+
+/// A request to the controller.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Call {
+    /// The name as the manuals print it, with its prefix.
+    pub function: String,
+    /// Number on the wire.
+    pub opcode: u16,
+    /// The packed request: its struct, then its items.
+    pub body: Vec<u8>,
+    /// Names of the parameters, in the order of the request's fields, as the manuals name them.
+    pub fields: Vec<&'static str>,
+    /// Variables that the reply's values go to, for display.
+    pub outs: Vec<Out>,
+    /// The job goes on when this call fails: its result is assigned and `#pragma continue` is on.
+    pub may_fail: bool,
+}
+
+/// A variable that a reply fills.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Out {
+    /// Parameter name of the function.
+    pub parameter: &'static str,
+    /// The variable as the script names it.
+    pub variable: String,
+}
