@@ -78,6 +78,7 @@ reasons! {
     46 OnlyAtRest State "only while every axis is at rest; axis {axis} is moving";
     47 ProgramOnlyHeld State "the program is not held; it runs already or has failed";
     48 TraceLost State "the trace lost rows: the link does not carry {got} rows a second";
+    49 NotForProgram State "this command cannot be an entry of a program";
 }
 
 /// The payload of a refusing reply.

@@ -86,6 +86,8 @@ pub struct View<const AXES: usize> {
     pub done_program: u32,
     /// Script clock: the instant of the last program entry executed, from the program's start.
     pub script: Ns,
+    /// Controller time at which the script clock was zero: the tick in force when the program began.
+    pub script_zero: Ns,
     /// Program entries executed late, and the worst lateness.
     pub late: u32,
     /// Worst lateness.
