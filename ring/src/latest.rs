@@ -43,8 +43,6 @@ impl<T: Copy> Latest<T> {
 
     /// Writer and reader, for as long as the value is borrowed.
     pub fn split(&mut self) -> (Writer<'_, T>, Reader<'_, T>) {
-        // Relaxed: `&mut self` says that no half is left from before.
-        self.between.store(0, Ordering::Relaxed);
         self.halves()
     }
 
@@ -55,6 +53,8 @@ impl<T: Copy> Latest<T> {
     }
 
     fn halves(&self) -> (Writer<'_, T>, Reader<'_, T>) {
+        // Relaxed: halves from before, if there were any, ended under `&mut`.
+        self.between.store(0, Ordering::Relaxed);
         (Writer { latest: self, own: 1 }, Reader { latest: self, own: 2 })
     }
 

@@ -77,7 +77,7 @@ fn latest() {
 fn ring_holds_in_every_execution() {
     let executions = explore(Weak::Nothing, ring).expect("the ring's model fails");
     std::println!("ring: {executions} executions");
-    assert!(executions > 10);
+    assert!(executions > 10, "only {executions} executions");
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn ring_needs_its_acquire() {
 fn latest_holds_in_every_execution() {
     let executions = explore(Weak::Nothing, latest).expect("the triple buffer's model fails");
     std::println!("latest: {executions} executions");
-    assert!(executions > 10);
+    assert!(executions > 10, "only {executions} executions");
 }
 
 #[test]

@@ -72,7 +72,10 @@ impl<T: Copy, const N: usize> Ring<T, N> {
     }
 
     fn halves(&self) -> (Producer<'_, T, N>, Consumer<'_, T, N>) {
-        (Producer { ring: self }, Consumer { ring: self })
+        // Relaxed: halves from before, if there were any, ended under `&mut`.
+        let pushed = self.pushed.load(Ordering::Relaxed);
+        let popped = self.popped.load(Ordering::Relaxed);
+        (Producer { ring: self, pushed }, Consumer { ring: self, popped })
     }
 
     fn place(&self, count: u32) -> &Cell<MaybeUninit<T>> {
@@ -90,43 +93,45 @@ impl<T: Copy, const N: usize> Default for Ring<T, N> {
 /// The end that pushes.
 pub struct Producer<'a, T: Copy, const N: usize> {
     ring: &'a Ring<T, N>,
+    /// What `ring.pushed` holds; only this end changes it.
+    pushed: u32,
 }
 
 /// The end that pops.
 pub struct Consumer<'a, T: Copy, const N: usize> {
     ring: &'a Ring<T, N>,
+    /// What `ring.popped` holds; only this end changes it.
+    popped: u32,
 }
 
 impl<T: Copy, const N: usize> Producer<'_, T, N> {
     /// Appends `value`, or gives it back if the ring is full.
     pub fn push(&mut self, value: T) -> Result<(), T> {
-        // Relaxed: this end alone writes `pushed`.
-        let pushed = self.ring.pushed.load(Ordering::Relaxed);
         // Acquire: the consumer has read the place before it is written again.
         let popped = self.ring.popped.load(observe());
-        if pushed.wrapping_sub(popped) >= N as u32 {
+        if self.pushed.wrapping_sub(popped) >= N as u32 {
             return Err(value);
         }
-        self.ring.place(pushed).with_mut(|place| {
+        self.ring.place(self.pushed).with_mut(|place| {
             // SAFETY: fewer than N values are in the ring, so the consumer does not look at this place
             // before `pushed` passes it; there is one producer, and it is borrowed mutably.
             unsafe { (*place).write(value) };
         });
+        self.pushed = self.pushed.wrapping_add(1);
         // Release: the value is in its place before the consumer can see the count.
-        self.ring.pushed.store(pushed.wrapping_add(1), publish());
+        self.ring.pushed.store(self.pushed, publish());
         Ok(())
     }
 
     /// Places free at least; the consumer may free more meanwhile.
     pub fn free(&self) -> usize {
-        // Relaxed: the number is advice, `push` looks for itself.
-        let used = self.ring.pushed.load(Ordering::Relaxed).wrapping_sub(self.ring.popped.load(Ordering::Relaxed));
-        N.saturating_sub(used as usize)
+        N.saturating_sub(self.len())
     }
 
     /// Values not yet popped, at most.
     pub fn len(&self) -> usize {
-        N - self.free()
+        // Relaxed: the number is advice, `push` looks for itself.
+        self.pushed.wrapping_sub(self.ring.popped.load(Ordering::Relaxed)) as usize
     }
 
     /// Whether everything pushed has been popped.
@@ -138,44 +143,45 @@ impl<T: Copy, const N: usize> Producer<'_, T, N> {
 impl<T: Copy, const N: usize> Consumer<'_, T, N> {
     /// The oldest value, left in its place.
     pub fn peek(&self) -> Option<&T> {
-        // Relaxed: this end alone writes `popped`.
-        let popped = self.ring.popped.load(Ordering::Relaxed);
         // Acquire: sees the value that was written before the count.
-        if self.ring.pushed.load(observe()) == popped {
+        if self.ring.pushed.load(observe()) == self.popped {
             return None;
         }
         // SAFETY: `pushed` is past this place, so it holds a value and the producer leaves it alone until
         // `popped` passes it, which needs `&mut self` and so ends this borrow.
-        Some(self.ring.place(popped).with(|place| unsafe { (*place).assume_init_ref() }))
+        Some(self.ring.place(self.popped).with(|place| unsafe { (*place).assume_init_ref() }))
     }
 
     /// Takes the oldest value.
     pub fn pop(&mut self) -> Option<T> {
         let value = *self.peek()?;
-        self.skip();
+        self.free_to(self.popped.wrapping_add(1));
         Some(value)
     }
 
     /// Drops the oldest value, if there is one; after a `peek` this saves `pop`'s copy.
     pub fn skip(&mut self) {
-        let popped = self.ring.popped.load(Ordering::Relaxed);
-        // Relaxed: nothing of the value is read here.
-        if self.ring.pushed.load(Ordering::Relaxed) != popped {
-            // Release: reading the value is over before the producer can see the place free.
-            self.ring.popped.store(popped.wrapping_add(1), publish());
+        if !self.is_empty() {
+            self.free_to(self.popped.wrapping_add(1));
         }
     }
 
     /// Drops everything that is in the ring now.
     pub fn clear(&mut self) {
-        let pushed = self.ring.pushed.load(Ordering::Relaxed);
-        // Release, as in `skip`.
-        self.ring.popped.store(pushed, publish());
+        // Relaxed: nothing of the values is read here.
+        self.free_to(self.ring.pushed.load(Ordering::Relaxed));
+    }
+
+    fn free_to(&mut self, popped: u32) {
+        self.popped = popped;
+        // Release: reading the values is over before the producer can see their places free.
+        self.ring.popped.store(popped, publish());
     }
 
     /// Values in the ring at least; the producer may add more meanwhile.
     pub fn len(&self) -> usize {
-        self.ring.pushed.load(Ordering::Relaxed).wrapping_sub(self.ring.popped.load(Ordering::Relaxed)) as usize
+        // Relaxed: advice only.
+        self.ring.pushed.load(Ordering::Relaxed).wrapping_sub(self.popped) as usize
     }
 
     /// Whether there is nothing to pop.
