@@ -1,1 +1,17 @@
 #![no_std]
+#![forbid(unsafe_code)]
+//! Everything that runs in the thread: the same code in the firmware image and on the virtual board.
+//!
+//! In: bytes from the wire, the tick's view, events and samples. Out: bytes to the wire, admitted
+//! operations into the two lanes of the tick, segments into the axes' stores, a trace stream.
+//! Owns: the host link's end, the books of every axis, the program queue, the replies that wait.
+//! Sans-IO: time is an argument, no call blocks, the work of a [`Server::poll`] is bounded.
+//! Fails how: whatever comes from the wire is answered with a return code and a reason and changes
+//! nothing; nothing in here panics or allocates.
+mod profile;
+mod refuse;
+mod server;
+
+pub use profile::{FAMILIES, PROFILES, Profile, largest_that_fits};
+pub use refuse::Refused;
+pub use server::{Board, Channels, EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS, Server};

@@ -1,0 +1,78 @@
+//! Refusals: how an admission says no.
+//!
+//! A [`Refused`] is built where the check is; it names the reason, the parameter, the axis and the
+//! limits, and becomes the payload of the reply as it stands.
+use protocol::reason::{Code, Reason, Refusal};
+
+/// A refusal on its way to the client.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Refused {
+    /// What is wrong.
+    pub reason: Reason,
+    /// The rest of the reply's payload.
+    pub wire: Refusal,
+}
+
+impl Refused {
+    /// A refusal that names nothing yet.
+    pub fn new(reason: Reason) -> Self {
+        let wire = Refusal { reason: (reason as u16).into(), field: 255, item: 65535.into(), ..Refusal::default() };
+        Refused { reason, wire }
+    }
+    /// Names the parameter by its place in the request.
+    pub fn field(mut self, field: u8) -> Self {
+        self.wire.field = field;
+        self
+    }
+    /// Names the item.
+    pub fn item(mut self, item: usize) -> Self {
+        self.wire.item = u16::try_from(item).unwrap_or(u16::MAX).into();
+        self
+    }
+    /// Names the axis by the number the user knows.
+    pub fn axis(mut self, number: i16) -> Self {
+        self.wire.axis = number.into();
+        self
+    }
+    /// Says what was given.
+    pub fn got(mut self, got: f64) -> Self {
+        self.wire.got = got.into();
+        self
+    }
+    /// Says what is allowed.
+    pub fn limits(mut self, low: f64, high: f64) -> Self {
+        self.wire.low = low.into();
+        self.wire.high = high.into();
+        self
+    }
+    /// The return code that goes with it.
+    pub fn code(&self) -> Code {
+        self.reason.code()
+    }
+}
+
+/// What an admission returns.
+pub type Admitted<T> = Result<T, Refused>;
+
+/// `got` if it lies in `low..=high`.
+pub fn within<T: Copy + PartialOrd + Into<f64>>(field: u8, got: T, low: T, high: T) -> Admitted<T> {
+    if got >= low && got <= high {
+        Ok(got)
+    } else {
+        Err(Refused::new(Reason::OutOfRange).field(field).got(got.into()).limits(low.into(), high.into()))
+    }
+}
+
+/// `got` if it is one of the choices `low..=high`.
+pub fn choice(field: u8, got: i16, low: i16, high: i16) -> Admitted<i16> {
+    if (low..=high).contains(&got) {
+        Ok(got)
+    } else {
+        Err(Refused::new(Reason::Selector).field(field).got(got.into()).limits(low.into(), high.into()))
+    }
+}
+
+/// `got` if it is a finite number in `low..=high`.
+pub fn real(field: u8, got: f64, low: f64, high: f64) -> Admitted<f64> {
+    if got.is_finite() { within(field, got, low, high) } else { Err(Refused::new(Reason::NotFinite).field(field).got(got)) }
+}
