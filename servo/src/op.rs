@@ -18,6 +18,15 @@ pub struct Entry {
     pub op: Op,
 }
 
+/// The lane an entry came by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lane {
+    /// Acts on the next tick.
+    Immediate,
+    /// Timed by the script clock.
+    Program,
+}
+
 /// Digital outputs that `SetDo` addresses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DoGroup {
@@ -66,6 +75,8 @@ pub enum Op {
     ProgramRun,
     /// Immediate lane: the program's remaining entries are dropped and the lane is held again.
     ProgramDrop,
+    /// Program lane: the program is over; the lane is held until the next `ProgramRun`.
+    ProgramEnd,
     /// Program lane: the script clock waits until none of these axes runs.
     WaitRest { axes: AxisMask },
     /// All axes of the mask to power-on state: stopped, servo off, Trap mode, latches cleared.
@@ -124,6 +135,7 @@ pub enum Op {
     PtStart { axes: AxisMask, fifo1: AxisMask },
     /// Period of the tick from now on, at rest.
     TickPeriod { ns: u32 },
-    /// Begins (`every` ≥ 1) or ends (0) a trace; the row before the next tick is the first.
+    /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed and
+    /// begins with `ProgramRun`; else it begins at once. Row 0 is the tick in force then.
     Trace { every: u32, axes: AxisMask },
 }

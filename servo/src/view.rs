@@ -1,6 +1,7 @@
 //! What the tick tells: the view of one tick, events, trace samples.
-use crate::op::Mode;
-use crate::piece::Motion;
+use crate::op::{Lane, Mode};
+use crate::piece::{Motion, Recip};
+use crate::port::AxisInputs;
 use crate::units::{Axis, Ns, Pos};
 
 /// One axis in one tick.
@@ -14,6 +15,9 @@ pub struct AxisView {
     pub encoder_before: i64,
     /// Status word of `GetSts` (SPEC 4).
     pub status: u32,
+    /// Those latched bits of `status` that refuse a start until ClearStatus: alarm, following error, and
+    /// limits hit since. A limit that is still active after ClearStatus stays in `status` but not here.
+    pub blocked: u32,
     /// Why the axis stopped last.
     pub stop: StopReason,
     /// Profile mode.
@@ -32,6 +36,26 @@ pub struct AxisView {
     pub dry_ms: u32,
     /// Captured encoder position, if `captured`.
     pub captured: Option<i64>,
+}
+
+impl AxisView {
+    /// An axis at power-on.
+    pub const POWER_ON: AxisView = AxisView {
+        pos: Pos(0),
+        encoder: 0,
+        encoder_before: 0,
+        status: 0,
+        blocked: 0,
+        stop: StopReason::None,
+        mode: Mode::Trap,
+        motion: Motion { c: [0; 3], frac: 0, tau: 0, recip: Recip { m: 0, shift: 0 } },
+        released: 0,
+        passes: 0,
+        epoch: 0,
+        pt_state: 0,
+        dry_ms: 0,
+        captured: None,
+    };
 }
 
 /// Why an axis came to rest.
@@ -84,6 +108,8 @@ pub struct View<const AXES: usize> {
     pub done_immediate: u32,
     /// Last entry of the program lane that was executed.
     pub done_program: u32,
+    /// Whether the program lane runs; else it is held.
+    pub program_runs: bool,
     /// Script clock: the instant of the last program entry executed, from the program's start.
     pub script: Ns,
     /// Controller time at which the script clock was zero: the tick in force when the program began.
@@ -94,9 +120,11 @@ pub struct View<const AXES: usize> {
     pub worst_late: Ns,
     /// Trace samples lost because nobody took them.
     pub trace_lost: u32,
+    /// Events lost because nobody took them.
+    pub events_lost: u32,
     /// Ticks that began before the one before had ended.
     pub overruns: u32,
-    /// General inputs, general outputs, enable and clear outputs.
+    /// General inputs.
     pub general_inputs: u32,
     /// General outputs.
     pub general_outputs: u32,
@@ -105,11 +133,38 @@ pub struct View<const AXES: usize> {
     /// Alarm-clear outputs.
     pub clear: u64,
     /// Raw per-axis input levels.
-    pub inputs: [crate::port::AxisInputs; AXES],
+    pub inputs: [AxisInputs; AXES],
     /// Analog inputs.
     pub analog: [i16; 8],
     /// The axes.
     pub axes: [AxisView; AXES],
+}
+
+impl<const AXES: usize> View<AXES> {
+    /// A controller at power-on; all bytes are zero.
+    pub const POWER_ON: View<AXES> = View {
+        now: Ns(0),
+        tick: 0,
+        period: Ns(0),
+        done_immediate: 0,
+        done_program: 0,
+        program_runs: false,
+        script: Ns(0),
+        script_zero: Ns(0),
+        late: 0,
+        worst_late: Ns(0),
+        trace_lost: 0,
+        events_lost: 0,
+        overruns: 0,
+        general_inputs: 0,
+        general_outputs: 0,
+        enable: 0,
+        clear: 0,
+        inputs: [AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false };
+            AXES],
+        analog: [0; 8],
+        axes: [AxisView::POWER_ON; AXES],
+    };
 }
 
 /// One traced axis in one traced tick.
@@ -130,6 +185,6 @@ pub struct Sample {
 pub enum Event {
     /// An axis came to rest for this reason.
     Stopped { axis: Axis, reason: StopReason, now: Ns },
-    /// A program entry could not be carried out because of this axis's state.
-    Refused { seq: u32, axis: Axis, status: u32 },
+    /// A start or Update did nothing because of this axis's state.
+    Refused { lane: Lane, seq: u32, axis: Axis, status: u32 },
 }
