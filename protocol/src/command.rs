@@ -59,6 +59,7 @@ macro_rules! wire_structs {
         }
     )*};
 }
+pub(crate) use wire_structs;
 
 macro_rules! commands {
     ($( $opcode:literal $name:ident { $( $field:ident : $ty:ty ),* $(,)? } [$item:ident] -> $reply:ident [$ritem:ident] ; )*) => {
@@ -242,4 +243,9 @@ commands! {
     0x0208 GetPtMemory { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
     0x0209 PtStart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
     0x020A GetPtState { core: I16, profile: I16 } [Nothing] -> PtState [Nothing];
+}
+
+/// The row of the table with this number.
+pub fn info(opcode: u16) -> Option<&'static CommandInfo> {
+    COMMANDS.iter().find(|command| command.opcode == opcode)
 }

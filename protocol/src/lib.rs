@@ -1,5 +1,31 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! What travels on the host link.
+//! What travels on the host link: bytes in, checked messages out, and back.
+//!
+//! ```text
+//! bytes -> deframe (COBS) -> frame (header, CRC-32) -> link (in order, exactly once) -> record (commands, replies)
+//! ```
+//!
+//! The trace has its own one-way stream ([`trace`]) over the same [`deframe`] and CRC.
+//! Nothing here allocates, waits, reads a clock or can panic on what comes from the wire: every bad
+//! byte ends in a counter or in a named refusal. `docs/protocol.md` has the byte tables, and the tests
+//! read its vectors.
+
+#[cfg(test)]
+extern crate std;
+
 pub mod command;
+pub mod deframe;
+pub mod frame;
+pub mod link;
 pub mod reason;
+pub mod record;
+pub mod reserved;
+mod schema;
+pub mod trace;
+
+pub use frame::{MAX_PAYLOAD, VERSION};
+pub use schema::SCHEMA;
+
+/// Controller or host time in nanoseconds, from any origin; only differences count.
+pub type Ns = u64;

@@ -2,6 +2,7 @@
 //! host has put the command's and the parameter's name to it.
 
 use crate::command::Wire;
+use core::fmt::{self, Display, Formatter};
 use zerocopy::little_endian::{F64, I16, U16};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
@@ -105,4 +106,96 @@ impl Wire for Refusal {
     const FIELDS: &'static [(&'static str, &'static str)] = &[
         ("reason", "U16"), ("field", "u8"), ("item", "U16"), ("axis", "I16"), ("got", "F64"), ("low", "F64"), ("high", "F64"),
     ];
+}
+
+impl Refusal {
+    /// Names no parameter.
+    pub const NO_FIELD: u8 = 255;
+    /// Names no item.
+    pub const NO_ITEM: u16 = 65535;
+
+    /// A refusal that names nothing but its reason.
+    pub const fn new(reason: Reason) -> Self {
+        Refusal {
+            reason: U16::new(reason as u16),
+            field: Self::NO_FIELD,
+            item: U16::new(Self::NO_ITEM),
+            axis: I16::new(0),
+            got: F64::ZERO,
+            low: F64::ZERO,
+            high: F64::ZERO,
+        }
+    }
+
+    /// Its reason, if it is one that this build knows.
+    pub const fn reason(&self) -> Option<Reason> {
+        Reason::from_number(self.reason.get())
+    }
+}
+
+/// A refusal as text: the command's name, then the reason's text with its placeholders filled in.
+///
+/// `field` is the name of the parameter; an empty one is printed as "the value".
+pub fn describe<'a>(request: &'a str, field: &'a str, refusal: Refusal) -> impl Display + 'a {
+    Description { request, field, refusal }
+}
+
+/// As [`describe`], with the names that the command table has for `opcode`.
+pub fn describe_opcode(opcode: u16, refusal: Refusal) -> impl Display {
+    let command = crate::command::info(opcode);
+    // A parameter of an item is counted behind those of the request.
+    let field = command.and_then(|command| command.fields.iter().chain(command.items).nth(refusal.field.into()));
+    Description {
+        request: command.map_or("", |command| command.name),
+        field: field.map_or("", |(name, _)| name),
+        refusal,
+    }
+}
+
+struct Description<'a> {
+    request: &'a str,
+    field: &'a str,
+    refusal: Refusal,
+}
+
+impl Display for Description<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let refusal = &self.refusal;
+        if !self.request.is_empty() {
+            write!(f, "{}: ", self.request)?;
+        }
+        let Some(reason) = refusal.reason() else {
+            return write!(f, "refused for reason {}, which this client does not know", refusal.reason.get());
+        };
+        let mut rest = reason.text();
+        while let Some((before, after)) = rest.split_once('{') {
+            f.write_str(before)?;
+            let Some((name, after)) = after.split_once('}') else { break };
+            match name {
+                "field" if self.field.is_empty() => f.write_str("the value")?,
+                "field" => f.write_str(self.field)?,
+                "got" => plain(f, refusal.got.get())?,
+                "low" => plain(f, refusal.low.get())?,
+                "high" => plain(f, refusal.high.get())?,
+                "axis" => write!(f, "{}", refusal.axis.get())?,
+                _ => write!(f, "{{{name}}}")?,
+            }
+            rest = after;
+        }
+        f.write_str(rest)?;
+        match refusal.item.get() {
+            Refusal::NO_ITEM => Ok(()),
+            item => write!(f, " (item {})", u32::from(item).wrapping_add(1)),
+        }
+    }
+}
+
+/// Whole numbers without decimals; very large and very small ones with an exponent.
+fn plain(f: &mut Formatter<'_>, value: f64) -> fmt::Result {
+    let size = if value < 0.0 { -value } else { value };
+    if size.is_finite() && size != 0.0 && !(1e-6..1e16).contains(&size) {
+        write!(f, "{value:e}")
+    } else {
+        write!(f, "{value}")
+    }
 }

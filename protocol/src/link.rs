@@ -1,0 +1,415 @@
+//! The reliable link: messages both ways, in order, exactly once, over bytes that may be lost, damaged,
+//! doubled or reordered. One state machine for both ends.
+//!
+//! In: received bytes ([`Endpoint::feed`]), messages to send ([`Endpoint::send`]), the time with every
+//! call. Out: bytes to transmit ([`Endpoint::take_tx`]), received messages ([`Endpoint::message`]), a
+//! [`State`] and [`Counters`]. Owns `2 * WINDOW` messages and two frames of memory; reads no clock and
+//! does no input or output. A bad frame is counted and forgotten.
+//!
+//! **Opening.** The client sends Hello with a nonce; the controller offers a session id that it has never
+//! used with this nonce (HelloAck); the client confirms with a KeepAlive in that session; the controller
+//! takes the session up and acknowledges, and only then is the client [`State::Open`]. A Hello alone changes
+//! nothing in the controller, so a late copy of an old one cannot end a session, and a late message of an
+//! old session never matches the present id.
+//!
+//! **Flow.** `acknowledgement` is the first message not yet received; `credit` is how many from there on
+//! the receiver has room for. A message's place is free when the user is done with it
+//! ([`Endpoint::done_with_message`]), so messages left untaken close the window without being sent again.
+
+mod receive;
+mod transmit;
+
+use crate::Ns;
+use crate::deframe::{self, Deframer};
+use crate::frame::{HelloAck, MAX_FRAME, MAX_PAYLOAD, MAX_WIRE, VERSION};
+use receive::Receiver;
+use transmit::Transmitter;
+
+/// The client repeats Hello, or its confirmation, after this time without an answer.
+pub const HELLO_NS: Ns = 100_000_000;
+/// The client sends a KeepAlive when it has sent nothing else for this time.
+pub const KEEP_ALIVE_NS: Ns = 100_000_000;
+/// Bounds of the time after which an unacknowledged message is sent again, and its first value.
+pub const RETRY_MIN_NS: Ns = 20_000_000;
+/// See [`RETRY_MIN_NS`].
+pub const RETRY_MAX_NS: Ns = 1_000_000_000;
+/// See [`RETRY_MIN_NS`].
+pub const RETRY_FIRST_NS: Ns = 200_000_000;
+
+/// Which end this is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Opens sessions and keeps them alive.
+    Client,
+    /// Answers.
+    Controller,
+}
+
+/// What both ends must agree on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Identity {
+    /// Version of the frame and link layers.
+    pub version: u8,
+    /// Hash of all layouts.
+    pub schema: u32,
+}
+
+impl Identity {
+    /// Of this build.
+    pub const OURS: Identity = Identity { version: VERSION, schema: crate::SCHEMA };
+}
+
+/// Where the link stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// No session: never opened, or closed by this end.
+    Closed,
+    /// Client: waiting for the controller's answers.
+    Opening,
+    /// A session is in force.
+    Open,
+    /// Client: the controller is of another version or schema, which are given (return code 3).
+    Mismatch(Identity),
+    /// The other end said Bye.
+    Ended,
+}
+
+/// Why a message was not taken for sending; nothing has changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SendError {
+    /// No session is open.
+    NotOpen,
+    /// `WINDOW` messages wait for their acknowledgement already.
+    Full,
+    /// Longer than [`MAX_PAYLOAD`].
+    TooLong,
+}
+
+/// What the link has seen since power-on (wrapping).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[allow(missing_docs)]
+pub struct Counters {
+    /// Deframer: good frames and refusals.
+    pub deframe: deframe::Counters,
+    /// Frames refused by [`crate::frame::Fault`].
+    pub short: u32,
+    pub checksum: u32,
+    pub version: u32,
+    pub kind: u32,
+    pub length: u32,
+    /// Frames of the opening that are not for this role or not for this Hello.
+    pub unexpected: u32,
+    /// Frames of a session that is not in force.
+    pub stale_session: u32,
+    /// Acknowledgements of what was never sent.
+    pub bad_acknowledgement: u32,
+    /// Messages that came again.
+    pub duplicates: u32,
+    /// Messages beyond the window that was open.
+    pub beyond_window: u32,
+    /// Hellos of another version or schema.
+    pub mismatches: u32,
+    /// Sessions taken up.
+    pub sessions: u32,
+    /// Messages received in order, and messages accepted for sending.
+    pub received: u32,
+    pub sent: u32,
+    /// Messages sent again: after a time-out, or because the receiver reported a gap.
+    pub timeouts: u32,
+    pub fast_retransmits: u32,
+}
+
+/// How far a client's opening is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// Hello is repeated until a HelloAck comes.
+    Asking,
+    /// The session is known; this many confirmations have been sent.
+    Confirming(u8),
+}
+
+/// A session the controller has offered and nobody has taken up yet.
+#[derive(Debug, Clone, Copy)]
+struct Offer {
+    nonce: u32,
+    session: u32,
+    window: u16,
+}
+
+/// One end of the link. `WINDOW` is a power of two up to 64.
+#[derive(Debug, Clone)]
+pub struct Endpoint<const WINDOW: usize> {
+    role: Role,
+    identity: Identity,
+    state: State,
+    phase: Phase,
+    /// Client: nonce of the last Hello. Controller: nonce of the session in force.
+    nonce: u32,
+    /// 0: none.
+    session: u32,
+    offer: Option<Offer>,
+    offers_made: u32,
+    refused: Option<Identity>,
+    deframer: Deframer<MAX_FRAME>,
+    transmitter: Transmitter<WINDOW>,
+    receiver: Receiver<WINDOW>,
+    /// Control frames that are due.
+    hello_due: bool,
+    answer: Option<(u32, HelloAck)>,
+    bye: Option<u32>,
+    keep_alive_due: bool,
+    /// When the opening is tried again.
+    retry_at: Ns,
+    last_sent: Ns,
+    last_valid: Option<Ns>,
+    wire: [u8; MAX_WIRE],
+    wire_at: usize,
+    wire_len: usize,
+    counters: Counters,
+}
+
+impl<const WINDOW: usize> Endpoint<WINDOW> {
+    const WINDOW_IS_VALID: () = assert!(WINDOW.is_power_of_two() && WINDOW <= 64);
+
+    /// A closed end; `const`, so that it can be a static.
+    pub const fn new(role: Role, identity: Identity) -> Self {
+        const { Self::WINDOW_IS_VALID };
+        Endpoint {
+            role,
+            identity,
+            state: State::Closed,
+            phase: Phase::Asking,
+            nonce: 0,
+            session: 0,
+            offer: None,
+            offers_made: 0,
+            refused: None,
+            deframer: Deframer::new(),
+            transmitter: Transmitter::new(),
+            receiver: Receiver::new(),
+            hello_due: false,
+            answer: None,
+            bye: None,
+            keep_alive_due: false,
+            retry_at: 0,
+            last_sent: 0,
+            last_valid: None,
+            wire: [0; MAX_WIRE],
+            wire_at: 0,
+            wire_len: 0,
+            counters: Counters {
+                deframe: deframe::Counters { frames: 0, too_long: 0, truncated: 0 },
+                short: 0,
+                checksum: 0,
+                version: 0,
+                kind: 0,
+                length: 0,
+                unexpected: 0,
+                stale_session: 0,
+                bad_acknowledgement: 0,
+                duplicates: 0,
+                beyond_window: 0,
+                mismatches: 0,
+                sessions: 0,
+                received: 0,
+                sent: 0,
+                timeouts: 0,
+                fast_retransmits: 0,
+            },
+        }
+    }
+
+    /// Client: begins a new session, whatever was before. `nonce` must differ from that of any session
+    /// whose bytes may still be under way: take it at random. A controller ignores the call.
+    pub fn open(&mut self, now: Ns, nonce: u32) {
+        if self.role == Role::Client {
+            self.forget(State::Opening);
+            self.phase = Phase::Asking;
+            self.nonce = nonce;
+            self.retry_at = now;
+            self.poll(now);
+        }
+    }
+
+    /// Ends the session; the other end is told once, without waiting for its answer.
+    pub fn close(&mut self) {
+        let bye = (self.state == State::Open).then_some(self.session);
+        self.forget(State::Closed);
+        self.bye = bye;
+    }
+
+    /// Lets the timers act. [`Self::take_tx`] does it too.
+    pub fn poll(&mut self, now: Ns) {
+        match self.state {
+            State::Opening if now >= self.retry_at => {
+                self.retry_at = now.saturating_add(HELLO_NS);
+                match self.phase {
+                    Phase::Confirming(count) if count < 3 => {
+                        self.keep_alive_due = true;
+                        self.phase = Phase::Confirming(count.wrapping_add(1));
+                    }
+                    // Nobody takes up the session: another Hello may have overwritten the offer. Ask anew.
+                    Phase::Confirming(_) | Phase::Asking => {
+                        self.phase = Phase::Asking;
+                        self.hello_due = true;
+                    }
+                }
+            }
+            State::Open => {
+                if self.transmitter.expire(now) {
+                    self.counters.timeouts = self.counters.timeouts.wrapping_add(1);
+                }
+                let quiet = now.saturating_sub(self.last_sent) >= KEEP_ALIVE_NS;
+                if self.role == Role::Client && quiet {
+                    self.keep_alive_due = true;
+                }
+            }
+            State::Opening | State::Closed | State::Mismatch(_) | State::Ended => {}
+        }
+    }
+
+    /// When [`Self::poll`] or [`Self::take_tx`] must be called at the latest, without other cause.
+    pub fn next_deadline(&self) -> Option<Ns> {
+        match self.state {
+            State::Opening => Some(self.retry_at),
+            State::Open => {
+                let keep_alive = (self.role == Role::Client).then(|| self.last_sent.saturating_add(KEEP_ALIVE_NS));
+                let retry = self.transmitter.deadline();
+                keep_alive.into_iter().chain(retry).min()
+            }
+            State::Closed | State::Mismatch(_) | State::Ended => None,
+        }
+    }
+
+    /// Whether [`Self::send`] would take a message.
+    pub fn can_send(&self) -> bool {
+        self.state == State::Open && self.transmitter.has_place()
+    }
+
+    /// Messages that can be sent before the window is full.
+    pub fn places(&self) -> usize {
+        if self.state == State::Open { self.transmitter.places() } else { 0 }
+    }
+
+    /// Takes a message for sending.
+    ///
+    /// # Errors
+    /// [`SendError`]; nothing has changed.
+    pub fn send(&mut self, message: &[u8]) -> Result<(), SendError> {
+        if message.len() > MAX_PAYLOAD {
+            return Err(SendError::TooLong);
+        }
+        if self.state != State::Open {
+            return Err(SendError::NotOpen);
+        }
+        let draft = self.transmitter.draft().ok_or(SendError::Full)?;
+        if let Some(place) = draft.get_mut(..message.len()) {
+            place.copy_from_slice(message);
+        }
+        self.send_draft(message.len())
+    }
+
+    /// The place of the next message to send, to be written where it will stay; then
+    /// [`Self::send_draft`]. `None` when nothing can be sent.
+    pub fn draft(&mut self) -> Option<&mut [u8; MAX_PAYLOAD]> {
+        if self.state == State::Open { self.transmitter.draft() } else { None }
+    }
+
+    /// Takes the first `len` bytes of the draft as a message for sending.
+    ///
+    /// # Errors
+    /// [`SendError`]; nothing has changed.
+    pub fn send_draft(&mut self, len: usize) -> Result<(), SendError> {
+        if len > MAX_PAYLOAD {
+            return Err(SendError::TooLong);
+        }
+        if self.state != State::Open {
+            return Err(SendError::NotOpen);
+        }
+        if !self.transmitter.queue(len) {
+            return Err(SendError::Full);
+        }
+        self.counters.sent = self.counters.sent.wrapping_add(1);
+        Ok(())
+    }
+
+    /// The next received message in order. The same until [`Self::done_with_message`].
+    pub fn message(&self) -> Option<&[u8]> {
+        self.receiver.message()
+    }
+
+    /// The next received message together with the draft of an answer.
+    pub fn message_and_draft(&mut self) -> Option<(&[u8], &mut [u8; MAX_PAYLOAD])> {
+        if self.state != State::Open {
+            return None;
+        }
+        Some((self.receiver.message()?, self.transmitter.draft()?))
+    }
+
+    /// Frees the message's place: the sender may send another one.
+    pub fn done_with_message(&mut self) {
+        self.receiver.done();
+    }
+
+    /// Where the link stands.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Id of the session in force. Another id means that all state of the one before is void.
+    pub fn session(&self) -> Option<u32> {
+        (self.state == State::Open).then_some(self.session)
+    }
+
+    /// When the last valid frame of the session in force came; for link-loss time-outs.
+    pub fn last_valid(&self) -> Option<Ns> {
+        if self.state == State::Open { self.last_valid } else { None }
+    }
+
+    /// Time since the last valid frame of the session in force.
+    pub fn silence(&self, now: Ns) -> Option<Ns> {
+        self.last_valid().map(|at| now.saturating_sub(at))
+    }
+
+    /// Whether everything sent has been received by the other end.
+    pub fn all_acknowledged(&self) -> bool {
+        self.transmitter.is_idle()
+    }
+
+    /// Controller: version and schema of the last client that was refused for them.
+    pub fn refused_client(&self) -> Option<Identity> {
+        self.refused
+    }
+
+    /// What has been seen so far.
+    pub fn counters(&self) -> Counters {
+        Counters { deframe: self.deframer.counters(), ..self.counters }
+    }
+
+    /// Drops the session and all messages. Bytes of a frame that is half out stay, so that the stream
+    /// keeps its frame boundaries.
+    fn forget(&mut self, state: State) {
+        self.state = state;
+        self.session = 0;
+        self.offer = None;
+        self.hello_due = false;
+        self.keep_alive_due = false;
+        self.answer = None;
+        self.bye = None;
+        self.last_valid = None;
+        self.transmitter.reset(0);
+        self.receiver.reset();
+    }
+
+    /// Takes up a session.
+    fn begin(&mut self, now: Ns, nonce: u32, session: u32, window: u16) {
+        self.offer = None;
+        self.nonce = nonce;
+        self.session = session;
+        self.transmitter.reset(window);
+        self.receiver.reset();
+        self.last_valid = Some(now);
+        self.last_sent = now;
+        self.counters.sessions = self.counters.sessions.wrapping_add(1);
+    }
+}

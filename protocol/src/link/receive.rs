@@ -1,0 +1,269 @@
+//! Receiving: checks frames, moves the opening on, puts messages in order and drops what came before.
+
+use super::transmit::{Slot, ahead};
+use super::{Endpoint, HELLO_NS, Identity, Offer, Phase, Role, State};
+use crate::Ns;
+use crate::deframe::Outcome;
+use crate::frame::{self, Fault, Header, Hello, HelloAck, Kind};
+use zerocopy::FromBytes;
+
+/// `take <= next` in sequence numbers; slots hold messages from `take` on, with holes from `next` on.
+#[derive(Debug, Clone)]
+pub(super) struct Receiver<const WINDOW: usize> {
+    slots: [Slot; WINDOW],
+    /// The message that the user gets next.
+    take: u16,
+    /// First message not received.
+    next: u16,
+    /// Full slots.
+    held: u16,
+    /// First number for which room was announced as missing.
+    announced: u16,
+    due: bool,
+}
+
+/// What became of a message.
+enum Accepted {
+    New(u16),
+    Duplicate,
+    Beyond,
+}
+
+impl<const WINDOW: usize> Receiver<WINDOW> {
+    pub(super) const fn new() -> Self {
+        Receiver { slots: [Slot::EMPTY; WINDOW], take: 0, next: 0, held: 0, announced: WINDOW as u16, due: false }
+    }
+
+    pub(super) fn reset(&mut self) {
+        for slot in &mut self.slots {
+            slot.full = false;
+        }
+        self.take = 0;
+        self.next = 0;
+        self.held = 0;
+        self.announced = WINDOW as u16;
+        self.due = false;
+    }
+
+    pub(super) fn next(&self) -> u16 {
+        self.next
+    }
+
+    fn edge(&self) -> u16 {
+        self.take.wrapping_add(WINDOW as u16)
+    }
+
+    /// Room from `next` on; `WINDOW` is at most 64.
+    pub(super) fn credit(&self) -> u8 {
+        self.edge().wrapping_sub(self.next) as u8
+    }
+
+    pub(super) fn has_gap(&self) -> bool {
+        self.held > self.next.wrapping_sub(self.take)
+    }
+
+    pub(super) fn acknowledge_due(&self) -> bool {
+        self.due
+    }
+
+    /// An acknowledgement goes out soon, whether or not something is new.
+    fn ask_acknowledgement(&mut self) {
+        self.due = true;
+    }
+
+    /// Acknowledgement and credit went out.
+    pub(super) fn acknowledged(&mut self) {
+        self.due = false;
+        self.announced = self.edge();
+    }
+
+    pub(super) fn message(&self) -> Option<&[u8]> {
+        if self.take == self.next {
+            return None;
+        }
+        self.slots.get(usize::from(self.take) & WINDOW.wrapping_sub(1)).map(Slot::message)
+    }
+
+    pub(super) fn done(&mut self) {
+        if self.take == self.next {
+            return;
+        }
+        if let Some(slot) = self.slots.get_mut(usize::from(self.take) & WINDOW.wrapping_sub(1)) {
+            slot.full = false;
+        }
+        self.take = self.take.wrapping_add(1);
+        self.held = self.held.wrapping_sub(1);
+        // Tell a sender that may be waiting for room, but not of every single place.
+        let freed = usize::from(self.edge().wrapping_sub(self.announced));
+        if self.announced == self.next || freed >= WINDOW.div_ceil(2) {
+            self.due = true;
+        }
+    }
+
+    fn accept(&mut self, sequence: u16, message: &[u8]) -> Accepted {
+        self.due = true;
+        let Some(distance) = ahead(sequence, self.take) else { return Accepted::Duplicate };
+        if usize::from(distance) >= WINDOW {
+            return Accepted::Beyond;
+        }
+        let Some(slot) = self.slots.get_mut(usize::from(sequence) & WINDOW.wrapping_sub(1)) else {
+            return Accepted::Beyond;
+        };
+        if slot.full {
+            return Accepted::Duplicate;
+        }
+        let Some(place) = slot.bytes.get_mut(..message.len()) else { return Accepted::Beyond };
+        place.copy_from_slice(message);
+        slot.len = message.len();
+        slot.full = true;
+        self.held = self.held.wrapping_add(1);
+        let before = self.next;
+        while self.next != self.edge()
+            && self.slots.get(usize::from(self.next) & WINDOW.wrapping_sub(1)).is_some_and(|slot| slot.full)
+        {
+            self.next = self.next.wrapping_add(1);
+        }
+        Accepted::New(self.next.wrapping_sub(before))
+    }
+}
+
+fn count(counter: &mut u32) {
+    *counter = counter.wrapping_add(1);
+}
+
+impl<const WINDOW: usize> Endpoint<WINDOW> {
+    /// Takes received bytes, in any portions.
+    pub fn feed(&mut self, now: Ns, bytes: &[u8]) {
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let (used, outcome) = self.deframer.feed(rest);
+            rest = rest.get(used..).unwrap_or(&[]);
+            if outcome == Outcome::Frame {
+                self.receive(now);
+            }
+        }
+    }
+
+    fn receive(&mut self, now: Ns) {
+        let (header, kind, payload) = match frame::decode(self.deframer.frame()) {
+            Ok(parts) => parts,
+            Err(fault) => {
+                return count(match fault {
+                    Fault::Short => &mut self.counters.short,
+                    Fault::Checksum => &mut self.counters.checksum,
+                    Fault::Version => &mut self.counters.version,
+                    Fault::Kind => &mut self.counters.kind,
+                    Fault::Length => &mut self.counters.length,
+                });
+            }
+        };
+        match (kind, self.role) {
+            (Kind::Hello, Role::Controller) => {
+                if let Ok(hello) = Hello::read_from_bytes(payload) {
+                    self.answer_hello(&header, hello);
+                }
+            }
+            (Kind::HelloAck, Role::Client) => {
+                if let Ok(answer) = HelloAck::read_from_bytes(payload) {
+                    self.take_offer(now, &header, answer);
+                }
+            }
+            (Kind::Hello | Kind::HelloAck, _) => count(&mut self.counters.unexpected),
+            (Kind::Data | Kind::Ack | Kind::KeepAlive | Kind::Bye, _) => self.receive_in_session(now, &header, kind),
+        }
+    }
+
+    /// Controller: offers a session. Nothing else changes before the client takes it up.
+    fn answer_hello(&mut self, header: &Header, hello: Hello) {
+        let theirs = Identity { version: header.version, schema: hello.schema.get() };
+        let nonce = header.session.get();
+        let session = if theirs != self.identity {
+            count(&mut self.counters.mismatches);
+            self.refused = Some(theirs);
+            0
+        } else if self.state == State::Open && nonce == self.nonce {
+            self.session
+        } else {
+            let offer = match self.offer {
+                Some(offer) if offer.nonce == nonce => offer,
+                _ => self.new_offer(nonce, hello.window.get()),
+            };
+            self.offer = Some(offer);
+            offer.session
+        };
+        let answer = HelloAck {
+            schema: self.identity.schema.into(),
+            window: (WINDOW as u16).into(),
+            session: session.into(),
+        };
+        self.answer = Some((nonce, answer));
+    }
+
+    /// Every offer has its own id, also one for a nonce that was seen before: bytes of an old session with the
+    /// same nonce do not fit it.
+    fn new_offer(&mut self, nonce: u32, window: u16) -> Offer {
+        self.offers_made = self.offers_made.wrapping_add(1);
+        let mixed = nonce.wrapping_mul(0x9E37_79B1) ^ self.offers_made.wrapping_mul(0x85EB_CA6B);
+        let session = match mixed {
+            0 => 1,
+            id if id == self.session => id.wrapping_add(2).max(1),
+            id => id,
+        };
+        Offer { nonce, session, window }
+    }
+
+    /// Client: takes up the session that is offered, or learns that there will be none.
+    fn take_offer(&mut self, now: Ns, header: &Header, answer: HelloAck) {
+        let ours = header.session.get() == self.nonce;
+        if self.state != State::Opening || self.phase != Phase::Asking || !ours {
+            return count(&mut self.counters.unexpected);
+        }
+        let theirs = Identity { version: header.version, schema: answer.schema.get() };
+        let session = answer.session.get();
+        if theirs != self.identity {
+            count(&mut self.counters.mismatches);
+            return self.forget(State::Mismatch(theirs));
+        }
+        if session == 0 {
+            return count(&mut self.counters.unexpected);
+        }
+        self.begin(now, self.nonce, session, answer.window.get());
+        self.hello_due = false;
+        self.phase = Phase::Confirming(1);
+        self.keep_alive_due = true;
+        self.retry_at = now.saturating_add(HELLO_NS);
+    }
+
+    fn receive_in_session(&mut self, now: Ns, header: &Header, kind: Kind) {
+        let session = header.session.get();
+        let known = self.session != 0 && session == self.session;
+        match (self.state, self.offer) {
+            (State::Open, _) if known => {}
+            (State::Opening, _) if known => self.state = State::Open,
+            (_, Some(offer)) if self.role == Role::Controller && offer.session == session => {
+                self.begin(now, offer.nonce, offer.session, offer.window);
+                self.state = State::Open;
+            }
+            _ => return count(&mut self.counters.stale_session),
+        }
+        self.last_valid = Some(now);
+        match self.transmitter.acknowledge(now, header) {
+            Ok(true) => count(&mut self.counters.fast_retransmits),
+            Ok(false) => {}
+            Err(()) => count(&mut self.counters.bad_acknowledgement),
+        }
+        match kind {
+            Kind::Data => {
+                let message = frame::payload(self.deframer.frame());
+                match self.receiver.accept(header.sequence.get(), message) {
+                    Accepted::New(more) => self.counters.received = self.counters.received.wrapping_add(more.into()),
+                    Accepted::Duplicate => count(&mut self.counters.duplicates),
+                    Accepted::Beyond => count(&mut self.counters.beyond_window),
+                }
+            }
+            Kind::KeepAlive => self.receiver.ask_acknowledgement(),
+            Kind::Bye => self.forget(State::Ended),
+            Kind::Ack | Kind::Hello | Kind::HelloAck => {}
+        }
+    }
+}

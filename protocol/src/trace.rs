@@ -1,0 +1,361 @@
+//! The trace's own byte stream: one way, no acknowledgements.
+//!
+//! In ([`Encoder`]): a head, rows, an end; out: wire bytes. In ([`Decoder`]): bytes in any portions; out:
+//! [`Event`]s, or the [`TraceError`] that a row is missing or a frame is bad: a gap is never passed over in
+//! silence. Frames are COBS with a CRC-32 like those of the link, told apart by their first byte.
+//!
+//! A row carries positions in units of 2^-22 pulse and velocities as mantissa and exponent, exactly
+//! as the servo holds them; whoever reads makes numbers of them.
+
+use crate::command::{Wire, wire_structs};
+use crate::deframe::{Deframer, Outcome};
+use crate::frame::{CRC_BYTES, seal, unseal, wire_length};
+use zerocopy::little_endian::{I16, I64, U32};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
+
+/// Version of this stream.
+pub const VERSION: u8 = 1;
+/// Most axes in a trace.
+pub const MAX_AXES: usize = 64;
+/// Longest body of a frame: one row of all axes, or several shorter ones.
+pub const MAX_BODY: usize = 1280;
+const MAX_DECODED: usize = MAX_BODY + CRC_BYTES;
+const MAX_WIRE: usize = wire_length(MAX_DECODED);
+
+const HEAD: u8 = 0x81;
+const ROWS: u8 = 0x82;
+const END: u8 = 0x83;
+
+wire_structs! {
+    /// The first frame, behind its kind: servo tick in ns, ticks from row to row, number of axes; the axes follow.
+    HeadLayout { version: u8, schema: U32, period_ns: U32, every: U32, axes: u8 }
+    /// One axis of the trace: core from 0, axis from 1.
+    AxisId { core: u8, axis: u8 }
+    /// Before the samples of a row: its number, from 0 without gaps.
+    RowLayout { row: U32 }
+    /// One axis in a row: position in 2^-22 pulse; velocity is `vel_mantissa * 2^-vel_exponent` pulse/ms.
+    Sample { pos: I64, vel_mantissa: I64, vel_exponent: I16 }
+    /// The last frame, behind its kind: rows sent, rows that could not be.
+    EndLayout { rows: U32, lost: U32 }
+}
+
+const _: () = assert!(1 + size_of::<RowLayout>() + MAX_AXES * size_of::<Sample>() <= MAX_BODY);
+const _: () = assert!(1 + size_of::<HeadLayout>() + MAX_AXES * size_of::<AxisId>() <= MAX_BODY);
+
+/// What a trace is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Head {
+    /// Schema of the sender.
+    pub schema: u32,
+    /// Servo tick, ns.
+    pub period_ns: u32,
+    /// Ticks from row to row.
+    pub every: u32,
+}
+
+/// The frame before has not gone out yet: call [`Encoder::take`] and try again. Nothing was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Full;
+
+/// Makes frames of rows. Owns one frame being filled and one going out.
+#[derive(Debug, Clone)]
+pub struct Encoder {
+    body: [u8; MAX_BODY],
+    len: usize,
+    wire: [u8; MAX_WIRE],
+    wire_at: usize,
+    wire_len: usize,
+}
+
+impl Default for Encoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Encoder {
+    /// Empty.
+    pub const fn new() -> Self {
+        Encoder { body: [0; MAX_BODY], len: 0, wire: [0; MAX_WIRE], wire_at: 0, wire_len: 0 }
+    }
+
+    /// Begins a trace of at most [`MAX_AXES`] axes (more are left out).
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn head(&mut self, head: &Head, axes: &[AxisId]) -> Result<(), Full> {
+        let axes = axes.get(..axes.len().min(MAX_AXES)).unwrap_or(&[]);
+        let layout = HeadLayout {
+            version: VERSION,
+            schema: head.schema.into(),
+            period_ns: head.period_ns.into(),
+            every: head.every.into(),
+            axes: axes.len() as u8,
+        };
+        self.alone(&[&[HEAD], layout.as_bytes(), axes.as_bytes()])
+    }
+
+    /// Adds a row, with one sample for each axis of the head in its order.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn row(&mut self, row: u32, samples: &[Sample]) -> Result<(), Full> {
+        let samples = samples.get(..samples.len().min(MAX_AXES)).unwrap_or(&[]);
+        let head = RowLayout { row: row.into() };
+        let size = head.as_bytes().len().saturating_add(samples.as_bytes().len());
+        if self.len.saturating_add(size) > MAX_BODY {
+            self.seal_rows()?;
+        }
+        if self.len == 0 {
+            self.append(&[ROWS]);
+        }
+        self.append(head.as_bytes());
+        self.append(samples.as_bytes());
+        Ok(())
+    }
+
+    /// Ends the trace.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn end(&mut self, rows: u32, lost: u32) -> Result<(), Full> {
+        let layout = EndLayout { rows: rows.into(), lost: lost.into() };
+        self.alone(&[&[END], layout.as_bytes()])
+    }
+
+    /// Writes what is to be transmitted into `out`, a frame that is not yet full included. Returns the bytes written.
+    pub fn take(&mut self, out: &mut [u8]) -> usize {
+        let mut written = 0usize;
+        loop {
+            let waiting = self.wire.get(self.wire_at..self.wire_len).unwrap_or(&[]);
+            let room = out.get_mut(written..).unwrap_or(&mut []);
+            let count = waiting.len().min(room.len());
+            for (place, &byte) in room.iter_mut().zip(waiting) {
+                *place = byte;
+            }
+            self.wire_at = self.wire_at.saturating_add(count);
+            written = written.saturating_add(count);
+            if self.wire_at < self.wire_len || self.len == 0 || self.seal_rows().is_err() {
+                return written;
+            }
+        }
+    }
+
+    /// Whether all has gone out.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0 && self.wire_at == self.wire_len
+    }
+
+    fn append(&mut self, bytes: &[u8]) {
+        if let Some(place) = self.body.get_mut(self.len..self.len.saturating_add(bytes.len())) {
+            place.copy_from_slice(bytes);
+            self.len = self.len.saturating_add(bytes.len());
+        }
+    }
+
+    /// A frame of its own, behind the rows collected so far.
+    fn alone(&mut self, parts: &[&[u8]]) -> Result<(), Full> {
+        if self.len > 0 {
+            self.seal_rows()?;
+        }
+        if self.wire_at < self.wire_len {
+            return Err(Full);
+        }
+        self.wire_at = 0;
+        self.wire_len = seal(parts, &mut self.wire).unwrap_or(0);
+        Ok(())
+    }
+
+    fn seal_rows(&mut self) -> Result<(), Full> {
+        if self.wire_at < self.wire_len {
+            return Err(Full);
+        }
+        self.wire_at = 0;
+        self.wire_len = seal(&[self.body.get(..self.len).unwrap_or(&[])], &mut self.wire).unwrap_or(0);
+        self.len = 0;
+        Ok(())
+    }
+}
+
+/// What a trace brings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event<'a> {
+    /// It begins.
+    Head(Head, Row<'a, AxisId>),
+    /// A row and its samples, in the order of the head's axes.
+    Row(u32, Row<'a, Sample>),
+    /// It is over: rows sent, and rows that the controller could not send.
+    End {
+        /// Rows sent.
+        rows: u32,
+        /// Rows lost before sending.
+        lost: u32,
+    },
+}
+
+/// What is wrong with a trace.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TraceError {
+    /// A frame was damaged: rows may be missing.
+    BadFrame,
+    /// A frame came before the head, or has a length or kind that fits no trace.
+    Unexpected,
+    /// Another version of this stream.
+    Version(u8),
+    /// Rows are missing.
+    Missing {
+        /// The row that should have come (at the end: the rows that came).
+        expected: u32,
+        /// The row that came (at the end: the rows that were sent).
+        came: u32,
+    },
+    /// The controller could not send this many rows.
+    Lost(u32),
+}
+
+/// Structs of one layout, one behind the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row<'a, T> {
+    bytes: &'a [u8],
+    kind: core::marker::PhantomData<T>,
+}
+
+impl<'a, T: Wire> Row<'a, T> {
+    const fn new(bytes: &'a [u8]) -> Self {
+        Row { bytes, kind: core::marker::PhantomData }
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.bytes.len().checked_div(size_of::<T>()).unwrap_or(0)
+    }
+
+    /// None.
+    pub fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// One after the other.
+    pub fn iter(&self) -> impl Iterator<Item = T> + use<'a, T> {
+        self.bytes.chunks_exact(size_of::<T>().max(1)).filter_map(|bytes| T::read_from_bytes(bytes).ok())
+    }
+}
+
+/// Takes a trace apart.
+#[derive(Debug, Clone)]
+pub struct Decoder {
+    deframer: Deframer<MAX_DECODED>,
+    /// Axes of the head; `None` before it.
+    axes: Option<usize>,
+    next_row: u32,
+    ended: bool,
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Decoder {
+    /// Waits for a head.
+    pub const fn new() -> Self {
+        Decoder { deframer: Deframer::new(), axes: None, next_row: 0, ended: false }
+    }
+
+    /// Takes bytes in any portions and hands every event and error to `sink`, in order.
+    pub fn feed(&mut self, bytes: &[u8], mut sink: impl FnMut(Result<Event<'_>, TraceError>)) {
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let (used, outcome) = self.deframer.feed(rest);
+            rest = rest.get(used..).unwrap_or(&[]);
+            match outcome {
+                Outcome::More => {}
+                Outcome::Refused(_) => sink(Err(TraceError::BadFrame)),
+                Outcome::Frame => match unseal(self.deframer.frame()) {
+                    None => sink(Err(TraceError::BadFrame)),
+                    Some(body) => frame(body, &mut self.axes, &mut self.next_row, &mut self.ended, &mut sink),
+                },
+            }
+        }
+    }
+
+    /// Whether the end has come.
+    pub fn ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Rows that have come.
+    pub fn rows(&self) -> u32 {
+        self.next_row
+    }
+}
+
+fn frame(
+    body: &[u8],
+    axes: &mut Option<usize>,
+    next_row: &mut u32,
+    ended: &mut bool,
+    sink: &mut impl FnMut(Result<Event<'_>, TraceError>),
+) {
+    match (body.split_first(), *axes) {
+        (Some((&HEAD, rest)), _) => match head(rest) {
+            Ok((described, list)) => {
+                *axes = Some(list.len());
+                *next_row = 0;
+                *ended = false;
+                sink(Ok(Event::Head(described, list)));
+            }
+            Err(error) => sink(Err(error)),
+        },
+        (Some((&ROWS, rest)), Some(axes)) => rows(rest, axes, next_row, sink),
+        (Some((&END, rest)), Some(_)) => match EndLayout::read_from_bytes(rest) {
+            Ok(end) => {
+                let (sent, lost) = (end.rows.get(), end.lost.get());
+                *ended = true;
+                if sent != *next_row {
+                    sink(Err(TraceError::Missing { expected: *next_row, came: sent }));
+                }
+                if lost != 0 {
+                    sink(Err(TraceError::Lost(lost)));
+                }
+                sink(Ok(Event::End { rows: sent, lost }));
+            }
+            Err(_) => sink(Err(TraceError::Unexpected)),
+        },
+        _ => sink(Err(TraceError::Unexpected)),
+    }
+}
+
+fn head(bytes: &[u8]) -> Result<(Head, Row<'_, AxisId>), TraceError> {
+    match bytes.first() {
+        Some(&VERSION) => {}
+        Some(&other) => return Err(TraceError::Version(other)),
+        None => return Err(TraceError::Unexpected),
+    }
+    let (layout, list) = HeadLayout::read_from_prefix(bytes).map_err(|_| TraceError::Unexpected)?;
+    let count = usize::from(layout.axes);
+    if count > MAX_AXES || list.len() != count.saturating_mul(size_of::<AxisId>()) {
+        return Err(TraceError::Unexpected);
+    }
+    let head = Head { schema: layout.schema.get(), period_ns: layout.period_ns.get(), every: layout.every.get() };
+    Ok((head, Row::new(list)))
+}
+
+fn rows(bytes: &[u8], axes: usize, next_row: &mut u32, sink: &mut impl FnMut(Result<Event<'_>, TraceError>)) {
+    let size = axes.saturating_mul(size_of::<Sample>());
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        let parts = RowLayout::read_from_prefix(rest)
+            .ok()
+            .and_then(|(head, after)| after.split_at_checked(size).map(|(samples, after)| (head, samples, after)));
+        let Some((head, samples, after)) = parts else { return sink(Err(TraceError::Unexpected)) };
+        let row = head.row.get();
+        if row != *next_row {
+            sink(Err(TraceError::Missing { expected: *next_row, came: row }));
+        }
+        *next_row = row.wrapping_add(1);
+        sink(Ok(Event::Row(row, Row::new(samples))));
+        rest = after;
+    }
+}
