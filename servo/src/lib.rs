@@ -8,6 +8,11 @@
 pub mod op;
 pub mod piece;
 pub mod port;
+pub mod profile;
+pub mod pt;
 pub mod ramp;
+pub mod real;
+pub mod steps;
 pub mod units;
 pub mod view;
+pub mod wide;

@@ -1,0 +1,53 @@
+//! Whatever an axis runs, the tick asks it the same question.
+use crate::piece::Motion;
+use crate::pt::{Feed, PtRun, Segments};
+use crate::ramp::RampRun;
+use crate::units::{Exact, Ns, Pos};
+
+/// Whether the motion goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// It does.
+    Running,
+    /// It has ended as told, here.
+    Ended {
+        /// Where exactly.
+        at: Exact,
+    },
+    /// Dynamic PT: the ring ran dry at speed; the profile stopped here.
+    Underrun {
+        /// Where exactly.
+        at: Exact,
+    },
+}
+
+/// The motion at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Step {
+    /// Planned position.
+    pub pos: Pos,
+    /// The place in its piece; at rest after the end.
+    pub motion: Motion,
+    /// Whether it goes on.
+    pub state: State,
+}
+
+/// A motion that runs.
+#[derive(Debug, Clone, Copy)]
+pub enum Profile {
+    /// Positions and times.
+    Pt(PtRun),
+    /// Jog, Trap or Stop.
+    Ramp(RampRun),
+}
+
+impl Profile {
+    /// The motion at `now`, which must not go back between calls. `feed` and `source` are for PT.
+    #[inline]
+    pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
+        match self {
+            Profile::Pt(run) => run.step(now, feed, source),
+            Profile::Ramp(run) => run.step(now),
+        }
+    }
+}

@@ -1,0 +1,381 @@
+//! PT: positions and times (SPEC 5; GXN chapter 2).
+//!
+//! In: the user's doubles, admitted here by integer checks into [`Segment`]s; instants.
+//! Out: a [`Step`] a tick. Owns: the state of one running pass or stream, [`PtRun`]. The segments
+//! themselves lie in a store that the thread fills ([`Segments`]).
+//! Fails: a datum that no axis could run is [`Refused`] before it reaches the store.
+//!
+//! The chain of velocities v1 = 2P/T − v0 neither decays nor may drift, so it is carried in
+//! 2⁻⁸⁰ pulse/ms with every quotient to the nearest: after n segments it is within n·2⁻⁸¹ of the
+//! rational number that the doubles define, which is 2⁻²⁶ pulse after 10⁷ segments of 2³¹ ms.
+use crate::piece::Piece;
+use crate::profile::{State, Step};
+use crate::units::{Exact, Ns, Pos};
+use crate::wide::{Divisor, scale16};
+
+/// What the velocity does inside a segment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    /// From the end velocity of the segment before, linearly, to 2P/T minus it.
+    Normal = 0,
+    /// P/T throughout.
+    Even = 1,
+    /// From 2P/T, linearly, to 0.
+    Stop = 2,
+}
+
+/// An admitted segment, 12 bytes. Word 0: mantissa, low. Word 1: mantissa, high 20 bits,
+/// 7 bits of exponent, sign, kind in bits 28–29. Word 2: end time in ms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Segment([u32; 3]);
+
+/// Why a PT datum is refused: the knob, and its limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// The position is NaN or infinite.
+    NotFinite,
+    /// |position| above 2⁴⁰ pulses, or the velocities swing further than that inside the segment.
+    BeyondTravel,
+    /// The time (ms) is not above that of the segment before (0 for the first).
+    NotIncreasing {
+        /// End time of the segment before.
+        before: i32,
+    },
+    /// A velocity at an end of the segment is above full scale, 2³² pulse/ms.
+    TooFast {
+        /// The velocity, rounded to whole pulse/ms.
+        speed: i64,
+    },
+    /// The segment type is none of 0, 1, 2.
+    Kind,
+}
+
+/// What admission needs to know of the segments before: end position, time and velocity.
+/// Default is the beginning of a pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Chain {
+    /// End position in 2⁻²⁰ pulse.
+    pos: i64,
+    /// End time in ms.
+    time: i32,
+    /// End velocity in 2⁻²⁰ pulse/ms: a check needs no more, the tick has its own.
+    velocity: i64,
+}
+
+impl Chain {
+    /// End time of what was admitted, in ms.
+    pub fn time_ms(&self) -> i32 {
+        self.time
+    }
+}
+
+const CHAIN_BITS: u32 = 20;
+/// Full scale, with a unit in 2³² for the rounding of the chain.
+const FULL_SCALE: u64 = (1 << (32 + CHAIN_BITS)) + (1 << CHAIN_BITS);
+/// v0·T beyond 2⁴³ pulses swings out of ±2⁴⁰ even if the segment comes back: the excursion is
+/// A²/4(A + |P|) > 2⁴⁰·⁶⁷ for A = 2⁴³ and the largest |P|.
+const SWING: u64 = 1 << 43;
+
+impl Segment {
+    /// The words as stored.
+    pub fn words(self) -> [u32; 3] {
+        self.0
+    }
+
+    /// From stored words; all bit patterns are valid.
+    #[inline(always)]
+    pub fn from_words(words: [u32; 3]) -> Segment {
+        Segment(words)
+    }
+
+    /// Checks one datum against those before it and packs it. `pos_bits` are the bits of the
+    /// double (pulses from the start of pass or stream).
+    pub fn admit(pos_bits: u64, time_ms: i32, kind: i16, before: &Chain) -> Result<(Segment, Chain), Refused> {
+        let exponent = (pos_bits >> 52 & 0x7ff) as u32;
+        let fraction = pos_bits & ((1 << 52) - 1);
+        let sign = (pos_bits >> 63) as u32;
+        if exponent == 0x7ff {
+            return Err(Refused::NotFinite);
+        }
+        if exponent > 1063 || exponent == 1063 && fraction != 0 {
+            return Err(Refused::BeyondTravel);
+        }
+        let kind = match kind {
+            0 => Kind::Normal,
+            1 => Kind::Even,
+            2 => Kind::Stop,
+            _ => return Err(Refused::Kind),
+        };
+        if time_ms <= before.time {
+            return Err(Refused::NotIncreasing { before: before.time });
+        }
+        // Field 1 is 2^-12..2^-11, whose last bit is 2^-64; below, multiples of 2^-64, field 0.
+        let packed = if exponent >= 1011 {
+            (exponent as u64 - 1010) << 52 | fraction
+        } else if exponent >= 958 {
+            let twice = (1 << 52 | fraction) >> (1010 - exponent);
+            (twice >> 1) + (twice & 1)
+        } else {
+            0
+        };
+        // |pos| in 2^-20: mantissa 2^(e-1075), to be scaled by 2^20.
+        let mantissa = 1 << 52 | fraction;
+        let magnitude = match exponent {
+            1055.. => mantissa << (exponent - 1055),
+            992.. => mantissa >> (1055 - exponent),
+            _ => 0,
+        };
+        let pos = if sign == 1 { -(magnitude as i64) } else { magnitude as i64 };
+        let duration = Divisor::new((time_ms - before.time) as u32);
+        let length = pos - before.pos;
+        let twice = duration.quotient64(length.unsigned_abs() << 1) as i64;
+        let twice = if length < 0 { -twice } else { twice };
+        let (begin, end) = match kind {
+            Kind::Normal => (before.velocity, twice - before.velocity),
+            Kind::Even => (twice >> 1, twice >> 1),
+            Kind::Stop => (twice, 0),
+        };
+        for speed in [begin, end] {
+            if speed.unsigned_abs() > FULL_SCALE {
+                return Err(Refused::TooFast { speed: speed >> CHAIN_BITS });
+            }
+        }
+        if kind == Kind::Normal && (begin.unsigned_abs() >> CHAIN_BITS) * (time_ms - before.time) as u64 > SWING {
+            return Err(Refused::BeyondTravel);
+        }
+        let word1 = (packed >> 32) as u32 & 0x07ff_ffff | sign << 27 | (kind as u32) << 28;
+        Ok((
+            Segment([packed as u32, word1, time_ms as u32]),
+            Chain { pos, time: time_ms, velocity: end },
+        ))
+    }
+
+    /// End time in ms from the start of pass or stream.
+    #[inline(always)]
+    pub fn time_ms(self) -> u32 {
+        self.0[2] & 0x7fff_ffff
+    }
+
+    /// What the velocity does.
+    #[inline(always)]
+    pub fn kind(self) -> Kind {
+        match self.0[1] >> 28 & 3 {
+            1 => Kind::Even,
+            2 => Kind::Stop,
+            _ => Kind::Normal,
+        }
+    }
+
+    /// End position, the user's double.
+    #[inline(always)]
+    pub fn position(self) -> Exact {
+        let field = self.0[1] >> 20 & 0x7f;
+        let normal = field.min(1);
+        let mantissa = ((self.0[1] & 0xf_ffff | normal << 20) as u64) << 32 | self.0[0] as u64;
+        let shift = field - normal & 63; // 0..=52
+        let high = mantissa >> 1 >> (63 - shift);
+        let magnitude = ((high as u128) << 64 | (mantissa << shift) as u128) as i128;
+        Exact(if self.0[1] >> 27 & 1 == 1 { -magnitude } else { magnitude })
+    }
+}
+
+/// Where a run reads its segments.
+pub trait Segments {
+    /// The words of a slot; a slot that does not exist reads as zeros.
+    fn segment(&self, slot: u32) -> [u32; 3];
+}
+
+/// Which slots a run uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Segments 0… of a pass lie in slots `base`….
+    Static {
+        /// First slot.
+        base: u32,
+    },
+    /// Running counters into a ring; `mask` is its length − 1, a power of two less one.
+    Dynamic {
+        /// Slot = counter & mask.
+        mask: u32,
+        /// Counter of the first segment of the stream.
+        first: u32,
+    },
+}
+
+/// What the thread has allowed so far; may change at every tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Feed {
+    /// Static: committed segments of the FIFO. Dynamic: running counter behind the last.
+    pub end: u32,
+    /// Static: passes to run, 0 for ever.
+    pub passes: u32,
+}
+
+/// A PT motion that runs.
+#[derive(Debug, Clone, Copy)]
+pub struct PtRun {
+    piece: Piece,
+    place: Place,
+    /// Counter of the next segment.
+    next: u32,
+    /// Passes completed.
+    passes: u32,
+    /// Position at which the present pass (or the stream) began.
+    origin: Exact,
+    /// Its instant.
+    pass_begin: Ns,
+    /// End of the present segment, from `origin`.
+    knot: Exact,
+    /// End time of the present segment, from `pass_begin`.
+    knot_ms: u32,
+    /// End velocity of the present segment in 2⁻⁸⁰ pulse/ms.
+    velocity: i128,
+    /// Quotients with a remainder that went into `velocity`, each within 2⁻⁸¹ pulse/ms.
+    rounded: u32,
+}
+
+/// Knots crossed in a tick: two where a pass begins on a tick of 1 ms, more only to catch up
+/// after ticks longer than any setting of the board.
+const KNOTS_PER_TICK: u32 = 4;
+
+impl PtRun {
+    /// A motion whose time is zero at `now`, from the position `origin`. The first segment is
+    /// read by the first step.
+    pub fn begin(now: Ns, origin: Exact, place: Place) -> PtRun {
+        PtRun {
+            piece: Piece { begin: now, span: 0, start: origin.round(), ..Piece::default() },
+            place,
+            next: match place {
+                Place::Static { .. } => 0,
+                Place::Dynamic { first, .. } => first,
+            },
+            passes: 0,
+            origin,
+            pass_begin: now,
+            knot: Exact(0),
+            knot_ms: 0,
+            velocity: 0,
+            rounded: 0,
+        }
+    }
+
+    /// Passes completed.
+    pub fn passes(&self) -> u32 {
+        self.passes
+    }
+
+    /// Dynamic: counter of the first segment that has not run yet, all before it are free.
+    /// `running` is false once the run has ended.
+    pub fn released(&self, running: bool) -> u32 {
+        let began = match self.place {
+            Place::Static { .. } => 0,
+            Place::Dynamic { first, .. } => first,
+        };
+        if running && self.next != began { self.next.wrapping_sub(1) } else { self.next }
+    }
+
+    /// End time of what is committed minus now, in whole ms, rounded down; 0 if it has passed.
+    pub fn dry_ms(&self, now: Ns, feed: Feed, source: &impl Segments) -> u32 {
+        if feed.end == self.released(false) && self.piece.span == 0 {
+            return 0;
+        }
+        let last = Segment::from_words(source.segment(self.slot(feed.end.wrapping_sub(1)))).time_ms();
+        let left = (last as u64 * NS_PER_MS).saturating_sub(now.0.wrapping_sub(self.pass_begin.0));
+        // floor(x / 10⁶) for every 64-bit x, without dividing.
+        (crate::wide::umulhi(left, 0x431B_DE82_D7B6_34DB) >> 18) as u32
+    }
+
+    #[inline(always)]
+    fn slot(&self, counter: u32) -> u32 {
+        match self.place {
+            Place::Static { base } => base.wrapping_add(counter),
+            Place::Dynamic { mask, .. } => counter & mask,
+        }
+    }
+
+    /// The motion at `now`, which must not go back between calls.
+    #[inline]
+    pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
+        for _ in 0..KNOTS_PER_TICK {
+            if self.piece.holds(now) {
+                break;
+            }
+            if let Some(end) = self.cross(feed, source) {
+                return end;
+            }
+        }
+        let (pos, tau) = self.piece.at(now);
+        Step { pos, motion: self.piece.motion(tau), state: State::Running }
+    }
+
+    /// At the end of the present segment: the next one, or the end of the motion.
+    #[inline(never)]
+    fn cross(&mut self, feed: Feed, source: &impl Segments) -> Option<Step> {
+        if self.next == feed.end {
+            let end = Exact(self.origin.0.wrapping_add(self.knot.0));
+            let stop = |state| Some(Step { pos: end.round(), motion: Default::default(), state });
+            if let Place::Dynamic { .. } = self.place {
+                let dry = if self.at_rest() { State::Ended { at: end } } else { State::Underrun { at: end } };
+                return stop(dry);
+            }
+            self.passes = self.passes.wrapping_add(1);
+            if self.next == 0 || feed.passes != 0 && self.passes >= feed.passes {
+                return stop(State::Ended { at: end });
+            }
+            self.origin = end;
+            self.pass_begin = Ns(self.pass_begin.0.wrapping_add(self.knot_ms as u64 * NS_PER_MS));
+            (self.next, self.knot, self.knot_ms, self.velocity, self.rounded) = (0, Exact(0), 0, 0, 0);
+        }
+        self.load(Segment::from_words(source.segment(self.slot(self.next))));
+        self.next = self.next.wrapping_add(1);
+        None
+    }
+
+    /// Whether the chain ends at velocity 0: within its own error bound, which is 0 as long as
+    /// all quotients came out even.
+    fn at_rest(&self) -> bool {
+        self.velocity.unsigned_abs() << 1 <= self.rounded as u128
+    }
+
+    #[inline(always)]
+    fn load(&mut self, segment: Segment) {
+        let (knot, knot_ms) = (segment.position(), segment.time_ms());
+        let duration = knot_ms.wrapping_sub(self.knot_ms);
+        let length = knot.0.wrapping_sub(self.knot.0);
+        let over_time = |x: i128| {
+            let (q, even) = Divisor::new(duration).quotient(x.unsigned_abs() << 16);
+            (if x < 0 { -(q as i128) } else { q as i128 }, !even as u32)
+        };
+        let (a, b);
+        match segment.kind() {
+            Kind::Normal => {
+                let swing = scale16(self.velocity.unsigned_abs(), duration) as i128;
+                a = if self.velocity < 0 { -swing } else { swing };
+                b = length.wrapping_sub(a);
+                let (mean2, rounded) = over_time(length << 1);
+                self.velocity = mean2.wrapping_sub(self.velocity);
+                self.rounded = self.rounded.saturating_add(rounded);
+            }
+            Kind::Even => {
+                (a, b) = (length, 0);
+                (self.velocity, self.rounded) = over_time(length);
+            }
+            Kind::Stop => {
+                (a, b) = (length << 1, -length);
+                (self.velocity, self.rounded) = (0, 0);
+            }
+        }
+        let begin = Ns(self.pass_begin.0.wrapping_add(self.knot_ms as u64 * NS_PER_MS));
+        let start = Exact(self.origin.0.wrapping_add(self.knot.0));
+        self.piece = Piece::quadratic(begin, duration as u64 * NS_PER_MS, start, a, b);
+        (self.knot, self.knot_ms) = (knot, knot_ms);
+    }
+
+    /// Position in force at `now` without going on: where a Stop begins.
+    pub fn at(&self, now: Ns) -> Pos {
+        self.piece.at(now).0
+    }
+}
+
+const NS_PER_MS: u64 = 1_000_000;

@@ -1,0 +1,225 @@
+//! Real numbers for planners: 64-bit mantissa, wide exponent, no floating-point unit.
+//!
+//! Planning happens once per command, so these functions favour accuracy: each result is within
+//! a few 2⁻⁶³ of itself. Nothing overflows to nonsense: exponents hold every product of admitted
+//! speeds, accelerations and times; conversions to fixed point saturate.
+use crate::piece::Scaled;
+use crate::units::Exact;
+use crate::wide::{mulhi_su, recip64, umul, umulhi};
+
+/// ±m·2^e, with the top bit of `m` set, or 0.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Real {
+    neg: bool,
+    m: u64,
+    e: i32,
+}
+
+impl Real {
+    /// Zero.
+    pub const ZERO: Real = Real { neg: false, m: 0, e: 0 };
+    /// One.
+    pub const ONE: Real = Real { neg: false, m: 1 << 63, e: -63 };
+    /// 1/6.
+    pub const SIXTH: Real = Real { neg: false, m: 0xAAAA_AAAA_AAAA_AAAB, e: -66 };
+    /// A ms in 2⁻³² ns: 10⁶·2³².
+    pub const MS: Real = Real { neg: false, m: 1_000_000 << 44, e: -12 };
+
+    /// m·2^e.
+    pub fn new(neg: bool, m: u64, e: i32) -> Real {
+        if m == 0 {
+            return Real::ZERO;
+        }
+        let shift = m.leading_zeros();
+        Real { neg, m: m << shift, e: e - shift as i32 }
+    }
+
+    /// From a block float.
+    pub fn from_scaled(x: Scaled) -> Real {
+        Real::new(x.m < 0, x.m.unsigned_abs(), -(x.e as i32))
+    }
+
+    /// From a wide magnitude times 2^e, to 64 bits.
+    fn from_wide(neg: bool, x: u128, e: i32) -> Real {
+        let (high, low) = ((x >> 64) as u64, x as u64);
+        if high == 0 {
+            return Real::new(neg, low, e);
+        }
+        let shift = high.leading_zeros();
+        Real { neg, m: high << shift | low >> 1 >> (63 - shift), e: e + 64 - shift as i32 }
+    }
+
+    /// From a displacement.
+    pub fn from_exact(x: Exact) -> Real {
+        Real::from_wide(x.0 < 0, x.0.unsigned_abs(), -64)
+    }
+
+    /// From 2^-f units.
+    pub fn from_fixed(x: u128, f: i32) -> Real {
+        Real::from_wide(false, x, -f)
+    }
+
+    /// As a whole number of 2^-f, to nearest, the magnitude held below 2¹²⁶.
+    pub fn to_fixed(self, f: i32) -> i128 {
+        let e = self.e + f;
+        let magnitude = if self.m == 0 || e < -64 {
+            0
+        } else if e <= -1 {
+            let twice = self.m >> (-e - 1).min(63);
+            ((twice >> 1) + (twice & 1)) as u128
+        } else if e > 62 {
+            1 << 126
+        } else {
+            let e = e as u32;
+            ((self.m >> 1 >> (63 - e)) as u128) << 64 | (self.m << e) as u128
+        };
+        if self.neg { -(magnitude as i128) } else { magnitude as i128 }
+    }
+
+    /// As a displacement, to nearest.
+    pub fn to_exact(self) -> Exact {
+        Exact(self.to_fixed(64))
+    }
+
+    /// The exponent of the number: |x| < 2^width. Very low for 0.
+    pub fn width(self) -> i32 {
+        if self.m == 0 { -1000 } else { self.e + 64 }
+    }
+
+    /// Magnitude.
+    pub fn abs(self) -> Real {
+        Real { neg: false, ..self }
+    }
+
+    /// Whether it is below 0.
+    pub fn is_negative(self) -> bool {
+        self.neg && self.m != 0
+    }
+
+    /// Whether it is 0.
+    pub fn is_zero(self) -> bool {
+        self.m == 0
+    }
+
+    /// x·2^k.
+    pub fn scale(self, k: i32) -> Real {
+        Real { e: self.e + k, ..self }
+    }
+
+    /// −x.
+    pub fn negate(self) -> Real {
+        Real { neg: !self.neg, ..self }
+    }
+
+    /// Product.
+    pub fn mul(self, other: Real) -> Real {
+        let (high, low) = umul(self.m, other.m);
+        Real::from_wide(self.neg != other.neg, (high as u128) << 64 | low as u128, self.e + other.e)
+    }
+
+    /// Sum.
+    pub fn add(self, other: Real) -> Real {
+        if self.m == 0 {
+            return other;
+        }
+        if other.m == 0 {
+            return self;
+        }
+        let (big, small) = if self.e >= other.e { (self, other) } else { (other, self) };
+        let gap = big.e - small.e;
+        // 128 bits: the larger number in the high half less one bit for the carry.
+        let (high, low) = match gap {
+            0..=63 => (small.m >> gap, small.m << 1 << (63 - gap)),
+            64..=127 => (0, small.m >> (gap - 64)),
+            _ => (0, 0),
+        };
+        let a = (big.m as u128) << 63;
+        let b = ((high as u128) << 64 | low as u128) >> 1;
+        let e = big.e - 63;
+        if big.neg == small.neg {
+            Real::from_wide(big.neg, a + b, e)
+        } else if a >= b {
+            Real::from_wide(big.neg, a - b, e)
+        } else {
+            Real::from_wide(small.neg, b - a, e)
+        }
+    }
+
+    /// Difference.
+    pub fn sub(self, other: Real) -> Real {
+        self.add(other.negate())
+    }
+
+    /// Whether self < other.
+    pub fn below(self, other: Real) -> bool {
+        self.sub(other).is_negative()
+    }
+
+    /// The smaller.
+    pub fn min(self, other: Real) -> Real {
+        if self.below(other) { self } else { other }
+    }
+
+    /// The larger.
+    pub fn max(self, other: Real) -> Real {
+        if self.below(other) { other } else { self }
+    }
+
+    /// 1/x; 0 for 0.
+    pub fn recip(self) -> Real {
+        if self.m == 0 {
+            return Real::ZERO;
+        }
+        // 1/m = (2^64 + v)·2^-128
+        let v = recip64(self.m);
+        Real::from_wide(self.neg, 1 << 64 | v as u128, -128 - self.e)
+    }
+
+    /// Quotient; 0 where the divisor is 0.
+    pub fn div(self, other: Real) -> Real {
+        self.mul(other.recip())
+    }
+
+    /// Square root; 0 of a negative number.
+    pub fn sqrt(self) -> Real {
+        if self.m == 0 || self.neg {
+            return Real::ZERO;
+        }
+        // x = X·2^-64 in [1/4, 1), value = x·2^(even).
+        let odd = (self.e & 1) as u32;
+        let x = self.m >> odd;
+        let e = self.e + 64 + odd as i32;
+        let y = rsqrt(x);
+        let s = umulhi(x, y) << 2 | 3;
+        // One correction from the exact residue x − s².
+        let (high, low) = umul(s, s);
+        let residue = ((x as i128) << 64) - ((high as i128) << 64 | low as i128);
+        let s = s.saturating_add_signed(mulhi_su((residue >> 16) as i64, y) >> 47);
+        Real::new(false, s, e / 2 - 64)
+    }
+}
+
+/// 2¹⁵/sqrt of the middle of each 64th from 1/4 to 1.
+const ROOT_SEED: [u16; 48] = {
+    let mut table = [0; 48];
+    let mut i = 0;
+    while i < 48 {
+        // y² = 2^30 · 128 / (2·(16 + i) + 1)
+        let y = ((1u64 << 37) / (2 * (16 + i) + 1)).isqrt();
+        table[i as usize] = if y > 0xffff { 0xffff } else { y as u16 };
+        i += 1;
+    }
+    table
+};
+
+/// 1/sqrt(X·2⁻⁶⁴) in 2⁻⁶² for X ≥ 2⁶², to about 2⁻⁵⁷.
+fn rsqrt(x: u64) -> u64 {
+    let seed = ROOT_SEED.get((x >> 58).saturating_sub(16) as usize).copied().unwrap_or(0x8000);
+    let mut y = (seed as u64) << 47;
+    for _ in 0..4 {
+        // y·(3 − x·y²)/2; x·y² is near 1 in 2^-60.
+        let gap = (3u64 << 60).wrapping_sub(umulhi(umulhi(y, y), x));
+        y = umulhi(y, gap) << 3;
+    }
+    y
+}
