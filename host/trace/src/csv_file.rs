@@ -1,0 +1,42 @@
+//! Rows as CSV: `t_ms`, then position and velocity of each axis, six decimals each.
+use crate::decimal::{milliseconds, position, velocity};
+use crate::row::{Header, Row};
+use crate::{Result, TraceError};
+use std::io::Write;
+
+/// Writes rows as they come.
+pub struct CsvWriter<W: Write> {
+    out: csv::Writer<W>,
+}
+
+impl<W: Write> CsvWriter<W> {
+    /// Writes the header line.
+    pub fn new(out: W, header: &Header) -> Result<Self> {
+        let mut out = csv::WriterBuilder::new().buffer_capacity(1 << 16).from_writer(out);
+        let names = header.axes.iter().flat_map(|n| [format!("axis{n}_pos"), format!("axis{n}_vel")]);
+        out.write_record(std::iter::once("t_ms".to_owned()).chain(names)).map_err(as_io)?;
+        Ok(CsvWriter { out })
+    }
+
+    /// Writes one row.
+    pub fn row(&mut self, row: &Row) -> Result<()> {
+        self.out.write_field(milliseconds(row.t_ns)).map_err(as_io)?;
+        for point in &row.axes {
+            self.out.write_field(position(point.pos)).map_err(as_io)?;
+            self.out.write_field(velocity(point.vel)).map_err(as_io)?;
+        }
+        self.out.write_record(None::<&[u8]>).map_err(as_io)
+    }
+
+    /// Writes what is held back.
+    pub fn finish(mut self) -> Result<()> {
+        Ok(self.out.flush()?)
+    }
+}
+
+fn as_io(e: csv::Error) -> TraceError {
+    TraceError::Io(match e.into_kind() {
+        csv::ErrorKind::Io(e) => e,
+        other => std::io::Error::other(format!("{other:?}")),
+    })
+}

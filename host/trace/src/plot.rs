@@ -1,0 +1,276 @@
+//! Rows as a picture: position and velocity of each axis, one panel below the other, time along the
+//! bottom.
+//!
+//! In: rows. Out: a PNG or an SVG. It owns, per curve, at most [`BUCKETS`] pairs of least and
+//! greatest value, so that a trace of any length fits and no peak is lost. The font is part of the
+//! program: a machine without fonts draws the same picture. Fails with [`TraceError::Plot`].
+use crate::decimal::{position_f64, velocity_f64};
+use crate::row::{Header, Row};
+use crate::{Result, TraceError};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::{FontStyle, register_font};
+use std::path::Path;
+use std::sync::Once;
+
+/// Most pairs of extremes that a curve keeps.
+const BUCKETS: usize = 4096;
+
+const INK: RGBColor = RGBColor(0x24, 0x29, 0x2f);
+const FAINT: RGBColor = RGBColor(0x6e, 0x77, 0x81);
+const GRID: RGBColor = RGBColor(0xe4, 0xe8, 0xec);
+const FRAME: RGBColor = RGBColor(0xb4, 0xbb, 0xc2);
+const POSITION: RGBColor = RGBColor(0x1f, 0x6f, 0xb4);
+const VELOCITY: RGBColor = RGBColor(0xc8, 0x52, 0x1a);
+
+/// What to draw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlotOptions {
+    /// Heading.
+    pub title: String,
+    /// Second line, smaller.
+    pub subtitle: String,
+    /// Rows before this time (ms) are left out.
+    pub from_ms: Option<f64>,
+    /// Rows after this time (ms) are left out.
+    pub to_ms: Option<f64>,
+    /// Width in pixels; the height follows from the number of axes.
+    pub width: u32,
+}
+
+impl Default for PlotOptions {
+    fn default() -> Self {
+        PlotOptions { title: String::new(), subtitle: String::new(), from_ms: None, to_ms: None, width: 1280 }
+    }
+}
+
+/// A value and its time in ms.
+type Point = (f64, f64);
+
+/// One quantity over time, thinned to its extremes.
+#[derive(Debug, Clone, Default)]
+struct Curve {
+    /// Least and greatest value of each run of `share` rows.
+    buckets: Vec<(Point, Point)>,
+    open: Option<(Point, Point)>,
+    filled: usize,
+    share: usize,
+    last: Option<Point>,
+}
+
+impl Curve {
+    fn push(&mut self, point: Point) {
+        self.share = self.share.max(1);
+        self.last = Some(point);
+        self.open = Some(match self.open {
+            None => (point, point),
+            Some(both) => merge(both, (point, point)),
+        });
+        self.filled += 1;
+        if self.filled == self.share {
+            self.filled = 0;
+            self.buckets.extend(self.open.take());
+            if self.buckets.len() == BUCKETS {
+                self.buckets = self.buckets.chunks(2).map(|c| c.iter().copied().reduce(merge).unwrap_or(c[0])).collect();
+                self.share *= 2;
+            }
+        }
+    }
+
+    /// The points to draw, in the order of time.
+    fn points(&self) -> impl Iterator<Item = Point> + '_ {
+        let pairs = self.buckets.iter().copied().chain(self.open);
+        let first_to_last = pairs.flat_map(|(low, high)| if low.0 <= high.0 { [low, high] } else { [high, low] });
+        first_to_last.chain(self.last)
+    }
+
+    /// Range of the values with some air; a constant gets a range around it.
+    fn range(&self) -> (f64, f64) {
+        let (low, high) = self
+            .points()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.1), high.max(p.1)));
+        if low > high {
+            return (-1.0, 1.0);
+        }
+        let air = if high > low { (high - low) * 0.08 } else { low.abs().max(1.0) * 0.5 };
+        (low - air, high + air)
+    }
+}
+
+fn merge(a: (Point, Point), b: (Point, Point)) -> (Point, Point) {
+    (if b.0.1 < a.0.1 { b.0 } else { a.0 }, if b.1.1 > a.1.1 { b.1 } else { a.1 })
+}
+
+/// Collects rows and draws them.
+#[derive(Debug, Clone)]
+pub struct Plot {
+    axes: Vec<u8>,
+    /// Position and velocity of each axis.
+    curves: Vec<[Curve; 2]>,
+    options: PlotOptions,
+    rows: u64,
+}
+
+impl Plot {
+    /// An empty plot for a trace of this header.
+    pub fn new(header: &Header, options: PlotOptions) -> Self {
+        Plot { axes: header.axes.clone(), curves: vec![Default::default(); header.axes.len()], options, rows: 0 }
+    }
+
+    /// Takes a row.
+    pub fn row(&mut self, row: &Row) {
+        let t = row.t_ns as f64 * 1e-6;
+        if self.options.from_ms.is_some_and(|from| t < from) || self.options.to_ms.is_some_and(|to| t > to) {
+            return;
+        }
+        self.rows += 1;
+        for (curves, point) in self.curves.iter_mut().zip(&row.axes) {
+            curves[0].push((t, position_f64(point.pos)));
+            curves[1].push((t, velocity_f64(point.vel)));
+        }
+    }
+
+    /// Size of the picture in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        let axes = self.axes.len().max(1) as u32;
+        (self.options.width.max(480), HEAD + axes * 2 * panel_height(axes) + FOOT)
+    }
+
+    /// Draws a PNG or an SVG, as the path's extension says.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+        match extension.as_str() {
+            "png" => self.draw(&BitMapBackend::new(path, self.size()).into_drawing_area()),
+            "svg" => self.draw(&SVGBackend::new(path, self.size()).into_drawing_area()),
+            _ => Err(TraceError::Plot(format!("{}: a plot's name ends in .png or .svg", path.display()))),
+        }
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<()> {
+        load_font();
+        area.fill(&WHITE).map_err(as_plot)?;
+        if self.rows == 0 {
+            return Err(TraceError::Plot("no row of the trace lies in the time asked for".into()));
+        }
+        let (head, rest) = area.split_vertically(HEAD);
+        head.draw(&Text::new(self.options.title.clone(), (24, 16), ("sans-serif", 24).into_font().color(&INK)))
+            .map_err(as_plot)?;
+        head.draw(&Text::new(self.options.subtitle.clone(), (24, 46), ("sans-serif", 15).into_font().color(&FAINT)))
+            .map_err(as_plot)?;
+        let span = self.time_range();
+        let height = panel_height(self.axes.len() as u32);
+        let panels = self.axes.len() * 2;
+        let mut below = rest;
+        for (index, (axis, curves)) in self.axes.iter().zip(&self.curves).enumerate() {
+            for (half, curve) in curves.iter().enumerate() {
+                let last = index * 2 + half + 1 == panels;
+                let (panel, next) = below.split_vertically(if last { height + FOOT } else { height });
+                draw_panel(&panel, *axis, half, curve, span, last)?;
+                below = next;
+            }
+        }
+        area.present().map_err(as_plot)
+    }
+
+    fn time_range(&self) -> (f64, f64) {
+        let times = || self.curves.iter().flat_map(|c| c[0].points().map(|p| p.0));
+        let (first, last) =
+            times().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
+        match (first, last) {
+            (first, last) if first > last => (0.0, 1.0),
+            (first, last) if first == last => (first, first + 1.0),
+            range => range,
+        }
+    }
+}
+
+/// Height of the heading.
+const HEAD: u32 = 76;
+/// Height of the time axis' labels.
+const FOOT: u32 = 58;
+
+fn panel_height(axes: u32) -> u32 {
+    match axes {
+        0..=1 => 280,
+        2 => 210,
+        3..=4 => 150,
+        _ => 112,
+    }
+}
+
+fn draw_panel<B: DrawingBackend>(
+    panel: &DrawingArea<B, Shift>, axis: u8, half: usize, curve: &Curve, span: (f64, f64), last: bool,
+) -> Result<()> {
+    let (name, unit, colour) =
+        if half == 0 { ("position", "pulse", POSITION) } else { ("velocity", "pulse/ms", VELOCITY) };
+    // From ten seconds on, seconds read better than milliseconds.
+    let (scale, time_unit) = if span.1 - span.0 >= 10_000.0 { (1e-3, "s") } else { (1.0, "ms") };
+    let (low, high) = curve.range();
+    let height = panel.dim_in_pixel().1;
+    let mut chart = ChartBuilder::on(panel)
+        .margin_top(if half == 0 { 12 } else { 4 })
+        .margin_right(28)
+        .set_label_area_size(LabelAreaPosition::Left, 104)
+        .set_label_area_size(LabelAreaPosition::Bottom, if last { FOOT } else { 0 })
+        .build_cartesian_2d(span.0 * scale..span.1 * scale, low..high)
+        .map_err(as_plot)?;
+    let step_x = tick_step((span.1 - span.0) * scale);
+    let step_y = tick_step(high - low);
+    chart
+        .configure_mesh()
+        .axis_style(FRAME)
+        .bold_line_style(GRID)
+        .light_line_style(TRANSPARENT)
+        .x_labels(12)
+        .y_labels((height / 34).clamp(3, 8) as usize)
+        .label_style(("sans-serif", 14).into_font().color(&INK))
+        .axis_desc_style(("sans-serif", 14).into_font().color(&FAINT))
+        .x_label_formatter(&|x| tick_text(*x, step_x))
+        .y_label_formatter(&|y| tick_text(*y, step_y))
+        .x_desc(if last { format!("time ({time_unit})") } else { String::new() })
+        .y_desc(unit)
+        .draw()
+        .map_err(as_plot)?;
+    chart
+        .draw_series(LineSeries::new(curve.points().map(|(t, v)| (t * scale, v)), colour.stroke_width(2)))
+        .map_err(as_plot)?
+        .label(format!("axis {axis} {name}"))
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .margin(6)
+        .legend_area_size(24)
+        .background_style(WHITE.mix(0.85))
+        .border_style(GRID)
+        .label_font(("sans-serif", 14).into_font().color(&INK))
+        .draw()
+        .map_err(as_plot)
+}
+
+/// A step that is surely not coarser than the distance of two labels.
+fn tick_step(range: f64) -> f64 {
+    10f64.powf((range / 20.0).max(1e-12).log10().floor())
+}
+
+/// A label with as many decimals as the step needs.
+fn tick_text(value: f64, step: f64) -> String {
+    let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+fn as_plot<E: std::error::Error + Send + Sync>(e: DrawingAreaErrorKind<E>) -> TraceError {
+    TraceError::Plot(e.to_string())
+}
+
+/// Makes the built-in font known to the drawing library, once.
+fn load_font() {
+    static LOADED: Once = Once::new();
+    static FONT: &[u8] = include_bytes!("../assets/DejaVuSans-subset.ttf");
+    LOADED.call_once(|| {
+        // It fails only for bytes that are no font; a test draws with it.
+        let _ = register_font("sans-serif", FontStyle::Normal, FONT);
+    });
+}

@@ -1,0 +1,52 @@
+//! What a trace consists of: one [`Header`], then [`Row`]s.
+use servo::piece::Scaled;
+use servo::units::Pos;
+
+/// What the rows of a trace have in common.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Header {
+    /// Traced axes, numbered from 1 over all cores, ascending.
+    pub axes: Vec<u8>,
+    /// Servo tick in ns.
+    pub period_ns: u64,
+    /// Ticks from one row to the next, at least 1.
+    pub every: u32,
+}
+
+impl Header {
+    /// Time from one row to the next, in ns.
+    pub fn row_ns(&self) -> u64 {
+        self.period_ns * u64::from(self.every)
+    }
+}
+
+/// One axis in one row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct AxisPoint {
+    /// Planned position in force at the row's time.
+    pub pos: Pos,
+    /// Planned velocity in force at the row's time, pulse/ms.
+    pub vel: Scaled,
+}
+
+/// One row: the values in force at `t_ns`.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Row {
+    /// Number of the row, from 0.
+    pub index: u32,
+    /// Time since the job's start.
+    pub t_ns: u64,
+    /// One point for each axis of the header, in its order.
+    pub axes: Vec<AxisPoint>,
+}
+
+/// A digital output that changed, for the VCD.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OutputEdge {
+    /// Time since the job's start.
+    pub t_ns: u64,
+    /// Number of the output, from 1.
+    pub output: u8,
+    /// Its level from then on.
+    pub level: bool,
+}
