@@ -125,15 +125,16 @@ pub enum Op {
     TargetPosition { axis: Axis, pulses: i32 },
     /// Jog and Trap of these axes begin, or change, with the present targets.
     Update { axes: AxisMask },
-    /// The FIFO's data now ends at this count of segments pushed since it was cleared.
-    PtCommit { axis: Axis, fifo: u8, end: u32 },
-    /// Empties a FIFO at rest (both in dynamic mode).
+    /// The FIFO's data now ends at this count of segments pushed since it was cleared. In dynamic mode
+    /// it counts only if `epoch` is that of the axis: what was meant for a stream that ended is void.
+    PtCommit { axis: Axis, fifo: u8, end: u32, epoch: u32 },
+    /// Empties a FIFO that is not running (both in dynamic mode, at rest); its count begins at 0 again.
     PtClear { axis: Axis, fifo: u8 },
     /// Passes; 0 is for ever.
     PtLoop { axis: Axis, passes: u32 },
     /// PT of these axes begins; bits of `fifo1` take FIFO 1.
     PtStart { axes: AxisMask, fifo1: AxisMask },
-    /// Period of the tick from now on, at rest.
+    /// Period of the tick (10 µs to 1 ms) from the next tick on, at rest.
     TickPeriod { ns: u32 },
     /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed and
     /// begins with `ProgramRun`; else it begins at once. Row 0 is the tick in force then.

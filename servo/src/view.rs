@@ -28,11 +28,13 @@ pub struct AxisView {
     pub released: u32,
     /// PT: passes completed.
     pub passes: u32,
-    /// PT: times the stream was ended and cleared; segments pushed for an earlier epoch are void.
+    /// PT: times a dynamic stream ended, for whatever reason (ran out, underrun, Stop, fault). Its data is
+    /// cleared then, counts and times begin at 0, and segments pushed for an earlier epoch are void.
     pub epoch: u32,
     /// PT state as `GetPtState` tells it: 0 never ran, 1 running, 2 ended, 3 underrun, 4 stopped.
     pub pt_state: u8,
     /// PT: end time (ms from the start of pass or stream) of what was committed, minus now; rounded down.
+    /// Brought up to date every eighth tick.
     pub dry_ms: u32,
     /// Captured encoder position, if `captured`.
     pub captured: Option<i64>,
