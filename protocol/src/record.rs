@@ -33,7 +33,7 @@ pub enum Lane {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Full;
 
-/// A record that reaches beyond its message, or a rest too short for a head.
+/// A record that reaches beyond its message, a rest too short for a head, or a lane that does not exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Malformed {
     /// Where the record begins in the message.
@@ -44,12 +44,21 @@ pub struct Malformed {
     pub len: usize,
     /// Bytes that are left for the body (without a head: for the record).
     pub left: usize,
+    /// The lane that does not exist, if that is what is wrong.
+    pub lane: Option<u8>,
 }
 
 impl Malformed {
     /// The refusal that answers it.
     pub fn refusal(&self) -> Refusal {
-        length_refusal(self.left, self.len)
+        match self.lane {
+            None => length_refusal(self.left, self.len),
+            Some(lane) => Refusal {
+                got: F64::new(lane.into()),
+                high: F64::new(1.0),
+                ..Refusal::new(Reason::Selector)
+            },
+        }
     }
 }
 
@@ -158,13 +167,10 @@ fn split<S: Wire, T: Wire>(body: &[u8]) -> Option<(S, Items<'_, T>)> {
 
 fn length_refusal(got: usize, expected: usize) -> Refusal {
     Refusal {
-        reason: U16::new(Reason::Length as u16),
-        field: 255,
-        item: U16::new(65535),
-        axis: I16::new(0),
         got: F64::new(got as f64),
         low: F64::new(expected as f64),
         high: F64::new(expected as f64),
+        ..Refusal::new(Reason::Length)
     }
 }
 
@@ -189,8 +195,10 @@ impl<'a> Iterator for Requests<'a> {
             let lane = match head.lane {
                 0 => Lane::Immediate,
                 1 => Lane::Program,
-                // A lane that does not exist is a damaged head; its length has been kept, so the rest is found.
-                _ => return Err(Malformed { at, head: Some((opcode, tag)), len: body.len(), left: body.len() }),
+                lane => {
+                    let (len, head) = (body.len(), Some((opcode, tag)));
+                    return Err(Malformed { at, head, len, left: len, lane: Some(lane) });
+                }
             };
             Ok(RequestRecord { opcode, tag, lane, body })
         }))
@@ -237,7 +245,7 @@ impl<'a> Cursor<'a> {
         }
         let Ok((head, bodies)) = H::read_from_prefix(rest) else {
             self.at = self.message.len();
-            return Some(Err(Malformed { at, head: None, len: 0, left: rest.len() }));
+            return Some(Err(Malformed { at, head: None, len: 0, left: rest.len(), lane: None }));
         };
         let (opcode, tag, len) = read(&head);
         let len = usize::from(len);
@@ -248,7 +256,7 @@ impl<'a> Cursor<'a> {
             }
             None => {
                 self.at = self.message.len();
-                Some(Err(Malformed { at, head: Some((opcode, tag)), len, left: bodies.len() }))
+                Some(Err(Malformed { at, head: Some((opcode, tag)), len, left: bodies.len(), lane: None }))
             }
         }
     }

@@ -1,2 +1,148 @@
-//! Numbers kept for commands that have no layout yet.
-pub const RESERVED: &[(u16, &str)] = &[];
+//! Numbers kept for the commands that have no layout yet, so that none is given twice: PVT 0x03xx, Follow
+//! 0x04xx, FollowEx 0x05xx, laser 0x06xx, buffered laser 0x07xx, coordinate systems 0x08xx, distance
+//! follow 0x09xx. A command moves to [`crate::command::COMMANDS`] with its number when it is built.
+//!
+//! Calls that never reach the wire have no number: Open and Close are the link's opening and Bye, and
+//! GetLastReason reads what the client keeps.
+
+/// Number and name, by number.
+pub const RESERVED: &[(u16, &str)] = &[
+    (0x0300, "PrfPvt"),
+    (0x0301, "SetPvtLoop"),
+    (0x0302, "GetPvtLoop"),
+    (0x0303, "PvtStatus"),
+    (0x0304, "PvtStart"),
+    (0x0305, "PvtTableSelect"),
+    (0x0306, "PvtTable"),
+    (0x0307, "PvtTableEx"),
+    (0x0308, "PvtTableComplete"),
+    (0x0309, "PvtTablePercent"),
+    (0x030A, "PvtPercentCalculate"),
+    (0x030B, "PvtTableContinuous"),
+    (0x030C, "PvtContinuousCalculate"),
+    (0x0400, "PrfFollow"),
+    (0x0401, "SetFollowMaster"),
+    (0x0402, "GetFollowMaster"),
+    (0x0403, "SetFollowLoop"),
+    (0x0404, "GetFollowLoop"),
+    (0x0405, "SetFollowEvent"),
+    (0x0406, "GetFollowEvent"),
+    (0x0407, "FollowSpace"),
+    (0x0408, "FollowData"),
+    (0x0409, "FollowClear"),
+    (0x040A, "FollowStart"),
+    (0x040B, "FollowSwitch"),
+    (0x040C, "SetFollowMemory"),
+    (0x040D, "GetFollowMemory"),
+    (0x040E, "GetFollowStatus"),
+    (0x0500, "PrfFollowEx"),
+    (0x0501, "SetFollowMasterEx"),
+    (0x0502, "GetFollowMasterEx"),
+    (0x0503, "SetFollowLoopEx"),
+    (0x0504, "GetFollowLoopEx"),
+    (0x0505, "SetFollowEventEx"),
+    (0x0506, "GetFollowEventEx"),
+    (0x0507, "FollowSpaceEx"),
+    (0x0508, "FollowDataPercentEx"),
+    (0x0509, "FollowClearEx"),
+    (0x050A, "FollowStartEx"),
+    (0x050B, "FollowSwitchEx"),
+    (0x050C, "SetFollowMemoryEx"),
+    (0x050D, "GetFollowMemoryEx"),
+    (0x050E, "GetFollowStatusEx"),
+    (0x050F, "FollowSwitchNowEx"),
+    (0x0510, "FollowDoBitEx"),
+    (0x0511, "FollowDelayEx"),
+    (0x0512, "FollowDiBitEx"),
+    (0x0513, "FollowDataPercent2Ex"),
+    (0x0514, "GetFollowDataPercent2Ex"),
+    (0x0600, "LaserOn"),
+    (0x0601, "LaserOff"),
+    (0x0602, "LaserPowerMode"),
+    (0x0603, "LaserPrfCmd"),
+    (0x0604, "LaserOutFrq"),
+    (0x0605, "SetPulseWidth"),
+    (0x0606, "SetWaitPulse"),
+    (0x0607, "SetWaitPulseEx"),
+    (0x0608, "SetPreVltg"),
+    (0x0609, "SetLevelDelay"),
+    (0x060A, "EnaFPK"),
+    (0x060B, "DisFPK"),
+    (0x060C, "SetLaserMode"),
+    (0x060D, "ZeroLaserOnTime"),
+    (0x060E, "GetLaserOnTime"),
+    (0x060F, "SetLaserCrdMap"),
+    (0x0610, "GetLaserCrdMap"),
+    (0x0611, "SetAxisMode"),
+    (0x0612, "GetLaserPower"),
+    (0x0613, "ClrLaserFault"),
+    (0x0614, "GetLaserFault"),
+    (0x0615, "LaserOnStatus"),
+    (0x0616, "SetHSIOOpt"),
+    (0x0617, "GetHSIOOpt"),
+    (0x0700, "BufLaserOn"),
+    (0x0701, "BufLaserOff"),
+    (0x0702, "BufLaserPrfCmd"),
+    (0x0703, "BufLaserPrfFollow"),
+    (0x0704, "BufLaserFollowMode"),
+    (0x0705, "BufLaserFollowRatio"),
+    (0x0706, "BufLaserFollowTable"),
+    (0x0707, "BufLaserFollowOff"),
+    (0x0708, "SetLaserFollowTable"),
+    (0x0709, "BufLaserFollowSpline"),
+    (0x0800, "SetCrdPrm"),
+    (0x0801, "GetCrdPrm"),
+    (0x0802, "CrdClear"),
+    (0x0803, "CrdSpace"),
+    (0x0804, "CrdStart"),
+    (0x0805, "CrdStop"),
+    (0x0806, "CrdStatus"),
+    (0x0807, "GetCrdPos"),
+    (0x0808, "GetCrdVel"),
+    (0x0809, "GetRemainderSegNum"),
+    (0x080A, "SetCrdStopDec"),
+    (0x080B, "SetOverride"),
+    (0x080C, "InitLookAhead"),
+    (0x080D, "CrdData"),
+    (0x080E, "LnXY"),
+    (0x080F, "LnXYZ"),
+    (0x0810, "LnXYZA"),
+    (0x0811, "LnXYG0"),
+    (0x0812, "ArcXYR"),
+    (0x0813, "ArcXYC"),
+    (0x0814, "ArcYZR"),
+    (0x0815, "ArcYZC"),
+    (0x0816, "ArcZXR"),
+    (0x0817, "ArcZXC"),
+    (0x0818, "BufDelay"),
+    (0x0819, "BufIO"),
+    (0x081A, "BufDoBit"),
+    (0x081B, "BufDA"),
+    (0x081C, "BufMove"),
+    (0x081D, "BufGear"),
+    (0x0900, "SetLaserDisMode"),
+    (0x0901, "SetLaserDisRatio"),
+    (0x0902, "SetLaserDisTable1D"),
+    (0x0903, "SetLaserDisTable2D"),
+    (0x0904, "SetLaserDisTable2DEx"),
+    (0x0905, "SelectLaserDisTable"),
+    (0x0906, "BufSetLaserDisEnable"),
+    (0x0907, "BufSelectLaserDisTable"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::RESERVED;
+    use crate::command::COMMANDS;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_number_and_every_name_stands_once() {
+        let all = || COMMANDS.iter().map(|command| (command.opcode, command.name)).chain(RESERVED.iter().copied());
+        let numbers: BTreeSet<u16> = all().map(|(number, _)| number).collect();
+        let names: BTreeSet<&str> = all().map(|(_, name)| name).collect();
+        assert_eq!(numbers.len(), all().count(), "a number stands twice");
+        assert_eq!(names.len(), all().count(), "a name stands twice");
+        assert!(RESERVED.is_sorted(), "by number");
+    }
+}
