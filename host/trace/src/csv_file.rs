@@ -13,7 +13,7 @@ impl<W: Write> CsvWriter<W> {
     /// Writes the header line.
     pub fn new(out: W, header: &Header) -> Result<Self> {
         let mut out = csv::WriterBuilder::new().buffer_capacity(1 << 16).from_writer(out);
-        let names = header.axes.iter().flat_map(|n| [format!("axis{n}_pos"), format!("axis{n}_vel")]);
+        let names = header.axes.iter().flat_map(|n| [format!("{n}_pos"), format!("{n}_vel")]);
         out.write_record(std::iter::once("t_ms".to_owned()).chain(names)).map_err(as_io)?;
         Ok(CsvWriter { out })
     }

@@ -11,12 +11,14 @@
 mod csv_file;
 pub mod decimal;
 mod plot;
+mod reader;
 mod row;
 mod vcd_file;
 
 pub use csv_file::CsvWriter;
 pub use plot::{Plot, PlotOptions};
-pub use row::{AxisPoint, Header, OutputEdge, Row};
+pub use reader::{Item, Reader};
+pub use row::{AxisName, AxisPoint, Header, OutputEdge, Row};
 pub use vcd_file::VcdWriter;
 
 /// Why a trace could not be read or written.
@@ -25,27 +27,36 @@ pub enum TraceError {
     /// The file could not be written.
     #[error("the file cannot be written: {0}")]
     Io(#[from] std::io::Error),
-    /// A row is missing.
-    #[error("the trace has a gap: row {expected} was to come and {got} came")]
+    /// Rows are missing.
+    #[error("the trace has a gap: row {expected} was to come and {came} came")]
     Gap {
-        /// The row that was to come.
+        /// The row that was to come (at the end: the rows that came).
         expected: u32,
-        /// The row that came.
-        got: u32,
+        /// The row that came (at the end: the rows that were sent).
+        came: u32,
     },
+    /// The controller made rows faster than the link took them.
+    #[error("the controller lost {0} rows of the trace: the link does not carry them; use a larger --every")]
+    Lost(u32),
     /// The stream is damaged.
-    #[error("the trace stream is damaged near row {row}: {what}")]
+    #[error("the trace stream is damaged behind row {after}: {what}")]
     Damaged {
-        /// The next row.
-        row: u32,
+        /// Rows that came before.
+        after: u32,
         /// What is wrong.
-        what: String,
+        what: &'static str,
+    },
+    /// The controller speaks another version of the stream.
+    #[error("the trace is of version {theirs}, this client reads version {ours}", ours = protocol::trace::VERSION)]
+    Version {
+        /// Its version.
+        theirs: u8,
     },
     /// More steps in a row than the VCD's time scale can show.
-    #[error("axis {axis} makes {steps} steps in the {row_ns} ns after row {row}: a VCD of 1 ns cannot show them")]
+    #[error("{axis} makes {steps} steps in the {row_ns} ns after row {row}: a VCD of 1 ns cannot show them")]
     TooManySteps {
-        /// Axis, from 1.
-        axis: u8,
+        /// Which axis.
+        axis: AxisName,
         /// Row before the steps.
         row: u32,
         /// Steps.

@@ -5,7 +5,7 @@
 //! greatest value, so that a trace of any length fits and no peak is lost. The font is part of the
 //! program: a machine without fonts draws the same picture. Fails with [`TraceError::Plot`].
 use crate::decimal::{position_f64, velocity_f64};
-use crate::row::{Header, Row};
+use crate::row::{AxisName, Header, Row};
 use crate::{Result, TraceError};
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -104,7 +104,7 @@ fn merge(a: (Point, Point), b: (Point, Point)) -> (Point, Point) {
 /// Collects rows and draws them.
 #[derive(Debug, Clone)]
 pub struct Plot {
-    axes: Vec<u8>,
+    axes: Vec<AxisName>,
     /// Position and velocity of each axis.
     curves: Vec<[Curve; 2]>,
     options: PlotOptions,
@@ -199,7 +199,7 @@ fn panel_height(axes: u32) -> u32 {
 }
 
 fn draw_panel<B: DrawingBackend>(
-    panel: &DrawingArea<B, Shift>, axis: u8, half: usize, curve: &Curve, span: (f64, f64), last: bool,
+    panel: &DrawingArea<B, Shift>, axis: AxisName, half: usize, curve: &Curve, span: (f64, f64), last: bool,
 ) -> Result<()> {
     let (name, unit, colour) =
         if half == 0 { ("position", "pulse", POSITION) } else { ("velocity", "pulse/ms", VELOCITY) };
@@ -234,7 +234,7 @@ fn draw_panel<B: DrawingBackend>(
     chart
         .draw_series(LineSeries::new(curve.points().map(|(t, v)| (t * scale, v)), colour.stroke_width(2)))
         .map_err(as_plot)?
-        .label(format!("axis {axis} {name}"))
+        .label(format!("{} {name}", title(axis)))
         .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
     chart
         .configure_series_labels()
@@ -246,6 +246,14 @@ fn draw_panel<B: DrawingBackend>(
         .label_font(("sans-serif", 14).into_font().color(&INK))
         .draw()
         .map_err(as_plot)
+}
+
+/// What a person calls an axis.
+fn title(axis: AxisName) -> String {
+    match axis.core {
+        1 => format!("axis {}", axis.axis),
+        core => format!("core {core} axis {}", axis.axis),
+    }
 }
 
 /// A step that is surely not coarser than the distance of two labels.

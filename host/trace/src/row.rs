@@ -2,11 +2,30 @@
 use servo::piece::Scaled;
 use servo::units::Pos;
 
+/// A traced axis: core and axis of the core, both from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct AxisName {
+    /// Logical core, from 1.
+    pub core: u8,
+    /// Axis of the core, from 1.
+    pub axis: u8,
+}
+
+impl std::fmt::Display for AxisName {
+    /// `axisN` on the first core, `coreM_axisN` on the others.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.core {
+            1 => write!(f, "axis{}", self.axis),
+            core => write!(f, "core{core}_axis{}", self.axis),
+        }
+    }
+}
+
 /// What the rows of a trace have in common.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Header {
-    /// Traced axes, numbered from 1 over all cores, ascending.
-    pub axes: Vec<u8>,
+    /// Traced axes, ascending.
+    pub axes: Vec<AxisName>,
     /// Servo tick in ns.
     pub period_ns: u64,
     /// Ticks from one row to the next, at least 1.

@@ -3,7 +3,7 @@
 //! In: rows, and the digital outputs' edges in the order of time. Out: value changes. The whole
 //! pulses between two rows are spread over the time between them as `servo::steps` says; a step is
 //! high for half the distance to the next. Owns at most one row's changes.
-use crate::row::{Header, OutputEdge, Row};
+use crate::row::{AxisName, Header, OutputEdge, Row};
 use crate::{Result, TraceError};
 use servo::steps;
 use servo::units::Pos;
@@ -13,7 +13,7 @@ use vcd::{IdCode, TimescaleUnit, Value};
 
 /// Wires of one axis and what they show now.
 struct AxisWires {
-    axis: u8,
+    axis: AxisName,
     step: IdCode,
     dir: IdCode,
     backwards: bool,
@@ -41,8 +41,8 @@ impl<W: Write> VcdWriter<W> {
         for &axis in &header.axes {
             axes.push(AxisWires {
                 axis,
-                step: out.add_wire(1, &format!("axis{axis}_step"))?,
-                dir: out.add_wire(1, &format!("axis{axis}_dir"))?,
+                step: out.add_wire(1, &format!("{axis}_step"))?,
+                dir: out.add_wire(1, &format!("{axis}_dir"))?,
                 backwards: false,
                 pos: Pos(0),
             });

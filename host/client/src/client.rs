@@ -1,0 +1,381 @@
+//! An opened controller.
+use crate::call::{Call, decode};
+use crate::error::{Error, Result};
+use crate::link::Link;
+use crate::program::{Observer, Program, Summary};
+use crate::session::{Reply, Session};
+use protocol::command::{Choose, Request, VersionReply};
+use protocol::link::Identity;
+use protocol::record::Lane;
+use std::collections::hash_map::RandomState;
+use std::hash::BuildHasher;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// Product profiles of SPEC 2, by their numbers on the wire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+#[allow(missing_docs)]
+pub enum Profile {
+    Gus = 0,
+    Gtn016 = 1,
+    Gtn024 = 2,
+    Gsn008Lt = 3,
+    Gsn024 = 4,
+    Gsn048 = 5,
+    R688c024 = 6,
+    R688s016 = 7,
+    R688s032 = 8,
+}
+
+impl Profile {
+    /// All profiles with their names on the command line.
+    pub const ALL: [(Profile, &'static str); 9] = [
+        (Profile::Gus, "gus"),
+        (Profile::Gtn016, "gtn-016"),
+        (Profile::Gtn024, "gtn-024"),
+        (Profile::Gsn008Lt, "gsn-008-lt"),
+        (Profile::Gsn024, "gsn-024"),
+        (Profile::Gsn048, "gsn-048"),
+        (Profile::R688c024, "r688c-024"),
+        (Profile::R688s016, "r688s-016"),
+        (Profile::R688s032, "r688s-032"),
+    ];
+
+    /// The profile of this name.
+    pub fn named(name: &str) -> Option<Profile> {
+        Self::ALL.iter().find(|(_, n)| n.eq_ignore_ascii_case(name)).map(|(p, _)| *p)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
+}
+
+/// Families of SPEC 2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Family {
+    /// The GUS laser manual.
+    #[default]
+    Gus = 0,
+    /// The earlier series' laser manual.
+    Lsr = 1,
+}
+
+impl Family {
+    /// The family of this name.
+    pub fn named(name: &str) -> Option<Family> {
+        match name.to_ascii_lowercase().as_str() {
+            "gus" => Some(Family::Gus),
+            "lsr" => Some(Family::Lsr),
+            _ => None,
+        }
+    }
+}
+
+/// How to open a controller.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Profile to choose; `None` keeps what the controller shows.
+    pub profile: Option<Profile>,
+    /// Family to choose.
+    pub family: Family,
+    /// Servo tick in µs; `None` keeps the controller's.
+    pub tick_us: Option<u32>,
+    /// A call fails with −7 if nothing comes from the controller for this long.
+    pub timeout: Duration,
+    /// Opening fails with −7 after this time without an answer.
+    pub open_timeout: Duration,
+    /// Version and schema that the client shows; anything but the build's own is for tests.
+    pub identity: Identity,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            profile: None,
+            family: Family::Gus,
+            tick_us: None,
+            timeout: Duration::from_secs(2),
+            open_timeout: Duration::from_secs(3),
+            identity: Identity::OURS,
+        }
+    }
+}
+
+/// Longest time that one pump holds the link, so that other threads get their turn.
+const TURN: Duration = Duration::from_millis(2);
+/// The same in virtual time, where nobody else waits and a receive returns with the first byte.
+const VIRTUAL_TURN: Duration = Duration::from_millis(50);
+/// Longest time without a pump while no call is under way.
+const IDLE: Duration = Duration::from_millis(50);
+
+/// Where the trace stream's bytes go.
+type TraceSink = Box<dyn FnMut(&[u8]) + Send>;
+
+pub(crate) struct Inner {
+    /// Longest wait of one pump.
+    pub(crate) turn: Duration,
+    link: Box<dyn Link>,
+    pub(crate) session: Session,
+    trace: Option<TraceSink>,
+    trace_bytes: Vec<u8>,
+    received: Vec<u8>,
+    outgoing: Vec<u8>,
+    failed: Option<Error>,
+}
+
+impl Inner {
+    fn new(mut link: Box<dyn Link>, identity: Identity) -> Self {
+        // In virtual time the same calls must give the same bytes: no chance there.
+        let nonce = if link.real_time() { RandomState::new().hash_one(std::process::id()) as u32 } else { 1 };
+        let (now, name) = (link.now(), link.name().to_owned());
+        let turn = if link.real_time() { TURN } else { VIRTUAL_TURN };
+        let session = Session::open(&name, now, nonce, identity);
+        Inner {
+            turn,
+            link,
+            session,
+            trace: None,
+            trace_bytes: Vec::new(),
+            received: vec![0; 8192],
+            outgoing: Vec::new(),
+            failed: None,
+        }
+    }
+
+    pub(crate) fn now(&mut self) -> u64 {
+        self.link.now()
+    }
+
+    /// Sends what is due, receives for at most `wait`, and takes in what came.
+    pub(crate) fn pump(&mut self, wait: Duration) -> Result<()> {
+        if let Some(failed) = &self.failed {
+            return Err(failed.clone());
+        }
+        let result = self.pump_once(wait);
+        if let Err(e) = &result {
+            self.failed = Some(e.clone());
+        }
+        result
+    }
+
+    fn pump_once(&mut self, wait: Duration) -> Result<()> {
+        let now = self.link.now();
+        self.outgoing.clear();
+        self.session.send(now, &mut self.outgoing);
+        if !self.outgoing.is_empty() {
+            self.link.send(&self.outgoing)?;
+        }
+        let wait = wait.min(Duration::from_nanos(self.session.next_deadline().saturating_sub(now)));
+        let n = self.link.receive(&mut self.received, wait)?;
+        let now = self.link.now();
+        if let Some(bytes) = self.received.get(..n) {
+            self.session.feed(now, bytes)?;
+        }
+        if self.link.has_trace() {
+            self.link.take_trace(&mut self.trace_bytes)?;
+            if let Some(sink) = &mut self.trace
+                && !self.trace_bytes.is_empty()
+            {
+                sink(&self.trace_bytes);
+            }
+            self.trace_bytes.clear();
+        }
+        Ok(())
+    }
+}
+
+/// What the client and its keep-alive thread share.
+struct Shared {
+    inner: Mutex<Inner>,
+    stop: Mutex<bool>,
+    wake: Condvar,
+}
+
+/// An opened controller. Calls may come from several threads at once.
+///
+/// On a link in real time a thread of its own keeps the link alive between calls.
+pub struct Client {
+    shared: Arc<Shared>,
+    keeper: Option<JoinHandle<()>>,
+    name: String,
+    version: VersionReply,
+    timeout: Duration,
+}
+
+impl Client {
+    /// Opens the session on a link, compares versions and chooses profile, family and tick.
+    ///
+    /// # Errors
+    /// −7 if nothing answers; 3 if client and firmware do not match, or the board cannot hold the
+    /// profile; −6 if the controller is open already; 7 if the tick period is out of its range.
+    pub fn open(link: Box<dyn Link>, options: Options) -> Result<Client> {
+        let name = link.name().to_owned();
+        let mut inner = Inner::new(link, options.identity);
+        let start = inner.now();
+        let limit = nanoseconds(options.open_timeout);
+        while !inner.session.is_open()? {
+            let turn = inner.turn;
+            inner.pump(turn)?;
+            if inner.now().saturating_sub(start) > limit {
+                return Err(Error::no_answer(&name, options.open_timeout, "opening"));
+            }
+        }
+        let shared =
+            Arc::new(Shared { inner: Mutex::new(inner), stop: Mutex::new(false), wake: Condvar::new() });
+        let mut client = Client {
+            shared, keeper: None, name, version: VersionReply::default(), timeout: options.timeout,
+        };
+        client.version = client.call(protocol::command::Version {})?;
+        if options.profile.is_some() || options.family as u8 != client.version.family {
+            let profile = options.profile.map_or(client.version.profile, |p| p as u8);
+            client.version = client.call(Choose { profile, family: options.family as u8 })?;
+        }
+        if let Some(tick_us) = options.tick_us
+            && client.version.tick_us.get() != tick_us
+        {
+            let tick_us = i32::try_from(tick_us).unwrap_or(i32::MAX);
+            client.call(protocol::command::SetTick { tick_us: tick_us.into() })?;
+            client.version = client.call(protocol::command::Version {})?;
+        }
+        if client.lock().link.real_time() {
+            let shared = Arc::clone(&client.shared);
+            client.keeper = Some(std::thread::spawn(move || keep_alive(&shared)));
+        }
+        Ok(client)
+    }
+
+    /// The link's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What the controller is.
+    pub fn version(&self) -> &VersionReply {
+        &self.version
+    }
+
+    /// Name of the controller's board.
+    pub fn board(&self) -> String {
+        let bytes: Vec<u8> = self.version.board.iter().copied().take_while(|b| *b != 0).collect();
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+
+    /// Makes a call and waits for its reply.
+    pub fn call<R: Request>(&self, request: R) -> Result<R::Reply> {
+        self.call_items(request, &[]).map(|(reply, _)| reply)
+    }
+
+    /// Makes a call with items and waits for its reply and the reply's items.
+    pub fn call_items<R: Request>(&self, request: R, items: &[R::Item]) -> Result<(R::Reply, Vec<R::ReplyItem>)> {
+        decode::<R>(&self.call_raw(&Call::with_items::<R>(request, items))?)
+    }
+
+    /// Makes a packed call and waits for its packed reply.
+    pub fn call_raw(&self, call: &Call) -> Result<Vec<u8>> {
+        let tag = self.lock().session.post(Lane::Immediate, call)?;
+        loop {
+            let mut inner = self.lock();
+            if let Some(Reply { code, payload, .. }) = inner.session.take(tag) {
+                return if code == 0 { Ok(payload) } else { Err(crate::call::refused(call.opcode, code, &payload)) };
+            }
+            let turn = inner.turn;
+            inner.pump(turn)?;
+            self.check_heard(&mut inner, || format!("in {}", crate::call::name(call.opcode)))?;
+        }
+    }
+
+    /// Fails with −7 if nothing came for the time limit.
+    pub(crate) fn check_heard(&self, inner: &mut Inner, doing: impl FnOnce() -> String) -> Result<()> {
+        let silent = inner.now().saturating_sub(inner.session.heard_at());
+        if silent > nanoseconds(self.timeout) {
+            let e = Error::no_answer(&self.name, Duration::from_nanos(silent), &doing());
+            inner.failed = Some(e.clone());
+            return Err(e);
+        }
+        Ok(())
+    }
+
+    /// Lets `time` pass on the link's own clock, keeping the link alive.
+    pub fn sleep(&self, time: Duration) -> Result<()> {
+        let end = self.lock().now().saturating_add(nanoseconds(time));
+        loop {
+            let mut inner = self.lock();
+            let left = end.saturating_sub(inner.now());
+            if left == 0 {
+                return Ok(());
+            }
+            let turn = inner.turn.min(Duration::from_nanos(left));
+            inner.pump(turn)?;
+        }
+    }
+
+    /// Time on the link's own clock, from anywhere.
+    pub fn now(&self) -> Duration {
+        Duration::from_nanos(self.lock().now())
+    }
+
+    /// Whether the link carries a trace stream.
+    pub fn has_trace(&self) -> bool {
+        self.lock().link.has_trace()
+    }
+
+    /// Sends the trace stream's bytes to `sink` from now on, as they come.
+    pub fn trace_to(&self, sink: impl FnMut(&[u8]) + Send + 'static) {
+        self.lock().trace = Some(Box::new(sink));
+    }
+
+    /// An empty program for this controller.
+    pub fn program(&self) -> Program<'_> {
+        Program::new(self)
+    }
+
+    /// Runs the calls of `calls` as a program; see [`Program::run`]. The calls are taken from the
+    /// iterator as the controller's queue takes them.
+    pub fn run(
+        &self, calls: impl IntoIterator<Item = Call>, strict: bool, observer: &mut dyn Observer,
+    ) -> Result<Summary> {
+        crate::program::run(self, &mut calls.into_iter(), strict, observer)
+    }
+
+    pub(crate) fn lock(&self) -> MutexGuard<'_, Inner> {
+        self.shared.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Client {
+    fn drop(&mut self) {
+        *self.shared.stop.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.shared.wake.notify_all();
+        if let Some(keeper) = self.keeper.take() {
+            let _ = keeper.join();
+        }
+        let mut inner = self.lock();
+        if inner.failed.is_none() {
+            inner.session.close();
+            let _ = inner.pump(Duration::ZERO);
+        }
+    }
+}
+
+/// Pumps the link while nobody calls.
+fn keep_alive(shared: &Shared) {
+    let mut stop = shared.stop.lock().unwrap_or_else(PoisonError::into_inner);
+    while !*stop {
+        drop(stop);
+        if let Ok(mut inner) = shared.inner.try_lock() {
+            // A failure is kept and told by the next call.
+            let _ = inner.pump(Duration::from_micros(100));
+        }
+        stop = shared.stop.lock().unwrap_or_else(PoisonError::into_inner);
+        stop = shared.wake.wait_timeout_while(stop, IDLE, |s| !*s).unwrap_or_else(PoisonError::into_inner).0;
+    }
+}
+
+pub(crate) fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}

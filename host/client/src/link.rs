@@ -1,0 +1,49 @@
+//! Roads for bytes: the [`Link`] trait, and [`open`] which builds one from its name.
+//!
+//! In: bytes to send, a waiting time. Out: bytes received, trace bytes. A link owns its port and
+//! closes it when dropped. Failures are [`Error`]s with the codes −1, −2, −3 and −6.
+use crate::error::{Error, Result};
+use crate::{qemu, serial, tcp};
+use std::time::Duration;
+
+/// A road for bytes to one controller.
+pub trait Link: Send {
+    /// What a person calls it: `tcp:127.0.0.1:5000`.
+    fn name(&self) -> &str;
+    /// Sends all bytes.
+    fn send(&mut self, bytes: &[u8]) -> Result<()>;
+    /// Receives what is there, waiting at most `wait` for the first byte. 0: nothing came.
+    fn receive(&mut self, buf: &mut [u8], wait: Duration) -> Result<usize>;
+    /// The time by which this link's answers are awaited, in ns from anywhere: wall-clock time, or
+    /// the virtual controller's own.
+    fn now(&mut self) -> u64;
+    /// Whether time passes by itself. A link in virtual time answers false: its time passes in
+    /// [`Link::receive`] only, and no thread may pump it in the background.
+    fn real_time(&self) -> bool {
+        true
+    }
+    /// Whether this link carries a trace stream.
+    fn has_trace(&self) -> bool {
+        false
+    }
+    /// Moves the trace bytes received since the last call to the end of `out`.
+    fn take_trace(&mut self, out: &mut Vec<u8>) -> Result<()> {
+        let _ = out;
+        Ok(())
+    }
+}
+
+/// Opens a link by its name: `tcp:HOST:PORT`, `serial:PATH[:BAUD]`, `qemu:IMAGE`.
+///
+/// The virtual controller's link is made by `virtual_board::VirtualLink`.
+pub fn open(name: &str) -> Result<Box<dyn Link>> {
+    match name.split_once(':') {
+        Some(("tcp", address)) => Ok(Box::new(tcp::TcpLink::connect(address)?)),
+        Some(("serial", port)) => Ok(Box::new(serial::SerialLink::open(port)?)),
+        Some(("qemu", image)) => Ok(Box::new(qemu::QemuLink::start(&qemu::Machine::new(image))?)),
+        _ => Err(Error::cannot_open(
+            name,
+            "a link is tcp:HOST:PORT, serial:PATH[:BAUD] or qemu:IMAGE",
+        )),
+    }
+}

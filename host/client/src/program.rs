@@ -1,0 +1,393 @@
+//! A program: timed calls that run on the controller's own script clock (SPEC 7).
+//!
+//! In: calls in order, `Sleep` and `WaitStop` among them. Out: one [`Answer`] for each, in order,
+//! and a [`Summary`]. The controller's queue is kept as full as it can be while the program runs, so
+//! that a host that is not real time can be away for a while; entries that do not fit wait here.
+use crate::call::{Call, refused};
+use crate::client::Client;
+use crate::error::{Error, Result};
+use crate::error;
+use crate::client::Inner;
+use protocol::command::{ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtData, PtDataMany, PtTaken, Request};
+use protocol::reason::{Reason, Refusal};
+use protocol::record::Lane;
+use std::collections::VecDeque;
+use std::time::Duration;
+use zerocopy::FromBytes;
+
+/// What became of one entry.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// Number of the entry in its program, from 0.
+    pub index: u32,
+    /// Its command.
+    pub opcode: u16,
+    /// Return value of SPEC 3.
+    pub code: i16,
+    /// Why, if the code is not 0.
+    pub error: Option<Error>,
+    /// The packed reply, if the code is 0.
+    pub reply: Vec<u8>,
+}
+
+impl Answer {
+    /// The reply's fields and items, if the entry was done and is of this command.
+    pub fn reply<R: Request>(&self) -> Option<(R::Reply, Vec<R::ReplyItem>)> {
+        if self.code != 0 || self.opcode != R::OPCODE {
+            return None;
+        }
+        crate::call::decode::<R>(&self.reply).ok()
+    }
+
+    /// What the controller said against it.
+    pub fn refusal(&self) -> Option<&Refusal> {
+        self.error.as_ref().and_then(|e| e.refusal.as_ref())
+    }
+
+    pub(crate) fn new(index: u32, opcode: u16, code: i16, payload: Vec<u8>) -> Self {
+        let error = (code != 0).then(|| refused(opcode, code, &payload));
+        Answer { index, opcode, code, error, reply: if code == 0 { payload } else { Vec::new() } }
+    }
+}
+
+/// How long the data in one axis's PT stream lasts, as the last answer said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Dry {
+    /// Logical core, from 1.
+    pub core: i16,
+    /// Axis of the core, from 1.
+    pub axis: i16,
+    /// Free places (PtSpace).
+    pub space: u16,
+    /// Time to dry in ms.
+    pub dry_ms: u32,
+}
+
+/// Where a program is.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Progress {
+    /// Entries pushed.
+    pub entries: u32,
+    /// Entries sent to the controller.
+    pub sent: u32,
+    /// Entries answered.
+    pub answered: u32,
+    /// The controller's own account: accepted, executed, free bytes, late entries, state, clock.
+    pub queue: ProgramReply,
+    /// One row for each PT stream that got data, in order of its first data.
+    pub streams: Vec<Dry>,
+}
+
+impl Progress {
+    /// The script clock.
+    pub fn clock(&self) -> Duration {
+        Duration::from_nanos(self.queue.clock_ns.get())
+    }
+}
+
+/// Who watches a program run.
+pub trait Observer {
+    /// An entry was answered; answers come in the order of the entries.
+    fn answered(&mut self, answer: Answer) -> Result<()> {
+        let _ = answer;
+        Ok(())
+    }
+    /// About every 100 ms of the link's time. An error ends the waiting (not the program).
+    fn progress(&mut self, progress: &Progress) -> Result<()> {
+        let _ = progress;
+        Ok(())
+    }
+}
+
+/// An observer that watches nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Quiet;
+
+impl Observer for Quiet {}
+
+/// How a program ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Where it was when it ended.
+    pub progress: Progress,
+    /// The first entry that was refused.
+    pub failed: Option<Answer>,
+}
+
+/// A program that is being put together or runs. See the module text.
+pub struct Program<'c> {
+    client: &'c Client,
+    calls: Vec<Call>,
+}
+
+impl<'c> Program<'c> {
+    pub(crate) fn new(client: &'c Client) -> Self {
+        Program { client, calls: Vec::new() }
+    }
+
+    /// Appends a call; returns its number, from 0.
+    pub fn push<R: Request>(&mut self, request: R) -> u32 {
+        self.push_call(Call::of(request))
+    }
+
+    /// Appends a call with items.
+    pub fn push_items<R: Request>(&mut self, request: R, items: &[R::Item]) -> u32 {
+        self.push_call(Call::with_items::<R>(request, items))
+    }
+
+    /// Appends a packed call.
+    pub fn push_call(&mut self, call: Call) -> u32 {
+        self.calls.push(call);
+        (self.calls.len() - 1) as u32
+    }
+
+    /// Sends everything, starts the program as soon as the controller's queue is full or everything
+    /// is in it, and waits until it has run. `strict`: a late entry stops it.
+    ///
+    /// A refused entry is no error here but in the summary.
+    pub fn run(self, strict: bool, observer: &mut dyn Observer) -> Result<Summary> {
+        self.client.run(self.calls, strict, observer)
+    }
+}
+
+/// Longest time between two looks at the controller's queue, on the link's clock.
+const LOOK_NS: u64 = 20_000_000;
+/// Time between two calls of [`Observer::progress`].
+const PROGRESS_NS: u64 = 100_000_000;
+/// What an entry takes of the queue's free bytes beyond its body, at most.
+const ENTRY_OVERHEAD: u32 = 16;
+/// Entries that are sent and not answered, at most.
+const IN_FLIGHT: usize = 16_384;
+/// Calls that wait for a place in a message, at most: about a window full.
+const BACKLOG: usize = 1024;
+
+/// States of the program queue (`ProgramReply::state`).
+mod state {
+    pub const EMPTY: u8 = 0;
+    pub const HELD: u8 = 1;
+    pub const FAILED: u8 = 3;
+    pub const STOPPED: u8 = 4;
+}
+
+/// An entry on its way.
+struct Sent {
+    tag: u16,
+    index: u32,
+    call: Call,
+}
+
+/// A program under way.
+struct Run<'a> {
+    calls: &'a mut dyn Iterator<Item = Call>,
+    /// The next call, taken from the iterator and not sent yet; calls to be sent again stand in front.
+    ahead: VecDeque<(u32, Call)>,
+    exhausted: bool,
+    flight: VecDeque<Sent>,
+    /// Free bytes of the queue that may still be used.
+    room: u32,
+    /// The look at the queue that is under way: its tag, and the bytes sent behind it.
+    look: Option<(u16, u32)>,
+    looked_at: u64,
+    told_at: u64,
+    started: bool,
+    going_back: bool,
+    progress: Progress,
+    failed: Option<Answer>,
+}
+
+/// Runs calls as a program; see [`Program::run`].
+pub(crate) fn run(
+    client: &Client, calls: &mut dyn Iterator<Item = Call>, strict: bool, observer: &mut dyn Observer,
+) -> Result<Summary> {
+    let mut run = Run {
+        calls,
+        ahead: VecDeque::new(),
+        exhausted: false,
+        flight: VecDeque::new(),
+        room: 0,
+        look: None,
+        looked_at: 0,
+        told_at: client.lock().now(),
+        started: false,
+        going_back: false,
+        progress: Progress::default(),
+        failed: None,
+    };
+    run.progress.queue = client.call(ProgramStatus {})?;
+    if matches!(run.progress.queue.state, state::FAILED | state::STOPPED) {
+        run.progress.queue = client.call(ProgramClear {})?;
+    }
+    run.room = run.progress.queue.space_bytes.get();
+    loop {
+        let answers = {
+            let mut inner = client.lock();
+            run.fill(&mut inner)?;
+            run.ask(&mut inner)?;
+            let turn = inner.turn;
+            inner.pump(turn)?;
+            client.check_heard(&mut inner, || "while a program runs".to_owned())?;
+            run.collect(&mut inner)?
+        };
+        for answer in answers {
+            observer.answered(answer)?;
+        }
+        if run.ready_to_start() {
+            run.progress.queue = client.call(ProgramStart { strict: strict.into() })?;
+            run.started = true;
+        }
+        let now = client.lock().now();
+        if now.saturating_sub(run.told_at) >= PROGRESS_NS {
+            run.told_at = now;
+            observer.progress(&run.progress)?;
+        }
+        if run.is_over() {
+            break;
+        }
+    }
+    if run.failed.is_some() || run.progress.queue.state != state::EMPTY {
+        let last = run.progress.queue;
+        client.call(ProgramClear {})?;
+        run.progress.queue = last;
+    }
+    observer.progress(&run.progress)?;
+    Ok(Summary { progress: run.progress, failed: run.failed })
+}
+
+impl Run<'_> {
+    /// The next call to send; the program's end behind the last.
+    fn next(&mut self) -> Option<&(u32, Call)> {
+        if self.ahead.is_empty() && !self.exhausted {
+            let call = self.calls.next();
+            let index = self.progress.entries;
+            match call {
+                Some(call) => {
+                    self.progress.entries += 1;
+                    self.ahead.push_back((index, call));
+                }
+                None => {
+                    self.exhausted = true;
+                    self.ahead.push_back((index, Call::of(ProgramEnd {})));
+                }
+            }
+        }
+        self.ahead.front()
+    }
+
+    /// Sends entries as far as the controller's queue and the window have room.
+    fn fill(&mut self, inner: &mut Inner) -> Result<()> {
+        while self.failed.is_none()
+            && !self.going_back
+            && self.flight.len() < IN_FLIGHT
+            && inner.session.backlog() < BACKLOG
+        {
+            let room = self.room;
+            let Some((_, call)) = self.next() else { break };
+            let cost = call.payload.len() as u32 + ENTRY_OVERHEAD;
+            if cost > room {
+                break;
+            }
+            let Some((index, call)) = self.ahead.pop_front() else { break };
+            self.room -= cost;
+            if let Some((_, behind)) = &mut self.look {
+                *behind += cost;
+            }
+            let tag = inner.session.post(Lane::Program, &call)?;
+            self.progress.sent = self.progress.sent.max((index + 1).min(self.progress.entries));
+            self.flight.push_back(Sent { tag, index, call });
+        }
+        Ok(())
+    }
+
+    /// Looks at the controller's queue when entries wait for room, and now and then anyway.
+    fn ask(&mut self, inner: &mut Inner) -> Result<()> {
+        let now = inner.now();
+        if let Some((tag, behind)) = self.look {
+            if let Some(reply) = inner.session.take(tag) {
+                self.look = None;
+                if let Ok(queue) = ProgramReply::read_from_bytes(&reply.payload) {
+                    self.room = queue.space_bytes.get().saturating_sub(behind);
+                    self.progress.queue = queue;
+                }
+            }
+        }
+        if self.look.is_none() && now.saturating_sub(self.looked_at) >= LOOK_NS {
+            self.looked_at = now;
+            self.look = Some((inner.session.post(Lane::Immediate, &Call::of(ProgramStatus {}))?, 0));
+        }
+        Ok(())
+    }
+
+    /// Takes the answers that have come, in the order of the entries.
+    fn collect(&mut self, inner: &mut Inner) -> Result<Vec<Answer>> {
+        let mut answers = Vec::new();
+        while let Some(sent) = self.flight.front() {
+            let Some(reply) = inner.session.take(sent.tag) else { break };
+            let Some(sent) = self.flight.pop_front() else { break };
+            let answer = Answer::new(sent.index, sent.call.opcode, reply.code, reply.payload);
+            if answer.refusal().and_then(Refusal::reason) == Some(Reason::QueueFull) {
+                // This entry and all behind it go again, once the controller has answered them all.
+                self.going_back = true;
+                self.ahead.push_back((sent.index, sent.call));
+                continue;
+            }
+            if self.going_back && answer.code == 0 {
+                return Err(Error::new(
+                    error::LINK_PROTOCOL,
+                    "the controller took an entry behind one that its queue had no room for",
+                ));
+            }
+            self.note_stream(&sent.call, &answer);
+            if answer.code != 0 && self.failed.is_none() {
+                self.failed = Some(answer.clone());
+            }
+            if sent.index < self.progress.entries {
+                self.progress.answered += 1;
+                answers.push(answer);
+            }
+        }
+        if self.going_back && self.flight.is_empty() {
+            self.going_back = false;
+            self.room = 0;
+        }
+        Ok(answers)
+    }
+
+    /// Keeps what a reply to PT data says of its stream.
+    fn note_stream(&mut self, call: &Call, answer: &Answer) {
+        if answer.code != 0 || !matches!(answer.opcode, PtData::OPCODE | PtDataMany::OPCODE) {
+            return;
+        }
+        let (Some(core), Some(axis)) = (short(&call.payload, 0), short(&call.payload, 2)) else { return };
+        let Ok(taken) = PtTaken::read_from_bytes(&answer.reply) else { return };
+        let dry = Dry { core, axis, space: taken.space.get(), dry_ms: taken.dry_ms.get() };
+        match self.progress.streams.iter_mut().find(|d| d.core == core && d.axis == axis) {
+            Some(place) => *place = dry,
+            None => self.progress.streams.push(dry),
+        }
+    }
+
+    /// Everything is there, or as much as fits.
+    fn ready_to_start(&mut self) -> bool {
+        let full = self.ahead.front().is_some_and(|(_, call)| call.payload.len() as u32 + ENTRY_OVERHEAD > self.room);
+        !self.started
+            && self.failed.is_none()
+            && self.progress.queue.state == state::HELD
+            && self.look.is_none()
+            && (full || self.exhausted && self.ahead.is_empty())
+    }
+
+    /// Nothing is left to do or to wait for.
+    fn is_over(&self) -> bool {
+        let queue = self.progress.queue;
+        if self.failed.is_some() {
+            return self.flight.is_empty();
+        }
+        let ended = matches!(queue.state, state::EMPTY | state::FAILED | state::STOPPED);
+        self.started && self.exhausted && self.ahead.is_empty() && self.flight.is_empty() && ended
+    }
+}
+
+/// The little-endian `i16` at `at`.
+fn short(bytes: &[u8], at: usize) -> Option<i16> {
+    bytes.get(at..at + 2).and_then(|b| b.try_into().ok()).map(i16::from_le_bytes)
+}

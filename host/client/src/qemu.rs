@@ -1,0 +1,203 @@
+//! Starts the image in QEMU and links to its two serial ports.
+//!
+//! In: the path of the image. Out: a link over UART0 and the trace stream of UART1. It owns the
+//! QEMU process and ends it when dropped. Fails with −6 and names what is missing.
+use crate::error::{self, Error, Result};
+use crate::link::Link;
+use crate::tcp::read_within;
+use std::fs::File;
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::{Duration, Instant};
+
+/// How long QEMU may take to connect to its serial ports.
+const START: Duration = Duration::from_secs(10);
+
+/// What to start.
+#[derive(Debug, Clone)]
+pub struct Machine {
+    /// The image, an ELF file for `mps2-an500`.
+    pub image: PathBuf,
+    /// The program.
+    pub program: PathBuf,
+    /// 2^shift ns of emulated time pass with each instruction.
+    pub icount_shift: u8,
+    /// Where the image's log goes; without it, nowhere.
+    pub log: Option<PathBuf>,
+    /// Arguments added to the command line.
+    pub extra: Vec<String>,
+}
+
+impl Machine {
+    /// The image in Debian's `qemu-system-arm`, 2 ns an instruction.
+    pub fn new(image: impl Into<PathBuf>) -> Self {
+        Machine {
+            image: image.into(),
+            program: PathBuf::from("qemu-system-arm"),
+            icount_shift: 1,
+            log: None,
+            extra: Vec::new(),
+        }
+    }
+}
+
+/// More trace than this is not held: the reader waits, and with it the emulated UART.
+const TRACE_HELD: usize = 8 << 20;
+
+/// A running QEMU as a link.
+pub struct QemuLink {
+    name: String,
+    child: Child,
+    stream: TcpStream,
+    wait: Option<Duration>,
+    /// Trace bytes that came and were not taken yet.
+    inbox: Arc<Mutex<Vec<u8>>>,
+    since: Instant,
+}
+
+impl QemuLink {
+    /// Starts the machine and waits until its serial ports are connected.
+    pub fn start(machine: &Machine) -> Result<Self> {
+        let name = format!("qemu:{}", machine.image.display());
+        if !machine.image.is_file() {
+            return Err(Error::cannot_open(
+                &name,
+                "there is no such image; `cargo xtask image` builds it",
+            ));
+        }
+        let failed = |e: std::io::Error| Error::cannot_open(&name, e);
+        let link = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
+        let trace = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
+        let (link_port, trace_port) =
+            (link.local_addr().map_err(failed)?.port(), trace.local_addr().map_err(failed)?.port());
+        let log = match &machine.log {
+            Some(path) => Stdio::from(File::create(path).map_err(|e| {
+                Error::cannot_open(&name, format!("log file {}: {e}", path.display()))
+            })?),
+            None => Stdio::null(),
+        };
+        let errors = std::env::temp_dir().join(format!("beamtick-qemu-{}-{link_port}.txt", std::process::id()));
+        let complaints = File::create(&errors).map(Stdio::from).unwrap_or_else(|_| Stdio::null());
+        let mut child = Command::new(&machine.program)
+            .args(["-M", "mps2-an500", "-nographic", "-monitor", "none"])
+            .args(["-icount", &format!("shift={}", machine.icount_shift)])
+            .args(["-chardev", &format!("socket,id=link,host=127.0.0.1,port={link_port},nodelay=on")])
+            .args(["-serial", "chardev:link"])
+            .args(["-chardev", &format!("socket,id=trace,host=127.0.0.1,port={trace_port},nodelay=on")])
+            .args(["-serial", "chardev:trace"])
+            .args(["-chardev", "stdio,id=log,signal=off"])
+            .args(["-semihosting-config", "enable=on,target=native,chardev=log"])
+            .args(&machine.extra)
+            .arg("-kernel")
+            .arg(&machine.image)
+            .stdin(Stdio::null())
+            .stdout(log)
+            .stderr(complaints)
+            .spawn()
+            .map_err(|e| {
+                Error::cannot_open(&name, format!(
+                    "{} does not start ({e}); on Debian and Ubuntu it is in the package qemu-system-arm",
+                    machine.program.display()
+                ))
+            })?;
+        let connected = accept(&link, &mut child).and_then(|l| accept(&trace, &mut child).map(|t| (l, t)));
+        let said = std::fs::read_to_string(&errors).unwrap_or_default();
+        let _ = std::fs::remove_file(&errors);
+        let (stream, trace) = connected.map_err(|e| {
+            let _ = child.kill();
+            let _ = child.wait();
+            Error::cannot_open(&name, format!("{e}{}{}", if said.is_empty() { "" } else { ": " }, said.trim()))
+        })?;
+        let _ = stream.set_nodelay(true);
+        let inbox = Arc::new(Mutex::new(Vec::new()));
+        let theirs = Arc::downgrade(&inbox);
+        std::thread::spawn(move || collect(trace, &theirs));
+        Ok(QemuLink { name, child, stream, wait: None, inbox, since: Instant::now() })
+    }
+
+    /// Process id of the QEMU that this link owns.
+    pub fn process(&self) -> u32 {
+        self.child.id()
+    }
+}
+
+/// Waits for one connection from QEMU, or for its end.
+fn accept(listener: &TcpListener, child: &mut Child) -> std::io::Result<TcpStream> {
+    listener.set_nonblocking(true)?;
+    let start = Instant::now();
+    loop {
+        match listener.accept() {
+            Ok((stream, _)) => {
+                stream.set_nonblocking(false)?;
+                return Ok(stream);
+            }
+            Err(e) if e.kind() == std::io::ErrorKind::WouldBlock => {}
+            Err(e) => return Err(e),
+        }
+        if let Some(status) = child.try_wait()? {
+            return Err(std::io::Error::other(format!("QEMU ended ({status})")));
+        }
+        if start.elapsed() > START {
+            return Err(std::io::Error::other(format!("QEMU did not connect within {} s", START.as_secs())));
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Takes trace bytes off the socket until it closes or nobody wants them, so that the emulated UART
+/// need not wait.
+fn collect(mut stream: TcpStream, inbox: &Weak<Mutex<Vec<u8>>>) {
+    let mut buf = [0; 16384];
+    while let Ok(n @ 1..) = stream.read(&mut buf) {
+        loop {
+            let Some(inbox) = inbox.upgrade() else { return };
+            let mut bytes = inbox.lock().unwrap_or_else(PoisonError::into_inner);
+            if bytes.len() < TRACE_HELD {
+                bytes.extend_from_slice(&buf[..n]);
+                break;
+            }
+            drop(bytes);
+            drop(inbox);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+impl Link for QemuLink {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<()> {
+        self.stream.write_all(bytes).map_err(|e| {
+            Error::new(error::LINK_SEND, format!("{}: sending failed: {e}", self.name))
+        })
+    }
+
+    fn receive(&mut self, buf: &mut [u8], wait: Duration) -> Result<usize> {
+        read_within(&mut self.stream, &mut self.wait, buf, wait, &self.name)
+    }
+
+    fn now(&mut self) -> u64 {
+        u64::try_from(self.since.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    fn has_trace(&self) -> bool {
+        true
+    }
+
+    fn take_trace(&mut self, out: &mut Vec<u8>) -> Result<()> {
+        out.append(&mut self.inbox.lock().unwrap_or_else(PoisonError::into_inner));
+        Ok(())
+    }
+}
+
+impl Drop for QemuLink {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,62 @@
+//! A link over a serial port (UART, ST-LINK's virtual port, USB CDC).
+use crate::error::{self, Error, Result};
+use crate::link::Link;
+use serialport::SerialPort;
+use std::io::{ErrorKind, Read, Write};
+use std::time::{Duration, Instant};
+
+/// Rate where the name gives none: what the boards are set to.
+pub const DEFAULT_BAUD: u32 = 921_600;
+
+/// A serial port as a link.
+pub struct SerialLink {
+    name: String,
+    port: Box<dyn SerialPort>,
+    since: Instant,
+}
+
+impl SerialLink {
+    /// Opens `PATH[:BAUD]`, 8 data bits, no parity.
+    pub fn open(port: &str) -> Result<Self> {
+        let name = format!("serial:{port}");
+        // A Windows or Linux path may hold a colon itself: only a number behind the last one is a rate.
+        let (path, baud) = match port.rsplit_once(':').map(|(path, baud)| (path, baud.parse::<u32>())) {
+            Some((path, Ok(baud))) => (path, baud),
+            _ => (port, DEFAULT_BAUD),
+        };
+        let port = serialport::new(path, baud)
+            .timeout(Duration::from_millis(1))
+            .open()
+            .map_err(|e| Error::cannot_open(&name, e))?;
+        Ok(SerialLink { name, port, since: Instant::now() })
+    }
+}
+
+impl Link for SerialLink {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<()> {
+        self.port.write_all(bytes).map_err(|e| {
+            Error::new(error::LINK_SEND, format!("{}: sending failed: {e}", self.name))
+        })
+    }
+
+    fn receive(&mut self, buf: &mut [u8], wait: Duration) -> Result<usize> {
+        let failed = |e: &dyn std::fmt::Display, name: &str| {
+            Error::new(error::LINK_RECEIVE, format!("{name}: receiving failed: {e}"))
+        };
+        self.port.set_timeout(wait.max(Duration::from_millis(1))).map_err(|e| failed(&e, &self.name))?;
+        match self.port.read(buf) {
+            Ok(0) => Err(Error::new(error::LINK_CLOSED, format!("{}: the port is gone", self.name))),
+            Ok(n) => Ok(n),
+            Err(e) if matches!(e.kind(), ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted) => Ok(0),
+            Err(e) => Err(failed(&e, &self.name)),
+        }
+    }
+
+    fn now(&mut self) -> u64 {
+        u64::try_from(self.since.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+}

@@ -1,0 +1,193 @@
+//! The client's end of the session: calls into messages, messages into replies.
+//!
+//! In: packed calls, received bytes. Out: bytes to send, one [`Reply`] for each call. Owns the link's
+//! state machine and the calls that wait for their reply. Fails with −3 when the controller ends the
+//! session, 3 when versions differ, −5 when a message is no row of replies.
+use crate::call::Call;
+use crate::error::{self, Error, Result};
+use protocol::MAX_PAYLOAD;
+use protocol::link::{Endpoint, Identity, Role, State};
+use protocol::record::{Lane, RequestWriter, replies};
+use std::collections::{HashMap, VecDeque};
+
+/// Messages under way at once.
+const WINDOW: usize = 32;
+/// Most calls that wait for a reply: tags have 16 bits, and none may be used twice at a time.
+pub(crate) const MAX_WAITING: usize = 32_768;
+
+/// The reply to one call.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Reply {
+    /// Return code.
+    pub code: i16,
+    /// The packed reply, or the refusal.
+    pub payload: Vec<u8>,
+}
+
+/// A call that is not in a message yet.
+struct Outgoing {
+    tag: u16,
+    lane: Lane,
+    opcode: u16,
+    payload: Vec<u8>,
+}
+
+/// See the module text.
+pub(crate) struct Session {
+    endpoint: Box<Endpoint<WINDOW>>,
+    name: String,
+    outbox: VecDeque<Outgoing>,
+    /// Calls that wait (`None`) or whose reply has come.
+    waiting: HashMap<u16, Option<Reply>>,
+    next_tag: u16,
+    heard_at: u64,
+    frames: u32,
+}
+
+impl Session {
+    /// Begins to open a session over the link `name`.
+    pub fn open(name: &str, now: u64, nonce: u32, ours: Identity) -> Self {
+        let mut endpoint = Box::new(Endpoint::new(Role::Client, ours));
+        endpoint.open(now, nonce);
+        Session {
+            endpoint,
+            name: name.to_owned(),
+            outbox: VecDeque::new(),
+            waiting: HashMap::new(),
+            next_tag: 0,
+            heard_at: now,
+            frames: 0,
+        }
+    }
+
+    /// Whether the session is in force; an error once it can no more be.
+    pub fn is_open(&self) -> Result<bool> {
+        match self.endpoint.state() {
+            State::Open => Ok(true),
+            State::Opening => Ok(false),
+            State::Mismatch(theirs) => Err(mismatch(&self.name, theirs)),
+            State::Ended | State::Closed => Err(Error::new(
+                error::LINK_CLOSED,
+                format!("{}: the controller ended the session", self.name),
+            )),
+        }
+    }
+
+    /// Ends the session; what waits is forgotten.
+    pub fn close(&mut self) {
+        self.outbox.clear();
+        self.waiting.clear();
+        self.endpoint.close();
+    }
+
+    /// Queues a call; its reply is found under the number returned.
+    pub fn post(&mut self, lane: Lane, call: &Call) -> Result<u16> {
+        if call.payload.len() + 16 > MAX_PAYLOAD {
+            return Err(Error::new(
+                7,
+                format!("{}: {} bytes are too long for a message", crate::call::name(call.opcode), call.payload.len()),
+            ));
+        }
+        if self.waiting.len() >= MAX_WAITING {
+            return Err(Error::new(1, "too many calls wait for their replies"));
+        }
+        while self.waiting.contains_key(&self.next_tag) {
+            self.next_tag = self.next_tag.wrapping_add(1);
+        }
+        let tag = self.next_tag;
+        self.next_tag = self.next_tag.wrapping_add(1);
+        self.waiting.insert(tag, None);
+        self.outbox.push_back(Outgoing { tag, lane, opcode: call.opcode, payload: call.payload.clone() });
+        Ok(tag)
+    }
+
+    /// The reply to call `tag`, if it has come; it is handed over once.
+    pub fn take(&mut self, tag: u16) -> Option<Reply> {
+        if !matches!(self.waiting.get(&tag), Some(Some(_))) {
+            return None;
+        }
+        self.waiting.remove(&tag).flatten()
+    }
+
+    /// Calls that are in no message yet.
+    pub fn backlog(&self) -> usize {
+        self.outbox.len()
+    }
+
+    /// Appends the bytes that are due to `out`.
+    pub fn send(&mut self, now: u64, out: &mut Vec<u8>) {
+        self.pack();
+        self.endpoint.poll(now);
+        let mut bytes = [0; 2048];
+        loop {
+            let n = self.endpoint.take_tx(now, &mut bytes);
+            if n == 0 {
+                break;
+            }
+            out.extend_from_slice(&bytes[..n]);
+        }
+    }
+
+    /// Packs queued calls into messages, as many as a message and the window hold.
+    fn pack(&mut self) {
+        while !self.outbox.is_empty() {
+            let Some(draft) = self.endpoint.draft() else { return };
+            let mut writer = RequestWriter::new(draft);
+            while let Some(call) = self.outbox.front() {
+                if writer.push_raw(call.opcode, call.lane, call.tag, &[&call.payload]).is_err() {
+                    break;
+                }
+                self.outbox.pop_front();
+            }
+            let len = writer.len();
+            if len == 0 || self.endpoint.send_draft(len).is_err() {
+                return;
+            }
+        }
+    }
+
+    /// Takes received bytes.
+    pub fn feed(&mut self, now: u64, bytes: &[u8]) -> Result<()> {
+        self.endpoint.feed(now, bytes);
+        let frames = self.endpoint.counters().deframe.frames;
+        if frames != self.frames {
+            self.frames = frames;
+            self.heard_at = now;
+        }
+        while let Some(message) = self.endpoint.message() {
+            for reply in replies(message) {
+                let reply = reply.map_err(|_| {
+                    Error::new(error::LINK_PROTOCOL, format!("{}: a message is no row of replies", self.name))
+                })?;
+                // A reply that nobody waits for belongs to a program that was given up.
+                if let Some(place) = self.waiting.get_mut(&reply.tag) {
+                    *place = Some(Reply { code: reply.code, payload: reply.body.to_vec() });
+                }
+            }
+            self.endpoint.done_with_message();
+        }
+        self.is_open().map(|_| ())
+    }
+
+    /// When the last good frame came.
+    pub fn heard_at(&self) -> u64 {
+        self.heard_at
+    }
+
+    /// When [`Self::send`] has something to do at the latest.
+    pub fn next_deadline(&self) -> u64 {
+        self.endpoint.next_deadline().unwrap_or(u64::MAX)
+    }
+}
+
+fn mismatch(name: &str, theirs: Identity) -> Error {
+    let ours = Identity::OURS;
+    Error::new(
+        error::MISMATCH,
+        format!(
+            "{name}: client and firmware do not match: the client speaks protocol version {} (schema {:08x}), \
+             the firmware version {} (schema {:08x}); build both from the same source",
+            ours.version, ours.schema, theirs.version, theirs.schema
+        ),
+    )
+}
