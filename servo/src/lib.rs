@@ -5,6 +5,9 @@
 //! In: admitted operations ([`op::Op`]) from two lanes, input samples from a [`port::Port`].
 //! Out: set-points to the port, a [`view::View`] for the thread, samples for a trace.
 //! Nothing here divides by a variable, uses floating point, waits, logs or panics.
+mod axis;
+mod execute;
+mod inputs;
 pub mod op;
 pub mod piece;
 pub mod port;
@@ -12,7 +15,11 @@ pub mod profile;
 pub mod pt;
 pub mod ramp;
 pub mod real;
+mod script;
+pub mod status;
 pub mod steps;
+pub mod tick;
+mod trace;
 pub mod units;
 pub mod view;
 pub mod wide;

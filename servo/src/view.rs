@@ -7,6 +7,8 @@ use crate::units::{Axis, Ns, Pos};
 /// One axis in one tick.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct AxisView {
+    /// Counts changes of anything here but `encoder`, `encoder_before` and `status`.
+    pub changes: u32,
     /// Planned position in force at the view's time.
     pub pos: Pos,
     /// Encoder position in pulses, sampled in the tick that computed this.
@@ -43,6 +45,7 @@ pub struct AxisView {
 impl AxisView {
     /// An axis at power-on.
     pub const POWER_ON: AxisView = AxisView {
+        changes: 0,
         pos: Pos(0),
         encoder: 0,
         encoder_before: 0,

@@ -1,0 +1,495 @@
+//! One axis in the tick: what it runs, what guards it, what it shows.
+//!
+//! In: inputs sampled at the tick in force, operations, the instant of the next tick. Out: the planned
+//! position there, the status word, events. Owns: everything of the axis but its PT segments.
+//! Fails: never; a motion that must not go on stops, with a reason.
+use crate::inputs::{Inputs, reading};
+use crate::op::Mode;
+use crate::piece::{Motion, Scaled};
+use crate::port::AxisInputs;
+use crate::profile::{Profile, State};
+use crate::pt::{Feed, Place, PtRun, Segments};
+use crate::ramp::{Accel, Moving, RampRun, Speed, Trapezoid};
+use crate::status;
+use crate::units::{Exact, Ns, Pos};
+use crate::view::{AxisView, StopReason};
+
+/// Segments of one static FIFO.
+const FIFO: u32 = 1024;
+/// Slots of the dynamic ring, less one.
+const RING_MASK: u32 = 2 * FIFO - 1;
+/// Power-on deceleration of a smooth stop, 1 pulse/ms².
+const STOP_DEC: Accel = Accel { value: Scaled { m: 1, e: 0 }, recip: Scaled { m: 1, e: 0 } };
+
+/// `GetPtState` (see [`AxisView::pt_state`]).
+mod pt_state {
+    pub const RUNNING: u8 = 1;
+    pub const ENDED: u8 = 2;
+    pub const UNDERRUN: u8 = 3;
+    pub const STOPPED: u8 = 4;
+}
+
+/// Jog parameters.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Jog {
+    pub(crate) acc: Accel,
+    pub(crate) dec: Accel,
+    pub(crate) smooth: u16,
+}
+
+/// The state of one axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AxisState {
+    /// What the thread sees; also the state itself, where it is the same thing.
+    pub(crate) shown: AxisView,
+    profile: Option<Profile>,
+    /// Why the running motion will have ended.
+    ending: StopReason,
+    /// Since which tick it is at rest.
+    pub(crate) rest_since: Ns,
+    /// Exact position while at rest.
+    exact: Exact,
+    /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
+    zero: Pos,
+    pub(crate) inputs: Inputs,
+    /// The machine's encoder count, sampled.
+    count: i64,
+    /// Switches active now, as status bits.
+    switches: u32,
+    /// Causes of latched bits that are present now.
+    causes: u32,
+    latched: u32,
+    in_position: bool,
+    pub(crate) servo_on: bool,
+    pub(crate) stop_dec: Accel,
+    pub(crate) jog: Jog,
+    /// Trap; its target and its speed (Jog's too) are those of SetPos and SetVel.
+    pub(crate) trap: Trapezoid,
+    /// Segments committed to the FIFOs (dynamic: the first is the ring's).
+    ends: [u32; 2],
+    /// FIFO that runs.
+    fifo: u8,
+    /// Passes to run, 0 for ever.
+    passes: u32,
+}
+
+const NO_ACCEL: Accel = Accel { value: Scaled { m: 0, e: 0 }, recip: Scaled { m: 0, e: 0 } };
+const NO_SPEED: Speed = Speed(Scaled { m: 0, e: 0 });
+
+impl AxisState {
+    pub(crate) const POWER_ON: AxisState = AxisState {
+        shown: AxisView::POWER_ON,
+        profile: None,
+        ending: StopReason::None,
+        rest_since: Ns(0),
+        exact: Exact(0),
+        zero: Pos(0),
+        inputs: Inputs::POWER_ON,
+        count: 0,
+        switches: 0,
+        causes: 0,
+        latched: 0,
+        in_position: false,
+        servo_on: false,
+        stop_dec: STOP_DEC,
+        jog: Jog { acc: NO_ACCEL, dec: NO_ACCEL, smooth: 0 },
+        trap: Trapezoid {
+            target: 0,
+            speed: NO_SPEED,
+            acc: NO_ACCEL,
+            dec: NO_ACCEL,
+            vel_start: NO_SPEED,
+            smooth: Ns(0),
+        },
+        ends: [0; 2],
+        fifo: 0,
+        passes: 1,
+    };
+
+    pub(crate) fn runs(&self) -> bool {
+        self.profile.is_some()
+    }
+
+    /// Something other than encoder and status is about to differ from the last view.
+    pub(crate) fn touch(&mut self) {
+        self.shown.changes = self.shown.changes.wrapping_add(1);
+    }
+
+    /// Takes the inputs of the tick in force at `now`.
+    #[inline]
+    pub(crate) fn sample(&mut self, now: Ns, raw: AxisInputs, count: i64) {
+        self.count = count;
+        self.shown.encoder_before = self.shown.encoder;
+        self.shown.encoder = self.inputs.encoder(count);
+        let error = self.shown.pos.0.abs_diff(reading(self.shown.encoder).0);
+        self.switches = self.inputs.switches(raw);
+        let causes = self.switches | self.inputs.bounds(self.shown.pos, error, self.servo_on);
+        if causes | self.causes != 0 {
+            self.latch(causes);
+        }
+        self.in_position = self.inputs.in_position(now, !self.runs(), error);
+        if let Some(encoder) = self.inputs.captured(raw, self.shown.encoder) {
+            self.shown.captured = Some(encoder);
+            self.touch();
+        }
+    }
+
+    /// A limit blocks starts from when it becomes active until ClearStatus, a fault as long as its
+    /// cause lasts, too.
+    #[inline(never)]
+    fn latch(&mut self, causes: u32) {
+        let blocked = self.shown.blocked | causes & (!self.causes | status::FAULTS);
+        self.causes = causes;
+        self.latched |= causes;
+        self.block(blocked);
+    }
+
+    fn block(&mut self, blocked: u32) {
+        if blocked != self.shown.blocked {
+            self.shown.blocked = blocked;
+            self.touch();
+        }
+    }
+
+    /// ClearStatus: limits no longer block; bits whose cause is gone are cleared.
+    pub(crate) fn clear_status(&mut self) {
+        self.latched = self.causes;
+        self.block(self.causes & status::FAULTS);
+    }
+
+    /// The status word of the tick just computed.
+    #[inline]
+    pub(crate) fn status(&self) -> u32 {
+        let mut word = self.latched;
+        if self.servo_on {
+            word |= status::SERVO_ON;
+        }
+        if self.runs() {
+            word |= status::RUNNING;
+        } else if self.in_position {
+            word |= status::IN_POSITION;
+        }
+        word
+    }
+
+    /// Whether it must not start: servo off, latched fault, or PT without data.
+    pub(crate) fn refuses_start(&self) -> bool {
+        !self.servo_on || self.shown.blocked != 0
+    }
+
+    /// Whether PT must not start.
+    pub(crate) fn refuses_pt(&self, fifo1: bool) -> bool {
+        let fifo = if self.shown.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
+        self.refuses_start() || self.runs() || !self.is_pt() || self.end(fifo) == 0
+    }
+
+    /// Whether Jog or Trap must not begin or change: also towards an active limit.
+    pub(crate) fn refuses_update(&self) -> bool {
+        let way = match self.shown.mode {
+            Mode::Jog => self.trap.speed.0.m.signum(),
+            Mode::Trap => Pos::pulses(self.trap.target).0.saturating_sub(self.shown.pos.0).signum(),
+            Mode::PtStatic | Mode::PtDynamic => return true,
+        };
+        let inputs = &self.inputs;
+        let at_soft = if way > 0 {
+            inputs.soft_positive.is_some_and(|limit| self.shown.pos >= Pos::pulses(limit))
+        } else {
+            inputs.soft_negative.is_some_and(|limit| self.shown.pos <= Pos::pulses(limit))
+        };
+        let towards = if way > 0 { status::LIMIT_POSITIVE } else { status::LIMIT_NEGATIVE };
+        self.refuses_start() || way != 0 && (at_soft || self.switches & towards != 0)
+    }
+
+    fn is_pt(&self) -> bool {
+        matches!(self.shown.mode, Mode::PtStatic | Mode::PtDynamic)
+    }
+
+    fn end(&self, fifo: u8) -> u32 {
+        let [first, second] = self.ends;
+        if fifo == 0 { first } else { second }
+    }
+
+    fn feed(&self) -> Feed {
+        Feed { end: self.end(self.fifo), passes: self.passes }
+    }
+
+    /// PT begins; its time is 0 at `next`.
+    pub(crate) fn start_pt(&mut self, next: Ns, fifo1: bool) {
+        let place = if self.shown.mode == Mode::PtStatic {
+            self.fifo = fifo1 as u8;
+            Place::Static { base: if fifo1 { FIFO } else { 0 } }
+        } else {
+            self.fifo = 0;
+            Place::Dynamic { mask: RING_MASK, first: 0 }
+        };
+        self.shown.pt_state = pt_state::RUNNING;
+        self.shown.passes = 0;
+        self.begin(Profile::Pt(PtRun::begin(next, self.exact, place)));
+    }
+
+    /// Jog or Trap begins or changes; its time is 0 at `next`.
+    pub(crate) fn update(&mut self, next: Ns, source: &impl Segments) {
+        let (from, _) = self.moving(next, source);
+        let run = if self.shown.mode == Mode::Jog {
+            RampRun::jog(next, from, self.trap.speed, self.jog.acc, self.jog.dec, self.jog.smooth)
+        } else {
+            RampRun::trap(next, from, &self.trap)
+        };
+        self.begin(Profile::Ramp(run));
+    }
+
+    fn begin(&mut self, profile: Profile) {
+        self.profile = Some(profile);
+        self.ending = StopReason::Completed;
+        self.touch();
+    }
+
+    /// Where it will be, and how fast, at `next`, as things stand; and whether it still runs there.
+    fn moving(&self, next: Ns, source: &impl Segments) -> (Moving, bool) {
+        let rest = |pos| (Moving { pos, velocity: Scaled { m: 0, e: 0 } }, false);
+        let Some(mut trial) = self.profile else {
+            return rest(self.exact);
+        };
+        let step = trial.step(next, self.feed(), source);
+        match step.state {
+            State::Running => (Moving { pos: exact(step.pos), velocity: step.motion.velocity() }, true),
+            State::Ended { at } | State::Underrun { at } => rest(at),
+        }
+    }
+
+    /// Smooth stop from `next` on. What ends there anyway is left to end.
+    pub(crate) fn stop_smooth(&mut self, next: Ns, source: &impl Segments) {
+        if !self.runs() || self.ending == StopReason::StopSmooth {
+            return;
+        }
+        let (from, runs) = self.moving(next, source);
+        if runs {
+            self.profile = Some(Profile::Ramp(RampRun::stop(next, from, self.stop_dec)));
+            self.ending = StopReason::StopSmooth;
+            self.end_stream(pt_state::STOPPED);
+        }
+    }
+
+    /// Planned velocity 0 from `next` on, where it stands.
+    pub(crate) fn halt(&mut self, next: Ns, reason: StopReason) {
+        if self.runs() {
+            self.end_stream(pt_state::STOPPED);
+            self.rest(next, exact(self.shown.pos), reason);
+        }
+    }
+
+    fn rest(&mut self, next: Ns, at: Exact, reason: StopReason) {
+        self.profile = None;
+        self.exact = at;
+        self.shown.pos = at.round();
+        self.shown.motion = Motion::default();
+        self.shown.stop = reason;
+        self.shown.dry_ms = 0;
+        self.rest_since = next;
+        self.touch();
+    }
+
+    /// PT is over; a dynamic stream is cleared with it.
+    fn end_stream(&mut self, state: u8) {
+        if self.shown.pt_state != pt_state::RUNNING {
+            return;
+        }
+        self.shown.pt_state = state;
+        if self.shown.mode == Mode::PtDynamic {
+            self.shown.epoch = self.shown.epoch.wrapping_add(1);
+            self.shown.released = 0;
+            self.ends = [0; 2];
+        }
+    }
+
+    /// The motion at `next`; the reason if it comes to rest there.
+    #[inline]
+    pub(crate) fn step(&mut self, next: Ns, look_ahead: bool, source: &impl Segments) -> Option<StopReason> {
+        let feed = self.feed();
+        let profile = self.profile.as_mut()?;
+        if self.causes & status::FAULTS != 0 {
+            let alarm = self.causes & status::ALARM != 0;
+            return Some(self.stopped_by(next, if alarm { StopReason::Alarm } else { StopReason::FollowingError }));
+        }
+        let step = profile.step(next, feed, source);
+        let before = self.shown.pos;
+        if let Some((at, reason)) = self.barrier(before, step.pos) {
+            self.shown.pos = at;
+            return Some(self.stopped_by(next, reason));
+        }
+        self.shown.pos = step.pos;
+        self.shown.motion = step.motion;
+        self.touch();
+        if let Some(Profile::Pt(run)) = &self.profile {
+            let running = step.state == State::Running;
+            self.shown.passes = run.passes();
+            if self.shown.mode == Mode::PtDynamic {
+                self.shown.released = run.released(running);
+            }
+            if look_ahead {
+                self.shown.dry_ms = run.dry_ms(next, feed, source);
+            }
+        }
+        let (at, state, reason) = match step.state {
+            State::Running => return None,
+            State::Ended { at } => (at, pt_state::ENDED, self.ending),
+            State::Underrun { at } => (at, pt_state::UNDERRUN, StopReason::Underrun),
+        };
+        self.end_stream(state);
+        self.rest(next, at, reason);
+        Some(reason)
+    }
+
+    fn stopped_by(&mut self, next: Ns, reason: StopReason) -> StopReason {
+        let limit = match reason {
+            StopReason::LimitPositive | StopReason::SoftPositive => status::LIMIT_POSITIVE,
+            StopReason::LimitNegative | StopReason::SoftNegative => status::LIMIT_NEGATIVE,
+            _ => 0,
+        };
+        self.latched |= limit;
+        self.block(self.shown.blocked | limit);
+        self.halt(next, reason);
+        reason
+    }
+
+    /// What stands between two positions, and where it holds the axis.
+    #[inline]
+    fn barrier(&self, from: Pos, to: Pos) -> Option<(Pos, StopReason)> {
+        let inputs = &self.inputs;
+        if to > from {
+            if self.switches & status::LIMIT_POSITIVE != 0 {
+                return Some((from, StopReason::LimitPositive));
+            }
+            if let Some(soft) = inputs.soft_positive.map(Pos::pulses)
+                && to > soft
+            {
+                return Some((from.max(soft), StopReason::SoftPositive));
+            }
+            if to > Pos::TRAVEL {
+                return Some((Pos::TRAVEL, StopReason::Travel));
+            }
+        } else if to < from {
+            const EDGE: Pos = Pos(-Pos::TRAVEL.0);
+            if self.switches & status::LIMIT_NEGATIVE != 0 {
+                return Some((from, StopReason::LimitNegative));
+            }
+            if let Some(soft) = inputs.soft_negative.map(Pos::pulses)
+                && to < soft
+            {
+                return Some((from.min(soft), StopReason::SoftNegative));
+            }
+            if to < EDGE {
+                return Some((EDGE, StopReason::Travel));
+            }
+        }
+        None
+    }
+
+    /// The machine's set-point for the planned position.
+    #[inline]
+    pub(crate) fn set_point(&self) -> Pos {
+        Pos(self.shown.pos.0.wrapping_sub(self.zero.0))
+    }
+
+    /// The planned position, at rest, is called `at`; the machine does not move.
+    fn rename(&mut self, at: Pos) {
+        if !self.runs() {
+            self.zero = Pos(self.zero.0.wrapping_add(at.0.wrapping_sub(self.shown.pos.0)));
+            self.shown.pos = at;
+            self.exact = exact(at);
+        }
+    }
+
+    /// Sets the planned position.
+    pub(crate) fn set_position(&mut self, at: Pos) {
+        self.rename(at);
+    }
+
+    /// Planned position and encoder both read 0.
+    pub(crate) fn zero_position(&mut self) {
+        if !self.runs() {
+            self.rename(Pos(0));
+            self.set_encoder(0);
+        }
+    }
+
+    /// The encoder reads `pulses` where it is.
+    pub(crate) fn set_encoder(&mut self, pulses: i64) {
+        self.inputs.set_encoder(self.count, pulses);
+        self.shown.encoder_before = self.shown.encoder_before.wrapping_add(pulses.wrapping_sub(self.shown.encoder));
+        self.shown.encoder = pulses;
+    }
+
+    /// The planned position becomes the encoder's reading.
+    pub(crate) fn synchronise(&mut self) {
+        self.rename(reading(self.shown.encoder));
+    }
+
+    /// The mode, at rest; another one clears the PT data.
+    pub(crate) fn set_mode(&mut self, mode: Mode) {
+        if self.runs() || self.shown.mode == mode {
+            return;
+        }
+        self.shown.mode = mode;
+        self.shown.pt_state = 0;
+        self.shown.passes = 0;
+        self.clear_data();
+    }
+
+    fn clear_data(&mut self) {
+        self.ends = [0; 2];
+        self.shown.released = 0;
+    }
+
+    /// What was committed to a FIFO counts from now on.
+    pub(crate) fn commit(&mut self, fifo: u8, end: u32, epoch: u32) {
+        if self.shown.mode == Mode::PtDynamic && epoch != self.shown.epoch {
+            return;
+        }
+        let [first, second] = &mut self.ends;
+        *(if fifo == 0 { first } else { second }) = end;
+    }
+
+    /// Empties a FIFO that is not running.
+    pub(crate) fn clear_fifo(&mut self, fifo: u8) {
+        if self.shown.mode == Mode::PtDynamic {
+            if !self.runs() {
+                self.clear_data();
+            }
+        } else if !self.runs() || self.fifo != fifo {
+            let [first, second] = &mut self.ends;
+            *(if fifo == 0 { first } else { second }) = 0;
+        }
+    }
+
+    pub(crate) fn set_passes(&mut self, passes: u32) {
+        self.passes = passes;
+    }
+
+    /// Arms a capture; what was captured before is forgotten.
+    pub(crate) fn arm(&mut self, mode: u8) {
+        self.shown.captured = None;
+        self.inputs.arm(mode);
+    }
+
+    /// Power-on state, at rest. The machine does not move; where it stands is 0 from now on.
+    pub(crate) fn reset(&mut self) {
+        *self = AxisState {
+            zero: Pos(self.set_point().0.wrapping_neg()),
+            count: self.count,
+            rest_since: self.rest_since,
+            shown: AxisView {
+                changes: self.shown.changes,
+                epoch: self.shown.epoch,
+                stop: self.shown.stop,
+                ..AxisView::POWER_ON
+            },
+            ..AxisState::POWER_ON
+        };
+        self.inputs.set_encoder(self.count, 0);
+    }
+}
+
+fn exact(pos: Pos) -> Exact {
+    Exact((pos.0 as i128) << (64 - Pos::FRAC_BITS))
+}

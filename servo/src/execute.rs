@@ -1,0 +1,164 @@
+//! What each operation does in the tick.
+//!
+//! In: one admitted entry, the state of the axes as it is now. Out: changed state, events. Owns
+//! nothing. Fails: a start or an Update that the machine's state forbids does nothing to any axis of
+//! its mask and is told as [`Event::Refused`]; whatever else does not fit any more has no effect.
+use crate::axis::{AxisState, Jog};
+use crate::op::{DoGroup, Entry, Lane, Op};
+use crate::port::Port;
+use crate::tick::{Lanes, PERIOD_NS, Source, Tick, tell};
+use crate::units::{Axis, AxisMask, Ns};
+use crate::view::{Event, StopReason};
+
+/// The axes of a mask that are in use.
+fn each<const AXES: usize>(
+    axes: &mut [AxisState; AXES],
+    used: usize,
+    mask: AxisMask,
+) -> impl Iterator<Item = (Axis, &mut AxisState)> {
+    axes.iter_mut()
+        .enumerate()
+        .take(used)
+        .filter_map(move |(index, state)| Some((Axis::new(index).filter(|axis| mask.has(*axis))?, state)))
+}
+
+impl<const AXES: usize> Tick<AXES> {
+    /// Carries out one entry.
+    #[inline(never)]
+    pub(crate) fn execute(
+        &mut self,
+        lane: Lane,
+        entry: Entry,
+        next: Ns,
+        period: &mut Ns,
+        port: &mut impl Port,
+        lanes: &mut Lanes<'_, AXES>,
+    ) {
+        match entry.op {
+            Op::Mark | Op::ProgramRun | Op::ProgramDrop | Op::ProgramEnd | Op::WaitRest { .. } => {}
+            Op::Stop { axes, abrupt } => {
+                for (index, (state, store)) in self.axes.iter_mut().zip(lanes.segments).enumerate().take(self.used) {
+                    if (axes.0 & !abrupt.0) >> index & 1 == 1 {
+                        state.stop_smooth(next, &Source(store));
+                    }
+                }
+                self.halt(AxisMask(axes.0 & abrupt.0), StopReason::StopAbrupt, next, lanes);
+            }
+            Op::Servo { axis, on } => self.servo(axis.mask(), on, next, lanes),
+            Op::Output { group, mask, value } => match group {
+                DoGroup::Enable => {
+                    self.servo(AxisMask(mask & value), true, next, lanes);
+                    self.servo(AxisMask(mask & !value), false, next, lanes);
+                }
+                DoGroup::Clear => self.clear = self.clear & !mask | value & mask,
+                DoGroup::General => self.general = self.general & !(mask as u32) | (value & mask) as u32,
+            },
+            Op::Analog { channel, value } => port.analog_out(channel as usize, value),
+            Op::Reset { axes } => {
+                self.clear &= !axes.0;
+                self.halt(axes, StopReason::Reset, next, lanes);
+                self.all(axes, AxisState::reset);
+            }
+            Op::Update { axes } => {
+                if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_update()) {
+                    for (index, (state, store)) in self.axes.iter_mut().zip(lanes.segments).enumerate().take(self.used)
+                    {
+                        if axes.0 >> index & 1 == 1 {
+                            state.update(next, &Source(store));
+                        }
+                    }
+                }
+            }
+            Op::PtStart { axes, fifo1 } => {
+                if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_pt(fifo1.has(axis))) {
+                    each(&mut self.axes, self.used, axes)
+                        .for_each(|(axis, state)| state.start_pt(next, fifo1.has(axis)));
+                }
+            }
+            Op::TickPeriod { ns } => {
+                if PERIOD_NS.contains(&ns) && !self.axes.iter().any(AxisState::runs) {
+                    *period = Ns(ns as u64);
+                }
+            }
+            Op::Trace { every, axes } => {
+                if let Some((row, axes)) = self.trace.begin(every, axes) {
+                    self.emit(row, axes, &mut lanes.samples);
+                }
+            }
+            Op::ClearStatus { axes } => self.all(axes, AxisState::clear_status),
+            Op::Zero { axes } => self.all(axes, AxisState::zero_position),
+            Op::Synchronise { axes } => self.all(axes, AxisState::synchronise),
+            Op::SetPosition { axis, pos } => self.one(axis, |state| state.set_position(pos)),
+            Op::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
+            Op::SetMode { axis, mode } => self.one(axis, |state| state.set_mode(mode)),
+            // An abrupt stop takes no time (SPEC 4), so its deceleration has nothing to do here.
+            Op::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.stop_dec = smooth),
+            Op::Band { axis, band, time } => self.one(axis, |state| state.inputs.set_band(band, time)),
+            Op::SoftLimit { axis, positive, negative } => self.one(axis, |state| {
+                state.inputs.soft_positive = positive;
+                state.inputs.soft_negative = negative;
+            }),
+            Op::Guard { axis, input, on } => self.one(axis, |state| state.inputs.switch(input, on)),
+            Op::Sense { axis, input, active_low } => self.one(axis, |state| state.inputs.sense(input, active_low)),
+            Op::PositionError { axis, limit } => self.one(axis, |state| state.inputs.error_limit = limit),
+            Op::Capture { axis, mode } => self.one(axis, |state| state.arm(mode)),
+            Op::JogPrm { axis, acc, dec, smooth } => self.one(axis, |state| state.jog = Jog { acc, dec, smooth }),
+            Op::TrapPrm { axis, acc, dec, vel_start, smooth } => self.one(axis, |state| {
+                (state.trap.acc, state.trap.dec) = (acc, dec);
+                (state.trap.vel_start, state.trap.smooth) = (vel_start, smooth);
+            }),
+            Op::TargetSpeed { axis, speed } => self.one(axis, |state| state.trap.speed = speed),
+            Op::TargetPosition { axis, pulses } => self.one(axis, |state| state.trap.target = pulses),
+            Op::PtCommit { axis, fifo, end, epoch } => self.one(axis, |state| state.commit(fifo, end, epoch)),
+            Op::PtClear { axis, fifo } => self.one(axis, |state| state.clear_fifo(fifo)),
+            Op::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
+        }
+    }
+
+    fn one(&mut self, axis: Axis, change: impl FnOnce(&mut AxisState)) {
+        if let Some(state) = self.axes.get_mut(axis.index()) {
+            change(state);
+            state.touch();
+        }
+    }
+
+    fn all(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState)) {
+        for (_, state) in each(&mut self.axes, self.used, axes) {
+            change(state);
+            state.touch();
+        }
+    }
+
+    /// Stops axes where they stand.
+    fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Lanes<'_, AXES>) {
+        for (axis, state) in each(&mut self.axes, self.used, axes) {
+            if state.runs() {
+                state.halt(next, reason);
+                tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+            }
+        }
+    }
+
+    fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut Lanes<'_, AXES>) {
+        if !on {
+            self.halt(axes, StopReason::ServoOff, next, lanes);
+        }
+        self.all(axes, |state| state.servo_on = on);
+    }
+
+    /// Whether one axis of the mask forbids the start; then it is told, and none starts.
+    fn refused(
+        &mut self,
+        lane: Lane,
+        seq: u32,
+        axes: AxisMask,
+        lanes: &mut Lanes<'_, AXES>,
+        forbids: impl Fn(Axis, &AxisState) -> bool,
+    ) -> bool {
+        let culprit = each(&mut self.axes, self.used, axes).find(|(axis, state)| forbids(*axis, state));
+        let Some((axis, state)) = culprit else { return false };
+        let refusal = Event::Refused { lane, seq, axis, status: state.status() };
+        tell(&mut lanes.events, &mut self.events_lost, refusal);
+        true
+    }
+}

@@ -1,0 +1,141 @@
+//! What the inputs of an axis mean: which are active, and which forbid what.
+//!
+//! In: raw levels and an encoder count a tick. Out: the causes of status bits, the encoder's reading,
+//! captures, the in-position timer. Owns: enables, senses, bands. It cannot fail.
+use crate::op::Guarded;
+use crate::port::AxisInputs;
+use crate::status;
+use crate::units::{Ns, Pos};
+
+/// Encoder readings further out are taken as this far out: beyond any travel, and still a [`Pos`].
+const READABLE_PULSES: i64 = 1 << 40;
+
+/// An encoder reading as a position.
+pub(crate) fn reading(pulses: i64) -> Pos {
+    Pos(pulses.clamp(-READABLE_PULSES, READABLE_PULSES) << Pos::FRAC_BITS)
+}
+
+/// The input side of one axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Inputs {
+    /// Switched-off inputs, a bit each in the order of [`bit`].
+    off: u8,
+    /// Inputs that are active at the low level, likewise.
+    low: u8,
+    /// Encoder reading minus the machine's count.
+    shift: i64,
+    /// Soft limits.
+    pub(crate) soft_positive: Option<i32>,
+    pub(crate) soft_negative: Option<i32>,
+    /// Following-error limit in pulses.
+    pub(crate) error_limit: Option<u32>,
+    /// In-position band in pulses.
+    band: u32,
+    /// How long the encoder has to be inside.
+    band_time: Ns,
+    /// Since when it is inside: `None` while it is not.
+    inside: Option<Ns>,
+    /// Capture mode that is armed; 0 is none, 1 home, 2 index.
+    capture: u8,
+    /// Home was active one tick ago.
+    home: bool,
+}
+
+fn bit(input: Guarded) -> u8 {
+    match input {
+        Guarded::LimitPositive => 1,
+        Guarded::LimitNegative => 2,
+        Guarded::Alarm => 4,
+        Guarded::Home => 8,
+    }
+}
+
+impl Inputs {
+    /// Power-on: everything on and active high, no limits of position or error, band 0.
+    pub(crate) const POWER_ON: Inputs = Inputs {
+        off: 0,
+        low: 0,
+        shift: 0,
+        soft_positive: None,
+        soft_negative: None,
+        error_limit: None,
+        band: 0,
+        band_time: Ns(0),
+        inside: None,
+        capture: 0,
+        home: false,
+    };
+
+    pub(crate) fn switch(&mut self, input: Guarded, on: bool) {
+        if on { self.off &= !bit(input) } else { self.off |= bit(input) }
+    }
+
+    pub(crate) fn sense(&mut self, input: Guarded, active_low: bool) {
+        if active_low { self.low |= bit(input) } else { self.low &= !bit(input) }
+    }
+
+    /// From now on the machine's count `count` reads as `pulses`.
+    pub(crate) fn set_encoder(&mut self, count: i64, pulses: i64) {
+        self.shift = pulses.wrapping_sub(count);
+    }
+
+    /// The encoder's reading for the machine's count.
+    pub(crate) fn encoder(&self, count: i64) -> i64 {
+        count.wrapping_add(self.shift)
+    }
+
+    /// Band in pulses, and for how long.
+    pub(crate) fn set_band(&mut self, band: u32, time: Ns) {
+        (self.band, self.band_time, self.inside) = (band, time, None);
+    }
+
+    pub(crate) fn arm(&mut self, mode: u8) {
+        self.capture = mode;
+    }
+
+    /// Limit switches and the alarm that are on and active, as status bits.
+    pub(crate) fn switches(&self, raw: AxisInputs) -> u32 {
+        let level = raw.limit_positive as u8 | (raw.limit_negative as u8) << 1 | (raw.alarm as u8) << 2;
+        let active = ((level ^ self.low) & !self.off) as u32;
+        // Bits 0 and 1 are the limit switches, status bits 5 and 6; bit 2 the alarm, status bit 1.
+        (active & 3) << 5 | (active & 4) >> 1
+    }
+
+    /// Other causes of latched status bits: the planned position beyond a soft limit, the following
+    /// error beyond its limit.
+    pub(crate) fn bounds(&self, pos: Pos, error: u64, servo_on: bool) -> u32 {
+        let mut causes = 0;
+        if self.soft_positive.is_some_and(|limit| pos > Pos::pulses(limit)) {
+            causes |= status::LIMIT_POSITIVE;
+        }
+        if self.soft_negative.is_some_and(|limit| pos < Pos::pulses(limit)) {
+            causes |= status::LIMIT_NEGATIVE;
+        }
+        if servo_on && self.error_limit.is_some_and(|limit| error > (limit as u64) << Pos::FRAC_BITS) {
+            causes |= status::FOLLOWING_ERROR;
+        }
+        causes
+    }
+
+    /// The capture that this tick's rising edge of home makes.
+    pub(crate) fn captured(&mut self, raw: AxisInputs, encoder: i64) -> Option<i64> {
+        let home = raw.home ^ (self.low & bit(Guarded::Home) != 0);
+        let edge = home && !self.home;
+        self.home = home;
+        if edge && self.capture == 1 {
+            self.capture = 0;
+            return Some(encoder);
+        }
+        None
+    }
+
+    /// Whether the encoder has been inside the band, at rest, for the band's time at `now`.
+    pub(crate) fn in_position(&mut self, now: Ns, at_rest: bool, error: u64) -> bool {
+        if !at_rest || error > (self.band as u64) << Pos::FRAC_BITS {
+            self.inside = None;
+            return false;
+        }
+        let since = *self.inside.get_or_insert(now);
+        now.0.wrapping_sub(since.0) >= self.band_time.0
+    }
+}

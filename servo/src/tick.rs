@@ -1,0 +1,296 @@
+//! The servo tick: the whole body of the periodic interrupt, the same on every machine.
+//!
+//! In: the inputs of a [`Port`] at the tick in force (n), entries of two lanes. Out: set-points and
+//! outputs for tick n + 1, a view of it, events, trace samples. Owns: the state of all axes, controller
+//! time, the script clock. Budget: at most [`ENTRIES_PER_TICK`] entries and a step an axis, no loop whose
+//! length depends on data. Fails: never; a full ring back to the thread is counted in the view.
+//!
+//! Order within a tick: inputs are sampled, then entries act, then every axis takes its step under its
+//! guards. So a limit seen now stops the set-point of the next tick.
+use crate::axis::AxisState;
+use crate::op::{Entry, Lane, Op};
+use crate::port::Port;
+use crate::pt::Segments;
+use crate::script::Script;
+use crate::trace::Trace;
+use crate::units::{Axis, AxisMask, Ns};
+use crate::view::{Event, Sample, View};
+use ring::{Consumer, Producer, Store, Writer};
+
+/// Entries of the immediate lane's ring.
+pub const IMMEDIATE: usize = 128;
+/// Entries of the program lane's ring.
+pub const PROGRAM: usize = 256;
+/// Events between two looks of the thread.
+pub const EVENTS: usize = 64;
+/// Trace samples between two looks of the thread.
+pub const SAMPLES: usize = 1024;
+/// PT segments of an axis.
+pub const SEGMENTS: usize = 2048;
+/// Entries that act in one tick, both lanes together.
+pub const ENTRIES_PER_TICK: u32 = 64;
+/// Shortest and longest period, ns.
+pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
+
+/// PT segments of one axis.
+pub type SegmentStore = Store<3, SEGMENTS>;
+
+/// What a board fixes.
+#[derive(Debug, Clone, Copy)]
+pub struct TickConfig {
+    /// Period at power-on, ns, in [`PERIOD_NS`].
+    pub period_ns: u32,
+    /// Axes in use, at most the capacity.
+    pub axes: u8,
+    /// Analog inputs to sample, at most 8.
+    pub analog_inputs: u8,
+}
+
+/// The tick's halves of the hand-overs.
+pub struct Lanes<'a, const AXES: usize> {
+    /// Entries that act on the next tick.
+    pub immediate: Consumer<'a, Entry, IMMEDIATE>,
+    /// Timed entries of a program.
+    pub program: Consumer<'a, Entry, PROGRAM>,
+    /// The view of the tick computed last.
+    pub view: Writer<'a, View<AXES>>,
+    /// News.
+    pub events: Producer<'a, Event, EVENTS>,
+    /// Trace samples.
+    pub samples: Producer<'a, Sample, SAMPLES>,
+    /// PT segments of every axis.
+    pub segments: &'a [SegmentStore; AXES],
+}
+
+/// One axis's segments, as its PT run reads them.
+pub(crate) struct Source<'a>(pub(crate) &'a SegmentStore);
+
+impl Segments for Source<'_> {
+    #[inline]
+    fn segment(&self, slot: u32) -> [u32; 3] {
+        self.0.read(slot)
+    }
+}
+
+/// The state of the tick. `AXES` is the capacity of the build.
+pub struct Tick<const AXES: usize> {
+    /// Instant of the tick in force.
+    pub(crate) now: Ns,
+    /// From it to the next one.
+    period: Ns,
+    /// Ticks since power-on.
+    ticks: u32,
+    /// Axes in use.
+    pub(crate) used: usize,
+    analog_inputs: usize,
+    done_immediate: u32,
+    done_program: u32,
+    script: Script,
+    pub(crate) trace: Trace,
+    pub(crate) events_lost: u32,
+    overruns: u32,
+    pub(crate) general: u32,
+    pub(crate) clear: u64,
+    pub(crate) axes: [AxisState; AXES],
+}
+
+impl<const AXES: usize> Tick<AXES> {
+    /// Power-on: tick 0 is in force at time 0; every axis at rest at 0, servo off.
+    pub const fn new(config: TickConfig) -> Self {
+        const { assert!(AXES <= Axis::MAX, "more axes than a mask has bits") };
+        let used = config.axes as usize;
+        Tick {
+            now: Ns(0),
+            period: Ns(config.period_ns as u64),
+            ticks: 0,
+            used: if used < AXES { used } else { AXES },
+            analog_inputs: config.analog_inputs as usize,
+            done_immediate: 0,
+            done_program: 0,
+            script: Script::HELD,
+            trace: Trace::OFF,
+            events_lost: 0,
+            overruns: 0,
+            general: 0,
+            clear: 0,
+            axes: [AxisState::POWER_ON; AXES],
+        }
+    }
+
+    /// Instant of the tick in force: that of the last view.
+    pub fn now(&self) -> Ns {
+        self.now
+    }
+
+    /// Time from the tick in force to the next one, for the machine's timer.
+    pub fn period(&self) -> Ns {
+        self.period
+    }
+
+    /// The machine found that a tick began late: counted, and shown in the view.
+    pub fn overrun(&mut self) {
+        self.overruns = self.overruns.saturating_add(1);
+    }
+
+    /// Computes the next tick: called once at every tick, at the instant [`Tick::now`].
+    pub fn run(&mut self, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
+        let now = self.now;
+        let next = Ns(now.0.wrapping_add(self.period.0));
+        let mut period = self.period;
+
+        let inputs = &mut lanes.view.buffer().inputs;
+        for (index, (state, raw)) in self.axes.iter_mut().zip(inputs).take(self.used).enumerate() {
+            let Some(axis) = Axis::new(index) else { break };
+            *raw = port.inputs(axis);
+            state.sample(now, *raw, port.encoder(axis));
+        }
+        self.execute_due(next, &mut period, port, lanes);
+
+        // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
+        let turn = self.ticks & 7;
+        let view = lanes.view.buffer();
+        let mut enable = 0;
+        for (index, ((state, store), shown)) in
+            self.axes.iter_mut().zip(lanes.segments).zip(&mut view.axes).take(self.used).enumerate()
+        {
+            let Some(axis) = Axis::new(index) else { break };
+            if state.runs()
+                && let Some(reason) = state.step(next, index as u32 & 7 == turn, &Source(store))
+            {
+                tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+            }
+            port.set_point(axis, state.set_point());
+            if state.servo_on {
+                enable |= axis.mask().0;
+            }
+            let status = state.status();
+            state.shown.status = status;
+            if shown.changes == state.shown.changes {
+                shown.encoder = state.shown.encoder;
+                shown.encoder_before = state.shown.encoder_before;
+                shown.status = status;
+            } else {
+                *shown = state.shown;
+            }
+        }
+        port.outputs(enable, self.clear, self.general);
+        if let Some((row, axes)) = self.trace.advance() {
+            self.emit(row, axes, &mut lanes.samples);
+        }
+
+        self.now = next;
+        self.period = period;
+        self.ticks = self.ticks.wrapping_add(1);
+        self.show(enable, port, lanes.view.buffer());
+        lanes.view.publish();
+    }
+
+    /// One row of the trace, of the motion as it stands.
+    #[inline(never)]
+    pub(crate) fn emit(&mut self, row: u32, axes: AxisMask, samples: &mut Producer<'_, Sample, SAMPLES>) {
+        for (index, state) in self.axes.iter().enumerate().take(self.used) {
+            let Some(axis) = Axis::new(index) else { break };
+            if axes.has(axis) {
+                let sample = Sample { row, axis, pos: state.shown.pos, motion: state.shown.motion };
+                if samples.push(sample).is_err() {
+                    self.trace.lost = self.trace.lost.saturating_add(1);
+                }
+            }
+        }
+    }
+
+    /// The part of the view that is not of an axis.
+    #[inline]
+    fn show(&self, enable: u64, port: &mut impl Port, view: &mut View<AXES>) {
+        view.now = self.now;
+        view.tick = self.ticks;
+        view.period = self.period;
+        view.done_immediate = self.done_immediate;
+        view.done_program = self.done_program;
+        view.program_runs = self.script.runs;
+        view.script = self.script.clock;
+        view.script_zero = self.script.zero;
+        view.late = self.script.late;
+        view.worst_late = self.script.worst_late;
+        view.trace_lost = self.trace.lost;
+        view.events_lost = self.events_lost;
+        view.overruns = self.overruns;
+        view.general_inputs = port.general_inputs();
+        view.general_outputs = self.general;
+        view.enable = enable;
+        view.clear = self.clear;
+        for (channel, value) in view.analog.iter_mut().enumerate().take(self.analog_inputs) {
+            *value = port.analog(channel);
+        }
+    }
+
+    /// Carries out what is due: the immediate lane, then the program lane, in order.
+    #[inline]
+    fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
+        let mut left = ENTRIES_PER_TICK;
+        while left > 0
+            && let Some(entry) = lanes.immediate.pop()
+        {
+            left = left.wrapping_sub(1);
+            match entry.op {
+                Op::ProgramRun => {
+                    self.script.begin(self.now);
+                    if let Some((row, axes)) = self.trace.begin_armed() {
+                        self.emit(row, axes, &mut lanes.samples);
+                    }
+                }
+                Op::ProgramDrop => {
+                    lanes.program.clear();
+                    self.script.runs = false;
+                }
+                Op::Trace { every, axes } if !self.script.runs && every != 0 => self.trace.arm(every, axes),
+                _ => self.execute(Lane::Immediate, entry, next, period, port, lanes),
+            }
+            self.done_immediate = entry.seq;
+        }
+        while left > 0
+            && self.script.runs
+            && let Some(entry) = lanes.program.peek()
+        {
+            let mut instant = self.script.instant(entry.delay);
+            if !self.script.is_due(instant, next) {
+                break;
+            }
+            let entry = *entry;
+            if let Op::WaitRest { axes } = entry.op {
+                // The first tick, from its instant on, at which nothing of the mask runs.
+                let Some(since) = self.rest_since(axes) else { break };
+                instant = instant.max(self.script.of(since));
+            }
+            left = left.wrapping_sub(1);
+            lanes.program.skip();
+            self.script.execute(instant, self.now);
+            match entry.op {
+                Op::ProgramEnd => self.script.runs = false,
+                _ => self.execute(Lane::Program, entry, next, period, port, lanes),
+            }
+            self.done_program = entry.seq;
+        }
+    }
+
+    /// Since when all of these axes are at rest; none while one runs.
+    fn rest_since(&self, axes: AxisMask) -> Option<Ns> {
+        let mut since = Ns(0);
+        for (index, state) in self.axes.iter().enumerate().take(self.used) {
+            if axes.0 >> index & 1 == 1 {
+                if state.runs() {
+                    return None;
+                }
+                since = since.max(state.rest_since);
+            }
+        }
+        Some(since)
+    }
+}
+
+/// Tells the thread, or counts what could not be told.
+pub(crate) fn tell(events: &mut Producer<'_, Event, EVENTS>, lost: &mut u32, event: Event) {
+    if events.push(event).is_err() {
+        *lost = lost.saturating_add(1);
+    }
+}
