@@ -193,7 +193,7 @@ impl Real {
         let s = umulhi(x, y) << 2 | 3;
         // One correction from the exact residue x − s².
         let (high, low) = umul(s, s);
-        let residue = ((x as i128) << 64) - ((high as i128) << 64 | low as i128);
+        let residue = ((x as u128) << 64).wrapping_sub((high as u128) << 64 | low as u128) as i128;
         let s = s.saturating_add_signed(mulhi_su((residue >> 16) as i64, y) >> 47);
         Real::new(false, s, e / 2 - 64)
     }
