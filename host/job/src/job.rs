@@ -67,8 +67,6 @@ pub struct Call {
     pub opcode: u16,
     /// The packed request: its struct, then its items.
     pub body: Vec<u8>,
-    /// Names of the parameters, in the order of the request's fields, as the manuals name them.
-    pub fields: Vec<&'static str>,
     /// Variables that the reply's values go to, for display.
     pub outs: Vec<Out>,
     /// The job goes on when this call fails: its result is assigned and `#pragma continue` is on.

@@ -6,12 +6,20 @@
 //! Nothing here opens a link, keeps time, or knows what a call does beyond its parameters; the one
 //! exception is the rule about endless motions ([`Action::WaitAll`]).
 //!
-//! [`scan`] text to tokens, [`read`] tokens to steps, [`value`] expressions, [`api`] the manuals' names and
-//! their requests, [`endless`] what may never stop, [`config`] files of `GT_LoadConfig`.
+//! `scan` text to tokens, `read` statements, `expr` and `value` expressions, `call` calls to requests by the
+//! table of [`api`], `endless` what may never stop, [`config`] files of `GT_LoadConfig`.
 //! The language and the configuration keys are described in `docs/jobs.md`.
 
+pub mod api;
+pub mod config;
+mod call;
 mod diagnostic;
+mod endless;
+mod expr;
 mod job;
+mod read;
+mod scan;
+mod value;
 
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use job::{Action, Axis, Call, Job, Out, Step};
@@ -41,4 +49,19 @@ impl Files for Folder {
         let bytes = std::fs::read(&full).map_err(|error| format!("{}: {error}", full.display()))?;
         String::from_utf8(bytes).map_err(|_| format!("{}: not UTF-8 text", full.display()))
     }
+}
+
+/// Compiles the script `text`; files that it names come from `files`.
+///
+/// # Errors
+/// Everything that is wrong with it, in the order of the text, warnings behind the errors.
+pub fn compile(text: &str, files: &dyn Files) -> Result<Job, Vec<Diagnostic>> {
+    let mut reader = read::Reader::new(text, files);
+    reader.run();
+    if !reader.errors.is_empty() {
+        let mut all = reader.errors;
+        all.append(&mut reader.warnings);
+        return Err(all);
+    }
+    Ok(Job { steps: reader.steps, warnings: reader.warnings, axes: reader.axes.into_iter().collect() })
 }

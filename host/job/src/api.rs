@@ -1,0 +1,286 @@
+//! The table of the manuals' names: functions, parameters with defaults, constants, and the request
+//! each function becomes. The only place where a script's names meet the protocol's.
+//!
+//! Source: API.md (prototypes, constants). Parameters stand in the order of the request's fields; where
+//! the two differ, [`Shape`] says how. A function whose request has no layout is listed by its name
+//! alone, so that a script that calls it is told so.
+
+use crate::value::Type;
+use protocol::command::{self as c, Request};
+
+/// What a parameter is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pass {
+    /// A value.
+    In(Type),
+    /// The address of a variable, or of the first of `count`, that the reply fills.
+    Out,
+    /// The first of `count` values.
+    Many(Type),
+    /// The address of a struct that goes into the request.
+    Struct(Type),
+    /// The address of a struct that the reply fills.
+    OutStruct(Type),
+    /// A text.
+    Text,
+}
+
+/// One parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Param {
+    /// Name, as the manuals have it without its Hungarian letter.
+    pub name: &'static str,
+    /// What it is.
+    pub pass: Pass,
+    /// Its value where a script leaves it out. An `Out` with a default is NULL then.
+    pub default: Option<i32>,
+}
+
+impl Param {
+    const fn or(self, default: i32) -> Self {
+        Param { default: Some(default), ..self }
+    }
+}
+
+const fn param(name: &'static str, pass: Pass) -> Param {
+    Param { name, pass, default: None }
+}
+const fn short(name: &'static str) -> Param {
+    param(name, Pass::In(Type::Short))
+}
+const fn ushort(name: &'static str) -> Param {
+    param(name, Pass::In(Type::UShort))
+}
+const fn long(name: &'static str) -> Param {
+    param(name, Pass::In(Type::Long))
+}
+const fn double(name: &'static str) -> Param {
+    param(name, Pass::In(Type::Double))
+}
+const fn out(name: &'static str) -> Param {
+    param(name, Pass::Out)
+}
+
+const PROFILE: Param = short("profile");
+const AXIS: Param = short("axis");
+const MASK: Param = long("mask");
+const FIFO: Param = short("fifo").or(0);
+const COUNT: Param = short("count").or(1);
+const CLOCK: Param = out("clock").or(0);
+
+/// How parameters become a request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// The request's fields are `core`, if it has one, and the parameters that go in, in order.
+    Plain,
+    /// As `Plain`, with a last field for the form: 0 `GT_`, 1 `GTN_`.
+    Form,
+    /// As `Plain` without the array; its items follow the request.
+    Items,
+    /// The configuration file's items.
+    Config,
+    /// Done by the host (opening, closing, the last reason): nothing is sent.
+    Host,
+    /// Two arrays of axes and options become the masks of `PtStart`.
+    StartList,
+}
+
+/// A function that scripts may call.
+#[derive(Debug, Clone, Copy)]
+pub struct Function {
+    /// Name without `GT_` or `GTN_`.
+    pub name: &'static str,
+    /// Number of its request; 0 for `Shape::Host`.
+    pub opcode: u16,
+    /// Parameters without `core`.
+    pub params: &'static [Param],
+    /// How they travel.
+    pub shape: Shape,
+    /// It changes nothing: allowed in `while(!kbhit())`.
+    pub reads: bool,
+}
+
+const fn call(name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
+    Function { name, opcode, params, shape: Shape::Plain, reads: false }
+}
+const fn read(name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
+    Function { name, opcode, params, shape: Shape::Plain, reads: true }
+}
+const fn shaped(shape: Shape, name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
+    Function { name, opcode, params, shape, reads: false }
+}
+
+/// Every function that has a request, or that the host answers.
+pub const FUNCTIONS: &[Function] = &[
+    // -- session -----------------------------------------------------------------------------------
+    Function { reads: true, ..shaped(Shape::Host, "Open", 0, &[short("channel").or(0), short("param").or(1)]) },
+    Function { reads: true, ..shaped(Shape::Host, "Close", 0, &[]) },
+    Function { reads: true, ..shaped(Shape::Host, "GetLastReason", 0, &[out("text"), short("size")]) },
+    call("Reset", c::Reset::OPCODE, &[]),
+    shaped(Shape::Config, "LoadConfig", c::LoadConfig::OPCODE, &[param("file", Pass::Text)]),
+    call("ClrSts", c::ClrSts::OPCODE, &[AXIS, COUNT]),
+    read("GetVersion", c::Version::OPCODE, &[out("version")]),
+    read("GetClock", c::GetClock::OPCODE, &[out("clock"), out("loop").or(0)]),
+    call("SetTick", c::SetTick::OPCODE, &[long("tickUs")]),
+    call("SetLinkLoss", c::SetLinkLoss::OPCODE, &[long("timeMs"), short("stopAll")]),
+    // -- axis --------------------------------------------------------------------------------------
+    call("AxisOn", c::AxisOn::OPCODE, &[AXIS]),
+    call("AxisOff", c::AxisOff::OPCODE, &[AXIS]),
+    shaped(Shape::Form, "Stop", c::Stop::OPCODE, &[MASK, long("option")]),
+    call("ZeroPos", c::ZeroPos::OPCODE, &[AXIS, COUNT]),
+    call("SetPrfPos", c::SetPrfPos::OPCODE, &[PROFILE, long("pos")]),
+    call("SynchAxisPos", c::SynchAxisPos::OPCODE, &[MASK]),
+    call("SetStopDec", c::SetStopDec::OPCODE, &[PROFILE, double("decSmoothStop"), double("decAbruptStop")]),
+    read("GetStopDec", c::GetStopDec::OPCODE, &[PROFILE, out("decSmoothStop"), out("decAbruptStop")]),
+    call("SetAxisBand", c::SetAxisBand::OPCODE, &[AXIS, long("band"), long("time")]),
+    read("GetAxisBand", c::GetAxisBand::OPCODE, &[AXIS, out("band"), out("time")]),
+    read("GetSts", c::GetSts::OPCODE, &[AXIS, out("sts"), COUNT, CLOCK]),
+    read("GetPrfPos", c::GetPrfPos::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
+    read("GetPrfVel", c::GetPrfVel::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
+    read("GetPrfAcc", c::GetPrfAcc::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
+    read("GetPrfMode", c::GetPrfMode::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
+    read("GetEncPos", c::GetEncPos::OPCODE, &[short("encoder"), out("value"), COUNT, CLOCK]),
+    read("GetEncVel", c::GetEncVel::OPCODE, &[short("encoder"), out("value"), COUNT, CLOCK]),
+    call("SetEncPos", c::SetEncPos::OPCODE, &[short("encoder"), long("pos")]),
+    call("SetSoftLimit", c::SetSoftLimit::OPCODE, &[AXIS, long("positive"), long("negative")]),
+    read("GetSoftLimit", c::GetSoftLimit::OPCODE, &[AXIS, out("positive"), out("negative")]),
+    call("LmtsOn", c::LmtsOn::OPCODE, &[AXIS, short("limitType").or(-1)]),
+    call("LmtsOff", c::LmtsOff::OPCODE, &[AXIS, short("limitType").or(-1)]),
+    call("LmtSns", c::LmtSns::OPCODE, &[ushort("sense")]),
+    call("AlarmOn", c::AlarmOn::OPCODE, &[AXIS]),
+    call("AlarmOff", c::AlarmOff::OPCODE, &[AXIS]),
+    call("SetPosErr", c::SetPosErr::OPCODE, &[short("control"), long("error")]),
+    read("GetPosErr", c::GetPosErr::OPCODE, &[short("control"), out("error")]),
+    call("SetCaptureMode", c::SetCaptureMode::OPCODE, &[short("encoder"), short("mode")]),
+    read(
+        "GetCaptureStatus",
+        c::GetCaptureStatus::OPCODE,
+        &[short("encoder"), out("status"), out("value"), COUNT, CLOCK],
+    ),
+    // -- trap and jog ------------------------------------------------------------------------------
+    call("PrfTrap", c::PrfTrap::OPCODE, &[PROFILE]),
+    call("SetTrapPrm", c::SetTrapPrm::OPCODE, &[PROFILE, param("prm", Pass::Struct(Type::Trap))]),
+    read("GetTrapPrm", c::GetTrapPrm::OPCODE, &[PROFILE, param("prm", Pass::OutStruct(Type::Trap))]),
+    call("PrfJog", c::PrfJog::OPCODE, &[PROFILE]),
+    call("SetJogPrm", c::SetJogPrm::OPCODE, &[PROFILE, param("prm", Pass::Struct(Type::Jog))]),
+    read("GetJogPrm", c::GetJogPrm::OPCODE, &[PROFILE, param("prm", Pass::OutStruct(Type::Jog))]),
+    call("SetPos", c::SetPos::OPCODE, &[PROFILE, long("pos")]),
+    read("GetPos", c::GetPos::OPCODE, &[PROFILE, out("pos")]),
+    call("SetVel", c::SetVel::OPCODE, &[PROFILE, double("vel")]),
+    read("GetVel", c::GetVel::OPCODE, &[PROFILE, out("vel")]),
+    call("Update", c::Update::OPCODE, &[MASK]),
+    // -- digital and analog inputs and outputs -----------------------------------------------------
+    read("GetDi", c::GetDi::OPCODE, &[short("diType"), out("value")]),
+    call("SetDo", c::SetDo::OPCODE, &[short("doType"), long("value")]),
+    read("GetDo", c::GetDo::OPCODE, &[short("doType"), out("value")]),
+    call("SetDoBit", c::SetDoBit::OPCODE, &[short("doType"), short("index"), short("value")]),
+    shaped(Shape::Items, "SetDac", c::SetDac::OPCODE, &[short("dac"), param("value", Pass::Many(Type::Short)), COUNT]),
+    read("GetDac", c::GetDac::OPCODE, &[short("dac"), out("value"), COUNT]),
+    read("GetAdc", c::GetAdc::OPCODE, &[short("adc"), out("value"), COUNT, CLOCK]),
+    // -- PT (GXN chapter 2) ------------------------------------------------------------------------
+    call("PrfPt", c::PrfPt::OPCODE, &[PROFILE, short("mode").or(0)]),
+    read("PtSpace", c::PtSpace::OPCODE, &[PROFILE, out("space"), FIFO]),
+    call("PtData", c::PtData::OPCODE, &[PROFILE, double("pos"), long("time"), short("type").or(0), FIFO]),
+    call("PtClear", c::PtClear::OPCODE, &[PROFILE, FIFO]),
+    call("SetPtLoop", c::SetPtLoop::OPCODE, &[PROFILE, long("loop")]),
+    read("GetPtLoop", c::GetPtLoop::OPCODE, &[PROFILE, out("loop")]),
+    call("SetPtMemory", c::SetPtMemory::OPCODE, &[PROFILE, short("memory")]),
+    read("GetPtMemory", c::GetPtMemory::OPCODE, &[PROFILE, out("memory")]),
+    call("PtStart", c::PtStart::OPCODE, &[MASK, long("option").or(0)]),
+    shaped(
+        Shape::StartList,
+        "PtStartPro",
+        c::PtStart::OPCODE,
+        &[param("axis", Pass::Many(Type::Short)), param("option", Pass::Many(Type::Short)), short("count")],
+    ),
+];
+
+/// The function named `name` without its prefix.
+pub fn function(name: &str) -> Option<&'static Function> {
+    FUNCTIONS.iter().find(|function| function.name == name)
+}
+
+/// Names misread in the printed manual (GXN, chapters 2 to 5), with what they stand for, and how
+/// often they occur is no matter: a name that is not here is not guessed.
+pub const MISREAD: &[(&str, &str)] = &[
+    ("PrFPt", "PrfPt"),
+    ("PrFpT", "PrfPt"),
+    ("PrFpt", "PrfPt"),
+    ("PrPt", "PrfPt"),
+    ("PrflPt", "PrfPt"),
+    ("PrftPt", "PrfPt"),
+    ("PrFPvt", "PrfPvt"),
+    ("PrFpvt", "PrfPvt"),
+    ("PrPvt", "PrfPvt"),
+    ("PrflPvt", "PrfPvt"),
+    ("PrftPvt", "PrfPvt"),
+    ("PrFFollow", "PrfFollow"),
+    ("PrffFollow", "PrfFollow"),
+    ("PrflFollow", "PrfFollow"),
+    ("PrjFollow", "PrfFollow"),
+    ("PrFFollowEx", "PrfFollowEx"),
+    ("PrffFollowEx", "PrfFollowEx"),
+    ("PrffollowEx", "PrfFollowEx"),
+    ("PrjJog", "PrfJog"),
+    ("PrkJog", "PrfJog"),
+];
+
+/// Calls that are accepted and skipped: they print, or wait for a key.
+pub const SKIPPED: &[&str] =
+    &["printf", "commandhandler", "getch", "_getch", "getchar", "puts", "fflush", "system"];
+
+/// Constants of the manuals' header.
+pub const CONSTANTS: &[(&str, i64)] = &[
+    ("PT_MODE_STATIC", 0),
+    ("PT_MODE_DYNAMIC", 1),
+    ("PT_SEGMENT_NORMAL", 0),
+    ("PT_SEGMENT_EVEN", 1),
+    ("PT_SEGMENT_STOP", 2),
+    ("FOLLOW_MASTER_ENCODER", 1),
+    ("FOLLOW_MASTER_PROFILE", 2),
+    ("FOLLOW_MASTER_AXIS", 3),
+    ("FOLLOW_MASTER_AU_ENCODER", 4),
+    ("FOLLOW_MASTER_ENCODER_OTHER", 101),
+    ("FOLLOW_MASTER_AXIS_OTHER", 103),
+    ("FOLLOW_EVENT_START", 1),
+    ("FOLLOW_EVENT_PASS", 2),
+    ("FOLLOW_SEGMENT_NORMAL", 0),
+    ("FOLLOW_SEGMENT_EVEN", 1),
+    ("FOLLOW_SEGMENT_STOP", 2),
+    ("FOLLOW_SEGMENT_CONTINUE", 3),
+    ("FOLLOW_SWITCH_SEGMENT", 1),
+    ("FOLLOW_SWITCH_TABLE", 2),
+    ("MC_NONE", -1),
+    ("MC_LIMIT_POSITIVE", 0),
+    ("MC_LIMIT_NEGATIVE", 1),
+    ("MC_ALARM", 2),
+    ("MC_HOME", 3),
+    ("MC_GPI", 4),
+    ("MC_ARRIVE", 5),
+    ("MC_ENABLE", 10),
+    ("MC_CLEAR", 11),
+    ("MC_GPO", 12),
+    ("MC_DAC", 20),
+    ("MC_STEP", 21),
+    ("MC_PULSE", 22),
+    ("MC_ENCODER", 23),
+    ("MC_ADC", 24),
+    ("MC_AXIS", 30),
+    ("MC_PROFILE", 31),
+    ("MC_CONTROL", 32),
+    ("MC_LASER", 71),
+    ("MC_POS_COMPARE", 80),
+    ("CAPTURE_HOME", 1),
+    ("CAPTURE_INDEX", 2),
+    ("CAPTURE_PROBE", 3),
+    ("CAPTURE_HSIO0", 6),
+    ("CAPTURE_HSIO1", 7),
+    ("AXIS_LASER", 7),
+    ("AXIS_LASER_EX", 8),
+    ("LASER_CTRL_MODE_PWM1", 0),
+    ("LASER_CTRL_FREQUENCY", 1),
+    ("LASER_CTRL_VOLTAGE", 2),
+    ("LASER_CTRL_MODE_PWM2", 3),
+    ("CIRCLE_DIR_CW", 0),
+    ("CIRCLE_DIR_CCW", 1),
+];

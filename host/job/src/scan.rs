@@ -1,0 +1,281 @@
+//! The text of a script to tokens: full-width punctuation becomes ASCII, comments, `#include`, lines
+//! of dots and code fences vanish, `#define` names are replaced as the C preprocessor would.
+//!
+//! In: the text. Out: [`Token`]s, each with its place in the text as it was given. Fails with
+//! diagnostics: an unfinished comment or string, a directive that scripts do not have.
+
+use crate::{Diagnostic, Severity};
+use logos::Logos;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// More tokens than these are not read: macros that double each other must not eat the memory.
+const MOST_TOKENS: usize = 4_000_000;
+
+/// What a token is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A name.
+    Name,
+    /// A number.
+    Number,
+    /// A string in quotes; the token's text is what stands between them.
+    Text,
+    /// Punctuation.
+    Mark,
+    /// `#pragma continue` (text `on`) or `#pragma continue off`.
+    Continue,
+    /// The end of the script.
+    End,
+}
+
+/// One token.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Token {
+    /// What it is.
+    pub kind: Kind,
+    /// Its text, punctuation normalised.
+    pub text: String,
+    /// Its bytes in the script as given; for the text of a macro, those of the macro's name.
+    pub span: Range<usize>,
+}
+
+#[derive(Logos, Debug, Clone, Copy, PartialEq, Eq)]
+#[logos(skip r"[ \t\r\f]+|\\\r?\n")]
+enum Raw {
+    #[token("\n")]
+    Newline,
+    #[regex(r"//[^\n]*", allow_greedy = true)]
+    LineComment,
+    #[token("/*", comment)]
+    Comment(bool),
+    #[regex(r"```[^\n]*", allow_greedy = true)]
+    Fence,
+    #[regex(r"(\.\.|…|⋯|⋮)[.…⋯⋮]*")]
+    Dots,
+    #[regex(r"[\p{Alphabetic}_][\p{Alphabetic}\p{N}_]*")]
+    Name,
+    #[regex(r"0[xX][0-9a-fA-F]+[uUlL]*")]
+    #[regex(r"([0-9]+\.[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?[fFlL]?")]
+    #[regex(r"[0-9]+[eE][+-]?[0-9]+[fFlL]?")]
+    #[regex(r"[0-9]+[uUlL]*")]
+    Number,
+    #[regex(r#""([^"\\\n]|\\.)*""#)]
+    #[regex(r"'([^'\\\n]|\\.)+'")]
+    Text,
+    #[token("\"")]
+    #[token("'")]
+    OpenText,
+    #[regex(r"<<=|>>=|<<|>>|\+\+|--|->|&&|\|\||[-+*/%&|^<>=!]=|[-+*/%&|^~!<>=(){}\[\];,.?:#]")]
+    Mark,
+}
+
+/// Skips a block comment; false when it does not end.
+fn comment(lexer: &mut logos::Lexer<Raw>) -> bool {
+    match lexer.remainder().find("*/") {
+        Some(at) => {
+            lexer.bump(at + 2);
+            true
+        }
+        None => {
+            lexer.bump(lexer.remainder().len());
+            false
+        }
+    }
+}
+
+/// ASCII for the full-width forms (U+FF01 to U+FF5E) and the typographic marks of the manuals.
+fn plain(character: char) -> char {
+    match character {
+        '\u{ff01}'..='\u{ff5e}' => char::from_u32(character as u32 - 0xfee0).unwrap_or(character),
+        '\u{3000}' | '\u{a0}' | '\u{feff}' | '\u{200b}' => ' ',
+        '“' | '”' | '„' | '〝' | '〞' => '"',
+        '‘' | '’' => '\'',
+        '、' => ',',
+        '【' => '[',
+        '】' => ']',
+        '−' | '–' | '—' => '-',
+        other => other,
+    }
+}
+
+/// Where the lines of a text begin.
+pub struct Lines(Vec<usize>);
+
+impl Lines {
+    /// The lines of `text`.
+    pub fn of(text: &str) -> Self {
+        Lines(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
+    }
+
+    /// Line and column (characters), both from 1, of byte `at` of the same text.
+    pub fn place(&self, text: &str, at: usize) -> (u32, u32) {
+        let line = self.0.partition_point(|start| *start <= at).max(1);
+        let column = text.get(self.0[line - 1]..at).map_or(0, |before| before.chars().count()) + 1;
+        (u32::try_from(line).unwrap_or(u32::MAX), u32::try_from(column).unwrap_or(u32::MAX))
+    }
+}
+
+/// A diagnostic that points at `span` of `text`.
+pub fn diagnostic(text: &str, severity: Severity, span: Range<usize>, message: String, help: Option<String>) -> Diagnostic {
+    let (line, column) = Lines::of(text).place(text, span.start);
+    Diagnostic { severity, line, column, span, message, help }
+}
+
+/// All tokens of `text`, an `End` last.
+pub fn tokens(text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
+    let mut flat = String::with_capacity(text.len());
+    let mut origin = Vec::with_capacity(text.len() + 1);
+    for (at, character) in text.char_indices() {
+        let character = plain(character);
+        flat.push(character);
+        origin.resize(flat.len(), at);
+    }
+    origin.push(text.len());
+    let given = |range: &Range<usize>| origin[range.start]..origin[range.end];
+
+    let mut found = Vec::new();
+    let mut problems = Vec::new();
+    let mut refuse = |span: &Range<usize>, message: &str, help: &str| {
+        problems.push(diagnostic(text, Severity::Error, given(span), message.to_owned(), Some(help.to_owned())));
+    };
+    for (raw, span) in Raw::lexer(&flat).spanned() {
+        match raw {
+            Ok(Raw::LineComment | Raw::Comment(true) | Raw::Fence | Raw::Dots) => {}
+            Ok(Raw::Comment(false)) => {
+                refuse(&(span.start..span.start + 2), "this comment does not end", "close it with */");
+            }
+            Ok(Raw::OpenText) => refuse(&span, "this text does not end on its line", "close it with a quotation mark"),
+            Ok(raw) => found.push((raw, span)),
+            Err(()) => refuse(&span, "this character has no meaning in a job script", "remove it, or put it into a comment"),
+        }
+    }
+    let mut out = Expansion { text, flat: &flat, given: &given, macros: HashMap::new(), out: Vec::new(), problems };
+    for line in found.split(|(raw, _)| *raw == Raw::Newline) {
+        out.line(line);
+    }
+    let Expansion { out: mut tokens, mut problems, .. } = out;
+    if tokens.len() >= MOST_TOKENS {
+        let message = format!("this script is too long: {MOST_TOKENS} words and marks fit");
+        problems.push(diagnostic(text, Severity::Error, 0..0, message, Some("split it, or use the C library".into())));
+    }
+    tokens.push(Token { kind: Kind::End, text: "the end of the script".into(), span: text.trim_end().len()..text.len() });
+    (tokens, problems)
+}
+
+/// The preprocessor: directives and the macros they define.
+struct Expansion<'a, G: Fn(&Range<usize>) -> Range<usize>> {
+    text: &'a str,
+    flat: &'a str,
+    given: &'a G,
+    macros: HashMap<String, Vec<Token>>,
+    out: Vec<Token>,
+    problems: Vec<Diagnostic>,
+}
+
+impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
+    fn token(&self, raw: Raw, span: &Range<usize>) -> Token {
+        let given = (self.given)(span);
+        let (kind, text) = match raw {
+            Raw::Name => (Kind::Name, self.flat[span.clone()].to_owned()),
+            Raw::Number => (Kind::Number, self.flat[span.clone()].to_owned()),
+            // What stands between the quotes is the user's, full-width characters included.
+            Raw::Text => {
+                let inner = (self.given)(&(span.start + 1..span.end - 1));
+                (Kind::Text, self.text[inner].to_owned())
+            }
+            _ => (Kind::Mark, self.flat[span.clone()].to_owned()),
+        };
+        Token { kind, text, span: given }
+    }
+
+    fn line(&mut self, line: &[(Raw, Range<usize>)]) {
+        match line {
+            [(Raw::Mark, hash), rest @ ..] if &self.flat[hash.clone()] == "#" => self.directive(hash, rest),
+            _ => {
+                for (raw, span) in line {
+                    let token = self.token(*raw, span);
+                    self.expand(token, &mut Vec::new());
+                }
+            }
+        }
+    }
+
+    /// Puts out `token`, or what its macro stands for. `open` holds the macros being replaced, which
+    /// do not replace themselves.
+    fn expand(&mut self, token: Token, open: &mut Vec<String>) {
+        if self.out.len() >= MOST_TOKENS {
+            return;
+        }
+        let body = match token.kind {
+            Kind::Name if !open.contains(&token.text) => self.macros.get(&token.text).cloned(),
+            _ => None,
+        };
+        let Some(body) = body else {
+            self.out.push(token);
+            return;
+        };
+        open.push(token.text.clone());
+        for part in body {
+            self.expand(Token { span: token.span.clone(), ..part }, open);
+        }
+        open.pop();
+    }
+
+    fn directive(&mut self, hash: &Range<usize>, rest: &[(Raw, Range<usize>)]) {
+        let word = rest.first().map_or("", |(_, span)| &self.flat[span.clone()]);
+        let whole = hash.start..rest.last().map_or(hash.end, |(_, span)| span.end);
+        match word {
+            "include" | "" => {}
+            "define" => self.define(&whole, &rest[1..]),
+            "undef" => {
+                if let Some((Raw::Name, span)) = rest.get(1) {
+                    self.macros.remove(&self.flat[span.clone()]);
+                }
+            }
+            "pragma" => self.pragma(&whole, &rest[1..]),
+            other => {
+                let message = format!("#{other} is not available in job scripts");
+                let help = "scripts know #include (skipped), #define, #undef and #pragma continue; for more, use the C library";
+                self.refuse(&whole, message, help);
+            }
+        }
+    }
+
+    fn define(&mut self, whole: &Range<usize>, rest: &[(Raw, Range<usize>)]) {
+        let [(Raw::Name, name), body @ ..] = rest else {
+            self.refuse(whole, "#define needs a name".into(), "write #define NAME value");
+            return;
+        };
+        // A parenthesis that touches the name makes a function-like macro.
+        if body.first().is_some_and(|(_, span)| span.start == name.end && &self.flat[span.clone()] == "(") {
+            let message = format!("`{}` is a macro with parameters; job scripts have none", &self.flat[name.clone()]);
+            self.refuse(whole, message, "write the expression out, or use the C library");
+            return;
+        }
+        let body = body.iter().map(|(raw, span)| self.token(*raw, span)).collect();
+        self.macros.insert(self.flat[name.clone()].to_owned(), body);
+    }
+
+    fn pragma(&mut self, whole: &Range<usize>, rest: &[(Raw, Range<usize>)]) {
+        let words: Vec<&str> = rest.iter().map(|(_, span)| &self.flat[span.clone()]).collect();
+        let text = match words[..] {
+            ["continue"] => "on",
+            ["continue", "off"] => "off",
+            _ => {
+                let given = (self.given)(whole);
+                let help = "the only one with a meaning here is #pragma continue".to_owned();
+                self.problems.push(diagnostic(
+                    self.text, Severity::Warning, given, "this pragma is ignored".into(), Some(help),
+                ));
+                return;
+            }
+        };
+        self.out.push(Token { kind: Kind::Continue, text: text.into(), span: (self.given)(whole) });
+    }
+
+    fn refuse(&mut self, whole: &Range<usize>, message: String, help: &str) {
+        let given = (self.given)(whole);
+        self.problems.push(diagnostic(self.text, Severity::Error, given, message, Some(help.to_owned())));
+    }
+}
