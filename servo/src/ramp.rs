@@ -138,9 +138,12 @@ struct Stretch {
     len: Fine,
     /// Of its pieces already loaded, the end.
     done: Fine,
+    /// At `begin`: velocity, acceleration; jerk.
     v: Real,
     a: Real,
     j: Real,
+    /// |velocity| < 2^width throughout the leg.
+    width: i32,
 }
 
 /// A ramp motion that runs.
@@ -311,12 +314,11 @@ impl RampRun {
         let peak = if !length.below(shape.way(u, speed, rate).add(shape.way(speed, Real::ZERO, dec))) {
             speed
         } else if u.below(speed) {
+            // Where the smoothing of a further ramp does not fit, the speed is held.
             u.max(top_speed(u, length, acc, dec, wait))
         } else {
             u
         };
-        // Too short for the smoothing of a further ramp: the speed is held, then stopped from.
-        let peak = if length.below(shape.way(u, peak, rate).add(shape.way(peak, Real::ZERO, dec))) && !u.is_zero() && peak.sub(u).width() < u.width() - 40 { u } else { peak };
         let (len, edge) = shape.times(peak.sub(u), rate);
         if !len.is_zero() {
             way = way.wrapping_sub(plan.ramp(signed(u), signed(peak), len, edge).0);
@@ -383,7 +385,8 @@ impl RampRun {
         let jerk = top.div(leg.edge);
         let gained = top.mul(leg.edge).scale(-1);
         let leg_begin = self.leg_begin;
-        let stretch = |begin: Fine, len: Fine, v, a, j| Stretch { begin: leg_begin + begin, len, done: 0, v, a, j };
+        let width = leg.v0.width().max(leg.v1.width());
+        let stretch = |begin: Fine, len: Fine, v, a, j| Stretch { begin: leg_begin + begin, len, done: 0, v, a, j, width };
         let whole = leg.edge.is_zero();
         self.stretch = match self.part {
             _ if endless => stretch(0, Fine::MAX >> 8, leg.v0, Real::ZERO, Real::ZERO),
@@ -407,8 +410,7 @@ impl RampRun {
         let s = &mut self.stretch;
         let left = s.len - s.done;
         let t = ms(s.done);
-        let end = s.v.add(s.a.mul(ms(s.len.min(1 << 96)))); // a bound, not the speed, under jerk
-        let k = (36 - s.v.width().max(end.width())).clamp(-10, 30);
+        let k = (36 - s.width).clamp(-10, 30);
         let chunk = fine(Real::ONE.scale(k));
         let (len, h) = if left > chunk { (chunk, Real::ONE.scale(k)) } else { (left, ms(left)) };
         let a = s.a.add(s.j.mul(t));
@@ -433,7 +435,7 @@ impl RampRun {
                 c: [c1, c2, c3].map(|c| c.to_fixed(frac) as i64),
                 frac: frac as u8,
                 tau: offset.to_fixed(64).clamp(0, u64::MAX as i128) as u64,
-                recip: crate::wide::Recip { m: recip64(mantissa), shift: (96 - bits).clamp(0, 63) as u8 },
+                recip: crate::wide::Recip { m: recip64(mantissa), shift: (96 - bits) as u8 },
             },
         };
         self.pos = Exact(self.pos.0.wrapping_add(c1.add(c2).add(c3).to_exact().0));
