@@ -7,6 +7,7 @@
 
 /// Number and name, by number.
 pub const RESERVED: &[(u16, &str)] = &[
+    (0x0210, "PtStartPro"),
     (0x0300, "PrfPvt"),
     (0x0301, "SetPvtLoop"),
     (0x0302, "GetPvtLoop"),
@@ -20,6 +21,11 @@ pub const RESERVED: &[(u16, &str)] = &[
     (0x030A, "PvtPercentCalculate"),
     (0x030B, "PvtTableContinuous"),
     (0x030C, "PvtContinuousCalculate"),
+    (0x030D, "PvtTableContinuousEx"),
+    (0x030E, "PvtTableMove"),
+    (0x030F, "PvtTableMovePercent"),
+    (0x0310, "PvtTableMovePercentEx"),
+    (0x0311, "SetPvtTableLoop"),
     (0x0400, "PrfFollow"),
     (0x0401, "SetFollowMaster"),
     (0x0402, "GetFollowMaster"),
@@ -80,6 +86,9 @@ pub const RESERVED: &[(u16, &str)] = &[
     (0x0615, "LaserOnStatus"),
     (0x0616, "SetHSIOOpt"),
     (0x0617, "GetHSIOOpt"),
+    (0x0618, "SetLaserPwmDac"),
+    (0x0619, "LaserPwmDacOn"),
+    (0x061A, "LaserPwmDacOff"),
     (0x0700, "BufLaserOn"),
     (0x0701, "BufLaserOff"),
     (0x0702, "BufLaserPrfCmd"),
