@@ -1,1 +1,101 @@
-fn main(){}
+#![no_std]
+#![no_main]
+//! The image for the emulated board: it puts the rooms together and adds nothing of its own.
+//!
+//! Start: what the last run left is read, the hand-overs are split into their halves, the servo tick
+//! and the link's interrupt get theirs, the tasks get the rest, the interrupts are let in.
+mod bell;
+mod fault;
+mod interrupts;
+mod statics;
+mod tasks;
+
+use core::sync::atomic::Ordering;
+use cortex_m_rt::entry;
+use defmt_semihosting as _;
+use dispatcher::{Channels, Server};
+use embassy_executor::raw;
+use hal::mps2_an500::{self as board, idle::Idle, machine::Machine};
+use interrupts::{Receiver, Servo};
+use servo::tick::{Lanes, Tick, TickConfig};
+use statics::{
+    AXES, BYTES, EXECUTOR, IMMEDIATE_LANE, NEWS, PENDED, PROGRAM_LANE, RECEIVER, SERVER, SERVO, STORES, TRACE, VIEW,
+};
+use tasks::LinkParts;
+
+#[entry]
+fn main() -> ! {
+    let last = fault::last();
+    // The only panic of the start: a second call of this function, which the runtime never makes.
+    let parts = compose().expect("the board and every static are taken once");
+    let executor = EXECUTOR.init(raw::Executor::new(core::ptr::null_mut()));
+    let spawner = executor.spawner();
+    spawner.spawn(tasks::announce(last).expect("one announcement"));
+    spawner.spawn(tasks::serve(parts).expect("one link task"));
+    // SAFETY: `compose` has given the handlers what they use.
+    unsafe { board::listen() };
+    let mut idle = Idle::new();
+    loop {
+        if PENDED.swap(false, Ordering::Acquire) {
+            // SAFETY: not re-entered: this loop is the only caller.
+            unsafe { executor.poll() };
+        } else {
+            idle.wait();
+        }
+    }
+}
+
+/// Called by the executor when a task is woken.
+#[unsafe(export_name = "__pender")]
+fn pend(_: *mut ()) {
+    PENDED.store(true, Ordering::Release);
+}
+
+/// Splits the hand-overs and gives every context its half.
+fn compose() -> Option<LinkParts> {
+    let board::Board { timer, link: (link, rx), trace } = board::take()?;
+    let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
+    let (program_in, program) = PROGRAM_LANE.split_once()?;
+    let (view_in, view) = VIEW.split_once()?;
+    let (events_in, events) = NEWS.split_once()?;
+    let (samples_in, samples) = TRACE.split_once()?;
+    let (bytes_in, bytes) = BYTES.split_once()?;
+
+    let mut servo = Servo {
+        timer,
+        machine: Machine::new(board::TICK_NS),
+        tick: Tick::new(TickConfig {
+            period_ns: board::TICK_NS,
+            axes: AXES as u8,
+            analog_inputs: board::ANALOG_INPUTS,
+        }),
+        lanes: Lanes {
+            immediate,
+            program,
+            view: view_in,
+            events: events_in,
+            samples: samples_in,
+            segments: &STORES,
+        },
+    };
+    servo.timer.run_at(board::TICK_NS);
+    // SAFETY: no interrupt is let in yet.
+    unsafe {
+        SERVO.give(servo);
+        RECEIVER.give(Receiver { rx, bytes: bytes_in });
+    }
+
+    let channels = Channels { immediate: immediate_in, program: program_in, view, events, samples, stores: &STORES };
+    let server = SERVER.init(Server::new(
+        dispatcher::Board {
+            name: board::NAME,
+            profile: dispatcher::largest_that_fits(AXES),
+            tick_us: board::TICK_US,
+            analog_outputs: board::ANALOG_OUTPUTS,
+            analog_inputs: board::ANALOG_INPUTS,
+            general_outputs: board::GENERAL_OUTPUTS,
+        },
+        channels,
+    ));
+    Some(LinkParts { server, bytes, link, trace })
+}

@@ -1,1 +1,10 @@
 #![no_std]
+//! The ports implemented: what `servo` needs from a machine, made of a board's peripherals.
+//!
+//! In: register accesses of one board. Out: [`servo::port::Port`], byte streams, the tick's timer.
+//! Owns every `unsafe` register access, the [`priority`] table and the one [`mask`] by which the
+//! thread keeps interrupts out. Fails never after bring-up; a peripheral that does not answer is
+//! the board's page's matter (`docs/board-*.md`).
+pub mod mask;
+pub mod mps2_an500;
+pub mod priority;

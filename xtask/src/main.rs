@@ -1,1 +1,56 @@
-fn main() {}
+#![forbid(unsafe_code)]
+//! The project's own commands: `cargo xtask COMMAND`, with `cargo demo` and `cargo check-all` for short.
+//!
+//! In: a command's name. Out: what it builds, runs and finds, as text; exit code 0 only if all of it
+//! went well. Owns no state: everything is done anew by cargo, QEMU and the system's package manager.
+mod checks;
+mod demo;
+mod image;
+mod probes;
+mod setup;
+mod shell;
+mod ticks;
+mod traces;
+
+use shell::Outcome;
+use std::process::ExitCode;
+
+const HELP: &str = "\
+cargo xtask COMMAND
+
+  setup           installs what is missing: the compiler's Cortex-M7 target and QEMU
+  image           builds the image for the emulated board and shows its size
+  demo            builds the image, boots it, runs the examples, writes traces and plots to out/
+  ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
+  ticks --check   counts them and compares with the table
+  probes          the programs that must link, must not link, must not compile
+  traces          example jobs in the virtual controller and in the image: equal, byte for byte
+  check-all       everything that must pass before a change is accepted
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome: Outcome = match words.as_slice() {
+        ["setup"] => setup::run(),
+        ["image"] => setup::run().and_then(|()| image::report()),
+        ["demo"] => demo::run(),
+        ["ticks"] => ticks::write(),
+        ["ticks", "--check"] => ticks::check(),
+        ["probes"] => probes::run(),
+        ["traces"] => traces::run(),
+        ["check-all"] => checks::run(),
+        ["help" | "--help"] => {
+            print!("{HELP}");
+            Ok(())
+        }
+        _ => Err(format!("no such command: {}\n\n{HELP}", words.join(" "))),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("error: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}

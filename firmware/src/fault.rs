@@ -1,0 +1,107 @@
+//! The fault path: outputs at rest first, then the reason to memory that survives the reset, then
+//! the reset.
+//!
+//! In: a panic, a fault of the core, an interrupt that nobody claims. Out: a board at rest and, after
+//! the restart, the [`Report`] of what happened. Owns the record in RAM that start-up does not clear.
+//! It must not fail itself: it takes no lock, formats into a fixed buffer and cuts what is longer.
+use core::cell::UnsafeCell;
+use core::fmt::{self, Write};
+use core::mem::MaybeUninit;
+use core::panic::PanicInfo;
+use core::sync::atomic::{Ordering, compiler_fence};
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+
+/// Bytes of text kept.
+const TEXT: usize = 160;
+
+/// Marks a record that was written, not found by chance.
+const WRITTEN: u32 = 0xfa17_b0a4;
+
+/// What happened before the restart.
+#[derive(Clone, Copy)]
+pub struct Report {
+    mark: u32,
+    length: u32,
+    text: [u8; TEXT],
+}
+
+impl Report {
+    /// The reason, readable.
+    pub fn text(&self) -> &str {
+        let length = (self.length as usize).min(TEXT);
+        let bytes = self.text.get(..length).unwrap_or(&[]);
+        match core::str::from_utf8(bytes) {
+            Ok(text) => text,
+            // Cut inside a character: what is whole of it.
+            Err(e) => bytes.get(..e.valid_up_to()).and_then(|b| core::str::from_utf8(b).ok()).unwrap_or(""),
+        }
+    }
+}
+
+impl Write for Report {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for &byte in text.as_bytes() {
+            let Some(place) = self.text.get_mut(self.length as usize) else { break };
+            *place = byte;
+            self.length += 1;
+        }
+        Ok(())
+    }
+}
+
+/// RAM that the start-up code leaves as it is.
+struct Kept(UnsafeCell<MaybeUninit<Report>>);
+
+// SAFETY: read once before interrupts are on, written once on the way into a reset.
+unsafe impl Sync for Kept {}
+
+#[unsafe(link_section = ".uninit.fault")]
+static KEPT: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// What ended the last run, once: the record is cleared.
+pub fn last() -> Option<Report> {
+    // SAFETY: every bit pattern is a Report (integers only), RAM holds one at all times, and this
+    // runs before any interrupt; volatile, since the value comes from before the reset.
+    let report = unsafe { KEPT.0.get().cast::<Report>().read_volatile() };
+    if report.mark != WRITTEN {
+        return None;
+    }
+    let cleared = Report { mark: 0, length: 0, text: [0; TEXT] };
+    // SAFETY: as above.
+    unsafe { KEPT.0.get().cast::<Report>().write_volatile(cleared) };
+    Some(report)
+}
+
+/// Rests the outputs, keeps `reason`, starts over.
+fn restart(reason: fmt::Arguments<'_>) -> ! {
+    hal::mps2_an500::rest();
+    let mut report = Report { mark: WRITTEN, length: 0, text: [0; TEXT] };
+    // Writing into a Report never fails.
+    let _ = report.write_fmt(reason);
+    // SAFETY: interrupts of the board are off and nothing returns from here.
+    unsafe { KEPT.0.get().cast::<Report>().write_volatile(report) };
+    compiler_fence(Ordering::SeqCst);
+    SCB::sys_reset()
+}
+
+#[panic_handler]
+fn panicked(info: &PanicInfo<'_>) -> ! {
+    restart(format_args!("{info}"))
+}
+
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    // SAFETY: reading status registers of the core.
+    let (cfsr, hfsr) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).hfsr.read()) };
+    restart(format_args!(
+        "hard fault at {:#010x}, called from {:#010x}, CFSR {cfsr:#010x}, HFSR {hfsr:#010x}",
+        frame.pc(),
+        frame.lr()
+    ))
+}
+
+#[exception]
+unsafe fn DefaultHandler(number: i16) {
+    restart(format_args!("interrupt {number} that nobody claims"))
+}

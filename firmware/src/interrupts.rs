@@ -1,0 +1,132 @@
+//! The interrupt bodies, and what each of them owns.
+//!
+//! In: interrupts of the board. Out: ticks, bytes for the task, rings of the bell. Budget: the tick's
+//! is held by `cargo xtask ticks`; the others move a byte or a flag.
+use crate::statics::{AXES, RECEIVER, LINK_BELL, RECEIVED, SERVO};
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicBool, Ordering};
+use cortex_m_rt::exception;
+use hal::mps2_an500::machine::Machine;
+use hal::mps2_an500::timer::TickTimer;
+use hal::mps2_an500::uart::{self, Place, Rx};
+use hal::mps2_an500::{hold_link, ring_bell};
+use ring::Producer;
+use servo::tick::{Lanes, Tick};
+
+/// What the servo tick owns.
+pub struct Servo {
+    /// Makes the ticks.
+    pub timer: TickTimer,
+    /// The axes' machine.
+    pub machine: Machine<AXES>,
+    /// The tick itself.
+    pub tick: Tick<AXES>,
+    /// Its halves of the hand-overs.
+    pub lanes: Lanes<'static, AXES>,
+}
+
+/// What the link's receive interrupt owns.
+pub struct Receiver {
+    /// The UART.
+    pub rx: Rx,
+    /// Where its bytes go.
+    pub bytes: Producer<'static, u8, RECEIVED>,
+}
+
+/// A value that start-up gives to one interrupt handler for good. All zero at start.
+pub struct Given<T> {
+    given: AtomicBool,
+    value: UnsafeCell<MaybeUninit<T>>,
+}
+
+// SAFETY: `give` runs before the handler can, `taken` only in the handler, which does not nest.
+unsafe impl<T: Send> Sync for Given<T> {}
+
+impl<T> Given<T> {
+    /// Nothing yet.
+    pub const fn nothing() -> Self {
+        Given { given: AtomicBool::new(false), value: UnsafeCell::new(MaybeUninit::uninit()) }
+    }
+
+    /// Hands the value over.
+    ///
+    /// # Safety
+    /// Before the interrupt that uses it is let in.
+    pub unsafe fn give(&self, value: T) {
+        // SAFETY: nobody else looks yet.
+        unsafe { (*self.value.get()).write(value) };
+        // Release: the value is there before the flag.
+        self.given.store(true, Ordering::Release);
+    }
+
+    /// The value, in its handler; `None` if there is none.
+    ///
+    /// # Safety
+    /// Only in the one handler that owns it, once a run.
+    #[allow(clippy::mut_from_ref)]
+    unsafe fn taken(&self) -> Option<&mut T> {
+        if !self.given.load(Ordering::Acquire) {
+            return None;
+        }
+        // SAFETY: `give` has written it, and the handler does not nest, so this is the only reference.
+        Some(unsafe { (*self.value.get()).assume_init_mut() })
+    }
+}
+
+/// The servo tick.
+#[unsafe(no_mangle)]
+extern "C" fn TIMER0() {
+    // SAFETY: the tick's handler.
+    let Some(servo) = (unsafe { SERVO.taken() }) else { return };
+    servo.timer.acknowledge();
+    // Whole microseconds up to 1 ms, so it fits.
+    let period_ns = servo.tick.period().0 as u32;
+    servo.timer.run_at(period_ns);
+    servo.machine.advance(period_ns);
+    servo.tick.run(&mut servo.machine, &mut servo.lanes);
+    if servo.timer.is_due() {
+        servo.tick.overrun();
+    }
+    ring_bell();
+}
+
+/// A byte of the link arrived. At the end of a frame, or when half the room is used, the task is told;
+/// when all of it is used, the sender is held.
+#[unsafe(no_mangle)]
+extern "C" fn UART0_RX() {
+    // SAFETY: the receive interrupt's handler.
+    let Some(receiver) = (unsafe { RECEIVER.taken() }) else { return };
+    if receiver.bytes.free() == 0 {
+        hold_link();
+        LINK_BELL.ring();
+        return;
+    }
+    let Some(byte) = receiver.rx.receive() else { return };
+    // There is room: the consumer only makes more.
+    let _ = receiver.bytes.push(byte);
+    const FRAME_END: u8 = 0;
+    if byte == FRAME_END || receiver.bytes.free() < RECEIVED / 2 {
+        LINK_BELL.ring();
+    }
+}
+
+/// The link can take bytes again.
+#[unsafe(no_mangle)]
+extern "C" fn UART0_TX() {
+    uart::acknowledge_sent(Place::Link);
+    LINK_BELL.ring();
+}
+
+/// The trace can take bytes again.
+#[unsafe(no_mangle)]
+extern "C" fn UART1_TX() {
+    uart::acknowledge_sent(Place::Trace);
+    LINK_BELL.ring();
+}
+
+/// The bell from the tick: it may ring the task's, the tick may not.
+#[exception]
+fn PendSV() {
+    LINK_BELL.ring();
+}

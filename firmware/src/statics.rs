@@ -1,0 +1,45 @@
+//! Every static of the image, in one place. All are zero or constant at start.
+use crate::bell::Bell;
+use crate::interrupts::{Given, Receiver, Servo};
+use core::sync::atomic::AtomicBool;
+use dispatcher::Server;
+use embassy_executor::raw;
+use ring::{Latest, Ring};
+use servo::op::Entry;
+use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore};
+use servo::view::{Event, Sample, View};
+use static_cell::StaticCell;
+
+/// Axes that this image holds: every profile of SPEC 2.
+pub const AXES: usize = 48;
+
+/// Bytes from the link that wait for the task. More than that wait in the UART.
+pub const RECEIVED: usize = 4096;
+
+/// Thread to tick: operations for the next tick.
+pub static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
+/// Thread to tick: timed operations of a program.
+pub static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
+/// Tick to thread: the newest view.
+pub static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
+/// Tick to thread: news.
+pub static NEWS: Ring<Event, EVENTS> = Ring::new();
+/// Tick to thread: trace samples.
+pub static TRACE: Ring<Sample, SAMPLES> = Ring::new();
+/// Thread to tick: PT segments, a store an axis.
+pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
+/// Link interrupt to task: bytes received.
+pub static BYTES: Ring<u8, RECEIVED> = Ring::new();
+
+/// What the tick's interrupt owns.
+pub static SERVO: Given<Servo> = Given::nothing();
+/// What the link's receive interrupt owns.
+pub static RECEIVER: Given<Receiver> = Given::nothing();
+/// Wakes the link task.
+pub static LINK_BELL: Bell = Bell::new();
+/// A task is to be polled.
+pub static PENDED: AtomicBool = AtomicBool::new(false);
+/// The thread's executor.
+pub static EXECUTOR: StaticCell<raw::Executor> = StaticCell::new();
+/// What the link task serves with; too large to be handed over on the stack.
+pub static SERVER: StaticCell<Server<'static, AXES>> = StaticCell::new();

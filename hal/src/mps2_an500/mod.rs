@@ -1,0 +1,106 @@
+//! MPS2 with the AN500 image, as QEMU's `mps2-an500` emulates it (`docs/board-mps2.md`).
+//!
+//! In: the tick's set-points and outputs, bytes to send. Out: ticks, encoders, bytes received.
+//! Owns the board's timer, UARTs and interrupt controller.
+use crate::priority;
+use cortex_m::peripheral::scb::SystemHandler;
+use cortex_m::peripheral::{NVIC, SCB};
+use interrupt::Interrupt;
+
+pub mod idle;
+pub mod interrupt;
+pub mod machine;
+pub mod outputs;
+pub mod timer;
+pub mod uart;
+
+/// Name of the board as the link tells it.
+pub const NAME: &str = "mps2-an500";
+
+/// Tick period at power-on: the controllers' own cycle, with which the manuals count.
+pub const TICK_NS: u32 = 250_000;
+
+/// Tick periods that the board can run, in µs.
+pub const TICK_US: core::ops::RangeInclusive<u32> = 10..=1000;
+
+/// Analog inputs of the board; nothing is wired to them, they read 0.
+pub const ANALOG_INPUTS: u8 = 8;
+
+/// Analog outputs of the board.
+pub const ANALOG_OUTPUTS: u8 = outputs::ANALOG as u8;
+
+/// General outputs of the board.
+pub const GENERAL_OUTPUTS: u8 = 32;
+
+/// Everything of the board that is handed out once.
+#[derive(Debug)]
+pub struct Board {
+    /// Makes the ticks; stands still.
+    pub timer: timer::TickTimer,
+    /// Host link.
+    pub link: (uart::Tx, uart::Rx),
+    /// Trace, sending only.
+    pub trace: uart::Tx,
+}
+
+/// Brings the board up: priorities set, UARTs open, all interrupts still off. `None` from the second
+/// call on.
+pub fn take() -> Option<Board> {
+    let mut core = cortex_m::Peripherals::take()?;
+    // SAFETY: before `listen` nothing runs at these priorities, so no critical section is open.
+    unsafe {
+        core.NVIC.set_priority(Interrupt::TIMER0, priority::TICK);
+        for interrupt in [Interrupt::UART0_RX, Interrupt::UART0_TX, Interrupt::UART1_TX] {
+            core.NVIC.set_priority(interrupt, priority::LINK);
+        }
+        core.SCB.set_priority(SystemHandler::PendSV, priority::BELL);
+    }
+    // SAFETY: this function gets here once, since the core's peripherals are handed out once.
+    unsafe {
+        Some(Board {
+            timer: timer::TickTimer::take(),
+            link: uart::open(uart::Place::Link),
+            trace: uart::open(uart::Place::Trace).0,
+        })
+    }
+}
+
+/// Lets the interrupts in.
+///
+/// # Safety
+/// What the handlers use must be in place.
+pub unsafe fn listen() {
+    for interrupt in [Interrupt::TIMER0, Interrupt::UART0_RX, Interrupt::UART0_TX, Interrupt::UART1_TX] {
+        // SAFETY: the caller's promise.
+        unsafe { NVIC::unmask(interrupt) };
+    }
+}
+
+/// The link's bytes wait in the UART until [`resume_link`]: nobody has room for them.
+pub fn hold_link() {
+    NVIC::mask(Interrupt::UART0_RX);
+}
+
+/// There is room again.
+pub fn resume_link() {
+    // SAFETY: the handler was let in by `listen` before, and no critical section by NVIC mask exists.
+    unsafe { NVIC::unmask(Interrupt::UART0_RX) };
+}
+
+/// Rings the bell from the tick down to the thread.
+pub fn ring_bell() {
+    SCB::set_pendsv();
+}
+
+/// Puts every output at rest and stops the ticks and the board's other interrupts: the first thing
+/// on the way into a reset.
+pub fn rest() {
+    // The tick first: it would write the outputs again.
+    NVIC::mask(Interrupt::TIMER0);
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
+    outputs::rest();
+    for interrupt in [Interrupt::UART0_RX, Interrupt::UART0_TX, Interrupt::UART1_TX] {
+        NVIC::mask(interrupt);
+    }
+}

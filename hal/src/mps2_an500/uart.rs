@@ -1,0 +1,109 @@
+//! CMSDK APB UART (Arm DDI 0479, "APB UART"): one byte each way, no FIFO.
+//!
+//! In and out: bytes, one at a time, never waiting. Owns the registers of the UART it is made for.
+//! A byte that nobody fetches holds the sender in QEMU; on silicon the next would be lost and the
+//! link would ask for it again.
+use core::ptr::{read_volatile, write_volatile};
+
+const DATA: usize = 0x0;
+const STATE: usize = 0x4;
+const CTRL: usize = 0x8;
+const INT: usize = 0xc;
+const BAUDDIV: usize = 0x10;
+const STATE_TX_FULL: u32 = 1 << 0;
+const STATE_RX_FULL: u32 = 1 << 1;
+const CTRL_TX: u32 = 1 << 0;
+const CTRL_RX: u32 = 1 << 1;
+const CTRL_TX_INTERRUPT: u32 = 1 << 2;
+const CTRL_RX_INTERRUPT: u32 = 1 << 3;
+const INT_TX: u32 = 1 << 0;
+const INT_RX: u32 = 1 << 1;
+
+/// The smallest divider that the UART takes: 1.5625 Mbaud. QEMU moves bytes as fast as they come.
+const FASTEST: u32 = 16;
+
+/// Which of the board's UARTs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Place {
+    /// The host link.
+    Link = 0x4000_4000,
+    /// The trace.
+    Trace = 0x4000_5000,
+}
+
+/// The sending half.
+#[derive(Debug)]
+pub struct Tx(Place);
+
+/// The receiving half.
+#[derive(Debug)]
+pub struct Rx(Place);
+
+/// Switches a UART on and gives its halves. Receiving interrupts; sending does when it has to wait.
+///
+/// # Safety
+/// At most once for each place.
+pub unsafe fn open(place: Place) -> (Tx, Rx) {
+    write(place, BAUDDIV, FASTEST);
+    write(place, INT, INT_TX | INT_RX);
+    write(place, CTRL, CTRL_QUIET);
+    (Tx(place), Rx(place))
+}
+
+/// Both ways on; an interrupt for a byte received.
+const CTRL_QUIET: u32 = CTRL_TX | CTRL_RX | CTRL_RX_INTERRUPT;
+/// And one when a byte has been sent.
+const CTRL_WAITING: u32 = CTRL_QUIET | CTRL_TX_INTERRUPT;
+
+impl Tx {
+    /// Sends a byte if the UART can take it now. If not, the transmit interrupt will tell when it can.
+    pub fn send(&mut self, byte: u8) -> bool {
+        if self.is_full() {
+            write(self.0, CTRL, CTRL_WAITING);
+            // It may have got free before the interrupt was on, and then no interrupt comes.
+            if self.is_full() {
+                return false;
+            }
+        }
+        write(self.0, DATA, u32::from(byte));
+        true
+    }
+
+    fn is_full(&self) -> bool {
+        read(self.0, STATE) & STATE_TX_FULL != 0
+    }
+}
+
+impl Rx {
+    /// The byte that has arrived, if one has.
+    pub fn receive(&mut self) -> Option<u8> {
+        if read(self.0, STATE) & STATE_RX_FULL == 0 {
+            return None;
+        }
+        // Before the data is fetched: the byte that may follow at once raises the interrupt anew.
+        write(self.0, INT, INT_RX);
+        Some(read(self.0, DATA) as u8)
+    }
+}
+
+/// Acknowledges the transmit interrupt, which stays quiet until a sender waits again.
+pub fn acknowledge_sent(place: Place) {
+    write(place, CTRL, CTRL_QUIET);
+    write(place, INT, INT_TX);
+}
+
+fn read(place: Place, register: usize) -> u32 {
+    // SAFETY: a register of one of this board's UARTs.
+    unsafe { read_volatile((place as usize + register) as *const u32) }
+}
+
+fn write(place: Place, register: usize, value: u32) {
+    // SAFETY: a register of one of this board's UARTs.
+    unsafe { write_volatile((place as usize + register) as *mut u32, value) };
+}
+
+/// Whether a byte waits to be fetched.
+pub fn has_byte(place: Place) -> bool {
+    read(place, STATE) & STATE_RX_FULL != 0
+}

@@ -1,0 +1,16 @@
+//! Who interrupts whom, in one place. Smaller is more urgent; the top three bits are what every
+//! Cortex-M7 of ours implements.
+
+/// The servo tick. Nothing masks it: [`CRITICAL`] lies below.
+pub const TICK: u8 = 0x20;
+
+/// What a critical section keeps out: this and everything less urgent.
+pub const CRITICAL: u8 = 0x40;
+
+/// Bytes of the host link and of the trace.
+pub const LINK: u8 = 0x80;
+
+/// PendSV, the one bell from the tick down to the thread.
+pub const BELL: u8 = 0xe0;
+
+const _: () = assert!(TICK != 0 && TICK < CRITICAL && CRITICAL <= LINK && LINK < BELL);
