@@ -1,0 +1,249 @@
+//! A tick on a bench: rings, a machine whose encoders follow at once, and hands to push things in.
+#![allow(dead_code)]
+use ring::{Consumer, Latest, Producer, Reader, Ring};
+use servo::op::{DoGroup, Entry, Mode, Op};
+use servo::piece::Scaled;
+use servo::port::{AxisInputs, Port};
+use servo::pt::{Chain, Segment};
+use servo::ramp::{Accel, Speed};
+use servo::steps;
+use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
+use servo::units::{Axis, AxisMask, Ns, Pos};
+use servo::view::{AxisView, Event, Sample, StopReason, View};
+
+pub const AXES: usize = 8;
+pub const MS: u64 = 1_000_000;
+
+/// The machine. The encoder is the whole pulse of the last set-point, plus `slip`.
+pub struct Machine {
+    pub inputs: [AxisInputs; AXES],
+    pub set_points: [Pos; AXES],
+    pub slip: [i64; AXES],
+    pub outputs: (u64, u64, u32),
+    pub analog_out: [i16; 8],
+}
+
+impl Port for Machine {
+    fn inputs(&mut self, axis: Axis) -> AxisInputs {
+        self.inputs[axis.index()]
+    }
+    fn encoder(&mut self, axis: Axis) -> i64 {
+        steps::whole(self.set_points[axis.index()]) + self.slip[axis.index()]
+    }
+    fn general_inputs(&mut self) -> u32 {
+        0x5a
+    }
+    fn analog(&mut self, channel: usize) -> i16 {
+        100 + channel as i16
+    }
+    fn set_point(&mut self, axis: Axis, pos: Pos) {
+        self.set_points[axis.index()] = pos;
+    }
+    fn outputs(&mut self, enable: u64, clear: u64, general: u32) {
+        self.outputs = (enable, clear, general);
+    }
+    fn analog_out(&mut self, channel: usize, value: i16) {
+        self.analog_out[channel] = value;
+    }
+}
+
+pub struct Bench {
+    pub tick: Tick<AXES>,
+    pub machine: Machine,
+    lanes: Lanes<'static, AXES>,
+    immediate: Producer<'static, Entry, IMMEDIATE>,
+    program: Producer<'static, Entry, PROGRAM>,
+    view: Reader<'static, View<AXES>>,
+    events: Consumer<'static, Event, EVENTS>,
+    samples: Consumer<'static, Sample, SAMPLES>,
+    seq: [u32; 2],
+    /// What admission knows of each axis's FIFOs: the chain, and segments pushed.
+    chains: [[(Chain, u32); 2]; AXES],
+}
+
+fn leak<T>(value: T) -> &'static mut T {
+    Box::leak(Box::new(value))
+}
+
+pub fn axis(index: usize) -> Axis {
+    Axis::new(index).unwrap()
+}
+
+pub fn all(axes: &[usize]) -> AxisMask {
+    AxisMask(axes.iter().map(|index| 1 << index).sum())
+}
+
+pub fn accel(value: f64) -> Accel {
+    Accel::admit(value.to_bits()).unwrap()
+}
+
+pub fn speed(value: f64) -> Speed {
+    Speed::admit(value.to_bits()).unwrap()
+}
+
+pub fn real(value: Scaled) -> f64 {
+    value.m as f64 * (-value.e as f64).exp2()
+}
+
+/// Position in pulses; exact for what these tests use.
+pub fn pulses(pos: Pos) -> f64 {
+    pos.0 as f64 / (1u64 << Pos::FRAC_BITS) as f64
+}
+
+impl Bench {
+    pub fn new(period_us: u32) -> Bench {
+        let (immediate, immediate_out) = leak(Ring::new()).split();
+        let (program, program_out) = leak(Ring::new()).split();
+        let (events_in, events) = leak(Ring::new()).split();
+        let (samples_in, samples) = leak(Ring::new()).split();
+        let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
+        let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
+        let config = TickConfig { period_ns: period_us * 1000, axes: AXES as u8, analog_inputs: 2 };
+        Bench {
+            tick: Tick::new(config),
+            machine: Machine {
+                inputs: [AxisInputs::default(); AXES],
+                set_points: [Pos(0); AXES],
+                slip: [0; AXES],
+                outputs: (0, 0, 0),
+                analog_out: [0; 8],
+            },
+            lanes: Lanes {
+                immediate: immediate_out,
+                program: program_out,
+                view: view_in,
+                events: events_in,
+                samples: samples_in,
+                segments,
+            },
+            immediate,
+            program,
+            view,
+            events,
+            samples,
+            seq: [0; 2],
+            chains: [[(Chain::default(), 0); 2]; AXES],
+        }
+    }
+
+    /// One with the servo on and the mode set on all axes, one tick old.
+    pub fn ready(period_us: u32, mode: Mode) -> Bench {
+        let mut bench = Bench::new(period_us);
+        bench.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
+        for index in 0..AXES {
+            bench.now(Op::SetMode { axis: axis(index), mode });
+        }
+        bench.tick();
+        bench
+    }
+
+    /// Pushes into the immediate lane.
+    pub fn now(&mut self, op: Op) -> u32 {
+        self.seq[0] += 1;
+        self.immediate.push(Entry { seq: self.seq[0], delay: Ns(0), op }).unwrap();
+        self.seq[0]
+    }
+
+    /// Pushes into the program lane.
+    pub fn then(&mut self, delay_ns: u64, op: Op) -> u32 {
+        self.seq[1] += 1;
+        self.program.push(Entry { seq: self.seq[1], delay: Ns(delay_ns), op }).unwrap();
+        self.seq[1]
+    }
+
+    pub fn tick(&mut self) -> View<AXES> {
+        self.tick.run(&mut self.machine, &mut self.lanes);
+        *self.view.read()
+    }
+
+    /// A tick whose view nobody reads.
+    pub fn tick_unread(&mut self) {
+        self.tick.run(&mut self.machine, &mut self.lanes);
+    }
+
+    /// Ticks until the view's instant is `ns`; must hit it.
+    pub fn until(&mut self, ns: u64) -> View<AXES> {
+        loop {
+            let view = self.tick();
+            assert!(view.now.0 <= ns, "{} ns is not a tick", ns);
+            if view.now.0 == ns {
+                return view;
+            }
+        }
+    }
+
+    pub fn ticks(&mut self, count: u32) -> View<AXES> {
+        for _ in 1..count {
+            self.tick();
+        }
+        self.tick()
+    }
+
+    /// Ticks until no axis runs; fails after a minute of controller time.
+    pub fn rest(&mut self) -> View<AXES> {
+        loop {
+            let view = self.tick();
+            if view.axes.iter().all(|axis| axis.status & servo::status::RUNNING == 0) {
+                return view;
+            }
+            assert!(view.now.0 < 60_000 * MS, "it does not come to rest");
+        }
+    }
+
+    pub fn event(&mut self) -> Option<Event> {
+        self.events.pop()
+    }
+
+    pub fn sample(&mut self) -> Option<Sample> {
+        self.samples.pop()
+    }
+
+    /// Admits segments and pushes their commit into the immediate lane.
+    pub fn pt(&mut self, index: usize, fifo: u8, segments: &[(f64, i32, i16)]) {
+        let commit = self.pt_data(index, fifo, segments);
+        self.now(commit);
+    }
+
+    /// Admits segments; the commit is the caller's to push.
+    pub fn pt_data(&mut self, index: usize, fifo: u8, segments: &[(f64, i32, i16)]) -> Op {
+        let (chain, count) = &mut self.chains[index][fifo as usize];
+        for (pos, time, kind) in segments {
+            let (segment, next) = Segment::admit(pos.to_bits(), *time, *kind, chain).unwrap();
+            self.lanes.segments[index].write(fifo as u32 * 1024 + *count, segment.words());
+            *chain = next;
+            *count += 1;
+        }
+        let epoch = self.view.read().axes[index].epoch;
+        Op::PtCommit { axis: axis(index), fifo, end: *count, epoch }
+    }
+
+    /// Admission forgets what it pushed: the FIFO was cleared.
+    pub fn forget(&mut self, index: usize) {
+        self.chains[index] = Default::default();
+    }
+
+    pub fn start(&mut self, axes: &[usize]) -> u32 {
+        self.now(Op::PtStart { axes: all(axes), fifo1: AxisMask(0) })
+    }
+
+    pub fn jog(&mut self, index: usize, velocity: f64, acc: f64) {
+        let axis = axis(index);
+        self.now(Op::JogPrm { axis, acc: accel(acc), dec: accel(acc), smooth: 0 });
+        self.now(Op::TargetSpeed { axis, speed: speed(velocity) });
+        self.now(Op::Update { axes: axis.mask() });
+    }
+}
+
+pub fn has(view: &AxisView, bits: u32) -> bool {
+    view.status & bits == bits
+}
+
+pub fn stopped(event: Option<Event>) -> (usize, StopReason) {
+    match event {
+        Some(Event::Stopped { axis, reason, .. }) => (axis.index(), reason),
+        other => panic!("no stop but {other:?}"),
+    }
+}
+
+/// Listing 2-1 of the GXN manual: 2 pulse/ms, 4096 pulses in 3072 ms.
+pub const LISTING_2_1: [(f64, i32, i16); 3] = [(1024.0, 1024, 0), (3072.0, 2048, 0), (4096.0, 3072, 0)];

@@ -1,0 +1,286 @@
+//! What stops an axis, what the status word says, and what clears it.
+mod tick_bench;
+use servo::op::{Guarded, Mode, Op};
+use servo::status::*;
+use servo::units::{Ns, Pos};
+use servo::view::{Event, StopReason};
+use tick_bench::*;
+
+#[test]
+fn stops_are_smooth_or_abrupt() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    for index in [0, 1] {
+        bench.jog(index, 8.0, 4.0);
+    }
+    bench.now(Op::StopDec { axis: axis(0), smooth: accel(2.0), abrupt: accel(1000.0) });
+    let before = bench.ticks(100);
+    assert_eq!(real(before.axes[0].motion.velocity()), 8.0);
+    bench.now(Op::Stop { axes: all(&[0, 1, 2]), abrupt: all(&[1]) });
+    let view = bench.tick();
+    // Abrupt: the planned velocity is 0 on that tick.
+    assert_eq!(view.axes[1].pos, before.axes[1].pos);
+    assert!(!has(&view.axes[1], RUNNING));
+    assert_eq!(stopped(bench.event()), (1, StopReason::StopAbrupt));
+    // Smooth: it begins on that tick, v²/2a = 16 pulses and v/a = 4 ms later it rests.
+    assert!(has(&view.axes[0], RUNNING));
+    let end = bench.rest();
+    assert_eq!(end.now.0, view.now.0 + 4 * MS);
+    assert!((pulses(end.axes[0].pos) - pulses(view.axes[0].pos) - 16.0).abs() < 1e-5);
+    assert_eq!(end.axes[0].stop, StopReason::StopSmooth);
+    assert_eq!(stopped(bench.event()), (0, StopReason::StopSmooth));
+    assert_eq!(end.axes[2].stop, StopReason::None, "Stop of an axis at rest does nothing");
+    assert!(bench.event().is_none());
+}
+
+#[test]
+fn the_power_on_stop_deceleration_is_1() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.jog(0, 5.0, 5.0);
+    bench.ticks(100);
+    bench.now(Op::Stop { axes: all(&[0]), abrupt: all(&[]) });
+    let begin = bench.tick().now.0;
+    assert_eq!(bench.rest().now.0, begin + 5 * MS);
+}
+
+#[test]
+fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.now(Op::SoftLimit { axis: axis(0), positive: Some(100), negative: Some(-50) });
+    for (velocity, limit, bit, reason) in [
+        (3.7, 100, LIMIT_POSITIVE, StopReason::SoftPositive),
+        (-3.7, -50, LIMIT_NEGATIVE, StopReason::SoftNegative),
+    ] {
+        bench.jog(0, velocity, 10.0);
+        let view = bench.rest();
+        assert_eq!(view.axes[0].pos, Pos::pulses(limit));
+        assert_eq!(view.axes[0].status & LIMITS, bit);
+        assert_eq!((view.axes[0].stop, view.axes[0].blocked), (reason, bit));
+        assert_eq!(stopped(bench.event()), (0, reason));
+        // Latched: no start, not even away.
+        bench.jog(0, -velocity, 10.0);
+        assert!(!has(&bench.tick().axes[0], RUNNING));
+        assert!(matches!(bench.event(), Some(Event::Refused { .. })));
+        bench.now(Op::ClearStatus { axes: all(&[0]) });
+        assert_eq!(bench.tick().axes[0].status & LIMITS, 0);
+        // Cleared: not further, but away.
+        bench.jog(0, velocity, 10.0);
+        assert!(!has(&bench.tick().axes[0], RUNNING));
+        assert!(matches!(bench.event(), Some(Event::Refused { .. })));
+        bench.jog(0, -velocity, 10.0);
+        assert!(has(&bench.ticks(4).axes[0], RUNNING));
+        bench.now(Op::Stop { axes: all(&[0]), abrupt: all(&[0]) });
+        bench.tick();
+        assert_eq!(stopped(bench.event()), (0, StopReason::StopAbrupt));
+    }
+}
+
+#[test]
+fn a_limit_switch_stops_on_the_next_set_point_and_only_that_way() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.jog(0, 4.0, 4.0);
+    bench.jog(1, -4.0, 4.0);
+    let before = bench.ticks(50);
+    bench.machine.inputs[0].limit_positive = true;
+    bench.machine.inputs[1].limit_positive = true;
+    let view = bench.tick();
+    assert_eq!(view.axes[0].pos, before.axes[0].pos);
+    assert!(has(&view.axes[0], LIMIT_POSITIVE) && !has(&view.axes[0], RUNNING));
+    assert_eq!(view.axes[0].stop, StopReason::LimitPositive);
+    assert!(has(&view.axes[1], LIMIT_POSITIVE | RUNNING), "away from the switch it goes on");
+    // Still on the switch: ClearStatus leaves the bit, but the way back is free.
+    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    let view = bench.tick();
+    assert!(has(&view.axes[0], LIMIT_POSITIVE) && view.axes[0].blocked == 0);
+    bench.jog(0, 4.0, 4.0);
+    assert!(!has(&bench.tick().axes[0], RUNNING));
+    bench.jog(0, -4.0, 4.0);
+    assert!(has(&bench.ticks(10).axes[0], RUNNING | LIMIT_POSITIVE));
+    bench.machine.inputs[0].limit_positive = false;
+    assert!(has(&bench.tick().axes[0], LIMIT_POSITIVE), "it latches");
+    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    assert!(!has(&bench.tick().axes[0], LIMIT_POSITIVE));
+}
+
+#[test]
+fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
+    let mut bench = Bench::ready(250, Mode::PtStatic);
+    bench.machine.inputs[0].limit_negative = true;
+    bench.tick();
+    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.pt(0, 0, &[(10.0, 10, 0), (0.0, 30, 2)]);
+    bench.start(&[0]);
+    let zero = bench.tick().now.0;
+    let view = bench.rest();
+    assert_eq!(view.axes[0].stop, StopReason::LimitNegative);
+    // It may go away from the switch; the turn is what stops it.
+    assert!(view.now.0 > zero + 9 * MS && pulses(view.axes[0].pos) > 9.0, "{:?}", view.axes[0].pos);
+}
+
+#[test]
+fn guards_can_be_switched_off_and_inverted() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.machine.inputs[0].limit_positive = true;
+    bench.now(Op::Guard { axis: axis(0), input: Guarded::LimitPositive, on: false });
+    bench.tick();
+    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    assert_eq!(bench.ticks(2).axes[0].status & LIMITS, 0);
+    bench.now(Op::Guard { axis: axis(0), input: Guarded::LimitPositive, on: true });
+    bench.now(Op::Sense { axis: axis(0), input: Guarded::LimitPositive, active_low: true });
+    assert_eq!(bench.ticks(2).axes[0].status & LIMITS, 0);
+    bench.machine.inputs[0].limit_positive = false;
+    assert_eq!(bench.tick().axes[0].status & LIMITS, LIMIT_POSITIVE);
+}
+
+#[test]
+fn an_alarm_stops_and_blocks_until_it_is_gone_and_cleared() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.jog(0, -4.0, 4.0);
+    let before = bench.ticks(50);
+    bench.machine.inputs[0].alarm = true;
+    let view = bench.tick();
+    assert_eq!((view.axes[0].pos, view.axes[0].stop), (before.axes[0].pos, StopReason::Alarm));
+    assert!(has(&view.axes[0], ALARM) && !has(&view.axes[0], RUNNING));
+    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    assert!(has(&bench.tick().axes[0], ALARM), "the cause is there");
+    bench.jog(0, 4.0, 4.0);
+    assert!(!has(&bench.tick().axes[0], RUNNING));
+    bench.machine.inputs[0].alarm = false;
+    assert!(has(&bench.tick().axes[0], ALARM), "it latches");
+    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    assert!(!has(&bench.tick().axes[0], ALARM));
+    bench.jog(0, 4.0, 4.0);
+    assert!(has(&bench.tick().axes[0], RUNNING));
+}
+
+#[test]
+fn a_following_error_beyond_its_limit_stops() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.now(Op::PositionError { axis: axis(0), limit: Some(20) });
+    bench.jog(0, 4.0, 4.0);
+    bench.ticks(50);
+    bench.machine.slip[0] = -19;
+    assert!(has(&bench.tick().axes[0], RUNNING));
+    bench.machine.slip[0] = -22;
+    let view = bench.tick();
+    assert!(has(&view.axes[0], FOLLOWING_ERROR) && !has(&view.axes[0], RUNNING));
+    assert_eq!(view.axes[0].stop, StopReason::FollowingError);
+    bench.machine.slip[0] = 0;
+    bench.tick();
+    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    assert!(!has(&bench.tick().axes[0], FOLLOWING_ERROR));
+}
+
+#[test]
+fn the_edge_of_travel_stops_and_never_wraps() {
+    let mut bench = Bench::ready(1000, Mode::Jog);
+    for (index, sign) in [(0, 1.0), (1, -1.0)] {
+        let at = Pos((Pos::TRAVEL.0 - (1 << 36)) * sign as i64);
+        bench.now(Op::SetPosition { axis: axis(index), pos: at });
+        bench.jog(index, sign * 4_000_000.0, 1_000_000.0);
+    }
+    let view = bench.rest();
+    assert_eq!(view.axes[0].pos, Pos::TRAVEL);
+    assert_eq!(view.axes[1].pos, Pos(-Pos::TRAVEL.0));
+    assert!(view.axes[..2].iter().all(|axis| axis.stop == StopReason::Travel));
+}
+
+#[test]
+fn servo_off_stops_and_forbids() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.jog(0, 4.0, 4.0);
+    bench.ticks(10);
+    assert_eq!(bench.machine.outputs.0, 0xff);
+    bench.now(Op::Servo { axis: axis(0), on: false });
+    let view = bench.tick();
+    assert_eq!(view.axes[0].status & (SERVO_ON | RUNNING), 0);
+    assert_eq!((view.axes[0].stop, bench.machine.outputs.0), (StopReason::ServoOff, 0xfe));
+    bench.jog(0, 4.0, 4.0);
+    assert!(!has(&bench.tick().axes[0], RUNNING));
+}
+
+#[test]
+fn in_position_needs_rest_and_the_band_for_its_time() {
+    let mut bench = Bench::ready(250, Mode::PtStatic);
+    bench.now(Op::Band { axis: axis(0), band: 5, time: Ns(2 * MS) });
+    bench.pt(0, 0, &[(100.0, 10, 2)]);
+    bench.ticks(20);
+    bench.start(&[0]);
+    assert!(!has(&bench.tick().axes[0], IN_POSITION), "from the start on it is clear");
+    bench.machine.slip[0] = -6;
+    let end = bench.rest();
+    assert!(!has(&end.axes[0], IN_POSITION));
+    assert!(!has(&bench.ticks(40).axes[0], IN_POSITION), "outside the band");
+    bench.machine.slip[0] = -5;
+    // Sampled inside at 0, 0.25 … 2 ms: nine ticks.
+    assert!(!has(&bench.ticks(8).axes[0], IN_POSITION));
+    assert!(has(&bench.tick().axes[0], IN_POSITION));
+    bench.machine.slip[0] = 6;
+    assert!(!has(&bench.tick().axes[0], IN_POSITION));
+}
+
+#[test]
+fn setting_positions_makes_no_step() {
+    let mut bench = Bench::ready(250, Mode::PtStatic);
+    bench.pt(0, 0, &[(100.25, 10, 2)]);
+    bench.start(&[0]);
+    bench.rest();
+    let machine = bench.machine.set_points[0];
+    bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(-7) });
+    bench.now(Op::SetEncoder { axis: axis(0), pulses: 33 });
+    let view = bench.tick();
+    assert_eq!((view.axes[0].pos, view.axes[0].encoder), (Pos::pulses(-7), 33));
+    bench.now(Op::Synchronise { axes: all(&[0]) });
+    assert_eq!(bench.tick().axes[0].pos, Pos::pulses(33));
+    bench.start(&[0]);
+    let view = bench.rest();
+    assert_eq!(pulses(view.axes[0].pos), 133.25);
+    assert_eq!(bench.machine.set_points[0].0 - machine.0, 100 * (1 << 22) + (1 << 20));
+    let machine = bench.machine.set_points[0];
+    bench.now(Op::Zero { axes: all(&[0]) });
+    let view = bench.tick();
+    assert_eq!((view.axes[0].pos, view.axes[0].encoder), (Pos(0), 0));
+    bench.now(Op::Reset { axes: all(&[0]) });
+    let view = bench.tick();
+    assert_eq!((view.axes[0].status, view.axes[0].mode), (0, Mode::Trap));
+    assert_eq!(bench.machine.set_points[0], machine);
+}
+
+#[test]
+fn home_captures_the_encoder_at_the_rising_edge() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.jog(0, 4.0, 4.0);
+    bench.ticks(10);
+    bench.machine.inputs[0].home = true;
+    assert_eq!(bench.tick().axes[0].captured, None, "not armed");
+    bench.now(Op::Capture { axis: axis(0), mode: 1 });
+    assert_eq!(bench.ticks(3).axes[0].captured, None, "no edge");
+    bench.machine.inputs[0].home = false;
+    bench.tick();
+    bench.machine.inputs[0].home = true;
+    let view = bench.tick();
+    assert_eq!(view.axes[0].captured, Some(view.axes[0].encoder));
+    let captured = view.axes[0].captured;
+    assert_eq!(bench.ticks(3).axes[0].captured, captured);
+    bench.now(Op::Capture { axis: axis(0), mode: 2 });
+    bench.machine.inputs[0].home = false;
+    bench.tick();
+    bench.machine.inputs[0].home = true;
+    assert_eq!(bench.tick().axes[0].captured, None, "index has no source here");
+}
+
+#[test]
+fn trap_reaches_its_target_and_can_be_changed_under_way() {
+    let mut bench = Bench::ready(250, Mode::Trap);
+    let prm = |axis| Op::TrapPrm { axis, acc: accel(0.5), dec: accel(0.25), vel_start: speed(0.0), smooth: Ns(0) };
+    bench.now(prm(axis(0)));
+    bench.now(Op::TargetSpeed { axis: axis(0), speed: speed(10.0) });
+    bench.now(Op::TargetPosition { axis: axis(0), pulses: 5000 });
+    bench.now(Op::Update { axes: all(&[0]) });
+    let zero = bench.tick().now.0;
+    let view = bench.until(zero + 200 * MS);
+    assert_eq!(real(view.axes[0].motion.velocity()), 10.0);
+    bench.now(Op::TargetPosition { axis: axis(0), pulses: -123 });
+    bench.now(Op::Update { axes: all(&[0]) });
+    let view = bench.rest();
+    assert_eq!((view.axes[0].pos, view.axes[0].stop), (Pos::pulses(-123), StopReason::Completed));
+}

@@ -1,0 +1,208 @@
+//! PT through the tick: time zero, exact ends, streams, epochs, all or nothing.
+mod tick_bench;
+use servo::op::{Lane, Mode, Op};
+use servo::status;
+use servo::units::{AxisMask, Pos};
+use servo::view::{Event, StopReason};
+use tick_bench::*;
+
+/// Listing 2-1 in closed form: position in pulses at t ms.
+fn listing(t: f64) -> f64 {
+    match t {
+        t if t <= 1024.0 => t * t / 1024.0,
+        t if t <= 2048.0 => 1024.0 + 2.0 * (t - 1024.0),
+        t if t <= 3072.0 => 4096.0 - (3072.0 - t) * (3072.0 - t) / 1024.0,
+        _ => 4096.0,
+    }
+}
+
+#[test]
+fn listing_2_1_is_the_closed_form_at_every_period() {
+    let mut at_ms: Vec<Vec<Pos>> = Vec::new();
+    for period in [50, 250, 1000] {
+        let mut bench = Bench::ready(period, Mode::PtStatic);
+        bench.pt(0, 0, &LISTING_2_1);
+        bench.start(&[0]);
+        let first = bench.tick();
+        let zero = first.now.0;
+        assert_eq!(first.axes[0].pos, Pos(0), "time zero is the tick that computes the start");
+        assert!(has(&first.axes[0], status::RUNNING));
+        let mut whole = vec![];
+        loop {
+            let view = bench.tick();
+            let t = view.now.0 - zero;
+            let shown = &view.axes[0];
+            let off = (pulses(shown.pos) - listing(t as f64 / MS as f64)).abs();
+            assert!(off <= 1.0 / 65536.0, "{off} pulse off at {t} ns");
+            if t > 1024 * MS && t < 2048 * MS {
+                assert!((real(shown.motion.velocity()) - 2.0).abs() < 1e-12);
+            }
+            if t % MS == 0 {
+                whole.push(shown.pos);
+            }
+            assert_eq!(has(shown, status::RUNNING), t < 3072 * MS, "at {t} ns");
+            if t == 3072 * MS {
+                assert_eq!(shown.pos, Pos::pulses(4096));
+                assert_eq!(real(shown.motion.velocity()), 0.0);
+                assert_eq!((shown.stop, shown.passes, shown.pt_state), (StopReason::Completed, 1, 2));
+                assert_eq!(stopped(bench.event()), (0, StopReason::Completed));
+                assert!(bench.event().is_none());
+                break;
+            }
+        }
+        at_ms.push(whole);
+    }
+    assert_eq!(at_ms[0], at_ms[1]);
+    assert_eq!(at_ms[0], at_ms[2]);
+    assert_eq!(at_ms[0].len(), 3072);
+}
+
+#[test]
+fn loops_continue_where_the_pass_ended_and_can_be_ended_while_running() {
+    let mut bench = Bench::ready(250, Mode::PtStatic);
+    bench.pt(0, 0, &[(10.0, 10, 0), (30.5, 20, 2)]);
+    bench.now(Op::PtLoop { axis: axis(0), passes: 0 });
+    bench.start(&[0]);
+    let zero = bench.tick().now.0;
+    let view = bench.until(zero + 20 * 100 * MS);
+    assert_eq!(view.axes[0].pos, Pos(100 * 30 * (1 << 22) + 50 * (1 << 22)));
+    assert_eq!(view.axes[0].passes, 100);
+    bench.now(Op::PtLoop { axis: axis(0), passes: 101 });
+    let view = bench.rest();
+    assert_eq!(view.now.0, zero + 20 * 101 * MS);
+    assert_eq!((pulses(view.axes[0].pos), view.axes[0].passes), (30.5 * 101.0, 101));
+    // Kept after it has run; FIFO 1 is another store.
+    bench.now(Op::PtLoop { axis: axis(0), passes: 1 });
+    bench.pt(0, 1, &[(-7.0, 3, 1)]);
+    bench.now(Op::PtStart { axes: all(&[0]), fifo1: all(&[0]) });
+    assert_eq!(pulses(bench.rest().axes[0].pos), 30.5 * 101.0 - 7.0);
+    bench.start(&[0]);
+    assert_eq!(pulses(bench.rest().axes[0].pos), 30.5 * 102.0 - 7.0);
+}
+
+#[test]
+fn data_added_to_a_running_fifo_belongs_to_the_pass() {
+    let mut bench = Bench::ready(250, Mode::PtStatic);
+    bench.pt(0, 0, &[(10.0, 10, 0)]);
+    bench.start(&[0]);
+    bench.ticks(20);
+    bench.pt(0, 0, &[(20.0, 20, 0)]);
+    let view = bench.rest();
+    assert_eq!((pulses(view.axes[0].pos), view.axes[0].passes), (20.0, 1));
+}
+
+#[test]
+fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
+    let mut bench = Bench::ready(250, Mode::PtDynamic);
+    bench.pt(0, 0, &[(10.0, 10, 0), (30.0, 20, 0)]);
+    bench.start(&[0]);
+    let zero = bench.tick().now.0;
+    let view = bench.until(zero + 15 * MS);
+    assert_eq!(view.axes[0].released, 1, "the first segment's place is free");
+    assert!((5..=6).contains(&view.axes[0].dry_ms), "5 ms before the end, told at most 8 ticks ago");
+    let view = bench.until(zero + 20 * MS);
+    let shown = view.axes[0];
+    assert_eq!((pulses(shown.pos), shown.stop, shown.pt_state), (30.0, StopReason::Underrun, 3));
+    assert_eq!((shown.epoch, shown.released), (1, 0));
+    assert!(!has(&shown, status::RUNNING));
+    assert_eq!(stopped(bench.event()), (0, StopReason::Underrun));
+    // A commit that was on its way to the stream that ended is void; it starts nothing.
+    bench.now(Op::PtCommit { axis: axis(0), fifo: 0, end: 3, epoch: 0 });
+    let seq = bench.start(&[0]);
+    bench.tick();
+    assert!(matches!(bench.event(), Some(Event::Refused { seq: s, lane: Lane::Immediate, .. }) if s == seq));
+    // The next stream counts from 0, and needs no ClearStatus.
+    bench.forget(0);
+    bench.pt(0, 0, &[(5.0, 10, 0), (10.0, 20, 0)]);
+    bench.start(&[0]);
+    let view = bench.rest();
+    assert_eq!((pulses(view.axes[0].pos), view.axes[0].pt_state, view.axes[0].epoch), (40.0, 2, 2));
+}
+
+#[test]
+fn a_stop_clears_the_stream_and_keeps_static_data() {
+    for (mode, epoch, again) in [(Mode::PtDynamic, 1, false), (Mode::PtStatic, 0, true)] {
+        let mut bench = Bench::ready(250, mode);
+        bench.pt(0, 0, &LISTING_2_1);
+        bench.start(&[0]);
+        bench.ticks(100);
+        bench.now(Op::Stop { axes: all(&[0]), abrupt: all(&[0]) });
+        let view = bench.tick();
+        assert_eq!((view.axes[0].pt_state, view.axes[0].epoch), (4, epoch));
+        bench.start(&[0]);
+        assert_eq!(has(&bench.tick().axes[0], status::RUNNING), again);
+    }
+}
+
+#[test]
+fn a_long_stream_wraps_its_ring() {
+    let mut bench = Bench::ready(1000, Mode::PtDynamic);
+    let segment = |n: i32| ((n % 7) as f64 * 3.0, n, 2i16);
+    let first: Vec<_> = (1..=2000).map(segment).collect();
+    bench.pt(0, 0, &first);
+    bench.start(&[0]);
+    let zero = bench.tick().now.0;
+    let mut pushed = 2000;
+    for ms in 1..=6000 {
+        let view = bench.until(zero + ms * MS);
+        assert_eq!(pulses(view.axes[0].pos), ((ms as i32 % 7) * 3) as f64, "at {ms} ms");
+        assert!(ms == 6000 || view.axes[0].released as u64 >= ms - 1);
+        if pushed < 6000 {
+            pushed += 1;
+            // Beyond slot 2047 the store masks; fifo 0's base is 0.
+            bench.pt(0, 0, &[segment(pushed)]);
+        }
+    }
+    assert_eq!(bench.tick().axes[0].pt_state, 2);
+}
+
+#[test]
+fn a_start_is_all_or_nothing() {
+    let mut bench = Bench::ready(250, Mode::PtStatic);
+    for index in [0, 1, 2] {
+        bench.pt(index, 0, &LISTING_2_1);
+    }
+    bench.now(Op::Servo { axis: axis(1), on: false });
+    let seq = bench.start(&[0, 1, 2]);
+    let view = bench.tick();
+    assert!(view.axes.iter().all(|axis| !has(axis, status::RUNNING)));
+    match bench.event() {
+        Some(Event::Refused { lane: Lane::Immediate, seq: s, axis, status }) => {
+            assert_eq!((s, axis.index(), status & status::SERVO_ON), (seq, 1, 0))
+        }
+        other => panic!("{other:?}"),
+    }
+    bench.now(Op::Servo { axis: axis(1), on: true });
+    bench.start(&[0, 1, 2]);
+    let view = bench.tick();
+    assert!(view.axes[..3].iter().all(|axis| has(axis, status::RUNNING) && axis.pos == Pos(0)));
+    let view = bench.tick();
+    assert_eq!(view.axes[0].pos, view.axes[2].pos);
+    assert!(view.axes[0].pos > Pos(0));
+    // One that runs, or has no data, refuses for all.
+    bench.pt(3, 0, &LISTING_2_1);
+    bench.start(&[3, 0]);
+    assert!(!has(&bench.tick().axes[3], status::RUNNING));
+    bench.start(&[3, 4]);
+    assert!(!has(&bench.tick().axes[3], status::RUNNING));
+    bench.now(Op::PtStart { axes: AxisMask(0), fifo1: AxisMask(0) });
+    bench.start(&[3]);
+    assert!(has(&bench.tick().axes[3], status::RUNNING));
+}
+
+#[test]
+fn a_mode_that_is_set_again_keeps_its_data() {
+    let mut bench = Bench::ready(250, Mode::PtStatic);
+    bench.pt(0, 0, &LISTING_2_1);
+    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.start(&[0]);
+    assert!(has(&bench.tick().axes[0], status::RUNNING));
+    bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
+    assert_eq!(bench.tick().axes[0].mode, Mode::PtStatic, "only at rest");
+    bench.rest();
+    for mode in [Mode::PtDynamic, Mode::PtStatic] {
+        bench.now(Op::SetMode { axis: axis(0), mode });
+    }
+    bench.start(&[0]);
+    assert!(!has(&bench.tick().axes[0], status::RUNNING), "another FIFO use clears the data");
+}
