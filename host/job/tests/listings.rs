@@ -1,0 +1,154 @@
+//! The listings of the GXN manual: pasted as they stand, and as the jobs in `examples/`.
+use job::{Action, Folder, Job, Severity, compile};
+use protocol::command::{PrfPt, PtData, PtStart, Request};
+use std::path::{Path, PathBuf};
+use zerocopy::FromBytes;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn example(name: &str) -> Job {
+    let path = root().join("examples").join(name);
+    let text = std::fs::read_to_string(&path).unwrap();
+    compile(&text, &Folder::of(&path)).unwrap_or_else(|found| panic!("{name}: {found:#?}"))
+}
+
+/// The GXN manual, where its text is at hand: `BEAMTICK_MANUALS`, or `../shared/manuals` beside the checkout.
+fn manual() -> Option<String> {
+    let folder = std::env::var_os("BEAMTICK_MANUALS").map_or_else(|| root().join("../shared/manuals"), PathBuf::from);
+    let file = std::fs::read_dir(folder).ok()?.flatten().find(|file| file.file_name().to_string_lossy().starts_with("001"))?;
+    std::fs::read_to_string(file.path()).ok()
+}
+
+/// The code blocks between two headings, with their fences and whatever stands between them.
+fn listing<'m>(manual: &'m str, from: &str, to: &str) -> &'m str {
+    let part = &manual[manual.find(from).unwrap()..manual.find(to).unwrap()];
+    &part[part.find("```").unwrap()..part.rfind("```").unwrap() + 3]
+}
+
+fn segments(job: &Job) -> Vec<(f64, i32, i16)> {
+    job.steps
+        .iter()
+        .filter_map(|step| match &step.action {
+            Action::Call(call) if call.opcode == PtData::OPCODE => PtData::read_from_bytes(&call.body).ok(),
+            _ => None,
+        })
+        .map(|data| (data.pos.get(), data.time_ms.get(), data.kind.get()))
+        .collect()
+}
+
+const STATIC: [(f64, i32, i16); 3] = [(1024.0, 1024, 0), (3072.0, 2048, 0), (4096.0, 3072, 0)];
+
+#[test]
+fn listing_2_1_as_the_manual_prints_it() {
+    let Some(manual) = manual() else {
+        println!("skipped: the manuals are not here (set BEAMTICK_MANUALS to their folder)");
+        return;
+    };
+    let fenced = listing(&manual, "例程 2-1", "2. PT 动态 FIFO");
+    let plain = fenced.replace("```", "");
+    for text in [fenced, plain.as_str()] {
+        let job = compile(text, &Folder(root().join("examples"))).unwrap_or_else(|found| panic!("{found:#?}"));
+        assert_eq!(segments(&job), STATIC);
+        let mode = job.steps.iter().find_map(|step| match &step.action {
+            Action::Call(call) if call.function == "GTN_PrftPt" => Some(call.opcode),
+            _ => None,
+        });
+        assert_eq!(mode, Some(PrfPt::OPCODE));
+        let waits = job.steps.iter().filter(|step| step.action == Action::WaitAll).count();
+        assert_eq!(waits, 1);
+        let said: Vec<&str> = job.warnings.iter().map(|warning| warning.message.as_str()).collect();
+        assert_eq!(said, ["`GTN_PrftPt` is taken as `GTN_PrfPt`", "this } closes nothing; it is ignored"]);
+    }
+}
+
+#[test]
+fn listing_2_2_as_printed_is_refused_for_its_loop() {
+    let Some(manual) = manual() else {
+        println!("skipped: the manuals are not here (set BEAMTICK_MANUALS to their folder)");
+        return;
+    };
+    let text = listing(&manual, "例程 2-2", "第3章 Follow 运动模式\n");
+    let found = compile(text, &Folder(root().join("examples"))).unwrap_err();
+    let errors: Vec<_> = found.iter().filter(|found| found.severity == Severity::Error).collect();
+    assert!(errors.iter().any(|error| error.message.contains("`while(1)` is not available")
+        && error.help.as_deref().unwrap_or("").contains("C library")));
+    // The parenthesis that the scan lost.
+    assert!(errors.iter().any(|error| error.message.contains("GTN_PtClear1")));
+}
+
+#[test]
+fn pt_static_is_listing_2_1() {
+    let job = example("pt_static.gts");
+    assert!(job.warnings.is_empty());
+    assert_eq!(segments(&job), STATIC);
+}
+
+/// Listing 2-2's own arithmetic, statement for statement.
+fn sine() -> Vec<(f64, i32, i16)> {
+    const A: i32 = 50;
+    const T: i32 = 1;
+    const DELTA: f64 = 0.016;
+    const LOOP: i32 = 2;
+    const PI: f64 = 3.1415926;
+    let (mut pos, mut vel_pre, mut time, mut pass) = (0.0f64, 0.0f64, 0.0f64, 1);
+    let mut out = Vec::new();
+    while pass <= LOOP {
+        time += DELTA;
+        let vel = f64::from(A) * ((2.0 * PI) / f64::from(T) * time).sin();
+        pos += 1000.0 * (vel + vel_pre) * DELTA / 2.0;
+        vel_pre = vel;
+        if time < f64::from(pass * T) {
+            out.push((pos, (time * 1000.0) as i32, 0));
+        } else {
+            out.push((0.0, pass * T * 1000, 2));
+            pos = 0.0;
+            time = f64::from(pass * T);
+            vel_pre = 0.0;
+            pass += 1;
+        }
+    }
+    out
+}
+
+#[test]
+fn pt_dynamic_is_listing_2_2_unrolled() {
+    let job = example("pt_dynamic.gts");
+    let (found, wanted) = (segments(&job), sine());
+    assert_eq!(found.len(), wanted.len());
+    for (found, wanted) in found.iter().zip(&wanted) {
+        assert_eq!((found.1, found.2), (wanted.1, wanted.2));
+        // Both are the same operations on doubles; the sines may differ by the library's last bit.
+        assert!((found.0 - wanted.0).abs() < 1e-9, "{found:?} {wanted:?}");
+    }
+    // It is refilled while it runs: some data behind the start.
+    let start = job.steps.iter().position(|step| matches!(&step.action, Action::Call(call) if call.opcode == PtStart::OPCODE));
+    let last = job.steps.iter().rposition(|step| matches!(&step.action, Action::Call(call) if call.opcode == PtData::OPCODE));
+    assert!(start < last);
+    // Never more than the 64 places of the small memory without one having run: the data written up to a
+    // time minus the segments that have ended by then.
+    let (mut clock, mut started, mut written) = (0.0, None, 0usize);
+    for step in &job.steps {
+        match &step.action {
+            Action::Sleep { ns } => clock += *ns as f64 / 1e6,
+            Action::Call(call) if call.opcode == PtStart::OPCODE => started = Some(clock),
+            Action::Call(call) if call.opcode == PtData::OPCODE => {
+                written += 1;
+                // A tick may pass before a start acts, and one before a place is seen to be free.
+                let run = started.map_or(0, |at| wanted.iter().filter(|segment| f64::from(segment.1) + 2.0 <= clock - at).count());
+                assert!(written - run <= 64, "line {}: {} places", step.line, written - run);
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn the_other_examples_compile_without_warnings() {
+    for name in ["jog_trap.gts", "stop.gts"] {
+        let job = example(name);
+        assert!(job.warnings.is_empty(), "{name}: {:?}", job.warnings);
+        assert!(job.steps.len() > 5);
+    }
+}
