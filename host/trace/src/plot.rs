@@ -10,11 +10,16 @@ use crate::{Result, TraceError};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::Path;
 use std::sync::Once;
 
 /// Most pairs of extremes that a curve keeps.
 const BUCKETS: usize = 4096;
+
+/// A PNG is drawn this many times as large and made smaller.
+const SMOOTH: u32 = 2;
 
 const INK: RGBColor = RGBColor(0x24, 0x29, 0x2f);
 const FAINT: RGBColor = RGBColor(0x6e, 0x77, 0x81);
@@ -139,33 +144,53 @@ impl Plot {
     /// Draws a PNG or an SVG, as the path's extension says.
     pub fn save(&self, path: &Path) -> Result<()> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-        match extension.as_str() {
-            "png" => self.draw(&BitMapBackend::new(path, self.size()).into_drawing_area()),
-            "svg" => self.draw(&SVGBackend::new(path, self.size()).into_drawing_area()),
-            _ => Err(TraceError::Plot(format!("{}: a plot's name ends in .png or .svg", path.display()))),
+        if !matches!(extension.as_str(), "png" | "svg") {
+            return Err(TraceError::Plot(format!("{}: a plot's name ends in .png or .svg", path.display())));
         }
-    }
-
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<()> {
-        load_font();
-        area.fill(&WHITE).map_err(as_plot)?;
         if self.rows == 0 {
             return Err(TraceError::Plot("no row of the trace lies in the time asked for".into()));
         }
-        let (head, rest) = area.split_vertically(HEAD);
-        head.draw(&Text::new(self.options.title.clone(), (24, 16), ("sans-serif", 24).into_font().color(&INK)))
-            .map_err(as_plot)?;
-        head.draw(&Text::new(self.options.subtitle.clone(), (24, 46), ("sans-serif", 15).into_font().color(&FAINT)))
-            .map_err(as_plot)?;
+        match extension.as_str() {
+            "svg" => self.draw(&SVGBackend::new(path, self.size()).into_drawing_area(), 1),
+            _ => self.save_png(path),
+        }
+    }
+
+    /// Draws [`SMOOTH`] times as large and takes means, so that slanted lines are smooth.
+    fn save_png(&self, path: &Path) -> Result<()> {
+        let (width, height) = self.size();
+        let large = (width * SMOOTH, height * SMOOTH);
+        let mut pixels = vec![0; large.0 as usize * large.1 as usize * 3];
+        self.draw(&BitMapBackend::with_buffer(&mut pixels, large).into_drawing_area(), SMOOTH)?;
+        let small = shrink(&pixels, large.0 as usize, SMOOTH as usize);
+        let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let written = encoder.write_header().and_then(|mut writer| {
+            writer.write_image_data(&small)?;
+            writer.finish()
+        });
+        written.map_err(|e| TraceError::Plot(format!("{}: {e}", path.display())))
+    }
+
+    /// Draws everything, `scale` times as large.
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<()> {
+        load_font();
+        area.fill(&WHITE).map_err(as_plot)?;
+        let (head, rest) = area.split_vertically(HEAD * scale);
+        let lines = [(&self.options.title, 14, 24, INK), (&self.options.subtitle, 46, 15, FAINT)];
+        for (text, y, size, colour) in lines {
+            head.draw(&Text::new(text.clone(), place(24, y, scale), font(size, colour, scale))).map_err(as_plot)?;
+        }
         let span = self.time_range();
-        let height = panel_height(self.axes.len() as u32);
+        let height = panel_height(self.axes.len() as u32) * scale;
         let panels = self.axes.len() * 2;
         let mut below = rest;
         for (index, (axis, curves)) in self.axes.iter().zip(&self.curves).enumerate() {
             for (half, curve) in curves.iter().enumerate() {
                 let last = index * 2 + half + 1 == panels;
-                let (panel, next) = below.split_vertically(if last { height + FOOT } else { height });
-                draw_panel(&panel, *axis, half, curve, span, last)?;
+                let (panel, next) = below.split_vertically(if last { height + FOOT * scale } else { height });
+                draw_panel(&panel, &Panel { axis: *axis, half, curve, span, last, scale })?;
                 below = next;
             }
         }
@@ -191,61 +216,95 @@ const FOOT: u32 = 58;
 
 fn panel_height(axes: u32) -> u32 {
     match axes {
-        0..=1 => 280,
-        2 => 210,
-        3..=4 => 150,
-        _ => 112,
+        0..=1 => 300,
+        2 => 220,
+        3..=4 => 160,
+        _ => 124,
     }
 }
 
-fn draw_panel<B: DrawingBackend>(
-    panel: &DrawingArea<B, Shift>, axis: AxisName, half: usize, curve: &Curve, span: (f64, f64), last: bool,
-) -> Result<()> {
+/// What one panel shows.
+struct Panel<'a> {
+    axis: AxisName,
+    /// 0 position, 1 velocity.
+    half: usize,
+    curve: &'a Curve,
+    /// Time range in ms.
+    span: (f64, f64),
+    /// The last one carries the time axis.
+    last: bool,
+    scale: u32,
+}
+
+/// Height of a panel's caption.
+const CAPTION: u32 = 26;
+
+fn draw_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panel: &Panel<'_>) -> Result<()> {
     let (name, unit, colour) =
-        if half == 0 { ("position", "pulse", POSITION) } else { ("velocity", "pulse/ms", VELOCITY) };
+        if panel.half == 0 { ("position", "pulse", POSITION) } else { ("velocity", "pulse/ms", VELOCITY) };
     // From ten seconds on, seconds read better than milliseconds.
-    let (scale, time_unit) = if span.1 - span.0 >= 10_000.0 { (1e-3, "s") } else { (1.0, "ms") };
-    let (low, high) = curve.range();
-    let height = panel.dim_in_pixel().1;
-    let mut chart = ChartBuilder::on(panel)
-        .margin_top(if half == 0 { 12 } else { 4 })
-        .margin_right(28)
-        .set_label_area_size(LabelAreaPosition::Left, 104)
-        .set_label_area_size(LabelAreaPosition::Bottom, if last { FOOT } else { 0 })
-        .build_cartesian_2d(span.0 * scale..span.1 * scale, low..high)
+    let (start, end) = panel.span;
+    let (factor, time_unit) = if end - start >= 10_000.0 { (1e-3, "s") } else { (1.0, "ms") };
+    let (low, high) = panel.curve.range();
+    let scale = panel.scale;
+    let height = area.dim_in_pixel().1 / scale;
+    let caption = format!("{} {name} ({unit})", title(panel.axis));
+    area.draw(&Text::new(caption, place(LEFT, 7, scale), font(14, colour, scale))).map_err(as_plot)?;
+    let mut chart = ChartBuilder::on(area)
+        .margin_top(CAPTION * scale)
+        .margin_right(28 * scale)
+        .set_label_area_size(LabelAreaPosition::Left, LEFT * scale)
+        .set_label_area_size(LabelAreaPosition::Bottom, if panel.last { FOOT * scale } else { 0 })
+        .build_cartesian_2d(start * factor..end * factor, low..high)
         .map_err(as_plot)?;
-    let step_x = tick_step((span.1 - span.0) * scale);
+    let step_x = tick_step((end - start) * factor);
     let step_y = tick_step(high - low);
     chart
         .configure_mesh()
-        .axis_style(FRAME)
-        .bold_line_style(GRID)
+        .axis_style(FRAME.stroke_width(scale))
+        .bold_line_style(GRID.stroke_width(scale))
         .light_line_style(TRANSPARENT)
+        .set_all_tick_mark_size(5 * scale)
         .x_labels(12)
-        .y_labels((height / 34).clamp(3, 8) as usize)
-        .label_style(("sans-serif", 14).into_font().color(&INK))
-        .axis_desc_style(("sans-serif", 14).into_font().color(&FAINT))
+        .y_labels((height / 24).clamp(5, 10) as usize)
+        .label_style(font(14, INK, scale))
+        .axis_desc_style(font(14, FAINT, scale))
         .x_label_formatter(&|x| tick_text(*x, step_x))
         .y_label_formatter(&|y| tick_text(*y, step_y))
-        .x_desc(if last { format!("time ({time_unit})") } else { String::new() })
-        .y_desc(unit)
+        .x_desc(if panel.last { format!("time ({time_unit})") } else { String::new() })
         .draw()
         .map_err(as_plot)?;
-    chart
-        .draw_series(LineSeries::new(curve.points().map(|(t, v)| (t * scale, v)), colour.stroke_width(2)))
-        .map_err(as_plot)?
-        .label(format!("{} {name}", title(axis)))
-        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .margin(6)
-        .legend_area_size(24)
-        .background_style(WHITE.mix(0.85))
-        .border_style(GRID)
-        .label_font(("sans-serif", 14).into_font().color(&INK))
-        .draw()
-        .map_err(as_plot)
+    let line = panel.curve.points().map(|(t, v)| (t * factor, v));
+    chart.draw_series(LineSeries::new(line, colour.stroke_width(2 * scale))).map_err(as_plot)?;
+    Ok(())
+}
+
+/// Width of the value labels.
+const LEFT: u32 = 88;
+
+/// A place in pixels of the picture.
+fn place(x: u32, y: u32, scale: u32) -> (i32, i32) {
+    ((x * scale) as i32, (y * scale) as i32)
+}
+
+/// The built-in font in this size and colour.
+fn font(size: u32, colour: RGBColor, scale: u32) -> TextStyle<'static> {
+    ("sans-serif", size * scale).into_font().color(&colour)
+}
+
+/// Means of squares of `by` pixels.
+fn shrink(pixels: &[u8], width: usize, by: usize) -> Vec<u8> {
+    let mut small = Vec::with_capacity(pixels.len() / (by * by));
+    for rows in pixels.chunks_exact(width * 3 * by) {
+        for x in 0..width / by {
+            for channel in 0..3 {
+                let of = |row: usize, column: usize| rows[(row * width + x * by + column) * 3 + channel];
+                let sum: usize = (0..by * by).map(|i| usize::from(of(i / by, i % by))).sum();
+                small.push((sum / (by * by)) as u8);
+            }
+        }
+    }
+    small
 }
 
 /// What a person calls an axis.

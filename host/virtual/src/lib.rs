@@ -1,1 +1,19 @@
+#![forbid(unsafe_code)]
+//! The virtual controller: the same dispatcher and servo as the firmware, on this machine.
+//!
+//! In: bytes of the host link, input levels that a test sets. Out: bytes of the host link and of the
+//! trace stream, output edges. Owns its time: [`Board::step`] is one tick, and nothing else moves the
+//! clock, so the same calls give the same bytes. Encoders are those of `plant`.
+//!
+//! * [`Board`]: the controller in virtual time.
+//! * [`VirtualLink`]: a client's link to it; time passes only while the client waits.
+//! * [`serve`]: the controller in real time behind TCP.
+mod board;
+mod link;
+mod machine;
+mod serve;
 
+pub use board::{Board, Config};
+pub use link::{Shared, VirtualLink, share};
+pub use machine::{Edge, Inputs, Output, Outputs};
+pub use serve::{Served, serve};

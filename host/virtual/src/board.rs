@@ -1,0 +1,301 @@
+//! The controller in virtual time.
+//!
+//! In: link bytes, [`Board::step`]s. Out: link bytes, trace bytes, the machine's state. Owns dispatcher,
+//! tick and machine and the hand-overs between them. Fails: never; what the link brings is answered.
+//!
+//! The thread runs when there is something for it to do: bytes came, the tick executed an entry or
+//! stopped an axis, a time of the thread's own is reached, or [`THREAD_TICKS`] have passed. Between these
+//! it would find nothing but a newer view.
+use crate::machine::{Edge, Inputs, Machine, Outputs};
+use dispatcher::{Channels, Server};
+use ring::{Latest, Ring};
+use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
+use servo::units::Ns;
+use servo::view::View;
+
+/// Ticks after which the thread looks in any case: segments run, samples fill their ring.
+const THREAD_TICKS: u32 = 16;
+/// The name that the board shows.
+const NAME: &str = "virtual";
+
+/// What a virtual controller is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Config {
+    /// Servo tick at power-on in µs, 10 to 1000.
+    pub tick_us: u32,
+    /// Number of the profile shown at power-on. With one of 8 axes the board holds only 8, which is
+    /// quicker; with any other it holds every profile (48 axes).
+    pub profile: u8,
+}
+
+impl Default for Config {
+    /// Profile `gus` on a board that holds only 8 axes, at the compatible tick of 250 µs.
+    fn default() -> Self {
+        Config { tick_us: 250, profile: 0 }
+    }
+}
+
+/// A virtual controller. See the module text.
+pub struct Board {
+    core: Box<dyn Core + Send>,
+}
+
+impl Board {
+    /// A controller at power-on.
+    ///
+    /// Its memory lives as long as the program, as a real board's does.
+    pub fn new(config: Config) -> Board {
+        let axes = dispatcher::PROFILES.get(usize::from(config.profile)).map_or(48, dispatcher::Profile::axes);
+        let core: Box<dyn Core + Send> =
+            if axes <= 8 { Box::new(Whole::<8>::new(config)) } else { Box::new(Whole::<48>::new(config)) };
+        Board { core }
+    }
+
+    /// Takes bytes from the link; the thread acts on them at once.
+    pub fn feed(&mut self, bytes: &[u8]) {
+        self.core.feed(bytes);
+    }
+
+    /// Moves the link bytes that are ready to the end of `out`.
+    pub fn take_tx(&mut self, out: &mut Vec<u8>) {
+        self.core.take_tx(out);
+    }
+
+    /// Moves the trace bytes that are ready to the end of `out`.
+    pub fn take_trace(&mut self, out: &mut Vec<u8>) {
+        self.core.take_trace(out);
+    }
+
+    /// One tick.
+    pub fn step(&mut self) {
+        self.core.advance(1, &mut Vec::new());
+    }
+
+    /// Ticks until `ns` of controller time have passed or the link has bytes, which go to `out`.
+    /// Returns whether it has.
+    pub fn advance(&mut self, ns: u64, out: &mut Vec<u8>) -> bool {
+        self.core.advance(ns, out)
+    }
+
+    /// Controller time: the instant of the tick in force, in ns.
+    pub fn now(&self) -> u64 {
+        self.core.now()
+    }
+
+    /// Controller time of the present tick period, in ns.
+    pub fn period_ns(&self) -> u64 {
+        self.core.period_ns()
+    }
+
+    /// Controller time at which the last program's script clock was zero, in ns.
+    pub fn program_zero_ns(&mut self) -> u64 {
+        self.core.program_zero_ns()
+    }
+
+    /// Input levels, to be looked at and set.
+    pub fn inputs_mut(&mut self) -> &mut Inputs {
+        self.core.inputs_mut()
+    }
+
+    /// Output levels in force from the next tick on.
+    pub fn outputs(&self) -> Outputs {
+        self.core.outputs()
+    }
+
+    /// Takes the edges of the digital outputs since the last call, in the order of time.
+    pub fn take_edges(&mut self) -> Vec<Edge> {
+        self.core.take_edges()
+    }
+}
+
+/// A board of any capacity.
+trait Core {
+    fn feed(&mut self, bytes: &[u8]);
+    fn take_tx(&mut self, out: &mut Vec<u8>);
+    fn take_trace(&mut self, out: &mut Vec<u8>);
+    fn advance(&mut self, ns: u64, out: &mut Vec<u8>) -> bool;
+    fn now(&self) -> u64;
+    fn period_ns(&self) -> u64;
+    fn program_zero_ns(&mut self) -> u64;
+    fn inputs_mut(&mut self) -> &mut Inputs;
+    fn outputs(&self) -> Outputs;
+    fn take_edges(&mut self) -> Vec<Edge>;
+}
+
+/// Thread, tick and machine of a board with room for `AXES` axes.
+struct Whole<const AXES: usize> {
+    server: Box<Server<'static, AXES>>,
+    tick: Box<Tick<AXES>>,
+    lanes: Lanes<'static, AXES>,
+    machine: Machine<AXES>,
+    /// Ticks since the thread last ran.
+    idle_ticks: u32,
+    /// What the thread saw when it last ran.
+    seen: Seen,
+}
+
+/// What in a view wakes the thread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Seen {
+    done_immediate: u32,
+    done_program: u32,
+    program_runs: bool,
+}
+
+impl Seen {
+    fn of<const AXES: usize>(view: &View<AXES>) -> Self {
+        Seen {
+            done_immediate: view.done_immediate,
+            done_program: view.done_program,
+            program_runs: view.program_runs,
+        }
+    }
+}
+
+/// A value that lives as long as the program.
+fn forever<T>(value: T) -> &'static mut T {
+    Box::leak(Box::new(value))
+}
+
+impl<const AXES: usize> Whole<AXES> {
+    fn new(config: Config) -> Self {
+        // The stores are megabytes: they are built in place, not on the stack.
+        let stores: Box<[SegmentStore]> = (0..AXES).map(|_| SegmentStore::new()).collect();
+        let stores: Result<Box<[SegmentStore; AXES]>, _> = stores.try_into();
+        let Ok(stores) = stores else { unreachable!("a row of AXES stores was collected") };
+        let stores: &'static [SegmentStore; AXES] = Box::leak(stores);
+        let (immediate_in, immediate_out) = forever(Ring::new()).split();
+        let (program_in, program_out) = forever(Ring::new()).split();
+        let (events_in, events_out) = forever(Ring::new()).split();
+        let (samples_in, samples_out) = forever(Ring::new()).split();
+        let (view_in, view_out) = forever(Latest::new(View::<AXES>::POWER_ON)).split();
+        let board = dispatcher::Board {
+            name: NAME,
+            profile: config.profile,
+            tick_us: 10..=1000,
+            analog_outputs: 8,
+            analog_inputs: 8,
+            general_outputs: 16,
+        };
+        let channels = Channels {
+            immediate: immediate_in,
+            program: program_in,
+            view: view_out,
+            events: events_out,
+            samples: samples_out,
+            stores,
+        };
+        let lanes = Lanes {
+            immediate: immediate_out,
+            program: program_out,
+            view: view_in,
+            events: events_in,
+            samples: samples_in,
+            segments: stores,
+        };
+        let tick = TickConfig {
+            period_ns: config.tick_us.clamp(10, 1000) * 1000,
+            axes: AXES as u8,
+            analog_inputs: 8,
+        };
+        let mut whole = Whole {
+            server: Box::new(Server::new(board, channels)),
+            tick: Box::new(Tick::new(tick)),
+            lanes,
+            machine: Machine::new(),
+            idle_ticks: 0,
+            seen: Seen::default(),
+        };
+        // The first view is that of the first tick: nobody sees the state before it.
+        whole.run_tick();
+        whole.run_thread();
+        whole
+    }
+
+    fn run_tick(&mut self) {
+        let period = self.tick.period().0;
+        self.machine.begin(period, self.tick.now().0 + period);
+        self.tick.run(&mut self.machine, &mut self.lanes);
+        self.idle_ticks += 1;
+    }
+
+    fn run_thread(&mut self) {
+        self.server.poll(self.tick.now());
+        self.idle_ticks = 0;
+        self.seen = Seen::of(self.server.view());
+    }
+
+    /// Whether the thread has something to do.
+    fn is_woken(&mut self) -> bool {
+        self.idle_ticks >= THREAD_TICKS
+            || Seen::of(self.server.view()) != self.seen
+            || self.server.next_deadline().is_some_and(|at| at <= self.tick.now())
+    }
+}
+
+/// Calls `take` until it has no more bytes.
+fn drain(out: &mut Vec<u8>, mut take: impl FnMut(&mut [u8]) -> usize) {
+    let mut part = [0; 2048];
+    loop {
+        match take(&mut part) {
+            0 => return,
+            n => out.extend_from_slice(&part[..n]),
+        }
+    }
+}
+
+impl<const AXES: usize> Core for Whole<AXES> {
+    fn feed(&mut self, bytes: &[u8]) {
+        self.server.feed(self.tick.now(), bytes);
+        self.run_thread();
+    }
+
+    fn take_tx(&mut self, out: &mut Vec<u8>) {
+        drain(out, |part| self.server.take_tx(part));
+    }
+
+    fn take_trace(&mut self, out: &mut Vec<u8>) {
+        drain(out, |part| self.server.take_trace(part));
+    }
+
+    fn advance(&mut self, ns: u64, out: &mut Vec<u8>) -> bool {
+        let end = self.tick.now().0.saturating_add(ns);
+        while self.tick.now().0 < end {
+            self.run_tick();
+            if self.is_woken() {
+                self.run_thread();
+                let before = out.len();
+                self.take_tx(out);
+                if out.len() > before {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    fn now(&self) -> u64 {
+        self.tick.now().0
+    }
+
+    fn period_ns(&self) -> u64 {
+        self.tick.period().0
+    }
+
+    fn program_zero_ns(&mut self) -> u64 {
+        let Ns(zero) = self.server.view().script_zero;
+        zero
+    }
+
+    fn inputs_mut(&mut self) -> &mut Inputs {
+        &mut self.machine.inputs
+    }
+
+    fn outputs(&self) -> Outputs {
+        self.machine.outputs
+    }
+
+    fn take_edges(&mut self) -> Vec<Edge> {
+        self.machine.edges.drain(..).collect()
+    }
+}

@@ -1,0 +1,140 @@
+//! The machine behind the tick: inputs that a test sets, encoders of the plant, outputs and their
+//! edges.
+use plant::{Gain, Plant};
+use servo::port::{AxisInputs, Port};
+use servo::units::{Axis, Pos};
+
+/// Input levels, set from outside; true is the high level. All are low at power-on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Inputs {
+    /// Inputs of each axis, from 0 over all cores.
+    pub axes: Vec<AxisInputs>,
+    /// General inputs, bit 0 is GPI 1.
+    pub general: u32,
+    /// Analog inputs as SetDac counts.
+    pub analog: [i16; 8],
+}
+
+/// Output levels in force from the next tick on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Outputs {
+    /// Servo enable, a bit an axis over all cores.
+    pub enable: u64,
+    /// Alarm clear, a bit an axis.
+    pub clear: u64,
+    /// General outputs.
+    pub general: u32,
+    /// Analog outputs.
+    pub analog: [i16; 8],
+}
+
+/// Which output an edge is of; numbers from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Output {
+    /// Servo enable of an axis.
+    Enable(u8),
+    /// Alarm clear of an axis.
+    Clear(u8),
+    /// General output.
+    General(u8),
+}
+
+/// A digital output that changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Edge {
+    /// Controller time in ns.
+    pub at_ns: u64,
+    /// Which one.
+    pub output: Output,
+    /// Its level from then on.
+    pub level: bool,
+}
+
+/// Edges that are kept until somebody takes them; the oldest go first.
+const EDGES: usize = 1 << 20;
+
+/// See the module text.
+pub(crate) struct Machine<const AXES: usize> {
+    plant: Plant<AXES>,
+    gain: Gain,
+    gain_ns: u64,
+    /// Instant from which the outputs given in this tick are in force.
+    next_ns: u64,
+    pub inputs: Inputs,
+    pub outputs: Outputs,
+    pub edges: std::collections::VecDeque<Edge>,
+}
+
+impl<const AXES: usize> Machine<AXES> {
+    pub fn new() -> Self {
+        Machine {
+            plant: Plant::new(),
+            gain: Gain::of_period(0),
+            gain_ns: 0,
+            next_ns: 0,
+            inputs: Inputs { axes: vec![AxisInputs::default(); AXES], general: 0, analog: [0; 8] },
+            outputs: Outputs::default(),
+            edges: std::collections::VecDeque::new(),
+        }
+    }
+
+    /// A tick begins: `period_ns` have passed since the one before; what it gives is in force at `next_ns`.
+    pub fn begin(&mut self, period_ns: u64, next_ns: u64) {
+        if self.gain_ns != period_ns {
+            self.gain_ns = period_ns;
+            self.gain = Gain::of_period(u32::try_from(period_ns).unwrap_or(u32::MAX));
+        }
+        self.plant.advance(self.gain);
+        self.next_ns = next_ns;
+    }
+
+    fn note(&mut self, before: u64, after: u64, output: fn(u8) -> Output) {
+        let mut changed = before ^ after;
+        while changed != 0 {
+            let bit = changed.trailing_zeros() as u8;
+            changed &= changed - 1;
+            if self.edges.len() == EDGES {
+                self.edges.pop_front();
+            }
+            self.edges.push_back(Edge { at_ns: self.next_ns, output: output(bit), level: after >> bit & 1 == 1 });
+        }
+    }
+}
+
+impl<const AXES: usize> Port for Machine<AXES> {
+    fn inputs(&mut self, axis: Axis) -> AxisInputs {
+        self.inputs.axes.get(axis.index()).copied().unwrap_or_default()
+    }
+
+    fn encoder(&mut self, axis: Axis) -> i64 {
+        self.plant.encoder(axis.index())
+    }
+
+    fn general_inputs(&mut self) -> u32 {
+        self.inputs.general
+    }
+
+    fn analog(&mut self, channel: usize) -> i16 {
+        self.inputs.analog.get(channel).copied().unwrap_or(0)
+    }
+
+    fn set_point(&mut self, axis: Axis, pos: Pos) {
+        self.plant.set_point(axis.index(), pos.0);
+    }
+
+    fn outputs(&mut self, enable: u64, clear: u64, general: u32) {
+        let before = self.outputs;
+        if (before.enable, before.clear, before.general) != (enable, clear, general) {
+            self.note(before.enable, enable, Output::Enable);
+            self.note(before.clear, clear, Output::Clear);
+            self.note(before.general.into(), general.into(), Output::General);
+            self.outputs = Outputs { enable, clear, general, ..before };
+        }
+    }
+
+    fn analog_out(&mut self, channel: usize, value: i16) {
+        if let Some(place) = self.outputs.analog.get_mut(channel) {
+            *place = value;
+        }
+    }
+}
