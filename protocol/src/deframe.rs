@@ -136,33 +136,25 @@ impl<const N: usize> Deframer<N> {
         let (block, _) = input.split_at_checked(want).unwrap_or((input, &[]));
         let room = self.bytes.get_mut(self.len..).unwrap_or(&mut []);
         let mut copied = 0usize;
-        let mut cut = false;
-        if room.len() < want {
-            // The frame does not fit: run on to its end without keeping it.
+        for (place, &byte) in room.iter_mut().zip(block) {
+            if byte == 0 {
+                break;
+            }
+            *place = byte;
+            copied = copied.wrapping_add(1);
+        }
+        self.len = self.len.wrapping_add(copied);
+        // Stopped by a delimiter or by the end of the buffer: in the latter case run on without keeping.
+        for &byte in block.get(copied..).unwrap_or(&[]) {
+            if byte == 0 {
+                break;
+            }
             self.overflow = true;
-            for &byte in block {
-                if byte == 0 {
-                    cut = true;
-                    break;
-                }
-                copied = copied.wrapping_add(1);
-            }
-        } else {
-            for (place, &byte) in room.iter_mut().zip(block) {
-                if byte == 0 {
-                    cut = true;
-                    break;
-                }
-                *place = byte;
-                copied = copied.wrapping_add(1);
-            }
-            self.len = self.len.wrapping_add(copied);
+            copied = copied.wrapping_add(1);
         }
         // copied <= want <= run, so both fit.
         self.run = self.run.wrapping_sub(copied as u8);
-        let rest = input.get(copied..).unwrap_or(&[]);
-        debug_assert!(cut || self.run == 0 || rest.is_empty());
-        rest
+        input.get(copied..).unwrap_or(&[])
     }
 
     /// A delimiter: what was before it, or nothing for a delimiter after a delimiter.

@@ -186,7 +186,7 @@ fn rejected_frames_are_rejected_for_the_reason_on_the_page() {
         assert_eq!(got, reason, "{line}");
         seen.push(reason);
     }
-    for reason in ["Truncated", "Short", "Checksum", "Version", "Kind", "Length"] {
+    for reason in ["Truncated", "TooLong", "Short", "Checksum", "Version", "Kind", "Length"] {
         assert!(seen.iter().any(|s| s == reason), "no example of {reason}");
     }
 }

@@ -1,0 +1,251 @@
+//! The link's rules one by one, on two ends joined by hand. Behaviour over a faulty channel is tested in
+//! `host-tests/tests/link.rs`.
+
+use protocol::Ns;
+use protocol::frame::{MAX_PAYLOAD, MAX_WIRE};
+use protocol::link::{Endpoint, Identity, KEEP_ALIVE_NS, RETRY_FIRST_NS, Role, SendError, State};
+
+const MS: Ns = 1_000_000;
+type End = Endpoint<4>;
+
+fn out(end: &mut End, now: Ns) -> Vec<u8> {
+    let mut wire = vec![0; 8 * MAX_WIRE];
+    let length = end.take_tx(now, &mut wire);
+    wire.truncate(length);
+    wire
+}
+
+fn pump(now: Ns, client: &mut End, controller: &mut End) {
+    loop {
+        let (up, down) = (out(client, now), out(controller, now));
+        if up.is_empty() && down.is_empty() {
+            return;
+        }
+        controller.feed(now, &up);
+        client.feed(now, &down);
+    }
+}
+
+fn ends() -> (End, End) {
+    (End::new(Role::Client, Identity::OURS), End::new(Role::Controller, Identity::OURS))
+}
+
+fn opened() -> (End, End) {
+    let (mut client, mut controller) = ends();
+    client.open(0, 1);
+    pump(0, &mut client, &mut controller);
+    assert_eq!((client.state(), controller.state()), (State::Open, State::Open));
+    assert_eq!(client.session(), controller.session());
+    (client, controller)
+}
+
+#[test]
+fn an_end_has_the_memory_it_says() {
+    let frames = 2 * MAX_WIRE;
+    assert!(size_of::<End>() <= 2 * 4 * (MAX_PAYLOAD + 16) + frames + 400, "{}", size_of::<End>());
+}
+
+#[test]
+fn another_schema_or_version_is_reported_and_changes_nothing() {
+    for theirs in [
+        Identity { schema: Identity::OURS.schema ^ 1, ..Identity::OURS },
+        Identity { version: 2, ..Identity::OURS },
+    ] {
+        let (mut client, _) = ends();
+        let mut controller = End::new(Role::Controller, theirs);
+        client.open(0, 1);
+        pump(0, &mut client, &mut controller);
+        assert_eq!(client.state(), State::Mismatch(theirs));
+        assert_eq!(controller.state(), State::Closed);
+        assert_eq!(controller.refused_client(), Some(Identity::OURS));
+        assert_eq!(client.send(b"x"), Err(SendError::NotOpen));
+    }
+    // A session in force goes on.
+    let (_, mut controller) = opened();
+    let session = controller.session();
+    let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
+    stranger.open(0, 9);
+    pump(0, &mut stranger, &mut controller);
+    assert_eq!(controller.session(), session);
+}
+
+#[test]
+fn untaken_messages_close_the_window_and_are_not_sent_again() {
+    let (mut client, mut controller) = opened();
+    let mut sent = 0u8;
+    for tick in 0..1_000 {
+        let now = tick * 10 * MS;
+        if client.can_send() {
+            client.send(&[sent]).unwrap();
+            sent += 1;
+        }
+        pump(now, &mut client, &mut controller);
+    }
+    // Four are held by the receiver, four wait at the sender.
+    assert_eq!(sent, 8);
+    assert_eq!(client.send(b"x"), Err(SendError::Full));
+    assert_eq!(controller.counters().duplicates, 0);
+    for expected in 0..sent {
+        assert_eq!(controller.message(), Some(&[expected][..]));
+        controller.done_with_message();
+        pump(10_000 * MS, &mut client, &mut controller);
+    }
+    assert_eq!(controller.message(), None);
+    assert!(client.all_acknowledged());
+}
+
+#[test]
+fn the_client_keeps_alive_and_the_controller_sees_when_it_stops() {
+    let (mut client, mut controller) = opened();
+    for ms in 0..1_000 {
+        pump(ms * MS, &mut client, &mut controller);
+    }
+    assert_eq!(controller.last_valid(), Some(900 * MS));
+    assert_eq!(client.last_valid(), Some(900 * MS));
+    assert_eq!(client.next_deadline(), Some(900 * MS + KEEP_ALIVE_NS));
+    assert_eq!(controller.silence(1_500 * MS), Some(600 * MS));
+    assert!(out(&mut controller, 5_000 * MS).is_empty(), "a controller does not speak first");
+}
+
+#[test]
+fn a_late_hello_of_an_old_session_ends_nothing() {
+    let (mut client, mut controller) = ends();
+    client.open(0, 1);
+    let old_hello = out(&mut client, 0);
+    controller.feed(0, &old_hello);
+    client.feed(0, &out(&mut controller, 0));
+    let old_confirmation = out(&mut client, 0);
+    controller.feed(0, &old_confirmation);
+    pump(0, &mut client, &mut controller);
+    client.send(b"old").unwrap();
+    let old_message = out(&mut client, 0);
+    client.open(1, 2);
+    pump(1, &mut client, &mut controller);
+    let session = controller.session();
+    for late in [&old_hello, &old_confirmation, &old_message] {
+        controller.feed(2, late);
+        pump(2, &mut client, &mut controller);
+    }
+    assert_eq!((controller.session(), controller.message()), (session, None));
+    assert_eq!(controller.counters().stale_session, 2);
+    assert_eq!(client.state(), State::Open);
+    client.send(b"new").unwrap();
+    pump(3, &mut client, &mut controller);
+    assert_eq!(controller.message(), Some(&b"new"[..]));
+}
+
+#[test]
+fn an_offer_that_was_overwritten_is_asked_for_anew() {
+    let (mut client, mut controller) = ends();
+    client.open(0, 1);
+    controller.feed(0, &out(&mut client, 0));
+    client.feed(0, &out(&mut controller, 0));
+    let mut other = End::new(Role::Client, Identity::OURS);
+    other.open(0, 2);
+    controller.feed(0, &out(&mut other, 0));
+    for ms in 0..1_000 {
+        pump(ms * MS, &mut client, &mut controller);
+    }
+    assert_eq!(client.state(), State::Open);
+}
+
+#[test]
+fn a_new_hello_resets_both_ends() {
+    let (mut client, mut controller) = opened();
+    client.send(b"one").unwrap();
+    pump(0, &mut client, &mut controller);
+    controller.send(b"answer").unwrap();
+    let first = controller.session();
+    client.open(10, 5);
+    pump(10, &mut client, &mut controller);
+    assert_ne!(controller.session(), first);
+    assert_eq!((client.message(), controller.message()), (None, None));
+    assert_eq!(controller.counters().sessions, 2);
+}
+
+#[test]
+fn bye_ends_the_session() {
+    let (mut client, mut controller) = opened();
+    client.close();
+    pump(0, &mut client, &mut controller);
+    assert_eq!((client.state(), controller.state()), (State::Closed, State::Ended));
+    client.open(5, 3);
+    pump(5, &mut client, &mut controller);
+    assert_eq!((client.state(), controller.state()), (State::Open, State::Open));
+}
+
+#[test]
+fn a_lost_message_is_sent_again_after_the_time_out_and_twice_as_late_the_next_time() {
+    let (mut client, mut controller) = opened();
+    client.send(b"lost").unwrap();
+    assert!(!out(&mut client, 0).is_empty());
+    let repeats: Vec<Ns> = (1..700)
+        .filter(|&ms| {
+            let before = client.counters().timeouts;
+            out(&mut client, ms * MS);
+            client.counters().timeouts != before
+        })
+        .collect();
+    let first = RETRY_FIRST_NS / MS;
+    assert_eq!(repeats, [first, 3 * first]);
+    let again = out(&mut client, 1_400 * MS);
+    controller.feed(1_400 * MS, &again);
+    assert_eq!(controller.message(), Some(&b"lost"[..]));
+}
+
+#[test]
+fn a_gap_reported_twice_repeats_at_once() {
+    let (mut client, mut controller) = opened();
+    for message in [b"a", b"b", b"c"] {
+        client.send(message).unwrap();
+        let wire = out(&mut client, 0);
+        if message != b"a" {
+            controller.feed(MS, &wire);
+            let report = out(&mut controller, MS);
+            client.feed(MS, &report);
+        }
+    }
+    assert_eq!(client.counters().fast_retransmits, 1);
+    assert_eq!(controller.message(), None);
+    pump(MS, &mut client, &mut controller);
+    for message in [b"a", b"b", b"c"] {
+        assert_eq!(controller.message(), Some(&message[..]));
+        controller.done_with_message();
+    }
+}
+
+#[test]
+fn numbers_wrap() {
+    let (mut client, mut controller) = opened();
+    for count in 0..200_000u32 {
+        client.send(&count.to_le_bytes()).unwrap();
+        pump(0, &mut client, &mut controller);
+        assert_eq!(controller.message(), Some(&count.to_le_bytes()[..]));
+        controller.done_with_message();
+    }
+    assert_eq!(controller.counters().received, 200_000);
+}
+
+#[test]
+fn a_message_of_full_length_leaves_in_small_portions() {
+    let (mut client, mut controller) = opened();
+    let message: Vec<u8> = (0..MAX_PAYLOAD).map(|i| i as u8).collect();
+    client.send(&message).unwrap();
+    assert_eq!(client.send(&[0; MAX_PAYLOAD + 1]), Err(SendError::TooLong));
+    let mut portion = [0; 7];
+    loop {
+        let length = client.take_tx(0, &mut portion);
+        if length == 0 {
+            break;
+        }
+        controller.feed(0, &portion[..length]);
+    }
+    assert_eq!(controller.message(), Some(&message[..]));
+    // The answer is written where it will stay.
+    let (came, draft) = controller.message_and_draft().unwrap();
+    draft[..4].copy_from_slice(&came[..4]);
+    controller.send_draft(4).unwrap();
+    controller.done_with_message();
+    pump(0, &mut client, &mut controller);
+    assert_eq!(client.message(), Some(&message[..4]));
+}
