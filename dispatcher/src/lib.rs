@@ -8,10 +8,20 @@
 //! Sans-IO: time is an argument, no call blocks, the work of a [`Server::poll`] is bounded.
 //! Fails how: whatever comes from the wire is answered with a return code and a reason and changes
 //! nothing; nothing in here panics or allocates.
+mod admit;
+mod books;
+mod bytes;
+mod case;
+mod desk;
+mod lane;
 mod profile;
+mod program;
+mod read;
 mod refuse;
 mod server;
+mod trace_out;
 
+pub use bytes::{QUEUE_BYTES, RECORD_BYTES};
 pub use profile::{FAMILIES, PROFILES, Profile, largest_that_fits};
 pub use refuse::Refused;
-pub use server::{Board, Channels, EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS, Server};
+pub use server::{Board, Channels, EVENTS, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS, Server};

@@ -1,26 +1,31 @@
 //! The server: one end of the host link and everything behind it.
+//!
+//! In: bytes and the time. Out: bytes, the time of the next poll. Owns: the link's end, the message in
+//! hand, the replies being gathered into the next message; passes records to the desk (lane 0) and to
+//! the program queue (lane 1). Budget: a poll deals with at most a window of messages.
+//! Fails: what is not a record is refused with `Length`; a link that falls silent stops Jog axes and
+//! drops the rest of a program (SPEC 9).
+use crate::desk::{Desk, Step};
+use crate::program::Program;
+use protocol::link::{Endpoint, Identity, Role};
+use protocol::record::{Lane, ReplyWriter, requests};
 use ring::{Consumer, Producer, Reader, Store};
-use servo::op::Entry;
+use servo::op::{Entry, Lane as TickLane};
+pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
 use servo::units::Ns;
 use servo::view::{Event, Sample, View};
 
-/// Entries of the immediate lane's ring.
-pub const IMMEDIATE: usize = 128;
-/// Entries of the program lane's ring.
-pub const PROGRAM: usize = 256;
-/// Events the tick can leave before the thread looks.
-pub const EVENTS: usize = 64;
-/// Trace samples the tick can leave before the thread looks.
-pub const SAMPLES: usize = 1024;
-/// Segments of an axis's store.
-pub const SEGMENTS: usize = 2048;
+/// Messages under way each way.
+pub const LINK_WINDOW: usize = 8;
+/// Rounds of a poll: each moves the program, the message in hand and the replies as far as they go.
+const ROUNDS: u32 = 16;
 
 /// What a board is: constants that its integrator states.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Board {
-    /// Name, at most 16 bytes are shown.
+    /// Name, of which 16 bytes are shown.
     pub name: &'static str,
-    /// Number of the profile it shows at power-on (see [`crate::PROFILES`]).
+    /// Number of the profile it shows at power-on (see [`crate::PROFILES`]); the build must hold it.
     pub profile: u8,
     /// Tick periods it can run, in µs.
     pub tick_us: core::ops::RangeInclusive<u32>,
@@ -50,43 +55,189 @@ pub struct Channels<'a, const AXES: usize> {
 
 /// The thread's side of a controller. `AXES` is the capacity of the build.
 pub struct Server<'a, const AXES: usize> {
-    board: Board,
-    channels: Channels<'a, AXES>,
+    link: Endpoint<LINK_WINDOW>,
+    desk: Desk<'a, AXES>,
+    program: Program<'a>,
+    view: Reader<'a, View<AXES>>,
+    events: Consumer<'a, Event, EVENTS>,
+    samples: Consumer<'a, Sample, SAMPLES>,
+    session: Option<u32>,
+    /// When the last valid frame came, of this session or the last one.
+    heard: Option<u64>,
+    /// The link is taken for lost: axes were stopped.
+    lost: bool,
+    /// Records of the message in hand that are dealt with.
+    at: usize,
+    outbox: [u8; protocol::MAX_PAYLOAD],
+    outbox_len: usize,
 }
 
 impl<'a, const AXES: usize> Server<'a, AXES> {
     /// A server at power-on: no session, every axis in its power-on state.
     pub fn new(board: Board, channels: Channels<'a, AXES>) -> Self {
-        Server { board, channels }
+        Server {
+            link: Endpoint::new(Role::Controller, Identity::OURS),
+            desk: Desk::new(board, channels.stores, channels.immediate),
+            program: Program::new(channels.program),
+            view: channels.view,
+            events: channels.events,
+            samples: channels.samples,
+            session: None,
+            heard: None,
+            lost: false,
+            at: 0,
+            outbox: [0; protocol::MAX_PAYLOAD],
+            outbox_len: 0,
+        }
     }
+
     /// Takes bytes from the wire; always takes all of them.
     pub fn feed(&mut self, now: Ns, bytes: &[u8]) {
-        let _ = (now, bytes);
+        self.link.feed(now.0, bytes);
     }
-    /// Does what can be done now: timers, messages, records, waiting program entries, replies.
+
+    /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call it
+    /// after `feed`, after every tick, and at [`Server::next_deadline`].
     pub fn poll(&mut self, now: Ns) {
-        let _ = now;
+        self.link.poll(now.0);
+        let view = self.view.read();
+        // The events of a view are in their ring before it is published, so none is missed.
+        while let Some(event) = self.events.pop() {
+            match event {
+                Event::Refused { lane: TickLane::Immediate, seq, axis, status } => self.desk.tick_refused((seq, axis, status)),
+                Event::Refused { lane: TickLane::Program, seq, axis, status } => self.program.tick_refused((seq, axis, status)),
+                Event::Stopped { .. } => {}
+            }
+        }
+        self.desk.follow(view);
+        if self.link.session() != self.session {
+            self.session = self.link.session();
+            if self.session.is_some() {
+                self.desk.abandon();
+                self.program.abandon();
+                (self.at, self.outbox_len) = (0, 0);
+            }
+        }
+        if let Some(heard) = self.link.last_valid() {
+            self.heard = Some(heard);
+        }
+        Self::watch_link(&mut self.desk, &mut self.program, &mut self.lost, self.heard, view, now);
+        for _ in 0..ROUNDS {
+            let mut writer = ReplyWriter::new(self.outbox.get_mut(self.outbox_len..).unwrap_or(&mut []));
+            let mut progress = self.desk.answer(view, &self.program, &mut writer);
+            progress |= self.program.advance(&mut self.desk, view, &mut writer);
+            let mut over = false;
+            if let Some(message) = self.link.message() {
+                over = true;
+                for record in requests(message).skip(self.at) {
+                    let step = match record {
+                        Ok(record) if record.lane == Lane::Program => self.program.offer(&record, &mut writer),
+                        Ok(record) => self.desk.immediate(&mut self.program, view, &record, &mut writer),
+                        Err(malformed) => {
+                            let (opcode, tag) = malformed.head.unwrap_or((0, 0));
+                            Step::of(writer.refused(opcode, tag, &malformed.refusal()))
+                        }
+                    };
+                    if step == Step::Wait {
+                        over = false;
+                        break;
+                    }
+                    self.at += 1;
+                    progress = true;
+                }
+            }
+            self.outbox_len += writer.len();
+            if over {
+                self.link.done_with_message();
+                self.at = 0;
+            }
+            progress |= Self::send(&mut self.link, self.session.is_some(), &self.outbox, &mut self.outbox_len);
+            if !progress {
+                break;
+            }
+        }
+        self.desk.trace.drain(&mut self.samples, view, &self.desk.site);
     }
+
+    /// Hands the gathered replies to the link, if it has a place. True if they went.
+    fn send(link: &mut Endpoint<LINK_WINDOW>, open: bool, outbox: &[u8], len: &mut usize) -> bool {
+        if !open {
+            // Nobody is there to hear them.
+            *len = 0;
+            return false;
+        }
+        let message = outbox.get(..*len).unwrap_or(&[]);
+        let gone = !message.is_empty() && link.send(message).is_ok();
+        if gone {
+            *len = 0;
+        }
+        gone
+    }
+
+    /// Silence for longer than the link-loss time, once a session was open: Jog axes stop smoothly (all
+    /// axes, if SetLinkLoss says so) and the rest of a running program is dropped; PT runs on.
+    fn watch_link(
+        desk: &mut Desk<'a, AXES>,
+        program: &mut Program<'a>,
+        lost: &mut bool,
+        heard: Option<u64>,
+        view: &View<AXES>,
+        now: Ns,
+    ) {
+        let Some(heard) = heard else { return };
+        let limit = u64::from(desk.link_loss.0) * 1_000_000;
+        if limit == 0 || now.0.saturating_sub(heard) <= limit {
+            *lost = false;
+        } else if !*lost {
+            program.stop(desk);
+            *lost = desk.stop_for_link_loss(view);
+        }
+    }
+
     /// Bytes for the wire; returns how many were put into `out`.
-    pub fn take_tx(&mut self, out: &mut [u8]) -> usize {
-        let _ = out;
-        0
+    pub fn take_tx(&mut self, now: Ns, out: &mut [u8]) -> usize {
+        self.link.take_tx(now.0, out)
     }
+
     /// Bytes of the trace stream; returns how many were put into `out`.
     pub fn take_trace(&mut self, out: &mut [u8]) -> usize {
-        let _ = out;
-        0
+        let mut written = 0;
+        loop {
+            let count = self.desk.trace.bytes(out.get_mut(written..).unwrap_or(&mut []));
+            written += count;
+            if count == 0 || written >= out.len() {
+                return written;
+            }
+            // The encoder has room again.
+            self.desk.trace.drain(&mut self.samples, self.view.last(), &self.desk.site);
+        }
     }
-    /// When `poll` wants to be called next, if nothing comes from the wire and no tick happens.
+
+    /// When `poll` wants to be called at the latest, if nothing comes from the wire and no tick happens.
     pub fn next_deadline(&self) -> Option<Ns> {
-        None
+        let loss = self.heard.filter(|_| !self.lost && self.desk.link_loss.0 != 0).map(|heard| {
+            heard.saturating_add(u64::from(self.desk.link_loss.0) * 1_000_000).saturating_add(1)
+        });
+        self.link.next_deadline().into_iter().chain(loss).min().map(Ns)
     }
+
     /// The newest view, for displays and tests.
     pub fn view(&mut self) -> &View<AXES> {
-        self.channels.view.read()
+        self.view.read()
     }
+
     /// What the board is.
     pub fn board(&self) -> &Board {
-        &self.board
+        &self.desk.board
+    }
+
+    /// Whether a session is open.
+    pub fn is_open(&self) -> bool {
+        self.link.session().is_some()
+    }
+
+    /// Whether a trace is announced or runs.
+    pub fn traces(&self) -> bool {
+        self.desk.trace.is_on()
     }
 }

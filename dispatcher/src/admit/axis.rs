@@ -1,0 +1,208 @@
+//! Axis commands: servo, stop, positions, limits, guarded inputs.
+use crate::books::{Change, SOFT_OFF};
+use crate::case::{Answer, Case};
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use protocol::command::{
+    AlarmOff, AlarmOn, AxisOff, AxisOn, LmtSns, LmtsOff, LmtsOn, SetAxisBand, SetCaptureMode, SetEncPos, SetPosErr, SetPrfPos,
+    SetSoftLimit, SetStopDec, Stop, SynchAxisPos, ZeroPos,
+};
+use protocol::reason::Reason;
+use servo::op::{Guarded, Op};
+use servo::ramp::Accel;
+use servo::units::{Axis, AxisMask, Ns, Pos};
+
+/// 250 µs, the unit of SetAxisBand.
+const CYCLE_NS: u64 = 250_000;
+/// Accelerations up to here are accepted, pulse/ms².
+pub const ACCEL_MAX: f64 = 4_294_967_296.0;
+/// The following-error limit at this value is off.
+pub const POS_ERR_OFF: i32 = i32::MAX;
+
+pub fn on<const AXES: usize>(case: &mut Case<AXES>, r: &AxisOn) -> Admitted<Answer> {
+    servo(case, r.core.get(), r.axis.get(), true)
+}
+
+pub fn off<const AXES: usize>(case: &mut Case<AXES>, r: &AxisOff) -> Admitted<Answer> {
+    servo(case, r.core.get(), r.axis.get(), false)
+}
+
+fn servo<const AXES: usize>(case: &mut Case<AXES>, core: i16, axis: i16, on: bool) -> Admitted<Answer> {
+    let axis = case.axis(core, axis)?;
+    case.stage_with(Op::Servo { axis, on }, Change::Servo { axis, on });
+    Ok(Answer::Done)
+}
+
+/// `form` 0 is GTN (bits 0–31 are axes 1–32), 1 is GT (bits 0–7 axes, 8–9 crds, 10–11 their follow).
+/// No crd can run in this build's commands, so their bits find nothing to stop.
+pub fn stop<const AXES: usize>(case: &mut Case<AXES>, r: &Stop) -> Admitted<Answer> {
+    let gt = choice(3, i16::from(r.form), 0, 1)? == 1;
+    let (mask, option) = (r.mask.get(), r.option.get());
+    if gt && mask & !0xfff != 0 {
+        return Err(Refused::new(Reason::OutOfRange).field(1).got(f64::from(mask.cast_unsigned())).limits(0.0, 4095.0));
+    }
+    let axes = case.mask(r.core.get(), if gt { mask & 0xff } else { mask }, 1)?;
+    if axes.0 != 0 {
+        // Only option bits of named axes mean anything.
+        let abrupt = case.mask(r.core.get(), option & if gt { mask & 0xff } else { mask }, 2)?;
+        case.stage(Op::Stop { axes, abrupt });
+    }
+    Ok(Answer::Done)
+}
+
+pub fn zero<const AXES: usize>(case: &mut Case<AXES>, r: &ZeroPos) -> Admitted<Answer> {
+    let axes = case.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
+    case.all_at_rest(axes, Reason::Moving)?;
+    case.stage(Op::Zero { axes });
+    Ok(Answer::Done)
+}
+
+pub fn set_position<const AXES: usize>(case: &mut Case<AXES>, r: &SetPrfPos) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.profile.get())?;
+    case.at_rest(axis)?;
+    case.stage(Op::SetPosition { axis, pos: Pos::pulses(r.pos.get()) });
+    Ok(Answer::Done)
+}
+
+pub fn synchronise<const AXES: usize>(case: &mut Case<AXES>, r: &SynchAxisPos) -> Admitted<Answer> {
+    let axes = case.mask(r.core.get(), r.mask.get(), 1)?;
+    case.all_at_rest(axes, Reason::Moving)?;
+    if axes.0 != 0 {
+        case.stage(Op::Synchronise { axes });
+    }
+    Ok(Answer::Done)
+}
+
+/// A deceleration that stops: above 0.
+fn deceleration(field: u8, got: f64) -> Admitted<Accel> {
+    real(field, got, f64::MIN_POSITIVE, ACCEL_MAX)?;
+    accel(field, got)
+}
+
+/// An acceleration as the tick needs it.
+pub fn accel(field: u8, got: f64) -> Admitted<Accel> {
+    Accel::admit(got.to_bits())
+        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(0.0, ACCEL_MAX))
+}
+
+pub fn stage_dec<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, fields: (u8, u8), dec: (f64, f64)) -> Admitted<()> {
+    let (smooth, abrupt) = (deceleration(fields.0, dec.0)?, deceleration(fields.1, dec.1)?);
+    case.stage_with(Op::StopDec { axis, smooth, abrupt }, Change::Dec { axis, dec });
+    Ok(())
+}
+
+pub fn stop_dec<const AXES: usize>(case: &mut Case<AXES>, r: &SetStopDec) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.profile.get())?;
+    stage_dec(case, axis, (2, 3), (r.smooth.get(), r.abrupt.get()))?;
+    Ok(Answer::Done)
+}
+
+pub fn stage_band<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, fields: (u8, u8), band: (i32, i32)) -> Admitted<()> {
+    let (pulses, cycles) = (within(fields.0, band.0, 0, i32::MAX)?, within(fields.1, band.1, 0, i32::MAX)?);
+    let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
+    case.stage_with(Op::Band { axis, band: pulses.unsigned_abs(), time }, Change::Band { axis, band });
+    Ok(())
+}
+
+pub fn band<const AXES: usize>(case: &mut Case<AXES>, r: &SetAxisBand) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.axis.get())?;
+    stage_band(case, axis, (2, 3), (r.band.get(), r.time_cycles.get()))?;
+    Ok(Answer::Done)
+}
+
+pub fn set_encoder<const AXES: usize>(case: &mut Case<AXES>, r: &SetEncPos) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.encoder.get())?;
+    case.stage(Op::SetEncoder { axis, pulses: i64::from(r.pos.get()) });
+    Ok(Answer::Done)
+}
+
+pub fn stage_soft<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, field: u8, soft: (i32, i32)) -> Admitted<()> {
+    let positive = Some(soft.0).filter(|&limit| limit != SOFT_OFF.0);
+    let negative = Some(soft.1).filter(|&limit| limit != SOFT_OFF.1);
+    if let (Some(positive), Some(negative)) = (positive, negative) {
+        within(field, positive, negative, i32::MAX)?;
+    }
+    case.stage_with(Op::SoftLimit { axis, positive, negative }, Change::Soft { axis, soft });
+    Ok(())
+}
+
+pub fn soft_limit<const AXES: usize>(case: &mut Case<AXES>, r: &SetSoftLimit) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.axis.get())?;
+    stage_soft(case, axis, 2, (r.positive.get(), r.negative.get()))?;
+    Ok(Answer::Done)
+}
+
+pub fn limits_on<const AXES: usize>(case: &mut Case<AXES>, r: &LmtsOn) -> Admitted<Answer> {
+    limits(case, r.core.get(), r.axis.get(), r.limit_type.get(), true)
+}
+
+pub fn limits_off<const AXES: usize>(case: &mut Case<AXES>, r: &LmtsOff) -> Admitted<Answer> {
+    limits(case, r.core.get(), r.axis.get(), r.limit_type.get(), false)
+}
+
+/// Types: −1 both, 0 positive, 1 negative.
+fn limits<const AXES: usize>(case: &mut Case<AXES>, core: i16, axis: i16, kind: i16, on: bool) -> Admitted<Answer> {
+    let axis = case.axis(core, axis)?;
+    let kind = choice(2, kind, -1, 1)?;
+    if kind != 1 {
+        case.stage(Op::Guard { axis, input: Guarded::LimitPositive, on });
+    }
+    if kind != 0 {
+        case.stage(Op::Guard { axis, input: Guarded::LimitNegative, on });
+    }
+    Ok(Answer::Done)
+}
+
+/// Bit 2k is the positive, bit 2k + 1 the negative limit of axis k + 1; 1 is active low. The word
+/// reaches the first 8 axes of a core; bits of axes that the core does not have mean nothing.
+pub fn limit_sense<const AXES: usize>(case: &mut Case<AXES>, r: &LmtSns) -> Admitted<Answer> {
+    let axes = case.core_mask(r.core.get())?;
+    let sense = r.sense.get();
+    for (k, axis) in case.each(axes).take(8).enumerate() {
+        stage_limit_sense(case, axis, (sense >> (2 * k)) as u8);
+    }
+    Ok(Answer::Done)
+}
+
+/// Bit 0 the positive, bit 1 the negative limit's sense.
+pub fn stage_limit_sense<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, bits: u8) {
+    case.stage(Op::Sense { axis, input: Guarded::LimitPositive, active_low: bits & 1 != 0 });
+    case.stage(Op::Sense { axis, input: Guarded::LimitNegative, active_low: bits & 2 != 0 });
+}
+
+pub fn alarm_on<const AXES: usize>(case: &mut Case<AXES>, r: &AlarmOn) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.axis.get())?;
+    case.stage(Op::Guard { axis, input: Guarded::Alarm, on: true });
+    Ok(Answer::Done)
+}
+
+pub fn alarm_off<const AXES: usize>(case: &mut Case<AXES>, r: &AlarmOff) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.axis.get())?;
+    case.stage(Op::Guard { axis, input: Guarded::Alarm, on: false });
+    Ok(Answer::Done)
+}
+
+pub fn stage_pos_err<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, field: u8, error: i32) -> Admitted<()> {
+    let pos_err = within(field, error, 1, POS_ERR_OFF)?;
+    let limit = Some(pos_err.unsigned_abs()).filter(|_| pos_err != POS_ERR_OFF);
+    case.stage_with(Op::PositionError { axis, limit }, Change::PosErr { axis, pos_err });
+    Ok(())
+}
+
+pub fn position_error<const AXES: usize>(case: &mut Case<AXES>, r: &SetPosErr) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.control.get())?;
+    stage_pos_err(case, axis, 2, r.error.get())?;
+    Ok(Answer::Done)
+}
+
+/// Modes: 1 home, 2 index.
+pub fn capture<const AXES: usize>(case: &mut Case<AXES>, r: &SetCaptureMode) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.encoder.get())?;
+    let mode = choice(2, r.mode.get(), 1, 2)?;
+    case.stage(Op::Capture { axis, mode: mode as u8 });
+    Ok(Answer::Done)
+}
+
+/// Refuses an Update or start of axes that cannot start; shared by Trap, Jog and PT.
+pub fn all_startable<const AXES: usize>(case: &Case<AXES>, axes: AxisMask) -> Admitted<()> {
+    case.each(axes).try_for_each(|axis| case.startable(axis))
+}

@@ -1,0 +1,102 @@
+//! Digital and analog inputs and outputs.
+use super::many;
+use crate::books::Change;
+use crate::case::{Answer, Case, Query, ones};
+use crate::refuse::{Admitted, Refused, choice};
+use protocol::command::{GetAdc, GetDac, GetDi, GetDo, SetDac, SetDo, SetDoBit, opcode};
+use protocol::reason::Reason;
+use servo::op::{DoGroup, Op};
+
+/// I/O types of the manuals (SPEC 3).
+pub mod kind {
+    pub const LIMIT_POSITIVE: i16 = 0;
+    pub const LIMIT_NEGATIVE: i16 = 1;
+    pub const ALARM: i16 = 2;
+    pub const HOME: i16 = 3;
+    pub const GPI: i16 = 4;
+    pub const ARRIVE: i16 = 5;
+    pub const ENABLE: i16 = 10;
+    pub const CLEAR: i16 = 11;
+    pub const GPO: i16 = 12;
+}
+
+/// A read of this type: `first` is the core's first axis.
+fn read<const AXES: usize>(case: &Case<AXES>, opcode: u16, core: i16, which: i16) -> Admitted<Answer> {
+    let core = case.core(core)?;
+    let per_core = case.site.profile.axes_per_core;
+    Ok(Answer::Read(Query { opcode, first: core as u8 * per_core, count: per_core, which: which as u8 }))
+}
+
+/// Raw levels of the core's axes from bit 0, or the general inputs, which belong to all cores.
+pub fn inputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDi) -> Admitted<Answer> {
+    let which = choice(1, r.di_type.get(), kind::LIMIT_POSITIVE, kind::ARRIVE)?;
+    read(case, opcode::GetDi, r.core.get(), which)
+}
+
+pub fn outputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDo) -> Admitted<Answer> {
+    let which = choice(1, r.do_type.get(), kind::ENABLE, kind::GPO)?;
+    read(case, opcode::GetDo, r.core.get(), which)
+}
+
+/// The group, the place of its bit 0, and how many bits a core has of it.
+fn group<const AXES: usize>(case: &Case<AXES>, core: i16, which: i16) -> Admitted<(DoGroup, usize, usize)> {
+    let axes = usize::from(case.site.profile.axes_per_core);
+    let first = case.core(core)? * axes;
+    Ok(match choice(1, which, kind::ENABLE, kind::GPO)? {
+        kind::ENABLE => (DoGroup::Enable, first, axes),
+        kind::CLEAR => (DoGroup::Clear, first, axes),
+        _ => (DoGroup::General, 0, usize::from(case.board.general_outputs.min(32))),
+    })
+}
+
+/// Bits of outputs that do not exist must be 0.
+pub fn set_outputs<const AXES: usize>(case: &mut Case<AXES>, r: &SetDo) -> Admitted<Answer> {
+    let (group, first, count) = group(case, r.core.get(), r.do_type.get())?;
+    let (value, all) = (u64::from(r.value.get().cast_unsigned()), ones(count));
+    if value & !all != 0 {
+        return Err(Refused::new(Reason::OutOfRange).field(2).got(value as f64).limits(0.0, all as f64));
+    }
+    case.stage(Op::Output { group, mask: all << first, value: value << first });
+    Ok(Answer::Done)
+}
+
+pub fn set_output<const AXES: usize>(case: &mut Case<AXES>, r: &SetDoBit) -> Admitted<Answer> {
+    let (group, first, count) = group(case, r.core.get(), r.do_type.get())?;
+    let index = choice(2, r.index.get(), 1, count as i16)?.unsigned_abs() as usize - 1;
+    let value = choice(3, r.value.get(), 0, 1)?.unsigned_abs();
+    let mask = 1 << (first + index);
+    case.stage(Op::Output { group, mask, value: mask * u64::from(value) });
+    Ok(Answer::Done)
+}
+
+/// The first of `count` channels from 1, checked against how many there are.
+fn channels(first: i16, count: i16, have: u8) -> Admitted<(u8, u8)> {
+    let have = i16::from(have.min(8));
+    let first = choice(1, first, 1, have)?;
+    let count = choice(2, count, 1, have - first + 1)?;
+    Ok((first as u8 - 1, count as u8))
+}
+
+pub fn set_analog<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admitted<Answer> {
+    let (request, values) = many::<SetDac>(body, |r| r.count.get())?;
+    case.core(request.core.get())?;
+    let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
+    let (first, _) = channels(request.dac.get(), count, case.board.analog_outputs)?;
+    for (channel, value) in (first..).zip(values) {
+        let value = value.value.get();
+        case.stage_with(Op::Analog { channel, value }, Change::Analog { channel, value });
+    }
+    Ok(Answer::Done)
+}
+
+pub fn analog_outputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDac) -> Admitted<Answer> {
+    case.core(r.core.get())?;
+    let (first, count) = channels(r.dac.get(), r.count.get(), case.board.analog_outputs)?;
+    Ok(Answer::Read(Query { opcode: opcode::GetDac, first, count, which: 0 }))
+}
+
+pub fn analog_inputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetAdc) -> Admitted<Answer> {
+    case.core(r.core.get())?;
+    let (first, count) = channels(r.adc.get(), r.count.get(), case.board.analog_inputs)?;
+    Ok(Answer::Read(Query { opcode: opcode::GetAdc, first, count, which: 0 }))
+}

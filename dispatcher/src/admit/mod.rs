@@ -1,0 +1,187 @@
+//! Admission: one function a command, from the wire's struct to staged operations.
+//!
+//! In: a record. Out: what to answer once it is executed, with the operations staged; or a refusal,
+//! and then nothing has changed. The only place where the user's doubles become the tick's numbers.
+mod axis;
+mod io;
+pub use io::kind;
+mod jog_trap;
+pub mod pt;
+mod session;
+
+use crate::case::{Answer, Case, Query};
+use crate::refuse::{Admitted, Refused, within};
+use protocol::command::{self, Nothing, Request, opcode};
+use protocol::reason::Reason;
+use servo::units::Axis;
+use zerocopy::FromBytes;
+
+pub use session::config_item;
+
+/// Most axes of an AxisStatus reply that fit into one message.
+const STATUS_ITEMS_MAX: u8 = 31;
+const _: () = assert!(14 + STATUS_ITEMS_MAX as usize * size_of::<command::AxisItem>() <= protocol::MAX_PAYLOAD);
+
+/// A command of one struct.
+fn one<R: Request<Item = Nothing>>(body: &[u8]) -> Admitted<R> {
+    R::read_from_bytes(body).map_err(|_| length(body.len(), size_of::<R>()))
+}
+
+/// A struct and `count` items.
+pub fn many<R: Request>(body: &[u8], count: impl Fn(&R) -> u16) -> Admitted<(R, &[R::Item])> {
+    let (request, rest) = R::read_from_prefix(body).map_err(|_| length(body.len(), size_of::<R>()))?;
+    let count = usize::from(count(&request));
+    let items = <[R::Item]>::ref_from_bytes_with_elems(rest, count)
+        .map_err(|_| length(body.len(), size_of::<R>() + count * size_of::<R::Item>()))?;
+    Ok((request, items))
+}
+
+fn length(got: usize, wanted: usize) -> Refused {
+    Refused::new(Reason::Length).got(got as f64).limits(wanted as f64, wanted as f64)
+}
+
+/// A read of `count` consecutive axes.
+fn read<const AXES: usize>(case: &Case<AXES>, opcode: u16, core: i16, axis: i16, count: i16) -> Admitted<Answer> {
+    let (first, count) = case.span(core, axis, count)?;
+    Ok(Answer::Read(Query { opcode, first: first.index() as u8, count, which: 0 }))
+}
+
+fn query(opcode: u16, axis: Axis) -> Answer {
+    Answer::Read(Query { opcode, first: axis.index() as u8, count: 1, which: 0 })
+}
+
+/// Admits any command that becomes operations or a read. PT data, program control and what the
+/// dispatcher does by itself are taken before (see [`crate::desk`]).
+pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
+    macro_rules! to {
+        ($name:ident, $function:path) => {
+            $function(case, &one::<command::$name>(body)?)
+        };
+        (axes $name:ident, $axis:ident) => {{
+            let r = one::<command::$name>(body)?;
+            read(case, number, r.core.get(), r.$axis.get(), r.count.get())
+        }};
+        (axis $name:ident, $axis:ident) => {{
+            let r = one::<command::$name>(body)?;
+            case.axis(r.core.get(), r.$axis.get()).map(|axis| query(number, axis))
+        }};
+    }
+    match number {
+        opcode::Version => one::<command::Version>(body).map(|_| plain(number)),
+        opcode::GetClock => one::<command::GetClock>(body).map(|_| plain(number)),
+        opcode::KeepAlive => one::<command::KeepAlive>(body).map(|_| Answer::Done),
+        opcode::Reset => to!(Reset, session::reset),
+        opcode::ClrSts => to!(ClrSts, session::clear_status),
+        opcode::SetTick => to!(SetTick, session::tick),
+        opcode::Choose => to!(Choose, session::choose),
+        opcode::Trace => to!(Trace, session::trace),
+        opcode::SetLinkLoss => to!(SetLinkLoss, session::link_loss),
+        opcode::LoadConfig => session::load_config(case, body),
+
+        opcode::AxisOn => to!(AxisOn, axis::on),
+        opcode::AxisOff => to!(AxisOff, axis::off),
+        opcode::Stop => to!(Stop, axis::stop),
+        opcode::ZeroPos => to!(ZeroPos, axis::zero),
+        opcode::SetPrfPos => to!(SetPrfPos, axis::set_position),
+        opcode::SynchAxisPos => to!(SynchAxisPos, axis::synchronise),
+        opcode::SetStopDec => to!(SetStopDec, axis::stop_dec),
+        opcode::GetStopDec => to!(axis GetStopDec, profile),
+        opcode::SetAxisBand => to!(SetAxisBand, axis::band),
+        opcode::GetAxisBand => to!(axis GetAxisBand, axis),
+        opcode::GetSts => to!(axes GetSts, axis),
+        opcode::GetPrfPos => to!(axes GetPrfPos, profile),
+        opcode::GetPrfVel => to!(axes GetPrfVel, profile),
+        opcode::GetPrfAcc => to!(axes GetPrfAcc, profile),
+        opcode::GetPrfMode => to!(axes GetPrfMode, profile),
+        opcode::GetEncPos => to!(axes GetEncPos, encoder),
+        opcode::GetEncVel => to!(axes GetEncVel, encoder),
+        opcode::SetEncPos => to!(SetEncPos, axis::set_encoder),
+        opcode::SetSoftLimit => to!(SetSoftLimit, axis::soft_limit),
+        opcode::GetSoftLimit => to!(axis GetSoftLimit, axis),
+        opcode::LmtsOn => to!(LmtsOn, axis::limits_on),
+        opcode::LmtsOff => to!(LmtsOff, axis::limits_off),
+        opcode::LmtSns => to!(LmtSns, axis::limit_sense),
+        opcode::AlarmOn => to!(AlarmOn, axis::alarm_on),
+        opcode::AlarmOff => to!(AlarmOff, axis::alarm_off),
+        opcode::SetPosErr => to!(SetPosErr, axis::position_error),
+        opcode::GetPosErr => to!(axis GetPosErr, control),
+        opcode::SetCaptureMode => to!(SetCaptureMode, axis::capture),
+        opcode::GetCaptureStatus => to!(axes GetCaptureStatus, encoder),
+        opcode::AxisStatus => {
+            let r = one::<command::AxisStatus>(body)?;
+            let (first, count) = case.span(r.core.get(), r.axis.get(), r.count.get())?;
+            within(2, count, 1, STATUS_ITEMS_MAX)?;
+            Ok(Answer::Read(Query { opcode: number, first: first.index() as u8, count, which: 0 }))
+        }
+
+        opcode::PrfTrap => to!(PrfTrap, jog_trap::trap),
+        opcode::SetTrapPrm => to!(SetTrapPrm, jog_trap::set_trap),
+        opcode::GetTrapPrm => to!(GetTrapPrm, jog_trap::trap_prm),
+        opcode::PrfJog => to!(PrfJog, jog_trap::jog),
+        opcode::SetJogPrm => to!(SetJogPrm, jog_trap::set_jog),
+        opcode::GetJogPrm => to!(GetJogPrm, jog_trap::jog_prm),
+        opcode::SetPos => to!(SetPos, jog_trap::set_pos),
+        opcode::GetPos => to!(axis GetPos, profile),
+        opcode::SetVel => to!(SetVel, jog_trap::set_vel),
+        opcode::GetVel => to!(axis GetVel, profile),
+        opcode::Update => to!(Update, jog_trap::update),
+
+        opcode::GetDi => to!(GetDi, io::inputs),
+        opcode::SetDo => to!(SetDo, io::set_outputs),
+        opcode::GetDo => to!(GetDo, io::outputs),
+        opcode::SetDoBit => to!(SetDoBit, io::set_output),
+        opcode::SetDac => io::set_analog(case, body),
+        opcode::GetDac => to!(GetDac, io::analog_outputs),
+        opcode::GetAdc => to!(GetAdc, io::analog_inputs),
+
+        opcode::PrfPt => to!(PrfPt, pt::mode),
+        opcode::PtSpace => to!(PtSpace, pt::space),
+        opcode::PtClear => to!(PtClear, pt::clear),
+        opcode::SetPtLoop => to!(SetPtLoop, pt::set_loop),
+        opcode::GetPtLoop => to!(GetPtLoop, pt::passes),
+        opcode::SetPtMemory => to!(SetPtMemory, pt::set_memory),
+        opcode::GetPtMemory => to!(GetPtMemory, pt::memory),
+        opcode::PtStart => to!(PtStart, pt::start),
+        opcode::GetPtState => to!(axis GetPtState, profile),
+        _ => Err(Refused::new(Reason::UnknownCommand).got(number.into())),
+    }
+}
+
+fn plain(opcode: u16) -> Answer {
+    Answer::Read(Query { opcode, first: 0, count: 0, which: 0 })
+}
+
+/// Whether this command only reads (SPEC 7: taken beside a program).
+pub fn is_read(number: u16) -> bool {
+    matches!(
+        number,
+        opcode::Version
+            | opcode::GetClock
+            | opcode::KeepAlive
+            | opcode::GetStopDec
+            | opcode::GetAxisBand
+            | opcode::GetSts
+            | opcode::GetPrfPos
+            | opcode::GetPrfVel
+            | opcode::GetPrfAcc
+            | opcode::GetPrfMode
+            | opcode::GetEncPos
+            | opcode::GetEncVel
+            | opcode::GetSoftLimit
+            | opcode::GetPosErr
+            | opcode::GetCaptureStatus
+            | opcode::AxisStatus
+            | opcode::GetTrapPrm
+            | opcode::GetJogPrm
+            | opcode::GetPos
+            | opcode::GetVel
+            | opcode::GetDi
+            | opcode::GetDo
+            | opcode::GetDac
+            | opcode::GetAdc
+            | opcode::PtSpace
+            | opcode::GetPtLoop
+            | opcode::GetPtMemory
+            | opcode::GetPtState
+    )
+}

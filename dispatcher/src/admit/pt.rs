@@ -1,0 +1,214 @@
+//! PT commands (GXN chapter 2), and the road of PT data from bytes to the axis's store.
+use super::axis::all_startable;
+use super::{many, one, query};
+use crate::books::{Books, Change, FifoBook};
+use crate::case::{Answer, Case, Query};
+use crate::refuse::{Admitted, Refused, choice};
+use protocol::command::{
+    GetPtLoop, GetPtMemory, PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, opcode,
+};
+use protocol::reason::Reason;
+use ring::Store;
+use servo::op::{Mode, Op};
+use servo::pt::{self, Chain, Segment};
+use servo::units::{Axis, AxisMask};
+use zerocopy::little_endian::F64;
+
+/// First slot of static FIFO 1; the dynamic ring uses all slots.
+const FIFO_SLOTS: u32 = 1024;
+/// ±2⁴⁰ pulses.
+const TRAVEL: f64 = 1_099_511_627_776.0;
+/// Full scale of velocity, pulse/ms.
+const SPEED_MAX: f64 = 4_294_967_296.0;
+
+/// Static 0, dynamic 1. Another FIFO use clears the data, the same one keeps it.
+pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &PrfPt) -> Admitted<Answer> {
+    let axis = case.axis(r.core.get(), r.profile.get())?;
+    let mode = if choice(2, r.mode.get(), 0, 1)? == 0 { Mode::PtStatic } else { Mode::PtDynamic };
+    super::jog_trap::set_mode(case, axis, mode)
+}
+
+/// The axis, if it is in a PT mode.
+fn pt_axis<const AXES: usize>(case: &Case<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
+    let axis = case.axis(core, profile)?;
+    case.in_mode(axis, case.book(axis).is_pt())?;
+    Ok(axis)
+}
+
+/// The FIFO, which dynamic mode ignores.
+fn fifo<const AXES: usize>(case: &Case<AXES>, axis: Axis, field: u8, fifo: i16) -> Admitted<u8> {
+    if case.book(axis).is_dynamic() { Ok(0) } else { Ok(choice(field, fifo, 0, 1)? as u8) }
+}
+
+/// At rest the books alone say it; while the axis runs the tick does.
+pub fn space<const AXES: usize>(case: &mut Case<AXES>, r: &PtSpace) -> Admitted<Answer> {
+    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
+    let which = fifo(case, axis, 2, r.fifo.get())?;
+    let (book, seen) = (case.book(axis), case.seen(axis));
+    if book.may_run(case.view, seen) && book.is_dynamic() {
+        return Ok(Answer::Read(Query { opcode: opcode::PtSpace, first: axis.index() as u8, count: 1, which }));
+    }
+    Ok(Answer::Space(book.space(case.view, seen, usize::from(which)) as i16))
+}
+
+/// In static mode the FIFO that runs cannot be cleared, the other one can.
+pub fn clear<const AXES: usize>(case: &mut Case<AXES>, r: &PtClear) -> Admitted<Answer> {
+    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
+    let fifo = fifo(case, axis, 2, r.fifo.get())?;
+    if case.may_run(axis) && (case.book(axis).is_dynamic() || case.book(axis).fifo == fifo) {
+        return Err(case.no(Reason::FifoInUse, axis).field(2).got(fifo.into()));
+    }
+    case.stage_with(Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo });
+    Ok(Answer::Done)
+}
+
+fn not_dynamic<const AXES: usize>(case: &Case<AXES>, axis: Axis) -> Admitted<()> {
+    if case.book(axis).is_dynamic() { Err(case.no(Reason::NotInDynamic, axis)) } else { Ok(()) }
+}
+
+/// 0 and below is for ever.
+pub fn set_loop<const AXES: usize>(case: &mut Case<AXES>, r: &SetPtLoop) -> Admitted<Answer> {
+    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
+    not_dynamic(case, axis)?;
+    case.stage(Op::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() });
+    Ok(Answer::Done)
+}
+
+pub fn passes<const AXES: usize>(case: &mut Case<AXES>, r: &GetPtLoop) -> Admitted<Answer> {
+    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
+    not_dynamic(case, axis)?;
+    Ok(query(opcode::GetPtLoop, axis))
+}
+
+/// Clears the data, even if the size stays.
+pub fn set_memory<const AXES: usize>(case: &mut Case<AXES>, r: &SetPtMemory) -> Admitted<Answer> {
+    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
+    let memory = choice(2, r.memory.get(), 0, 1)? as u8;
+    case.at_rest(axis)?;
+    case.stage_with(Op::PtClear { axis, fifo: 0 }, Change::Emptied { axis, fifo: 0 });
+    case.stage_with(Op::PtClear { axis, fifo: 1 }, Change::Memory { axis, memory });
+    Ok(Answer::Done)
+}
+
+pub fn memory<const AXES: usize>(case: &mut Case<AXES>, r: &GetPtMemory) -> Admitted<Answer> {
+    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
+    Ok(query(opcode::GetPtMemory, axis))
+}
+
+/// Starts all axes of the mask on one tick, or none. Option bits take FIFO 1 and mean nothing in
+/// dynamic mode or for axes that are not named.
+pub fn start<const AXES: usize>(case: &mut Case<AXES>, r: &PtStart) -> Admitted<Answer> {
+    let axes = case.mask(r.core.get(), r.mask.get(), 1)?;
+    if axes.0 == 0 {
+        return Ok(Answer::Done);
+    }
+    let option = case.mask(r.core.get(), r.option.get() & r.mask.get(), 2)?;
+    let mut fifo1 = AxisMask(0);
+    for axis in case.each(axes) {
+        let book = case.book(axis);
+        case.in_mode(axis, book.is_pt())?;
+        case.at_rest(axis)?;
+        let which = usize::from(option.has(axis) && !book.is_dynamic());
+        fifo1.0 |= axis.mask().0 * which as u64;
+        if book.space(case.view, case.seen(axis), which) == book.capacity() {
+            return Err(case.no(Reason::FifoEmpty, axis).field(2).got(which as f64));
+        }
+    }
+    all_startable(case, axes)?;
+    case.stage_with(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1 });
+    Ok(Answer::Done)
+}
+
+/// Data that was written to a store and is not yet visible to the tick.
+#[derive(Debug, Clone, Copy)]
+pub struct Written {
+    /// Whose.
+    pub axis: Axis,
+    /// Which FIFO.
+    pub fifo: u8,
+    /// Where it ends now.
+    pub book: FifoBook,
+    /// Segments taken by this command.
+    pub count: u16,
+}
+
+/// Admits PtData or PtDataMany: all its segments or none. They are written behind the committed end,
+/// where the tick does not look, so a refusal half-way has changed nothing.
+pub fn data<const AXES: usize>(
+    case: &Case<AXES>,
+    stores: &[Store<3, 2048>; AXES],
+    number: u16,
+    body: &[u8],
+) -> Admitted<Written> {
+    if number == opcode::PtData {
+        let r = one::<PtData>(body)?;
+        let kind = choice(4, r.kind.get(), 0, 2)?;
+        let item = PtItem { pos: r.pos, time_ms: r.time_ms, kind: kind as u8 };
+        return push(case, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 5), &[item]).map_err(|mut refused| {
+            // The fields of a single datum are those of the request.
+            if refused.wire.item.get() == 0 {
+                refused.wire.item = 65535.into();
+                refused.wire.field = refused.wire.field.saturating_add(2);
+            }
+            refused
+        });
+    }
+    let (r, items) = many::<PtDataMany>(body, |r| r.count.get())?;
+    push(case, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items)
+}
+
+fn push<const AXES: usize>(
+    case: &Case<AXES>,
+    stores: &[Store<3, 2048>; AXES],
+    (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
+    items: &[PtItem],
+) -> Admitted<Written> {
+    let axis = pt_axis(case, core, profile)?;
+    let fifo = fifo(case, axis, fifo_field, fifo_given)?;
+    let (book, seen) = (case.book(axis), case.seen(axis));
+    let which = usize::from(fifo);
+    let space = book.space(case.view, seen, which) as usize;
+    if items.len() > space {
+        return Err(case.no(Reason::FifoFull, axis).field(fifo_field).got(space as f64).limits(0.0, book.capacity().into()));
+    }
+    // The places of data that is over in the program are free only when the tick is through with them.
+    if book.is_outgoing(case.view, seen) {
+        return Err(case.no(Reason::FifoInUse, axis).field(fifo_field).got(fifo.into()));
+    }
+    let Some(store) = stores.get(axis.index()) else { return Err(case.no(Reason::NotInitialised, axis)) };
+    let mut data = book.fifos[which & 1];
+    let base = u32::from(fifo) * FIFO_SLOTS;
+    for (index, item) in items.iter().enumerate() {
+        let (segment, chain) = admit(item, &data.chain).map_err(|refused| refused.item(index).axis(profile))?;
+        store.write(base.wrapping_add(data.end), segment.words());
+        data = FifoBook { end: data.end.wrapping_add(1), chain };
+    }
+    Ok(Written { axis, fifo, book: data, count: items.len() as u16 })
+}
+
+/// One datum. The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.
+#[inline]
+fn admit(item: &PtItem, chain: &Chain) -> Admitted<(Segment, Chain)> {
+    let bits = u64::from_le_bytes(item.pos.to_bytes());
+    Segment::admit(bits, item.time_ms.get(), i16::from(item.kind), chain)
+        .map_err(|refused| explain(refused, item.pos, item.time_ms.get(), item.kind))
+}
+
+#[cold]
+fn explain(refused: pt::Refused, pos: F64, time_ms: i32, kind: u8) -> Refused {
+    match refused {
+        pt::Refused::NotFinite => Refused::new(Reason::NotFinite).field(0).got(pos.get()),
+        pt::Refused::BeyondTravel => Refused::new(Reason::BeyondTravel).field(0).got(pos.get()).limits(-TRAVEL, TRAVEL),
+        pt::Refused::NotIncreasing { before } => {
+            Refused::new(Reason::NotIncreasing).field(1).got(time_ms.into()).limits(before.into(), i32::MAX.into())
+        }
+        pt::Refused::TooFast { speed } => Refused::new(Reason::TooFast).field(0).got(speed as f64).limits(-SPEED_MAX, SPEED_MAX),
+        pt::Refused::Kind => Refused::new(Reason::Selector).field(2).got(kind.into()).limits(0.0, 2.0),
+    }
+}
+
+/// Enters written data into the *ahead* books before its commit is pushed.
+pub fn enter<const AXES: usize>(books: &mut Books<AXES>, written: &Written) {
+    let epoch = books.axis(written.axis).epoch;
+    books.enter(&Change::Data { axis: written.axis, fifo: written.fifo, epoch, book: written.book }, 0);
+}

@@ -1,0 +1,132 @@
+//! Session commands: reset, status, tick period, profile, trace, configuration.
+use super::axis::{stage_band, stage_dec, stage_limit_sense, stage_pos_err, stage_soft};
+use super::{many, plain};
+use crate::books::Change;
+use crate::case::{Answer, Case, Effect, Site};
+use crate::profile::{FAMILIES, PROFILES};
+use crate::refuse::{Admitted, Refused, within};
+use protocol::command::{Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetLinkLoss, SetTick, Trace, opcode};
+use protocol::reason::Reason;
+use servo::op::{Guarded, Op};
+use servo::units::AxisMask;
+
+/// Tick periods of SPEC 11 and issue 2, in µs.
+const TICK_US: (i32, i32) = (10, 1000);
+/// The longest link-loss time: a day, in ms.
+const LINK_LOSS_MAX_MS: i32 = 86_400_000;
+
+pub fn reset<const AXES: usize>(case: &mut Case<AXES>, r: &Reset) -> Admitted<Answer> {
+    let axes = case.core_mask(r.core.get())?;
+    case.stage_with(Op::Reset { axes }, Change::Reset { axes });
+    Ok(Answer::Done)
+}
+
+pub fn clear_status<const AXES: usize>(case: &mut Case<AXES>, r: &ClrSts) -> Admitted<Answer> {
+    let axes = case.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
+    case.stage_with(Op::ClearStatus { axes }, Change::Cleared { axes });
+    Ok(Answer::Done)
+}
+
+pub fn tick<const AXES: usize>(case: &mut Case<AXES>, r: &SetTick) -> Admitted<Answer> {
+    let low = TICK_US.0.max(i32::try_from(*case.board.tick_us.start()).unwrap_or(i32::MAX));
+    let high = TICK_US.1.min(i32::try_from(*case.board.tick_us.end()).unwrap_or(i32::MAX));
+    let us = within(0, r.tick_us.get(), low, high)?;
+    case.all_at_rest(case.site.all(), Reason::OnlyAtRest)?;
+    case.stage(Op::TickPeriod { ns: us.unsigned_abs() * 1000 });
+    Ok(Answer::Done)
+}
+
+/// Choosing what is shown already changes the family only, and may be done while axes move. Another
+/// profile renumbers the axes, so all of them are reset.
+pub fn choose<const AXES: usize>(case: &mut Case<AXES>, r: &Choose) -> Admitted<Answer> {
+    let number = within(0, r.profile, 0, PROFILES.len() as u8 - 1)?;
+    let family = within(1, r.family, 0, FAMILIES - 1)?;
+    let site = Site::new(number, family);
+    if site.profile.axes() > AXES {
+        return Err(Refused::new(Reason::ProfileTooLarge)
+            .field(0)
+            .got(site.profile.axes() as f64)
+            .limits(0.0, AXES as f64));
+    }
+    if number != case.site.number {
+        let axes = AxisMask(case.site.all().0 | site.all().0);
+        case.all_at_rest(axes, Reason::OnlyAtRest)?;
+        case.stage_with(Op::Reset { axes }, Change::Reset { axes });
+    }
+    case.effect = Effect::Choose(site);
+    Ok(plain(opcode::Choose))
+}
+
+/// Lasers and crds can be traced once they exist; until then their masks must be 0.
+pub fn trace<const AXES: usize>(case: &mut Case<AXES>, r: &Trace) -> Admitted<Answer> {
+    let (every, axes) = (r.every.get(), AxisMask(r.axes.get()));
+    let all = case.site.all();
+    if axes.0 & !all.0 != 0 {
+        return Err(Refused::new(Reason::OutOfRange).field(1).got(axes.0 as f64).limits(0.0, all.0 as f64));
+    }
+    within(2, r.lasers, 0, 0)?;
+    within(3, r.crds, 0, 0)?;
+    case.stage(Op::Trace { every, axes });
+    case.effect = Effect::Trace { every, axes };
+    Ok(Answer::Done)
+}
+
+pub fn link_loss<const AXES: usize>(case: &mut Case<AXES>, r: &SetLinkLoss) -> Admitted<Answer> {
+    let ms = within(0, r.time_ms.get(), 0, LINK_LOSS_MAX_MS)?.unsigned_abs();
+    let stop_all = r.stop_all.get() != 0;
+    case.effect = Effect::LinkLoss { ms, stop_all };
+    Ok(Answer::Done)
+}
+
+/// Checks every item; they are pushed afterwards, one by one, by [`config_item`].
+pub fn load_config<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admitted<Answer> {
+    let (request, items) = many::<LoadConfig>(body, |r| r.count.get())?;
+    case.core(request.core.get())?;
+    for (index, item) in items.iter().enumerate() {
+        config_item(case, request.core.get(), item).map_err(|refused| refused.item(index))?;
+        case.staged.clear();
+    }
+    case.effect = Effect::Config;
+    Ok(Answer::Done)
+}
+
+/// Stages one item of a configuration. The fields that a refusal names are those of the item.
+pub fn config_item<const AXES: usize>(case: &mut Case<AXES>, core: i16, item: &ConfigItem) -> Admitted<()> {
+    let axis = case.axis(core, item.axis.get()).map_err(|refused| refused.field(0))?;
+    let given = within(1, item.given.get(), 0, 0x1ff)?;
+    let has = |bit: u16| given >> bit & 1 != 0;
+    if has(0) {
+        let on = within(2, item.limits_on, 0, 3)?;
+        case.stage(Op::Guard { axis, input: Guarded::LimitPositive, on: on & 1 != 0 });
+        case.stage(Op::Guard { axis, input: Guarded::LimitNegative, on: on & 2 != 0 });
+    }
+    if has(1) {
+        let sense = within(3, item.limit_sense, 0, 3)?;
+        stage_limit_sense(case, axis, sense);
+    }
+    if has(2) {
+        let on = within(4, item.alarm_on, 0, 1)? != 0;
+        case.stage(Op::Guard { axis, input: Guarded::Alarm, on });
+    }
+    if has(3) {
+        let active_low = within(5, item.alarm_sense, 0, 1)? != 0;
+        case.stage(Op::Sense { axis, input: Guarded::Alarm, active_low });
+    }
+    if has(4) {
+        stage_soft(case, axis, 6, (item.soft_positive.get(), item.soft_negative.get()))?;
+    }
+    if has(5) {
+        stage_dec(case, axis, (8, 9), (item.dec_smooth.get(), item.dec_abrupt.get()))?;
+    }
+    if has(6) {
+        stage_pos_err(case, axis, 10, item.pos_err.get())?;
+    }
+    if has(7) {
+        stage_band(case, axis, (11, 12), (item.band.get(), item.band_time_cycles.get()))?;
+    }
+    if has(8) {
+        let active_low = within(13, item.home_sense, 0, 1)? != 0;
+        case.stage(Op::Sense { axis, input: Guarded::Home, active_low });
+    }
+    Ok(())
+}

@@ -1,0 +1,298 @@
+//! The books: what the thread knows of every axis without asking the tick.
+//!
+//! In: [`Change`]s, one beside every operation that is pushed into a lane. Out: the figures that
+//! admissions and getters need. There are two sets: *ahead* is the state after everything that was
+//! admitted, *now* the state after everything that the tick has executed. If the rest of a program is
+//! discarded, *ahead* is set back to *now*, so that what was never executed leaves no trace.
+use protocol::command::{JogPrm, TrapPrm};
+use servo::op::Mode;
+use servo::pt::Chain;
+use servo::status::RUNNING;
+use servo::units::{Axis, AxisMask};
+use servo::view::{AxisView, View};
+
+/// Set in the numbers of the program lane, so that a number tells its lane.
+pub const PROGRAM_FLAG: u32 = 1 << 31;
+/// Software limits at these values are off.
+pub const SOFT_OFF: (i32, i32) = (i32::MAX, i32::MIN);
+
+/// The place after `seq` in its lane.
+pub const fn seq_after(seq: u32) -> u32 {
+    seq & PROGRAM_FLAG | seq.wrapping_add(1) & !PROGRAM_FLAG
+}
+
+/// Whether the tick that `view` shows has executed entry `seq`.
+pub fn executed<const AXES: usize>(view: &View<AXES>, seq: u32) -> bool {
+    let done = if seq & PROGRAM_FLAG == 0 { view.done_immediate } else { view.done_program };
+    // Numbers have 31 bits; shifted up, their difference has a sign. A lane that has done nothing yet
+    // shows 0, which has no flag.
+    done & PROGRAM_FLAG == seq & PROGRAM_FLAG && (done.wrapping_sub(seq) << 1).cast_signed() >= 0
+}
+
+/// One FIFO of PT data.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FifoBook {
+    /// Segments pushed since it was cleared.
+    pub end: u32,
+    /// End position, time and velocity of the last one.
+    pub chain: Chain,
+}
+
+/// One axis.
+#[derive(Debug, Clone, Copy)]
+pub struct AxisBook {
+    /// Profile mode.
+    pub mode: Mode,
+    /// PT memory selector, 0 or 1.
+    pub memory: u8,
+    /// FIFO of the last PtStart.
+    pub fifo: u8,
+    /// PT data; dynamic mode uses the first only.
+    pub fifos: [FifoBook; 2],
+    /// PT stream number of the view that these books follow.
+    pub epoch: u32,
+    /// The last start, until the axis is known to be at rest at this place of its lane.
+    pub started: Option<u32>,
+    /// The last start, until the axis has been seen at rest.
+    pub busy: Option<u32>,
+    /// The last AxisOn or AxisOff, until it is executed.
+    pub servo: Option<(u32, bool)>,
+    /// The last ClrSts or Reset, until it is executed.
+    pub cleared: Option<u32>,
+    /// The last entry that emptied a FIFO, until it is executed.
+    pub emptied: Option<u32>,
+    /// Stop decelerations, pulse/ms².
+    pub dec: (f64, f64),
+    /// In-position band (pulses) and time (250 µs cycles).
+    pub band: (i32, i32),
+    /// Software limits, pulses.
+    pub soft: (i32, i32),
+    /// Following-error limit, pulses; `i32::MAX` is off.
+    pub pos_err: i32,
+    /// Trap parameters.
+    pub trap: TrapPrm,
+    /// Jog parameters.
+    pub jog: JogPrm,
+    /// Target velocity, pulse/ms.
+    pub vel: f64,
+    /// Target position, pulses.
+    pub pos: i32,
+}
+
+impl Default for AxisBook {
+    /// Power-on (SPEC 5).
+    fn default() -> Self {
+        AxisBook {
+            mode: Mode::Trap,
+            memory: 0,
+            fifo: 0,
+            fifos: [FifoBook::default(); 2],
+            epoch: 0,
+            started: None,
+            busy: None,
+            servo: None,
+            cleared: None,
+            emptied: None,
+            dec: (1.0, 1000.0),
+            band: (0, 0),
+            soft: SOFT_OFF,
+            pos_err: i32::MAX,
+            trap: TrapPrm::default(),
+            jog: JogPrm::default(),
+            vel: 0.0,
+            pos: 0,
+        }
+    }
+}
+
+impl AxisBook {
+    /// Whether PT data of this axis forms one ring.
+    pub fn is_dynamic(&self) -> bool {
+        self.mode == Mode::PtDynamic
+    }
+    /// Whether the axis is in a PT mode.
+    pub fn is_pt(&self) -> bool {
+        matches!(self.mode, Mode::PtStatic | Mode::PtDynamic)
+    }
+    /// Whether a PT or ramp motion may be running when the next entry acts.
+    pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        self.started.is_some_and(|seq| !executed(view, seq) || axis.status & RUNNING != 0)
+    }
+    /// Whether the tick itself may still be working through data of an earlier start.
+    pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        axis.status & RUNNING != 0 || self.busy.is_some_and(|seq| !executed(view, seq))
+    }
+    /// Whether the data of a FIFO belongs to what is over at this place of the lane, while the tick may
+    /// still be at it: a stream that a WaitStop waits for, or a FIFO that is going to be emptied.
+    pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        let emptied = self.emptied.is_some_and(|seq| !executed(view, seq));
+        let ended = self.is_dynamic() && self.started.is_none();
+        (emptied || ended) && self.is_busy(view, axis)
+    }
+    /// Segments that one FIFO (in dynamic mode, the ring) holds.
+    pub fn capacity(&self) -> u32 {
+        match (self.is_dynamic(), self.memory) {
+            (false, 0) => 32,
+            (false, _) => 1024,
+            (true, 0) => 64,
+            (true, _) => 2048,
+        }
+    }
+    /// Places free in a FIFO, as far as the tick has told.
+    pub fn space<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: usize) -> u32 {
+        if self.is_dynamic() && self.is_outgoing(view, axis) {
+            return self.capacity();
+        }
+        let end = self.fifos.get(fifo).map_or(0, |fifo| fifo.end);
+        // A ring that is going to be emptied has released nothing of what follows.
+        let emptied = self.emptied.is_some_and(|seq| !executed(view, seq));
+        let released = if self.is_dynamic() && !emptied { axis.released } else { 0 };
+        self.capacity().saturating_sub(end.wrapping_sub(released))
+    }
+    /// Follows the tick: a stream that ended is cleared, an axis that came to rest is at rest.
+    pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, axis: &AxisView) {
+        if self.epoch != axis.epoch {
+            self.epoch = axis.epoch;
+            if self.is_dynamic() {
+                self.fifos = [FifoBook::default(); 2];
+            }
+        }
+        let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || axis.status & RUNNING != 0);
+        self.started = over(self.started);
+        self.busy = over(self.busy);
+    }
+}
+
+/// What a pushed operation changes in the books.
+#[derive(Debug, Clone, Copy)]
+pub enum Change {
+    /// Nothing.
+    None,
+    /// Power-on state.
+    Reset { axes: AxisMask },
+    /// Servo on or off.
+    Servo { axis: Axis, on: bool },
+    /// Latched bits are cleared.
+    Cleared { axes: AxisMask },
+    /// The axes start.
+    Started { axes: AxisMask, fifo1: AxisMask },
+    /// The axes are at rest for what follows.
+    Rest { axes: AxisMask },
+    /// A mode, with empty FIFOs.
+    Mode { axis: Axis, mode: Mode },
+    /// A memory size.
+    Memory { axis: Axis, memory: u8 },
+    /// A FIFO is emptied (both in dynamic mode).
+    Emptied { axis: Axis, fifo: u8 },
+    /// A FIFO's data now ends here, if its stream is still that of `epoch`.
+    Data { axis: Axis, fifo: u8, epoch: u32, book: FifoBook },
+    /// Stop decelerations.
+    Dec { axis: Axis, dec: (f64, f64) },
+    /// Band.
+    Band { axis: Axis, band: (i32, i32) },
+    /// Software limits.
+    Soft { axis: Axis, soft: (i32, i32) },
+    /// Following-error limit.
+    PosErr { axis: Axis, pos_err: i32 },
+    /// Trap parameters.
+    Trap { axis: Axis, prm: TrapPrm },
+    /// Jog parameters.
+    Jog { axis: Axis, prm: JogPrm },
+    /// Target velocity.
+    Vel { axis: Axis, vel: f64 },
+    /// Target position.
+    Pos { axis: Axis, pos: i32 },
+    /// An analog output, from 0.
+    Analog { channel: u8, value: i16 },
+}
+
+/// One set of books.
+#[derive(Debug, Clone, Copy)]
+pub struct Books<const AXES: usize> {
+    /// The axes.
+    pub axes: [AxisBook; AXES],
+    /// The analog outputs.
+    pub analog: [i16; 8],
+}
+
+impl<const AXES: usize> Books<AXES> {
+    /// Books at power-on.
+    pub fn new() -> Self {
+        Books { axes: [AxisBook::default(); AXES], analog: [0; 8] }
+    }
+
+    /// Book of one axis; the last one for an axis beyond the capacity, which no admission lets through.
+    pub fn axis(&self, axis: Axis) -> &AxisBook {
+        &self.axes[axis.index().min(AXES - 1)]
+    }
+
+    fn with(&mut self, axes: AxisMask, change: impl Fn(Axis, &mut AxisBook)) {
+        for (index, book) in self.axes.iter_mut().enumerate() {
+            if let Some(axis) = Axis::new(index).filter(|&axis| axes.has(axis)) {
+                change(axis, book);
+            }
+        }
+    }
+
+    /// Enters the change that goes with entry `seq`.
+    pub fn enter(&mut self, change: &Change, seq: u32) {
+        let mut one = |axis: Axis, change: &dyn Fn(&mut AxisBook)| {
+            if let Some(book) = self.axes.get_mut(axis.index()) {
+                change(book);
+            }
+        };
+        match *change {
+            Change::None => {}
+            Change::Reset { axes } => self.with(axes, |_, book| {
+                // The start is kept: the axis runs until the Reset has been executed.
+                let (epoch, started, busy) = (book.epoch, book.started, book.busy);
+                *book = AxisBook { epoch, started, busy, cleared: Some(seq), emptied: Some(seq), servo: Some((seq, false)), ..AxisBook::default() };
+            }),
+            Change::Servo { axis, on } => one(axis, &|book| book.servo = Some((seq, on))),
+            Change::Cleared { axes } => self.with(axes, |_, book| book.cleared = Some(seq)),
+            Change::Started { axes, fifo1 } => self.with(axes, |axis, book| {
+                book.started = Some(seq);
+                book.busy = Some(seq);
+                book.fifo = u8::from(fifo1.has(axis));
+            }),
+            Change::Rest { axes } => self.with(axes, |_, book| book.started = None),
+            Change::Mode { axis, mode } => one(axis, &|book| {
+                book.mode = mode;
+                book.fifos = [FifoBook::default(); 2];
+                book.emptied = Some(seq);
+            }),
+            Change::Memory { axis, memory } => one(axis, &|book| {
+                book.memory = memory;
+                book.fifos = [FifoBook::default(); 2];
+                book.emptied = Some(seq);
+            }),
+            Change::Emptied { axis, fifo } => one(axis, &|book| {
+                if let Some(fifo) = book.fifos.get_mut(usize::from(fifo)) {
+                    *fifo = FifoBook::default();
+                }
+                book.emptied = Some(seq);
+            }),
+            Change::Data { axis, fifo, epoch, book: data } => one(axis, &|book| {
+                if book.is_dynamic() && book.epoch != epoch {
+                    return;
+                }
+                if let Some(fifo) = book.fifos.get_mut(usize::from(fifo)) {
+                    *fifo = data;
+                }
+            }),
+            Change::Dec { axis, dec } => one(axis, &|book| book.dec = dec),
+            Change::Band { axis, band } => one(axis, &|book| book.band = band),
+            Change::Soft { axis, soft } => one(axis, &|book| book.soft = soft),
+            Change::PosErr { axis, pos_err } => one(axis, &|book| book.pos_err = pos_err),
+            Change::Trap { axis, prm } => one(axis, &|book| book.trap = prm),
+            Change::Jog { axis, prm } => one(axis, &|book| book.jog = prm),
+            Change::Vel { axis, vel } => one(axis, &|book| book.vel = vel),
+            Change::Pos { axis, pos } => one(axis, &|book| book.pos = pos),
+            Change::Analog { channel, value } => {
+                if let Some(output) = self.analog.get_mut(usize::from(channel)) {
+                    *output = value;
+                }
+            }
+        }
+    }
+}

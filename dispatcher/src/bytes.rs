@@ -1,0 +1,100 @@
+//! Raw program records on their way to admission: a bounded queue of bytes.
+//!
+//! In: records as they came. Out: the same, in order, each in one piece. A record takes its body and
+//! [`RECORD_BYTES`]; what does not fit is not taken.
+
+/// Bytes of the queue.
+pub const QUEUE_BYTES: usize = 8192;
+/// What a record takes beside its body: as much as its head in a message.
+pub const RECORD_BYTES: usize = 7;
+/// Longest body.
+pub const BODY_MAX: usize = protocol::MAX_PAYLOAD;
+
+/// The record in hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Head {
+    /// Command number.
+    pub opcode: u16,
+    /// The client's tag.
+    pub tag: u16,
+    /// Bytes of the body.
+    pub len: u16,
+}
+
+/// The queue and the record in hand.
+pub struct Records {
+    ring: [u8; QUEUE_BYTES],
+    first: usize,
+    used: usize,
+    head: Option<Head>,
+    body: [u8; BODY_MAX],
+}
+
+impl Records {
+    /// An empty queue.
+    pub fn new() -> Self {
+        Records { ring: [0; QUEUE_BYTES], first: 0, used: 0, head: None, body: [0; BODY_MAX] }
+    }
+    /// Bytes free: a record fits if its body and [`RECORD_BYTES`] do.
+    pub fn space(&self) -> usize {
+        QUEUE_BYTES - self.used
+    }
+    /// Whether nothing waits, in hand or in the queue.
+    pub fn is_empty(&self) -> bool {
+        self.used == 0 && self.head.is_none()
+    }
+    /// Drops everything.
+    pub fn clear(&mut self) {
+        self.used = 0;
+        self.head = None;
+    }
+    /// Appends a record; false if it does not fit.
+    pub fn push(&mut self, opcode: u16, tag: u16, body: &[u8]) -> bool {
+        let Ok(len) = u16::try_from(body.len()) else { return false };
+        if body.len() > BODY_MAX || body.len() + RECORD_BYTES > self.space() {
+            return false;
+        }
+        let mut head = [0; RECORD_BYTES];
+        for (place, byte) in head.iter_mut().zip(opcode.to_le_bytes().into_iter().chain(tag.to_le_bytes()).chain(len.to_le_bytes())) {
+            *place = byte;
+        }
+        self.write(&head);
+        self.write(body);
+        true
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        let at = (self.first + self.used) % QUEUE_BYTES;
+        let (now, rest) = bytes.split_at(bytes.len().min(QUEUE_BYTES - at));
+        self.ring[at..at + now.len()].copy_from_slice(now);
+        self.ring[..rest.len()].copy_from_slice(rest);
+        self.used += bytes.len();
+    }
+    fn read(ring: &[u8; QUEUE_BYTES], first: usize, out: &mut [u8]) {
+        let (now, rest) = out.split_at_mut(out.len().min(QUEUE_BYTES - first));
+        now.copy_from_slice(&ring[first..first + now.len()]);
+        rest.copy_from_slice(&ring[..rest.len()]);
+    }
+    fn skip(&mut self, count: usize) {
+        self.first = (self.first + count) % QUEUE_BYTES;
+        self.used -= count;
+    }
+    /// The record in hand, taken from the queue if there is none.
+    pub fn front(&mut self) -> Option<(Head, &[u8])> {
+        if self.head.is_none() && self.used >= RECORD_BYTES {
+            let mut head = [0; RECORD_BYTES];
+            Self::read(&self.ring, self.first, &mut head);
+            let [o0, o1, t0, t1, l0, l1, _] = head;
+            let (opcode, tag, len) =
+                (u16::from_le_bytes([o0, o1]), u16::from_le_bytes([t0, t1]), u16::from_le_bytes([l0, l1]));
+            self.skip(RECORD_BYTES);
+            Self::read(&self.ring, self.first, &mut self.body[..usize::from(len)]);
+            self.skip(usize::from(len));
+            self.head = Some(Head { opcode, tag, len });
+        }
+        self.head.map(|head| (head, &self.body[..usize::from(head.len)]))
+    }
+    /// The record in hand is dealt with.
+    pub fn pop(&mut self) {
+        self.head = None;
+    }
+}

@@ -1,0 +1,229 @@
+//! What an admission may look at, and the checks that all commands share.
+//!
+//! In: the newest view, the books of what was admitted, the counts of the profile. Out: checked axes,
+//! spans and masks, staged operations. An admission changes nothing itself: it stages, and its caller
+//! pushes when the whole command is known to be right.
+use crate::books::{AxisBook, Books, Change, executed};
+use crate::lane::Staged;
+use crate::profile::{PROFILES, Profile};
+use crate::refuse::{Admitted, Refused, choice};
+use crate::server::Board;
+use protocol::reason::Reason;
+use servo::op::Op;
+use servo::status::SERVO_ON;
+use servo::units::{Axis, AxisMask};
+use servo::view::{AxisView, View};
+
+/// What the client chose on opening.
+#[derive(Debug, Clone, Copy)]
+pub struct Site {
+    /// Number of the profile.
+    pub number: u8,
+    /// Its counts.
+    pub profile: Profile,
+    /// 0 GUS, 1 LSR.
+    pub family: u8,
+}
+
+impl Site {
+    /// The profile with this number, or the first.
+    pub fn new(number: u8, family: u8) -> Self {
+        let (number, profile) = match PROFILES.get(usize::from(number)) {
+            Some(profile) => (number, *profile),
+            None => (0, PROFILES[0]),
+        };
+        Site { number, profile, family }
+    }
+    fn per_core(&self) -> usize {
+        usize::from(self.profile.axes_per_core)
+    }
+    /// The axis's number in its core, as the user knows it.
+    pub fn number_of(&self, axis: Axis) -> i16 {
+        (axis.index() % self.per_core().max(1)) as i16 + 1
+    }
+    /// All axes of the profile.
+    pub fn all(&self) -> AxisMask {
+        AxisMask(ones(self.profile.axes()))
+    }
+}
+
+/// The lowest `count` bits.
+pub const fn ones(count: usize) -> u64 {
+    if count >= 64 { u64::MAX } else { (1 << count) - 1 }
+}
+
+/// What is to be answered when an admitted command has been executed.
+#[derive(Debug, Clone, Copy)]
+pub enum Answer {
+    /// A reply without fields.
+    Done,
+    /// A read, to be built from the view and the books of then.
+    Read(Query),
+    /// What a read gave at admission: `PtSpace` of an axis at rest.
+    Space(i16),
+    /// PtTaken for so many segments of this axis and FIFO.
+    Taken { axis: Axis, fifo: u8, count: u16 },
+    /// ProgramReply, with the state of when it is sent.
+    Program,
+}
+
+/// A checked read.
+#[derive(Debug, Clone, Copy)]
+pub struct Query {
+    /// Which command.
+    pub opcode: u16,
+    /// Index of the first axis over all cores, or of the channel.
+    pub first: u8,
+    /// How many.
+    pub count: u8,
+    /// FIFO or type, where the command has one.
+    pub which: u8,
+}
+
+/// One admission.
+pub struct Case<'x, const AXES: usize> {
+    /// The newest view.
+    pub view: &'x View<AXES>,
+    /// Books after everything that was admitted.
+    pub books: &'x Books<AXES>,
+    /// Counts.
+    pub site: &'x Site,
+    /// Constants of the board.
+    pub board: &'x Board,
+    /// Where the operations go.
+    pub staged: &'x mut Staged,
+    /// What else happens when the command is taken.
+    pub effect: Effect,
+}
+
+/// What a command does in the thread beside its operations.
+#[derive(Debug, Clone, Copy)]
+pub enum Effect {
+    /// Nothing.
+    None,
+    /// The controller shows these counts from now on.
+    Choose(Site),
+    /// Link-loss time in ms (0 is off), and whether all axes stop.
+    LinkLoss { ms: u32, stop_all: bool },
+    /// A trace of these axes.
+    Trace { every: u32, axes: AxisMask },
+    /// The items of this LoadConfig are pushed one by one.
+    Config,
+}
+
+impl<'x, const AXES: usize> Case<'x, AXES> {
+    /// Stages an operation that changes no book.
+    pub fn stage(&mut self, op: Op) {
+        self.staged.add(op, Change::None);
+    }
+    /// Stages an operation and its change.
+    pub fn stage_with(&mut self, op: Op, change: Change) {
+        self.staged.add(op, change);
+    }
+    /// The axis's part of the view; the last one for an axis beyond the capacity.
+    pub fn seen(&self, axis: Axis) -> &'x AxisView {
+        &self.view.axes[axis.index().min(AXES - 1)]
+    }
+    /// The axis's book.
+    pub fn book(&self, axis: Axis) -> &'x AxisBook {
+        self.books.axis(axis)
+    }
+    /// Index of a core. The core is the first field of every command that has one.
+    pub fn core(&self, core: i16) -> Admitted<usize> {
+        Ok(choice(0, core, 1, i16::from(self.site.profile.cores))?.unsigned_abs() as usize - 1)
+    }
+    /// An axis of a core.
+    pub fn axis(&self, core: i16, axis: i16) -> Admitted<Axis> {
+        let core = self.core(core)?;
+        let index = choice(1, axis, 1, i16::from(self.site.profile.axes_per_core))?.unsigned_abs() as usize - 1;
+        self.nth(core * self.site.per_core() + index)
+    }
+    /// An axis by its index; the build's capacity holds every profile that could be chosen.
+    pub fn nth(&self, index: usize) -> Admitted<Axis> {
+        Axis::new(index)
+            .filter(|axis| axis.index() < AXES)
+            .ok_or_else(|| Refused::new(Reason::NotInitialised).axis(index as i16 + 1))
+    }
+    /// The first of `count` axes of a core (fields 0, 1, 2) and their number.
+    pub fn span(&self, core: i16, axis: i16, count: i16) -> Admitted<(Axis, u8)> {
+        let first = self.axis(core, axis)?;
+        let left = i16::from(self.site.profile.axes_per_core) - axis + 1;
+        let count = choice(2, count, 1, left)?;
+        Ok((first, count as u8))
+    }
+    /// As [`Case::span`], as a set.
+    pub fn span_mask(&self, core: i16, axis: i16, count: i16) -> Admitted<AxisMask> {
+        let (first, count) = self.span(core, axis, count)?;
+        Ok(AxisMask(ones(usize::from(count)) << first.index()))
+    }
+    /// The axes of a core that the bits name.
+    pub fn mask(&self, core: i16, bits: i32, field: u8) -> Admitted<AxisMask> {
+        let core = self.core(core)?;
+        let bits = u64::from(bits.cast_unsigned());
+        let all = ones(self.site.per_core());
+        if bits & !all != 0 {
+            return Err(Refused::new(Reason::OutOfRange).field(field).got(bits as f64).limits(0.0, all as f64));
+        }
+        Ok(AxisMask(bits << (core * self.site.per_core())))
+    }
+    /// All axes of a core.
+    pub fn core_mask(&self, core: i16) -> Admitted<AxisMask> {
+        let core = self.core(core)?;
+        Ok(AxisMask(ones(self.site.per_core()) << (core * self.site.per_core())))
+    }
+    /// The axes of a set, one by one.
+    pub fn each(&self, axes: AxisMask) -> impl Iterator<Item = Axis> + use<AXES> {
+        (0..AXES).filter_map(Axis::new).filter(move |&axis| axes.has(axis))
+    }
+    /// A refusal that names this axis.
+    pub fn no(&self, reason: Reason, axis: Axis) -> Refused {
+        Refused::new(reason).axis(self.site.number_of(axis))
+    }
+    /// Whether the axis may be moving when this command acts.
+    pub fn may_run(&self, axis: Axis) -> bool {
+        self.book(axis).may_run(self.view, self.seen(axis))
+    }
+    /// Refuses if the axis may be moving.
+    pub fn at_rest(&self, axis: Axis) -> Admitted<()> {
+        if self.may_run(axis) { Err(self.no(Reason::Moving, axis)) } else { Ok(()) }
+    }
+    /// Refuses if any of these axes may be moving.
+    pub fn all_at_rest(&self, axes: AxisMask, reason: Reason) -> Admitted<()> {
+        match self.each(axes).find(|&axis| self.may_run(axis)) {
+            Some(axis) => Err(self.no(reason, axis)),
+            None => Ok(()),
+        }
+    }
+    /// Refuses if the axis is in a mode that is not wanted.
+    pub fn in_mode(&self, axis: Axis, wanted: bool) -> Admitted<()> {
+        let mode = mode_number(self.book(axis).mode);
+        if wanted { Ok(()) } else { Err(self.no(Reason::WrongMode, axis).got(mode.into())) }
+    }
+    /// Refuses a start of an axis whose servo will be off or that has a latched fault.
+    pub fn startable(&self, axis: Axis) -> Admitted<()> {
+        let (book, seen) = (self.book(axis), self.seen(axis));
+        let on = match book.servo {
+            Some((seq, on)) if !executed(self.view, seq) => on,
+            _ => seen.status & SERVO_ON != 0,
+        };
+        if !on {
+            return Err(self.no(Reason::ServoOff, axis));
+        }
+        // With a ClrSts on its way only the tick can know.
+        let clearing = book.cleared.is_some_and(|seq| !executed(self.view, seq));
+        if seen.blocked != 0 && !clearing {
+            return Err(self.no(Reason::AxisFault, axis).got(seen.status.into()));
+        }
+        Ok(())
+    }
+}
+
+/// A mode as `GetPrfMode` tells it.
+pub fn mode_number(mode: servo::op::Mode) -> i16 {
+    use servo::op::Mode;
+    match mode {
+        Mode::Trap => 0,
+        Mode::Jog => 1,
+        Mode::PtStatic | Mode::PtDynamic => 2,
+    }
+}

@@ -1,0 +1,288 @@
+//! Reads: replies built from one view and the *now* books, so that all their items are of one tick.
+//!
+//! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from the
+//! axis's [`servo::piece::Motion`]; nothing is computed for them in the tick.
+use crate::admit::kind;
+use crate::books::Books;
+use crate::case::{Query, Site, mode_number, ones};
+use crate::server::Board;
+use protocol::command::{self, opcode};
+use protocol::record::{Full, ReplyWriter};
+use servo::piece::Scaled;
+use servo::status::RUNNING;
+use servo::units::{Axis, Pos};
+use servo::view::{AxisView, View};
+use zerocopy::IntoBytes;
+
+/// What a reply is built from.
+pub struct Reading<'x, const AXES: usize> {
+    /// The tick.
+    pub view: &'x View<AXES>,
+    /// Books after everything executed.
+    pub now: &'x Books<AXES>,
+    /// Counts.
+    pub site: &'x Site,
+    /// Constants of the board.
+    pub board: &'x Board,
+}
+
+/// 2^exponent, exactly, for exponents of normal numbers; beyond them 0 or infinity.
+fn power(exponent: i32) -> f64 {
+    match exponent {
+        -1022..=1023 => f64::from_bits(((exponent + 1023) as u64) << 52),
+        ..-1022 => 0.0,
+        _ => f64::INFINITY,
+    }
+}
+
+/// The nearest double.
+pub fn number(value: Scaled) -> f64 {
+    value.m as f64 * power(-i32::from(value.e))
+}
+
+/// Pulses.
+fn pulses(pos: Pos) -> f64 {
+    pos.0 as f64 * power(-(Pos::FRAC_BITS as i32))
+}
+
+impl<const AXES: usize> Reading<'_, AXES> {
+    fn clock_ms(&self) -> u32 {
+        (self.view.now.0 / 1_000_000) as u32
+    }
+
+    fn axes(&self, query: &Query) -> &[AxisView] {
+        let first = usize::from(query.first);
+        self.view.axes.get(first..first + usize::from(query.count)).unwrap_or(&[])
+    }
+
+    /// Encoder velocity from two samples one tick apart, pulse/ms.
+    fn encoder_velocity(&self, axis: &AxisView) -> f64 {
+        if self.view.period.0 == 0 {
+            return 0.0;
+        }
+        axis.encoder.wrapping_sub(axis.encoder_before) as f64 * 1e6 / self.view.period.0 as f64
+    }
+
+    fn reals<R>(&self, tag: u16, query: &Query, out: &mut ReplyWriter, value: impl Fn(&AxisView) -> f64) -> Result<(), Full>
+    where
+        R: command::Request<Reply = command::Reals, ReplyItem = command::Real>,
+    {
+        let mut items = [command::Real::default(); AXES];
+        let axes = self.axes(query);
+        for (item, axis) in items.iter_mut().zip(axes) {
+            item.value = value(axis).into();
+        }
+        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
+        out.done::<R>(tag, &head, &items[..axes.len()])
+    }
+
+    fn longs<R>(&self, tag: u16, query: &Query, out: &mut ReplyWriter, value: impl Fn(usize, &AxisView) -> i32) -> Result<(), Full>
+    where
+        R: command::Request<Reply = command::Longs, ReplyItem = command::Long>,
+    {
+        let mut items = [command::Long::default(); AXES];
+        let axes = self.axes(query);
+        for (index, (item, axis)) in items.iter_mut().zip(axes).enumerate() {
+            item.value = value(index, axis).into();
+        }
+        let head = command::Longs { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
+        out.done::<R>(tag, &head, &items[..axes.len()])
+    }
+
+    /// Writes the reply to a read.
+    pub fn reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let axis = Axis::new(usize::from(query.first)).unwrap_or_default();
+        let book = self.now.axis(axis);
+        let seen = &self.view.axes[axis.index().min(AXES - 1)];
+        match query.opcode {
+            opcode::Version => out.done::<command::Version>(tag, &self.version(), &[]),
+            opcode::Choose => out.done::<command::Choose>(tag, &self.version(), &[]),
+            opcode::GetClock => {
+                let reply = command::Clock { clock_ms: self.clock_ms().into(), ticks: self.view.tick.into() };
+                out.done::<command::GetClock>(tag, &reply, &[])
+            }
+            opcode::GetStopDec => {
+                let reply = command::StopDec { smooth: book.dec.0.into(), abrupt: book.dec.1.into() };
+                out.done::<command::GetStopDec>(tag, &reply, &[])
+            }
+            opcode::GetAxisBand => {
+                let reply = command::Band { band: book.band.0.into(), time_cycles: book.band.1.into() };
+                out.done::<command::GetAxisBand>(tag, &reply, &[])
+            }
+            opcode::GetSoftLimit => {
+                let reply = command::SoftLimit { positive: book.soft.0.into(), negative: book.soft.1.into() };
+                out.done::<command::GetSoftLimit>(tag, &reply, &[])
+            }
+            opcode::GetPosErr => out.done::<command::GetPosErr>(tag, &command::Long { value: book.pos_err.into() }, &[]),
+            opcode::GetTrapPrm => out.done::<command::GetTrapPrm>(tag, &book.trap, &[]),
+            opcode::GetJogPrm => out.done::<command::GetJogPrm>(tag, &book.jog, &[]),
+            opcode::GetPos => out.done::<command::GetPos>(tag, &command::Long { value: book.pos.into() }, &[]),
+            opcode::GetVel => out.done::<command::GetVel>(tag, &command::Real { value: book.vel.into() }, &[]),
+            opcode::GetSts => {
+                self.longs::<command::GetSts>(tag, query, out, |_, axis| axis.status.cast_signed())
+            }
+            opcode::GetPrfMode => {
+                let first = usize::from(query.first);
+                self.longs::<command::GetPrfMode>(tag, query, out, |index, _| {
+                    self.now.axes.get(first + index).map_or(-1, |book| mode_number(book.mode).into())
+                })
+            }
+            opcode::GetPrfPos => self.reals::<command::GetPrfPos>(tag, query, out, |axis| pulses(axis.pos)),
+            opcode::GetPrfVel => self.reals::<command::GetPrfVel>(tag, query, out, |axis| number(axis.motion.velocity())),
+            opcode::GetPrfAcc => self.reals::<command::GetPrfAcc>(tag, query, out, |axis| number(axis.motion.acceleration())),
+            opcode::GetEncPos => self.reals::<command::GetEncPos>(tag, query, out, |axis| axis.encoder as f64),
+            opcode::GetEncVel => self.reals::<command::GetEncVel>(tag, query, out, |axis| self.encoder_velocity(axis)),
+            opcode::GetCaptureStatus => self.captures(tag, query, out),
+            opcode::AxisStatus => self.statuses(tag, query, out),
+            opcode::GetDi => out.done::<command::GetDi>(tag, &command::Long { value: self.inputs(query).into() }, &[]),
+            opcode::GetDo => out.done::<command::GetDo>(tag, &command::Long { value: self.outputs(query).into() }, &[]),
+            opcode::GetDac => {
+                let mut items = [command::Short::default(); 8];
+                let count = usize::from(query.count).min(8);
+                for (item, value) in items.iter_mut().zip(self.now.analog.iter().skip(usize::from(query.first))) {
+                    item.value = (*value).into();
+                }
+                out.done::<command::GetDac>(tag, &command::Count { count: (count as u16).into() }, &items[..count])
+            }
+            opcode::GetAdc => {
+                let mut items = [command::Real::default(); 8];
+                let count = usize::from(query.count).min(8);
+                for (item, value) in items.iter_mut().zip(self.view.analog.iter().skip(usize::from(query.first))) {
+                    item.value = (f64::from(*value) * 10.0 / 32768.0).into();
+                }
+                let head = command::Reals { clock_ms: self.clock_ms().into(), count: (count as u16).into() };
+                out.done::<command::GetAdc>(tag, &head, &items[..count])
+            }
+            opcode::PtSpace => {
+                let space = book.space(self.view, seen, usize::from(query.which)) as i16;
+                self.space(tag, space, out)
+            }
+            opcode::GetPtLoop => {
+                let value = i32::try_from(seen.passes).unwrap_or(i32::MAX);
+                out.done::<command::GetPtLoop>(tag, &command::Long { value: value.into() }, &[])
+            }
+            opcode::GetPtMemory => {
+                out.done::<command::GetPtMemory>(tag, &command::Short { value: i16::from(book.memory).into() }, &[])
+            }
+            opcode::GetPtState => {
+                let reply = command::PtState {
+                    state: seen.pt_state,
+                    loops: i32::try_from(seen.passes).unwrap_or(i32::MAX).into(),
+                    space0: (book.space(self.view, seen, 0) as u16).into(),
+                    space1: if book.is_dynamic() { 0 } else { book.space(self.view, seen, 1) as u16 }.into(),
+                    dry_ms: self.dry_ms(axis, usize::from(book.fifo)).into(),
+                };
+                out.done::<command::GetPtState>(tag, &reply, &[])
+            }
+            // A request without fields in its reply.
+            other => out.push_raw(other, tag, 0, &[]),
+        }
+    }
+
+    /// The reply to `PtSpace`.
+    pub fn space(&self, tag: u16, space: i16, out: &mut ReplyWriter) -> Result<(), Full> {
+        out.done::<command::PtSpace>(tag, &command::Short { value: space.into() }, &[])
+    }
+
+    /// The reply to PT data.
+    pub fn taken(&self, opcode: u16, tag: u16, axis: Axis, fifo: u8, count: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+        let seen = &self.view.axes[axis.index().min(AXES - 1)];
+        let reply = command::PtTaken {
+            taken: count.into(),
+            space: (self.now.axis(axis).space(self.view, seen, usize::from(fifo)) as u16).into(),
+            dry_ms: self.dry_ms(axis, usize::from(fifo)).into(),
+        };
+        out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+    }
+
+    /// While the axis runs, how long what it has lasts; at rest, the length of the data.
+    fn dry_ms(&self, axis: Axis, fifo: usize) -> u32 {
+        let seen = &self.view.axes[axis.index().min(AXES - 1)];
+        if seen.status & RUNNING != 0 {
+            return seen.dry_ms;
+        }
+        self.now.axis(axis).fifos.get(fifo).map_or(0, |fifo| fifo.chain.time_ms().max(0).unsigned_abs())
+    }
+
+    fn version(&self) -> command::VersionReply {
+        let mut board = [0; 16];
+        for (place, byte) in board.iter_mut().zip(self.board.name.bytes()) {
+            *place = byte;
+        }
+        let part = |text: &str| text.bytes().fold(0u16, |sum, digit| sum * 10 + u16::from(digit.saturating_sub(b'0')));
+        let profile = &self.site.profile;
+        command::VersionReply {
+            major: part(env!("CARGO_PKG_VERSION_MAJOR")).into(),
+            minor: part(env!("CARGO_PKG_VERSION_MINOR")).into(),
+            patch: part(env!("CARGO_PKG_VERSION_PATCH")).into(),
+            schema: protocol::SCHEMA.into(),
+            board,
+            profile: self.site.number,
+            family: self.site.family,
+            cores: profile.cores,
+            axes_per_core: profile.axes_per_core,
+            lasers: profile.lasers,
+            crds_per_core: profile.crds_per_core,
+            tick_us: ((self.view.period.0 / 1000) as u32).into(),
+        }
+    }
+
+    fn captures(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let mut items = [command::CaptureReply::default(); AXES];
+        let axes = self.axes(query);
+        for (item, axis) in items.iter_mut().zip(axes) {
+            let value = axis.captured.unwrap_or(0).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+            *item = command::CaptureReply {
+                status: i16::from(axis.captured.is_some()).into(),
+                value: value.into(),
+                clock_ms: self.clock_ms().into(),
+            };
+        }
+        let head = command::Count { count: (axes.len() as u16).into() };
+        out.done::<command::GetCaptureStatus>(tag, &head, &items[..axes.len()])
+    }
+
+    fn statuses(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let mut items = [command::AxisItem::default(); AXES];
+        let axes = self.axes(query);
+        let books = self.now.axes.iter().skip(usize::from(query.first));
+        for ((item, axis), book) in items.iter_mut().zip(axes).zip(books) {
+            *item = command::AxisItem {
+                status: axis.status.into(),
+                mode: mode_number(book.mode).into(),
+                reason: (axis.stop as u16).into(),
+                prf_pos: pulses(axis.pos).into(),
+                prf_vel: number(axis.motion.velocity()).into(),
+                enc_pos: (axis.encoder as f64).into(),
+            };
+        }
+        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
+        out.done::<command::AxisStatus>(tag, &head, &items[..axes.len()])
+    }
+
+    /// Levels of the core's axes from bit 0, or the general inputs.
+    fn inputs(&self, query: &Query) -> i32 {
+        let which = i16::from(query.which);
+        if which == kind::GPI {
+            return self.view.general_inputs.cast_signed();
+        }
+        let axes = self.view.inputs.iter().skip(usize::from(query.first)).take(usize::from(query.count).min(32));
+        let level = |inputs: &servo::port::AxisInputs| match which {
+            kind::LIMIT_POSITIVE => inputs.limit_positive,
+            kind::LIMIT_NEGATIVE => inputs.limit_negative,
+            kind::ALARM => inputs.alarm,
+            kind::HOME => inputs.home,
+            _ => inputs.arrive,
+        };
+        axes.enumerate().fold(0u32, |word, (bit, inputs)| word | u32::from(level(inputs)) << bit).cast_signed()
+    }
+
+    fn outputs(&self, query: &Query) -> i32 {
+        let word = match i16::from(query.which) {
+            kind::ENABLE => self.view.enable,
+            kind::CLEAR => self.view.clear,
+            _ => return self.view.general_outputs.cast_signed(),
+        };
+        (word >> query.first & ones(usize::from(query.count).min(32))) as u32 as i32
+    }
+}

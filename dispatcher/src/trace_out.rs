@@ -1,0 +1,177 @@
+//! The trace on its way out: samples of the tick become rows of [`protocol::trace`].
+//!
+//! In: samples, the announcement of a trace and of its end. Out: wire bytes. Owns: the row being
+//! gathered and the encoder. What the tick could not leave, because nobody took it, is counted and
+//! reported in the stream's last frame; a row is never invented.
+use crate::books::executed;
+use crate::case::{Site, ones};
+use protocol::trace::{self, AxisId, Encoder, Head};
+use ring::Consumer;
+use servo::units::AxisMask;
+use servo::view::{Sample, View};
+
+/// Where a trace is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum State {
+    /// None.
+    Off,
+    /// Announced; its row 0 has not come.
+    Armed,
+    /// Its head is due.
+    Head,
+    /// Rows come.
+    Rows,
+}
+
+/// The trace's way out.
+pub struct TraceOut<const AXES: usize> {
+    encoder: Encoder,
+    state: State,
+    every: u32,
+    axes: AxisMask,
+    /// Entry that ends it.
+    ending: Option<u32>,
+    row: u32,
+    samples: [trace::Sample; AXES],
+    gathered: usize,
+    sent: u32,
+    next: u32,
+    lost: u32,
+    samples_lost: u32,
+}
+
+impl<const AXES: usize> TraceOut<AXES> {
+    /// No trace.
+    pub fn new() -> Self {
+        TraceOut {
+            encoder: Encoder::new(),
+            state: State::Off,
+            every: 0,
+            axes: AxisMask(0),
+            ending: None,
+            row: 0,
+            samples: [trace::Sample::default(); AXES],
+            gathered: 0,
+            sent: 0,
+            next: 0,
+            lost: 0,
+            samples_lost: 0,
+        }
+    }
+
+    /// Entry `seq` begins (`every` ≥ 1) or ends a trace. One that runs is left without its end.
+    pub fn announce(&mut self, every: u32, axes: AxisMask, seq: u32) {
+        if every == 0 {
+            self.ending = Some(seq);
+            return;
+        }
+        self.state = State::Armed;
+        (self.every, self.axes, self.ending) = (every, axes, None);
+        (self.gathered, self.sent, self.next, self.lost, self.samples_lost) = (0, 0, 0, 0, 0);
+    }
+
+    fn count(&self) -> usize {
+        self.axes.0.count_ones() as usize
+    }
+
+    /// Turns samples into rows as far as the encoder has room.
+    pub fn drain<const N: usize>(&mut self, samples: &mut Consumer<Sample, N>, view: &View<AXES>, site: &Site) {
+        if matches!(self.state, State::Head | State::Rows) {
+            self.samples_lost = self.samples_lost.max(view.trace_lost);
+        }
+        while let Some(&sample) = samples.peek() {
+            if !self.take(&sample, view, site) {
+                return;
+            }
+            samples.skip();
+        }
+        if self.ending.is_some_and(|seq| executed(view, seq)) && self.finish() {
+            self.state = State::Off;
+            self.ending = None;
+        }
+    }
+
+    /// False if there is no room for it now.
+    fn take(&mut self, sample: &Sample, view: &View<AXES>, site: &Site) -> bool {
+        match self.state {
+            State::Off => return true,
+            State::Armed if sample.row != 0 => return true,
+            State::Armed => {
+                self.state = State::Head;
+                return self.take(sample, view, site);
+            }
+            State::Head => {
+                if !self.head(view, site) {
+                    return false;
+                }
+                self.state = State::Rows;
+            }
+            State::Rows => {}
+        }
+        if self.gathered > 0 && sample.row != self.row {
+            // A part of the row was lost, and so the row is.
+            self.gathered = 0;
+        }
+        // Within a row, samples come in the order of the axes; what is missing in front spoils the row.
+        let place = (self.axes.0 & ones(sample.axis.index())).count_ones() as usize;
+        if place != self.gathered {
+            self.gathered = 0;
+            self.row = sample.row;
+            return true;
+        }
+        let velocity = sample.motion.velocity();
+        if let Some(to) = self.samples.get_mut(place) {
+            *to = trace::Sample {
+                pos: sample.pos.0.into(),
+                vel_mantissa: velocity.m.into(),
+                vel_exponent: velocity.e.into(),
+            };
+        }
+        self.row = sample.row;
+        if place + 1 < self.count() {
+            self.gathered = place + 1;
+            return true;
+        }
+        let row = self.samples.get(..self.count()).unwrap_or(&[]);
+        if self.encoder.row(sample.row, row).is_err() {
+            return false;
+        }
+        self.gathered = 0;
+        self.lost = self.lost.saturating_add(sample.row.wrapping_sub(self.next));
+        self.next = sample.row.wrapping_add(1);
+        self.sent = self.sent.wrapping_add(1);
+        true
+    }
+
+    fn head(&mut self, view: &View<AXES>, site: &Site) -> bool {
+        let mut ids = [AxisId::default(); AXES];
+        let per_core = site.profile.axes_per_core.max(1);
+        let list = (0..AXES as u8).filter(|axis| self.axes.0 >> axis & 1 == 1);
+        for (id, axis) in ids.iter_mut().zip(list) {
+            *id = AxisId { core: axis / per_core, axis: axis % per_core + 1 };
+        }
+        let head = Head { schema: protocol::SCHEMA, period_ns: view.period.0 as u32, every: self.every };
+        let ids = ids.get(..self.count()).unwrap_or(&[]);
+        self.encoder.head(&head, ids).is_ok()
+    }
+
+    fn finish(&mut self) -> bool {
+        if self.state != State::Rows {
+            // It was called off before its first row.
+            return true;
+        }
+        let unseen = self.samples_lost.div_ceil((self.count() as u32).max(1));
+        let lost = self.lost.max(unseen);
+        self.encoder.end(self.sent.wrapping_add(self.lost), lost).is_ok()
+    }
+
+    /// Wire bytes.
+    pub fn bytes(&mut self, out: &mut [u8]) -> usize {
+        self.encoder.take(out)
+    }
+
+    /// Whether a trace is announced or runs.
+    pub fn is_on(&self) -> bool {
+        self.state != State::Off
+    }
+}
