@@ -52,8 +52,12 @@ pub(crate) struct AxisState {
     /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
     zero: Pos,
     pub(crate) inputs: Inputs,
+    /// Input levels, sampled.
+    pub(crate) raw: AxisInputs,
     /// The machine's encoder count, sampled.
     count: i64,
+    /// Nothing here changes until an input, the encoder or an operation does.
+    pub(crate) settled: bool,
     /// Switches active now, as status bits.
     switches: u32,
     /// Causes of latched bits that are present now.
@@ -85,7 +89,15 @@ impl AxisState {
         exact: Exact(0),
         zero: Pos(0),
         inputs: Inputs::POWER_ON,
+        raw: AxisInputs {
+            limit_positive: false,
+            limit_negative: false,
+            alarm: false,
+            home: false,
+            arrive: false,
+        },
         count: 0,
+        settled: false,
         switches: 0,
         causes: 0,
         latched: 0,
@@ -110,25 +122,46 @@ impl AxisState {
         self.profile.is_some()
     }
 
-    /// Something other than encoder and status is about to differ from the last view.
+    /// Something is about to differ from the last view.
+    #[inline]
     pub(crate) fn touch(&mut self) {
         self.shown.changes = self.shown.changes.wrapping_add(1);
+        self.settled = false;
     }
 
-    /// Takes the inputs of the tick in force at `now`.
+    /// Takes the inputs of the tick in force at `now`. An axis at rest of which nothing changed costs
+    /// two comparisons.
     #[inline]
     pub(crate) fn sample(&mut self, now: Ns, raw: AxisInputs, count: i64) {
-        self.count = count;
+        if !(self.settled && count == self.count && raw == self.raw) {
+            self.take(now, raw, count);
+        }
+    }
+
+    #[inline]
+    fn take(&mut self, now: Ns, raw: AxisInputs, count: i64) {
+        self.settled = !self.runs();
+        let encoder = self.inputs.encoder(count);
+        if encoder != self.shown.encoder_before || encoder != self.shown.encoder || raw != self.raw {
+            self.touch();
+        }
+        (self.raw, self.count) = (raw, count);
         self.shown.encoder_before = self.shown.encoder;
-        self.shown.encoder = self.inputs.encoder(count);
-        let error = self.shown.pos.0.abs_diff(reading(self.shown.encoder).0);
+        self.shown.encoder = encoder;
         self.switches = self.inputs.switches(raw);
-        let causes = self.switches | self.inputs.bounds(self.shown.pos, error, self.servo_on);
+        let causes = self.switches | self.inputs.bounds(self.shown.pos, encoder, self.servo_on);
         if causes | self.causes != 0 {
             self.latch(causes);
         }
-        self.in_position = self.inputs.in_position(now, !self.runs(), error);
-        if let Some(encoder) = self.inputs.captured(raw, self.shown.encoder) {
+        if self.runs() {
+            self.inputs.leave_position();
+            self.in_position = false;
+        } else {
+            let (inside, waits) = self.inputs.in_position(now, self.shown.pos, encoder);
+            self.settled &= !waits && inside == self.in_position;
+            self.in_position = inside;
+        }
+        if let Some(encoder) = self.inputs.captured(raw, encoder) {
             self.shown.captured = Some(encoder);
             self.touch();
         }
@@ -138,6 +171,7 @@ impl AxisState {
     /// cause lasts, too.
     #[inline(never)]
     fn latch(&mut self, causes: u32) {
+        self.settled = false;
         let blocked = self.shown.blocked | causes & (!self.causes | status::FAULTS);
         self.causes = causes;
         self.latched |= causes;
@@ -157,7 +191,17 @@ impl AxisState {
         self.block(self.causes & status::FAULTS);
     }
 
-    /// The status word of the tick just computed.
+    /// Brings the status word up to the tick just computed.
+    #[inline]
+    pub(crate) fn settle(&mut self) {
+        let status = self.status();
+        if status != self.shown.status {
+            self.shown.status = status;
+            self.touch();
+        }
+    }
+
+    /// The status word as things stand.
     #[inline]
     pub(crate) fn status(&self) -> u32 {
         let mut word = self.latched;
@@ -476,6 +520,7 @@ impl AxisState {
     pub(crate) fn reset(&mut self) {
         *self = AxisState {
             zero: Pos(self.set_point().0.wrapping_neg()),
+            raw: self.raw,
             count: self.count,
             rest_since: self.rest_since,
             shown: AxisView {

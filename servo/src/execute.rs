@@ -56,6 +56,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::Analog { channel, value } => port.analog_out(channel as usize, value),
             Op::Reset { axes } => {
                 self.clear &= !axes.0;
+                self.enable &= !axes.0;
                 self.halt(axes, StopReason::Reset, next, lanes);
                 self.all(axes, AxisState::reset);
             }
@@ -139,10 +140,16 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
+    /// Bits of the axes in use.
+    fn in_use(&self) -> u64 {
+        (1u64 << self.used).wrapping_sub(1)
+    }
+
     fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut Lanes<'_, AXES>) {
         if !on {
             self.halt(axes, StopReason::ServoOff, next, lanes);
         }
+        self.enable = if on { self.enable | axes.0 & self.in_use() } else { self.enable & !axes.0 };
         self.all(axes, |state| state.servo_on = on);
     }
 

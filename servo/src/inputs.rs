@@ -15,6 +15,11 @@ pub(crate) fn reading(pulses: i64) -> Pos {
     Pos(pulses.clamp(-READABLE_PULSES, READABLE_PULSES) << Pos::FRAC_BITS)
 }
 
+/// |planned − encoder|, in units of [`Pos`].
+fn error(pos: Pos, encoder: i64) -> u64 {
+    pos.0.abs_diff(reading(encoder).0)
+}
+
 /// The input side of one axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Inputs {
@@ -94,6 +99,7 @@ impl Inputs {
     }
 
     /// Limit switches and the alarm that are on and active, as status bits.
+    #[inline]
     pub(crate) fn switches(&self, raw: AxisInputs) -> u32 {
         let level = raw.limit_positive as u8 | (raw.limit_negative as u8) << 1 | (raw.alarm as u8) << 2;
         let active = ((level ^ self.low) & !self.off) as u32;
@@ -103,7 +109,8 @@ impl Inputs {
 
     /// Other causes of latched status bits: the planned position beyond a soft limit, the following
     /// error beyond its limit.
-    pub(crate) fn bounds(&self, pos: Pos, error: u64, servo_on: bool) -> u32 {
+    #[inline]
+    pub(crate) fn bounds(&self, pos: Pos, encoder: i64, servo_on: bool) -> u32 {
         let mut causes = 0;
         if self.soft_positive.is_some_and(|limit| pos > Pos::pulses(limit)) {
             causes |= status::LIMIT_POSITIVE;
@@ -111,13 +118,17 @@ impl Inputs {
         if self.soft_negative.is_some_and(|limit| pos < Pos::pulses(limit)) {
             causes |= status::LIMIT_NEGATIVE;
         }
-        if servo_on && self.error_limit.is_some_and(|limit| error > (limit as u64) << Pos::FRAC_BITS) {
+        if let Some(limit) = self.error_limit
+            && servo_on
+            && error(pos, encoder) > (limit as u64) << Pos::FRAC_BITS
+        {
             causes |= status::FOLLOWING_ERROR;
         }
         causes
     }
 
     /// The capture that this tick's rising edge of home makes.
+    #[inline]
     pub(crate) fn captured(&mut self, raw: AxisInputs, encoder: i64) -> Option<i64> {
         let home = raw.home ^ (self.low & bit(Guarded::Home) != 0);
         let edge = home && !self.home;
@@ -129,13 +140,21 @@ impl Inputs {
         None
     }
 
-    /// Whether the encoder has been inside the band, at rest, for the band's time at `now`.
-    pub(crate) fn in_position(&mut self, now: Ns, at_rest: bool, error: u64) -> bool {
-        if !at_rest || error > (self.band as u64) << Pos::FRAC_BITS {
+    /// Whether the encoder has been inside the band for the band's time at `now`, the axis being at
+    /// rest; and whether only time is missing.
+    pub(crate) fn in_position(&mut self, now: Ns, pos: Pos, encoder: i64) -> (bool, bool) {
+        if error(pos, encoder) > (self.band as u64) << Pos::FRAC_BITS {
             self.inside = None;
-            return false;
+            return (false, false);
         }
         let since = *self.inside.get_or_insert(now);
-        now.0.wrapping_sub(since.0) >= self.band_time.0
+        let done = now.0.wrapping_sub(since.0) >= self.band_time.0;
+        (done, !done)
+    }
+
+    /// The axis moves: the band's time begins anew.
+    #[inline]
+    pub(crate) fn leave_position(&mut self) {
+        self.inside = None;
     }
 }

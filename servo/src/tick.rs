@@ -89,6 +89,7 @@ pub struct Tick<const AXES: usize> {
     pub(crate) trace: Trace,
     pub(crate) events_lost: u32,
     overruns: u32,
+    pub(crate) enable: u64,
     pub(crate) general: u32,
     pub(crate) clear: u64,
     pub(crate) axes: [AxisState; AXES],
@@ -111,6 +112,7 @@ impl<const AXES: usize> Tick<AXES> {
             trace: Trace::OFF,
             events_lost: 0,
             overruns: 0,
+            enable: 0,
             general: 0,
             clear: 0,
             axes: [AxisState::POWER_ON; AXES],
@@ -138,42 +140,35 @@ impl<const AXES: usize> Tick<AXES> {
         let next = Ns(now.0.wrapping_add(self.period.0));
         let mut period = self.period;
 
-        let inputs = &mut lanes.view.buffer().inputs;
-        for (index, (state, raw)) in self.axes.iter_mut().zip(inputs).take(self.used).enumerate() {
+        for (index, state) in self.axes.iter_mut().enumerate().take(self.used) {
             let Some(axis) = Axis::new(index) else { break };
-            *raw = port.inputs(axis);
-            state.sample(now, *raw, port.encoder(axis));
+            state.sample(now, port.inputs(axis), port.encoder(axis));
         }
         self.execute_due(next, &mut period, port, lanes);
 
         // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
         let turn = self.ticks & 7;
         let view = lanes.view.buffer();
-        let mut enable = 0;
-        for (index, ((state, store), shown)) in
-            self.axes.iter_mut().zip(lanes.segments).zip(&mut view.axes).take(self.used).enumerate()
+        for (index, (((state, store), shown), inputs)) in
+            self.axes.iter_mut().zip(lanes.segments).zip(&mut view.axes).zip(&mut view.inputs).take(self.used).enumerate()
         {
             let Some(axis) = Axis::new(index) else { break };
-            if state.runs()
-                && let Some(reason) = state.step(next, index as u32 & 7 == turn, &Source(store))
-            {
-                tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+            if !state.settled {
+                if state.runs()
+                    && let Some(reason) = state.step(next, index as u32 & 7 == turn, &Source(store))
+                {
+                    tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+                }
+                state.settle();
             }
             port.set_point(axis, state.set_point());
-            if state.servo_on {
-                enable |= axis.mask().0;
-            }
-            let status = state.status();
-            state.shown.status = status;
-            if shown.changes == state.shown.changes {
-                shown.encoder = state.shown.encoder;
-                shown.encoder_before = state.shown.encoder_before;
-                shown.status = status;
-            } else {
+            // Each of the three buffers catches up when its turn comes.
+            if shown.changes != state.shown.changes {
                 *shown = state.shown;
+                *inputs = state.raw;
             }
         }
-        port.outputs(enable, self.clear, self.general);
+        port.outputs(self.enable, self.clear, self.general);
         if let Some((row, axes)) = self.trace.advance() {
             self.emit(row, axes, &mut lanes.samples);
         }
@@ -181,7 +176,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.now = next;
         self.period = period;
         self.ticks = self.ticks.wrapping_add(1);
-        self.show(enable, port, lanes.view.buffer());
+        self.show(port, lanes.view.buffer());
         lanes.view.publish();
     }
 
@@ -201,7 +196,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// The part of the view that is not of an axis.
     #[inline]
-    fn show(&self, enable: u64, port: &mut impl Port, view: &mut View<AXES>) {
+    fn show(&self, port: &mut impl Port, view: &mut View<AXES>) {
         view.now = self.now;
         view.tick = self.ticks;
         view.period = self.period;
@@ -217,7 +212,7 @@ impl<const AXES: usize> Tick<AXES> {
         view.overruns = self.overruns;
         view.general_inputs = port.general_inputs();
         view.general_outputs = self.general;
-        view.enable = enable;
+        view.enable = self.enable;
         view.clear = self.clear;
         for (channel, value) in view.analog.iter_mut().enumerate().take(self.analog_inputs) {
             *value = port.analog(channel);

@@ -7,7 +7,8 @@ use crate::units::{Axis, Ns, Pos};
 /// One axis in one tick.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct AxisView {
-    /// Counts changes of anything here but `encoder`, `encoder_before` and `status`.
+    /// Counts changes of anything here and of the axis's input levels; what did not change need not be
+    /// looked at again.
     pub changes: u32,
     /// Planned position in force at the view's time.
     pub pos: Pos,
