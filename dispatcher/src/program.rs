@@ -74,6 +74,8 @@ pub struct Program<'a> {
     overflowed: bool,
     /// Nothing more can be admitted before the tick or the client does something.
     settled: bool,
+    /// The record in hand waits for the machine and must not miss the tick.
+    urgent: bool,
     config: Option<u16>,
     accepted: u32,
     done: u32,
@@ -98,6 +100,7 @@ impl<'a> Program<'a> {
             strict: false,
             overflowed: false,
             settled: true,
+            urgent: false,
             config: None,
             accepted: 0,
             done: 0,
@@ -107,6 +110,12 @@ impl<'a> Program<'a> {
     /// Whether it is held or runs.
     pub fn is_active(&self) -> bool {
         matches!(self.state, State::Held | State::Running)
+    }
+
+    /// Whether the record in hand may become right with any tick. One that waits for places in a FIFO
+    /// ahead of its time is in no hurry.
+    pub fn is_urgent(&self) -> bool {
+        self.urgent
     }
 
     fn is_dropping(&self) -> bool {
@@ -260,6 +269,7 @@ impl<'a> Program<'a> {
     /// Everything the queue can do now. True if something was done.
     pub fn advance<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>, out: &mut ReplyWriter) -> bool {
         self.lane.retire(view, &mut desk.now);
+        self.urgent = false;
         let mut progress = false;
         if self.drop_due {
             self.push_drop(desk);
@@ -396,6 +406,7 @@ impl<'a> Program<'a> {
         out: &mut ReplyWriter,
     ) -> bool {
         let runs = self.state == State::Running && self.run.is_some_and(|run| executed(view, run));
+        self.urgent = runs && (refused.reason != Reason::FifoFull || !self.lane.in_flight());
         let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
         if !runs || self.lane.in_flight() || !self.awaiting.is_empty() || view.now.0 <= instant {
             return false;

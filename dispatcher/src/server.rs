@@ -61,6 +61,8 @@ pub struct Server<'a, const AXES: usize> {
     view: Reader<'a, View<AXES>>,
     events: Consumer<'a, Event, EVENTS>,
     samples: Consumer<'a, Sample, SAMPLES>,
+    /// The time of the last call that told it.
+    time: Ns,
     session: Option<u32>,
     /// When the last valid frame came, of this session or the last one.
     heard: Option<u64>,
@@ -82,6 +84,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             view: channels.view,
             events: channels.events,
             samples: channels.samples,
+            time: Ns(0),
             session: None,
             heard: None,
             lost: false,
@@ -93,12 +96,14 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
 
     /// Takes bytes from the wire; always takes all of them.
     pub fn feed(&mut self, now: Ns, bytes: &[u8]) {
+        self.time = now;
         self.link.feed(now.0, bytes);
     }
 
     /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call it
     /// after `feed`, after every tick, and at [`Server::next_deadline`].
     pub fn poll(&mut self, now: Ns) {
+        self.time = now;
         self.link.poll(now.0);
         let view = self.view.read();
         // The events of a view are in their ring before it is published, so none is missed.
@@ -195,8 +200,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     }
 
     /// Bytes for the wire; returns how many were put into `out`.
-    pub fn take_tx(&mut self, now: Ns, out: &mut [u8]) -> usize {
-        self.link.take_tx(now.0, out)
+    pub fn take_tx(&mut self, out: &mut [u8]) -> usize {
+        self.link.take_tx(self.time.0, out)
     }
 
     /// Bytes of the trace stream; returns how many were put into `out`.
@@ -213,12 +218,14 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         }
     }
 
-    /// When `poll` wants to be called at the latest, if nothing comes from the wire and no tick happens.
+    /// When `poll` wants to be called at the latest, if nothing comes from the wire and the tick has
+    /// executed nothing. While a program entry waits for the machine it is at once: after the next tick.
     pub fn next_deadline(&self) -> Option<Ns> {
         let loss = self.heard.filter(|_| !self.lost && self.desk.link_loss.0 != 0).map(|heard| {
             heard.saturating_add(u64::from(self.desk.link_loss.0) * 1_000_000).saturating_add(1)
         });
-        self.link.next_deadline().into_iter().chain(loss).min().map(Ns)
+        let next_tick = self.program.is_urgent().then(|| self.time.0.saturating_add(1));
+        self.link.next_deadline().into_iter().chain(loss).chain(next_tick).min().map(Ns)
     }
 
     /// The newest view, for displays and tests.
