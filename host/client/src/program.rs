@@ -150,12 +150,14 @@ impl<'c> Program<'c> {
     }
 }
 
-/// Longest time between two looks at the controller's queue, on the link's clock.
-const LOOK_NS: u64 = 20_000_000;
+/// Time between two looks at the controller's queue, on the link's clock.
+const LOOK_NS: u64 = 100_000_000;
+/// The same while entries wait for room, or for the program to be over.
+const EAGER_NS: u64 = 2_000_000;
 /// Time between two calls of [`Observer::progress`].
 const PROGRESS_NS: u64 = 100_000_000;
 /// What an entry takes of the queue's free bytes beyond its body, at most.
-const ENTRY_OVERHEAD: u32 = 16;
+const ENTRY_OVERHEAD: u32 = 8;
 /// Entries that are sent and not answered, at most.
 const IN_FLIGHT: usize = 16_384;
 /// Calls that wait for a place in a message, at most: about a window full.
@@ -223,8 +225,8 @@ pub(crate) fn run(
             let mut inner = client.lock();
             run.fill(&mut inner)?;
             run.ask(&mut inner)?;
-            let turn = inner.turn;
-            inner.pump(turn)?;
+            let wait = inner.turn.min(run.until_look(inner.now()));
+            inner.pump(wait)?;
             client.check_heard(&mut inner, || "while a program runs".to_owned())?;
             run.collect(&mut inner)?
         };
@@ -282,7 +284,7 @@ impl Run<'_> {
         {
             let room = self.room;
             let Some((_, call)) = self.next() else { break };
-            let cost = call.payload.len() as u32 + ENTRY_OVERHEAD;
+            let cost = cost(call);
             if cost > room {
                 break;
             }
@@ -310,11 +312,26 @@ impl Run<'_> {
                 }
             }
         }
-        if self.look.is_none() && now.saturating_sub(self.looked_at) >= LOOK_NS {
+        if self.look.is_none() && now >= self.look_at() {
             self.looked_at = now;
             self.look = Some((inner.session.post(Lane::Immediate, &Call::of(ProgramStatus {}))?, 0));
         }
         Ok(())
+    }
+
+    /// When the next look is due.
+    fn look_at(&self) -> u64 {
+        let blocked = self.ahead.front().is_some_and(|(_, call)| cost(call) > self.room);
+        let at_the_end = self.exhausted && self.ahead.is_empty() && self.flight.is_empty();
+        self.looked_at + if blocked || at_the_end || !self.started { EAGER_NS } else { LOOK_NS }
+    }
+
+    /// Time from `now` to the next look, or to an answer that a look brings.
+    fn until_look(&self, now: u64) -> Duration {
+        if self.look.is_some() {
+            return Duration::MAX;
+        }
+        Duration::from_nanos(self.look_at().saturating_sub(now))
     }
 
     /// Takes the answers that have come, in the order of the entries.
@@ -368,7 +385,7 @@ impl Run<'_> {
 
     /// Everything is there, or as much as fits.
     fn ready_to_start(&mut self) -> bool {
-        let full = self.ahead.front().is_some_and(|(_, call)| call.payload.len() as u32 + ENTRY_OVERHEAD > self.room);
+        let full = self.ahead.front().is_some_and(|(_, call)| cost(call) > self.room);
         !self.started
             && self.failed.is_none()
             && self.progress.queue.state == state::HELD
@@ -385,6 +402,11 @@ impl Run<'_> {
         let ended = matches!(queue.state, state::EMPTY | state::FAILED | state::STOPPED);
         self.started && self.exhausted && self.ahead.is_empty() && self.flight.is_empty() && ended
     }
+}
+
+/// Bytes of the controller's queue that a call takes, at most.
+fn cost(call: &Call) -> u32 {
+    call.payload.len() as u32 + ENTRY_OVERHEAD
 }
 
 /// The little-endian `i16` at `at`.

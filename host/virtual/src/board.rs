@@ -132,6 +132,8 @@ struct Whole<const AXES: usize> {
     idle_ticks: u32,
     /// What the thread saw when it last ran.
     seen: Seen,
+    /// Trace bytes that nobody has taken yet.
+    trace: Vec<u8>,
 }
 
 /// What in a view wakes the thread.
@@ -205,6 +207,7 @@ impl<const AXES: usize> Whole<AXES> {
             machine: Machine::new(),
             idle_ticks: 0,
             seen: Seen::default(),
+            trace: Vec::new(),
         };
         // The first view is that of the first tick: nobody sees the state before it.
         whole.run_tick();
@@ -221,6 +224,8 @@ impl<const AXES: usize> Whole<AXES> {
 
     fn run_thread(&mut self) {
         self.server.poll(self.tick.now());
+        // Taken at once: samples that the stream has no room for would be lost.
+        drain(&mut self.trace, |part| self.server.take_trace(part));
         self.idle_ticks = 0;
         self.seen = Seen::of(self.server.view());
     }
@@ -255,7 +260,7 @@ impl<const AXES: usize> Core for Whole<AXES> {
     }
 
     fn take_trace(&mut self, out: &mut Vec<u8>) {
-        drain(out, |part| self.server.take_trace(part));
+        out.append(&mut self.trace);
     }
 
     fn advance(&mut self, ns: u64, out: &mut Vec<u8>) -> bool {

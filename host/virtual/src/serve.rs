@@ -145,7 +145,6 @@ impl Port {
                 Err(e) if e.kind() == ErrorKind::WouldBlock => break,
                 Err(e) if e.kind() == ErrorKind::Interrupted => {}
                 Ok(0) | Err(_) => self.client = None,
-                Ok(_) => {}
             }
         }
         all
