@@ -15,7 +15,7 @@ pub struct Motion {
     /// Coefficients of τ, τ², τ³ in 2^-`frac` pulse.
     pub c: [i64; 3],
     /// Fraction bits of `c`.
-    pub frac: u8,
+    pub frac: u32,
     /// Parameter τ in 2⁻⁶⁴.
     pub tau: u64,
     /// 1/length of the piece in ns.
@@ -35,6 +35,9 @@ pub struct Scaled {
 const MS: u64 = 1_000_000 << 44;
 
 impl Motion {
+    /// At rest.
+    pub const REST: Motion = Motion { c: [0; 3], frac: 0, tau: 0, recip: Recip { m: 0, shift: 0 } };
+
     /// Planned velocity in pulse/ms, error ≤ 2⁻⁵⁶ of the piece's peak.
     pub fn velocity(&self) -> Scaled {
         let [c1, c2, c3] = self.c;
@@ -93,25 +96,31 @@ impl Piece {
             start: start.round(),
             motion: Motion {
                 c: [narrow(a, k), narrow(b, k), 0],
-                frac: (64 - k) as u8,
+                frac: (64 - k) as u32,
                 tau: 0,
                 recip: Recip::of(span),
             },
         }
     }
 
-    /// Whether the piece is still in force at `now` (not before its beginning).
+    /// Time since `begin`; while it is below `span` the piece is in force.
     #[inline(always)]
-    pub fn holds(&self, now: Ns) -> bool {
-        now.0.wrapping_sub(self.begin.0) < self.span
+    pub fn elapsed(&self, now: Ns) -> u64 {
+        now.0.wrapping_sub(self.begin.0)
     }
 
-    /// Position and τ at `now`, while [`Piece::holds`]; later, at the last instant of the piece.
+    /// The same, held before the end of the piece.
     #[inline(always)]
-    pub fn at(&self, now: Ns) -> (Pos, u64) {
+    pub fn held(&self, now: Ns) -> u64 {
+        self.elapsed(now).min(self.span.saturating_sub(1))
+    }
+
+    /// Position and τ at `t` < `span` after `begin`.
+    #[inline(always)]
+    pub fn at(&self, t: u64) -> (Pos, u64) {
         let motion = &self.motion;
-        let t = now.0.wrapping_sub(self.begin.0).min(self.span.saturating_sub(1));
-        let tau = motion.recip.ratio(t).saturating_add(motion.tau);
+        // Neither part is above its true value, so the sum stays below 1.
+        let tau = motion.recip.ratio(t).wrapping_add(motion.tau);
         let [c1, c2, c3] = motion.c;
         let mut s = c2;
         if c3 != 0 {
@@ -136,7 +145,7 @@ fn magnitude_bits(x: i128) -> u128 {
 
 /// s·2^-frac in units of Pos, to nearest.
 #[inline(always)]
-fn to_pos(s: i64, frac: u8) -> i64 {
+fn to_pos(s: i64, frac: u32) -> i64 {
     let k = frac as i32 - Pos::FRAC_BITS as i32;
     if k > 0 {
         let twice = s >> ((k - 1) as u32 & 63);

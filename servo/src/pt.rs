@@ -8,9 +8,9 @@
 //! The chain of velocities v1 = 2P/T − v0 neither decays nor may drift, so it is carried in
 //! 2⁻⁸⁰ pulse/ms with every quotient to the nearest: after n segments it is within n·2⁻⁸¹ of the
 //! rational number that the doubles define, which is 2⁻²⁶ pulse after 10⁷ segments of 2³¹ ms.
-use crate::piece::Piece;
+use crate::piece::{Motion, Piece};
 use crate::profile::{State, Step};
-use crate::units::{Exact, Ns, Pos};
+use crate::units::{Exact, Ns};
 use crate::wide::{Divisor, scale16};
 
 /// What the velocity does inside a segment.
@@ -297,39 +297,49 @@ impl PtRun {
     /// The motion at `now`, which must not go back between calls.
     #[inline]
     pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
-        for _ in 0..KNOTS_PER_TICK {
-            if self.piece.holds(now) {
-                break;
+        let mut t = self.piece.elapsed(now);
+        if t >= self.piece.span {
+            if !self.go_on(now, feed, source) {
+                let at = Exact(self.origin.0.wrapping_add(self.knot.0));
+                let dry = matches!(self.place, Place::Dynamic { .. }) && !self.at_rest();
+                let state = if dry { State::Underrun { at } } else { State::Ended { at } };
+                return Step { pos: at.round(), motion: Motion::REST, state };
             }
-            if let Some(end) = self.cross(feed, source) {
-                return end;
-            }
+            t = self.piece.held(now);
         }
-        let (pos, tau) = self.piece.at(now);
+        let (pos, tau) = self.piece.at(t);
         Step { pos, motion: self.piece.motion(tau), state: State::Running }
     }
 
-    /// At the end of the present segment: the next one, or the end of the motion.
+    /// On to the segment that holds `now`; false at the end of the motion.
     #[inline(never)]
-    fn cross(&mut self, feed: Feed, source: &impl Segments) -> Option<Step> {
-        if self.next == feed.end {
-            let end = Exact(self.origin.0.wrapping_add(self.knot.0));
-            let stop = |state| Some(Step { pos: end.round(), motion: Default::default(), state });
-            if let Place::Dynamic { .. } = self.place {
-                let dry = if self.at_rest() { State::Ended { at: end } } else { State::Underrun { at: end } };
-                return stop(dry);
+    fn go_on(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> bool {
+        for _ in 0..KNOTS_PER_TICK {
+            if self.next == feed.end && !self.next_pass(feed) {
+                return false;
             }
-            self.passes = self.passes.wrapping_add(1);
-            if self.next == 0 || feed.passes != 0 && self.passes >= feed.passes {
-                return stop(State::Ended { at: end });
+            self.load(Segment::from_words(source.segment(self.slot(self.next))));
+            self.next = self.next.wrapping_add(1);
+            if self.piece.elapsed(now) < self.piece.span {
+                break;
             }
-            self.origin = end;
-            self.pass_begin = Ns(self.pass_begin.0.wrapping_add(self.knot_ms as u64 * NS_PER_MS));
-            (self.next, self.knot, self.knot_ms, self.velocity, self.rounded) = (0, Exact(0), 0, 0, 0);
         }
-        self.load(Segment::from_words(source.segment(self.slot(self.next))));
-        self.next = self.next.wrapping_add(1);
-        None
+        true
+    }
+
+    /// The present pass has ended; whether another follows.
+    fn next_pass(&mut self, feed: Feed) -> bool {
+        if let Place::Dynamic { .. } = self.place {
+            return false;
+        }
+        self.passes = self.passes.wrapping_add(1);
+        if self.next == 0 || feed.passes != 0 && self.passes >= feed.passes {
+            return false;
+        }
+        self.origin = Exact(self.origin.0.wrapping_add(self.knot.0));
+        self.pass_begin = Ns(self.pass_begin.0.wrapping_add(self.knot_ms as u64 * NS_PER_MS));
+        (self.next, self.knot, self.knot_ms, self.velocity, self.rounded) = (0, Exact(0), 0, 0, 0);
+        true
     }
 
     /// Whether the chain ends at velocity 0: within its own error bound, which is 0 as long as
@@ -370,11 +380,6 @@ impl PtRun {
         let start = Exact(self.origin.0.wrapping_add(self.knot.0));
         self.piece = Piece::quadratic(begin, duration as u64 * NS_PER_MS, start, a, b);
         (self.knot, self.knot_ms) = (knot, knot_ms);
-    }
-
-    /// Position in force at `now` without going on: where a Stop begins.
-    pub fn at(&self, now: Ns) -> Pos {
-        self.piece.at(now).0
     }
 }
 

@@ -12,8 +12,8 @@
 use crate::piece::{Motion, Piece, Scaled};
 use crate::profile::{State, Step};
 use crate::real::Real;
-use crate::units::{Exact, Ns, Pos};
-use crate::wide::recip64;
+use crate::units::{Exact, Ns};
+use crate::wide::{Recip, recip64, umulhi};
 
 /// A velocity in pulse/ms.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -174,7 +174,7 @@ fn fine(ms: Real) -> Fine {
 }
 
 fn ms(time: Fine) -> Real {
-    Real::from_fixed(time, 0).div(Real::MS)
+    Real::from_fixed(time, 0).mul(Real::FINE)
 }
 
 /// Collects legs.
@@ -340,21 +340,32 @@ impl RampRun {
     /// The motion at `now`, which must not go back between calls.
     #[inline]
     pub fn step(&mut self, now: Ns) -> Step {
-        for _ in 0..PIECES_PER_TICK {
-            if self.piece.holds(now) {
-                break;
+        let mut t = self.piece.elapsed(now);
+        if t >= self.piece.span {
+            if !self.go_on(now) {
+                return Step { pos: self.pos.round(), motion: Motion::REST, state: State::Ended { at: self.pos } };
             }
-            if !self.advance() {
-                let at = self.pos;
-                return Step { pos: at.round(), motion: Motion::default(), state: State::Ended { at } };
-            }
+            t = self.piece.held(now);
         }
-        let (pos, tau) = self.piece.at(now);
+        let (pos, tau) = self.piece.at(t);
         Step { pos, motion: self.piece.motion(tau), state: State::Running }
     }
 
-    /// Loads the next piece; false at the end.
+    /// On to the piece that holds `now`; false at the end.
     #[inline(never)]
+    fn go_on(&mut self, now: Ns) -> bool {
+        for _ in 0..PIECES_PER_TICK {
+            if !self.advance() {
+                return false;
+            }
+            if self.piece.elapsed(now) < self.piece.span {
+                break;
+            }
+        }
+        true
+    }
+
+    /// Loads the next piece; false at the end.
     fn advance(&mut self) -> bool {
         while self.stretch.done >= self.stretch.len {
             if !self.next_stretch() {
@@ -382,7 +393,7 @@ impl RampRun {
         let (total, edge) = (fine(leg.len), fine(leg.edge));
         let flat = leg.len.sub(leg.edge);
         let top = leg.v1.sub(leg.v0).div(flat);
-        let jerk = top.div(leg.edge);
+        let jerk = if leg.edge.is_zero() { Real::ZERO } else { top.div(leg.edge) };
         let gained = top.mul(leg.edge).scale(-1);
         let leg_begin = self.leg_begin;
         let width = leg.v0.width().max(leg.v1.width());
@@ -425,26 +436,24 @@ impl RampRun {
         let last = begin + len + 0xffff_ffff >> 32;
         // 1/len from its upper 64 bits, as if in whole ns.
         let bits = 128 - len.leading_zeros() as i32;
-        let mantissa = if bits > 64 { (len >> (bits - 64)) as u64 } else { (len as u64) << (64 - bits) };
-        let offset = Real::from_fixed((first << 32) - begin, 0).div(Real::from_fixed(len, 0));
+        let mantissa = if bits > 64 { ((len >> (bits - 64)) as u64).saturating_add(1) } else { (len as u64) << (64 - bits) };
+        let recip = Recip { m: recip64(mantissa), shift: (96 - bits) as u32 };
+        // τ at `first`, less than 1 ns behind `begin`: its 2^-32 ns in units of `mantissa`.
+        let offset = ((first << 32) - begin) as u64;
+        let offset = if recip.shift > 32 { offset << (recip.shift - 32) } else { offset >> (32 - recip.shift) };
         self.piece = Piece {
             begin: Ns(first as u64),
             span: (last - first) as u64,
             start: self.pos.round(),
             motion: Motion {
                 c: [c1, c2, c3].map(|c| c.to_fixed(frac) as i64),
-                frac: frac as u8,
-                tau: offset.to_fixed(64).clamp(0, u64::MAX as i128) as u64,
-                recip: crate::wide::Recip { m: recip64(mantissa), shift: (96 - bits) as u8 },
+                frac: frac as u32,
+                tau: offset.saturating_add(umulhi(offset, recip.m)),
+                recip,
             },
         };
         self.pos = Exact(self.pos.0.wrapping_add(c1.add(c2).add(c3).to_exact().0));
         s.done += len;
-    }
-
-    /// Position in force at `now` without going on.
-    pub fn at(&self, now: Ns) -> Pos {
-        self.piece.at(now).0
     }
 }
 

@@ -24,6 +24,8 @@ impl Real {
     pub const SIXTH: Real = Real { neg: false, m: 0xAAAA_AAAA_AAAA_AAAB, e: -66 };
     /// A ms in 2⁻³² ns: 10⁶·2³².
     pub const MS: Real = Real { neg: false, m: 1_000_000 << 44, e: -12 };
+    /// 2⁻³² ns in ms, 1/MS.
+    pub const FINE: Real = Real { neg: false, m: 0x8637_BD05_AF6C_69B6, e: -115 };
 
     /// m·2^e.
     pub fn new(neg: bool, m: u64, e: i32) -> Real {
@@ -111,13 +113,22 @@ impl Real {
         Real { neg: !self.neg, ..self }
     }
 
-    /// Product.
+    /// Product, rounded down.
     pub fn mul(self, other: Real) -> Real {
+        if self.m == 0 || other.m == 0 {
+            return Real::ZERO;
+        }
         let (high, low) = umul(self.m, other.m);
-        Real::from_wide(self.neg != other.neg, (high as u128) << 64 | low as u128, self.e + other.e)
+        // Two top bits make the top bit, or the one below it.
+        let short = high >> 63 ^ 1;
+        Real {
+            neg: self.neg != other.neg,
+            m: if short == 1 { high << 1 | low >> 63 } else { high },
+            e: self.e + other.e + 64 - short as i32,
+        }
     }
 
-    /// Sum.
+    /// Sum, rounded down in magnitude; a difference of near numbers keeps all bits.
     pub fn add(self, other: Real) -> Real {
         if self.m == 0 {
             return other;
@@ -125,23 +136,25 @@ impl Real {
         if other.m == 0 {
             return self;
         }
-        let (big, small) = if self.e >= other.e { (self, other) } else { (other, self) };
-        let gap = big.e - small.e;
-        // 128 bits: the larger number in the high half less one bit for the carry.
-        let (high, low) = match gap {
-            0..=63 => (small.m >> gap, small.m << 1 << (63 - gap)),
-            64..=127 => (0, small.m >> (gap - 64)),
-            _ => (0, 0),
-        };
-        let a = (big.m as u128) << 63;
-        let b = ((high as u128) << 64 | low as u128) >> 1;
-        let e = big.e - 63;
+        // For equal exponents the larger mantissa comes first.
+        let first = self.e > other.e || self.e == other.e && self.m >= other.m;
+        let (big, small) = if first { (self, other) } else { (other, self) };
+        let gap = (big.e - small.e) as u32;
+        if gap > 63 {
+            return big;
+        }
+        let (high, low) = (small.m >> gap, small.m << 1 << (63 - gap));
         if big.neg == small.neg {
-            Real::from_wide(big.neg, a + b, e)
-        } else if a >= b {
-            Real::from_wide(big.neg, a - b, e)
+            let (m, carry) = big.m.overflowing_add(high);
+            if carry { Real { m: m >> 1 | 1 << 63, e: big.e + 1, ..big } } else { Real { m, ..big } }
         } else {
-            Real::from_wide(small.neg, b - a, e)
+            let (low, borrow) = 0u64.overflowing_sub(low);
+            let high = big.m.wrapping_sub(high).wrapping_sub(borrow as u64);
+            if high == 0 {
+                return Real::new(big.neg, low, big.e - 64);
+            }
+            let shift = high.leading_zeros();
+            Real { m: high << shift | low >> 1 >> (63 - shift), e: big.e - shift as i32, ..big }
         }
     }
 
@@ -172,7 +185,7 @@ impl Real {
         }
         // 1/m = (2^64 + v)·2^-128
         let v = recip64(self.m);
-        Real::from_wide(self.neg, 1 << 64 | v as u128, -128 - self.e)
+        Real { neg: self.neg, m: 1 << 63 | v >> 1, e: -127 - self.e }
     }
 
     /// Quotient; 0 where the divisor is 0.

@@ -84,7 +84,7 @@ pub struct Recip {
     /// Mantissa below its leading one.
     pub m: u64,
     /// Leading zeros of n: n·2^shift has its top bit set.
-    pub shift: u8,
+    pub shift: u32,
 }
 
 impl Recip {
@@ -93,13 +93,13 @@ impl Recip {
     pub fn of(n: u64) -> Recip {
         let n = if n == 0 { 1 } else { n };
         let shift = n.leading_zeros();
-        Recip { m: recip64(n << shift), shift: shift as u8 }
+        Recip { m: recip64(n << shift), shift }
     }
 
     /// t/n in 2⁻⁶⁴ for t < n, never above the true value and less than 2⁻⁶³ below it.
     #[inline(always)]
     pub fn ratio(self, t: u64) -> u64 {
-        let t = t.wrapping_shl(self.shift as u32);
+        let t = t.wrapping_shl(self.shift);
         t.wrapping_add(umulhi(t, self.m))
     }
 }
