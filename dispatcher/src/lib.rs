@@ -19,6 +19,7 @@ mod program;
 mod read;
 mod refuse;
 mod server;
+pub mod tables;
 mod trace_out;
 
 pub use bytes::{QUEUE_BYTES, RECORD_BYTES};

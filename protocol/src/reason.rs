@@ -80,6 +80,15 @@ reasons! {
     47 ProgramOnlyHeld State "the program is not held; it runs already or has failed";
     48 TraceLost State "the trace lost rows: the link does not carry {got} rows a second";
     49 NotForProgram State "this command cannot be an entry of a program";
+    60 TableInUse State "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
+    61 TableEmpty State "axis {axis}: PVT table {got} is empty";
+    62 TablePlaces Range "the table does not fit: its points need more than {high} places";
+    63 PointTime Range "{field} is {got}; it must be greater than {low}, that of the point before";
+    64 VelocityUnreachable Range "the velocity of the next point cannot be reached: the way is {got} pulses, the change of velocity needs {low}";
+    65 NoDisplacement Range "the next point has the same position; a Continuous segment needs a displacement";
+    66 AboveVelMax Range "a velocity of {got} pulse/ms in the direction of travel is above the limit of this segment, {high}";
+    67 TableRange Range "no scale holds this table: its top speed {got} pulse/ms over its longest segment is too far";
+    68 TableShort Range "a pass of {got} ms is too short; it lasts {low} ms at least";
 }
 
 /// The payload of a refusing reply.

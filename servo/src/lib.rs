@@ -13,6 +13,7 @@ pub mod piece;
 pub mod port;
 pub mod profile;
 pub mod pt;
+pub mod pvt;
 pub mod ramp;
 pub mod real;
 mod script;

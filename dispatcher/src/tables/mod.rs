@@ -1,0 +1,372 @@
+//! PVT tables from what the user sends: five descriptions, one kind of table (SPEC 5; GXN 4.2).
+//!
+//! In: points one by one, in order, as they come over the link, in the order of the manual's
+//! arrays. Out: a header and places for the tick's stores, or the velocities and times that the two
+//! Calculate commands return. Owns: [`Draft`], the few numbers that the next point needs; the
+//! places lie in the caller's [`Scratch`] until the table is whole, so a refused table changes
+//! nothing. Fails: [`Refused`] names the point (item), the parameter and the limit.
+//!
+//! Doubles only, no fused operations; what accumulates (velocities of Percent, times of
+//! Continuous) does so in [`twofold`].
+mod continuous;
+mod scale;
+mod scratch;
+mod shape;
+mod spline;
+mod twofold;
+
+use crate::refuse::{Admitted, Refused};
+use continuous::Leg;
+use protocol::reason::Reason;
+pub use scale::Sealed;
+use scale::{Totals, exact, instant};
+pub use scratch::Scratch;
+use scratch::{Knot, check};
+use servo::pvt::{PLACES, SHORTEST_PASS_NS};
+pub use twofold::Twofold;
+
+/// Tables of a core.
+pub const TABLES: usize = 32;
+/// The largest time in ms, 2³⁶: about two years.
+pub const LATEST_MS: f64 = 68_719_476_736.0;
+/// Positions as the user counts them stay within 2⁵² pulses.
+const FURTHEST: f64 = 4_503_599_627_370_496.0;
+const FULL_SCALE: f64 = 4_294_967_296.0;
+/// Values of a point in the widest description.
+pub const VALUES: usize = 6;
+
+/// A description with what belongs to the whole table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// Time, position, velocity.
+    Pvt,
+    /// Time, position, velocity at the begin and at the end of the segment that follows.
+    PvtEx,
+    /// Time, position.
+    Complete {
+        /// Velocity at the first point.
+        vel_begin: f64,
+        /// Velocity at the last point.
+        vel_end: f64,
+    },
+    /// Time, position, percentage.
+    Percent {
+        /// Velocity at the first point.
+        vel_begin: f64,
+    },
+    /// Position, velocity, percentage, speed limit, acceleration, deceleration.
+    Continuous {
+        /// Time of the first point, ms.
+        time_begin: f64,
+    },
+}
+
+impl Kind {
+    /// Values of a point.
+    pub const fn values(&self) -> usize {
+        match self {
+            Kind::Pvt | Kind::Percent { .. } => 3,
+            Kind::PvtEx => 4,
+            Kind::Complete { .. } => 2,
+            Kind::Continuous { .. } => VALUES,
+        }
+    }
+}
+
+/// Where the parameters stand in the request, so that a refusal can name them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fields {
+    /// The count of points.
+    pub count: u8,
+    /// The first of the numbers that belong to the whole table.
+    pub whole: u8,
+    /// The first value of a point.
+    pub point: u8,
+}
+
+/// A table that is being sent.
+#[derive(Debug, Clone, Copy)]
+pub struct Draft {
+    kind: Kind,
+    fields: Fields,
+    count: u16,
+    taken: u16,
+    /// Places go into the scratch memory; false for the Calculate commands.
+    load: bool,
+    /// Time and position of the first point.
+    first: (f64, f64),
+    /// Time and position of the last point taken.
+    last: (f64, f64),
+    /// Its knot.
+    knot: Knot,
+    /// PvtTableEx: velocity at the end of the segment that the last point began.
+    vel_end: f64,
+    /// Percentage of the last point.
+    percent: f64,
+    /// Percent: velocity at the last point. Continuous: its time.
+    carried: Twofold,
+    /// Continuous: the way that begins at the last point.
+    leg: Leg,
+}
+
+impl Draft {
+    /// A table of `count` points. With `load`, `scratch` is emptied and takes the places; without,
+    /// only the answers of [`Draft::point`] are wanted.
+    pub fn begin(kind: Kind, count: i32, fields: Fields, load: bool, scratch: &mut Scratch) -> Admitted<Draft> {
+        if !(2..=PLACES as i32).contains(&count) {
+            let (low, high) = (2.0, PLACES as f64);
+            return Err(Refused::new(Reason::OutOfRange).field(fields.count).got(count.into()).limits(low, high));
+        }
+        let mut carried = Twofold::default();
+        match kind {
+            Kind::Complete { vel_begin, vel_end } => {
+                speed(vel_begin, fields.whole)?;
+                speed(vel_end, fields.whole + 1)?;
+            }
+            Kind::Percent { vel_begin } => carried = speed(vel_begin, fields.whole)?.into(),
+            Kind::Continuous { time_begin } => {
+                carried = crate::refuse::real(fields.whole, time_begin, 0.0, LATEST_MS)?.into();
+            }
+            Kind::Pvt | Kind::PvtEx => {}
+        }
+        if load {
+            scratch.clear();
+        }
+        let knot = Knot { time: 0.0, pos: 0.0, vel: 0.0 };
+        Ok(Draft {
+            kind,
+            fields,
+            count: count as u16,
+            taken: 0,
+            load,
+            first: (0.0, 0.0),
+            last: (0.0, 0.0),
+            knot,
+            vel_end: 0.0,
+            percent: 0.0,
+            carried,
+            leg: Leg::default(),
+        })
+    }
+
+    /// Points taken.
+    pub fn taken(&self) -> u16 {
+        self.taken
+    }
+
+    /// Points of the whole table.
+    pub fn count(&self) -> u16 {
+        self.count
+    }
+
+    /// Takes the next point; the answer is its velocity (Percent) or its time (Continuous), 0
+    /// for the other descriptions. After a refusal the draft is of no further use.
+    pub fn point(&mut self, values: &[f64], scratch: &mut Scratch) -> Admitted<f64> {
+        let item = self.taken as usize;
+        self.admit(values, scratch).map_err(|refused| if self.names_before(&refused) { refused.item(item - 1) } else { refused.item(item) })
+    }
+
+    /// Whether the refusal is about the way to this point, which the point before it described.
+    fn names_before(&self, refused: &Refused) -> bool {
+        let way = [Reason::NoDisplacement, Reason::VelocityUnreachable, Reason::AboveVelMax];
+        self.taken > 0 && way.contains(&refused.reason)
+    }
+
+    fn admit(&mut self, values: &[f64], scratch: &mut Scratch) -> Admitted<f64> {
+        let field = self.fields.point;
+        let at = |index: usize| values.get(index).copied().unwrap_or(f64::NAN);
+        if self.taken >= self.count {
+            return Err(Refused::new(Reason::TooMany).field(self.fields.count).got(self.taken as f64 + 1.0).limits(0.0, self.count as f64));
+        }
+        for (index, value) in values.iter().take(self.kind.values()).enumerate() {
+            if !value.is_finite() {
+                return Err(Refused::new(Reason::NotFinite).field(field + index as u8).got(*value));
+            }
+        }
+        if let Kind::Continuous { .. } = self.kind {
+            let leg = Leg { vel: at(1), percent: at(2), vel_max: at(3), acc: at(4), dec: at(5) };
+            return self.continuous(at(0), leg, scratch);
+        }
+        let (time, pos) = (at(0), at(1));
+        if self.taken > 0 && time <= self.last.0 {
+            return Err(Refused::new(Reason::PointTime).field(field).got(time).limits(self.last.0, LATEST_MS));
+        }
+        crate::refuse::within(field, time, 0.0, LATEST_MS)?;
+        crate::refuse::within(field + 1, pos, -FURTHEST, FURTHEST)?;
+        let begins = self.taken == 0;
+        if begins {
+            self.first = (time, pos);
+        }
+        let mut knot = Knot { time: time - self.first.0, pos: pos - self.first.1, vel: 0.0 };
+        match self.kind {
+            Kind::Pvt => {
+                knot.vel = speed(at(2), field + 2)?;
+                self.push(knot, scratch)?;
+            }
+            Kind::PvtEx => {
+                let (vel, end) = (speed(at(2), field + 2)?, speed(at(3), field + 3)?);
+                if !begins {
+                    knot.vel = self.vel_end;
+                    self.push(knot, scratch)?;
+                }
+                // The last point begins no segment.
+                let jump = vel != self.vel_end && self.taken + 1 < self.count;
+                if begins || jump {
+                    knot.vel = vel;
+                    self.jump(knot, scratch)?;
+                }
+                self.vel_end = end;
+            }
+            Kind::Complete { vel_begin, vel_end } => {
+                if begins {
+                    scratch.push([knot.time, knot.pos, vel_begin, 0.0])?;
+                } else {
+                    let here = [knot.time, knot.pos, vel_end, 0.0];
+                    if let [.., before, last] = scratch.knots_mut() {
+                        (last[2], last[3]) = spline::eliminate(before, last, &here);
+                    }
+                    scratch.push(here)?;
+                }
+            }
+            Kind::Percent { .. } => {
+                let percent = crate::refuse::within(field + 2, at(2), 0.0, 100.0)?;
+                if !begins {
+                    let span = Twofold::between(time, self.last.0);
+                    self.carried = Twofold::between(pos, self.last.1).mul(2.0).div(span).sub(self.carried);
+                    knot.vel = speed(self.carried.high, field + 1)?;
+                    for inner in shape::inner(self.knot, knot, self.percent) {
+                        self.push(inner, scratch)?;
+                    }
+                } else {
+                    knot.vel = self.carried.high;
+                }
+                self.push(knot, scratch)?;
+                self.percent = percent;
+            }
+            Kind::Continuous { .. } => {}
+        }
+        self.last = (time, pos);
+        self.taken += 1;
+        Ok(knot.vel)
+    }
+
+    fn continuous(&mut self, pos: f64, leg: Leg, scratch: &mut Scratch) -> Admitted<f64> {
+        let field = self.fields.point;
+        crate::refuse::within(field, pos, -FURTHEST, FURTHEST)?;
+        speed(leg.vel, field + 1)?;
+        crate::refuse::within(field + 2, leg.percent, 0.0, 100.0)?;
+        // The last point begins no way; its limits are not used.
+        if self.taken + 1 < self.count {
+            for (value, field) in [(leg.vel_max, field + 3), (leg.acc, field + 4), (leg.dec, field + 5)] {
+                let allowed = 1e-30..=if field == self.fields.point + 3 { FULL_SCALE } else { 1e30 };
+                if !allowed.contains(&value) {
+                    let (low, high) = (*allowed.start(), *allowed.end());
+                    return Err(Refused::new(Reason::OutOfRange).field(field).got(value).limits(low, high));
+                }
+            }
+        }
+        if self.taken == 0 {
+            self.first = (self.carried.high, pos);
+            self.push(Knot { time: 0.0, pos: 0.0, vel: leg.vel }, scratch)?;
+        } else {
+            let way = Twofold::between(pos, self.last.1);
+            let split = continuous::split(&self.leg, way, leg.vel)?;
+            let begin = Kind::time_begin(self.kind);
+            let since = |time: Twofold| time.sub(begin).high;
+            let start = self.carried;
+            let end = start.add(split.duration());
+            if !(end.high <= LATEST_MS) {
+                return Err(Refused::new(Reason::OutOfRange).field(field + 4).got(end.high).limits(0.0, LATEST_MS));
+            }
+            let to = Knot { time: since(end), pos: pos - self.first.1, vel: leg.vel };
+            let risen = Knot { time: since(start.add(split.times[0])), pos: self.knot.pos + split.rise, vel: split.peak };
+            let falls = Knot { time: since(end.sub(split.times[2])), pos: to.pos - split.fall, vel: split.peak };
+            let percent = self.leg.percent;
+            let (rises, cruises, brakes) = (split.has(0), split.has(1), split.has(2));
+            if rises {
+                let top = if cruises || brakes { risen } else { to };
+                self.ramp(top, percent, scratch)?;
+            }
+            if cruises {
+                self.push(if brakes { falls } else { to }, scratch)?;
+            }
+            if brakes {
+                self.ramp(to, percent, scratch)?;
+            }
+            self.carried = end;
+        }
+        self.leg = leg;
+        self.last = (self.carried.high, pos);
+        self.taken += 1;
+        Ok(self.carried.high)
+    }
+
+    fn ramp(&mut self, to: Knot, percent: f64, scratch: &mut Scratch) -> Admitted<()> {
+        for inner in shape::inner(self.knot, to, percent) {
+            self.push(inner, scratch)?;
+        }
+        self.push(to, scratch)
+    }
+
+    /// The next place, after a segment that an axis can run.
+    fn push(&mut self, knot: Knot, scratch: &mut Scratch) -> Admitted<()> {
+        if self.taken > 0 {
+            check(&self.knot, &knot)?;
+        }
+        self.jump(knot, scratch)
+    }
+
+    /// The next place, at the time of the one before or the first.
+    fn jump(&mut self, knot: Knot, scratch: &mut Scratch) -> Admitted<()> {
+        self.knot = knot;
+        if self.load { scratch.push([knot.time, knot.pos, knot.vel, 0.0]) } else { Ok(()) }
+    }
+
+    /// All points are there: the table as the tick will read it. The draft goes on existing only
+    /// if it is not complete (`None`).
+    pub fn finish(&self, scratch: &mut Scratch) -> Option<Admitted<Sealed>> {
+        (self.taken == self.count && self.load).then(|| self.seal(scratch))
+    }
+
+    fn seal(&self, scratch: &mut Scratch) -> Admitted<Sealed> {
+        if let Kind::Complete { .. } = self.kind {
+            spline::substitute(scratch.knots_mut());
+            for (item, pair) in scratch.knots().windows(2).enumerate() {
+                if let [a, b] = pair {
+                    let knot = |k: &[f64; 4]| Knot { time: k[0], pos: k[1], vel: k[2] };
+                    check(&knot(a), &knot(b)).map_err(|refused| refused.item(item))?;
+                }
+            }
+        }
+        let (delay, duration) = match self.kind {
+            Kind::Continuous { time_begin } => {
+                let whole = self.carried.sub(time_begin);
+                (instant(time_begin), instant(whole.high) + instant(whole.low))
+            }
+            _ => (instant(self.first.0), instant(self.last.0) - instant(self.first.0)),
+        };
+        if duration < (SHORTEST_PASS_NS as i128) << 64 {
+            let low = SHORTEST_PASS_NS as f64 / 1e6;
+            let (got, field) = (duration as f64 / 1.8446744073709552e25, self.fields.point);
+            return Err(Refused::new(Reason::TableShort).field(field).got(got).limits(low, LATEST_MS));
+        }
+        let displacement = exact(self.last.1) - exact(self.first.1);
+        Sealed::of(scratch, Totals { delay, duration, displacement })
+    }
+}
+
+impl Kind {
+    fn time_begin(self) -> f64 {
+        if let Kind::Continuous { time_begin } = self { time_begin } else { 0.0 }
+    }
+}
+
+fn speed(vel: f64, field: u8) -> Admitted<f64> {
+    if !vel.is_finite() {
+        return Err(Refused::new(Reason::NotFinite).field(field).got(vel));
+    }
+    if vel.abs() > FULL_SCALE {
+        return Err(Refused::new(Reason::TooFast).field(field).got(vel).limits(-FULL_SCALE, FULL_SCALE));
+    }
+    Ok(vel)
+}

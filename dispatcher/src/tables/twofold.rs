@@ -1,0 +1,91 @@
+//! Twofold numbers: an unevaluated sum of two doubles, 106 bits, by the error-free
+//! transformations of Dekker and Knuth. Only +, −, ×, ÷ and a correctly rounded square root of
+//! doubles are used, so the bits are the same on every machine with IEEE doubles.
+
+/// `high` + `low`, |low| ≤ half a unit in the last place of `high`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Twofold {
+    /// The number, rounded to a double.
+    pub high: f64,
+    /// The rest.
+    pub low: f64,
+}
+
+/// a + b exactly.
+fn sum(a: f64, b: f64) -> Twofold {
+    let high = a + b;
+    let part = high - a;
+    Twofold { high, low: (a - (high - part)) + (b - part) }
+}
+
+/// a + b exactly for |a| ≥ |b|.
+fn quick(a: f64, b: f64) -> Twofold {
+    let high = a + b;
+    Twofold { high, low: b - (high - a) }
+}
+
+/// a·b exactly, while nothing under- or overflows; no fused operation.
+fn product(a: f64, b: f64) -> Twofold {
+    let split = |x: f64| {
+        let t = 134_217_729.0 * x; // 2^27 + 1
+        let high = t - (t - x);
+        (high, x - high)
+    };
+    let ((a1, a0), (b1, b0)) = (split(a), split(b));
+    let high = a * b;
+    Twofold { high, low: ((a1 * b1 - high) + a1 * b0 + a0 * b1) + a0 * b0 }
+}
+
+impl From<f64> for Twofold {
+    fn from(x: f64) -> Twofold {
+        Twofold { high: x, low: 0.0 }
+    }
+}
+
+impl Twofold {
+    /// a − b of two doubles, exactly.
+    pub fn between(a: f64, b: f64) -> Twofold {
+        sum(a, -b)
+    }
+    /// −x.
+    pub fn negate(self) -> Twofold {
+        Twofold { high: -self.high, low: -self.low }
+    }
+    /// Sum, within 2⁻¹⁰⁴ of itself.
+    pub fn add(self, other: impl Into<Twofold>) -> Twofold {
+        let other = other.into();
+        let (s, t) = (sum(self.high, other.high), sum(self.low, other.low));
+        let s = quick(s.high, s.low + t.high);
+        quick(s.high, s.low + t.low)
+    }
+    /// Difference.
+    pub fn sub(self, other: impl Into<Twofold>) -> Twofold {
+        self.add(other.into().negate())
+    }
+    /// Product, within 2⁻¹⁰² of itself.
+    pub fn mul(self, other: impl Into<Twofold>) -> Twofold {
+        let other = other.into();
+        let p = product(self.high, other.high);
+        quick(p.high, p.low + (self.high * other.low + self.low * other.high))
+    }
+    /// Quotient, within 2⁻¹⁰¹ of itself; not for a divisor of 0.
+    pub fn div(self, other: impl Into<Twofold>) -> Twofold {
+        let other = other.into();
+        let q1 = self.high / other.high;
+        let rest = self.sub(other.mul(q1));
+        let q2 = rest.high / other.high;
+        let rest = rest.sub(other.mul(q2));
+        quick(q1, q2).add(rest.high / other.high)
+    }
+    /// Square root, within 2⁻¹⁰⁰ of itself; 0 for what is not above 0.
+    pub fn sqrt(self) -> Twofold {
+        if self.high <= 0.0 {
+            return Twofold::default();
+        }
+        let root = libm::sqrt(self.high);
+        let rest = self.sub(product(root, root));
+        let once = quick(root, rest.high / (2.0 * root));
+        let rest = self.sub(once.mul(once));
+        once.add(rest.high / (2.0 * root))
+    }
+}
