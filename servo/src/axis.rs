@@ -52,8 +52,9 @@ pub(crate) struct AxisState {
     /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
     zero: Pos,
     pub(crate) inputs: Inputs,
-    /// Input levels, sampled.
+    /// Input levels, sampled, and their bits.
     pub(crate) raw: AxisInputs,
+    levels: u8,
     /// The machine's encoder count, sampled.
     count: i64,
     /// Nothing here changes until an input, the encoder or an operation does.
@@ -96,6 +97,7 @@ impl AxisState {
             home: false,
             arrive: false,
         },
+        levels: 0,
         count: 0,
         settled: false,
         switches: 0,
@@ -133,22 +135,23 @@ impl AxisState {
     /// two comparisons.
     #[inline]
     pub(crate) fn sample(&mut self, now: Ns, raw: AxisInputs, count: i64) {
-        if !(self.settled && count == self.count && raw == self.raw) {
-            self.take(now, raw, count);
+        let levels = raw.bits();
+        if !self.settled || count != self.count || levels != self.levels {
+            self.take(now, raw, levels, count);
         }
     }
 
     #[inline]
-    fn take(&mut self, now: Ns, raw: AxisInputs, count: i64) {
+    fn take(&mut self, now: Ns, raw: AxisInputs, levels: u8, count: i64) {
         self.settled = !self.runs();
         let encoder = self.inputs.encoder(count);
-        if encoder != self.shown.encoder_before || encoder != self.shown.encoder || raw != self.raw {
+        if encoder != self.shown.encoder_before || encoder != self.shown.encoder || levels != self.levels {
             self.touch();
         }
-        (self.raw, self.count) = (raw, count);
+        (self.raw, self.levels, self.count) = (raw, levels, count);
         self.shown.encoder_before = self.shown.encoder;
         self.shown.encoder = encoder;
-        self.switches = self.inputs.switches(raw);
+        self.switches = self.inputs.switches(levels);
         let causes = self.switches | self.inputs.bounds(self.shown.pos, encoder, self.servo_on);
         if causes | self.causes != 0 {
             self.latch(causes);
@@ -161,7 +164,7 @@ impl AxisState {
             self.settled &= !waits && inside == self.in_position;
             self.in_position = inside;
         }
-        if let Some(encoder) = self.inputs.captured(raw, encoder) {
+        if let Some(encoder) = self.inputs.captured(levels, encoder) {
             self.shown.captured = Some(encoder);
             self.touch();
         }
@@ -521,6 +524,7 @@ impl AxisState {
         *self = AxisState {
             zero: Pos(self.set_point().0.wrapping_neg()),
             raw: self.raw,
+            levels: self.levels,
             count: self.count,
             rest_since: self.rest_since,
             shown: AxisView {

@@ -3,7 +3,6 @@
 //! In: raw levels and an encoder count a tick. Out: the causes of status bits, the encoder's reading,
 //! captures, the in-position timer. Owns: enables, senses, bands. It cannot fail.
 use crate::op::Guarded;
-use crate::port::AxisInputs;
 use crate::status;
 use crate::units::{Ns, Pos};
 
@@ -23,7 +22,7 @@ fn error(pos: Pos, encoder: i64) -> u64 {
 /// The input side of one axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Inputs {
-    /// Switched-off inputs, a bit each in the order of [`bit`].
+    /// Switched-off inputs, a bit each as in `AxisInputs::bits`.
     off: u8,
     /// Inputs that are active at the low level, likewise.
     low: u8,
@@ -98,11 +97,10 @@ impl Inputs {
         self.capture = mode;
     }
 
-    /// Limit switches and the alarm that are on and active, as status bits.
+    /// From level bits: limit switches and the alarm that are on and active, as status bits.
     #[inline]
-    pub(crate) fn switches(&self, raw: AxisInputs) -> u32 {
-        let level = raw.limit_positive as u8 | (raw.limit_negative as u8) << 1 | (raw.alarm as u8) << 2;
-        let active = ((level ^ self.low) & !self.off) as u32;
+    pub(crate) fn switches(&self, levels: u8) -> u32 {
+        let active = ((levels ^ self.low) & !self.off) as u32;
         // Bits 0 and 1 are the limit switches, status bits 5 and 6; bit 2 the alarm, status bit 1.
         (active & 3) << 5 | (active & 4) >> 1
     }
@@ -129,8 +127,8 @@ impl Inputs {
 
     /// The capture that this tick's rising edge of home makes.
     #[inline]
-    pub(crate) fn captured(&mut self, raw: AxisInputs, encoder: i64) -> Option<i64> {
-        let home = raw.home ^ (self.low & bit(Guarded::Home) != 0);
+    pub(crate) fn captured(&mut self, levels: u8, encoder: i64) -> Option<i64> {
+        let home = (levels ^ self.low) & bit(Guarded::Home) != 0;
         let edge = home && !self.home;
         self.home = home;
         if edge && self.capture == 1 {

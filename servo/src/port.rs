@@ -16,6 +16,18 @@ pub struct AxisInputs {
     pub arrive: bool,
 }
 
+impl AxisInputs {
+    /// The levels as bits, in the order of the fields from bit 0 on.
+    #[inline]
+    pub const fn bits(self) -> u8 {
+        self.limit_positive as u8
+            | (self.limit_negative as u8) << 1
+            | (self.alarm as u8) << 2
+            | (self.home as u8) << 3
+            | (self.arrive as u8) << 4
+    }
+}
+
 /// A machine, as the tick sees it. No call may wait.
 pub trait Port {
     /// Inputs of one axis now.

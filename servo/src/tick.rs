@@ -140,22 +140,21 @@ impl<const AXES: usize> Tick<AXES> {
         let next = Ns(now.0.wrapping_add(self.period.0));
         let mut period = self.period;
 
-        for (index, state) in self.axes.iter_mut().enumerate().take(self.used) {
-            let Some(axis) = Axis::new(index) else { break };
+        for (axis, state) in Axis::all().zip(self.axes.get_mut(..self.used).unwrap_or_default()) {
             state.sample(now, port.inputs(axis), port.encoder(axis));
         }
         self.execute_due(next, &mut period, port, lanes);
 
         // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
         let turn = self.ticks & 7;
-        let view = lanes.view.buffer();
-        for (index, (((state, store), shown), inputs)) in
-            self.axes.iter_mut().zip(lanes.segments).zip(&mut view.axes).zip(&mut view.inputs).take(self.used).enumerate()
+        let View { axes: shown, inputs, .. } = lanes.view.buffer();
+        let states = self.axes.get_mut(..self.used).unwrap_or_default();
+        for ((((axis, state), store), shown), inputs) in
+            Axis::all().zip(states).zip(lanes.segments).zip(shown).zip(inputs)
         {
-            let Some(axis) = Axis::new(index) else { break };
             if !state.settled {
                 if state.runs()
-                    && let Some(reason) = state.step(next, index as u32 & 7 == turn, &Source(store))
+                    && let Some(reason) = state.step(next, axis.index() as u32 & 7 == turn, &Source(store))
                 {
                     tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
                 }

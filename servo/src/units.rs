@@ -39,6 +39,11 @@ impl Axis {
     pub const fn new(index: usize) -> Option<Axis> {
         if index < Self::MAX { Some(Axis(index as u8)) } else { None }
     }
+    /// Every axis of the largest build, in order.
+    #[inline]
+    pub fn all() -> impl Iterator<Item = Axis> {
+        (0..Self::MAX as u8).map(Axis)
+    }
     /// Index from 0.
     pub const fn index(self) -> usize {
         self.0 as usize
