@@ -6,7 +6,7 @@
 use protocol::Ns;
 use protocol::command::{Nothing, SetPos};
 use protocol::deframe::{Deframer, Outcome};
-use protocol::frame::{self, Header, Kind, MAX_FRAME, MAX_PAYLOAD, MAX_WIRE, OVERHEAD};
+use protocol::frame::{self, Header, Kind, MAX_PAYLOAD, MAX_WIRE, OVERHEAD};
 use protocol::link::{Endpoint, Identity, Role, State};
 use protocol::record::{Lane, ReplyWriter, RequestWriter, replies, requests};
 use std::cmp::Reverse;
@@ -127,7 +127,7 @@ impl Inlet for Honest {
 }
 
 /// Frames of a stream with header and payload, whether or not the CRC fits.
-fn frames(deframer: &mut Deframer<MAX_FRAME>, bytes: &[u8], mut each: impl FnMut(Header, &[u8], bool)) {
+fn frames(deframer: &mut Deframer<MAX_WIRE>, bytes: &[u8], mut each: impl FnMut(Header, &[u8], bool)) {
     let mut rest = bytes;
     while !rest.is_empty() {
         let (used, outcome) = deframer.feed(rest);
@@ -147,7 +147,7 @@ fn feed_again(end: &mut End, now: Ns, header: Header, payload: &[u8]) {
 }
 
 /// Takes damaged frames as good.
-struct NoChecksum(Deframer<MAX_FRAME>);
+struct NoChecksum(Deframer<MAX_WIRE>);
 
 impl Inlet for NoChecksum {
     fn pass(&mut self, end: &mut End, now: Ns, bytes: &[u8]) -> Vec<Vec<u8>> {
@@ -157,7 +157,7 @@ impl Inlet for NoChecksum {
 }
 
 /// Hands a message on as often as it comes.
-struct NoDuplicateSuppression(Deframer<MAX_FRAME>);
+struct NoDuplicateSuppression(Deframer<MAX_WIRE>);
 
 impl Inlet for NoDuplicateSuppression {
     fn pass(&mut self, end: &mut End, now: Ns, bytes: &[u8]) -> Vec<Vec<u8>> {
@@ -176,7 +176,7 @@ impl Inlet for NoDuplicateSuppression {
 }
 
 /// Takes messages in the order in which they come.
-struct NoOrder(Deframer<MAX_FRAME>, u16);
+struct NoOrder(Deframer<MAX_WIRE>, u16);
 
 impl Inlet for NoOrder {
     fn pass(&mut self, end: &mut End, now: Ns, bytes: &[u8]) -> Vec<Vec<u8>> {
@@ -196,7 +196,7 @@ impl Inlet for NoOrder {
 }
 
 /// Takes frames of every session for frames of the present one.
-struct EverySession(Deframer<MAX_FRAME>);
+struct EverySession(Deframer<MAX_WIRE>);
 
 impl Inlet for EverySession {
     fn pass(&mut self, end: &mut End, now: Ns, bytes: &[u8]) -> Vec<Vec<u8>> {

@@ -21,7 +21,7 @@ mod transmit;
 
 use crate::Ns;
 use crate::deframe::{self, Deframer};
-use crate::frame::{HelloAck, MAX_FRAME, MAX_PAYLOAD, MAX_WIRE, VERSION};
+use crate::frame::{HelloAck, MAX_PAYLOAD, MAX_WIRE, VERSION};
 use receive::Receiver;
 use transmit::Transmitter;
 
@@ -150,7 +150,7 @@ pub struct Endpoint<const WINDOW: usize> {
     offer: Option<Offer>,
     offers_made: u32,
     refused: Option<Identity>,
-    deframer: Deframer<MAX_FRAME>,
+    deframer: Deframer<MAX_WIRE>,
     transmitter: Transmitter<WINDOW>,
     receiver: Receiver<WINDOW>,
     /// Control frames that are due.

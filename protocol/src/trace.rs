@@ -244,7 +244,7 @@ impl<'a, T: Wire> Row<'a, T> {
 /// Takes a trace apart.
 #[derive(Debug, Clone)]
 pub struct Decoder {
-    deframer: Deframer<MAX_DECODED>,
+    deframer: Deframer<MAX_WIRE>,
     /// Axes of the head; `None` before it.
     axes: Option<usize>,
     next_row: u32,

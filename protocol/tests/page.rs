@@ -4,7 +4,7 @@
 
 use protocol::command::{COMMANDS, CommandInfo, info};
 use protocol::deframe::{Deframer, Outcome};
-use protocol::frame::{self, Header, Kind, MAX_FRAME, MAX_WIRE};
+use protocol::frame::{self, Header, Kind, MAX_WIRE};
 use protocol::reason::{REASONS, Reason, describe_opcode};
 use protocol::record::{Lane, ReplyError, ReplyWriter, RequestWriter, replies, requests};
 use protocol::reserved::RESERVED;
@@ -48,7 +48,7 @@ fn bytes(text: &str) -> Vec<u8> {
 }
 
 fn deframe(wire: &[u8]) -> (Outcome, Vec<u8>) {
-    let mut deframer = Deframer::<MAX_FRAME>::new();
+    let mut deframer = Deframer::<MAX_WIRE>::new();
     let (used, outcome) = deframer.feed(wire);
     assert_eq!(used, wire.len(), "one frame a vector");
     (outcome, deframer.frame().to_vec())
