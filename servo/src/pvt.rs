@@ -99,11 +99,15 @@ impl PvtRun {
     /// to run, 0 for ever; it may change from call to call.
     #[inline]
     pub fn step(&mut self, now: Ns, passes: u32, source: &impl Tables) -> Step {
-        if !self.piece.holds(now) && !self.advance(now, passes, source) {
-            let at = self.origin;
-            return Step { pos: at.round(), motion: Motion::default(), state: State::Ended { at } };
+        let mut t = self.piece.elapsed(now);
+        if t >= self.piece.span {
+            if !self.advance(now, passes, source) {
+                let at = self.origin;
+                return Step { pos: at.round(), motion: Motion::REST, state: State::Ended { at } };
+            }
+            t = self.piece.held(now);
         }
-        let (pos, tau) = self.piece.at(now);
+        let (pos, tau) = self.piece.at(t);
         Step { pos, motion: self.piece.motion(tau), state: State::Running }
     }
 
@@ -204,7 +208,7 @@ impl PvtRun {
 
         let length = b.time.wrapping_sub(a.time);
         let recip = Recip::of(length);
-        let shift = (recip.shift as i32 + header.time_bits as i32) as u32; // 7..=95
+        let shift = recip.shift.wrapping_add_signed(header.time_bits as i32); // 7..=95
         // The first whole ns comes a fraction after the knot.
         let late = (from as u64).wrapping_neg();
         let late = if shift < 64 { late >> 1 >> (63 - shift) } else { late << (shift & 31) };
@@ -224,9 +228,9 @@ impl PvtRun {
             start: Exact(self.origin.0.wrapping_add(knot)).round(),
             motion: Motion {
                 c: [w0, c2, c3],
-                frac: header.frac() as u8,
+                frac: header.frac() as u32 & 127,
                 tau,
-                recip: Recip { m: recip.m, shift: shift as u8 },
+                recip: Recip { m: recip.m, shift },
             },
         };
         self.segment = Some(i as u16);

@@ -75,12 +75,11 @@ impl Sealed {
             pos = pos.max(p.abs());
             vel = vel.max(v.abs());
         }
-        let time = knots.last().map_or(0.0, |knot| knot[0]);
         let refuse = || Refused::new(Reason::TableRange).got(vel);
         let duration = u128::try_from(totals.duration).unwrap_or(0).max(1);
         let mut header = Header {
             places: knots.len() as u16,
-            time_bits: bits_for(time, 1_000_000, TIME_BITS, 32) as i8,
+            time_bits: time_bits(duration),
             pos_bits: bits_for(pos, 1, POS_BITS - 1, 62) as i8,
             vel_bits: bits_for(vel, 1, VEL_BITS - 1, 62) as i8,
             lift: 0,
@@ -90,9 +89,9 @@ impl Sealed {
             rate: (u128::MAX / duration).min(u64::MAX as u128) as u64,
         };
         let (mut longest, mut furthest) = (0, 0);
-        for pair in knots.windows(2) {
-            if let [a, b] = pair {
-                let (a, b) = (place(&header, a), place(&header, b));
+        let sealed = Sealed { header };
+        for index in 1..sealed.places() {
+            if let (Some(a), Some(b)) = (sealed.scaled(scratch, index - 1), sealed.scaled(scratch, index)) {
                 longest = longest.max(b.time.saturating_sub(a.time));
                 furthest = furthest.max((b.pos - a.pos).unsigned_abs());
             }
@@ -124,14 +123,31 @@ impl Sealed {
 
     /// Place `index` as stored.
     pub fn place(&self, scratch: &Scratch, index: u32) -> Option<[u32; PLACE_WORDS]> {
-        place(&self.header, scratch.knots().get(index as usize)?).admit()
+        self.scaled(scratch, index)?.admit()
+    }
+
+    fn scaled(&self, scratch: &Scratch, index: u32) -> Option<Place> {
+        let header = &self.header;
+        let [time, pos, vel, _] = scratch.knots().get(index as usize)?;
+        let time = if index + 1 == self.places() {
+            end_time(header.duration, header.time_bits)
+        } else {
+            fixed(*time, 1_000_000, header.time_bits as i32) as u64
+        };
+        let pos = fixed(*pos, 1, header.pos_bits as i32) as i64;
+        Some(Place { time, pos, vel: fixed(*vel, 1, header.vel_bits as i32) as i64 })
     }
 }
 
-fn place(header: &Header, [time, pos, vel, _]: &[f64; 4]) -> Place {
-    Place {
-        time: fixed(*time, 1_000_000, header.time_bits as i32) as u64,
-        pos: fixed(*pos, 1, header.pos_bits as i32) as i64,
-        vel: fixed(*vel, 1, header.vel_bits as i32) as i64,
-    }
+/// A duration in 2^-bits ns, rounded up: the tick divides by it and must stay below 1.
+fn end_time(duration: u128, bits: i8) -> u64 {
+    let shift = (64 - bits as i32) as u32 & 127;
+    ((duration >> shift) + (duration << (128 - shift) != 0) as u128) as u64
+}
+
+/// The most fraction bits of ns, not above 32, with which a duration fits.
+fn time_bits(duration: u128) -> i8 {
+    let used = 64 - duration.leading_zeros() as i32; // duration < 2^used ns
+    let bits = (TIME_BITS as i32 - used).min(32) as i8;
+    if end_time(duration, bits) >> TIME_BITS != 0 { bits - 1 } else { bits }
 }

@@ -30,7 +30,7 @@ pub const LONGEST_NS: u64 = 1 << 56;
 /// One knot, in the table's units: time and position from the first point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Place {
-    /// Time, [`TIME_BITS`] bits.
+    /// Time, [`TIME_BITS`] bits; that of the last place must not be before the duration.
     pub time: u64,
     /// Position, [`POS_BITS`] bits.
     pub pos: i64,
