@@ -326,8 +326,11 @@ fn stream(seconds: i32) -> impl Iterator<Item = Call> {
             let many = PtDataMany { core: 1.into(), profile: axis.into(), fifo: 0.into(), count: (SHARE as u16).into() };
             Call::with_items::<PtDataMany>(many, &items)
         });
-        let start = (part == 0).then(|| Call::of(PtStart { core: 1.into(), mask: 0xff.into(), option: 0.into() }));
-        fill.chain(start).collect::<Vec<_>>()
+        // Two seconds are in the ring at the start; from then on each share is called for when as much has run.
+        let ahead = 2000 / SHARE;
+        let start = (part == ahead - 1).then(|| Call::of(PtStart { core: 1.into(), mask: 0xff.into(), option: 0.into() }));
+        let sleep = (part >= ahead).then(|| Call::of(Sleep { ns: (SHARE as u64 * 1_000_000).into() }));
+        sleep.into_iter().chain(fill).chain(start).collect::<Vec<_>>()
     });
     let tail = [
         Call::of(WaitStop { core: 1.into(), axes: 0xff.into(), crds: 0.into() }),

@@ -36,6 +36,7 @@ struct Outgoing {
 pub(crate) struct Session {
     endpoint: Box<Endpoint<WINDOW>>,
     name: String,
+    ours: Identity,
     outbox: VecDeque<Outgoing>,
     /// Calls that wait (`None`) or whose reply has come.
     waiting: HashMap<u16, Option<Reply>>,
@@ -52,6 +53,7 @@ impl Session {
         Session {
             endpoint,
             name: name.to_owned(),
+            ours,
             outbox: VecDeque::new(),
             waiting: HashMap::new(),
             next_tag: 0,
@@ -65,7 +67,7 @@ impl Session {
         match self.endpoint.state() {
             State::Open => Ok(true),
             State::Opening => Ok(false),
-            State::Mismatch(theirs) => Err(mismatch(&self.name, theirs)),
+            State::Mismatch(theirs) => Err(mismatch(&self.name, self.ours, theirs)),
             State::Ended | State::Closed => Err(Error::new(
                 error::LINK_CLOSED,
                 format!("{}: the controller ended the session", self.name),
@@ -180,8 +182,7 @@ impl Session {
     }
 }
 
-fn mismatch(name: &str, theirs: Identity) -> Error {
-    let ours = Identity::OURS;
+fn mismatch(name: &str, ours: Identity, theirs: Identity) -> Error {
     Error::new(
         error::MISMATCH,
         format!(
