@@ -32,7 +32,8 @@ pub struct Step {
     pub state: State,
 }
 
-/// A motion that runs.
+/// A motion that runs. There is no heap to box the larger kind on.
+#[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, Copy)]
 pub enum Profile {
     /// Positions and times.

@@ -173,7 +173,7 @@ impl Segment {
         let field = self.0[1] >> 20 & 0x7f;
         let normal = field.min(1);
         let mantissa = ((self.0[1] & 0xf_ffff | normal << 20) as u64) << 32 | self.0[0] as u64;
-        let shift = field - normal & 63; // 0..=52
+        let shift = (field - normal) & 63; // 0..=52
         let high = mantissa >> 1 >> (63 - shift);
         let magnitude = ((high as u128) << 64 | (mantissa << shift) as u128) as i128;
         Exact(if self.0[1] >> 27 & 1 == 1 { -magnitude } else { magnitude })
@@ -348,32 +348,30 @@ impl PtRun {
         self.velocity.unsigned_abs() << 1 <= self.rounded as u128
     }
 
-    #[inline(always)]
+    // Not inlined into the loop over knots, where its state would be kept on the stack.
+    #[inline(never)]
     fn load(&mut self, segment: Segment) {
         let (knot, knot_ms) = (segment.position(), segment.time_ms());
         let duration = knot_ms.wrapping_sub(self.knot_ms);
         let length = knot.0.wrapping_sub(self.knot.0);
-        let over_time = |x: i128| {
-            let (q, even) = Divisor::new(duration).quotient(x.unsigned_abs() << 16);
-            (if x < 0 { -(q as i128) } else { q as i128 }, !even as u32)
-        };
+        let kind = segment.kind();
         let (a, b);
-        match segment.kind() {
-            Kind::Normal => {
+        if kind == Kind::Stop {
+            (a, b) = (length << 1, length.wrapping_neg());
+            (self.velocity, self.rounded) = (0, 0);
+        } else {
+            let normal = kind == Kind::Normal;
+            let (mean, rounded) = over_time(length << normal as u32, duration);
+            if normal {
+                let sign = self.velocity >> 127;
                 let swing = scale16(self.velocity.unsigned_abs(), duration) as i128;
-                a = if self.velocity < 0 { -swing } else { swing };
+                a = (swing ^ sign).wrapping_sub(sign);
                 b = length.wrapping_sub(a);
-                let (mean2, rounded) = over_time(length << 1);
-                self.velocity = mean2.wrapping_sub(self.velocity);
+                self.velocity = mean.wrapping_sub(self.velocity);
                 self.rounded = self.rounded.saturating_add(rounded);
-            }
-            Kind::Even => {
+            } else {
                 (a, b) = (length, 0);
-                (self.velocity, self.rounded) = over_time(length);
-            }
-            Kind::Stop => {
-                (a, b) = (length << 1, -length);
-                (self.velocity, self.rounded) = (0, 0);
+                (self.velocity, self.rounded) = (mean, rounded);
             }
         }
         let begin = Ns(self.pass_begin.0.wrapping_add(self.knot_ms as u64 * NS_PER_MS));
@@ -381,6 +379,14 @@ impl PtRun {
         self.piece = Piece::quadratic(begin, duration as u64 * NS_PER_MS, start, a, b);
         (self.knot, self.knot_ms) = (knot, knot_ms);
     }
+}
+
+/// x/`duration` from 2⁻⁶⁴ to 2⁻⁸⁰, to nearest, and 1 if a remainder was left.
+#[inline(always)]
+fn over_time(x: i128, duration: u32) -> (i128, u32) {
+    let sign = x >> 127;
+    let (q, even) = Divisor::new(duration).quotient((((x ^ sign).wrapping_sub(sign)) as u128) << 16);
+    ((q as i128 ^ sign).wrapping_sub(sign), !even as u32)
 }
 
 const NS_PER_MS: u64 = 1_000_000;

@@ -432,8 +432,8 @@ impl RampRun {
         let width = c1.width().max(c2.width()).max(c3.width());
         let frac = (60 - width).clamp(0, 84);
         let begin = s.begin + s.done;
-        let first = begin + 0xffff_ffff >> 32;
-        let last = begin + len + 0xffff_ffff >> 32;
+        let first = (begin + 0xffff_ffff) >> 32;
+        let last = (begin + len + 0xffff_ffff) >> 32;
         // 1/len from its upper 64 bits, as if in whole ns.
         let bits = 128 - len.leading_zeros() as i32;
         let mantissa = if bits > 64 { ((len >> (bits - 64)) as u64).saturating_add(1) } else { (len as u64) << (64 - bits) };
