@@ -40,13 +40,21 @@ pub struct Counters {
     pub truncated: u32,
 }
 
-/// The incremental decoder, for frames of up to `N` bytes on the wire without the delimiter.
+/// Where encoded bytes begin in the buffer: so a link frame's payload, behind the first code and 14 bytes of
+/// header, lies on a word boundary and is copied by words.
+const START: usize = 1;
+
+#[derive(Debug, Clone)]
+#[repr(align(4))]
+struct Place<const N: usize>([u8; N]);
+
+/// The incremental decoder, for frames of up to `N` bytes on the wire with the delimiter.
 #[derive(Debug, Clone)]
 pub struct Deframer<const N: usize> {
-    bytes: [u8; N],
-    /// Encoded bytes collected.
+    bytes: Place<N>,
+    /// End of the encoded bytes collected.
     len: usize,
-    /// The last complete frame is `bytes[1..done]`: the first code's place is not data.
+    /// The last complete frame ends here; it begins behind the first code.
     done: usize,
     overflow: bool,
     counters: Counters,
@@ -62,8 +70,8 @@ impl<const N: usize> Deframer<N> {
     /// An empty deframer.
     pub const fn new() -> Self {
         Deframer {
-            bytes: [0; N],
-            len: 0,
+            bytes: Place([0; N]),
+            len: START,
             done: 0,
             overflow: false,
             counters: Counters { frames: 0, too_long: 0, truncated: 0 },
@@ -92,7 +100,7 @@ impl<const N: usize> Deframer<N> {
 
     /// The frame that the last [`Outcome::Frame`] announced.
     pub fn frame(&self) -> &[u8] {
-        self.bytes.get(1..self.done).unwrap_or(&[])
+        self.bytes.0.get(START + 1..self.done).unwrap_or(&[])
     }
 
     /// What has been seen so far.
@@ -102,13 +110,13 @@ impl<const N: usize> Deframer<N> {
 
     /// Forgets a half-read frame, as after reopening a transport.
     pub fn reset(&mut self) {
-        self.len = 0;
+        self.len = START;
         self.overflow = false;
     }
 
     /// Copies bytes up to a delimiter or the end of the buffer; returns how many.
     fn keep(&mut self, input: &[u8]) -> usize {
-        let room = self.bytes.get_mut(self.len..).unwrap_or(&mut []);
+        let room = self.bytes.0.get_mut(self.len..).unwrap_or(&mut []);
         let mut kept = 0usize;
         for (place, word) in room.chunks_exact_mut(4).zip(input.chunks_exact(4)) {
             let &[a, b, c, d] = word else { break };
@@ -140,12 +148,12 @@ impl<const N: usize> Deframer<N> {
             self.counters.too_long = self.counters.too_long.wrapping_add(1);
             return Some(Outcome::Refused(Fault::TooLong));
         }
-        if len == 0 {
+        if len == START {
             return None;
         }
-        match self.bytes.get_mut(..len).and_then(decode) {
-            Some(done) => {
-                self.done = done;
+        match self.bytes.0.get_mut(START..len).and_then(decode) {
+            Some(length) => {
+                self.done = length.saturating_add(START);
                 self.counters.frames = self.counters.frames.wrapping_add(1);
                 Some(Outcome::Frame)
             }

@@ -21,7 +21,7 @@ mod transmit;
 
 use crate::Ns;
 use crate::deframe::{self, Deframer};
-use crate::frame::{HelloAck, MAX_PAYLOAD, MAX_WIRE, VERSION};
+use crate::frame::{self, HelloAck, MAX_PAYLOAD, MAX_WIRE, VERSION};
 use receive::Receiver;
 use transmit::Transmitter;
 
@@ -304,7 +304,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
         let draft = self.transmitter.draft().ok_or(SendError::Full)?;
         if let Some(place) = draft.get_mut(..message.len()) {
-            place.copy_from_slice(message);
+            frame::copy(place, message);
         }
         self.send_draft(message.len())
     }

@@ -12,7 +12,7 @@ use zerocopy::{FromBytes, IntoBytes};
 
 /// Everything that comes out of the bytes, fed in portions of the given length.
 fn deframe(bytes: &[u8], portion: usize) -> Vec<Result<Vec<u8>, Outcome>> {
-    let mut deframer = Deframer::<202>::new();
+    let mut deframer = Deframer::<203>::new();
     let mut out = Vec::new();
     for mut part in bytes.chunks(portion) {
         while !part.is_empty() {

@@ -113,7 +113,7 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
             return Accepted::Duplicate;
         }
         let Some(place) = slot.bytes.get_mut(..message.len()) else { return Accepted::Beyond };
-        place.copy_from_slice(message);
+        frame::copy(place, message);
         slot.len = message.len();
         slot.full = true;
         self.held = self.held.wrapping_add(1);
