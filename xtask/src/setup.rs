@@ -3,7 +3,7 @@
 //! In: the machine as it is. Out: what was missing is installed and named. On Debian and Ubuntu apt
 //! installs it; elsewhere this says what to install and how. Where rustup cannot fetch the target,
 //! Debian's `rustc-web` with its source package builds `core` itself ([`Compiler::Debian`]).
-use crate::shell::{Outcome, cargo, program, read, run, works};
+use crate::shell::{self, Outcome, cargo, program, read, works};
 use std::path::Path;
 use std::process::Command;
 
@@ -60,14 +60,14 @@ pub fn compiler() -> Outcome<Compiler> {
         return Ok(Compiler::Pinned);
     }
     println!("set-up: adding the target {TARGET} with rustup");
-    if run_quietly_missing(program("rustup").args(["target", "add", TARGET])) && has_target() {
+    if succeeds(program("rustup").args(["target", "add", TARGET])) && has_target() {
         return Ok(Compiler::Pinned);
     }
     println!("set-up: rustup cannot fetch the target; taking Debian's compiler for the image");
     debian_compiler()
 }
 
-fn run_quietly_missing(command: &mut Command) -> bool {
+fn succeeds(command: &mut Command) -> bool {
     command.status().is_ok_and(|status| status.success())
 }
 
@@ -127,7 +127,7 @@ fn install(packages: &[&str], elsewhere: &str) -> Outcome {
     if works(&mut apt(&arguments)) {
         return Ok(());
     }
-    run(&mut apt(&["update"])).and_then(|()| run(&mut apt(&arguments)))
+    shell::run(&mut apt(&["update"])).and_then(|()| shell::run(&mut apt(&arguments)))
         .map_err(|e| format!("{e}; to install by hand: `apt-get install {}`", packages.join(" ")))
 }
 

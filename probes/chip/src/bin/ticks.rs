@@ -1,0 +1,182 @@
+#![no_std]
+#![no_main]
+//! Counts the instructions of ticks, in QEMU with `-icount shift=6` or more.
+//!
+//! Out, by semihosting: one line a tick, `CASE MARK COUNT`, with COUNT in periods of the 25 MHz SysTick
+//! (40 ns; `xtask` turns them into instructions, of which each takes 2^shift ns), the cost of the
+//! reading itself taken off. MARK says what the tick did: `start` (it executed the commands), `change`
+//! (every running axis entered another segment), `inside` (none did), `idle`.
+//!
+//! The machine under the tick only stores what it is told: what is counted is the tick alone.
+use core::hint::black_box;
+use hal as _; // the vector table
+use core::panic::PanicInfo;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_semihosting::{debug, hprintln};
+use probes::{AXES, STORES, Thread};
+use servo::op::{Entry, Mode, Op};
+use servo::port::{AxisInputs, Port};
+use servo::pt::{Chain, Segment};
+use servo::tick::{Lanes, Tick};
+use servo::units::{Axis, AxisMask, Ns, Pos};
+
+/// Ticks counted in each case.
+const TICKS: usize = 400;
+/// Segments of a pass, over and over.
+const SEGMENTS: u32 = 24;
+/// Duration of each, ms: 16 ticks.
+const SEGMENT_MS: i32 = 4;
+
+#[panic_handler]
+fn panicked(info: &PanicInfo<'_>) -> ! {
+    hprintln!("{}", info);
+    debug::exit(debug::EXIT_FAILURE);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Stores what it is told and reads its set-points back as encoders.
+struct Sink {
+    set_points: [Pos; AXES],
+    outputs: (u64, u64, u32),
+    analog: [i16; 8],
+}
+
+impl Port for Sink {
+    fn inputs(&mut self, _: Axis) -> AxisInputs {
+        AxisInputs::default()
+    }
+    fn encoder(&mut self, axis: Axis) -> i64 {
+        self.set_points.get(axis.index()).map_or(0, |pos| pos.0 >> Pos::FRAC_BITS)
+    }
+    fn general_inputs(&mut self) -> u32 {
+        0
+    }
+    fn analog(&mut self, _: usize) -> i16 {
+        0
+    }
+    fn set_point(&mut self, axis: Axis, pos: Pos) {
+        if let Some(place) = self.set_points.get_mut(axis.index()) {
+            *place = pos;
+        }
+    }
+    fn outputs(&mut self, enable: u64, clear: u64, general: u32) {
+        self.outputs = (enable, clear, general);
+    }
+    fn analog_out(&mut self, channel: usize, value: i16) {
+        if let Some(place) = self.analog.get_mut(channel) {
+            *place = value;
+        }
+    }
+}
+
+/// Tick, machine, hand-overs and the clock that counts.
+struct Bench {
+    tick: Tick<AXES>,
+    machine: Sink,
+    lanes: Lanes<'static, AXES>,
+    thread: Thread,
+    seq: u32,
+    /// Periods that reading the counter twice takes by itself.
+    reading: u32,
+}
+
+/// Not inlined, so that each tick is the same code as in the image.
+#[inline(never)]
+fn tick(tick: &mut Tick<AXES>, machine: &mut Sink, lanes: &mut Lanes<'static, AXES>) {
+    tick.run(machine, lanes);
+}
+
+#[inline(never)]
+fn nothing(_: &mut Tick<AXES>, _: &mut Sink, _: &mut Lanes<'static, AXES>) {}
+
+impl Bench {
+    /// Counter periods between two readings around a call.
+    fn count(&mut self, call: fn(&mut Tick<AXES>, &mut Sink, &mut Lanes<'static, AXES>)) -> u32 {
+        let call = black_box(call);
+        let before = SYST::get_current();
+        call(&mut self.tick, &mut self.machine, &mut self.lanes);
+        let after = SYST::get_current();
+        // A down counter of 24 bits.
+        before.wrapping_sub(after) & 0xff_ffff
+    }
+
+    fn push(&mut self, op: Op) {
+        self.seq += 1;
+        assert!(self.thread.immediate.push(Entry { seq: self.seq, delay: Ns(0), op }).is_ok(), "the lane is full");
+    }
+
+    /// One counted tick, printed.
+    fn step(&mut self, case: &str, mark: Option<&str>) {
+        let before = *self.thread.view.read();
+        let count = self.count(tick).saturating_sub(self.reading);
+        let after = self.thread.view.read();
+        let changed = before.axes[0].motion.c != after.axes[0].motion.c;
+        let mark = mark.unwrap_or(if changed { "change" } else { "inside" });
+        hprintln!("{} {} {}", case, mark, count);
+        while self.thread.events.pop().is_some() {}
+    }
+
+    /// Gives an axis its pass: positions that differ from axis to axis and come back to 0.
+    fn load(&mut self, axis: Axis) {
+        let mut chain = Chain::default();
+        for k in 1..=SEGMENTS {
+            let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
+            let kind = if k == SEGMENTS { 2 } else { (k % 3) as i16 };
+            let position = f64::from(place) + 0.37;
+            let admitted = Segment::admit(position.to_bits(), k as i32 * SEGMENT_MS, kind, &chain);
+            let Ok((segment, next)) = admitted else { panic!("segment {k} is refused: {admitted:?}") };
+            STORES[axis.index()].write(k - 1, segment.words());
+            chain = next;
+        }
+    }
+
+    fn run(&mut self, case: &str, running: usize) {
+        for _ in 0..8 {
+            self.step(case, Some("idle"));
+        }
+        let mut axes = AxisMask(0);
+        for axis in (0..running).filter_map(Axis::new) {
+            self.load(axis);
+            axes.0 |= axis.mask().0;
+            self.push(Op::Servo { axis, on: true });
+            self.push(Op::SetMode { axis, mode: Mode::PtStatic });
+            self.push(Op::PtLoop { axis, passes: 0 });
+            self.push(Op::PtCommit { axis, fifo: 0, end: SEGMENTS, epoch: 0 });
+        }
+        self.step(case, Some("set"));
+        if running > 0 {
+            self.push(Op::PtStart { axes, fifo1: AxisMask(0) });
+            self.step(case, Some("start"));
+            let now = *self.thread.view.read();
+            assert!(now.axes.iter().take(running).all(|a| a.pt_state == 1), "an axis does not run");
+        }
+        for _ in 0..TICKS {
+            self.step(case, if running == 0 { Some("idle") } else { None });
+        }
+        self.push(Op::Reset { axes });
+        self.step(case, Some("reset"));
+    }
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let mut core = cortex_m::Peripherals::take().expect("once");
+    core.SYST.set_clock_source(SystClkSource::Core);
+    core.SYST.set_reload(0xff_ffff);
+    core.SYST.clear_current();
+    core.SYST.enable_counter();
+    let (tick, lanes, thread) = probes::bench().expect("once");
+    let machine = Sink { set_points: [Pos(0); AXES], outputs: (0, 0, 0), analog: [0; 8] };
+    let mut bench = Bench { tick, machine, lanes, thread, seq: 0, reading: 0 };
+    bench.reading = bench.count(nothing);
+    for (case, running) in [("0", 0), ("1", 1), ("8", 8)] {
+        bench.run(case, running);
+    }
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}

@@ -1,0 +1,50 @@
+#![no_std]
+#![forbid(unsafe_code)]
+//! What the probes share: a tick of 8 axes with its hand-overs, all static.
+//!
+//! In: nothing. Out: both halves of everything, once. Owns the statics. Fails with `None` when asked
+//! twice.
+use ring::{Consumer, Latest, Producer, Reader, Ring};
+use servo::op::Entry;
+use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
+use servo::view::{Event, Sample, View};
+
+/// Axes of the probes: what SPEC 11 counts with.
+pub const AXES: usize = 8;
+
+/// Tick period of the probes: 250 µs.
+pub const PERIOD_NS: u32 = 250_000;
+
+static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
+static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
+static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
+static NEWS: Ring<Event, EVENTS> = Ring::new();
+static TRACE: Ring<Sample, SAMPLES> = Ring::new();
+/// PT segments of the axes.
+pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
+
+/// The thread's halves.
+pub struct Thread {
+    /// Operations for the next tick.
+    pub immediate: Producer<'static, Entry, IMMEDIATE>,
+    /// Timed operations.
+    pub program: Producer<'static, Entry, PROGRAM>,
+    /// The newest view.
+    pub view: Reader<'static, View<AXES>>,
+    /// News.
+    pub events: Consumer<'static, Event, EVENTS>,
+    /// Trace samples.
+    pub samples: Consumer<'static, Sample, SAMPLES>,
+}
+
+/// A tick at power-on with its halves, and the thread's.
+pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
+    let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
+    let (program_in, program) = PROGRAM_LANE.split_once()?;
+    let (view_in, view) = VIEW.split_once()?;
+    let (events_in, events) = NEWS.split_once()?;
+    let (samples_in, samples) = TRACE.split_once()?;
+    let tick = Tick::new(TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8 });
+    let lanes = Lanes { immediate, program, view: view_in, events: events_in, samples: samples_in, segments: &STORES };
+    Some((tick, lanes, Thread { immediate: immediate_in, program: program_in, view, events, samples }))
+}

@@ -1,0 +1,16 @@
+//! The right way round: everything that enters a lane has passed servo's checks.
+use ring::Ring;
+use servo::op::{Entry, Op};
+use servo::ramp::{Accel, Speed};
+use servo::units::{Axis, Ns};
+
+fn main() {
+    let axis = Axis::new(3).expect("below the capacity");
+    let acc = Accel::admit(0.25f64.to_bits()).expect("positive");
+    let speed = Speed::admit(50f64.to_bits()).expect("below full scale");
+    let lane: Ring<Entry, 4> = Ring::new();
+    let (mut producer, _consumer) = lane.split_once().expect("once");
+    for op in [Op::TargetSpeed { axis, speed }, Op::JogPrm { axis, acc, dec: acc, smooth: 0 }] {
+        assert!(producer.push(Entry { seq: 0, delay: Ns(0), op }).is_ok());
+    }
+}

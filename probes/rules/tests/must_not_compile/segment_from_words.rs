@@ -1,0 +1,4 @@
+//! A PT segment put together by hand.
+fn main() {
+    let _ = servo::pt::Segment([1, 2, 3]);
+}

@@ -1,0 +1,154 @@
+//! Everything that must pass before a change is accepted; `.ci/run` runs exactly this.
+//!
+//! In: the checkout. Out: every step with its time, a summary, and as the last line how many tests and
+//! checks passed and failed. A step that fails does not hide those after it.
+use crate::setup::{self, compiler};
+use crate::shell::{self, Outcome, cargo, line, target};
+use crate::{image, probes, ticks, traces};
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+/// Packages that only the Cortex-M7 can run.
+const CHIP: [&str; 3] = ["beamtick-firmware", "beamtick-hal", "beamtick-probes"];
+
+/// How many tests a step ran, beyond itself.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Count {
+    passed: u32,
+    failed: u32,
+}
+
+/// A step: its name, and what it does.
+type Step = (&'static str, fn() -> (Count, Outcome));
+
+const STEPS: [Step; 9] = [
+    ("set-up", || alone(setup::run())),
+    ("format", || alone(shell::run(cargo().args(["fmt", "--all", "--check"])))),
+    ("clippy, host", || alone(shell::run(host(["clippy"]).args(["--all-targets", "--", "-D", "warnings"])))),
+    ("clippy, Cortex-M7", || alone(clippy_chip())),
+    ("tests", || tests(host(["test"]).arg("--no-fail-fast"))),
+    ("orderings of the rings, every interleaving (loom)", || tests(&mut loom())),
+    ("image and probes", || alone(image::report().and_then(|()| probes::cannot_panic()))),
+    ("instructions per tick", || alone(ticks::check())),
+    ("traces of image and virtual controller", || alone(traces::run())),
+];
+
+/// Runs all steps.
+pub fn run() -> Outcome {
+    let began = Instant::now();
+    let mut total = Count::default();
+    let mut report = Vec::new();
+    for (name, step) in STEPS {
+        println!("\n=== {name}");
+        let began = Instant::now();
+        let (count, outcome) = step();
+        total.passed += count.passed;
+        total.failed += count.failed;
+        let seconds = began.elapsed().as_secs_f64();
+        let tests = if count == Count::default() { String::new() } else { format!(", {} tests", count.passed) };
+        match outcome {
+            Ok(()) => {
+                total.passed += 1;
+                report.push(format!("passed  {name}{tests} ({seconds:.0} s)"));
+            }
+            Err(reason) => {
+                eprintln!("error: {reason}");
+                total.failed += 1;
+                report.push(format!("FAILED  {name}{tests} ({seconds:.0} s): {}", reason.lines().next().unwrap_or("")));
+            }
+        }
+    }
+    println!("\n=== summary, {:.0} s", began.elapsed().as_secs_f64());
+    for line in report {
+        println!("{line}");
+    }
+    println!("{} passed, {} failed", total.passed, total.failed);
+    if total.failed == 0 { Ok(()) } else { Err("not everything passed".into()) }
+}
+
+fn alone(outcome: Outcome) -> (Count, Outcome) {
+    (Count::default(), outcome)
+}
+
+/// A cargo command for everything that runs on this machine.
+fn host<const N: usize>(words: [&str; N]) -> Command {
+    let mut command = cargo();
+    command.args(words).arg("--workspace");
+    for package in CHIP {
+        command.args(["--exclude", package]);
+    }
+    command
+}
+
+fn clippy_chip() -> Outcome {
+    let compiler = compiler()?;
+    let mut command = compiler.cargo();
+    command.args(["clippy", "--profile", "image"]).args(compiler.arguments());
+    for package in CHIP {
+        command.args(["--package", package]);
+    }
+    shell::run(command.args(["--", "-D", "warnings"]))
+}
+
+/// In a folder of its own: other flags would rebuild everything.
+fn loom() -> Command {
+    let mut command = cargo();
+    command
+        .args(["test", "--release", "--package", "beamtick-ring", "--lib"])
+        .env("RUSTFLAGS", "--cfg loom")
+        .env("CARGO_TARGET_DIR", target().join("loom"));
+    command
+}
+
+/// Runs a test command, shows what it prints, and counts.
+fn tests(command: &mut Command) -> (Count, Outcome) {
+    let mut count = Count::default();
+    let outcome = watch(command, &mut count);
+    if outcome.is_ok() && count.passed == 0 {
+        return (count, Err(format!("`{}` ran no test", line(command))));
+    }
+    (count, outcome)
+}
+
+fn watch(command: &mut Command, count: &mut Count) -> Outcome {
+    let failed = |e: std::io::Error, command: &Command| format!("`{}`: {e}", line(command));
+    let mut child = command.stdout(Stdio::piped()).spawn().map_err(|e| failed(e, command))?;
+    if let Some(stdout) = child.stdout.take() {
+        for text in BufReader::new(stdout).lines() {
+            let text = text.map_err(|e| failed(e, command))?;
+            if let Some(found) = counted(&text) {
+                count.passed += found.passed;
+                count.failed += found.failed;
+            }
+            // A closed terminal is no reason to stop testing.
+            let _ = writeln!(std::io::stdout(), "{text}");
+        }
+    }
+    let status = child.wait().map_err(|e| failed(e, command))?;
+    if status.success() { Ok(()) } else { Err(format!("`{}` failed ({status})", line(command))) }
+}
+
+/// The counts of a `test result:` line.
+fn counted(text: &str) -> Option<Count> {
+    let rest = text.strip_prefix("test result: ")?;
+    let number = |word: &str| {
+        let before = rest.split_once(word)?.0;
+        before.rsplit([' ', '.', ';']).find(|part| !part.is_empty())?.parse().ok()
+    };
+    Some(Count { passed: number(" passed")?, failed: number(" failed")? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn result_lines_are_counted() {
+        let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out";
+        assert_eq!(counted(line), Some(Count { passed: 12, failed: 3 }));
+        let line = "test result: ok. 7 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out";
+        assert_eq!(counted(line), Some(Count { passed: 7, failed: 0 }));
+        assert_eq!(counted("test a ... ok"), None);
+    }
+}

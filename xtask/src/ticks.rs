@@ -1,0 +1,209 @@
+//! Instructions per servo tick, counted in the emulator.
+//!
+//! In: what `probes/chip/src/bin/ticks.rs` prints. Out: a table; `write` puts it into
+//! `docs/numbers.md` between its two marks, `check` compares with what stands there. QEMU counts
+//! instructions, not cycles: every number here is the same on every run of the same image, and may
+//! change a little when the compiler or anything inlined into the tick changes.
+use crate::image::build_bin;
+use crate::setup::{self, QEMU};
+use crate::shell::{Outcome, program, read, root};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// Nanoseconds that an instruction takes in the emulator: 2^8, so that the 40 ns of SysTick resolve it.
+const SHIFT: u32 = 8;
+const SYSTICK_NS: u32 = 40;
+
+/// How far a count may be above the stated one before `check` fails, in percent (and a few
+/// instructions, for the small ones).
+const TOLERANCE_PERCENT: u32 = 3;
+const TOLERANCE: u32 = 8;
+
+const BEGIN: &str = "<!-- ticks: written by `cargo xtask ticks` -->";
+const END: &str = "<!-- end of ticks -->";
+
+/// Fewest, middle and most instructions of some ticks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Row {
+    best: u32,
+    typical: u32,
+    worst: u32,
+    ticks: usize,
+}
+
+/// Rows in the order of the table: what runs, then what the tick does.
+type Table = BTreeMap<(u32, &'static str), Row>;
+
+const MARKS: [(&str, &str); 5] = [
+    ("idle", "nothing runs"),
+    ("inside", "no segment change"),
+    ("change", "every axis enters another segment"),
+    ("start", "all axes start"),
+    ("set", "servo on, mode, loop and commit for every axis"),
+];
+
+fn count() -> Outcome<Table> {
+    setup::run()?;
+    let image = build_bin("beamtick-probes", "ticks")?;
+    let mut qemu = program(QEMU);
+    qemu.args(["-M", "mps2-an500", "-nographic", "-monitor", "none", "-serial", "null"])
+        .args(["-icount", &format!("shift={SHIFT}")])
+        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+        .arg(image);
+    table(&read(&mut qemu)?)
+}
+
+/// Makes the table of what the probe prints.
+fn table(text: &str) -> Outcome<Table> {
+    let mut counts: BTreeMap<(u32, &'static str), Vec<u32>> = BTreeMap::new();
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [case, mark, count] = words.as_slice() else { return Err(format!("the probe says: {line}")) };
+        let (Ok(axes), Ok(count)) = (case.parse::<u32>(), count.parse::<u32>()) else {
+            return Err(format!("the probe says: {line}"));
+        };
+        if axes > 0 && *mark == "idle" {
+            continue;
+        }
+        if let Some((mark, _)) = MARKS.iter().find(|(known, _)| known == mark) {
+            counts.entry((axes, *mark)).or_default().push(instructions(count));
+        }
+    }
+    for (axes, mark) in [(0, "idle"), (1, "inside"), (1, "change"), (8, "inside"), (8, "change")] {
+        if counts.get(&(axes, mark)).is_none_or(|c| c.len() < 8) {
+            return Err(format!("the probe ran too few ticks of {axes} axes, {mark}"));
+        }
+    }
+    Ok(counts.into_iter().map(|(key, counts)| (key, row(counts))).collect())
+}
+
+fn instructions(periods: u32) -> u32 {
+    (periods * SYSTICK_NS + (1 << (SHIFT - 1))) >> SHIFT
+}
+
+fn row(mut counts: Vec<u32>) -> Row {
+    counts.sort_unstable();
+    let at = |index: usize| counts.get(index).copied().unwrap_or_default();
+    Row { best: at(0), typical: at(counts.len() / 2), worst: at(counts.len().saturating_sub(1)), ticks: counts.len() }
+}
+
+fn shown(table: &Table) -> String {
+    let mut text = String::from(
+        "| axes running PT | tick | best | typical | worst | ticks counted |\n| --- | --- | --- | --- | --- | --- |\n",
+    );
+    for (mark, words) in MARKS {
+        for ((axes, _), row) in table.iter().filter(|((_, m), _)| *m == mark) {
+            if *axes == 0 && mark != "idle" {
+                continue;
+            }
+            let Row { best, typical, worst, ticks } = row;
+            let _ = writeln!(text, "| {axes} | {words} | {best} | {typical} | {worst} | {ticks} |");
+        }
+    }
+    text
+}
+
+fn page() -> std::path::PathBuf {
+    root().join("docs/numbers.md")
+}
+
+/// Splits the page around the table.
+fn parts(page: &str) -> Outcome<(&str, &str, &str)> {
+    page.split_once(BEGIN)
+        .and_then(|(before, rest)| rest.split_once(END).map(|(old, after)| (before, old, after)))
+        .ok_or_else(|| format!("docs/numbers.md lacks the lines `{BEGIN}` and `{END}`"))
+}
+
+/// Counts, prints, and writes the table into the page.
+pub fn write() -> Outcome {
+    let table = shown(&count()?);
+    print!("{table}");
+    let text = std::fs::read_to_string(page()).map_err(|e| format!("docs/numbers.md: {e}"))?;
+    let (before, _, after) = parts(&text)?;
+    std::fs::write(page(), format!("{before}{BEGIN}\n{table}{END}{after}"))
+        .map_err(|e| format!("docs/numbers.md: {e}"))
+}
+
+/// Counts, and compares with the page: more instructions than stated is an error, fewer is news.
+pub fn check() -> Outcome {
+    let counted = shown(&count()?);
+    print!("{counted}");
+    let text = std::fs::read_to_string(page()).map_err(|e| format!("docs/numbers.md: {e}"))?;
+    let (_, stated, _) = parts(&text)?;
+    compare(stated.trim(), counted.trim())
+}
+
+fn compare(stated: &str, counted: &str) -> Outcome {
+    if stated.lines().count() != counted.lines().count() {
+        return Err("docs/numbers.md has other rows than were counted; `cargo xtask ticks` writes it anew".into());
+    }
+    let mut worse = String::new();
+    for (stated, counted) in stated.lines().zip(counted.lines()).skip(2) {
+        let (name, old) = cells(stated)?;
+        let (same, new) = cells(counted)?;
+        if name != same {
+            return Err(format!("docs/numbers.md states `{name}` where `{same}` was counted"));
+        }
+        for (old, new) in old.into_iter().zip(new) {
+            let allowed = old * TOLERANCE_PERCENT / 100 + TOLERANCE;
+            if new > old + allowed {
+                let _ = write!(worse, "\n  {name}: {new} instructions where {old} are stated");
+            } else if new + allowed < old {
+                println!("{name}: {new} instructions where {old} are stated; `cargo xtask ticks` writes it down");
+            }
+        }
+    }
+    if worse.is_empty() { Ok(()) } else { Err(format!("the tick has become longer:{worse}")) }
+}
+
+/// A row's words and its three counts.
+fn cells(row: &str) -> Outcome<(String, [u32; 3])> {
+    let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+    let [_, axes, tick, best, typical, worst, ..] = cells.as_slice() else {
+        return Err(format!("not a row of the table: {row}"));
+    };
+    let number = |cell: &str| cell.parse::<u32>().map_err(|_| format!("not a count: {cell} in {row}"));
+    Ok((format!("{axes} axes, {tick}"), [number(best)?, number(typical)?, number(worst)?]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn printed(inside: u32) -> String {
+        let mut text = String::new();
+        for axes in [0u32, 1, 8] {
+            for k in 0..10 {
+                let mark = if axes == 0 { "idle" } else { "inside" };
+                let _ = writeln!(text, "{axes} {mark} {}", (inside + k) * 32 / 5);
+                if axes > 0 {
+                    let _ = writeln!(text, "{axes} change {}", (2 * inside + k) * 32 / 5);
+                }
+            }
+        }
+        text
+    }
+
+    #[test]
+    fn counts_become_instructions() {
+        let table = table(&printed(1000)).unwrap();
+        assert_eq!(table[&(1, "inside")], Row { best: 1000, typical: 1005, worst: 1009, ticks: 10 });
+        assert_eq!(table[&(8, "change")].best, 2000);
+    }
+
+    #[test]
+    fn a_longer_tick_is_an_error_and_a_shorter_one_is_not() {
+        let old = shown(&table(&printed(1000)).unwrap());
+        assert!(compare(old.trim(), old.trim()).is_ok());
+        let longer = shown(&table(&printed(1060)).unwrap());
+        assert!(compare(old.trim(), longer.trim()).unwrap_err().contains("1060"));
+        let shorter = shown(&table(&printed(900)).unwrap());
+        assert!(compare(old.trim(), shorter.trim()).is_ok());
+    }
+
+    #[test]
+    fn what_the_probe_does_not_say_is_an_error() {
+        assert!(table("1 inside 5\n").is_err());
+        assert!(table("panicked at somewhere").is_err());
+    }
+}

@@ -1,0 +1,142 @@
+//! The same job in the virtual controller and in the image: the traces must be equal, byte for byte.
+//!
+//! In: job files. Out: a trace of each run in a folder, and the first line that differs, if one does.
+use crate::image;
+use crate::setup;
+use crate::shell::{self, Outcome, cargo, program, root, target};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+/// Tick periods at which the jobs are compared, µs.
+const TICKS_US: [u32; 3] = [50, 250, 1000];
+
+/// What runs jobs: the command-line program, and the image for its `--link qemu`.
+#[derive(Debug, Clone)]
+pub struct Runner {
+    program: PathBuf,
+    image: PathBuf,
+}
+
+impl Runner {
+    /// Builds both.
+    pub fn build() -> Outcome<Runner> {
+        setup::run()?;
+        let image = image::build()?;
+        shell::run(cargo().args(["build", "--release", "--package", "beamtick"]))?;
+        Ok(Runner { program: target().join("release").join("beamtick"), image })
+    }
+
+    /// A call of the program.
+    pub fn call(&self, arguments: &[&str]) -> Command {
+        let mut command = program(&self.program);
+        command.args(arguments).env("BEAMTICK_IMAGE", &self.image);
+        command
+    }
+}
+
+/// The example jobs, by name.
+fn jobs() -> Outcome<Vec<PathBuf>> {
+    let folder = root().join("examples");
+    let entries = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut jobs: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "gts"))
+        .collect();
+    jobs.sort();
+    if jobs.is_empty() { Err("examples/ holds no job".into()) } else { Ok(jobs) }
+}
+
+/// Every example at every period.
+pub fn run() -> Outcome {
+    let runner = Runner::build()?;
+    let folder = target().join("traces");
+    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    for job in jobs()? {
+        for tick_us in TICKS_US {
+            let began = Instant::now();
+            let rows = compare(&runner, &job, tick_us, &folder)?;
+            let name = name(&job);
+            println!("{name} at {tick_us} µs: {rows} rows, equal ({:.1} s)", began.elapsed().as_secs_f64());
+        }
+    }
+    Ok(())
+}
+
+/// The job's name without folder and extension.
+pub fn name(job: &Path) -> String {
+    job.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn compare(runner: &Runner, job: &Path, tick_us: u32, folder: &Path) -> Outcome<usize> {
+    let job_text = job.to_string_lossy();
+    let tick = tick_us.to_string();
+    let file = |way: &str| folder.join(format!("{}-{tick_us}-{way}.csv", name(job)));
+    let (sim, run_) = (file("sim"), file("run"));
+    let common = ["--quiet", "--tick-us", tick.as_str(), "--trace"];
+    let sim_text = sim.to_string_lossy();
+    let run_text = run_.to_string_lossy();
+    quietly(runner.call(&[&["sim", &job_text], &common[..], &[&sim_text]].concat()))?;
+    quietly(runner.call(&[&["run", &job_text, "--link", "qemu"], &common[..], &[&run_text]].concat()))?;
+    equal(&sim, &run_)
+}
+
+/// Runs it and shows what it prints only if it fails.
+fn quietly(mut command: Command) -> Outcome {
+    let line = crate::shell::line(&command);
+    let output = command.output().map_err(|e| format!("`{line}` did not start: {e}"))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    Err(format!("`{line}` failed ({}):\n{said}", output.status))
+}
+
+/// The number of rows of two files that are the same to the byte, or where they part.
+pub fn equal(one: &Path, other: &Path) -> Outcome<usize> {
+    let read = |path: &Path| std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()));
+    let (a, b) = (read(one)?, read(other)?);
+    let (rows_a, rows_b) = (a.split(|&c| c == b'\n'), b.split(|&c| c == b'\n'));
+    for (index, (x, y)) in rows_a.zip(rows_b).enumerate() {
+        if x != y {
+            return Err(format!(
+                "{} and {} differ in line {}:\n  {}\n  {}",
+                one.display(),
+                other.display(),
+                index + 1,
+                String::from_utf8_lossy(x),
+                String::from_utf8_lossy(y)
+            ));
+        }
+    }
+    if a.len() != b.len() {
+        return Err(format!("{} has {} bytes, {} has {}", one.display(), a.len(), other.display(), b.len()));
+    }
+    match a.iter().filter(|&&c| c == b'\n').count() {
+        0 | 1 => Err(format!("{} holds no rows", one.display())),
+        lines => Ok(lines - 1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_equal_only_to_the_last_byte() {
+        let folder = std::env::temp_dir().join(format!("beamtick-xtask-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.join(name);
+            std::fs::write(&path, text).unwrap();
+            path
+        };
+        let a = write("a", "t,p\n0,0\n1,5\n");
+        assert_eq!(equal(&a, &write("same", "t,p\n0,0\n1,5\n")), Ok(2));
+        assert!(equal(&a, &write("other", "t,p\n0,0\n1,6\n")).unwrap_err().contains("line 3"));
+        assert!(equal(&a, &write("longer", "t,p\n0,0\n1,5\n2,9\n")).is_err());
+        assert!(equal(&a, &write("shorter", "t,p\n0,0\n")).is_err());
+        assert!(equal(&write("head", "t,p\n"), &write("head2", "t,p\n")).is_err());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
