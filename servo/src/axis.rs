@@ -145,18 +145,30 @@ impl AxisState {
     fn take(&mut self, now: Ns, raw: AxisInputs, levels: u8, count: i64) {
         self.settled = !self.runs();
         let encoder = self.inputs.encoder(count);
-        if encoder != self.shown.encoder_before || encoder != self.shown.encoder || levels != self.levels {
+        if encoder != self.shown.encoder_before || encoder != self.shown.encoder {
             self.touch();
         }
-        (self.raw, self.levels, self.count) = (raw, levels, count);
+        if levels != self.levels {
+            (self.raw, self.levels) = (raw, levels);
+            self.touch();
+        }
+        self.count = count;
         self.shown.encoder_before = self.shown.encoder;
         self.shown.encoder = encoder;
         self.switches = self.inputs.switches(levels);
-        let causes = self.switches | self.inputs.bounds(self.shown.pos, encoder, self.servo_on);
+        let runs = self.runs();
+        let mut causes = self.switches;
+        if self.servo_on {
+            causes |= self.inputs.following_error(self.shown.pos, encoder);
+        }
+        if !runs {
+            // While it runs, the barrier of every step sees to the soft limits.
+            causes |= self.inputs.beyond(self.shown.pos);
+        }
         if causes | self.causes != 0 {
             self.latch(causes);
         }
-        if self.runs() {
+        if runs {
             self.inputs.leave_position();
             self.in_position = false;
         } else {

@@ -105,10 +105,9 @@ impl Inputs {
         (active & 3) << 5 | (active & 4) >> 1
     }
 
-    /// Other causes of latched status bits: the planned position beyond a soft limit, the following
-    /// error beyond its limit.
+    /// The limits that the planned position is beyond, as status bits.
     #[inline]
-    pub(crate) fn bounds(&self, pos: Pos, encoder: i64, servo_on: bool) -> u32 {
+    pub(crate) fn beyond(&self, pos: Pos) -> u32 {
         let mut causes = 0;
         if self.soft_positive.is_some_and(|limit| pos > Pos::pulses(limit)) {
             causes |= status::LIMIT_POSITIVE;
@@ -116,13 +115,16 @@ impl Inputs {
         if self.soft_negative.is_some_and(|limit| pos < Pos::pulses(limit)) {
             causes |= status::LIMIT_NEGATIVE;
         }
-        if let Some(limit) = self.error_limit
-            && servo_on
-            && error(pos, encoder) > (limit as u64) << Pos::FRAC_BITS
-        {
-            causes |= status::FOLLOWING_ERROR;
-        }
         causes
+    }
+
+    /// The following error's status bit, if it is beyond its limit.
+    #[inline]
+    pub(crate) fn following_error(&self, pos: Pos, encoder: i64) -> u32 {
+        match self.error_limit {
+            Some(limit) if error(pos, encoder) > (limit as u64) << Pos::FRAC_BITS => status::FOLLOWING_ERROR,
+            _ => 0,
+        }
     }
 
     /// The capture that this tick's rising edge of home makes.

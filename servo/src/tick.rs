@@ -163,7 +163,7 @@ impl<const AXES: usize> Tick<AXES> {
             port.set_point(axis, state.set_point());
             // Each of the three buffers catches up when its turn comes.
             if shown.changes != state.shown.changes {
-                *shown = state.shown;
+                shown.follow(&state.shown);
                 *inputs = state.raw;
             }
         }
