@@ -270,12 +270,11 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             opcode::Sleep | opcode::WaitStop | opcode::ProgramEnd => {
                 return self.refuse(record, Refused::new(Reason::NotInProgram), out);
             }
-            opcode::ProgramStatus if !record.body.is_empty() => {}
             opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus => {
                 if !self.is_quiet() {
                     return Step::Wait;
                 }
-                return match program.control(self, view, record, out) {
+                return match program.control(self, record) {
                     Ok(Some(answer)) => self.await_last(record, answer, false),
                     Ok(None) => Step::Wait,
                     Err(refused) => self.refuse(record, refused, out),

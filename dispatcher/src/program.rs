@@ -77,6 +77,8 @@ pub struct Program<'a> {
     /// The record in hand waits for the machine and must not miss the tick.
     urgent: bool,
     config: Option<u16>,
+    /// The script clock when the program was last seen to run, ns.
+    clock: u64,
     accepted: u32,
     done: u32,
 }
@@ -102,9 +104,15 @@ impl<'a> Program<'a> {
             settled: true,
             urgent: false,
             config: None,
+            clock: 0,
             accepted: 0,
             done: 0,
         }
+    }
+
+    /// Whether its clock runs in the tick that `view` shows.
+    fn runs<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        self.state == State::Running && self.run.is_some_and(|run| executed(view, run))
     }
 
     /// Whether it is held or runs.
@@ -146,9 +154,7 @@ impl<'a> Program<'a> {
     pub fn control<const AXES: usize>(
         &mut self,
         desk: &mut Desk<'_, AXES>,
-        view: &View<AXES>,
         record: &RequestRecord,
-        out: &mut ReplyWriter,
     ) -> Admitted<Option<Answer>> {
         match record.opcode {
             opcode::ProgramStart => {
@@ -166,6 +172,7 @@ impl<'a> Program<'a> {
                     (self.accepted, self.done, self.delay) = (0, 0, 0);
                 }
                 self.run = Some(desk.lane.last());
+                self.clock = 0;
                 self.strict = start.strict != 0;
                 self.state = State::Running;
                 Ok(Some(Answer::Program))
@@ -185,8 +192,10 @@ impl<'a> Program<'a> {
                 Ok(None)
             }
             _ => {
+                if !record.body.is_empty() {
+                    return Err(length::<protocol::command::ProgramStatus>(record.body));
+                }
                 // The client has looked: it knows what was taken.
-                let _ = (view, out);
                 self.overflowed = false;
                 Ok(Some(Answer::Program))
             }
@@ -195,8 +204,10 @@ impl<'a> Program<'a> {
 
     /// The reply to a program command.
     pub fn status<const AXES: usize>(&self, view: &View<AXES>, opcode: u16, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
-        let runs = self.state == State::Running && self.run.is_some_and(|run| executed(view, run));
-        let clock = if runs { view.now.0.saturating_sub(view.script_zero.0) } else { view.script.0 };
+        let clock = match self.state {
+            State::Empty | State::Held => view.script.0,
+            State::Running | State::Failed | State::Stopped => self.clock,
+        };
         let reply = ProgramReply {
             accepted: self.accepted.into(),
             executed: self.done.into(),
@@ -270,6 +281,9 @@ impl<'a> Program<'a> {
     pub fn advance<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>, out: &mut ReplyWriter) -> bool {
         self.lane.retire(view, &mut desk.now);
         self.urgent = false;
+        if self.runs(view) {
+            self.clock = view.now.0.saturating_sub(view.script_zero.0);
+        }
         let mut progress = false;
         if self.drop_due {
             self.push_drop(desk);
@@ -289,7 +303,7 @@ impl<'a> Program<'a> {
             progress = true;
         }
         match self.state {
-            State::Running if self.strict && view.late > 0 && self.run.is_some_and(|run| executed(view, run)) => {
+            State::Running if self.strict && view.late > 0 && self.runs(view) => {
                 self.late();
                 self.push_drop(desk);
                 true
@@ -405,7 +419,7 @@ impl<'a> Program<'a> {
         refused: &Refused,
         out: &mut ReplyWriter,
     ) -> bool {
-        let runs = self.state == State::Running && self.run.is_some_and(|run| executed(view, run));
+        let runs = self.runs(view);
         self.urgent = runs && (refused.reason != Reason::FifoFull || !self.lane.in_flight());
         let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
         if !runs || self.lane.in_flight() || !self.awaiting.is_empty() || view.now.0 <= instant {
