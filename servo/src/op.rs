@@ -67,6 +67,7 @@ pub enum Mode {
 }
 
 /// Everything the tick can be asked to do. Sizes are kept small: an entry is copied once.
+#[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Op {
     /// Nothing; its execution is the news.

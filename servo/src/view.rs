@@ -215,6 +215,7 @@ pub struct Sample {
 }
 
 /// News that must not be missed, from the tick to the thread.
+#[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Event {
     /// An axis came to rest for this reason.
