@@ -333,7 +333,13 @@ impl<I: Inlet> Bench<I> {
     /// Goes to the next instant at which something happens.
     fn step(&mut self) -> Result<(), String> {
         let wake = (self.busy_until > self.now).then_some(self.busy_until);
-        let next = [self.up.next_at(), self.down.next_at(), self.client.next_deadline(), self.controller.next_deadline(), wake];
+        let next = [
+            self.up.next_at(),
+            self.down.next_at(),
+            self.client.next_deadline(),
+            self.controller.next_deadline(),
+            wake,
+        ];
         // A state that is due stays due until it is transmitted, which happens below.
         let next = next.into_iter().flatten().min().unwrap_or(self.now + MS);
         self.now = next.max(self.now + 1_000);
@@ -439,7 +445,8 @@ impl<I: Inlet> Bench<I> {
                     break;
                 }
                 let (run, count) = (self.run, self.sent);
-                let command = SetPos { core: check(run, count).into(), profile: run.into(), pos: (count as i32).into() };
+                let command =
+                    SetPos { core: check(run, count).into(), profile: run.into(), pos: (count as i32).into() };
                 writer.push(Lane::Immediate, count as u16, &command, &[]).map_err(|error| format!("{error:?}"))?;
                 self.sent += 1;
             }
@@ -462,7 +469,10 @@ fn a_hundred_thousand_commands_arrive_exactly_once_and_in_order() {
     // The channel did what it was asked to, and the link met all of it.
     assert!(shown.channel.iter().all(|&count| count > 500), "{shown:?}");
     let seen = shown.counters;
-    assert!(seen.checksum > 100 && seen.duplicates > 100 && seen.timeouts > 10 && seen.fast_retransmits > 10, "{seen:?}");
+    assert!(
+        seen.checksum > 100 && seen.duplicates > 100 && seen.timeouts > 10 && seen.fast_retransmits > 10,
+        "{seen:?}"
+    );
     println!("{shown:#?}");
 }
 

@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn the_loop_agrees_with_the_crate_for_every_length_and_cut() {
-        let bytes: Vec<u8> = (0..300u32).map(|i| (i * i >> 3) as u8).collect();
+        let bytes: Vec<u8> = (0..300u32).map(|i| ((i * i) >> 3) as u8).collect();
         for length in 0..bytes.len() {
             let (all, cut) = (&bytes[..length], length / 3);
             assert_eq!(checksum(&[all]), CRC.checksum(all));

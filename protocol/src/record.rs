@@ -53,11 +53,7 @@ impl Malformed {
     pub fn refusal(&self) -> Refusal {
         match self.lane {
             None => length_refusal(self.left, self.len),
-            Some(lane) => Refusal {
-                got: F64::new(lane.into()),
-                high: F64::new(1.0),
-                ..Refusal::new(Reason::Selector)
-            },
+            Some(lane) => Refusal { got: F64::new(lane.into()), high: F64::new(1.0), ..Refusal::new(Reason::Selector) },
         }
     }
 }
@@ -230,6 +226,9 @@ impl<'a> Iterator for Replies<'a> {
     }
 }
 
+/// A record's place, head and body.
+type Found<'a, H> = Result<(usize, H, &'a [u8]), Malformed>;
+
 #[derive(Debug, Clone)]
 struct Cursor<'a> {
     message: &'a [u8],
@@ -237,7 +236,7 @@ struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    fn next<H: Wire>(&mut self, read: fn(&H) -> (u16, u16, u16)) -> Option<Result<(usize, H, &'a [u8]), Malformed>> {
+    fn next<H: Wire>(&mut self, read: fn(&H) -> (u16, u16, u16)) -> Option<Found<'a, H>> {
         let at = self.at;
         let rest = self.message.get(at..).unwrap_or(&[]);
         if rest.is_empty() {

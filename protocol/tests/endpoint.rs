@@ -47,10 +47,9 @@ fn an_end_has_the_memory_it_says() {
 
 #[test]
 fn another_schema_or_version_is_reported_and_changes_nothing() {
-    for theirs in [
-        Identity { schema: Identity::OURS.schema ^ 1, ..Identity::OURS },
-        Identity { version: 2, ..Identity::OURS },
-    ] {
+    for theirs in
+        [Identity { schema: Identity::OURS.schema ^ 1, ..Identity::OURS }, Identity { version: 2, ..Identity::OURS }]
+    {
         let (mut client, _) = ends();
         let mut controller = End::new(Role::Controller, theirs);
         client.open(0, 1);

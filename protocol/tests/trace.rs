@@ -9,7 +9,8 @@ fn sample(row: u32, axis: usize) -> Sample {
 
 /// A trace of some rows of some axes, frame by frame.
 fn frames(rows: u32, axes: usize, lost: u32) -> Vec<Vec<u8>> {
-    let ids: Vec<AxisId> = (0..axes).map(|axis| AxisId { core: (axis / 32) as u8, axis: (axis % 32 + 1) as u8 }).collect();
+    let ids: Vec<AxisId> =
+        (0..axes).map(|axis| AxisId { core: (axis / 32) as u8, axis: (axis % 32 + 1) as u8 }).collect();
     let mut encoder = Encoder::new();
     let mut wire = Vec::new();
     let mut out = [0; 100];

@@ -191,11 +191,8 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             self.offer = Some(offer);
             offer.session
         };
-        let answer = HelloAck {
-            schema: self.identity.schema.into(),
-            window: (WINDOW as u16).into(),
-            session: session.into(),
-        };
+        let answer =
+            HelloAck { schema: self.identity.schema.into(), window: (WINDOW as u16).into(), session: session.into() };
         self.answer = Some((nonce, answer));
     }
 

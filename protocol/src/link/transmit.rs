@@ -129,7 +129,7 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
 
     /// Time-out: `true` if `base` is to be sent again for it.
     pub(super) fn expire(&mut self, now: Ns) -> bool {
-        if !self.retry_at.is_some_and(|at| now >= at) {
+        if self.retry_at.is_none_or(|at| now < at) {
             return false;
         }
         self.resend = true;
