@@ -1,1 +1,62 @@
-fn main() {}
+#![forbid(unsafe_code)]
+//! `beamtick`: runs job scripts in the virtual controller or on a board.
+//!
+//! In: the command line, job files, configuration files. Out: what the job read, a summary, trace files;
+//! errors on the error stream with file, line and reason. Exit codes: 0 done, 1 the job or the link
+//! failed, 2 the command line or the job file is wrong.
+mod command_line;
+mod connect;
+mod entries;
+mod info;
+mod listing;
+mod record;
+mod reply;
+mod report;
+mod runner;
+mod source;
+
+use clap::Parser;
+use command_line::{Command, CommandLine};
+use std::process::ExitCode;
+
+/// Why the program ends with an error.
+#[derive(Debug)]
+pub enum Failure {
+    /// The job or the link: exit code 1.
+    Job(String),
+    /// The command line or the job file: exit code 2.
+    Input(String),
+}
+
+impl From<client::Error> for Failure {
+    fn from(error: client::Error) -> Self {
+        Failure::Job(format!("error {}: {error}", error.code))
+    }
+}
+
+impl From<trace::TraceError> for Failure {
+    fn from(error: trace::TraceError) -> Self {
+        Failure::Job(format!("trace: {error}"))
+    }
+}
+
+fn main() -> ExitCode {
+    let line = CommandLine::parse();
+    let done = match &line.command {
+        Command::Sim(arguments) => runner::sim(arguments),
+        Command::Run(arguments) => runner::run(arguments),
+        Command::Check(arguments) => listing::check(arguments),
+        Command::Info(arguments) => info::show(arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Job(text)) => {
+            eprintln!("{}", text.trim_end());
+            ExitCode::from(1)
+        }
+        Err(Failure::Input(text)) => {
+            eprintln!("{}", text.trim_end());
+            ExitCode::from(2)
+        }
+    }
+}

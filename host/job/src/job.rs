@@ -29,6 +29,8 @@ pub struct Step {
     pub line: u32,
     /// Column of the statement in characters, from 1.
     pub column: u32,
+    /// The statement's bytes in the script.
+    pub span: std::ops::Range<usize>,
     /// The statement as it is written, on one line.
     pub text: String,
     /// What it does.

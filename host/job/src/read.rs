@@ -236,8 +236,8 @@ impl<'a> Reader<'a> {
         }
         let span = self.tokens[start].span.start..self.before().end;
         let (line, column) = self.lines.place(self.text, span.start);
-        let text = self.text.get(span).unwrap_or("").split_whitespace().collect::<Vec<_>>().join(" ");
-        self.steps.push(Step { line, column, text, action });
+        let text = self.text.get(span.clone()).unwrap_or("").split_whitespace().collect::<Vec<_>>().join(" ");
+        self.steps.push(Step { line, column, span, text, action });
     }
 
     /// Line of a token.
@@ -373,9 +373,9 @@ impl<'a> Reader<'a> {
     fn finish(&mut self, start: usize) {
         let span = self.tokens[start].span.start..self.before().end;
         let (line, column) = self.lines.place(self.text, span.start);
-        let text = self.text.get(span).unwrap_or("").split_whitespace().collect::<Vec<_>>().join(" ");
+        let text = self.text.get(span.clone()).unwrap_or("").split_whitespace().collect::<Vec<_>>().join(" ");
         if let Some(step) = self.steps.last_mut().filter(|step| (step.line, step.column) == (line, column)) {
-            step.text = text;
+            (step.text, step.span) = (text, span);
         }
     }
 

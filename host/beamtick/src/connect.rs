@@ -1,0 +1,64 @@
+//! The command line's way to a controller.
+use crate::Failure;
+use crate::command_line::{FamilyName, Settings, Way};
+use client::{Client, Family, Link, Options, Profile};
+use std::path::{Path, PathBuf};
+use virtual_board::{Board, Config, Shared, VirtualLink, share};
+
+/// Where the image lies in the build folder.
+const IMAGE: &str = "target/thumbv7em-none-eabihf/image/beamtick-mps2";
+
+/// Servo tick of the virtual controller where none is asked for: the compatible value of SPEC 1.
+const TICK_US: u32 = 250;
+
+/// Client options from the settings.
+pub fn options(settings: &Settings) -> Result<Options, Failure> {
+    let profile = match &settings.profile {
+        None => None,
+        Some(name) => Some(Profile::named(name).ok_or_else(|| {
+            let known: Vec<&str> = Profile::ALL.iter().map(|(_, name)| *name).collect();
+            Failure::Input(format!("there is no profile `{name}`; profiles are {}", known.join(", ")))
+        })?),
+    };
+    let family = match settings.family {
+        FamilyName::Gus => Family::Gus,
+        FamilyName::Lsr => Family::Lsr,
+    };
+    Ok(Options { profile, family, tick_us: settings.tick_us, ..Options::default() })
+}
+
+/// A virtual controller and its client.
+pub fn simulated(settings: &Settings) -> Result<(Client, Shared), Failure> {
+    let options = options(settings)?;
+    let config = Config {
+        tick_us: settings.tick_us.unwrap_or(TICK_US),
+        profile: options.profile.unwrap_or(Profile::Gus) as u8,
+    };
+    let board = share(Board::new(config));
+    let client = Client::open(Box::new(VirtualLink::new(board.clone())), options)?;
+    Ok((client, board))
+}
+
+/// A client over the link that the command line names.
+pub fn linked(name: &str, way: &Way, settings: &Settings) -> Result<Client, Failure> {
+    let options = options(settings)?;
+    let link: Box<dyn Link> = match name {
+        "qemu" => client::link::open(&format!("qemu:{}", image(way)?.display()))?,
+        name => client::link::open(name)?,
+    };
+    Ok(Client::open(link, options)?)
+}
+
+/// The image that QEMU runs.
+fn image(way: &Way) -> Result<PathBuf, Failure> {
+    if let Some(image) = &way.image {
+        return Ok(image.clone());
+    }
+    let here = std::env::current_dir().unwrap_or_default();
+    here.ancestors().map(|folder| folder.join(IMAGE)).find(|image: &PathBuf| Path::is_file(image)).ok_or_else(|| {
+        Failure::Input(format!(
+            "there is no image for QEMU: {IMAGE} is not here nor in a folder above.\n\
+             `cargo demo` installs what is missing and builds it; --image FILE or BEAMTICK_IMAGE names another."
+        ))
+    })
+}

@@ -1,0 +1,207 @@
+//! Steps to entries of the program queue.
+//!
+//! In: a job and the controller's counts. Out: calls, and for each the steps it came from. Runs of PtData
+//! for one FIFO travel as PtDataMany, which changes nothing but their cost; an item that is refused
+//! still finds its line.
+use client::Call;
+use job::{Action, Job};
+use protocol::command::{
+    AxisStatus, PtData, PtDataMany, PtItem, Request, Sleep, Stop, Trace, VersionReply, WaitStop,
+};
+use zerocopy::FromBytes;
+
+/// Segments in one record, at most: two records fit in a frame.
+const MERGED: usize = 32;
+
+/// One entry.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// What is sent.
+    pub call: Call,
+    /// What it came from.
+    pub from: From,
+}
+
+/// Where an entry came from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum From {
+    /// A step of the job, by its number.
+    Step(usize),
+    /// One step for each item.
+    Items(Vec<usize>),
+    /// Behind the script: what it left moving.
+    Left {
+        /// Logical core, from 1.
+        core: i16,
+        /// First axis of the reply.
+        axis: i16,
+    },
+    /// Behind the script: the program's own end.
+    End,
+}
+
+impl Entry {
+    /// The step that an item belongs to; `item` is 65535 where none is named.
+    pub fn step(&self, item: u16) -> Option<usize> {
+        match &self.from {
+            From::Step(step) => Some(*step),
+            From::Items(steps) => steps.get(usize::from(item)).or(steps.first()).copied(),
+            From::Left { .. } | From::End => None,
+        }
+    }
+}
+
+/// All axes of a core as a mask.
+pub fn all_axes(version: &VersionReply) -> u32 {
+    1u32.checked_shl(version.axes_per_core.into()).unwrap_or(0).wrapping_sub(1)
+}
+
+/// The script's entries, then: what still moves is read, stopped smoothly and waited for, and a trace ends.
+pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
+    let mut entries = Vec::with_capacity(job.steps.len() + 16);
+    let mut run: Option<Run> = None;
+    for (number, step) in job.steps.iter().enumerate() {
+        if let Some(data) = datum(&step.action) {
+            let full = run.as_ref().is_some_and(|run| run.items.len() >= MERGED || run.key != key(&data));
+            if full {
+                finish(&mut entries, &mut run);
+            }
+            let open = run.get_or_insert_with(|| Run { key: key(&data), items: Vec::new(), steps: Vec::new() });
+            open.items.push(PtItem { pos: data.pos, time_ms: data.time_ms, kind: data.kind.get() as u8 });
+            open.steps.push(number);
+            continue;
+        }
+        finish(&mut entries, &mut run);
+        let from = From::Step(number);
+        match &step.action {
+            Action::Sleep { ns } => entries.push(Entry { call: Call::of(Sleep { ns: (*ns).into() }), from }),
+            Action::WaitStop { core, axes, crds } => entries.push(Entry { call: wait(*core, *axes, *crds), from }),
+            Action::WaitAll => {
+                for core in 1..=i16::from(version.cores) {
+                    entries.push(Entry { call: wait(core, all_axes(version), 0), from: from.clone() });
+                }
+            }
+            Action::Call(call) => {
+                let call = Call { opcode: call.opcode, payload: call.body.clone() };
+                entries.push(Entry { call, from });
+            }
+        }
+    }
+    finish(&mut entries, &mut run);
+    leave(&mut entries, job, version);
+    if traced {
+        entries.push(Entry { call: Call::of(Trace::default()), from: From::End });
+    }
+    entries
+}
+
+fn wait(core: i16, axes: u32, crds: u32) -> Call {
+    Call::of(WaitStop { core: core.into(), axes: axes.cast_signed().into(), crds: crds.cast_signed().into() })
+}
+
+/// Reads, stops and waits for what the script left moving, on the cores that it used.
+fn leave(entries: &mut Vec<Entry>, job: &Job, version: &VersionReply) {
+    let mut cores: Vec<i16> = job.axes.iter().map(|axis| axis.core).collect();
+    cores.retain(|core| (1..=i16::from(version.cores)).contains(core));
+    cores.dedup();
+    for core in cores {
+        for axis in job.axes.iter().filter(|axis| axis.core == core && axis.axis <= i16::from(version.axes_per_core)) {
+            let status = AxisStatus { core: core.into(), axis: axis.axis.into(), count: 1.into() };
+            entries.push(Entry { call: Call::of(status), from: From::Left { core, axis: axis.axis } });
+        }
+        let stop = Stop { core: core.into(), mask: all_axes(version).cast_signed().into(), option: 0.into(), form: 1 };
+        entries.push(Entry { call: Call::of(stop), from: From::End });
+        entries.push(Entry { call: wait(core, all_axes(version), 0), from: From::End });
+    }
+}
+
+/// Data of one FIFO, not sent yet.
+struct Run {
+    key: (i16, i16, i16),
+    items: Vec<PtItem>,
+    steps: Vec<usize>,
+}
+
+fn key(data: &PtData) -> (i16, i16, i16) {
+    (data.core.get(), data.profile.get(), data.fifo.get())
+}
+
+/// A PtData that may travel with others: what an item cannot hold, or what may fail, goes alone.
+fn datum(action: &Action) -> Option<PtData> {
+    let Action::Call(call) = action else { return None };
+    let alone = call.opcode != PtData::OPCODE || call.may_fail;
+    let data = (!alone).then(|| PtData::read_from_bytes(&call.body).ok()).flatten()?;
+    u8::try_from(data.kind.get()).is_ok().then_some(data)
+}
+
+fn finish(entries: &mut Vec<Entry>, run: &mut Option<Run>) {
+    let Some(run) = run.take() else { return };
+    let (core, profile, fifo) = run.key;
+    if let ([item], [step]) = (&run.items[..], &run.steps[..]) {
+        let data = PtData {
+            core: core.into(),
+            profile: profile.into(),
+            pos: item.pos,
+            time_ms: item.time_ms,
+            kind: i16::from(item.kind).into(),
+            fifo: fifo.into(),
+        };
+        entries.push(Entry { call: Call::of(data), from: From::Step(*step) });
+        return;
+    }
+    let many = PtDataMany {
+        core: core.into(),
+        profile: profile.into(),
+        fifo: fifo.into(),
+        count: (run.items.len() as u16).into(),
+    };
+    entries.push(Entry { call: Call::with_items(many, &run.items), from: From::Items(run.steps) });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use job::Files;
+
+    struct None;
+    impl Files for None {
+        fn text(&self, path: &str) -> Result<String, String> {
+            Err(path.to_owned())
+        }
+    }
+
+    fn version() -> VersionReply {
+        VersionReply { cores: 1, axes_per_core: 8, ..VersionReply::default() }
+    }
+
+    fn of(text: &str) -> Vec<Entry> {
+        entries(&job::compile(text, &None).unwrap(), &version(), false)
+    }
+
+    #[test]
+    fn runs_of_data_travel_together_and_keep_their_lines() {
+        let data: String = (1..=70).map(|n| format!("GT_PtData(1, {n}, {n});\n")).collect();
+        let found = of(&format!("{data}GT_PtData(2, 5, 6, 2);\nGT_PtData(2, 5, 7, 300);\n"));
+        let sizes: Vec<usize> = found.iter().map(|entry| if let From::Items(steps) = &entry.from { steps.len() } else { 1 }).collect();
+        assert_eq!(sizes, [32, 32, 6, 1, 1]);
+        assert_eq!(found[1].step(5), Some(37));
+        assert_eq!(found[1].step(65535), Some(32));
+        let (head, items) = PtDataMany::read_from_prefix(&found[2].call.payload).unwrap();
+        assert_eq!((head.count.get(), items.len()), (6, 6 * size_of::<PtItem>()));
+        let single = PtData::read_from_bytes(&found[3].call.payload).unwrap();
+        assert_eq!((single.pos.get(), single.time_ms.get(), single.kind.get()), (5.0, 6, 2));
+        // A type that an item cannot hold is sent as it is, for the controller to refuse.
+        assert_eq!(PtData::read_from_bytes(&found[4].call.payload).unwrap().kind.get(), 300);
+    }
+
+    #[test]
+    fn what_a_job_leaves_is_stopped_on_the_cores_it_used() {
+        let found = of("GT_PrfTrap(2); while(!kbhit());");
+        assert_eq!(found[1].call, wait(1, 0xff, 0));
+        assert_eq!(found[2].from, From::Left { core: 1, axis: 2 });
+        let stop = Stop::read_from_bytes(&found[3].call.payload).unwrap();
+        assert_eq!((stop.mask.get(), stop.option.get(), stop.form), (0xff, 0, 1));
+        assert_eq!(found[4].call, wait(1, 0xff, 0));
+        assert_eq!(of("Sleep(1);").len(), 1);
+    }
+}

@@ -1,0 +1,185 @@
+//! The trace stream to files: CSV, VCD, plot.
+//!
+//! In: the stream's bytes as they come. Out: files, and the peak velocity of each axis. The first error
+//! ends the recording and is told at its end: a gap is never passed over.
+use crate::Failure;
+use crate::command_line::Outputs;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::PoisonError;
+use trace::{CsvWriter, Header, Item, OutputEdge, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter};
+use virtual_board::{Output, Shared};
+
+/// See the module text.
+pub struct Recording {
+    reader: Reader,
+    sinks: Sinks,
+    failed: Option<TraceError>,
+}
+
+struct Sinks {
+    csv: Option<File>,
+    vcd: Option<File>,
+    plot: Option<(PathBuf, PlotOptions)>,
+    outputs: Vec<u8>,
+    board: Option<Shared>,
+    open: Option<Open>,
+}
+
+/// A trace that has begun.
+struct Open {
+    header: Header,
+    csv: Option<CsvWriter<BufWriter<File>>>,
+    vcd: Option<VcdWriter<BufWriter<File>>>,
+    plot: Option<Plot>,
+    peaks: Vec<f64>,
+    rows: u32,
+}
+
+/// What a trace showed.
+pub struct Recorded {
+    /// Its header.
+    pub header: Header,
+    /// Greatest speed of each axis of the header, pulse/ms.
+    pub peaks: Vec<f64>,
+    /// Rows.
+    pub rows: u32,
+}
+
+impl Recording {
+    /// Creates the files. `outputs` are the digital outputs that the job sets, from 1; `board` is the
+    /// virtual controller, whose output edges go into the VCD.
+    pub fn new(outputs: &Outputs, title: &str, digital: Vec<u8>, board: Option<Shared>) -> Result<Self, Failure> {
+        let create = |path: &PathBuf| {
+            File::create(path).map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", path.display())))
+        };
+        let plot = match &outputs.plot {
+            Some(path) => {
+                picture(path)?;
+                let options = PlotOptions {
+                    title: title.to_owned(),
+                    from_ms: outputs.from,
+                    to_ms: outputs.to,
+                    ..PlotOptions::default()
+                };
+                Some((path.clone(), options))
+            }
+            None => None,
+        };
+        Ok(Recording {
+            reader: Reader::new(),
+            sinks: Sinks {
+                csv: outputs.trace.as_ref().map(create).transpose()?,
+                vcd: outputs.vcd.as_ref().map(create).transpose()?,
+                plot,
+                outputs: digital,
+                board,
+                open: None,
+            },
+            failed: None,
+        })
+    }
+
+    /// Takes bytes of the stream.
+    pub fn feed(&mut self, bytes: &[u8]) {
+        if self.failed.is_some() {
+            return;
+        }
+        let Recording { reader, sinks, failed } = self;
+        sinks.take_edges();
+        if let Err(error) = reader.feed(bytes, |item| sinks.take(item)) {
+            *failed = Some(error);
+        }
+    }
+
+    /// Nothing more is to come.
+    pub fn is_over(&self) -> bool {
+        self.failed.is_some() || self.reader.ended()
+    }
+
+    /// Closes the files; the plot is drawn here.
+    pub fn finish(self) -> Result<Recorded, Failure> {
+        if let Some(error) = self.failed {
+            return Err(error.into());
+        }
+        let Some(open) = self.sinks.open else {
+            return Err(Failure::Job("trace: the controller sent none".into()));
+        };
+        if let Some(csv) = open.csv {
+            csv.finish()?;
+        }
+        if let Some(vcd) = open.vcd {
+            vcd.finish()?;
+        }
+        if let (Some(plot), Some((path, _))) = (&open.plot, &self.sinks.plot) {
+            plot.save(path)?;
+        }
+        if !self.reader.ended() {
+            return Err(Failure::Job(format!("trace: it breaks off after {} rows; the end did not come", open.rows)));
+        }
+        Ok(Recorded { header: open.header, peaks: open.peaks, rows: open.rows })
+    }
+}
+
+impl Sinks {
+    fn take(&mut self, item: Item) -> trace::Result<()> {
+        match item {
+            Item::Header(header) => self.begin(header),
+            Item::Row(row) => self.open.as_mut().map_or(Ok(()), |open| open.row(&row)),
+            Item::End { .. } => Ok(()),
+        }
+    }
+
+    fn begin(&mut self, header: Header) -> trace::Result<()> {
+        let levels: Vec<(u8, bool)> = self.outputs.iter().map(|output| (*output, false)).collect();
+        let csv = self.csv.take().map(|file| CsvWriter::new(BufWriter::new(file), &header)).transpose()?;
+        let vcd = self.vcd.take().map(|file| VcdWriter::new(BufWriter::new(file), &header, &levels)).transpose()?;
+        let plot = self.plot.as_ref().map(|(_, options)| Plot::new(&header, options.clone()));
+        let peaks = vec![0.0; header.axes.len()];
+        self.open = Some(Open { header, csv, vcd, plot, peaks, rows: 0 });
+        Ok(())
+    }
+
+    /// The virtual controller's output edges, ahead of the rows that come after them.
+    fn take_edges(&mut self) {
+        let (Some(board), Some(Open { vcd: Some(vcd), .. })) = (&self.board, &mut self.open) else { return };
+        let mut board = board.lock().unwrap_or_else(PoisonError::into_inner);
+        let zero = board.program_zero_ns();
+        for edge in board.take_edges() {
+            if let (Output::General(number), Some(t_ns)) = (edge.output, edge.at_ns.checked_sub(zero)) {
+                let output = number + 1;
+                if self.outputs.contains(&output) {
+                    vcd.edge(OutputEdge { t_ns, output, level: edge.level });
+                }
+            }
+        }
+    }
+}
+
+impl Open {
+    fn row(&mut self, row: &Row) -> trace::Result<()> {
+        self.rows += 1;
+        for (peak, point) in self.peaks.iter_mut().zip(&row.axes) {
+            *peak = peak.max(trace::decimal::velocity_f64(point.vel).abs());
+        }
+        if let Some(csv) = &mut self.csv {
+            csv.row(row)?;
+        }
+        if let Some(vcd) = &mut self.vcd {
+            vcd.row(row)?;
+        }
+        if let Some(plot) = &mut self.plot {
+            plot.row(row);
+        }
+        Ok(())
+    }
+}
+
+/// The plot's path must say what kind of picture it is, before the job runs.
+fn picture(path: &Path) -> Result<(), Failure> {
+    match path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase).as_deref() {
+        Some("svg" | "png") => Ok(()),
+        _ => Err(Failure::Input(format!("{}: a plot's name ends with .svg or .png", path.display()))),
+    }
+}

@@ -1,0 +1,133 @@
+//! What a job says while it runs: reads, failures, progress.
+//!
+//! In: the answers to its entries. Out: lines on the standard output, a progress bar where the error
+//! stream is a terminal. It remembers which axes the script left moving.
+use crate::entries::{Entry, From};
+use crate::reply;
+use crate::source::Source;
+use client::{Answer, Dry, Error, Observer, Progress};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use job::{Action, Severity};
+use protocol::command::AxisStatus;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Bit 10 of the status word: the profile runs.
+const RUNNING: u32 = 1 << 10;
+/// Code of the error that ends the waiting when the user interrupts; not one of SPEC 3.
+pub const INTERRUPTED: i16 = i16::MIN;
+
+/// See the module text.
+pub struct Report<'a> {
+    source: &'a Source,
+    entries: &'a [Entry],
+    /// Number of the entry that the running program began with.
+    pub first: usize,
+    quiet: bool,
+    bar: ProgressBar,
+    interrupt: Arc<AtomicBool>,
+    /// Axes that still moved when the script ended: core and axis.
+    pub left: Vec<(i16, i16)>,
+    /// The PT streams as they were last, and the shortest time to dry that each showed.
+    pub streams: Vec<(Dry, u32)>,
+}
+
+impl<'a> Report<'a> {
+    /// A report on a job's entries.
+    pub fn new(source: &'a Source, entries: &'a [Entry], quiet: bool, interrupt: Arc<AtomicBool>) -> Self {
+        // Drawn only where the error stream is a terminal.
+        let bar = ProgressBar::with_draw_target(Some(entries.len() as u64), ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{elapsed:>5} [{bar:30}] {pos}/{len} {msg}") {
+            bar.set_style(style);
+        }
+        Report { source, entries, first: 0, quiet, bar, interrupt, left: Vec::new(), streams: Vec::new() }
+    }
+
+    /// Takes the bar away.
+    pub fn end(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// The message for a refused entry, with the script's line.
+    pub fn failure(&self, answer: &Answer) -> String {
+        let item = answer.refusal().map_or(u16::MAX, |refusal| refusal.item.get());
+        let number = self.first + answer.index as usize;
+        let reason = answer.error.as_ref().map_or("refused without a reason", |error| error.reason.as_str());
+        // The text begins with the protocol's name of the command, which for merged data is not the script's.
+        let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
+        let step = self.entries.get(number).and_then(|entry| entry.step(item)).and_then(|step| self.source.job.steps.get(step));
+        let Some(step) = step else {
+            return format!("{}: at the end of the script: returned {}: {reason}\n", self.source.name, answer.code);
+        };
+        let reason = reason.replace(&format!(" of item {}", u32::from(item) + 1), "");
+        let name = match &step.action {
+            Action::Call(call) => call.function.as_str(),
+            Action::Sleep { .. } => "Sleep",
+            Action::WaitStop { .. } | Action::WaitAll => "WaitStop",
+        };
+        let help = match answer.code {
+            1 => "the call is right, but not in the present state; what comes behind it was not executed",
+            7 => "correct the parameter; what comes behind the call was not executed",
+            8 => "this firmware is older than the client; load the one of the same version",
+            _ => "",
+        };
+        self.source.show(step, Severity::Error, format!("{name} returned {}: {reason}", answer.code), help)
+    }
+
+    fn read(&self, answer: &Answer) {
+        let Some(entry) = self.entries.get(self.first + answer.index as usize) else { return };
+        let Some(step) = entry.step(u16::MAX).and_then(|step| self.source.job.steps.get(step)) else { return };
+        let Action::Call(call) = &step.action else { return };
+        if call.outs.is_empty() || self.quiet {
+            return;
+        }
+        let names: Vec<&str> = call.outs.iter().map(|out| out.variable.as_str()).collect();
+        let text = format!(
+            "{}:{}: {} {} = {}",
+            self.source.name, step.line, call.function, names.join(", "), reply::reply(answer.opcode, &answer.reply)
+        );
+        self.bar.suspend(|| println!("{text}"));
+    }
+}
+
+impl Observer for Report<'_> {
+    fn answered(&mut self, answer: Answer) -> client::Result<()> {
+        if answer.code != 0 {
+            return Ok(());
+        }
+        let from = self.entries.get(self.first + answer.index as usize).map(|entry| &entry.from);
+        match from {
+            Some(From::Left { core, axis }) => {
+                let status = answer.reply::<AxisStatus>().and_then(|(_, items)| items.first().map(|item| item.status.get()));
+                if status.is_some_and(|status| status & RUNNING != 0) {
+                    self.left.push((*core, *axis));
+                }
+            }
+            Some(From::Step(_)) => self.read(&answer),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn progress(&mut self, progress: &Progress) -> client::Result<()> {
+        if self.interrupt.load(Ordering::Relaxed) {
+            return Err(Error::new(INTERRUPTED, "interrupted"));
+        }
+        let mut message = format!("script clock {:.3} s", progress.clock().as_secs_f64());
+        for dry in &progress.streams {
+            match self.streams.iter_mut().find(|(known, _)| (known.core, known.axis) == (dry.core, dry.axis)) {
+                Some((known, least)) => {
+                    *known = *dry;
+                    *least = (*least).min(dry.dry_ms);
+                }
+                None => self.streams.push((*dry, dry.dry_ms)),
+            }
+        }
+        if let Some(first) = progress.streams.iter().min_by_key(|dry| dry.dry_ms) {
+            message.push_str(&format!(", PT axis {}: {} places free, dry in {} ms", first.axis, first.space, first.dry_ms));
+        }
+        self.bar.set_position(self.first as u64 + u64::from(progress.queue.executed.get().min(progress.entries)));
+        self.bar.set_message(message);
+        Ok(())
+    }
+}
