@@ -325,6 +325,51 @@ fn data_behind_wait_stop_is_in_time() {
 }
 
 #[test]
+fn a_second_stream_counts_from_0() {
+    let mut bench = Bench::gus();
+    let (core, profile) = (CORE.into(), 1.into());
+    let mut entries = vec![entry(AxisOn { core, axis: profile }), entry(PrfPt { core, profile, mode: 1.into() })];
+    // The second stream's times would fit behind the first one's.
+    for (pos, time) in [(10.0, 10), (20.0, 40), (20.0, 100)] {
+        entries.extend([entry(PtData { kind: 1.into(), ..pt_data(1, pos, time) }), entry(start(1)), entry(wait_stop(1))]);
+    }
+    entries.extend([entry(read_pos(1)), entry(ProgramEnd {})]);
+    let tags = bench.post_all(&entries);
+    bench.done(ProgramStart { strict: 1 });
+    assert_eq!(bench.wait(*tags.last().unwrap()).code, 0);
+    assert_eq!(position(&bench.answers[&tags[tags.len() - 2]]), 50.0);
+    assert_eq!(bench.done(ProgramStatus {}).clock_ns.get(), (10 + 40 + 100) * MS + 3 * 250_000);
+}
+
+#[test]
+fn what_was_admitted_ahead_and_dropped_leaves_no_trace() {
+    let mut bench = Bench::gus();
+    let (core, profile) = (CORE.into(), 1.into());
+    let dec = |smooth: f64| entry(SetStopDec { core, profile, smooth: smooth.into(), abrupt: 9.0.into() });
+    let tags = bench.post_all(&[
+        entry(PrfPt { core, profile, mode: 0.into() }),
+        entry(pt_data(1, 10.0, 10)),
+        dec(2.0),
+        entry(sleep(50)),
+        dec(3.0),
+        entry(pt_data(1, 20.0, 500)),
+        entry(SetDoBit { core, do_type: 12.into(), index: 1.into(), value: 1.into() }),
+        entry(ProgramEnd {}),
+    ]);
+    bench.done(ProgramStart { strict: 0 });
+    bench.run_ms(10);
+    bench.done(Stop { core, mask: 2.into(), option: 0.into(), form: 0 });
+    assert!(tags[4..].iter().all(|&tag| bench.wait(tag).reason() == Reason::Discarded));
+    bench.done(ProgramClear {});
+    assert_eq!(bench.done(GetStopDec { core, profile }).smooth.get(), 2.0);
+    assert_eq!(bench.done(PtSpace { core, profile, fifo: 0.into() }).value.get(), 31);
+    // The chain goes on from what was executed.
+    assert_eq!(bench.done(pt_data(1, 12.0, 12)).taken.get(), 1);
+    bench.run_ms(100);
+    assert_eq!(bench.machine.outputs.2, 0);
+}
+
+#[test]
 fn stop_ends_a_running_program() {
     let mut bench = Bench::gus();
     let mut entries = listing_2_1();
