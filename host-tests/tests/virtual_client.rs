@@ -326,8 +326,9 @@ fn stream(seconds: i32) -> impl Iterator<Item = Call> {
             let many = PtDataMany { core: 1.into(), profile: axis.into(), fifo: 0.into(), count: (SHARE as u16).into() };
             Call::with_items::<PtDataMany>(many, &items)
         });
-        // Two seconds are in the ring at the start; from then on each share is called for when as much has run.
-        let ahead = 2000 / SHARE;
+        // One second of two is in the ring at the start; from then on each share is called for when as much
+        // has run. The rest of the ring is for a start that is late because its data came piece by piece.
+        let ahead = 1000 / SHARE;
         let start = (part == ahead - 1).then(|| Call::of(PtStart { core: 1.into(), mask: 0xff.into(), option: 0.into() }));
         let sleep = (part >= ahead).then(|| Call::of(Sleep { ns: (SHARE as u64 * 1_000_000).into() }));
         sleep.into_iter().chain(fill).chain(start).collect::<Vec<_>>()

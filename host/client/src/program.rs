@@ -154,6 +154,8 @@ impl<'c> Program<'c> {
 const LOOK_NS: u64 = 100_000_000;
 /// The same while entries wait for room, or for the program to be over.
 const EAGER_NS: u64 = 2_000_000;
+/// Looks without a change after which a held queue is taken to be full.
+const STUCK_LOOKS: u32 = 3;
 /// Time between two calls of [`Observer::progress`].
 const PROGRESS_NS: u64 = 100_000_000;
 /// What an entry takes of the queue's free bytes beyond its body, at most.
@@ -192,6 +194,8 @@ struct Run<'a> {
     looked_at: u64,
     told_at: u64,
     started: bool,
+    /// Looks in a row at which the held queue had not moved on.
+    stuck: u32,
     going_back: bool,
     progress: Progress,
     failed: Option<Answer>,
@@ -211,6 +215,7 @@ pub(crate) fn run(
         looked_at: 0,
         told_at: client.lock().now(),
         started: false,
+        stuck: 0,
         going_back: false,
         progress: Progress::default(),
         failed: None,
@@ -307,6 +312,9 @@ impl Run<'_> {
             if let Some(reply) = inner.session.take(tag) {
                 self.look = None;
                 if let Ok(queue) = ProgramReply::read_from_bytes(&reply.payload) {
+                    let before = self.progress.queue;
+                    let moved = { before.space_bytes } != queue.space_bytes || { before.accepted } != queue.accepted;
+                    self.stuck = if moved { 0 } else { self.stuck + 1 };
                     self.room = queue.space_bytes.get().saturating_sub(behind);
                     self.progress.queue = queue;
                 }
@@ -385,7 +393,9 @@ impl Run<'_> {
 
     /// Everything is there, or as much as fits.
     fn ready_to_start(&mut self) -> bool {
-        let full = self.ahead.front().is_some_and(|(_, call)| cost(call) > self.room);
+        // A queue that is full for a moment is being emptied into the axes' stores: what is admitted
+        // before the start is not late.
+        let full = self.stuck >= STUCK_LOOKS && self.ahead.front().is_some_and(|(_, call)| cost(call) > self.room);
         !self.started
             && self.failed.is_none()
             && self.progress.queue.state == state::HELD
