@@ -2,7 +2,7 @@
 //!
 //! In: interrupts of the board. Out: ticks, bytes for the task, rings of the bell. Budget: the tick's
 //! is held by `cargo xtask ticks`; the others move a byte or a flag.
-use crate::statics::{AXES, RECEIVER, LINK_BELL, RECEIVED, SERVO};
+use crate::statics::{AXES, LINK_BELL, RECEIVED, RECEIVER, SERVO};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};

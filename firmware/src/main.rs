@@ -69,14 +69,7 @@ fn compose() -> Option<LinkParts> {
             axes: AXES as u8,
             analog_inputs: board::ANALOG_INPUTS,
         }),
-        lanes: Lanes {
-            immediate,
-            program,
-            view: view_in,
-            events: events_in,
-            samples: samples_in,
-            segments: &STORES,
-        },
+        lanes: Lanes { immediate, program, view: view_in, events: events_in, samples: samples_in, segments: &STORES },
     };
     servo.timer.run_at(board::TICK_NS);
     // SAFETY: no interrupt is let in yet.

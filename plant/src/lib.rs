@@ -54,11 +54,7 @@ impl Gain {
             squarings += 1;
         }
         let gain = (ONE - power) >> 28;
-        Gain(if gain > u32::MAX as u128 {
-            u32::MAX
-        } else {
-            gain as u32
-        })
+        Gain(if gain > u32::MAX as u128 { u32::MAX } else { gain as u32 })
     }
 
     /// The gain in 2⁻³².
@@ -80,11 +76,7 @@ pub struct Lag {
 
 impl Lag {
     /// An axis at rest at zero.
-    pub const REST: Lag = Lag {
-        shaft: 0,
-        in_force: 0,
-        next: 0,
-    };
+    pub const REST: Lag = Lag { shaft: 0, in_force: 0, next: 0 };
 
     /// The set-point in force from the next tick on, in 2⁻²² pulse.
     pub fn set_point(&mut self, pos: i64) {
@@ -114,16 +106,9 @@ fn share(distance: i64, gain: Gain) -> i64 {
     let magnitude = distance.unsigned_abs();
     // 64 × 32 bits in two products, as the Cortex-M7 has them; both sums stay below 2⁶⁴.
     let high = (magnitude >> 32).wrapping_mul(gain);
-    let low = (magnitude & 0xffff_ffff)
-        .wrapping_mul(gain)
-        .wrapping_add(0xffff_ffff)
-        >> 32;
+    let low = (magnitude & 0xffff_ffff).wrapping_mul(gain).wrapping_add(0xffff_ffff) >> 32;
     let part = high.wrapping_add(low) as i64;
-    if distance < 0 {
-        part.wrapping_neg()
-    } else {
-        part
-    }
+    if distance < 0 { part.wrapping_neg() } else { part }
 }
 
 /// A machine of `AXES` lags, all zero at power-on.
@@ -135,9 +120,7 @@ pub struct Plant<const AXES: usize> {
 impl<const AXES: usize> Plant<AXES> {
     /// All axes at rest at zero.
     pub const fn new() -> Self {
-        Plant {
-            axes: [Lag::REST; AXES],
-        }
+        Plant { axes: [Lag::REST; AXES] }
     }
 
     /// One tick passes for all axes. Call it at the beginning of the tick, before encoders are read.
@@ -181,10 +164,7 @@ mod tests {
             let x = f64::from(period.min(16_000_000)) / f64::from(TIME_CONSTANT_NS);
             let exact = -(-x).exp_m1() * 4294967296.0;
             let gain = f64::from(Gain::of_period(period).bits());
-            assert!(
-                (gain - exact).abs() <= 1.0,
-                "{period} ns: {gain} for {exact}"
-            );
+            assert!((gain - exact).abs() <= 1.0, "{period} ns: {gain} for {exact}");
         }
     }
 
@@ -211,15 +191,7 @@ mod tests {
     fn settles_exactly_from_both_sides_also_at_the_edge_of_travel() {
         for period in PERIODS_NS {
             let gain = Gain::of_period(period);
-            for target in [
-                1,
-                -1,
-                PULSE / 2 + 1,
-                4096 * PULSE,
-                -4096 * PULSE,
-                1 << 62,
-                -(1 << 62),
-            ] {
+            for target in [1, -1, PULSE / 2 + 1, 4096 * PULSE, -4096 * PULSE, 1 << 62, -(1 << 62)] {
                 let mut lag = Lag::default();
                 lag.set_point(target);
                 // 2⁶² halves in 0.69 τ: 62 · 0.69 ms, and the last units go one a tick.
@@ -249,10 +221,7 @@ mod tests {
             let t = f64::from(period) / 1e6;
             let exact = 2.0 * (t / (1.0 - (-t).exp()));
             let behind = (lag.in_force - lag.shaft) as f64 / PULSE as f64;
-            assert!(
-                (behind - exact).abs() < 1e-3,
-                "{period} ns: {behind} for {exact}"
-            );
+            assert!((behind - exact).abs() < 1e-3, "{period} ns: {behind} for {exact}");
         }
     }
 
@@ -276,9 +245,6 @@ mod tests {
         for _ in 0..4 {
             plant.advance(gain);
         }
-        assert_eq!(
-            [plant.encoder(0), plant.encoder(1), plant.encoder(2)],
-            [0, 1, 0]
-        );
+        assert_eq!([plant.encoder(0), plant.encoder(1), plant.encoder(2)], [0, 1, 0]);
     }
 }

@@ -25,7 +25,16 @@ pub fn run() -> Outcome {
         let (csv, vcd, png, sim) = (file("csv"), file("vcd"), file("png"), file("sim.csv"));
         println!("-- in the Cortex-M7 image, emulated, over its serial link");
         shell::run(&mut runner.call(&[
-            "run", job, "--link", "qemu", "--trace", &text(&csv), "--vcd", &text(&vcd), "--plot", &text(&png),
+            "run",
+            job,
+            "--link",
+            "qemu",
+            "--trace",
+            &text(&csv),
+            "--vcd",
+            &text(&vcd),
+            "--plot",
+            &text(&png),
         ]))?;
         println!("-- in the virtual controller");
         shell::run(&mut runner.call(&["sim", job, "--quiet", "--trace", &text(&sim)]))?;
@@ -39,8 +48,6 @@ pub fn run() -> Outcome {
     }
     Ok(())
 }
-
-
 
 fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()

@@ -12,8 +12,6 @@ pub fn run() -> Outcome {
     shell::run(cargo().args(["test", "--package", "beamtick-rules"]))
 }
 
-
-
 /// The tick links without a panic path, and its twin with one does not.
 pub fn cannot_panic() -> Outcome {
     link("no-panic")?.map_err(|errors| format!("the tick can reach a panic:\n{errors}"))?;

@@ -127,7 +127,8 @@ fn install(packages: &[&str], elsewhere: &str) -> Outcome {
     if works(&mut apt(&arguments)) {
         return Ok(());
     }
-    shell::run(&mut apt(&["update"])).and_then(|()| shell::run(&mut apt(&arguments)))
+    shell::run(&mut apt(&["update"]))
+        .and_then(|()| shell::run(&mut apt(&arguments)))
         .map_err(|e| format!("{e}; to install by hand: `apt-get install {}`", packages.join(" ")))
 }
 

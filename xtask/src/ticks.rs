@@ -120,8 +120,7 @@ pub fn write() -> Outcome {
     print!("{table}");
     let text = std::fs::read_to_string(page()).map_err(|e| format!("docs/numbers.md: {e}"))?;
     let (before, _, after) = parts(&text)?;
-    std::fs::write(page(), format!("{before}{BEGIN}\n{table}{END}{after}"))
-        .map_err(|e| format!("docs/numbers.md: {e}"))
+    std::fs::write(page(), format!("{before}{BEGIN}\n{table}{END}{after}")).map_err(|e| format!("docs/numbers.md: {e}"))
 }
 
 /// Counts, and compares with the page: more instructions than stated is an error, fewer is news.

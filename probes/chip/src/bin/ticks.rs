@@ -9,11 +9,11 @@
 //!
 //! The machine under the tick only stores what it is told: what is counted is the tick alone.
 use core::hint::black_box;
-use hal as _; // the vector table
 use core::panic::PanicInfo;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{debug, hprintln};
+use hal as _; // the vector table
 use probes::{AXES, STORES, Thread};
 use servo::op::{Entry, Mode, Op};
 use servo::port::{AxisInputs, Port};
