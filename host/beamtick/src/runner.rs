@@ -252,7 +252,7 @@ fn summary(
     }
     for (dry, least) in &report.streams {
         println!(
-            "  PT data of axis {}: at the last data {} places free, {} ms to dry; least seen {least} ms",
+            "  PT data of {}: at the last data {} places free, {} ms to dry; least seen {least} ms",
             name(&Axis { core: dry.core, axis: dry.axis }), dry.space, dry.dry_ms
         );
     }

@@ -152,3 +152,28 @@ fn the_other_examples_compile_without_warnings() {
         assert!(job.steps.len() > 5);
     }
 }
+
+#[test]
+fn the_stream_is_what_it_says() {
+    let job = example("eight_axes_stream.gts");
+    assert!(job.warnings.is_empty());
+    let mut next = [0i32; 8];
+    for step in &job.steps {
+        let Action::Call(call) = &step.action else { continue };
+        let Some(data) = (call.opcode == PtData::OPCODE).then(|| PtData::read_from_bytes(&call.body).unwrap()) else { continue };
+        let axis = data.profile.get() as usize;
+        next[axis - 1] += 1;
+        let time = next[axis - 1];
+        // Displacement from the velocity, summed trapezoid by trapezoid: a triangle wave of slope a.
+        let slope = if axis <= 4 { 0.25 } else { 0.5 } * if axis % 2 == 1 { 1.0 } else { -1.0 };
+        let velocity = |t: i32| match t % 2000 {
+            t @ 0..=500 => slope * f64::from(t),
+            t @ 501..=1500 => slope * f64::from(1000 - t),
+            t => slope * f64::from(t - 2000),
+        };
+        let part = time % 2000;
+        let position: f64 = (0..part).map(|t| (velocity(t) + velocity(t + 1)) / 2.0).sum();
+        assert_eq!((data.time_ms.get(), data.pos.get()), (time, position), "line {}", step.line);
+    }
+    assert_eq!(next, [4000; 8]);
+}
