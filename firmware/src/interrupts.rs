@@ -2,7 +2,7 @@
 //!
 //! In: interrupts of the board. Out: ticks, bytes for the task, rings of the bell. Budget: the tick's
 //! is held by `cargo xtask ticks`; the others move a byte or a flag.
-use crate::statics::{AXES, LINK_BELL, RECEIVED, RECEIVER, SERVO};
+use crate::statics::{AXES, LINK_BELL, RECEIVED, RECEIVER, RECEIVING, SERVO};
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -103,6 +103,7 @@ extern "C" fn UART0_RX() {
         return;
     }
     let Some(byte) = receiver.rx.receive() else { return };
+    RECEIVING.store(true, Ordering::Relaxed);
     // There is room: the consumer only makes more.
     let _ = receiver.bytes.push(byte);
     const FRAME_END: u8 = 0;

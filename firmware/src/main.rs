@@ -19,7 +19,8 @@ use hal::mps2_an500::{self as board, idle::Idle, machine::Machine};
 use interrupts::{Receiver, Servo};
 use servo::tick::{Lanes, Tick, TickConfig};
 use statics::{
-    AXES, BYTES, EXECUTOR, IMMEDIATE_LANE, NEWS, PENDED, PROGRAM_LANE, RECEIVER, SERVER, SERVO, STORES, TRACE, VIEW,
+    AXES, BYTES, EXECUTOR, IMMEDIATE_LANE, NEWS, PENDED, PROGRAM_LANE, RECEIVER, RECEIVING, SERVER, SERVO, STORES,
+    TRACE, VIEW,
 };
 use tasks::LinkParts;
 
@@ -36,6 +37,9 @@ fn main() -> ! {
     unsafe { board::listen() };
     let mut idle = Idle::new();
     loop {
+        if RECEIVING.swap(false, Ordering::Relaxed) {
+            idle.wake();
+        }
         if PENDED.swap(false, Ordering::Acquire) {
             // SAFETY: not re-entered: this loop is the only caller.
             unsafe { executor.poll() };

@@ -37,6 +37,8 @@ pub static SERVO: Given<Servo> = Given::nothing();
 pub static RECEIVER: Given<Receiver> = Given::nothing();
 /// Wakes the link task.
 pub static LINK_BELL: Bell = Bell::new();
+/// A byte has arrived since the idle loop looked.
+pub static RECEIVING: AtomicBool = AtomicBool::new(false);
 /// A task is to be polled.
 pub static PENDED: AtomicBool = AtomicBool::new(false);
 /// The thread's executor.
