@@ -41,6 +41,8 @@ pub struct PvtRun {
     segment: Option<u16>,
     /// Passes of this table completed.
     passes: u32,
+    /// All passes have run.
+    ended: bool,
     /// Position of the first point of the present pass.
     origin: Exact,
     /// Its instant in 2⁻⁶⁴ ns.
@@ -63,6 +65,7 @@ impl PvtRun {
             pending: None,
             segment: None,
             passes: 0,
+            ended: false,
             origin,
             began,
         }
@@ -121,9 +124,12 @@ impl PvtRun {
             if local < self.header.duration {
                 break;
             }
+            if self.ended {
+                return false;
+            }
             match self.end_pass(local, passes, source) {
                 Some(left) => (local, from) = (left, 0),
-                None => return false,
+                None => self.ended = true,
             }
         }
         let segment = self.find(from, self.header.units(local), source);

@@ -8,10 +8,8 @@ use servo::pvt::PLACES;
 
 /// Full scale of velocity, pulse/ms; a double's rounding above it is still full scale.
 const FULL_SCALE: f64 = 4_294_967_296.0;
-/// Points lie within 2⁴¹ pulses of the first one: from one edge of travel to the other.
+/// The motion stays within 2⁴¹ pulses of its first point: from one edge of travel to the other.
 const REACH: f64 = 2_199_023_255_552.0;
-/// A segment's control polygon lies within 2⁴³ pulses; the curve then stays inside too.
-const SWING: f64 = 4.0 * REACH;
 
 /// A place of a table in user units, counted from the first point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,10 +78,17 @@ pub fn check(a: &Knot, b: &Knot) -> Admitted<()> {
     if !(speed <= FULL_SCALE * (1.0 + 1e-9)) {
         return Err(Refused::new(Reason::TooFast).got(speed).limits(0.0, FULL_SCALE));
     }
-    let polygon = (a.pos + w0 / 3.0).abs().max((b.pos - w1 / 3.0).abs());
-    if !(b.pos.abs() <= REACH && polygon <= SWING) {
-        let got = if b.pos.abs() > REACH { b.pos } else { polygon };
-        return Err(Refused::new(Reason::BeyondTravel).got(got).limits(-REACH, REACH));
+    // Where the velocity is 0 the position is furthest: w0 + 2·c2·τ + 3·c3·τ² = 0.
+    let q = -(c2 + libm::sqrt((c2 * c2 - 3.0 * w0 * c3).max(0.0)).copysign(c2));
+    let mut furthest = b.pos;
+    for turn in [q / (3.0 * c3), w0 / q] {
+        let pos = a.pos + turn * (w0 + turn * (c2 + turn * c3));
+        if turn > 0.0 && turn < 1.0 && pos.abs() > furthest.abs() {
+            furthest = pos;
+        }
+    }
+    if !(furthest.abs() <= REACH) {
+        return Err(Refused::new(Reason::BeyondTravel).got(furthest).limits(-REACH, REACH));
     }
     Ok(())
 }
