@@ -109,7 +109,7 @@ fn leave(entries: &mut Vec<Entry>, job: &Job, version: &VersionReply) {
             let status = AxisStatus { core: core.into(), axis: axis.axis.into(), count: 1.into() };
             entries.push(Entry { call: Call::of(status), from: From::Left { core, axis: axis.axis } });
         }
-        let stop = Stop { core: core.into(), mask: all_axes(version).cast_signed().into(), option: 0.into(), form: 1 };
+        let stop = Stop { core: core.into(), mask: all_axes(version).cast_signed().into(), option: 0.into(), form: 0 };
         entries.push(Entry { call: Call::of(stop), from: From::End });
         entries.push(Entry { call: wait(core, all_axes(version), 0), from: From::End });
     }
@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(found[1].call, wait(1, 0xff, 0));
         assert_eq!(found[2].from, From::Left { core: 1, axis: 2 });
         let stop = Stop::read_from_bytes(&found[3].call.payload).unwrap();
-        assert_eq!((stop.mask.get(), stop.option.get(), stop.form), (0xff, 0, 1));
+        assert_eq!((stop.mask.get(), stop.option.get(), stop.form), (0xff, 0, 0));
         assert_eq!(found[4].call, wait(1, 0xff, 0));
         assert_eq!(of("Sleep(1);").len(), 1);
     }

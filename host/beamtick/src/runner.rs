@@ -202,7 +202,7 @@ fn stop_all(client: &Client, job: &Job) -> client::Result<bool> {
     let moved = moves(&states(client, job)?);
     for core in 1..=i16::from(client.version().cores) {
         let mask = all_axes(client.version()).cast_signed();
-        client.call(Stop { core: core.into(), mask: mask.into(), option: 0.into(), form: 1 })?;
+        client.call(Stop { core: core.into(), mask: mask.into(), option: 0.into(), form: 0 })?;
     }
     let start = client.now();
     while moves(&states(client, job)?) && client.now().saturating_sub(start) < STOP_END {

@@ -74,7 +74,9 @@ fn the_other_examples_run() {
     let out = sim("eight_axes_stream.gts", &[]);
     assert_eq!(out.matches("ran to its end").count(), 8, "{out}");
     assert_eq!(out.matches("planned 0.000000").count(), 8, "{out}");
-    assert!(!out.contains("UNDERRUN"));
+    assert!(!out.contains("UNDERRUN"), "{out}");
+    let out = sim("stop.gts", &["--profile", "gsn-048", "--strict"]);
+    assert!(out.contains("axis 2: planned"), "{out}");
 }
 
 #[test]

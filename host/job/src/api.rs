@@ -73,7 +73,7 @@ const CLOCK: Param = out("clock").or(0);
 pub enum Shape {
     /// The request's fields are `core`, if it has one, and the parameters that go in, in order.
     Plain,
-    /// As `Plain`, with a last field for the form: 0 `GT_`, 1 `GTN_`.
+    /// As `Plain`, with a last field for the form: 0 `GTN_`, 1 `GT_`.
     Form,
     /// As `Plain` without the array; its items follow the request.
     Items,

@@ -398,7 +398,7 @@ impl Reader<'_> {
         match function.shape {
             Shape::Host => return Ok(None),
             Shape::Plain => {}
-            Shape::Form => values.push(Value::Int(i64::from(several_cores))),
+            Shape::Form => values.push(Value::Int(i64::from(!several_cores))),
             Shape::Items => {
                 let list = bound.lists.first().map_or(&[][..], Vec::as_slice);
                 for value in list {

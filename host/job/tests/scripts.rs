@@ -59,8 +59,8 @@ fn parameters_defaults_and_forms_of_the_table() {
     assert_eq!(request::<c::GetPrfVel>("double v[8]; GTN_GetPrfVel(1,1,v,8);").count.get(), 8);
     assert_eq!(request::<c::GetPrfVel>("double v[8]; GTN_GetPrfVel(1,1,&v[2],6,NULL);").count.get(), 6);
     let stop: c::Stop = request("GT_Stop(0x103, 1);");
-    assert_eq!((stop.core.get(), stop.mask.get(), stop.option.get(), stop.form), (1, 0x103, 1, 0));
-    assert_eq!(request::<c::Stop>("GTN_Stop(2, 0x80000000, 0);").form, 1);
+    assert_eq!((stop.core.get(), stop.mask.get(), stop.option.get(), stop.form), (1, 0x103, 1, 1));
+    assert_eq!(request::<c::Stop>("GTN_Stop(2, 0x80000000, 0);").form, 0);
     assert_eq!(request::<c::Stop>("GTN_Stop(2, 0x80000000, 0);").mask.get(), i32::MIN);
     assert_eq!(request::<c::SetTick>("GT_SetTick(250);").tick_us.get(), 250);
     assert_eq!(request::<c::SetLinkLoss>("GTN_SetLinkLoss(1, 800, 1);").time_ms.get(), 800);
