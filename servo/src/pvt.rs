@@ -13,7 +13,7 @@
 use crate::piece::{Motion, Piece, Recip};
 use crate::profile::{State, Step};
 use crate::units::{Exact, Ns};
-use crate::wide::{mulhi_su, umulhi};
+use crate::wide::{mulhi_su, recip64_below, umulhi};
 
 mod table;
 pub use table::{
@@ -37,8 +37,13 @@ pub struct PvtRun {
     table: u8,
     /// The table that takes over when the present pass ends.
     pending: Option<u8>,
-    /// The segment in force, from 0; `None` before the first.
-    segment: Option<u16>,
+    /// The segment after the one in force.
+    next: u32,
+    /// Segments of a pass; 0 before the first one is entered, so that none follows.
+    segments: u32,
+    /// Its begin in 2⁻⁶⁴ ns, and the place there.
+    until: u128,
+    ahead: Place,
     /// Passes of this table completed.
     passes: u32,
     /// All passes have run.
@@ -63,7 +68,10 @@ impl PvtRun {
             header,
             table,
             pending: None,
-            segment: None,
+            next: 0,
+            segments: 0,
+            until: began,
+            ahead: Place::default(),
             passes: 0,
             ended: false,
             origin,
@@ -114,11 +122,28 @@ impl PvtRun {
         Step { pos, motion: self.piece.motion(tau), state: State::Running }
     }
 
-    /// Enters the segment that is in force at `now`; false if the motion has ended.
+    /// Enters the segment that is in force at `now`; false if the motion has ended. Nearly always
+    /// that is the next one, whose first place is at hand.
     #[inline(never)]
     fn advance(&mut self, now: Ns, passes: u32, source: &impl Tables) -> bool {
+        if self.next < self.segments {
+            let after = Place::from_words(source.place(self.table, self.next.wrapping_add(1)));
+            let until = self.end_of(self.next, after.time);
+            let begin = ceil(self.until);
+            if now.0.wrapping_sub(begin) < ceil(until).wrapping_sub(begin) {
+                let (before, from) = (self.ahead, self.until);
+                self.enter(before, after, from, until);
+                return true;
+            }
+        }
+        self.search(now, passes, source)
+    }
+
+    /// As [`PvtRun::advance`], wherever the segment is: behind others, in another pass or table.
+    #[inline(never)]
+    fn search(&mut self, now: Ns, passes: u32, source: &impl Tables) -> bool {
         let mut local = ((now.0 as u128) << 64).wrapping_sub(self.began);
-        let mut from = self.segment.map_or(0, |i| i as u32 + 1);
+        let mut from = self.next;
         // A pass may end, and the table that takes over may be shorter than the tick.
         for _ in 0..2 {
             if local < self.header.duration {
@@ -129,12 +154,27 @@ impl PvtRun {
             }
             match self.end_pass(local, passes, source) {
                 Some(left) => (local, from) = (left, 0),
-                None => self.ended = true,
+                None => {
+                    self.ended = true;
+                    return false;
+                }
             }
         }
+        self.segments = (self.header.places as u32).saturating_sub(1);
         let segment = self.find(from, self.header.units(local), source);
-        self.enter(segment, source);
+        let before = Place::from_words(source.place(self.table, segment));
+        let after = Place::from_words(source.place(self.table, segment.wrapping_add(1)));
+        let from = self.began.wrapping_add(self.header.span(before.time));
+        self.next = segment;
+        self.enter(before, after, from, self.end_of(segment, after.time));
         true
+    }
+
+    /// End of a segment in 2⁻⁶⁴ ns; that of the last one is not rounded to the table's units.
+    #[inline(always)]
+    fn end_of(&self, segment: u32, time: u64) -> u128 {
+        let last = segment.wrapping_add(1) >= self.segments;
+        self.began.wrapping_add(if last { self.header.duration } else { self.header.span(time) })
     }
 
     /// The present pass is over, and perhaps others: what is left of `local`, or `None` at the end.
@@ -200,25 +240,20 @@ impl PvtRun {
         low
     }
 
-    /// Computes the piece of segment `i`: displacement P, velocities v0, v1 over the length L give
-    /// P = v0·L·τ + (3P − (2·v0 + v1)·L)·τ² + ((v0 + v1)·L − 2P)·τ³.
+    /// Computes the piece from place `a` to place `b`: displacement P, velocities v0, v1 over the
+    /// length L give P(τ) = v0·L·τ + (3P − (2·v0 + v1)·L)·τ² + ((v0 + v1)·L − 2P)·τ³.
     #[inline(always)]
-    fn enter(&mut self, i: u32, source: &impl Tables) {
+    fn enter(&mut self, a: Place, b: Place, from: u128, until: u128) {
         let header = &self.header;
-        let a = Place::from_words(source.place(self.table, i));
-        let b = Place::from_words(source.place(self.table, i.wrapping_add(1)));
-        let from = self.began.wrapping_add(header.span(a.time));
-        let until = if i.wrapping_add(2) >= header.places as u32 { header.duration } else { header.span(b.time) };
-        let until = self.began.wrapping_add(until);
         let begin = ceil(from);
-
         let length = b.time.wrapping_sub(a.time);
-        let recip = Recip::of(length);
-        let shift = recip.shift.wrapping_add_signed(header.time_bits as i32); // 7..=95
+        let zeros = length.leading_zeros(); // 22..=64, 64 for none at all
+        let m = recip64_below(length.wrapping_shl(zeros));
+        let shift = zeros.wrapping_add_signed(header.time_bits as i32); // 7..=96
         // The first whole ns comes a fraction after the knot.
         let late = (from as u64).wrapping_neg();
         let late = if shift < 64 { late >> 1 >> (63 - shift) } else { late << (shift & 31) };
-        let tau = late.wrapping_add(umulhi(late, recip.m));
+        let tau = late.wrapping_add(umulhi(late, m));
 
         let ms = umulhi(length << (header.lift & 63), PER_MS);
         let (w0, w1) = (mulhi_su(a.vel << 20, ms), mulhi_su(b.vel << 20, ms));
@@ -236,10 +271,11 @@ impl PvtRun {
                 c: [w0, c2, c3],
                 frac: header.frac() as u32 & 127,
                 tau,
-                recip: Recip { m: recip.m, shift },
+                recip: Recip { m, shift },
             },
         };
-        self.segment = Some(i as u16);
+        self.next = self.next.wrapping_add(1);
+        (self.until, self.ahead) = (until, b);
     }
 }
 

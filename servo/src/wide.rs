@@ -49,13 +49,19 @@ fn recip_begin(d: u64) -> u64 {
     (v1 << 13).wrapping_add(v1.wrapping_mul(gap) >> 47)
 }
 
-/// floor((2¹²⁸ − 1) / d) − 2⁶⁴ for a `d` with its top bit set.
-#[inline]
-pub fn recip64(d: u64) -> u64 {
+/// As [`recip64`], or one less: enough where a reciprocal only must not be above the true one.
+#[inline(always)]
+pub fn recip64_below(d: u64) -> u64 {
     let v2 = recip_begin(d);
     let d63 = (d >> 1) + (d & 1);
     let e = ((v2 >> 1) & 0u64.wrapping_sub(d & 1)).wrapping_sub(v2.wrapping_mul(d63));
-    let v3 = (v2 << 31).wrapping_add(umulhi(v2, e) >> 1);
+    (v2 << 31).wrapping_add(umulhi(v2, e) >> 1)
+}
+
+/// floor((2¹²⁸ − 1) / d) − 2⁶⁴ for a `d` with its top bit set.
+#[inline]
+pub fn recip64(d: u64) -> u64 {
+    let v3 = recip64_below(d);
     // floor((v3 + 2^64 + 1)·d / 2^64), modulo 2^64
     let (high, low) = umul(v3, d);
     let carry = low.overflowing_add(d).1 as u64;

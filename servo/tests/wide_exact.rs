@@ -2,7 +2,7 @@
 use num_bigint::BigUint;
 use servo::real::Real;
 use servo::units::Exact;
-use servo::wide::{Divisor, Recip, mulhi_su, narrow, recip32, recip64, scale16, umul};
+use servo::wide::{Divisor, Recip, mulhi_su, narrow, recip32, recip64, recip64_below, scale16, umul};
 
 mod chance;
 use chance::Chance;
@@ -39,6 +39,7 @@ fn reciprocals_are_exact_floors() {
     for n in numbers.into_iter().filter(|&n| n > 0) {
         let d = n << n.leading_zeros();
         assert_eq!(recip64(d) as u128, u128::MAX / d as u128 - (1 << 64), "{d}");
+        assert!(recip64(d).wrapping_sub(recip64_below(d)) <= 1 && recip64_below(d) <= recip64(d), "{d}");
         let d32 = ((d >> 32) as u32) | 1 << 31;
         assert_eq!(recip32(d32) as u64, u64::MAX / d32 as u64 - (1 << 32), "{d32}");
         let t = chance.next() % n;
