@@ -46,20 +46,20 @@ pub fn split(leg: &Leg, length: Twofold, end: f64) -> Admitted<Split> {
         return Err(Refused::new(Reason::NoDisplacement));
     }
     let sign = if length.high < 0.0 { -1.0 } else { 1.0 };
-    let l = length.mul(sign);
+    let l = length.times(sign);
     let (u0, u1) = (sign * leg.vel, sign * end);
     for (vel, u) in [(leg.vel, u0), (end, u1)] {
         if u > leg.vel_max {
             return Err(Refused::new(Reason::AboveVelMax).got(vel).limits(-leg.vel_max, leg.vel_max));
         }
     }
-    let square = |x: f64| Twofold::from(x).mul(x);
+    let square = |x: f64| Twofold::from(x).times(x);
     let (a, d, top) = (leg.acc, leg.dec, Twofold::from(leg.vel_max));
-    let both = Twofold::from(a).add(d);
+    let both = Twofold::from(a).plus(d);
     let (q0, q1) = (square(u0), square(u1));
     // peak² − u0² = a·up/(a + d), peak² − u1² = d·down/(a + d)
-    let up = l.mul(2.0 * d).add(q1.sub(q0));
-    let down = l.mul(2.0 * a).add(q0.sub(q1));
+    let up = l.times(2.0 * d).plus(q1.minus(q0));
+    let down = l.times(2.0 * a).plus(q0.minus(q1));
     let slack = |acc: f64| LEAST * (2.0 * acc * l.high + q0.high + q1.high);
     let zero = Twofold::default();
     let part = |times: [Twofold; 3], rise: Twofold, fall: Twofold, peak: f64| {
@@ -67,7 +67,7 @@ pub fn split(leg: &Leg, length: Twofold, end: f64) -> Admitted<Split> {
     };
     let unreachable = |acc: f64| {
         // The distance that the change of velocity takes.
-        let needed = q0.sub(q1).high.abs() / (2.0 * acc);
+        let needed = q0.minus(q1).high.abs() / (2.0 * acc);
         Err(Refused::new(Reason::VelocityUnreachable).got(length.high).limits(needed, f64::INFINITY))
     };
     if u0 > 0.0 && up.high < -slack(d) {
@@ -77,23 +77,23 @@ pub fn split(leg: &Leg, length: Twofold, end: f64) -> Admitted<Split> {
         return unreachable(a);
     }
     if u0 > 0.0 && up.high <= slack(d) {
-        return part([zero, zero, l.mul(2.0).div(Twofold::from(u0).add(u1))], zero, l, u0);
+        return part([zero, zero, l.times(2.0).over(Twofold::from(u0).plus(u1))], zero, l, u0);
     }
     if u1 > 0.0 && down.high <= slack(a) {
-        return part([l.mul(2.0).div(Twofold::from(u0).add(u1)), zero, zero], l, zero, u1);
+        return part([l.times(2.0).over(Twofold::from(u0).plus(u1)), zero, zero], l, zero, u1);
     }
-    let way = |from: f64, peak: Twofold, acc: f64| peak.sub(from).mul(peak.add(from)).div(2.0 * acc);
-    let peak2 = l.mul(2.0 * a).mul(d).add(q0.mul(d)).add(q1.mul(a)).div(both);
-    let over = peak2.sub(square(leg.vel_max));
+    let way = |from: f64, peak: Twofold, acc: f64| peak.minus(from).times(peak.plus(from)).over(2.0 * acc);
+    let peak2 = l.times(2.0 * a).times(d).plus(q0.times(d)).plus(q1.times(a)).over(both);
+    let over = peak2.minus(square(leg.vel_max));
     if over.high > LEAST * peak2.high {
         let (rise, fall) = (way(u0, top, a), way(u1, top, d));
-        let cruise = l.sub(rise).sub(fall).div(top);
-        return part([top.sub(u0).div(a), cruise, top.sub(u1).div(d)], rise, fall, leg.vel_max);
+        let cruise = l.minus(rise).minus(fall).over(top);
+        return part([top.minus(u0).over(a), cruise, top.minus(u1).over(d)], rise, fall, leg.vel_max);
     }
     let peak = peak2.sqrt();
     // Differences of nearly equal speeds come from the distance, not from the root.
     let time = |from: f64, gap: Twofold, acc: f64| {
-        if from > 0.0 { gap.div(both.mul(peak.add(from))) } else { peak.sub(from).div(acc) }
+        if from > 0.0 { gap.over(both.times(peak.plus(from))) } else { peak.minus(from).over(acc) }
     };
     let (rise, fall) = (way(u0, peak, a), way(u1, peak, d));
     part([time(u0, up, a), zero, time(u1, down, d)], rise, fall, peak.high)
@@ -103,7 +103,7 @@ impl Split {
     /// Duration of the whole.
     pub fn duration(&self) -> Twofold {
         let [acc, cruise, dec] = self.times;
-        acc.add(cruise).add(dec)
+        acc.plus(cruise).plus(dec)
     }
 
     /// Whether part `index` is long enough to be a part.

@@ -163,7 +163,8 @@ impl Draft {
     /// for the other descriptions. After a refusal the draft is of no further use.
     pub fn point(&mut self, values: &[f64], scratch: &mut Scratch) -> Admitted<f64> {
         let item = self.taken as usize;
-        self.admit(values, scratch).map_err(|refused| if self.names_before(&refused) { refused.item(item - 1) } else { refused.item(item) })
+        let admitted = self.admit(values, scratch);
+        admitted.map_err(|refused| refused.item(if self.names_before(&refused) { item.saturating_sub(1) } else { item }))
     }
 
     /// Whether the refusal is about the way to this point, which the point before it described.
@@ -232,7 +233,7 @@ impl Draft {
                 let percent = crate::refuse::within(field + 2, at(2), 0.0, 100.0)?;
                 if !begins {
                     let span = Twofold::between(time, self.last.0);
-                    self.carried = Twofold::between(pos, self.last.1).mul(2.0).div(span).sub(self.carried);
+                    self.carried = Twofold::between(pos, self.last.1).times(2.0).over(span).minus(self.carried);
                     knot.vel = speed(self.carried.high, field + 1)?;
                     for inner in shape::inner(self.knot, knot, self.percent) {
                         self.push(inner, scratch)?;
@@ -272,15 +273,15 @@ impl Draft {
             let way = Twofold::between(pos, self.last.1);
             let split = continuous::split(&self.leg, way, leg.vel)?;
             let begin = Kind::time_begin(self.kind);
-            let since = |time: Twofold| time.sub(begin).high;
+            let since = |time: Twofold| time.minus(begin).high;
             let start = self.carried;
-            let end = start.add(split.duration());
-            if !(end.high <= LATEST_MS) {
+            let end = start.plus(split.duration());
+            if end.high.is_nan() || end.high > LATEST_MS {
                 return Err(Refused::new(Reason::OutOfRange).field(field + 4).got(end.high).limits(0.0, LATEST_MS));
             }
             let to = Knot { time: since(end), pos: pos - self.first.1, vel: leg.vel };
-            let risen = Knot { time: since(start.add(split.times[0])), pos: self.knot.pos + split.rise, vel: split.peak };
-            let falls = Knot { time: since(end.sub(split.times[2])), pos: to.pos - split.fall, vel: split.peak };
+            let risen = Knot { time: since(start.plus(split.times[0])), pos: self.knot.pos + split.rise, vel: split.peak };
+            let falls = Knot { time: since(end.minus(split.times[2])), pos: to.pos - split.fall, vel: split.peak };
             let percent = self.leg.percent;
             let (rises, cruises, brakes) = (split.has(0), split.has(1), split.has(2));
             if rises {
@@ -340,7 +341,7 @@ impl Draft {
         }
         let (delay, duration) = match self.kind {
             Kind::Continuous { time_begin } => {
-                let whole = self.carried.sub(time_begin);
+                let whole = self.carried.minus(time_begin);
                 (instant(time_begin), instant(whole.high) + instant(whole.low))
             }
             _ => (instant(self.first.0), instant(self.last.0) - instant(self.first.0)),

@@ -74,8 +74,8 @@ pub fn check(a: &Knot, b: &Knot) -> Admitted<()> {
     let top = -c2 / (3.0 * c3);
     let inner = if length > 0.0 && top > 0.0 && top < 1.0 { (w0 + c2 * top) / length } else { 0.0 };
     let speed = a.vel.abs().max(b.vel.abs()).max(inner.abs());
-    // NaN cannot come from admitted numbers; it would be refused here.
-    if !(speed <= FULL_SCALE * (1.0 + 1e-9)) {
+    // NaN cannot come from admitted numbers; it would be refused.
+    if speed.is_nan() || speed > FULL_SCALE * (1.0 + 1e-9) {
         return Err(Refused::new(Reason::TooFast).got(speed).limits(0.0, FULL_SCALE));
     }
     // Where the velocity is 0 the position is furthest: w0 + 2·c2·τ + 3·c3·τ² = 0.
@@ -87,7 +87,7 @@ pub fn check(a: &Knot, b: &Knot) -> Admitted<()> {
             furthest = pos;
         }
     }
-    if !(furthest.abs() <= REACH) {
+    if furthest.is_nan() || furthest.abs() > REACH {
         return Err(Refused::new(Reason::BeyondTravel).got(furthest).limits(-REACH, REACH));
     }
     Ok(())

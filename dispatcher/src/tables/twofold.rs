@@ -52,30 +52,30 @@ impl Twofold {
         Twofold { high: -self.high, low: -self.low }
     }
     /// Sum, within 2⁻¹⁰⁴ of itself.
-    pub fn add(self, other: impl Into<Twofold>) -> Twofold {
+    pub fn plus(self, other: impl Into<Twofold>) -> Twofold {
         let other = other.into();
         let (s, t) = (sum(self.high, other.high), sum(self.low, other.low));
         let s = quick(s.high, s.low + t.high);
         quick(s.high, s.low + t.low)
     }
     /// Difference.
-    pub fn sub(self, other: impl Into<Twofold>) -> Twofold {
-        self.add(other.into().negate())
+    pub fn minus(self, other: impl Into<Twofold>) -> Twofold {
+        self.plus(other.into().negate())
     }
     /// Product, within 2⁻¹⁰² of itself.
-    pub fn mul(self, other: impl Into<Twofold>) -> Twofold {
+    pub fn times(self, other: impl Into<Twofold>) -> Twofold {
         let other = other.into();
         let p = product(self.high, other.high);
         quick(p.high, p.low + (self.high * other.low + self.low * other.high))
     }
     /// Quotient, within 2⁻¹⁰¹ of itself; not for a divisor of 0.
-    pub fn div(self, other: impl Into<Twofold>) -> Twofold {
+    pub fn over(self, other: impl Into<Twofold>) -> Twofold {
         let other = other.into();
         let q1 = self.high / other.high;
-        let rest = self.sub(other.mul(q1));
+        let rest = self.minus(other.times(q1));
         let q2 = rest.high / other.high;
-        let rest = rest.sub(other.mul(q2));
-        quick(q1, q2).add(rest.high / other.high)
+        let rest = rest.minus(other.times(q2));
+        quick(q1, q2).plus(rest.high / other.high)
     }
     /// Square root, within 2⁻¹⁰⁰ of itself; 0 for what is not above 0.
     pub fn sqrt(self) -> Twofold {
@@ -83,9 +83,9 @@ impl Twofold {
             return Twofold::default();
         }
         let root = libm::sqrt(self.high);
-        let rest = self.sub(product(root, root));
+        let rest = self.minus(product(root, root));
         let once = quick(root, rest.high / (2.0 * root));
-        let rest = self.sub(once.mul(once));
-        once.add(rest.high / (2.0 * root))
+        let rest = self.minus(once.times(once));
+        once.plus(rest.high / (2.0 * root))
     }
 }
