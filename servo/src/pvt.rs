@@ -8,7 +8,8 @@
 //! Nothing accumulates: the beginning of a pass is an instant in 2⁻⁶⁴ ns and a position in
 //! 2⁻⁶⁴ pulse, to which passes add the table's exact duration and displacement; a knot is added to
 //! these two afresh. A segment's coefficients are computed when it is entered, by products alone.
-//! Work of a tick: one segment change at most, found by at most 20 looks at times, however many
+//! Work of a tick: one segment change at most (prepared by an earlier tick where [`PvtRun::prepare`] is
+//! called, which takes the most of it), found by at most 20 looks at times, however many
 //! knots or passes lie between two ticks.
 use crate::piece::{Motion, Piece, Recip};
 use crate::profile::{State, Step};
@@ -44,6 +45,8 @@ pub struct PvtRun {
     /// Its begin in 2⁻⁶⁴ ns, and the place there.
     until: u128,
     ahead: Place,
+    /// What follows, if it was prepared: its piece, its end and the place there.
+    prepared: Option<(Piece, u128, Place)>,
     /// Passes of this table completed.
     passes: u32,
     /// All passes have run.
@@ -72,6 +75,7 @@ impl PvtRun {
             segments: 0,
             until: began,
             ahead: Place::default(),
+            prepared: None,
             passes: 0,
             ended: false,
             origin,
@@ -126,17 +130,42 @@ impl PvtRun {
     /// that is the next one, whose first place is at hand.
     #[inline(never)]
     fn advance(&mut self, now: Ns, passes: u32, source: &impl Tables) -> bool {
-        if self.next < self.segments {
+        if let Some((piece, until, after)) = self.prepared.take() {
+            if piece.elapsed(now) < piece.span {
+                self.go_on(piece, until, after);
+                return true;
+            }
+        } else if self.next < self.segments {
             let after = Place::from_words(source.place(self.table, self.next.wrapping_add(1)));
             let until = self.end_of(self.next, after.time);
             let begin = ceil(self.until);
             if now.0.wrapping_sub(begin) < ceil(until).wrapping_sub(begin) {
-                let (before, from) = (self.ahead, self.until);
-                self.enter(before, after, from, until);
+                let piece = self.piece_between(self.ahead, after, self.until, until);
+                self.go_on(piece, until, after);
                 return true;
             }
         }
         self.search(now, passes, source)
+    }
+
+    /// Computes the next segment of the pass ahead of its tick, if it is not there yet, so that many axes
+    /// can enter segments in one tick; call it in a tick that has time. What is prepared is what
+    /// would have been computed.
+    #[inline(never)]
+    pub fn prepare(&mut self, source: &impl Tables) {
+        if self.prepared.is_none() && self.next < self.segments {
+            let after = Place::from_words(source.place(self.table, self.next.wrapping_add(1)));
+            let until = self.end_of(self.next, after.time);
+            let piece = self.piece_between(self.ahead, after, self.until, until);
+            self.prepared = Some((piece, until, after));
+        }
+    }
+
+    #[inline(always)]
+    fn go_on(&mut self, piece: Piece, until: u128, after: Place) {
+        self.piece = piece;
+        self.next = self.next.wrapping_add(1);
+        (self.until, self.ahead) = (until, after);
     }
 
     /// As [`PvtRun::advance`], wherever the segment is: behind others, in another pass or table.
@@ -166,7 +195,9 @@ impl PvtRun {
         let after = Place::from_words(source.place(self.table, segment.wrapping_add(1)));
         let from = self.began.wrapping_add(self.header.span(before.time));
         self.next = segment;
-        self.enter(before, after, from, self.end_of(segment, after.time));
+        let until = self.end_of(segment, after.time);
+        let piece = self.piece_between(before, after, from, until);
+        self.go_on(piece, until, after);
         true
     }
 
@@ -243,7 +274,7 @@ impl PvtRun {
     /// Computes the piece from place `a` to place `b`: displacement P, velocities v0, v1 over the
     /// length L give P(τ) = v0·L·τ + (3P − (2·v0 + v1)·L)·τ² + ((v0 + v1)·L − 2P)·τ³.
     #[inline(always)]
-    fn enter(&mut self, a: Place, b: Place, from: u128, until: u128) {
+    fn piece_between(&self, a: Place, b: Place, from: u128, until: u128) -> Piece {
         let header = &self.header;
         let begin = ceil(from);
         let length = b.time.wrapping_sub(a.time);
@@ -263,7 +294,7 @@ impl PvtRun {
 
         let up = (64 - header.pos_bits as i32) as u32 & 63; // 2..=62
         let knot = ((a.pos >> (64 - up)) as i128) << 64 | (a.pos << up) as u64 as i128;
-        self.piece = Piece {
+        Piece {
             begin: Ns(begin),
             span: ceil(until).wrapping_sub(begin),
             start: Exact(self.origin.0.wrapping_add(knot)).round(),
@@ -273,9 +304,7 @@ impl PvtRun {
                 tau,
                 recip: Recip { m, shift },
             },
-        };
-        self.next = self.next.wrapping_add(1);
-        (self.until, self.ahead) = (until, b);
+        }
     }
 }
 

@@ -189,6 +189,9 @@ fn the_way_to_an_instant_does_not_matter() {
                 2 => chance.below(20 * pass) + 1,
                 _ => 50_000,
             };
+            if chance.below(2) == 0 {
+                run.prepare(&shelf);
+            }
             let step = run.step(Ns(now), 0, &shelf);
             let fresh = PvtRun::begin(Ns(55), Exact(3 << 60), 0, &shelf).step(Ns(now), 0, &shelf);
             assert_eq!(step, fresh, "{now} {knots:?}");
