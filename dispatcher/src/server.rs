@@ -225,7 +225,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             heard.saturating_add(u64::from(self.desk.link_loss.0) * 1_000_000).saturating_add(1)
         });
         let next_tick = self.program.is_urgent().then(|| self.time.0.saturating_add(1));
-        self.link.next_deadline().into_iter().chain(loss).chain(next_tick).min().map(Ns)
+        let flush = self.program.flush_due(self.view.last()).map(|due| due.0);
+        self.link.next_deadline().into_iter().chain(loss).chain(next_tick).chain(flush).min().map(Ns)
     }
 
     /// The newest view, for displays and tests.

@@ -1,6 +1,6 @@
 //! The program queue: timing, flow control, failures, Stop, link loss, the trace.
 mod bench;
-use bench::{Bench, MS, entry, pt_data};
+use bench::{Bench, MS, body, entry, pt_data, pt_item};
 use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
@@ -188,6 +188,119 @@ fn a_dynamic_stream_longer_than_its_ring() {
     assert_eq!((state.state, state.space0.get()), (2, 64));
     // The stream is over: the next one counts from 0.
     bench.done(pt_data(1, 1.0, 1));
+}
+
+/// Segments that 1 ms long pieces of `axes` streams are told before their start.
+const AHEAD: i32 = 2000;
+
+/// The data before the start of eight streams: records of `share` segments, from axis to axis.
+fn prefill(share: i32) -> Vec<(u16, Lane, Vec<u8>)> {
+    let mut entries = Vec::new();
+    for axis in 1..=8 {
+        entries.push(entry(AxisOn { core: CORE.into(), axis: axis.into() }));
+        entries.push(entry(PrfPt { core: CORE.into(), profile: axis.into(), mode: 1.into() }));
+        entries.push(entry(SetPtMemory { core: CORE.into(), profile: axis.into(), memory: 1.into() }));
+    }
+    for part in 0..AHEAD / share {
+        for axis in 1..=8i16 {
+            let items: Vec<PtItem> = (1..=share)
+                .map(|i| part * share + i)
+                .map(|t| pt_item(f64::from(t * i32::from(axis)), t, if t == AHEAD { 2 } else { 1 }))
+                .collect();
+            let many =
+                PtDataMany { core: CORE.into(), profile: axis.into(), fifo: 0.into(), count: (share as u16).into() };
+            entries.push((PtDataMany::OPCODE, Lane::Program, body(many, &items)));
+        }
+    }
+    entries
+}
+
+#[test]
+fn a_held_program_takes_all_data_before_its_start() {
+    // The last has more records than there are places in the ring of entries.
+    for share in [50, 25, 20] {
+        let mut bench = Bench::gus();
+        let mut tags = Vec::new();
+        for one in prefill(share) {
+            tags.extend(bench.post_all(&[one]));
+            // Each is admitted by itself, as it is when a slow link brings it.
+            bench.step();
+        }
+        let core = CORE.into();
+        tags.extend(bench.post_all(&[
+            entry(start(0xff)),
+            entry(wait_stop(0xff)),
+            entry(GetPrfPos { core, profile: 1.into(), count: 8.into() }),
+            entry(ProgramEnd {}),
+        ]));
+        bench.run_ms(5);
+        assert!(tags.iter().all(|tag| bench.answers.get(tag).is_none()), "held: nothing is executed or refused");
+        bench.done(ProgramStart { strict: 1 });
+        for (index, &tag) in tags.iter().enumerate() {
+            let answer = bench.wait(tag);
+            assert_eq!(answer.code, 0, "{share} a record, entry {index}: {answer:?}");
+        }
+        let reached: Vec<f64> =
+            bench.answers[&tags[tags.len() - 2]].items::<GetPrfPos>().iter().map(|pos| pos.value.get()).collect();
+        assert_eq!(reached, (1..=8).map(|axis| f64::from(AHEAD * axis)).collect::<Vec<_>>());
+        let status = bench.done(ProgramStatus {});
+        assert_eq!((status.late.get(), status.worst_late_us.get()), (0, 0), "{share} a record");
+        assert_eq!(status.clock_ns.get(), AHEAD as u64 * MS + 250_000);
+        for axis in 1..=8 {
+            assert_eq!(bench.done(GetPtState { core, profile: axis.into() }).state, 2, "no underrun");
+        }
+    }
+}
+
+#[test]
+fn data_that_comes_piece_by_piece_while_the_program_sleeps_is_in_time() {
+    let mut bench = Bench::gus();
+    let mut tags = bench.post_all(&[entry(sleep(1500))]);
+    bench.done(ProgramStart { strict: 1 });
+    let mut entries = prefill(25);
+    entries.extend([entry(start(0xff)), entry(wait_stop(0xff)), entry(read_pos(8)), entry(ProgramEnd {})]);
+    for one in entries {
+        tags.extend(bench.post_all(&[one]));
+        bench.step();
+    }
+    for (index, &tag) in tags.iter().enumerate() {
+        assert_eq!(bench.wait(tag).code, 0, "entry {index}");
+    }
+    assert_eq!(position(&bench.answers[&tags[tags.len() - 2]]), f64::from(AHEAD * 8));
+    let status = bench.done(ProgramStatus {});
+    assert_eq!((status.late.get(), status.clock_ns.get()), (0, (1500 + AHEAD as u64) * MS + 250_000));
+}
+
+#[test]
+fn a_stream_short_of_data_gets_each_record_in_time() {
+    let mut bench = Bench::gus();
+    let (core, profile) = (CORE.into(), 1.into());
+    let segment = |i: i32| entry(PtData { kind: 1.into(), ..pt_data(1, f64::from(i), i) });
+    let mut tags = bench.post_all(&[
+        entry(AxisOn { core, axis: profile }),
+        entry(PrfPt { core, profile, mode: 1.into() }),
+        segment(1),
+        segment(2),
+        segment(3),
+        entry(start(1)),
+    ]);
+    bench.done(ProgramStart { strict: 0 });
+    // The data of each ms comes in the ms before it is needed, for an instant that is over.
+    for i in 4..200 {
+        tags.extend(bench.post_all(&[segment(i)]));
+        bench.run_ms(1);
+    }
+    tags.extend(bench.post_all(&[
+        entry(PtData { kind: 2.into(), ..pt_data(1, 201.0, 201) }),
+        entry(wait_stop(1)),
+        entry(read_pos(1)),
+        entry(ProgramEnd {}),
+    ]));
+    for (index, &tag) in tags.iter().enumerate() {
+        assert_eq!(bench.wait(tag).code, 0, "entry {index}");
+    }
+    assert_eq!(position(&bench.answers[&tags[tags.len() - 2]]), 201.0);
+    assert_eq!(bench.done(GetPtState { core, profile }).state, 2, "no underrun");
 }
 
 #[test]

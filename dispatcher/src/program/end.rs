@@ -1,0 +1,142 @@
+//! How a program ends: answers of what was executed, what becomes of the rest after a failure, a
+//! Stop, link loss or ProgramClear.
+//!
+//! In: what the view says was executed, what the tick refused. Out: replies in order, a ProgramDrop.
+//! What was dropped leaves no trace: the *ahead* books go back to the *now* books.
+use super::{Program, State};
+use crate::books::{Change, executed};
+use crate::desk::{Desk, TickRefusal};
+use crate::refuse::Refused;
+use protocol::reason::Reason;
+use protocol::record::ReplyWriter;
+use servo::op::Op;
+use servo::units::Axis;
+use servo::view::View;
+
+impl Program<'_> {
+    /// Stop in the immediate lane, or link loss: a running program ends. The ProgramDrop goes out before
+    /// the Stop does, so that no entry starts the axes again.
+    pub fn stop<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
+        if self.state == State::Running {
+            self.cut(State::Stopped);
+            self.push_drop(desk);
+        }
+    }
+
+    /// A new session: entries and replies of the one before are void. Motion that runs goes on.
+    pub fn abandon(&mut self) {
+        if self.state != State::Empty {
+            self.cut(State::Stopped);
+            self.clearing = true;
+        }
+        self.records.clear();
+        self.awaiting.clear();
+        self.config = None;
+        self.overflowed = false;
+    }
+
+    /// The tick refused a start: the program has failed there.
+    pub fn tick_refused(&mut self, refusal: TickRefusal) {
+        self.refused.push(refusal);
+        if self.is_active() {
+            self.cut(State::Failed);
+        }
+    }
+
+    /// No more of it is executed.
+    pub(super) fn cut(&mut self, state: State) {
+        if self.is_active() {
+            self.drop_due = true;
+        }
+        self.state = state;
+    }
+
+    /// Tells the tick to drop what is in the ring, as soon as the lane has room.
+    pub(super) fn push_drop<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
+        if self.drop_due && desk.lane.push(Op::ProgramDrop, Change::None, 0, &mut desk.ahead) {
+            self.drop_due = false;
+            self.dropping = Some(desk.lane.last());
+        }
+    }
+
+    /// The tick has dropped the rest.
+    pub(super) fn finish_drop<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) {
+        self.dropping = None;
+        self.lane.forget();
+        desk.ahead = desk.now;
+        desk.lane.replay(&mut desk.ahead);
+        self.awaiting.amend_back(|item| {
+            item.discarded |= item.open || item.seq.is_some_and(|seq| !executed(view, seq));
+            item.open = false;
+            true
+        });
+        (self.delay, self.instant, self.open) = (0, 0, [0; 2]);
+        (self.run, self.end, self.config) = (None, None, None);
+    }
+
+    /// A strict program was late: what follows is not executed. The next entry says why.
+    pub(super) fn late(&mut self) {
+        self.cut(State::Failed);
+        self.refused.push((0, Axis::default(), 0));
+    }
+
+    /// Answers what was executed or dropped, in order.
+    pub(super) fn answer<const AXES: usize>(&mut self, desk: &Desk<'_, AXES>, view: &View<AXES>, out: &mut ReplyWriter) -> bool {
+        let mut progress = false;
+        while let Some(&item) = self.awaiting.front() {
+            if item.open || !item.discarded && item.seq.is_some_and(|seq| !executed(view, seq)) {
+                break;
+            }
+            let refusal = self.refused.front().copied().filter(|&(seq, ..)| {
+                if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) }
+            });
+            let written = match refusal {
+                Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
+                Some((_, axis, status)) => out.refused(item.opcode, item.tag, &desk.explain(axis, status).wire),
+                None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(Reason::Discarded).wire),
+                None => desk.reply(view, self, &item, out),
+            };
+            if written.is_err() {
+                break;
+            }
+            if refusal.is_some() {
+                self.refused.pop();
+            } else if !item.discarded {
+                self.done = self.done.wrapping_add(1);
+            }
+            self.awaiting.pop();
+            progress = true;
+        }
+        progress
+    }
+
+    /// Answers the records that wait: they are not executed.
+    pub(super) fn discard(&mut self, out: &mut ReplyWriter) -> bool {
+        if !self.awaiting.is_empty() {
+            return false;
+        }
+        let mut progress = false;
+        while let Some((head, _)) = self.records.front() {
+            // A strict program that was late with nothing in the ring says so at its next record.
+            let late = self.refused.front().is_some_and(|&(seq, ..)| seq == 0);
+            let reason = if late { Reason::Late } else { Reason::Discarded };
+            if out.refused(head.opcode, head.tag, &Refused::new(reason).wire).is_err() {
+                return progress;
+            }
+            if late {
+                self.refused.pop();
+            }
+            self.records.pop();
+            progress = true;
+        }
+        if self.clearing {
+            self.clearing = false;
+            self.overflowed = false;
+            self.state = State::Empty;
+            self.refused.clear();
+            progress = true;
+        }
+        self.settled = true;
+        progress
+    }
+}

@@ -1,0 +1,278 @@
+//! How records become entries: admission ahead of the script clock.
+//!
+//! In: the records that wait, the view. Out: entries of the program lane, replies that wait for them.
+//! Records are admitted in order until one has to wait: for room, for places in a FIFO, or because
+//! what is wrong now may be right at its instant.
+//!
+//! PT data is in the axis's store at once; the tick sees it by a PtCommit. Commits of one instant are
+//! gathered over records and axes, one for each FIFO, until something else has to come behind them,
+//! the script clock moves on, or their instant comes near. So data before a start takes no room in the
+//! lane however it arrives, and a stream that is short of data still gets each record in time.
+use super::{Program, State, length};
+use crate::admit::pt;
+use crate::books::Change;
+use crate::case::{Answer, Case, Effect};
+use crate::desk::{Awaiting, Desk, Step};
+use crate::lane::{STAGED, Staged};
+use crate::refuse::{Admitted, Refused};
+use protocol::command::{Sleep, WaitStop, opcode};
+use protocol::reason::Reason;
+use protocol::record::ReplyWriter;
+use servo::op::Op;
+use servo::units::{Axis, AxisMask, Ns};
+use servo::view::View;
+use zerocopy::FromBytes;
+
+/// Records admitted in one go, so that the work of a poll is bounded.
+const RECORDS_PER_POLL: u32 = 256;
+/// Commits go into the ring this long before their instant: longer than the thread is ever away, short
+/// enough that what is pushed piece by piece meanwhile does not fill the ring.
+const NEAR_NS: u64 = 10_000_000;
+
+impl Program<'_> {
+    /// Admits records until one has to wait. True if at least one was dealt with.
+    pub(super) fn take_records<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>, out: &mut ReplyWriter) -> bool {
+        let mut progress = false;
+        for _ in 0..RECORDS_PER_POLL {
+            // Room for the command and, before it, the commits of all axes.
+            let room = self.lane.room() >= STAGED + 2 * AXES && !self.awaiting.is_full();
+            if self.end.is_some() || !room || self.records.front().is_none() {
+                self.settle(desk, view);
+                return progress;
+            }
+            match self.take_record(desk, view) {
+                Ok(Step::Taken) => {
+                    self.records.pop();
+                    progress = true;
+                }
+                Ok(Step::Wait) => {
+                    self.settle(desk, view);
+                    return progress;
+                }
+                Err(refused) => {
+                    self.settle(desk, view);
+                    return self.refuse(desk, view, &refused, out) || progress;
+                }
+            }
+        }
+        progress
+    }
+
+    /// Nothing more can be admitted now.
+    fn settle<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) {
+        self.settled = true;
+        if self.flush_due(view).is_some_and(|due| due.0 <= view.now.0) {
+            self.flush(desk);
+        }
+    }
+
+    /// When the commits that gather have to be in the ring, controller time; none while the program is
+    /// held.
+    pub fn flush_due<const AXES: usize>(&self, view: &View<AXES>) -> Option<Ns> {
+        if self.open == [0; 2] || self.state != State::Running {
+            return None;
+        }
+        // Before the first tick of the run its zero is not known: as if it were now.
+        let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
+        Some(Ns(zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(NEAR_NS)))
+    }
+
+    /// The record in hand is refused: for good, if its instant has been reached.
+    fn refuse<const AXES: usize>(
+        &mut self,
+        desk: &mut Desk<'_, AXES>,
+        view: &View<AXES>,
+        refused: &Refused,
+        out: &mut ReplyWriter,
+    ) -> bool {
+        let runs = self.runs(view);
+        let quiet = !self.lane.in_flight() && self.open == [0; 2];
+        self.urgent = runs && (refused.reason != Reason::FifoFull || quiet);
+        let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
+        if !runs || self.lane.in_flight() || !self.awaiting.is_empty() || view.now.0 <= instant {
+            return false;
+        }
+        let Some((head, _)) = self.records.front() else { return false };
+        if out.refused(head.opcode, head.tag, &refused.wire).is_err() {
+            return false;
+        }
+        self.records.pop();
+        self.cut(State::Failed);
+        self.push_drop(desk);
+        true
+    }
+
+    /// Admits the record in hand and pushes what it becomes.
+    fn take_record<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) -> Admitted<Step> {
+        let Some((head, body)) = self.records.front() else { return Ok(Step::Wait) };
+        let (answer, effect, own) = match head.opcode {
+            opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus | opcode::SetTick | opcode::Choose => {
+                return Err(Refused::new(Reason::NotForProgram));
+            }
+            opcode::Sleep => {
+                let sleep = Sleep::read_from_bytes(body).map_err(|_| length::<Sleep>(body))?;
+                if sleep.ns.get() > 0 {
+                    self.flush(desk);
+                }
+                self.delay = self.delay.saturating_add(sleep.ns.get());
+                self.attach(head.opcode, head.tag, Answer::Done);
+                return Ok(Step::Taken);
+            }
+            opcode::PtData | opcode::PtDataMany => {
+                let written = desk.admit_data(view, head.opcode, body)?;
+                return Ok(self.take_data(desk, head.opcode, head.tag, &written));
+            }
+            opcode::WaitStop => {
+                let wait = WaitStop::read_from_bytes(body).map_err(|_| length::<WaitStop>(body))?;
+                wait_stop(desk, view, &wait)?;
+                (Answer::Done, Effect::None, true)
+            }
+            opcode::ProgramEnd => {
+                if !body.is_empty() {
+                    return Err(length::<protocol::command::ProgramEnd>(body));
+                }
+                desk.staged.clear();
+                desk.staged.add(Op::ProgramEnd, Change::None);
+                (Answer::Done, Effect::None, true)
+            }
+            _ if self.config.is_some() => (Answer::Done, Effect::Config, true),
+            other => {
+                let (answer, effect) = desk.admit(view, other, body)?;
+                (answer, effect, true)
+            }
+        };
+        if let Effect::Config = effect {
+            return Ok(self.take_config(desk, view));
+        }
+        if desk.staged.ops().is_empty() {
+            if let Answer::Read(_) = answer {
+                self.flush(desk);
+                // A read at the instant of the entry before needs no entry of its own.
+                if self.delay > 0 || !self.lane.in_flight() {
+                    self.push(desk, Op::Mark, Change::None);
+                }
+            }
+            desk.apply(effect, self.lane.last());
+            self.attach(head.opcode, head.tag, answer);
+            return Ok(Step::Taken);
+        }
+        self.flush(desk);
+        let count = desk.staged.ops().len();
+        for index in 0..count {
+            if let Some(&(op, change)) = desk.staged.ops().get(index) {
+                self.push(desk, op, change);
+            }
+        }
+        desk.apply(effect, self.lane.last());
+        if head.opcode == opcode::ProgramEnd {
+            self.end = Some(self.lane.last());
+        }
+        self.awaiting.push(Awaiting {
+            opcode: head.opcode,
+            tag: head.tag,
+            seq: Some(self.lane.last()),
+            own,
+            answer,
+            ..Awaiting::BLANK
+        });
+        Ok(Step::Taken)
+    }
+
+    /// Pushes one entry; the caller has seen that there is room.
+    fn push<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, op: Op, change: Change) {
+        if self.lane.push(op, change, self.delay, &mut desk.ahead) {
+            self.instant = self.instant.saturating_add(self.delay);
+            self.delay = 0;
+        }
+    }
+
+    /// Answers together with the entry before, or at once if that was executed.
+    fn attach(&mut self, opcode: u16, tag: u16, answer: Answer) {
+        let open = self.open != [0; 2];
+        let seq = self.lane.in_flight().then(|| self.lane.last());
+        self.awaiting.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
+    }
+
+    /// PT data is in the store; one commit will show all that belongs to this instant.
+    fn take_data<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, opcode: u16, tag: u16, written: &pt::Written) -> Step {
+        pt::enter(&mut desk.ahead, written);
+        self.open[usize::from(written.fifo) & 1] |= written.axis.mask().0;
+        let answer = Answer::Taken { axis: written.axis, fifo: written.fifo, count: written.count };
+        self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, answer, ..Awaiting::BLANK });
+        Step::Taken
+    }
+
+    /// Pushes the commits of the data that gathered. There is room for them: no record is admitted
+    /// without it, and data itself takes none.
+    pub(super) fn flush<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
+        if self.open == [0; 2] || self.lane.room() < 2 * AXES {
+            return;
+        }
+        for fifo in 0..2u8 {
+            let axes = AxisMask(self.open[usize::from(fifo)]);
+            for axis in (0..AXES).filter_map(Axis::new).filter(|&axis| axes.has(axis)) {
+                let book = desk.ahead.axis(axis);
+                let (epoch, data) = (book.epoch, book.fifos[usize::from(fifo)]);
+                let op = Op::PtCommit { axis, fifo, end: data.end, epoch };
+                self.push(desk, op, Change::Data { axis, fifo, epoch, book: data });
+            }
+        }
+        self.open = [0; 2];
+        let last = self.lane.last();
+        self.awaiting.amend_back(|item| {
+            let open = item.open;
+            if open {
+                (item.open, item.seq) = (false, Some(last));
+            }
+            open
+        });
+    }
+
+    /// LoadConfig, item by item.
+    fn take_config<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) -> Step {
+        self.flush(desk);
+        let mut item = self.config.unwrap_or(0);
+        loop {
+            self.config = Some(item);
+            if self.lane.room() < STAGED {
+                return Step::Wait;
+            }
+            let Some((head, body)) = self.records.front() else { return Step::Wait };
+            if !desk.stage_config(view, body, item) {
+                self.config = None;
+                self.attach(head.opcode, head.tag, Answer::Done);
+                return Step::Taken;
+            }
+            for index in 0..desk.staged.ops().len() {
+                if let Some(&(op, change)) = desk.staged.ops().get(index) {
+                    self.push(desk, op, change);
+                }
+            }
+            item = item.saturating_add(1);
+        }
+    }
+}
+
+/// Stages a WaitStop. No crd can run in this build's commands, so their bits wait for nothing.
+fn wait_stop<const AXES: usize>(desk: &mut Desk<'_, AXES>, view: &View<AXES>, wait: &WaitStop) -> Admitted<()> {
+    desk.staged.clear();
+    let mut staged = Staged::new();
+    let case = Case {
+        view,
+        books: &desk.ahead,
+        site: &desk.site,
+        board: &desk.board,
+        staged: &mut staged,
+        effect: Effect::None,
+    };
+    let axes = case.mask(wait.core.get(), wait.axes.get(), 1)?;
+    let crds = u32::from(desk.site.profile.crds_per_core);
+    let (given, all) = (wait.crds.get().cast_unsigned(), (1u32 << crds) - 1);
+    if given & !all != 0 {
+        return Err(Refused::new(Reason::OutOfRange).field(2).got(given.into()).limits(0.0, all.into()));
+    }
+    if axes.0 != 0 {
+        desk.staged.add(Op::WaitRest { axes }, Change::Rest { axes });
+    }
+    Ok(())
+}

@@ -1,0 +1,279 @@
+//! The program queue (SPEC 7): timed commands on the controller's own script clock.
+//!
+//! In: records of lane 1, the view. Out: entries of the program lane, replies in order. Owns: the
+//! waiting records, the script's accumulated delay, the replies that wait for execution.
+//!
+//! Records are admitted in order, ahead of the script clock as far as the ring has room. A record that
+//! is refused now may be right later, so it waits; it is refused when its instant has been reached
+//! and the state still forbids it. Then, and after a late entry of a strict program, a Stop, link
+//! loss or ProgramClear, the rest is dropped from the ring and answered `Discarded`, and the books go
+//! back to what was executed.
+//!
+//! Flow: a record takes its body and 7 bytes of the queue. One that does not fit is answered
+//! `QueueFull` at once, and so is every later one until the client has asked for ProgramStatus: the
+//! client goes back and sends them again, and no order is lost. So lane 0 never waits behind lane 1.
+mod end;
+mod intake;
+
+use crate::books::{Change, PROGRAM_FLAG, executed};
+use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
+use crate::case::Answer;
+use crate::desk::{Awaiting, Desk, Step, TickRefusal};
+use crate::lane::{Deque, Lane};
+use crate::refuse::{Admitted, Refused};
+use crate::server::PROGRAM;
+use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
+use protocol::reason::Reason;
+use protocol::record::{Full, ReplyWriter, RequestRecord};
+use ring::Producer;
+use servo::op::{Entry, Op};
+use servo::units::Axis;
+use servo::view::View;
+use zerocopy::{FromBytes, IntoBytes};
+
+/// Replies that wait for the execution of their entries. As many records of data may stand before the
+/// start of their stream.
+const AWAITING: usize = 1024;
+
+/// Where the program is; the numbers are those of `ProgramReply`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// No program.
+    Empty = 0,
+    /// Entries gather; the clock stands.
+    Held = 1,
+    /// The clock runs.
+    Running = 2,
+    /// An entry failed; the rest is discarded until ProgramClear.
+    Failed = 3,
+    /// Stop or link loss ended it; the rest is discarded until ProgramClear.
+    Stopped = 4,
+}
+
+/// The program queue.
+pub struct Program<'a> {
+    lane: Lane<'a, PROGRAM>,
+    records: Records,
+    awaiting: Deque<Awaiting, AWAITING>,
+    refused: Deque<TickRefusal, 8>,
+    state: State,
+    /// Script time since the last entry pushed, ns.
+    delay: u64,
+    /// The script clock of the last entry pushed, at the earliest: what a WaitStop takes comes on top
+    /// once it is over, ns.
+    instant: u64,
+    /// Axes with data in FIFO 0, FIFO 1 that the tick does not know of yet.
+    open: [u64; 2],
+    /// The ProgramRun of this program.
+    run: Option<u32>,
+    /// The ProgramEnd of this program, once admitted.
+    end: Option<u32>,
+    /// The rest is to be dropped: not pushed yet, or pushed with this number.
+    drop_due: bool,
+    dropping: Option<u32>,
+    /// ProgramClear or a new session: empty when all is answered.
+    clearing: bool,
+    strict: bool,
+    /// A record did not fit: nothing more is taken until the client has looked.
+    overflowed: bool,
+    /// Nothing more can be admitted before the tick or the client does something.
+    settled: bool,
+    /// The record in hand waits for the machine and must not miss the tick.
+    urgent: bool,
+    config: Option<u16>,
+    /// The script clock when the program was last seen to run, ns.
+    clock: u64,
+    accepted: u32,
+    done: u32,
+}
+
+impl<'a> Program<'a> {
+    /// An empty queue.
+    pub fn new(ring: Producer<'a, Entry, PROGRAM>) -> Self {
+        Program {
+            lane: Lane::new(ring, PROGRAM_FLAG),
+            records: Records::new(),
+            awaiting: Deque::new(Awaiting::BLANK),
+            refused: Deque::new((0, Axis::default(), 0)),
+            state: State::Empty,
+            delay: 0,
+            instant: 0,
+            open: [0; 2],
+            run: None,
+            end: None,
+            drop_due: false,
+            dropping: None,
+            clearing: false,
+            strict: false,
+            overflowed: false,
+            settled: true,
+            urgent: false,
+            config: None,
+            clock: 0,
+            accepted: 0,
+            done: 0,
+        }
+    }
+
+    /// The counts and the clock of a new program.
+    fn begin(&mut self) {
+        (self.accepted, self.done, self.delay, self.instant) = (0, 0, 0, 0);
+    }
+
+    /// Whether its clock runs in the tick that `view` shows.
+    fn runs<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        self.state == State::Running && self.run.is_some_and(|run| executed(view, run))
+    }
+
+    /// Whether it is held or runs.
+    pub fn is_active(&self) -> bool {
+        matches!(self.state, State::Held | State::Running)
+    }
+
+    /// Whether the record in hand may become right with any tick. One that waits for places in a FIFO
+    /// ahead of its time is in no hurry.
+    pub fn is_urgent(&self) -> bool {
+        self.urgent
+    }
+
+    fn is_dropping(&self) -> bool {
+        self.drop_due || self.dropping.is_some()
+    }
+
+    /// Takes a record of lane 1 into the queue.
+    pub fn offer(&mut self, record: &RequestRecord, out: &mut ReplyWriter) -> Step {
+        if self.overflowed || record.body.len() + RECORD_BYTES > self.records.space() {
+            let full = Refused::new(Reason::QueueFull)
+                .got(self.records.space() as f64)
+                .limits(0.0, QUEUE_BYTES as f64);
+            let step = Step::of(out.refused(record.opcode, record.tag, &full.wire));
+            self.overflowed |= step == Step::Taken;
+            return step;
+        }
+        if self.state == State::Empty {
+            self.state = State::Held;
+            self.begin();
+        }
+        self.records.push(record.opcode, record.tag, record.body);
+        self.accepted = self.accepted.wrapping_add(1);
+        self.settled = false;
+        Step::Taken
+    }
+
+    /// ProgramStart, ProgramClear, ProgramStatus. `None`: not now.
+    pub fn control<const AXES: usize>(
+        &mut self,
+        desk: &mut Desk<'_, AXES>,
+        record: &RequestRecord,
+    ) -> Admitted<Option<Answer>> {
+        match record.opcode {
+            opcode::ProgramStart => {
+                let start = ProgramStart::read_from_bytes(record.body).map_err(|_| length::<ProgramStart>(record.body))?;
+                if self.is_dropping() || !self.settled {
+                    return Ok(None);
+                }
+                if !matches!(self.state, State::Empty | State::Held) {
+                    return Err(Refused::new(Reason::ProgramOnlyHeld));
+                }
+                if desk.lane.room() == 0 {
+                    return Ok(None);
+                }
+                if self.state == State::Empty {
+                    self.begin();
+                }
+                // What belongs to the instant 0 is in the ring before the clock runs.
+                self.flush(desk);
+                desk.lane.push(Op::ProgramRun, Change::None, 0, &mut desk.ahead);
+                self.run = Some(desk.lane.last());
+                self.clock = 0;
+                self.strict = start.strict != 0;
+                self.state = State::Running;
+                Ok(Some(Answer::Program))
+            }
+            opcode::ProgramClear => {
+                if !record.body.is_empty() {
+                    return Err(length::<protocol::command::ProgramClear>(record.body));
+                }
+                if self.state == State::Empty && !self.clearing {
+                    return Ok(Some(Answer::Program));
+                }
+                if !self.clearing {
+                    self.cut(State::Stopped);
+                    self.clearing = true;
+                }
+                // `advance` empties it; the reply tells that it is done.
+                Ok(None)
+            }
+            _ => {
+                if !record.body.is_empty() {
+                    return Err(length::<protocol::command::ProgramStatus>(record.body));
+                }
+                // The client has looked: it knows what was taken.
+                self.overflowed = false;
+                Ok(Some(Answer::Program))
+            }
+        }
+    }
+
+    /// The reply to a program command.
+    pub fn status<const AXES: usize>(&self, view: &View<AXES>, opcode: u16, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+        let clock = match self.state {
+            State::Empty | State::Held => view.script.0,
+            State::Running | State::Failed | State::Stopped => self.clock,
+        };
+        let reply = ProgramReply {
+            accepted: self.accepted.into(),
+            executed: self.done.into(),
+            space_bytes: (self.records.space() as u32).into(),
+            late: view.late.into(),
+            worst_late_us: u32::try_from(view.worst_late.0.div_ceil(1000)).unwrap_or(u32::MAX).into(),
+            state: self.state as u8,
+            clock_ns: clock.into(),
+        };
+        out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+    }
+
+    /// Everything the queue can do now. True if something was done.
+    pub fn advance<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>, out: &mut ReplyWriter) -> bool {
+        self.lane.retire(view, &mut desk.now);
+        self.urgent = false;
+        if self.runs(view) {
+            self.clock = view.now.0.saturating_sub(view.script_zero.0);
+            self.instant = self.instant.max(view.script.0);
+        }
+        let mut progress = false;
+        if self.drop_due {
+            self.push_drop(desk);
+        }
+        if self.dropping.is_some_and(|seq| executed(view, seq)) {
+            self.finish_drop(desk, view);
+            progress = true;
+        }
+        progress |= self.answer(desk, view, out);
+        if self.is_dropping() {
+            return progress;
+        }
+        if self.end.is_some_and(|seq| executed(view, seq)) {
+            // Complete: what comes now belongs to a later program.
+            (self.end, self.run, self.delay, self.instant) = (None, None, 0, 0);
+            self.state = if self.records.is_empty() { State::Empty } else { State::Held };
+            progress = true;
+        }
+        match self.state {
+            State::Running if self.strict && view.late > 0 && self.runs(view) => {
+                self.late();
+                self.push_drop(desk);
+                true
+            }
+            State::Held | State::Running => self.take_records(desk, view, out) || progress,
+            State::Failed | State::Stopped => self.discard(out) || progress,
+            State::Empty => progress,
+        }
+    }
+}
+
+/// A body that is not the struct of its command.
+fn length<R: Request>(body: &[u8]) -> Refused {
+    let wanted = size_of::<R>() as f64;
+    Refused::new(Reason::Length).got(body.len() as f64).limits(wanted, wanted)
+}
