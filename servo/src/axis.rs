@@ -18,6 +18,8 @@ use crate::view::{AxisView, StopReason};
 const FIFO: u32 = 1024;
 /// Slots of the dynamic ring, less one.
 const RING_MASK: u32 = 2 * FIFO - 1;
+/// The negative edge of travel.
+const NEGATIVE_EDGE: Pos = Pos(-Pos::TRAVEL.0);
 /// Power-on deceleration of a smooth stop, 1 pulse/ms².
 const STOP_DEC: Accel = Accel { value: Scaled { m: 1, e: 0 }, recip: Scaled { m: 1, e: 0 } };
 
@@ -59,6 +61,13 @@ pub(crate) struct AxisState {
     count: i64,
     /// Nothing here changes until an input, the encoder or an operation does.
     pub(crate) settled: bool,
+    /// What inputs mean has to be looked at again in the next tick, even if they stay.
+    stale: bool,
+    /// The status word may have changed.
+    pub(crate) news: bool,
+    /// While the planned position stays between these two, nothing stands in its way.
+    lower: Pos,
+    upper: Pos,
     /// Switches active now, as status bits.
     switches: u32,
     /// Causes of latched bits that are present now.
@@ -100,6 +109,10 @@ impl AxisState {
         levels: 0,
         count: 0,
         settled: false,
+        stale: true,
+        news: true,
+        lower: NEGATIVE_EDGE,
+        upper: Pos::TRAVEL,
         switches: 0,
         causes: 0,
         latched: 0,
@@ -128,25 +141,35 @@ impl AxisState {
     #[inline]
     pub(crate) fn touch(&mut self) {
         self.shown.changes = self.shown.changes.wrapping_add(1);
-        self.settled = false;
+        (self.settled, self.stale, self.news) = (false, true, true);
     }
 
     /// Takes the inputs of the tick in force at `now`. An axis at rest of which nothing changed costs
-    /// two comparisons.
-    #[inline]
+    /// two comparisons, and one that runs little more.
+    #[inline(always)]
     pub(crate) fn sample(&mut self, now: Ns, raw: AxisInputs, count: i64) {
         let levels = raw.bits();
-        if !self.settled || count != self.count || levels != self.levels {
-            self.take(now, raw, levels, count);
+        if levels == self.levels {
+            if self.settled && count == self.count {
+                return;
+            }
+            if !self.stale && self.runs() {
+                self.count = count;
+                self.shown.encoder_before = self.shown.encoder;
+                self.shown.encoder = self.inputs.encoder(count);
+                return;
+            }
         }
+        self.take(now, raw, levels, count);
     }
 
-    #[inline]
+    #[inline(never)]
     fn take(&mut self, now: Ns, raw: AxisInputs, levels: u8, count: i64) {
         self.settled = !self.runs();
         let encoder = self.inputs.encoder(count);
         if encoder != self.shown.encoder_before || encoder != self.shown.encoder {
-            self.touch();
+            self.shown.moves = self.shown.moves.wrapping_add(1);
+            self.settled = false;
         }
         if levels != self.levels {
             (self.raw, self.levels) = (raw, levels);
@@ -156,6 +179,7 @@ impl AxisState {
         self.shown.encoder_before = self.shown.encoder;
         self.shown.encoder = encoder;
         self.switches = self.inputs.switches(levels);
+        self.set_bounds();
         let runs = self.runs();
         let mut causes = self.switches;
         if self.servo_on {
@@ -165,6 +189,7 @@ impl AxisState {
             // While it runs, the barrier of every step sees to the soft limits.
             causes |= self.inputs.beyond(self.shown.pos);
         }
+        let watched = causes | self.causes != 0 || self.inputs.error_limit.is_some();
         if causes | self.causes != 0 {
             self.latch(causes);
         }
@@ -179,6 +204,21 @@ impl AxisState {
         if let Some(encoder) = self.inputs.captured(levels, encoder) {
             self.shown.captured = Some(encoder);
             self.touch();
+        }
+        (self.stale, self.news) = (watched, true);
+    }
+
+    /// Where the planned position may go without a closer look. A switch that is active has a direction,
+    /// so all of it needs one.
+    pub(crate) fn set_bounds(&mut self) {
+        let Inputs { soft_positive, soft_negative, .. } = &self.inputs;
+        self.upper = soft_positive.map_or(Pos::TRAVEL, Pos::pulses);
+        self.lower = soft_negative.map_or(NEGATIVE_EDGE, Pos::pulses);
+        if self.switches & status::LIMIT_POSITIVE != 0 {
+            self.upper = Pos(i64::MIN);
+        }
+        if self.switches & status::LIMIT_NEGATIVE != 0 {
+            self.lower = Pos(i64::MAX);
         }
     }
 
@@ -207,12 +247,14 @@ impl AxisState {
     }
 
     /// Brings the status word up to the tick just computed.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn settle(&mut self) {
+        self.news = false;
         let status = self.status();
         if status != self.shown.status {
             self.shown.status = status;
-            self.touch();
+            self.shown.changes = self.shown.changes.wrapping_add(1);
+            self.settled = false;
         }
     }
 
@@ -306,9 +348,16 @@ impl AxisState {
     /// Where it will be, and how fast, at `next`, as things stand; and whether it still runs there.
     fn moving(&self, next: Ns, source: &impl Segments) -> (Moving, bool) {
         let rest = |pos| (Moving { pos, velocity: Scaled { m: 0, e: 0 } }, false);
-        let Some(mut trial) = self.profile else {
+        let Some(profile) = &self.profile else {
             return rest(self.exact);
         };
+        let piece = profile.piece();
+        let t = piece.elapsed(next);
+        if t < piece.span {
+            let (pos, tau) = piece.at(t);
+            return (Moving { pos: exact(pos), velocity: piece.motion(tau).velocity() }, true);
+        }
+        let mut trial = *profile;
         let step = trial.step(next, self.feed(), source);
         match step.state {
             State::Running => (Moving { pos: exact(step.pos), velocity: step.motion.velocity() }, true),
@@ -361,35 +410,74 @@ impl AxisState {
         }
     }
 
-    /// The motion at `next`; the reason if it comes to rest there.
-    #[inline]
+    /// The motion of an axis that runs at `next`; the reason if it comes to rest there.
+    #[inline(always)]
     pub(crate) fn step(&mut self, next: Ns, look_ahead: bool, source: &impl Segments) -> Option<StopReason> {
+        if let Some(profile) = &self.profile
+            && self.causes & status::FAULTS == 0
+        {
+            let piece = profile.piece();
+            let t = piece.elapsed(next);
+            if t < piece.span {
+                let (pos, tau) = piece.at(t);
+                if self.lower <= pos && pos <= self.upper {
+                    self.show_place(pos, tau);
+                    if look_ahead {
+                        self.look_ahead(next, source);
+                    }
+                    return None;
+                }
+            }
+        }
+        self.step_anyhow(next, look_ahead, source)
+    }
+
+    #[inline(always)]
+    fn show_place(&mut self, pos: Pos, tau: u64) {
+        self.shown.moves = self.shown.moves.wrapping_add(1);
+        (self.shown.pos, self.shown.motion.tau) = (pos, tau);
+    }
+
+    #[inline(never)]
+    fn look_ahead(&mut self, next: Ns, source: &impl Segments) {
+        if let Some(Profile::Pt(run)) = &self.profile {
+            self.shown.dry_ms = run.dry_ms(next, self.feed(), source);
+        }
+    }
+
+    /// As [`AxisState::step`], where the piece is over or something stands in the way.
+    #[inline(never)]
+    fn step_anyhow(&mut self, next: Ns, look_ahead: bool, source: &impl Segments) -> Option<StopReason> {
         let feed = self.feed();
         let profile = self.profile.as_mut()?;
         if self.causes & status::FAULTS != 0 {
             let alarm = self.causes & status::ALARM != 0;
             return Some(self.stopped_by(next, if alarm { StopReason::Alarm } else { StopReason::FollowingError }));
         }
-        let step = profile.step(next, feed, source);
-        let before = self.shown.pos;
-        if let Some((at, reason)) = self.barrier(before, step.pos) {
+        let piece = profile.piece();
+        let over = piece.elapsed(next) >= piece.span;
+        let state = if over { profile.turn(next, feed, source) } else { State::Running };
+        let (pos, tau) = match state {
+            State::Running => {
+                let piece = profile.piece();
+                piece.at(piece.held(next))
+            }
+            State::Ended { at } | State::Underrun { at } => (at.round(), 0),
+        };
+        if (pos < self.lower || pos > self.upper)
+            && let Some((at, reason)) = self.barrier(self.shown.pos, pos)
+        {
             self.shown.pos = at;
             return Some(self.stopped_by(next, reason));
         }
-        self.shown.pos = step.pos;
-        self.shown.motion = step.motion;
-        self.touch();
-        if let Some(Profile::Pt(run)) = &self.profile {
-            let running = step.state == State::Running;
-            self.shown.passes = run.passes();
-            if self.shown.mode == Mode::PtDynamic {
-                self.shown.released = run.released(running);
-            }
-            if look_ahead {
-                self.shown.dry_ms = run.dry_ms(next, feed, source);
-            }
+        self.show_place(pos, tau);
+        if over {
+            self.show_piece(state == State::Running);
         }
-        let (at, state, reason) = match step.state {
+        if look_ahead {
+            self.look_ahead(next, source);
+        }
+        let (at, state, reason) = match state {
             State::Running => return None,
             State::Ended { at } => (at, pt_state::ENDED, self.ending),
             State::Underrun { at } => (at, pt_state::UNDERRUN, StopReason::Underrun),
@@ -397,6 +485,22 @@ impl AxisState {
         self.end_stream(state);
         self.rest(next, at, reason);
         Some(reason)
+    }
+
+    /// Another piece is in force.
+    #[inline(always)]
+    fn show_piece(&mut self, running: bool) {
+        let Some(profile) = &self.profile else { return };
+        self.shown.pieces = self.shown.pieces.wrapping_add(1);
+        let Motion { c: [c1, c2, c3], frac, recip, .. } = profile.piece().motion;
+        let motion = &mut self.shown.motion;
+        (motion.c, motion.frac, motion.recip) = ([c1, c2, c3], frac, recip);
+        if let Profile::Pt(run) = profile {
+            self.shown.passes = run.passes();
+            if self.shown.mode == Mode::PtDynamic {
+                self.shown.released = run.released(running);
+            }
+        }
     }
 
     fn stopped_by(&mut self, next: Ns, reason: StopReason) -> StopReason {
@@ -412,7 +516,6 @@ impl AxisState {
     }
 
     /// What stands between two positions, and where it holds the axis.
-    #[inline]
     fn barrier(&self, from: Pos, to: Pos) -> Option<(Pos, StopReason)> {
         let inputs = &self.inputs;
         if to > from {
@@ -428,7 +531,6 @@ impl AxisState {
                 return Some((Pos::TRAVEL, StopReason::Travel));
             }
         } else if to < from {
-            const EDGE: Pos = Pos(-Pos::TRAVEL.0);
             if self.switches & status::LIMIT_NEGATIVE != 0 {
                 return Some((from, StopReason::LimitNegative));
             }
@@ -437,8 +539,8 @@ impl AxisState {
             {
                 return Some((from.min(soft), StopReason::SoftNegative));
             }
-            if to < EDGE {
-                return Some((EDGE, StopReason::Travel));
+            if to < NEGATIVE_EDGE {
+                return Some((NEGATIVE_EDGE, StopReason::Travel));
             }
         }
         None

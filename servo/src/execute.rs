@@ -98,6 +98,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::SoftLimit { axis, positive, negative } => self.one(axis, |state| {
                 state.inputs.soft_positive = positive;
                 state.inputs.soft_negative = negative;
+                state.set_bounds();
             }),
             Op::Guard { axis, input, on } => self.one(axis, |state| state.inputs.switch(input, on)),
             Op::Sense { axis, input, active_low } => self.one(axis, |state| state.inputs.sense(input, active_low)),

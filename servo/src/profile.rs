@@ -1,5 +1,5 @@
 //! Whatever an axis runs, the tick asks it the same question.
-use crate::piece::Motion;
+use crate::piece::{Motion, Piece};
 use crate::pt::{Feed, PtRun, Segments};
 use crate::ramp::RampRun;
 use crate::units::{Exact, Ns, Pos};
@@ -49,6 +49,24 @@ impl Profile {
         match self {
             Profile::Pt(run) => run.step(now, feed, source),
             Profile::Ramp(run) => run.step(now),
+        }
+    }
+
+    /// The piece in force, as far as the last step or turn saw.
+    #[inline(always)]
+    pub fn piece(&self) -> &Piece {
+        match self {
+            Profile::Pt(run) => run.piece(),
+            Profile::Ramp(run) => run.piece(),
+        }
+    }
+
+    /// The piece is over at `now`: on to the one that holds it, or to the end.
+    #[inline(never)]
+    pub fn turn(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> State {
+        match self {
+            Profile::Pt(run) => run.turn(now, feed, source),
+            Profile::Ramp(run) => run.turn(now),
         }
     }
 }

@@ -297,18 +297,29 @@ impl PtRun {
     /// The motion at `now`, which must not go back between calls.
     #[inline]
     pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
-        let mut t = self.piece.elapsed(now);
-        if t >= self.piece.span {
-            if !self.go_on(now, feed, source) {
-                let at = Exact(self.origin.0.wrapping_add(self.knot.0));
-                let dry = matches!(self.place, Place::Dynamic { .. }) && !self.at_rest();
-                let state = if dry { State::Underrun { at } } else { State::Ended { at } };
-                return Step { pos: at.round(), motion: Motion::REST, state };
-            }
-            t = self.piece.held(now);
+        if self.piece.elapsed(now) >= self.piece.span
+            && let state @ (State::Ended { at } | State::Underrun { at }) = self.turn(now, feed, source)
+        {
+            return Step { pos: at.round(), motion: Motion::REST, state };
         }
-        let (pos, tau) = self.piece.at(t);
+        let (pos, tau) = self.piece.at(self.piece.held(now));
         Step { pos, motion: self.piece.motion(tau), state: State::Running }
+    }
+
+    /// The piece in force, as far as the last step or turn saw.
+    #[inline(always)]
+    pub fn piece(&self) -> &Piece {
+        &self.piece
+    }
+
+    /// The piece is over at `now`: on to the one that holds it, or to the end.
+    pub fn turn(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> State {
+        if self.go_on(now, feed, source) {
+            return State::Running;
+        }
+        let at = Exact(self.origin.0.wrapping_add(self.knot.0));
+        let dry = matches!(self.place, Place::Dynamic { .. }) && !self.at_rest();
+        if dry { State::Underrun { at } } else { State::Ended { at } }
     }
 
     /// On to the segment that holds `now`; false at the end of the motion.

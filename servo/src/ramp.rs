@@ -340,15 +340,24 @@ impl RampRun {
     /// The motion at `now`, which must not go back between calls.
     #[inline]
     pub fn step(&mut self, now: Ns) -> Step {
-        let mut t = self.piece.elapsed(now);
-        if t >= self.piece.span {
-            if !self.go_on(now) {
-                return Step { pos: self.pos.round(), motion: Motion::REST, state: State::Ended { at: self.pos } };
-            }
-            t = self.piece.held(now);
+        if self.piece.elapsed(now) >= self.piece.span
+            && let state @ State::Ended { at } = self.turn(now)
+        {
+            return Step { pos: at.round(), motion: Motion::REST, state };
         }
-        let (pos, tau) = self.piece.at(t);
+        let (pos, tau) = self.piece.at(self.piece.held(now));
         Step { pos, motion: self.piece.motion(tau), state: State::Running }
+    }
+
+    /// The piece in force, as far as the last step or turn saw.
+    #[inline(always)]
+    pub fn piece(&self) -> &Piece {
+        &self.piece
+    }
+
+    /// The piece is over at `now`: on to the one that holds it, or to the end.
+    pub fn turn(&mut self, now: Ns) -> State {
+        if self.go_on(now) { State::Running } else { State::Ended { at: self.pos } }
     }
 
     /// On to the piece that holds `now`; false at the end.

@@ -158,14 +158,16 @@ impl<const AXES: usize> Tick<AXES> {
                 {
                     tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
                 }
-                state.settle();
+                if state.news {
+                    state.settle();
+                }
             }
             port.set_point(axis, state.set_point());
             // Each of the three buffers catches up when its turn comes.
             if shown.changes != state.shown.changes {
-                shown.follow(&state.shown);
                 *inputs = state.raw;
             }
+            shown.follow(&state.shown);
         }
         port.outputs(self.enable, self.clear, self.general);
         if let Some((row, axes)) = self.trace.advance() {
