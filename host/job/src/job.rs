@@ -11,6 +11,9 @@ pub struct Job {
     pub warnings: Vec<Diagnostic>,
     /// Axes that the job uses in the sense of SPEC section 8 (mode set or position set), ascending.
     pub axes: Vec<Axis>,
+    /// Every core and axis that a call or a configuration file names, ascending; axis 0 stands for the
+    /// core alone. What no controller has is among them.
+    pub named: Vec<Axis>,
 }
 
 /// An axis of a core, both counted from 1.

@@ -6,20 +6,26 @@
 //! Nothing here opens a link, keeps time, or knows what a call does beyond its parameters; the one
 //! exception is the rule about endless motions ([`Action::WaitAll`]).
 //!
-//! `scan` text to tokens, `read` statements, `expr` and `value` expressions, `call` calls to requests by the
-//! table of [`api`], `endless` what may never stop, [`config`] files of `GT_LoadConfig`.
+//! `scan` text to tokens, `read` the cursor on them, `statement`, `assign` and `wait` statements, `expr` and `value`
+//! expressions, `call`, `bind` and `pack` calls to requests by the table of [`api`], `endless` what may never stop,
+//! [`config`] files of `GT_LoadConfig`.
 //! The language and the configuration keys are described in `docs/jobs.md`.
 
 pub mod api;
 pub mod config;
+mod assign;
+mod bind;
 mod call;
 mod diagnostic;
 mod endless;
 mod expr;
 mod job;
+mod pack;
 mod read;
 mod scan;
+mod statement;
 mod value;
+mod wait;
 
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use job::{Action, Axis, Call, Job, Out, Step};
@@ -63,5 +69,10 @@ pub fn compile(text: &str, files: &dyn Files) -> Result<Job, Vec<Diagnostic>> {
         all.append(&mut reader.warnings);
         return Err(all);
     }
-    Ok(Job { steps: reader.steps, warnings: reader.warnings, axes: reader.axes.into_iter().collect() })
+    Ok(Job {
+        steps: reader.steps,
+        warnings: reader.warnings,
+        axes: reader.axes.into_iter().collect(),
+        named: reader.named.into_iter().collect(),
+    })
 }

@@ -271,6 +271,22 @@ fn what_is_behind_return_is_not_executed() {
 }
 
 #[test]
+fn cores_and_axes_that_a_job_names() {
+    let named = |text: &str| good(text).named.iter().map(|axis| (axis.core, axis.axis)).collect::<Vec<_>>();
+    assert_eq!(named("GT_GetDi(4, &x);"), [(1, 0)]);
+    assert_eq!(named("GTN_AxisOn(2, 12);"), [(2, 0), (2, 12)]);
+    assert_eq!(named("GT_ClrSts(3, 3);"), [(1, 0), (1, 3), (1, 4), (1, 5)]);
+    assert_eq!(named("GTN_Update(1, 0x201);"), [(1, 0), (1, 1), (1, 10)]);
+    // Bit 8 of the GT form is a coordinate system, of the GTN form an axis.
+    assert_eq!(named("GT_Stop(0x101, 0);"), [(1, 0), (1, 1)]);
+    assert_eq!(named("GTN_Stop(1, 0x101, 0);"), [(1, 0), (1, 1), (1, 9)]);
+    assert_eq!(named("WaitStop(2, 4, 0);"), [(2, 0), (2, 3)]);
+    assert_eq!(named("GT_AxisOn(-1); GT_AxisOn(99);"), [(1, -1), (1, 0), (1, 99)]);
+    // A count without sense names no more than a controller can have.
+    assert!(named("GT_ClrSts(1, 32767);").len() < 100);
+}
+
+#[test]
 fn axes_that_the_job_uses() {
     let job = good("GTN_PrfPt(2, 3); GT_PrfTrap(1); GT_ZeroPos(4, 2); GT_SetPrfPos(7, 0); GT_AxisOn(8);");
     let axis = |core, axis| Axis { core, axis };

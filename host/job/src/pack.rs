@@ -1,0 +1,92 @@
+//! Checked parameters as the bytes of a request.
+
+use crate::api::{Function, Shape};
+use crate::bind::Bound;
+use crate::{Axis, config};
+use crate::read::{Fault, Reader};
+use crate::value::{Value, show};
+use protocol::command::COMMANDS;
+use std::ops::Range;
+
+impl Reader<'_> {
+    /// The request's bytes; none for what the host answers.
+    pub(crate) fn pack(
+        &mut self, function: &Function, several_cores: bool, core: i16, bound: &Bound, span: &Range<usize>,
+    ) -> Result<Option<Vec<u8>>, Fault> {
+        let mut values: Vec<Value> = bound.values.iter().map(|(_, value)| value.clone()).collect();
+        let mut items = Vec::new();
+        match function.shape {
+            Shape::Host => return Ok(None),
+            Shape::Plain => {}
+            Shape::Form => values.push(Value::Int(i64::from(!several_cores))),
+            Shape::Items => {
+                let list = bound.lists.first().map_or(&[][..], Vec::as_slice);
+                for value in list {
+                    put(&mut items, "I16", value);
+                }
+            }
+            Shape::StartList => {
+                values = vec_masks(bound).map_err(|message| Fault::new(span.clone(), message, ""))?;
+                if let Some(Value::Int(mask)) = values.first() {
+                    self.name_mask(core, *mask as u32);
+                }
+            }
+            Shape::Config => {
+                let (path, place) = bound.text.clone().unwrap_or_default();
+                let text = self.files.text(&path).map_err(|message| {
+                    Fault::new(place.clone(), format!("the configuration file cannot be read: {message}"),
+                        "its path is relative to the folder of the job file")
+                })?;
+                let found = config::read(&path, &text).map_err(|message| Fault::new(place.clone(), message, "docs/jobs.md lists the keys"))?;
+                for warning in found.warnings {
+                    self.warn(place.clone(), warning, "docs/jobs.md lists the keys");
+                }
+                self.named.extend(found.items.iter().map(|item| Axis { core, axis: item.axis.get() }));
+                values = vec![Value::Int(found.items.len() as i64)];
+                items = config::bytes(&found.items);
+            }
+        }
+        let fields = COMMANDS.iter().find(|command| command.opcode == function.opcode).map_or(&[][..], |command| command.fields);
+        if fields.first().is_some_and(|field| field.0 == "core") {
+            values.insert(0, Value::Int(i64::from(core)));
+        }
+        let mut body = Vec::new();
+        for (field, value) in fields.iter().zip(&values) {
+            put(&mut body, field.1, value);
+        }
+        body.extend(items);
+        Ok(Some(body))
+    }
+}
+
+/// Two lists of axes and FIFOs as the masks of PtStart.
+fn vec_masks(bound: &Bound) -> Result<Vec<Value>, String> {
+    let [axes, options] = &bound.lists[..] else { return Err("two arrays are needed".into()) };
+    let (mut mask, mut option) = (0u32, 0u32);
+    for (axis, fifo) in axes.iter().zip(options) {
+        match (axis, fifo) {
+            (Value::Int(axis @ 1..=32), Value::Int(fifo @ 0..=1)) => {
+                mask |= 1 << (axis - 1);
+                option |= (*fifo as u32) << (axis - 1);
+            }
+            _ => return Err(format!("axis {} with FIFO {}: axes are 1 to 32, FIFOs 0 and 1 (return value 7)", show(axis), show(fifo))),
+        }
+    }
+    Ok(vec![Value::Int(i64::from(mask.cast_signed())), Value::Int(i64::from(option.cast_signed()))])
+}
+
+/// Appends `value` as the wire type `of`. Values were checked against the parameter's type before.
+fn put(body: &mut Vec<u8>, of: &str, value: &Value) {
+    let (whole, real) = match *value {
+        Value::Int(number) => (number, number as f64),
+        Value::Real(number) => (number as i64, number),
+        _ => (0, 0.0),
+    };
+    match of {
+        "F64" => body.extend(real.to_le_bytes()),
+        "U64" => body.extend(whole.to_le_bytes()),
+        "I32" | "U32" => body.extend((whole as i32).to_le_bytes()),
+        "I16" | "U16" => body.extend((whole as i16).to_le_bytes()),
+        _ => body.push(whole as u8),
+    }
+}
