@@ -84,8 +84,11 @@ impl QemuLink {
         let mut child = Command::new(&machine.program)
             .args(["-M", "mps2-an500", "-nographic", "-monitor", "none"])
             .args(["-icount", &format!("shift={}", machine.icount_shift)])
-            .args(["-chardev", &format!("socket,id=link,host=127.0.0.1,port={link_port},nodelay=on")])
+            .args(["-chardev", &format!("socket,id=link,host=127.0.0.1,port={link_port},nodelay=on,mux=on")])
             .args(["-serial", "chardev:link"])
+            // A multiplexed port buffers 32 bytes, so that not every byte waits for a round of QEMU's main loop
+            // and the guest in turn. Its escape character is set beyond any byte.
+            .args(["-echr", "0x100"])
             .args(["-chardev", &format!("socket,id=trace,host=127.0.0.1,port={trace_port},nodelay=on")])
             .args(["-serial", "chardev:trace"])
             .args(["-chardev", "stdio,id=log,signal=off"])
