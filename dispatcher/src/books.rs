@@ -61,6 +61,8 @@ pub struct AxisBook {
     pub cleared: Option<u32>,
     /// The last entry that emptied a FIFO, until it is executed.
     pub emptied: Option<u32>,
+    /// The start whose data that entry may have given up, until the axis has been seen at rest.
+    pub leaving: Option<u32>,
     /// Stop decelerations, pulse/ms².
     pub dec: (f64, f64),
     /// In-position band (pulses) and time (250 µs cycles).
@@ -93,6 +95,7 @@ impl Default for AxisBook {
             servo: None,
             cleared: None,
             emptied: None,
+            leaving: None,
             dec: (1.0, 1000.0),
             band: (0, 0),
             soft: SOFT_OFF,
@@ -125,9 +128,11 @@ impl AxisBook {
     /// Whether the data of a FIFO belongs to what is over at this place of the lane, while the tick may
     /// still be at it: a stream that a WaitStop waits for, or a FIFO that is going to be emptied.
     pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
-        let emptied = self.emptied.is_some_and(|seq| !executed(view, seq));
-        let ended = self.is_dynamic() && self.started.is_none();
-        (emptied || ended) && self.is_busy(view, axis)
+        let runs = axis.status & RUNNING != 0;
+        let emptied = self.emptied.is_some_and(|seq| !executed(view, seq))
+            && (runs || self.leaving.is_some_and(|seq| !executed(view, seq)));
+        let ended = self.is_dynamic() && self.started.is_none() && self.is_busy(view, axis);
+        emptied || ended
     }
     /// Segments that one FIFO (in dynamic mode, the ring) holds.
     pub fn capacity(&self) -> u32 {
@@ -149,6 +154,11 @@ impl AxisBook {
         let released = if self.is_dynamic() && !emptied { axis.released } else { 0 };
         self.capacity().saturating_sub(end.wrapping_sub(released))
     }
+    /// Entry `seq` empties a FIFO.
+    fn empty(&mut self, seq: u32) {
+        self.emptied = Some(seq);
+        self.leaving = self.busy;
+    }
     /// Follows the tick: a stream that ended is cleared, an axis that came to rest is at rest.
     pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, axis: &AxisView) {
         if self.epoch != axis.epoch {
@@ -160,6 +170,7 @@ impl AxisBook {
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || axis.status & RUNNING != 0);
         self.started = over(self.started);
         self.busy = over(self.busy);
+        self.leaving = over(self.leaving);
     }
 }
 
@@ -246,7 +257,8 @@ impl<const AXES: usize> Books<AXES> {
             Change::Reset { axes } => self.with(axes, |_, book| {
                 // The start is kept: the axis runs until the Reset has been executed.
                 let (epoch, started, busy) = (book.epoch, book.started, book.busy);
-                *book = AxisBook { epoch, started, busy, cleared: Some(seq), emptied: Some(seq), servo: Some((seq, false)), ..AxisBook::default() };
+                *book = AxisBook { epoch, started, busy, cleared: Some(seq), servo: Some((seq, false)), ..AxisBook::default() };
+                book.empty(seq);
             }),
             Change::Servo { axis, on } => one(axis, &|book| book.servo = Some((seq, on))),
             Change::Cleared { axes } => self.with(axes, |_, book| book.cleared = Some(seq)),
@@ -259,18 +271,18 @@ impl<const AXES: usize> Books<AXES> {
             Change::Mode { axis, mode } => one(axis, &|book| {
                 book.mode = mode;
                 book.fifos = [FifoBook::default(); 2];
-                book.emptied = Some(seq);
+                book.empty(seq);
             }),
             Change::Memory { axis, memory } => one(axis, &|book| {
                 book.memory = memory;
                 book.fifos = [FifoBook::default(); 2];
-                book.emptied = Some(seq);
+                book.empty(seq);
             }),
             Change::Emptied { axis, fifo } => one(axis, &|book| {
                 if let Some(fifo) = book.fifos.get_mut(usize::from(fifo)) {
                     *fifo = FifoBook::default();
                 }
-                book.emptied = Some(seq);
+                book.empty(seq);
             }),
             Change::Data { axis, fifo, epoch, book: data } => one(axis, &|book| {
                 if book.is_dynamic() && book.epoch != epoch {

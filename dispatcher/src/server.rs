@@ -136,7 +136,9 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 over = true;
                 for record in requests(message).skip(self.at) {
                     let step = match record {
-                        Ok(record) if record.lane == Lane::Program => self.program.offer(&record, &mut writer),
+                        Ok(record) if record.lane == Lane::Program => {
+                            self.program.offer(&mut self.desk, view, &record, &mut writer)
+                        }
                         Ok(record) => self.desk.immediate(&mut self.program, view, &record, &mut writer),
                         Err(malformed) => {
                             let (opcode, tag) = malformed.head.unwrap_or((0, 0));

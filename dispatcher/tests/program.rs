@@ -253,6 +253,36 @@ fn a_held_program_takes_all_data_before_its_start() {
 }
 
 #[test]
+fn data_behind_a_start_is_admitted_while_the_program_is_held() {
+    for mode in [0, 1] {
+        let mut bench = Bench::gus();
+        let (core, profile) = (CORE.into(), 1.into());
+        let mut entries = vec![
+            entry(AxisOn { core, axis: profile }),
+            entry(PrfPt { core, profile, mode: mode.into() }),
+            entry(SetPtMemory { core, profile, memory: 1.into() }),
+            entry(pt_data(1, 10.0, 100)),
+            entry(start(1)),
+            entry(sleep(50)),
+        ];
+        let (before, space) = (entries.len(), bench.done(ProgramStatus {}).space_bytes.get());
+        entries.extend([
+            entry(PtData { kind: 2.into(), ..pt_data(1, 20.0, 200) }),
+            entry(wait_stop(1)),
+            entry(read_pos(1)),
+            entry(ProgramEnd {}),
+        ]);
+        bench.post_all(&entries[..before]);
+        let tags = bench.post_all(&entries[before..]);
+        bench.run_ms(5);
+        assert_eq!(bench.done(ProgramStatus {}).space_bytes.get(), space, "mode {mode}: nothing waits in the queue");
+        bench.done(ProgramStart { strict: 1 });
+        assert!(tags.iter().all(|&tag| bench.wait(tag).code == 0));
+        assert_eq!(position(&bench.answers[&tags[2]]), 20.0);
+    }
+}
+
+#[test]
 fn data_that_comes_piece_by_piece_while_the_program_sleeps_is_in_time() {
     let mut bench = Bench::gus();
     let mut tags = bench.post_all(&[entry(sleep(1500))]);
@@ -650,11 +680,11 @@ fn a_new_session_finds_no_old_program() {
 #[test]
 fn the_trace_has_every_row_and_the_planned_motion() {
     let mut bench = Bench::gus();
-    bench.done(Trace { every: 2.into(), axes: 0b101.into(), lasers: 0, crds: 0 });
+    bench.done(Trace { every: 2.into(), axes: 0b101.into(), lasers: 0, crds: 0, way: 0 });
     bench.post_all(&listing_2_1());
     bench.done(ProgramStart { strict: 1 });
     bench.run_ms(3200);
-    bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0 });
+    bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, way: 0 });
     bench.run_ms(1);
     let mut rows: Vec<(u32, i64, f64)> = Vec::new();
     let mut end = None;

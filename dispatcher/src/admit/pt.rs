@@ -85,8 +85,11 @@ pub fn set_memory<const AXES: usize>(case: &mut Case<AXES>, r: &SetPtMemory) -> 
     let axis = pt_axis(case, r.core.get(), r.profile.get())?;
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
     case.at_rest(axis)?;
-    case.stage_with(Op::PtClear { axis, fifo: 0 }, Change::Emptied { axis, fifo: 0 });
-    case.stage_with(Op::PtClear { axis, fifo: 1 }, Change::Memory { axis, memory });
+    // In dynamic mode one clears both, and the tick has only so many operations of one instant.
+    if !case.book(axis).is_dynamic() {
+        case.stage_with(Op::PtClear { axis, fifo: 1 }, Change::Emptied { axis, fifo: 1 });
+    }
+    case.stage_with(Op::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory });
     Ok(Answer::Done)
 }
 

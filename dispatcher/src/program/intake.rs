@@ -34,9 +34,7 @@ impl Program<'_> {
     pub(super) fn take_records<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>, out: &mut ReplyWriter) -> bool {
         let mut progress = false;
         for _ in 0..RECORDS_PER_POLL {
-            // Room for the command and, before it, the commits of all axes.
-            let room = self.lane.room() >= STAGED + 2 * AXES && !self.awaiting.is_full();
-            if self.end.is_some() || !room || self.records.front().is_none() {
+            if self.end.is_some() || !self.has_room::<AXES>() || self.records.front().is_none() {
                 self.settle(desk, view);
                 return progress;
             }
@@ -56,6 +54,22 @@ impl Program<'_> {
             }
         }
         progress
+    }
+
+    /// Room for a command and, before it, the commits of all axes.
+    fn has_room<const AXES: usize>(&self) -> bool {
+        self.lane.room() >= STAGED + 2 * AXES && !self.awaiting.is_full()
+    }
+
+    /// Whether a record from the wire may be admitted where it lies: it is data, and no record waits.
+    pub(super) fn takes_at_once<const AXES: usize>(&self, number: u16) -> bool {
+        matches!(number, opcode::PtData | opcode::PtDataMany)
+            && self.is_active()
+            && !self.is_dropping()
+            && !self.overflowed
+            && self.end.is_none()
+            && self.records.is_empty()
+            && self.has_room::<AXES>()
     }
 
     /// Nothing more can be admitted now.
@@ -120,7 +134,8 @@ impl Program<'_> {
             }
             opcode::PtData | opcode::PtDataMany => {
                 let written = desk.admit_data(view, head.opcode, body)?;
-                return Ok(self.take_data(desk, head.opcode, head.tag, &written));
+                self.take_data(desk, head.opcode, head.tag, &written);
+                return Ok(Step::Taken);
             }
             opcode::WaitStop => {
                 let wait = WaitStop::read_from_bytes(body).map_err(|_| length::<WaitStop>(body))?;
@@ -194,12 +209,17 @@ impl Program<'_> {
     }
 
     /// PT data is in the store; one commit will show all that belongs to this instant.
-    fn take_data<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, opcode: u16, tag: u16, written: &pt::Written) -> Step {
+    pub(super) fn take_data<const AXES: usize>(
+        &mut self,
+        desk: &mut Desk<'_, AXES>,
+        opcode: u16,
+        tag: u16,
+        written: &pt::Written,
+    ) {
         pt::enter(&mut desk.ahead, written);
         self.open[usize::from(written.fifo) & 1] |= written.axis.mask().0;
         let answer = Answer::Taken { axis: written.axis, fifo: written.fifo, count: written.count };
         self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, answer, ..Awaiting::BLANK });
-        Step::Taken
     }
 
     /// Pushes the commits of the data that gathered. There is room for them: no record is admitted

@@ -140,8 +140,22 @@ impl<'a> Program<'a> {
         self.drop_due || self.dropping.is_some()
     }
 
-    /// Takes a record of lane 1 into the queue.
-    pub fn offer(&mut self, record: &RequestRecord, out: &mut ReplyWriter) -> Step {
+    /// Takes a record of lane 1 into the queue; data that need not wait goes on at once.
+    pub fn offer<const AXES: usize>(
+        &mut self,
+        desk: &mut Desk<'_, AXES>,
+        view: &View<AXES>,
+        record: &RequestRecord,
+        out: &mut ReplyWriter,
+    ) -> Step {
+        if self.takes_at_once::<AXES>(record.opcode) {
+            // Where it is refused it waits in the queue, and is refused from there.
+            if let Ok(written) = desk.admit_data(view, record.opcode, record.body) {
+                self.accepted = self.accepted.wrapping_add(1);
+                self.take_data(desk, record.opcode, record.tag, &written);
+                return Step::Taken;
+            }
+        }
         if self.overflowed || record.body.len() + RECORD_BYTES > self.records.space() {
             let full = Refused::new(Reason::QueueFull)
                 .got(self.records.space() as f64)

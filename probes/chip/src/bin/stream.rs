@@ -1,0 +1,230 @@
+#![no_std]
+#![no_main]
+//! Counts the instructions of PT streaming, from bytes of the host to segments in the ring, in QEMU with
+//! `-icount shift=6` or more.
+//!
+//! Out, by semihosting: one line a message, `LANE feed SEGMENTS COUNT` for `Server::feed` of a whole
+//! frame and the `Server::poll` that takes it, and `LANE answer SEGMENTS COUNT` for the poll behind the
+//! next tick, which answers it. COUNT is in periods of the 25 MHz SysTick (40 ns; `xtask` turns them into
+//! instructions, of which each takes 2^shift ns).
+//!
+//! The frames are made by the other end of the same link, in here, and are not counted.
+use core::hint::black_box;
+use core::panic::PanicInfo;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_semihosting::{debug, hprintln};
+use dispatcher::{Board, Channels, Server};
+use hal as _; // the vector table
+use probes::{AXES, STORES};
+use protocol::command::{PrfPt, ProgramStart, PtDataMany, PtItem, Request, SetPtMemory};
+use protocol::link::{Endpoint, Identity, Role};
+use protocol::record::{Lane, RequestWriter, replies};
+use servo::port::{AxisInputs, Port};
+use servo::tick::{Lanes, Tick};
+use servo::units::{Axis, Ns, Pos};
+use zerocopy::IntoBytes;
+
+/// Messages counted in each lane.
+const MESSAGES: usize = 64;
+/// Segments of a message: as many as fit.
+const SEGMENTS: usize = 77;
+
+#[panic_handler]
+fn panicked(info: &PanicInfo<'_>) -> ! {
+    hprintln!("{}", info);
+    debug::exit(debug::EXIT_FAILURE);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// A machine of which nothing is wanted.
+struct Sink;
+
+impl Port for Sink {
+    fn inputs(&mut self, _: Axis) -> AxisInputs {
+        AxisInputs::default()
+    }
+    fn encoder(&mut self, _: Axis) -> i64 {
+        0
+    }
+    fn general_inputs(&mut self) -> u32 {
+        0
+    }
+    fn analog(&mut self, _: usize) -> i16 {
+        0
+    }
+    fn set_point(&mut self, _: Axis, _: Pos) {}
+    fn outputs(&mut self, _: u64, _: u64, _: u32) {}
+    fn analog_out(&mut self, _: usize, _: i16) {}
+}
+
+/// Both ends of a link, and the tick.
+struct Bench {
+    server: Server<'static, AXES>,
+    tick: Tick<AXES>,
+    lanes: Lanes<'static, AXES>,
+    client: Endpoint<8>,
+    tag: u16,
+    answered: u16,
+    /// Periods that reading the counter twice takes by itself.
+    reading: u32,
+}
+
+/// Not inlined: the same code as in the image's link task.
+#[inline(never)]
+fn take(server: &mut Server<'static, AXES>, now: Ns, bytes: &[u8]) {
+    server.feed(now, bytes);
+    server.poll(now);
+}
+
+#[inline(never)]
+fn nothing(_: &mut Server<'static, AXES>, _: Ns, _: &[u8]) {}
+
+impl Bench {
+    fn now(&self) -> Ns {
+        self.tick.now()
+    }
+
+    /// Counter periods of a call.
+    fn count(&mut self, call: fn(&mut Server<'static, AXES>, Ns, &[u8]), bytes: &[u8]) -> u32 {
+        let (call, now) = (black_box(call), self.now());
+        let before = SYST::get_current();
+        call(&mut self.server, now, bytes);
+        let after = SYST::get_current();
+        // A down counter of 24 bits.
+        before.wrapping_sub(after) & 0xff_ffff
+    }
+
+    /// One tick, and what goes back to the client; nothing is sent. Returns what the poll takes.
+    fn step(&mut self) -> u32 {
+        self.tick.run(&mut Sink, &mut self.lanes);
+        let taken = self.count(take, &[]).saturating_sub(self.reading);
+        let now = self.now();
+        let mut bytes = [0; 2048];
+        loop {
+            let down = self.server.take_tx(&mut bytes);
+            if down == 0 {
+                break;
+            }
+            self.client.feed(now.0, bytes.get(..down).unwrap_or(&[]));
+        }
+        while let Some(message) = self.client.message() {
+            for reply in replies(message) {
+                let reply = reply.expect("a reply is a record");
+                assert!(reply.code == 0, "command {} refused", reply.opcode);
+                self.answered += 1;
+            }
+            self.client.done_with_message();
+        }
+        taken
+    }
+
+    /// Bytes of the client to the controller; returns what they take.
+    fn exchange(&mut self) -> u32 {
+        let mut bytes = [0; 2048];
+        let up = self.client.take_tx(self.now().0, &mut bytes);
+        self.count(take, bytes.get(..up).unwrap_or(&[])).saturating_sub(self.reading)
+    }
+
+    /// Sends one request as a message; returns what taking it takes.
+    fn post<R: Request>(&mut self, lane: Lane, request: R, items: &[R::Item]) -> u32 {
+        let mut buffer = [0; protocol::MAX_PAYLOAD];
+        let mut writer = RequestWriter::new(&mut buffer);
+        self.tag += 1;
+        let written = writer.push_raw(R::OPCODE, lane, self.tag, &[request.as_bytes(), items.as_bytes()]);
+        assert!(written.is_ok(), "a message holds it");
+        let len = writer.len();
+        assert!(self.client.send(buffer.get(..len).unwrap_or(&[])).is_ok(), "the window is open");
+        self.exchange()
+    }
+
+    /// Sends one request and runs until it is answered.
+    fn done<R: Request>(&mut self, request: R) {
+        self.post(Lane::Immediate, request, &[]);
+        while self.answered < self.tag {
+            self.step();
+            self.exchange();
+        }
+    }
+
+    fn run(&mut self, name: &str, lane: Lane) {
+        for axis in 1..=AXES as i16 {
+            self.done(PrfPt { core: 1.into(), profile: axis.into(), mode: 1.into() });
+            self.done(SetPtMemory { core: 1.into(), profile: axis.into(), memory: 1.into() });
+        }
+        if lane == Lane::Program {
+            self.done(ProgramStart { strict: 0 });
+        }
+        for message in 0..MESSAGES {
+            let (axis, part) = (message % AXES, message / AXES);
+            let mut items = [PtItem::default(); SEGMENTS];
+            for (index, item) in items.iter_mut().enumerate() {
+                let k = (part * SEGMENTS + index + 1) as u32;
+                // Places and times that differ, as a planner gives them: 1 to 4 ms.
+                let pos = f64::from(k * (axis as u32 + 3)) * 1.37 + f64::from(k % 5) * 0.11;
+                *item = PtItem { pos: pos.into(), time_ms: (k * 3 - k % 3).cast_signed().into(), kind: (k % 2) as u8 };
+            }
+            let many = PtDataMany {
+                core: 1.into(),
+                profile: (axis as i16 + 1).into(),
+                fifo: 0.into(),
+                count: (SEGMENTS as u16).into(),
+            };
+            let feed = self.post(lane, many, &items);
+            let answer = self.step();
+            hprintln!("{} feed {} {}", name, SEGMENTS, feed);
+            hprintln!("{} answer {} {}", name, SEGMENTS, answer);
+            self.exchange();
+            assert!(self.answered == self.tag, "message {message} is not answered");
+        }
+    }
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let mut core = cortex_m::Peripherals::take().expect("once");
+    core.SYST.set_clock_source(SystClkSource::Core);
+    core.SYST.set_reload(0xff_ffff);
+    core.SYST.clear_current();
+    core.SYST.enable_counter();
+    let (tick, lanes, thread) = probes::bench().expect("once");
+    let board = Board {
+        name: "probe",
+        profile: dispatcher::largest_that_fits(AXES),
+        tick_us: 10..=1000,
+        analog_outputs: 8,
+        analog_inputs: 8,
+        general_outputs: 16,
+    };
+    let channels = Channels {
+        immediate: thread.immediate,
+        program: thread.program,
+        view: thread.view,
+        events: thread.events,
+        samples: thread.samples,
+        stores: &STORES,
+    };
+    let mut bench = Bench {
+        server: Server::new(board, channels),
+        tick,
+        lanes,
+        client: Endpoint::new(Role::Client, Identity::OURS),
+        tag: 0,
+        answered: 0,
+        reading: 0,
+    };
+    bench.reading = bench.count(nothing, &[]);
+    bench.client.open(0, 1);
+    while bench.client.session().is_none() {
+        bench.step();
+        bench.exchange();
+    }
+    bench.run("immediate", Lane::Immediate);
+    bench.run("program", Lane::Program);
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
