@@ -63,6 +63,8 @@ pub(crate) struct AxisState {
     pub(crate) settled: bool,
     /// What inputs mean has to be looked at again in the next tick, even if they stay.
     stale: bool,
+    /// What follows the piece in force is prepared, or there is nothing to prepare.
+    pub(crate) prepared: bool,
     /// The status word may have changed.
     pub(crate) news: bool,
     /// While the planned position stays between these two, nothing stands in its way.
@@ -110,6 +112,7 @@ impl AxisState {
         count: 0,
         settled: false,
         stale: true,
+        prepared: true,
         news: true,
         lower: NEGATIVE_EDGE,
         upper: Pos::TRAVEL,
@@ -140,8 +143,14 @@ impl AxisState {
     /// Something is about to differ from the last view.
     #[inline]
     pub(crate) fn touch(&mut self) {
-        self.shown.changes = self.shown.changes.wrapping_add(1);
+        self.changed();
         (self.settled, self.stale, self.news) = (false, true, true);
+    }
+
+    #[inline(always)]
+    fn changed(&mut self) {
+        self.shown.changes = self.shown.changes.wrapping_add(1);
+        self.shown.moves = self.shown.moves.wrapping_add(1);
     }
 
     /// Takes the inputs of the tick in force at `now`. An axis at rest of which nothing changed costs
@@ -253,7 +262,7 @@ impl AxisState {
         let status = self.status();
         if status != self.shown.status {
             self.shown.status = status;
-            self.shown.changes = self.shown.changes.wrapping_add(1);
+            self.changed();
             self.settled = false;
         }
     }
@@ -487,9 +496,18 @@ impl AxisState {
         Some(reason)
     }
 
+    /// Computes the next piece, in a tick that has time for it; whether it took any.
+    #[inline(never)]
+    pub(crate) fn prepare(&mut self, source: &impl Segments) -> bool {
+        self.prepared = true;
+        let feed = self.feed();
+        self.profile.as_mut().is_some_and(|profile| profile.prepare(feed, source))
+    }
+
     /// Another piece is in force.
     #[inline(always)]
     fn show_piece(&mut self, running: bool) {
+        self.prepared = false;
         let Some(profile) = &self.profile else { return };
         self.shown.pieces = self.shown.pieces.wrapping_add(1);
         let Motion { c: [c1, c2, c3], frac, recip, .. } = profile.piece().motion;
@@ -609,6 +627,7 @@ impl AxisState {
         }
         let [first, second] = &mut self.ends;
         *(if fifo == 0 { first } else { second }) = end;
+        self.prepared = false;
     }
 
     /// Empties a FIFO that is not running.
@@ -643,6 +662,8 @@ impl AxisState {
             rest_since: self.rest_since,
             shown: AxisView {
                 changes: self.shown.changes,
+                moves: self.shown.moves,
+                pieces: self.shown.pieces,
                 epoch: self.shown.epoch,
                 stop: self.shown.stop,
                 ..AxisView::POWER_ON

@@ -86,6 +86,12 @@ impl Piece {
     /// A piece of constant velocity slope over whole ns: displacement `a`·τ + `b`·τ².
     #[inline(always)]
     pub fn quadratic(begin: Ns, span: u64, start: Exact, a: i128, b: i128) -> Piece {
+        Piece::quadratic_at(begin, span, Recip::of(span), start, a, b)
+    }
+
+    /// The same with 1/`span` at hand.
+    #[inline(always)]
+    pub fn quadratic_at(begin: Ns, span: u64, recip: Recip, start: Exact, a: i128, b: i128) -> Piece {
         let bits = magnitude_bits(a) | magnitude_bits(b);
         let width = 128 - bits.leading_zeros() as i32;
         // Largest coefficient just below 2^62; more than 84 fraction bits are of no use.
@@ -98,7 +104,7 @@ impl Piece {
                 c: [narrow(a, k), narrow(b, k), 0],
                 frac: (64 - k) as u32,
                 tau: 0,
-                recip: Recip::of(span),
+                recip,
             },
         }
     }

@@ -61,6 +61,15 @@ impl Profile {
         }
     }
 
+    /// Computes what follows the piece in force, if that is laborious and was not done; whether it did.
+    #[inline]
+    pub fn prepare(&mut self, feed: Feed, source: &impl Segments) -> bool {
+        match self {
+            Profile::Pt(run) => run.prepare(feed, source),
+            Profile::Ramp(_) => false,
+        }
+    }
+
     /// The piece is over at `now`: on to the one that holds it, or to the end.
     #[inline(never)]
     pub fn turn(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> State {

@@ -11,7 +11,7 @@
 use crate::piece::{Motion, Piece};
 use crate::profile::{State, Step};
 use crate::units::{Exact, Ns};
-use crate::wide::{Divisor, scale16};
+use crate::wide::{Divisor, Recip, scale16};
 
 /// What the velocity does inside a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -216,7 +216,14 @@ pub struct Feed {
 #[derive(Debug, Clone, Copy)]
 pub struct PtRun {
     piece: Piece,
+    /// The piece after it, if `ready`. Then all below is as of its end, not of the piece's in force.
+    ahead: Piece,
+    ready: bool,
     place: Place,
+    /// Duration of the last segment loaded, ready to divide by, and 1/(it in ns): a stream's is constant.
+    duration: u32,
+    divisor: Divisor,
+    recip: Recip,
     /// Counter of the next segment.
     next: u32,
     /// Passes completed.
@@ -245,7 +252,12 @@ impl PtRun {
     pub fn begin(now: Ns, origin: Exact, place: Place) -> PtRun {
         PtRun {
             piece: Piece { begin: now, span: 0, start: origin.round(), ..Piece::default() },
+            ahead: Piece::default(),
+            ready: false,
             place,
+            duration: 0,
+            divisor: Divisor::new(1),
+            recip: Recip::default(),
             next: match place {
                 Place::Static { .. } => 0,
                 Place::Dynamic { first, .. } => first,
@@ -272,7 +284,7 @@ impl PtRun {
             Place::Static { .. } => 0,
             Place::Dynamic { first, .. } => first,
         };
-        if running && self.next != began { self.next.wrapping_sub(1) } else { self.next }
+        if running && self.next != began { self.next.wrapping_sub(1 + self.ready as u32) } else { self.next }
     }
 
     /// End time of what is committed minus now, in whole ms, rounded down; 0 if it has passed.
@@ -326,16 +338,30 @@ impl PtRun {
     #[inline(never)]
     fn go_on(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> bool {
         for _ in 0..KNOTS_PER_TICK {
-            if self.next == feed.end && !self.next_pass(feed) {
-                return false;
+            if !self.ready {
+                if self.next == feed.end && !self.next_pass(feed) {
+                    return false;
+                }
+                self.load(source);
             }
-            self.load(Segment::from_words(source.segment(self.slot(self.next))));
-            self.next = self.next.wrapping_add(1);
+            self.ready = false;
+            self.piece = self.ahead;
             if self.piece.elapsed(now) < self.piece.span {
                 break;
             }
         }
         true
+    }
+
+    /// Computes the next segment of the pass ahead of its tick, so that many axes can enter segments in
+    /// one tick; what is prepared is what would have been computed. Whether there was something to do.
+    #[inline(never)]
+    pub fn prepare(&mut self, feed: Feed, source: &impl Segments) -> bool {
+        let due = !self.ready && self.piece.span != 0 && self.next != feed.end;
+        if due {
+            self.load(source);
+        }
+        due
     }
 
     /// The present pass has ended; whether another follows.
@@ -359,11 +385,17 @@ impl PtRun {
         self.velocity.unsigned_abs() << 1 <= self.rounded as u128
     }
 
-    // Not inlined into the loop over knots, where its state would be kept on the stack.
+    /// Makes the piece of the next segment. Not inlined into the loop over knots, where its state would
+    /// be kept on the stack.
     #[inline(never)]
-    fn load(&mut self, segment: Segment) {
+    fn load(&mut self, source: &impl Segments) {
+        let segment = Segment::from_words(source.segment(self.slot(self.next)));
+        (self.next, self.ready) = (self.next.wrapping_add(1), true);
         let (knot, knot_ms) = (segment.position(), segment.time_ms());
         let duration = knot_ms.wrapping_sub(self.knot_ms);
+        if duration != self.duration {
+            self.take_duration(duration);
+        }
         let length = knot.0.wrapping_sub(self.knot.0);
         let kind = segment.kind();
         let (a, b);
@@ -372,7 +404,7 @@ impl PtRun {
             (self.velocity, self.rounded) = (0, 0);
         } else {
             let normal = kind == Kind::Normal;
-            let (mean, rounded) = over_time(length << normal as u32, duration);
+            let (mean, rounded) = over_time(length << normal as u32, &self.divisor);
             if normal {
                 let sign = self.velocity >> 127;
                 let swing = scale16(self.velocity.unsigned_abs(), duration) as i128;
@@ -387,16 +419,23 @@ impl PtRun {
         }
         let begin = Ns(self.pass_begin.0.wrapping_add(self.knot_ms as u64 * NS_PER_MS));
         let start = Exact(self.origin.0.wrapping_add(self.knot.0));
-        self.piece = Piece::quadratic(begin, duration as u64 * NS_PER_MS, start, a, b);
+        self.ahead = Piece::quadratic_at(begin, duration as u64 * NS_PER_MS, self.recip, start, a, b);
         (self.knot, self.knot_ms) = (knot, knot_ms);
+    }
+
+    #[inline(never)]
+    fn take_duration(&mut self, duration: u32) {
+        self.duration = duration;
+        self.divisor = Divisor::new(duration);
+        self.recip = Recip::of(duration as u64 * NS_PER_MS);
     }
 }
 
 /// x/`duration` from 2⁻⁶⁴ to 2⁻⁸⁰, to nearest, and 1 if a remainder was left.
 #[inline(always)]
-fn over_time(x: i128, duration: u32) -> (i128, u32) {
+fn over_time(x: i128, duration: &Divisor) -> (i128, u32) {
     let sign = x >> 127;
-    let (q, even) = Divisor::new(duration).quotient((((x ^ sign).wrapping_sub(sign)) as u128) << 16);
+    let (q, even) = duration.quotient((((x ^ sign).wrapping_sub(sign)) as u128) << 16);
     ((q as i128 ^ sign).wrapping_sub(sign), !even as u32)
 }
 

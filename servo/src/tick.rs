@@ -29,6 +29,9 @@ pub const SAMPLES: usize = 1024;
 pub const SEGMENTS: usize = 2048;
 /// Entries that act in one tick, both lanes together.
 pub const ENTRIES_PER_TICK: u32 = 64;
+/// Axes whose next PT segment is computed ahead in one tick: eight axes with segments of four ticks or
+/// more enter all of them prepared, also on the same tick.
+const PREPARED_PER_TICK: u32 = 2;
 /// Shortest and longest period, ns.
 pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
 
@@ -147,12 +150,17 @@ impl<const AXES: usize> Tick<AXES> {
 
         // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
         let turn = self.ticks & 7;
+        let mut left = PREPARED_PER_TICK;
         let View { axes: shown, inputs, .. } = lanes.view.buffer();
         let states = self.axes.get_mut(..self.used).unwrap_or_default();
         for ((((axis, state), store), shown), inputs) in
             Axis::all().zip(states).zip(lanes.segments).zip(shown).zip(inputs)
         {
             if !state.settled {
+                // A segment entered in this tick is not followed by preparing the next in the same one.
+                if !state.prepared && left > 0 && state.prepare(&Source(store)) {
+                    left = left.wrapping_sub(1);
+                }
                 if state.runs()
                     && let Some(reason) = state.step(next, axis.index() as u32 & 7 == turn, &Source(store))
                 {
@@ -164,10 +172,12 @@ impl<const AXES: usize> Tick<AXES> {
             }
             port.set_point(axis, state.set_point());
             // Each of the three buffers catches up when its turn comes.
-            if shown.changes != state.shown.changes {
-                *inputs = state.raw;
+            if shown.moves != state.shown.moves {
+                if shown.changes != state.shown.changes {
+                    *inputs = state.raw;
+                }
+                shown.follow(&state.shown);
             }
-            shown.follow(&state.shown);
         }
         port.outputs(self.enable, self.clear, self.general);
         if let Some((row, axes)) = self.trace.advance() {

@@ -7,12 +7,13 @@ use crate::units::{Axis, Ns, Pos};
 /// One axis in one tick.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct AxisView {
-    /// Counts changes of anything but what the next two count, and of the axis's input levels. What did not
-    /// change need not be looked at again.
-    pub changes: u32,
-    /// Counts changes of the position (also within `motion`), of the encoder and of `dry_ms`.
+    /// Counts changes of anything here and of the axis's input levels; what did not change need not be
+    /// looked at again.
     pub moves: u32,
-    /// Counts changes of the rest of `motion`, of `released` and of `passes`.
+    /// Counts changes of anything but the position (also within `motion`), the encoder, `dry_ms`, and what
+    /// `pieces` counts.
+    pub changes: u32,
+    /// Counts changes of `motion` apart from the place in it, of `released` and of `passes`.
     pub pieces: u32,
     /// Planned position in force at the view's time.
     pub pos: Pos,
@@ -82,21 +83,19 @@ impl AxisView {
             (motion.c, motion.frac, motion.recip) = ([c1, c2, c3], frac, recip);
             (self.released, self.passes) = (now.released, now.passes);
         }
-        if self.moves != now.moves {
-            self.moves = now.moves;
-            (self.pos, self.motion.tau) = (now.pos, now.motion.tau);
-            (self.encoder, self.encoder_before, self.dry_ms) = (now.encoder, now.encoder_before, now.dry_ms);
-        }
+        self.moves = now.moves;
+        (self.pos, self.motion.tau) = (now.pos, now.motion.tau);
+        (self.encoder, self.encoder_before, self.dry_ms) = (now.encoder, now.encoder_before, now.dry_ms);
     }
 
-    /// Field by field, which costs a third of what a call of memcpy does. The piece and the place in it
-    /// change with it: their counters are made to differ.
+    /// Field by field, which costs a third of what a call of memcpy does. The piece follows with it:
+    /// its counter is made to differ.
     #[inline(never)]
     fn follow_changes(&mut self, now: &AxisView) {
         let AxisView { changes, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
         (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
-        (self.pieces, self.moves) = (now.pieces.wrapping_sub(1), now.moves.wrapping_sub(1));
+        self.pieces = now.pieces.wrapping_sub(1);
     }
 }
 
