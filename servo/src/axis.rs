@@ -101,13 +101,7 @@ impl AxisState {
         exact: Exact(0),
         zero: Pos(0),
         inputs: Inputs::POWER_ON,
-        raw: AxisInputs {
-            limit_positive: false,
-            limit_negative: false,
-            alarm: false,
-            home: false,
-            arrive: false,
-        },
+        raw: AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false },
         levels: 0,
         count: 0,
         settled: false,
@@ -419,32 +413,33 @@ impl AxisState {
         }
     }
 
-    /// The motion of an axis that runs at `next`; the reason if it comes to rest there.
+    /// The motion at `next` of an axis that runs; the reason if it comes to rest there.
     #[inline(always)]
     pub(crate) fn step(&mut self, next: Ns, look_ahead: bool, source: &impl Segments) -> Option<StopReason> {
-        if let Some(profile) = &self.profile
-            && self.causes & status::FAULTS == 0
-        {
-            let piece = profile.piece();
-            let t = piece.elapsed(next);
-            if t < piece.span {
-                let (pos, tau) = piece.at(t);
-                if self.lower <= pos && pos <= self.upper {
-                    self.show_place(pos, tau);
-                    if look_ahead {
-                        self.look_ahead(next, source);
-                    }
-                    return None;
-                }
-            }
+        if self.causes & status::FAULTS != 0 {
+            return Some(self.stopped_by_fault(next));
         }
-        self.step_anyhow(next, look_ahead, source)
-    }
-
-    #[inline(always)]
-    fn show_place(&mut self, pos: Pos, tau: u64) {
+        let mut piece = self.profile.as_ref()?.piece();
+        let mut t = piece.elapsed(next);
+        if t >= piece.span {
+            if let Some(reason) = self.turn(next, source) {
+                return Some(reason);
+            }
+            piece = self.profile.as_ref()?.piece();
+            t = piece.held(next);
+        }
+        let (pos, tau) = piece.at(t);
+        if (pos < self.lower || pos > self.upper)
+            && let Some(reason) = self.stopped_at_barrier(next, pos)
+        {
+            return Some(reason);
+        }
         self.shown.moves = self.shown.moves.wrapping_add(1);
         (self.shown.pos, self.shown.motion.tau) = (pos, tau);
+        if look_ahead {
+            self.look_ahead(next, source);
+        }
+        None
     }
 
     #[inline(never)]
@@ -454,61 +449,14 @@ impl AxisState {
         }
     }
 
-    /// As [`AxisState::step`], where the piece is over or something stands in the way.
+    /// The piece is over: on to the next one, or to the end of the motion and the reason of it.
     #[inline(never)]
-    fn step_anyhow(&mut self, next: Ns, look_ahead: bool, source: &impl Segments) -> Option<StopReason> {
+    fn turn(&mut self, next: Ns, source: &impl Segments) -> Option<StopReason> {
         let feed = self.feed();
         let profile = self.profile.as_mut()?;
-        if self.causes & status::FAULTS != 0 {
-            let alarm = self.causes & status::ALARM != 0;
-            return Some(self.stopped_by(next, if alarm { StopReason::Alarm } else { StopReason::FollowingError }));
-        }
-        let piece = profile.piece();
-        let over = piece.elapsed(next) >= piece.span;
-        let state = if over { profile.turn(next, feed, source) } else { State::Running };
-        let (pos, tau) = match state {
-            State::Running => {
-                let piece = profile.piece();
-                piece.at(piece.held(next))
-            }
-            State::Ended { at } | State::Underrun { at } => (at.round(), 0),
-        };
-        if (pos < self.lower || pos > self.upper)
-            && let Some((at, reason)) = self.barrier(self.shown.pos, pos)
-        {
-            self.shown.pos = at;
-            return Some(self.stopped_by(next, reason));
-        }
-        self.show_place(pos, tau);
-        if over {
-            self.show_piece(state == State::Running);
-        }
-        if look_ahead {
-            self.look_ahead(next, source);
-        }
-        let (at, state, reason) = match state {
-            State::Running => return None,
-            State::Ended { at } => (at, pt_state::ENDED, self.ending),
-            State::Underrun { at } => (at, pt_state::UNDERRUN, StopReason::Underrun),
-        };
-        self.end_stream(state);
-        self.rest(next, at, reason);
-        Some(reason)
-    }
-
-    /// Computes the next piece, in a tick that has time for it; whether it took any.
-    #[inline(never)]
-    pub(crate) fn prepare(&mut self, source: &impl Segments) -> bool {
-        self.prepared = true;
-        let feed = self.feed();
-        self.profile.as_mut().is_some_and(|profile| profile.prepare(feed, source))
-    }
-
-    /// Another piece is in force.
-    #[inline(always)]
-    fn show_piece(&mut self, running: bool) {
+        let state = profile.turn(next, feed, source);
+        let running = state == State::Running;
         self.prepared = false;
-        let Some(profile) = &self.profile else { return };
         self.shown.pieces = self.shown.pieces.wrapping_add(1);
         let Motion { c: [c1, c2, c3], frac, recip, .. } = profile.piece().motion;
         let motion = &mut self.shown.motion;
@@ -519,6 +467,45 @@ impl AxisState {
                 self.shown.released = run.released(running);
             }
         }
+        if running { None } else { Some(self.finish(next, state)) }
+    }
+
+    /// The motion has ended, if nothing stands before its end.
+    #[inline(never)]
+    fn finish(&mut self, next: Ns, state: State) -> StopReason {
+        let (at, state, reason) = match state {
+            State::Running => (exact(self.shown.pos), pt_state::ENDED, self.ending),
+            State::Ended { at } => (at, pt_state::ENDED, self.ending),
+            State::Underrun { at } => (at, pt_state::UNDERRUN, StopReason::Underrun),
+        };
+        if let Some(reason) = self.stopped_at_barrier(next, at.round()) {
+            return reason;
+        }
+        self.end_stream(state);
+        self.rest(next, at, reason);
+        reason
+    }
+
+    #[inline(never)]
+    fn stopped_by_fault(&mut self, next: Ns) -> StopReason {
+        let alarm = self.causes & status::ALARM != 0;
+        self.stopped_by(next, if alarm { StopReason::Alarm } else { StopReason::FollowingError })
+    }
+
+    /// Whether something stands between the position in force and `to`: then it has stopped there.
+    #[inline(never)]
+    fn stopped_at_barrier(&mut self, next: Ns, to: Pos) -> Option<StopReason> {
+        let (at, reason) = self.barrier(self.shown.pos, to)?;
+        self.shown.pos = at;
+        Some(self.stopped_by(next, reason))
+    }
+
+    /// Computes the next piece, in a tick that has time for it; whether it took any.
+    #[inline(never)]
+    pub(crate) fn prepare(&mut self, source: &impl Segments) -> bool {
+        self.prepared = true;
+        let feed = self.feed();
+        self.profile.as_mut().is_some_and(|profile| profile.prepare(feed, source))
     }
 
     fn stopped_by(&mut self, next: Ns, reason: StopReason) -> StopReason {

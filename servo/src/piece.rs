@@ -42,8 +42,7 @@ impl Motion {
     pub fn velocity(&self) -> Scaled {
         let [c1, c2, c3] = self.c;
         // Eighths leave room for the factors 2 and 3.
-        let slope = mulhi_su(c2 >> 2, self.tau)
-            .wrapping_add(mulhi_su(mulhi_su(3 * (c3 >> 3), self.tau), self.tau));
+        let slope = mulhi_su(c2 >> 2, self.tau).wrapping_add(mulhi_su(mulhi_su(3 * (c3 >> 3), self.tau), self.tau));
         self.per_ms((c1 >> 3).wrapping_add(slope), self.frac as i16 - 3)
     }
 
@@ -100,12 +99,7 @@ impl Piece {
             begin,
             span,
             start: start.round(),
-            motion: Motion {
-                c: [narrow(a, k), narrow(b, k), 0],
-                frac: (64 - k) as u32,
-                tau: 0,
-                recip,
-            },
+            motion: Motion { c: [narrow(a, k), narrow(b, k), 0], frac: (64 - k) as u32, tau: 0, recip },
         }
     }
 

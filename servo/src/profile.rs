@@ -71,7 +71,7 @@ impl Profile {
     }
 
     /// The piece is over at `now`: on to the one that holds it, or to the end.
-    #[inline(never)]
+    #[inline]
     pub fn turn(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> State {
         match self {
             Profile::Pt(run) => run.turn(now, feed, source),

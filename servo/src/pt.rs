@@ -145,10 +145,7 @@ impl Segment {
             return Err(Refused::BeyondTravel);
         }
         let word1 = (packed >> 32) as u32 & 0x07ff_ffff | sign << 27 | (kind as u32) << 28;
-        Ok((
-            Segment([packed as u32, word1, time_ms as u32]),
-            Chain { pos, time: time_ms, velocity: end },
-        ))
+        Ok((Segment([packed as u32, word1, time_ms as u32]), Chain { pos, time: time_ms, velocity: end }))
     }
 
     /// End time in ms from the start of pass or stream.
@@ -284,7 +281,11 @@ impl PtRun {
             Place::Static { .. } => 0,
             Place::Dynamic { first, .. } => first,
         };
-        if running && self.next != began { self.next.wrapping_sub(1 + self.ready as u32) } else { self.next }
+        if running && self.next != began {
+            self.next.wrapping_sub(1).wrapping_sub(self.ready as u32)
+        } else {
+            self.next
+        }
     }
 
     /// End time of what is committed minus now, in whole ms, rounded down; 0 if it has passed.
@@ -325,6 +326,7 @@ impl PtRun {
     }
 
     /// The piece is over at `now`: on to the one that holds it, or to the end.
+    #[inline]
     pub fn turn(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> State {
         if self.go_on(now, feed, source) {
             return State::Running;

@@ -406,7 +406,8 @@ impl RampRun {
         let gained = top.mul(leg.edge).scale(-1);
         let leg_begin = self.leg_begin;
         let width = leg.v0.width().max(leg.v1.width());
-        let stretch = |begin: Fine, len: Fine, v, a, j| Stretch { begin: leg_begin + begin, len, done: 0, v, a, j, width };
+        let stretch =
+            |begin: Fine, len: Fine, v, a, j| Stretch { begin: leg_begin + begin, len, done: 0, v, a, j, width };
         let whole = leg.edge.is_zero();
         self.stretch = match self.part {
             _ if endless => stretch(0, Fine::MAX >> 8, leg.v0, Real::ZERO, Real::ZERO),
@@ -445,7 +446,8 @@ impl RampRun {
         let last = (begin + len + 0xffff_ffff) >> 32;
         // 1/len from its upper 64 bits, as if in whole ns.
         let bits = 128 - len.leading_zeros() as i32;
-        let mantissa = if bits > 64 { ((len >> (bits - 64)) as u64).saturating_add(1) } else { (len as u64) << (64 - bits) };
+        let mantissa =
+            if bits > 64 { ((len >> (bits - 64)) as u64).saturating_add(1) } else { (len as u64) << (64 - bits) };
         let recip = Recip { m: recip64(mantissa), shift: (96 - bits) as u32 };
         // τ at `first`, less than 1 ns behind `begin`: its 2^-32 ns in units of `mantissa`.
         let offset = ((first << 32) - begin) as u64;

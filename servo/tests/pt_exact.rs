@@ -444,3 +444,41 @@ fn words_hold_the_double() {
         assert!(gap.abs() <= half && (pos.abs() < 2f64.powi(-12) || gap.is_zero()), "{pos:e}");
     }
 }
+
+/// What the tick prepares ahead is what it would have computed: positions, counts, looks ahead and ends
+/// are the same whenever it prepares.
+#[test]
+fn prepared_segments_are_the_same() {
+    let mut chance = Chance::new(16);
+    let mut prepared = 0;
+    for round in 0..300 {
+        let (data, words) = draw(&mut chance, 1 + round % 40, if round % 3 == 0 { 2.0 } else { 30.0 });
+        let store = Store(words);
+        let (place, passes) = match round % 2 {
+            0 => (Place::Static { base: 0 }, 3),
+            _ => (Place::Dynamic { mask: 63, first: 0 }, 1),
+        };
+        let mut plain = PtRun::begin(Ns(77), Exact(1 << 60), place);
+        let mut ahead = plain;
+        let mut end = if round % 2 == 0 { data.len() as u32 } else { 1 };
+        let (mut now, longest) = (77, if round % 5 == 0 { 5 * MS } else { MS });
+        loop {
+            now += 1 + chance.below(longest);
+            end = (end + chance.below(2) as u32).min(data.len() as u32);
+            let feed = Feed { end, passes };
+            if chance.below(3) > 0 {
+                prepared += ahead.prepare(feed, &store) as u32;
+            }
+            let step = plain.step(Ns(now), feed, &store);
+            assert_eq!(ahead.step(Ns(now), feed, &store), step, "round {round}");
+            let running = step.state == State::Running;
+            assert_eq!(ahead.released(running), plain.released(running));
+            assert_eq!(ahead.passes(), plain.passes());
+            assert_eq!(ahead.dry_ms(Ns(now), feed, &store), plain.dry_ms(Ns(now), feed, &store));
+            if !running {
+                break;
+            }
+        }
+    }
+    assert!(prepared > 1000, "{prepared}");
+}
