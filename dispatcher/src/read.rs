@@ -5,7 +5,7 @@
 use crate::admit::kind;
 use crate::books::Books;
 use crate::case::{Query, Site, mode_number, ones};
-use crate::server::Board;
+use crate::server::{Board, FAULT_TEXT_MAX};
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};
 use servo::piece::Scaled;
@@ -101,6 +101,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let reply = command::Clock { clock_ms: self.clock_ms().into(), ticks: self.view.tick.into() };
                 out.done::<command::GetClock>(tag, &reply, &[])
             }
+            opcode::GetFault => self.fault(tag, out),
             opcode::GetStopDec => {
                 let reply = command::StopDec { smooth: book.dec.0.into(), abrupt: book.dec.1.into() };
                 out.done::<command::GetStopDec>(tag, &reply, &[])
@@ -202,6 +203,14 @@ impl<const AXES: usize> Reading<'_, AXES> {
             return seen.dry_ms;
         }
         self.now.axis(axis).fifos.get(fifo).map_or(0, |fifo| fifo.chain.time_ms().max(0).unsigned_abs())
+    }
+
+    /// The text is cut between characters.
+    fn fault(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+        let (kind, text) = self.board.fault.map_or((0, ""), |fault| (fault.kind as u8, fault.text));
+        let text = text.get(..text.floor_char_boundary(FAULT_TEXT_MAX)).unwrap_or("");
+        let head = command::FaultReply { kind, length: (text.len() as u16).into() };
+        out.push_raw(opcode::GetFault, tag, 0, &[head.as_bytes(), text.as_bytes()])
     }
 
     fn version(&self) -> command::VersionReply {

@@ -35,7 +35,32 @@ pub struct Board {
     pub analog_inputs: u8,
     /// General outputs (at most 32).
     pub general_outputs: u8,
+    /// What ended the run before this one, if the board remembers it.
+    pub fault: Option<Fault>,
 }
+
+/// What ended a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fault {
+    /// Of which kind it was.
+    pub kind: FaultKind,
+    /// For a person, of which [`FAULT_TEXT_MAX`] bytes are told.
+    pub text: &'static str,
+}
+
+/// Kinds of [`Fault`]; the numbers are those of `FaultReply`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultKind {
+    /// The code panicked.
+    Panic = 1,
+    /// The core refused an access or an instruction.
+    Core = 2,
+    /// An interrupt came that nobody claims.
+    Interrupt = 3,
+}
+
+/// Bytes of a fault's text that a reply carries.
+pub const FAULT_TEXT_MAX: usize = 160;
 
 /// The hand-overs between the thread and the tick: the thread's halves.
 pub struct Channels<'a, const AXES: usize> {
@@ -136,7 +161,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 over = true;
                 for record in requests(message).skip(self.at) {
                     let step = match record {
-                        Ok(record) if record.lane == Lane::Program => {
+                        Ok(record) if record.lane != Lane::Immediate => {
                             self.program.offer(&mut self.desk, view, &record, &mut writer)
                         }
                         Ok(record) => self.desk.immediate(&mut self.program, view, &record, &mut writer),

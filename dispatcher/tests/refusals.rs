@@ -1,6 +1,7 @@
 //! Bad input: each command refused with its code, its reason and the parameter, and nothing changed.
 mod bench;
 use bench::{Bench, body, pt_data, pt_item};
+use dispatcher::{Fault, FaultKind};
 use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
@@ -403,4 +404,63 @@ fn profiles() {
     // 32 status items do not fit into one message.
     assert_eq!(bench.refused(AxisStatus { core: 1.into(), axis: 1.into(), count: 32.into() }).2.field, 2);
     assert_eq!(bench.call(AxisStatus { core: 1.into(), axis: 1.into(), count: 31.into() }).items::<AxisStatus>().len(), 31);
+}
+
+#[test]
+fn what_ended_the_last_run_is_told() {
+    let mut fresh = Bench::gus();
+    let none = fresh.call(GetFault {});
+    assert_eq!((none.reply::<GetFault>(), none.body.len()), (FaultReply { kind: 0, length: 0.into() }, 3));
+    for (text, told) in [("at main.rs:7", 12), ("", 0), (&*"é".repeat(100), 160), (&*format!("x{}", "é".repeat(100)), 159)] {
+        let text: &'static str = String::leak(text.to_owned());
+        let fault = Fault { kind: FaultKind::Core, text };
+        let mut bench = Bench::<8>::after(Some(fault), 0, 250);
+        let answer = bench.call(GetFault {});
+        assert_eq!(answer.reply::<GetFault>(), FaultReply { kind: 2, length: told.into() });
+        let bytes: Vec<u8> = answer.items::<GetFault>().iter().map(|byte| byte.value).collect();
+        assert_eq!(String::from_utf8(bytes).unwrap(), text[..usize::from(told)]);
+    }
+    // It is a read: taken beside a program too.
+    fresh.post_all(&[bench::entry(Sleep { ns: 1_000_000.into() })]);
+    fresh.done(GetFault {});
+}
+
+/// Jogs of some axes of core 1.
+fn jogging(bench: &mut Bench<24>, axes: &[i16]) {
+    let core = 1.into();
+    for &axis in axes {
+        let profile = axis.into();
+        bench.servo_on(axis);
+        bench.done(PrfJog { core, profile });
+        bench.done(SetJogPrm { core, profile, acc: 1.0.into(), dec: 1.0.into(), smooth: 0.0.into() });
+        bench.done(SetVel { core, profile, vel: 10.0.into() });
+        bench.done(Update { core, mask: (1 << (axis - 1)).into() });
+    }
+    bench.run_ms(20);
+}
+
+#[test]
+fn both_forms_of_stop() {
+    let core = 1.into();
+    let runs = |bench: &mut Bench<24>, axis: i16| bench.status_word(axis) & 1 << 10 != 0;
+    // GTN: a bit an axis. 24 axes: gtn-024 has two cores of 12.
+    let mut bench = Bench::<24>::new(2, 250);
+    jogging(&mut bench, &[1, 9, 11, 12]);
+    bench.done(Stop { core, mask: 0x500.into(), option: 0x400.into(), form: 0 });
+    bench.run_ms(1);
+    assert!(!runs(&mut bench, 11), "its option bit: abrupt");
+    assert!(runs(&mut bench, 9), "smooth, with 1 pulse/ms² from 10 pulse/ms");
+    bench.run_ms(12);
+    assert!(!runs(&mut bench, 9));
+    assert!(runs(&mut bench, 1) && runs(&mut bench, 12));
+    let (code, _, refusal) = bench.refused(Stop { core, mask: 0x1001.into(), option: 0.into(), form: 0 });
+    assert_eq!((code, refusal.field, refusal.high.get()), (7, 1, 4095.0));
+    // GT: bits 8 to 11 are not axes.
+    bench.done(Stop { core, mask: 0xf01.into(), option: 0xf01.into(), form: 1 });
+    bench.run_ms(1);
+    assert!(!runs(&mut bench, 1));
+    assert!(runs(&mut bench, 12), "bit 11 is the power follow of crd 2");
+    let (code, _, refusal) = bench.refused(Stop { core, mask: 0x1001.into(), option: 0.into(), form: 1 });
+    assert_eq!((code, refusal.field, refusal.high.get()), (7, 1, 4095.0));
+    assert_eq!(bench.refused(Stop { core, mask: 1.into(), option: 0.into(), form: 2 }).2.field, 3);
 }

@@ -2,7 +2,7 @@
 //! the reset.
 //!
 //! In: a panic, a fault of the core, an interrupt that nobody claims. Out: a board at rest and, after
-//! the restart, the [`Report`] of what happened. Owns the record in RAM that start-up does not clear.
+//! the restart, the [`Report`] of what happened, for the log and for `GetFault` over the link. Owns the record in RAM that start-up does not clear.
 //! It must not fail itself: it takes no lock, formats into a fixed buffer and cuts what is longer.
 use core::cell::UnsafeCell;
 use core::fmt::{self, Write};
@@ -11,9 +11,10 @@ use core::panic::PanicInfo;
 use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
+use dispatcher::{FAULT_TEXT_MAX, FaultKind};
 
-/// Bytes of text kept.
-const TEXT: usize = 160;
+/// Bytes of text kept: as many as the link tells.
+const TEXT: usize = FAULT_TEXT_MAX;
 
 /// Marks a record that was written, not found by chance.
 const WRITTEN: u32 = 0xfa17_b0a4;
@@ -22,11 +23,20 @@ const WRITTEN: u32 = 0xfa17_b0a4;
 #[derive(Clone, Copy)]
 pub struct Report {
     mark: u32,
+    kind: u32,
     length: u32,
     text: [u8; TEXT],
 }
 
 impl Report {
+    /// Of which kind it was.
+    pub fn kind(&self) -> FaultKind {
+        [FaultKind::Core, FaultKind::Interrupt]
+            .into_iter()
+            .find(|kind| *kind as u32 == self.kind)
+            .unwrap_or(FaultKind::Panic)
+    }
+
     /// The reason, readable.
     pub fn text(&self) -> &str {
         let length = (self.length as usize).min(TEXT);
@@ -67,16 +77,16 @@ pub fn last() -> Option<Report> {
     if report.mark != WRITTEN {
         return None;
     }
-    let cleared = Report { mark: 0, length: 0, text: [0; TEXT] };
+    let cleared = Report { mark: 0, kind: 0, length: 0, text: [0; TEXT] };
     // SAFETY: as above.
     unsafe { KEPT.0.get().cast::<Report>().write_volatile(cleared) };
     Some(report)
 }
 
 /// Rests the outputs, keeps `reason`, starts over.
-fn restart(reason: fmt::Arguments<'_>) -> ! {
+fn restart(kind: FaultKind, reason: fmt::Arguments<'_>) -> ! {
     hal::mps2_an500::rest();
-    let mut report = Report { mark: WRITTEN, length: 0, text: [0; TEXT] };
+    let mut report = Report { mark: WRITTEN, kind: kind as u32, length: 0, text: [0; TEXT] };
     // Writing into a Report never fails.
     let _ = report.write_fmt(reason);
     // SAFETY: interrupts of the board are off and nothing returns from here.
@@ -87,21 +97,24 @@ fn restart(reason: fmt::Arguments<'_>) -> ! {
 
 #[panic_handler]
 fn panicked(info: &PanicInfo<'_>) -> ! {
-    restart(format_args!("{info}"))
+    restart(FaultKind::Panic, format_args!("{info}"))
 }
 
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     // SAFETY: reading status registers of the core.
     let (cfsr, hfsr) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).hfsr.read()) };
-    restart(format_args!(
-        "hard fault at {:#010x}, called from {:#010x}, CFSR {cfsr:#010x}, HFSR {hfsr:#010x}",
-        frame.pc(),
-        frame.lr()
-    ))
+    restart(
+        FaultKind::Core,
+        format_args!(
+            "hard fault at {:#010x}, called from {:#010x}, CFSR {cfsr:#010x}, HFSR {hfsr:#010x}",
+            frame.pc(),
+            frame.lr()
+        ),
+    )
 }
 
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
-    restart(format_args!("interrupt {number} that nobody claims"))
+    restart(FaultKind::Interrupt, format_args!("interrupt {number} that nobody claims"))
 }

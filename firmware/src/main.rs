@@ -15,20 +15,21 @@ use cortex_m_rt::entry;
 use defmt_semihosting as _;
 use dispatcher::{Channels, Server};
 use embassy_executor::raw;
+use fault::Report;
 use hal::mps2_an500::{self as board, idle::Idle, machine::Machine};
 use interrupts::{Receiver, Servo};
 use servo::tick::{Lanes, Tick, TickConfig};
 use statics::{
-    AXES, BYTES, EXECUTOR, IMMEDIATE_LANE, NEWS, PENDED, PROGRAM_LANE, RECEIVER, RECEIVING, SERVER, SERVO, STORES,
+    AXES, BYTES, EXECUTOR, IMMEDIATE_LANE, NEWS, PENDED, PROGRAM_LANE, RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES,
     TRACE, VIEW,
 };
 use tasks::LinkParts;
 
 #[entry]
 fn main() -> ! {
-    let last = fault::last();
+    let last = fault::last().map(|report| &*REPORT.init(report));
     // The only panic of the start: a second call of this function, which the runtime never makes.
-    let parts = compose().expect("the board and every static are taken once");
+    let parts = compose(last).expect("the board and every static are taken once");
     let executor = EXECUTOR.init(raw::Executor::new(core::ptr::null_mut()));
     let spawner = executor.spawner();
     spawner.spawn(tasks::announce(last).expect("one announcement"));
@@ -56,7 +57,7 @@ fn pend(_: *mut ()) {
 }
 
 /// Splits the hand-overs and gives every context its half.
-fn compose() -> Option<LinkParts> {
+fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
     let board::Board { timer, link: (link, rx), trace } = board::take()?;
     let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
     let (program_in, program) = PROGRAM_LANE.split_once()?;
@@ -91,6 +92,7 @@ fn compose() -> Option<LinkParts> {
             analog_outputs: board::ANALOG_OUTPUTS,
             analog_inputs: board::ANALOG_INPUTS,
             general_outputs: board::GENERAL_OUTPUTS,
+            fault: last.map(|report| dispatcher::Fault { kind: report.kind(), text: report.text() }),
         },
         channels,
     ));

@@ -1,5 +1,6 @@
 //! Every static of the image, in one place. All are zero or constant at start.
 use crate::bell::Bell;
+use crate::fault::Report;
 use crate::interrupts::{Given, Receiver, Servo};
 use core::sync::atomic::AtomicBool;
 use dispatcher::Server;
@@ -41,6 +42,8 @@ pub static LINK_BELL: Bell = Bell::new();
 pub static RECEIVING: AtomicBool = AtomicBool::new(false);
 /// A task is to be polled.
 pub static PENDED: AtomicBool = AtomicBool::new(false);
+/// What ended the last run.
+pub static REPORT: StaticCell<Report> = StaticCell::new();
 /// The thread's executor.
 pub static EXECUTOR: StaticCell<raw::Executor> = StaticCell::new();
 /// What the link task serves with; too large to be handed over on the stack.

@@ -103,7 +103,7 @@ pub async fn serve(parts: LinkParts) {
 /// Writes what the last run left, then the board's name. The log leaves by semihosting, which stops
 /// the core while the host writes: only here, in a task, and seldom.
 #[embassy_executor::task]
-pub async fn announce(last: Option<Report>) {
+pub async fn announce(last: Option<&'static Report>) {
     defmt::info!("Beamtick on {=str}, {=usize} axes", hal::mps2_an500::NAME, AXES);
     if let Some(report) = last {
         defmt::error!("the last run ended: {=str}", report.text());

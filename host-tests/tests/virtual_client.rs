@@ -299,8 +299,8 @@ fn inputs_reach_the_controller_and_outputs_are_recorded() {
     assert!(board.take_edges().is_empty());
 }
 
-/// 1 ms segments of eight axes, refilled while they run.
-fn stream(seconds: i32) -> impl Iterator<Item = Call> {
+/// 1 ms segments of eight axes, `ahead_ms` before the start, the rest while they run.
+fn stream(seconds: i32, ahead_ms: i32) -> impl Iterator<Item = Call> {
     let (config, items) = config_off();
     let head = [
         Call::with_items::<LoadConfig>(config, &items),
@@ -326,9 +326,8 @@ fn stream(seconds: i32) -> impl Iterator<Item = Call> {
             let many = PtDataMany { core: 1.into(), profile: axis.into(), fifo: 0.into(), count: (SHARE as u16).into() };
             Call::with_items::<PtDataMany>(many, &items)
         });
-        // One second of two is in the ring at the start; from then on each share is called for when as much
-        // has run. The rest of the ring is for a start that is late because its data came piece by piece.
-        let ahead = 1000 / SHARE;
+        // From the start on each share is called for when as much has run.
+        let ahead = ahead_ms / SHARE;
         let start = (part == ahead - 1).then(|| Call::of(PtStart { core: 1.into(), mask: 0xff.into(), option: 0.into() }));
         let sleep = (part >= ahead).then(|| Call::of(Sleep { ns: (SHARE as u64 * 1_000_000).into() }));
         sleep.into_iter().chain(fill).chain(start).collect::<Vec<_>>()
@@ -342,10 +341,19 @@ fn stream(seconds: i32) -> impl Iterator<Item = Call> {
 
 #[test]
 fn eight_streams_never_run_dry() {
+    for ahead_ms in [1000, 2000] {
+        run_stream(ahead_ms);
+    }
+}
+
+fn run_stream(ahead_ms: i32) {
     let (client, _board) = open();
     let mut watch = Watch::default();
-    let summary = client.run(stream(20), false, &mut watch).unwrap();
+    // 2000 ms fill the rings of 2048 but for 48 places.
+    let summary = client.run(stream(20, ahead_ms), true, &mut watch).unwrap();
     assert_eq!(summary.failed, None);
+    let queue = summary.progress.queue;
+    assert_eq!(({ queue.late }.get(), { queue.worst_late_us }.get()), (0, 0));
     let (_, positions) = watch.answers.last().unwrap().reply::<GetPrfPos>().unwrap();
     let reached: Vec<f64> = positions.iter().map(|p| { p.value }.get()).collect();
     assert_eq!(reached, (1..=8).map(|axis| 20_000.0 * f64::from(axis)).collect::<Vec<_>>());

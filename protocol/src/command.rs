@@ -151,6 +151,9 @@ wire_structs! {
         accepted: U32, executed: U32, space_bytes: U32, late: U32, worst_late_us: U32, state: u8,
         clock_ns: U64,
     }
+    /// What ended the run before this one: 0 nothing but power-off or a reset from outside, 1 a panic,
+    /// 2 a fault of the core, 3 an interrupt that nobody claims; and how many bytes of text follow (UTF-8).
+    FaultReply { kind: u8, length: U16 }
     /// Home or index capture.
     CaptureReply { status: I16, value: I32, clock_ms: U32 }
     /// Raw bytes.
@@ -172,6 +175,7 @@ commands! {
     0x0007 LoadConfig { core: I16, count: U16 } [ConfigItem] -> Nothing [Nothing];
     0x0008 KeepAlive {} [Nothing] -> Nothing [Nothing];
     0x0009 Choose { profile: u8, family: u8 } [Nothing] -> VersionReply [Nothing];
+    0x000A GetFault {} [Nothing] -> FaultReply [Byte];
     // -- the program queue (SPEC 7) ----------------------------------------------------------
     0x0010 Sleep { ns: U64 } [Nothing] -> Nothing [Nothing];
     0x0011 WaitStop { core: I16, axes: I32, crds: I32 } [Nothing] -> Nothing [Nothing];

@@ -1,7 +1,7 @@
 //! A whole controller on a bench: server and tick in one process, a client's end of the link, and a
 //! machine whose encoders follow at once.
 #![allow(dead_code)]
-use dispatcher::{Board, Channels, Server};
+use dispatcher::{Board, Channels, Fault, Server};
 use protocol::command::*;
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::reason::{Reason, Refusal};
@@ -110,6 +110,11 @@ impl Bench<8> {
 
 impl<const AXES: usize> Bench<AXES> {
     pub fn new(profile: u8, tick_us: u32) -> Self {
+        Bench::after(None, profile, tick_us)
+    }
+
+    /// A controller whose last run ended so.
+    pub fn after(fault: Option<Fault>, profile: u8, tick_us: u32) -> Self {
         let (immediate, immediate_out) = leak(Ring::new()).split();
         let (program, program_out) = leak(Ring::new()).split();
         let (events_in, events) = leak(Ring::new()).split();
@@ -125,6 +130,7 @@ impl<const AXES: usize> Bench<AXES> {
             analog_outputs: 8,
             analog_inputs: 8,
             general_outputs: 16,
+            fault,
         };
         let mut bench = Bench {
             server: Server::new(board, Channels { immediate, program, view, events, samples, stores }),

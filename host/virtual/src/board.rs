@@ -178,6 +178,7 @@ impl<const AXES: usize> Whole<AXES> {
             analog_outputs: 8,
             analog_inputs: 8,
             general_outputs: 16,
+            fault: None,
         };
         let channels = Channels {
             immediate: immediate_in,

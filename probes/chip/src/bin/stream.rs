@@ -197,6 +197,7 @@ fn main() -> ! {
         analog_outputs: 8,
         analog_inputs: 8,
         general_outputs: 16,
+        fault: None,
     };
     let channels = Channels {
         immediate: thread.immediate,
