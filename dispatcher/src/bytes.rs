@@ -19,6 +19,8 @@ pub struct Head {
     pub tag: u16,
     /// Bytes of the body.
     pub len: u16,
+    /// The program goes on behind it if it is refused.
+    pub may_fail: bool,
 }
 
 /// The queue and the record in hand.
@@ -49,15 +51,17 @@ impl Records {
         self.head = None;
     }
     /// Appends a record; false if it does not fit.
-    pub fn push(&mut self, opcode: u16, tag: u16, body: &[u8]) -> bool {
+    pub fn push(&mut self, opcode: u16, tag: u16, may_fail: bool, body: &[u8]) -> bool {
         let Ok(len) = u16::try_from(body.len()) else { return false };
         if body.len() > BODY_MAX || body.len() + RECORD_BYTES > self.space() {
             return false;
         }
         let mut head = [0; RECORD_BYTES];
-        for (place, byte) in head.iter_mut().zip(opcode.to_le_bytes().into_iter().chain(tag.to_le_bytes()).chain(len.to_le_bytes())) {
+        let [numbers @ .., flag] = &mut head;
+        for (place, byte) in numbers.iter_mut().zip(opcode.to_le_bytes().into_iter().chain(tag.to_le_bytes()).chain(len.to_le_bytes())) {
             *place = byte;
         }
+        *flag = may_fail.into();
         self.write(&head);
         self.write(body);
         true
@@ -83,13 +87,13 @@ impl Records {
         if self.head.is_none() && self.used >= RECORD_BYTES {
             let mut head = [0; RECORD_BYTES];
             Self::read(&self.ring, self.first, &mut head);
-            let [o0, o1, t0, t1, l0, l1, _] = head;
+            let [o0, o1, t0, t1, l0, l1, flag] = head;
             let (opcode, tag, len) =
                 (u16::from_le_bytes([o0, o1]), u16::from_le_bytes([t0, t1]), u16::from_le_bytes([l0, l1]));
             self.skip(RECORD_BYTES);
             Self::read(&self.ring, self.first, &mut self.body[..usize::from(len)]);
             self.skip(usize::from(len));
-            self.head = Some(Head { opcode, tag, len });
+            self.head = Some(Head { opcode, tag, len, may_fail: flag != 0 });
         }
         self.head.map(|head| (head, &self.body[..usize::from(head.len)]))
     }

@@ -105,8 +105,8 @@ pub enum Effect {
     Choose(Site),
     /// Link-loss time in ms (0 is off), and whether all axes stop.
     LinkLoss { ms: u32, stop_all: bool },
-    /// A trace of these axes.
-    Trace { every: u32, axes: AxisMask },
+    /// A trace of these axes, in a stream of its own or over the link.
+    Trace { every: u32, axes: AxisMask, over_link: bool },
     /// The items of this LoadConfig are pushed one by one.
     Config,
 }

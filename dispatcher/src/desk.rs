@@ -38,6 +38,8 @@ pub struct Awaiting {
     pub own: bool,
     /// The entry will never be executed.
     pub discarded: bool,
+    /// The program goes on if the tick refuses the entry.
+    pub may_fail: bool,
     /// What to answer.
     pub answer: Answer,
 }
@@ -45,7 +47,7 @@ pub struct Awaiting {
 impl Awaiting {
     /// Fills unused places.
     pub const BLANK: Awaiting =
-        Awaiting { opcode: 0, tag: 0, seq: None, open: false, own: false, discarded: false, answer: Answer::Done };
+        Awaiting { opcode: 0, tag: 0, seq: None, open: false, own: false, discarded: false, may_fail: false, answer: Answer::Done };
 }
 
 /// A start that the tick refused.
@@ -166,7 +168,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             Effect::None | Effect::Config => {}
             Effect::Choose(site) => self.site = site,
             Effect::LinkLoss { ms, stop_all } => self.link_loss = (ms, stop_all),
-            Effect::Trace { every, axes } => self.trace.announce(every, axes, seq),
+            Effect::Trace { every, axes, over_link } => self.trace.announce(every, axes, over_link, seq),
         }
     }
 
@@ -233,6 +235,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     pub fn abandon(&mut self) {
         self.awaiting.clear();
         self.config = None;
+        self.trace.abandon();
     }
 
     fn is_quiet(&self) -> bool {

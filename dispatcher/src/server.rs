@@ -8,17 +8,23 @@
 use crate::desk::{Desk, Step};
 use crate::program::Program;
 use protocol::link::{Endpoint, Identity, Role};
-use protocol::record::{Lane, ReplyWriter, requests};
+use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
 use ring::{Consumer, Producer, Reader, Store};
 use servo::op::{Entry, Lane as TickLane};
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
 use servo::units::Ns;
 use servo::view::{Event, Sample, View};
+use zerocopy::IntoBytes;
 
 /// Messages under way each way.
 pub const LINK_WINDOW: usize = 8;
 /// Rounds of a poll: each moves the program, the message in hand and the replies as far as they go.
 const ROUNDS: u32 = 16;
+
+/// Rows wait this long for more of them, before they go over the link in a message that is not full.
+const TRACE_FLUSH_NS: u64 = 20_000_000;
+/// The head of a record of trace.
+const TRACE_HEAD: usize = size_of::<ReplyHead>();
 
 /// What a board is: constants that its integrator states.
 #[derive(Debug, Clone)]
@@ -97,6 +103,8 @@ pub struct Server<'a, const AXES: usize> {
     at: usize,
     outbox: [u8; protocol::MAX_PAYLOAD],
     outbox_len: usize,
+    /// When trace went over the link last.
+    traced_at: u64,
 }
 
 impl<'a, const AXES: usize> Server<'a, AXES> {
@@ -116,6 +124,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             at: 0,
             outbox: [0; protocol::MAX_PAYLOAD],
             outbox_len: 0,
+            traced_at: 0,
         }
     }
 
@@ -189,6 +198,39 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             }
         }
         self.desk.trace.drain(&mut self.samples, view, &self.desk.site);
+        self.send_trace();
+    }
+
+    /// Sends the trace in messages, if it goes over the link: replies come first and keep a place in the
+    /// window. What gathers is sent a message full at a time, or after a while.
+    fn send_trace(&mut self) {
+        let waited = self.time.0.saturating_sub(self.traced_at) >= TRACE_FLUSH_NS;
+        if !(self.desk.trace.is_due() || waited && self.desk.trace.has_link_bytes()) {
+            return;
+        }
+        while self.outbox_len == 0 && self.link.places() > 1 {
+            let Some((head, body)) = self.link.draft().and_then(|draft| draft.split_at_mut_checked(TRACE_HEAD)) else { return };
+            let mut count = 0;
+            loop {
+                let part = self.desk.trace.link_bytes(body.get_mut(count..).unwrap_or(&mut []));
+                count += part;
+                self.desk.trace.drain(&mut self.samples, self.view.last(), &self.desk.site);
+                if part == 0 || count >= body.len() {
+                    break;
+                }
+            }
+            if count == 0 {
+                return;
+            }
+            let record = ReplyHead { opcode: TRACE_RECORD.into(), tag: 0.into(), code: 0.into(), len: (count as u16).into() };
+            if record.write_to(head).is_err() || self.link.send_draft(TRACE_HEAD + count).is_err() {
+                return;
+            }
+            self.traced_at = self.time.0;
+            if TRACE_HEAD + count < protocol::MAX_PAYLOAD {
+                return;
+            }
+        }
     }
 
     /// Hands the gathered replies to the link, if it has a place. True if they went.

@@ -31,6 +31,10 @@ pub struct TraceOut<const AXES: usize> {
     axes: AxisMask,
     /// Entry that ends it.
     ending: Option<u32>,
+    /// It goes over the link: not to [`TraceOut::bytes`]' caller but into messages.
+    over_link: bool,
+    /// The encoder has no room: a message's worth has gathered.
+    full: bool,
     row: u32,
     samples: [trace::Sample; AXES],
     gathered: usize,
@@ -49,6 +53,8 @@ impl<const AXES: usize> TraceOut<AXES> {
             every: 0,
             axes: AxisMask(0),
             ending: None,
+            over_link: false,
+            full: false,
             row: 0,
             samples: [trace::Sample::default(); AXES],
             gathered: 0,
@@ -60,14 +66,28 @@ impl<const AXES: usize> TraceOut<AXES> {
     }
 
     /// Entry `seq` begins (`every` ≥ 1) or ends a trace. One that runs is left without its end.
-    pub fn announce(&mut self, every: u32, axes: AxisMask, seq: u32) {
+    pub fn announce(&mut self, every: u32, axes: AxisMask, over_link: bool, seq: u32) {
         if every == 0 {
             self.ending = Some(seq);
             return;
         }
+        if self.over_link || over_link {
+            // Bytes of the one before are not for this reader.
+            self.encoder = Encoder::new();
+        }
         self.state = State::Armed;
+        (self.over_link, self.full) = (over_link, false);
         (self.every, self.axes, self.ending) = (every, axes, None);
         (self.gathered, self.sent, self.next, self.lost, self.samples_lost) = (0, 0, 0, 0, 0);
+    }
+
+    /// A new session: a trace over the link of the one before is over.
+    pub fn abandon(&mut self) {
+        if self.over_link {
+            self.encoder = Encoder::new();
+            self.state = State::Off;
+            (self.ending, self.over_link, self.full) = (None, false, false);
+        }
     }
 
     fn count(&self) -> usize {
@@ -81,13 +101,17 @@ impl<const AXES: usize> TraceOut<AXES> {
         }
         while let Some(&sample) = samples.peek() {
             if !self.take(&sample, view, site) {
+                self.full = true;
                 return;
             }
             samples.skip();
         }
-        if self.ending.is_some_and(|seq| executed(view, seq)) && self.finish() {
-            self.state = State::Off;
-            self.ending = None;
+        if self.ending.is_some_and(|seq| executed(view, seq)) {
+            self.full = !self.finish();
+            if !self.full {
+                self.state = State::Off;
+                self.ending = None;
+            }
         }
     }
 
@@ -165,9 +189,25 @@ impl<const AXES: usize> TraceOut<AXES> {
         self.encoder.end(self.sent.wrapping_add(self.lost), lost).is_ok()
     }
 
-    /// Wire bytes.
+    /// Bytes of the trace's own stream.
     pub fn bytes(&mut self, out: &mut [u8]) -> usize {
-        self.encoder.take(out)
+        if self.over_link { 0 } else { self.encoder.take(out) }
+    }
+
+    /// Whether bytes for the link are due: as many as a frame holds, or the last ones.
+    pub fn is_due(&self) -> bool {
+        self.over_link && (self.full || self.state == State::Off && !self.encoder.is_empty())
+    }
+
+    /// Whether any bytes for the link have gathered.
+    pub fn has_link_bytes(&self) -> bool {
+        self.over_link && !self.encoder.is_empty()
+    }
+
+    /// Bytes for the link.
+    pub fn link_bytes(&mut self, out: &mut [u8]) -> usize {
+        self.full = false;
+        if self.over_link { self.encoder.take(out) } else { 0 }
     }
 
     /// Whether a trace is announced or runs.

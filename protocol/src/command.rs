@@ -129,6 +129,20 @@ wire_structs! {
     PtTaken { taken: U16, space: U16, dry_ms: U32 }
     /// PT state: 0 never ran, 1 running, 2 ended, 3 ended by underrun, 4 ended by Stop or a fault.
     PtState { state: u8, loops: I32, space0: U16, space1: U16, dry_ms: U32 }
+    /// A point of PvtTable: ms, pulse, pulse/ms.
+    PvtPoint { time: F64, pos: F64, vel: F64 }
+    /// A point of PvtTableEx, with the velocities at the begin and at the end of the segment that follows.
+    PvtExPoint { time: F64, pos: F64, vel_begin: F64, vel_end: F64 }
+    /// A point of PvtTableComplete.
+    PvtKnot { time: F64, pos: F64 }
+    /// A point of PvtTablePercent.
+    PvtPercentPoint { time: F64, pos: F64, percent: F64 }
+    /// A point of PvtTableContinuous: pulse, pulse/ms, pulse/ms².
+    PvtContinuousPoint { pos: F64, vel: F64, percent: F64, vel_max: F64, acc: F64, dec: F64 }
+    /// PVT passes completed, and passes to run (0: for ever).
+    PvtLoops { loop_count: I32, loop_set: I32 }
+    /// PVT table in force and time in it, ms.
+    PvtStatusItem { table: I16, time: F64 }
     /// One axis of a configuration file. `given` says which fields the file named (bit 0 limits,
     /// 1 limit sense, 2 alarm, 3 alarm sense, 4 soft limits, 5 stop decelerations, 6 following
     /// error, 7 band, 8 home sense).
@@ -182,7 +196,7 @@ commands! {
     0x0012 ProgramStart { strict: u8 } [Nothing] -> ProgramReply [Nothing];
     0x0013 ProgramClear {} [Nothing] -> ProgramReply [Nothing];
     0x0014 ProgramStatus {} [Nothing] -> ProgramReply [Nothing];
-    0x0015 Trace { every: U32, axes: U64, lasers: u8, crds: u8 } [Nothing] -> Nothing [Nothing];
+    0x0015 Trace { every: U32, axes: U64, lasers: u8, crds: u8, way: u8 } [Nothing] -> Nothing [Nothing];
     0x0016 ProgramEnd {} [Nothing] -> Nothing [Nothing];
     // -- axis --------------------------------------------------------------------------------
     0x0100 AxisOn { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
@@ -247,6 +261,20 @@ commands! {
     0x0208 GetPtMemory { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
     0x0209 PtStart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
     0x020A GetPtState { core: I16, profile: I16 } [Nothing] -> PtState [Nothing];
+    // -- PVT (GXN chapter 4) -------------------------------------------------------------------
+    0x0300 PrfPvt { core: I16, profile: I16 } [Nothing] -> Nothing [Nothing];
+    0x0301 SetPvtLoop { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
+    0x0302 GetPvtLoop { core: I16, profile: I16 } [Nothing] -> PvtLoops [Nothing];
+    0x0303 PvtStatus { core: I16, profile: I16, count: I16 } [Nothing] -> Count [PvtStatusItem];
+    0x0304 PvtStart { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x0305 PvtTableSelect { core: I16, profile: I16, table: I16 } [Nothing] -> Nothing [Nothing];
+    0x0306 PvtTable { core: I16, table: I16, count: I32, first: U16 } [PvtPoint] -> Nothing [Nothing];
+    0x0307 PvtTableEx { core: I16, table: I16, count: I32, first: U16 } [PvtExPoint] -> Nothing [Nothing];
+    0x0308 PvtTableComplete { core: I16, table: I16, count: I32, first: U16, vel_begin: F64, vel_end: F64 } [PvtKnot] -> Nothing [Nothing];
+    0x0309 PvtTablePercent { core: I16, table: I16, count: I32, first: U16, vel_begin: F64 } [PvtPercentPoint] -> Nothing [Nothing];
+    0x030A PvtPercentCalculate { core: I16, count: I32, first: U16, vel_begin: F64 } [PvtPercentPoint] -> Count [Real];
+    0x030B PvtTableContinuous { core: I16, table: I16, count: I32, first: U16, time_begin: F64 } [PvtContinuousPoint] -> Nothing [Nothing];
+    0x030C PvtContinuousCalculate { core: I16, count: I32, first: U16 } [PvtContinuousPoint] -> Count [Real];
 }
 
 /// The row of the table with this number.

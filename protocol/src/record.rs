@@ -13,7 +13,7 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 wire_structs! {
     /// Before each request: number, the client's tag (comes back in the reply), length of the body, lane
-    /// (0 immediate, 1 program).
+    /// (0 immediate, 1 program, 2 program, may fail).
     RequestHead { opcode: U16, tag: U16, len: U16, lane: u8 }
     /// Before each reply: number and tag of the request, return code, length of the body.
     ReplyHead { opcode: U16, tag: U16, code: I16, len: U16 }
@@ -25,9 +25,15 @@ wire_structs! {
 pub enum Lane {
     /// At once.
     Immediate = 0,
-    /// Behind the entries of the program queue.
+    /// Behind the entries of the program queue; a failure there ends the program.
     Program = 1,
+    /// The same, but a program goes on behind the entry if it is refused.
+    ProgramMayFail = 2,
 }
+
+/// Number of the records that carry a trace over the link (`Trace` with `way` 1): tag and code are 0, the body
+/// is the next part of the trace's byte stream. They answer nothing; the controller sends them by itself.
+pub const TRACE_RECORD: u16 = 0x0017;
 
 /// The buffer has no room for the record; nothing was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +59,7 @@ impl Malformed {
     pub fn refusal(&self) -> Refusal {
         match self.lane {
             None => length_refusal(self.left, self.len),
-            Some(lane) => Refusal { got: F64::new(lane.into()), high: F64::new(1.0), ..Refusal::new(Reason::Selector) },
+            Some(lane) => Refusal { got: F64::new(lane.into()), high: F64::new(2.0), ..Refusal::new(Reason::Selector) },
         }
     }
 }
@@ -191,6 +197,7 @@ impl<'a> Iterator for Requests<'a> {
             let lane = match head.lane {
                 0 => Lane::Immediate,
                 1 => Lane::Program,
+                2 => Lane::ProgramMayFail,
                 lane => {
                     let (len, head) = (body.len(), Some((opcode, tag)));
                     return Err(Malformed { at, head, len, left: len, lane: Some(lane) });

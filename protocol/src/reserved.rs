@@ -1,4 +1,4 @@
-//! Numbers kept for the commands that have no layout yet, so that none is given twice: PVT 0x03xx, Follow
+//! Numbers kept for the commands that have no layout yet, so that none is given twice: PT 0x02xx, PVT 0x03xx, Follow
 //! 0x04xx, FollowEx 0x05xx, laser 0x06xx, buffered laser 0x07xx, coordinate systems 0x08xx, distance
 //! follow 0x09xx. A command moves to [`crate::command::COMMANDS`] with its number when it is built.
 //!
@@ -8,19 +8,6 @@
 /// Number and name, by number.
 pub const RESERVED: &[(u16, &str)] = &[
     (0x0210, "PtStartPro"),
-    (0x0300, "PrfPvt"),
-    (0x0301, "SetPvtLoop"),
-    (0x0302, "GetPvtLoop"),
-    (0x0303, "PvtStatus"),
-    (0x0304, "PvtStart"),
-    (0x0305, "PvtTableSelect"),
-    (0x0306, "PvtTable"),
-    (0x0307, "PvtTableEx"),
-    (0x0308, "PvtTableComplete"),
-    (0x0309, "PvtTablePercent"),
-    (0x030A, "PvtPercentCalculate"),
-    (0x030B, "PvtTableContinuous"),
-    (0x030C, "PvtContinuousCalculate"),
     (0x030D, "PvtTableContinuousEx"),
     (0x030E, "PvtTableMove"),
     (0x030F, "PvtTableMovePercent"),

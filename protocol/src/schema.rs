@@ -4,7 +4,7 @@
 use crate::command::{COMMANDS, CommandInfo, Wire};
 use crate::frame::{CRC_BYTES, Header, Hello, HelloAck, MAX_PAYLOAD, VERSION};
 use crate::reason::{Code, REASONS, Reason, Refusal};
-use crate::record::{ReplyHead, RequestHead};
+use crate::record::{Lane, ReplyHead, RequestHead, TRACE_RECORD};
 use crate::trace;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, Table};
 
@@ -33,6 +33,8 @@ const fn schema(layouts: &[(&str, Fields)], commands: &[CommandInfo], reasons: &
     let mut digest = CRC.digest();
     digest.update(&[VERSION, CRC_BYTES as u8]);
     digest.update(&(MAX_PAYLOAD as u32).to_le_bytes());
+    digest.update(&TRACE_RECORD.to_le_bytes());
+    digest.update(&[Lane::ProgramMayFail as u8]);
     let mut i = 0;
     while i < layouts.len() {
         word(&mut digest, layouts[i].0);

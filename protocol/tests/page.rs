@@ -260,7 +260,11 @@ fn requests_are_those_of_the_page() {
         let (command, words, items) = parts(&text);
         let mut body = build(command.fields, &words);
         items.iter().for_each(|item| body.extend(build(command.items, item)));
-        let lane = if value(&head, "lane") == "0" { Lane::Immediate } else { Lane::Program };
+        let lane = match value(&head, "lane") {
+            "0" => Lane::Immediate,
+            "1" => Lane::Program,
+            _ => Lane::ProgramMayFail,
+        };
         let tag = number(value(&head, "tag")) as u16;
         let mut ours = [0; 256];
         let mut writer = RequestWriter::new(&mut ours);

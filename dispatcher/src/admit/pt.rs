@@ -10,9 +10,8 @@ use protocol::command::{
 use protocol::reason::Reason;
 use ring::Store;
 use servo::op::{Mode, Op};
-use servo::pt::{self, Chain, Segment};
+use servo::pt::{self, Segment};
 use servo::units::{Axis, AxisMask};
-use zerocopy::little_endian::F64;
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
 const FIFO_SLOTS: u32 = 1024;
@@ -179,34 +178,36 @@ fn push<const AXES: usize>(
         return Err(case.no(Reason::FifoInUse, axis).field(fifo_field).got(fifo.into()));
     }
     let Some(store) = stores.get(axis.index()) else { return Err(case.no(Reason::NotInitialised, axis)) };
-    let mut data = book.fifos[which & 1];
-    let base = u32::from(fifo) * FIFO_SLOTS;
+    let data = book.fifos[which & 1];
+    let mut chain = data.chain;
+    let mut slot = (u32::from(fifo) * FIFO_SLOTS).wrapping_add(data.end);
     for (index, item) in items.iter().enumerate() {
-        let (segment, chain) = admit(item, &data.chain).map_err(|refused| refused.item(index).axis(profile))?;
-        store.write(base.wrapping_add(data.end), segment.words());
-        data = FifoBook { end: data.end.wrapping_add(1), chain };
+        let bits = u64::from_le_bytes(item.pos.to_bytes());
+        match Segment::admit(bits, item.time_ms.get(), i16::from(item.kind), &chain) {
+            Ok((segment, next)) => {
+                store.write(slot, segment.words());
+                slot = slot.wrapping_add(1);
+                chain = next;
+            }
+            Err(refused) => return Err(explain(refused, item).item(index).axis(profile)),
+        }
     }
-    Ok(Written { axis, fifo, book: data, count: items.len() as u16 })
+    let book = FifoBook { end: data.end.wrapping_add(items.len() as u32), chain };
+    Ok(Written { axis, fifo, book, count: items.len() as u16 })
 }
 
-/// One datum. The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.
-#[inline]
-fn admit(item: &PtItem, chain: &Chain) -> Admitted<(Segment, Chain)> {
-    let bits = u64::from_le_bytes(item.pos.to_bytes());
-    Segment::admit(bits, item.time_ms.get(), i16::from(item.kind), chain)
-        .map_err(|refused| explain(refused, item.pos, item.time_ms.get(), item.kind))
-}
-
+/// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.
 #[cold]
-fn explain(refused: pt::Refused, pos: F64, time_ms: i32, kind: u8) -> Refused {
+fn explain(refused: pt::Refused, item: &PtItem) -> Refused {
+    let (pos, time_ms) = (item.pos.get(), item.time_ms.get());
     match refused {
-        pt::Refused::NotFinite => Refused::new(Reason::NotFinite).field(0).got(pos.get()),
-        pt::Refused::BeyondTravel => Refused::new(Reason::BeyondTravel).field(0).got(pos.get()).limits(-TRAVEL, TRAVEL),
+        pt::Refused::NotFinite => Refused::new(Reason::NotFinite).field(0).got(pos),
+        pt::Refused::BeyondTravel => Refused::new(Reason::BeyondTravel).field(0).got(pos).limits(-TRAVEL, TRAVEL),
         pt::Refused::NotIncreasing { before } => {
             Refused::new(Reason::NotIncreasing).field(1).got(time_ms.into()).limits(before.into(), i32::MAX.into())
         }
         pt::Refused::TooFast { speed } => Refused::new(Reason::TooFast).field(0).got(speed as f64).limits(-SPEED_MAX, SPEED_MAX),
-        pt::Refused::Kind => Refused::new(Reason::Selector).field(2).got(kind.into()).limits(0.0, 2.0),
+        pt::Refused::Kind => Refused::new(Reason::Selector).field(2).got(item.kind.into()).limits(0.0, 2.0),
     }
 }
 

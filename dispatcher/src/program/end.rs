@@ -35,12 +35,28 @@ impl Program<'_> {
         self.overflowed = false;
     }
 
-    /// The tick refused a start: the program has failed there.
+    /// The tick refused a start: the program has failed there, unless the entry may fail.
     pub fn tick_refused(&mut self, refusal: TickRefusal) {
         self.refused.push(refusal);
-        if self.is_active() {
+        let may_fail = self.awaiting.iter().any(|item| item.own && item.may_fail && item.seq == Some(refusal.0));
+        if self.is_active() && !may_fail {
             self.cut(State::Failed);
         }
+    }
+
+    /// Whether the record in hand was refused and may be: it is answered, and the program goes on at the
+    /// same instant. What can never be right is refused at once. The rest is decided by the state at its
+    /// instant, in the last view before the tick on which it would act, so that what follows is not late.
+    pub(super) fn passes_over<const AXES: usize>(&mut self, view: &View<AXES>, refused: &Refused, out: &mut ReplyWriter) -> bool {
+        let Some((head, _)) = self.records.front().filter(|(head, _)| head.may_fail) else { return false };
+        let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
+        let quiet = !self.lane.in_flight() && self.open == [0; 2];
+        let reached = self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0);
+        if !(reached || is_final(refused.reason)) || out.refused(head.opcode, head.tag, &refused.wire).is_err() {
+            return false;
+        }
+        self.records.pop();
+        true
     }
 
     /// No more of it is executed.
@@ -139,4 +155,18 @@ impl Program<'_> {
         self.settled = true;
         progress
     }
+}
+
+/// Whether no later state of the machine makes the record right: only what stands before it in its program
+/// could, and that has been admitted.
+fn is_final(reason: Reason) -> bool {
+    use Reason::{
+        BeyondTravel, FifoEmpty, Length, NoAcceleration, NotFinite, NotForProgram, NotInDynamic, NotInProgram,
+        NotInitialised, OutOfRange, Selector, ServoOff, TooMany, UnknownCommand, WrongMode,
+    };
+    matches!(
+        reason,
+        OutOfRange | NotFinite | Length | TooMany | BeyondTravel | Selector | UnknownCommand | WrongMode | FifoEmpty
+            | ServoOff | NotInDynamic | NoAcceleration | NotInProgram | NotInitialised | NotForProgram
+    )
 }

@@ -47,6 +47,7 @@ impl Program<'_> {
                     self.settle(desk, view);
                     return progress;
                 }
+                Err(refused) if self.passes_over(view, &refused, out) => progress = true,
                 Err(refused) => {
                     self.settle(desk, view);
                     return self.refuse(desk, view, &refused, out) || progress;
@@ -188,6 +189,7 @@ impl Program<'_> {
             seq: Some(self.lane.last()),
             own,
             answer,
+            may_fail: head.may_fail,
             ..Awaiting::BLANK
         });
         Ok(Step::Taken)

@@ -7,7 +7,8 @@
 //! is refused now may be right later, so it waits; it is refused when its instant has been reached
 //! and the state still forbids it. Then, and after a late entry of a strict program, a Stop, link
 //! loss or ProgramClear, the rest is dropped from the ring and answered `Discarded`, and the books go
-//! back to what was executed.
+//! back to what was executed. Behind a record that may fail the program goes on: its refusal is answered
+//! and nothing else happens; the script clock stays what it was.
 //!
 //! Flow: a record takes its body and 7 bytes of the queue. One that does not fit is answered
 //! `QueueFull` at once, and so is every later one until the client has asked for ProgramStatus: the
@@ -24,7 +25,7 @@ use crate::refuse::{Admitted, Refused};
 use crate::server::PROGRAM;
 use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
 use protocol::reason::Reason;
-use protocol::record::{Full, ReplyWriter, RequestRecord};
+use protocol::record::{Full, Lane as Road, ReplyWriter, RequestRecord};
 use ring::Producer;
 use servo::op::{Entry, Op};
 use servo::units::Axis;
@@ -168,7 +169,7 @@ impl<'a> Program<'a> {
             self.state = State::Held;
             self.begin();
         }
-        self.records.push(record.opcode, record.tag, record.body);
+        self.records.push(record.opcode, record.tag, record.lane == Road::ProgramMayFail, record.body);
         self.accepted = self.accepted.wrapping_add(1);
         self.settled = false;
         Step::Taken
