@@ -169,9 +169,9 @@ fn refusals_have_code_and_reason() {
     let e = refused(client.call(pt(1, 2.0, 10)));
     assert_eq!(e.code, 7);
     assert!(e.reason.contains("time_ms") && e.reason.contains("10"), "{e}");
-    let e = refused(client.call_raw(&Call { opcode: 0x7777, payload: vec![] }));
+    let e = refused(client.call_raw(&Call { opcode: 0x7777, payload: vec![], may_fail: false }));
     assert_eq!(e.code, 8, "{e}");
-    let e = refused(client.call_raw(&Call { opcode: PtSpace::OPCODE, payload: vec![1, 2, 3] }));
+    let e = refused(client.call_raw(&Call { opcode: PtSpace::OPCODE, payload: vec![1, 2, 3], may_fail: false }));
     assert_eq!(e.code, 7, "{e}");
 }
 

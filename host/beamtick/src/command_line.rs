@@ -21,6 +21,7 @@ Examples:
   beamtick run examples/pt_static.gts --link qemu --vcd t.vcd
   beamtick run examples/jog_trap.gts --link tcp:192.168.1.20:5000 --strict
   beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
+  beamtick serve --listen 127.0.0.1:5000
   beamtick info --link qemu
 
 Exit codes: 0 done; 1 a call, the link or the trace failed; 2 the command line or the job file is wrong.";
@@ -34,6 +35,8 @@ pub enum Command {
     Run(Run),
     /// Reads a job and shows what it would do, without a controller.
     Check(Check),
+    /// Runs the virtual controller in real time and serves it over TCP to other clients.
+    Serve(Serve),
     /// Shows version, board, profile and limits of a controller; without --link, of the virtual one.
     Info(Info),
 }
@@ -57,6 +60,7 @@ pub struct Settings {
     #[arg(long, value_enum, default_value = "gus")]
     pub family: FamilyName,
     /// Product profile: gus, gtn-016, gtn-024, gsn-008-lt, gsn-024, gsn-048, r688c-024, r688s-016, r688s-032.
+    /// Without it, the first of these that has every core and axis of the job.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
 }
@@ -73,7 +77,7 @@ pub struct Outputs {
     /// Draws the trace; the extension chooses SVG or PNG.
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
-    /// A row every N ticks.
+    /// A row every N ticks. A link without a stream for the trace may need more; the summary shows it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
     /// The plot begins at this time.
@@ -157,4 +161,18 @@ pub struct Info {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub settings: Settings,
+}
+
+/// `beamtick serve`.
+#[derive(Debug, Args)]
+pub struct Serve {
+    /// Where to listen; port 0 takes a free one.
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5000")]
+    pub listen: String,
+    /// Servo tick at power-on in µs.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1000))]
+    pub tick_us: Option<u32>,
+    /// Profile at power-on. Without it the board has room for every profile; with one of 8 axes, for 8 axes only.
+    #[arg(long, value_name = "NAME")]
+    pub profile: Option<String>,
 }

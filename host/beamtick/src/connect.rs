@@ -1,7 +1,9 @@
 //! The command line's way to a controller.
 use crate::Failure;
 use crate::command_line::{FamilyName, Settings, Way};
+use crate::profile;
 use client::{Client, Family, Link, Options, Profile};
+use protocol::reason::Reason;
 use std::path::{Path, PathBuf};
 use virtual_board::{Board, Config, Shared, VirtualLink, share};
 
@@ -9,16 +11,13 @@ use virtual_board::{Board, Config, Shared, VirtualLink, share};
 const IMAGE: &str = "target/thumbv7em-none-eabihf/image/beamtick-mps2";
 
 /// Servo tick of the virtual controller where none is asked for: the compatible value of SPEC 1.
-const TICK_US: u32 = 250;
+pub const TICK_US: u32 = 250;
 
-/// Client options from the settings.
-pub fn options(settings: &Settings) -> Result<Options, Failure> {
+/// Client options from the settings; `wanted` is the profile where the command line names none.
+fn options(settings: &Settings, wanted: Option<Profile>) -> Result<Options, Failure> {
     let profile = match &settings.profile {
-        None => None,
-        Some(name) => Some(Profile::named(name).ok_or_else(|| {
-            let known: Vec<&str> = Profile::ALL.iter().map(|(_, name)| *name).collect();
-            Failure::Input(format!("there is no profile `{name}`; profiles are {}", known.join(", ")))
-        })?),
+        None => wanted,
+        Some(name) => Some(profile::named(name)?),
     };
     let family = match settings.family {
         FamilyName::Gus => Family::Gus,
@@ -28,8 +27,8 @@ pub fn options(settings: &Settings) -> Result<Options, Failure> {
 }
 
 /// A virtual controller and its client.
-pub fn simulated(settings: &Settings) -> Result<(Client, Shared), Failure> {
-    let options = options(settings)?;
+pub fn simulated(settings: &Settings, wanted: Option<Profile>) -> Result<(Client, Shared), Failure> {
+    let options = options(settings, wanted)?;
     let config = Config {
         tick_us: settings.tick_us.unwrap_or(TICK_US),
         profile: options.profile.unwrap_or(Profile::Gus) as u8,
@@ -40,13 +39,24 @@ pub fn simulated(settings: &Settings) -> Result<(Client, Shared), Failure> {
 }
 
 /// A client over the link that the command line names.
-pub fn linked(name: &str, way: &Way, settings: &Settings) -> Result<Client, Failure> {
-    let options = options(settings)?;
+pub fn linked(name: &str, way: &Way, settings: &Settings, wanted: Option<Profile>) -> Result<Client, Failure> {
+    let options = options(settings, wanted)?;
     let link: Box<dyn Link> = match name {
         "qemu" => client::link::open(&format!("qemu:{}", image(way)?.display()))?,
         name => client::link::open(name)?,
     };
-    Ok(Client::open(link, options)?)
+    let profile = options.profile;
+    Client::open(link, options).map_err(|error| {
+        let too_large = error.refusal.is_some_and(|refusal| refusal.reason.get() == Reason::ProfileTooLarge as u16);
+        match profile.filter(|_| too_large && settings.profile.is_none()) {
+            Some(profile) => Failure::Job(format!(
+                "error {}: {error}\nThe job names cores and axes that need profile {}; --profile NAME chooses another.",
+                error.code,
+                profile.name()
+            )),
+            None => error.into(),
+        }
+    })
 }
 
 /// The image that QEMU runs.

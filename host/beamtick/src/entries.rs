@@ -82,7 +82,7 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
                 }
             }
             Action::Call(call) => {
-                let call = Call { opcode: call.opcode, payload: call.body.clone() };
+                let call = Call { opcode: call.opcode, payload: call.body.clone(), may_fail: call.may_fail };
                 entries.push(Entry { call, from });
             }
         }

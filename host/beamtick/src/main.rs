@@ -1,5 +1,5 @@
 #![forbid(unsafe_code)]
-//! `beamtick`: runs job scripts in the virtual controller or on a board.
+//! `beamtick`: runs job scripts in the virtual controller or on a board; serves the virtual controller.
 //!
 //! In: the command line, job files, configuration files. Out: what the job read, a summary, trace files;
 //! errors on the error stream with file, line and reason. Exit codes: 0 done, 1 the job or the link
@@ -9,11 +9,14 @@ mod connect;
 mod entries;
 mod info;
 mod listing;
+mod profile;
 mod record;
 mod reply;
 mod report;
 mod runner;
+mod serve;
 mod source;
+mod summary;
 
 use clap::Parser;
 use command_line::{Command, CommandLine};
@@ -46,6 +49,7 @@ fn main() -> ExitCode {
         Command::Sim(arguments) => runner::sim(arguments),
         Command::Run(arguments) => runner::run(arguments),
         Command::Check(arguments) => listing::check(arguments),
+        Command::Serve(arguments) => serve::serve(arguments),
         Command::Info(arguments) => info::show(arguments),
     };
     match done {

@@ -3,12 +3,13 @@
 //! In: the answers to its entries. Out: lines on the standard output, a progress bar where the error
 //! stream is a terminal. It remembers which axes the script left moving.
 use crate::entries::{Entry, From};
-use crate::reply;
+use crate::{profile, reply};
 use crate::source::Source;
 use client::{Answer, Dry, Error, Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use job::{Action, Severity};
-use protocol::command::AxisStatus;
+use protocol::reason::Reason;
+use protocol::command::{AxisStatus, VersionReply};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -21,26 +22,29 @@ pub const INTERRUPTED: i16 = i16::MIN;
 pub struct Report<'a> {
     source: &'a Source,
     entries: &'a [Entry],
-    /// Number of the entry that the running program began with.
-    pub first: usize,
+    version: VersionReply,
     quiet: bool,
     bar: ProgressBar,
     interrupt: Arc<AtomicBool>,
     /// Axes that still moved when the script ended: core and axis.
     pub left: Vec<(i16, i16)>,
+    /// Calls that failed and were allowed to.
+    pub warned: u32,
     /// The PT streams as they were last, and the shortest time to dry that each showed.
     pub streams: Vec<(Dry, u32)>,
 }
 
 impl<'a> Report<'a> {
     /// A report on a job's entries.
-    pub fn new(source: &'a Source, entries: &'a [Entry], quiet: bool, interrupt: Arc<AtomicBool>) -> Self {
+    pub fn new(
+        source: &'a Source, entries: &'a [Entry], version: VersionReply, quiet: bool, interrupt: Arc<AtomicBool>,
+    ) -> Self {
         // Drawn only where the error stream is a terminal.
         let bar = ProgressBar::with_draw_target(Some(entries.len() as u64), ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{elapsed:>5} [{bar:30}] {pos}/{len} {msg}") {
             bar.set_style(style);
         }
-        Report { source, entries, first: 0, quiet, bar, interrupt, left: Vec::new(), streams: Vec::new() }
+        Report { source, entries, version, quiet, bar, interrupt, left: Vec::new(), warned: 0, streams: Vec::new() }
     }
 
     /// Takes the bar away.
@@ -49,9 +53,9 @@ impl<'a> Report<'a> {
     }
 
     /// The message for a refused entry, with the script's line.
-    pub fn failure(&self, answer: &Answer) -> String {
+    pub fn failure(&self, answer: &Answer, severity: Severity) -> String {
         let item = answer.refusal().map_or(u16::MAX, |refusal| refusal.item.get());
-        let number = self.first + answer.index as usize;
+        let number = answer.index as usize;
         let reason = answer.error.as_ref().map_or("refused without a reason", |error| error.reason.as_str());
         // The text begins with the protocol's name of the command, which for merged data is not the script's.
         let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
@@ -65,17 +69,20 @@ impl<'a> Report<'a> {
             Action::Sleep { .. } => "Sleep",
             Action::WaitStop { .. } | Action::WaitAll => "WaitStop",
         };
+        let beyond = answer.refusal().and_then(|refusal| profile::help(&self.version, answer.opcode, refusal));
         let help = match answer.code {
+            _ if severity == Severity::Warning => "the job goes on behind it (#pragma continue)",
+            _ if beyond.is_some() => beyond.as_deref().unwrap_or_default(),
             1 => "the call is right, but not in the present state; what comes behind it was not executed",
             7 => "correct the parameter; what comes behind the call was not executed",
             8 => "this firmware is older than the client; load the one of the same version",
             _ => "",
         };
-        self.source.show(step, Severity::Error, format!("{name} returned {}: {reason}", answer.code), help)
+        self.source.show(step, severity, format!("{name} returned {}: {reason}", answer.code), help)
     }
 
     fn read(&self, answer: &Answer) {
-        let Some(entry) = self.entries.get(self.first + answer.index as usize) else { return };
+        let Some(entry) = self.entries.get(answer.index as usize) else { return };
         let Some(step) = entry.step(u16::MAX).and_then(|step| self.source.job.steps.get(step)) else { return };
         let Action::Call(call) = &step.action else { return };
         if call.outs.is_empty() || self.quiet {
@@ -93,9 +100,15 @@ impl<'a> Report<'a> {
 impl Observer for Report<'_> {
     fn answered(&mut self, answer: Answer) -> client::Result<()> {
         if answer.code != 0 {
+            let discarded = answer.refusal().is_some_and(|refusal| refusal.reason() == Some(Reason::Discarded));
+            if !discarded && self.entries.get(answer.index as usize).is_some_and(|entry| entry.call.may_fail) {
+                self.warned += 1;
+                let warning = self.failure(&answer, Severity::Warning);
+                self.bar.suspend(|| eprint!("{warning}"));
+            }
             return Ok(());
         }
-        let from = self.entries.get(self.first + answer.index as usize).map(|entry| &entry.from);
+        let from = self.entries.get(answer.index as usize).map(|entry| &entry.from);
         match from {
             Some(From::Left { core, axis }) => {
                 let status = answer.reply::<AxisStatus>().and_then(|(_, items)| items.first().map(|item| item.status.get()));
@@ -126,7 +139,7 @@ impl Observer for Report<'_> {
         if let Some(first) = progress.streams.iter().min_by_key(|dry| dry.dry_ms) {
             message.push_str(&format!(", PT axis {}: {} places free, dry in {} ms", first.axis, first.space, first.dry_ms));
         }
-        self.bar.set_position(self.first as u64 + u64::from(progress.queue.executed.get().min(progress.entries)));
+        self.bar.set_position(progress.queue.executed.get().min(progress.entries).into());
         self.bar.set_message(message);
         Ok(())
     }

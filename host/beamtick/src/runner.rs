@@ -5,14 +5,14 @@
 use crate::Failure;
 use crate::command_line::{Outputs, Run, Sim};
 use crate::connect::{linked, simulated};
-use crate::entries::{all_axes, entries};
+use crate::entries::{Entry, all_axes, entries};
 use crate::record::{Recorded, Recording};
 use crate::report::{INTERRUPTED, Report};
 use crate::source::Source;
-use client::{Call, Client, Progress};
-use job::{Action, Axis, Job};
-use protocol::command::{AxisItem, AxisStatus, GetPtState, Request, SetDo, SetDoBit, Stop, Trace};
-use protocol::reason::Reason;
+use crate::{profile, summary};
+use client::{Client, Progress};
+use job::{Action, Axis, Job, Severity};
+use protocol::command::{AxisItem, AxisStatus, Request, SetDo, SetDoBit, Stop, Trace};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -20,9 +20,7 @@ use virtual_board::Shared;
 use zerocopy::FromBytes;
 
 /// Bit 10 of the status word: the profile runs.
-const RUNNING: u32 = 1 << 10;
-/// Profile mode PT.
-const MODE_PT: i16 = 2;
+pub const RUNNING: u32 = 1 << 10;
 /// General outputs, as SetDo names them.
 const GENERAL: i16 = 12;
 /// A trace's end comes within this time of the program's, on the link's clock.
@@ -36,14 +34,15 @@ type Tape = Arc<Mutex<Option<Recording>>>;
 /// Runs a job in the virtual controller.
 pub fn sim(arguments: &Sim) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
-    let (client, board) = simulated(&arguments.settings)?;
+    let (client, board) = simulated(&arguments.settings, Some(profile::of_job(&source.job)))?;
     execute(&source, &client, Some(board), &arguments.outputs)
 }
 
 /// Runs a job on a board.
 pub fn run(arguments: &Run) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
-    let client = linked(&arguments.link, &arguments.way, &arguments.settings)?;
+    let profile = profile::of_job(&source.job);
+    let client = linked(&arguments.link, &arguments.way, &arguments.settings, Some(profile))?;
     execute(&source, &client, None, &arguments.outputs)
 }
 
@@ -61,9 +60,9 @@ fn execute(source: &Source, client: &Client, board: Option<Shared>, outputs: &Ou
         false => None,
     };
     let entries = entries(job, &version, recording.is_some());
-    let mut report = Report::new(source, &entries, outputs.quiet, interrupt);
+    let mut report = Report::new(source, &entries, version, outputs.quiet, interrupt);
     let began = Instant::now();
-    let outcome = drive(client, &mut report, &entries, job, outputs.strict);
+    let outcome = drive(client, &mut report, &entries, outputs.strict);
     let took = began.elapsed();
     report.end();
     let progress = match outcome {
@@ -86,30 +85,19 @@ fn execute(source: &Source, client: &Client, board: Option<Shared>, outputs: &Ou
         }
     };
     let recorded = recording.map(|recording| close(client, &recording)).transpose()?;
-    summary(source, client, &report, &progress, recorded.as_ref(), simulated.then_some(took))
+    summary::print(&summary::Run { source, client, report: &report, progress: &progress, recorded: recorded.as_ref(), every: outputs.every, took: simulated.then_some(took) })
 }
 
-/// Runs the entries; goes on behind an entry that may fail.
-fn drive(
-    client: &Client, report: &mut Report<'_>, entries: &[crate::entries::Entry], job: &Job, strict: bool,
-) -> Result<Progress, Failure> {
-    loop {
-        let calls: Vec<Call> = entries[report.first..].iter().map(|entry| entry.call.clone()).collect();
-        let summary = client.run(calls, strict, report).map_err(|error| match error.code {
-            INTERRUPTED => Failure::Job("interrupted".into()),
-            _ => error.into(),
-        })?;
-        let Some(answer) = summary.failed else { return Ok(summary.progress) };
-        let text = report.failure(&answer);
-        let number = report.first + answer.index as usize;
-        let may_fail = entries.get(number).and_then(|entry| entry.step(u16::MAX)).and_then(|step| job.steps.get(step))
-            .is_some_and(|step| matches!(&step.action, Action::Call(call) if call.may_fail));
-        let discarded = answer.refusal().is_some_and(|refusal| refusal.reason.get() == Reason::Discarded as u16);
-        if !may_fail || discarded {
-            return Err(Failure::Job(text));
-        }
-        eprint!("{}", text.replacen("Error", "Warning", 1));
-        report.first = number + 1;
+/// Runs the entries.
+fn drive(client: &Client, report: &mut Report<'_>, entries: &[Entry], strict: bool) -> Result<Progress, Failure> {
+    let calls = entries.iter().map(|entry| entry.call.clone());
+    let summary = client.run(calls, strict, report).map_err(|error| match error.code {
+        INTERRUPTED => Failure::Job("interrupted".into()),
+        _ => error.into(),
+    })?;
+    match summary.failed {
+        None => Ok(summary.progress),
+        Some(answer) => Err(Failure::Job(report.failure(&answer, Severity::Error))),
     }
 }
 
@@ -117,12 +105,6 @@ fn drive(
 fn record(
     source: &Source, client: &Client, board: Option<Shared>, outputs: &Outputs,
 ) -> Result<Tape, Failure> {
-    if !client.has_trace() {
-        return Err(Failure::Input(format!(
-            "{} carries no trace stream; --trace, --vcd and --plot need `beamtick sim` or `--link qemu`",
-            client.name()
-        )));
-    }
     let version = client.version();
     let axes = source.job.axes.iter().filter_map(|axis| bit(axis, version.cores, version.axes_per_core)).fold(0u64, |mask, bit| mask | bit);
     if axes == 0 {
@@ -136,8 +118,23 @@ fn record(
             recording.feed(bytes);
         }
     });
-    client.call(Trace { every: outputs.every.into(), axes: axes.into(), lasers: 0, crds: 0 })?;
+    let (way, every) = match client.trace_rate() {
+        None => (0, outputs.every),
+        Some(rate) => (1, outputs.every.max(least_every(rate, axes.count_ones(), version.tick_us.get()))),
+    };
+    if every > outputs.every {
+        eprintln!("{}: the trace has a row every {every} ticks: this link does not carry more", client.name());
+    }
+    client.call(Trace { every: every.into(), axes: axes.into(), lasers: 0, crds: 0, way })?;
     Ok(recording)
+}
+
+/// Ticks from row to row that a link of `rate` bytes a second carries.
+fn least_every(rate: u32, axes: u32, tick_us: u32) -> u32 {
+    // A row is 4 bytes and 18 for each axis (docs/protocol.md section 7); frames and records add less than a tenth.
+    let row = u64::from(4 + 18 * axes) * 11 / 10 + 1;
+    let per_tick = row * 1_000_000;
+    u32::try_from(per_tick.div_ceil(u64::from(rate.max(1)) * u64::from(tick_us.max(1)))).unwrap_or(u32::MAX).max(1)
 }
 
 /// Waits for the trace's end and closes the files.
@@ -183,7 +180,7 @@ fn digital(job: &Job) -> Vec<u8> {
 }
 
 /// The state of each axis that the job used and the controller has.
-fn states(client: &Client, job: &Job) -> client::Result<Vec<(Axis, AxisItem)>> {
+pub fn states(client: &Client, job: &Job) -> client::Result<Vec<(Axis, AxisItem)>> {
     let version = client.version();
     let mut states = Vec::new();
     for axis in &job.axes {
@@ -211,75 +208,21 @@ fn stop_all(client: &Client, job: &Job) -> client::Result<bool> {
     Ok(moved)
 }
 
-fn summary(
-    source: &Source, client: &Client, report: &Report<'_>, progress: &Progress, recorded: Option<&Recorded>, took: Option<Duration>,
-) -> Result<(), Failure> {
-    let version = client.version();
-    let clock = progress.clock().as_secs_f64();
-    println!("{}: done on {}, servo tick {} us", source.name, client.board(), version.tick_us);
-    println!("  script clock {:.3} ms, {} entries", clock * 1e3, progress.queue.executed);
-    if let Some(took) = took {
-        let seconds = took.as_secs_f64().max(1e-9);
-        println!("  simulated in {seconds:.3} s: {:.0} x real time", clock / seconds);
-    }
-    let late = progress.queue.late.get();
-    if late > 0 {
-        println!("  {late} late entries, the worst by {} us: they acted at once (--strict stops instead)", progress.queue.worst_late_us);
-    } else {
-        println!("  no late entries");
-    }
-    for (axis, item) in states(client, &source.job)? {
-        let peak = recorded.and_then(|recorded| {
-            let place = recorded.header.axes.iter().position(|name| (i16::from(name.core), i16::from(name.axis)) == (axis.core, axis.axis))?;
-            recorded.peaks.get(place)
-        });
-        let peak = peak.map_or(String::new(), |peak| format!(", peak velocity {peak:.6} pulse/ms"));
-        println!(
-            "  {}: planned {:.6}, encoder {:.6} pulses{peak}, {}",
-            name(&axis), item.prf_pos.get(), item.enc_pos.get(), ended(report, &axis, &item)
-        );
-        if item.mode.get() == MODE_PT {
-            let state = client.call(GetPtState { core: axis.core.into(), profile: axis.axis.into() })?;
-            let how = match state.state {
-                0 => "never started",
-                1 => "running",
-                2 => "ran to its end",
-                3 => "UNDERRUN: the data ran out at speed",
-                _ => "ended by a Stop or a fault",
-            };
-            println!("    PT: {how}, {} passes, {} places free", state.loops, state.space0);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_as_many_as_the_link_carries() {
+        // 8 axes at 250 us are 148 bytes a row, 592 kB/s and what frames add.
+        assert_eq!(least_every(1_000_000, 8, 250), 1);
+        assert_eq!(least_every(61_440, 8, 250), 11);
+        assert_eq!(least_every(61_440, 1, 250), 2);
+        assert_eq!(least_every(7_680, 48, 10), 12_422);
+        for (rate, axes, tick_us) in [(61_440u32, 8u32, 250u32), (7_680, 1, 50), (1_000_000, 48, 50)] {
+            let every = least_every(rate, axes, tick_us);
+            let bytes_a_second = f64::from(4 + 18 * axes) * 1e6 / f64::from(tick_us * every);
+            assert!(bytes_a_second * 1.1 <= f64::from(rate), "{rate} {axes} {tick_us}: {every}");
         }
-    }
-    for (dry, least) in &report.streams {
-        println!(
-            "  PT data of {}: at the last data {} places free, {} ms to dry; least seen {least} ms",
-            name(&Axis { core: dry.core, axis: dry.axis }), dry.space, dry.dry_ms
-        );
-    }
-    if let Some(recorded) = recorded {
-        println!("  trace: {} rows, one every {} tick{}", recorded.rows, recorded.header.every, if recorded.header.every == 1 { "" } else { "s" });
-    }
-    Ok(())
-}
-
-fn name(axis: &Axis) -> String {
-    if axis.core == 1 { format!("axis {}", axis.axis) } else { format!("core {} axis {}", axis.core, axis.axis) }
-}
-
-/// How an axis came to rest, as far as its status tells.
-fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> String {
-    const BITS: [(u32, &str); 6] = [
-        (1, "drive alarm"), (4, "following error"), (5, "positive limit"), (6, "negative limit"),
-        (7, "smooth stop by input"), (8, "abrupt stop by input"),
-    ];
-    let status = item.status.get();
-    let faults: Vec<&str> = BITS.iter().filter(|(bit, _)| status >> bit & 1 == 1).map(|(_, text)| *text).collect();
-    if report.left.contains(&(axis.core, axis.axis)) {
-        return format!("still moved when the script ended: stopped smoothly{}", if faults.is_empty() { "" } else { ", with faults" });
-    }
-    match (faults.is_empty(), status & RUNNING != 0) {
-        (false, _) => format!("stopped: {}", faults.join(", ")),
-        (true, true) => "moving".into(),
-        (true, false) => "at rest".into(),
     }
 }

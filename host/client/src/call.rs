@@ -11,6 +11,8 @@ pub struct Call {
     pub opcode: u16,
     /// The request's fields and items.
     pub payload: Vec<u8>,
+    /// As an entry of a program: the program goes on behind it if it is refused.
+    pub may_fail: bool,
 }
 
 impl Call {
@@ -23,7 +25,7 @@ impl Call {
     pub fn with_items<R: Request>(request: R, items: &[R::Item]) -> Self {
         let mut payload = request.as_bytes().to_vec();
         payload.extend_from_slice(items.as_bytes());
-        Call { opcode: R::OPCODE, payload }
+        Call { opcode: R::OPCODE, payload, may_fail: false }
     }
 
     /// Its row in the command table, if the client knows the command.

@@ -2,109 +2,17 @@
 use crate::call::{Call, decode};
 use crate::error::{Error, Result};
 use crate::link::Link;
+use crate::options::Options;
 use crate::program::{Observer, Program, Summary};
 use crate::session::{Reply, Session};
 use protocol::command::{Choose, Request, VersionReply};
-use protocol::link::Identity;
+use protocol::link::{Counters, Identity};
 use protocol::record::Lane;
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-
-/// Product profiles of SPEC 2, by their numbers on the wire.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
-#[allow(missing_docs)]
-pub enum Profile {
-    Gus = 0,
-    Gtn016 = 1,
-    Gtn024 = 2,
-    Gsn008Lt = 3,
-    Gsn024 = 4,
-    Gsn048 = 5,
-    R688c024 = 6,
-    R688s016 = 7,
-    R688s032 = 8,
-}
-
-impl Profile {
-    /// All profiles with their names on the command line.
-    pub const ALL: [(Profile, &'static str); 9] = [
-        (Profile::Gus, "gus"),
-        (Profile::Gtn016, "gtn-016"),
-        (Profile::Gtn024, "gtn-024"),
-        (Profile::Gsn008Lt, "gsn-008-lt"),
-        (Profile::Gsn024, "gsn-024"),
-        (Profile::Gsn048, "gsn-048"),
-        (Profile::R688c024, "r688c-024"),
-        (Profile::R688s016, "r688s-016"),
-        (Profile::R688s032, "r688s-032"),
-    ];
-
-    /// The profile of this name.
-    pub fn named(name: &str) -> Option<Profile> {
-        Self::ALL.iter().find(|(_, n)| n.eq_ignore_ascii_case(name)).map(|(p, _)| *p)
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        Self::ALL[self as usize].1
-    }
-}
-
-/// Families of SPEC 2.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(u8)]
-pub enum Family {
-    /// The GUS laser manual.
-    #[default]
-    Gus = 0,
-    /// The earlier series' laser manual.
-    Lsr = 1,
-}
-
-impl Family {
-    /// The family of this name.
-    pub fn named(name: &str) -> Option<Family> {
-        match name.to_ascii_lowercase().as_str() {
-            "gus" => Some(Family::Gus),
-            "lsr" => Some(Family::Lsr),
-            _ => None,
-        }
-    }
-}
-
-/// How to open a controller.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// Profile to choose; `None` keeps what the controller shows.
-    pub profile: Option<Profile>,
-    /// Family to choose.
-    pub family: Family,
-    /// Servo tick in µs; `None` keeps the controller's.
-    pub tick_us: Option<u32>,
-    /// A call fails with −7 if nothing comes from the controller for this long.
-    pub timeout: Duration,
-    /// Opening fails with −7 after this time without an answer.
-    pub open_timeout: Duration,
-    /// Version and schema that the client shows; anything but the build's own is for tests.
-    pub identity: Identity,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options {
-            profile: None,
-            family: Family::Gus,
-            tick_us: None,
-            timeout: Duration::from_secs(2),
-            open_timeout: Duration::from_secs(3),
-            identity: Identity::OURS,
-        }
-    }
-}
 
 /// Longest time that one pump holds the link, so that other threads get their turn.
 const TURN: Duration = Duration::from_millis(2);
@@ -178,13 +86,14 @@ impl Inner {
         }
         if self.link.has_trace() {
             self.link.take_trace(&mut self.trace_bytes)?;
-            if let Some(sink) = &mut self.trace
-                && !self.trace_bytes.is_empty()
-            {
-                sink(&self.trace_bytes);
-            }
-            self.trace_bytes.clear();
         }
+        self.session.take_trace(&mut self.trace_bytes);
+        if let Some(sink) = &mut self.trace
+            && !self.trace_bytes.is_empty()
+        {
+            sink(&self.trace_bytes);
+        }
+        self.trace_bytes.clear();
         Ok(())
     }
 }
@@ -319,9 +228,21 @@ impl Client {
         Duration::from_nanos(self.lock().now())
     }
 
-    /// Whether the link carries a trace stream.
+    /// Whether the link has a stream of its own for a trace.
     pub fn has_trace(&self) -> bool {
         self.lock().link.has_trace()
+    }
+
+    /// Bytes a second that a trace may have where it goes over the link itself (`Trace` with `way` 1); none
+    /// where it has a stream of its own.
+    pub fn trace_rate(&self) -> Option<u32> {
+        let inner = self.lock();
+        (!inner.link.has_trace()).then(|| inner.link.trace_rate())
+    }
+
+    /// What this end of the link has counted since it was opened.
+    pub fn counters(&self) -> Counters {
+        self.lock().session.counters()
     }
 
     /// Sends the trace stream's bytes to `sink` from now on, as they come.

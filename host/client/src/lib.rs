@@ -30,11 +30,14 @@ pub mod tcp;
 
 mod call;
 mod client;
+mod options;
 mod program;
 mod session;
 
 pub use call::Call;
-pub use client::{Client, Family, Options, Profile};
+pub use client::Client;
 pub use error::{Error, Result};
 pub use link::Link;
+pub use options::{Family, Options, Profile};
+pub use protocol::link::Counters;
 pub use program::{Answer, Dry, Observer, Program, Progress, Quiet, Summary};

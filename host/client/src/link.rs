@@ -6,6 +6,10 @@ use crate::error::{Error, Result};
 use crate::{qemu, serial, tcp};
 use std::time::Duration;
 
+/// Bytes of trace a second that a network or USB link is taken to carry beside calls. An Ethernet of 100 Mbit/s
+/// carries ten times as much; the controller's window and the round trip set the rest.
+pub const TRACE_RATE: u32 = 1_000_000;
+
 /// A road for bytes to one controller.
 pub trait Link: Send {
     /// What a person calls it: `tcp:127.0.0.1:5000`.
@@ -25,6 +29,10 @@ pub trait Link: Send {
     /// Whether this link carries a trace stream.
     fn has_trace(&self) -> bool {
         false
+    }
+    /// Bytes of trace a second that the link carries beside calls, where it has no stream for them.
+    fn trace_rate(&self) -> u32 {
+        TRACE_RATE
     }
     /// Moves the trace bytes received since the last call to the end of `out`.
     fn take_trace(&mut self, out: &mut Vec<u8>) -> Result<()> {

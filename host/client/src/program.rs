@@ -110,7 +110,7 @@ impl Observer for Quiet {}
 pub struct Summary {
     /// Where it was when it ended.
     pub progress: Progress,
-    /// The first entry that was refused.
+    /// The first entry that was refused, apart from those that may be.
     pub failed: Option<Answer>,
 }
 
@@ -298,7 +298,7 @@ impl Run<'_> {
             if let Some((_, behind)) = &mut self.look {
                 *behind += cost;
             }
-            let tag = inner.session.post(Lane::Program, &call)?;
+            let tag = inner.session.post(if call.may_fail { Lane::ProgramMayFail } else { Lane::Program }, &call)?;
             self.progress.sent = self.progress.sent.max((index + 1).min(self.progress.entries));
             self.flight.push_back(Sent { tag, index, call });
         }
@@ -362,7 +362,9 @@ impl Run<'_> {
                 ));
             }
             self.note_stream(&sent.call, &answer);
-            if answer.code != 0 && self.failed.is_none() {
+            let ended = matches!(answer.refusal().and_then(Refusal::reason), Some(Reason::Discarded | Reason::Late));
+            let passed = sent.call.may_fail && !ended;
+            if answer.code != 0 && !passed && self.failed.is_none() {
                 self.failed = Some(answer.clone());
             }
             if sent.index < self.progress.entries {

@@ -8,10 +8,16 @@ use std::time::{Duration, Instant};
 /// Rate where the name gives none: what the boards are set to.
 pub const DEFAULT_BAUD: u32 = 921_600;
 
+/// Ten bits a byte; a third of the bytes is left to replies, acknowledgements and repetitions.
+const fn trace_rate(baud: u32) -> u32 {
+    baud / 10 / 3 * 2
+}
+
 /// A serial port as a link.
 pub struct SerialLink {
     name: String,
     port: Box<dyn SerialPort>,
+    baud: u32,
     since: Instant,
 }
 
@@ -28,7 +34,7 @@ impl SerialLink {
             .timeout(Duration::from_millis(1))
             .open()
             .map_err(|e| Error::cannot_open(&name, e))?;
-        Ok(SerialLink { name, port, since: Instant::now() })
+        Ok(SerialLink { name, port, baud, since: Instant::now() })
     }
 }
 
@@ -56,7 +62,22 @@ impl Link for SerialLink {
         }
     }
 
+    fn trace_rate(&self) -> u32 {
+        trace_rate(self.baud)
+    }
+
     fn now(&mut self) -> u64 {
         u64::try_from(self.since.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trace_leaves_room_for_calls() {
+        assert_eq!(trace_rate(DEFAULT_BAUD), 61_440);
+        assert_eq!(trace_rate(115_200), 7_680);
     }
 }

@@ -6,8 +6,8 @@
 use crate::call::Call;
 use crate::error::{self, Error, Result};
 use protocol::MAX_PAYLOAD;
-use protocol::link::{Endpoint, Identity, Role, State};
-use protocol::record::{Lane, RequestWriter, replies};
+use protocol::link::{Counters, Endpoint, Identity, Role, State};
+use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use std::collections::{HashMap, VecDeque};
 
 /// Messages under way at once.
@@ -43,6 +43,8 @@ pub(crate) struct Session {
     next_tag: u16,
     heard_at: u64,
     frames: u32,
+    /// Bytes of a trace that came over the link.
+    trace: Vec<u8>,
 }
 
 impl Session {
@@ -59,6 +61,7 @@ impl Session {
             next_tag: 0,
             heard_at: now,
             frames: 0,
+            trace: Vec::new(),
         }
     }
 
@@ -161,6 +164,10 @@ impl Session {
                 let reply = reply.map_err(|_| {
                     Error::new(error::LINK_PROTOCOL, format!("{}: a message is no row of replies", self.name))
                 })?;
+                if (reply.opcode, reply.tag) == (TRACE_RECORD, 0) {
+                    self.trace.extend_from_slice(reply.body);
+                    continue;
+                }
                 // A reply that nobody waits for belongs to a program that was given up.
                 if let Some(place) = self.waiting.get_mut(&reply.tag) {
                     *place = Some(Reply { code: reply.code, payload: reply.body.to_vec() });
@@ -169,6 +176,16 @@ impl Session {
             self.endpoint.done_with_message();
         }
         self.is_open().map(|_| ())
+    }
+
+    /// Moves the bytes of a trace over the link to the end of `out`.
+    pub fn take_trace(&mut self, out: &mut Vec<u8>) {
+        out.append(&mut self.trace);
+    }
+
+    /// What this end of the link has counted.
+    pub fn counters(&self) -> Counters {
+        self.endpoint.counters()
     }
 
     /// When the last good frame came.

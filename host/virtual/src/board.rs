@@ -9,6 +9,7 @@
 use crate::machine::{Edge, Inputs, Machine, Outputs};
 use dispatcher::{Channels, Server};
 use ring::{Latest, Ring};
+use servo::pvt::TableStores;
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::Ns;
 use servo::view::View;
@@ -166,6 +167,7 @@ impl<const AXES: usize> Whole<AXES> {
         let stores: Result<Box<[SegmentStore; AXES]>, _> = stores.try_into();
         let Ok(stores) = stores else { unreachable!("a row of AXES stores was collected") };
         let stores: &'static [SegmentStore; AXES] = Box::leak(stores);
+        let tables = TableStores::on_heap();
         let (immediate_in, immediate_out) = forever(Ring::new()).split();
         let (program_in, program_out) = forever(Ring::new()).split();
         let (events_in, events_out) = forever(Ring::new()).split();
@@ -187,6 +189,7 @@ impl<const AXES: usize> Whole<AXES> {
             events: events_out,
             samples: samples_out,
             stores,
+            tables,
         };
         let lanes = Lanes {
             immediate: immediate_out,
@@ -195,6 +198,7 @@ impl<const AXES: usize> Whole<AXES> {
             events: events_in,
             samples: samples_in,
             segments: stores,
+            tables,
         };
         let tick = TickConfig {
             period_ns: config.tick_us.clamp(10, 1000) * 1000,

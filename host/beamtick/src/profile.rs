@@ -1,0 +1,43 @@
+//! The profile that a job runs with, the same on every board: what the command line says, else the first
+//! profile that holds every core and axis the job names.
+use crate::Failure;
+use client::Profile;
+use job::Job;
+use protocol::command::{VersionReply, info};
+use protocol::reason::Refusal;
+
+/// Parameters that name a core, an axis or axes.
+const NAMING: [&str; 7] = ["core", "axis", "profile", "encoder", "control", "mask", "axes"];
+
+/// The profile of this name.
+pub fn named(name: &str) -> Result<Profile, Failure> {
+    Profile::named(name).ok_or_else(|| {
+        let known: Vec<&str> = Profile::ALL.iter().map(|(_, name)| *name).collect();
+        Failure::Input(format!("there is no profile `{name}`; profiles are {}", known.join(", ")))
+    })
+}
+
+/// The profile for a job.
+pub fn of_job(job: &Job) -> Profile {
+    let named: Vec<(i16, i16)> = job.named.iter().map(|axis| (axis.core, axis.axis)).collect();
+    Profile::for_axes(&named)
+}
+
+/// The name of the profile that a controller shows.
+pub fn shown(version: &VersionReply) -> &'static str {
+    Profile::numbered(version.profile).map_or("unknown", Profile::name)
+}
+
+/// What helps where a call names a core or an axis that the profile has not; nothing if it is another fault.
+pub fn help(version: &VersionReply, opcode: u16, refusal: &Refusal) -> Option<String> {
+    let field = info(opcode)?.fields.get(usize::from(refusal.field))?.0;
+    let beyond = refusal.got.get() > refusal.high.get();
+    (NAMING.contains(&field) && beyond).then(|| {
+        let cores = if version.cores == 1 { "1 core of".to_owned() } else { format!("{} cores of", version.cores) };
+        format!(
+            "profile {} has {cores} {} axes; --profile NAME chooses another, the largest are gsn-048 (2 cores of 24) and r688s-032 (1 core of 32)",
+            shown(version),
+            version.axes_per_core
+        )
+    })
+}

@@ -1,0 +1,29 @@
+//! `beamtick serve`: the virtual controller in real time, for other clients.
+use crate::Failure;
+use crate::command_line::Serve;
+use crate::connect::TICK_US;
+use crate::profile;
+use client::Profile;
+use std::net::TcpListener;
+use virtual_board::Config;
+
+/// Serves until the process is ended.
+pub fn serve(arguments: &Serve) -> Result<(), Failure> {
+    let shown = match &arguments.profile {
+        Some(name) => profile::named(name)?,
+        // A board with room for every profile: clients choose.
+        None => Profile::Gsn048,
+    };
+    let config = Config { tick_us: arguments.tick_us.unwrap_or(TICK_US), profile: shown as u8 };
+    let failed = |error| Failure::Job(format!("{}: cannot listen there: {error}", arguments.listen));
+    let listener = TcpListener::bind(&arguments.listen).map_err(failed)?;
+    let served = virtual_board::serve(listener, None, config).map_err(failed)?;
+    println!(
+        "virtual controller at tcp:{}, profile {}, servo tick {} us; one client at a time; Ctrl-C ends it",
+        served.address(),
+        shown.name(),
+        config.tick_us
+    );
+    served.wait();
+    Ok(())
+}

@@ -1,0 +1,177 @@
+//! The summary: what a job has done, where its axes are and why they stopped, what the link carried.
+use crate::Failure;
+use crate::profile;
+use crate::record::Recorded;
+use crate::report::Report;
+use crate::runner::{RUNNING, states};
+use crate::source::Source;
+use client::{Client, Counters, Progress};
+use job::Axis;
+use protocol::command::{AxisItem, GetPtState};
+use std::time::Duration;
+
+/// Profile mode PT.
+const MODE_PT: i16 = 2;
+
+/// A job that has run.
+pub struct Run<'a> {
+    /// The script.
+    pub source: &'a Source,
+    /// The controller.
+    pub client: &'a Client,
+    /// What was seen on the way.
+    pub report: &'a Report<'a>,
+    /// Where the program was at its end.
+    pub progress: &'a Progress,
+    /// What a trace showed.
+    pub recorded: Option<&'a Recorded>,
+    /// Ticks from row to row that were asked for.
+    pub every: u32,
+    /// In virtual time: the wall-clock time that the job took.
+    pub took: Option<Duration>,
+}
+
+/// Prints it.
+pub fn print(run: &Run<'_>) -> Result<(), Failure> {
+    let (client, progress) = (run.client, run.progress);
+    let version = client.version();
+    let clock = progress.clock().as_secs_f64();
+    println!("{}: done on {}, profile {}, servo tick {} us", run.source.name, client.board(), profile::shown(version), version.tick_us);
+    println!("  script clock {:.3} ms, {} entries", clock * 1e3, progress.queue.executed);
+    if let Some(took) = run.took {
+        let seconds = took.as_secs_f64().max(1e-9);
+        println!("  simulated in {seconds:.3} s: {:.0} x real time", clock / seconds);
+    }
+    match progress.queue.late.get() {
+        0 => println!("  no late entries"),
+        late => println!(
+            "  {late} late entries, the worst by {} us: they acted at once (--strict stops instead)",
+            progress.queue.worst_late_us
+        ),
+    }
+    if run.report.warned > 0 {
+        println!("  {} calls failed and were passed over (#pragma continue)", run.report.warned);
+    }
+    for (axis, item) in states(client, &run.source.job)? {
+        let peak = peak(run.recorded, &axis);
+        println!(
+            "  {}: planned {:.6}, encoder {:.6} pulses{peak}; {}",
+            name(&axis), item.prf_pos.get(), item.enc_pos.get(), ended(run.report, &axis, &item)
+        );
+        if item.mode.get() == MODE_PT {
+            let state = client.call(GetPtState { core: axis.core.into(), profile: axis.axis.into() })?;
+            println!("    PT: {}, {} passes, {} places free", pt_state(state.state), state.loops, state.space0);
+        }
+    }
+    for (dry, least) in &run.report.streams {
+        println!(
+            "  PT data of {}: at the last data {} places free, {} ms to dry; least seen {least} ms",
+            name(&Axis { core: dry.core, axis: dry.axis }), dry.space, dry.dry_ms
+        );
+    }
+    println!("  link: {}", link(&client.counters()));
+    match run.recorded {
+        Some(recorded) => {
+            let every = recorded.header.every;
+            let raised = if every > run.every { ", raised to what the link carries" } else { "" };
+            println!("  trace: {} rows, one every {every} tick{}{raised}", recorded.rows, if every == 1 { "" } else { "s" });
+        }
+        None if !run.source.job.axes.is_empty() => println!("  peak velocities are shown with --trace, --vcd or --plot"),
+        None => {}
+    }
+    Ok(())
+}
+
+/// What a person calls an axis.
+fn name(axis: &Axis) -> String {
+    if axis.core == 1 { format!("axis {}", axis.axis) } else { format!("core {} axis {}", axis.core, axis.axis) }
+}
+
+/// The greatest speed in the trace.
+fn peak(recorded: Option<&Recorded>, axis: &Axis) -> String {
+    let peak = recorded.and_then(|recorded| {
+        let here = |name: &trace::AxisName| (i16::from(name.core), i16::from(name.axis)) == (axis.core, axis.axis);
+        recorded.peaks.get(recorded.header.axes.iter().position(here)?)
+    });
+    peak.map_or(String::new(), |peak| format!(", peak velocity {peak:.6} pulse/ms"))
+}
+
+fn pt_state(state: u8) -> &'static str {
+    match state {
+        0 => "never started",
+        1 => "running",
+        2 => "ran to its end",
+        3 => "UNDERRUN: the data ran out at speed",
+        _ => "ended by a Stop or a fault",
+    }
+}
+
+/// Why an axis stopped last, by the numbers of `AxisStatus`.
+fn reason(number: u16) -> &'static str {
+    match number {
+        0 => "never moved",
+        1 => "motion completed",
+        2 => "stopped smoothly by a Stop",
+        3 => "stopped abruptly by a Stop",
+        4 => "stopped by the positive limit input",
+        5 => "stopped by the negative limit input",
+        6 => "stopped at the positive software limit",
+        7 => "stopped at the negative software limit",
+        8 => "stopped by the drive alarm",
+        9 => "stopped: following error beyond its limit",
+        10 => "UNDERRUN: the data ran out at speed",
+        11 => "stopped at the edge of travel, 2^40 pulses",
+        12 => "servo switched off",
+        13 => "stopped: the host link was lost",
+        14 => "reset",
+        _ => "stopped for a reason that this client does not know",
+    }
+}
+
+/// How an axis came to rest: by the script's end, by its reason; latched status bits are named.
+fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> String {
+    const BITS: [(u32, &str); 6] = [
+        (1, "drive alarm"), (4, "following error"), (5, "positive limit"), (6, "negative limit"),
+        (7, "smooth stop by input"), (8, "abrupt stop by input"),
+    ];
+    let status = item.status.get();
+    let how = if report.left.contains(&(axis.core, axis.axis)) {
+        "still moved when the script ended: stopped smoothly"
+    } else if status & RUNNING != 0 {
+        "moving"
+    } else {
+        reason(item.reason.get())
+    };
+    let latched: Vec<&str> = BITS.iter().filter(|(bit, _)| status >> bit & 1 == 1).map(|(_, text)| *text).collect();
+    if latched.is_empty() { how.to_owned() } else { format!("{how} (latched: {})", latched.join(", ")) }
+}
+
+/// Messages, what was sent again, what was refused.
+fn link(counters: &Counters) -> String {
+    let again = counters.timeouts.wrapping_add(counters.fast_retransmits);
+    let refused = [
+        counters.deframe.too_long, counters.deframe.truncated, counters.short, counters.checksum, counters.version,
+        counters.kind, counters.length,
+    ];
+    let refused = refused.iter().fold(0u32, |sum, count| sum.wrapping_add(*count));
+    format!(
+        "{} messages sent, {} received; {again} sent again, {} came twice, {refused} damaged frames refused",
+        counters.sent, counters.received, counters.duplicates
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn link_statistics_count_every_refusal_once() {
+        let mut counters = Counters { sent: 12, received: 11, timeouts: 2, fast_retransmits: 3, duplicates: 4, ..Counters::default() };
+        (counters.short, counters.checksum, counters.version, counters.kind, counters.length) = (1, 10, 100, 1000, 10_000);
+        (counters.deframe.too_long, counters.deframe.truncated) = (100_000, 1_000_000);
+        assert_eq!(
+            link(&counters),
+            "12 messages sent, 11 received; 5 sent again, 4 came twice, 1111111 damaged frames refused"
+        );
+    }
+}

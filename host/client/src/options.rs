@@ -1,0 +1,165 @@
+//! How to open a controller: profile, family, tick, waiting times.
+use protocol::link::Identity;
+use std::time::Duration;
+
+/// Product profiles of SPEC 2, by their numbers on the wire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+#[allow(missing_docs)]
+pub enum Profile {
+    Gus = 0,
+    Gtn016 = 1,
+    Gtn024 = 2,
+    Gsn008Lt = 3,
+    Gsn024 = 4,
+    Gsn048 = 5,
+    R688c024 = 6,
+    R688s016 = 7,
+    R688s032 = 8,
+}
+
+impl Profile {
+    /// All profiles with their names on the command line.
+    pub const ALL: [(Profile, &'static str); 9] = [
+        (Profile::Gus, "gus"),
+        (Profile::Gtn016, "gtn-016"),
+        (Profile::Gtn024, "gtn-024"),
+        (Profile::Gsn008Lt, "gsn-008-lt"),
+        (Profile::Gsn024, "gsn-024"),
+        (Profile::Gsn048, "gsn-048"),
+        (Profile::R688c024, "r688c-024"),
+        (Profile::R688s016, "r688s-016"),
+        (Profile::R688s032, "r688s-032"),
+    ];
+
+    /// The profile of this name.
+    pub fn named(name: &str) -> Option<Profile> {
+        Self::ALL.iter().find(|(_, n)| n.eq_ignore_ascii_case(name)).map(|(p, _)| *p)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
+
+    /// The profile of this number on the wire.
+    pub fn numbered(number: u8) -> Option<Profile> {
+        Self::ALL.get(usize::from(number)).map(|(profile, _)| *profile)
+    }
+
+    /// Logical cores, and axes of each (GXN tables 5-1 to 5-3).
+    pub const fn counts(self) -> (u8, u8) {
+        match self {
+            Profile::Gus | Profile::Gsn008Lt => (1, 8),
+            Profile::Gtn016 => (2, 8),
+            Profile::Gtn024 | Profile::Gsn024 => (2, 12),
+            Profile::Gsn048 => (2, 24),
+            Profile::R688c024 => (1, 24),
+            Profile::R688s016 => (1, 16),
+            Profile::R688s032 => (1, 32),
+        }
+    }
+
+    /// Whether it has this axis of this core, both from 1; axis 0 stands for the core alone.
+    pub fn holds(self, core: i16, axis: i16) -> bool {
+        let (cores, axes) = self.counts();
+        (1..=i16::from(cores)).contains(&core) && (0..=i16::from(axes)).contains(&axis)
+    }
+
+    /// The first profile in the order of the table that holds all of these axes (core, axis). What no
+    /// profile holds does not count: the controller refuses it by name.
+    pub fn for_axes(axes: &[(i16, i16)]) -> Profile {
+        let known = |axis: &&(i16, i16)| Self::ALL.iter().any(|(profile, _)| profile.holds(axis.0, axis.1));
+        let known: Vec<_> = axes.iter().filter(known).collect();
+        let fits = |profile: &&(Profile, &str)| known.iter().all(|axis| profile.0.holds(axis.0, axis.1));
+        // Core 1 with 32 axes and a second core are in no one profile; then the controller refuses some.
+        Self::ALL.iter().find(fits).map_or(Profile::Gsn048, |(profile, _)| *profile)
+    }
+}
+
+/// Families of SPEC 2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Family {
+    /// The GUS laser manual.
+    #[default]
+    Gus = 0,
+    /// The earlier series' laser manual.
+    Lsr = 1,
+}
+
+impl Family {
+    /// The family of this name.
+    pub fn named(name: &str) -> Option<Family> {
+        match name.to_ascii_lowercase().as_str() {
+            "gus" => Some(Family::Gus),
+            "lsr" => Some(Family::Lsr),
+            _ => None,
+        }
+    }
+}
+
+/// How to open a controller.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Profile to choose; `None` keeps what the controller shows.
+    pub profile: Option<Profile>,
+    /// Family to choose.
+    pub family: Family,
+    /// Servo tick in µs; `None` keeps the controller's.
+    pub tick_us: Option<u32>,
+    /// A call fails with −7 if nothing comes from the controller for this long.
+    pub timeout: Duration,
+    /// Opening fails with −7 after this time without an answer.
+    pub open_timeout: Duration,
+    /// Version and schema that the client shows; anything but the build's own is for tests.
+    pub identity: Identity,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            profile: None,
+            family: Family::Gus,
+            tick_us: None,
+            timeout: Duration::from_secs(2),
+            open_timeout: Duration::from_secs(3),
+            identity: Identity::OURS,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_numbers_agree() {
+        for (number, (profile, name)) in Profile::ALL.into_iter().enumerate() {
+            assert_eq!(profile as usize, number);
+            assert_eq!(Profile::named(&name.to_uppercase()), Some(profile));
+            assert_eq!(Profile::numbered(number as u8), Some(profile));
+            assert_eq!(profile.name(), name);
+        }
+        assert_eq!((Profile::named("gtx"), Profile::numbered(9)), (None, None));
+    }
+
+    #[test]
+    fn a_job_gets_the_first_profile_that_holds_it() {
+        for (axes, profile) in [
+            (&[][..], Profile::Gus),
+            (&[(1, 0), (1, 8)], Profile::Gus),
+            (&[(1, 9)], Profile::Gtn024),
+            (&[(2, 1)], Profile::Gtn016),
+            (&[(1, 1), (2, 12)], Profile::Gtn024),
+            (&[(1, 13)], Profile::Gsn048),
+            (&[(1, 25)], Profile::R688s032),
+            // Nobody has these: they are for the controller to refuse.
+            (&[(1, 99), (3, 1), (0, 1), (1, -1)], Profile::Gus),
+            (&[(2, 1), (1, 99)], Profile::Gtn016),
+            (&[(2, 1), (1, 32)], Profile::Gsn048),
+        ] {
+            assert_eq!(Profile::for_axes(axes), profile, "{axes:?}");
+        }
+    }
+}
