@@ -1,6 +1,6 @@
 //! Instructions per servo tick, counted in the emulator.
 //!
-//! In: what `probes/chip/src/bin/ticks.rs` prints. Out: a table; `write` puts it into
+//! In: what `probes/chip/src/bin/ticks.rs` prints, and `stream.rs` for PT data on its way into the ring. Out: a table; `write` puts it into
 //! `docs/numbers.md` between its two marks, `check` compares with what stands there. QEMU counts
 //! instructions, not cycles: every number here is the same on every run of the same image, and may
 //! change a little when the compiler or anything inlined into the tick changes.
@@ -34,23 +34,35 @@ struct Row {
 /// Rows in the order of the table: what runs, then what the tick does.
 type Table = BTreeMap<(u32, &'static str), Row>;
 
-const MARKS: [(&str, &str); 5] = [
+/// The lanes of `stream.rs`: what taking a full frame costs, divided by its segments.
+const LANES: [&str; 2] = ["immediate", "program"];
+
+const MARKS: [(&str, &str); 7] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
     ("start", "all axes start"),
     ("set", "servo on, mode, loop and commit for every axis"),
+    ("immediate", "host byte to ring per segment, batched"),
+    ("program", "host byte to ring per segment, batched, program queue"),
 ];
 
 fn count() -> Outcome<Table> {
     setup::run()?;
-    let image = build_bin("beamtick-probes", "ticks")?;
+    let mut counted = table(&print("ticks")?)?;
+    counted.append(&mut segments(&print("stream")?)?);
+    Ok(counted)
+}
+
+/// What a probe prints in the emulator.
+fn print(probe: &str) -> Outcome<String> {
+    let image = build_bin("beamtick-probes", probe)?;
     let mut qemu = program(QEMU);
     qemu.args(["-M", "mps2-an500", "-nographic", "-monitor", "none", "-serial", "null"])
         .args(["-icount", &format!("shift={SHIFT}")])
         .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
         .arg(image);
-    table(&read(&mut qemu)?)
+    read(&mut qemu)
 }
 
 /// Makes the table of what the probe prints.
@@ -77,6 +89,27 @@ fn table(text: &str) -> Outcome<Table> {
     Ok(counts.into_iter().map(|(key, counts)| (key, row(counts))).collect())
 }
 
+/// The rows of what the stream probe prints, in instructions per segment.
+fn segments(text: &str) -> Outcome<Table> {
+    let mut counts: BTreeMap<(u32, &'static str), Vec<u32>> = BTreeMap::new();
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [lane, what, segments, count] = words.as_slice() else { return Err(format!("the probe says: {line}")) };
+        let (Some(lane), Ok(segments @ 1..), Ok(count)) =
+            (LANES.iter().find(|known| *known == lane), segments.parse::<u32>(), count.parse::<u32>())
+        else {
+            return Err(format!("the probe says: {line}"));
+        };
+        if *what == "feed" {
+            counts.entry((0, *lane)).or_default().push(instructions(count).div_ceil(segments));
+        }
+    }
+    if LANES.iter().any(|lane| counts.get(&(0, *lane)).is_none_or(|c| c.len() < 8)) {
+        return Err("the probe took too few frames".into());
+    }
+    Ok(counts.into_iter().map(|(key, counts)| (key, row(counts))).collect())
+}
+
 fn instructions(periods: u32) -> u32 {
     (periods * SYSTICK_NS + (1 << (SHIFT - 1))) >> SHIFT
 }
@@ -89,11 +122,11 @@ fn row(mut counts: Vec<u32>) -> Row {
 
 fn shown(table: &Table) -> String {
     let mut text = String::from(
-        "| axes running PT | tick | best | typical | worst | ticks counted |\n| --- | --- | --- | --- | --- | --- |\n",
+        "| axes running PT | tick | best | typical | worst | ticks or frames counted |\n| --- | --- | --- | --- | --- | --- |\n",
     );
     for (mark, words) in MARKS {
         for ((axes, _), row) in table.iter().filter(|((_, m), _)| *m == mark) {
-            if *axes == 0 && mark != "idle" {
+            if *axes == 0 && mark != "idle" && !LANES.contains(&mark) {
                 continue;
             }
             let Row { best, typical, worst, ticks } = row;
@@ -198,6 +231,21 @@ mod tests {
         assert!(compare(old.trim(), longer.trim()).unwrap_err().contains("1060"));
         let shorter = shown(&table(&printed(900)).unwrap());
         assert!(compare(old.trim(), shorter.trim()).is_ok());
+    }
+
+    #[test]
+    fn frames_become_instructions_per_segment() {
+        let mut text = String::new();
+        for lane in LANES {
+            for k in 0..9u32 {
+                let _ = writeln!(text, "{lane} feed 77 {}\n{lane} answer 77 {}", (400 * 77 + k) * 32 / 5, 9 * 77);
+            }
+        }
+        let rows = segments(&text).unwrap();
+        assert_eq!(rows[&(0, "program")], Row { best: 400, typical: 401, worst: 401, ticks: 9 });
+        let shown = shown(&rows);
+        assert!(shown.contains("| 0 | host byte to ring per segment, batched | 400 | 401 | 401 | 9 |"), "{shown}");
+        assert!(segments("program feed 0 5").is_err() && segments("program feed 77 5").is_err());
     }
 
     #[test]

@@ -19,7 +19,7 @@ use protocol::command::{Sleep, WaitStop, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
-use servo::units::{Axis, AxisMask, Ns};
+use servo::units::{Axis, Ns};
 use servo::view::View;
 use zerocopy::FromBytes;
 
@@ -231,8 +231,9 @@ impl Program<'_> {
             return;
         }
         for fifo in 0..2u8 {
-            let axes = AxisMask(self.open[usize::from(fifo)]);
-            for axis in (0..AXES).filter_map(Axis::new).filter(|&axis| axes.has(axis)) {
+            let mut left = self.open[usize::from(fifo)];
+            while let Some(axis) = Axis::new(left.trailing_zeros() as usize) {
+                left &= left - 1;
                 let book = desk.ahead.axis(axis);
                 let (epoch, data) = (book.epoch, book.fifos[usize::from(fifo)]);
                 let op = Op::PtCommit { axis, fifo, end: data.end, epoch };

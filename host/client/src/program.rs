@@ -308,16 +308,16 @@ impl Run<'_> {
     /// Looks at the controller's queue when entries wait for room, and now and then anyway.
     fn ask(&mut self, inner: &mut Inner) -> Result<()> {
         let now = inner.now();
-        if let Some((tag, behind)) = self.look {
-            if let Some(reply) = inner.session.take(tag) {
-                self.look = None;
-                if let Ok(queue) = ProgramReply::read_from_bytes(&reply.payload) {
-                    let before = self.progress.queue;
-                    let moved = { before.space_bytes } != queue.space_bytes || { before.accepted } != queue.accepted;
-                    self.stuck = if moved { 0 } else { self.stuck + 1 };
-                    self.room = queue.space_bytes.get().saturating_sub(behind);
-                    self.progress.queue = queue;
-                }
+        if let Some((tag, behind)) = self.look
+            && let Some(reply) = inner.session.take(tag)
+        {
+            self.look = None;
+            if let Ok(queue) = ProgramReply::read_from_bytes(&reply.payload) {
+                let before = self.progress.queue;
+                let moved = { before.space_bytes } != queue.space_bytes || { before.accepted } != queue.accepted;
+                self.stuck = if moved { 0 } else { self.stuck + 1 };
+                self.room = queue.space_bytes.get().saturating_sub(behind);
+                self.progress.queue = queue;
             }
         }
         if self.look.is_none() && now >= self.look_at() {
