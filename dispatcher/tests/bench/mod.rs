@@ -219,7 +219,7 @@ impl<const AXES: usize> Bench<AXES> {
     pub fn step(&mut self) {
         self.tick.run(&mut self.machine, &mut self.lanes);
         self.ticks += 1;
-        if self.ticks % self.poll_every == 0 {
+        if self.ticks.is_multiple_of(self.poll_every) {
             self.exchange();
         }
     }
