@@ -234,7 +234,7 @@ fn a_held_program_takes_all_data_before_its_start() {
             entry(ProgramEnd {}),
         ]));
         bench.run_ms(5);
-        assert!(tags.iter().all(|tag| bench.answers.get(tag).is_none()), "held: nothing is executed or refused");
+        assert!(tags.iter().all(|tag| !bench.answers.contains_key(tag)), "held: nothing is executed or refused");
         bench.done(ProgramStart { strict: 1 });
         for (index, &tag) in tags.iter().enumerate() {
             let answer = bench.wait(tag);
@@ -512,6 +512,133 @@ fn what_was_admitted_ahead_and_dropped_leaves_no_trace() {
     assert_eq!(bench.machine.outputs.2, 0);
 }
 
+/// The same request, allowed to fail.
+fn may_fail<R: Request>(request: R) -> (u16, Lane, Vec<u8>) {
+    (R::OPCODE, Lane::ProgramMayFail, body::<R>(request, &[]))
+}
+
+/// Axis 1 jogs from 0 on; at 10 ms it is asked for a mode, which it cannot take while it moves. What stands
+/// behind acts at 10 and 15 ms.
+fn passed_over(with: bool) -> (Vec<bench::Answer>, Vec<(u64, u32)>, ProgramReply) {
+    let (core, profile) = (CORE.into(), 1.into());
+    let mut bench = Bench::gus();
+    bench.servo_on(1);
+    bench.done(PrfJog { core, profile });
+    bench.done(SetJogPrm { core, profile, acc: 1.0.into(), dec: 1.0.into(), smooth: 0.0.into() });
+    bench.done(SetVel { core, profile, vel: 5.0.into() });
+    let output = |index: i16| SetDoBit { core, do_type: 12.into(), index: index.into(), value: 1.into() };
+    let mut requests = vec![entry(Update { core, mask: 1.into() }), entry(sleep(10))];
+    if with {
+        requests.push(may_fail(PrfPt { core, profile, mode: 0.into() }));
+        requests.push(may_fail(AxisOn { core, axis: 99.into() }));
+        requests.push(may_fail(pt_data(1, 1.0, 1)));
+    }
+    requests.extend([entry(output(1)), entry(sleep(2))]);
+    if with {
+        requests.push(may_fail(start(1)));
+    }
+    requests.extend([entry(sleep(3)), entry(output(2)), entry(ProgramEnd {})]);
+    let tags = bench.post_all(&requests);
+    let started = bench.post(Lane::Immediate, ProgramStart { strict: 1 }, &[]);
+    bench.wait(started);
+    let (zero, mut edges, mut before) = (bench.server.view().script_zero.0, Vec::new(), bench.machine.outputs.2);
+    while !bench.answers.contains_key(tags.last().unwrap()) {
+        bench.step();
+        if bench.machine.outputs.2 != before {
+            before = bench.machine.outputs.2;
+            edges.push((bench.now().0 - zero, before));
+        }
+    }
+    let answers = tags.iter().map(|tag| bench.answers[tag].clone()).collect();
+    (answers, edges, bench.done(ProgramStatus {}))
+}
+
+#[test]
+fn a_program_goes_on_behind_an_entry_that_may_fail() {
+    let (answers, edges, status) = passed_over(true);
+    let reasons: Vec<_> = answers.iter().filter(|answer| answer.code != 0).map(|answer| (answer.code, answer.reason())).collect();
+    assert_eq!(
+        reasons,
+        [(1, Reason::Moving), (7, Reason::Selector), (1, Reason::WrongMode), (1, Reason::WrongMode)]
+    );
+    // What follows acts as if those had not been there: not late, at the same instants.
+    let (all_done, without, plain) = passed_over(false);
+    assert!(all_done.iter().all(|answer| answer.code == 0));
+    assert_eq!(edges, without);
+    assert_eq!(edges.iter().map(|edge| edge.0).collect::<Vec<_>>(), [10 * MS + 250_000, 15 * MS + 250_000]);
+    assert_eq!((status.state, status.late.get(), status.clock_ns.get()), (0, 0, plain.clock_ns.get()));
+    assert_eq!((status.accepted.get(), status.executed.get()), (11, 7));
+}
+
+#[test]
+fn a_start_that_the_tick_refuses_is_passed_over_where_it_may_fail() {
+    let (core, axis) = (CORE.into(), 1.into());
+    let mut bench = Bench::gus();
+    bench.servo_on(1);
+    bench.done(PrfPt { core, profile: axis, mode: 0.into() });
+    bench.done(AlarmOn { core, axis });
+    let tags = bench.post_all(&[
+        entry(pt_data(1, 100.0, 100)),
+        entry(sleep(10)),
+        may_fail(start(1)),
+        entry(sleep(5)),
+        entry(read_pos(1)),
+        entry(ProgramEnd {}),
+    ]);
+    let started = bench.post(Lane::Immediate, ProgramStart { strict: 0 }, &[]);
+    bench.wait(started);
+    // The start is in the ring when the alarm comes.
+    bench.run_ms(5);
+    bench.machine.inputs[0].alarm = !bench.machine.inputs[0].alarm;
+    let end = bench.wait(*tags.last().unwrap());
+    assert_eq!(end.code, 0);
+    let refused = bench.wait(tags[2]);
+    assert!(refused.code == 1 && matches!(refused.reason(), Reason::AxisFault | Reason::ServoOff), "{refused:?}");
+    assert_eq!(position(&bench.wait(tags[4])), 0.0);
+    let status = bench.done(ProgramStatus {});
+    assert_eq!((status.state, status.late.get()), (0, 0));
+}
+
+/// Bytes of a trace in the records of the link.
+#[test]
+fn a_trace_over_the_link_is_that_of_its_own_stream() {
+    let rows = |way: u8| {
+        let (core, axis) = (CORE.into(), 1.into());
+        let mut bench = Bench::gus();
+        bench.done(Trace { every: 1.into(), axes: 0b11.into(), lasers: 0, crds: 0, way });
+        let tags = bench.post_all(&[
+            entry(AxisOn { core, axis }),
+            entry(PrfPt { core, profile: axis, mode: 0.into() }),
+            entry(pt_data(1, 100.0, 100)),
+            entry(start(1)),
+            entry(sleep(300)),
+            entry(ProgramEnd {}),
+        ]);
+        let started = bench.post(Lane::Immediate, ProgramStart { strict: 1 }, &[]);
+        bench.wait(started);
+        bench.wait(*tags.last().unwrap());
+        bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, way: 0 });
+        bench.run_ms(50);
+        let (own, carried) = (std::mem::take(&mut bench.trace), std::mem::take(&mut bench.link_trace));
+        let (bytes, nothing) = if way == 0 { (own, carried) } else { (carried, own) };
+        assert!(nothing.is_empty(), "only one way");
+        let (mut decoder, mut rows, mut ended) = (Decoder::new(), Vec::new(), false);
+        decoder.feed(&bytes, |event| match event.unwrap() {
+            Event::Head(..) => {}
+            Event::Row(row, samples) => rows.push((row, samples.iter().map(|s| (s.pos.get(), s.vel_mantissa.get())).collect::<Vec<_>>())),
+            Event::End { lost, .. } => ended = lost == 0,
+        });
+        assert!(ended);
+        rows
+    };
+    let over_link = rows(1);
+    // 300 ms and the ticks until the trace was told to end.
+    assert!(over_link.len() >= 1201, "{}", over_link.len());
+    assert_eq!(over_link.last().map(|row| row.1[0].0 >> 22), Some(100));
+    let own = rows(0);
+    assert_eq!(over_link[..1201], own[..1201]);
+}
+
 #[test]
 fn stop_ends_a_running_program() {
     let mut bench = Bench::gus();
@@ -674,7 +801,7 @@ fn a_new_session_finds_no_old_program() {
     bench.run_ms(2500);
     assert_eq!(bench.server.view().axes[2].pos.0, 0);
     assert_eq!(bench.done(ProgramStatus {}).state, 0);
-    assert_eq!(runs(&mut bench)[0], true, "motion goes on");
+    assert!(runs(&mut bench)[0], "motion goes on");
 }
 
 #[test]
