@@ -5,7 +5,7 @@ use dispatcher::{Board, Channels, Fault, Server};
 use protocol::command::*;
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::reason::{Reason, Refusal};
-use protocol::record::{Lane, RequestWriter, replies};
+use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use ring::{Latest, Ring};
 use servo::port::{AxisInputs, Port};
 use servo::steps;
@@ -100,6 +100,8 @@ pub struct Bench<const AXES: usize> {
     /// Tags in the order of their answers.
     pub order: Vec<u16>,
     pub trace: Vec<u8>,
+    /// Trace that came over the link.
+    pub link_trace: Vec<u8>,
 }
 
 impl Bench<8> {
@@ -157,6 +159,7 @@ impl<const AXES: usize> Bench<AXES> {
             answers: HashMap::new(),
             order: Vec::new(),
             trace: Vec::new(),
+            link_trace: Vec::new(),
         };
         bench.open(1);
         bench
@@ -196,6 +199,11 @@ impl<const AXES: usize> Bench<AXES> {
             while let Some(message) = self.client.message() {
                 for reply in replies(message) {
                     let reply = reply.unwrap();
+                    if reply.opcode == TRACE_RECORD {
+                        assert_eq!((reply.tag, reply.code), (0, 0));
+                        self.link_trace.extend_from_slice(reply.body);
+                        continue;
+                    }
                     let answer = Answer { opcode: reply.opcode, code: reply.code, body: reply.body.to_vec() };
                     assert!(self.answers.insert(reply.tag, answer).is_none(), "tag {} answered twice", reply.tag);
                     self.order.push(reply.tag);
