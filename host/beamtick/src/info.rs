@@ -13,10 +13,10 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
     };
     let clock = client.call(GetClock {})?;
     let version = client.version();
-    println!("controller  {} over {}", client.board(), client.name());
-    println!("firmware    {}.{}.{}, schema {:#010x}", version.major, version.minor, version.patch, version.schema);
-    println!("profile     {}, family {}", profile::shown(version), if version.family == 0 { "gus" } else { "lsr" });
-    println!(
+    say!("controller  {} over {}", client.board(), client.name());
+    say!("firmware    {}.{}.{}, schema {:#010x}", version.major, version.minor, version.patch, version.schema);
+    say!("profile     {}, family {}", profile::shown(version), if version.family == 0 { "gus" } else { "lsr" });
+    say!(
         "counts      {} core{} of {} axes and {} coordinate systems; {} lasers",
         version.cores,
         if version.cores == 1 { "" } else { "s" },
@@ -24,10 +24,10 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         version.crds_per_core,
         version.lasers
     );
-    println!("servo tick  {} us", version.tick_us);
-    println!("clock       {} ms since power-on", clock.clock_ms);
-    println!("limits      travel ±2^40 pulses, velocity below 2^32 pulse/ms, PT FIFO 2 x 32 or 2 x 1024 segments");
-    println!(
+    say!("servo tick  {} us", version.tick_us);
+    say!("clock       {} ms since power-on", clock.clock_ms);
+    say!("limits      travel ±2^40 pulses, velocity below 2^32 pulse/ms, PT FIFO 2 x 32 or 2 x 1024 segments");
+    say!(
         "trace       {}",
         match client.trace_rate() {
             None => "has a stream of its own".to_owned(),

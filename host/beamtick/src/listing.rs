@@ -10,7 +10,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
     let mut waits = 0u32;
     let mut clock = 0u64;
-    println!("{:>6}  {:>14}  step", "line", "script clock");
+    say!("{:>6}  {:>14}  step", "line", "script clock");
     for step in &source.job.steps {
         // Behind a wait the clock is known only relative to its end.
         let time = format!("{}{}.{:03} ms", "w+".repeat(usize::from(waits > 0)), clock / 1_000_000, clock / 1000 % 1000);
@@ -29,10 +29,10 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
             }
             Action::Call(call) => format!("{}: {}", call.function, reply::request(call.opcode, &call.body)),
         };
-        println!("{:>6}  {time:>14}  {what}", step.line);
+        say!("{:>6}  {time:>14}  {what}", step.line);
     }
     let axes: Vec<String> = source.job.axes.iter().map(|axis| format!("{}.{}", axis.core, axis.axis)).collect();
-    println!(
+    say!(
         "{}: {} steps, {} warnings; axes used (core.axis): {}",
         source.name,
         source.job.steps.len(),

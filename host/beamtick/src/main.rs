@@ -4,6 +4,23 @@
 //! In: the command line, job files, configuration files. Out: what the job read, a summary, trace files;
 //! errors on the error stream with file, line and reason. Exit codes: 0 done, 1 the job or the link
 //! failed, 2 the command line or the job file is wrong.
+
+/// A line on the standard output. Where nobody reads it any more, the job runs on all the same.
+macro_rules! say {
+    ($($part:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stdout(), $($part)*);
+    }};
+}
+
+/// A line on the error stream.
+macro_rules! complain {
+    ($($part:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), $($part)*);
+    }};
+}
+
 mod command_line;
 mod connect;
 mod entries;
@@ -55,11 +72,11 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Job(text)) => {
-            eprintln!("{}", text.trim_end());
+            complain!("{}", text.trim_end());
             ExitCode::from(1)
         }
         Err(Failure::Input(text)) => {
-            eprintln!("{}", text.trim_end());
+            complain!("{}", text.trim_end());
             ExitCode::from(2)
         }
     }

@@ -93,7 +93,7 @@ impl<'a> Report<'a> {
             "{}:{}: {} {} = {}",
             self.source.name, step.line, call.function, names.join(", "), reply::reply(answer.opcode, &answer.reply)
         );
-        self.bar.suspend(|| println!("{text}"));
+        self.bar.suspend(|| say!("{text}"));
     }
 }
 
@@ -104,7 +104,7 @@ impl Observer for Report<'_> {
             if !discarded && self.entries.get(answer.index as usize).is_some_and(|entry| entry.call.may_fail) {
                 self.warned += 1;
                 let warning = self.failure(&answer, Severity::Warning);
-                self.bar.suspend(|| eprint!("{warning}"));
+                self.bar.suspend(|| complain!("{}", warning.trim_end()));
             }
             return Ok(());
         }

@@ -123,7 +123,7 @@ fn record(
         Some(rate) => (1, outputs.every.max(least_every(rate, axes.count_ones(), version.tick_us.get()))),
     };
     if every > outputs.every {
-        eprintln!("{}: the trace has a row every {every} ticks: this link does not carry more", client.name());
+        complain!("{}: the trace has a row every {every} ticks: this link does not carry more", client.name());
     }
     client.call(Trace { every: every.into(), axes: axes.into(), lasers: 0, crds: 0, way })?;
     Ok(recording)

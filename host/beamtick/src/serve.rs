@@ -18,7 +18,7 @@ pub fn serve(arguments: &Serve) -> Result<(), Failure> {
     let failed = |error| Failure::Job(format!("{}: cannot listen there: {error}", arguments.listen));
     let listener = TcpListener::bind(&arguments.listen).map_err(failed)?;
     let served = virtual_board::serve(listener, None, config).map_err(failed)?;
-    println!(
+    say!(
         "virtual controller at tcp:{}, profile {}, servo tick {} us; one client at a time; Ctrl-C ends it",
         served.address(),
         shown.name(),

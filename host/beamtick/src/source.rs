@@ -26,7 +26,7 @@ impl Source {
         match job::compile(&text, &Folder::of(path)) {
             Ok(job) => {
                 for warning in &job.warnings {
-                    eprint!("{}", show(warning, &name, &text));
+                    complain!("{}", show(warning, &name, &text).trim_end());
                 }
                 Ok(Source { name, text, job })
             }

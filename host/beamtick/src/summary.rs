@@ -36,47 +36,47 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
     let (client, progress) = (run.client, run.progress);
     let version = client.version();
     let clock = progress.clock().as_secs_f64();
-    println!("{}: done on {}, profile {}, servo tick {} us", run.source.name, client.board(), profile::shown(version), version.tick_us);
-    println!("  script clock {:.3} ms, {} entries", clock * 1e3, progress.queue.executed);
+    say!("{}: done on {}, profile {}, servo tick {} us", run.source.name, client.board(), profile::shown(version), version.tick_us);
+    say!("  script clock {:.3} ms, {} entries", clock * 1e3, progress.queue.executed);
     if let Some(took) = run.took {
         let seconds = took.as_secs_f64().max(1e-9);
-        println!("  simulated in {seconds:.3} s: {:.0} x real time", clock / seconds);
+        say!("  simulated in {seconds:.3} s: {:.0} x real time", clock / seconds);
     }
     match progress.queue.late.get() {
-        0 => println!("  no late entries"),
-        late => println!(
+        0 => say!("  no late entries"),
+        late => say!(
             "  {late} late entries, the worst by {} us: they acted at once (--strict stops instead)",
             progress.queue.worst_late_us
         ),
     }
     if run.report.warned > 0 {
-        println!("  {} calls failed and were passed over (#pragma continue)", run.report.warned);
+        say!("  {} calls failed and were passed over (#pragma continue)", run.report.warned);
     }
     for (axis, item) in states(client, &run.source.job)? {
         let peak = peak(run.recorded, &axis);
-        println!(
+        say!(
             "  {}: planned {:.6}, encoder {:.6} pulses{peak}; {}",
             name(&axis), item.prf_pos.get(), item.enc_pos.get(), ended(run.report, &axis, &item)
         );
         if item.mode.get() == MODE_PT {
             let state = client.call(GetPtState { core: axis.core.into(), profile: axis.axis.into() })?;
-            println!("    PT: {}, {} passes, {} places free", pt_state(state.state), state.loops, state.space0);
+            say!("    PT: {}, {} passes, {} places free", pt_state(state.state), state.loops, state.space0);
         }
     }
     for (dry, least) in &run.report.streams {
-        println!(
+        say!(
             "  PT data of {}: at the last data {} places free, {} ms to dry; least seen {least} ms",
             name(&Axis { core: dry.core, axis: dry.axis }), dry.space, dry.dry_ms
         );
     }
-    println!("  link: {}", link(&client.counters()));
+    say!("  link: {}", link(&client.counters()));
     match run.recorded {
         Some(recorded) => {
             let every = recorded.header.every;
             let raised = if every > run.every { ", raised to what the link carries" } else { "" };
-            println!("  trace: {} rows, one every {every} tick{}{raised}", recorded.rows, if every == 1 { "" } else { "s" });
+            say!("  trace: {} rows, one every {every} tick{}{raised}", recorded.rows, if every == 1 { "" } else { "s" });
         }
-        None if !run.source.job.axes.is_empty() => println!("  peak velocities are shown with --trace, --vcd or --plot"),
+        None if !run.source.job.axes.is_empty() => say!("  peak velocities are shown with --trace, --vcd or --plot"),
         None => {}
     }
     Ok(())
