@@ -7,6 +7,7 @@
 use protocol::command::{JogPrm, TrapPrm};
 use servo::op::Mode;
 use servo::pt::Chain;
+use servo::pvt::TABLES;
 use servo::status::RUNNING;
 use servo::units::{Axis, AxisMask};
 use servo::view::{AxisView, View};
@@ -75,6 +76,10 @@ pub struct AxisBook {
     pub trap: TrapPrm,
     /// Jog parameters.
     pub jog: JogPrm,
+    /// PVT table that was selected, by its index over all cores.
+    pub table: Option<u8>,
+    /// PVT passes to run, 0 for ever.
+    pub table_passes: i32,
     /// Target velocity, pulse/ms.
     pub vel: f64,
     /// Target position, pulses.
@@ -102,6 +107,8 @@ impl Default for AxisBook {
             pos_err: i32::MAX,
             trap: TrapPrm::default(),
             jog: JogPrm::default(),
+            table: None,
+            table_passes: 1,
             vel: 0.0,
             pos: 0,
         }
@@ -180,13 +187,21 @@ pub enum Change {
     /// Nothing.
     None,
     /// Power-on state.
-    Reset { axes: AxisMask },
+    Reset { axes: AxisMask, tables: u64 },
     /// Servo on or off.
     Servo { axis: Axis, on: bool },
     /// Latched bits are cleared.
     Cleared { axes: AxisMask },
     /// The axes start.
     Started { axes: AxisMask, fifo1: AxisMask },
+    /// PVT starts with the tables that are selected.
+    PvtStarted { axes: AxisMask },
+    /// A PVT table is selected.
+    Table { axis: Axis, table: u8 },
+    /// PVT passes.
+    TablePasses { axis: Axis, passes: i32 },
+    /// A PVT table is there.
+    TableFilled { table: u8 },
     /// The axes are at rest for what follows.
     Rest { axes: AxisMask },
     /// A mode, with empty FIFOs.
@@ -224,17 +239,43 @@ pub struct Books<const AXES: usize> {
     pub axes: [AxisBook; AXES],
     /// The analog outputs.
     pub analog: [i16; 8],
+    /// PVT tables that hold data, a bit a table.
+    filled: u64,
+    /// The last entry that named a PVT table.
+    named: [Option<u32>; TABLES],
 }
 
 impl<const AXES: usize> Books<AXES> {
     /// Books at power-on.
     pub fn new() -> Self {
-        Books { axes: [AxisBook::default(); AXES], analog: [0; 8] }
+        Books { axes: [AxisBook::default(); AXES], analog: [0; 8], filled: 0, named: [None; TABLES] }
     }
 
     /// Book of one axis; the last one for an axis beyond the capacity, which no admission lets through.
     pub fn axis(&self, axis: Axis) -> &AxisBook {
         &self.axes[axis.index().min(AXES - 1)]
+    }
+
+    /// Whether a PVT table holds data.
+    pub fn is_filled(&self, table: u8) -> bool {
+        self.filled.checked_shr(table.into()).unwrap_or(0) & 1 == 1
+    }
+
+    /// A PVT table is being overwritten: until the entry that goes with it has been executed, what it holds
+    /// belongs to nothing executed.
+    pub fn spoil(&mut self, table: u8) {
+        self.filled &= !1u64.checked_shl(table.into()).unwrap_or(0);
+    }
+
+    /// Whether an entry that was not executed names a PVT table.
+    pub fn is_named(&self, view: &View<AXES>, table: u8) -> bool {
+        self.named.get(usize::from(table)).copied().flatten().is_some_and(|seq| !executed(view, seq))
+    }
+
+    fn name(&mut self, table: Option<u8>, seq: u32) {
+        if let Some(named) = table.and_then(|table| self.named.get_mut(usize::from(table))) {
+            *named = Some(seq);
+        }
     }
 
     fn with(&mut self, axes: AxisMask, change: impl Fn(Axis, &mut AxisBook)) {
@@ -254,12 +295,15 @@ impl<const AXES: usize> Books<AXES> {
         };
         match *change {
             Change::None => {}
-            Change::Reset { axes } => self.with(axes, |_, book| {
+            Change::Reset { axes, tables } => {
+                self.filled &= !tables;
+                self.with(axes, |_, book| {
                 // The start is kept: the axis runs until the Reset has been executed.
                 let (epoch, started, busy) = (book.epoch, book.started, book.busy);
                 *book = AxisBook { epoch, started, busy, cleared: Some(seq), servo: Some((seq, false)), ..AxisBook::default() };
                 book.empty(seq);
-            }),
+                });
+            }
             Change::Servo { axis, on } => one(axis, &|book| book.servo = Some((seq, on))),
             Change::Cleared { axes } => self.with(axes, |_, book| book.cleared = Some(seq)),
             Change::Started { axes, fifo1 } => self.with(axes, |axis, book| {
@@ -267,6 +311,23 @@ impl<const AXES: usize> Books<AXES> {
                 book.busy = Some(seq);
                 book.fifo = u8::from(fifo1.has(axis));
             }),
+            Change::PvtStarted { axes } => {
+                for index in 0..AXES {
+                    if axes.0.checked_shr(index as u32).unwrap_or(0) & 1 == 1 {
+                        self.name(self.axes[index].table, seq);
+                    }
+                }
+                self.with(axes, |_, book| {
+                    book.started = Some(seq);
+                    book.busy = Some(seq);
+                });
+            }
+            Change::Table { axis, table } => {
+                one(axis, &|book| book.table = Some(table));
+                self.name(Some(table), seq);
+            }
+            Change::TablePasses { axis, passes } => one(axis, &|book| book.table_passes = passes),
+            Change::TableFilled { table } => self.filled |= 1u64.checked_shl(table.into()).unwrap_or(0),
             Change::Rest { axes } => self.with(axes, |_, book| book.started = None),
             Change::Mode { axis, mode } => one(axis, &|book| {
                 book.mode = mode;

@@ -63,6 +63,8 @@ pub enum Answer {
     Space(i16),
     /// PtTaken for so many segments of this axis and FIFO.
     Taken { axis: Axis, fifo: u8, count: u16 },
+    /// So many values of those that the program lane keeps: a Calculate command.
+    Values(u8),
     /// ProgramReply, with the state of when it is sent.
     Program,
 }
@@ -225,5 +227,6 @@ pub fn mode_number(mode: servo::op::Mode) -> i16 {
         Mode::Trap => 0,
         Mode::Jog => 1,
         Mode::PtStatic | Mode::PtDynamic => 2,
+        Mode::Pvt => 6,
     }
 }

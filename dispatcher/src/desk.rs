@@ -5,12 +5,13 @@
 //!
 //! A command is answered when the tick has executed it, so that the client's next read sees it. A read
 //! or a refusal waits until everything before it has been executed, and is then decided on that state.
+use crate::admit::pvt_table::{Loading, Road, road};
 use crate::admit::{admit, is_read, pt, config_item, many};
 use crate::books::{Books, Change, PROGRAM_FLAG, executed};
 use crate::case::{Answer, Case, Effect, Site};
 use crate::lane::{Deque, Lane, STAGED, Staged};
 use crate::program::Program;
-use crate::read::Reading;
+use crate::read::{Reading, values_reply};
 use crate::refuse::{Admitted, Refused};
 use crate::server::{Board, IMMEDIATE};
 use crate::trace_out::TraceOut;
@@ -19,6 +20,7 @@ use protocol::reason::Reason;
 use protocol::record::{Full, ReplyWriter, RequestRecord};
 use ring::{Producer, Store};
 use servo::op::{Entry, Mode, Op};
+use servo::pvt::TableStores;
 use servo::status::{RUNNING, SERVO_ON};
 use servo::units::{Axis, AxisMask};
 use servo::view::View;
@@ -77,6 +79,10 @@ pub struct Desk<'a, const AXES: usize> {
     pub site: Site,
     /// PT segments.
     pub stores: &'a [Store<3, 2048>; AXES],
+    /// PVT tables.
+    pub tables: TableStores<'a>,
+    /// The one that is being sent.
+    pub loading: Loading,
     /// Books after everything executed.
     pub now: Books<AXES>,
     /// Books after everything admitted.
@@ -100,11 +106,13 @@ const LINK_LOSS_MS: u32 = 500;
 
 impl<'a, const AXES: usize> Desk<'a, AXES> {
     /// A desk at power-on.
-    pub fn new(board: Board, stores: &'a [Store<3, 2048>; AXES], ring: Producer<'a, Entry, IMMEDIATE>) -> Self {
+    pub fn new(board: Board, stores: &'a [Store<3, 2048>; AXES], tables: TableStores<'a>, ring: Producer<'a, Entry, IMMEDIATE>) -> Self {
         Desk {
             site: Site::new(board.profile, 0),
             board,
             stores,
+            tables,
+            loading: Loading::new(),
             now: Books::new(),
             ahead: Books::new(),
             staged: Staged::new(),
@@ -128,6 +136,13 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             staged: &mut self.staged,
             effect: Effect::None,
         };
+        if road(number) == Some(Road::Table) {
+            if let Some(table) = self.loading.table(&case, self.tables, number, body)? {
+                case.stage_with(Op::Mark, Change::TableFilled { table });
+                self.now.spoil(table);
+            }
+            return Ok((Answer::Done, Effect::None));
+        }
         let answer = admit(&mut case, number, body)?;
         Ok((answer, case.effect))
     }
@@ -143,6 +158,26 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             effect: Effect::None,
         };
         pt::data(&case, self.stores, number, body)
+    }
+
+    /// Answers a Calculate command of `lane` by way of `sent`, which says whether it had room.
+    pub fn calculate(
+        &mut self,
+        view: &View<AXES>,
+        lane: usize,
+        number: u16,
+        body: &[u8],
+        sent: impl FnOnce(&[f64]) -> bool,
+    ) -> Admitted<bool> {
+        let case = Case {
+            view,
+            books: &self.ahead,
+            site: &self.site,
+            board: &self.board,
+            staged: &mut self.staged,
+            effect: Effect::None,
+        };
+        self.loading.calculate(&case, lane, number, body, sent)
     }
 
     /// Stages one item of a LoadConfig that was admitted; false behind the last.
@@ -194,6 +229,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             Answer::Read(query) => reading.reply(item.tag, query, out),
             Answer::Space(space) => reading.space(item.tag, *space, out),
             Answer::Taken { axis, fifo, count } => reading.taken(item.opcode, item.tag, *axis, *fifo, *count, out),
+            Answer::Values(count) => program.values(item.opcode, item.tag, *count, out),
             Answer::Program => program.status(view, item.opcode, item.tag, out),
         }
     }
@@ -234,6 +270,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     /// A new session: nobody waits for these replies any more.
     pub fn abandon(&mut self) {
         self.awaiting.clear();
+        self.loading.abandon();
         self.config = None;
         self.trace.abandon();
     }
@@ -292,6 +329,16 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         if matches!(record.opcode, opcode::PtData | opcode::PtDataMany) {
             return match self.admit_data(view, record.opcode, record.body) {
                 Ok(written) => self.take_data(record, &written),
+                Err(refused) => self.refuse(record, refused, out),
+            };
+        }
+        if road(record.opcode) == Some(Road::Calculate) {
+            if !self.is_quiet() {
+                return Step::Wait;
+            }
+            let reply = |values: &[f64]| values_reply(record.opcode, record.tag, values.iter().copied(), out).is_ok();
+            return match self.calculate(view, 0, record.opcode, record.body, reply) {
+                Ok(sent) => if sent { Step::Taken } else { Step::Wait },
                 Err(refused) => self.refuse(record, refused, out),
             };
         }

@@ -26,6 +26,10 @@ impl<T: Copy, const N: usize> Deque<T, N> {
     pub fn len(&self) -> usize {
         self.len
     }
+    /// Values that still fit.
+    pub fn room(&self) -> usize {
+        N - self.len
+    }
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.len == 0

@@ -2,7 +2,8 @@
 //!
 //! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from the
 //! axis's [`servo::piece::Motion`]; nothing is computed for them in the tick.
-use crate::admit::kind;
+use crate::admit::pvt_table::CHUNK;
+use crate::admit::{kind, number_of};
 use crate::books::Books;
 use crate::case::{Query, Site, mode_number, ones};
 use crate::server::{Board, FAULT_TEXT_MAX};
@@ -43,6 +44,18 @@ pub fn number(value: Scaled) -> f64 {
 /// Pulses.
 fn pulses(pos: Pos) -> f64 {
     pos.0 as f64 * power(-(Pos::FRAC_BITS as i32))
+}
+
+/// The reply to a Calculate command.
+pub fn values_reply(opcode: u16, tag: u16, values: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Result<(), Full> {
+    let mut items = [command::Real::default(); CHUNK];
+    let mut count = 0;
+    for (item, value) in items.iter_mut().zip(values) {
+        item.value = value.into();
+        count += 1;
+    }
+    let head = command::Count { count: (count as u16).into() };
+    out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.get(..count).unwrap_or(&[]).as_bytes()])
 }
 
 impl<const AXES: usize> Reading<'_, AXES> {
@@ -174,6 +187,24 @@ impl<const AXES: usize> Reading<'_, AXES> {
                     dry_ms: self.dry_ms(axis, usize::from(book.fifo)).into(),
                 };
                 out.done::<command::GetPtState>(tag, &reply, &[])
+            }
+            opcode::GetPvtLoop => {
+                let done = i32::try_from(seen.passes).unwrap_or(i32::MAX);
+                let reply = command::PvtLoops { loop_count: done.into(), loop_set: book.table_passes.into() };
+                out.done::<command::GetPvtLoop>(tag, &reply, &[])
+            }
+            opcode::PvtStatus => {
+                let mut items = [command::PvtStatusItem::default(); AXES];
+                let axes = self.axes(query);
+                for (item, axis) in items.iter_mut().zip(axes) {
+                    let since = self.view.now.0.min(axis.table_until.0).saturating_sub(axis.table_zero.0);
+                    *item = command::PvtStatusItem {
+                        table: number_of(axis.table).into(),
+                        time: (since as f64 / 1e6).into(),
+                    };
+                }
+                let head = command::Count { count: (axes.len() as u16).into() };
+                out.done::<command::PvtStatus>(tag, &head, &items[..axes.len()])
             }
             // A request without fields in its reply.
             other => out.push_raw(other, tag, 0, &[]),

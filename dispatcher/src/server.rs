@@ -12,6 +12,7 @@ use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
 use ring::{Consumer, Producer, Reader, Store};
 use servo::op::{Entry, Lane as TickLane};
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
+use servo::pvt::TableStores;
 use servo::units::Ns;
 use servo::view::{Event, Sample, View};
 use zerocopy::IntoBytes;
@@ -82,6 +83,8 @@ pub struct Channels<'a, const AXES: usize> {
     pub samples: Consumer<'a, Sample, SAMPLES>,
     /// PT segments of every axis.
     pub stores: &'a [Store<3, SEGMENTS>; AXES],
+    /// PVT tables.
+    pub tables: TableStores<'a>,
 }
 
 /// The thread's side of a controller. `AXES` is the capacity of the build.
@@ -112,7 +115,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     pub fn new(board: Board, channels: Channels<'a, AXES>) -> Self {
         Server {
             link: Endpoint::new(Role::Controller, Identity::OURS),
-            desk: Desk::new(board, channels.stores, channels.immediate),
+            desk: Desk::new(board, channels.stores, channels.tables, channels.immediate),
             program: Program::new(channels.program),
             view: channels.view,
             events: channels.events,

@@ -18,9 +18,10 @@ use embassy_executor::raw;
 use fault::Report;
 use hal::mps2_an500::{self as board, idle::Idle, machine::Machine};
 use interrupts::{Receiver, Servo};
+use servo::pvt::TableStores;
 use servo::tick::{Lanes, Tick, TickConfig};
 use statics::{
-    AXES, BYTES, EXECUTOR, IMMEDIATE_LANE, NEWS, PENDED, PROGRAM_LANE, RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES,
+    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, NEWS, PENDED, PLACES, PROGRAM_LANE, RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES,
     TRACE, VIEW,
 };
 use tasks::LinkParts;
@@ -74,7 +75,7 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
             axes: AXES as u8,
             analog_inputs: board::ANALOG_INPUTS,
         }),
-        lanes: Lanes { immediate, program, view: view_in, events: events_in, samples: samples_in, segments: &STORES },
+        lanes: Lanes { immediate, program, view: view_in, events: events_in, samples: samples_in, segments: &STORES, tables: TableStores { places: &PLACES, headers: &HEADERS } },
     };
     servo.timer.run_at(board::TICK_NS);
     // SAFETY: no interrupt is let in yet.
@@ -83,7 +84,7 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
         RECEIVER.give(Receiver { rx, bytes: bytes_in });
     }
 
-    let channels = Channels { immediate: immediate_in, program: program_in, view, events, samples, stores: &STORES };
+    let channels = Channels { immediate: immediate_in, program: program_in, view, events, samples, stores: &STORES, tables: TableStores { places: &PLACES, headers: &HEADERS } };
     let server = SERVER.init(Server::new(
         dispatcher::Board {
             name: board::NAME,

@@ -8,6 +8,7 @@ use embassy_executor::raw;
 use ring::{Latest, Ring};
 use servo::op::Entry;
 use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore};
+use servo::pvt::{HeaderStore, PlaceStore, TABLES};
 use servo::view::{Event, Sample, View};
 use static_cell::StaticCell;
 
@@ -29,6 +30,10 @@ pub static NEWS: Ring<Event, EVENTS> = Ring::new();
 pub static TRACE: Ring<Sample, SAMPLES> = Ring::new();
 /// Thread to tick: PT segments, a store an axis.
 pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
+/// Thread to tick: places of PVT tables, a store a table.
+pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
+/// Thread to tick: their headers.
+pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Link interrupt to task: bytes received.
 pub static BYTES: Ring<u8, RECEIVED> = Ring::new();
 

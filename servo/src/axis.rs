@@ -9,6 +9,7 @@ use crate::piece::{Motion, Scaled};
 use crate::port::AxisInputs;
 use crate::profile::{Profile, State};
 use crate::pt::{Feed, Place, PtRun, Segments};
+use crate::pvt::{Header, PvtRun, Tables};
 use crate::ramp::{Accel, Moving, RampRun, Speed, Trapezoid};
 use crate::status;
 use crate::units::{Exact, Ns, Pos};
@@ -87,7 +88,13 @@ pub(crate) struct AxisState {
     fifo: u8,
     /// Passes to run, 0 for ever.
     passes: u32,
+    /// PVT table of the next start, and its passes.
+    table: u8,
+    table_passes: u32,
 }
+
+/// [`AxisView::table_until`] while a table is in force.
+const IN_FORCE: Ns = Ns(u64::MAX);
 
 const NO_ACCEL: Accel = Accel { value: Scaled { m: 0, e: 0 }, recip: Scaled { m: 0, e: 0 } };
 const NO_SPEED: Speed = Speed(Scaled { m: 0, e: 0 });
@@ -128,6 +135,8 @@ impl AxisState {
         ends: [0; 2],
         fifo: 0,
         passes: 1,
+        table: 0,
+        table_passes: 1,
     };
 
     pub(crate) fn runs(&self) -> bool {
@@ -292,7 +301,7 @@ impl AxisState {
         let way = match self.shown.mode {
             Mode::Jog => self.trap.speed.0.m.signum(),
             Mode::Trap => Pos::pulses(self.trap.target).0.saturating_sub(self.shown.pos.0).signum(),
-            Mode::PtStatic | Mode::PtDynamic => return true,
+            Mode::PtStatic | Mode::PtDynamic | Mode::Pvt => return true,
         };
         let inputs = &self.inputs;
         let at_soft = if way > 0 {
@@ -314,7 +323,8 @@ impl AxisState {
     }
 
     fn feed(&self) -> Feed {
-        Feed { end: self.end(self.fifo), passes: self.passes }
+        let passes = if self.shown.mode == Mode::Pvt { self.table_passes } else { self.passes };
+        Feed { end: self.end(self.fifo), passes }
     }
 
     /// PT begins; its time is 0 at `next`.
@@ -331,8 +341,45 @@ impl AxisState {
         self.begin(Profile::Pt(PtRun::begin(next, self.exact, place)));
     }
 
+    /// Whether PVT must not start.
+    pub(crate) fn refuses_pvt(&self, tables: &impl Tables) -> bool {
+        let empty = Header::from_words(tables.header(self.table)).places == 0;
+        self.refuses_start() || self.runs() || self.shown.mode != Mode::Pvt || empty
+    }
+
+    /// PVT begins; its time is 0 at `next`.
+    pub(crate) fn start_pvt(&mut self, next: Ns, tables: &impl Tables) {
+        let shown = &mut self.shown;
+        (shown.passes, shown.table, shown.pending) = (0, self.table, None);
+        (shown.table_zero, shown.table_until) = (next, IN_FORCE);
+        self.begin(Profile::Pvt(PvtRun::begin(next, self.exact, self.table, tables)));
+    }
+
+    /// The table of the next start, or the one that takes over when the present pass ends.
+    pub(crate) fn select(&mut self, table: u8) {
+        self.table = table;
+        if let Some(Profile::Pvt(run)) = &mut self.profile {
+            run.select(table);
+            self.shown.pending = run.pending();
+        } else if !self.runs() {
+            self.shown.table = table;
+            (self.shown.table_zero, self.shown.table_until) = (Ns(0), Ns(0));
+        }
+    }
+
+    pub(crate) fn set_table_passes(&mut self, passes: u32) {
+        self.table_passes = passes;
+    }
+
+    /// No table is in force from `next` on.
+    fn leave_table(&mut self, next: Ns) {
+        if self.shown.table_until == IN_FORCE {
+            (self.shown.table_until, self.shown.pending) = (next, None);
+        }
+    }
+
     /// Jog or Trap begins or changes; its time is 0 at `next`.
-    pub(crate) fn update(&mut self, next: Ns, source: &impl Segments) {
+    pub(crate) fn update(&mut self, next: Ns, source: &(impl Segments + Tables)) {
         let (from, _) = self.moving(next, source);
         let run = if self.shown.mode == Mode::Jog {
             RampRun::jog(next, from, self.trap.speed, self.jog.acc, self.jog.dec, self.jog.smooth)
@@ -349,7 +396,7 @@ impl AxisState {
     }
 
     /// Where it will be, and how fast, at `next`, as things stand; and whether it still runs there.
-    fn moving(&self, next: Ns, source: &impl Segments) -> (Moving, bool) {
+    fn moving(&self, next: Ns, source: &(impl Segments + Tables)) -> (Moving, bool) {
         let rest = |pos| (Moving { pos, velocity: Scaled { m: 0, e: 0 } }, false);
         let Some(profile) = &self.profile else {
             return rest(self.exact);
@@ -369,7 +416,7 @@ impl AxisState {
     }
 
     /// Smooth stop from `next` on. What ends there anyway is left to end.
-    pub(crate) fn stop_smooth(&mut self, next: Ns, source: &impl Segments) {
+    pub(crate) fn stop_smooth(&mut self, next: Ns, source: &(impl Segments + Tables)) {
         if !self.runs() || self.ending == StopReason::StopSmooth {
             return;
         }
@@ -378,6 +425,7 @@ impl AxisState {
             self.profile = Some(Profile::Ramp(RampRun::stop(next, from, self.stop_dec)));
             self.ending = StopReason::StopSmooth;
             self.end_stream(pt_state::STOPPED);
+            self.leave_table(next);
         }
     }
 
@@ -397,6 +445,7 @@ impl AxisState {
         self.shown.stop = reason;
         self.shown.dry_ms = 0;
         self.rest_since = next;
+        self.leave_table(next);
         self.touch();
     }
 
@@ -415,7 +464,7 @@ impl AxisState {
 
     /// The motion at `next` of an axis that runs; the reason if it comes to rest there.
     #[inline(always)]
-    pub(crate) fn step(&mut self, next: Ns, look_ahead: bool, source: &impl Segments) -> Option<StopReason> {
+    pub(crate) fn step(&mut self, next: Ns, look_ahead: bool, source: &(impl Segments + Tables)) -> Option<StopReason> {
         if self.causes & status::FAULTS != 0 {
             return Some(self.stopped_by_fault(next));
         }
@@ -443,7 +492,7 @@ impl AxisState {
     }
 
     #[inline(never)]
-    fn look_ahead(&mut self, next: Ns, source: &impl Segments) {
+    fn look_ahead(&mut self, next: Ns, source: &(impl Segments + Tables)) {
         if let Some(Profile::Pt(run)) = &self.profile {
             self.shown.dry_ms = run.dry_ms(next, self.feed(), source);
         }
@@ -451,7 +500,7 @@ impl AxisState {
 
     /// The piece is over: on to the next one, or to the end of the motion and the reason of it.
     #[inline(never)]
-    fn turn(&mut self, next: Ns, source: &impl Segments) -> Option<StopReason> {
+    fn turn(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
         let feed = self.feed();
         let profile = self.profile.as_mut()?;
         let state = profile.turn(next, feed, source);
@@ -461,11 +510,22 @@ impl AxisState {
         let Motion { c: [c1, c2, c3], frac, recip, .. } = profile.piece().motion;
         let motion = &mut self.shown.motion;
         (motion.c, motion.frac, motion.recip) = ([c1, c2, c3], frac, recip);
-        if let Profile::Pt(run) = profile {
-            self.shown.passes = run.passes();
-            if self.shown.mode == Mode::PtDynamic {
-                self.shown.released = run.released(running);
+        match profile {
+            Profile::Pt(run) => {
+                self.shown.passes = run.passes();
+                if self.shown.mode == Mode::PtDynamic {
+                    self.shown.released = run.released(running);
+                }
             }
+            Profile::Pvt(run) => {
+                let shown = &mut self.shown;
+                if run.passes() != shown.passes || run.table() != shown.table {
+                    (shown.passes, shown.table, shown.pending) = (run.passes(), run.table(), run.pending());
+                    shown.table_zero = run.zero();
+                    self.changed();
+                }
+            }
+            Profile::Ramp(_) => {}
         }
         if running { None } else { Some(self.finish(next, state)) }
     }
@@ -502,7 +562,7 @@ impl AxisState {
 
     /// Computes the next piece, in a tick that has time for it; whether it took any.
     #[inline(never)]
-    pub(crate) fn prepare(&mut self, source: &impl Segments) -> bool {
+    pub(crate) fn prepare(&mut self, source: &(impl Segments + Tables)) -> bool {
         self.prepared = true;
         let feed = self.feed();
         self.profile.as_mut().is_some_and(|profile| profile.prepare(feed, source))

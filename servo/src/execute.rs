@@ -39,7 +39,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::Stop { axes, abrupt } => {
                 for (index, (state, store)) in self.axes.iter_mut().zip(lanes.segments).enumerate().take(self.used) {
                     if (axes.0 & !abrupt.0) >> index & 1 == 1 {
-                        state.stop_smooth(next, &Source(store));
+                        state.stop_smooth(next, &Source { segments: store, tables: lanes.tables });
                     }
                 }
                 self.halt(AxisMask(axes.0 & abrupt.0), StopReason::StopAbrupt, next, lanes);
@@ -65,7 +65,7 @@ impl<const AXES: usize> Tick<AXES> {
                     for (index, (state, store)) in self.axes.iter_mut().zip(lanes.segments).enumerate().take(self.used)
                     {
                         if axes.0 >> index & 1 == 1 {
-                            state.update(next, &Source(store));
+                            state.update(next, &Source { segments: store, tables: lanes.tables });
                         }
                     }
                 }
@@ -74,6 +74,12 @@ impl<const AXES: usize> Tick<AXES> {
                 if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_pt(fifo1.has(axis))) {
                     each(&mut self.axes, self.used, axes)
                         .for_each(|(axis, state)| state.start_pt(next, fifo1.has(axis)));
+                }
+            }
+            Op::PvtStart { axes } => {
+                let tables = lanes.tables;
+                if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_pvt(&tables)) {
+                    each(&mut self.axes, self.used, axes).for_each(|(_, state)| state.start_pvt(next, &tables));
                 }
             }
             Op::TickPeriod { ns } => {
@@ -113,6 +119,8 @@ impl<const AXES: usize> Tick<AXES> {
             Op::TargetPosition { axis, pulses } => self.one(axis, |state| state.trap.target = pulses),
             Op::PtCommit { axis, fifo, end, epoch } => self.one(axis, |state| state.commit(fifo, end, epoch)),
             Op::PtClear { axis, fifo } => self.one(axis, |state| state.clear_fifo(fifo)),
+            Op::PvtSelect { axis, table } => self.one(axis, |state| state.select(table)),
+            Op::PvtLoop { axis, passes } => self.one(axis, |state| state.set_table_passes(passes)),
             Op::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
         }
     }

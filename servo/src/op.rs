@@ -64,6 +64,8 @@ pub enum Mode {
     PtStatic = 2,
     /// Position and time, segments streamed.
     PtDynamic = 3,
+    /// Position, velocity and time, from a table.
+    Pvt = 4,
 }
 
 /// Everything the tick can be asked to do. Sizes are kept small: an entry is copied once.
@@ -135,6 +137,13 @@ pub enum Op {
     PtLoop { axis: Axis, passes: u32 },
     /// PT of these axes begins; bits of `fifo1` take FIFO 1.
     PtStart { axes: AxisMask, fifo1: AxisMask },
+    /// The PVT table (from 0 over all cores) that the axis runs: at rest with the next start, while it runs
+    /// when the present pass ends. Its places and header are in their stores.
+    PvtSelect { axis: Axis, table: u8 },
+    /// PVT passes; 0 is for ever.
+    PvtLoop { axis: Axis, passes: u32 },
+    /// PVT of these axes begins with their selected tables.
+    PvtStart { axes: AxisMask },
     /// Period of the tick (10 µs to 1 ms) from the next tick on, at rest.
     TickPeriod { ns: u32 },
     /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed and

@@ -1,6 +1,7 @@
 //! Whatever an axis runs, the tick asks it the same question.
 use crate::piece::{Motion, Piece};
 use crate::pt::{Feed, PtRun, Segments};
+use crate::pvt::{PvtRun, Tables};
 use crate::ramp::RampRun;
 use crate::units::{Exact, Ns, Pos};
 
@@ -38,16 +39,19 @@ pub struct Step {
 pub enum Profile {
     /// Positions and times.
     Pt(PtRun),
+    /// A table of positions, velocities and times.
+    Pvt(PvtRun),
     /// Jog, Trap or Stop.
     Ramp(RampRun),
 }
 
 impl Profile {
-    /// The motion at `now`, which must not go back between calls. `feed` and `source` are for PT.
+    /// The motion at `now`, which must not go back between calls. `feed` and `source` are for PT and PVT.
     #[inline]
-    pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
+    pub fn step(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
         match self {
             Profile::Pt(run) => run.step(now, feed, source),
+            Profile::Pvt(run) => run.step(now, feed.passes, source),
             Profile::Ramp(run) => run.step(now),
         }
     }
@@ -57,24 +61,27 @@ impl Profile {
     pub fn piece(&self) -> &Piece {
         match self {
             Profile::Pt(run) => run.piece(),
+            Profile::Pvt(run) => run.piece(),
             Profile::Ramp(run) => run.piece(),
         }
     }
 
     /// Computes what follows the piece in force, if that is laborious and was not done; whether it did.
     #[inline]
-    pub fn prepare(&mut self, feed: Feed, source: &impl Segments) -> bool {
+    pub fn prepare(&mut self, feed: Feed, source: &(impl Segments + Tables)) -> bool {
         match self {
             Profile::Pt(run) => run.prepare(feed, source),
+            Profile::Pvt(run) => run.prepare(source),
             Profile::Ramp(_) => false,
         }
     }
 
     /// The piece is over at `now`: on to the one that holds it, or to the end.
     #[inline]
-    pub fn turn(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> State {
+    pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
         match self {
             Profile::Pt(run) => run.turn(now, feed, source),
+            Profile::Pvt(run) => run.turn(now, feed.passes, source),
             Profile::Ramp(run) => run.turn(now),
         }
     }

@@ -16,7 +16,9 @@ use crate::profile::{State, Step};
 use crate::units::{Exact, Ns};
 use crate::wide::{mulhi_su, recip64_below, umulhi};
 
+mod stores;
 mod table;
+pub use stores::{HeaderStore, PlaceStore, TABLES, TableStores};
 pub use table::{
     HEADER_WORDS, Header, LONGEST_NS, PLACE_WORDS, PLACES, POS_BITS, Place, SHORTEST_PASS_NS, TIME_BITS, VEL_BITS,
 };
@@ -110,6 +112,23 @@ impl PvtRun {
         Ns((since.min(self.header.delay.wrapping_add(self.header.duration)) >> 64) as u64)
     }
 
+    /// Instant at which the time of the table was 0, or would have been in a later pass; rounded down.
+    pub fn zero(&self) -> Ns {
+        Ns((self.began.wrapping_sub(self.header.delay) >> 64) as u64)
+    }
+
+    /// The piece in force, as far as the last step or turn saw.
+    #[inline(always)]
+    pub fn piece(&self) -> &Piece {
+        &self.piece
+    }
+
+    /// The piece is over at `now`: on to the one that holds it, or to the end.
+    #[inline]
+    pub fn turn(&mut self, now: Ns, passes: u32, source: &impl Tables) -> State {
+        if self.advance(now, passes, source) { State::Running } else { State::Ended { at: self.origin } }
+    }
+
     /// The motion at `now`, which must not go back between calls. `passes` is the number of passes
     /// to run, 0 for ever; it may change from call to call.
     #[inline]
@@ -150,15 +169,17 @@ impl PvtRun {
 
     /// Computes the next segment of the pass ahead of its tick, if it is not there yet, so that many axes
     /// can enter segments in one tick; call it in a tick that has time. What is prepared is what
-    /// would have been computed.
+    /// would have been computed. Says whether it computed.
     #[inline(never)]
-    pub fn prepare(&mut self, source: &impl Tables) {
-        if self.prepared.is_none() && self.next < self.segments {
+    pub fn prepare(&mut self, source: &impl Tables) -> bool {
+        let due = self.prepared.is_none() && self.next < self.segments;
+        if due {
             let after = Place::from_words(source.place(self.table, self.next.wrapping_add(1)));
             let until = self.end_of(self.next, after.time);
             let piece = self.piece_between(self.ahead, after, self.until, until);
             self.prepared = Some((piece, until, after));
         }
+        due
     }
 
     #[inline(always)]

@@ -11,6 +11,7 @@ use crate::axis::AxisState;
 use crate::op::{Entry, Lane, Op};
 use crate::port::Port;
 use crate::pt::Segments;
+use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
 use crate::script::Script;
 use crate::trace::Trace;
 use crate::units::{Axis, AxisMask, Ns};
@@ -63,15 +64,31 @@ pub struct Lanes<'a, const AXES: usize> {
     pub samples: Producer<'a, Sample, SAMPLES>,
     /// PT segments of every axis.
     pub segments: &'a [SegmentStore; AXES],
+    /// PVT tables.
+    pub tables: TableStores<'a>,
 }
 
-/// One axis's segments, as its PT run reads them.
-pub(crate) struct Source<'a>(pub(crate) &'a SegmentStore);
+/// What an axis's motion is read from: its own segments, everybody's tables.
+pub(crate) struct Source<'a> {
+    pub(crate) segments: &'a SegmentStore,
+    pub(crate) tables: TableStores<'a>,
+}
 
 impl Segments for Source<'_> {
     #[inline]
     fn segment(&self, slot: u32) -> [u32; 3] {
-        self.0.read(slot)
+        self.segments.read(slot)
+    }
+}
+
+impl Tables for Source<'_> {
+    #[inline]
+    fn place(&self, table: u8, index: u32) -> [u32; PLACE_WORDS] {
+        self.tables.place(table, index)
+    }
+    #[inline]
+    fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
+        self.tables.header(table)
     }
 }
 
@@ -157,12 +174,13 @@ impl<const AXES: usize> Tick<AXES> {
             Axis::all().zip(states).zip(lanes.segments).zip(shown).zip(inputs)
         {
             if !state.settled {
+                let source = Source { segments: store, tables: lanes.tables };
                 // A segment entered in this tick is not followed by preparing the next in the same one.
-                if !state.prepared && left > 0 && state.prepare(&Source(store)) {
+                if !state.prepared && left > 0 && state.prepare(&source) {
                     left = left.wrapping_sub(1);
                 }
                 if state.runs()
-                    && let Some(reason) = state.step(next, axis.index() as u32 & 7 == turn, &Source(store))
+                    && let Some(reason) = state.step(next, axis.index() as u32 & 7 == turn, &source)
                 {
                     tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
                 }

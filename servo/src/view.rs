@@ -44,6 +44,14 @@ pub struct AxisView {
     /// PT: end time (ms from the start of pass or stream) of what was committed, minus now; rounded down.
     /// Brought up to date every eighth tick.
     pub dry_ms: u32,
+    /// PVT: table in force; at rest the one that ran last, or was selected since.
+    pub table: u8,
+    /// PVT: table that takes over at the end of the pass.
+    pub pending: Option<u8>,
+    /// PVT: instant at which the time of that table was 0 (in later passes: would have been).
+    pub table_zero: Ns,
+    /// PVT: until when it was in force; `u64::MAX` while it is.
+    pub table_until: Ns,
     /// Captured encoder position, if `captured`.
     pub captured: Option<i64>,
 }
@@ -67,6 +75,10 @@ impl AxisView {
         epoch: 0,
         pt_state: 0,
         dry_ms: 0,
+        table: 0,
+        pending: None,
+        table_zero: Ns(0),
+        table_until: Ns(0),
         captured: None,
     };
 
@@ -93,6 +105,8 @@ impl AxisView {
     #[inline(never)]
     fn follow_changes(&mut self, now: &AxisView) {
         let AxisView { changes, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
+        (self.table, self.pending) = (now.table, now.pending);
+        (self.table_zero, self.table_until) = (now.table_zero, now.table_until);
         (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
         self.pieces = now.pieces.wrapping_sub(1);

@@ -5,8 +5,11 @@
 mod axis;
 mod io;
 pub use io::kind;
+pub use pvt::number_of;
 mod jog_trap;
 pub mod pt;
+mod pvt;
+pub mod pvt_table;
 mod session;
 
 use crate::case::{Answer, Case, Query};
@@ -50,7 +53,7 @@ fn query(opcode: u16, axis: Axis) -> Answer {
     Answer::Read(Query { opcode, first: axis.index() as u8, count: 1, which: 0 })
 }
 
-/// Admits any command that becomes operations or a read. PT data, program control and what the
+/// Admits any command that becomes operations or a read. PT data, PVT points, program control and what the
 /// dispatcher does by itself are taken before (see [`crate::desk`]).
 pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
     macro_rules! to {
@@ -144,6 +147,13 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::GetPtMemory => to!(GetPtMemory, pt::memory),
         opcode::PtStart => to!(PtStart, pt::start),
         opcode::GetPtState => to!(axis GetPtState, profile),
+
+        opcode::PrfPvt => to!(PrfPvt, pvt::mode),
+        opcode::SetPvtLoop => to!(SetPvtLoop, pvt::set_loop),
+        opcode::GetPvtLoop => to!(GetPvtLoop, pvt::passes),
+        opcode::PvtStatus => to!(PvtStatus, pvt::status),
+        opcode::PvtStart => to!(PvtStart, pvt::start),
+        opcode::PvtTableSelect => to!(PvtTableSelect, pvt::select),
         _ => Err(Refused::new(Reason::UnknownCommand).got(number.into())),
     }
 }
@@ -185,5 +195,9 @@ pub fn is_read(number: u16) -> bool {
             | opcode::GetPtLoop
             | opcode::GetPtMemory
             | opcode::GetPtState
+            | opcode::GetPvtLoop
+            | opcode::PvtStatus
+            | opcode::PvtPercentCalculate
+            | opcode::PvtContinuousCalculate
     )
 }

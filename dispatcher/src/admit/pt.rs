@@ -156,7 +156,13 @@ pub fn data<const AXES: usize>(
         });
     }
     let (r, items) = many::<PtDataMany>(body, |r| r.count.get())?;
-    push(case, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items)
+    push(case, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items).map_err(|mut refused| {
+        // Those of an item are counted behind those of the request.
+        if refused.wire.item.get() != Refusal::NO_ITEM {
+            refused.wire.field = refused.wire.field.saturating_add(PtDataMany::FIELDS.len() as u8);
+        }
+        refused
+    })
 }
 
 fn push<const AXES: usize>(

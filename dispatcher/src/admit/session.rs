@@ -2,9 +2,10 @@
 use super::axis::{stage_band, stage_dec, stage_limit_sense, stage_pos_err, stage_soft};
 use super::{many, plain};
 use crate::books::Change;
-use crate::case::{Answer, Case, Effect, Site};
+use crate::case::{Answer, Case, Effect, Site, ones};
 use crate::profile::{FAMILIES, PROFILES};
 use crate::refuse::{Admitted, Refused, within};
+use crate::tables::TABLES;
 use protocol::command::{Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetLinkLoss, SetTick, Trace, opcode};
 use protocol::reason::Reason;
 use servo::op::{Guarded, Op};
@@ -17,7 +18,8 @@ const LINK_LOSS_MAX_MS: i32 = 86_400_000;
 
 pub fn reset<const AXES: usize>(case: &mut Case<AXES>, r: &Reset) -> Admitted<Answer> {
     let axes = case.core_mask(r.core.get())?;
-    case.stage_with(Op::Reset { axes }, Change::Reset { axes });
+    let tables = ones(TABLES) << (case.core(r.core.get())? * TABLES);
+    case.stage_with(Op::Reset { axes }, Change::Reset { axes, tables });
     Ok(Answer::Done)
 }
 
@@ -51,7 +53,7 @@ pub fn choose<const AXES: usize>(case: &mut Case<AXES>, r: &Choose) -> Admitted<
     if number != case.site.number {
         let axes = AxisMask(case.site.all().0 | site.all().0);
         case.all_at_rest(axes, Reason::OnlyAtRest)?;
-        case.stage_with(Op::Reset { axes }, Change::Reset { axes });
+        case.stage_with(Op::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
     }
     case.effect = Effect::Choose(site);
     Ok(plain(opcode::Choose))

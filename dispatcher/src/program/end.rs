@@ -5,6 +5,7 @@
 //! What was dropped leaves no trace: the *ahead* books go back to the *now* books.
 use super::{Program, State};
 use crate::books::{Change, executed};
+use crate::case::Answer;
 use crate::desk::{Desk, TickRefusal};
 use crate::refuse::Refused;
 use protocol::reason::Reason;
@@ -31,6 +32,7 @@ impl Program<'_> {
         }
         self.records.clear();
         self.awaiting.clear();
+        self.values.clear();
         self.config = None;
         self.overflowed = false;
     }
@@ -119,6 +121,11 @@ impl Program<'_> {
                 self.refused.pop();
             } else if !item.discarded {
                 self.done = self.done.wrapping_add(1);
+            }
+            if let Answer::Values(count) = item.answer {
+                for _ in 0..count {
+                    self.values.pop();
+                }
             }
             self.awaiting.pop();
             progress = true;

@@ -10,6 +10,7 @@
 //! lane however it arrives, and a stream that is short of data still gets each record in time.
 use super::{Program, State, length};
 use crate::admit::pt;
+use crate::admit::pvt_table::{CHUNK, Road, road};
 use crate::books::Change;
 use crate::case::{Answer, Case, Effect};
 use crate::desk::{Awaiting, Desk, Step};
@@ -136,6 +137,18 @@ impl Program<'_> {
             opcode::PtData | opcode::PtDataMany => {
                 let written = desk.admit_data(view, head.opcode, body)?;
                 self.take_data(desk, head.opcode, head.tag, &written);
+                return Ok(Step::Taken);
+            }
+            number if road(number) == Some(Road::Calculate) => {
+                if self.values.room() < CHUNK {
+                    return Ok(Step::Wait);
+                }
+                let mut count = 0;
+                desk.calculate(view, 1, number, body, |values| {
+                    count = values.len() as u8;
+                    values.iter().all(|&value| self.values.push(value))
+                })?;
+                self.attach(number, head.tag, Answer::Values(count));
                 return Ok(Step::Taken);
             }
             opcode::WaitStop => {

@@ -21,6 +21,7 @@ use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
 use crate::case::Answer;
 use crate::desk::{Awaiting, Desk, Step, TickRefusal};
 use crate::lane::{Deque, Lane};
+use crate::read::values_reply;
 use crate::refuse::{Admitted, Refused};
 use crate::server::PROGRAM;
 use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
@@ -35,6 +36,8 @@ use zerocopy::{FromBytes, IntoBytes};
 /// Replies that wait for the execution of their entries. As many records of data may stand before the
 /// start of their stream.
 const AWAITING: usize = 1024;
+/// Values of Calculate commands that wait with them: two full tables.
+const VALUES: usize = 2048;
 
 /// Where the program is; the numbers are those of `ProgramReply`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +60,8 @@ pub struct Program<'a> {
     records: Records,
     awaiting: Deque<Awaiting, AWAITING>,
     refused: Deque<TickRefusal, 8>,
+    /// What the Calculate commands among them answer, in order.
+    values: Deque<f64, VALUES>,
     state: State,
     /// Script time since the last entry pushed, ns.
     delay: u64,
@@ -96,6 +101,7 @@ impl<'a> Program<'a> {
             records: Records::new(),
             awaiting: Deque::new(Awaiting::BLANK),
             refused: Deque::new((0, Axis::default(), 0)),
+            values: Deque::new(0.0),
             state: State::Empty,
             delay: 0,
             instant: 0,
@@ -228,6 +234,11 @@ impl<'a> Program<'a> {
                 Ok(Some(Answer::Program))
             }
         }
+    }
+
+    /// The reply to the Calculate command in front.
+    pub fn values(&self, opcode: u16, tag: u16, count: u8, out: &mut ReplyWriter) -> Result<(), Full> {
+        values_reply(opcode, tag, self.values.iter().take(count.into()).copied(), out)
     }
 
     /// The reply to a program command.

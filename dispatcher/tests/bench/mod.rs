@@ -9,6 +9,7 @@ use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use ring::{Latest, Ring};
 use servo::port::{AxisInputs, Port};
 use servo::steps;
+use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, Ns, Pos};
 use servo::view::View;
@@ -125,6 +126,9 @@ impl<const AXES: usize> Bench<AXES> {
         let stores: Box<[SegmentStore]> = (0..AXES).map(|_| SegmentStore::new()).collect();
         let stores: Box<[SegmentStore; AXES]> = stores.try_into().ok().unwrap();
         let stores: &'static [SegmentStore; AXES] = Box::leak(stores);
+        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
+        let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
+        let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
         let board = Board {
             name: "bench",
             profile,
@@ -135,7 +139,7 @@ impl<const AXES: usize> Bench<AXES> {
             fault,
         };
         let mut bench = Bench {
-            server: Server::new(board, Channels { immediate, program, view, events, samples, stores }),
+            server: Server::new(board, Channels { immediate, program, view, events, samples, stores, tables }),
             tick: Tick::new(TickConfig { period_ns: tick_us * 1000, axes: AXES as u8, analog_inputs: 8 }),
             lanes: Lanes {
                 immediate: immediate_out,
@@ -144,6 +148,7 @@ impl<const AXES: usize> Bench<AXES> {
                 events: events_in,
                 samples: samples_in,
                 segments: stores,
+                tables,
             },
             machine: Machine {
                 inputs: [AxisInputs::default(); AXES],

@@ -9,7 +9,7 @@
 use crate::machine::{Edge, Inputs, Machine, Outputs};
 use dispatcher::{Channels, Server};
 use ring::{Latest, Ring};
-use servo::pvt::TableStores;
+use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::Ns;
 use servo::view::View;
@@ -167,7 +167,10 @@ impl<const AXES: usize> Whole<AXES> {
         let stores: Result<Box<[SegmentStore; AXES]>, _> = stores.try_into();
         let Ok(stores) = stores else { unreachable!("a row of AXES stores was collected") };
         let stores: &'static [SegmentStore; AXES] = Box::leak(stores);
-        let tables = TableStores::on_heap();
+        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
+        let places: Result<Box<[PlaceStore; TABLES]>, _> = places.try_into();
+        let Ok(places) = places else { unreachable!("a row of TABLES stores was collected") };
+        let tables = TableStores { places: Box::leak(places), headers: forever(HeaderStore::new()) };
         let (immediate_in, immediate_out) = forever(Ring::new()).split();
         let (program_in, program_out) = forever(Ring::new()).split();
         let (events_in, events_out) = forever(Ring::new()).split();

@@ -6,6 +6,7 @@
 //! twice.
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::op::Entry;
+use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::view::{Event, Sample, View};
 
@@ -22,6 +23,12 @@ static NEWS: Ring<Event, EVENTS> = Ring::new();
 static TRACE: Ring<Sample, SAMPLES> = Ring::new();
 /// PT segments of the axes.
 pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
+/// Places of PVT tables.
+pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
+/// Headers of PVT tables.
+pub static HEADERS: HeaderStore = HeaderStore::new();
+/// Both.
+pub const TABLE_STORES: TableStores<'static> = TableStores { places: &PLACES, headers: &HEADERS };
 
 /// The thread's halves.
 pub struct Thread {
@@ -45,6 +52,6 @@ pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
     let (events_in, events) = NEWS.split_once()?;
     let (samples_in, samples) = TRACE.split_once()?;
     let tick = Tick::new(TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8 });
-    let lanes = Lanes { immediate, program, view: view_in, events: events_in, samples: samples_in, segments: &STORES };
+    let lanes = Lanes { immediate, program, view: view_in, events: events_in, samples: samples_in, segments: &STORES, tables: TABLE_STORES };
     Some((tick, lanes, Thread { immediate: immediate_in, program: program_in, view, events, samples }))
 }

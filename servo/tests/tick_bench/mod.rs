@@ -7,6 +7,7 @@ use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
 use servo::ramp::{Accel, Speed};
 use servo::steps;
+use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, AxisMask, Ns, Pos};
 use servo::view::{AxisView, Event, Sample, StopReason, View};
@@ -97,6 +98,9 @@ impl Bench {
         let (events_in, events) = leak(Ring::new()).split();
         let (samples_in, samples) = leak(Ring::new()).split();
         let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
+        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
+        let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
+        let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
         let config = TickConfig { period_ns: period_us * 1000, axes: AXES as u8, analog_inputs: 2 };
         Bench {
@@ -115,6 +119,7 @@ impl Bench {
                 events: events_in,
                 samples: samples_in,
                 segments,
+                tables,
             },
             immediate,
             program,

@@ -1,0 +1,249 @@
+//! The road of a table's points from bytes to the stores.
+//!
+//! In: chunks of points, each a record of its own; `first` is the index of the chunk's first point. Out:
+//! places and a header in the stores when the last point is there, or what the Calculate commands
+//! answer. Owns: the table that is being sent, in scratch memory; a chunk with `first` 0 begins a new one.
+//! Fails: as the points do; nothing of a table is seen before its last chunk, and a chunk that is offered
+//! again, because it was refused before its time, is refused the same way.
+use super::pvt::{not_in_use, table};
+use crate::case::Case;
+use crate::refuse::{Admitted, Refused};
+use crate::tables::{Draft, Fields, Kind, Scratch, VALUES};
+use protocol::command::{
+    PvtContinuousCalculate, PvtPercentCalculate, PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx,
+    PvtTablePercent, Wire, opcode,
+};
+use protocol::reason::Reason;
+use servo::pvt::TableStores;
+
+/// Most points of a chunk: what a message holds of the shortest kind that has an answer.
+pub const CHUNK: usize = protocol::MAX_PAYLOAD / 24;
+
+/// What a command's number says of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Road {
+    /// Its points become a table.
+    Table,
+    /// Its points are answered.
+    Calculate,
+}
+
+/// The road of a command's points, if it has any.
+pub fn road(number: u16) -> Option<Road> {
+    match number {
+        opcode::PvtTable
+        | opcode::PvtTableEx
+        | opcode::PvtTableComplete
+        | opcode::PvtTablePercent
+        | opcode::PvtTableContinuous => Some(Road::Table),
+        opcode::PvtPercentCalculate | opcode::PvtContinuousCalculate => Some(Road::Calculate),
+        _ => None,
+    }
+}
+
+/// What the chunks of one table have in common.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Key {
+    opcode: u16,
+    core: i16,
+    /// 0 for the Calculate commands.
+    table: i16,
+    count: i32,
+    kind: Kind,
+}
+
+/// A chunk as it came.
+struct Chunk<'b> {
+    key: Key,
+    first: u16,
+    fields: Fields,
+    points: &'b [u8],
+    /// Length of the body.
+    len: usize,
+}
+
+impl<'b> Chunk<'b> {
+    fn read(number: u16, body: &'b [u8]) -> Admitted<Self> {
+        fn head<R: Wire>(body: &[u8]) -> Admitted<(R, &[u8])> {
+            R::read_from_prefix(body).map_err(|_| super::length(body.len(), size_of::<R>()))
+        }
+        macro_rules! chunk {
+            ($name:ident, |$r:ident| $kind:expr, $table:expr, [$count:literal, $whole:literal, $point:literal]) => {{
+                let ($r, points) = head::<$name>(body)?;
+                let key = Key { opcode: number, core: $r.core.get(), table: $table, count: $r.count.get(), kind: $kind };
+                let fields = Fields { count: $count, whole: $whole, point: $point };
+                Chunk { key, first: $r.first.get(), fields, points, len: body.len() }
+            }};
+        }
+        let chunk = match number {
+            opcode::PvtTable => chunk!(PvtTable, |r| Kind::Pvt, r.table.get(), [2, 4, 4]),
+            opcode::PvtTableEx => chunk!(PvtTableEx, |r| Kind::PvtEx, r.table.get(), [2, 4, 4]),
+            opcode::PvtTableComplete => chunk!(
+                PvtTableComplete,
+                |r| Kind::Complete { vel_begin: r.vel_begin.get(), vel_end: r.vel_end.get() },
+                r.table.get(),
+                [2, 4, 6]
+            ),
+            opcode::PvtTablePercent => {
+                chunk!(PvtTablePercent, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, r.table.get(), [2, 4, 5])
+            }
+            opcode::PvtTableContinuous => {
+                chunk!(PvtTableContinuous, |r| Kind::Continuous { time_begin: r.time_begin.get() }, r.table.get(), [2, 4, 5])
+            }
+            opcode::PvtPercentCalculate => {
+                chunk!(PvtPercentCalculate, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, 0, [1, 3, 4])
+            }
+            _ => chunk!(PvtContinuousCalculate, |r| Kind::Continuous { time_begin: 0.0 }, 0, [1, 3, 3]),
+        };
+        Ok(chunk)
+    }
+
+    /// The points, if they are whole ones.
+    fn points(&self) -> Admitted<impl Iterator<Item = ([f64; VALUES], usize)> + 'b> {
+        let values = self.key.kind.values();
+        let width = values * size_of::<f64>();
+        let count = self.points.len() / width;
+        if count == 0 || self.points.len() % width != 0 || count > CHUNK {
+            return Err(super::length(self.len, self.len - self.points.len() + count.clamp(1, CHUNK) * width));
+        }
+        Ok(self.points.chunks_exact(width).map(move |point| {
+            let mut numbers = [0.0; VALUES];
+            for (number, bytes) in numbers.iter_mut().zip(point.as_chunks().0) {
+                *number = f64::from_le_bytes(*bytes);
+            }
+            (numbers, values)
+        }))
+    }
+
+    /// The point behind its last one.
+    fn end(&self) -> i32 {
+        i32::from(self.first) + (self.points.len() / (self.key.kind.values() * size_of::<f64>())) as i32
+    }
+}
+
+/// How far the sending of one table is.
+#[derive(Debug, Clone, Copy)]
+enum State {
+    Idle,
+    Open(Key, Draft),
+    /// The chunk that begins with this point was refused.
+    Refused(Key, u16, Refused),
+}
+
+/// The table that is being sent; see the module text.
+pub struct Loading {
+    scratch: Scratch,
+    table: State,
+    /// The Calculate commands of the two lanes, which leave no table.
+    calculate: [State; 2],
+}
+
+impl Loading {
+    /// Nothing is being sent.
+    pub const fn new() -> Self {
+        Loading { scratch: Scratch::new(), table: State::Idle, calculate: [State::Idle; 2] }
+    }
+
+    /// A new session: what was begun is dropped.
+    pub fn abandon(&mut self) {
+        (self.table, self.calculate) = (State::Idle, [State::Idle; 2]);
+    }
+
+    /// Admits a chunk of a table. The last one fills the stores, and says which table is there now.
+    pub fn table<const AXES: usize>(
+        &mut self,
+        case: &Case<AXES>,
+        stores: TableStores<'_>,
+        number: u16,
+        body: &[u8],
+    ) -> Admitted<Option<u8>> {
+        let chunk = Chunk::read(number, body)?;
+        let slot = table(case, chunk.key.core, 1, chunk.key.table)?;
+        if chunk.end() >= chunk.key.count {
+            // Looked at first: a chunk that has to wait has changed nothing.
+            not_in_use(case, slot)?;
+        }
+        let draft = take(&mut self.table, &mut self.scratch, &chunk, true, |_| {})?;
+        let Some(sealed) = draft.finish(&mut self.scratch) else { return Ok(None) };
+        let written = sealed.and_then(|sealed| {
+            let words = sealed.header().admit().ok_or_else(|| Refused::new(Reason::TableRange))?;
+            for index in 0..sealed.places() {
+                let words = sealed.place(&self.scratch, index).ok_or_else(|| Refused::new(Reason::TableRange))?;
+                stores.write_place(slot, index, words);
+            }
+            stores.write_header(slot, words);
+            Ok(slot)
+        });
+        self.table = match written {
+            Ok(_) => State::Idle,
+            Err(refused) => State::Refused(chunk.key, chunk.first, refused),
+        };
+        written.map(Some)
+    }
+
+    /// Answers a chunk of a Calculate command that came by `lane` (0 or 1); returns how many values.
+    /// `sent` says whether they have found their way; if not, the chunk may be offered again.
+    pub fn calculate<const AXES: usize>(
+        &mut self,
+        case: &Case<AXES>,
+        lane: usize,
+        number: u16,
+        body: &[u8],
+        sent: impl FnOnce(&[f64]) -> bool,
+    ) -> Admitted<bool> {
+        let chunk = Chunk::read(number, body)?;
+        case.core(chunk.key.core)?;
+        let mut values = [0.0; CHUNK];
+        let mut count = 0;
+        let Some(state) = self.calculate.get_mut(lane) else { return Ok(false) };
+        let before = *state;
+        take(state, &mut self.scratch, &chunk, false, |value| {
+            if let Some(place) = values.get_mut(count) {
+                *place = value;
+                count += 1;
+            }
+        })?;
+        let sent = sent(values.get(..count).unwrap_or(&[]));
+        if !sent {
+            *state = before;
+        }
+        Ok(sent)
+    }
+}
+
+/// Takes the points of a chunk; the draft as it is then.
+fn take(
+    state: &mut State,
+    scratch: &mut Scratch,
+    chunk: &Chunk<'_>,
+    load: bool,
+    mut answer: impl FnMut(f64),
+) -> Admitted<Draft> {
+    let key = chunk.key;
+    let mut draft = match *state {
+        _ if chunk.first == 0 => {
+            *state = State::Idle;
+            Draft::begin(key.kind, key.count, chunk.fields, load, scratch)?
+        }
+        State::Open(open, draft) if open == key && draft.taken() == chunk.first => draft,
+        State::Refused(open, first, refused) if open == key && first == chunk.first => return Err(refused),
+        State::Open(open, draft) if open == key => return Err(out_of_order(chunk, draft.taken())),
+        _ => return Err(out_of_order(chunk, 0)),
+    };
+    let taken = chunk.points().and_then(|mut points| {
+        points.try_for_each(|(numbers, values)| {
+            draft.point(numbers.get(..values).unwrap_or(&[]), scratch).map(&mut answer)
+        })
+    });
+    *state = match taken {
+        Ok(()) => State::Open(key, draft),
+        Err(refused) => State::Refused(key, chunk.first, refused),
+    };
+    taken.map(|()| draft)
+}
+
+/// The chunk does not begin where the one before ended.
+fn out_of_order(chunk: &Chunk<'_>, taken: u16) -> Refused {
+    let field = chunk.fields.count + 1;
+    Refused::new(Reason::OutOfRange).field(field).got(chunk.first.into()).limits(0.0, taken.into())
+}

@@ -1,0 +1,53 @@
+//! The memory of all PVT tables: places and headers, written by the thread, read by the tick.
+//!
+//! In: words of a table that no axis runs. Out: the same words. Owns nothing: the memory
+//! is the board's; who may write when is
+//! agreed as for [`ring::Store`]: before the operation that first names the table. Cannot fail: what
+//! does not exist reads as zeros and takes nothing.
+use super::{HEADER_WORDS, PLACE_WORDS, PLACES, Tables};
+use ring::Store;
+
+/// Tables of a controller: 32 for each of two cores.
+pub const TABLES: usize = 64;
+
+/// Places of one table, 16 KiB.
+pub type PlaceStore = Store<PLACE_WORDS, PLACES>;
+/// Headers of all tables.
+pub type HeaderStore = Store<HEADER_WORDS, TABLES>;
+
+/// Places and headers of all tables; see the module text.
+#[derive(Clone, Copy)]
+pub struct TableStores<'a> {
+    /// Places, a store a table.
+    pub places: &'a [PlaceStore; TABLES],
+    /// Headers, a slot a table.
+    pub headers: &'a HeaderStore,
+}
+
+impl TableStores<'_> {
+    /// Writes place `index` of a table.
+    pub fn write_place(&self, table: u8, index: u32, words: [u32; PLACE_WORDS]) {
+        if let Some(places) = self.places.get(table as usize) {
+            places.write(index, words);
+        }
+    }
+
+    /// Writes the header of a table.
+    pub fn write_header(&self, table: u8, words: [u32; HEADER_WORDS]) {
+        if (table as usize) < TABLES {
+            self.headers.write(table as u32, words);
+        }
+    }
+}
+
+impl Tables for TableStores<'_> {
+    #[inline]
+    fn place(&self, table: u8, index: u32) -> [u32; PLACE_WORDS] {
+        self.places.get(table as usize).map_or([0; PLACE_WORDS], |places| places.read(index))
+    }
+
+    #[inline]
+    fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
+        if (table as usize) < TABLES { self.headers.read(table as u32) } else { [0; HEADER_WORDS] }
+    }
+}
