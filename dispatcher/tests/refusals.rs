@@ -109,6 +109,8 @@ fn pt_data_of_every_kind() {
     let many = PtDataMany { core: 1.into(), profile: 1.into(), fifo: 0.into(), count: 3.into() };
     let answer = bench.call_items(many, &[pt_item(1.0, 200, 0), pt_item(2.0, 300, 0), pt_item(3.0, 300, 0)]);
     assert_eq!((answer.reason(), answer.refusal().item.get()), (Reason::NotIncreasing, 2));
+    // The time is the second field of an item, behind four of the request.
+    assert_eq!(answer.refusal().field, 5);
     assert_eq!(bench.done(space).value.get(), 31);
     // What was written behind the end is overwritten: the chain goes on from 100 ms.
     let taken = bench.call_items(many, &[pt_item(1.0, 101, 1), pt_item(2.0, 102, 1), pt_item(3.0, 103, 2)]);
@@ -360,15 +362,15 @@ fn a_configuration_is_applied_whole_or_not_at_all() {
     items[7].pos_err = 0.into();
     let answer = bench.call_items(load(8), &items);
     assert_eq!((answer.code, answer.reason()), (7, Reason::OutOfRange));
-    assert_eq!((answer.refusal().item.get(), answer.refusal().field), (7, 10));
+    assert_eq!((answer.refusal().item.get(), answer.refusal().field), (7, 12));
     for axis in 1..=8 {
         let dec = bench.done(GetStopDec { core: 1.into(), profile: axis.into() });
         assert_eq!(dec.smooth.get(), 1.0, "axis {axis}");
     }
     items[7] = item(9);
-    assert_eq!(bench.call_items(load(8), &items).refusal().field, 0);
+    assert_eq!(bench.call_items(load(8), &items).refusal().field, 2);
     items[7] = ConfigItem { given: 0x200.into(), ..item(8) };
-    assert_eq!(bench.call_items(load(8), &items).refusal().field, 1);
+    assert_eq!(bench.call_items(load(8), &items).refusal().field, 3);
     items[7] = item(8);
     assert_eq!(bench.call_items(load(8), &items).code, 0);
     for axis in 1..=8 {

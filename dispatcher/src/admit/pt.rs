@@ -5,9 +5,10 @@ use crate::books::{Books, Change, FifoBook};
 use crate::case::{Answer, Case, Query};
 use crate::refuse::{Admitted, Refused, choice};
 use protocol::command::{
-    GetPtLoop, GetPtMemory, PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, opcode,
+    GetPtLoop, GetPtMemory, PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, Wire,
+    opcode,
 };
-use protocol::reason::Reason;
+use protocol::reason::{Reason, Refusal};
 use ring::Store;
 use servo::op::{Mode, Op};
 use servo::pt::{self, Segment};

@@ -6,7 +6,7 @@ use crate::case::{Answer, Case, Effect, Site, ones};
 use crate::profile::{FAMILIES, PROFILES};
 use crate::refuse::{Admitted, Refused, within};
 use crate::tables::TABLES;
-use protocol::command::{Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetLinkLoss, SetTick, Trace, opcode};
+use protocol::command::{Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetLinkLoss, SetTick, Trace, Wire, opcode};
 use protocol::reason::Reason;
 use servo::op::{Guarded, Op};
 use servo::units::AxisMask;
@@ -86,7 +86,11 @@ pub fn load_config<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Adm
     let (request, items) = many::<LoadConfig>(body, |r| r.count.get())?;
     case.core(request.core.get())?;
     for (index, item) in items.iter().enumerate() {
-        config_item(case, request.core.get(), item).map_err(|refused| refused.item(index))?;
+        config_item(case, request.core.get(), item).map_err(|refused| {
+            // Those of an item are counted behind those of the request.
+            let field = refused.wire.field.saturating_add(LoadConfig::FIELDS.len() as u8);
+            refused.item(index).field(field)
+        })?;
         case.staged.clear();
     }
     case.effect = Effect::Config;

@@ -30,7 +30,8 @@ pub fn shown(version: &VersionReply) -> &'static str {
 
 /// What helps where a call names a core or an axis that the profile has not; nothing if it is another fault.
 pub fn help(version: &VersionReply, opcode: u16, refusal: &Refusal) -> Option<String> {
-    let field = info(opcode)?.fields.get(usize::from(refusal.field))?.0;
+    let command = info(opcode)?;
+    let field = command.fields.iter().chain(command.items).nth(refusal.field.into())?.0;
     let beyond = refusal.got.get() > refusal.high.get();
     (NAMING.contains(&field) && beyond).then(|| {
         let cores = if version.cores == 1 { "1 core of".to_owned() } else { format!("{} cores of", version.cores) };
