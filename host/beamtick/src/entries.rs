@@ -3,6 +3,7 @@
 //! In: a job and the controller's counts. Out: calls, and for each the steps it came from. Runs of PtData
 //! for one FIFO travel as PtDataMany, which changes nothing but their cost; an item that is refused
 //! still finds its line.
+use crate::points::records;
 use client::Call;
 use job::{Action, Job};
 use protocol::command::{
@@ -83,7 +84,7 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
             }
             Action::Call(call) => {
                 let call = Call { opcode: call.opcode, payload: call.body.clone(), may_fail: call.may_fail };
-                entries.push(Entry { call, from });
+                entries.extend(records(call).into_iter().map(|call| Entry { call, from: from.clone() }));
             }
         }
     }

@@ -26,6 +26,7 @@ mod connect;
 mod entries;
 mod info;
 mod listing;
+mod points;
 mod profile;
 mod record;
 mod reply;

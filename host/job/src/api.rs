@@ -21,6 +21,8 @@ pub enum Pass {
     Struct(Type),
     /// The address of a struct that the reply fills.
     OutStruct(Type),
+    /// An array that the manuals' library works in; nothing travels.
+    Working,
     /// A text.
     Text,
 }
@@ -61,6 +63,12 @@ const fn out(name: &'static str) -> Param {
     param(name, Pass::Out)
 }
 
+const fn array(name: &'static str) -> Param {
+    param(name, Pass::Many(Type::Double))
+}
+
+const TABLE: Param = short("tableId");
+const POINTS: Param = long("count");
 const PROFILE: Param = short("profile");
 const AXIS: Param = short("axis");
 const MASK: Param = long("mask");
@@ -77,6 +85,8 @@ pub enum Shape {
     Form,
     /// As `Plain` without the array; its items follow the request.
     Items,
+    /// As `Plain` with `first` behind `count`; the points, a value of each array in turn, follow the request.
+    Points,
     /// The configuration file's items.
     Config,
     /// Done by the host (opening, closing, the last reason): nothing is sent.
@@ -193,6 +203,90 @@ pub const FUNCTIONS: &[Function] = &[
         c::PtStart::OPCODE,
         &[param("axis", Pass::Many(Type::Short)), param("option", Pass::Many(Type::Short)), short("count")],
     ),
+    // -- PVT (GXN chapter 4) -----------------------------------------------------------------------
+    call("PrfPvt", c::PrfPvt::OPCODE, &[PROFILE]),
+    call("SetPvtLoop", c::SetPvtLoop::OPCODE, &[PROFILE, long("loop")]),
+    read("GetPvtLoop", c::GetPvtLoop::OPCODE, &[PROFILE, out("loopCount"), out("loop")]),
+    read("PvtStatus", c::PvtStatus::OPCODE, &[PROFILE, out("tableId"), out("time"), COUNT]),
+    call("PvtStart", c::PvtStart::OPCODE, &[MASK]),
+    call("PvtTableSelect", c::PvtTableSelect::OPCODE, &[PROFILE, TABLE]),
+    shaped(
+        Shape::Points,
+        "PvtTable",
+        c::PvtTable::OPCODE,
+        &[TABLE, POINTS, array("time"), array("pos"), array("vel")],
+    ),
+    shaped(
+        Shape::Points,
+        "PvtTableEx",
+        c::PvtTableEx::OPCODE,
+        &[TABLE, POINTS, array("time"), array("pos"), array("velBegin"), array("velEnd")],
+    ),
+    shaped(
+        Shape::Points,
+        "PvtTableComplete",
+        c::PvtTableComplete::OPCODE,
+        &[
+            TABLE,
+            POINTS,
+            array("time"),
+            array("pos"),
+            param("a", Pass::Working),
+            param("b", Pass::Working),
+            param("c", Pass::Working),
+            double("velBegin").or(0),
+            double("velEnd").or(0),
+        ],
+    ),
+    shaped(
+        Shape::Points,
+        "PvtTablePercent",
+        c::PvtTablePercent::OPCODE,
+        &[TABLE, POINTS, array("time"), array("pos"), array("percent"), double("velBegin").or(0)],
+    ),
+    Function {
+        reads: true,
+        ..shaped(
+            Shape::Points,
+            "PvtPercentCalculate",
+            c::PvtPercentCalculate::OPCODE,
+            &[POINTS, array("time"), array("pos"), array("percent"), double("velBegin"), out("vel")],
+        )
+    },
+    shaped(
+        Shape::Points,
+        "PvtTableContinuous",
+        c::PvtTableContinuous::OPCODE,
+        &[
+            TABLE,
+            POINTS,
+            array("pos"),
+            array("vel"),
+            array("percent"),
+            array("velMax"),
+            array("acc"),
+            array("dec"),
+            double("timeBegin"),
+        ],
+    ),
+    Function {
+        reads: true,
+        ..shaped(
+            Shape::Points,
+            "PvtContinuousCalculate",
+            c::PvtContinuousCalculate::OPCODE,
+            &[
+                POINTS,
+                array("pos"),
+                array("vel"),
+                array("percent"),
+                array("velMax"),
+                array("acc"),
+                array("dec"),
+                out("time"),
+            ],
+        )
+    },
 ];
 
 /// The function named `name` without its prefix.

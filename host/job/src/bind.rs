@@ -72,7 +72,8 @@ impl Reader<'_> {
             return Ok(What::Text(text));
         }
         let array = alone && variable.is_some_and(|variable| variable.length.is_some() || variable.of == Type::Char);
-        let undeclared = alone && variable.is_none() && pass == Pass::Out && name != "NULL";
+        let filled = matches!(pass, Pass::Out | Pass::Working);
+        let undeclared = alone && variable.is_none() && filled && name != "NULL";
         if !(addressed || array || undeclared) {
             return self.expression().map(What::Value);
         }
@@ -89,7 +90,7 @@ impl Reader<'_> {
         let text = self.text.get(span.clone()).unwrap_or(&name).to_owned();
         let element = match self.variables.get(&name) {
             // A listing that was cut off may lack the declaration of what a call fills.
-            None if pass == Pass::Out => None,
+            None if filled => None,
             None => return Err(Fault::new(span, format!("`{name}` is not declared"), "declare and fill it first")),
             Some(variable) => {
                 let limit = variable.length.unwrap_or(1);
@@ -200,6 +201,10 @@ impl Reader<'_> {
                     bound.outs.push(Out { parameter: param.name, variable: variable.clone() });
                     bound.fills.push((variable, element * Variable::width(of), given.span.clone()));
                 }
+                Pass::Working => match &given.what {
+                    What::Address { .. } | What::Value(Value::Int(0)) => {}
+                    _ => return Err(self.wrong(param, given, name, "an array, or NULL")),
+                },
                 Pass::Out => self.out(param, given, count, name, &mut bound)?,
             }
         }
@@ -211,7 +216,7 @@ impl Reader<'_> {
         let Some(index) = function.params.iter().position(|param| param.name == "count") else { return Ok(1) };
         let Some(given) = given.get(index) else { return Ok(1) };
         // A count that no controller takes is refused there, with its limits; here it only sizes arrays.
-        Ok(match self.scalar(given, Type::Short, "count", name)? {
+        Ok(match self.scalar(given, Type::Long, "count", name)? {
             Value::Int(count) => usize::try_from(count).unwrap_or(0),
             _ => 1,
         })
@@ -277,7 +282,7 @@ impl Reader<'_> {
                 if let Some(element) = element {
                     let held = &self.variables[variable];
                     let room = held.length.unwrap_or(1) - element;
-                    let many = matches!(param.name, "sts" | "value" | "status");
+                    let many = matches!(param.name, "sts" | "value" | "status" | "tableId" | "time" | "vel");
                     if many && count > room {
                         let message = format!("`{variable}` has room for {room} values from here on, {count} are asked for");
                         return Err(Fault::new(given.span.clone(), message, "declare it longer, or lower the count"));

@@ -48,6 +48,8 @@ impl Reader<'_> {
         }
         self.executes();
         let given = self.given(function, several_cores)?;
+        // The manual prints GTN_PrfPvt(profile), and calls it with the core.
+        let several_cores = several_cores && !(function.name == "PrfPvt" && given.len() == 1);
         let span = name.span.start..self.before().end;
         let core = self.bind_count(function, several_cores, &given, &name, span.clone())?;
         let skip = usize::from(several_cores);
@@ -103,7 +105,7 @@ impl Reader<'_> {
             Some((number, _)) => Err(Fault::new(
                 name.span.clone(),
                 format!("{} is not in this version of the firmware (command number {number:#06x})", name.text),
-                "this version has the session, axis, input/output, Trap, Jog and PT commands; see docs/jobs.md",
+                "this version has the session, axis, input/output, Trap, Jog, PT and PVT commands; see docs/jobs.md",
             )),
             None => Err(unknown(name)),
         }
@@ -121,7 +123,7 @@ impl Reader<'_> {
         self.name_axes(function, several_cores, core, bound);
         let first = numbers.first().map_or(0, |number| *number as i16);
         let used = match function.name {
-            "PrfPt" | "PrfTrap" | "PrfJog" | "SetPrfPos" | "SetEncPos" => 1,
+            "PrfPt" | "PrfPvt" | "PrfTrap" | "PrfJog" | "SetPrfPos" | "SetEncPos" => 1,
             "ZeroPos" => numbers.get(1).map_or(0, |count| *count as i16),
             _ => 0,
         };

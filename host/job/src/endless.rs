@@ -1,7 +1,7 @@
 //! What a script has set moving, as far as its calls tell: needed only to refuse a wait that would never
 //! end (SPEC 7: `while(!kbhit())` under an endless motion).
 //!
-//! In: the calls, in order. It knows Jog and PT loops; what ends by itself is not kept.
+//! In: the calls, in order. It knows Jog, PT and PVT loops; what ends by itself is not kept.
 
 use crate::Axis;
 use std::collections::BTreeMap;
@@ -14,6 +14,8 @@ struct Motion {
     velocity: f64,
     /// Count of the last SetPtLoop; None is the power-on value, 1.
     loops: Option<i64>,
+    /// That of the last SetPvtLoop.
+    table_loops: Option<i64>,
     /// Line of the call that set it moving.
     running: Option<u32>,
 }
@@ -24,6 +26,7 @@ enum Mode {
     Other,
     Jog,
     StaticPt,
+    Pvt,
 }
 
 /// The numbers of a call's parameters without `core`.
@@ -51,6 +54,9 @@ impl Motions {
                 let mode = if given.int(1) == 0 { Mode::StaticPt } else { Mode::Other };
                 self.axes.entry(axis).or_default().mode = mode;
             }
+            "PrfPvt" => self.axes.entry(axis).or_default().mode = Mode::Pvt,
+            "SetPvtLoop" => self.axes.entry(axis).or_default().table_loops = Some(given.int(1)),
+            "PvtStart" => self.start(core, mask, Mode::Pvt, line),
             "PrfJog" => self.axes.entry(axis).or_default().mode = Mode::Jog,
             "PrfTrap" => self.axes.entry(axis).or_default().mode = Mode::Other,
             "SetPtLoop" => self.axes.entry(axis).or_default().loops = Some(given.int(1)),
@@ -96,6 +102,7 @@ impl Motions {
             let named = among.is_none_or(|(core, mask)| axis.core == core && names(mask, axis.axis));
             let endless = match motion.mode {
                 Mode::Jog => motion.velocity != 0.0,
+                Mode::Pvt => motion.table_loops.is_some_and(|loops| loops <= 0),
                 Mode::StaticPt => motion.loops.is_some_and(|loops| loops <= 0),
                 Mode::Other => false,
             };

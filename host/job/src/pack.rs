@@ -25,6 +25,14 @@ impl Reader<'_> {
                     put(&mut items, "I16", value);
                 }
             }
+            Shape::Points => {
+                let count = bound.values.iter().position(|(name, _)| *name == "count").unwrap_or(0);
+                values.insert(count + 1, Value::Int(0));
+                let points = bound.lists.first().map_or(0, Vec::len);
+                for point in 0..points {
+                    bound.lists.iter().filter_map(|list| list.get(point)).for_each(|value| put(&mut items, "F64", value));
+                }
+            }
             Shape::StartList => {
                 values = vec_masks(bound).map_err(|message| Fault::new(span.clone(), message, ""))?;
                 if let Some(Value::Int(mask)) = values.first() {

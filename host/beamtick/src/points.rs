@@ -1,0 +1,70 @@
+//! Points of PVT tables in records: a call has all of them, a message holds a few dozen.
+//!
+//! In: a call. Out: calls that follow each other, each with the index of its first point. Calls of other
+//! commands stay as they are.
+use client::Call;
+use protocol::command::{
+    PvtContinuousCalculate, PvtContinuousPoint, PvtExPoint, PvtKnot, PvtPercentCalculate, PvtPercentPoint, PvtPoint,
+    PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx, PvtTablePercent, opcode,
+};
+
+/// Bytes of points in a record.
+const POINTS: usize = 960;
+
+/// Head, point, and place of `first` of a command that carries points.
+fn layout(number: u16) -> Option<(usize, usize, usize)> {
+    let (table, calculate) = (8, 6);
+    Some(match number {
+        opcode::PvtTable => (size_of::<PvtTable>(), size_of::<PvtPoint>(), table),
+        opcode::PvtTableEx => (size_of::<PvtTableEx>(), size_of::<PvtExPoint>(), table),
+        opcode::PvtTableComplete => (size_of::<PvtTableComplete>(), size_of::<PvtKnot>(), table),
+        opcode::PvtTablePercent => (size_of::<PvtTablePercent>(), size_of::<PvtPercentPoint>(), table),
+        opcode::PvtTableContinuous => (size_of::<PvtTableContinuous>(), size_of::<PvtContinuousPoint>(), table),
+        opcode::PvtPercentCalculate => (size_of::<PvtPercentCalculate>(), size_of::<PvtPercentPoint>(), calculate),
+        opcode::PvtContinuousCalculate => (size_of::<PvtContinuousCalculate>(), size_of::<PvtContinuousPoint>(), calculate),
+        _ => return None,
+    })
+}
+
+/// The records of a call.
+pub fn records(call: Call) -> Vec<Call> {
+    let Some((head, point, first)) = layout(call.opcode) else { return vec![call] };
+    let Some((head, points)) = call.payload.split_at_checked(head) else { return vec![call] };
+    if points.len() <= POINTS {
+        return vec![call];
+    }
+    let each = POINTS / point;
+    let record = |(number, part): (usize, &[u8])| {
+        let mut payload = [head, part].concat();
+        let index = u16::try_from(number * each).unwrap_or(u16::MAX);
+        payload[first..first + 2].copy_from_slice(&index.to_le_bytes());
+        Call { opcode: call.opcode, payload, may_fail: call.may_fail }
+    };
+    points.chunks(each * point).enumerate().map(record).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zerocopy::FromBytes;
+
+    #[test]
+    fn a_long_table_travels_in_records_that_begin_where_the_one_before_ended() {
+        let head = PvtTable { core: 1.into(), table: 3.into(), count: 100.into(), first: 0.into() };
+        let points: Vec<PvtPoint> =
+            (0..100u16).map(|n| PvtPoint { time: f64::from(n).into(), pos: 2.0.into(), vel: 3.0.into() }).collect();
+        let found = records(Call::with_items(head, &points));
+        let mut next = 0;
+        for call in &found {
+            assert!(call.payload.len() <= 1017, "a record fits in a message");
+            let (head, rest) = PvtTable::read_from_prefix(&call.payload).unwrap();
+            assert_eq!((head.table.get(), head.count.get(), usize::from(head.first.get())), (3, 100, next));
+            let points = <[PvtPoint]>::ref_from_bytes(rest).unwrap();
+            assert_eq!(points[0].time.get(), next as f64);
+            next += points.len();
+        }
+        assert_eq!((next, found.len()), (100, 3));
+        let short = Call::with_items(head, &points[..2]);
+        assert_eq!(records(short.clone()), [short]);
+    }
+}
