@@ -50,7 +50,9 @@ pub struct Recorded {
 impl Recording {
     /// Creates the files. `outputs` are the digital outputs that the job sets, from 1; `board` is the
     /// virtual controller, whose output edges go into the VCD.
-    pub fn new(outputs: &Outputs, title: &str, digital: Vec<u8>, board: Option<Shared>) -> Result<Self, Failure> {
+    ///
+    /// `title` and `subtitle` stand above the plot.
+    pub fn new(outputs: &Outputs, (title, subtitle): (&str, String), digital: Vec<u8>, board: Option<Shared>) -> Result<Self, Failure> {
         let create = |path: &PathBuf| {
             File::create(path).map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", path.display())))
         };
@@ -59,6 +61,7 @@ impl Recording {
                 picture(path)?;
                 let options = PlotOptions {
                     title: title.to_owned(),
+                    subtitle,
                     from_ms: outputs.from,
                     to_ms: outputs.to,
                     ..PlotOptions::default()

@@ -137,7 +137,10 @@ impl Observer for Report<'_> {
             }
         }
         if let Some(first) = progress.streams.iter().min_by_key(|dry| dry.dry_ms) {
-            message.push_str(&format!(", PT axis {}: {} places free, dry in {} ms", first.axis, first.space, first.dry_ms));
+            message.push_str(&format!(
+                ", PT data of {} axes: axis {} is dry first, in {} ms, {} places free",
+                progress.streams.len(), first.axis, first.dry_ms, first.space
+            ));
         }
         self.bar.set_position(progress.queue.executed.get().min(progress.entries).into());
         self.bar.set_message(message);

@@ -110,7 +110,8 @@ fn record(
     if axes == 0 {
         return Err(Failure::Input(format!("{}: the job uses no axis of this profile; there is nothing to trace", source.name)));
     }
-    let recording = Recording::new(outputs, &source.name, digital(&source.job), board)?;
+    let subtitle = format!("{}, profile {}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
+    let recording = Recording::new(outputs, (&source.name, subtitle), digital(&source.job), board)?;
     let recording = Arc::new(Mutex::new(Some(recording)));
     let sink = Arc::clone(&recording);
     client.trace_to(move |bytes| {
@@ -218,7 +219,7 @@ mod tests {
         assert_eq!(least_every(1_000_000, 8, 250), 1);
         assert_eq!(least_every(61_440, 8, 250), 11);
         assert_eq!(least_every(61_440, 1, 250), 2);
-        assert_eq!(least_every(7_680, 48, 10), 12_422);
+        assert_eq!(least_every(7_680, 48, 10), 12_435);
         for (rate, axes, tick_us) in [(61_440u32, 8u32, 250u32), (7_680, 1, 50), (1_000_000, 48, 50)] {
             let every = least_every(rate, axes, tick_us);
             let bytes_a_second = f64::from(4 + 18 * axes) * 1e6 / f64::from(tick_us * every);

@@ -98,12 +98,16 @@ fn what_still_moves_at_the_end_is_stopped_and_named() {
 fn refused_calls_show_line_code_and_reason() {
     const READY: &str = "GT_Reset(); GT_LmtsOff(1); GT_AlarmOff(1); GT_AxisOn(1); GT_PrfPt(1);\n";
     for (text, parts) in [
-        (format!("{READY}GT_PtData(1, 5, 10);\nGT_PtData(1, 6, 10);\n"), ["bad.gts:3:1", "GT_PtData returned 7", "greater than 10"]),
+        (format!("{READY}GT_PtData(1, 5, 10);\nGT_PtData(1, 6, 10);\n"), ["bad.gts:3:1", "GT_PtData returned 7", "time_ms is 10; it must be greater than 10"]),
+        (format!("{READY}GT_PtData(1, 0.0/0.0, 10);"), ["bad.gts:2:1", "GT_PtData returned 7", "pos is not a finite number"]),
+        (format!("{READY}GT_PtData(1, -1.2e12, 10);"), ["bad.gts:2:1", "GT_PtData returned 7", "an axis travels from"]),
         (format!("{READY}GT_PtData(1, NAN, 10);"), ["bad.gts:2:1", "GT_PtData returned 7", "finite"]),
         (format!("{READY}GT_PtData(1, 1e13, 10);"), ["bad.gts:2:1", "GT_PtData returned 7", "pos"]),
         (format!("{READY}GT_PtStart(1);"), ["bad.gts:2:1", "GT_PtStart returned 1", "holds no data"]),
         ("GT_AxisOn(0);".into(), ["bad.gts:1:1", "GT_AxisOn returned 7", "axis is 0"]),
-        ("GT_AxisOn(99);".into(), ["bad.gts:1:1", "GT_AxisOn returned 7", "axis is 99"]),
+        ("GT_AxisOn(99);".into(), ["axis is 99", "GT_AxisOn returned 7", "profile gus has 1 core of 8 axes; --profile"]),
+        ("GTN_AxisOn(3, 1);".into(), ["bad.gts:1:1", "core is 3", "--profile NAME"]),
+        ("GTN_PtStart(2, 0x1000000);".into(), ["mask is 16777216", "profile gtn-016", "--profile NAME"]),
         ("GT_PrfTrap(1);\nGT_PtData(1, 1, 1);".into(), ["bad.gts:2:1", "GT_PtData returned 1", "not in the mode"]),
     ] {
         let (errors, code) = failing(&text);
@@ -162,4 +166,96 @@ fn info_and_check() {
     assert!(code == 0 && out.contains("2 cores of 24 axes") && out.contains("50 us") && out.contains("lsr"), "{out}");
     let (out, _, code) = beamtick(&["check", example("pt_static.gts").to_str().unwrap()]);
     assert!(code == 0 && out.contains("pos 3072, time_ms 2048") && out.contains("18 steps"), "{out}");
+}
+
+#[test]
+fn a_job_gets_the_profile_that_holds_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("job.gts");
+    let path = path.to_str().unwrap();
+    for (text, profile) in [
+        ("GT_AxisOn(8);", "gus"),
+        ("GTN_AxisOn(2, 1);", "gtn-016"),
+        ("GTN_AxisOn(1, 12);", "gtn-024"),
+        ("GTN_AxisOn(2, 24);", "gsn-048"),
+        ("GTN_ClrSts(1, 1, 32);", "r688s-032"),
+    ] {
+        fs::write(path, text).unwrap();
+        let (out, errors, code) = beamtick(&["sim", path]);
+        assert!(code == 0 && out.contains(&format!("profile {profile},")), "{text}\n{out}{errors}");
+    }
+    let (_, errors, code) = beamtick(&["sim", path, "--profile", "gus"]);
+    assert!(code == 1 && errors.contains("profile gus has 1 core of 8 axes; --profile NAME chooses another"), "{errors}");
+}
+
+#[test]
+fn what_may_fail_leaves_clock_and_motion_as_they_are() {
+    const HEAD: &str = "#pragma continue\nshort r; TJogPrm j = {1, 1, 0}; GT_Reset(); GT_LmtsOff(1); GT_AlarmOff(1); GT_AxisOn(1); \
+        GT_PrfJog(1); GT_SetJogPrm(1, &j); GT_SetVel(1, 5); GT_Update(1); Sleep(10.5);";
+    const TAIL: &str = "Sleep(3); GT_SetVel(1, 2); GT_Update(1); Sleep(4.25); GT_Stop(1, 0); WaitStop(1);";
+    // While it moves, of a wrong axis, in the wrong mode.
+    const WRONG: &str = "r = GT_PrfPt(1); r = GT_AxisOn(99); r = GT_PtData(1, 1, 1);";
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (job, csv) = (file("job.gts"), file("t.csv"));
+    let run = |text: String| {
+        fs::write(&job, text).unwrap();
+        let (out, errors, code) = beamtick(&["sim", &job, "--trace", &csv, "--strict"]);
+        assert_eq!(code, 0, "{out}{errors}");
+        let clock = out.lines().find(|line| line.contains("script clock")).unwrap().split(',').next().unwrap().to_owned();
+        (fs::read_to_string(&csv).unwrap(), clock, out, errors)
+    };
+    let (rows, clock, ..) = run(format!("{HEAD}{TAIL}"));
+    let (passed, same_clock, out, errors) = run(format!("{HEAD}{WRONG}{TAIL}"));
+    assert_eq!(clock, same_clock);
+    assert!(passed == rows, "the trace differs");
+    assert!(out.contains("3 calls failed and were passed over") && out.contains("no late entries"), "{out}");
+    assert_eq!(errors.matches("Warning: ").count(), 3, "{errors}");
+    for part in ["GT_PrfPt returned 1: axis 1 is moving", "GT_AxisOn returned 7", "GT_PtData returned 1"] {
+        assert!(errors.contains(part), "{part:?} is not in\n{errors}");
+    }
+    // Without an assignment it is an error all the same.
+    fs::write(&job, format!("{HEAD}GT_PrfPt(1);{TAIL}")).unwrap();
+    let (_, errors, code) = beamtick(&["sim", &job]);
+    assert!(code == 1 && errors.contains("Error: GT_PrfPt returned 1"), "{errors}");
+}
+
+#[test]
+fn the_summary_tells_why_axes_stopped_and_what_the_link_did() {
+    let out = sim("stop.gts", &[]);
+    for part in ["stopped smoothly by a Stop", "messages sent", "0 sent again", "0 damaged frames refused", "x real time"] {
+        assert!(out.contains(part), "{part:?} is not in\n{out}");
+    }
+    let out = sim("ten_minutes.gts", &["--tick-us", "1000"]);
+    assert_eq!(out.matches("ran to its end, 600 passes").count(), 8, "{out}");
+    assert_eq!(out.matches("planned 0.000000").count(), 8, "{out}");
+    assert!(out.contains("no late entries") && out.contains("script clock 60000"), "{out}");
+}
+
+#[test]
+fn output_that_nobody_reads_is_no_panic() {
+    let binary = assert_cmd::cargo::cargo_bin("beamtick");
+    let mut child = std::process::Command::new(binary)
+        .args(["sim", example("pt_static.gts").to_str().unwrap()])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn without_qemu_the_package_is_named() {
+    let image = example("pt_static.gts");
+    let output = Command::cargo_bin("beamtick")
+        .unwrap()
+        .env("PATH", "")
+        .args(["run", image.to_str().unwrap(), "--link", "qemu", "--image", image.to_str().unwrap()])
+        .output()
+        .unwrap();
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(errors.contains("-6") && errors.contains("package qemu-system-arm"), "{errors}");
 }

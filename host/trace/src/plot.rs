@@ -178,7 +178,7 @@ impl Plot {
         load_font();
         area.fill(&WHITE).map_err(as_plot)?;
         let (head, rest) = area.split_vertically(HEAD * scale);
-        let lines = [(&self.options.title, 14, 24, INK), (&self.options.subtitle, 46, 15, FAINT)];
+        let lines = [(&self.options.title, 12, 22, INK), (&self.options.subtitle, 40, 14, FAINT)];
         for (text, y, size, colour) in lines {
             head.draw(&Text::new(text.clone(), place(24, y, scale), font(size, colour, scale))).map_err(as_plot)?;
         }
@@ -210,7 +210,7 @@ impl Plot {
 }
 
 /// Height of the heading.
-const HEAD: u32 = 76;
+const HEAD: u32 = 62;
 /// Height of the time axis' labels.
 const FOOT: u32 = 58;
 

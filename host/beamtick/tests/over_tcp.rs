@@ -1,0 +1,130 @@
+//! The program against `beamtick serve`, and against controllers that are not ours.
+use assert_cmd::cargo::cargo_bin;
+use protocol::link::{Endpoint, Identity, Role};
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpListener;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Two axes, 250 ms: one on a trapezoid, one with a jump of the velocity.
+const JOB: &str = "\
+short axis;
+GT_Reset(); GT_LoadConfig(\"off.toml\");
+GT_AxisOn(1); GT_AxisOn(2); GT_PrfPt(1); GT_PrfPt(2);
+GT_PtData(1, 50, 100); GT_PtData(1, 150, 150); GT_PtData(1, 200, 250);
+GT_PtData(2, -33.3, 77, PT_SEGMENT_EVEN); GT_PtData(2, 0, 200, PT_SEGMENT_STOP);
+GT_PtStart(3);
+WaitStop(3);
+Sleep(10);
+";
+
+/// `beamtick serve` on a free port; it ends with the test.
+struct Served(Child, String);
+
+impl Served {
+    fn start() -> Served {
+        let mut child = Command::new(cargo_bin("beamtick"))
+            .args(["serve", "--listen", "127.0.0.1:0"])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let link = line.split([' ', ',']).find(|word| word.starts_with("tcp:")).unwrap().to_owned();
+        Served(child, link)
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Output, errors, exit code.
+fn beamtick(arguments: &[&str]) -> (String, String, i32) {
+    let output = Command::new(cargo_bin("beamtick")).args(arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (text(output.stdout), text(output.stderr), output.status.code().unwrap())
+}
+
+/// Traces of the job in virtual time and over TCP in real time, and what the latter said.
+fn traces(folder: &Path, sim: &[&str], run: &[&str]) -> (String, String, String, String) {
+    let file = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (job, here, there) = (file("job.gts"), file("sim.csv"), file("run.csv"));
+    fs::write(&job, JOB).unwrap();
+    fs::write(file("off.toml"), "[axis.1-2]\nlimits = \"none\"\nalarm = false\n").unwrap();
+    let (out, errors, code) = beamtick(&[&["sim", &job, "--trace", &here], sim].concat());
+    assert_eq!(code, 0, "{out}{errors}");
+    let served = Served::start();
+    let (out, errors, code) = beamtick(&[&["run", &job, "--link", &served.1, "--trace", &there], run].concat());
+    assert_eq!(code, 0, "{out}{errors}");
+    (fs::read_to_string(&here).unwrap(), fs::read_to_string(&there).unwrap(), out, errors)
+}
+
+#[test]
+fn a_trace_over_tcp_is_that_of_virtual_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let (sim, run, out, errors) = traces(folder.path(), &[], &[]);
+    assert!(sim == run, "{} and {} lines differ", sim.lines().count(), run.lines().count());
+    // 260 ms and a tick at 250 us, row 0 and the header.
+    assert!((1042..=1044).contains(&sim.lines().count()), "{}", sim.lines().count());
+    assert!(out.contains("profile gus") && out.contains("one every 1 tick\n") && errors.is_empty(), "{out}{errors}");
+}
+
+#[test]
+fn rows_that_the_link_does_not_carry_are_fewer_and_said_so() {
+    let folder = tempfile::tempdir().unwrap();
+    // 2 axes at 10 us make 4.5 MB/s.
+    let (sim, run, out, errors) = traces(folder.path(), &["--tick-us", "10", "--every", "5"], &["--tick-us", "10"]);
+    assert!(sim == run, "{} and {} lines differ", sim.lines().count(), run.lines().count());
+    assert!(errors.contains("a row every 5 ticks"), "{errors}");
+    assert!(out.contains("one every 5 ticks, raised to what the link carries"), "{out}");
+}
+
+/// A controller whose identity is not ours.
+fn stranger(identity: Identity) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let link = format!("tcp:{}", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        stream.set_read_timeout(Some(Duration::from_millis(5))).unwrap();
+        let mut end = Endpoint::<8>::new(Role::Controller, identity);
+        let (begun, mut bytes) = (Instant::now(), [0; 2048]);
+        while begun.elapsed() < Duration::from_secs(10) {
+            let now = begun.elapsed().as_nanos() as u64;
+            match stream.read(&mut bytes) {
+                Ok(0) => return,
+                Ok(count) => end.feed(now, &bytes[..count]),
+                Err(_) => {}
+            }
+            let count = end.take_tx(now, &mut bytes);
+            if stream.write_all(&bytes[..count]).is_err() {
+                return;
+            }
+        }
+    });
+    link
+}
+
+#[test]
+fn an_image_of_another_version_is_named() {
+    for identity in [Identity { schema: 0x1234_5678, ..Identity::OURS }, Identity { version: 9, ..Identity::OURS }] {
+        let link = stranger(identity);
+        let (out, errors, code) = beamtick(&["info", "--link", &link]);
+        assert_eq!(code, 1, "{out}{errors}");
+        let theirs = format!("the firmware version {} (schema {:08x})", identity.version, identity.schema);
+        assert!(errors.contains("error 3") && errors.contains("do not match") && errors.contains(&theirs), "{errors}");
+    }
+}
+
+#[test]
+fn serving_needs_an_address_that_is_free() {
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let (_, errors, code) = beamtick(&["serve", "--listen", &address]);
+    assert!(code == 1 && errors.contains(&address) && errors.contains("cannot listen"), "{errors}");
+}
