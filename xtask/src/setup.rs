@@ -13,6 +13,9 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// QEMU's program.
 pub const QEMU: &str = "qemu-system-arm";
 
+/// LLVM's linker, from Debian's package `lld`.
+const LINKER: &str = "/usr/bin/ld.lld";
+
 /// What builds the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compiler {
@@ -30,6 +33,8 @@ impl Compiler {
             Compiler::Debian => {
                 let mut command = program("/usr/bin/cargo");
                 command.env("RUSTC", "/usr/bin/rustc").env("RUSTC_BOOTSTRAP", "1");
+                // Debian's compiler brings no linker for bare metal of its own.
+                command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", LINKER);
                 command
             }
         }
@@ -84,10 +89,11 @@ fn has_target() -> bool {
 fn debian_compiler() -> Outcome<Compiler> {
     let there = Path::new("/usr/bin/rustc").exists()
         && Path::new("/usr/bin/cargo").exists()
+        && Path::new(LINKER).exists()
         && Path::new("/usr/lib/rustlib/src/rust/library/core").exists();
     if !there {
         install(
-            &["rustc-web", "cargo-web", "rust-web-src"],
+            &["rustc-web", "cargo-web", "rust-web-src", "lld"],
             &format!("install the target with `rustup target add {TARGET}`"),
         )?;
     }
