@@ -91,6 +91,7 @@ fn sine() -> Vec<(f64, i32, i16)> {
     const T: i32 = 1;
     const DELTA: f64 = 0.016;
     const LOOP: i32 = 2;
+    #[allow(clippy::approx_constant, reason = "the listing prints it so")]
     const PI: f64 = 3.1415926;
     let (mut pos, mut vel_pre, mut time, mut pass) = (0.0f64, 0.0f64, 0.0f64, 1);
     let mut out = Vec::new();

@@ -17,3 +17,14 @@ pub use board::{Board, Config};
 pub use link::{Shared, VirtualLink, share};
 pub use machine::{Edge, Inputs, Output, Outputs};
 pub use serve::{Served, serve};
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn client_and_dispatcher_have_the_same_profiles() {
+        assert_eq!(client::Profile::ALL.len(), dispatcher::PROFILES.len());
+        for ((profile, name), row) in client::Profile::ALL.iter().zip(dispatcher::PROFILES) {
+            assert_eq!((*name, profile.counts()), (row.name, (row.cores, row.axes_per_core)));
+        }
+    }
+}
