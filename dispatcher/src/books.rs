@@ -196,8 +196,8 @@ pub enum Change {
     Started { axes: AxisMask, fifo1: AxisMask },
     /// PVT starts with the tables that are selected.
     PvtStarted { axes: AxisMask },
-    /// A PVT table is selected.
-    Table { axis: Axis, table: u8 },
+    /// A PVT table is selected; `pending` if the axis may be running and go on with it.
+    Table { axis: Axis, table: u8, pending: bool },
     /// PVT passes.
     TablePasses { axis: Axis, passes: i32 },
     /// A PVT table is there.
@@ -322,9 +322,9 @@ impl<const AXES: usize> Books<AXES> {
                     book.busy = Some(seq);
                 });
             }
-            Change::Table { axis, table } => {
+            Change::Table { axis, table, pending } => {
                 one(axis, &|book| book.table = Some(table));
-                self.name(Some(table), seq);
+                self.name(Some(table).filter(|_| pending), seq);
             }
             Change::TablePasses { axis, passes } => one(axis, &|book| book.table_passes = passes),
             Change::TableFilled { table } => self.filled |= 1u64.checked_shl(table.into()).unwrap_or(0),

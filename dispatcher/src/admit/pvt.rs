@@ -29,7 +29,7 @@ pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &PrfPvt) -> Admitted<An
     if case.book(axis).mode != Mode::Pvt {
         let first = table(case, r.core.get(), 0, 1)?;
         let table = case.book(axis).table.unwrap_or(first);
-        case.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table });
+        case.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending: false });
     }
     Ok(answer)
 }
@@ -72,10 +72,11 @@ fn not_empty<const AXES: usize>(case: &Case<AXES>, axis: Axis, table: u8) -> Adm
 pub fn select<const AXES: usize>(case: &mut Case<AXES>, r: &PvtTableSelect) -> Admitted<Answer> {
     let axis = pvt_axis(case, r.core.get(), r.profile.get())?;
     let table = table(case, r.core.get(), 2, r.table.get())?;
-    if case.may_run(axis) {
+    let pending = case.may_run(axis);
+    if pending {
         not_empty(case, axis, table)?;
     }
-    case.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table });
+    case.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending });
     Ok(Answer::Done)
 }
 

@@ -95,15 +95,19 @@ impl<'b> Chunk<'b> {
             }
             _ => chunk!(PvtContinuousCalculate, |r| Kind::Continuous { time_begin: 0.0 }, 0, [1, 3, 3]),
         };
+        let width = chunk.key.kind.values() * size_of::<f64>();
+        if chunk.points.len() % width != 0 {
+            return Err(super::length(chunk.len, chunk.len - chunk.points.len() % width));
+        }
         Ok(chunk)
     }
 
-    /// The points, if they are whole ones.
+    /// The points, if there are any and not too many.
     fn points(&self) -> Admitted<impl Iterator<Item = ([f64; VALUES], usize)> + 'b> {
         let values = self.key.kind.values();
         let width = values * size_of::<f64>();
         let count = self.points.len() / width;
-        if count == 0 || self.points.len() % width != 0 || count > CHUNK {
+        if count == 0 || count > CHUNK {
             return Err(super::length(self.len, self.len - self.points.len() + count.clamp(1, CHUNK) * width));
         }
         Ok(self.points.chunks_exact(width).map(move |point| {
