@@ -18,8 +18,9 @@ use crate::trace_out::TraceOut;
 use protocol::command::{LoadConfig, opcode};
 use protocol::reason::Reason;
 use protocol::record::{Full, ReplyWriter, RequestRecord};
-use ring::{Producer, Store};
+use ring::Producer;
 use servo::op::{Entry, Mode, Op};
+use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
 use servo::status::{RUNNING, SERVO_ON};
 use servo::units::{Axis, AxisMask};
@@ -78,7 +79,7 @@ pub struct Desk<'a, const AXES: usize> {
     /// What the client chose.
     pub site: Site,
     /// PT segments.
-    pub stores: &'a [Store<3, 2048>; AXES],
+    pub stores: &'a [SegmentStore; AXES],
     /// PVT tables.
     pub tables: TableStores<'a>,
     /// The one that is being sent.
@@ -106,7 +107,7 @@ const LINK_LOSS_MS: u32 = 500;
 
 impl<'a, const AXES: usize> Desk<'a, AXES> {
     /// A desk at power-on.
-    pub fn new(board: Board, stores: &'a [Store<3, 2048>; AXES], tables: TableStores<'a>, ring: Producer<'a, Entry, IMMEDIATE>) -> Self {
+    pub fn new(board: Board, stores: &'a [SegmentStore; AXES], tables: TableStores<'a>, ring: Producer<'a, Entry, IMMEDIATE>) -> Self {
         Desk {
             site: Site::new(board.profile, 0),
             board,

@@ -9,9 +9,10 @@ use crate::desk::{Desk, Step};
 use crate::program::Program;
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
-use ring::{Consumer, Producer, Reader, Store};
+use ring::{Consumer, Producer, Reader};
 use servo::op::{Entry, Lane as TickLane};
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
+use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
 use servo::units::Ns;
 use servo::view::{Event, Sample, View};
@@ -82,7 +83,7 @@ pub struct Channels<'a, const AXES: usize> {
     /// Trace samples.
     pub samples: Consumer<'a, Sample, SAMPLES>,
     /// PT segments of every axis.
-    pub stores: &'a [Store<3, SEGMENTS>; AXES],
+    pub stores: &'a [SegmentStore; AXES],
     /// PVT tables.
     pub tables: TableStores<'a>,
 }

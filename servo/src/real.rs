@@ -1,7 +1,6 @@
 //! Real numbers for planners: 64-bit mantissa, wide exponent, no floating-point unit.
 //!
-//! Planning happens once per command, so these functions favour accuracy: each result is within
-//! a few 2⁻⁶³ of itself. Nothing overflows to nonsense: exponents hold every product of admitted
+//! Each result is within a few 2⁻⁶³ of itself, if nothing else is said. Nothing overflows to nonsense: exponents hold every product of admitted
 //! speeds, accelerations and times; conversions to fixed point saturate.
 use crate::piece::Scaled;
 use crate::units::Exact;
@@ -24,6 +23,10 @@ impl Real {
     pub const ONE: Real = Real { neg: false, m: 1 << 63, e: -63 };
     /// 1/6.
     pub const SIXTH: Real = Real { neg: false, m: 0xAAAA_AAAA_AAAA_AAAB, e: -66 };
+    /// 1/3.
+    pub const THIRD: Real = Real { neg: false, m: 0xAAAA_AAAA_AAAA_AAAB, e: -65 };
+    /// 3.
+    pub const THREE: Real = Real { neg: false, m: 3 << 62, e: -62 };
     /// A ms in 2⁻³² ns: 10⁶·2³².
     pub const MS: Real = Real { neg: false, m: 1_000_000 << 44, e: -12 };
     /// 2⁻³² ns in ms, 1/MS.
@@ -80,6 +83,17 @@ impl Real {
         if self.neg { -(magnitude as i128) } else { magnitude as i128 }
     }
 
+    /// As a whole number of 2^-f, to nearest, for magnitudes below 2^(62 − f).
+    pub fn to_i64(self, f: i32) -> i64 {
+        let shift = -(self.e + f) - 1;
+        if shift > 63 {
+            return 0;
+        }
+        let twice = (self.m >> (shift as u32 & 63)) as i64;
+        let magnitude = (twice >> 1) + (twice & 1);
+        if self.neg { -magnitude } else { magnitude }
+    }
+
     /// As a displacement, to nearest.
     pub fn to_exact(self) -> Exact {
         Exact(self.to_fixed(64))
@@ -117,11 +131,8 @@ impl Real {
 
     /// Product, rounded down.
     pub fn mul(self, other: Real) -> Real {
-        if self.m == 0 || other.m == 0 {
-            return Real::ZERO;
-        }
         let (high, low) = umul(self.m, other.m);
-        // Two top bits make the top bit, or the one below it.
+        // Two top bits make the top bit, or the one below it; 0 stays 0.
         let short = high >> 63 ^ 1;
         Real {
             neg: self.neg != other.neg,
@@ -165,19 +176,12 @@ impl Real {
         self.add(other.negate())
     }
 
-    /// Whether self < other.
-    pub fn below(self, other: Real) -> bool {
-        self.sub(other).is_negative()
-    }
-
-    /// The smaller.
-    pub fn min(self, other: Real) -> Real {
-        if self.below(other) { self } else { other }
-    }
-
-    /// The larger.
-    pub fn max(self, other: Real) -> Real {
-        if self.below(other) { other } else { self }
+    /// Whether |self| < |other|.
+    pub fn is_less(self, other: Real) -> bool {
+        if self.m == 0 || other.m == 0 {
+            return other.m != 0;
+        }
+        if self.e == other.e { self.m < other.m } else { self.e < other.e }
     }
 
     /// 1/x; 0 for 0.
@@ -195,22 +199,34 @@ impl Real {
         self.mul(other.recip())
     }
 
+    /// X·2^(2k) with X = x·2⁻⁶⁴ in [1/4, 1): x and k.
+    fn even(self) -> (u64, i32) {
+        let odd = self.e & 1;
+        (self.m >> odd, (self.e + 64 + odd) / 2)
+    }
+
     /// Square root; 0 of a negative number.
     pub fn sqrt(self) -> Real {
         if self.m == 0 || self.neg {
             return Real::ZERO;
         }
-        // x = X·2^-64 in [1/4, 1), value = x·2^(even).
-        let odd = (self.e & 1) as u32;
-        let x = self.m >> odd;
-        let e = self.e + 64 + odd as i32;
+        let (x, k) = self.even();
         let y = rsqrt(x);
         let s = umulhi(x, y) << 2 | 3;
         // One correction from the exact residue x − s².
         let (high, low) = umul(s, s);
         let residue = ((x as u128) << 64).wrapping_sub((high as u128) << 64 | low as u128) as i128;
         let s = s.saturating_add_signed(mulhi_su((residue >> 16) as i64, y) >> 47);
-        Real::new(false, s, e / 2 - 64)
+        Real::new(false, s, k - 64)
+    }
+
+    /// 1/sqrt(x), to about 2⁻⁵⁷ of itself; 0 of 0 and of a negative number.
+    pub fn rsqrt(self) -> Real {
+        if self.m == 0 || self.neg {
+            return Real::ZERO;
+        }
+        let (x, k) = self.even();
+        Real::new(false, rsqrt(x), -62 - k)
     }
 }
 
@@ -230,9 +246,15 @@ const ROOT_SEED: [u16; 48] = {
 /// 1/sqrt(X·2⁻⁶⁴) in 2⁻⁶² for X ≥ 2⁶², to about 2⁻⁵⁷.
 fn rsqrt(x: u64) -> u64 {
     let seed = ROOT_SEED.get((x >> 58).saturating_sub(16) as usize).copied().unwrap_or(0x8000);
-    let mut y = (seed as u64) << 47;
-    for _ in 0..4 {
-        // y·(3 − x·y²)/2; x·y² is near 1 in 2^-60.
+    let high = |a: u32, b: u32| ((a as u64 * b as u64) >> 32) as u32;
+    // y·(3 − x·y²)/2; x·y² is near 1 in 2^-28, then in 2^-60.
+    let mut y = (seed as u32) << 15;
+    for _ in 0..2 {
+        let gap = (3u32 << 28).wrapping_sub(high(high(y, y), (x >> 32) as u32));
+        y = high(y, gap) << 3;
+    }
+    let mut y = (y as u64) << 32;
+    for _ in 0..2 {
         let gap = (3u64 << 60).wrapping_sub(umulhi(umulhi(y, y), x));
         y = umulhi(y, gap) << 3;
     }

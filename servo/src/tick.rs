@@ -10,13 +10,14 @@
 use crate::axis::AxisState;
 use crate::op::{Entry, Lane, Op};
 use crate::port::Port;
-use crate::pt::Segments;
+use crate::pt::{Segment, Segments};
+pub use crate::pt::{SEGMENTS, SegmentStore};
 use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
 use crate::script::Script;
 use crate::trace::Trace;
 use crate::units::{Axis, AxisMask, Ns};
 use crate::view::{Event, Sample, View};
-use ring::{Consumer, Producer, Store, Writer};
+use ring::{Consumer, Producer, Writer};
 
 /// Entries of the immediate lane's ring.
 pub const IMMEDIATE: usize = 128;
@@ -26,8 +27,6 @@ pub const PROGRAM: usize = 256;
 pub const EVENTS: usize = 64;
 /// Trace samples between two looks of the thread.
 pub const SAMPLES: usize = 1024;
-/// PT segments of an axis.
-pub const SEGMENTS: usize = 2048;
 /// Entries that act in one tick, both lanes together.
 pub const ENTRIES_PER_TICK: u32 = 64;
 /// Axes whose next PT segment is computed ahead in one tick: eight axes with segments of four ticks or
@@ -35,9 +34,6 @@ pub const ENTRIES_PER_TICK: u32 = 64;
 const PREPARED_PER_TICK: u32 = 2;
 /// Shortest and longest period, ns.
 pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
-
-/// PT segments of one axis.
-pub type SegmentStore = Store<3, SEGMENTS>;
 
 /// What a board fixes.
 #[derive(Debug, Clone, Copy)]
@@ -76,8 +72,8 @@ pub(crate) struct Source<'a> {
 
 impl Segments for Source<'_> {
     #[inline]
-    fn segment(&self, slot: u32) -> [u32; 3] {
-        self.segments.read(slot)
+    fn segment(&self, slot: u32) -> Segment {
+        self.segments.segment(slot)
     }
 }
 

@@ -128,6 +128,20 @@ impl Divisor {
         Divisor { d, v: recip32(d), shift }
     }
 
+    /// The same with its reciprocal at hand, as [`Divisor::inverse`] told it.
+    #[inline(always)]
+    pub fn again(n: u32, inverse: u32) -> Divisor {
+        let n = if n == 0 || n >> 31 == 1 { 1 } else { n };
+        let shift = n.leading_zeros();
+        Divisor { d: n << shift, v: inverse, shift }
+    }
+
+    /// What [`Divisor::again`] needs.
+    #[inline(always)]
+    pub fn inverse(&self) -> u32 {
+        self.v
+    }
+
     /// (high·2³² + low) / d for high < d: quotient digit and remainder, exact.
     #[inline(always)]
     fn digit(&self, high: u32, low: u32) -> (u32, u32) {
@@ -195,10 +209,6 @@ pub fn narrow(x: i128, k: i32) -> i64 {
     }
     // Halfway rounding: one bit more than asked for, then half of (it + 1).
     let s = (k - 1) as u32;
-    let twice = if s >= 64 {
-        high >> (s & 63)
-    } else {
-        (low >> s | (high as u64) << 1 << (63 - s)) as i64
-    };
+    let twice = if s >= 64 { high >> (s & 63) } else { (low >> s | (high as u64) << 1 << (63 - s)) as i64 };
     (twice >> 1).wrapping_add(twice & 1)
 }

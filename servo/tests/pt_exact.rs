@@ -7,7 +7,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::piece::Scaled;
 use servo::profile::State;
-use servo::pt::{Chain, Feed, Place, PtRun, Refused, Segment, Segments};
+use servo::pt::{Chain, Feed, Place, PtRun, Refused, Segment, SegmentStore, Segments};
 use servo::units::{Exact, Ns, Pos};
 
 mod chance;
@@ -17,11 +17,16 @@ const MS: u64 = 1_000_000;
 /// Fraction bits of the reference.
 const BITS: usize = 320;
 
-struct Store(Vec<[u32; 3]>);
+struct Store(Vec<Segment>);
+
+/// What a slot holds that nobody has written.
+fn unwritten() -> Segment {
+    SegmentStore::new().segment(0)
+}
 
 impl Segments for Store {
-    fn segment(&self, slot: u32) -> [u32; 3] {
-        self.0.get(slot as usize).copied().unwrap_or_default()
+    fn segment(&self, slot: u32) -> Segment {
+        self.0.get(slot as usize).copied().unwrap_or_else(unwritten)
     }
 }
 
@@ -103,7 +108,7 @@ impl Truth {
 }
 
 /// Admits data until one is refused; what is refused is drawn again as something slower.
-fn draw(chance: &mut Chance, count: usize, longest: f64) -> (Vec<Datum>, Vec<[u32; 3]>) {
+fn draw(chance: &mut Chance, count: usize, longest: f64) -> (Vec<Datum>, Vec<Segment>) {
     let (mut data, mut words) = (Vec::new(), Vec::new());
     let mut chain = Chain::default();
     let (mut pos, mut time) = (0f64, 0i64);
@@ -126,7 +131,7 @@ fn draw(chance: &mut Chance, count: usize, longest: f64) -> (Vec<Datum>, Vec<[u3
             if let Ok((segment, next)) = Segment::admit(target.to_bits(), end as i32, kind, &chain) {
                 (chain, pos, time) = (next, target, end);
                 data.push(datum);
-                words.push(segment.words());
+                words.push(segment);
                 break;
             }
         }
@@ -158,7 +163,7 @@ fn compare(chance: &mut Chance, count: usize, longest: f64, origin: Exact, dynam
     } else {
         (Place::Static { base: 1024 }, u32::MAX, 1)
     };
-    let mut store = Store(vec![[0; 3]; 2048]);
+    let mut store = Store(vec![unwritten(); 2048]);
     for (i, w) in words.iter().enumerate() {
         let slot = if dynamic { first.wrapping_add(i as u32) & mask } else { 1024 + i as u32 };
         store.0[slot as usize] = *w;
@@ -294,7 +299,7 @@ fn admit_all(data: &[(f64, i32, i16)]) -> Store {
             .map(|&(pos, time, kind)| {
                 let (segment, next) = Segment::admit(pos.to_bits(), time, kind, &chain).unwrap();
                 chain = next;
-                segment.words()
+                segment
             })
             .collect(),
     )

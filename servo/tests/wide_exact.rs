@@ -108,6 +108,11 @@ fn reals_keep_sixty_bits() {
         let root = (BigUint::from(a) << 128usize).sqrt();
         near(x.scale(128).sqrt(), &root, &one, "sqrt");
         near(x.scale(129).sqrt(), &(BigUint::from(a) << 129usize).sqrt(), &one, "sqrt, odd");
+        // 1/sqrt: its square times x is 1.
+        for x in [x, x.scale(1)] {
+            let inverse = x.rsqrt();
+            assert!(inverse.mul(inverse).mul(x).sub(Real::ONE).width() <= -55, "{x:?}");
+        }
         let signed = Exact(((chance.next() as i128) << 40) >> (chance.next() % 100));
         if signed.0.unsigned_abs() >> 64 == 0 {
             assert_eq!(Real::from_exact(signed).to_exact(), signed);

@@ -9,9 +9,8 @@ use protocol::command::{
     opcode,
 };
 use protocol::reason::{Reason, Refusal};
-use ring::Store;
 use servo::op::{Mode, Op};
-use servo::pt::{self, Segment};
+use servo::pt::{self, Segment, SegmentStore};
 use servo::units::{Axis, AxisMask};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
@@ -139,7 +138,7 @@ pub struct Written {
 /// where the tick does not look, so a refusal half-way has changed nothing.
 pub fn data<const AXES: usize>(
     case: &Case<AXES>,
-    stores: &[Store<3, 2048>; AXES],
+    stores: &[SegmentStore; AXES],
     number: u16,
     body: &[u8],
 ) -> Admitted<Written> {
@@ -168,7 +167,7 @@ pub fn data<const AXES: usize>(
 
 fn push<const AXES: usize>(
     case: &Case<AXES>,
-    stores: &[Store<3, 2048>; AXES],
+    stores: &[SegmentStore; AXES],
     (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
     items: &[PtItem],
 ) -> Admitted<Written> {
@@ -192,7 +191,7 @@ fn push<const AXES: usize>(
         let bits = u64::from_le_bytes(item.pos.to_bytes());
         match Segment::admit(bits, item.time_ms.get(), i16::from(item.kind), &chain) {
             Ok((segment, next)) => {
-                store.write(slot, segment.words());
+                store.write(slot, segment);
                 slot = slot.wrapping_add(1);
                 chain = next;
             }

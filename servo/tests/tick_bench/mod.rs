@@ -214,7 +214,7 @@ impl Bench {
         let (chain, count) = &mut self.chains[index][fifo as usize];
         for (pos, time, kind) in segments {
             let (segment, next) = Segment::admit(pos.to_bits(), *time, *kind, chain).unwrap();
-            self.lanes.segments[index].write(fifo as u32 * 1024 + *count, segment.words());
+            self.lanes.segments[index].write(fifo as u32 * 1024 + *count, segment);
             *chain = next;
             *count += 1;
         }

@@ -128,7 +128,7 @@ impl Bench {
             let position = f64::from(place) + 0.37;
             let admitted = Segment::admit(position.to_bits(), k as i32 * SEGMENT_MS, kind, &chain);
             let Ok((segment, next)) = admitted else { panic!("segment {k} is refused: {admitted:?}") };
-            STORES[axis.index()].write(k - 1, segment.words());
+            STORES[axis.index()].write(k - 1, segment);
             chain = next;
         }
     }

@@ -1,0 +1,476 @@
+//! A ramp motion that runs.
+//!
+//! In: where the axis is, targets and rates; instants. Out: a [`Step`] a tick. Owns: the leg in force,
+//! its stretches of constant jerk, the piece of the stretch. A leg is computed when it is entered.
+//!
+//! A piece is parameterised over a power of two of ms, not over its own length: its coefficients are
+//! the velocity, the acceleration and the jerk but for shifts, and 1/length is a constant.
+use super::plan::{Means, Trapezoid};
+use super::rate::{Accel, Rate, Speed};
+use crate::piece::{Motion, Piece, Recip, Scaled};
+use crate::profile::{State, Step};
+use crate::real::Real;
+use crate::units::{Exact, Ns};
+use crate::wide::umulhi;
+
+/// Where an axis is when a ramp begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Moving {
+    /// Position.
+    pub pos: Exact,
+    /// Velocity, pulse/ms.
+    pub velocity: Scaled,
+}
+
+/// Time in 2⁻³² ns.
+type Fine = u128;
+
+/// What is done once the present leg has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Next {
+    /// A ramp to 0.
+    Halt,
+    /// A Trap at rest or on its way decides how fast it can go.
+    Aim,
+    /// A ramp to the peak.
+    Ramp,
+    /// A cruise at the peak: of a Jog for ever, of a Trap until it must brake.
+    Cruise,
+    /// A Trap's ramp to 0, which ends on the target.
+    Brake,
+    /// Nothing: the motion has ended.
+    Over,
+}
+
+/// Which motion it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Jog,
+    Trap,
+    Stop,
+}
+
+/// How a velocity ramp takes its time.
+#[derive(Debug, Clone, Copy)]
+enum Shape {
+    /// Acceleration in steps.
+    Plain,
+    /// An edge takes `half` of the ramp; the acceleration between them is `gain` = 1/(1 − half) of the rate.
+    Percent { half: Real, gain: Real },
+    /// Moving average of this length, ms, and 1/length.
+    Average { wait: Real, inverse: Real },
+}
+
+/// A stretch of constant jerk within a leg.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    begin: Fine,
+    len: Fine,
+    /// Of its pieces already loaded, the end.
+    done: Fine,
+    /// At `begin`: velocity, acceleration; a sixth of the jerk.
+    v: Real,
+    a: Real,
+    j: Real,
+    /// Pieces are parameterised over 2^reach ms.
+    reach: i32,
+}
+
+/// What the second and third stretch of a ramp with edges need; they begin and end at the knots.
+#[derive(Debug, Clone, Copy)]
+struct Edged {
+    /// Stretches to come.
+    left: u8,
+    /// Velocity at the end, acceleration between the edges, a sixth of the jerk in the first.
+    v1: Real,
+    top: Real,
+    sixth: Real,
+    /// Velocity gained in an edge, and the way by it.
+    gained: Real,
+    way: Real,
+    /// An edge, ms.
+    edge: Real,
+    /// |velocity| < 2^width.
+    width: i32,
+    /// Where the ramp began.
+    from: Exact,
+}
+
+/// A ramp motion that runs.
+#[derive(Debug, Clone, Copy)]
+pub struct RampRun {
+    piece: Piece,
+    kind: Kind,
+    next: Next,
+    /// Where, when and how fast the next leg begins.
+    knot: Exact,
+    time: Fine,
+    v: Real,
+    /// Velocity after the next ramp; of a Trap that has not aimed yet, the magnitude of the speed.
+    peak: Real,
+    /// Whether that ramp takes `acc`.
+    faster: bool,
+    /// Speed that a Trap from rest begins with.
+    jump: Scaled,
+    target: i32,
+    acc: Accel,
+    dec: Accel,
+    shape: Shape,
+    /// Where the next piece begins.
+    pos: Exact,
+    stretch: Stretch,
+    edged: Edged,
+}
+
+/// Pieces a tick may step over: four legs of three stretches, each in one piece where it is so short.
+const PIECES_PER_TICK: u32 = 16;
+/// A piece goes less than 2³⁷ pulses and lasts at most 2³⁰ ms; shorter ones than 2 ns need no more than that.
+const REACH: i32 = 35;
+const LONGEST: i32 = 30;
+const SHORTEST: i32 = -19;
+/// 10⁶ has 44 leading zeros; 1/(2^k ms) has this mantissa and a shift of 44 − k.
+const MS_RECIP: u64 = (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64;
+
+fn fine(ms: Real) -> Fine {
+    ms.mul(Real::MS).to_fixed(0).unsigned_abs().min(1 << 96)
+}
+
+fn ms(time: Fine) -> Real {
+    Real::from_fixed(time, 0).mul(Real::FINE)
+}
+
+const STILL: Stretch = Stretch { begin: 0, len: 0, done: 0, v: Real::ZERO, a: Real::ZERO, j: Real::ZERO, reach: 0 };
+const NO_EDGES: Edged = Edged {
+    left: 0,
+    v1: Real::ZERO,
+    top: Real::ZERO,
+    sixth: Real::ZERO,
+    gained: Real::ZERO,
+    way: Real::ZERO,
+    edge: Real::ZERO,
+    width: 0,
+    from: Exact(0),
+};
+
+impl RampRun {
+    #[inline(always)]
+    fn new(kind: Kind, now: Ns, from: Moving, shape: Shape) -> RampRun {
+        RampRun {
+            piece: Piece { begin: now, span: 0, start: from.pos.round(), motion: Motion::REST },
+            kind,
+            next: Next::Over,
+            knot: from.pos,
+            time: (now.0 as Fine) << 32,
+            v: Real::from_scaled(from.velocity),
+            peak: Real::ZERO,
+            faster: true,
+            jump: Scaled { m: 0, e: 0 },
+            target: 0,
+            acc: Accel::default(),
+            dec: Accel::default(),
+            shape,
+            pos: from.pos,
+            stretch: STILL,
+            edged: NO_EDGES,
+        }
+    }
+
+    /// Velocity goes to `target` with `acc` when speeding up and `dec` (or `acc`, if `dec` is 0)
+    /// when slowing down, through 0 first where the sign changes, and stays there for ever.
+    /// A target of 0 ends the motion. `smooth` in 2⁻¹⁶.
+    pub fn jog(now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) -> RampRun {
+        let shape = if smooth == 0 {
+            Shape::Plain
+        } else {
+            let gain = Real::new(false, (1 << 17) - smooth as u64, -17).recip();
+            Shape::Percent { half: Real::new(false, smooth as u64, -17), gain }
+        };
+        let mut run = RampRun::new(Kind::Jog, now, from, shape);
+        (run.acc, run.dec) = (acc, if dec.is_zero() { acc } else { dec });
+        run.peak = target.real();
+        let turns = run.peak.is_zero() || run.v.is_negative() != run.peak.is_negative();
+        run.next = if turns && !run.v.is_zero() { Next::Halt } else { Next::Ramp };
+        run.faster = run.next == Next::Halt || run.v.abs().is_less(run.peak.abs());
+        run
+    }
+
+    /// Linear deceleration to exactly 0.
+    pub fn stop(now: Ns, from: Moving, dec: Accel) -> RampRun {
+        let mut run = RampRun::new(Kind::Stop, now, from, Shape::Plain);
+        run.dec = dec;
+        run.next = if run.v.is_zero() { Next::Over } else { Next::Halt };
+        run
+    }
+
+    /// A trapezoid to the target, planned from the present velocity: back, if it is overshot.
+    pub fn trap(now: Ns, from: Moving, to: &Trapezoid) -> RampRun {
+        let shape = if to.smooth.0 == 0 {
+            Shape::Plain
+        } else {
+            let wait = ms((to.smooth.0 as Fine) << 32);
+            Shape::Average { wait, inverse: wait.recip() }
+        };
+        let mut run = RampRun::new(Kind::Trap, now, from, shape);
+        (run.acc, run.dec) = (to.acc, to.dec);
+        (run.target, run.peak, run.jump) = (to.target, to.speed.real().abs(), to.vel_start.0);
+        run.next = Next::Aim;
+        if !run.v.is_zero() {
+            let ahead = Real::from_exact(Exact(run.way()));
+            let past = ahead.is_zero() || ahead.is_negative() != run.v.is_negative() || run.peak.is_zero();
+            if past || ahead.abs().scale(1).is_less(run.means().stop(run.v.abs())) {
+                run.next = Next::Halt;
+            }
+        }
+        run
+    }
+
+    /// The motion at `now`, which must not go back between calls.
+    #[inline]
+    pub fn step(&mut self, now: Ns) -> Step {
+        if self.piece.elapsed(now) >= self.piece.span
+            && let state @ State::Ended { at } = self.turn(now)
+        {
+            return Step { pos: at.round(), motion: Motion::REST, state };
+        }
+        let (pos, tau) = self.piece.at(self.piece.held(now));
+        Step { pos, motion: self.piece.motion(tau), state: State::Running }
+    }
+
+    /// The piece in force, as far as the last step or turn saw.
+    #[inline(always)]
+    pub fn piece(&self) -> &Piece {
+        &self.piece
+    }
+
+    /// The piece is over at `now`: on to the one that holds it, or to the end.
+    pub fn turn(&mut self, now: Ns) -> State {
+        if self.go_on(now) { State::Running } else { State::Ended { at: self.pos } }
+    }
+
+    /// On to the piece that holds `now`; false at the end.
+    #[inline(never)]
+    fn go_on(&mut self, now: Ns) -> bool {
+        for _ in 0..PIECES_PER_TICK {
+            if !self.advance() {
+                return false;
+            }
+            if self.piece.elapsed(now) < self.piece.span {
+                break;
+            }
+        }
+        true
+    }
+
+    /// Loads the next piece; false at the end.
+    fn advance(&mut self) -> bool {
+        while self.stretch.done >= self.stretch.len {
+            if self.edged.left > 0 {
+                self.next_stretch();
+            } else if !self.next_leg() {
+                return false;
+            }
+        }
+        self.load_piece();
+        true
+    }
+
+    /// Enters the next leg, if it has any length; false at the end. What has ended, ends on its knot.
+    fn next_leg(&mut self) -> bool {
+        self.pos = self.knot;
+        match self.next {
+            Next::Halt => {
+                self.next = match self.kind {
+                    Kind::Jog => Next::Ramp,
+                    Kind::Trap => Next::Aim,
+                    Kind::Stop => Next::Over,
+                };
+                self.ramp(Real::ZERO, self.dec.rate(), None);
+            }
+            Next::Aim => self.aim(),
+            Next::Ramp => {
+                self.next = Next::Cruise;
+                let rate = if self.faster { self.acc } else { self.dec };
+                self.ramp(self.peak, rate.rate(), None);
+            }
+            Next::Cruise => self.cruise(),
+            Next::Brake => {
+                self.next = Next::Over;
+                self.ramp(Real::ZERO, self.dec.rate(), Some(Exact(self.way())));
+            }
+            Next::Over => return false,
+        }
+        true
+    }
+
+    /// Of a Trap, how far the target is.
+    fn way(&self) -> i128 {
+        ((self.target as i128) << 64).wrapping_sub(self.knot.0)
+    }
+
+    fn means(&self) -> Means {
+        let wait = if let Shape::Average { wait, .. } = self.shape { wait } else { Real::ZERO };
+        Means { acc: self.acc.rate(), dec: self.dec.rate(), wait }
+    }
+
+    /// A Trap that goes towards its target, or rests: to the peak that the way allows.
+    fn aim(&mut self) {
+        let way = Real::from_exact(Exact(self.way()));
+        if way.is_zero() || self.peak.is_zero() {
+            self.next = Next::Over;
+            return;
+        }
+        let (back, length) = (way.is_negative(), way.abs());
+        let signed = |x: Real| if back { x.negate() } else { x };
+        let means = self.means();
+        let mut u = self.v.abs();
+        if u.is_zero() && self.jump.m != 0 {
+            let jump = Real::from_scaled(self.jump).abs();
+            let jump = if self.peak.is_less(jump) { self.peak } else { jump };
+            if !length.scale(1).is_less(means.stop(jump)) {
+                u = jump;
+                self.v = signed(u);
+            }
+        }
+        let (peak, faster) = means.peak(u, self.peak, length);
+        (self.peak, self.faster, self.next) = (signed(peak), faster, Next::Ramp);
+    }
+
+    /// At the peak: on for ever, or until a Trap must brake.
+    fn cruise(&mut self) {
+        let v = self.peak;
+        let mut len = Fine::MAX >> 8;
+        let mut span = LONGEST;
+        if self.kind == Kind::Jog {
+            self.next = if v.is_zero() { Next::Over } else { Next::Cruise };
+            if v.is_zero() {
+                return;
+            }
+        } else {
+            self.next = Next::Brake;
+            let stop = self.means().stop(v.abs()).scale(-1).to_exact().0;
+            let way = self.way();
+            let cruise = way.wrapping_sub(if v.is_negative() { -stop } else { stop });
+            // In a triangle what is left is a rounding, which the last ramp takes.
+            if (cruise < 0) != v.is_negative() || cruise.unsigned_abs() >> 32 == 0 {
+                return;
+            }
+            let time = Real::from_exact(Exact(cruise)).div(v);
+            (len, span) = (fine(time), time.width());
+            self.knot = Exact(self.knot.0.wrapping_add(cruise));
+        }
+        let stretch = Stretch { len, v, ..STILL };
+        self.begin(stretch, span, v.width());
+        self.time = self.time.wrapping_add(len);
+    }
+
+    /// The first stretch of a leg, which lasts less than 2^`span` ms at less than 2^`width` pulse/ms.
+    fn begin(&mut self, stretch: Stretch, span: i32, width: i32) {
+        let reach = span.min(REACH - width).clamp(SHORTEST, LONGEST);
+        self.stretch = Stretch { begin: self.time, reach, ..stretch };
+    }
+
+    /// Enters a ramp to `v1`; `way` is how far it goes, if that does not follow from its duration.
+    fn ramp(&mut self, v1: Real, rate: Rate, way: Option<Exact>) {
+        let v0 = self.v;
+        let change = v1.sub(v0);
+        self.v = v1;
+        if change.is_zero() {
+            return;
+        }
+        let along = rate.along(change.is_negative());
+        let plain = change.abs().mul(rate.inverse);
+        let (len, edge, top, jerk) = match self.shape {
+            Shape::Plain => (plain, Real::ZERO, along, Real::ZERO),
+            Shape::Percent { half, gain } => {
+                let (edge, top) = (plain.mul(half), along.mul(gain));
+                (plain, edge, top, top.mul(edge.recip()))
+            }
+            Shape::Average { wait, inverse } => {
+                let jerk = along.mul(inverse);
+                let long = !plain.is_less(wait);
+                let (edge, top) = if long { (wait, along) } else { (plain, change.mul(inverse)) };
+                (plain.add(wait), edge, top, jerk)
+            }
+        };
+        let way = way.unwrap_or_else(|| v0.add(v1).mul(len).scale(-1).to_exact());
+        let total = fine(len);
+        let width = v0.width().max(v1.width());
+        if edge.is_zero() {
+            self.begin(Stretch { len: total, v: v0, a: top, ..STILL }, len.width(), width);
+        } else {
+            let (sixth, gained) = (jerk.mul(Real::SIXTH), top.mul(edge).scale(-1));
+            let gain = gained.mul(edge).mul(Real::THIRD);
+            self.begin(Stretch { len: fine(edge), v: v0, j: sixth, ..STILL }, edge.width(), width);
+            self.edged = Edged { left: 2, v1, top, sixth, gained, way: gain, edge, width, from: self.knot };
+        }
+        self.knot = Exact(self.knot.0.wrapping_add(way.0));
+        self.time = self.time.wrapping_add(total);
+    }
+
+    /// The stretch between the edges, which may have no length, or the last edge.
+    fn next_stretch(&mut self) {
+        let Edged { left, v1, top, sixth, gained, way, edge, width, from } = self.edged;
+        let s = &mut self.stretch;
+        s.begin += s.len;
+        s.done = 0;
+        let limit = REACH - width;
+        if left == 2 {
+            // The way of the first edge: what its first velocity gives, and what is gained.
+            self.pos = Exact(from.0.wrapping_add(s.v.mul(edge).add(way).to_exact().0));
+            s.len = self.time.saturating_sub(s.begin).saturating_sub(s.len);
+            (s.v, s.a, s.j) = (s.v.add(gained), top, Real::ZERO);
+            // A ms is not quite 2^52 of 2^-32 ns.
+            s.reach = (77 - s.len.leading_zeros() as i32).min(limit).clamp(SHORTEST, LONGEST);
+        } else {
+            self.pos = Exact(self.knot.0.wrapping_sub(v1.mul(edge).sub(way).to_exact().0));
+            s.len = self.time.saturating_sub(s.begin);
+            (s.v, s.j) = (v1.sub(gained), sixth.negate());
+            s.reach = edge.width().min(limit).clamp(SHORTEST, LONGEST);
+        }
+        self.edged.left = left - 1;
+    }
+
+    /// The next piece of the stretch: all of it, or 2^reach ms.
+    fn load_piece(&mut self) {
+        let s = &mut self.stretch;
+        let (mut v, mut a) = (s.v, s.a);
+        if s.done != 0 {
+            let t = ms(s.done);
+            let bend = s.j.mul(t).mul(Real::THREE);
+            v = v.add(a.add(bend).mul(t));
+            a = a.add(bend.scale(1));
+        }
+        let k = s.reach;
+        let (c1, c2, c3) = (v.scale(k), a.scale(2 * k - 1), s.j.scale(3 * k));
+        let width = c1.width().max(c2.width()).max(c3.width());
+        let frac = (60 - width).clamp(0, 84);
+        let left = s.len - s.done;
+        let start = self.pos.round();
+        // 2^k ms.
+        let whole = ((15_625u64 << (k - SHORTEST)) as Fine) << 19;
+        let len = if left > whole {
+            self.pos = Exact(self.pos.0.wrapping_add(c1.add(c2).add(c3).to_exact().0));
+            whole
+        } else {
+            left
+        };
+        let begin = s.begin + s.done;
+        let first = (begin + 0xffff_ffff) >> 32;
+        let last = (begin + len + 0xffff_ffff) >> 32;
+        s.done += len;
+        let recip = Recip { m: MS_RECIP, shift: (44 - k) as u32 };
+        // τ at `first`, less than 1 ns behind `begin`.
+        let offset = ((begin as u32).wrapping_neg() as u64) << 32 >> 1 >> (63 - recip.shift);
+        self.piece = Piece {
+            begin: Ns(first as u64),
+            span: (last - first) as u64,
+            start,
+            motion: Motion {
+                c: [c1.to_i64(frac), c2.to_i64(frac), c3.to_i64(frac)],
+                frac: frac as u32,
+                tau: offset.saturating_add(umulhi(offset, recip.m)),
+                recip,
+            },
+        };
+    }
+}
