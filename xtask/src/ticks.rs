@@ -37,10 +37,12 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`: what taking a full frame costs, divided by its segments.
 const LANES: [&str; 2] = ["immediate", "program"];
 
-const MARKS: [(&str, &str); 7] = [
+const MARKS: [(&str, &str); 9] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
+    ("pvt-inside", "PVT, no segment change"),
+    ("pvt-change", "PVT, every axis enters another segment"),
     ("start", "all axes start"),
     ("set", "servo on, mode, loop and commit for every axis"),
     ("immediate", "host byte to ring per segment, batched"),
@@ -122,7 +124,7 @@ fn row(mut counts: Vec<u32>) -> Row {
 
 fn shown(table: &Table) -> String {
     let mut text = String::from(
-        "| axes running PT | tick | best | typical | worst | ticks or frames counted |\n| --- | --- | --- | --- | --- | --- |\n",
+        "| axes running (PT, where PVT is not named) | tick | best | typical | worst | ticks or frames counted |\n| --- | --- | --- | --- | --- | --- |\n",
     );
     for (mark, words) in MARKS {
         for ((axes, _), row) in table.iter().filter(|((_, m), _)| *m == mark) {

@@ -5,7 +5,7 @@
 //! Out, by semihosting: one line a tick, `CASE MARK COUNT`, with COUNT in periods of the 25 MHz SysTick
 //! (40 ns; `xtask` turns them into instructions, of which each takes 2^shift ns), the cost of the
 //! reading itself taken off. MARK says what the tick did: `start` (it executed the commands), `change`
-//! (every running axis entered another segment), `inside` (none did), `idle`.
+//! (every running axis entered another segment), `inside` (none did), `idle`; with `pvt-` before it in PVT.
 //!
 //! The machine under the tick only stores what it is told: what is counted is the tick alone.
 use core::hint::black_box;
@@ -13,8 +13,9 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{debug, hprintln};
+use dispatcher::tables::{Draft, Fields, Kind, Scratch};
 use hal as _; // the vector table
-use probes::{AXES, STORES, Thread};
+use probes::{AXES, STORES, TABLE_STORES, Thread};
 use servo::op::{Entry, Mode, Op};
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
@@ -110,11 +111,15 @@ impl Bench {
 
     /// One counted tick, printed.
     fn step(&mut self, case: &str, mark: Option<&str>) {
+        self.step_of(case, mark, ["change", "inside"]);
+    }
+
+    fn step_of(&mut self, case: &str, mark: Option<&str>, [change, inside]: [&str; 2]) {
         let before = *self.thread.view.read();
         let count = self.count(tick).saturating_sub(self.reading);
         let after = self.thread.view.read();
         let changed = before.axes[0].motion.c != after.axes[0].motion.c;
-        let mark = mark.unwrap_or(if changed { "change" } else { "inside" });
+        let mark = mark.unwrap_or(if changed { change } else { inside });
         hprintln!("{} {} {}", case, mark, count);
         while self.thread.events.pop().is_some() {}
     }
@@ -131,6 +136,46 @@ impl Bench {
             STORES[axis.index()].write(k - 1, segment);
             chain = next;
         }
+    }
+
+    /// Gives an axis a table of its own: as many segments, of the same length.
+    fn load_table(&mut self, axis: Axis, scratch: &mut Scratch) {
+        let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
+        let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, true, scratch);
+        let Ok(mut draft) = draft else { panic!("the table is refused") };
+        for k in 0..=SEGMENTS {
+            let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
+            let vel = f64::from(k % 7) - 3.1;
+            let point = [f64::from(k * SEGMENT_MS as u32), f64::from(place) + 0.37, vel];
+            assert!(draft.point(&point, scratch).is_ok(), "point {k} is refused");
+        }
+        let Some(Ok(sealed)) = draft.finish(scratch) else { panic!("the table is refused") };
+        for index in 0..sealed.places() {
+            TABLE_STORES.write_place(table, index, sealed.place(scratch, index).unwrap_or_default());
+        }
+        TABLE_STORES.write_header(table, sealed.header().admit().unwrap_or_default());
+    }
+
+    fn run_tables(&mut self, case: &str, running: usize, scratch: &mut Scratch) {
+        let mut axes = AxisMask(0);
+        for axis in (0..running).filter_map(Axis::new) {
+            self.load_table(axis, scratch);
+            axes.0 |= axis.mask().0;
+            self.push(Op::Servo { axis, on: true });
+            self.push(Op::SetMode { axis, mode: Mode::Pvt });
+            self.push(Op::PvtLoop { axis, passes: 0 });
+            self.push(Op::PvtSelect { axis, table: axis.index() as u8 });
+        }
+        self.step(case, Some("pvt-set"));
+        self.push(Op::PvtStart { axes });
+        self.step(case, Some("pvt-start"));
+        let now = *self.thread.view.read();
+        assert!(now.axes.iter().take(running).all(|a| a.table_until.0 == u64::MAX), "an axis does not run");
+        for _ in 0..TICKS {
+            self.step_of(case, None, ["pvt-change", "pvt-inside"]);
+        }
+        self.push(Op::Reset { axes });
+        self.step(case, Some("reset"));
     }
 
     fn run(&mut self, case: &str, running: usize) {
@@ -174,6 +219,10 @@ fn main() -> ! {
     bench.reading = bench.count(nothing);
     for (case, running) in [("0", 0), ("1", 1), ("8", 8)] {
         bench.run(case, running);
+    }
+    let mut scratch = Scratch::new();
+    for (case, running) in [("1", 1), ("8", 8)] {
+        bench.run_tables(case, running, &mut scratch);
     }
     debug::exit(debug::EXIT_SUCCESS);
     loop {
