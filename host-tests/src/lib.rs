@@ -1,1 +1,1 @@
-
+//! Tests across the seams of the rooms: see `tests/`.
