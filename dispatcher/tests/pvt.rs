@@ -90,7 +90,8 @@ fn chunks_out_of_order_begin_again_with_the_first() {
     let answer = bench.call_items(table(2, 3, 0), &points(&all));
     assert_eq!((answer.code, answer.reason()), (7, Reason::TooMany));
     // Half a point, and none.
-    let tag = bench.post_raw(opcode::PvtTable, Lane::Immediate, &[body(table(2, 6, 0), &points(&all)), vec![0; 8]].concat());
+    let tag =
+        bench.post_raw(opcode::PvtTable, Lane::Immediate, &[body(table(2, 6, 0), &points(&all)), vec![0; 8]].concat());
     assert_eq!(bench.wait(tag).reason(), Reason::Length);
     assert_eq!(bench.call_items(table(2, 6, 0), &[]).reason(), Reason::Length);
 }
@@ -137,9 +138,14 @@ fn bad_points_are_named_and_change_nothing() {
 fn bad_percentages_and_limits() {
     let mut bench = ready(1);
     let percent = |percent: f64| {
-        [(0.0, 0.0), (1.0, 1.0)].map(|(time, pos)| PvtPercentPoint { time: f64::into(time), pos: f64::into(pos), percent: percent.into() })
+        [(0.0, 0.0), (1.0, 1.0)].map(|(time, pos)| PvtPercentPoint {
+            time: f64::into(time),
+            pos: f64::into(pos),
+            percent: percent.into(),
+        })
     };
-    let head = PvtTablePercent { core: 1.into(), table: 1.into(), count: 2.into(), first: 0.into(), vel_begin: 0.0.into() };
+    let head =
+        PvtTablePercent { core: 1.into(), table: 1.into(), count: 2.into(), first: 0.into(), vel_begin: 0.0.into() };
     for bad in [101.0, -1.0, f64::NAN] {
         let answer = bench.call_items(head, &percent(bad));
         assert_eq!((answer.code, answer.refusal().field, answer.refusal().item.get()), (7, 7, 0), "{bad}");
@@ -159,7 +165,13 @@ fn bad_percentages_and_limits() {
             dec: 0.01.into(),
         })
     };
-    let head = PvtTableContinuous { core: 1.into(), table: 1.into(), count: 2.into(), first: 0.into(), time_begin: 0.0.into() };
+    let head = PvtTableContinuous {
+        core: 1.into(),
+        table: 1.into(),
+        count: 2.into(),
+        first: 0.into(),
+        time_begin: 0.0.into(),
+    };
     for (points, reason, field) in [
         (way(0.0, -0.01, 1000.0), Reason::OutOfRange, 9),
         (way(0.0, 0.0, 1000.0), Reason::OutOfRange, 9),
@@ -297,10 +309,22 @@ fn loops_accumulate_and_both_counts_are_told() {
 fn the_calculate_commands_answer_what_the_manual_prints() {
     let mut bench = Bench::gus();
     // Table 4-11.
-    let x: [(f64, f64); 7] =
-        [(0.0, 0.0), (1000.0, 5000.0), (2000.0, 15000.0), (3000.0, 20000.0), (4000.0, 15000.0), (5000.0, 5000.0), (6000.0, 0.0)];
+    let x: [(f64, f64); 7] = [
+        (0.0, 0.0),
+        (1000.0, 5000.0),
+        (2000.0, 15000.0),
+        (3000.0, 20000.0),
+        (4000.0, 15000.0),
+        (5000.0, 5000.0),
+        (6000.0, 0.0),
+    ];
     let points = x.map(|(time, pos)| PvtPercentPoint { time: time.into(), pos: pos.into(), percent: 60.0.into() });
-    let head = |first: u16| PvtPercentCalculate { core: 1.into(), count: 7.into(), first: first.into(), vel_begin: 0.0.into() };
+    let head = |first: u16| PvtPercentCalculate {
+        core: 1.into(),
+        count: 7.into(),
+        first: first.into(),
+        vel_begin: 0.0.into(),
+    };
     let values = |answer: &bench::Answer| -> Vec<f64> {
         answer.items::<PvtPercentCalculate>().iter().map(|item| item.value.get()).collect()
     };

@@ -7,8 +7,8 @@ use dispatcher::Server;
 use embassy_executor::raw;
 use ring::{Latest, Ring};
 use servo::op::Entry;
-use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES};
+use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore};
 use servo::view::{Event, Sample, View};
 use static_cell::StaticCell;
 

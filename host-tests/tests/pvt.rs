@@ -27,8 +27,10 @@ fn mode(axis: i16) -> Call {
 
 fn table(number: i16, points: &[(f64, f64, f64)]) -> Call {
     let head = PvtTable { core: 1.into(), table: number.into(), count: (points.len() as i32).into(), first: 0.into() };
-    let items: Vec<PvtPoint> =
-        points.iter().map(|&(time, pos, vel)| PvtPoint { time: time.into(), pos: pos.into(), vel: vel.into() }).collect();
+    let items: Vec<PvtPoint> = points
+        .iter()
+        .map(|&(time, pos, vel)| PvtPoint { time: time.into(), pos: pos.into(), vel: vel.into() })
+        .collect();
     Call::with_items(head, &items)
 }
 
@@ -100,7 +102,8 @@ fn shown(pos: f64) -> String {
 }
 
 /// Table 4-2.
-const DELAYED: [(f64, f64, f64); 4] = [(1000.0, 0.0, 0.0), (2000.0, 5000.0, 10.0), (3000.0, 15000.0, 10.0), (4000.0, 20000.0, 0.0)];
+const DELAYED: [(f64, f64, f64); 4] =
+    [(1000.0, 0.0, 0.0), (2000.0, 5000.0, 10.0), (3000.0, 15000.0, 10.0), (4000.0, 20000.0, 0.0)];
 
 #[test]
 fn table_4_2_starts_late_and_loops_without_its_delay() {

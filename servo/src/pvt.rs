@@ -69,7 +69,12 @@ impl PvtRun {
         let header = Header::from_words(source.header(table));
         let began = ((now.0 as u128) << 64).wrapping_add(header.delay);
         PvtRun {
-            piece: Piece { begin: now, span: ceil(began).wrapping_sub(now.0), start: origin.round(), ..Piece::default() },
+            piece: Piece {
+                begin: now,
+                span: ceil(began).wrapping_sub(now.0),
+                start: origin.round(),
+                ..Piece::default()
+            },
             header,
             table,
             pending: None,
@@ -319,12 +324,7 @@ impl PvtRun {
             begin: Ns(begin),
             span: ceil(until).wrapping_sub(begin),
             start: Exact(self.origin.0.wrapping_add(knot)).round(),
-            motion: Motion {
-                c: [w0, c2, c3],
-                frac: header.frac() as u32 & 127,
-                tau,
-                recip: Recip { m, shift },
-            },
+            motion: Motion { c: [w0, c2, c3], frac: header.frac() as u32 & 127, tau, recip: Recip { m, shift } },
         }
     }
 }

@@ -10,8 +10,8 @@
 use crate::axis::AxisState;
 use crate::op::{Entry, Lane, Op};
 use crate::port::Port;
-use crate::pt::{Segment, Segments};
 pub use crate::pt::{SEGMENTS, SegmentStore};
+use crate::pt::{Segment, Segments};
 use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
 use crate::script::Script;
 use crate::trace::Trace;

@@ -65,7 +65,11 @@ pub fn status<const AXES: usize>(case: &mut Case<AXES>, r: &PvtStatus) -> Admitt
 }
 
 fn not_empty<const AXES: usize>(case: &Case<AXES>, axis: Axis, table: u8) -> Admitted<()> {
-    if case.books.is_filled(table) { Ok(()) } else { Err(case.no(Reason::TableEmpty, axis).got(number_of(table).into())) }
+    if case.books.is_filled(table) {
+        Ok(())
+    } else {
+        Err(case.no(Reason::TableEmpty, axis).got(number_of(table).into()))
+    }
 }
 
 /// At rest any table, which may be filled later; while the axis runs one that it can go on with.

@@ -70,7 +70,8 @@ impl<'b> Chunk<'b> {
         macro_rules! chunk {
             ($name:ident, |$r:ident| $kind:expr, $table:expr, [$count:literal, $whole:literal, $point:literal]) => {{
                 let ($r, points) = head::<$name>(body)?;
-                let key = Key { opcode: number, core: $r.core.get(), table: $table, count: $r.count.get(), kind: $kind };
+                let key =
+                    Key { opcode: number, core: $r.core.get(), table: $table, count: $r.count.get(), kind: $kind };
                 let fields = Fields { count: $count, whole: $whole, point: $point };
                 Chunk { key, first: $r.first.get(), fields, points, len: body.len() }
             }};
@@ -88,7 +89,12 @@ impl<'b> Chunk<'b> {
                 chunk!(PvtTablePercent, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, r.table.get(), [2, 4, 5])
             }
             opcode::PvtTableContinuous => {
-                chunk!(PvtTableContinuous, |r| Kind::Continuous { time_begin: r.time_begin.get() }, r.table.get(), [2, 4, 5])
+                chunk!(
+                    PvtTableContinuous,
+                    |r| Kind::Continuous { time_begin: r.time_begin.get() },
+                    r.table.get(),
+                    [2, 4, 5]
+                )
             }
             opcode::PvtPercentCalculate => {
                 chunk!(PvtPercentCalculate, |r| Kind::Percent { vel_begin: r.vel_begin.get() }, 0, [1, 3, 4])

@@ -21,7 +21,9 @@ fn layout(number: u16) -> Option<(usize, usize, usize)> {
         opcode::PvtTablePercent => (size_of::<PvtTablePercent>(), size_of::<PvtPercentPoint>(), table),
         opcode::PvtTableContinuous => (size_of::<PvtTableContinuous>(), size_of::<PvtContinuousPoint>(), table),
         opcode::PvtPercentCalculate => (size_of::<PvtPercentCalculate>(), size_of::<PvtPercentPoint>(), calculate),
-        opcode::PvtContinuousCalculate => (size_of::<PvtContinuousCalculate>(), size_of::<PvtContinuousPoint>(), calculate),
+        opcode::PvtContinuousCalculate => {
+            (size_of::<PvtContinuousCalculate>(), size_of::<PvtContinuousPoint>(), calculate)
+        }
         _ => return None,
     })
 }

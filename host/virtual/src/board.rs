@@ -147,11 +147,7 @@ struct Seen {
 
 impl Seen {
     fn of<const AXES: usize>(view: &View<AXES>) -> Self {
-        Seen {
-            done_immediate: view.done_immediate,
-            done_program: view.done_program,
-            program_runs: view.program_runs,
-        }
+        Seen { done_immediate: view.done_immediate, done_program: view.done_program, program_runs: view.program_runs }
     }
 }
 
@@ -203,11 +199,7 @@ impl<const AXES: usize> Whole<AXES> {
             segments: stores,
             tables,
         };
-        let tick = TickConfig {
-            period_ns: config.tick_us.clamp(10, 1000) * 1000,
-            axes: AXES as u8,
-            analog_inputs: 8,
-        };
+        let tick = TickConfig { period_ns: config.tick_us.clamp(10, 1000) * 1000, axes: AXES as u8, analog_inputs: 8 };
         let mut whole = Whole {
             server: Box::new(Server::new(board, channels)),
             tick: Box::new(Tick::new(tick)),

@@ -52,6 +52,14 @@ pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
     let (events_in, events) = NEWS.split_once()?;
     let (samples_in, samples) = TRACE.split_once()?;
     let tick = Tick::new(TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8 });
-    let lanes = Lanes { immediate, program, view: view_in, events: events_in, samples: samples_in, segments: &STORES, tables: TABLE_STORES };
+    let lanes = Lanes {
+        immediate,
+        program,
+        view: view_in,
+        events: events_in,
+        samples: samples_in,
+        segments: &STORES,
+        tables: TABLE_STORES,
+    };
     Some((tick, lanes, Thread { immediate: immediate_in, program: program_in, view, events, samples }))
 }
