@@ -47,6 +47,9 @@ impl Machine {
 /// More trace than this is not held: the reader waits, and with it the emulated UART.
 const TRACE_HELD: usize = 8 << 20;
 
+/// How long trace bytes gather before they are read.
+const GATHER: Duration = Duration::from_millis(1);
+
 /// A running QEMU as a link.
 pub struct QemuLink {
     name: String,
@@ -89,7 +92,8 @@ impl QemuLink {
             // A multiplexed port buffers 32 bytes, so that not every byte waits for a round of QEMU's main loop
             // and the guest in turn. Its escape character is set beyond any byte.
             .args(["-echr", "0x100"])
-            .args(["-chardev", &format!("socket,id=trace,host=127.0.0.1,port={trace_port},nodelay=on")])
+            // Nobody waits for a single byte of the trace.
+            .args(["-chardev", &format!("socket,id=trace,host=127.0.0.1,port={trace_port},nodelay=off")])
             .args(["-serial", "chardev:trace"])
             .args(["-chardev", "stdio,id=log,signal=off"])
             .args(["-semihosting-config", "enable=on,target=native,chardev=log"])
@@ -155,6 +159,10 @@ fn accept(listener: &TcpListener, child: &mut Child) -> std::io::Result<TcpStrea
 fn collect(mut stream: TcpStream, inbox: &Weak<Mutex<Vec<u8>>>) {
     let mut buf = [0; 16384];
     while let Ok(n @ 1..) = stream.read(&mut buf) {
+        // QEMU sends byte by byte: who reads at once is woken for each of them.
+        if n < buf.len() {
+            std::thread::sleep(GATHER);
+        }
         loop {
             let Some(inbox) = inbox.upgrade() else { return };
             let mut bytes = inbox.lock().unwrap_or_else(PoisonError::into_inner);
