@@ -33,6 +33,7 @@ pub trait Tables {
 
 /// A PVT motion that runs.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)] // the piece first, as in every motion
 pub struct PvtRun {
     piece: Piece,
     header: Header,

@@ -38,6 +38,7 @@ pub struct Feed {
 
 /// A PT motion that runs.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)] // the piece first, as in every motion
 pub struct PtRun {
     piece: Piece,
     /// The piece after it, if `ready`. Then all below is as of its end, not of the piece's in force.

@@ -98,6 +98,7 @@ struct Edged {
 
 /// A ramp motion that runs.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)] // the piece first, as in every motion
 pub struct RampRun {
     piece: Piece,
     kind: Kind,
