@@ -381,12 +381,28 @@ impl AxisState {
     /// Jog or Trap begins or changes; its time is 0 at `next`.
     pub(crate) fn update(&mut self, next: Ns, source: &(impl Segments + Tables)) {
         let (from, _) = self.moving(next, source);
-        let run = if self.shown.mode == Mode::Jog {
-            RampRun::jog(next, from, self.trap.speed, self.jog.acc, self.jog.dec, self.jog.smooth)
-        } else {
-            RampRun::trap(next, from, &self.trap)
-        };
-        self.begin(Profile::Ramp(run));
+        let (jog, to) = (self.shown.mode == Mode::Jog, self.trap);
+        let Jog { acc, dec, smooth } = self.jog;
+        self.begin_ramp(|run| {
+            if jog {
+                run.begin_jog(next, from, to.speed, acc, dec, smooth);
+            } else {
+                run.begin_trap(next, from, &to);
+            }
+        });
+        self.ending = StopReason::Completed;
+        self.touch();
+    }
+
+    /// A ramp begins where its state lies: it is too large to be moved about.
+    #[inline(always)]
+    fn begin_ramp(&mut self, begin: impl FnOnce(&mut RampRun)) {
+        if !matches!(self.profile, Some(Profile::Ramp(_))) {
+            self.profile = Some(Profile::Ramp(RampRun::IDLE));
+        }
+        if let Some(Profile::Ramp(run)) = &mut self.profile {
+            begin(run);
+        }
     }
 
     fn begin(&mut self, profile: Profile) {
@@ -422,7 +438,8 @@ impl AxisState {
         }
         let (from, runs) = self.moving(next, source);
         if runs {
-            self.profile = Some(Profile::Ramp(RampRun::stop(next, from, self.stop_dec)));
+            let dec = self.stop_dec;
+            self.begin_ramp(|run| run.begin_stop(next, from, dec));
             self.ending = StopReason::StopSmooth;
             self.end_stream(pt_state::STOPPED);
             self.leave_table(next);

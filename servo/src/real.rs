@@ -6,31 +6,33 @@ use crate::piece::Scaled;
 use crate::units::Exact;
 use crate::wide::{mulhi_su, recip64, umul, umulhi};
 
-/// ±m·2^e, with the top bit of `m` set, or 0.
+/// ±m·2^e, with the top bit of `m` set, or 0. A word for the sign: a structure without gaps is copied in
+/// words.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Real {
-    neg: bool,
     m: u64,
     e: i32,
+    /// 1 below 0.
+    neg: u32,
 }
 
 // Not operators: each of these is a call of some fifty instructions, and should look like one.
 #[allow(clippy::should_implement_trait)]
 impl Real {
     /// Zero.
-    pub const ZERO: Real = Real { neg: false, m: 0, e: 0 };
+    pub const ZERO: Real = Real { neg: 0, m: 0, e: 0 };
     /// One.
-    pub const ONE: Real = Real { neg: false, m: 1 << 63, e: -63 };
+    pub const ONE: Real = Real { neg: 0, m: 1 << 63, e: -63 };
     /// 1/6.
-    pub const SIXTH: Real = Real { neg: false, m: 0xAAAA_AAAA_AAAA_AAAB, e: -66 };
+    pub const SIXTH: Real = Real { neg: 0, m: 0xAAAA_AAAA_AAAA_AAAB, e: -66 };
     /// 1/3.
-    pub const THIRD: Real = Real { neg: false, m: 0xAAAA_AAAA_AAAA_AAAB, e: -65 };
+    pub const THIRD: Real = Real { neg: 0, m: 0xAAAA_AAAA_AAAA_AAAB, e: -65 };
     /// 3.
-    pub const THREE: Real = Real { neg: false, m: 3 << 62, e: -62 };
+    pub const THREE: Real = Real { neg: 0, m: 3 << 62, e: -62 };
     /// A ms in 2⁻³² ns: 10⁶·2³².
-    pub const MS: Real = Real { neg: false, m: 1_000_000 << 44, e: -12 };
+    pub const MS: Real = Real { neg: 0, m: 1_000_000 << 44, e: -12 };
     /// 2⁻³² ns in ms, 1/MS.
-    pub const FINE: Real = Real { neg: false, m: 0x8637_BD05_AF6C_69B6, e: -115 };
+    pub const FINE: Real = Real { neg: 0, m: 0x8637_BD05_AF6C_69B6, e: -115 };
 
     /// m·2^e.
     pub fn new(neg: bool, m: u64, e: i32) -> Real {
@@ -38,22 +40,24 @@ impl Real {
             return Real::ZERO;
         }
         let shift = m.leading_zeros();
-        Real { neg, m: m << shift, e: e - shift as i32 }
+        Real { neg: neg as u32, m: m << shift, e: e - shift as i32 }
     }
 
     /// From a block float.
+    #[inline(never)]
     pub fn from_scaled(x: Scaled) -> Real {
         Real::new(x.m < 0, x.m.unsigned_abs(), -(x.e as i32))
     }
 
     /// From a wide magnitude times 2^e, to 64 bits.
+    #[inline(never)]
     fn from_wide(neg: bool, x: u128, e: i32) -> Real {
         let (high, low) = ((x >> 64) as u64, x as u64);
         if high == 0 {
             return Real::new(neg, low, e);
         }
         let shift = high.leading_zeros();
-        Real { neg, m: high << shift | low >> 1 >> (63 - shift), e: e + 64 - shift as i32 }
+        Real { neg: neg as u32, m: high << shift | low >> 1 >> (63 - shift), e: e + 64 - shift as i32 }
     }
 
     /// From a displacement.
@@ -67,6 +71,7 @@ impl Real {
     }
 
     /// As a whole number of 2^-f, to nearest, the magnitude held below 2¹²⁶.
+    #[inline(never)]
     pub fn to_fixed(self, f: i32) -> i128 {
         let e = self.e + f;
         let magnitude = if self.m == 0 || e < -64 {
@@ -80,18 +85,22 @@ impl Real {
             let e = e as u32;
             ((self.m >> 1 >> (63 - e)) as u128) << 64 | (self.m << e) as u128
         };
-        if self.neg { -(magnitude as i128) } else { magnitude as i128 }
+        if self.neg == 1 { -(magnitude as i128) } else { magnitude as i128 }
     }
 
     /// As a whole number of 2^-f, to nearest, for magnitudes below 2^(62 − f).
+    #[inline]
     pub fn to_i64(self, f: i32) -> i64 {
+        if self.m == 0 {
+            return 0;
+        }
         let shift = -(self.e + f) - 1;
         if shift > 63 {
             return 0;
         }
         let twice = (self.m >> (shift as u32 & 63)) as i64;
         let magnitude = (twice >> 1) + (twice & 1);
-        if self.neg { -magnitude } else { magnitude }
+        if self.neg == 1 { -magnitude } else { magnitude }
     }
 
     /// As a displacement, to nearest.
@@ -106,12 +115,12 @@ impl Real {
 
     /// Magnitude.
     pub fn abs(self) -> Real {
-        Real { neg: false, ..self }
+        Real { neg: 0, ..self }
     }
 
     /// Whether it is below 0.
     pub fn is_negative(self) -> bool {
-        self.neg && self.m != 0
+        self.neg == 1 && self.m != 0
     }
 
     /// Whether it is 0.
@@ -126,22 +135,24 @@ impl Real {
 
     /// −x.
     pub fn negate(self) -> Real {
-        Real { neg: !self.neg, ..self }
+        Real { neg: self.neg ^ 1, ..self }
     }
 
     /// Product, rounded down.
+    #[inline(never)]
     pub fn mul(self, other: Real) -> Real {
         let (high, low) = umul(self.m, other.m);
         // Two top bits make the top bit, or the one below it; 0 stays 0.
         let short = high >> 63 ^ 1;
         Real {
-            neg: self.neg != other.neg,
+            neg: self.neg ^ other.neg,
             m: if short == 1 { high << 1 | low >> 63 } else { high },
             e: self.e + other.e + 64 - short as i32,
         }
     }
 
     /// Sum, rounded down in magnitude; a difference of near numbers keeps all bits.
+    #[inline]
     pub fn add(self, other: Real) -> Real {
         if self.m == 0 {
             return other;
@@ -149,29 +160,33 @@ impl Real {
         if other.m == 0 {
             return self;
         }
-        // For equal exponents the larger mantissa comes first.
-        let first = self.e > other.e || self.e == other.e && self.m >= other.m;
-        let (big, small) = if first { (self, other) } else { (other, self) };
+        // The larger comes first.
+        if self.is_less(other) { other.with(self) } else { self.with(other) }
+    }
+
+    /// Sum with a smaller number.
+    #[inline(never)]
+    fn with(self, small: Real) -> Real {
+        let big = self;
         let gap = (big.e - small.e) as u32;
         if gap > 63 {
             return big;
         }
-        let (high, low) = (small.m >> gap, small.m << 1 << (63 - gap));
+        let high = small.m >> gap;
         if big.neg == small.neg {
             let (m, carry) = big.m.overflowing_add(high);
-            if carry { Real { m: m >> 1 | 1 << 63, e: big.e + 1, ..big } } else { Real { m, ..big } }
-        } else {
-            let (low, borrow) = 0u64.overflowing_sub(low);
-            let high = big.m.wrapping_sub(high).wrapping_sub(borrow as u64);
-            if high == 0 {
-                return Real::new(big.neg, low, big.e - 64);
-            }
-            let shift = high.leading_zeros();
-            Real { m: high << shift | low >> 1 >> (63 - shift), e: big.e - shift as i32, ..big }
+            return if carry { Real { m: m >> 1 | 1 << 63, e: big.e + 1, ..big } } else { Real { m, ..big } };
         }
+        let (low, borrow) = 0u64.overflowing_sub(small.m << 1 << (63 - gap));
+        let high = big.m.wrapping_sub(high).wrapping_sub(borrow as u64);
+        if high >> 63 == 1 {
+            return Real { m: high, ..big };
+        }
+        Real::from_wide(big.neg == 1, (high as u128) << 64 | low as u128, big.e - 64)
     }
 
     /// Difference.
+    #[inline]
     pub fn sub(self, other: Real) -> Real {
         self.add(other.negate())
     }
@@ -185,6 +200,7 @@ impl Real {
     }
 
     /// 1/x; 0 for 0.
+    #[inline(never)]
     pub fn recip(self) -> Real {
         if self.m == 0 {
             return Real::ZERO;
@@ -207,7 +223,7 @@ impl Real {
 
     /// Square root; 0 of a negative number.
     pub fn sqrt(self) -> Real {
-        if self.m == 0 || self.neg {
+        if self.m == 0 || self.neg == 1 {
             return Real::ZERO;
         }
         let (x, k) = self.even();
@@ -222,7 +238,7 @@ impl Real {
 
     /// 1/sqrt(x), to about 2⁻⁵⁷ of itself; 0 of 0 and of a negative number.
     pub fn rsqrt(self) -> Real {
-        if self.m == 0 || self.neg {
+        if self.m == 0 || self.neg == 1 {
             return Real::ZERO;
         }
         let (x, k) = self.even();

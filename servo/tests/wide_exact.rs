@@ -24,9 +24,9 @@ fn products_are_exact() {
     for (a, b) in pairs {
         let exact = a as u128 * b as u128;
         assert_eq!(umul(a, b), ((exact >> 64) as u64, exact as u64));
-        let signed = (a as i64 as i128) * b as i128 >> 64;
+        let signed = ((a as i64 as i128) * b as i128) >> 64;
         assert_eq!(mulhi_su(a as i64, b) as i128, signed, "{a} {b}");
-        let scaled = BigUint::from(exact) * (b as u32) >> 16;
+        let scaled = (BigUint::from(exact) * (b as u32)) >> 16;
         assert_eq!(BigUint::from(scale16(exact, b as u32)), scaled % (BigUint::from(1u8) << 128));
     }
 }

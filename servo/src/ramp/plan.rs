@@ -25,7 +25,7 @@ pub struct Trapezoid {
 }
 
 /// Rates and smoothing of a Trap. The time of a ramp is Δv/rate + `wait`.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Means {
     pub(super) acc: Rate,
     pub(super) dec: Rate,

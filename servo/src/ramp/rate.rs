@@ -95,22 +95,24 @@ impl Accel {
 
     /// The rate as the planner takes it.
     pub(super) fn rate(self) -> Rate {
-        Rate { value: self.value, inverse: Real::from_scaled(self.recip) }
+        Rate { value: Real::from_scaled(self.value), inverse: Real::from_scaled(self.recip) }
     }
 }
 
 /// A rate of change of the velocity, pulse/ms².
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rate {
-    value: Scaled,
+    value: Real,
     /// 1/rate.
     pub(super) inverse: Real,
 }
 
 impl Rate {
+    /// None.
+    pub(super) const NONE: Rate = Rate { value: Real::ZERO, inverse: Real::ZERO };
+
     /// Along a change of velocity of this sign.
     pub(super) fn along(self, negative: bool) -> Real {
-        let value = Real::from_scaled(self.value);
-        if negative { value.negate() } else { value }
+        if negative { self.value.negate() } else { self.value }
     }
 }

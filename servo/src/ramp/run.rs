@@ -10,7 +10,7 @@ use super::rate::{Accel, Rate, Speed};
 use crate::piece::{Motion, Piece, Recip, Scaled};
 use crate::profile::{State, Step};
 use crate::real::Real;
-use crate::units::{Exact, Ns};
+use crate::units::{Exact, Ns, Pos};
 use crate::wide::umulhi;
 
 /// Where an axis is when a ramp begins.
@@ -57,8 +57,8 @@ enum Shape {
     Plain,
     /// An edge takes `half` of the ramp; the acceleration between them is `gain` = 1/(1 − half) of the rate.
     Percent { half: Real, gain: Real },
-    /// Moving average of this length, ms, and 1/length.
-    Average { wait: Real, inverse: Real },
+    /// Moving average of this 1/length, 1/ms.
+    Average { inverse: Real },
 }
 
 /// A stretch of constant jerk within a leg.
@@ -112,10 +112,9 @@ pub struct RampRun {
     /// Whether that ramp takes `acc`.
     faster: bool,
     /// Speed that a Trap from rest begins with.
-    jump: Scaled,
+    jump: Real,
     target: i32,
-    acc: Accel,
-    dec: Accel,
+    means: Means,
     shape: Shape,
     /// Where the next piece begins.
     pos: Exact,
@@ -154,74 +153,98 @@ const NO_EDGES: Edged = Edged {
 };
 
 impl RampRun {
-    #[inline(always)]
-    fn new(kind: Kind, now: Ns, from: Moving, shape: Shape) -> RampRun {
-        RampRun {
-            piece: Piece { begin: now, span: 0, start: from.pos.round(), motion: Motion::REST },
-            kind,
-            next: Next::Over,
-            knot: from.pos,
-            time: (now.0 as Fine) << 32,
-            v: Real::from_scaled(from.velocity),
-            peak: Real::ZERO,
-            faster: true,
-            jump: Scaled { m: 0, e: 0 },
-            target: 0,
-            acc: Accel::default(),
-            dec: Accel::default(),
-            shape,
-            pos: from.pos,
-            stretch: STILL,
-            edged: NO_EDGES,
-        }
+    /// Nothing to do: it has ended. A motion is begun in place, so that nothing large is moved about.
+    pub const IDLE: RampRun = RampRun {
+        piece: Piece { begin: Ns(0), span: 0, start: Pos(0), motion: Motion::REST },
+        kind: Kind::Stop,
+        next: Next::Over,
+        knot: Exact(0),
+        time: 0,
+        v: Real::ZERO,
+        peak: Real::ZERO,
+        faster: false,
+        jump: Real::ZERO,
+        target: 0,
+        means: Means { acc: Rate::NONE, dec: Rate::NONE, wait: Real::ZERO },
+        shape: Shape::Plain,
+        pos: Exact(0),
+        stretch: STILL,
+        edged: NO_EDGES,
+    };
+
+    /// Whatever ran is over; a motion begins.
+    fn restart(&mut self, kind: Kind, now: Ns, from: Moving, shape: Shape) {
+        (self.piece.begin, self.piece.span, self.piece.start) = (now, 0, from.pos.round());
+        (self.kind, self.shape) = (kind, shape);
+        (self.knot, self.pos, self.time) = (from.pos, from.pos, (now.0 as Fine) << 32);
+        (self.stretch.len, self.stretch.done, self.edged.left) = (0, 0, 0);
+        self.v = Real::from_scaled(from.velocity);
     }
 
     /// Velocity goes to `target` with `acc` when speeding up and `dec` (or `acc`, if `dec` is 0)
     /// when slowing down, through 0 first where the sign changes, and stays there for ever.
     /// A target of 0 ends the motion. `smooth` in 2⁻¹⁶.
-    pub fn jog(now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) -> RampRun {
+    pub fn begin_jog(&mut self, now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) {
         let shape = if smooth == 0 {
             Shape::Plain
         } else {
             let gain = Real::new(false, (1 << 17) - smooth as u64, -17).recip();
             Shape::Percent { half: Real::new(false, smooth as u64, -17), gain }
         };
-        let mut run = RampRun::new(Kind::Jog, now, from, shape);
-        (run.acc, run.dec) = (acc, if dec.is_zero() { acc } else { dec });
-        run.peak = target.real();
-        let turns = run.peak.is_zero() || run.v.is_negative() != run.peak.is_negative();
-        run.next = if turns && !run.v.is_zero() { Next::Halt } else { Next::Ramp };
-        run.faster = run.next == Next::Halt || run.v.abs().is_less(run.peak.abs());
-        run
+        self.restart(Kind::Jog, now, from, shape);
+        self.means.acc = acc.rate();
+        self.means.dec = if dec.is_zero() { self.means.acc } else { dec.rate() };
+        self.peak = target.real();
+        let turns = self.peak.is_zero() || self.v.is_negative() != self.peak.is_negative();
+        self.next = if turns && !self.v.is_zero() { Next::Halt } else { Next::Ramp };
+        self.faster = self.next == Next::Halt || self.v.abs().is_less(self.peak.abs());
     }
 
     /// Linear deceleration to exactly 0.
-    pub fn stop(now: Ns, from: Moving, dec: Accel) -> RampRun {
-        let mut run = RampRun::new(Kind::Stop, now, from, Shape::Plain);
-        run.dec = dec;
-        run.next = if run.v.is_zero() { Next::Over } else { Next::Halt };
-        run
+    pub fn begin_stop(&mut self, now: Ns, from: Moving, dec: Accel) {
+        self.restart(Kind::Stop, now, from, Shape::Plain);
+        self.means.dec = dec.rate();
+        self.next = if self.v.is_zero() { Next::Over } else { Next::Halt };
     }
 
     /// A trapezoid to the target, planned from the present velocity: back, if it is overshot.
-    pub fn trap(now: Ns, from: Moving, to: &Trapezoid) -> RampRun {
-        let shape = if to.smooth.0 == 0 {
-            Shape::Plain
-        } else {
-            let wait = ms((to.smooth.0 as Fine) << 32);
-            Shape::Average { wait, inverse: wait.recip() }
-        };
-        let mut run = RampRun::new(Kind::Trap, now, from, shape);
-        (run.acc, run.dec) = (to.acc, to.dec);
-        (run.target, run.peak, run.jump) = (to.target, to.speed.real().abs(), to.vel_start.0);
-        run.next = Next::Aim;
-        if !run.v.is_zero() {
-            let ahead = Real::from_exact(Exact(run.way()));
-            let past = ahead.is_zero() || ahead.is_negative() != run.v.is_negative() || run.peak.is_zero();
-            if past || ahead.abs().scale(1).is_less(run.means().stop(run.v.abs())) {
-                run.next = Next::Halt;
+    pub fn begin_trap(&mut self, now: Ns, from: Moving, to: &Trapezoid) {
+        self.restart(Kind::Trap, now, from, Shape::Plain);
+        self.means.wait = Real::ZERO;
+        if to.smooth.0 != 0 {
+            self.means.wait = ms((to.smooth.0 as Fine) << 32);
+            self.shape = Shape::Average { inverse: self.means.wait.recip() };
+        }
+        (self.means.acc, self.means.dec) = (to.acc.rate(), to.dec.rate());
+        (self.target, self.peak, self.jump) = (to.target, to.speed.real().abs(), to.vel_start.real().abs());
+        self.next = Next::Aim;
+        if !self.v.is_zero() {
+            let ahead = Real::from_exact(Exact(self.way()));
+            let past = ahead.is_zero() || ahead.is_negative() != self.v.is_negative() || self.peak.is_zero();
+            if past || ahead.abs().scale(1).is_less(self.means.stop(self.v.abs())) {
+                self.next = Next::Halt;
             }
         }
+    }
+
+    /// A Jog of its own, see [`RampRun::begin_jog`].
+    pub fn jog(now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) -> RampRun {
+        let mut run = RampRun::IDLE;
+        run.begin_jog(now, from, target, acc, dec, smooth);
+        run
+    }
+
+    /// A stop of its own, see [`RampRun::begin_stop`].
+    pub fn stop(now: Ns, from: Moving, dec: Accel) -> RampRun {
+        let mut run = RampRun::IDLE;
+        run.begin_stop(now, from, dec);
+        run
+    }
+
+    /// A Trap of its own, see [`RampRun::begin_trap`].
+    pub fn trap(now: Ns, from: Moving, to: &Trapezoid) -> RampRun {
+        let mut run = RampRun::IDLE;
+        run.begin_trap(now, from, to);
         run
     }
 
@@ -285,18 +308,18 @@ impl RampRun {
                     Kind::Trap => Next::Aim,
                     Kind::Stop => Next::Over,
                 };
-                self.ramp(Real::ZERO, self.dec.rate(), None);
+                self.ramp(Real::ZERO, self.means.dec, None);
             }
             Next::Aim => self.aim(),
             Next::Ramp => {
                 self.next = Next::Cruise;
-                let rate = if self.faster { self.acc } else { self.dec };
-                self.ramp(self.peak, rate.rate(), None);
+                let rate = if self.faster { self.means.acc } else { self.means.dec };
+                self.ramp(self.peak, rate, None);
             }
             Next::Cruise => self.cruise(),
             Next::Brake => {
                 self.next = Next::Over;
-                self.ramp(Real::ZERO, self.dec.rate(), Some(Exact(self.way())));
+                self.ramp(Real::ZERO, self.means.dec, Some(Exact(self.way())));
             }
             Next::Over => return false,
         }
@@ -308,11 +331,6 @@ impl RampRun {
         ((self.target as i128) << 64).wrapping_sub(self.knot.0)
     }
 
-    fn means(&self) -> Means {
-        let wait = if let Shape::Average { wait, .. } = self.shape { wait } else { Real::ZERO };
-        Means { acc: self.acc.rate(), dec: self.dec.rate(), wait }
-    }
-
     /// A Trap that goes towards its target, or rests: to the peak that the way allows.
     fn aim(&mut self) {
         let way = Real::from_exact(Exact(self.way()));
@@ -322,17 +340,15 @@ impl RampRun {
         }
         let (back, length) = (way.is_negative(), way.abs());
         let signed = |x: Real| if back { x.negate() } else { x };
-        let means = self.means();
         let mut u = self.v.abs();
-        if u.is_zero() && self.jump.m != 0 {
-            let jump = Real::from_scaled(self.jump).abs();
-            let jump = if self.peak.is_less(jump) { self.peak } else { jump };
-            if !length.scale(1).is_less(means.stop(jump)) {
+        if u.is_zero() && !self.jump.is_zero() {
+            let jump = if self.peak.is_less(self.jump) { self.peak } else { self.jump };
+            if !length.scale(1).is_less(self.means.stop(jump)) {
                 u = jump;
                 self.v = signed(u);
             }
         }
-        let (peak, faster) = means.peak(u, self.peak, length);
+        let (peak, faster) = self.means.peak(u, self.peak, length);
         (self.peak, self.faster, self.next) = (signed(peak), faster, Next::Ramp);
     }
 
@@ -348,7 +364,7 @@ impl RampRun {
             }
         } else {
             self.next = Next::Brake;
-            let stop = self.means().stop(v.abs()).scale(-1).to_exact().0;
+            let stop = self.means.stop(v.abs()).scale(-1).to_exact().0;
             let way = self.way();
             let cruise = way.wrapping_sub(if v.is_negative() { -stop } else { stop });
             // In a triangle what is left is a rounding, which the last ramp takes.
@@ -386,7 +402,8 @@ impl RampRun {
                 let (edge, top) = (plain.mul(half), along.mul(gain));
                 (plain, edge, top, top.mul(edge.recip()))
             }
-            Shape::Average { wait, inverse } => {
+            Shape::Average { inverse } => {
+                let wait = self.means.wait;
                 let jerk = along.mul(inverse);
                 let long = !plain.is_less(wait);
                 let (edge, top) = if long { (wait, along) } else { (plain, change.mul(inverse)) };
