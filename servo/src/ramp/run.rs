@@ -1,17 +1,17 @@
 //! A ramp motion that runs.
 //!
 //! In: where the axis is, targets and rates; instants. Out: a [`Step`] a tick. Owns: the leg in force,
-//! its stretches of constant jerk, the piece of the stretch. A leg is computed when it is entered.
-//!
-//! A piece is parameterised over a power of two of ms, not over its own length: its coefficients are
-//! the velocity, the acceleration and the jerk but for shifts, and 1/length is a constant.
+//! its stretches of constant jerk, the piece of the stretch. A leg is computed when it is entered
+//! (`run/legs.rs`).
+mod legs;
+
 use super::plan::{Means, Trapezoid};
 use super::rate::{Accel, Rate, Speed};
-use crate::piece::{Motion, Piece, Recip, Scaled};
+use crate::piece::{Motion, Piece, Scaled};
 use crate::profile::{State, Step};
 use crate::real::Real;
 use crate::units::{Exact, Ns, Pos};
-use crate::wide::umulhi;
+use legs::ms;
 
 /// Where an axis is when a ramp begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -124,21 +124,6 @@ pub struct RampRun {
 
 /// Pieces a tick may step over: four legs of three stretches, each in one piece where it is so short.
 const PIECES_PER_TICK: u32 = 16;
-/// A piece goes less than 2³⁷ pulses and lasts at most 2³⁰ ms; shorter ones than 2 ns need no more than that.
-const REACH: i32 = 35;
-const LONGEST: i32 = 30;
-const SHORTEST: i32 = -19;
-/// 10⁶ has 44 leading zeros; 1/(2^k ms) has this mantissa and a shift of 44 − k.
-const MS_RECIP: u64 = (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64;
-
-fn fine(ms: Real) -> Fine {
-    ms.mul(Real::MS).to_fixed(0).unsigned_abs().min(1 << 96)
-}
-
-fn ms(time: Fine) -> Real {
-    Real::from_fixed(time, 0).mul(Real::FINE)
-}
-
 const STILL: Stretch = Stretch { begin: 0, len: 0, done: 0, v: Real::ZERO, a: Real::ZERO, j: Real::ZERO, reach: 0 };
 const NO_EDGES: Edged = Edged {
     left: 0,
@@ -329,166 +314,5 @@ impl RampRun {
     /// Of a Trap, how far the target is.
     fn way(&self) -> i128 {
         ((self.target as i128) << 64).wrapping_sub(self.knot.0)
-    }
-
-    /// A Trap that goes towards its target, or rests: to the peak that the way allows.
-    fn aim(&mut self) {
-        let way = Real::from_exact(Exact(self.way()));
-        if way.is_zero() || self.peak.is_zero() {
-            self.next = Next::Over;
-            return;
-        }
-        let (back, length) = (way.is_negative(), way.abs());
-        let signed = |x: Real| if back { x.negate() } else { x };
-        let mut u = self.v.abs();
-        if u.is_zero() && !self.jump.is_zero() {
-            let jump = if self.peak.is_less(self.jump) { self.peak } else { self.jump };
-            if !length.scale(1).is_less(self.means.stop(jump)) {
-                u = jump;
-                self.v = signed(u);
-            }
-        }
-        let (peak, faster) = self.means.peak(u, self.peak, length);
-        (self.peak, self.faster, self.next) = (signed(peak), faster, Next::Ramp);
-    }
-
-    /// At the peak: on for ever, or until a Trap must brake.
-    fn cruise(&mut self) {
-        let v = self.peak;
-        let mut len = Fine::MAX >> 8;
-        let mut span = LONGEST;
-        if self.kind == Kind::Jog {
-            self.next = if v.is_zero() { Next::Over } else { Next::Cruise };
-            if v.is_zero() {
-                return;
-            }
-        } else {
-            self.next = Next::Brake;
-            let stop = self.means.stop(v.abs()).scale(-1).to_exact().0;
-            let way = self.way();
-            let cruise = way.wrapping_sub(if v.is_negative() { -stop } else { stop });
-            // In a triangle what is left is a rounding, which the last ramp takes.
-            if (cruise < 0) != v.is_negative() || cruise.unsigned_abs() >> 32 == 0 {
-                return;
-            }
-            let time = Real::from_exact(Exact(cruise)).div(v);
-            (len, span) = (fine(time), time.width());
-            self.knot = Exact(self.knot.0.wrapping_add(cruise));
-        }
-        let stretch = Stretch { len, v, ..STILL };
-        self.begin(stretch, span, v.width());
-        self.time = self.time.wrapping_add(len);
-    }
-
-    /// The first stretch of a leg, which lasts less than 2^`span` ms at less than 2^`width` pulse/ms.
-    fn begin(&mut self, stretch: Stretch, span: i32, width: i32) {
-        let reach = span.min(REACH - width).clamp(SHORTEST, LONGEST);
-        self.stretch = Stretch { begin: self.time, reach, ..stretch };
-    }
-
-    /// Enters a ramp to `v1`; `way` is how far it goes, if that does not follow from its duration.
-    fn ramp(&mut self, v1: Real, rate: Rate, way: Option<Exact>) {
-        let v0 = self.v;
-        let change = v1.sub(v0);
-        self.v = v1;
-        if change.is_zero() {
-            return;
-        }
-        let along = rate.along(change.is_negative());
-        let plain = change.abs().mul(rate.inverse);
-        let (len, edge, top, jerk) = match self.shape {
-            Shape::Plain => (plain, Real::ZERO, along, Real::ZERO),
-            Shape::Percent { half, gain } => {
-                let (edge, top) = (plain.mul(half), along.mul(gain));
-                (plain, edge, top, top.mul(edge.recip()))
-            }
-            Shape::Average { inverse } => {
-                let wait = self.means.wait;
-                let jerk = along.mul(inverse);
-                let long = !plain.is_less(wait);
-                let (edge, top) = if long { (wait, along) } else { (plain, change.mul(inverse)) };
-                (plain.add(wait), edge, top, jerk)
-            }
-        };
-        let way = way.unwrap_or_else(|| v0.add(v1).mul(len).scale(-1).to_exact());
-        let total = fine(len);
-        let width = v0.width().max(v1.width());
-        if edge.is_zero() {
-            self.begin(Stretch { len: total, v: v0, a: top, ..STILL }, len.width(), width);
-        } else {
-            let (sixth, gained) = (jerk.mul(Real::SIXTH), top.mul(edge).scale(-1));
-            let gain = gained.mul(edge).mul(Real::THIRD);
-            self.begin(Stretch { len: fine(edge), v: v0, j: sixth, ..STILL }, edge.width(), width);
-            self.edged = Edged { left: 2, v1, top, sixth, gained, way: gain, edge, width, from: self.knot };
-        }
-        self.knot = Exact(self.knot.0.wrapping_add(way.0));
-        self.time = self.time.wrapping_add(total);
-    }
-
-    /// The stretch between the edges, which may have no length, or the last edge.
-    fn next_stretch(&mut self) {
-        let Edged { left, v1, top, sixth, gained, way, edge, width, from } = self.edged;
-        let s = &mut self.stretch;
-        s.begin += s.len;
-        s.done = 0;
-        let limit = REACH - width;
-        if left == 2 {
-            // The way of the first edge: what its first velocity gives, and what is gained.
-            self.pos = Exact(from.0.wrapping_add(s.v.mul(edge).add(way).to_exact().0));
-            s.len = self.time.saturating_sub(s.begin).saturating_sub(s.len);
-            (s.v, s.a, s.j) = (s.v.add(gained), top, Real::ZERO);
-            // A ms is not quite 2^52 of 2^-32 ns.
-            s.reach = (77 - s.len.leading_zeros() as i32).min(limit).clamp(SHORTEST, LONGEST);
-        } else {
-            self.pos = Exact(self.knot.0.wrapping_sub(v1.mul(edge).sub(way).to_exact().0));
-            s.len = self.time.saturating_sub(s.begin);
-            (s.v, s.j) = (v1.sub(gained), sixth.negate());
-            s.reach = edge.width().min(limit).clamp(SHORTEST, LONGEST);
-        }
-        self.edged.left = left - 1;
-    }
-
-    /// The next piece of the stretch: all of it, or 2^reach ms.
-    fn load_piece(&mut self) {
-        let s = &mut self.stretch;
-        let (mut v, mut a) = (s.v, s.a);
-        if s.done != 0 {
-            let t = ms(s.done);
-            let bend = s.j.mul(t).mul(Real::THREE);
-            v = v.add(a.add(bend).mul(t));
-            a = a.add(bend.scale(1));
-        }
-        let k = s.reach;
-        let (c1, c2, c3) = (v.scale(k), a.scale(2 * k - 1), s.j.scale(3 * k));
-        let width = c1.width().max(c2.width()).max(c3.width());
-        let frac = (60 - width).clamp(0, 84);
-        let left = s.len - s.done;
-        let start = self.pos.round();
-        // 2^k ms.
-        let whole = ((15_625u64 << (k - SHORTEST)) as Fine) << 19;
-        let len = if left > whole {
-            self.pos = Exact(self.pos.0.wrapping_add(c1.add(c2).add(c3).to_exact().0));
-            whole
-        } else {
-            left
-        };
-        let begin = s.begin + s.done;
-        let first = (begin + 0xffff_ffff) >> 32;
-        let last = (begin + len + 0xffff_ffff) >> 32;
-        s.done += len;
-        let recip = Recip { m: MS_RECIP, shift: (44 - k) as u32 };
-        // τ at `first`, less than 1 ns behind `begin`.
-        let offset = ((begin as u32).wrapping_neg() as u64) << 32 >> 1 >> (63 - recip.shift);
-        self.piece = Piece {
-            begin: Ns(first as u64),
-            span: (last - first) as u64,
-            start,
-            motion: Motion {
-                c: [c1.to_i64(frac), c2.to_i64(frac), c3.to_i64(frac)],
-                frac: frac as u32,
-                tau: offset.saturating_add(umulhi(offset, recip.m)),
-                recip,
-            },
-        };
     }
 }
