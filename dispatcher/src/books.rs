@@ -298,10 +298,17 @@ impl<const AXES: usize> Books<AXES> {
             Change::Reset { axes, tables } => {
                 self.filled &= !tables;
                 self.with(axes, |_, book| {
-                // The start is kept: the axis runs until the Reset has been executed.
-                let (epoch, started, busy) = (book.epoch, book.started, book.busy);
-                *book = AxisBook { epoch, started, busy, cleared: Some(seq), servo: Some((seq, false)), ..AxisBook::default() };
-                book.empty(seq);
+                    // The start is kept: the axis runs until the Reset has been executed.
+                    let (epoch, started, busy) = (book.epoch, book.started, book.busy);
+                    *book = AxisBook {
+                        epoch,
+                        started,
+                        busy,
+                        cleared: Some(seq),
+                        servo: Some((seq, false)),
+                        ..AxisBook::default()
+                    };
+                    book.empty(seq);
                 });
             }
             Change::Servo { axis, on } => one(axis, &|book| book.servo = Some((seq, on))),

@@ -58,7 +58,9 @@ impl Records {
         }
         let mut head = [0; RECORD_BYTES];
         let [numbers @ .., flag] = &mut head;
-        for (place, byte) in numbers.iter_mut().zip(opcode.to_le_bytes().into_iter().chain(tag.to_le_bytes()).chain(len.to_le_bytes())) {
+        for (place, byte) in
+            numbers.iter_mut().zip(opcode.to_le_bytes().into_iter().chain(tag.to_le_bytes()).chain(len.to_le_bytes()))
+        {
             *place = byte;
         }
         *flag = may_fail.into();

@@ -6,7 +6,7 @@
 //! A command is answered when the tick has executed it, so that the client's next read sees it. A read
 //! or a refusal waits until everything before it has been executed, and is then decided on that state.
 use crate::admit::pvt_table::{Loading, Road, road};
-use crate::admit::{admit, is_read, pt, config_item, many};
+use crate::admit::{admit, config_item, is_read, many, pt};
 use crate::books::{Books, Change, PROGRAM_FLAG, executed};
 use crate::case::{Answer, Case, Effect, Site};
 use crate::lane::{Deque, Lane, STAGED, Staged};
@@ -49,8 +49,16 @@ pub struct Awaiting {
 
 impl Awaiting {
     /// Fills unused places.
-    pub const BLANK: Awaiting =
-        Awaiting { opcode: 0, tag: 0, seq: None, open: false, own: false, discarded: false, may_fail: false, answer: Answer::Done };
+    pub const BLANK: Awaiting = Awaiting {
+        opcode: 0,
+        tag: 0,
+        seq: None,
+        open: false,
+        own: false,
+        discarded: false,
+        may_fail: false,
+        answer: Answer::Done,
+    };
 }
 
 /// A start that the tick refused.
@@ -107,7 +115,12 @@ const LINK_LOSS_MS: u32 = 500;
 
 impl<'a, const AXES: usize> Desk<'a, AXES> {
     /// A desk at power-on.
-    pub fn new(board: Board, stores: &'a [SegmentStore; AXES], tables: TableStores<'a>, ring: Producer<'a, Entry, IMMEDIATE>) -> Self {
+    pub fn new(
+        board: Board,
+        stores: &'a [SegmentStore; AXES],
+        tables: TableStores<'a>,
+        ring: Producer<'a, Entry, IMMEDIATE>,
+    ) -> Self {
         Desk {
             site: Site::new(board.profile, 0),
             board,
@@ -223,7 +236,13 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     }
 
     /// The reply to an executed command.
-    pub fn reply(&self, view: &View<AXES>, program: &Program<'_>, item: &Awaiting, out: &mut ReplyWriter) -> Result<(), Full> {
+    pub fn reply(
+        &self,
+        view: &View<AXES>,
+        program: &Program<'_>,
+        item: &Awaiting,
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
         let reading = Reading { view, now: &self.now, site: &self.site, board: &self.board };
         match &item.answer {
             Answer::Done => out.push_raw(item.opcode, item.tag, 0, &[]),
@@ -323,7 +342,10 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             }
             _ => {}
         }
-        let beside = matches!(record.opcode, opcode::Stop | opcode::ClrSts | opcode::Trace | opcode::SetLinkLoss | opcode::Choose);
+        let beside = matches!(
+            record.opcode,
+            opcode::Stop | opcode::ClrSts | opcode::Trace | opcode::SetLinkLoss | opcode::Choose
+        );
         if program.is_active() && !beside && !is_read(record.opcode) {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }
@@ -339,7 +361,13 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             }
             let reply = |values: &[f64]| values_reply(record.opcode, record.tag, values.iter().copied(), out).is_ok();
             return match self.calculate(view, 0, record.opcode, record.body, reply) {
-                Ok(sent) => if sent { Step::Taken } else { Step::Wait },
+                Ok(sent) => {
+                    if sent {
+                        Step::Taken
+                    } else {
+                        Step::Wait
+                    }
+                }
                 Err(refused) => self.refuse(record, refused, out),
             };
         }

@@ -25,4 +25,7 @@ mod trace_out;
 pub use bytes::{QUEUE_BYTES, RECORD_BYTES};
 pub use profile::{FAMILIES, PROFILES, Profile, largest_that_fits};
 pub use refuse::Refused;
-pub use server::{Board, Channels, EVENTS, FAULT_TEXT_MAX, Fault, FaultKind, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS, Server};
+pub use server::{
+    Board, Channels, EVENTS, FAULT_TEXT_MAX, Fault, FaultKind, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS,
+    Server,
+};

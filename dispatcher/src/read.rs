@@ -47,7 +47,12 @@ fn pulses(pos: Pos) -> f64 {
 }
 
 /// The reply to a Calculate command.
-pub fn values_reply(opcode: u16, tag: u16, values: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Result<(), Full> {
+pub fn values_reply(
+    opcode: u16,
+    tag: u16,
+    values: impl Iterator<Item = f64>,
+    out: &mut ReplyWriter,
+) -> Result<(), Full> {
     let mut items = [command::Real::default(); CHUNK];
     let mut count = 0;
     for (item, value) in items.iter_mut().zip(values) {
@@ -76,7 +81,13 @@ impl<const AXES: usize> Reading<'_, AXES> {
         axis.encoder.wrapping_sub(axis.encoder_before) as f64 * 1e6 / self.view.period.0 as f64
     }
 
-    fn reals<R>(&self, tag: u16, query: &Query, out: &mut ReplyWriter, value: impl Fn(&AxisView) -> f64) -> Result<(), Full>
+    fn reals<R>(
+        &self,
+        tag: u16,
+        query: &Query,
+        out: &mut ReplyWriter,
+        value: impl Fn(&AxisView) -> f64,
+    ) -> Result<(), Full>
     where
         R: command::Request<Reply = command::Reals, ReplyItem = command::Real>,
     {
@@ -89,7 +100,13 @@ impl<const AXES: usize> Reading<'_, AXES> {
         out.done::<R>(tag, &head, &items[..axes.len()])
     }
 
-    fn longs<R>(&self, tag: u16, query: &Query, out: &mut ReplyWriter, value: impl Fn(usize, &AxisView) -> i32) -> Result<(), Full>
+    fn longs<R>(
+        &self,
+        tag: u16,
+        query: &Query,
+        out: &mut ReplyWriter,
+        value: impl Fn(usize, &AxisView) -> i32,
+    ) -> Result<(), Full>
     where
         R: command::Request<Reply = command::Longs, ReplyItem = command::Long>,
     {
@@ -127,14 +144,14 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let reply = command::SoftLimit { positive: book.soft.0.into(), negative: book.soft.1.into() };
                 out.done::<command::GetSoftLimit>(tag, &reply, &[])
             }
-            opcode::GetPosErr => out.done::<command::GetPosErr>(tag, &command::Long { value: book.pos_err.into() }, &[]),
+            opcode::GetPosErr => {
+                out.done::<command::GetPosErr>(tag, &command::Long { value: book.pos_err.into() }, &[])
+            }
             opcode::GetTrapPrm => out.done::<command::GetTrapPrm>(tag, &book.trap, &[]),
             opcode::GetJogPrm => out.done::<command::GetJogPrm>(tag, &book.jog, &[]),
             opcode::GetPos => out.done::<command::GetPos>(tag, &command::Long { value: book.pos.into() }, &[]),
             opcode::GetVel => out.done::<command::GetVel>(tag, &command::Real { value: book.vel.into() }, &[]),
-            opcode::GetSts => {
-                self.longs::<command::GetSts>(tag, query, out, |_, axis| axis.status.cast_signed())
-            }
+            opcode::GetSts => self.longs::<command::GetSts>(tag, query, out, |_, axis| axis.status.cast_signed()),
             opcode::GetPrfMode => {
                 let first = usize::from(query.first);
                 self.longs::<command::GetPrfMode>(tag, query, out, |index, _| {
@@ -142,8 +159,12 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 })
             }
             opcode::GetPrfPos => self.reals::<command::GetPrfPos>(tag, query, out, |axis| pulses(axis.pos)),
-            opcode::GetPrfVel => self.reals::<command::GetPrfVel>(tag, query, out, |axis| number(axis.motion.velocity())),
-            opcode::GetPrfAcc => self.reals::<command::GetPrfAcc>(tag, query, out, |axis| number(axis.motion.acceleration())),
+            opcode::GetPrfVel => {
+                self.reals::<command::GetPrfVel>(tag, query, out, |axis| number(axis.motion.velocity()))
+            }
+            opcode::GetPrfAcc => {
+                self.reals::<command::GetPrfAcc>(tag, query, out, |axis| number(axis.motion.acceleration()))
+            }
             opcode::GetEncPos => self.reals::<command::GetEncPos>(tag, query, out, |axis| axis.encoder as f64),
             opcode::GetEncVel => self.reals::<command::GetEncVel>(tag, query, out, |axis| self.encoder_velocity(axis)),
             opcode::GetCaptureStatus => self.captures(tag, query, out),
@@ -217,7 +238,15 @@ impl<const AXES: usize> Reading<'_, AXES> {
     }
 
     /// The reply to PT data.
-    pub fn taken(&self, opcode: u16, tag: u16, axis: Axis, fifo: u8, count: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+    pub fn taken(
+        &self,
+        opcode: u16,
+        tag: u16,
+        axis: Axis,
+        fifo: u8,
+        count: u16,
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
         let seen = &self.view.axes[axis.index().min(AXES - 1)];
         let reply = command::PtTaken {
             taken: count.into(),

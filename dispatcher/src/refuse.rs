@@ -74,5 +74,9 @@ pub fn choice(field: u8, got: i16, low: i16, high: i16) -> Admitted<i16> {
 
 /// `got` if it is a finite number in `low..=high`.
 pub fn real(field: u8, got: f64, low: f64, high: f64) -> Admitted<f64> {
-    if got.is_finite() { within(field, got, low, high) } else { Err(Refused::new(Reason::NotFinite).field(field).got(got)) }
+    if got.is_finite() {
+        within(field, got, low, high)
+    } else {
+        Err(Refused::new(Reason::NotFinite).field(field).got(got))
+    }
 }

@@ -11,9 +11,9 @@ use protocol::link::{Endpoint, Identity, Role};
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
 use ring::{Consumer, Producer, Reader};
 use servo::op::{Entry, Lane as TickLane};
-pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
+pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
 use servo::units::Ns;
 use servo::view::{Event, Sample, View};
 use zerocopy::IntoBytes;
@@ -147,8 +147,12 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         // The events of a view are in their ring before it is published, so none is missed.
         while let Some(event) = self.events.pop() {
             match event {
-                Event::Refused { lane: TickLane::Immediate, seq, axis, status } => self.desk.tick_refused((seq, axis, status)),
-                Event::Refused { lane: TickLane::Program, seq, axis, status } => self.program.tick_refused((seq, axis, status)),
+                Event::Refused { lane: TickLane::Immediate, seq, axis, status } => {
+                    self.desk.tick_refused((seq, axis, status))
+                }
+                Event::Refused { lane: TickLane::Program, seq, axis, status } => {
+                    self.program.tick_refused((seq, axis, status))
+                }
                 Event::Stopped { .. } => {}
             }
         }
@@ -213,7 +217,9 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             return;
         }
         while self.outbox_len == 0 && self.link.places() > 1 {
-            let Some((head, body)) = self.link.draft().and_then(|draft| draft.split_at_mut_checked(TRACE_HEAD)) else { return };
+            let Some((head, body)) = self.link.draft().and_then(|draft| draft.split_at_mut_checked(TRACE_HEAD)) else {
+                return;
+            };
             let mut count = 0;
             loop {
                 let part = self.desk.trace.link_bytes(body.get_mut(count..).unwrap_or(&mut []));
@@ -226,7 +232,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             if count == 0 {
                 return;
             }
-            let record = ReplyHead { opcode: TRACE_RECORD.into(), tag: 0.into(), code: 0.into(), len: (count as u16).into() };
+            let record =
+                ReplyHead { opcode: TRACE_RECORD.into(), tag: 0.into(), code: 0.into(), len: (count as u16).into() };
             if record.write_to(head).is_err() || self.link.send_draft(TRACE_HEAD + count).is_err() {
                 return;
             }
@@ -294,9 +301,10 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     /// When `poll` wants to be called at the latest, if nothing comes from the wire and the tick has
     /// executed nothing. While a program entry waits for the machine it is at once: after the next tick.
     pub fn next_deadline(&self) -> Option<Ns> {
-        let loss = self.heard.filter(|_| !self.lost && self.desk.link_loss.0 != 0).map(|heard| {
-            heard.saturating_add(u64::from(self.desk.link_loss.0) * 1_000_000).saturating_add(1)
-        });
+        let loss = self
+            .heard
+            .filter(|_| !self.lost && self.desk.link_loss.0 != 0)
+            .map(|heard| heard.saturating_add(u64::from(self.desk.link_loss.0) * 1_000_000).saturating_add(1));
         let next_tick = self.program.is_urgent().then(|| self.time.0.saturating_add(1));
         let flush = self.program.flush_due(self.view.last()).map(|due| due.0);
         self.link.next_deadline().into_iter().chain(loss).chain(next_tick).chain(flush).min().map(Ns)

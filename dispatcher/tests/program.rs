@@ -346,7 +346,8 @@ fn what_does_not_fit_is_sent_again_and_nothing_overtakes() {
         tags.extend(bench.post_all(&message));
         bench.run_ms(1);
     }
-    let refused: Vec<_> = tags.iter().filter(|&&tag| bench.answers.get(&tag).is_some_and(|a| a.code != 0)).copied().collect();
+    let refused: Vec<_> =
+        tags.iter().filter(|&&tag| bench.answers.get(&tag).is_some_and(|a| a.code != 0)).copied().collect();
     let first = tags.iter().position(|tag| refused.contains(tag)).expect("the queue is finite");
     assert_eq!(&refused[..], &tags[first..], "all behind the first that did not fit");
     assert_eq!(bench.answers[&refused[0]].reason(), Reason::QueueFull);
@@ -444,7 +445,8 @@ fn data_behind_wait_stop_is_in_time() {
     for mode in [0, 1] {
         let mut bench = Bench::gus();
         let (core, profile) = (CORE.into(), 1.into());
-        let mut entries = vec![entry(AxisOn { core, axis: profile }), entry(PrfPt { core, profile, mode: mode.into() })];
+        let mut entries =
+            vec![entry(AxisOn { core, axis: profile }), entry(PrfPt { core, profile, mode: mode.into() })];
         for _ in 0..3 {
             entries.extend([
                 entry(PtClear { core, profile, fifo: 0.into() }),
@@ -474,7 +476,11 @@ fn a_second_stream_counts_from_0() {
     let mut entries = vec![entry(AxisOn { core, axis: profile }), entry(PrfPt { core, profile, mode: 1.into() })];
     // The second stream's times would fit behind the first one's.
     for (pos, time) in [(10.0, 10), (20.0, 40), (20.0, 100)] {
-        entries.extend([entry(PtData { kind: 1.into(), ..pt_data(1, pos, time) }), entry(start(1)), entry(wait_stop(1))]);
+        entries.extend([
+            entry(PtData { kind: 1.into(), ..pt_data(1, pos, time) }),
+            entry(start(1)),
+            entry(wait_stop(1)),
+        ]);
     }
     entries.extend([entry(read_pos(1)), entry(ProgramEnd {})]);
     let tags = bench.post_all(&entries);
@@ -556,11 +562,9 @@ fn passed_over(with: bool) -> (Vec<bench::Answer>, Vec<(u64, u32)>, ProgramReply
 #[test]
 fn a_program_goes_on_behind_an_entry_that_may_fail() {
     let (answers, edges, status) = passed_over(true);
-    let reasons: Vec<_> = answers.iter().filter(|answer| answer.code != 0).map(|answer| (answer.code, answer.reason())).collect();
-    assert_eq!(
-        reasons,
-        [(1, Reason::Moving), (7, Reason::Selector), (1, Reason::WrongMode), (1, Reason::WrongMode)]
-    );
+    let reasons: Vec<_> =
+        answers.iter().filter(|answer| answer.code != 0).map(|answer| (answer.code, answer.reason())).collect();
+    assert_eq!(reasons, [(1, Reason::Moving), (7, Reason::Selector), (1, Reason::WrongMode), (1, Reason::WrongMode)]);
     // What follows acts as if those had not been there: not late, at the same instants.
     let (all_done, without, plain) = passed_over(false);
     assert!(all_done.iter().all(|answer| answer.code == 0));
@@ -625,7 +629,9 @@ fn a_trace_over_the_link_is_that_of_its_own_stream() {
         let (mut decoder, mut rows, mut ended) = (Decoder::new(), Vec::new(), false);
         decoder.feed(&bytes, |event| match event.unwrap() {
             Event::Head(..) => {}
-            Event::Row(row, samples) => rows.push((row, samples.iter().map(|s| (s.pos.get(), s.vel_mantissa.get())).collect::<Vec<_>>())),
+            Event::Row(row, samples) => {
+                rows.push((row, samples.iter().map(|s| (s.pos.get(), s.vel_mantissa.get())).collect::<Vec<_>>()))
+            }
             Event::End { lost, .. } => ended = lost == 0,
         });
         assert!(ended);
@@ -725,7 +731,9 @@ fn commands_in_the_wrong_lane() {
     assert_eq!(bench.refused(sleep(1)).1, Reason::NotInProgram);
     assert_eq!(bench.refused(wait_stop(1)).1, Reason::NotInProgram);
     assert_eq!(bench.refused(ProgramEnd {}).1, Reason::NotInProgram);
-    for wrong in [entry(SetTick { tick_us: 100.into() }), entry(ProgramClear {}), entry(Choose { profile: 0, family: 0 })] {
+    for wrong in
+        [entry(SetTick { tick_us: 100.into() }), entry(ProgramClear {}), entry(Choose { profile: 0, family: 0 })]
+    {
         let tag = bench.post_all(&[wrong])[0];
         bench.done(ProgramStart { strict: 0 });
         assert_eq!(bench.wait(tag).reason(), Reason::NotForProgram);

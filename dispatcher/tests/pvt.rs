@@ -100,7 +100,9 @@ fn chunks_out_of_order_begin_again_with_the_first() {
 fn bad_points_are_named_and_change_nothing() {
     let mut bench = ready(1);
     assert_eq!(load(&mut bench, 1, &TEN).0, 0);
-    let cases: [(&[(f64, f64, f64)], Reason, u8, u16); 7] = [
+    /// Points, and the reason, field and item of the refusal.
+    type Case = (&'static [(f64, f64, f64)], Reason, u8, u16);
+    let cases: [Case; 7] = [
         (&[(0.0, 0.0, 0.0), (0.0, 1.0, 0.0)], Reason::PointTime, 4, 1),
         (&[(5.0, 0.0, 0.0), (4.0, 1.0, 0.0)], Reason::PointTime, 4, 1),
         (&[(0.0, 0.0, 0.0), (f64::NAN, 1.0, 0.0)], Reason::NotFinite, 4, 1),
@@ -267,9 +269,7 @@ fn starts_are_refused_in_another_mode_at_speed_and_without_a_table() {
     assert_eq!(bench.refused(start(1)).1, Reason::Moving);
     assert_eq!(bench.refused(PrfPvt { core: 1.into(), profile: 1.into() }).1, Reason::Moving);
     assert_eq!(bench.call(start(0)).code, 0);
-    for request in [GetPvtLoop { core: 1.into(), profile: 3.into() }] {
-        assert_eq!(bench.refused(request).1, Reason::WrongMode);
-    }
+    assert_eq!(bench.refused(GetPvtLoop { core: 1.into(), profile: 3.into() }).1, Reason::WrongMode);
     assert_eq!(bench.refused(PvtStatus { core: 1.into(), profile: 2.into(), count: 2.into() }).1, Reason::WrongMode);
     let bad = SetPvtLoop { core: 1.into(), profile: 1.into(), loop_count: (-1).into() };
     assert_eq!((bench.refused(bad).0, bench.refused(bad).2.field.to_owned()), (7, 2));

@@ -171,7 +171,10 @@ fn pt_modes_and_starts() {
     assert_eq!(bench.done(space).value.get(), 31);
     bench.done(PrfPt { core: 1.into(), profile: 1.into(), mode: 1.into() });
     assert_eq!(bench.done(space).value.get(), 64);
-    assert_eq!(bench.refused(SetPtLoop { core: 1.into(), profile: 1.into(), loop_count: 2.into() }).1, Reason::NotInDynamic);
+    assert_eq!(
+        bench.refused(SetPtLoop { core: 1.into(), profile: 1.into(), loop_count: 2.into() }).1,
+        Reason::NotInDynamic
+    );
     assert_eq!(bench.refused(GetPtLoop { core: 1.into(), profile: 1.into() }).1, Reason::NotInDynamic);
     // Dynamic mode ignores the FIFO.
     bench.done(PtData { fifo: 7.into(), ..pt_data(1, 5.0, 5) });
@@ -187,7 +190,8 @@ fn pt_modes_and_starts() {
 fn jog_and_trap() {
     let mut bench = Bench::gus();
     let (core, profile) = (1.into(), 1.into());
-    let trap = SetTrapPrm { core, profile, acc: 1.0.into(), dec: 1.0.into(), vel_start: 0.0.into(), smooth_time_ms: 0.into() };
+    let trap =
+        SetTrapPrm { core, profile, acc: 1.0.into(), dec: 1.0.into(), vel_start: 0.0.into(), smooth_time_ms: 0.into() };
     assert_eq!(bench.refused(Update { core, mask: 1.into() }).1, Reason::NoAcceleration);
     for (field, prm) in [
         (2, SetTrapPrm { acc: (-1.0).into(), ..trap }),
@@ -264,7 +268,10 @@ fn settings_with_ranges() {
     let mut bench = Bench::gus();
     let (core, axis) = (1.into(), 2.into());
     for (smooth, abrupt) in [(0.0, 1.0), (1.0, 0.0), (-1.0, 1.0), (5e9, 1.0)] {
-        assert_eq!(bench.refused(SetStopDec { core, profile: axis, smooth: smooth.into(), abrupt: abrupt.into() }).0, 7);
+        assert_eq!(
+            bench.refused(SetStopDec { core, profile: axis, smooth: smooth.into(), abrupt: abrupt.into() }).0,
+            7
+        );
     }
     let dec = bench.done(GetStopDec { core, profile: axis });
     assert_eq!((dec.smooth.get(), dec.abrupt.get()), (1.0, 1000.0));
@@ -405,7 +412,10 @@ fn profiles() {
     }
     // 32 status items do not fit into one message.
     assert_eq!(bench.refused(AxisStatus { core: 1.into(), axis: 1.into(), count: 32.into() }).2.field, 2);
-    assert_eq!(bench.call(AxisStatus { core: 1.into(), axis: 1.into(), count: 31.into() }).items::<AxisStatus>().len(), 31);
+    assert_eq!(
+        bench.call(AxisStatus { core: 1.into(), axis: 1.into(), count: 31.into() }).items::<AxisStatus>().len(),
+        31
+    );
 }
 
 #[test]
@@ -413,7 +423,9 @@ fn what_ended_the_last_run_is_told() {
     let mut fresh = Bench::gus();
     let none = fresh.call(GetFault {});
     assert_eq!((none.reply::<GetFault>(), none.body.len()), (FaultReply { kind: 0, length: 0.into() }, 3));
-    for (text, told) in [("at main.rs:7", 12), ("", 0), (&*"é".repeat(100), 160), (&*format!("x{}", "é".repeat(100)), 159)] {
+    for (text, told) in
+        [("at main.rs:7", 12), ("", 0), (&*"é".repeat(100), 160), (&*format!("x{}", "é".repeat(100)), 159)]
+    {
         let text: &'static str = String::leak(text.to_owned());
         let fault = Fault { kind: FaultKind::Core, text };
         let mut bench = Bench::<8>::after(Some(fault), 0, 250);

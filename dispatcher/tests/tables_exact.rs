@@ -61,7 +61,12 @@ struct Tally {
 }
 
 /// Builds, runs and compares until `segments` segments have been run.
-fn campaign(seed: u64, segments: usize, most: u64, mut make: impl FnMut(&mut Chance, u64) -> (Kind, Vec<Vec<f64>>)) -> Tally {
+fn campaign(
+    seed: u64,
+    segments: usize,
+    most: u64,
+    mut make: impl FnMut(&mut Chance, u64) -> (Kind, Vec<Vec<f64>>),
+) -> Tally {
     let mut chance = Chance::new(seed);
     let mut tally = Tally { segments: 0, tables: 0, refused: 0, worst: 0.0, worst_vel: 0.0 };
     while tally.segments < segments {
@@ -70,7 +75,13 @@ fn campaign(seed: u64, segments: usize, most: u64, mut make: impl FnMut(&mut Cha
         let mut shelf = Shelf::default();
         if let Err(refused) = shelf.add(kind, &points) {
             // Random numbers may be too fast or too far; nothing else may be wrong with them.
-            let known = [Reason::TooFast, Reason::BeyondTravel, Reason::TableShort, Reason::VelocityUnreachable, Reason::NoDisplacement];
+            let known = [
+                Reason::TooFast,
+                Reason::BeyondTravel,
+                Reason::TableShort,
+                Reason::VelocityUnreachable,
+                Reason::NoDisplacement,
+            ];
             assert!(known.contains(&refused.reason), "{refused:?}\n{kind:?} {points:?}");
             tally.refused += 1;
             continue;
@@ -79,7 +90,13 @@ fn campaign(seed: u64, segments: usize, most: u64, mut make: impl FnMut(&mut Cha
         let (allowed, peak) = (reference.allowed(), reference.peak());
         let passes = 1 + chance.below(3) as u32;
         let mut bench = Bench::start(&shelf, 0, chance.below(1 << 40), Exact(0), passes);
-        let ends: Vec<_> = reference.phases.iter().skip(1).map(|phase| phase.begin.clone()).chain([reference.duration.clone()]).collect();
+        let ends: Vec<_> = reference
+            .phases
+            .iter()
+            .skip(1)
+            .map(|phase| phase.begin.clone())
+            .chain([reference.duration.clone()])
+            .collect();
         for pass in 0..passes {
             let before = &reference.delay + &reference.duration * pass;
             for (phase, end) in reference.phases.iter().zip(&ends) {
@@ -95,9 +112,15 @@ fn campaign(seed: u64, segments: usize, most: u64, mut make: impl FnMut(&mut Cha
                 for at in [first, first + chance.next() % (last - first + 1), last] {
                     let (error, slip) = bench.error(&reference, at);
                     let (share, share_vel) = (error / allowed, slip / peak);
-                    assert!(share <= 1.0, "position off by {error}, allowed {allowed}, at {at} ns\n{kind:?} {points:?}");
+                    assert!(
+                        share <= 1.0,
+                        "position off by {error}, allowed {allowed}, at {at} ns\n{kind:?} {points:?}"
+                    );
                     let blur = blur(&reference, peak, at);
-                    assert!(slip <= (peak * 2f64.powi(-17)).max(blur), "velocity off by {slip}, peak {peak}, at {at}\n{kind:?} {points:?}");
+                    assert!(
+                        slip <= (peak * 2f64.powi(-17)).max(blur),
+                        "velocity off by {slip}, peak {peak}, at {at}\n{kind:?} {points:?}"
+                    );
                     tally.worst = tally.worst.max(share);
                     if blur < peak * 2f64.powi(-17) {
                         tally.worst_vel = tally.worst_vel.max(share_vel);
@@ -111,8 +134,14 @@ fn campaign(seed: u64, segments: usize, most: u64, mut make: impl FnMut(&mut Cha
         assert!(error <= 2f64.powi(-22) && slip == 0.0, "the end is off by {error}");
         tally.tables += 1;
     }
-    println!("{} segments, {} tables, {} refused; worst position {:.3} of allowed, worst velocity 2^{:.1} of peak",
-        tally.segments, tally.tables, tally.refused, tally.worst, tally.worst_vel.log2());
+    println!(
+        "{} segments, {} tables, {} refused; worst position {:.3} of allowed, worst velocity 2^{:.1} of peak",
+        tally.segments,
+        tally.tables,
+        tally.refused,
+        tally.worst,
+        tally.worst_vel.log2()
+    );
     tally
 }
 
@@ -145,7 +174,10 @@ fn pvt_ex_is_exact() {
     campaign(12, 150_000, 500, |chance, most| {
         let way = way(chance, most);
         let slopes: Vec<f64> = way.windows(2).map(|w| (w[1].1 - w[0].1) / (w[1].0 - w[0].0)).chain([0.0]).collect();
-        let points = way.iter().zip(slopes).map(|((t, p), slope)| vec![*t, *p, slope * (chance.unit() * 3.0 - 0.5), slope * chance.unit()]);
+        let points = way
+            .iter()
+            .zip(slopes)
+            .map(|((t, p), slope)| vec![*t, *p, slope * (chance.unit() * 3.0 - 0.5), slope * chance.unit()]);
         (Kind::PvtEx, points.collect())
     });
 }
@@ -171,7 +203,12 @@ fn percent_is_exact() {
         let long = chance.log(0.02, 1e6);
         let mut points = Vec::new();
         for _ in 0..2 + chance.below(most - 1) {
-            let percent = match chance.below(5) { 0 => 0.0, 1 => 100.0, 2 => 60.0, _ => chance.unit() * 100.0 };
+            let percent = match chance.below(5) {
+                0 => 0.0,
+                1 => 100.0,
+                2 => 60.0,
+                _ => chance.unit() * 100.0,
+            };
             points.push(vec![t, p, percent]);
             let length = number(style, chance.log(0.01, long)).max(0.01);
             let next = (chance.unit() * 2.0 - 1.0) * speed;
@@ -204,11 +241,16 @@ fn continuous_is_exact() {
             } else {
                 next * top * chance.unit() * 0.7
             };
-            let percent = match chance.below(4) { 0 => 0.0, 1 => 100.0, _ => chance.unit() * 100.0 };
+            let percent = match chance.below(4) {
+                0 => 0.0,
+                1 => 100.0,
+                _ => chance.unit() * 100.0,
+            };
             points.push(vec![p, vel, percent, top, number(2, a), number(2, d)]);
             let least = top * top / a.min(d) / 2.0;
             direction = next;
-            let length = if chance.below(3) == 0 { chance.log(least, least * 100.0) } else { least * (0.5 + chance.unit()) };
+            let length =
+                if chance.below(3) == 0 { chance.log(least, least * 100.0) } else { least * (0.5 + chance.unit()) };
             p = number(style, p + direction * length.max(1e-3));
         }
         (Kind::Continuous { time_begin: number(style, chance.unit() * 500.0) }, points)

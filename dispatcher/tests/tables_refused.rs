@@ -59,8 +59,18 @@ fn more_places_than_fit() {
 #[test]
 fn times() {
     for kind in [Kind::Pvt, Kind::PvtEx, COMPLETE, PERCENT] {
-        is(refused(kind, &[&[0.0, 0.0, 0.0, 0.0], &[1.0, 1.0, 0.0, 0.0], &[1.0, 2.0, 0.0, 0.0]]), Reason::PointTime, 2, 10);
-        is(refused(kind, &[&[0.0, 0.0, 0.0, 0.0], &[2.0, 1.0, 0.0, 0.0], &[1.0, 2.0, 0.0, 0.0]]), Reason::PointTime, 2, 10);
+        is(
+            refused(kind, &[&[0.0, 0.0, 0.0, 0.0], &[1.0, 1.0, 0.0, 0.0], &[1.0, 2.0, 0.0, 0.0]]),
+            Reason::PointTime,
+            2,
+            10,
+        );
+        is(
+            refused(kind, &[&[0.0, 0.0, 0.0, 0.0], &[2.0, 1.0, 0.0, 0.0], &[1.0, 2.0, 0.0, 0.0]]),
+            Reason::PointTime,
+            2,
+            10,
+        );
         is(refused(kind, &[&[0.0, 0.0, 0.0, 0.0], &[f64::NAN, 1.0, 0.0, 0.0]]), Reason::NotFinite, 1, 10);
         is(refused(kind, &[&[0.0, 0.0, 0.0, 0.0], &[f64::INFINITY, 1.0, 0.0, 0.0]]), Reason::NotFinite, 1, 10);
         is(refused(kind, &[&[-1.0, 0.0, 0.0, 0.0], &[1.0, 1.0, 0.0, 0.0]]), Reason::OutOfRange, 0, 10);
@@ -121,14 +131,26 @@ fn continuous_data() {
     is(refused(CONTINUOUS, &[standing, arrives]), Reason::VelocityUnreachable, 0, NONE);
     is(refused(CONTINUOUS, &[standing, rest, arrives]), Reason::NoDisplacement, 1, NONE);
     // Above the limit in the direction of travel; against it a larger one is allowed.
-    is(refused(CONTINUOUS, &[&[0.0, 11.0, 0.0, 10.0, 0.01, 0.01], &[1e6, 0.0, 0.0, 10.0, 0.01, 0.01]]), Reason::AboveVelMax, 0, NONE);
-    is(refused(CONTINUOUS, &[&[0.0, -11.0, 0.0, 10.0, 0.01, 0.01], &[-1e6, 0.0, 0.0, 10.0, 0.01, 0.01]]), Reason::AboveVelMax, 0, NONE);
+    is(
+        refused(CONTINUOUS, &[&[0.0, 11.0, 0.0, 10.0, 0.01, 0.01], &[1e6, 0.0, 0.0, 10.0, 0.01, 0.01]]),
+        Reason::AboveVelMax,
+        0,
+        NONE,
+    );
+    is(
+        refused(CONTINUOUS, &[&[0.0, -11.0, 0.0, 10.0, 0.01, 0.01], &[-1e6, 0.0, 0.0, 10.0, 0.01, 0.01]]),
+        Reason::AboveVelMax,
+        0,
+        NONE,
+    );
     assert!(Shelf::default().add(CONTINUOUS, &[vec![0.0, -11.0, 0.0, 10.0, 0.01, 0.01], rest.to_vec()]).is_ok());
     // Exactly enough, in decimal numbers: one ramp, no refusal for a last bit.
     for acc in [0.01, 0.02, 0.03, 0.07, 0.1, 0.3] {
         let length = 100.0 / 2.0 / acc;
         let mut shelf = Shelf::default();
-        let times = shelf.add(CONTINUOUS, &[vec![0.0, 10.0, 0.0, 10.0, acc, acc], vec![length, 0.0, 0.0, 10.0, acc, acc]]).unwrap();
+        let times = shelf
+            .add(CONTINUOUS, &[vec![0.0, 10.0, 0.0, 10.0, acc, acc], vec![length, 0.0, 0.0, 10.0, acc, acc]])
+            .unwrap();
         assert!((times[1] - 10.0 / acc).abs() < 1e-6 && shelf.header_of(0).places <= 3, "{acc} {times:?}");
     }
     // The last point's limits are not used.
@@ -157,7 +179,8 @@ fn arbitrary_bits() {
     for round in 0..60_000 {
         let value = |chance: &mut Chance| match chance.below(6) {
             0 => f64::from_bits(chance.next()),
-            1 => [f64::NAN, f64::INFINITY, 0.0, -0.0, f64::MAX, f64::MIN_POSITIVE, 5e-324, 4294967296.0][chance.below(8) as usize],
+            1 => [f64::NAN, f64::INFINITY, 0.0, -0.0, f64::MAX, f64::MIN_POSITIVE, 5e-324, 4294967296.0]
+                [chance.below(8) as usize],
             2 => chance.sign() * chance.log(1e-300, 1e300),
             3 => chance.below(200) as f64,
             _ => chance.sign() * chance.log(1e-6, 1e6),

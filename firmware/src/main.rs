@@ -21,8 +21,8 @@ use interrupts::{Receiver, Servo};
 use servo::pvt::TableStores;
 use servo::tick::{Lanes, Tick, TickConfig};
 use statics::{
-    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, NEWS, PENDED, PLACES, PROGRAM_LANE, RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES,
-    TRACE, VIEW,
+    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, NEWS, PENDED, PLACES, PROGRAM_LANE, RECEIVER, RECEIVING, REPORT,
+    SERVER, SERVO, STORES, TRACE, VIEW,
 };
 use tasks::LinkParts;
 
@@ -75,7 +75,15 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
             axes: AXES as u8,
             analog_inputs: board::ANALOG_INPUTS,
         }),
-        lanes: Lanes { immediate, program, view: view_in, events: events_in, samples: samples_in, segments: &STORES, tables: TableStores { places: &PLACES, headers: &HEADERS } },
+        lanes: Lanes {
+            immediate,
+            program,
+            view: view_in,
+            events: events_in,
+            samples: samples_in,
+            segments: &STORES,
+            tables: TableStores { places: &PLACES, headers: &HEADERS },
+        },
     };
     servo.timer.run_at(board::TICK_NS);
     // SAFETY: no interrupt is let in yet.
@@ -84,7 +92,15 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
         RECEIVER.give(Receiver { rx, bytes: bytes_in });
     }
 
-    let channels = Channels { immediate: immediate_in, program: program_in, view, events, samples, stores: &STORES, tables: TableStores { places: &PLACES, headers: &HEADERS } };
+    let channels = Channels {
+        immediate: immediate_in,
+        program: program_in,
+        view,
+        events,
+        samples,
+        stores: &STORES,
+        tables: TableStores { places: &PLACES, headers: &HEADERS },
+    };
     let server = SERVER.init(Server::new(
         dispatcher::Board {
             name: board::NAME,

@@ -2,7 +2,9 @@
 use servo::piece::Scaled;
 use servo::units::Pos;
 use std::path::PathBuf;
-use trace::{AxisName, AxisPoint, CsvWriter, Header, Item, OutputEdge, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter};
+use trace::{
+    AxisName, AxisPoint, CsvWriter, Header, Item, OutputEdge, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter,
+};
 
 const PULSE: i64 = 1 << 22;
 
@@ -28,11 +30,15 @@ fn csv_is_what_the_specification_shows() {
     let mut csv = CsvWriter::new(&mut out, &header).unwrap();
     let zero = Scaled::default();
     csv.row(&row(0, header.row_ns(), &[(0, zero), (-PULSE, zero), (0, zero)])).unwrap();
-    csv.row(&row(1, header.row_ns(), &[
-        (PULSE / 4, Scaled { m: 1, e: 1 }),
-        (-PULSE - 1, Scaled { m: -3, e: 2 }),
-        (4096 * PULSE, Scaled { m: 2, e: 0 }),
-    ]))
+    csv.row(&row(
+        1,
+        header.row_ns(),
+        &[
+            (PULSE / 4, Scaled { m: 1, e: 1 }),
+            (-PULSE - 1, Scaled { m: -3, e: 2 }),
+            (4096 * PULSE, Scaled { m: 2, e: 0 }),
+        ],
+    ))
     .unwrap();
     csv.finish().unwrap();
     assert_eq!(
@@ -196,8 +202,7 @@ fn plot_of(axes: u8, options: PlotOptions) -> Plot {
                 (500.0 * f64::from(n) * (w * t_ms).sin(), 500.0 * f64::from(n) * w * (w * t_ms).cos())
             }
         };
-        let points: Vec<_> =
-            (1..=axes).map(|n| ((point(n).0 * PULSE as f64) as i64, scaled(point(n).1))).collect();
+        let points: Vec<_> = (1..=axes).map(|n| ((point(n).0 * PULSE as f64) as i64, scaled(point(n).1))).collect();
         plot.row(&row(index, 250_000, &points));
     }
     plot

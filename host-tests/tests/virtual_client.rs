@@ -153,7 +153,10 @@ fn refusals_have_code_and_reason() {
     for axis in [0, 99] {
         let e = refused(space(axis));
         assert_eq!(e.code, 7, "{e}");
-        assert!(e.reason.contains("PtSpace") && e.reason.contains("profile") && e.reason.contains(&axis.to_string()), "{e}");
+        assert!(
+            e.reason.contains("PtSpace") && e.reason.contains("profile") && e.reason.contains(&axis.to_string()),
+            "{e}"
+        );
     }
     let e = refused(client.call(pt(1, 1.0, 1)));
     assert_eq!(e.code, 1, "{e}");
@@ -221,7 +224,9 @@ fn another_schema_is_refused_with_both_named() {
 #[test]
 fn a_closed_port_cannot_be_opened() {
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    for name in [format!("tcp:127.0.0.1:{port}"), "serial:/no/such/port".into(), "qemu:/no/such/image".into(), "what".into()] {
+    for name in
+        [format!("tcp:127.0.0.1:{port}"), "serial:/no/such/port".into(), "qemu:/no/such/image".into(), "what".into()]
+    {
         let e = client::link::open(&name).err().unwrap();
         assert_eq!(e.code, -6, "{e}");
         assert!(e.reason.contains(&name), "{e}");
@@ -320,15 +325,21 @@ fn stream(seconds: i32, ahead_ms: i32) -> impl Iterator<Item = Call> {
                 .map(|i| {
                     let t = part * SHARE + i;
                     let last = t == seconds * 1000;
-                    PtItem { pos: f64::from(t * i32::from(axis)).into(), time_ms: t.into(), kind: if last { 2 } else { 1 } }
+                    PtItem {
+                        pos: f64::from(t * i32::from(axis)).into(),
+                        time_ms: t.into(),
+                        kind: if last { 2 } else { 1 },
+                    }
                 })
                 .collect();
-            let many = PtDataMany { core: 1.into(), profile: axis.into(), fifo: 0.into(), count: (SHARE as u16).into() };
+            let many =
+                PtDataMany { core: 1.into(), profile: axis.into(), fifo: 0.into(), count: (SHARE as u16).into() };
             Call::with_items::<PtDataMany>(many, &items)
         });
         // From the start on each share is called for when as much has run.
         let ahead = ahead_ms / SHARE;
-        let start = (part == ahead - 1).then(|| Call::of(PtStart { core: 1.into(), mask: 0xff.into(), option: 0.into() }));
+        let start =
+            (part == ahead - 1).then(|| Call::of(PtStart { core: 1.into(), mask: 0xff.into(), option: 0.into() }));
         let sleep = (part >= ahead).then(|| Call::of(Sleep { ns: (SHARE as u64 * 1_000_000).into() }));
         sleep.into_iter().chain(fill).chain(start).collect::<Vec<_>>()
     });

@@ -113,7 +113,13 @@ pub struct Refusal {
 
 impl Wire for Refusal {
     const FIELDS: &'static [(&'static str, &'static str)] = &[
-        ("reason", "U16"), ("field", "u8"), ("item", "U16"), ("axis", "I16"), ("got", "F64"), ("low", "F64"), ("high", "F64"),
+        ("reason", "U16"),
+        ("field", "u8"),
+        ("item", "U16"),
+        ("axis", "I16"),
+        ("got", "F64"),
+        ("low", "F64"),
+        ("high", "F64"),
     ];
 }
 

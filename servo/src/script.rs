@@ -20,8 +20,7 @@ pub(crate) struct Script {
 }
 
 impl Script {
-    pub(crate) const HELD: Script =
-        Script { runs: false, zero: Ns(0), clock: Ns(0), late: 0, worst_late: Ns(0) };
+    pub(crate) const HELD: Script = Script { runs: false, zero: Ns(0), clock: Ns(0), late: 0, worst_late: Ns(0) };
 
     /// The clock is zero at the tick in force.
     pub(crate) fn begin(&mut self, now: Ns) {

@@ -60,8 +60,15 @@ mod tests {
     fn rounds_to_the_nearest_pulse_in_both_directions() {
         let one = 1i64 << Pos::FRAC_BITS;
         for (pos, pulse) in [
-            (0, 0), (one / 2 - 1, 0), (one / 2, 1), (one, 1), (-one / 2, 0), (-one / 2 - 1, -1), (-one, -1),
-            (4096 * one, 4096), (-4096 * one, -4096),
+            (0, 0),
+            (one / 2 - 1, 0),
+            (one / 2, 1),
+            (one, 1),
+            (-one / 2, 0),
+            (-one / 2 - 1, -1),
+            (-one, -1),
+            (4096 * one, 4096),
+            (-4096 * one, -4096),
         ] {
             assert_eq!(whole(Pos(pos)), pulse, "{pos}");
         }
@@ -76,9 +83,8 @@ mod tests {
             for count in 0..=slots {
                 let mut walker = Slots::new(count, slots).unwrap();
                 let at: Vec<u32> = (0..slots).filter(|_| walker.advance()).collect();
-                let closed: Vec<u32> = (0..count)
-                    .map(|k| (((k + 1) * slots - slots / 2).div_ceil(count)) - 1)
-                    .collect();
+                let closed: Vec<u32> =
+                    (0..count).map(|k| (((k + 1) * slots - slots / 2).div_ceil(count)) - 1).collect();
                 assert_eq!(at, closed, "{count} in {slots}");
             }
         }

@@ -20,8 +20,7 @@ pub(crate) struct Trace {
 }
 
 impl Trace {
-    pub(crate) const OFF: Trace =
-        Trace { every: 0, left: 0, row: 0, axes: AxisMask(0), armed: None, lost: 0 };
+    pub(crate) const OFF: Trace = Trace { every: 0, left: 0, row: 0, axes: AxisMask(0), armed: None, lost: 0 };
 
     /// Waits for the program.
     pub(crate) fn arm(&mut self, every: u32, axes: AxisMask) {

@@ -117,7 +117,9 @@ fn draw(chance: &mut Chance, count: usize, longest: f64) -> (Vec<Datum>, Vec<Seg
     for _ in 0..count {
         for attempt in 0..20 {
             let (size, length) = match scale {
-                Some((size, length)) => (size * chance.unit() * chance.sign(), (length * (0.5 + chance.unit())).max(1.0)),
+                Some((size, length)) => {
+                    (size * chance.unit() * chance.sign(), (length * (0.5 + chance.unit())).max(1.0))
+                }
                 None => (chance.log(1e-3, 2f64.powi(40)) * chance.sign(), chance.log(1.0, longest)),
             };
             let target = pos + size;
@@ -126,7 +128,8 @@ fn draw(chance: &mut Chance, count: usize, longest: f64) -> (Vec<Datum>, Vec<Seg
             if end > i32::MAX as i64 || target.abs() > 2f64.powi(40) {
                 continue;
             }
-            let kind = if attempt > 10 { 1 + chance.below(2) } else { [0, 0, 0, 0, 1, 2][chance.below(6) as usize] } as i16;
+            let kind =
+                if attempt > 10 { 1 + chance.below(2) } else { [0, 0, 0, 0, 1, 2][chance.below(6) as usize] } as i16;
             let datum = Datum { pos: target, time: end as i32, kind };
             if let Ok((segment, next)) = Segment::admit(target.to_bits(), end as i32, kind, &chain) {
                 (chain, pos, time) = (next, target, end);
@@ -191,7 +194,13 @@ fn compare(chance: &mut Chance, count: usize, longest: f64, origin: Exact, dynam
                 worst.knot = worst.knot.max(error);
             }
             worst.inside = worst.inside.max(error);
-            assert!(error <= 2f64.powi(-16), "{error:e} at {ns} ns of {} ms, P {:e}, v0 {:e}", row.t, to_f64(&row.p), to_f64(&row.v0));
+            assert!(
+                error <= 2f64.powi(-16),
+                "{error:e} at {ns} ns of {} ms, P {:e}, v0 {:e}",
+                row.t,
+                to_f64(&row.p),
+                to_f64(&row.v0)
+            );
             if !peak.is_zero() {
                 let gap = big_scaled(step.motion.velocity()) - v;
                 let error = to_f64(&((gap << BITS) / &peak)).abs();
@@ -352,7 +361,7 @@ fn a_chain_that_comes_to_rest_is_no_underrun() {
         }
         let end = run.step(Ns(last), feed, &store);
         assert_eq!(matches!(end.state, State::Ended { .. }), rest, "{data:?} {end:?}");
-        assert_eq!(end.pos, Pos::pulses(4) .max(Exact((big(data[2].0) >> (BITS - 64)).to_i128().unwrap()).round()));
+        assert_eq!(end.pos, Pos::pulses(4).max(Exact((big(data[2].0) >> (BITS - 64)).to_i128().unwrap()).round()));
     }
 }
 
@@ -435,7 +444,8 @@ fn bad_data_is_refused_and_named() {
 #[test]
 fn words_hold_the_double() {
     let mut chance = Chance::new(15);
-    let mut cases = vec![0.0, -0.0, f64::MIN_POSITIVE, 2f64.powi(-64), 2f64.powi(-65), 2f64.powi(-12), -(2f64.powi(40))];
+    let mut cases =
+        vec![0.0, -0.0, f64::MIN_POSITIVE, 2f64.powi(-64), 2f64.powi(-65), 2f64.powi(-12), -(2f64.powi(40))];
     cases.push(f64::from_bits(2f64.powi(-12).to_bits() - 1));
     cases.extend((0..200_000).map(|_| chance.log(1e-25, 1e12) * chance.sign()));
     for pos in cases.into_iter().filter(|x| x.abs() <= 2f64.powi(40)) {

@@ -39,7 +39,9 @@ impl Shelf {
             displacement: Exact((last.1 as i128) << 64),
             rate: (u128::MAX / duration) as u64,
         };
-        let place = |&(time, pos, vel): &(u64, i64, i64)| Place { time: time << time_bits, pos: pos << 20, vel }.admit().unwrap();
+        let place = |&(time, pos, vel): &(u64, i64, i64)| {
+            Place { time: time << time_bits, pos: pos << 20, vel }.admit().unwrap()
+        };
         self.0.push((header.admit().unwrap(), knots.iter().map(place).collect()));
     }
 }
@@ -57,11 +59,21 @@ fn words_hold_what_they_are_given() {
             1 => -(1i64 << (bits - 1)),
             _ => (x << (64 - bits)) as i64 >> (64 - bits),
         };
-        let place = Place { time: if round % 5 == 0 { (1 << 42) - 1 } else { chance.next() >> 22 }, pos: edge(46, chance.next()), vel: edge(40, chance.next()) };
+        let place = Place {
+            time: if round % 5 == 0 { (1 << 42) - 1 } else { chance.next() >> 22 },
+            pos: edge(46, chance.next()),
+            vel: edge(40, chance.next()),
+        };
         assert_eq!(Place::from_words(place.admit().unwrap()), place);
         assert!(Place { time: 1 << 42, ..place }.admit().is_none());
-        assert!(Place { pos: 1 << 45, ..place }.admit().is_none() && Place { pos: -(1 << 45) - 1, ..place }.admit().is_none());
-        assert!(Place { vel: 1 << 39, ..place }.admit().is_none() && Place { vel: -(1 << 39) - 1, ..place }.admit().is_none());
+        assert!(
+            Place { pos: 1 << 45, ..place }.admit().is_none()
+                && Place { pos: -(1 << 45) - 1, ..place }.admit().is_none()
+        );
+        assert!(
+            Place { vel: 1 << 39, ..place }.admit().is_none()
+                && Place { vel: -(1 << 39) - 1, ..place }.admit().is_none()
+        );
         let wide = |chance: &mut Chance| (chance.next() as u128) << 64 | chance.next() as u128;
         let header = Header {
             places: 2 + chance.below(1023) as u16,
@@ -78,8 +90,14 @@ fn words_hold_what_they_are_given() {
             Some(words) => assert_eq!(Header::from_words(words), header),
             None => assert!(!(0..=84).contains(&header.frac())),
         }
-        assert!(Header { places: 1, ..header }.admit().is_none() && Header { places: PLACES as u16 + 1, ..header }.admit().is_none());
-        assert!(Header { duration: 999 << 64, ..header }.admit().is_none() && Header { time_bits: 33, ..header }.admit().is_none());
+        assert!(
+            Header { places: 1, ..header }.admit().is_none()
+                && Header { places: PLACES as u16 + 1, ..header }.admit().is_none()
+        );
+        assert!(
+            Header { duration: 999 << 64, ..header }.admit().is_none()
+                && Header { time_bits: 33, ..header }.admit().is_none()
+        );
     }
 }
 
@@ -99,7 +117,10 @@ fn delay_then_motion_then_rest() {
     for quarter in 14..30u64 {
         let step = run.step(Ns(begin.0 + quarter * MS / 4), 1, &shelf);
         let t = (quarter - 14) as f64 / 16.0;
-        assert!((pulses(step.pos) - 100.0 - 8.0 * t * t * (3.0 - 2.0 * t)).abs() < 1e-6 && step.state == State::Running, "{quarter}");
+        assert!(
+            (pulses(step.pos) - 100.0 - 8.0 * t * t * (3.0 - 2.0 * t)).abs() < 1e-6 && step.state == State::Running,
+            "{quarter}"
+        );
     }
     for later in [30u64, 31, 40, 4_000_000] {
         let step = run.step(Ns(begin.0 + later * MS / 4), 1, &shelf);
@@ -130,8 +151,15 @@ fn a_selected_table_takes_over_at_the_end_of_the_pass() {
         let step = run.step(Ns(13 * MS), passes, &shelf);
         assert!((pulses(step.pos) - 85.0).abs() < 1e-6 && run.pending().is_none());
         let step = run.step(Ns(14 * MS + MS / 2), passes, &shelf);
-        let (pos, going) = match passes { 1 => (80.0, false), _ => (77.5, true) };
-        assert!((pulses(step.pos) - pos).abs() < 1e-6 && (step.state == State::Running) == going, "{passes}: {}", pulses(step.pos));
+        let (pos, going) = match passes {
+            1 => (80.0, false),
+            _ => (77.5, true),
+        };
+        assert!(
+            (pulses(step.pos) - pos).abs() < 1e-6 && (step.state == State::Running) == going,
+            "{passes}: {}",
+            pulses(step.pos)
+        );
     }
     // The table that takes over may itself have run several times within the tick.
     let mut run = PvtRun::begin(Ns(0), Exact(0), 0, &shelf);

@@ -147,7 +147,7 @@ fn instants(chance: &mut Chance, laws: &[Law], end: u64) -> Vec<u64> {
     let mut t = fix(0.0);
     for law in laws {
         for edge in [&law.edge, &law.len.sub(&law.edge), &law.len] {
-            let knot = (t.add(edge).0 * MS >> BITS).to_u64().unwrap_or(u64::MAX >> 2);
+            let knot = ((t.add(edge).0 * MS) >> BITS).to_u64().unwrap_or(u64::MAX >> 2);
             all.extend([knot.saturating_sub(1), knot, knot + 1]);
         }
         t = t.add(&law.len);
@@ -178,7 +178,12 @@ fn follow(mut run: RampRun, begin: u64, from: Exact, laws: &[Law], times: &[u64]
         let slack = steepest * t as f64 / 1e6 * 2f64.powi(-60);
         let error = (fixed(step.motion.velocity()).sub(&v).f64().abs() - slack).max(0.0) / peak.max(1e-300);
         worst.velocity = worst.velocity.max(error);
-        assert!(error <= 2f64.powi(-16), "{what}: velocity {error:e} of the peak at {t} ns of {}, {:?}", total(laws).f64() * 1e6, step.state);
+        assert!(
+            error <= 2f64.powi(-16),
+            "{what}: velocity {error:e} of the peak at {t} ns of {}, {:?}",
+            total(laws).f64() * 1e6,
+            step.state
+        );
     }
 }
 
@@ -229,7 +234,9 @@ fn jog_follows_its_closed_form_and_cruises_for_ever() {
         for t in times {
             while t > last && t - last > 10 * MS {
                 last += ((t - last) / 2).max(5 * MS);
-                if walked.len() > 4000 { break; }
+                if walked.len() > 4000 {
+                    break;
+                }
                 walked.push(last.min(t));
             }
             last = t;
@@ -245,7 +252,10 @@ fn jog_follows_its_closed_form_and_cruises_for_ever() {
 fn jog_dec_of_zero_means_acc() {
     let from = Moving { pos: Exact(0), velocity: scaled(10.0) };
     let mut run = RampRun::jog(Ns(0), from, speed(5.0), accel(0.5), Accel::default(), 0);
-    assert_eq!(run.step(Ns(10 * MS)).motion.velocity().m as f64 / 2f64.powi(run.step(Ns(10 * MS)).motion.velocity().e as i32), 5.0);
+    assert_eq!(
+        run.step(Ns(10 * MS)).motion.velocity().m as f64 / 2f64.powi(run.step(Ns(10 * MS)).motion.velocity().e as i32),
+        5.0
+    );
     assert!((fixed(run.step(Ns(5 * MS)).motion.velocity()).f64()) <= 10.0);
 }
 
@@ -347,12 +357,12 @@ fn trap_laws(job: &Job) -> Vec<Law> {
 fn draw(chance: &mut Chance, round: u32) -> Job {
     let speed = chance.log(1e-2, 1e5);
     Job {
-        v: if round % 2 == 0 { 0.0 } else { chance.log(1e-2, 1e5) * chance.sign() },
+        v: if round.is_multiple_of(2) { 0.0 } else { chance.log(1e-2, 1e5) * chance.sign() },
         way: (chance.log(1.0, 2e9) * chance.sign()) as i32,
         speed,
         acc: chance.log(1e-2, 1e5),
         dec: chance.log(1e-2, 1e5),
-        start: if round % 3 == 0 { speed * chance.unit() * 1.2 } else { 0.0 },
+        start: if round.is_multiple_of(3) { speed * chance.unit() * 1.2 } else { 0.0 },
         wait_us: if round % 5 < 2 { 0 } else { 1000 * (1 + chance.below(50)) },
     }
 }
@@ -451,12 +461,23 @@ fn positions_do_not_depend_on_the_tick() {
         (job.way, job.speed) = (job.way % 10_000, 1.0 + job.speed % 300.0);
         (job.acc, job.dec, job.v) = (job.acc + 0.1, job.dec + 0.1, job.v % 30.0);
         let trap = begin_trap(&job, 777).0;
-        let jog = RampRun::jog(Ns(777), Moving { pos: Exact(5), velocity: scaled(job.v) }, speed(-job.speed * 1e5), accel(job.acc), accel(job.dec), 30000);
+        let jog = RampRun::jog(
+            Ns(777),
+            Moving { pos: Exact(5), velocity: scaled(job.v) },
+            speed(-job.speed * 1e5),
+            accel(job.acc),
+            accel(job.dec),
+            30000,
+        );
         let stop = RampRun::stop(Ns(777), Moving { pos: Exact(5), velocity: scaled(job.v) }, accel(job.dec));
         for run in [trap, jog, stop] {
             let sampled = |period: u64| -> Vec<Step> {
                 let mut run = run;
-                (1..=200 * MS / period).map(|k| (k * period, run.step(Ns(777 + k * period)))).filter(|(t, _)| t % MS == 0).map(|x| x.1).collect()
+                (1..=200 * MS / period)
+                    .map(|k| (k * period, run.step(Ns(777 + k * period))))
+                    .filter(|(t, _)| t % MS == 0)
+                    .map(|x| x.1)
+                    .collect()
             };
             let fine = sampled(10_000);
             for period in [50_000, 250_000, 1_000_000] {

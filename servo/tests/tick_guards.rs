@@ -46,10 +46,9 @@ fn the_power_on_stop_deceleration_is_1() {
 fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
     let mut bench = Bench::ready(250, Mode::Jog);
     bench.now(Op::SoftLimit { axis: axis(0), positive: Some(100), negative: Some(-50) });
-    for (velocity, limit, bit, reason) in [
-        (3.7, 100, LIMIT_POSITIVE, StopReason::SoftPositive),
-        (-3.7, -50, LIMIT_NEGATIVE, StopReason::SoftNegative),
-    ] {
+    for (velocity, limit, bit, reason) in
+        [(3.7, 100, LIMIT_POSITIVE, StopReason::SoftPositive), (-3.7, -50, LIMIT_NEGATIVE, StopReason::SoftNegative)]
+    {
         bench.jog(0, velocity, 10.0);
         let view = bench.rest();
         assert_eq!(view.axes[0].pos, Pos::pulses(limit));

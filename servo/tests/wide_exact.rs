@@ -88,7 +88,11 @@ fn near(got: Real, p: &BigUint, q: &BigUint, what: &str) {
     let shift = 64 - got.width();
     let m = got.to_fixed(shift).unsigned_abs();
     let (mut a, mut b) = (BigUint::from(m) * q, p.clone());
-    if shift >= 0 { b <<= shift as usize } else { a <<= (-shift) as usize };
+    if shift >= 0 {
+        b <<= shift as usize
+    } else {
+        a <<= (-shift) as usize
+    };
     let gap = if a > b { &a - &b } else { &b - &a };
     assert!(gap << 60 <= b, "{what}: {m} 2^-{shift}");
 }

@@ -3,8 +3,8 @@ use crate::books::{Change, SOFT_OFF};
 use crate::case::{Answer, Case};
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use protocol::command::{
-    AlarmOff, AlarmOn, AxisOff, AxisOn, LmtSns, LmtsOff, LmtsOn, SetAxisBand, SetCaptureMode, SetEncPos, SetPosErr, SetPrfPos,
-    SetSoftLimit, SetStopDec, Stop, SynchAxisPos, ZeroPos,
+    AlarmOff, AlarmOn, AxisOff, AxisOn, LmtSns, LmtsOff, LmtsOn, SetAxisBand, SetCaptureMode, SetEncPos, SetPosErr,
+    SetPrfPos, SetSoftLimit, SetStopDec, Stop, SynchAxisPos, ZeroPos,
 };
 use protocol::reason::Reason;
 use servo::op::{Guarded, Op};
@@ -84,7 +84,12 @@ pub fn accel(field: u8, got: f64) -> Admitted<Accel> {
         .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(0.0, ACCEL_MAX))
 }
 
-pub fn stage_dec<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, fields: (u8, u8), dec: (f64, f64)) -> Admitted<()> {
+pub fn stage_dec<const AXES: usize>(
+    case: &mut Case<AXES>,
+    axis: Axis,
+    fields: (u8, u8),
+    dec: (f64, f64),
+) -> Admitted<()> {
     let (smooth, abrupt) = (deceleration(fields.0, dec.0)?, deceleration(fields.1, dec.1)?);
     case.stage_with(Op::StopDec { axis, smooth, abrupt }, Change::Dec { axis, dec });
     Ok(())
@@ -96,7 +101,12 @@ pub fn stop_dec<const AXES: usize>(case: &mut Case<AXES>, r: &SetStopDec) -> Adm
     Ok(Answer::Done)
 }
 
-pub fn stage_band<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, fields: (u8, u8), band: (i32, i32)) -> Admitted<()> {
+pub fn stage_band<const AXES: usize>(
+    case: &mut Case<AXES>,
+    axis: Axis,
+    fields: (u8, u8),
+    band: (i32, i32),
+) -> Admitted<()> {
     let (pulses, cycles) = (within(fields.0, band.0, 0, i32::MAX)?, within(fields.1, band.1, 0, i32::MAX)?);
     let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
     case.stage_with(Op::Band { axis, band: pulses.unsigned_abs(), time }, Change::Band { axis, band });

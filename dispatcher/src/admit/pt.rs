@@ -177,7 +177,11 @@ fn push<const AXES: usize>(
     let which = usize::from(fifo);
     let space = book.space(case.view, seen, which) as usize;
     if items.len() > space {
-        return Err(case.no(Reason::FifoFull, axis).field(fifo_field).got(space as f64).limits(0.0, book.capacity().into()));
+        return Err(case
+            .no(Reason::FifoFull, axis)
+            .field(fifo_field)
+            .got(space as f64)
+            .limits(0.0, book.capacity().into()));
     }
     // The places of data that is over in the program are free only when the tick is through with them.
     if book.is_outgoing(case.view, seen) {
@@ -212,7 +216,9 @@ fn explain(refused: pt::Refused, item: &PtItem) -> Refused {
         pt::Refused::NotIncreasing { before } => {
             Refused::new(Reason::NotIncreasing).field(1).got(time_ms.into()).limits(before.into(), i32::MAX.into())
         }
-        pt::Refused::TooFast { speed } => Refused::new(Reason::TooFast).field(0).got(speed as f64).limits(-SPEED_MAX, SPEED_MAX),
+        pt::Refused::TooFast { speed } => {
+            Refused::new(Reason::TooFast).field(0).got(speed as f64).limits(-SPEED_MAX, SPEED_MAX)
+        }
         pt::Refused::Kind => Refused::new(Reason::Selector).field(2).got(item.kind.into()).limits(0.0, 2.0),
     }
 }

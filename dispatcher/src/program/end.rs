@@ -49,7 +49,12 @@ impl Program<'_> {
     /// Whether the record in hand was refused and may be: it is answered, and the program goes on at the
     /// same instant. What can never be right is refused at once. The rest is decided by the state at its
     /// instant, in the last view before the tick on which it would act, so that what follows is not late.
-    pub(super) fn passes_over<const AXES: usize>(&mut self, view: &View<AXES>, refused: &Refused, out: &mut ReplyWriter) -> bool {
+    pub(super) fn passes_over<const AXES: usize>(
+        &mut self,
+        view: &View<AXES>,
+        refused: &Refused,
+        out: &mut ReplyWriter,
+    ) -> bool {
         let Some((head, _)) = self.records.front().filter(|(head, _)| head.may_fail) else { return false };
         let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
         let quiet = !self.lane.in_flight() && self.open == [0; 2];
@@ -99,15 +104,22 @@ impl Program<'_> {
     }
 
     /// Answers what was executed or dropped, in order.
-    pub(super) fn answer<const AXES: usize>(&mut self, desk: &Desk<'_, AXES>, view: &View<AXES>, out: &mut ReplyWriter) -> bool {
+    pub(super) fn answer<const AXES: usize>(
+        &mut self,
+        desk: &Desk<'_, AXES>,
+        view: &View<AXES>,
+        out: &mut ReplyWriter,
+    ) -> bool {
         let mut progress = false;
         while let Some(&item) = self.awaiting.front() {
             if item.open || !item.discarded && item.seq.is_some_and(|seq| !executed(view, seq)) {
                 break;
             }
-            let refusal = self.refused.front().copied().filter(|&(seq, ..)| {
-                if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) }
-            });
+            let refusal = self
+                .refused
+                .front()
+                .copied()
+                .filter(|&(seq, ..)| if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) });
             let written = match refusal {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
                 Some((_, axis, status)) => out.refused(item.opcode, item.tag, &desk.explain(axis, status).wire),
@@ -173,7 +185,20 @@ fn is_final(reason: Reason) -> bool {
     };
     matches!(
         reason,
-        OutOfRange | NotFinite | Length | TooMany | BeyondTravel | Selector | UnknownCommand | WrongMode | FifoEmpty
-            | ServoOff | NotInDynamic | NoAcceleration | NotInProgram | NotInitialised | NotForProgram
+        OutOfRange
+            | NotFinite
+            | Length
+            | TooMany
+            | BeyondTravel
+            | Selector
+            | UnknownCommand
+            | WrongMode
+            | FifoEmpty
+            | ServoOff
+            | NotInDynamic
+            | NoAcceleration
+            | NotInProgram
+            | NotInitialised
+            | NotForProgram
     )
 }

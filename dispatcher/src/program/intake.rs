@@ -32,7 +32,12 @@ const NEAR_NS: u64 = 10_000_000;
 
 impl Program<'_> {
     /// Admits records until one has to wait. True if at least one was dealt with.
-    pub(super) fn take_records<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>, out: &mut ReplyWriter) -> bool {
+    pub(super) fn take_records<const AXES: usize>(
+        &mut self,
+        desk: &mut Desk<'_, AXES>,
+        view: &View<AXES>,
+        out: &mut ReplyWriter,
+    ) -> bool {
         let mut progress = false;
         for _ in 0..RECORDS_PER_POLL {
             if self.end.is_some() || !self.has_room::<AXES>() || self.records.front().is_none() {

@@ -164,9 +164,7 @@ impl<'a> Program<'a> {
             }
         }
         if self.overflowed || record.body.len() + RECORD_BYTES > self.records.space() {
-            let full = Refused::new(Reason::QueueFull)
-                .got(self.records.space() as f64)
-                .limits(0.0, QUEUE_BYTES as f64);
+            let full = Refused::new(Reason::QueueFull).got(self.records.space() as f64).limits(0.0, QUEUE_BYTES as f64);
             let step = Step::of(out.refused(record.opcode, record.tag, &full.wire));
             self.overflowed |= step == Step::Taken;
             return step;
@@ -189,7 +187,8 @@ impl<'a> Program<'a> {
     ) -> Admitted<Option<Answer>> {
         match record.opcode {
             opcode::ProgramStart => {
-                let start = ProgramStart::read_from_bytes(record.body).map_err(|_| length::<ProgramStart>(record.body))?;
+                let start =
+                    ProgramStart::read_from_bytes(record.body).map_err(|_| length::<ProgramStart>(record.body))?;
                 if self.is_dropping() || !self.settled {
                     return Ok(None);
                 }
@@ -242,7 +241,13 @@ impl<'a> Program<'a> {
     }
 
     /// The reply to a program command.
-    pub fn status<const AXES: usize>(&self, view: &View<AXES>, opcode: u16, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+    pub fn status<const AXES: usize>(
+        &self,
+        view: &View<AXES>,
+        opcode: u16,
+        tag: u16,
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
         let clock = match self.state {
             State::Empty | State::Held => view.script.0,
             State::Running | State::Failed | State::Stopped => self.clock,
@@ -260,7 +265,12 @@ impl<'a> Program<'a> {
     }
 
     /// Everything the queue can do now. True if something was done.
-    pub fn advance<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>, out: &mut ReplyWriter) -> bool {
+    pub fn advance<const AXES: usize>(
+        &mut self,
+        desk: &mut Desk<'_, AXES>,
+        view: &View<AXES>,
+        out: &mut ReplyWriter,
+    ) -> bool {
         self.lane.retire(view, &mut desk.now);
         self.urgent = false;
         if self.runs(view) {

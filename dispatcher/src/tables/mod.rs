@@ -164,7 +164,8 @@ impl Draft {
     pub fn point(&mut self, values: &[f64], scratch: &mut Scratch) -> Admitted<f64> {
         let item = self.taken as usize;
         let admitted = self.admit(values, scratch);
-        admitted.map_err(|refused| refused.item(if self.names_before(&refused) { item.saturating_sub(1) } else { item }))
+        admitted
+            .map_err(|refused| refused.item(if self.names_before(&refused) { item.saturating_sub(1) } else { item }))
     }
 
     /// Whether the refusal is about the way to this point, which the point before it described.
@@ -177,7 +178,10 @@ impl Draft {
         let field = self.fields.point;
         let at = |index: usize| values.get(index).copied().unwrap_or(f64::NAN);
         if self.taken >= self.count {
-            return Err(Refused::new(Reason::TooMany).field(self.fields.count).got(self.taken as f64 + 1.0).limits(0.0, self.count as f64));
+            return Err(Refused::new(Reason::TooMany)
+                .field(self.fields.count)
+                .got(self.taken as f64 + 1.0)
+                .limits(0.0, self.count as f64));
         }
         for (index, value) in values.iter().take(self.kind.values()).enumerate() {
             if !value.is_finite() {
@@ -280,7 +284,8 @@ impl Draft {
                 return Err(Refused::new(Reason::OutOfRange).field(field + 4).got(end.high).limits(0.0, LATEST_MS));
             }
             let to = Knot { time: since(end), pos: pos - self.first.1, vel: leg.vel };
-            let risen = Knot { time: since(start.plus(split.times[0])), pos: self.knot.pos + split.rise, vel: split.peak };
+            let risen =
+                Knot { time: since(start.plus(split.times[0])), pos: self.knot.pos + split.rise, vel: split.peak };
             let falls = Knot { time: since(end.minus(split.times[2])), pos: to.pos - split.fall, vel: split.peak };
             let percent = self.leg.percent;
             let (rises, cruises, brakes) = (split.has(0), split.has(1), split.has(2));

@@ -12,16 +12,9 @@ pub fn inner(from: Knot, to: Knot, percent: f64) -> impl Iterator<Item = Knot> {
     let (t, k, change) = (to.time - from.time, percent / 200.0, to.vel - from.vel);
     let ramp = t * k;
     let bend = change * k / (1.0 - k);
-    let rise = Knot {
-        time: from.time + ramp,
-        pos: from.pos + ramp * (from.vel + bend / 6.0),
-        vel: from.vel + bend / 2.0,
-    };
-    let fall = Knot {
-        time: to.time - ramp,
-        pos: to.pos - ramp * (to.vel - bend / 6.0),
-        vel: to.vel - bend / 2.0,
-    };
+    let rise =
+        Knot { time: from.time + ramp, pos: from.pos + ramp * (from.vel + bend / 6.0), vel: from.vel + bend / 2.0 };
+    let fall = Knot { time: to.time - ramp, pos: to.pos - ramp * (to.vel - bend / 6.0), vel: to.vel - bend / 2.0 };
     let curved = k >= LEAST && change != 0.0;
     let held = 1.0 - 2.0 * k >= LEAST;
     [curved.then_some(rise), (curved && held).then_some(fall)].into_iter().flatten()

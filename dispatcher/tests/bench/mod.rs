@@ -8,8 +8,8 @@ use protocol::reason::{Reason, Refusal};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use ring::{Latest, Ring};
 use servo::port::{AxisInputs, Port};
-use servo::steps;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::steps;
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, Ns, Pos};
 use servo::view::View;
@@ -312,7 +312,9 @@ impl<const AXES: usize> Bench<AXES> {
 
     /// Planned position of an axis of core 1, as a client reads it.
     pub fn pos(&mut self, axis: i16) -> f64 {
-        self.call(GetPrfPos { core: 1.into(), profile: axis.into(), count: 1.into() }).items::<GetPrfPos>()[0].value.get()
+        self.call(GetPrfPos { core: 1.into(), profile: axis.into(), count: 1.into() }).items::<GetPrfPos>()[0]
+            .value
+            .get()
     }
 
     pub fn status_word(&mut self, axis: i16) -> i32 {
@@ -338,5 +340,12 @@ pub fn pt_item(pos: f64, time_ms: i32, kind: u8) -> PtItem {
 }
 
 pub fn pt_data(axis: i16, pos: f64, time_ms: i32) -> PtData {
-    PtData { core: 1.into(), profile: axis.into(), pos: pos.into(), time_ms: time_ms.into(), kind: 0.into(), fifo: 0.into() }
+    PtData {
+        core: 1.into(),
+        profile: axis.into(),
+        pos: pos.into(),
+        time_ms: time_ms.into(),
+        kind: 0.into(),
+        fifo: 0.into(),
+    }
 }

@@ -238,7 +238,8 @@ impl Reference {
             // A ramp that the rounding of the doubles leaves of nothing is none.
             let nothing = whole(1) >> 100;
             let (t0, t2) = (div(&(&peak - &u0), a), div(&(&peak - &u1), d));
-            let (s0, s2) = (div(&(square(&peak) - square(&u0)), &(a * 2)), div(&(square(&peak) - square(&u1)), &(d * 2)));
+            let (s0, s2) =
+                (div(&(square(&peak) - square(&u0)), &(a * 2)), div(&(square(&peak) - square(&u1)), &(d * 2)));
             let rest = &l - &s0 - &s2;
             let t1 = div(&rest, &peak);
             let mut p = &b[i][0] - &b[0][0];

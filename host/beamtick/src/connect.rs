@@ -29,10 +29,8 @@ fn options(settings: &Settings, wanted: Option<Profile>) -> Result<Options, Fail
 /// A virtual controller and its client.
 pub fn simulated(settings: &Settings, wanted: Option<Profile>) -> Result<(Client, Shared), Failure> {
     let options = options(settings, wanted)?;
-    let config = Config {
-        tick_us: settings.tick_us.unwrap_or(TICK_US),
-        profile: options.profile.unwrap_or(Profile::Gus) as u8,
-    };
+    let config =
+        Config { tick_us: settings.tick_us.unwrap_or(TICK_US), profile: options.profile.unwrap_or(Profile::Gus) as u8 };
     let board = share(Board::new(config));
     let client = Client::open(Box::new(VirtualLink::new(board.clone())), options)?;
     Ok((client, board))

@@ -6,9 +6,7 @@
 use crate::points::records;
 use client::Call;
 use job::{Action, Job};
-use protocol::command::{
-    AxisStatus, PtData, PtDataMany, PtItem, Request, Sleep, Stop, Trace, VersionReply, WaitStop,
-};
+use protocol::command::{AxisStatus, PtData, PtDataMany, PtItem, Request, Sleep, Stop, Trace, VersionReply, WaitStop};
 use zerocopy::FromBytes;
 
 /// Segments in one record, at most: two records fit in a frame.
@@ -183,7 +181,8 @@ mod tests {
     fn runs_of_data_travel_together_and_keep_their_lines() {
         let data: String = (1..=70).map(|n| format!("GT_PtData(1, {n}, {n});\n")).collect();
         let found = of(&format!("{data}GT_PtData(2, 5, 6, 2);\nGT_PtData(2, 5, 7, 300);\n"));
-        let sizes: Vec<usize> = found.iter().map(|entry| if let From::Items(steps) = &entry.from { steps.len() } else { 1 }).collect();
+        let sizes: Vec<usize> =
+            found.iter().map(|entry| if let From::Items(steps) = &entry.from { steps.len() } else { 1 }).collect();
         assert_eq!(sizes, [32, 32, 6, 1, 1]);
         assert_eq!(found[1].step(5), Some(37));
         assert_eq!(found[1].step(65535), Some(32));

@@ -33,7 +33,8 @@ pub fn help(version: &VersionReply, opcode: u16, refusal: &Refusal) -> Option<St
     let command = info(opcode)?;
     let field = command.fields.iter().chain(command.items).nth(refusal.field.into())?.0;
     let beyond = refusal.got.get() > refusal.high.get();
-    let counts_axes = field == "count" && command.fields.iter().any(|(name, _)| ["axis", "profile", "encoder"].contains(name));
+    let counts_axes =
+        field == "count" && command.fields.iter().any(|(name, _)| ["axis", "profile", "encoder"].contains(name));
     ((NAMING.contains(&field) || counts_axes) && beyond).then(|| {
         let cores = if version.cores == 1 { "1 core of".to_owned() } else { format!("{} cores of", version.cores) };
         format!(

@@ -52,9 +52,15 @@ impl Recording {
     /// virtual controller, whose output edges go into the VCD.
     ///
     /// `title` and `subtitle` stand above the plot.
-    pub fn new(outputs: &Outputs, (title, subtitle): (&str, String), digital: Vec<u8>, board: Option<Shared>) -> Result<Self, Failure> {
+    pub fn new(
+        outputs: &Outputs,
+        (title, subtitle): (&str, String),
+        digital: Vec<u8>,
+        board: Option<Shared>,
+    ) -> Result<Self, Failure> {
         let create = |path: &PathBuf| {
-            File::create(path).map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", path.display())))
+            File::create(path)
+                .map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", path.display())))
         };
         let plot = match &outputs.plot {
             Some(path) => {

@@ -30,7 +30,8 @@ fn field(of: &str, bytes: &mut &[u8]) -> Option<String> {
 /// A request's fields as `name value`, without its items.
 pub fn request(opcode: u16, mut body: &[u8]) -> String {
     let Some(info) = COMMANDS.iter().find(|info| info.opcode == opcode) else { return String::new() };
-    let mut text: Vec<String> = fields(info.fields, &mut body).iter().map(|(name, value)| format!("{name} {value}")).collect();
+    let mut text: Vec<String> =
+        fields(info.fields, &mut body).iter().map(|(name, value)| format!("{name} {value}")).collect();
     if !body.is_empty() {
         text.push(format!("and {} bytes of items", body.len()));
     }
@@ -67,12 +68,19 @@ pub fn reply(opcode: u16, mut body: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use protocol::command::{GetPrfPos, GetSts, JogPrm, GetJogPrm, Long, PtData, Real, Reals, Request, Short, PtSpace};
+    use protocol::command::{GetJogPrm, GetPrfPos, GetSts, JogPrm, Long, PtData, PtSpace, Real, Reals, Request, Short};
     use zerocopy::IntoBytes;
 
     #[test]
     fn requests_and_replies_by_the_table() {
-        let data = PtData { core: 1.into(), profile: 2.into(), pos: 0.5.into(), time_ms: 16.into(), kind: 2.into(), fifo: 0.into() };
+        let data = PtData {
+            core: 1.into(),
+            profile: 2.into(),
+            pos: 0.5.into(),
+            time_ms: 16.into(),
+            kind: 2.into(),
+            fifo: 0.into(),
+        };
         assert_eq!(request(PtData::OPCODE, data.as_bytes()), "core 1, profile 2, pos 0.5, time_ms 16, kind 2, fifo 0");
         assert_eq!(reply(PtSpace::OPCODE, Short { value: 32.into() }.as_bytes()), "32");
         let mut bytes = Reals { clock_ms: 5.into(), count: 2.into() }.as_bytes().to_vec();

@@ -3,13 +3,13 @@
 //! In: the answers to its entries. Out: lines on the standard output, a progress bar where the error
 //! stream is a terminal. It remembers which axes the script left moving.
 use crate::entries::{Entry, From};
-use crate::{profile, reply};
 use crate::source::Source;
+use crate::{profile, reply};
 use client::{Answer, Dry, Error, Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use job::{Action, Severity};
-use protocol::reason::Reason;
 use protocol::command::{AxisStatus, VersionReply};
+use protocol::reason::Reason;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -37,7 +37,11 @@ pub struct Report<'a> {
 impl<'a> Report<'a> {
     /// A report on a job's entries.
     pub fn new(
-        source: &'a Source, entries: &'a [Entry], version: VersionReply, quiet: bool, interrupt: Arc<AtomicBool>,
+        source: &'a Source,
+        entries: &'a [Entry],
+        version: VersionReply,
+        quiet: bool,
+        interrupt: Arc<AtomicBool>,
     ) -> Self {
         // Drawn only where the error stream is a terminal.
         let bar = ProgressBar::with_draw_target(Some(entries.len() as u64), ProgressDrawTarget::stderr());
@@ -59,7 +63,11 @@ impl<'a> Report<'a> {
         let reason = answer.error.as_ref().map_or("refused without a reason", |error| error.reason.as_str());
         // The text begins with the protocol's name of the command, which for merged data is not the script's.
         let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
-        let step = self.entries.get(number).and_then(|entry| entry.step(item)).and_then(|step| self.source.job.steps.get(step));
+        let step = self
+            .entries
+            .get(number)
+            .and_then(|entry| entry.step(item))
+            .and_then(|step| self.source.job.steps.get(step));
         let Some(step) = step else {
             return format!("{}: at the end of the script: returned {}: {reason}\n", self.source.name, answer.code);
         };
@@ -91,7 +99,11 @@ impl<'a> Report<'a> {
         let names: Vec<&str> = call.outs.iter().map(|out| out.variable.as_str()).collect();
         let text = format!(
             "{}:{}: {} {} = {}",
-            self.source.name, step.line, call.function, names.join(", "), reply::reply(answer.opcode, &answer.reply)
+            self.source.name,
+            step.line,
+            call.function,
+            names.join(", "),
+            reply::reply(answer.opcode, &answer.reply)
         );
         self.bar.suspend(|| say!("{text}"));
     }
@@ -111,7 +123,8 @@ impl Observer for Report<'_> {
         let from = self.entries.get(answer.index as usize).map(|entry| &entry.from);
         match from {
             Some(From::Left { core, axis }) => {
-                let status = answer.reply::<AxisStatus>().and_then(|(_, items)| items.first().map(|item| item.status.get()));
+                let status =
+                    answer.reply::<AxisStatus>().and_then(|(_, items)| items.first().map(|item| item.status.get()));
                 if status.is_some_and(|status| status & RUNNING != 0) {
                     self.left.push((*core, *axis));
                 }
@@ -139,7 +152,10 @@ impl Observer for Report<'_> {
         if let Some(first) = progress.streams.iter().min_by_key(|dry| dry.dry_ms) {
             message.push_str(&format!(
                 ", PT data of {} axes: axis {} is dry first, in {} ms, {} places free",
-                progress.streams.len(), first.axis, first.dry_ms, first.space
+                progress.streams.len(),
+                first.axis,
+                first.dry_ms,
+                first.space
             ));
         }
         self.bar.set_position(progress.queue.executed.get().min(progress.entries).into());

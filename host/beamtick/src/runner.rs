@@ -76,7 +76,9 @@ fn execute(source: &Source, client: &Client, board: Option<Shared>, outputs: &Ou
             let note = match stopped {
                 Ok(true) => "\nWhat still moved was stopped smoothly.",
                 Ok(false) => "\nNothing moves.",
-                Err(_) => "\nThe controller could not be told to stop; it stops Jog axes by itself when the link is lost.",
+                Err(_) => {
+                    "\nThe controller could not be told to stop; it stops Jog axes by itself when the link is lost."
+                }
             };
             return Err(match failure {
                 Failure::Job(text) => Failure::Job(format!("{}{note}", text.trim_end())),
@@ -85,7 +87,15 @@ fn execute(source: &Source, client: &Client, board: Option<Shared>, outputs: &Ou
         }
     };
     let recorded = recording.map(|recording| close(client, &recording)).transpose()?;
-    summary::print(&summary::Run { source, client, report: &report, progress: &progress, recorded: recorded.as_ref(), every: outputs.every, took: simulated.then_some(took) })
+    summary::print(&summary::Run {
+        source,
+        client,
+        report: &report,
+        progress: &progress,
+        recorded: recorded.as_ref(),
+        every: outputs.every,
+        took: simulated.then_some(took),
+    })
 }
 
 /// Runs the entries.
@@ -102,15 +112,22 @@ fn drive(client: &Client, report: &mut Report<'_>, entries: &[Entry], strict: bo
 }
 
 /// Starts the trace and the files it goes to.
-fn record(
-    source: &Source, client: &Client, board: Option<Shared>, outputs: &Outputs,
-) -> Result<Tape, Failure> {
+fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Outputs) -> Result<Tape, Failure> {
     let version = client.version();
-    let axes = source.job.axes.iter().filter_map(|axis| bit(axis, version.cores, version.axes_per_core)).fold(0u64, |mask, bit| mask | bit);
+    let axes = source
+        .job
+        .axes
+        .iter()
+        .filter_map(|axis| bit(axis, version.cores, version.axes_per_core))
+        .fold(0u64, |mask, bit| mask | bit);
     if axes == 0 {
-        return Err(Failure::Input(format!("{}: the job uses no axis of this profile; there is nothing to trace", source.name)));
+        return Err(Failure::Input(format!(
+            "{}: the job uses no axis of this profile; there is nothing to trace",
+            source.name
+        )));
     }
-    let subtitle = format!("{}, profile {}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
+    let subtitle =
+        format!("{}, profile {}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
     let recording = Recording::new(outputs, (&source.name, subtitle), digital(&source.job), board)?;
     let recording = Arc::new(Mutex::new(Some(recording)));
     let sink = Arc::clone(&recording);

@@ -17,7 +17,8 @@ impl Source {
     /// Reads and compiles a job file; its warnings go to the error stream.
     pub fn open(path: &Path) -> Result<Self, Failure> {
         let name = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
+        let bytes = std::fs::read(path)
+            .map_err(|error| Failure::Input(format!("{name}: the job file cannot be read: {error}")))?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let good = error.utf8_error().valid_up_to();
             let line = error.as_bytes()[..good].iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -33,7 +34,10 @@ impl Source {
             Err(found) => {
                 let errors = found.iter().filter(|one| one.severity == Severity::Error).count();
                 let mut shown: String = found.iter().map(|one| show(one, &name, &text)).collect();
-                shown.push_str(&format!("{name}: {errors} error{}; the job was not run", if errors == 1 { "" } else { "s" }));
+                shown.push_str(&format!(
+                    "{name}: {errors} error{}; the job was not run",
+                    if errors == 1 { "" } else { "s" }
+                ));
                 Err(Failure::Input(shown))
             }
         }

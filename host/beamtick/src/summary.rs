@@ -36,7 +36,13 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
     let (client, progress) = (run.client, run.progress);
     let version = client.version();
     let clock = progress.clock().as_secs_f64();
-    say!("{}: done on {}, profile {}, servo tick {} us", run.source.name, client.board(), profile::shown(version), version.tick_us);
+    say!(
+        "{}: done on {}, profile {}, servo tick {} us",
+        run.source.name,
+        client.board(),
+        profile::shown(version),
+        version.tick_us
+    );
     say!("  script clock {:.3} ms, {} entries", clock * 1e3, progress.queue.executed);
     if let Some(took) = run.took {
         let seconds = took.as_secs_f64().max(1e-9);
@@ -56,7 +62,10 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         let peak = peak(run.recorded, &axis);
         say!(
             "  {}: planned {:.6}, encoder {:.6} pulses{peak}; {}",
-            name(&axis), item.prf_pos.get(), item.enc_pos.get(), ended(run.report, &axis, &item)
+            name(&axis),
+            item.prf_pos.get(),
+            item.enc_pos.get(),
+            ended(run.report, &axis, &item)
         );
         if item.mode.get() == MODE_PT {
             let state = client.call(GetPtState { core: axis.core.into(), profile: axis.axis.into() })?;
@@ -66,7 +75,9 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
     for (dry, least) in &run.report.streams {
         say!(
             "  PT data of {}: at the last data {} places free, {} ms to dry; least seen {least} ms",
-            name(&Axis { core: dry.core, axis: dry.axis }), dry.space, dry.dry_ms
+            name(&Axis { core: dry.core, axis: dry.axis }),
+            dry.space,
+            dry.dry_ms
         );
     }
     say!("  link: {}", link(&client.counters()));
@@ -74,7 +85,11 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         Some(recorded) => {
             let every = recorded.header.every;
             let raised = if every > run.every { ", raised to what the link carries" } else { "" };
-            say!("  trace: {} rows, one every {every} tick{}{raised}", recorded.rows, if every == 1 { "" } else { "s" });
+            say!(
+                "  trace: {} rows, one every {every} tick{}{raised}",
+                recorded.rows,
+                if every == 1 { "" } else { "s" }
+            );
         }
         None if !run.source.job.axes.is_empty() => say!("  peak velocities are shown with --trace, --vcd or --plot"),
         None => {}
@@ -131,8 +146,12 @@ fn reason(number: u16) -> &'static str {
 /// How an axis came to rest: by the script's end, by its reason; latched status bits are named.
 fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> String {
     const BITS: [(u32, &str); 6] = [
-        (1, "drive alarm"), (4, "following error"), (5, "positive limit"), (6, "negative limit"),
-        (7, "smooth stop by input"), (8, "abrupt stop by input"),
+        (1, "drive alarm"),
+        (4, "following error"),
+        (5, "positive limit"),
+        (6, "negative limit"),
+        (7, "smooth stop by input"),
+        (8, "abrupt stop by input"),
     ];
     let status = item.status.get();
     let how = if report.left.contains(&(axis.core, axis.axis)) {
@@ -150,8 +169,13 @@ fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> String {
 fn link(counters: &Counters) -> String {
     let again = counters.timeouts.wrapping_add(counters.fast_retransmits);
     let refused = [
-        counters.deframe.too_long, counters.deframe.truncated, counters.short, counters.checksum, counters.version,
-        counters.kind, counters.length,
+        counters.deframe.too_long,
+        counters.deframe.truncated,
+        counters.short,
+        counters.checksum,
+        counters.version,
+        counters.kind,
+        counters.length,
     ];
     let refused = refused.iter().fold(0u32, |sum, count| sum.wrapping_add(*count));
     format!(
@@ -166,8 +190,10 @@ mod tests {
 
     #[test]
     fn link_statistics_count_every_refusal_once() {
-        let mut counters = Counters { sent: 12, received: 11, timeouts: 2, fast_retransmits: 3, duplicates: 4, ..Counters::default() };
-        (counters.short, counters.checksum, counters.version, counters.kind, counters.length) = (1, 10, 100, 1000, 10_000);
+        let mut counters =
+            Counters { sent: 12, received: 11, timeouts: 2, fast_retransmits: 3, duplicates: 4, ..Counters::default() };
+        (counters.short, counters.checksum, counters.version, counters.kind, counters.length) =
+            (1, 10, 100, 1000, 10_000);
         (counters.deframe.too_long, counters.deframe.truncated) = (100_000, 1_000_000);
         assert_eq!(
             link(&counters),

@@ -36,7 +36,14 @@ fn the_trapezoid_ends_where_and_when_it_should() {
     let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (csv, vcd, svg) = (file("t.csv"), file("t.vcd"), file("t.svg"));
     let out = sim("pt_static.gts", &["--trace", &csv, "--vcd", &vcd, "--plot", &svg, "--tick-us", "1000"]);
-    for part in ["PtSpace space = 32", "PtSpace space = 29", "prfVel = 2", "prfPos = 4096", "planned 4096.000000", "no late entries"] {
+    for part in [
+        "PtSpace space = 32",
+        "PtSpace space = 29",
+        "prfVel = 2",
+        "prfPos = 4096",
+        "planned 4096.000000",
+        "no late entries",
+    ] {
         assert!(out.contains(part), "{part:?} is not in\n{out}");
     }
     let rows = fs::read_to_string(&csv).unwrap();
@@ -136,14 +143,23 @@ fn what_still_moves_at_the_end_is_stopped_and_named() {
 fn refused_calls_show_line_code_and_reason() {
     const READY: &str = "GT_Reset(); GT_LmtsOff(1); GT_AlarmOff(1); GT_AxisOn(1); GT_PrfPt(1);\n";
     for (text, parts) in [
-        (format!("{READY}GT_PtData(1, 5, 10);\nGT_PtData(1, 6, 10);\n"), ["bad.gts:3:1", "GT_PtData returned 7", "time_ms is 10; it must be greater than 10"]),
-        (format!("{READY}GT_PtData(1, 0.0/0.0, 10);"), ["bad.gts:2:1", "GT_PtData returned 7", "pos is not a finite number"]),
+        (
+            format!("{READY}GT_PtData(1, 5, 10);\nGT_PtData(1, 6, 10);\n"),
+            ["bad.gts:3:1", "GT_PtData returned 7", "time_ms is 10; it must be greater than 10"],
+        ),
+        (
+            format!("{READY}GT_PtData(1, 0.0/0.0, 10);"),
+            ["bad.gts:2:1", "GT_PtData returned 7", "pos is not a finite number"],
+        ),
         (format!("{READY}GT_PtData(1, -1.2e12, 10);"), ["bad.gts:2:1", "GT_PtData returned 7", "an axis travels from"]),
         (format!("{READY}GT_PtData(1, NAN, 10);"), ["bad.gts:2:1", "GT_PtData returned 7", "finite"]),
         (format!("{READY}GT_PtData(1, 1e13, 10);"), ["bad.gts:2:1", "GT_PtData returned 7", "pos"]),
         (format!("{READY}GT_PtStart(1);"), ["bad.gts:2:1", "GT_PtStart returned 1", "holds no data"]),
         ("GT_AxisOn(0);".into(), ["bad.gts:1:1", "GT_AxisOn returned 7", "axis is 0"]),
-        ("GT_AxisOn(99);".into(), ["axis is 99", "GT_AxisOn returned 7", "profile gus has 1 core of 8 axes; --profile"]),
+        (
+            "GT_AxisOn(99);".into(),
+            ["axis is 99", "GT_AxisOn returned 7", "profile gus has 1 core of 8 axes; --profile"],
+        ),
         ("GTN_AxisOn(3, 1);".into(), ["bad.gts:1:1", "core is 3", "--profile NAME"]),
         ("GTN_PtStart(2, 0x1000000);".into(), ["mask is 16777216", "profile gtn-016", "--profile NAME"]),
         ("GT_PrfTrap(1);\nGT_PtData(1, 1, 1);".into(), ["bad.gts:2:1", "GT_PtData returned 1", "not in the mode"]),
@@ -184,7 +200,9 @@ fn wrong_input_has_its_own_exit_code() {
 #[test]
 fn ports_and_images_that_are_not_there() {
     let path = example("pt_static.gts");
-    for (link, part) in [("serial:/dev/no-such-port", "no-such-port"), ("tcp:127.0.0.1:1", "127.0.0.1:1"), ("usb:1", "tcp:HOST:PORT")] {
+    for (link, part) in
+        [("serial:/dev/no-such-port", "no-such-port"), ("tcp:127.0.0.1:1", "127.0.0.1:1"), ("usb:1", "tcp:HOST:PORT")]
+    {
         let (_, errors, code) = beamtick(&["run", path.to_str().unwrap(), "--link", link]);
         assert_eq!(code, 1, "{errors}");
         assert!(errors.contains("-6") && errors.contains(part), "{errors}");
@@ -223,7 +241,10 @@ fn a_job_gets_the_profile_that_holds_it() {
         assert!(code == 0 && out.contains(&format!("profile {profile},")), "{text}\n{out}{errors}");
     }
     let (_, errors, code) = beamtick(&["sim", path, "--profile", "gus"]);
-    assert!(code == 1 && errors.contains("profile gus has 1 core of 8 axes; --profile NAME chooses another"), "{errors}");
+    assert!(
+        code == 1 && errors.contains("profile gus has 1 core of 8 axes; --profile NAME chooses another"),
+        "{errors}"
+    );
 }
 
 #[test]
@@ -240,7 +261,8 @@ fn what_may_fail_leaves_clock_and_motion_as_they_are() {
         fs::write(&job, text).unwrap();
         let (out, errors, code) = beamtick(&["sim", &job, "--trace", &csv, "--strict"]);
         assert_eq!(code, 0, "{out}{errors}");
-        let clock = out.lines().find(|line| line.contains("script clock")).unwrap().split(',').next().unwrap().to_owned();
+        let clock =
+            out.lines().find(|line| line.contains("script clock")).unwrap().split(',').next().unwrap().to_owned();
         (fs::read_to_string(&csv).unwrap(), clock, out, errors)
     };
     let (rows, clock, ..) = run(format!("{HEAD}{TAIL}"));
@@ -261,7 +283,9 @@ fn what_may_fail_leaves_clock_and_motion_as_they_are() {
 #[test]
 fn the_summary_tells_why_axes_stopped_and_what_the_link_did() {
     let out = sim("stop.gts", &[]);
-    for part in ["stopped smoothly by a Stop", "messages sent", "0 sent again", "0 damaged frames refused", "x real time"] {
+    for part in
+        ["stopped smoothly by a Stop", "messages sent", "0 sent again", "0 damaged frames refused", "x real time"]
+    {
         assert!(out.contains(part), "{part:?} is not in\n{out}");
     }
     let out = sim("ten_minutes.gts", &["--tick-us", "1000"]);

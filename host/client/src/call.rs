@@ -62,9 +62,7 @@ pub(crate) fn decode<R: Request>(payload: &[u8]) -> Result<(R::Reply, Vec<R::Rep
 /// The error for a reply whose code is not 0.
 pub(crate) fn refused(opcode: u16, code: i16, payload: &[u8]) -> Error {
     match Refusal::read_from_bytes(payload) {
-        Ok(refusal) => {
-            Error { code, reason: describe_opcode(opcode, refusal).to_string(), refusal: Some(refusal) }
-        }
+        Ok(refusal) => Error { code, reason: describe_opcode(opcode, refusal).to_string(), refusal: Some(refusal) },
         Err(_) => Error::new(code, format!("{}: refused with code {code}, without a reason", name(opcode))),
     }
 }
@@ -72,13 +70,18 @@ pub(crate) fn refused(opcode: u16, code: i16, payload: &[u8]) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protocol::command::{GetPrfPos, PtData, PtDataMany, PtItem, PtSpace};
     use protocol::reason::Reason;
-    use protocol::command::{PtData, PtDataMany, PtSpace, GetPrfPos, PtItem};
 
     fn refusal(reason: Reason, field: u8, item: u16) -> Vec<u8> {
         Refusal {
-            reason: (reason as u16).into(), field, item: item.into(), axis: 3.into(),
-            got: 99.0.into(), low: 1.0.into(), high: 48.5.into(),
+            reason: (reason as u16).into(),
+            field,
+            item: item.into(),
+            axis: 3.into(),
+            got: 99.0.into(),
+            low: 1.0.into(),
+            high: 48.5.into(),
         }
         .as_bytes()
         .to_vec()

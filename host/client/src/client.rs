@@ -134,11 +134,9 @@ impl Client {
                 return Err(Error::no_answer(&name, options.open_timeout, "opening"));
             }
         }
-        let shared =
-            Arc::new(Shared { inner: Mutex::new(inner), stop: Mutex::new(false), wake: Condvar::new() });
-        let mut client = Client {
-            shared, keeper: None, name, version: VersionReply::default(), timeout: options.timeout,
-        };
+        let shared = Arc::new(Shared { inner: Mutex::new(inner), stop: Mutex::new(false), wake: Condvar::new() });
+        let mut client =
+            Client { shared, keeper: None, name, version: VersionReply::default(), timeout: options.timeout };
         client.version = client.call(protocol::command::Version {})?;
         if options.profile.is_some() || options.family as u8 != client.version.family {
             let profile = options.profile.map_or(client.version.profile, |p| p as u8);
@@ -258,7 +256,10 @@ impl Client {
     /// Runs the calls of `calls` as a program; see [`Program::run`]. The calls are taken from the
     /// iterator as the controller's queue takes them.
     pub fn run(
-        &self, calls: impl IntoIterator<Item = Call>, strict: bool, observer: &mut dyn Observer,
+        &self,
+        calls: impl IntoIterator<Item = Call>,
+        strict: bool,
+        observer: &mut dyn Observer,
     ) -> Result<Summary> {
         crate::program::run(self, &mut calls.into_iter(), strict, observer)
     }

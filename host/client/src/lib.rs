@@ -39,5 +39,5 @@ pub use client::Client;
 pub use error::{Error, Result};
 pub use link::Link;
 pub use options::{Family, Options, Profile};
-pub use protocol::link::Counters;
 pub use program::{Answer, Dry, Observer, Program, Progress, Quiet, Summary};
+pub use protocol::link::Counters;

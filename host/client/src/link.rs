@@ -49,9 +49,6 @@ pub fn open(name: &str) -> Result<Box<dyn Link>> {
         Some(("tcp", address)) => Ok(Box::new(tcp::TcpLink::connect(address)?)),
         Some(("serial", port)) => Ok(Box::new(serial::SerialLink::open(port)?)),
         Some(("qemu", image)) => Ok(Box::new(qemu::QemuLink::start(&qemu::Machine::new(image))?)),
-        _ => Err(Error::cannot_open(
-            name,
-            "a link is tcp:HOST:PORT, serial:PATH[:BAUD] or qemu:IMAGE",
-        )),
+        _ => Err(Error::cannot_open(name, "a link is tcp:HOST:PORT, serial:PATH[:BAUD] or qemu:IMAGE")),
     }
 }

@@ -5,10 +5,12 @@
 //! that a host that is not real time can be away for a while; entries that do not fit wait here.
 use crate::call::{Call, refused};
 use crate::client::Client;
-use crate::error::{Error, Result};
-use crate::error;
 use crate::client::Inner;
-use protocol::command::{ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtData, PtDataMany, PtTaken, Request};
+use crate::error;
+use crate::error::{Error, Result};
+use protocol::command::{
+    ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtData, PtDataMany, PtTaken, Request,
+};
 use protocol::reason::{Reason, Refusal};
 use protocol::record::Lane;
 use std::collections::VecDeque;
@@ -203,7 +205,10 @@ struct Run<'a> {
 
 /// Runs calls as a program; see [`Program::run`].
 pub(crate) fn run(
-    client: &Client, calls: &mut dyn Iterator<Item = Call>, strict: bool, observer: &mut dyn Observer,
+    client: &Client,
+    calls: &mut dyn Iterator<Item = Call>,
+    strict: bool,
+    observer: &mut dyn Observer,
 ) -> Result<Summary> {
     let mut run = Run {
         calls,

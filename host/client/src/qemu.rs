@@ -66,10 +66,7 @@ impl QemuLink {
     pub fn start(machine: &Machine) -> Result<Self> {
         let name = format!("qemu:{}", machine.image.display());
         if !machine.image.is_file() {
-            return Err(Error::cannot_open(
-                &name,
-                "there is no such image; `cargo xtask image` builds it",
-            ));
+            return Err(Error::cannot_open(&name, "there is no such image; `cargo xtask image` builds it"));
         }
         let failed = |e: std::io::Error| Error::cannot_open(&name, e);
         let link = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
@@ -77,9 +74,10 @@ impl QemuLink {
         let (link_port, trace_port) =
             (link.local_addr().map_err(failed)?.port(), trace.local_addr().map_err(failed)?.port());
         let log = match &machine.log {
-            Some(path) => Stdio::from(File::create(path).map_err(|e| {
-                Error::cannot_open(&name, format!("log file {}: {e}", path.display()))
-            })?),
+            Some(path) => Stdio::from(
+                File::create(path)
+                    .map_err(|e| Error::cannot_open(&name, format!("log file {}: {e}", path.display())))?,
+            ),
             None => Stdio::null(),
         };
         let errors = std::env::temp_dir().join(format!("beamtick-qemu-{}-{link_port}.txt", std::process::id()));
@@ -105,10 +103,13 @@ impl QemuLink {
             .stderr(complaints)
             .spawn()
             .map_err(|e| {
-                Error::cannot_open(&name, format!(
-                    "{} does not start ({e}); on Debian and Ubuntu it is in the package qemu-system-arm",
-                    machine.program.display()
-                ))
+                Error::cannot_open(
+                    &name,
+                    format!(
+                        "{} does not start ({e}); on Debian and Ubuntu it is in the package qemu-system-arm",
+                        machine.program.display()
+                    ),
+                )
             })?;
         let connected = accept(&link, &mut child).and_then(|l| accept(&trace, &mut child).map(|t| (l, t)));
         let said = std::fs::read_to_string(&errors).unwrap_or_default();
@@ -183,9 +184,9 @@ impl Link for QemuLink {
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<()> {
-        self.stream.write_all(bytes).map_err(|e| {
-            Error::new(error::LINK_SEND, format!("{}: sending failed: {e}", self.name))
-        })
+        self.stream
+            .write_all(bytes)
+            .map_err(|e| Error::new(error::LINK_SEND, format!("{}: sending failed: {e}", self.name)))
     }
 
     fn receive(&mut self, buf: &mut [u8], wait: Duration) -> Result<usize> {

@@ -44,9 +44,9 @@ impl Link for SerialLink {
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<()> {
-        self.port.write_all(bytes).map_err(|e| {
-            Error::new(error::LINK_SEND, format!("{}: sending failed: {e}", self.name))
-        })
+        self.port
+            .write_all(bytes)
+            .map_err(|e| Error::new(error::LINK_SEND, format!("{}: sending failed: {e}", self.name)))
     }
 
     fn receive(&mut self, buf: &mut [u8], wait: Duration) -> Result<usize> {

@@ -71,10 +71,9 @@ impl Session {
             State::Open => Ok(true),
             State::Opening => Ok(false),
             State::Mismatch(theirs) => Err(mismatch(&self.name, self.ours, theirs)),
-            State::Ended | State::Closed => Err(Error::new(
-                error::LINK_CLOSED,
-                format!("{}: the controller ended the session", self.name),
-            )),
+            State::Ended | State::Closed => {
+                Err(Error::new(error::LINK_CLOSED, format!("{}: the controller ended the session", self.name)))
+            }
         }
     }
 

@@ -39,7 +39,11 @@ impl TcpLink {
 
 /// Reads once with a time limit; a zero limit means one that is as short as the system allows.
 pub(crate) fn read_within(
-    stream: &mut TcpStream, set: &mut Option<Duration>, buf: &mut [u8], wait: Duration, name: &str,
+    stream: &mut TcpStream,
+    set: &mut Option<Duration>,
+    buf: &mut [u8],
+    wait: Duration,
+    name: &str,
 ) -> Result<usize> {
     let wait = wait.max(Duration::from_micros(1));
     if *set != Some(wait) {
@@ -63,9 +67,9 @@ impl Link for TcpLink {
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<()> {
-        self.stream.write_all(bytes).map_err(|e| {
-            Error::new(error::LINK_SEND, format!("{}: sending failed: {e}", self.name))
-        })
+        self.stream
+            .write_all(bytes)
+            .map_err(|e| Error::new(error::LINK_SEND, format!("{}: sending failed: {e}", self.name)))
     }
 
     fn receive(&mut self, buf: &mut [u8], wait: Duration) -> Result<usize> {

@@ -210,12 +210,7 @@ pub const FUNCTIONS: &[Function] = &[
     read("PvtStatus", c::PvtStatus::OPCODE, &[PROFILE, out("tableId"), out("time"), COUNT]),
     call("PvtStart", c::PvtStart::OPCODE, &[MASK]),
     call("PvtTableSelect", c::PvtTableSelect::OPCODE, &[PROFILE, TABLE]),
-    shaped(
-        Shape::Points,
-        "PvtTable",
-        c::PvtTable::OPCODE,
-        &[TABLE, POINTS, array("time"), array("pos"), array("vel")],
-    ),
+    shaped(Shape::Points, "PvtTable", c::PvtTable::OPCODE, &[TABLE, POINTS, array("time"), array("pos"), array("vel")]),
     shaped(
         Shape::Points,
         "PvtTableEx",
@@ -320,8 +315,7 @@ pub const MISREAD: &[(&str, &str)] = &[
 ];
 
 /// Calls that are accepted and skipped: they print, or wait for a key.
-pub const SKIPPED: &[&str] =
-    &["printf", "commandhandler", "getch", "_getch", "getchar", "puts", "fflush", "system"];
+pub const SKIPPED: &[&str] = &["printf", "commandhandler", "getch", "_getch", "getchar", "puts", "fflush", "system"];
 
 /// Constants of the manuals' header.
 pub const CONSTANTS: &[(&str, i64)] = &[

@@ -34,7 +34,11 @@ impl Reader<'_> {
                 let variable = self.initial(of, length, open, &name, start)?;
                 self.variables.insert(name.text, variable);
             } else if open {
-                return Err(Fault::new(name.span, "this array has neither a length nor values", "write its length between [ ]"));
+                return Err(Fault::new(
+                    name.span,
+                    "this array has neither a length nor values",
+                    "write its length between [ ]",
+                ));
             } else {
                 self.variables.insert(name.text, Variable::new(of, length));
             }
@@ -57,7 +61,14 @@ impl Reader<'_> {
         }
     }
 
-    pub(crate) fn initial(&mut self, of: Type, length: Option<usize>, open: bool, name: &Token, start: usize) -> Result<Variable, Fault> {
+    pub(crate) fn initial(
+        &mut self,
+        of: Type,
+        length: Option<usize>,
+        open: bool,
+        name: &Token,
+        start: usize,
+    ) -> Result<Variable, Fault> {
         if self.peek().kind == Kind::Text {
             let text = self.advance().text;
             let mut variable = Variable::new(of, length.or(open.then_some(text.len() + 1)));
@@ -79,8 +90,7 @@ impl Reader<'_> {
             let message = format!("{} values are given, `{}` holds {}", values.len(), name.text, variable.cells.len());
             return Err(Fault::new(name.span.clone(), message, ""));
         }
-        let types: Vec<Type> =
-            of.fields().iter().flat_map(|field| std::iter::repeat_n(field.1, field.2)).collect();
+        let types: Vec<Type> = of.fields().iter().flat_map(|field| std::iter::repeat_n(field.1, field.2)).collect();
         for (cell, of) in types.iter().cycle().take(variable.cells.len()).enumerate() {
             // As in C, what a list leaves out is 0.
             let (value, span) = values.get(cell).cloned().unwrap_or((Value::Int(0), name.span.clone()));
@@ -188,9 +198,12 @@ impl Reader<'_> {
                 let left = self.variables[&name].cells[cell].clone();
                 let operator = operator.text.trim_end_matches('=');
                 let left = match (&left, &right) {
-                    (Value::Unset, _) => return Err(Fault::new(target, format!("`{name}` has no value yet"), "assign one first")),
+                    (Value::Unset, _) => {
+                        return Err(Fault::new(target, format!("`{name}` has no value yet"), "assign one first"));
+                    }
                     (Value::Later { .. }, _) | (_, Value::Later { .. }) => right.clone(),
-                    _ => crate::expr::compute(operator, &left, &right).map_err(|message| Fault::new(whole.clone(), message, ""))?,
+                    _ => crate::expr::compute(operator, &left, &right)
+                        .map_err(|message| Fault::new(whole.clone(), message, ""))?,
                 };
                 of.convert(&left).map_err(|message| Fault::new(whole, message, ""))?
             }
@@ -208,7 +221,14 @@ impl Reader<'_> {
         Ok(value)
     }
 
-    pub(crate) fn step_by(&mut self, name: &str, cell: usize, of: Type, by: i64, span: Range<usize>) -> Result<(), Fault> {
+    pub(crate) fn step_by(
+        &mut self,
+        name: &str,
+        cell: usize,
+        of: Type,
+        by: i64,
+        span: Range<usize>,
+    ) -> Result<(), Fault> {
         let now = self.variables[name].cells[cell].clone();
         let sum = match now {
             Value::Int(number) => Value::Int(number.saturating_add(by)),

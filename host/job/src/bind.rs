@@ -84,7 +84,9 @@ impl Reader<'_> {
         self.advance();
         let index = self.index()?;
         if self.is(".") {
-            return Err(self.fault_here("the address of one field cannot be given to a call here", "use a variable of its own"));
+            return Err(
+                self.fault_here("the address of one field cannot be given to a call here", "use a variable of its own")
+            );
         }
         let span = start.start..self.before().end;
         let text = self.text.get(span.clone()).unwrap_or(&name).to_owned();
@@ -96,7 +98,9 @@ impl Reader<'_> {
                 let limit = variable.length.unwrap_or(1);
                 let index = index.unwrap_or(0);
                 let inside = usize::try_from(index).ok().filter(|index| *index < limit);
-                Some(inside.ok_or_else(|| Fault::new(span, format!("index {index} is outside `{name}`, which has {limit} elements"), ""))?)
+                Some(inside.ok_or_else(|| {
+                    Fault::new(span, format!("index {index} is outside `{name}`, which has {limit} elements"), "")
+                })?)
             }
         };
         Ok(What::Address { text, name, element })
@@ -104,7 +108,12 @@ impl Reader<'_> {
 
     /// Checks the number of parameters and gives the core.
     pub(crate) fn bind_count(
-        &mut self, function: &Function, several_cores: bool, given: &[Given], name: &Token, span: Range<usize>,
+        &mut self,
+        function: &Function,
+        several_cores: bool,
+        given: &[Given],
+        name: &Token,
+        span: Range<usize>,
     ) -> Result<i16, Fault> {
         // Opening and closing concern the whole controller: there the core is left out in both forms.
         let whole = function.shape == Shape::Host;
@@ -153,7 +162,11 @@ impl Reader<'_> {
             ));
         };
         if matches!(value, Value::Real(number) if !number.is_finite()) && of == Type::Double {
-            self.warn(given.span.clone(), format!("`{parameter}` is {}; the controller will refuse it (7)", show(value)), "");
+            self.warn(
+                given.span.clone(),
+                format!("`{parameter}` is {}; the controller will refuse it (7)", show(value)),
+                "",
+            );
         }
         of.convert(value).map_err(|message| {
             Fault::new(given.span.clone(), format!("`{parameter}` of {}: {message} (return value 7)", name.text), "")
@@ -226,13 +239,21 @@ impl Reader<'_> {
         Fault::new(given.span.clone(), format!("`{}` of {} is {wanted}", param.name, name.text), "")
     }
 
-    pub(crate) fn list(&mut self, param: &Param, given: &Given, of: Type, count: usize, name: &Token) -> Result<Vec<Value>, Fault> {
+    pub(crate) fn list(
+        &mut self,
+        param: &Param,
+        given: &Given,
+        of: Type,
+        count: usize,
+        name: &Token,
+    ) -> Result<Vec<Value>, Fault> {
         let What::Address { name: variable, element: Some(element), .. } = &given.what else {
             return Err(self.wrong(param, given, name, "an array, or the address of its first value (&x)"));
         };
         let cells = &self.variables[variable].cells;
         let Some(cells) = cells.get(*element..element.saturating_add(count)) else {
-            let message = format!("`{variable}` has {} values from here on, {count} are asked for", cells.len() - element);
+            let message =
+                format!("`{variable}` has {} values from here on, {count} are asked for", cells.len() - element);
             return Err(Fault::new(given.span.clone(), message, "declare it longer, or lower the count"));
         };
         cells
@@ -244,13 +265,23 @@ impl Reader<'_> {
                     "fill it first",
                 )),
                 value => of.convert(value).map_err(|message| {
-                    Fault::new(given.span.clone(), format!("`{}` of {}: {message} (return value 7)", param.name, name.text), "")
+                    Fault::new(
+                        given.span.clone(),
+                        format!("`{}` of {}: {message} (return value 7)", param.name, name.text),
+                        "",
+                    )
                 }),
             })
             .collect()
     }
 
-    pub(crate) fn struct_given(&self, param: &Param, given: &Given, of: Type, name: &Token) -> Result<(String, usize), Fault> {
+    pub(crate) fn struct_given(
+        &self,
+        param: &Param,
+        given: &Given,
+        of: Type,
+        name: &Token,
+    ) -> Result<(String, usize), Fault> {
         match &given.what {
             What::Address { name: variable, element: Some(element), .. } if self.variables[variable].of == of => {
                 Ok((variable.clone(), *element))
@@ -268,14 +299,23 @@ impl Reader<'_> {
             )),
             Value::Later { call, line } => Err(Fault::new(
                 given.span.clone(),
-                format!("`{variable}.{field}` is filled by {call} in line {line} when the job runs; its value is not known before"),
+                format!(
+                    "`{variable}.{field}` is filled by {call} in line {line} when the job runs; its value is not known before"
+                ),
                 "set the field in the script",
             )),
             value => Ok(value),
         }
     }
 
-    pub(crate) fn out(&mut self, param: &Param, given: &Given, count: usize, name: &Token, bound: &mut Bound) -> Result<(), Fault> {
+    pub(crate) fn out(
+        &mut self,
+        param: &Param,
+        given: &Given,
+        count: usize,
+        name: &Token,
+        bound: &mut Bound,
+    ) -> Result<(), Fault> {
         match &given.what {
             What::Value(Value::Int(0)) if param.default.is_some() => Ok(()),
             What::Address { text, name: variable, element } => {
@@ -284,7 +324,8 @@ impl Reader<'_> {
                     let room = held.length.unwrap_or(1) - element;
                     let many = matches!(param.name, "sts" | "value" | "status" | "tableId" | "time" | "vel");
                     if many && count > room {
-                        let message = format!("`{variable}` has room for {room} values from here on, {count} are asked for");
+                        let message =
+                            format!("`{variable}` has room for {room} values from here on, {count} are asked for");
                         return Err(Fault::new(given.span.clone(), message, "declare it longer, or lower the count"));
                     }
                     if held.of.is_struct() {

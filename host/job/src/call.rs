@@ -42,7 +42,10 @@ impl Reader<'_> {
         if self.polling && !function.reads {
             return Err(Fault::new(
                 name.span,
-                format!("{} does more than read; a while(!kbhit()) loop of a job script may only read and print", name.text),
+                format!(
+                    "{} does more than read; a while(!kbhit()) loop of a job script may only read and print",
+                    name.text
+                ),
                 "such a loop means WaitStop of everything that runs; for more, use the C library",
             ));
         }
@@ -93,7 +96,11 @@ impl Reader<'_> {
         let bare = match api::MISREAD.iter().find(|(misread, _)| *misread == bare) {
             Some((_, right)) => {
                 let prefix = if several_cores { "GTN_" } else { "GT_" };
-                self.warn(name.span.clone(), format!("`{}` is taken as `{prefix}{right}`", name.text), "the printed manual misspells it");
+                self.warn(
+                    name.span.clone(),
+                    format!("`{}` is taken as `{prefix}{right}`", name.text),
+                    "the printed manual misspells it",
+                );
                 right
             }
             None => bare,
@@ -113,11 +120,15 @@ impl Reader<'_> {
 
     /// Takes note of what the call means for waits, traces and later Get…Prm calls.
     fn note(&mut self, function: &Function, several_cores: bool, core: i16, bound: &Bound, span: &Range<usize>) {
-        let numbers: Vec<f64> = bound.values.iter().map(|(_, value)| match value {
-            Value::Int(number) => *number as f64,
-            Value::Real(number) => *number,
-            _ => 0.0,
-        }).collect();
+        let numbers: Vec<f64> = bound
+            .values
+            .iter()
+            .map(|(_, value)| match value {
+                Value::Int(number) => *number as f64,
+                Value::Real(number) => *number,
+                _ => 0.0,
+            })
+            .collect();
         let line = self.line(span);
         self.motions.note(function.name, several_cores, core, &Numbers(&numbers), line);
         self.name_axes(function, several_cores, core, bound);

@@ -50,9 +50,10 @@ pub fn bytes(items: &[ConfigItem]) -> Vec<u8> {
 /// What is wrong with it, and in which line or key.
 pub fn read(path: &str, text: &str) -> Result<Config, String> {
     let text = text.trim_start_matches('\u{feff}');
-    let ours = path.to_lowercase().ends_with(".toml")
-        || text.lines().any(|line| line.trim_start().starts_with("[axis."));
-    let (axes, unknown) = if ours { toml_axes(text) } else { ini_axes(text) }.map_err(|error| format!("{path}: {error}"))?;
+    let ours =
+        path.to_lowercase().ends_with(".toml") || text.lines().any(|line| line.trim_start().starts_with("[axis."));
+    let (axes, unknown) =
+        if ours { toml_axes(text) } else { ini_axes(text) }.map_err(|error| format!("{path}: {error}"))?;
     let mut warnings = Vec::new();
     if !unknown.is_empty() {
         let list = unknown.into_iter().collect::<Vec<_>>().join(", ");
@@ -61,7 +62,11 @@ pub fn read(path: &str, text: &str) -> Result<Config, String> {
     if axes.is_empty() {
         warnings.push(format!("{path} configures no axis"));
     }
-    let items = axes.iter().map(|(axis, keys)| keys.item(*axis)).collect::<Result<_, _>>().map_err(|error| format!("{path}: {error}"))?;
+    let items = axes
+        .iter()
+        .map(|(axis, keys)| keys.item(*axis))
+        .collect::<Result<_, _>>()
+        .map_err(|error| format!("{path}: {error}"))?;
     Ok(Config { items, warnings })
 }
 
@@ -99,8 +104,19 @@ impl Keys {
     fn and(&mut self, other: Keys) {
         macro_rules! take { ($($key:ident),*) => { $( if other.$key.is_some() { self.$key = other.$key; } )* } }
         take!(
-            limits, limit_positive_sense, limit_negative_sense, alarm, alarm_sense, home_sense, soft_limit_positive,
-            soft_limit_negative, stop_dec_smooth, stop_dec_abrupt, position_error, band, band_time
+            limits,
+            limit_positive_sense,
+            limit_negative_sense,
+            alarm,
+            alarm_sense,
+            home_sense,
+            soft_limit_positive,
+            soft_limit_negative,
+            stop_dec_smooth,
+            stop_dec_abrupt,
+            position_error,
+            band,
+            band_time
         );
     }
 
@@ -111,7 +127,9 @@ impl Keys {
             Some(other) => Err(format!("axis {axis}: {key} is {other}; it is 0 or 1")),
         };
         let deceleration = |key: &str, value: Option<f64>, default| match value {
-            Some(value) if !(value.is_finite() && value > 0.0) => Err(format!("axis {axis}: {key} is {value}; it is greater than 0")),
+            Some(value) if !(value.is_finite() && value > 0.0) => {
+                Err(format!("axis {axis}: {key} is {value}; it is greater than 0"))
+            }
             value => Ok(value.unwrap_or(default)),
         };
         let mut bits = 0;

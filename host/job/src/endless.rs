@@ -65,7 +65,9 @@ impl Motions {
             "Update" => self.start(core, mask, Mode::Jog, line),
             // In the GT form bits 8 to 11 name coordinate systems.
             "Stop" => self.at_rest(core, if several_cores { mask } else { mask & 0xff }),
-            "AxisOff" => self.at_rest(core, u32::try_from(given.int(0) - 1).map_or(0, |bit| 1u32.checked_shl(bit).unwrap_or(0))),
+            "AxisOff" => {
+                self.at_rest(core, u32::try_from(given.int(0) - 1).map_or(0, |bit| 1u32.checked_shl(bit).unwrap_or(0)))
+            }
             "Reset" => self.axes.retain(|axis, _| axis.core != core),
             _ => {}
         }

@@ -3,15 +3,14 @@
 //! Precedence climbing over the operators below; everything else that C has (`?:`, comparisons,
 //! logic) needs a value at run time and is refused.
 
+use crate::api;
 use crate::read::{Fault, Reader};
 use crate::scan::Kind;
 use crate::value::{Type, Value, pattern, show};
-use crate::api;
 
 /// Binary operators and how strongly they bind.
-const BINARY: &[(&str, u8)] = &[
-    ("|", 1), ("^", 2), ("&", 3), ("<<", 4), (">>", 4), ("+", 5), ("-", 5), ("*", 6), ("/", 6), ("%", 6),
-];
+const BINARY: &[(&str, u8)] =
+    &[("|", 1), ("^", 2), ("&", 3), ("<<", 4), (">>", 4), ("+", 5), ("-", 5), ("*", 6), ("/", 6), ("%", 6)];
 
 /// Functions of `math.h`.
 pub(crate) const MATHEMATICS: &[&str] = &[
@@ -39,8 +38,9 @@ impl Reader<'_> {
                     "scripts compute + - * / % << >> | & ^ ~ ( ) once, before they run; for more, use the C library",
                 ));
             }
-            let Some(&(text, strength)) =
-                BINARY.iter().find(|(text, strength)| operator.kind == Kind::Mark && *text == operator.text && *strength > least)
+            let Some(&(text, strength)) = BINARY
+                .iter()
+                .find(|(text, strength)| operator.kind == Kind::Mark && *text == operator.text && *strength > least)
             else {
                 return Ok(left);
             };
@@ -78,10 +78,10 @@ impl Reader<'_> {
                     number(text).map_err(|message| Fault::new(token.span.clone(), message, ""))
                 }
                 (Kind::Name, _) => reader.name(),
-                _ => Err(reader.fault_here(
-                    format!("a number, a name or ( is expected here, not {}", reader.shown()),
-                    "",
-                )),
+                _ => {
+                    Err(reader
+                        .fault_here(format!("a number, a name or ( is expected here, not {}", reader.shown()), ""))
+                }
             }
         })
     }

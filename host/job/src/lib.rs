@@ -12,10 +12,10 @@
 //! The language and the configuration keys are described in `docs/jobs.md`.
 
 pub mod api;
-pub mod config;
 mod assign;
 mod bind;
 mod call;
+pub mod config;
 mod diagnostic;
 mod endless;
 mod expr;

@@ -2,16 +2,21 @@
 
 use crate::api::{Function, Shape};
 use crate::bind::Bound;
-use crate::{Axis, config};
 use crate::read::{Fault, Reader};
 use crate::value::{Value, show};
+use crate::{Axis, config};
 use protocol::command::COMMANDS;
 use std::ops::Range;
 
 impl Reader<'_> {
     /// The request's bytes; none for what the host answers.
     pub(crate) fn pack(
-        &mut self, function: &Function, several_cores: bool, core: i16, bound: &Bound, span: &Range<usize>,
+        &mut self,
+        function: &Function,
+        several_cores: bool,
+        core: i16,
+        bound: &Bound,
+        span: &Range<usize>,
     ) -> Result<Option<Vec<u8>>, Fault> {
         let mut values: Vec<Value> = bound.values.iter().map(|(_, value)| value.clone()).collect();
         let mut items = Vec::new();
@@ -30,7 +35,11 @@ impl Reader<'_> {
                 values.insert(count + 1, Value::Int(0));
                 let points = bound.lists.first().map_or(0, Vec::len);
                 for point in 0..points {
-                    bound.lists.iter().filter_map(|list| list.get(point)).for_each(|value| put(&mut items, "F64", value));
+                    bound
+                        .lists
+                        .iter()
+                        .filter_map(|list| list.get(point))
+                        .for_each(|value| put(&mut items, "F64", value));
                 }
             }
             Shape::StartList => {
@@ -42,10 +51,14 @@ impl Reader<'_> {
             Shape::Config => {
                 let (path, place) = bound.text.clone().unwrap_or_default();
                 let text = self.files.text(&path).map_err(|message| {
-                    Fault::new(place.clone(), format!("the configuration file cannot be read: {message}"),
-                        "its path is relative to the folder of the job file")
+                    Fault::new(
+                        place.clone(),
+                        format!("the configuration file cannot be read: {message}"),
+                        "its path is relative to the folder of the job file",
+                    )
                 })?;
-                let found = config::read(&path, &text).map_err(|message| Fault::new(place.clone(), message, "docs/jobs.md lists the keys"))?;
+                let found = config::read(&path, &text)
+                    .map_err(|message| Fault::new(place.clone(), message, "docs/jobs.md lists the keys"))?;
                 for warning in found.warnings {
                     self.warn(place.clone(), warning, "docs/jobs.md lists the keys");
                 }
@@ -54,7 +67,8 @@ impl Reader<'_> {
                 items = config::bytes(&found.items);
             }
         }
-        let fields = COMMANDS.iter().find(|command| command.opcode == function.opcode).map_or(&[][..], |command| command.fields);
+        let fields =
+            COMMANDS.iter().find(|command| command.opcode == function.opcode).map_or(&[][..], |command| command.fields);
         if fields.first().is_some_and(|field| field.0 == "core") {
             values.insert(0, Value::Int(i64::from(core)));
         }
@@ -77,7 +91,13 @@ fn vec_masks(bound: &Bound) -> Result<Vec<Value>, String> {
                 mask |= 1 << (axis - 1);
                 option |= (*fifo as u32) << (axis - 1);
             }
-            _ => return Err(format!("axis {} with FIFO {}: axes are 1 to 32, FIFOs 0 and 1 (return value 7)", show(axis), show(fifo))),
+            _ => {
+                return Err(format!(
+                    "axis {} with FIFO {}: axes are 1 to 32, FIFOs 0 and 1 (return value 7)",
+                    show(axis),
+                    show(fifo)
+                ));
+            }
         }
     }
     Ok(vec![Value::Int(i64::from(mask.cast_signed())), Value::Int(i64::from(option.cast_signed()))])

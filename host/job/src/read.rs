@@ -251,7 +251,11 @@ impl<'a> Reader<'a> {
     /// A statement that does something, behind `return`: said once.
     pub(crate) fn executes(&mut self) {
         if self.ended && !self.warnings.iter().any(|warning| warning.message.starts_with("behind `return`")) {
-            self.warn(self.here(), "behind `return` nothing is executed".into(), "remove the return, or what follows it");
+            self.warn(
+                self.here(),
+                "behind `return` nothing is executed".into(),
+                "remove the return, or what follows it",
+            );
         }
     }
 

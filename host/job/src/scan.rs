@@ -117,7 +117,13 @@ impl Lines {
 }
 
 /// A diagnostic that points at `span` of `text`.
-pub fn diagnostic(text: &str, severity: Severity, span: Range<usize>, message: String, help: Option<String>) -> Diagnostic {
+pub fn diagnostic(
+    text: &str,
+    severity: Severity,
+    span: Range<usize>,
+    message: String,
+    help: Option<String>,
+) -> Diagnostic {
     let (line, column) = Lines::of(text).place(text, span.start);
     Diagnostic { severity, line, column, span, message, help }
 }
@@ -147,7 +153,9 @@ pub fn tokens(text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
             }
             Ok(Raw::OpenText) => refuse(&span, "this text does not end on its line", "close it with a quotation mark"),
             Ok(raw) => found.push((raw, span)),
-            Err(()) => refuse(&span, "this character has no meaning in a job script", "remove it, or put it into a comment"),
+            Err(()) => {
+                refuse(&span, "this character has no meaning in a job script", "remove it, or put it into a comment")
+            }
         }
     }
     let mut out = Expansion { text, flat: &flat, given: &given, macros: HashMap::new(), out: Vec::new(), problems };
@@ -159,7 +167,11 @@ pub fn tokens(text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
         let message = format!("this script is too long: {MOST_TOKENS} words and marks fit");
         problems.push(diagnostic(text, Severity::Error, 0..0, message, Some("split it, or use the C library".into())));
     }
-    tokens.push(Token { kind: Kind::End, text: "the end of the script".into(), span: text.trim_end().len()..text.len() });
+    tokens.push(Token {
+        kind: Kind::End,
+        text: "the end of the script".into(),
+        span: text.trim_end().len()..text.len(),
+    });
     (tokens, problems)
 }
 
@@ -266,7 +278,11 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
                 let given = (self.given)(whole);
                 let help = "the only one with a meaning here is #pragma continue".to_owned();
                 self.problems.push(diagnostic(
-                    self.text, Severity::Warning, given, "this pragma is ignored".into(), Some(help),
+                    self.text,
+                    Severity::Warning,
+                    given,
+                    "this pragma is ignored".into(),
+                    Some(help),
                 ));
                 return;
             }

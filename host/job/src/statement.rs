@@ -2,10 +2,10 @@
 //!
 //! In: the reader at the beginning of a statement. Out: what it does, by `assign`, `wait` and `call`.
 
+use crate::Severity;
 use crate::api;
 use crate::read::{C_LIBRARY, Fault, Reader};
 use crate::scan::{Kind, Token, diagnostic};
-use crate::Severity;
 
 impl Reader<'_> {
     pub(crate) fn statement(&mut self) -> Result<(), Fault> {
@@ -28,7 +28,11 @@ impl Reader<'_> {
             (Kind::Mark, "}") => {
                 self.advance();
                 if self.braces.pop().is_none() {
-                    self.warn(token.span, "this } closes nothing; it is ignored".into(), "printed listings have such braces at page breaks");
+                    self.warn(
+                        token.span,
+                        "this } closes nothing; it is ignored".into(),
+                        "printed listings have such braces at page breaks",
+                    );
                 }
                 Ok(())
             }
@@ -99,7 +103,11 @@ impl Reader<'_> {
             _ => {
                 let start = self.at;
                 if let Some(of) = self.type_words() {
-                    return if self.peek_after(1).text == "(" { self.function_of_script() } else { self.declare(of, start) };
+                    return if self.peek_after(1).text == "(" {
+                        self.function_of_script()
+                    } else {
+                        self.declare(of, start)
+                    };
                 }
                 if matches!(word, "main" | "_tmain") {
                     return self.function_of_script();

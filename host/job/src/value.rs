@@ -134,13 +134,16 @@ impl Type {
         };
         let whole = match *value {
             Value::Int(number) => number,
-            Value::Real(number) if number.is_nan() => return Err(format!("not a number does not fit a {}", self.name())),
+            Value::Real(number) if number.is_nan() => {
+                return Err(format!("not a number does not fit a {}", self.name()));
+            }
             // Truncation towards zero, as a cast does; what is beyond i64 saturates and is refused below.
             Value::Real(number) => number as i64,
             ref other => return Ok(other.clone()),
         };
         // 0x80000000 and other patterns of 32 bits reach an unsigned as they were written.
-        let whole = if self == Type::ULong && (i64::from(i32::MIN)..0).contains(&whole) { whole + (1 << 32) } else { whole };
+        let whole =
+            if self == Type::ULong && (i64::from(i32::MIN)..0).contains(&whole) { whole + (1 << 32) } else { whole };
         if (low..=high).contains(&whole) {
             Ok(Value::Int(whole))
         } else {
@@ -196,10 +199,11 @@ impl Variable {
     pub fn cell(&self, index: Option<i64>, field: Option<(&str, Option<i64>)>) -> Result<(usize, Type), String> {
         let element = match (self.length, index) {
             (None, None) => 0,
-            (Some(length), Some(index)) => usize::try_from(index)
-                .ok()
-                .filter(|index| *index < length)
-                .ok_or_else(|| format!("index {index} is outside the array, which has the elements 0 to {}", length as i64 - 1))?,
+            (Some(length), Some(index)) => {
+                usize::try_from(index).ok().filter(|index| *index < length).ok_or_else(|| {
+                    format!("index {index} is outside the array, which has the elements 0 to {}", length as i64 - 1)
+                })?
+            }
             (Some(_), None) => return Err("this is an array; name one element, as in x[0]".into()),
             (None, Some(_)) => return Err("this is not an array".into()),
         };
@@ -213,10 +217,11 @@ impl Variable {
             if *name == wanted {
                 let inner = match (inner, *count) {
                     (None, 1) => 0,
-                    (Some(inner), count) if count > 1 => usize::try_from(inner)
-                        .ok()
-                        .filter(|inner| *inner < count)
-                        .ok_or_else(|| format!("index {inner} is outside {name}, which has the elements 0 to {}", count - 1))?,
+                    (Some(inner), count) if count > 1 => {
+                        usize::try_from(inner).ok().filter(|inner| *inner < count).ok_or_else(|| {
+                            format!("index {inner} is outside {name}, which has the elements 0 to {}", count - 1)
+                        })?
+                    }
                     (None, _) => return Err(format!("{name} is an array; name one element")),
                     (Some(_), _) => return Err(format!("{name} is not an array")),
                 };

@@ -29,7 +29,13 @@ impl Reader<'_> {
             [Value::Int(ms @ 0..=4_294_967_295)] => ms as u64 * 1_000_000,
             [Value::Real(ms)] if (0.0..=4_294_967_295.0).contains(&ms) => (ms * 1e6).round() as u64,
             [_] => return Err(Fault::new(span, "Sleep takes 0 to 4294967295 ms", "")),
-            _ => return Err(Fault::new(span, format!("Sleep takes one parameter, {} are given", values.len()), "it is Sleep(ms)")),
+            _ => {
+                return Err(Fault::new(
+                    span,
+                    format!("Sleep takes one parameter, {} are given", values.len()),
+                    "it is Sleep(ms)",
+                ));
+            }
         };
         self.push(start, Action::Sleep { ns });
         Ok(())
@@ -47,10 +53,22 @@ impl Reader<'_> {
         }
         let (core, axes, crds) = match whole[..] {
             [mask] if mask & !0x3ff == 0 => (1, mask & 0xff, mask >> 8),
-            [_] => return Err(Fault::new(span, "bits 0 to 7 are axes 1 to 8, bits 8 and 9 coordinate systems 1 and 2; others mean nothing here", FORMS)),
+            [_] => {
+                return Err(Fault::new(
+                    span,
+                    "bits 0 to 7 are axes 1 to 8, bits 8 and 9 coordinate systems 1 and 2; others mean nothing here",
+                    FORMS,
+                ));
+            }
             [core @ 1..=32767, axes, crds] => (core as i16, axes, crds),
             [_, _, _] => return Err(Fault::new(span, "`core` is an integer from 1", FORMS)),
-            _ => return Err(Fault::new(span, format!("WaitStop takes 1 or 3 parameters, {} are given", values.len()), FORMS)),
+            _ => {
+                return Err(Fault::new(
+                    span,
+                    format!("WaitStop takes 1 or 3 parameters, {} are given", values.len()),
+                    FORMS,
+                ));
+            }
         };
         if self.polling {
             return Err(Fault::new(span, "WaitStop cannot stand in a while(!kbhit()) loop", "put it behind the loop"));

@@ -17,7 +17,8 @@ fn example(name: &str) -> Job {
 /// The GXN manual, where its text is at hand: `BEAMTICK_MANUALS`, or `../shared/manuals` beside the checkout.
 fn manual() -> Option<String> {
     let folder = std::env::var_os("BEAMTICK_MANUALS").map_or_else(|| root().join("../shared/manuals"), PathBuf::from);
-    let file = std::fs::read_dir(folder).ok()?.flatten().find(|file| file.file_name().to_string_lossy().starts_with("001"))?;
+    let file =
+        std::fs::read_dir(folder).ok()?.flatten().find(|file| file.file_name().to_string_lossy().starts_with("001"))?;
     std::fs::read_to_string(file.path()).ok()
 }
 
@@ -124,8 +125,10 @@ fn pt_dynamic_is_listing_2_2_unrolled() {
         assert!((found.0 - wanted.0).abs() < 1e-9, "{found:?} {wanted:?}");
     }
     // It is refilled while it runs: some data behind the start.
-    let start = job.steps.iter().position(|step| matches!(&step.action, Action::Call(call) if call.opcode == PtStart::OPCODE));
-    let last = job.steps.iter().rposition(|step| matches!(&step.action, Action::Call(call) if call.opcode == PtData::OPCODE));
+    let start =
+        job.steps.iter().position(|step| matches!(&step.action, Action::Call(call) if call.opcode == PtStart::OPCODE));
+    let last =
+        job.steps.iter().rposition(|step| matches!(&step.action, Action::Call(call) if call.opcode == PtData::OPCODE));
     assert!(start < last);
     // Never more than the 64 places of the small memory without one having run: the data written up to a
     // time minus the segments that have ended by then.
@@ -137,7 +140,8 @@ fn pt_dynamic_is_listing_2_2_unrolled() {
             Action::Call(call) if call.opcode == PtData::OPCODE => {
                 written += 1;
                 // A tick may pass before a start acts, and one before a place is seen to be free.
-                let run = started.map_or(0, |at| wanted.iter().filter(|segment| f64::from(segment.1) + 2.0 <= clock - at).count());
+                let run = started
+                    .map_or(0, |at| wanted.iter().filter(|segment| f64::from(segment.1) + 2.0 <= clock - at).count());
                 assert!(written - run <= 64, "line {}: {} places", step.line, written - run);
             }
             _ => {}
@@ -161,7 +165,9 @@ fn the_stream_is_what_it_says() {
     let mut next = [0i32; 8];
     for step in &job.steps {
         let Action::Call(call) = &step.action else { continue };
-        let Some(data) = (call.opcode == PtData::OPCODE).then(|| PtData::read_from_bytes(&call.body).unwrap()) else { continue };
+        let Some(data) = (call.opcode == PtData::OPCODE).then(|| PtData::read_from_bytes(&call.body).unwrap()) else {
+            continue;
+        };
         let axis = data.profile.get() as usize;
         next[axis - 1] += 1;
         let time = next[axis - 1];

@@ -81,7 +81,9 @@ fn items_follow_the_request() {
 fn every_function_packs_as_long_as_its_request() {
     let names = job::api::FUNCTIONS.iter().filter(|function| function.opcode != 0);
     for function in names {
-        let mut text = String::from("double o[40]; double d[4] = {0}; short n[40] = {0}; TJogPrm jog = {1, 2, 0}; TTrapPrm trap = {1, 2, 3, 4};\n");
+        let mut text = String::from(
+            "double o[40]; double d[4] = {0}; short n[40] = {0}; TJogPrm jog = {1, 2, 0}; TTrapPrm trap = {1, 2, 3, 4};\n",
+        );
         let mut given = vec!["1".to_owned()];
         for param in function.params {
             use job::api::Pass;
@@ -95,7 +97,9 @@ fn every_function_packs_as_long_as_its_request() {
                 (Pass::Many(_), "PtStartPro") => "&n[1]".into(),
                 (Pass::Many(_), name) => if name.starts_with("Pvt") { "d" } else { "n" }.into(),
                 (Pass::Working, _) => "o".into(),
-                (Pass::Struct(_) | Pass::OutStruct(_), name) => if name.contains("Jog") { "&jog" } else { "&trap" }.into(),
+                (Pass::Struct(_) | Pass::OutStruct(_), name) => {
+                    if name.contains("Jog") { "&jog" } else { "&trap" }.into()
+                }
                 (Pass::Text, _) => "\"a.toml\"".into(),
             });
         }
@@ -105,9 +109,21 @@ fn every_function_packs_as_long_as_its_request() {
         let call = calls(&job)[0].clone();
         let info = c::COMMANDS.iter().find(|info| info.opcode == call.opcode).unwrap();
         let size = |fields: &[(&str, &str)]| -> usize {
-            fields.iter().map(|field| match field.1 { "F64" | "U64" => 8, "I32" | "U32" => 4, "I16" | "U16" => 2, _ => 1 }).sum()
+            fields
+                .iter()
+                .map(|field| match field.1 {
+                    "F64" | "U64" => 8,
+                    "I32" | "U32" => 4,
+                    "I16" | "U16" => 2,
+                    _ => 1,
+                })
+                .sum()
         };
-        let items = match function.name { "SetDac" => 2, "LoadConfig" => 2 * size(info.items), _ => size(info.items) };
+        let items = match function.name {
+            "SetDac" => 2,
+            "LoadConfig" => 2 * size(info.items),
+            _ => size(info.items),
+        };
         assert_eq!(call.body.len(), size(info.fields) + items, "{text}");
         // The table says the manuals' name of what the protocol calls the same, but for these.
         if !matches!(function.name, "GetVersion" | "PtStartPro") {
@@ -115,8 +131,22 @@ fn every_function_packs_as_long_as_its_request() {
         }
     }
     // And nothing of the protocol is out of reach, but for what has no name in the manuals.
-    let own = ["KeepAlive", "Choose", "Sleep", "WaitStop", "ProgramStart", "ProgramClear", "ProgramStatus", "ProgramEnd", "Trace",
-        "AxisStatus", "PtDataMany", "GetPtState", "Version", "GetFault"];
+    let own = [
+        "KeepAlive",
+        "Choose",
+        "Sleep",
+        "WaitStop",
+        "ProgramStart",
+        "ProgramClear",
+        "ProgramStatus",
+        "ProgramEnd",
+        "Trace",
+        "AxisStatus",
+        "PtDataMany",
+        "GetPtState",
+        "Version",
+        "GetFault",
+    ];
     for info in c::COMMANDS {
         let reached = job::api::FUNCTIONS.iter().any(|function| function.opcode == info.opcode);
         assert!(reached || own.contains(&info.name), "{} cannot be called", info.name);
@@ -167,11 +197,15 @@ fn variables_assignments_and_structs() {
     let text = "long x = 5, y; double d; short a[3] = {1, 2}; d = y = x; x += 2; x *= 3; x -= 1; x /= 2; d += 0.5; a[2] = a[0] + a[1]; x++; --y;\n";
     let value = |name: &str| request::<c::SetVel>(&format!("{text}GT_SetVel(1, {name});")).vel.get();
     assert_eq!((value("x"), value("y"), value("d"), value("a[2]")), (11.0, 4.0, 5.5, 3.0));
-    let jog: c::SetJogPrm = request("TJogPrm jog; jog.acc = 1; jog.dec = jog.acc / 2; jog.smooth = 0.25; GTN_SetJogPrm(1, 2, &jog);");
+    let jog: c::SetJogPrm =
+        request("TJogPrm jog; jog.acc = 1; jog.dec = jog.acc / 2; jog.smooth = 0.25; GTN_SetJogPrm(1, 2, &jog);");
     assert_eq!((jog.acc.get(), jog.dec.get(), jog.smooth.get()), (1.0, 0.5, 0.25));
     let trap: c::SetTrapPrm = request("TTrapPrm trap = {1, 2, 0.5, 25}; GT_SetTrapPrm(1, &trap);");
     assert_eq!((trap.vel_start.get(), trap.smooth_time_ms.get()), (0.5, 25));
-    assert_eq!(good("TCrdPrm crd = {0}; crd.profile[1] = 2; crd.originPos[7] = 1000; crd.synVelMax = 100;").steps.len(), 0);
+    assert_eq!(
+        good("TCrdPrm crd = {0}; crd.profile[1] = 2; crd.originPos[7] = 1000; crd.synVelMax = 100;").steps.len(),
+        0
+    );
 }
 
 #[test]
@@ -199,8 +233,12 @@ fn sleeps_and_waits() {
 
 #[test]
 fn a_loop_that_reads_and_prints_waits_for_everything() {
-    for head in ["while(!kbhit())", "while ( ! _kbhit ( ) )", "while(0 == kbhit())", "while(kbhit()==0)", "while(!kbit())"] {
-        let text = format!("short r; double p;\n{head}\n{{\n r = GTN_GetPrfPos(1, 1, &p);\n printf(\"%f\", p); Sleep(10);\n}}\nGT_AxisOff(1);");
+    for head in
+        ["while(!kbhit())", "while ( ! _kbhit ( ) )", "while(0 == kbhit())", "while(kbhit()==0)", "while(!kbit())"]
+    {
+        let text = format!(
+            "short r; double p;\n{head}\n{{\n r = GTN_GetPrfPos(1, 1, &p);\n printf(\"%f\", p); Sleep(10);\n}}\nGT_AxisOff(1);"
+        );
         let job = good(&text);
         assert_eq!(job.steps.len(), 2, "{text}");
         assert_eq!((job.steps[0].line, job.steps[0].column, &job.steps[0].action), (2, 1, &Action::WaitAll));
@@ -236,7 +274,10 @@ fn what_the_manuals_print_around_a_listing_is_accepted() {
     assert_eq!(calls.iter().map(|call| call.function.as_str()).collect::<Vec<_>>(), ["GTN_AxisOn", "GT_AxisOff"]);
     assert_eq!(job.warnings.len(), 1);
     assert!(job.warnings[0].message.contains("closes nothing"));
-    assert_eq!((job.steps[0].line, job.steps[0].column, job.steps[0].text.as_str()), (11, 3, "sRtn=GTN_AxisOn（1，1）；"));
+    assert_eq!(
+        (job.steps[0].line, job.steps[0].column, job.steps[0].text.as_str()),
+        (11, 3, "sRtn=GTN_AxisOn（1，1）；")
+    );
     good("void commandhandler(char *command, short error)\n{ if(error) printf(\"x\"); }\nGT_AxisOn(1);");
     good("void commandhandler(char *command, short error);\nGT_AxisOn(1);");
 }
@@ -260,7 +301,9 @@ fn results_that_a_listing_does_not_declare() {
 
 #[test]
 fn pragma_continue_needs_an_assigned_result() {
-    let job = good("short r;\nr = GT_AxisOn(1);\n#pragma continue\nr = GT_AxisOn(2);\nGT_AxisOn(3);\n#pragma continue off\nr = GT_AxisOn(4);");
+    let job = good(
+        "short r;\nr = GT_AxisOn(1);\n#pragma continue\nr = GT_AxisOn(2);\nGT_AxisOn(3);\n#pragma continue off\nr = GT_AxisOn(4);",
+    );
     assert_eq!(calls(&job).iter().map(|call| call.may_fail).collect::<Vec<_>>(), [false, true, false, false]);
 }
 
@@ -303,8 +346,10 @@ fn configuration_files_become_items() {
     assert_eq!((head.core.get(), head.count.get()), (1, 8));
     assert_eq!(items.len(), 8 * size_of::<c::ConfigItem>());
     assert!(job.warnings[0].message.contains("speed"));
-    assert_eq!(bad("GT_AxisOn(1);\nGT_LoadConfig(\"none.cfg\");"),
-        (2, 15, "the configuration file cannot be read: none.cfg: no such file".into()));
+    assert_eq!(
+        bad("GT_AxisOn(1);\nGT_LoadConfig(\"none.cfg\");"),
+        (2, 15, "the configuration file cannot be read: none.cfg: no such file".into())
+    );
 }
 
 /// Script, line, column, what the message says.
@@ -376,7 +421,8 @@ fn loops_are_refused_with_the_way_out() {
 
 #[test]
 fn all_errors_of_a_script_are_shown_in_order() {
-    let found = compile("GT_No(1);\nGT_AxisOn();\nif (1) { GT_No2(); }\nGT_AxisOn(x);\n", &Memory::default()).unwrap_err();
+    let found =
+        compile("GT_No(1);\nGT_AxisOn();\nif (1) { GT_No2(); }\nGT_AxisOn(x);\n", &Memory::default()).unwrap_err();
     assert_eq!(found.iter().map(|found| found.line).collect::<Vec<_>>(), [1, 2, 3, 4]);
 }
 
@@ -388,7 +434,28 @@ fn hostile_text_neither_panics_nor_hangs() {
     assert!(bad(&format!("double x[3] = {};", "{".repeat(10_000))).2.contains("nested too deeply"));
     let doubling: String = (1..60).map(|step| format!("#define A{step} A{} A{}\n", step - 1, step - 1)).collect();
     assert!(compile(&format!("#define A0 ;\n{doubling}A59"), &Memory::default()).is_err());
-    for text in ["", ";", "}", "\u{feff}", "/", "\"", "'", "#", "#define", "GT_", "GT_AxisOn", "x=", "&", "1.2.3", "while", "while(", "{{{{", "short", "short x[", "\0"] {
+    for text in [
+        "",
+        ";",
+        "}",
+        "\u{feff}",
+        "/",
+        "\"",
+        "'",
+        "#",
+        "#define",
+        "GT_",
+        "GT_AxisOn",
+        "x=",
+        "&",
+        "1.2.3",
+        "while",
+        "while(",
+        "{{{{",
+        "short",
+        "short x[",
+        "\0",
+    ] {
         let _ = compile(text, &Memory::default());
     }
 }

@@ -76,7 +76,8 @@ impl Curve {
             self.filled = 0;
             self.buckets.extend(self.open.take());
             if self.buckets.len() == BUCKETS {
-                self.buckets = self.buckets.chunks(2).map(|c| c.iter().copied().reduce(merge).unwrap_or(c[0])).collect();
+                self.buckets =
+                    self.buckets.chunks(2).map(|c| c.iter().copied().reduce(merge).unwrap_or(c[0])).collect();
                 self.share *= 2;
             }
         }
@@ -91,9 +92,8 @@ impl Curve {
 
     /// Range of the values with some air; a constant gets a range around it.
     fn range(&self) -> (f64, f64) {
-        let (low, high) = self
-            .points()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.1), high.max(p.1)));
+        let (low, high) =
+            self.points().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.1), high.max(p.1)));
         if low > high {
             return (-1.0, 1.0);
         }

@@ -79,7 +79,12 @@ impl<W: Write> VcdWriter<W> {
                 wires.pos = point.pos;
                 let count = steps.unsigned_abs();
                 if count > length / 2 {
-                    return Err(TraceError::TooManySteps { axis: wires.axis, row: index, steps: count, row_ns: length });
+                    return Err(TraceError::TooManySteps {
+                        axis: wires.axis,
+                        row: index,
+                        steps: count,
+                        row_ns: length,
+                    });
                 }
                 if count > 0 && wires.backwards != (steps < 0) {
                     wires.backwards = steps < 0;

@@ -33,6 +33,9 @@ fn main() -> client::Result<()> {
     let summary = client.run(calls, false, &mut Quiet)?;
     let (real, simulated): (Duration, _) = (begun.elapsed(), client.now() - before);
     println!("failed: {:?}", summary.failed);
-    println!("{simulated:.1?} simulated in {real:.3?}: {:.0} times real time", simulated.as_secs_f64() / real.as_secs_f64());
+    println!(
+        "{simulated:.1?} simulated in {real:.3?}: {:.0} times real time",
+        simulated.as_secs_f64() / real.as_secs_f64()
+    );
     Ok(())
 }

@@ -46,9 +46,7 @@ impl Place {
         if self.time >> TIME_BITS != 0 || !fits(self.pos, POS_BITS) || !fits(self.vel, VEL_BITS) {
             return None;
         }
-        let high = (self.time >> 32) as u32
-            | ((self.vel >> 32) as u32 & 0xff) << 10
-            | ((self.pos >> 32) as u32) << 18;
+        let high = (self.time >> 32) as u32 | ((self.vel >> 32) as u32 & 0xff) << 10 | ((self.pos >> 32) as u32) << 18;
         Some([self.time as u32, high, self.pos as u32, self.vel as u32])
     }
 
