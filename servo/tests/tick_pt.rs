@@ -37,7 +37,7 @@ fn listing_2_1_is_the_closed_form_at_every_period() {
             if t > 1024 * MS && t < 2048 * MS {
                 assert!((real(shown.motion.velocity()) - 2.0).abs() < 1e-12);
             }
-            if t % MS == 0 {
+            if t.is_multiple_of(MS) {
                 whole.push(shown.pos);
             }
             assert_eq!(has(shown, status::RUNNING), t < 3072 * MS, "at {t} ns");
