@@ -3,7 +3,7 @@ use crate::Failure;
 use crate::command_line::Info;
 use crate::connect::{linked, simulated};
 use crate::profile;
-use protocol::command::GetClock;
+use protocol::command::{GetClock, GetFault};
 
 /// Prints version, board, profile, counts and limits.
 pub fn show(arguments: &Info) -> Result<(), Failure> {
@@ -26,6 +26,15 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
     );
     say!("servo tick  {} us", version.tick_us);
     say!("clock       {} ms since power-on", clock.clock_ms);
+    let (fault, text) = client.call_items(GetFault {}, &[])?;
+    let text: Vec<u8> = text.iter().map(|byte| byte.value).collect();
+    let text = String::from_utf8_lossy(&text);
+    match fault.kind {
+        0 => say!("last fault  none"),
+        1 => say!("last fault  panic: {text}"),
+        2 => say!("last fault  core fault: {text}"),
+        _ => say!("last fault  interrupt that nobody serves: {text}"),
+    }
     say!("limits      travel ±2^40 pulses, velocity below 2^32 pulse/ms, PT FIFO 2 x 32 or 2 x 1024 segments");
     say!(
         "trace       {}",

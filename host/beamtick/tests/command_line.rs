@@ -214,6 +214,7 @@ fn ports_and_images_that_are_not_there() {
 #[test]
 fn info_and_check() {
     let (out, _, code) = beamtick(&["info"]);
+    assert!(out.contains("last fault  none"), "{out}");
     assert_eq!(code, 0);
     for part in ["virtual", "profile     gus", "1 core of 8 axes", "250 us"] {
         assert!(out.contains(part), "{part:?} is not in\n{out}");
