@@ -21,6 +21,9 @@ pub struct SerialLink {
     since: Instant,
 }
 
+/// How long a port may take to accept what is sent: a full window at 9600 baud.
+const SEND: Duration = Duration::from_secs(10);
+
 impl SerialLink {
     /// Opens `PATH[:BAUD]`, 8 data bits, no parity.
     pub fn open(port: &str) -> Result<Self> {
@@ -44,9 +47,12 @@ impl Link for SerialLink {
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<()> {
-        self.port
-            .write_all(bytes)
-            .map_err(|e| Error::new(error::LINK_SEND, format!("{}: sending failed: {e}", self.name)))
+        let failed = |e: &dyn std::fmt::Display, name: &str| {
+            Error::new(error::LINK_SEND, format!("{name}: sending failed: {e}"))
+        };
+        // The time-out of the last receive may be shorter than a slow port takes for a full window.
+        self.port.set_timeout(SEND).map_err(|e| failed(&e, &self.name))?;
+        self.port.write_all(bytes).map_err(|e| failed(&e, &self.name))
     }
 
     fn receive(&mut self, buf: &mut [u8], wait: Duration) -> Result<usize> {
