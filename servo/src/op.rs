@@ -51,7 +51,7 @@ pub enum Guarded {
     Home,
 }
 
-/// Rate in 2⁻⁶⁴-scaled units is built by [`crate::ramp`]; a mode is one of these.
+/// What an axis runs when it is started (GetPrfMode; SPEC 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(i8)]
 pub enum Mode {
@@ -68,7 +68,7 @@ pub enum Mode {
     Pvt = 4,
 }
 
-/// Everything the tick can be asked to do. Sizes are kept small: an entry is copied once.
+/// Everything the tick can be asked to do. Its size counts: entries are copied through the ring.
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Op {
