@@ -143,6 +143,16 @@ wire_structs! {
     PvtLoops { loop_count: I32, loop_set: I32 }
     /// PVT table in force and time in it, ms.
     PvtStatusItem { table: I16, time: F64 }
+    /// Master of a Follow axis: number, type and item as SetFollowMaster was given them.
+    FollowMasterReply { master_index: I16, master_type: I16, master_item: I16 }
+    /// Start condition of a Follow axis, as SetFollowEvent was given it.
+    FollowEventReply { event: I16, master_dir: I16, pos: I32 }
+    /// After a Follow entry: places free in its FIFO now.
+    FollowTaken { space: U16 }
+    /// After FollowDataPercent2Ex: places free now, and the share of the first half of the S in percent.
+    FollowPercent1 { space: U16, percent1: I16 }
+    /// FIFO in force (0 or 1), and whether a switch waits for the end of the pass (0 no, 1 yes).
+    FollowStatusReply { fifo: I16, switch_status: I16 }
     /// One axis of a configuration file. `given` says which fields the file named (bit 0 limits,
     /// 1 limit sense, 2 alarm, 3 alarm sense, 4 soft limits, 5 stop decelerations, 6 following
     /// error, 7 band, 8 home sense).
@@ -275,6 +285,44 @@ commands! {
     0x030A PvtPercentCalculate { core: I16, count: I32, first: U16, vel_begin: F64 } [PvtPercentPoint] -> Count [Real];
     0x030B PvtTableContinuous { core: I16, table: I16, count: I32, first: U16, time_begin: F64 } [PvtContinuousPoint] -> Nothing [Nothing];
     0x030C PvtContinuousCalculate { core: I16, count: I32, first: U16 } [PvtContinuousPoint] -> Count [Real];
+    // -- Follow (GXN chapter 3) ----------------------------------------------------------------
+    0x0400 PrfFollow { core: I16, profile: I16, dir: I16 } [Nothing] -> Nothing [Nothing];
+    0x0401 SetFollowMaster { core: I16, profile: I16, master_index: I16, master_type: I16, master_item: I16 } [Nothing] -> Nothing [Nothing];
+    0x0402 GetFollowMaster { core: I16, profile: I16 } [Nothing] -> FollowMasterReply [Nothing];
+    0x0403 SetFollowLoop { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
+    0x0404 GetFollowLoop { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
+    0x0405 SetFollowEvent { core: I16, profile: I16, event: I16, master_dir: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0406 GetFollowEvent { core: I16, profile: I16 } [Nothing] -> FollowEventReply [Nothing];
+    0x0407 FollowSpace { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
+    0x0408 FollowData { core: I16, profile: I16, master_segment: I32, slave_segment: F64, kind: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0409 FollowClear { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
+    0x040A FollowStart { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
+    0x040B FollowSwitch { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x040C SetFollowMemory { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
+    0x040D GetFollowMemory { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
+    0x040E GetFollowStatus { core: I16, profile: I16 } [Nothing] -> FollowStatusReply [Nothing];
+    // -- FollowEx (GXN chapter 3) --------------------------------------------------------------
+    0x0500 PrfFollowEx { core: I16, profile: I16, dir: I16 } [Nothing] -> Nothing [Nothing];
+    0x0501 SetFollowMasterEx { core: I16, profile: I16, master_index: I16, master_type: I16, master_item: I16 } [Nothing] -> Nothing [Nothing];
+    0x0502 GetFollowMasterEx { core: I16, profile: I16 } [Nothing] -> FollowMasterReply [Nothing];
+    0x0503 SetFollowLoopEx { core: I16, profile: I16, loop_count: I32 } [Nothing] -> Nothing [Nothing];
+    0x0504 GetFollowLoopEx { core: I16, profile: I16 } [Nothing] -> Long [Nothing];
+    0x0505 SetFollowEventEx { core: I16, profile: I16, event: I16, master_dir: I16, pos: I32 } [Nothing] -> Nothing [Nothing];
+    0x0506 GetFollowEventEx { core: I16, profile: I16 } [Nothing] -> FollowEventReply [Nothing];
+    0x0507 FollowSpaceEx { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];
+    0x0508 FollowDataPercentEx { core: I16, profile: I16, master_segment: F64, slave_segment: F64, kind: I16, percent: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0509 FollowClearEx { core: I16, profile: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
+    0x050A FollowStartEx { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
+    0x050B FollowSwitchEx { core: I16, mask: I32 } [Nothing] -> Nothing [Nothing];
+    0x050C SetFollowMemoryEx { core: I16, profile: I16, memory: I16 } [Nothing] -> Nothing [Nothing];
+    0x050D GetFollowMemoryEx { core: I16, profile: I16 } [Nothing] -> Short [Nothing];
+    0x050E GetFollowStatusEx { core: I16, profile: I16 } [Nothing] -> FollowStatusReply [Nothing];
+    0x050F FollowSwitchNowEx { core: I16, profile: I16, method: I16, buffer: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0510 FollowDoBitEx { core: I16, profile: I16, do_type: I16, index: I16, value: I16, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0511 FollowDelayEx { core: I16, profile: I16, delay_cycles: U32, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0512 FollowDiBitEx { core: I16, profile: I16, di_type: I16, index: I16, value: I16, time_ms: U32, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
+    0x0513 FollowDataPercent2Ex { core: I16, profile: I16, master_segment: F64, slave_segment: F64, vel_begin_ratio: F64, vel_end_ratio: F64, percent: I16, fifo: I16 } [Nothing] -> FollowPercent1 [Nothing];
+    0x0514 GetFollowDataPercent2Ex { core: I16, master_pos: F64, vel_begin_ratio: F64, vel_end_ratio: F64, percent: F64, percent1: F64 } [Nothing] -> Real [Nothing];
 }
 
 /// The row of the table with this number.

@@ -89,6 +89,17 @@ reasons! {
     66 AboveVelMax Range "a velocity of {got} pulse/ms in the direction of travel is above the limit of this segment, {high}";
     67 TableRange Range "no scale holds this table: its top speed {got} pulse/ms over its longest segment is too far";
     68 TableShort Range "a pass of {got} ms is too short; it lasts {low} ms at least";
+    80 NoMaster State "axis {axis}: it has no master; call SetFollowMaster first";
+    81 OwnMaster Range "{field} is {got}, the axis itself; an axis cannot follow itself";
+    82 MasterCycle State "axis {axis} would follow itself by way of axis {got}";
+    83 MasterType Range "{field} is {got}; allowed are 1, 2, 3, and in a profile of two cores 101 and 103";
+    84 DirectionDiffers State "axis {axis} is in this mode with direction {got}; set another mode first";
+    85 NotRunning State "axis {axis} is not running; a switch is for an axis that follows";
+    86 MasterOrder Range "{field} is {got}; it must lie beyond {low}, that of the segment before";
+    87 MixedSigns Range "{field} is {got}; all master positions of a FIFO have one sign, and the first has that of {low}";
+    88 NegativeProgress Range "{field} is {got}; an axis that follows in direction +1 takes positive master positions only";
+    89 RatioTooLarge Range "{field}: this segment's velocity ratio is {got}; the limit is {high}";
+    90 QueueEntries State "axis {axis}: {high} entries other than segments are in its FIFOs, which is the most";
 }
 
 /// The payload of a refusing reply.

@@ -1,6 +1,6 @@
-//! Numbers kept for the commands that have no layout yet, so that none is given twice: PT 0x02xx, PVT 0x03xx, Follow
-//! 0x04xx, FollowEx 0x05xx, laser 0x06xx, buffered laser 0x07xx, coordinate systems 0x08xx, distance
-//! follow 0x09xx. A command moves to [`crate::command::COMMANDS`] with its number when it is built.
+//! Numbers kept for the commands that have no layout yet, so that none is given twice: PT 0x02xx, PVT 0x03xx,
+//! laser 0x06xx, buffered laser 0x07xx, coordinate systems 0x08xx, distance follow 0x09xx. (0x04xx and
+//! 0x05xx are Follow and FollowEx.) A command moves to [`crate::command::COMMANDS`] with its number when it is built.
 //!
 //! Calls that never reach the wire have no number: Open and Close are the link's opening and Bye, and
 //! GetLastReason reads what the client keeps.
@@ -13,42 +13,6 @@ pub const RESERVED: &[(u16, &str)] = &[
     (0x030F, "PvtTableMovePercent"),
     (0x0310, "PvtTableMovePercentEx"),
     (0x0311, "SetPvtTableLoop"),
-    (0x0400, "PrfFollow"),
-    (0x0401, "SetFollowMaster"),
-    (0x0402, "GetFollowMaster"),
-    (0x0403, "SetFollowLoop"),
-    (0x0404, "GetFollowLoop"),
-    (0x0405, "SetFollowEvent"),
-    (0x0406, "GetFollowEvent"),
-    (0x0407, "FollowSpace"),
-    (0x0408, "FollowData"),
-    (0x0409, "FollowClear"),
-    (0x040A, "FollowStart"),
-    (0x040B, "FollowSwitch"),
-    (0x040C, "SetFollowMemory"),
-    (0x040D, "GetFollowMemory"),
-    (0x040E, "GetFollowStatus"),
-    (0x0500, "PrfFollowEx"),
-    (0x0501, "SetFollowMasterEx"),
-    (0x0502, "GetFollowMasterEx"),
-    (0x0503, "SetFollowLoopEx"),
-    (0x0504, "GetFollowLoopEx"),
-    (0x0505, "SetFollowEventEx"),
-    (0x0506, "GetFollowEventEx"),
-    (0x0507, "FollowSpaceEx"),
-    (0x0508, "FollowDataPercentEx"),
-    (0x0509, "FollowClearEx"),
-    (0x050A, "FollowStartEx"),
-    (0x050B, "FollowSwitchEx"),
-    (0x050C, "SetFollowMemoryEx"),
-    (0x050D, "GetFollowMemoryEx"),
-    (0x050E, "GetFollowStatusEx"),
-    (0x050F, "FollowSwitchNowEx"),
-    (0x0510, "FollowDoBitEx"),
-    (0x0511, "FollowDelayEx"),
-    (0x0512, "FollowDiBitEx"),
-    (0x0513, "FollowDataPercent2Ex"),
-    (0x0514, "GetFollowDataPercent2Ex"),
     (0x0600, "LaserOn"),
     (0x0601, "LaserOff"),
     (0x0602, "LaserPowerMode"),

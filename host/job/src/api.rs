@@ -59,6 +59,9 @@ const fn long(name: &'static str) -> Param {
 const fn double(name: &'static str) -> Param {
     param(name, Pass::In(Type::Double))
 }
+const fn ulong(name: &'static str) -> Param {
+    param(name, Pass::In(Type::ULong))
+}
 const fn out(name: &'static str) -> Param {
     param(name, Pass::Out)
 }
@@ -282,6 +285,97 @@ pub const FUNCTIONS: &[Function] = &[
             ],
         )
     },
+    // -- Follow (GXN chapter 3) --------------------------------------------------------------------
+    call("PrfFollow", c::PrfFollow::OPCODE, &[PROFILE, short("dir").or(0)]),
+    call(
+        "SetFollowMaster",
+        c::SetFollowMaster::OPCODE,
+        &[PROFILE, short("masterIndex"), short("masterType").or(2), short("masterItem").or(0)],
+    ),
+    read(
+        "GetFollowMaster",
+        c::GetFollowMaster::OPCODE,
+        &[PROFILE, out("masterIndex"), out("masterType").or(0), out("masterItem").or(0)],
+    ),
+    call("SetFollowLoop", c::SetFollowLoop::OPCODE, &[PROFILE, long("loop")]),
+    read("GetFollowLoop", c::GetFollowLoop::OPCODE, &[PROFILE, out("loop")]),
+    call(
+        "SetFollowEvent",
+        c::SetFollowEvent::OPCODE,
+        &[PROFILE, short("event"), short("masterDir"), long("pos").or(0)],
+    ),
+    read("GetFollowEvent", c::GetFollowEvent::OPCODE, &[PROFILE, out("event"), out("masterDir"), out("pos")]),
+    read("FollowSpace", c::FollowSpace::OPCODE, &[PROFILE, out("space"), FIFO]),
+    call(
+        "FollowData",
+        c::FollowData::OPCODE,
+        &[PROFILE, long("masterSegment"), double("slaveSegment"), short("type").or(0), FIFO],
+    ),
+    call("FollowClear", c::FollowClear::OPCODE, &[PROFILE, FIFO]),
+    call("FollowStart", c::FollowStart::OPCODE, &[MASK, long("option").or(0)]),
+    call("FollowSwitch", c::FollowSwitch::OPCODE, &[MASK]),
+    call("SetFollowMemory", c::SetFollowMemory::OPCODE, &[PROFILE, short("memory")]),
+    read("GetFollowMemory", c::GetFollowMemory::OPCODE, &[PROFILE, out("memory")]),
+    read("GetFollowStatus", c::GetFollowStatus::OPCODE, &[PROFILE, out("fifoNum"), out("switchStatus")]),
+    // -- FollowEx (GXN chapter 3) ------------------------------------------------------------------
+    call("PrfFollowEx", c::PrfFollowEx::OPCODE, &[PROFILE, short("dir").or(0)]),
+    call(
+        "SetFollowMasterEx",
+        c::SetFollowMasterEx::OPCODE,
+        &[PROFILE, short("masterIndex"), short("masterType").or(2), short("masterItem").or(0)],
+    ),
+    read(
+        "GetFollowMasterEx",
+        c::GetFollowMasterEx::OPCODE,
+        &[PROFILE, out("masterIndex"), out("masterType").or(0), out("masterItem").or(0)],
+    ),
+    call("SetFollowLoopEx", c::SetFollowLoopEx::OPCODE, &[PROFILE, long("loop")]),
+    read("GetFollowLoopEx", c::GetFollowLoopEx::OPCODE, &[PROFILE, out("loop")]),
+    call(
+        "SetFollowEventEx",
+        c::SetFollowEventEx::OPCODE,
+        &[PROFILE, short("event"), short("masterDir"), long("pos").or(0)],
+    ),
+    read("GetFollowEventEx", c::GetFollowEventEx::OPCODE, &[PROFILE, out("event"), out("masterDir"), out("pos")]),
+    read("FollowSpaceEx", c::FollowSpaceEx::OPCODE, &[PROFILE, out("space"), FIFO]),
+    call(
+        "FollowDataPercentEx",
+        c::FollowDataPercentEx::OPCODE,
+        &[PROFILE, double("masterSegment"), double("slaveSegment"), short("type").or(0), short("percent").or(0), FIFO],
+    ),
+    call("FollowClearEx", c::FollowClearEx::OPCODE, &[PROFILE, FIFO]),
+    call("FollowStartEx", c::FollowStartEx::OPCODE, &[MASK, long("option").or(0)]),
+    call("FollowSwitchEx", c::FollowSwitchEx::OPCODE, &[MASK]),
+    call("SetFollowMemoryEx", c::SetFollowMemoryEx::OPCODE, &[PROFILE, short("memory")]),
+    read("GetFollowMemoryEx", c::GetFollowMemoryEx::OPCODE, &[PROFILE, out("memory")]),
+    read("GetFollowStatusEx", c::GetFollowStatusEx::OPCODE, &[PROFILE, out("fifoNum"), out("switchStatus")]),
+    call("FollowSwitchNowEx", c::FollowSwitchNowEx::OPCODE, &[PROFILE, short("method"), short("buffer").or(0), FIFO]),
+    call("FollowDoBitEx", c::FollowDoBitEx::OPCODE, &[PROFILE, short("doType"), short("index"), short("value"), FIFO]),
+    call("FollowDelayEx", c::FollowDelayEx::OPCODE, &[PROFILE, ulong("delayTime"), FIFO]),
+    call(
+        "FollowDiBitEx",
+        c::FollowDiBitEx::OPCODE,
+        &[PROFILE, short("diType"), short("index"), short("value"), ulong("time").or(0), FIFO],
+    ),
+    call(
+        "FollowDataPercent2Ex",
+        c::FollowDataPercent2Ex::OPCODE,
+        &[
+            PROFILE,
+            double("masterSegment"),
+            double("slaveSegment"),
+            double("velBeginRatio"),
+            double("velEndRatio"),
+            short("percent").or(100),
+            out("percent1").or(0),
+            FIFO,
+        ],
+    ),
+    read(
+        "GetFollowDataPercent2Ex",
+        c::GetFollowDataPercent2Ex::OPCODE,
+        &[double("masterPos"), double("v1"), double("v2"), double("p"), double("p1"), out("slavePos")],
+    ),
 ];
 
 /// The function named `name` without its prefix.

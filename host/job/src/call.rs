@@ -112,7 +112,7 @@ impl Reader<'_> {
             Some((number, _)) => Err(Fault::new(
                 name.span.clone(),
                 format!("{} is not in this version of the firmware (command number {number:#06x})", name.text),
-                "this version has the session, axis, input/output, Trap, Jog, PT and PVT commands; see docs/jobs.md",
+                "this version has the session, axis, input/output, Trap, Jog, PT, PVT and Follow commands; see docs/jobs.md",
             )),
             None => Err(unknown(name)),
         }
@@ -134,7 +134,7 @@ impl Reader<'_> {
         self.name_axes(function, several_cores, core, bound);
         let first = numbers.first().map_or(0, |number| *number as i16);
         let used = match function.name {
-            "PrfPt" | "PrfPvt" | "PrfTrap" | "PrfJog" | "SetPrfPos" | "SetEncPos" => 1,
+            "PrfPt" | "PrfPvt" | "PrfFollow" | "PrfFollowEx" | "PrfTrap" | "PrfJog" | "SetPrfPos" | "SetEncPos" => 1,
             "ZeroPos" => numbers.get(1).map_or(0, |count| *count as i16),
             _ => 0,
         };

@@ -1,7 +1,7 @@
 //! What a script has set moving, as far as its calls tell: needed only to refuse a wait that would never
 //! end (SPEC 7: `while(!kbhit())` under an endless motion).
 //!
-//! In: the calls, in order. It knows Jog, PT and PVT loops; what ends by itself is not kept.
+//! In: the calls, in order. It knows Jog and the loops of PT, PVT and Follow; what ends by itself is not kept.
 
 use crate::Axis;
 use std::collections::BTreeMap;
@@ -16,6 +16,8 @@ struct Motion {
     loops: Option<i64>,
     /// That of the last SetPvtLoop.
     table_loops: Option<i64>,
+    /// That of the last SetFollowLoop.
+    follow_loops: Option<i64>,
     /// Line of the call that set it moving.
     running: Option<u32>,
 }
@@ -27,6 +29,7 @@ enum Mode {
     Jog,
     StaticPt,
     Pvt,
+    Follow,
 }
 
 /// The numbers of a call's parameters without `core`.
@@ -57,6 +60,9 @@ impl Motions {
             "PrfPvt" => self.axes.entry(axis).or_default().mode = Mode::Pvt,
             "SetPvtLoop" => self.axes.entry(axis).or_default().table_loops = Some(given.int(1)),
             "PvtStart" => self.start(core, mask, Mode::Pvt, line),
+            "PrfFollow" | "PrfFollowEx" => self.axes.entry(axis).or_default().mode = Mode::Follow,
+            "SetFollowLoop" | "SetFollowLoopEx" => self.axes.entry(axis).or_default().follow_loops = Some(given.int(1)),
+            "FollowStart" | "FollowStartEx" => self.start(core, mask, Mode::Follow, line),
             "PrfJog" => self.axes.entry(axis).or_default().mode = Mode::Jog,
             "PrfTrap" => self.axes.entry(axis).or_default().mode = Mode::Other,
             "SetPtLoop" => self.axes.entry(axis).or_default().loops = Some(given.int(1)),
@@ -106,6 +112,7 @@ impl Motions {
                 Mode::Jog => motion.velocity != 0.0,
                 Mode::Pvt => motion.table_loops.is_some_and(|loops| loops <= 0),
                 Mode::StaticPt => motion.loops.is_some_and(|loops| loops <= 0),
+                Mode::Follow => motion.follow_loops.is_some_and(|loops| loops <= 0),
                 Mode::Other => false,
             };
             motion.running.filter(|_| named && endless).map(|line| (*axis, line))

@@ -70,6 +70,50 @@ fn parameters_defaults_and_forms_of_the_table() {
 }
 
 #[test]
+fn parameters_of_follow_have_their_defaults() {
+    assert_eq!(request::<c::PrfFollow>("GTN_PrfFollow(1, 2);").dir.get(), 0);
+    assert_eq!(request::<c::PrfFollowEx>("GTN_PrfFollowEx(1, 2, -1);").dir.get(), -1);
+    let master: c::SetFollowMaster = request("GTN_SetFollowMaster(1, 2, 1);");
+    assert_eq!((master.profile.get(), master.master_index.get()), (2, 1));
+    assert_eq!((master.master_type.get(), master.master_item.get()), (2, 0));
+    let master: c::SetFollowMasterEx = request("GTN_SetFollowMasterEx(2, 3, 8, FOLLOW_MASTER_AXIS_OTHER, 3);");
+    assert_eq!((master.core.get(), master.master_type.get(), master.master_item.get()), (2, 103, 3));
+    let event: c::SetFollowEvent = request("GTN_SetFollowEvent(1, 2, FOLLOW_EVENT_START, 1);");
+    assert_eq!((event.event.get(), event.master_dir.get(), event.pos.get()), (1, 1, 0));
+    let data: c::FollowData = request("GT_FollowData(2, 20000, 10000);");
+    assert_eq!((data.core.get(), data.master_segment.get(), data.slave_segment.get()), (1, 20000, 10000.0));
+    assert_eq!((data.kind.get(), data.fifo.get()), (0, 0));
+    let data: c::FollowData = request("GTN_FollowData(1, 2, 20000, 0.5, FOLLOW_SEGMENT_CONTINUE, 1);");
+    assert_eq!((data.kind.get(), data.fifo.get()), (3, 1));
+    let data: c::FollowDataPercentEx = request("GTN_FollowDataPercentEx(1, 2, 0.25, 0.5);");
+    assert_eq!((data.master_segment.get(), data.percent.get(), data.kind.get()), (0.25, 0, 0));
+    let data: c::FollowDataPercent2Ex = request("GTN_FollowDataPercent2Ex(1, 2, 100, 50, 0, 1);");
+    assert_eq!((data.vel_begin_ratio.get(), data.vel_end_ratio.get(), data.percent.get()), (0.0, 1.0, 100));
+    let data: c::FollowDataPercent2Ex = request("short p; GTN_FollowDataPercent2Ex(1, 2, 100, 50, 0, 1, 40, &p, 1);");
+    assert_eq!((data.percent.get(), data.fifo.get()), (40, 1));
+    let data: c::FollowDataPercent2Ex = request("GTN_FollowDataPercent2Ex(1, 2, 100, 50, 0, 1, 40, NULL, 1);");
+    assert_eq!((data.percent.get(), data.fifo.get()), (40, 1));
+    let shape: c::GetFollowDataPercent2Ex = request("double s; GTN_GetFollowDataPercent2Ex(1, 100, 0, 1, 60, 20, &s);");
+    assert_eq!((shape.master_pos.get(), shape.percent.get(), shape.percent1.get()), (100.0, 60.0, 20.0));
+    let wait: c::FollowDiBitEx = request("GTN_FollowDiBitEx(1, 2, MC_GPI, 3, 1);");
+    assert_eq!((wait.di_type.get(), wait.index.get(), wait.value.get(), wait.time_ms.get()), (4, 3, 1, 0));
+    assert_eq!(request::<c::FollowDelayEx>("GTN_FollowDelayEx(1, 2, 4000000000);").delay_cycles.get(), 4_000_000_000);
+    let switch: c::FollowSwitchNowEx = request("GTN_FollowSwitchNowEx(1, 2, FOLLOW_SWITCH_TABLE);");
+    assert_eq!((switch.method.get(), switch.buffer.get(), switch.fifo.get()), (2, 0, 0));
+}
+
+#[test]
+fn a_wait_for_an_endless_follow_is_refused() {
+    let text = |loops| {
+        format!("GTN_PrfFollow(1,2); GTN_SetFollowLoop(1,2,{loops}); GTN_FollowStart(1,2); while(!kbhit()) {{}}")
+    };
+    assert!(bad(&text(0)).2.contains("axis 2 of core 1"));
+    good(&text(3));
+    let text = "GTN_PrfFollowEx(1,2); GTN_SetFollowLoopEx(1,2,-1); GTN_FollowStartEx(1,2); while(!kbhit());";
+    assert!(bad(text).2.contains("axis 2 of core 1"));
+}
+
+#[test]
 fn items_follow_the_request() {
     let job = good("short v[3] = {-1, 0, 32767}; GT_SetDac(2, v, 3);");
     assert_eq!(calls(&job)[0].body, [1, 0, 2, 0, 3, 0, 0xff, 0xff, 0, 0, 0xff, 0x7f]);
