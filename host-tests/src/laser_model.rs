@@ -1,0 +1,562 @@
+//! A laser channel as SPEC 6 tells it: the second opinion to `servo::laser`, written without looking at it.
+//!
+//! In: a whole job as a list of commands and the instants at which they act. Out: what the outputs of the
+//! channel do, as lists of exact events over the whole job. There are no ticks, no plans and no state that is
+//! carried along: each output is derived from the list in passes, so that a rule of SPEC 6 is one line here.
+//! Where SPEC 6 is silent, the readings of `docs/laser.md` are taken ("reading 3").
+//!
+//! Time is in ns and a timer counts ns, so that edges are whole numbers.
+use num_rational::Ratio;
+
+/// An instant or a duration, ns.
+pub type Ns = i64;
+/// A number without rounding: power, frequency, period.
+pub type Exact = Ratio<i128>;
+
+/// Where the two manuals differ (SPEC 2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// Gate delays always apply; there is a mode 3.
+    Gus,
+    /// Gate delays apply where the mode says so; mode 3 is mode 0.
+    Lsr,
+}
+
+/// How energy is put out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// Mode 0: carrier with a duty in percent.
+    Duty,
+    /// Mode 1: pulses of fixed width, rate in kHz.
+    Frequency,
+    /// Mode 2: a voltage.
+    Analog,
+    /// Mode 3: as `Duty`; in the GUS family the switch is held at its enabled level.
+    Open,
+}
+
+/// First-pulse suppression, ns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fpk {
+    /// Length of the suppression pulse.
+    pub time1: Ns,
+    /// From gate-on to the energy.
+    pub time2: Ns,
+    /// From gate-off to the end of the energy.
+    pub off: Ns,
+}
+
+/// What acts on a channel.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs, reason = "each variant's text names its fields")]
+pub enum Command {
+    /// SetHSIOOpt.
+    Gate(bool),
+    /// LaserPowerMode; `delayed` counts in the LSR family.
+    PowerMode { mode: Mode, max: Exact, min: Exact, delayed: bool },
+    /// LaserPrfCmd, in the mode's unit: %, kHz, V.
+    Power(Exact),
+    /// LaserOutFrq, kHz.
+    Carrier(Exact),
+    /// SetPulseWidth, ns.
+    Width(Ns),
+    /// SetLevelDelay, ns.
+    Delays { off: Ns, on: Ns },
+    /// EnaFPK, DisFPK.
+    Fpk(Option<Fpk>),
+    /// SetWaitPulse: kHz and %.
+    Standby(Option<(Exact, Exact)>),
+    /// SetPreVltg, V.
+    PreVoltage(Option<Exact>),
+    /// ZeroLaserOnTime.
+    ZeroOnTime,
+    /// A cause of section 9 came.
+    Fault,
+    /// It is gone and was cleared.
+    Clear,
+}
+
+/// A job: commands in the order in which they act, by instants that never go back.
+pub type Job = [(Ns, Command)];
+
+/// The settings after some of the commands.
+#[derive(Debug, Clone, PartialEq)]
+struct Settings {
+    mode: Mode,
+    max: Exact,
+    min: Exact,
+    delayed: bool,
+    power: Exact,
+    carrier: Option<Exact>,
+    width: Option<Ns>,
+    off_delay: Ns,
+    on_delay: Ns,
+    fpk: Option<Fpk>,
+    standby: Option<(Exact, Exact)>,
+    pre_voltage: Option<Exact>,
+    fault: bool,
+}
+
+/// A train of pulses; exact, in ns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Train {
+    period: Exact,
+    width: Exact,
+}
+
+fn whole(value: i128) -> Exact {
+    Exact::from_integer(value)
+}
+
+/// ns of a period of so many kHz.
+fn period(khz: Exact) -> Exact {
+    whole(1_000_000) / khz
+}
+
+fn floor(value: Exact) -> Ns {
+    value.floor().to_integer() as Ns
+}
+
+impl Settings {
+    fn power_on(family: Family) -> Settings {
+        Settings {
+            mode: Mode::Duty,
+            max: whole(100),
+            min: whole(0),
+            delayed: family == Family::Gus,
+            power: whole(0),
+            carrier: None,
+            width: None,
+            off_delay: 0,
+            on_delay: 0,
+            fpk: None,
+            standby: None,
+            pre_voltage: None,
+            fault: false,
+        }
+    }
+
+    fn apply(&mut self, family: Family, command: &Command) {
+        match *command {
+            Command::Gate(_) | Command::ZeroOnTime => {}
+            Command::PowerMode { mode, max, min, delayed } => {
+                let mode = kind(family, mode);
+                if mode != self.mode {
+                    self.power = whole(0);
+                }
+                *self = Settings { mode, max, min, delayed: delayed || family == Family::Gus, ..self.clone() };
+            }
+            Command::Power(power) => self.power = power,
+            Command::Carrier(khz) => self.carrier = Some(khz),
+            Command::Width(width) => self.width = Some(width),
+            Command::Delays { off, on } => (self.off_delay, self.on_delay) = (off, on),
+            Command::Fpk(fpk) => self.fpk = fpk,
+            Command::Standby(standby) => self.standby = standby,
+            Command::PreVoltage(volts) => self.pre_voltage = volts,
+            Command::Fault => self.fault = true,
+            Command::Clear => self.fault = false,
+        }
+    }
+
+    /// The power held in its bounds.
+    fn bounded(&self) -> Exact {
+        self.power.max(self.min).min(self.max)
+    }
+
+    /// Pulses of light; none where something is missing.
+    fn train(&self) -> Option<Train> {
+        let power = self.bounded();
+        match self.mode {
+            Mode::Duty | Mode::Open => {
+                let period = period(self.carrier?);
+                Some(Train { period, width: period * power / whole(100) })
+            }
+            Mode::Frequency => {
+                let width = whole(self.width?.into());
+                if power <= whole(0) {
+                    return None;
+                }
+                let period = period(power);
+                // Reading 21.
+                Some(Train { period, width: width.min(period.floor() - whole(1)) })
+            }
+            Mode::Analog => None,
+        }
+    }
+
+    fn standby_train(&self) -> Option<Train> {
+        let (khz, percent) = self.standby?;
+        let period = period(khz);
+        Some(Train { period, width: period * percent / whole(100) })
+    }
+
+    /// Standby may be output where there is no light.
+    fn standby_allowed(&self) -> bool {
+        matches!(self.mode, Mode::Duty | Mode::Frequency) && !self.fault
+    }
+}
+
+/// LSR has no mode 3 of its own.
+fn kind(family: Family, mode: Mode) -> Mode {
+    if family == Family::Lsr && mode == Mode::Open { Mode::Duty } else { mode }
+}
+
+/// What happens to a gate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Event {
+    On,
+    Off,
+    /// Everything to rest at once: another mode, a fault.
+    Cut,
+}
+
+/// The cancel rule: what is pending at or after the effect of a later command does not happen. A cut acts
+/// when it is given, so it is never pending.
+fn schedule(events: &mut Vec<(Ns, Event)>, at: Ns, event: Event) {
+    events.retain(|&(earlier, what)| earlier < at || what == Event::Cut);
+    events.push((at, event));
+}
+
+/// Leaves out what changes nothing.
+fn changes(events: Vec<(Ns, Event)>) -> Vec<(Ns, Event)> {
+    let mut on = false;
+    events
+        .into_iter()
+        .filter(|&(_, event)| {
+            let before = on;
+            on = event == Event::On;
+            event == Event::Cut || before != on
+        })
+        .collect()
+}
+
+/// Time from `begin` to `end` (not included).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Span {
+    /// First ns.
+    pub begin: Ns,
+    /// First ns that does not belong to it.
+    pub end: Ns,
+}
+
+impl Span {
+    fn has(self, at: Ns) -> bool {
+        self.begin <= at && at < self.end
+    }
+}
+
+/// A change of a level.
+pub type Edge<T> = (Ns, T);
+
+/// What a job does, up to a horizon. Levels are logical: true is active. All begin inactive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Edges of the gate after its delays.
+    pub gate: Vec<Edge<bool>>,
+    /// Edges of the switch output.
+    pub switch: Vec<Edge<bool>>,
+    /// Edges of the energy output (PWM).
+    pub energy: Vec<Edge<bool>>,
+    /// Volts of the analog output; 0 outside analog mode.
+    pub analog: Vec<Edge<Exact>>,
+    /// Light, whatever the power is.
+    pub light: Vec<Span>,
+    /// Times at which the on-time was zeroed.
+    zeroed: Vec<Ns>,
+    /// Commanded state.
+    commanded: Vec<Edge<bool>>,
+}
+
+/// The job as settings over time.
+struct Story<'a> {
+    family: Family,
+    job: &'a Job,
+    settings: Vec<(Ns, Settings)>,
+}
+
+impl Story<'_> {
+    fn of(family: Family, job: &Job) -> Story<'_> {
+        let mut now = Settings::power_on(family);
+        let mut settings = vec![(Ns::MIN, now.clone())];
+        for (at, command) in job {
+            now.apply(family, command);
+            settings.push((*at, now.clone()));
+        }
+        Story { family, job, settings }
+    }
+
+    /// The settings in force: commands of an instant act before its edges.
+    fn at(&self, at: Ns) -> &Settings {
+        let after = self.settings.partition_point(|&(from, _)| from <= at);
+        &self.settings[after - 1].1
+    }
+
+    /// The next instant after this one at which a command acts.
+    fn next_change(&self, at: Ns) -> Option<Ns> {
+        let after = self.settings.partition_point(|&(from, _)| from <= at);
+        self.settings.get(after).map(|&(from, _)| from)
+    }
+
+    /// The gate after its delays, and the commanded state.
+    fn gate(&self) -> (Vec<(Ns, Event)>, Vec<Edge<bool>>) {
+        let mut events = Vec::new();
+        let mut commanded = Vec::new();
+        // The settings before command i are the entry i of the list.
+        for ((at, command), (_, before)) in self.job.iter().zip(&self.settings) {
+            match *command {
+                Command::Gate(_) if before.fault => {}
+                Command::Gate(on) => {
+                    let delay = match (before.delayed, on) {
+                        (false, _) => 0,
+                        (true, true) => before.on_delay,
+                        (true, false) => before.off_delay,
+                    };
+                    schedule(&mut events, at + delay, if on { Event::On } else { Event::Off });
+                    commanded.push((*at, on));
+                }
+                Command::PowerMode { mode, .. } if kind(self.family, mode) == before.mode => {}
+                Command::PowerMode { .. } | Command::Fault => {
+                    schedule(&mut events, *at, Event::Cut);
+                    commanded.push((*at, false));
+                }
+                _ => {}
+            }
+        }
+        (changes(events), commanded)
+    }
+
+    /// When energy flows: the gate, with FPK shifted under the gate's own rule.
+    fn energy_gate(&self, gate: &[(Ns, Event)]) -> Vec<(Ns, Event)> {
+        let mut events = Vec::new();
+        let mut off = 0;
+        for &(at, event) in gate {
+            let effect = match event {
+                Event::On => {
+                    // Reading 3: the settings at the gate's edge count for the mark.
+                    let fpk = self.at(at).fpk;
+                    off = fpk.map_or(0, |fpk| fpk.off);
+                    at + fpk.map_or(0, |fpk| fpk.time2)
+                }
+                Event::Off => at + off,
+                Event::Cut => at,
+            };
+            schedule(&mut events, effect, event);
+        }
+        changes(events)
+    }
+
+    /// Suppression pulses.
+    fn suppression(&self, gate: &[(Ns, Event)]) -> Vec<Span> {
+        let mut spans = Vec::new();
+        for (index, &(begin, event)) in gate.iter().enumerate() {
+            if event == Event::On
+                && let Some(fpk) = self.at(begin).fpk
+            {
+                let disabled = self.job.iter().filter(|(_, command)| *command == Command::Fpk(None)).map(|(at, _)| *at);
+                let over = gate[index + 1..].iter().filter(|(_, event)| *event != Event::Off).map(|&(at, _)| at);
+                let end = disabled.filter(|&at| at > begin).chain(over).min().unwrap_or(Ns::MAX);
+                spans.push(Span { begin, end: end.min(begin + fpk.time1) });
+            }
+        }
+        spans
+    }
+
+    fn switch(&self, gate: &[(Ns, Event)]) -> Vec<Edge<bool>> {
+        let pulses = self.suppression(gate);
+        let on = spans(gate, Ns::MAX);
+        let ends = pulses.iter().flat_map(|pulse| [pulse.begin, pulse.end]);
+        let instants = gate.iter().map(|&(at, _)| at).chain(ends).chain(self.job.iter().map(|(at, _)| *at));
+        levels(instants, |at| {
+            let settings = self.at(at);
+            if settings.fault {
+                false
+            } else if settings.mode == Mode::Open {
+                true
+            } else if settings.fpk.is_some() {
+                pulses.iter().any(|pulse| pulse.has(at))
+            } else {
+                on.iter().any(|(span, _)| span.has(at))
+            }
+        })
+    }
+
+    /// Pulses that begin in a span with the settings that hold there at the beginning of each period.
+    fn pulses(&self, span: Span, train: impl Fn(&Settings) -> Option<Train>) -> Vec<Span> {
+        let mut pulses = Vec::new();
+        let mut at = span.begin;
+        let mut pattern: Option<(Train, Ns, i128)> = None;
+        while at < span.end {
+            let Some(now) = train(self.at(at)) else {
+                pattern = None;
+                at = self.next_change(at).unwrap_or(span.end);
+                continue;
+            };
+            // Reading 20: another setting begins the pattern anew.
+            let (first, k) = match pattern {
+                Some((before, first, k)) if before == now => (first, k),
+                _ => (at, 0),
+            };
+            let width = floor(now.width * whole(k + 1)) - floor(now.width * whole(k));
+            if width > 0 {
+                pulses.push(Span { begin: at, end: at + width });
+            }
+            at = first + floor(now.period * whole(k + 1));
+            pattern = Some((now, first, k + 1));
+        }
+        pulses
+    }
+
+    fn energy(&self, light: &[(Span, Event)], cuts: &[Ns], horizon: Ns) -> Vec<Edge<bool>> {
+        let mut pulses = Vec::new();
+        let mut dark_from = 0;
+        for (index, &(span, end)) in light.iter().enumerate() {
+            self.standby(Span { begin: dark_from, end: span.begin }, &mut pulses);
+            let open = self.at(span.begin).mode == Mode::Open;
+            let next = light.get(index + 1).map_or(Ns::MAX, |(next, _)| next.begin);
+            dark_from = span.end;
+            for pulse in self.pulses(span, Settings::train) {
+                let finished = end == Event::Off && !open && pulse.end <= span.end + 100_000;
+                let mut last = if finished { pulse.end } else { pulse.end.min(span.end) };
+                last = last.min(next);
+                // What comes at once also cuts a pulse that is being finished.
+                if let Some(&cut) = cuts.iter().find(|&&cut| cut >= span.end) {
+                    last = last.min(cut);
+                }
+                dark_from = dark_from.max(last);
+                pulses.push(Span { begin: pulse.begin, end: last });
+            }
+        }
+        self.standby(Span { begin: dark_from, end: horizon }, &mut pulses);
+        let ends: Vec<Ns> = pulses.iter().flat_map(|pulse| [pulse.begin, pulse.end]).collect();
+        let mut index = 0;
+        // Pulses are in order, and none begins before the one before has ended.
+        levels(ends.into_iter(), |at| {
+            while pulses.get(index).is_some_and(|pulse| pulse.end <= at) {
+                index += 1;
+            }
+            pulses.get(index).is_some_and(|pulse| pulse.has(at))
+        })
+    }
+
+    /// Standby pulses of a dark time; what ends them cuts them.
+    fn standby(&self, dark: Span, pulses: &mut Vec<Span>) {
+        let mut at = dark.begin;
+        while at < dark.end {
+            // As long as standby may be output; a fault breaks it, also where it is cleared at once.
+            let mut end = self.next_change(at).unwrap_or(dark.end);
+            let allowed = self.at(at).standby_allowed();
+            let breaks = |end: Ns| self.job.iter().any(|(at, command)| *at == end && *command == Command::Fault);
+            while end < dark.end && self.at(end).standby_allowed() == allowed && !breaks(end) {
+                end = self.next_change(end).unwrap_or(dark.end);
+            }
+            end = end.min(dark.end);
+            if allowed {
+                let train = self.pulses(Span { begin: at, end }, Settings::standby_train);
+                pulses.extend(train.into_iter().map(|pulse| Span { end: pulse.end.min(end), ..pulse }));
+            }
+            at = end;
+        }
+    }
+
+    fn analog(&self, light: &[(Span, Event)]) -> Vec<Edge<Exact>> {
+        let ends = light.iter().flat_map(|(span, _)| [span.begin, span.end]);
+        let instants = ends.chain(self.job.iter().map(|(at, _)| *at));
+        let mut edges = vec![(Ns::MIN, whole(0))];
+        for at in sorted(instants) {
+            let settings = self.at(at);
+            let volts = if settings.mode != Mode::Analog || settings.fault {
+                whole(0)
+            } else if light.iter().any(|(span, _)| span.has(at)) {
+                settings.bounded()
+            } else {
+                settings.pre_voltage.unwrap_or(whole(0))
+            };
+            if edges[edges.len() - 1].1 != volts {
+                edges.push((at, volts));
+            }
+        }
+        edges.split_off(1)
+    }
+}
+
+fn sorted(instants: impl Iterator<Item = Ns>) -> Vec<Ns> {
+    let mut instants: Vec<Ns> = instants.filter(|&at| at < Ns::MAX).collect();
+    instants.sort_unstable();
+    instants.dedup();
+    instants
+}
+
+/// Edges of a level that changes at some of these instants.
+fn levels(instants: impl Iterator<Item = Ns>, mut level: impl FnMut(Ns) -> bool) -> Vec<Edge<bool>> {
+    let mut edges = Vec::new();
+    let mut last = false;
+    for at in sorted(instants) {
+        let now = level(at);
+        if now != last {
+            edges.push((at, now));
+            last = now;
+        }
+    }
+    edges
+}
+
+/// The times between on and what ends it.
+fn spans(events: &[(Ns, Event)], horizon: Ns) -> Vec<(Span, Event)> {
+    let mut spans = Vec::new();
+    let mut begin = None;
+    for &(at, event) in events {
+        match (event, begin) {
+            (Event::On, _) => begin = Some(at),
+            (end, Some(from)) => {
+                spans.push((Span { begin: from, end: at }, end));
+                begin = None;
+            }
+            (_, None) => {}
+        }
+    }
+    if let Some(begin) = begin.filter(|&begin| begin < horizon) {
+        spans.push((Span { begin, end: horizon }, Event::Cut));
+    }
+    spans
+}
+
+/// What a job does from power-on until `horizon`, which no event after it influences.
+pub fn outcome(family: Family, job: &Job, horizon: Ns) -> Outcome {
+    let story = Story::of(family, job);
+    let (gate, commanded) = story.gate();
+    let energy_gate = story.energy_gate(&gate);
+    let light = spans(&energy_gate, horizon);
+    let cuts: Vec<Ns> = energy_gate.iter().filter(|(_, event)| *event == Event::Cut).map(|&(at, _)| at).collect();
+    let switch = story.switch(&gate);
+    let mut energy = story.energy(&light, &cuts, horizon);
+    energy.retain(|&(at, _)| at < horizon);
+    let on = spans(&gate, Ns::MAX);
+    Outcome {
+        gate: levels(gate.iter().map(|&(at, _)| at), |at| on.iter().any(|(span, _)| span.has(at))),
+        switch,
+        energy,
+        analog: story.analog(&light),
+        light: light.into_iter().map(|(span, _)| span).filter(|span| span.begin < span.end).collect(),
+        zeroed: job.iter().filter(|(_, command)| *command == Command::ZeroOnTime).map(|(at, _)| *at).collect(),
+        commanded,
+    }
+}
+
+/// The level that a list of edges gives at an instant.
+pub fn level_at<T: Clone>(edges: &[Edge<T>], at: Ns, before: T) -> T {
+    let after = edges.partition_point(|&(edge, _)| edge <= at);
+    if after == 0 { before } else { edges[after - 1].1.clone() }
+}
+
+impl Outcome {
+    /// Light of any kind up to this instant since the counter was zeroed, ns.
+    pub fn on_time(&self, at: Ns) -> Ns {
+        let zeroed = self.zeroed.iter().copied().filter(|&zeroed| zeroed <= at).max().unwrap_or(0);
+        self.light.iter().map(|span| (span.end.min(at) - span.begin.max(zeroed)).max(0)).sum()
+    }
+
+    /// The state that the last command asked for.
+    pub fn commanded_at(&self, at: Ns) -> bool {
+        level_at(&self.commanded, at, false)
+    }
+}

@@ -1,0 +1,47 @@
+//! The rules of SPEC 6 by hand, held against the model and against the tick.
+#[path = "laser/cases.rs"]
+mod cases;
+
+use cases::{Case, HORIZON, cases};
+use host_tests::laser_model::{Edge, Exact, Ns, outcome};
+
+/// Active times in µs of a list of edges.
+fn active(edges: &[Edge<bool>]) -> Vec<(i64, i64)> {
+    let ends = edges.chunks(2).map(|pair| {
+        assert!(pair[0].1, "a falling edge first");
+        (us(pair[0].0), pair.get(1).map_or(HORIZON, |&(at, _)| us(at)))
+    });
+    ends.collect()
+}
+
+fn us(at: Ns) -> i64 {
+    assert_eq!(at % 1000, 0, "{at} ns");
+    at / 1000
+}
+
+/// Active times that touch are one.
+fn merged(times: &[(i64, i64)]) -> Vec<(i64, i64)> {
+    let mut merged: Vec<(i64, i64)> = Vec::new();
+    for &(begin, end) in times {
+        match merged.last_mut() {
+            Some(last) if last.1 >= begin => last.1 = end,
+            _ => merged.push((begin, end)),
+        }
+    }
+    merged
+}
+
+#[test]
+fn the_model_holds_every_rule() {
+    for Case { name, family, job, switch, energy, analog, light } in cases() {
+        let result = outcome(family, &job, HORIZON * 1000);
+        assert_eq!(active(&result.switch), switch, "{name}: switch");
+        assert_eq!(active(&result.energy), merged(&energy), "{name}: energy");
+        let volts: Vec<_> = analog.iter().map(|&(at, mv)| (at * 1000, Exact::new(mv.into(), 1000))).collect();
+        assert_eq!(result.analog, volts, "{name}: analog");
+        let spans: Vec<_> = result.light.iter().map(|span| (us(span.begin), us(span.end))).collect();
+        assert_eq!(spans, light, "{name}: light");
+        let sum: i64 = light.iter().map(|(begin, end)| end - begin).sum();
+        assert_eq!(result.on_time(HORIZON * 1000), sum * 1000, "{name}: on-time");
+    }
+}
