@@ -182,6 +182,27 @@ wire_structs! {
     CaptureReply { status: I16, value: I32, clock_ms: U32 }
     /// Raw bytes.
     Byte { value: u8 }
+    /// One 32-bit value without a sign.
+    ULong { value: U32 }
+    /// What a laser command took. Bit k of `held`: field k was outside its range and was taken as the
+    /// nearest bound (LSR); bit 7: the pulse width reaches the period and is limited to just under it.
+    LaserValue { value: F64, held: u8 }
+    /// Bounds of the laser's power that were taken, in the mode's unit; `held` as in LaserValue.
+    LaserBounds { max: F64, min: F64, held: u8 }
+    /// Standby pulses that were taken, kHz and %; `held` as in LaserValue.
+    LaserPulse { frequency: F64, duty: F64, held: u8 }
+    /// Gate delays that were taken; `held` as in LaserValue.
+    LaserDelays { off_delay_us: U32, on_delay_us: U32, held: u8 }
+    /// FPK times that were taken; `held` as in LaserValue.
+    LaserFpk { time1_us: U32, time2_us: U32, laser_off_delay_us: U32, held: u8 }
+    /// One laser channel in one tick: power mode (0 duty, 1 frequency, 2 analog, 3 duty with the switch held),
+    /// on command, switch output, light; `held` 1: the pulse width is limited to just under the period;
+    /// cause of the latched fault (GetLaserFault); power in the mode's unit and carrier or pulse rate in kHz as they
+    /// are put out now; light in 250 µs units.
+    LaserState {
+        mode: I16, commanded: u8, gate: u8, light: u8, held: u8, fault: I16, power: F64, frequency: F64,
+        on_time: U32,
+    }
     /// One axis of an `AxisStatus` reply: what a display needs, of one tick.
     AxisItem {
         status: U32, mode: I16, reason: U16, prf_pos: F64, prf_vel: F64, enc_pos: F64,
@@ -323,6 +344,32 @@ commands! {
     0x0512 FollowDiBitEx { core: I16, profile: I16, di_type: I16, index: I16, value: I16, time_ms: U32, fifo: I16 } [Nothing] -> FollowTaken [Nothing];
     0x0513 FollowDataPercent2Ex { core: I16, profile: I16, master_segment: F64, slave_segment: F64, vel_begin_ratio: F64, vel_end_ratio: F64, percent: I16, fifo: I16 } [Nothing] -> FollowPercent1 [Nothing];
     0x0514 GetFollowDataPercent2Ex { core: I16, master_pos: F64, vel_begin_ratio: F64, vel_end_ratio: F64, percent: F64, percent1: F64 } [Nothing] -> Real [Nothing];
+    // -- laser (GUS chapter 2, LSR chapter 2) ----------------------------------------------------
+    0x0600 LaserOn { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x0601 LaserOff { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x0602 LaserPowerMode { core: I16, mode: I16, max: F64, min: F64, channel: I16, delay_mode: I16 } [Nothing] -> LaserBounds [Nothing];
+    0x0603 LaserPrfCmd { core: I16, power: F64, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0604 LaserOutFrq { core: I16, frequency: F64, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0605 SetPulseWidth { core: I16, width_us: U32, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0606 SetWaitPulse { core: I16, mode: U16, frequency: F64, duty: F64, channel: I16 } [Nothing] -> LaserPulse [Nothing];
+    0x0607 SetWaitPulseEx { core: I16, mode: U16, frequency: F64, duty: F64 } [Nothing] -> LaserPulse [Nothing];
+    0x0608 SetPreVltg { core: I16, mode: U16, voltage: F64, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0609 SetLevelDelay { core: I16, off_delay_us: U32, on_delay_us: U32, channel: I16 } [Nothing] -> LaserDelays [Nothing];
+    0x060A EnaFPK { core: I16, time1_us: U32, time2_us: U32, laser_off_delay_us: U32, channel: I16 } [Nothing] -> LaserFpk [Nothing];
+    0x060B DisFPK { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x060C SetLaserMode { core: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
+    0x060D ZeroLaserOnTime { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x060E GetLaserOnTime { core: I16, channel: I16 } [Nothing] -> ULong [Nothing];
+    0x060F SetLaserCrdMap { core: I16, channel: I16, map: I16 } [Nothing] -> Nothing [Nothing];
+    0x0610 GetLaserCrdMap { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
+    0x0611 SetAxisMode { core: I16, axis: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
+    0x0612 GetLaserPower { core: I16, channel: I16 } [Nothing] -> Real [Nothing];
+    0x0613 ClrLaserFault { core: I16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x0614 GetLaserFault { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
+    0x0615 LaserOnStatus { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
+    0x0616 SetHSIOOpt { core: I16, value: U16, channel: I16 } [Nothing] -> Nothing [Nothing];
+    0x0617 GetHSIOOpt { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
+    0x061B LaserStatus { core: I16, channel: I16 } [Nothing] -> LaserState [Nothing];
 }
 
 /// The row of the table with this number.

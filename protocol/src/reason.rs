@@ -100,6 +100,13 @@ reasons! {
     88 NegativeProgress Range "{field} is {got}; an axis that follows in direction +1 takes positive master positions only";
     89 RatioTooLarge Range "{field}: this segment's velocity ratio is {got}; the limit is {high}";
     90 QueueEntries State "axis {axis}: {high} entries other than segments are in its FIFOs, which is the most";
+    100 AboveLow Range "{field} is {got}; it must be above {low} and at most {high}";
+    101 BelowMinimum Range "{field} is {got}; it must not be below the minimum, {low}";
+    102 LaserFault State "laser channel {got} is kept dark by a latched fault (cause {high}); once its cause is gone call ClrLaserFault";
+    103 LaserCause State "laser channel {got}: the cause of the fault (cause {high}) is still there";
+    104 LaserConnector State "laser channel {got}: axis connector {high} carries step pulses; call SetAxisMode({high}, 1) first";
+    105 AnalogInUse State "analog output {got} belongs to laser channel {low}, which is in analog mode";
+    106 NotInFamily Unknown "the laser connectors of this family are fixed: it has no such call";
 }
 
 /// The payload of a refusing reply.

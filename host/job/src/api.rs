@@ -76,6 +76,7 @@ const PROFILE: Param = short("profile");
 const AXIS: Param = short("axis");
 const MASK: Param = long("mask");
 const FIFO: Param = short("fifo").or(0);
+const CHANNEL: Param = short("channel").or(0);
 const COUNT: Param = short("count").or(1);
 const CLOCK: Param = out("clock").or(0);
 
@@ -190,6 +191,43 @@ pub const FUNCTIONS: &[Function] = &[
     shaped(Shape::Items, "SetDac", c::SetDac::OPCODE, &[short("dac"), param("value", Pass::Many(Type::Short)), COUNT]),
     read("GetDac", c::GetDac::OPCODE, &[short("dac"), out("value"), COUNT]),
     read("GetAdc", c::GetAdc::OPCODE, &[short("adc"), out("value"), COUNT, CLOCK]),
+    // -- laser (GUS chapter 2, LSR chapter 2) ------------------------------------------------------
+    call("SetAxisMode", c::SetAxisMode::OPCODE, &[AXIS, short("mode")]),
+    call("LaserOn", c::LaserOn::OPCODE, &[CHANNEL]),
+    call("LaserOff", c::LaserOff::OPCODE, &[CHANNEL]),
+    read("LaserOnStatus", c::LaserOnStatus::OPCODE, &[out("value"), CHANNEL]),
+    call("SetHSIOOpt", c::SetHSIOOpt::OPCODE, &[ushort("value"), CHANNEL]),
+    read("GetHSIOOpt", c::GetHSIOOpt::OPCODE, &[out("value"), CHANNEL]),
+    call(
+        "LaserPowerMode",
+        c::LaserPowerMode::OPCODE,
+        &[short("laserPowerMode"), double("maxValue"), double("minValue"), CHANNEL, short("delaymode").or(0)],
+    ),
+    call("LaserPrfCmd", c::LaserPrfCmd::OPCODE, &[double("outputCmd"), CHANNEL]),
+    call("LaserOutFrq", c::LaserOutFrq::OPCODE, &[double("outFrq"), CHANNEL]),
+    call("SetPulseWidth", c::SetPulseWidth::OPCODE, &[ulong("width"), CHANNEL]),
+    call(
+        "SetWaitPulse",
+        c::SetWaitPulse::OPCODE,
+        &[ushort("mode"), double("waitPulseFrq"), double("waitPulseDuty"), CHANNEL],
+    ),
+    call(
+        "SetWaitPulseEx",
+        c::SetWaitPulseEx::OPCODE,
+        &[ushort("mode"), double("waitPulseFrq"), double("waitPulseDuty")],
+    ),
+    call("SetPreVltg", c::SetPreVltg::OPCODE, &[ushort("mode"), double("voltageValue"), CHANNEL]),
+    call("SetLevelDelay", c::SetLevelDelay::OPCODE, &[ulong("offDelay"), ulong("onDelay"), CHANNEL]),
+    call("EnaFPK", c::EnaFPK::OPCODE, &[ulong("time1"), ulong("time2"), ulong("laserOffDelay"), CHANNEL]),
+    call("DisFPK", c::DisFPK::OPCODE, &[CHANNEL]),
+    call("SetLaserMode", c::SetLaserMode::OPCODE, &[short("mode")]),
+    call("ZeroLaserOnTime", c::ZeroLaserOnTime::OPCODE, &[short("channel")]),
+    read("GetLaserOnTime", c::GetLaserOnTime::OPCODE, &[short("channel"), out("time")]),
+    call("SetLaserCrdMap", c::SetLaserCrdMap::OPCODE, &[short("channel"), short("map")]),
+    read("GetLaserCrdMap", c::GetLaserCrdMap::OPCODE, &[short("channel"), out("map")]),
+    read("GetLaserPower", c::GetLaserPower::OPCODE, &[short("channel"), out("power")]),
+    read("GetLaserFault", c::GetLaserFault::OPCODE, &[short("channel"), out("cause")]),
+    call("ClrLaserFault", c::ClrLaserFault::OPCODE, &[short("channel")]),
     // -- PT (GXN chapter 2) ------------------------------------------------------------------------
     call("PrfPt", c::PrfPt::OPCODE, &[PROFILE, short("mode").or(0)]),
     read("PtSpace", c::PtSpace::OPCODE, &[PROFILE, out("space"), FIFO]),

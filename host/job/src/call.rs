@@ -112,7 +112,7 @@ impl Reader<'_> {
             Some((number, _)) => Err(Fault::new(
                 name.span.clone(),
                 format!("{} is not in this version of the firmware (command number {number:#06x})", name.text),
-                "this version has the session, axis, input/output, Trap, Jog, PT, PVT and Follow commands; see docs/jobs.md",
+                "this version has the session, axis, input/output, Trap, Jog, PT, PVT, Follow and immediate laser commands; see docs/jobs.md",
             )),
             None => Err(unknown(name)),
         }
@@ -139,6 +139,7 @@ impl Reader<'_> {
             _ => 0,
         };
         self.axes.extend((first..first.saturating_add(used)).filter(|axis| *axis > 0).map(|axis| Axis { core, axis }));
+        self.lasers |= lasers(function, bound);
         match function.name {
             "Reset" => {
                 self.reset.insert(core);
@@ -203,6 +204,17 @@ impl Reader<'_> {
                 *place = value;
             }
         }
+    }
+}
+
+/// Laser channels that a call sets something of. What no controller has is for the controller to refuse.
+fn lasers(function: &Function, bound: &Bound) -> u8 {
+    let channel = bound.values.iter().find(|(name, _)| *name == "channel").map(|(_, value)| value);
+    match (function.name, channel) {
+        _ if function.reads => 0,
+        ("SetWaitPulseEx", _) => 0b11,
+        (_, Some(Value::Int(channel @ 0..=1))) => 1 << channel,
+        _ => 0,
     }
 }
 

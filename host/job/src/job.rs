@@ -11,6 +11,8 @@ pub struct Job {
     pub warnings: Vec<Diagnostic>,
     /// Axes that the job uses in the sense of SPEC section 8 (mode set or position set), ascending.
     pub axes: Vec<Axis>,
+    /// Laser channels that the job uses (a call sets something of them), bit k is channel k.
+    pub lasers: u8,
     /// Every core and axis that a call or a configuration file names, ascending; axis 0 stands for the
     /// core alone. What no controller has is among them.
     pub named: Vec<Axis>,

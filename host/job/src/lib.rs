@@ -73,6 +73,7 @@ pub fn compile(text: &str, files: &dyn Files) -> Result<Job, Vec<Diagnostic>> {
         steps: reader.steps,
         warnings: reader.warnings,
         axes: reader.axes.into_iter().collect(),
+        lasers: reader.lasers,
         named: reader.named.into_iter().collect(),
     })
 }

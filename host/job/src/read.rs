@@ -51,6 +51,8 @@ pub(crate) struct Reader<'a> {
     pub(crate) polling: bool,
     pub(crate) keep_going: bool,
     pub(crate) axes: BTreeSet<Axis>,
+    /// Laser channels that calls set something of.
+    pub(crate) lasers: u8,
     /// Cores (as axis 0) and axes that any call names.
     pub(crate) named: BTreeSet<Axis>,
     pub(crate) motions: Motions,
@@ -80,6 +82,7 @@ impl<'a> Reader<'a> {
             polling: false,
             keep_going: false,
             axes: BTreeSet::new(),
+            lasers: 0,
             named: BTreeSet::new(),
             motions: Motions::default(),
             parameters: BTreeMap::new(),
