@@ -190,6 +190,7 @@ fn every_function_packs_as_long_as_its_request() {
         "GetPtState",
         "Version",
         "GetFault",
+        "LaserStatus",
     ];
     for info in c::COMMANDS {
         let reached = job::api::FUNCTIONS.iter().any(|function| function.opcode == info.opcode);
