@@ -228,5 +228,7 @@ pub fn mode_number(mode: servo::op::Mode) -> i16 {
         Mode::Jog => 1,
         Mode::PtStatic | Mode::PtDynamic => 2,
         Mode::Pvt => 6,
+        Mode::Follow => 4,
+        Mode::FollowEx => 10,
     }
 }

@@ -3,6 +3,7 @@
 //! In: inputs sampled at the tick in force, operations, the instant of the next tick. Out: the planned
 //! position there, the status word, events. Owns: everything of the axis but its PT segments.
 //! Fails: never; a motion that must not go on stops, with a reason.
+use crate::follow;
 use crate::inputs::{Inputs, reading};
 use crate::op::Mode;
 use crate::piece::{Motion, Scaled};
@@ -91,6 +92,8 @@ pub(crate) struct AxisState {
     /// PVT table of the next start, and its passes.
     table: u8,
     table_passes: u32,
+    /// Follow.
+    pub(crate) follow: follow::Setup,
 }
 
 /// [`AxisView::table_until`] while a table is in force.
@@ -137,6 +140,7 @@ impl AxisState {
         passes: 1,
         table: 0,
         table_passes: 1,
+        follow: follow::Setup::POWER_ON,
     };
 
     pub(crate) fn runs(&self) -> bool {
@@ -301,7 +305,7 @@ impl AxisState {
         let way = match self.shown.mode {
             Mode::Jog => self.trap.speed.0.m.signum(),
             Mode::Trap => Pos::pulses(self.trap.target).0.saturating_sub(self.shown.pos.0).signum(),
-            Mode::PtStatic | Mode::PtDynamic | Mode::Pvt => return true,
+            _ => return true,
         };
         let inputs = &self.inputs;
         let at_soft = if way > 0 {
@@ -680,6 +684,7 @@ impl AxisState {
     }
 
     fn clear_data(&mut self) {
+        self.follow.clear_all();
         self.ends = [0; 2];
         self.shown.released = 0;
     }
@@ -706,6 +711,36 @@ impl AxisState {
         }
     }
 
+    /// Which of the master's motion counts, at rest; another one clears the data.
+    pub(crate) fn set_direction(&mut self, direction: follow::Direction) {
+        if !self.runs() && self.follow.direction != direction {
+            self.follow.direction = direction;
+            self.follow.clear_all();
+        }
+    }
+
+    /// What was committed to a FIFO of Follow counts from now on, if no switch has emptied it meanwhile.
+    pub(crate) fn commit_entries(
+        &mut self,
+        fifo: u8,
+        end: u32,
+        cleared: u32,
+        tail: follow::Tail,
+        source: &impl follow::Entries,
+    ) {
+        let [first, second] = self.shown.cleared;
+        if cleared == if fifo == 0 { first } else { second } {
+            self.follow.commit(fifo, end, tail, source);
+        }
+    }
+
+    /// Empties a FIFO of Follow that is not running.
+    pub(crate) fn clear_entries(&mut self, fifo: u8) {
+        if !self.runs() || self.shown.fifo != fifo {
+            self.follow.clear(fifo);
+        }
+    }
+
     pub(crate) fn set_passes(&mut self, passes: u32) {
         self.passes = passes;
     }
@@ -729,6 +764,7 @@ impl AxisState {
                 moves: self.shown.moves,
                 pieces: self.shown.pieces,
                 epoch: self.shown.epoch,
+                cleared: self.shown.cleared,
                 stop: self.shown.stop,
                 ..AxisView::POWER_ON
             },

@@ -121,6 +121,17 @@ impl<const AXES: usize> Tick<AXES> {
             Op::PtClear { axis, fifo } => self.one(axis, |state| state.clear_fifo(fifo)),
             Op::PvtSelect { axis, table } => self.one(axis, |state| state.select(table)),
             Op::PvtLoop { axis, passes } => self.one(axis, |state| state.set_table_passes(passes)),
+            Op::FollowDirection { axis, direction } => self.one(axis, |state| state.set_direction(direction)),
+            Op::FollowMaster { axis, master } => self.one(axis, |state| state.follow.master = Some(master)),
+            Op::FollowEvent { axis, event } => self.one(axis, |state| state.follow.event = event),
+            Op::FollowLoop { axis, passes } => self.one(axis, |state| state.follow.passes = passes),
+            Op::FollowCommit { axis, fifo, end, cleared, tail } => {
+                if let Some(store) = lanes.segments.get(axis.index()) {
+                    self.one(axis, |state| state.commit_entries(fifo, end, cleared, tail, store));
+                }
+            }
+            Op::FollowClear { axis, fifo } => self.one(axis, |state| state.clear_entries(fifo)),
+            Op::FollowStart { .. } | Op::FollowSwitch { .. } | Op::FollowSwitchNow { .. } => {}
             Op::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
         }
     }

@@ -7,6 +7,7 @@
 //! Nothing here divides by a variable, uses floating point, waits, logs or panics.
 mod axis;
 mod execute;
+pub mod follow;
 mod inputs;
 pub mod op;
 pub mod piece;

@@ -4,6 +4,7 @@
 //! changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`]. Two lanes lead in:
 //! the immediate lane acts on the next tick; the program lane is timed (SPEC 7): an entry's instant
 //! is that of the entry before plus `delay`, and it acts on the first tick after that instant.
+use crate::follow;
 use crate::units::{Axis, AxisMask, Ns, Pos};
 
 /// An operation with the number under which its execution is reported and its place on the
@@ -66,6 +67,10 @@ pub enum Mode {
     PtDynamic = 3,
     /// Position, velocity and time, from a table.
     Pvt = 4,
+    /// A master's displacement in the place of time.
+    Follow = 5,
+    /// The same with shaped ratios and entries that are no segments.
+    FollowEx = 6,
 }
 
 /// Everything the tick can be asked to do. Its size counts: entries are copied through the ring.
@@ -144,6 +149,26 @@ pub enum Op {
     PvtLoop { axis: Axis, passes: u32 },
     /// PVT of these axes begins with their selected tables.
     PvtStart { axes: AxisMask },
+    /// Which of the master's motion counts, of an axis at rest. A change clears its FIFOs.
+    FollowDirection { axis: Axis, direction: follow::Direction },
+    /// The master that the axis follows from the next start on; no cycle, also through others.
+    FollowMaster { axis: Axis, master: follow::Master },
+    /// What begins the motion after the next start.
+    FollowEvent { axis: Axis, event: follow::Event },
+    /// Follow passes; 0 is for ever.
+    FollowLoop { axis: Axis, passes: u32 },
+    /// The FIFO now ends at this count of entries; `tail` is that of the chain behind the last one. It
+    /// counts only if `cleared` is what the axis shows for this FIFO: what was meant for a FIFO that a switch
+    /// has emptied meanwhile is void.
+    FollowCommit { axis: Axis, fifo: u8, end: u32, cleared: u32, tail: follow::Tail },
+    /// Empties a FIFO that is not running.
+    FollowClear { axis: Axis, fifo: u8 },
+    /// Follow or FollowEx of these axes begins; bits of `fifo1` take FIFO 1.
+    FollowStart { axes: AxisMask, fifo1: AxisMask },
+    /// The other FIFO takes over when the present pass ends.
+    FollowSwitch { axes: AxisMask },
+    /// The next segment, or the other FIFO, takes over at once.
+    FollowSwitchNow { axis: Axis, method: follow::Method },
     /// Period of the tick (10 µs to 1 ms) from the next tick on, at rest.
     TickPeriod { ns: u32 },
     /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed and

@@ -52,6 +52,13 @@ pub struct AxisView {
     pub table_zero: Ns,
     /// PVT: until when it was in force; `u64::MAX` while it is.
     pub table_until: Ns,
+    /// Follow: the FIFO that runs, or ran last.
+    pub fifo: u8,
+    /// Follow: the other FIFO takes over at the end of the pass.
+    pub switching: bool,
+    /// Follow: times a switch has emptied each FIFO. `passes` are those of the FIFO that runs; they go down
+    /// when the master goes back (direction 0).
+    pub cleared: [u32; 2],
     /// Captured encoder position, if `captured`.
     pub captured: Option<i64>,
 }
@@ -79,6 +86,9 @@ impl AxisView {
         pending: None,
         table_zero: Ns(0),
         table_until: Ns(0),
+        fifo: 0,
+        switching: false,
+        cleared: [0; 2],
         captured: None,
     };
 
@@ -107,6 +117,8 @@ impl AxisView {
         let AxisView { changes, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
         (self.table, self.pending) = (now.table, now.pending);
         (self.table_zero, self.table_until) = (now.table_zero, now.table_until);
+        let [first, second] = now.cleared;
+        (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, [first, second]);
         (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
         self.pieces = now.pieces.wrapping_sub(1);
@@ -148,6 +160,10 @@ pub enum StopReason {
     LinkLoss = 13,
     /// Reset.
     Reset = 14,
+    /// FollowEx: an input did not come in time.
+    WaitTimeout = 15,
+    /// Follow: the step limit, 2³² pulse/ms, would have been exceeded.
+    StepLimit = 16,
 }
 
 /// Everything of one tick, for the thread. `AXES` is the capacity of the build.

@@ -29,6 +29,17 @@ impl SegmentStore {
     pub fn write(&self, slot: u32, segment: Segment) {
         self.0.write(slot, segment.words());
     }
+
+    /// Fills a slot with words of another mode.
+    pub(crate) fn write_words(&self, slot: u32, words: [u32; 3]) {
+        self.0.write(slot, words);
+    }
+
+    /// The words of a slot.
+    #[inline(always)]
+    pub(crate) fn words(&self, slot: u32) -> [u32; 3] {
+        self.0.read(slot)
+    }
 }
 
 impl Default for SegmentStore {

@@ -1,0 +1,74 @@
+//! Follow and FollowEx: the master's displacement in the place of time (SPEC 5; GXN chapter 3).
+//!
+//! In: data admitted by integer checks into [`Entry`]s (`entry.rs`), which lie in the axis's PT arena
+//! (`store.rs`); where the master is, and was inside the tick. Out: the slave's planned position.
+//! Fails: a datum that no axis could run is [`Refused`] before it reaches the store.
+mod compact;
+mod entry;
+mod ratio;
+mod setup;
+mod store;
+
+pub use entry::{Chain, ENTRIES, Entry, Input, Refused, STOPS, Tail};
+pub(crate) use setup::Setup;
+pub use store::Entries;
+
+use crate::units::Axis;
+
+/// What is followed, of any axis of the controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Master {
+    /// The axis, counted over all cores.
+    pub axis: Axis,
+    /// Which of its positions.
+    pub value: Value,
+}
+
+/// The position of an axis that is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Value {
+    /// The planned position.
+    Planned,
+    /// The encoder, linear between its samples.
+    Encoder,
+    /// The planned position, filtered.
+    PlannedFiltered,
+    /// The encoder, filtered.
+    EncoderFiltered,
+}
+
+/// What begins the motion after FollowStart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Event {
+    /// FollowStart itself (power-on).
+    #[default]
+    Start,
+    /// The master's crossing of a position.
+    Pass {
+        /// From below to at or above; else from above to at or below.
+        up: bool,
+        /// The position, pulses.
+        pos: i32,
+    },
+}
+
+/// Which of the master's motion counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Direction {
+    /// All of it: the slave is a function of the progress, both ways (power-on).
+    #[default]
+    Both,
+    /// The furthest point reached upwards.
+    Up,
+    /// The furthest point reached downwards.
+    Down,
+}
+
+/// What SwitchNow goes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The next segment; in the last one it ends the pass.
+    Segment,
+    /// The other FIFO.
+    Table,
+}

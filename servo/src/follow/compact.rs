@@ -1,0 +1,57 @@
+//! A double in 58 bits and a sign: what the user gave, as far as 2⁻⁶⁴ pulse.
+//!
+//! In: the bits of a double below 2⁴¹. Out: two words, and the number in 2⁻⁶⁴ pulse. Numbers below 2⁻¹¹ become
+//! multiples of 2⁻⁶⁴, the others lose nothing. Fails: [`Class`] says what it is not.
+
+/// Fraction (52 bits) and field of the exponent (6 bits) of a magnitude.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Compact {
+    pub(super) low: u32,
+    /// Bits 0–19 fraction, 20–25 exponent.
+    pub(super) high: u32,
+}
+
+/// Bits of the second word.
+pub(super) const HIGH_BITS: u32 = 26;
+
+/// What a double is, if not a number that fits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Class {
+    NotFinite,
+    TooLarge,
+}
+
+impl Compact {
+    /// The magnitude of a double up to 2^`most`, `most` ≤ 41.
+    pub(super) fn pack(bits: u64, most: u32) -> Result<Compact, Class> {
+        let exponent = (bits >> 52 & 0x7ff) as u32;
+        let fraction = bits & ((1 << 52) - 1);
+        if exponent == 0x7ff {
+            return Err(Class::NotFinite);
+        }
+        if exponent > 1023 + most || exponent == 1023 + most && fraction != 0 {
+            return Err(Class::TooLarge);
+        }
+        // Field 1 is 2^-12..2^-11, whose last bit is 2^-64; below, multiples of 2^-64, field 0.
+        let packed = if exponent >= 1011 {
+            (exponent as u64 - 1010) << 52 | fraction
+        } else if exponent >= 958 {
+            let twice = (1 << 52 | fraction) >> (1010 - exponent);
+            (twice >> 1) + (twice & 1)
+        } else {
+            0
+        };
+        Ok(Compact { low: packed as u32, high: (packed >> 32) as u32 & 0x03ff_ffff })
+    }
+
+    /// The magnitude in 2⁻⁶⁴.
+    #[inline(always)]
+    pub(super) fn magnitude(self) -> i128 {
+        let field = self.high >> 20 & 0x3f;
+        let normal = field.min(1);
+        let mantissa = ((self.high & 0xf_ffff | normal << 20) as u64) << 32 | self.low as u64;
+        let shift = field - normal; // 0..=62
+        let high = mantissa >> 1 >> (63 - shift);
+        ((high as u128) << 64 | (mantissa << shift) as u128) as i128
+    }
+}
