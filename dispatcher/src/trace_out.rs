@@ -8,7 +8,7 @@ use crate::case::{Site, ones};
 use protocol::trace::{self, AxisId, Encoder, Head};
 use ring::Consumer;
 use servo::units::AxisMask;
-use servo::view::{Sample, View};
+use servo::view::{Sample, Traced, View};
 
 /// Where a trace is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,20 +136,18 @@ impl<const AXES: usize> TraceOut<AXES> {
             // A part of the row was lost, and so the row is.
             self.gathered = 0;
         }
+        // Nothing asks for laser channels yet.
+        let Traced::Axis { axis, pos, motion } = sample.of else { return true };
         // Within a row, samples come in the order of the axes; what is missing in front spoils the row.
-        let place = (self.axes.0 & ones(sample.axis.index())).count_ones() as usize;
+        let place = (self.axes.0 & ones(axis.index())).count_ones() as usize;
         if place != self.gathered {
             self.gathered = 0;
             self.row = sample.row;
             return true;
         }
-        let velocity = sample.motion.velocity();
+        let velocity = motion.velocity();
         if let Some(to) = self.samples.get_mut(place) {
-            *to = trace::Sample {
-                pos: sample.pos.0.into(),
-                vel_mantissa: velocity.m.into(),
-                vel_exponent: velocity.e.into(),
-            };
+            *to = trace::Sample { pos: pos.0.into(), vel_mantissa: velocity.m.into(), vel_exponent: velocity.e.into() };
         }
         self.row = sample.row;
         if place + 1 < self.count() {

@@ -74,6 +74,7 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
             period_ns: board::TICK_NS,
             axes: AXES as u8,
             analog_inputs: board::ANALOG_INPUTS,
+            laser_clock: board::LASER_CLOCK,
         }),
         lanes: Lanes {
             immediate,

@@ -7,6 +7,7 @@ use crate::axis::{AxisState, Jog};
 use crate::op::{DoGroup, Entry, Lane, Op};
 use crate::port::Port;
 use crate::tick::{Lanes, PERIOD_NS, Source, Tick, tell};
+use crate::trace::Chosen;
 use crate::units::{Axis, AxisMask, Ns};
 use crate::view::{Event, StopReason};
 
@@ -87,9 +88,11 @@ impl<const AXES: usize> Tick<AXES> {
                     *period = Ns(ns as u64);
                 }
             }
-            Op::Trace { every, axes } => {
-                if let Some((row, axes)) = self.trace.begin(every, axes) {
-                    self.emit(row, axes, &mut lanes.samples);
+            Op::Laser { channel, change } => self.lasers.change(channel, next, change),
+            Op::Link { lost } => self.lasers.link(lost, self.script.runs),
+            Op::Trace { every, axes, lasers } => {
+                if let Some((row, chosen)) = self.trace.begin(every, Chosen { axes, lasers }) {
+                    self.emit(row, chosen, &mut lanes.samples);
                 }
             }
             Op::ClearStatus { axes } => self.all(axes, AxisState::clear_status),

@@ -9,6 +9,7 @@ mod axis;
 mod execute;
 pub mod follow;
 mod inputs;
+pub mod laser;
 pub mod op;
 pub mod piece;
 pub mod port;

@@ -1,4 +1,5 @@
 //! What the tick needs from a machine. `hal` and `host/virtual` implement it.
+use crate::laser::Plan;
 use crate::units::{Axis, Pos};
 
 /// Levels of the digital inputs of one axis, sampled once a tick; true is the high level.
@@ -45,4 +46,9 @@ pub trait Port {
     fn outputs(&mut self, enable: u64, clear: u64, general: u32);
     /// Analog output, −32768…32767 is −10…10 V.
     fn analog_out(&mut self, channel: usize, value: i16);
+    /// Whether the interlock (or emergency-stop) input wants every laser output at rest now. The hardware
+    /// rests PWM and switch by itself; the tick latches it and rests what the hardware cannot.
+    fn interlock(&mut self) -> bool;
+    /// What a laser channel does in the interval that begins with the next tick and ends with the one after.
+    fn laser(&mut self, channel: usize, plan: &Plan);
 }

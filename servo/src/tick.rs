@@ -8,15 +8,16 @@
 //! Order within a tick: inputs are sampled, then entries act, then every axis takes its step under its
 //! guards. So a limit seen now stops the set-point of the next tick.
 use crate::axis::AxisState;
+use crate::laser::{Cause, Clock, Lasers};
 use crate::op::{Entry, Lane, Op};
 use crate::port::Port;
 pub use crate::pt::{SEGMENTS, SegmentStore};
 use crate::pt::{Segment, Segments};
 use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
 use crate::script::Script;
-use crate::trace::Trace;
+use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, Ns};
-use crate::view::{Event, Sample, View};
+use crate::view::{Event, Sample, Traced, View};
 use ring::{Consumer, Producer, Writer};
 
 /// Entries of the immediate lane's ring.
@@ -44,6 +45,8 @@ pub struct TickConfig {
     pub axes: u8,
     /// Analog inputs to sample, at most 8.
     pub analog_inputs: u8,
+    /// The clock of the timers that carry out laser plans.
+    pub laser_clock: Clock,
 }
 
 /// The tick's halves of the hand-overs.
@@ -101,7 +104,7 @@ pub struct Tick<const AXES: usize> {
     analog_inputs: usize,
     done_immediate: u32,
     done_program: u32,
-    script: Script,
+    pub(crate) script: Script,
     pub(crate) trace: Trace,
     pub(crate) events_lost: u32,
     overruns: u32,
@@ -109,6 +112,7 @@ pub struct Tick<const AXES: usize> {
     pub(crate) general: u32,
     pub(crate) clear: u64,
     pub(crate) axes: [AxisState; AXES],
+    pub(crate) lasers: Lasers,
 }
 
 impl<const AXES: usize> Tick<AXES> {
@@ -132,6 +136,7 @@ impl<const AXES: usize> Tick<AXES> {
             general: 0,
             clear: 0,
             axes: [AxisState::POWER_ON; AXES],
+            lasers: Lasers::new(config.laser_clock),
         }
     }
 
@@ -145,9 +150,15 @@ impl<const AXES: usize> Tick<AXES> {
         self.period
     }
 
-    /// The machine found that a tick began late: counted, and shown in the view.
+    /// The machine found that a tick began late: counted, shown in the view, and a reason to put out light.
     pub fn overrun(&mut self) {
         self.overruns = self.overruns.saturating_add(1);
+        self.lasers.trip(Cause::Overrun);
+    }
+
+    /// The run before this one ended by a panic, a fault or the watchdog: lasers stay dark until cleared.
+    pub fn restarted(&mut self) {
+        self.lasers.trip(Cause::Restart);
     }
 
     /// Computes the next tick: called once at every tick, at the instant [`Tick::now`].
@@ -194,8 +205,9 @@ impl<const AXES: usize> Tick<AXES> {
             }
         }
         port.outputs(self.enable, self.clear, self.general);
-        if let Some((row, axes)) = self.trace.advance() {
-            self.emit(row, axes, &mut lanes.samples);
+        self.lasers.run(next, period.0 as u32, port);
+        if let Some((row, chosen)) = self.trace.advance() {
+            self.emit(row, chosen, &mut lanes.samples);
         }
 
         self.now = next;
@@ -205,16 +217,20 @@ impl<const AXES: usize> Tick<AXES> {
         lanes.view.publish();
     }
 
-    /// One row of the trace, of the motion as it stands.
+    /// One row of the trace, of axes and lasers as they stand.
     #[inline(never)]
-    pub(crate) fn emit(&mut self, row: u32, axes: AxisMask, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    pub(crate) fn emit(&mut self, row: u32, chosen: Chosen, samples: &mut Producer<'_, Sample, SAMPLES>) {
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             let Some(axis) = Axis::new(index) else { break };
-            if axes.has(axis) {
-                let sample = Sample { row, axis, pos: state.shown.pos, motion: state.shown.motion };
-                if samples.push(sample).is_err() {
-                    self.trace.lost = self.trace.lost.saturating_add(1);
-                }
+            if chosen.axes.has(axis) {
+                let of = Traced::Axis { axis, pos: state.shown.pos, motion: state.shown.motion };
+                self.trace.put(Sample { row, of }, samples);
+            }
+        }
+        for (channel, shown) in (0..).zip(self.lasers.shown()) {
+            if chosen.lasers >> channel & 1 == 1 {
+                let of = Traced::Laser { channel, gate: shown.switch, power: shown.power, khz: shown.khz };
+                self.trace.put(Sample { row, of }, samples);
             }
         }
     }
@@ -239,6 +255,8 @@ impl<const AXES: usize> Tick<AXES> {
         view.general_outputs = self.general;
         view.enable = self.enable;
         view.clear = self.clear;
+        view.timer_mhz = self.lasers.clock.mhz();
+        self.lasers.show(&mut view.lasers);
         for (channel, value) in view.analog.iter_mut().enumerate().take(self.analog_inputs) {
             *value = port.analog(channel);
         }
@@ -255,15 +273,17 @@ impl<const AXES: usize> Tick<AXES> {
             match entry.op {
                 Op::ProgramRun => {
                     self.script.begin(self.now);
-                    if let Some((row, axes)) = self.trace.begin_armed() {
-                        self.emit(row, axes, &mut lanes.samples);
+                    if let Some((row, chosen)) = self.trace.begin_armed() {
+                        self.emit(row, chosen, &mut lanes.samples);
                     }
                 }
                 Op::ProgramDrop => {
                     lanes.program.clear();
                     self.script.runs = false;
                 }
-                Op::Trace { every, axes } if !self.script.runs && every != 0 => self.trace.arm(every, axes),
+                Op::Trace { every, axes, lasers } if !self.script.runs && every != 0 => {
+                    self.trace.arm(every, Chosen { axes, lasers })
+                }
                 _ => self.execute(Lane::Immediate, entry, next, period, port, lanes),
             }
             self.done_immediate = entry.seq;

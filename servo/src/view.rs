@@ -1,4 +1,5 @@
 //! What the tick tells: the view of one tick, events, trace samples.
+use crate::laser::{self, Bounds, Carrier, Cause, Power, Train};
 use crate::op::{Lane, Mode};
 use crate::piece::{Motion, Recip};
 use crate::port::AxisInputs;
@@ -166,6 +167,74 @@ pub enum StopReason {
     StepLimit = 16,
 }
 
+/// One laser channel in one tick. Before the first tick every field is 0.
+#[derive(Debug, Clone, Copy)]
+pub struct LaserView {
+    /// Counts changes of anything here but `on_time`.
+    pub changes: u32,
+    /// Power mode.
+    pub mode: laser::Mode,
+    /// The command: on or off.
+    pub commanded: bool,
+    /// The gate, after its delays.
+    pub gate: bool,
+    /// The switch output.
+    pub switch: bool,
+    /// Light: the gate with the shifts of the FPK, whatever the power is.
+    pub light: bool,
+    /// The pulse width is limited to just under the period.
+    pub limited: bool,
+    /// The connector of the energy output carries it.
+    pub connector: bool,
+    /// Why the channel is dark until it is cleared.
+    pub fault: Cause,
+    /// The cause of `fault` is still there.
+    pub cause_lasts: bool,
+    /// Mapped coordinate systems, bit 0 is crd 1.
+    pub crd_map: u8,
+    /// Pulse width of the frequency mode, µs; 0 is none set.
+    pub width_us: u16,
+    /// Bounds of the power.
+    pub bounds: Bounds,
+    /// Direct power.
+    pub direct: Power,
+    /// Carrier of the duty modes.
+    pub carrier: Option<Carrier>,
+    /// What is being output, in the mode's unit: the power of the light, else standby or pre-voltage; 0 when
+    /// nothing is.
+    pub power: Power,
+    /// Carrier or pulse rate that is being output, kHz, as it was asked for; 0 when nothing is.
+    pub khz: Power,
+    /// The train of pulses being output, of which the achieved frequency and duty are read.
+    pub train: Train,
+    /// Light since power-on or the last ZeroOnTime, in 250 µs units, rounded down.
+    pub on_time: u32,
+}
+
+impl LaserView {
+    pub(crate) const BEFORE: LaserView = LaserView {
+        changes: 0,
+        mode: laser::Mode::Duty,
+        commanded: false,
+        gate: false,
+        switch: false,
+        light: false,
+        limited: false,
+        connector: false,
+        fault: Cause::None,
+        cause_lasts: false,
+        crd_map: 0,
+        width_us: 0,
+        bounds: Bounds::ZERO,
+        direct: Power::ZERO,
+        carrier: None,
+        power: Power::ZERO,
+        khz: Power::ZERO,
+        train: Train::NONE,
+        on_time: 0,
+    };
+}
+
 /// Everything of one tick, for the thread. `AXES` is the capacity of the build.
 #[derive(Debug, Clone, Copy)]
 pub struct View<const AXES: usize> {
@@ -203,6 +272,10 @@ pub struct View<const AXES: usize> {
     pub enable: u64,
     /// Alarm-clear outputs.
     pub clear: u64,
+    /// The clock of the machine's laser timers, MHz; 0 before the first tick.
+    pub timer_mhz: u16,
+    /// The laser channels.
+    pub lasers: [LaserView; laser::CHANNELS],
     /// Raw per-axis input levels.
     pub inputs: [AxisInputs; AXES],
     /// Analog inputs.
@@ -231,6 +304,8 @@ impl<const AXES: usize> View<AXES> {
         general_outputs: 0,
         enable: 0,
         clear: 0,
+        timer_mhz: 0,
+        lasers: [LaserView::BEFORE; laser::CHANNELS],
         inputs: [AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false };
             AXES],
         analog: [0; 8],
@@ -238,17 +313,38 @@ impl<const AXES: usize> View<AXES> {
     };
 }
 
-/// One traced axis in one traced tick.
+/// One traced axis or laser channel in one traced tick. Those of a row come in order: axes, then channels.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
     /// Row number since the trace began, 0 the state before the first call acts.
     pub row: u32,
-    /// Which axis.
-    pub axis: Axis,
-    /// Planned position.
-    pub pos: Pos,
-    /// Place in its piece.
-    pub motion: Motion,
+    /// Of what.
+    pub of: Traced,
+}
+
+/// What a sample tells.
+#[derive(Debug, Clone, Copy)]
+pub enum Traced {
+    /// An axis.
+    Axis {
+        /// Which one.
+        axis: Axis,
+        /// Planned position.
+        pos: Pos,
+        /// Place in its piece.
+        motion: Motion,
+    },
+    /// A laser channel: switch output, and power and frequency as [`LaserView`] has them.
+    Laser {
+        /// Which one, from 0.
+        channel: u8,
+        /// The switch output.
+        gate: bool,
+        /// Power being output, in the mode's unit.
+        power: Power,
+        /// Carrier or pulse rate being output, kHz.
+        khz: Power,
+    },
 }
 
 /// News that must not be missed, from the tick to the thread.

@@ -3,7 +3,7 @@ mod tick_bench;
 use servo::op::{DoGroup, Lane, Mode, Op};
 use servo::status::*;
 use servo::units::{AxisMask, Ns, Pos};
-use servo::view::Event;
+use servo::view::{Event, Sample, Traced};
 use tick_bench::*;
 
 const US: u64 = 1000;
@@ -170,12 +170,12 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
         let mut bench = Bench::ready(250, Mode::PtStatic);
         bench.pt(0, 0, &LISTING_2_1);
         bench.now(Op::SetPosition { axis: axis(3), pos: Pos::pulses(9) });
-        bench.now(Op::Trace { every, axes: all(&[0, 3]) });
+        bench.now(Op::Trace { every, axes: all(&[0, 3]), lasers: 0 });
         bench.ticks(7);
         assert!(bench.sample().is_none(), "armed only");
         bench.then(0, Op::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
         bench.then(0, Op::SetPosition { axis: axis(3), pos: Pos::pulses(10) });
-        bench.then(3100 * MS, Op::Trace { every: 0, axes: AxisMask(0) });
+        bench.then(3100 * MS, Op::Trace { every: 0, axes: AxisMask(0), lasers: 0 });
         bench.now(Op::ProgramRun);
         let step = every as u64 * 250 * US;
         let mut rows = vec![];
@@ -189,19 +189,22 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
         assert_eq!(rows.len() as u64, 2 * (3100 * MS / step + 1));
         for (n, pair) in rows.chunks(2).enumerate() {
             let t = n as u64 * step;
-            for ((sample, seen), index) in pair.iter().zip([0, 3]) {
-                assert_eq!((sample.row as usize, sample.axis.index()), (n, index));
+            let mut of = [Pos(0); 2];
+            for (((sample, seen), index), of) in pair.iter().zip([0, 3]).zip(&mut of) {
+                let Sample { row, of: Traced::Axis { axis, pos, .. } } = *sample else { panic!("{sample:?}") };
+                assert_eq!((row as usize, axis.index()), (n, index));
                 assert_eq!(*seen, t.max(250 * US));
+                *of = pos;
             }
-            let [moving, still] = [pair[0].0, pair[1].0];
+            let [moving, still] = of;
             // The start called at 0 has its time zero in row 1 · every = 1.
-            assert_eq!(moving.pos > Pos(0), t > 250 * US, "row {n}");
+            assert_eq!(moving > Pos(0), t > 250 * US, "row {n}");
             if t >= 250 * US + 3072 * MS {
-                assert_eq!(moving.pos, Pos::pulses(4096));
+                assert_eq!(moving, Pos::pulses(4096));
             } else {
-                assert!(moving.pos < Pos::pulses(4096));
+                assert!(moving < Pos::pulses(4096));
             }
-            assert_eq!(still.pos, Pos::pulses(if n == 0 { 9 } else { 10 }));
+            assert_eq!(still, Pos::pulses(if n == 0 { 9 } else { 10 }));
         }
     }
 }
@@ -209,7 +212,7 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
 #[test]
 fn a_trace_that_nobody_takes_counts_what_it_loses() {
     let mut bench = Bench::ready(250, Mode::PtStatic);
-    bench.now(Op::Trace { every: 1, axes: AxisMask(0xff) });
+    bench.now(Op::Trace { every: 1, axes: AxisMask(0xff), lasers: 0 });
     bench.now(Op::ProgramRun);
     let view = bench.ticks(130);
     // 131 rows of 8; the ring holds 1024.

@@ -69,7 +69,7 @@ pub fn trace<const AXES: usize>(case: &mut Case<AXES>, r: &Trace) -> Admitted<An
     within(2, r.lasers, 0, 0)?;
     within(3, r.crds, 0, 0)?;
     let over_link = within(4, r.way, 0, 1)? == 1;
-    case.stage(Op::Trace { every, axes });
+    case.stage(Op::Trace { every, axes, lasers: 0 });
     case.effect = Effect::Trace { every, axes, over_link };
     Ok(Answer::Done)
 }

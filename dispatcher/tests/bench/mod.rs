@@ -7,6 +7,7 @@ use protocol::link::{Endpoint, Identity, Role};
 use protocol::reason::{Reason, Refusal};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use ring::{Latest, Ring};
+use servo::laser::{Clock, Plan};
 use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::steps;
@@ -48,6 +49,10 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn analog_out(&mut self, channel: usize, value: i16) {
         self.analog_out[channel] = value;
     }
+    fn interlock(&mut self) -> bool {
+        false
+    }
+    fn laser(&mut self, _: usize, _: &Plan) {}
 }
 
 /// One answer: code and body.
@@ -140,7 +145,12 @@ impl<const AXES: usize> Bench<AXES> {
         };
         let mut bench = Bench {
             server: Server::new(board, Channels { immediate, program, view, events, samples, stores, tables }),
-            tick: Tick::new(TickConfig { period_ns: tick_us * 1000, axes: AXES as u8, analog_inputs: 8 }),
+            tick: Tick::new(TickConfig {
+                period_ns: tick_us * 1000,
+                axes: AXES as u8,
+                analog_inputs: 8,
+                laser_clock: Clock::GHZ,
+            }),
             lanes: Lanes {
                 immediate: immediate_out,
                 program: program_out,

@@ -4,6 +4,7 @@
 //! Owns the plant; outputs go to [`outputs`], and the tick's view carries both over the link. Fails never.
 use super::outputs;
 use plant::{Gain, Plant};
+use servo::laser::Plan;
 use servo::port::{AxisInputs, Port};
 use servo::units::{Axis, Pos};
 
@@ -60,6 +61,12 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn analog_out(&mut self, channel: usize, value: i16) {
         outputs::set_analog(channel, value);
     }
+
+    fn interlock(&mut self) -> bool {
+        false
+    }
+
+    fn laser(&mut self, _: usize, _: &Plan) {}
 }
 
 const _: () = assert!(plant::FRAC_BITS == Pos::FRAC_BITS, "plant and servo count in the same unit");

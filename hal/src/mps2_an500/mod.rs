@@ -25,6 +25,8 @@ pub const TICK_US: core::ops::RangeInclusive<u32> = 10..=1000;
 
 /// Analog inputs of the board; nothing is wired to them, they read 0.
 pub const ANALOG_INPUTS: u8 = 8;
+/// The clock in which laser plans are counted: a count is a ns.
+pub const LASER_CLOCK: servo::laser::Clock = servo::laser::Clock::GHZ;
 
 /// Analog outputs of the board.
 pub const ANALOG_OUTPUTS: u8 = outputs::ANALOG as u8;

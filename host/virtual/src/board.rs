@@ -9,6 +9,7 @@
 use crate::machine::{Edge, Inputs, Machine, Outputs};
 use dispatcher::{Channels, Server};
 use ring::{Latest, Ring};
+use servo::laser::Clock;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::Ns;
@@ -199,7 +200,12 @@ impl<const AXES: usize> Whole<AXES> {
             segments: stores,
             tables,
         };
-        let tick = TickConfig { period_ns: config.tick_us.clamp(10, 1000) * 1000, axes: AXES as u8, analog_inputs: 8 };
+        let tick = TickConfig {
+            period_ns: config.tick_us.clamp(10, 1000) * 1000,
+            axes: AXES as u8,
+            analog_inputs: 8,
+            laser_clock: Clock::GHZ,
+        };
         let mut whole = Whole {
             server: Box::new(Server::new(board, channels)),
             tick: Box::new(Tick::new(tick)),

@@ -1,6 +1,7 @@
 //! The machine behind the tick: inputs that a test sets, encoders of the plant, outputs and their
 //! edges.
 use plant::{Gain, Plant};
+use servo::laser::Plan;
 use servo::port::{AxisInputs, Port};
 use servo::units::{Axis, Pos};
 
@@ -137,4 +138,10 @@ impl<const AXES: usize> Port for Machine<AXES> {
             *place = value;
         }
     }
+
+    fn interlock(&mut self) -> bool {
+        false
+    }
+
+    fn laser(&mut self, _: usize, _: &Plan) {}
 }

@@ -5,6 +5,7 @@
 //! In: nothing. Out: both halves of everything, once. Owns the statics. Fails with `None` when asked
 //! twice.
 use ring::{Consumer, Latest, Producer, Reader, Ring};
+use servo::laser::Clock;
 use servo::op::Entry;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
@@ -51,7 +52,8 @@ pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
     let (view_in, view) = VIEW.split_once()?;
     let (events_in, events) = NEWS.split_once()?;
     let (samples_in, samples) = TRACE.split_once()?;
-    let tick = Tick::new(TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8 });
+    let tick =
+        Tick::new(TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8, laser_clock: Clock::GHZ });
     let lanes = Lanes {
         immediate,
         program,

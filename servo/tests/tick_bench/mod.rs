@@ -1,6 +1,7 @@
 //! A tick on a bench: rings, a machine whose encoders follow at once, and hands to push things in.
 #![allow(dead_code)]
 use ring::{Consumer, Latest, Producer, Reader, Ring};
+use servo::laser::{Clock, Plan};
 use servo::op::{DoGroup, Entry, Mode, Op};
 use servo::piece::Scaled;
 use servo::port::{AxisInputs, Port};
@@ -46,6 +47,10 @@ impl Port for Machine {
     fn analog_out(&mut self, channel: usize, value: i16) {
         self.analog_out[channel] = value;
     }
+    fn interlock(&mut self) -> bool {
+        false
+    }
+    fn laser(&mut self, _: usize, _: &Plan) {}
 }
 
 pub struct Bench {
@@ -102,7 +107,8 @@ impl Bench {
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
-        let config = TickConfig { period_ns: period_us * 1000, axes: AXES as u8, analog_inputs: 2 };
+        let config =
+            TickConfig { period_ns: period_us * 1000, axes: AXES as u8, analog_inputs: 2, laser_clock: Clock::GHZ };
         Bench {
             tick: Tick::new(config),
             machine: Machine {

@@ -4,6 +4,7 @@
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use probes::AXES;
+use servo::laser::Plan;
 use servo::port::{AxisInputs, Port};
 use servo::tick::{Lanes, Tick};
 use servo::units::{Axis, Pos};
@@ -41,6 +42,10 @@ impl Port for Short {
     }
     fn outputs(&mut self, _: u64, _: u64, _: u32) {}
     fn analog_out(&mut self, _: usize, _: i16) {}
+    fn interlock(&mut self) -> bool {
+        false
+    }
+    fn laser(&mut self, _: usize, _: &Plan) {}
 }
 
 #[inline(never)]

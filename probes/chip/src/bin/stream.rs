@@ -20,6 +20,7 @@ use probes::{AXES, STORES, TABLE_STORES};
 use protocol::command::{PrfPt, ProgramStart, PtDataMany, PtItem, Request, SetPtMemory};
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::record::{Lane, RequestWriter, replies};
+use servo::laser::Plan;
 use servo::port::{AxisInputs, Port};
 use servo::tick::{Lanes, Tick};
 use servo::units::{Axis, Ns, Pos};
@@ -58,6 +59,10 @@ impl Port for Sink {
     fn set_point(&mut self, _: Axis, _: Pos) {}
     fn outputs(&mut self, _: u64, _: u64, _: u32) {}
     fn analog_out(&mut self, _: usize, _: i16) {}
+    fn interlock(&mut self) -> bool {
+        false
+    }
+    fn laser(&mut self, _: usize, _: &Plan) {}
 }
 
 /// Both ends of a link, and the tick.

@@ -16,6 +16,7 @@ use cortex_m_semihosting::{debug, hprintln};
 use dispatcher::tables::{Draft, Fields, Kind, Scratch};
 use hal as _; // the vector table
 use probes::{AXES, STORES, TABLE_STORES, Thread};
+use servo::laser::Plan;
 use servo::op::{Entry, Mode, Op};
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
@@ -71,6 +72,10 @@ impl Port for Sink {
             *place = value;
         }
     }
+    fn interlock(&mut self) -> bool {
+        false
+    }
+    fn laser(&mut self, _: usize, _: &Plan) {}
 }
 
 /// Tick, machine, hand-overs and the clock that counts.

@@ -1,0 +1,179 @@
+//! Laser channels in the tick.
+//!
+//! In: admitted changes ([`Change`]) that act at an exact instant, causes of a fault. Out: for each tick and
+//! channel a [`Plan`] of exact instants, and what the thread sees ([`crate::view::LaserView`]).
+pub mod dither;
+pub mod plan;
+pub mod power;
+pub mod safety;
+
+pub use dither::{Carrier, Clock, Fine, Standby};
+pub use plan::{Action, Count, Plan, Train};
+pub use power::{Bounds, Power, Refused};
+pub use safety::Cause;
+
+use core::num::NonZeroU16;
+
+/// Laser channels of a controller.
+pub const CHANNELS: usize = 2;
+
+/// What the energy output does with the power.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Mode {
+    /// Power is the duty of the carrier, in % (LaserPowerMode 0, LSR also 3).
+    #[default]
+    Duty = 0,
+    /// Power is the rate of pulses of a fixed width, in kHz (1).
+    Frequency = 1,
+    /// Power is a voltage, in V (2).
+    Analog = 2,
+    /// As `Duty`; the switch is held active, light is made by the energy alone (GUS 3).
+    DutyOpen = 3,
+}
+
+impl Mode {
+    /// The greatest power of the mode, in both families: 100 %, 2000 kHz, 10 V.
+    pub const fn full_scale(self) -> Power {
+        match self {
+            Mode::Duty | Mode::DutyOpen => Power::whole(100),
+            Mode::Frequency => Power::MAX,
+            Mode::Analog => Power::whole(10),
+        }
+    }
+}
+
+/// Delays of the gate, µs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Delays {
+    /// From an off command to its edge.
+    pub off: u16,
+    /// From an on command to its edge.
+    pub on: u16,
+}
+
+/// First-pulse killer, µs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fpk {
+    /// Length of the pulse on the switch output (time1).
+    pub pulse: NonZeroU16,
+    /// From the gate-on edge to the light (time2).
+    pub begin: u16,
+    /// From the gate-off edge to the light's end (laserOffDelay).
+    pub end: u16,
+}
+
+/// A change of a channel. It acts at the instant of the tick that is being computed when it is executed,
+/// which is the first one after its place on the script clock.
+#[allow(missing_docs, reason = "each variant's text names its fields")]
+#[derive(Debug, Clone, Copy)]
+pub enum Change {
+    /// On or off command; its edge comes after the delay in force now.
+    Gate { on: bool },
+    /// Mode and bounds. Another mode ends the light at once, withdraws the on command and sets the direct
+    /// power to 0; the same one takes the bounds and `delayed` only. `delayed`: the gate's delays apply (GUS:
+    /// always).
+    Mode { mode: Mode, bounds: Bounds, delayed: bool, fine: Option<Fine> },
+    /// Direct power.
+    Direct { power: Power, fine: Option<Fine> },
+    /// Carrier of the duty modes.
+    Carrier { carrier: Carrier, fine: Option<Fine> },
+    /// Pulse width of the frequency mode, µs.
+    PulseWidth { us: NonZeroU16 },
+    /// Gate delays.
+    Delays(Delays),
+    /// First-pulse killer; `None` is off.
+    Fpk(Option<Fpk>),
+    /// Standby pulses; `None` is off.
+    Standby(Option<Standby>),
+    /// Pre-voltage, 0 to 10 V; `None` is off.
+    PreVoltage(Option<Power>),
+    /// On-time counts from 0 again.
+    ZeroOnTime,
+    /// A fault whose cause is gone is over.
+    ClearFault,
+    /// The coordinate systems that the channel is mapped to, bit 0 is crd 1.
+    CrdMap { map: u8 },
+    /// Whether the connector of the energy output carries it (SetAxisMode); else PWM energy stays at rest.
+    Connector { laser: bool },
+    /// Power-on state; a fault whose cause is gone is over.
+    Reset,
+}
+
+use crate::port::Port;
+use crate::units::Ns;
+use crate::view::LaserView;
+
+/// All channels of a controller, and what they share.
+#[derive(Debug)]
+pub(crate) struct Lasers {
+    pub(crate) clock: Clock,
+    plan: Plan,
+    channels: [Channel; CHANNELS],
+}
+
+impl Lasers {
+    pub(crate) const fn new(clock: Clock) -> Lasers {
+        Lasers { clock, plan: Plan::EMPTY, channels: [const { Channel::POWER_ON }; CHANNELS] }
+    }
+
+    /// What a channel shows.
+    pub(crate) fn shown(&self) -> impl Iterator<Item = &LaserView> {
+        self.channels.iter().map(|channel| &channel.shown)
+    }
+
+    /// Carries out a change at an instant of the interval that is planned next.
+    pub(crate) fn change(&mut self, channel: u8, at: Ns, change: Change) {
+        let _ = (at, change);
+        if let Some(channel) = self.channels.get_mut(channel as usize) {
+            channel.shown.changes = channel.shown.changes.wrapping_add(1);
+        }
+    }
+
+    /// A cause that is over as soon as it is told.
+    pub(crate) fn trip(&mut self, cause: Cause) {
+        for channel in &mut self.channels {
+            channel.shown.fault = cause;
+        }
+    }
+
+    /// The host link; `runs`: a program runs, which may switch light on.
+    pub(crate) fn link(&mut self, lost: bool, runs: bool) {
+        if lost && runs {
+            self.trip(Cause::LinkLost);
+        }
+    }
+
+    /// Plans the interval of `period` ns from `next` on and hands it to the machine.
+    #[inline]
+    pub(crate) fn run(&mut self, next: Ns, period: u32, port: &mut impl Port) {
+        let _ = (next, period);
+        let interlock = port.interlock();
+        for index in 0..CHANNELS {
+            self.plan.clear();
+            self.plan.rest = interlock;
+            port.laser(index, &self.plan);
+        }
+    }
+
+    /// Brings what the thread sees up to now.
+    #[inline]
+    pub(crate) fn show(&self, shown: &mut [LaserView; CHANNELS]) {
+        for (to, channel) in shown.iter_mut().zip(&self.channels) {
+            if to.changes != channel.shown.changes {
+                *to = channel.shown;
+            }
+            to.on_time = channel.shown.on_time;
+        }
+    }
+}
+
+/// One channel.
+#[derive(Debug)]
+pub(crate) struct Channel {
+    shown: LaserView,
+}
+
+impl Channel {
+    pub(crate) const POWER_ON: Channel = Channel { shown: LaserView::BEFORE };
+}

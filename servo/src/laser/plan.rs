@@ -1,0 +1,117 @@
+//! What a channel is told for one tick: actions at exact instants, which timers carry out.
+//!
+//! In: the channel's decisions, in the order of time. Out: at most [`PLACES`] actions whose instants lie
+//! inside the interval. Owns nothing else. Fails: [`Plan::has_room`] says when it is full before it is.
+//!
+//! A machine carries out the actions in their order; those of one instant follow each other there.
+
+/// Actions that a plan holds.
+pub const PLACES: usize = 64;
+
+/// A number of counts of the machine's timer, whole + part/of: what a timer does in the mean by counting
+/// once more in `part` of `of` periods ([`super::dither::Bresenham`]).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Whole counts.
+    pub whole: u64,
+    /// Numerator of the rest, below `of`.
+    pub part: u32,
+    /// Denominator; 0 stands for 2³².
+    pub of: u32,
+}
+
+/// A train of pulses: a pulse at the beginning of each period.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Train {
+    /// From the beginning of a pulse to that of the next; 0 is no pulses at all.
+    pub period: Count,
+    /// Width of a pulse, at most the period; 0 is a period without a pulse, the period an unbroken level.
+    pub width: Count,
+}
+
+impl Train {
+    /// No pulses.
+    pub const NONE: Train =
+        Train { period: Count { whole: 0, part: 0, of: 0 }, width: Count { whole: 0, part: 0, of: 0 } };
+
+    /// Whether there are no pulses, and no periods either.
+    #[inline]
+    pub const fn is_none(&self) -> bool {
+        self.period.whole == 0
+    }
+}
+
+/// What happens at an instant. PWM, switch and DAC are three outputs: an action touches only its own.
+///
+/// A train keeps its phase while it goes on. *At its period's end* means: the period in progress runs out
+/// first, with its pulse as it is; if the new period is shorter, it runs out where the new one, begun with
+/// it, would, but neither before the action's instant nor before its pulse has ended. Where no period is in
+/// progress, it means at once. A pattern of dither goes on where the denominator stays the same, and begins
+/// anew where it changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Action {
+    /// The switch output becomes active or inactive.
+    Switch(bool),
+    /// Light begins: whatever the PWM carried is over, and this train begins here with a pulse at full width.
+    Light(Train),
+    /// Light, or standby, goes on with this train at its period's end.
+    Change(Train),
+    /// Light ends: the pulse in progress is over here; unless `cut`, it is finished if it ends within
+    /// [`FINISH_NS`]. Where it is over, the standby train begins with a pulse at full width.
+    Dark {
+        /// From then on; [`Train::NONE`] is rest.
+        standby: Train,
+        /// The pulse in progress is cut here in any case.
+        cut: bool,
+    },
+    /// The DAC output, −32768…32767 is −10…10 V. A plan names it only while the laser drives the DAC, and
+    /// once more, with 0, when it ceases to.
+    Volts(i16),
+}
+
+/// A last pulse is finished if it ends within this time of the light's end (SPEC 6).
+pub const FINISH_NS: u32 = 100_000;
+
+/// The actions of one tick.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Everything of the channel is at rest *now*, at the call and before its actions (of which there are
+    /// none then): PWM and switch inactive, the DAC at 0 V if the laser drives it. What an earlier plan has
+    /// still to do is void.
+    pub rest: bool,
+    len: usize,
+    /// Offset from the interval's beginning in ns, and what happens there.
+    actions: [(u32, Action); PLACES],
+}
+
+impl Plan {
+    /// Nothing happens.
+    pub const EMPTY: Plan = Plan { rest: false, len: 0, actions: [(0, Action::Switch(false)); PLACES] };
+
+    /// The actions, in the order of time: ns from the interval's beginning, and what happens there.
+    #[inline]
+    pub fn actions(&self) -> &[(u32, Action)] {
+        self.actions.get(..self.len).unwrap_or_default()
+    }
+
+    /// Nothing happens.
+    #[inline]
+    pub(super) fn clear(&mut self) {
+        (self.rest, self.len) = (false, 0);
+    }
+
+    /// Whether `more` actions have a place.
+    #[inline]
+    pub(super) fn has_room(&self, more: usize) -> bool {
+        self.len.wrapping_add(more) <= PLACES
+    }
+
+    /// One more action, not before those there are. One without a place is dropped: see [`Plan::has_room`].
+    #[inline]
+    pub(super) fn push(&mut self, at: u32, action: Action) {
+        if let Some(place) = self.actions.get_mut(self.len) {
+            *place = (at, action);
+            self.len = self.len.wrapping_add(1);
+        }
+    }
+}
