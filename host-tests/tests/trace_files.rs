@@ -14,7 +14,7 @@ fn axis(axis: u8) -> AxisName {
 
 fn row(index: u32, row_ns: u64, points: &[(i64, Scaled)]) -> Row {
     let axes = points.iter().map(|&(pos, vel)| AxisPoint { pos: Pos(pos), vel }).collect();
-    Row { index, t_ns: u64::from(index) * row_ns, axes }
+    Row { index, t_ns: u64::from(index) * row_ns, axes, lasers: Vec::new() }
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -25,7 +25,12 @@ fn folder(name: &str) -> PathBuf {
 
 #[test]
 fn csv_is_what_the_specification_shows() {
-    let header = Header { axes: vec![axis(1), axis(3), AxisName { core: 2, axis: 1 }], period_ns: 250_000, every: 2 };
+    let header = Header {
+        axes: vec![axis(1), axis(3), AxisName { core: 2, axis: 1 }],
+        lasers: vec![],
+        period_ns: 250_000,
+        every: 2,
+    };
     let mut out = Vec::new();
     let mut csv = CsvWriter::new(&mut out, &header).unwrap();
     let zero = Scaled::default();
@@ -72,7 +77,7 @@ fn changes(vcd: &[u8], name: &str) -> Vec<(u64, bool)> {
 
 #[test]
 fn vcd_shows_every_step_once_and_evenly() {
-    let header = Header { axes: vec![axis(1), axis(2)], period_ns: 1_000_000, every: 1 };
+    let header = Header { axes: vec![axis(1), axis(2)], lasers: vec![], period_ns: 1_000_000, every: 1 };
     let mut out = Vec::new();
     let mut vcd = VcdWriter::new(&mut out, &header, &[(1, true), (4, false)]).unwrap();
     let still = Scaled::default();
@@ -101,7 +106,7 @@ fn vcd_shows_every_step_once_and_evenly() {
 
 #[test]
 fn vcd_refuses_what_its_scale_cannot_show() {
-    let header = Header { axes: vec![axis(5)], period_ns: 10_000, every: 1 };
+    let header = Header { axes: vec![axis(5)], lasers: vec![], period_ns: 10_000, every: 1 };
     let mut vcd = VcdWriter::new(Vec::new(), &header, &[]).unwrap();
     vcd.row(&row(0, 10_000, &[(0, Scaled::default())])).unwrap();
     vcd.row(&row(1, 10_000, &[(5_000 * PULSE, Scaled::default())])).unwrap();
@@ -156,7 +161,7 @@ fn stream_gives_header_rows_and_end() {
         let (items, result) = read(&bytes, portion);
         result.unwrap();
         let vel = Scaled { m: 5, e: 1 };
-        assert_eq!(items[0], Item::Header(Header { axes: vec![axis(2)], period_ns: 50_000, every: 4 }));
+        assert_eq!(items[0], Item::Header(Header { axes: vec![axis(2)], lasers: vec![], period_ns: 50_000, every: 4 }));
         assert_eq!(items[3], Item::Row(row(2, 200_000, &[(2 * PULSE, vel)])));
         assert_eq!(items[4], Item::End { rows: 3 });
         assert_eq!(items.len(), 5);
@@ -191,8 +196,8 @@ fn scaled(v: f64) -> Scaled {
 }
 
 fn plot_of(axes: u8, options: PlotOptions) -> Plot {
-    let header = Header { axes: (1..=axes).map(axis).collect(), period_ns: 250_000, every: 1 };
-    let mut plot = Plot::new(&header, options);
+    let header = Header { axes: (1..=axes).map(axis).collect(), lasers: vec![], period_ns: 250_000, every: 1 };
+    let mut plot = Plot::new(&header, options).unwrap();
     for index in 0..13_000u32 {
         let t_ms = f64::from(index) * 0.25;
         let point = |n: u8| match n {
@@ -256,6 +261,6 @@ fn a_zoomed_plot_shows_only_its_time() {
     let text = std::fs::read_to_string(folder.join("zoom.svg")).unwrap();
     assert!(text.contains("1050") && !text.contains("3000"), "time axis from 1000 to 1100 ms");
     let nothing = plot_of(1, PlotOptions { from_ms: Some(1e9), ..PlotOptions::default() });
-    assert!(matches!(nothing.save(&folder.join("nothing.png")), Err(TraceError::Plot(_))));
+    assert!(matches!(nothing.save(&folder.join("nothing.png")), Err(TraceError::Window(_))));
     assert!(matches!(plot.save(&folder.join("zoom.gif")), Err(TraceError::Plot(_))));
 }

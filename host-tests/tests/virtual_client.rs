@@ -114,7 +114,7 @@ fn listing_2_1_ends_at_exactly_4096() {
     let at = |ms: f64| {
         // The motion begins at row 1, one tick of 0.25 ms after the start.
         let row = &rows.0[(ms / 0.25) as usize + 1];
-        (trace::decimal::position(row.axes[0].pos), trace::decimal::velocity(row.axes[0].vel))
+        (trace::decimal::position(row.axes[0].pos), trace::decimal::scaled(row.axes[0].vel))
     };
     let text = |p: &str, v: &str| (p.to_owned(), v.to_owned());
     assert_eq!(at(0.0), text("0.000000", "0.000000"));

@@ -11,6 +11,9 @@
 //! T the tick period, `x(t + T) = s + (x(t) − s)·e^(−T/τ)`, which is the exact solution of
 //! `τ·x' = s − x` up to the rounding of one step (2⁻²² pulse).
 
+pub mod beam;
+pub mod pulses;
+
 /// Fraction bits of a set-point.
 pub const FRAC_BITS: u32 = 22;
 

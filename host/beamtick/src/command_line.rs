@@ -18,6 +18,7 @@ Examples:
   beamtick check examples/pt_static.gts
   beamtick sim examples/pt_static.gts --trace t.csv --plot t.png
   beamtick sim examples/pt_dynamic.gts --tick-us 50 --plot zoom.svg --from 900 --to 1100
+  beamtick sim examples/laser_duty.gts --plot pulses.png --from 10 --to 12
   beamtick run examples/pt_static.gts --link qemu --vcd t.vcd
   beamtick run examples/jog_trap.gts --link tcp:192.168.1.20:5000 --strict
   beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
@@ -68,10 +69,10 @@ pub struct Settings {
 /// What is recorded and shown.
 #[derive(Debug, Clone, Args)]
 pub struct Outputs {
-    /// Writes position and velocity of the axes used, a row each tick.
+    /// Writes position and velocity of the axes used, gate, power and frequency of the lasers used, a row each tick.
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
-    /// Writes step, direction and digital outputs, timescale 1 ns.
+    /// Writes step, direction, digital and laser outputs, timescale 1 ns.
     #[arg(long, value_name = "FILE.vcd")]
     pub vcd: Option<PathBuf>,
     /// Draws the trace; the extension chooses SVG or PNG.
@@ -81,10 +82,10 @@ pub struct Outputs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
     /// The plot begins at this time.
-    #[arg(long, value_name = "MS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, requires = "plot")]
     pub from: Option<f64>,
     /// The plot ends at this time.
-    #[arg(long, value_name = "MS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, requires = "plot")]
     pub to: Option<f64>,
     /// A late entry stops the job.
     #[arg(long)]

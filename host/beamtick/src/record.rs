@@ -72,6 +72,7 @@ impl Recording {
                     to_ms: outputs.to,
                     ..PlotOptions::default()
                 };
+                options.check().map_err(|error| Failure::Input(error.to_string()))?;
                 Some((path.clone(), options))
             }
             None => None,
@@ -144,7 +145,7 @@ impl Sinks {
         let levels: Vec<(u8, bool)> = self.outputs.iter().map(|output| (*output, false)).collect();
         let csv = self.csv.take().map(|file| CsvWriter::new(BufWriter::new(file), &header)).transpose()?;
         let vcd = self.vcd.take().map(|file| VcdWriter::new(BufWriter::new(file), &header, &levels)).transpose()?;
-        let plot = self.plot.as_ref().map(|(_, options)| Plot::new(&header, options.clone()));
+        let plot = self.plot.as_ref().map(|(_, options)| Plot::new(&header, options.clone())).transpose()?;
         let peaks = vec![0.0; header.axes.len()];
         self.open = Some(Open { header, csv, vcd, plot, peaks, rows: 0 });
         Ok(())
@@ -170,7 +171,7 @@ impl Open {
     fn row(&mut self, row: &Row) -> trace::Result<()> {
         self.rows += 1;
         for (peak, point) in self.peaks.iter_mut().zip(&row.axes) {
-            *peak = peak.max(trace::decimal::velocity_f64(point.vel).abs());
+            *peak = peak.max(trace::decimal::scaled_f64(point.vel).abs());
         }
         if let Some(csv) = &mut self.csv {
             csv.row(row)?;

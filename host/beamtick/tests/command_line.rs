@@ -322,3 +322,30 @@ fn without_qemu_the_package_is_named() {
     assert_eq!(output.status.code(), Some(1));
     assert!(errors.contains("-6") && errors.contains("package qemu-system-arm"), "{errors}");
 }
+
+#[test]
+fn times_of_a_plot_are_checked_before_the_job_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let plot = folder.path().join("t.png").to_str().unwrap().to_owned();
+    let job = example("pt_static.gts");
+    let refused = |more: &[&str]| {
+        let (out, errors, code) = beamtick(&[&["sim", job.to_str().unwrap()], more].concat());
+        assert!(code == 2 && out.is_empty(), "{more:?}: {code} {out}");
+        errors
+    };
+    let with = |times: &[&str]| refused(&[&["--plot", plot.as_str()], times].concat());
+    assert!(with(&["--from", "nan"]).contains("from is NaN ms; it must be from 0 to"));
+    assert!(with(&["--from", "-1"]).contains("from is -1 ms"));
+    assert!(with(&["--to", "inf"]).contains("to is inf ms"));
+    assert!(with(&["--from", "20", "--to", "10"]).contains("to is 10 ms; it must be later than from, which is 20 ms"));
+    assert!(with(&["--from", "5", "--to", "5"]).contains("later than from"));
+    assert!(with(&["--from", "x"]).contains("invalid value 'x'"));
+    assert!(refused(&["--to", "5"]).contains("--plot"));
+    assert!(!Path::new(&plot).exists());
+    // Behind the end of the trace: known only after the job.
+    let (_, errors, code) =
+        beamtick(&["sim", job.to_str().unwrap(), "--plot", &plot, "--from", "1e9", "--tick-us", "1000"]);
+    assert!(code == 1 && errors.contains("the trace ends at"), "{errors}");
+    sim("pt_static.gts", &["--plot", &plot, "--from", "1000.1", "--to", "1000.2", "--tick-us", "1000"]);
+    assert!(Path::new(&plot).exists());
+}

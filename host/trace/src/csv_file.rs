@@ -1,5 +1,6 @@
-//! Rows as CSV: `t_ms`, then position and velocity of each axis, six decimals each.
-use crate::decimal::{milliseconds, position, velocity};
+//! Rows as CSV (SPEC 8): `t_ms`, position and velocity of each axis, then gate, power and frequency of
+//! each laser; numbers with six decimals.
+use crate::decimal::{milliseconds, position, scaled};
 use crate::row::{Header, Row};
 use crate::{Result, TraceError};
 use std::io::Write;
@@ -14,7 +15,9 @@ impl<W: Write> CsvWriter<W> {
     pub fn new(out: W, header: &Header) -> Result<Self> {
         let mut out = csv::WriterBuilder::new().buffer_capacity(1 << 16).from_writer(out);
         let names = header.axes.iter().flat_map(|n| [format!("{n}_pos"), format!("{n}_vel")]);
-        out.write_record(std::iter::once("t_ms".to_owned()).chain(names)).map_err(as_io)?;
+        let lasers =
+            header.lasers.iter().flat_map(|k| [format!("{k}_gate"), format!("{k}_power"), format!("{k}_freq_khz")]);
+        out.write_record(std::iter::once("t_ms".to_owned()).chain(names).chain(lasers)).map_err(as_io)?;
         Ok(CsvWriter { out })
     }
 
@@ -23,7 +26,12 @@ impl<W: Write> CsvWriter<W> {
         self.out.write_field(milliseconds(row.t_ns)).map_err(as_io)?;
         for point in &row.axes {
             self.out.write_field(position(point.pos)).map_err(as_io)?;
-            self.out.write_field(velocity(point.vel)).map_err(as_io)?;
+            self.out.write_field(scaled(point.vel)).map_err(as_io)?;
+        }
+        for point in &row.lasers {
+            self.out.write_field(if point.gate { "1" } else { "0" }).map_err(as_io)?;
+            self.out.write_field(scaled(point.power)).map_err(as_io)?;
+            self.out.write_field(scaled(point.frequency)).map_err(as_io)?;
         }
         self.out.write_record(None::<&[u8]>).map_err(as_io)
     }

@@ -1,6 +1,6 @@
 //! Fixed point to decimal text by exact integers, the same on every machine.
 //!
-//! In: a position in 2⁻²² pulse, a velocity m·2^-e pulse/ms, a time in ns. Out: a number with six
+//! In: a position in 2⁻²² pulse, a velocity, power or frequency m·2^-e, a time in ns. Out: a number with six
 //! decimals, rounded half away from zero; zero has no sign. It cannot fail.
 use servo::piece::Scaled;
 use servo::units::Pos;
@@ -19,8 +19,8 @@ pub fn position(pos: Pos) -> String {
     millionths(pos.0 < 0, (scaled + (1 << (Pos::FRAC_BITS - 1))) >> Pos::FRAC_BITS)
 }
 
-/// A velocity in pulse/ms.
-pub fn velocity(v: Scaled) -> String {
+/// A velocity in pulse/ms, a power in its unit, a frequency in kHz.
+pub fn scaled(v: Scaled) -> String {
     // |m| · 10⁶ is below 2⁸⁴: from e = 85 on everything rounds to zero, and a velocity that the
     // controller can hold (2³² pulse/ms) never needs more than 44 bits of left shift.
     let scaled = u128::from(v.m.unsigned_abs()) * MILLION;
@@ -42,8 +42,8 @@ pub fn position_f64(pos: Pos) -> f64 {
     pos.0 as f64 / f64::from(1u32 << Pos::FRAC_BITS)
 }
 
-/// A velocity as a number for drawing.
-pub fn velocity_f64(v: Scaled) -> f64 {
+/// The same as a number for drawing.
+pub fn scaled_f64(v: Scaled) -> f64 {
     v.m as f64 * f64::from(-i32::from(v.e)).exp2()
 }
 
@@ -87,7 +87,7 @@ mod tests {
             (i64::MAX, 200, "0.000000"),
             (i64::MAX, 84, "0.000000"), // 4.8e-7
         ] {
-            assert_eq!(velocity(Scaled { m, e }), text, "{m} * 2^-{e}");
+            assert_eq!(scaled(Scaled { m, e }), text, "{m} * 2^-{e}");
         }
     }
 

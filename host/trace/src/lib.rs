@@ -18,7 +18,7 @@ mod vcd_file;
 pub use csv_file::CsvWriter;
 pub use plot::{Plot, PlotOptions};
 pub use reader::{Item, Reader};
-pub use row::{AxisName, AxisPoint, Header, OutputEdge, Row};
+pub use row::{AxisName, AxisPoint, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
 pub use vcd_file::VcdWriter;
 
 /// Why a trace could not be read or written.
@@ -64,6 +64,9 @@ pub enum TraceError {
         /// Length of the row.
         row_ns: u64,
     },
+    /// The plot's times are no time that it could show.
+    #[error("the plot's time: {0}")]
+    Window(String),
     /// The picture could not be drawn.
     #[error("the plot cannot be drawn: {0}")]
     Plot(String),

@@ -1,32 +1,42 @@
-//! Rows as a picture: position and velocity of each axis, one panel below the other, time along the
-//! bottom.
+//! Rows as a picture: position and velocity of each axis, gate, pulses and power of each laser, one panel
+//! below the other, on one time axis.
 //!
-//! In: rows. Out: a PNG or an SVG. It owns, per curve, at most [`BUCKETS`] pairs of least and
-//! greatest value, so that a trace of any length fits and no peak is lost. The font is part of the
-//! program: a machine without fonts draws the same picture. Fails with [`TraceError::Plot`].
-use crate::decimal::{position_f64, velocity_f64};
-use crate::row::{AxisName, Header, Row};
+//! In: rows, and what the lasers' outputs did between them. Out: a PNG or an SVG. It owns a bounded
+//! number of points for each curve, so that a trace of any length fits and no peak is lost. Digital
+//! signals are drawn edge by edge where they are few, and as share of time where they are too dense.
+//! The font is part of the program: a machine without fonts draws the same picture. Fails with
+//! [`TraceError::Plot`] and [`TraceError::Window`].
+mod activity;
+mod curve;
+mod panel;
+mod text;
+mod window;
+
+use crate::decimal::{position_f64, scaled_f64};
+use crate::row::{AxisName, Header, LaserName, LaserPoint, PowerUnit, Row};
 use crate::{Result, TraceError};
+use activity::Activity;
+use curve::Curve;
+use panel::{Content, FOOT, Frame, Panel};
+use plant::beam::Change;
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use plotters::style::{FontStyle, register_font};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
-use std::sync::Once;
-
-/// Most pairs of extremes that a curve keeps.
-const BUCKETS: usize = 4096;
+use text::{FAINT, INK, as_plot, font, load_font, place};
+use window::Window;
 
 /// A PNG is drawn this many times as large and made smaller.
 const SMOOTH: u32 = 2;
+/// Height of the heading.
+const HEAD: u32 = 62;
 
-const INK: RGBColor = RGBColor(0x24, 0x29, 0x2f);
-const FAINT: RGBColor = RGBColor(0x6e, 0x77, 0x81);
-const GRID: RGBColor = RGBColor(0xe4, 0xe8, 0xec);
-const FRAME: RGBColor = RGBColor(0xb4, 0xbb, 0xc2);
 const POSITION: RGBColor = RGBColor(0x1f, 0x6f, 0xb4);
 const VELOCITY: RGBColor = RGBColor(0xc8, 0x52, 0x1a);
+const GATE: RGBColor = RGBColor(0x2d, 0x7d, 0x46);
+const PULSES: RGBColor = RGBColor(0xb0, 0x2a, 0x3c);
+const POWER: RGBColor = RGBColor(0x7b, 0x3f, 0xa6);
 
 /// What to draw.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,11 +45,11 @@ pub struct PlotOptions {
     pub title: String,
     /// Second line, smaller.
     pub subtitle: String,
-    /// Rows before this time (ms) are left out.
+    /// The picture begins at this time (ms); else with the trace.
     pub from_ms: Option<f64>,
-    /// Rows after this time (ms) are left out.
+    /// The picture ends at this time (ms); else with the trace.
     pub to_ms: Option<f64>,
-    /// Width in pixels; the height follows from the number of axes.
+    /// Width in pixels; the height follows from the number of panels.
     pub width: u32,
 }
 
@@ -49,96 +59,148 @@ impl Default for PlotOptions {
     }
 }
 
-/// A value and its time in ms.
-type Point = (f64, f64);
+impl PlotOptions {
+    /// Whether the times are ones that can be drawn.
+    ///
+    /// # Errors
+    /// [`TraceError::Window`] with the reason.
+    pub fn check(&self) -> Result<()> {
+        Window::new(self.from_ms, self.to_ms).map(|_| ())
+    }
+}
 
-/// One quantity over time, thinned to its extremes.
+/// A row as it is drawn.
 #[derive(Debug, Clone, Default)]
-struct Curve {
-    /// Least and greatest value of each run of `share` rows.
-    buckets: Vec<(Point, Point)>,
-    open: Option<(Point, Point)>,
-    filled: usize,
-    share: usize,
-    last: Option<Point>,
+struct Values {
+    t_ns: u64,
+    /// Position and velocity.
+    axes: Vec<[f64; 2]>,
+    lasers: Vec<LaserPoint>,
 }
 
-impl Curve {
-    fn push(&mut self, point: Point) {
-        self.share = self.share.max(1);
-        self.last = Some(point);
-        self.open = Some(match self.open {
-            None => (point, point),
-            Some(both) => merge(both, (point, point)),
-        });
-        self.filled += 1;
-        if self.filled == self.share {
-            self.filled = 0;
-            self.buckets.extend(self.open.take());
-            if self.buckets.len() == BUCKETS {
-                self.buckets =
-                    self.buckets.chunks(2).map(|c| c.iter().copied().reduce(merge).unwrap_or(c[0])).collect();
-                self.share *= 2;
-            }
-        }
-    }
-
-    /// The points to draw, in the order of time.
-    fn points(&self) -> impl Iterator<Item = Point> + '_ {
-        let pairs = self.buckets.iter().copied().chain(self.open);
-        let first_to_last = pairs.flat_map(|(low, high)| if low.0 <= high.0 { [low, high] } else { [high, low] });
-        first_to_last.chain(self.last)
-    }
-
-    /// Range of the values with some air; a constant gets a range around it.
-    fn range(&self) -> (f64, f64) {
-        let (low, high) =
-            self.points().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.1), high.max(p.1)));
-        if low > high {
-            return (-1.0, 1.0);
-        }
-        let air = if high > low { (high - low) * 0.08 } else { low.abs().max(1.0) * 0.5 };
-        (low - air, high + air)
-    }
-}
-
-fn merge(a: (Point, Point), b: (Point, Point)) -> (Point, Point) {
-    (if b.0.1 < a.0.1 { b.0 } else { a.0 }, if b.1.1 > a.1.1 { b.1 } else { a.1 })
+/// What is drawn of a laser.
+#[derive(Debug, Clone)]
+struct Laser {
+    name: LaserName,
+    gate: Activity,
+    pulses: Activity,
+    has_pulses: bool,
+    /// Power in each unit: a curve for every stretch of time in which it was the unit.
+    powers: [Vec<Curve>; 3],
+    unit: Option<PowerUnit>,
 }
 
 /// Collects rows and draws them.
 #[derive(Debug, Clone)]
 pub struct Plot {
+    options: PlotOptions,
+    window: Window,
     axes: Vec<AxisName>,
     /// Position and velocity of each axis.
     curves: Vec<[Curve; 2]>,
-    options: PlotOptions,
-    rows: u64,
+    lasers: Vec<Laser>,
+    before: Option<Values>,
+    drawn: bool,
+    /// Time of the last row.
+    last_ns: u64,
 }
 
 impl Plot {
     /// An empty plot for a trace of this header.
-    pub fn new(header: &Header, options: PlotOptions) -> Self {
-        Plot { axes: header.axes.clone(), curves: vec![Default::default(); header.axes.len()], options, rows: 0 }
+    ///
+    /// # Errors
+    /// The times of the options are no window.
+    pub fn new(header: &Header, options: PlotOptions) -> Result<Self> {
+        let window = Window::new(options.from_ms, options.to_ms)?;
+        let laser = |name: &LaserName| Laser {
+            name: *name,
+            gate: Activity::new(window),
+            pulses: Activity::new(window),
+            has_pulses: false,
+            powers: Default::default(),
+            unit: None,
+        };
+        Ok(Plot {
+            options,
+            window,
+            axes: header.axes.clone(),
+            curves: vec![Default::default(); header.axes.len()],
+            lasers: header.lasers.iter().map(laser).collect(),
+            before: None,
+            drawn: false,
+            last_ns: 0,
+        })
+    }
+
+    /// Takes what a laser's outputs (its place among those of the header) did before the row that comes next.
+    pub fn change(&mut self, laser: usize, change: &Change) {
+        let Some(laser) = self.lasers.get_mut(laser) else { return };
+        match change {
+            Change::Switch { at, level } => laser.gate.level(*at, *level),
+            Change::Energy { at, level } => {
+                laser.has_pulses = true;
+                laser.pulses.level(*at, *level);
+            }
+            Change::Pulses(burst) => {
+                laser.has_pulses = true;
+                laser.pulses.burst(burst);
+            }
+            Change::Dac { .. } => {}
+        }
     }
 
     /// Takes a row.
     pub fn row(&mut self, row: &Row) {
-        let t = row.t_ns as f64 * 1e-6;
-        if self.options.from_ms.is_some_and(|from| t < from) || self.options.to_ms.is_some_and(|to| t > to) {
-            return;
+        let Window { from, to } = self.window;
+        for laser in &mut self.lasers {
+            laser.gate.until(row.t_ns);
+            laser.pulses.until(row.t_ns);
         }
-        self.rows += 1;
-        for (curves, point) in self.curves.iter_mut().zip(&row.axes) {
-            curves[0].push((t, position_f64(point.pos)));
-            curves[1].push((t, velocity_f64(point.vel)));
+        self.last_ns = row.t_ns;
+        let values = Values {
+            t_ns: row.t_ns,
+            axes: row.axes.iter().map(|point| [position_f64(point.pos), scaled_f64(point.vel)]).collect(),
+            lasers: row.lasers.clone(),
+        };
+        if let Some(before) = self.before.take() {
+            if before.t_ns < from && row.t_ns > from {
+                self.push(&before.towards(&values, from));
+            }
+            if before.t_ns < to && row.t_ns > to {
+                self.push(&before.towards(&values, to));
+            }
+        }
+        if (from..=to).contains(&row.t_ns) {
+            self.push(&values);
+        }
+        self.before = Some(values);
+    }
+
+    fn push(&mut self, values: &Values) {
+        self.drawn = true;
+        let t = values.t_ns as f64 * 1e-6;
+        for (curves, axis) in self.curves.iter_mut().zip(&values.axes) {
+            for (curve, value) in curves.iter_mut().zip(axis) {
+                curve.push((t, *value));
+            }
+        }
+        for (laser, point) in self.lasers.iter_mut().zip(&values.lasers) {
+            let curves = &mut laser.powers[point.unit as usize];
+            if laser.unit.replace(point.unit) != Some(point.unit) {
+                curves.push(Curve::default());
+            }
+            if let Some(curve) = curves.last_mut() {
+                curve.step(t, scaled_f64(point.power));
+            }
         }
     }
 
     /// Size of the picture in pixels.
     pub fn size(&self) -> (u32, u32) {
-        let axes = self.axes.len().max(1) as u32;
-        (self.options.width.max(480), HEAD + axes * 2 * panel_height(axes) + FOOT)
+        let panels = self.panels();
+        let height = quantity_height(&panels);
+        let all: u32 = panels.iter().map(|panel| panel.height(height)).sum();
+        (self.options.width.max(480), HEAD + all + FOOT)
     }
 
     /// Draws a PNG or an SVG, as the path's extension says.
@@ -147,8 +209,9 @@ impl Plot {
         if !matches!(extension.as_str(), "png" | "svg") {
             return Err(TraceError::Plot(format!("{}: a plot's name ends in .png or .svg", path.display())));
         }
-        if self.rows == 0 {
-            return Err(TraceError::Plot("no row of the trace lies in the time asked for".into()));
+        if !self.drawn {
+            let (from, last) = (self.window.from as f64 * 1e-6, self.last_ns as f64 * 1e-6);
+            return Err(TraceError::Window(format!("from is {from} ms; the trace ends at {last} ms")));
         }
         match extension.as_str() {
             "svg" => self.draw(&SVGBackend::new(path, self.size()).into_drawing_area(), 1),
@@ -182,114 +245,88 @@ impl Plot {
         for (text, y, size, colour) in lines {
             head.draw(&Text::new(text.clone(), place(24, y, scale), font(size, colour, scale))).map_err(as_plot)?;
         }
-        let span = self.time_range();
-        let height = panel_height(self.axes.len() as u32) * scale;
-        let panels = self.axes.len() * 2;
+        let panels = self.panels();
+        let frame = Frame { span: self.time_range(), height: quantity_height(&panels), scale };
         let mut below = rest;
-        for (index, (axis, curves)) in self.axes.iter().zip(&self.curves).enumerate() {
-            for (half, curve) in curves.iter().enumerate() {
-                let last = index * 2 + half + 1 == panels;
-                let (panel, next) = below.split_vertically(if last { height + FOOT * scale } else { height });
-                draw_panel(&panel, &Panel { axis: *axis, half, curve, span, last, scale })?;
-                below = next;
-            }
+        for (index, panel) in panels.iter().enumerate() {
+            let last = index + 1 == panels.len();
+            let height = panel.height(frame.height) + if last { FOOT } else { 0 };
+            let (here, next) = below.split_vertically(height * scale);
+            panel.draw(&here, &frame, last)?;
+            below = next;
         }
         area.present().map_err(as_plot)
     }
 
-    fn time_range(&self) -> (f64, f64) {
-        let times = || self.curves.iter().flat_map(|c| c[0].points().map(|p| p.0));
-        let (first, last) =
-            times().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
-        match (first, last) {
-            (first, last) if first > last => (0.0, 1.0),
-            (first, last) if first == last => (first, first + 1.0),
-            range => range,
+    /// The panels from top to bottom.
+    fn panels(&self) -> Vec<Panel<'_>> {
+        let mut panels = Vec::new();
+        for (axis, curves) in self.axes.iter().zip(&self.curves) {
+            for (curve, (what, colour)) in
+                curves.iter().zip([("position (pulse)", POSITION), ("velocity (pulse/ms)", VELOCITY)])
+            {
+                let content = Content::Quantity(std::slice::from_ref(curve));
+                panels.push(Panel { caption: format!("{} {what}", title(*axis)), colour, content });
+            }
         }
+        for laser in &self.lasers {
+            let name = format!("laser {}", laser.name.0);
+            panels.push(Panel {
+                caption: format!("{name} gate"),
+                colour: GATE,
+                content: Content::Digital(&laser.gate),
+            });
+            if laser.has_pulses {
+                panels.push(Panel {
+                    caption: format!("{name} pulses"),
+                    colour: PULSES,
+                    content: Content::Digital(&laser.pulses),
+                });
+            }
+            let units = [("duty (%)", 0), ("pulse rate (kHz)", 1), ("voltage (V)", 2)];
+            // A unit that was only the power-on one is not shown beside the one that was used.
+            let was_used =
+                |curves: &Vec<Curve>| curves.iter().filter_map(Curve::extremes).any(|extremes| extremes != (0.0, 0.0));
+            let any = laser.powers.iter().any(was_used);
+            for (what, unit) in units {
+                let curves = &laser.powers[unit];
+                if if any { was_used(curves) } else { laser.unit.is_some_and(|last| last as usize == unit) } {
+                    panels.push(Panel {
+                        caption: format!("{name} power: {what}"),
+                        colour: POWER,
+                        content: Content::Quantity(curves),
+                    });
+                }
+            }
+        }
+        panels
+    }
+
+    /// From the first to the last instant that is drawn, ms.
+    fn time_range(&self) -> (f64, f64) {
+        let (from, to) = (self.window.from, self.window.to.min(self.last_ns));
+        (from as f64 * 1e-6, to.max(from + 1) as f64 * 1e-6)
     }
 }
 
-/// Height of the heading.
-const HEAD: u32 = 62;
-/// Height of the time axis' labels.
-const FOOT: u32 = 58;
+impl Values {
+    /// Between this row and the next: motion goes straight, lasers stay.
+    fn towards(&self, next: &Values, t_ns: u64) -> Values {
+        let part = (t_ns - self.t_ns) as f64 / (next.t_ns - self.t_ns) as f64;
+        let between = |(a, b): (&[f64; 2], &[f64; 2])| [a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part];
+        let axes = self.axes.iter().zip(&next.axes).map(between).collect();
+        Values { t_ns, axes, lasers: self.lasers.clone() }
+    }
+}
 
-fn panel_height(axes: u32) -> u32 {
-    match axes {
-        0..=1 => 300,
-        2 => 220,
-        3..=4 => 160,
+/// Height of a quantity: the fewer there are, the larger.
+fn quantity_height(panels: &[Panel<'_>]) -> u32 {
+    match panels.iter().filter(|panel| matches!(panel.content, Content::Quantity(_))).count() {
+        0..=2 => 300,
+        3..=4 => 220,
+        5..=8 => 160,
         _ => 124,
     }
-}
-
-/// What one panel shows.
-struct Panel<'a> {
-    axis: AxisName,
-    /// 0 position, 1 velocity.
-    half: usize,
-    curve: &'a Curve,
-    /// Time range in ms.
-    span: (f64, f64),
-    /// The last one carries the time axis.
-    last: bool,
-    scale: u32,
-}
-
-/// Height of a panel's caption.
-const CAPTION: u32 = 26;
-
-fn draw_panel<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panel: &Panel<'_>) -> Result<()> {
-    let (name, unit, colour) =
-        if panel.half == 0 { ("position", "pulse", POSITION) } else { ("velocity", "pulse/ms", VELOCITY) };
-    // From ten seconds on, seconds read better than milliseconds.
-    let (start, end) = panel.span;
-    let (factor, time_unit) = if end - start >= 10_000.0 { (1e-3, "s") } else { (1.0, "ms") };
-    let (low, high) = panel.curve.range();
-    let scale = panel.scale;
-    let height = area.dim_in_pixel().1 / scale;
-    let caption = format!("{} {name} ({unit})", title(panel.axis));
-    area.draw(&Text::new(caption, place(LEFT, 7, scale), font(14, colour, scale))).map_err(as_plot)?;
-    let mut chart = ChartBuilder::on(area)
-        .margin_top(CAPTION * scale)
-        .margin_right(28 * scale)
-        .set_label_area_size(LabelAreaPosition::Left, LEFT * scale)
-        .set_label_area_size(LabelAreaPosition::Bottom, if panel.last { FOOT * scale } else { 0 })
-        .build_cartesian_2d(start * factor..end * factor, low..high)
-        .map_err(as_plot)?;
-    let step_x = tick_step((end - start) * factor);
-    let step_y = tick_step(high - low);
-    chart
-        .configure_mesh()
-        .axis_style(FRAME.stroke_width(scale))
-        .bold_line_style(GRID.stroke_width(scale))
-        .light_line_style(TRANSPARENT)
-        .set_all_tick_mark_size(5 * scale)
-        .x_labels(12)
-        .y_labels((height / 24).clamp(5, 10) as usize)
-        .label_style(font(14, INK, scale))
-        .axis_desc_style(font(14, FAINT, scale))
-        .x_label_formatter(&|x| tick_text(*x, step_x))
-        .y_label_formatter(&|y| tick_text(*y, step_y))
-        .x_desc(if panel.last { format!("time ({time_unit})") } else { String::new() })
-        .draw()
-        .map_err(as_plot)?;
-    let line = panel.curve.points().map(|(t, v)| (t * factor, v));
-    chart.draw_series(LineSeries::new(line, colour.stroke_width(2 * scale))).map_err(as_plot)?;
-    Ok(())
-}
-
-/// Width of the value labels.
-const LEFT: u32 = 88;
-
-/// A place in pixels of the picture.
-fn place(x: u32, y: u32, scale: u32) -> (i32, i32) {
-    ((x * scale) as i32, (y * scale) as i32)
-}
-
-/// The built-in font in this size and colour.
-fn font(size: u32, colour: RGBColor, scale: u32) -> TextStyle<'static> {
-    ("sans-serif", size * scale).into_font().color(&colour)
 }
 
 /// Means of squares of `by` pixels.
@@ -313,31 +350,4 @@ fn title(axis: AxisName) -> String {
         1 => format!("axis {}", axis.axis),
         core => format!("core {core} axis {}", axis.axis),
     }
-}
-
-/// A step that is surely not coarser than the distance of two labels.
-fn tick_step(range: f64) -> f64 {
-    10f64.powf((range / 20.0).max(1e-12).log10().floor())
-}
-
-/// A label with as many decimals as the step needs.
-fn tick_text(value: f64, step: f64) -> String {
-    let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
-    let text = format!("{value:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-fn as_plot<E: std::error::Error + Send + Sync>(e: DrawingAreaErrorKind<E>) -> TraceError {
-    TraceError::Plot(e.to_string())
-}
-
-/// Makes the built-in font known to the drawing library, once.
-fn load_font() {
-    static LOADED: Once = Once::new();
-    static FONT: &[u8] = include_bytes!("../assets/DejaVuSans-subset.ttf");
-    LOADED.call_once(|| {
-        // It fails only for bytes that are no font; a test draws with it.
-        let _ = register_font("sans-serif", FontStyle::Normal, FONT);
-    });
 }

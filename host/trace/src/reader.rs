@@ -61,7 +61,7 @@ fn item(event: Event<'_>, row_ns: &mut u64, rows: &mut u32) -> Result<Item> {
     Ok(match event {
         Event::Head(head, axes) => {
             let axes = axes.iter().map(|a| AxisName { core: a.core.saturating_add(1), axis: a.axis }).collect();
-            let header = Header { axes, period_ns: head.period_ns.into(), every: head.every };
+            let header = Header { axes, lasers: Vec::new(), period_ns: head.period_ns.into(), every: head.every };
             *row_ns = header.row_ns();
             *rows = 0;
             Item::Header(header)
@@ -72,7 +72,12 @@ fn item(event: Event<'_>, row_ns: &mut u64, rows: &mut u32) -> Result<Item> {
                 pos: Pos(s.pos.get()),
                 vel: Scaled { m: s.vel_mantissa.get(), e: s.vel_exponent.get() },
             };
-            Item::Row(Row { index, t_ns: u64::from(index) * *row_ns, axes: samples.iter().map(point).collect() })
+            Item::Row(Row {
+                index,
+                t_ns: u64::from(index) * *row_ns,
+                axes: samples.iter().map(point).collect(),
+                lasers: Vec::new(),
+            })
         }
         Event::End { rows, .. } => Item::End { rows },
     })

@@ -21,11 +21,24 @@ impl std::fmt::Display for AxisName {
     }
 }
 
+/// A traced laser channel, from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct LaserName(pub u8);
+
+impl std::fmt::Display for LaserName {
+    /// `laserK`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "laser{}", self.0)
+    }
+}
+
 /// What the rows of a trace have in common.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Header {
     /// Traced axes, ascending.
     pub axes: Vec<AxisName>,
+    /// Traced laser channels, ascending.
+    pub lasers: Vec<LaserName>,
     /// Servo tick in ns.
     pub period_ns: u64,
     /// Ticks from one row to the next, at least 1.
@@ -48,6 +61,31 @@ pub struct AxisPoint {
     pub vel: Scaled,
 }
 
+/// Unit of a laser's power: that of the power mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum PowerUnit {
+    /// Duty in %.
+    #[default]
+    Percent,
+    /// Pulse rate in kHz.
+    Kilohertz,
+    /// Voltage in V.
+    Volt,
+}
+
+/// One laser channel in one row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LaserPoint {
+    /// Level of the switch output, after delays.
+    pub gate: bool,
+    /// What is put out, in `unit`; 0 when nothing is.
+    pub power: Scaled,
+    /// Its unit.
+    pub unit: PowerUnit,
+    /// Carrier or pulse rate in kHz; 0 when there are no pulses.
+    pub frequency: Scaled,
+}
+
 /// One row: the values in force at `t_ns`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Row {
@@ -57,6 +95,8 @@ pub struct Row {
     pub t_ns: u64,
     /// One point for each axis of the header, in its order.
     pub axes: Vec<AxisPoint>,
+    /// One point for each laser of the header, in its order.
+    pub lasers: Vec<LaserPoint>,
 }
 
 /// A digital output that changed, for the VCD.

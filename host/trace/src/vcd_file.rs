@@ -1,148 +1,201 @@
-//! Rows as a VCD of 1 ns: `axisN_step`, `axisN_dir`, `doN`.
+//! Rows as a VCD of 1 ns (SPEC 8): `axisN_step`, `axisN_dir`, `doN`, `laserK_energy`, `laserK_switch`,
+//! `laserK_dac_mv`.
 //!
-//! In: rows, and the digital outputs' edges in the order of time. Out: value changes. The whole
+//! In: rows, and what digital and laser outputs did before each of them. Out: value changes. The whole
 //! pulses between two rows are spread over the time between them as `servo::steps` says; a step is
-//! high for half the distance to the next. Owns at most one row's changes.
+//! high for half the distance to the next. A level that lasts for no time is not shown. Owns at most one
+//! row's changes.
 use crate::row::{AxisName, Header, OutputEdge, Row};
 use crate::{Result, TraceError};
+use plant::beam::Change;
 use servo::steps;
 use servo::units::Pos;
-use std::collections::VecDeque;
 use std::io::Write;
-use vcd::{IdCode, TimescaleUnit, Value};
+use vcd::{IdCode, TimescaleUnit, Value, VarType};
 
-/// Wires of one axis and what they show now.
-struct AxisWires {
+/// What a signal shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shown {
+    Level(bool),
+    Number(f64),
+}
+
+/// A signal and what it shows now.
+struct Signal {
+    id: IdCode,
+    shown: Shown,
+}
+
+/// Signals of one axis, by their places.
+struct AxisSignals {
     axis: AxisName,
-    step: IdCode,
-    dir: IdCode,
+    step: usize,
+    dir: usize,
     backwards: bool,
     pos: Pos,
+}
+
+/// Signals of one laser, by their places.
+struct LaserSignals {
+    energy: usize,
+    switch: usize,
+    dac: usize,
 }
 
 /// Writes rows and edges as they come.
 pub struct VcdWriter<W: Write> {
     out: vcd::Writer<W>,
-    axes: Vec<AxisWires>,
-    outputs: Vec<(u8, IdCode)>,
+    signals: Vec<Signal>,
+    axes: Vec<AxisSignals>,
+    outputs: Vec<(u8, usize)>,
+    lasers: Vec<LaserSignals>,
+    /// Instant, signal, and what it shows from then on.
+    changes: Vec<(u64, usize, Shown)>,
     row: Option<(u32, u64)>,
-    edges: VecDeque<OutputEdge>,
-    time: Option<u64>,
+    time: u64,
 }
 
 impl<W: Write> VcdWriter<W> {
-    /// Declares the wires: two for each axis of the header, one for each output
-    /// (its number from 1, and its level at the start).
+    /// Declares the signals: two for each axis of the header, one for each output (its number from 1, and
+    /// its level at the start), three for each laser, which begin at rest.
     pub fn new(out: W, header: &Header, outputs: &[(u8, bool)]) -> Result<Self> {
         let mut out = vcd::Writer::new(out);
         out.timescale(1, TimescaleUnit::NS)?;
         out.add_module("beamtick")?;
+        let mut signals = Vec::new();
+        let mut declare = |out: &mut vcd::Writer<W>, name: String, shown: Shown| -> Result<usize> {
+            let id = match shown {
+                Shown::Level(_) => out.add_wire(1, &name)?,
+                Shown::Number(_) => out.add_var(VarType::Real, 64, &name, None)?,
+            };
+            signals.push(Signal { id, shown });
+            Ok(signals.len() - 1)
+        };
+        let low = Shown::Level(false);
         let mut axes = Vec::new();
         for &axis in &header.axes {
-            axes.push(AxisWires {
+            axes.push(AxisSignals {
                 axis,
-                step: out.add_wire(1, &format!("{axis}_step"))?,
-                dir: out.add_wire(1, &format!("{axis}_dir"))?,
+                step: declare(&mut out, format!("{axis}_step"), low)?,
+                dir: declare(&mut out, format!("{axis}_dir"), low)?,
                 backwards: false,
                 pos: Pos(0),
             });
         }
-        let mut wires = Vec::new();
+        let mut places = Vec::new();
         for &(n, level) in outputs {
-            wires.push((n, out.add_wire(1, &format!("do{n}"))?, level));
+            places.push((n, declare(&mut out, format!("do{n}"), Shown::Level(level))?));
+        }
+        let mut lasers = Vec::new();
+        for laser in &header.lasers {
+            lasers.push(LaserSignals {
+                energy: declare(&mut out, format!("{laser}_energy"), low)?,
+                switch: declare(&mut out, format!("{laser}_switch"), low)?,
+                dac: declare(&mut out, format!("{laser}_dac_mv"), Shown::Number(0.0))?,
+            });
         }
         out.upscope()?;
         out.enddefinitions()?;
         out.timestamp(0)?;
-        for id in axes.iter().flat_map(|a| [a.step, a.dir]) {
-            out.change_scalar(id, Value::V0)?;
+        for signal in &signals {
+            show(&mut out, signal)?;
         }
-        for (_, id, level) in &wires {
-            out.change_scalar(*id, *level)?;
-        }
-        let outputs = wires.into_iter().map(|(n, id, _)| (n, id)).collect();
-        Ok(VcdWriter { out, axes, outputs, row: None, edges: VecDeque::new(), time: Some(0) })
+        Ok(VcdWriter { out, signals, axes, outputs: places, lasers, changes: Vec::new(), row: None, time: 0 })
     }
 
-    /// Takes an output's edge; it is written with the row after it.
+    /// Takes a digital output's edge; it is written with the row after it.
     pub fn edge(&mut self, edge: OutputEdge) {
-        self.edges.push_back(edge);
+        if let Some((_, signal)) = self.outputs.iter().find(|(n, _)| *n == edge.output) {
+            self.changes.push((edge.t_ns, *signal, Shown::Level(edge.level)));
+        }
+    }
+
+    /// Takes what a laser's outputs (its place among those of the header) did; it is written with the row
+    /// after it.
+    pub fn change(&mut self, laser: usize, change: &Change) {
+        let Some(LaserSignals { energy, switch, dac }) = self.lasers.get(laser) else { return };
+        let changes = &mut self.changes;
+        match *change {
+            Change::Switch { at, level } => changes.push((at, *switch, Shown::Level(level))),
+            Change::Energy { at, level } => changes.push((at, *energy, Shown::Level(level))),
+            Change::Pulses(burst) => {
+                for (from, to) in burst.pulses() {
+                    changes.push((from, *energy, Shown::Level(true)));
+                    changes.push((to, *energy, Shown::Level(false)));
+                }
+            }
+            Change::Dac { at, microvolts } => changes.push((at, *dac, Shown::Number(f64::from(microvolts) / 1e3))),
+        }
     }
 
     /// Takes a row and writes all changes before it.
     pub fn row(&mut self, row: &Row) -> Result<()> {
-        let mut changes: Vec<(u64, IdCode, Value)> = Vec::new();
-        if let Some((index, start)) = self.row {
+        for (signals, point) in self.axes.iter_mut().zip(&row.axes) {
+            let Some((index, start)) = self.row else {
+                signals.pos = point.pos;
+                continue;
+            };
             let length = row.t_ns.saturating_sub(start);
-            for (wires, point) in self.axes.iter_mut().zip(&row.axes) {
-                let steps = steps::between(wires.pos, point.pos);
-                wires.pos = point.pos;
-                let count = steps.unsigned_abs();
-                if count > length / 2 {
-                    return Err(TraceError::TooManySteps {
-                        axis: wires.axis,
-                        row: index,
-                        steps: count,
-                        row_ns: length,
-                    });
-                }
-                if count > 0 && wires.backwards != (steps < 0) {
-                    wires.backwards = steps < 0;
-                    changes.push((start, wires.dir, if steps < 0 { Value::V1 } else { Value::V0 }));
-                }
-                for k in 0..count {
-                    let at = step_instant(k, count, length);
-                    let high = (length / count / 2).max(1);
-                    changes.push((start + at, wires.step, Value::V1));
-                    changes.push((start + at + high, wires.step, Value::V0));
-                }
+            let steps = steps::between(signals.pos, point.pos);
+            signals.pos = point.pos;
+            let count = steps.unsigned_abs();
+            if count > length / 2 {
+                return Err(TraceError::TooManySteps { axis: signals.axis, row: index, steps: count, row_ns: length });
             }
-        } else {
-            for (wires, point) in self.axes.iter_mut().zip(&row.axes) {
-                wires.pos = point.pos;
+            if count > 0 && signals.backwards != (steps < 0) {
+                signals.backwards = steps < 0;
+                self.changes.push((start, signals.dir, Shown::Level(steps < 0)));
             }
-        }
-        while self.edges.front().is_some_and(|e| e.t_ns < row.t_ns) {
-            let Some(edge) = self.edges.pop_front() else { break };
-            self.push_edge(edge, &mut changes);
+            for k in 0..count {
+                let at = step_instant(k, count, length);
+                let high = (length / count / 2).max(1);
+                self.changes.push((start + at, signals.step, Shown::Level(true)));
+                self.changes.push((start + at + high, signals.step, Shown::Level(false)));
+            }
         }
         self.row = Some((row.index, row.t_ns));
-        self.write(changes)
+        self.write(row.t_ns)
     }
 
-    fn push_edge(&self, edge: OutputEdge, changes: &mut Vec<(u64, IdCode, Value)>) {
-        if let Some((_, id)) = self.outputs.iter().find(|(n, _)| *n == edge.output) {
-            changes.push((edge.t_ns, *id, if edge.level { Value::V1 } else { Value::V0 }));
-        }
-    }
-
-    /// Writes changes in the order of time.
-    fn write(&mut self, mut changes: Vec<(u64, IdCode, Value)>) -> Result<()> {
-        changes.sort_by_key(|c| c.0);
-        for (at, id, value) in changes {
-            if self.time != Some(at) {
-                self.out.timestamp(at)?;
-                self.time = Some(at);
+    /// Writes the changes before `end` in the order of time.
+    fn write(&mut self, end: u64) -> Result<()> {
+        self.changes.sort_by_key(|(at, signal, _)| (*at, *signal));
+        let due = self.changes.partition_point(|(at, ..)| *at < end);
+        let mut due = self.changes.drain(..due).peekable();
+        while let Some((at, place, shown)) = due.next() {
+            // Of several at one instant, the last one holds.
+            if due.peek().is_some_and(|next| (next.0, next.1) == (at, place)) {
+                continue;
             }
-            self.out.change_scalar(id, value)?;
+            let Some(signal) = self.signals.get_mut(place).filter(|signal| signal.shown != shown) else { continue };
+            signal.shown = shown;
+            if self.time != at {
+                self.out.timestamp(at)?;
+                self.time = at;
+            }
+            show(&mut self.out, signal)?;
         }
         Ok(())
     }
 
     /// Writes the edges that are left and the end of time.
     pub fn finish(mut self) -> Result<()> {
-        let mut changes = Vec::new();
-        while let Some(edge) = self.edges.pop_front() {
-            self.push_edge(edge, &mut changes);
-        }
-        self.write(changes)?;
+        self.write(u64::MAX)?;
         if let Some((_, end)) = self.row
-            && self.time.is_none_or(|t| t < end)
+            && self.time < end
         {
             self.out.timestamp(end)?;
         }
         Ok(self.out.flush()?)
     }
+}
+
+fn show<W: Write>(out: &mut vcd::Writer<W>, signal: &Signal) -> Result<()> {
+    match signal.shown {
+        Shown::Level(level) => out.change_scalar(signal.id, if level { Value::V1 } else { Value::V0 })?,
+        Shown::Number(number) => out.change_real(signal.id, number)?,
+    }
+    Ok(())
 }
 
 /// Instant of pulse `k` of `count` in a row of `length` ns: the closed form of `servo::steps`, with

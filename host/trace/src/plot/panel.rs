@@ -1,0 +1,196 @@
+//! One panel of the picture: a quantity over time, or a digital signal.
+//!
+//! In: what is to be shown, and where. Out: drawing. Fails with [`TraceError::Plot`].
+use super::activity::Activity;
+use super::curve::{Curve, Point};
+use super::text::{FAINT, INK, as_plot, font, place, tick_step, tick_text};
+use crate::Result;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+const GRID: RGBColor = RGBColor(0xe4, 0xe8, 0xec);
+const FRAME: RGBColor = RGBColor(0xb4, 0xbb, 0xc2);
+
+/// Width of the value labels.
+const LEFT: u32 = 88;
+/// What is free on the right.
+const RIGHT: u32 = 28;
+/// Height of a panel's caption.
+const CAPTION: u32 = 26;
+/// Height of the time axis' labels.
+pub(super) const FOOT: u32 = 58;
+/// Height of a digital signal.
+const DIGITAL: u32 = 86;
+
+/// What a panel shows.
+pub(super) enum Content<'a> {
+    /// A quantity: a curve for every stretch of time in which it had a value.
+    Quantity(&'a [Curve]),
+    /// A level, or pulses.
+    Digital(&'a Activity),
+}
+
+/// One panel.
+pub(super) struct Panel<'a> {
+    /// What it is of, with the unit.
+    pub caption: String,
+    pub colour: RGBColor,
+    pub content: Content<'a>,
+}
+
+/// Time axis and size, the same for all panels.
+pub(super) struct Frame {
+    /// Time range in ms.
+    pub span: (f64, f64),
+    /// Height of a quantity.
+    pub height: u32,
+    pub scale: u32,
+}
+
+/// How a digital signal is drawn.
+enum Drawing {
+    /// Every edge.
+    Edges(Vec<Point>),
+    /// Columns of a pixel: beginning and end in ms, share of time in %, whether there are edges in it.
+    Shares(Vec<(f64, f64, f64, bool)>),
+}
+
+impl Panel<'_> {
+    /// Its height in pixels, without the time axis.
+    pub fn height(&self, of_a_quantity: u32) -> u32 {
+        match self.content {
+            Content::Quantity(_) => of_a_quantity,
+            Content::Digital(_) => DIGITAL,
+        }
+    }
+
+    /// Draws it; the last one carries the time axis.
+    pub fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, frame: &Frame, last: bool) -> Result<()> {
+        let scale = frame.scale;
+        let width = (area.dim_in_pixel().0 / scale).saturating_sub(LEFT + RIGHT).max(1);
+        let drawing = match self.content {
+            Content::Quantity(_) => None,
+            Content::Digital(activity) => Some(drawing(activity, frame.span, width)),
+        };
+        let is_shares = matches!(drawing, Some(Drawing::Shares(_)));
+        let caption = if is_shares { format!("{}, share of time", self.caption) } else { self.caption.clone() };
+        area.draw(&Text::new(caption, place(LEFT, 7, scale), font(14, self.colour, scale))).map_err(as_plot)?;
+
+        let (start, end) = frame.span;
+        // From ten seconds on, seconds read better than milliseconds; below a tenth of one, microseconds.
+        let (factor, time_unit) = match end - start {
+            10_000.0.. => (1e-3, "s"),
+            0.1.. => (1.0, "ms"),
+            _ => (1e3, "µs"),
+        };
+        let (low, high) = match self.content {
+            Content::Quantity(curves) => range(curves),
+            Content::Digital(_) => (-10.0, 110.0),
+        };
+        let mut chart = ChartBuilder::on(area)
+            .margin_top(CAPTION * scale)
+            .margin_right(RIGHT * scale)
+            .set_label_area_size(LabelAreaPosition::Left, LEFT * scale)
+            .set_label_area_size(LabelAreaPosition::Bottom, if last { FOOT * scale } else { 0 })
+            .build_cartesian_2d(start * factor..end * factor, low..high)
+            .map_err(as_plot)?;
+        let step_x = tick_step((end - start) * factor);
+        let step_y = tick_step(high - low);
+        let value = |y: &f64| match (&drawing, *y) {
+            (None, y) => tick_text(y, step_y),
+            (Some(Drawing::Edges(_)), 0.0) => "off".to_owned(),
+            (Some(Drawing::Edges(_)), 100.0) => "on".to_owned(),
+            (Some(Drawing::Edges(_)), _) => String::new(),
+            (Some(Drawing::Shares(_)), y) => format!("{y} %"),
+        };
+        chart
+            .configure_mesh()
+            .axis_style(FRAME.stroke_width(scale))
+            .bold_line_style(GRID.stroke_width(scale))
+            .light_line_style(TRANSPARENT)
+            .set_all_tick_mark_size(5 * scale)
+            .x_labels(12)
+            .y_labels(match self.content {
+                Content::Quantity(_) => (frame.height / 24).clamp(5, 10) as usize,
+                Content::Digital(_) => 3,
+            })
+            .label_style(font(14, INK, scale))
+            .axis_desc_style(font(14, FAINT, scale))
+            .x_label_formatter(&|x| tick_text(*x, step_x))
+            .y_label_formatter(&value)
+            .x_desc(if last { format!("time ({time_unit})") } else { String::new() })
+            .draw()
+            .map_err(as_plot)?;
+
+        let stroke = self.colour.stroke_width(2 * scale);
+        if let Content::Quantity(curves) = self.content {
+            for curve in curves {
+                let line = curve.points().map(|(t, v)| (t * factor, v));
+                chart.draw_series(LineSeries::new(line, stroke)).map_err(as_plot)?;
+            }
+        }
+        match drawing {
+            None => {}
+            Some(Drawing::Edges(points)) => {
+                let line = points.into_iter().map(|(t, v)| (t * factor, v));
+                chart.draw_series(LineSeries::new(line, stroke)).map_err(as_plot)?;
+            }
+            Some(Drawing::Shares(columns)) => {
+                // Pale: it goes both ways within the column. Strong: its share of time.
+                let bar = |from: f64, to: f64, top: f64, style: ShapeStyle| {
+                    Rectangle::new([(from * factor, 0.0), (to * factor, top)], style)
+                };
+                let pale = columns.iter().filter(|c| c.3).map(|c| bar(c.0, c.1, 100.0, self.colour.mix(0.2).filled()));
+                chart.draw_series(pale).map_err(as_plot)?;
+                let strong = columns.iter().map(|c| bar(c.0, c.1, c.2, self.colour.filled()));
+                chart.draw_series(strong).map_err(as_plot)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Range of values with some air; a constant gets a range around it.
+fn range(curves: &[Curve]) -> (f64, f64) {
+    let all = curves.iter().filter_map(Curve::extremes);
+    let Some((low, high)) = all.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return (-1.0, 1.0) };
+    let air = if high > low { (high - low) * 0.08 } else { low.abs().max(1.0) * 0.5 };
+    (low - air, high + air)
+}
+
+fn drawing(activity: &Activity, (start, end): (f64, f64), width: u32) -> Drawing {
+    if let Some(highs) = activity.highs() {
+        let mut points = vec![(start, 0.0)];
+        for &(from, to) in highs {
+            let (from, to) = ((from as f64 * 1e-6).max(start), (to as f64 * 1e-6).min(end));
+            points.extend([(from, 0.0), (from, 100.0), (to, 100.0), (to, 0.0)]);
+        }
+        points.push((end, 0.0));
+        // A level that is high at an end of the picture has no edge there.
+        points.retain(|(t, level)| *level > 0.0 || start < *t && *t < end || highs.is_empty());
+        if let (Some(first), Some(last)) = (points.first().copied(), points.last().copied()) {
+            if first.0 > start {
+                points.insert(0, (start, 0.0));
+            }
+            if last.0 < end {
+                points.push((end, 0.0));
+            }
+        }
+        return Drawing::Edges(points);
+    }
+    let column = (end - start) / f64::from(width);
+    let mut columns: Vec<(f64, f64, f64, bool)> = Vec::new();
+    for index in 0..width {
+        let (from, to) = (start + column * f64::from(index), start + column * f64::from(index + 1));
+        let bin = activity.between(from * 1e6, to * 1e6);
+        // Tenths of a percent: more is not to be seen.
+        let share = (bin.on / (column * 1e6) * 1000.0).round().clamp(0.0, 1000.0) / 10.0;
+        let both = bin.edges > 0.0;
+        match columns.last_mut() {
+            _ if share == 0.0 && !both => {}
+            Some(last) if last.1 >= from && (last.2, last.3) == (share, both) => last.1 = to,
+            _ => columns.push((from, to, share, both)),
+        }
+    }
+    Drawing::Shares(columns)
+}
