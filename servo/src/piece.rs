@@ -82,6 +82,11 @@ pub struct Piece {
 }
 
 impl Piece {
+    /// At rest from `begin` on.
+    pub const fn rest(begin: Ns, start: Pos) -> Piece {
+        Piece { begin, span: u64::MAX, start, motion: Motion::REST }
+    }
+
     /// A piece of constant velocity slope over whole ns: displacement `a`·τ + `b`·τ².
     #[inline(always)]
     pub fn quadratic(begin: Ns, span: u64, start: Exact, a: i128, b: i128) -> Piece {

@@ -1,4 +1,8 @@
-//! Whatever an axis runs, the tick asks it the same question.
+//! Whatever an axis runs is a sequence of pieces; this is where it stands in it.
+//!
+//! In: instants. Out: the piece in force, and the one before or after it. Owns: two pieces and the
+//! [`Supply`] that makes them. A mode only supplies the next piece when one is over, so nothing of it is
+//! asked for while a piece lasts. Fails: never; a motion ends with a [`State`].
 use crate::piece::{Motion, Piece};
 use crate::pt::{Feed, PtRun, Segments};
 use crate::pvt::{PvtRun, Tables};
@@ -33,10 +37,10 @@ pub struct Step {
     pub state: State,
 }
 
-/// A motion that runs. There is no heap to box the larger kind on.
+/// What makes the pieces of a motion. There is no heap to box the larger kind on.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, Copy)]
-pub enum Profile {
+pub enum Supply {
     /// Positions and times.
     Pt(PtRun),
     /// A table of positions, velocities and times.
@@ -45,44 +49,234 @@ pub enum Profile {
     Ramp(RampRun),
 }
 
-impl Profile {
-    /// The motion at `now`, which must not go back between calls. `feed` and `source` are for PT and PVT.
+impl Supply {
+    /// Makes the piece that holds `now`, which is not before the end of the last one made.
     #[inline]
-    pub fn step(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
+    fn advance(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables), piece: &mut Piece) -> State {
         match self {
-            Profile::Pt(run) => run.step(now, feed, source),
-            Profile::Pvt(run) => run.step(now, feed.passes, source),
-            Profile::Ramp(run) => run.step(now),
+            Supply::Pt(run) => run.advance(now, feed, source, piece),
+            Supply::Pvt(run) => run.advance(now, feed.passes, source, piece),
+            Supply::Ramp(run) => run.advance(now, piece),
         }
     }
 
-    /// The piece in force, as far as the last step or turn saw.
+    /// Whether the last piece made begins a pass: then data or orders that come now can undo it.
+    #[inline]
+    fn is_new_pass(&self) -> bool {
+        match self {
+            Supply::Pt(run) => run.is_new_pass(),
+            Supply::Pvt(run) => run.is_new_pass(),
+            Supply::Ramp(_) => false,
+        }
+    }
+
+    /// As if the last piece had not been made.
+    #[inline]
+    fn retract(&mut self) {
+        match self {
+            Supply::Pt(run) => run.retract(),
+            Supply::Pvt(run) => run.retract(),
+            // Nothing but a new motion changes what a ramp will do, and its end changes nothing.
+            Supply::Ramp(_) => {}
+        }
+    }
+}
+
+/// What the piece that is not in force is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Other {
+    /// The one that was in force before; what follows is not known.
+    Before,
+    /// As before, and there is nothing to prepare until data or orders change.
+    BeforeLast,
+    /// The one that follows.
+    Ahead,
+}
+
+/// A motion, and where it stands.
+#[derive(Debug, Clone, Copy)]
+pub struct Profile {
+    pieces: [Piece; 2],
+    /// Which of them is in force.
+    at: u8,
+    other: Other,
+    supply: Supply,
+}
+
+impl Profile {
+    /// At rest at 0 since power-on.
+    pub const REST: Profile = Profile {
+        pieces: [Piece::rest(Ns(0), Pos(0)); 2],
+        at: 0,
+        other: Other::BeforeLast,
+        supply: Supply::Ramp(RampRun::IDLE),
+    };
+
+    /// A motion of its own, which begins at `now`.
+    pub fn of(supply: Supply, now: Ns) -> Profile {
+        Profile { supply, pieces: [Piece { begin: now, ..Piece::default() }; 2], other: Other::Before, ..Profile::REST }
+    }
+
+    /// The piece in force, as far as the last turn saw.
     #[inline(always)]
     pub fn piece(&self) -> &Piece {
-        match self {
-            Profile::Pt(run) => run.piece(),
-            Profile::Pvt(run) => run.piece(),
-            Profile::Ramp(run) => run.piece(),
-        }
+        let [first, second] = &self.pieces;
+        if self.at == 0 { first } else { second }
     }
 
-    /// Computes what follows the piece in force, if that is laborious and was not done; whether it did.
+    /// The piece that was in force one tick earlier, if a turn has changed it since; from the next
+    /// [`Profile::prepare`] on it may be one to come.
+    #[inline(always)]
+    pub fn other(&self) -> &Piece {
+        let [first, second] = &self.pieces;
+        if self.at == 0 { second } else { first }
+    }
+
+    /// What makes the pieces.
+    #[inline(always)]
+    pub fn supply(&self) -> &Supply {
+        &self.supply
+    }
+
+    /// Whether a piece has been made that is not in force yet.
+    #[inline(always)]
+    pub fn is_ahead(&self) -> bool {
+        self.other == Other::Ahead
+    }
+
+    /// Whether [`Profile::prepare`] may have something to do.
+    #[inline(always)]
+    pub fn is_open(&self) -> bool {
+        self.other == Other::Before
+    }
+
+    /// Another motion takes over at `now`.
     #[inline]
-    pub fn prepare(&mut self, feed: Feed, source: &(impl Segments + Tables)) -> bool {
-        match self {
-            Profile::Pt(run) => run.prepare(feed, source),
-            Profile::Pvt(run) => run.prepare(source),
-            Profile::Ramp(_) => false,
+    pub fn begin(&mut self, now: Ns, supply: Supply) {
+        self.cut(now);
+        self.supply = supply;
+    }
+
+    /// A ramp takes over at `now`. It begins where its state lies: it is too large to be moved about.
+    #[inline]
+    pub fn begin_ramp(&mut self, now: Ns, begin: impl FnOnce(&mut RampRun)) {
+        self.cut(now);
+        if !matches!(self.supply, Supply::Ramp(_)) {
+            self.supply = Supply::Ramp(RampRun::IDLE);
+        }
+        if let Supply::Ramp(run) = &mut self.supply {
+            begin(run);
         }
     }
 
-    /// The piece is over at `now`: on to the one that holds it, or to the end.
+    /// The motion is over at `now`: it rests at `pos`.
+    pub fn rest(&mut self, now: Ns, pos: Pos) {
+        self.cut(now);
+        (self.at, self.other) = (self.at ^ 1, Other::BeforeLast);
+        let [first, second] = &mut self.pieces;
+        *(if self.at == 0 { first } else { second }) = Piece::rest(now, pos);
+    }
+
+    /// At rest, the position is called `pos`.
+    pub fn rename(&mut self, pos: Pos) {
+        let [first, second] = &mut self.pieces;
+        (if self.at == 0 { first } else { second }).start = pos;
+    }
+
+    /// The piece in force ends at `now`, and what was to follow does not.
+    #[inline]
+    fn cut(&mut self, now: Ns) {
+        self.other = Other::Before;
+        let [first, second] = &mut self.pieces;
+        let piece = if self.at == 0 { first } else { second };
+        piece.span = piece.elapsed(now).min(piece.span);
+    }
+
+    /// PVT: `table` takes over at the end of the pass; false if this is not PVT.
+    pub fn select(&mut self, table: u8) -> bool {
+        self.revise();
+        if let Supply::Pvt(run) = &mut self.supply {
+            run.select(table);
+            return true;
+        }
+        false
+    }
+
+    /// Data or orders have changed: what follows the present pass may be something else now.
+    #[inline]
+    pub fn revise(&mut self) {
+        if self.other != Other::Ahead {
+            self.other = Other::Before;
+        } else if self.supply.is_new_pass() {
+            self.supply.retract();
+            self.other = Other::Before;
+        }
+    }
+
+    /// Makes the piece that holds `now`, if it is not there yet; the one in force is over by then.
+    #[inline]
+    fn reach(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
+        let [first, second] = &mut self.pieces;
+        let piece = if self.at == 0 { second } else { first };
+        if self.other == Other::Ahead && piece.elapsed(now) < piece.span {
+            return State::Running;
+        }
+        let state = self.supply.advance(now, feed, source, piece);
+        if state == State::Running {
+            self.other = Other::Ahead;
+        }
+        state
+    }
+
+    /// The piece that will be in force at `now`, or how the motion will have ended; nothing changes.
+    pub fn look(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Result<&Piece, State> {
+        if self.piece().elapsed(now) < self.piece().span {
+            return Ok(self.piece());
+        }
+        match self.reach(now, feed, source) {
+            State::Running => Ok(self.other()),
+            end => {
+                self.supply.retract();
+                Err(end)
+            }
+        }
+    }
+
+    /// The piece in force is over at `now`: on to the one that holds it, or to the end.
     #[inline]
     pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
-        match self {
-            Profile::Pt(run) => run.turn(now, feed, source),
-            Profile::Pvt(run) => run.turn(now, feed.passes, source),
-            Profile::Ramp(run) => run.turn(now),
+        let state = self.reach(now, feed, source);
+        if state == State::Running {
+            (self.at, self.other) = (self.at ^ 1, Other::Before);
         }
+        state
+    }
+
+    /// Makes the piece that follows the one in force ahead of its tick, so that many axes can enter
+    /// pieces in one tick; what is made is what would have been. Whether there was something to do.
+    #[inline]
+    pub fn prepare(&mut self, feed: Feed, source: &(impl Segments + Tables)) -> bool {
+        let piece = self.piece();
+        let end = Ns(piece.begin.0.wrapping_add(piece.span));
+        if self.other != Other::Before || piece.span == 0 {
+            return false;
+        }
+        if self.reach(end, feed, source) != State::Running {
+            self.supply.retract();
+            self.other = Other::BeforeLast;
+        }
+        true
+    }
+
+    /// The motion at `now`, which must not go back between calls. `feed` and `source` are for PT and PVT.
+    pub fn step(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
+        if self.piece().elapsed(now) >= self.piece().span
+            && let state @ (State::Ended { at } | State::Underrun { at }) = self.turn(now, feed, source)
+        {
+            return Step { pos: at.round(), motion: Motion::REST, state };
+        }
+        let piece = self.piece();
+        let (pos, tau) = piece.at(piece.held(now));
+        Step { pos, motion: piece.motion(tau), state: State::Running }
     }
 }

@@ -1,7 +1,7 @@
 //! PVT: cubic pieces through points with given times, positions and velocities (SPEC 5; GXN
 //! chapter 4).
 //!
-//! In: instants, and tables that the thread filled ([`Tables`]). Out: a [`Step`] a tick. Owns: the
+//! In: instants, and tables that the thread filled ([`Tables`]). Out: pieces. Owns: the
 //! state of one running motion, [`PvtRun`]. Cannot fail: what could not be run is refused when the
 //! table is built.
 //!
@@ -12,7 +12,7 @@
 //! called, which takes the most of it), found by at most 20 looks at times, however many
 //! knots or passes lie between two ticks.
 use crate::piece::{Motion, Piece, Recip};
-use crate::profile::{State, Step};
+use crate::profile::State;
 use crate::units::{Exact, Ns};
 use crate::wide::{mulhi_su, recip64_below, umulhi};
 
@@ -31,33 +31,39 @@ pub trait Tables {
     fn header(&self, table: u8) -> [u32; HEADER_WORDS];
 }
 
-/// A PVT motion that runs.
+/// Where a run stands behind the last piece it made.
 #[derive(Debug, Clone, Copy)]
-#[repr(C)] // the piece first, as in every motion
-pub struct PvtRun {
-    piece: Piece,
-    header: Header,
-    /// The table in force.
-    table: u8,
-    /// The table that takes over when the present pass ends.
-    pending: Option<u8>,
-    /// The segment after the one in force.
-    next: u32,
-    /// Segments of a pass; 0 before the first one is entered, so that none follows.
-    segments: u32,
-    /// Its begin in 2⁻⁶⁴ ns, and the place there.
+struct Track {
+    /// End of the last piece in 2⁻⁶⁴ ns, and the place there.
     until: u128,
-    ahead: Place,
-    /// What follows, if it was prepared: its piece, its end and the place there.
-    prepared: Option<(Piece, u128, Place)>,
-    /// Passes of this table completed.
-    passes: u32,
-    /// All passes have run.
-    ended: bool,
+    after: Place,
     /// Position of the first point of the present pass.
     origin: Exact,
     /// Its instant in 2⁻⁶⁴ ns.
     began: u128,
+    /// Passes of this table completed.
+    passes: u32,
+    /// The next segment.
+    next: u16,
+    /// Segments of a pass; 0 before the first one is entered, so that none follows.
+    segments: u16,
+    /// The table in force, and which header is its.
+    table: u8,
+    header: u8,
+    /// The table that takes over when the present pass ends.
+    pending: Option<u8>,
+    /// All passes have run.
+    ended: bool,
+}
+
+/// A PVT motion that runs.
+#[derive(Debug, Clone, Copy)]
+pub struct PvtRun {
+    /// Behind the last piece made, and behind the one before it.
+    track: Track,
+    back: Track,
+    /// Headers of the tables of both.
+    headers: [Header; 2],
 }
 
 /// 2⁸³/10⁶ to nearest: ns to ms, top bit set.
@@ -69,210 +75,204 @@ impl PvtRun {
     pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl Tables) -> PvtRun {
         let header = Header::from_words(source.header(table));
         let began = ((now.0 as u128) << 64).wrapping_add(header.delay);
-        PvtRun {
-            piece: Piece {
-                begin: now,
-                span: ceil(began).wrapping_sub(now.0),
-                start: origin.round(),
-                ..Piece::default()
-            },
-            header,
-            table,
-            pending: None,
-            next: 0,
-            segments: 0,
+        let track = Track {
             until: began,
-            ahead: Place::default(),
-            prepared: None,
-            passes: 0,
-            ended: false,
+            after: Place::default(),
             origin,
             began,
-        }
+            passes: 0,
+            next: 0,
+            segments: 0,
+            table,
+            header: 0,
+            pending: None,
+            ended: false,
+        };
+        PvtRun { track, back: track, headers: [header; 2] }
     }
 
     /// `table` takes over when the present pass ends; the one in force now means no change.
     pub fn select(&mut self, table: u8) {
-        self.pending = (table != self.table).then_some(table);
+        self.track.pending = (table != self.track.table).then_some(table);
+        self.back.pending = self.track.pending;
+    }
+
+    /// Where it stands with the piece in force: `ahead` tells whether the last one made is yet to come.
+    #[inline(always)]
+    fn standing(&self, ahead: bool) -> &Track {
+        if ahead { &self.back } else { &self.track }
     }
 
     /// The table in force.
-    pub fn table(&self) -> u8 {
-        self.table
+    pub fn table(&self, ahead: bool) -> u8 {
+        self.standing(ahead).table
     }
 
     /// The table that waits for the end of the pass.
-    pub fn pending(&self) -> Option<u8> {
-        self.pending
+    pub fn pending(&self, ahead: bool) -> Option<u8> {
+        self.standing(ahead).pending
     }
 
     /// Passes of this table completed.
-    pub fn passes(&self) -> u32 {
-        self.passes
+    pub fn passes(&self, ahead: bool) -> u32 {
+        self.standing(ahead).passes
     }
 
     /// Time of the table at `now`, which runs from 0 to the first point's time and then from point
     /// to point, in whole ns; at most the last point's time.
-    pub fn time(&self, now: Ns) -> Ns {
-        let since = ((now.0 as u128) << 64).wrapping_sub(self.began.wrapping_sub(self.header.delay));
-        Ns((since.min(self.header.delay.wrapping_add(self.header.duration)) >> 64) as u64)
+    pub fn time(&self, now: Ns, ahead: bool) -> Ns {
+        let track = self.standing(ahead);
+        let Header { delay, duration, .. } = *self.header_of(track);
+        let since = ((now.0 as u128) << 64).wrapping_sub(track.began.wrapping_sub(delay));
+        Ns((since.min(delay.wrapping_add(duration)) >> 64) as u64)
     }
 
     /// Instant at which the time of the table was 0, or would have been in a later pass; rounded down.
-    pub fn zero(&self) -> Ns {
-        Ns((self.began.wrapping_sub(self.header.delay) >> 64) as u64)
+    pub fn zero(&self, ahead: bool) -> Ns {
+        let track = self.standing(ahead);
+        Ns((track.began.wrapping_sub(self.header_of(track).delay) >> 64) as u64)
     }
 
-    /// The piece in force, as far as the last step or turn saw.
     #[inline(always)]
-    pub fn piece(&self) -> &Piece {
-        &self.piece
+    fn header_of(&self, track: &Track) -> &Header {
+        let [first, second] = &self.headers;
+        if track.header == 0 { first } else { second }
     }
 
-    /// The piece is over at `now`: on to the one that holds it, or to the end.
+    #[inline(always)]
+    fn header(&self) -> &Header {
+        self.header_of(&self.track)
+    }
+
+    /// Whether the last piece made begins a pass.
     #[inline]
-    pub fn turn(&mut self, now: Ns, passes: u32, source: &impl Tables) -> State {
-        if self.advance(now, passes, source) { State::Running } else { State::Ended { at: self.origin } }
+    pub fn is_new_pass(&self) -> bool {
+        self.track.began != self.back.began
     }
 
-    /// The motion at `now`, which must not go back between calls. `passes` is the number of passes
-    /// to run, 0 for ever; it may change from call to call.
+    /// As if the last piece had not been made.
     #[inline]
-    pub fn step(&mut self, now: Ns, passes: u32, source: &impl Tables) -> Step {
-        let mut t = self.piece.elapsed(now);
-        if t >= self.piece.span {
-            if !self.advance(now, passes, source) {
-                let at = self.origin;
-                return Step { pos: at.round(), motion: Motion::REST, state: State::Ended { at } };
-            }
-            t = self.piece.held(now);
-        }
-        let (pos, tau) = self.piece.at(t);
-        Step { pos, motion: self.piece.motion(tau), state: State::Running }
+    pub fn retract(&mut self) {
+        self.track = self.back;
     }
 
-    /// Enters the segment that is in force at `now`; false if the motion has ended. Nearly always
-    /// that is the next one, whose first place is at hand.
+    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the end.
+    /// Nearly always that is the next one, whose first place is at hand. `passes` is the number of
+    /// passes to run, 0 for ever; it may change from call to call.
     #[inline(never)]
-    fn advance(&mut self, now: Ns, passes: u32, source: &impl Tables) -> bool {
-        if let Some((piece, until, after)) = self.prepared.take() {
-            if piece.elapsed(now) < piece.span {
-                self.go_on(piece, until, after);
-                return true;
-            }
-        } else if self.next < self.segments {
-            let after = Place::from_words(source.place(self.table, self.next.wrapping_add(1)));
-            let until = self.end_of(self.next, after.time);
-            let begin = ceil(self.until);
+    pub fn advance(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> State {
+        self.back = self.track;
+        let Track { next, segments, until: from, after: before, .. } = self.track;
+        if next < segments {
+            let after = Place::from_words(source.place(self.track.table, next as u32 + 1));
+            let until = self.end_of(next, after.time);
+            let begin = ceil(from);
             if now.0.wrapping_sub(begin) < ceil(until).wrapping_sub(begin) {
-                let piece = self.piece_between(self.ahead, after, self.until, until);
-                self.go_on(piece, until, after);
-                return true;
+                *piece = self.piece_between(before, after, from, until);
+                self.go_on(next, until, after);
+                return State::Running;
             }
         }
-        self.search(now, passes, source)
-    }
-
-    /// Computes the next segment of the pass ahead of its tick, if it is not there yet, so that many axes
-    /// can enter segments in one tick; call it in a tick that has time. What is prepared is what
-    /// would have been computed. Says whether it computed.
-    #[inline(never)]
-    pub fn prepare(&mut self, source: &impl Tables) -> bool {
-        let due = self.prepared.is_none() && self.next < self.segments;
-        if due {
-            let after = Place::from_words(source.place(self.table, self.next.wrapping_add(1)));
-            let until = self.end_of(self.next, after.time);
-            let piece = self.piece_between(self.ahead, after, self.until, until);
-            self.prepared = Some((piece, until, after));
-        }
-        due
+        self.search(now, passes, source, piece)
     }
 
     #[inline(always)]
-    fn go_on(&mut self, piece: Piece, until: u128, after: Place) {
-        self.piece = piece;
-        self.next = self.next.wrapping_add(1);
-        (self.until, self.ahead) = (until, after);
+    fn go_on(&mut self, segment: u16, until: u128, after: Place) {
+        let track = &mut self.track;
+        track.next = segment.wrapping_add(1);
+        (track.until, track.after) = (until, after);
     }
 
     /// As [`PvtRun::advance`], wherever the segment is: behind others, in another pass or table.
     #[inline(never)]
-    fn search(&mut self, now: Ns, passes: u32, source: &impl Tables) -> bool {
-        let mut local = ((now.0 as u128) << 64).wrapping_sub(self.began);
-        let mut from = self.next;
+    fn search(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> State {
+        let mut local = ((now.0 as u128) << 64).wrapping_sub(self.track.began);
+        if local >> 127 != 0 {
+            // Before the time of the first point.
+            let until = Ns(ceil(self.track.began));
+            let span = until.0.wrapping_sub(now.0);
+            *piece = Piece { begin: now, span, start: self.track.origin.round(), ..Piece::default() };
+            return State::Running;
+        }
+        let mut from = self.track.next;
         // A pass may end, and the table that takes over may be shorter than the tick.
         for _ in 0..2 {
-            if local < self.header.duration {
+            if local < self.header().duration {
                 break;
             }
-            if self.ended {
-                return false;
-            }
-            match self.end_pass(local, passes, source) {
+            let left = if self.track.ended { None } else { self.end_pass(local, passes, source) };
+            match left {
                 Some(left) => (local, from) = (left, 0),
                 None => {
-                    self.ended = true;
-                    return false;
+                    self.track.ended = true;
+                    return State::Ended { at: self.track.origin };
                 }
             }
         }
-        self.segments = (self.header.places as u32).saturating_sub(1);
-        let segment = self.find(from, self.header.units(local), source);
-        let before = Place::from_words(source.place(self.table, segment));
-        let after = Place::from_words(source.place(self.table, segment.wrapping_add(1)));
-        let from = self.began.wrapping_add(self.header.span(before.time));
-        self.next = segment;
+        let header = self.header();
+        let (segments, units) = (header.places.saturating_sub(1), header.units(local));
+        let segment = self.find(from as u32, units, source) as u16;
+        let before = Place::from_words(source.place(self.track.table, segment as u32));
+        let after = Place::from_words(source.place(self.track.table, segment as u32 + 1));
+        let from = self.track.began.wrapping_add(header.span(before.time));
+        self.track.segments = segments;
         let until = self.end_of(segment, after.time);
-        let piece = self.piece_between(before, after, from, until);
-        self.go_on(piece, until, after);
-        true
+        *piece = self.piece_between(before, after, from, until);
+        self.go_on(segment, until, after);
+        State::Running
     }
 
     /// End of a segment in 2⁻⁶⁴ ns; that of the last one is not rounded to the table's units.
     #[inline(always)]
-    fn end_of(&self, segment: u32, time: u64) -> u128 {
-        let last = segment.wrapping_add(1) >= self.segments;
-        self.began.wrapping_add(if last { self.header.duration } else { self.header.span(time) })
+    fn end_of(&self, segment: u16, time: u64) -> u128 {
+        let last = segment.wrapping_add(1) >= self.track.segments;
+        let header = self.header();
+        self.track.began.wrapping_add(if last { header.duration } else { header.span(time) })
     }
 
     /// The present pass is over, and perhaps others: what is left of `local`, or `None` at the end.
     #[inline]
     fn end_pass(&mut self, local: u128, passes: u32, source: &impl Tables) -> Option<u128> {
-        let Header { duration, displacement, .. } = self.header;
-        if self.pending.is_none() {
-            let twice = local.wrapping_sub(duration) >= duration;
-            let many = if twice { self.header.passes_in(local).max(1) } else { 1 };
-            let left = passes.saturating_sub(self.passes).max(1);
+        let header = self.header();
+        let Header { duration, displacement, .. } = *header;
+        let track = &self.track;
+        let mut many = 1;
+        if track.pending.is_none() {
+            if local.wrapping_sub(duration) >= duration {
+                many = header.passes_in(local).max(1);
+            }
+            let left = passes.saturating_sub(track.passes).max(1);
             if passes != 0 && many >= left {
-                self.passes = self.passes.saturating_add(left);
-                self.origin.0 = self.origin.0.wrapping_add(displacement.0.wrapping_mul(left as i128));
+                let track = &mut self.track;
+                track.passes = track.passes.saturating_add(left);
+                track.origin.0 = track.origin.0.wrapping_add(displacement.0.wrapping_mul(left as i128));
                 return None;
             }
-            if twice {
-                let whole = duration.wrapping_mul(many as u128);
-                self.passes = self.passes.wrapping_add(many);
-                self.origin.0 = self.origin.0.wrapping_add(displacement.0.wrapping_mul(many as i128));
-                self.began = self.began.wrapping_add(whole);
-                return Some(local.wrapping_sub(whole));
-            }
         }
-        self.passes = self.passes.wrapping_add(1);
-        self.origin.0 = self.origin.0.wrapping_add(displacement.0);
-        self.began = self.began.wrapping_add(duration);
-        if let Some(table) = self.pending.take() {
-            self.table = table;
-            self.header = Header::from_words(source.header(table));
-            self.passes = 0;
+        let (whole, way) = if many == 1 {
+            (duration, displacement.0)
+        } else {
+            (duration.wrapping_mul(many as u128), displacement.0.wrapping_mul(many as i128))
+        };
+        let track = &mut self.track;
+        track.passes = track.passes.wrapping_add(many);
+        track.origin.0 = track.origin.0.wrapping_add(way);
+        track.began = track.began.wrapping_add(whole);
+        if let Some(table) = track.pending.take() {
+            // The header of the table before stays, in case of a step back.
+            (track.table, track.passes, track.header) = (table, 0, track.header ^ 1);
+            let [first, second] = &mut self.headers;
+            *(if track.header == 0 { first } else { second }) = Header::from_words(source.header(table));
         }
-        Some(local.wrapping_sub(duration))
+        Some(local.wrapping_sub(whole))
     }
 
     /// The last segment from `from` on that has begun at `units`. Steps double, then halve.
     #[inline(always)]
     fn find(&self, from: u32, units: u64, source: &impl Tables) -> u32 {
-        let last = (self.header.places as u32).saturating_sub(2);
+        let last = (self.header().places as u32).saturating_sub(2);
         let begun = |i: u32| {
-            let [time, high, ..] = source.place(self.table, i);
+            let [time, high, ..] = source.place(self.track.table, i);
             table::time_of([time, high]) <= units
         };
         let mut low = from.min(last);
@@ -302,7 +302,7 @@ impl PvtRun {
     /// length L give P(τ) = v0·L·τ + (3P − (2·v0 + v1)·L)·τ² + ((v0 + v1)·L − 2P)·τ³.
     #[inline(always)]
     fn piece_between(&self, a: Place, b: Place, from: u128, until: u128) -> Piece {
-        let header = &self.header;
+        let header = self.header();
         let begin = ceil(from);
         let length = b.time.wrapping_sub(a.time);
         let zeros = length.leading_zeros(); // 22..=64, 64 for none at all
@@ -324,7 +324,7 @@ impl PvtRun {
         Piece {
             begin: Ns(begin),
             span: ceil(until).wrapping_sub(begin),
-            start: Exact(self.origin.0.wrapping_add(knot)).round(),
+            start: Exact(self.track.origin.0.wrapping_add(knot)).round(),
             motion: Motion { c: [w0, c2, c3], frac: header.frac() as u32 & 127, tau, recip: Recip { m, shift } },
         }
     }

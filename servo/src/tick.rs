@@ -183,7 +183,7 @@ impl<const AXES: usize> Tick<AXES> {
             if !state.settled {
                 let source = Source { segments: store, tables: lanes.tables };
                 // A segment entered in this tick is not followed by preparing the next in the same one.
-                if !state.prepared && left > 0 && state.prepare(&source) {
+                if left > 0 && state.is_open() && state.prepare(&source) {
                     left = left.wrapping_sub(1);
                 }
                 if state.runs()

@@ -7,11 +7,13 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::piece::Scaled;
 use servo::profile::State;
-use servo::pt::{Chain, Feed, Place, PtRun, Refused, Segment, SegmentStore, Segments};
+use servo::pt::{Chain, Feed, Place, Refused, Segment, SegmentStore, Segments};
 use servo::units::{Exact, Ns, Pos};
 
 mod chance;
+mod drive;
 use chance::Chance;
+use drive::Pt;
 
 const MS: u64 = 1_000_000;
 /// Fraction bits of the reference.
@@ -172,7 +174,7 @@ fn compare(chance: &mut Chance, count: usize, longest: f64, origin: Exact, dynam
         store.0[slot as usize] = *w;
     }
     let begin = chance.next() >> 2;
-    let mut run = PtRun::begin(Ns(begin), origin, place);
+    let mut run = Pt::begin(Ns(begin), origin, place);
     let feed = Feed { end: first.wrapping_add(total), passes };
     let base = big_exact(origin);
     for row in &rows {
@@ -275,7 +277,7 @@ fn short_chains_against_rationals() {
     for _ in 0..2000 {
         let (data, words) = draw(&mut chance, 6, 1e6);
         let store = Store(words);
-        let mut run = PtRun::begin(Ns(0), Exact(0), Place::Static { base: 0 });
+        let mut run = Pt::begin(Ns(0), Exact(0), Place::Static { base: 0 });
         let feed = Feed { end: data.len() as u32, passes: 1 };
         let whole = |x: u64| BigRational::from_integer(BigInt::from(x));
         let (mut pos, mut time, mut v) = (BigRational::zero(), 0u64, BigRational::zero());
@@ -319,7 +321,7 @@ fn loops_do_not_drift() {
     const PASSES: u32 = 100_000;
     for origin in [0i128, 1 << 103, -(1 << 103), 0x1234_5678_9abc_def0] {
         let store = admit_all(&[(0.1, 1, 0), (0.3, 3, 0), (0.7, 4, 1), (0.1 + 0.2, 5, 2)]);
-        let mut run = PtRun::begin(Ns(17), Exact(origin), Place::Static { base: 0 });
+        let mut run = Pt::begin(Ns(17), Exact(origin), Place::Static { base: 0 });
         let feed = Feed { end: 4, passes: PASSES };
         let whole = |x: f64| (big(x) >> (BITS - 64)).to_i128().unwrap();
         let (way, part) = (whole(0.1 + 0.2), whole(0.1));
@@ -350,7 +352,7 @@ fn a_chain_that_comes_to_rest_is_no_underrun() {
     let off = [(1.0, 3, 0), (3.0, 6, 0), (4.0 + 1e-15, 9, 0)];
     for (data, rest) in [(listing, true), (thirds, true), (off, false)] {
         let store = admit_all(&data);
-        let mut run = PtRun::begin(Ns(0), Exact(0), Place::Dynamic { mask: 63, first: 0 });
+        let mut run = Pt::begin(Ns(0), Exact(0), Place::Dynamic { mask: 63, first: 0 });
         let feed = Feed { end: 3, passes: 0 };
         let last = data[2].1 as u64 * MS;
         let mut now = 0;
@@ -368,7 +370,7 @@ fn a_chain_that_comes_to_rest_is_no_underrun() {
 #[test]
 fn velocity_of_the_listing() {
     let store = admit_all(&[(1024.0, 1024, 0), (3072.0, 2048, 0), (4096.0, 3072, 0)]);
-    let mut run = PtRun::begin(Ns(0), Exact(0), Place::Static { base: 0 });
+    let mut run = Pt::begin(Ns(0), Exact(0), Place::Static { base: 0 });
     let feed = Feed { end: 3, passes: 1 };
     let float = |s: Scaled| s.m as f64 / 2f64.powi(s.e as i32);
     assert!((float(run.step(Ns(512 * MS), feed, &store).motion.velocity()) - 1.0).abs() < 1e-15);
@@ -382,7 +384,7 @@ fn velocity_of_the_listing() {
 #[test]
 fn data_appended_while_running_belongs_to_the_pass() {
     let store = admit_all(&[(1.0, 10, 1), (3.0, 20, 1), (4.0, 30, 1)]);
-    let mut run = PtRun::begin(Ns(0), Exact(0), Place::Static { base: 0 });
+    let mut run = Pt::begin(Ns(0), Exact(0), Place::Static { base: 0 });
     let feed = |end, passes| Feed { end, passes };
     assert_eq!(run.step(Ns(5 * MS), feed(1, 2), &store).pos, Pos(1 << 21));
     assert_eq!(run.step(Ns(15 * MS), feed(3, 2), &store).pos, Pos::pulses(2));
@@ -397,7 +399,7 @@ fn data_appended_while_running_belongs_to_the_pass() {
 #[test]
 fn a_stream_frees_places_and_tells_when_it_runs_dry() {
     let store = admit_all(&[(1.0, 10, 1), (3.0, 20, 1), (4.0, 30, 2)]);
-    let mut run = PtRun::begin(Ns(100), Exact(0), Place::Dynamic { mask: 63, first: 0 });
+    let mut run = Pt::begin(Ns(100), Exact(0), Place::Dynamic { mask: 63, first: 0 });
     let feed = Feed { end: 3, passes: 0 };
     assert_eq!((run.released(true), run.dry_ms(Ns(100), feed, &store)), (0, 30));
     run.step(Ns(100 + MS), feed, &store);
@@ -473,13 +475,17 @@ fn prepared_segments_are_the_same() {
             0 => (Place::Static { base: 0 }, 3),
             _ => (Place::Dynamic { mask: 63, first: 0 }, 1),
         };
-        let mut plain = PtRun::begin(Ns(77), Exact(1 << 60), place);
+        let mut plain = Pt::begin(Ns(77), Exact(1 << 60), place);
         let mut ahead = plain;
         let mut end = if round % 2 == 0 { data.len() as u32 } else { 1 };
         let (mut now, longest) = (77, if round % 5 == 0 { 5 * MS } else { MS });
         loop {
             now += 1 + chance.below(longest);
-            end = (end + chance.below(2) as u32).min(data.len() as u32);
+            let more = (end + chance.below(2) as u32).min(data.len() as u32);
+            if more != end {
+                end = more;
+                ahead.0.revise();
+            }
             let feed = Feed { end, passes };
             if chance.below(3) > 0 {
                 prepared += ahead.prepare(feed, &store) as u32;

@@ -1,11 +1,13 @@
 //! A PVT run: packing, delay, passes, switches, jumps, and that the way to an instant does not matter.
 //! Exactness of positions is held by the dispatcher's `tables_exact`, which builds the tables.
 use servo::profile::State;
-use servo::pvt::{HEADER_WORDS, Header, PLACE_WORDS, PLACES, Place, PvtRun, Tables};
+use servo::pvt::{HEADER_WORDS, Header, PLACE_WORDS, PLACES, Place, Tables};
 use servo::units::{Exact, Ns, Pos};
 
 mod chance;
+mod drive;
 use chance::Chance;
+use drive::Pvt;
 
 const MS: u64 = 1_000_000;
 
@@ -107,7 +109,7 @@ fn delay_then_motion_then_rest() {
     shelf.add(7 * MS / 2, &[(0, 0, 0), (4 * MS, 8, 0)]);
     let begin = Ns(1_000);
     let origin = Exact(100 << 64);
-    let mut run = PvtRun::begin(begin, origin, 0, &shelf);
+    let mut run = Pvt::begin(begin, origin, 0, &shelf);
     for quarter in 1..14u64 {
         let step = run.step(Ns(begin.0 + quarter * MS / 4), 1, &shelf);
         assert_eq!((pulses(step.pos), step.state, step.motion.velocity().m), (100.0, State::Running, 0), "{quarter}");
@@ -136,7 +138,7 @@ fn a_selected_table_takes_over_at_the_end_of_the_pass() {
     shelf.add(0, &[(0, 0, 10 << 16), (10 * MS, 100, 10 << 16)]);
     shelf.add(500 * MS, &[(0, 0, -5 * 65536), (4 * MS, -20, -5 * 65536)]);
     for passes in [0, 1, 2] {
-        let mut run = PvtRun::begin(Ns(0), Exact(0), 0, &shelf);
+        let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
         assert!((pulses(run.step(Ns(3 * MS), passes, &shelf).pos) - 30.0).abs() < 1e-6);
         run.select(0);
         assert_eq!(run.pending(), None);
@@ -162,12 +164,12 @@ fn a_selected_table_takes_over_at_the_end_of_the_pass() {
         );
     }
     // The table that takes over may itself have run several times within the tick.
-    let mut run = PvtRun::begin(Ns(0), Exact(0), 0, &shelf);
+    let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
     run.select(1);
     let step = run.step(Ns(10 * MS + 4 * MS * 1000 + 2 * MS), 0, &shelf);
     assert!((pulses(step.pos) - (100.0 - 20_000.0 - 10.0)).abs() < 1e-6);
     assert_eq!((run.table(), run.passes()), (1, 1000));
-    let mut run = PvtRun::begin(Ns(0), Exact(0), 0, &shelf);
+    let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
     run.select(1);
     assert_eq!(run.step(Ns(1000 * MS), 3, &shelf).state, State::Ended { at: Exact(40 << 64) });
 }
@@ -176,14 +178,14 @@ fn a_selected_table_takes_over_at_the_end_of_the_pass() {
 fn the_loop_count_may_change_while_running() {
     let mut shelf = Shelf::default();
     shelf.add(0, &[(0, 0, 0), (10 * MS, 100, 0)]);
-    let mut run = PvtRun::begin(Ns(0), Exact(0), 0, &shelf);
+    let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
     assert_eq!(run.step(Ns(35 * MS), 0, &shelf).state, State::Running);
     assert_eq!(run.passes(), 3);
     // Fewer than have run: the present pass is the last.
     assert_eq!(run.step(Ns(39 * MS), 2, &shelf).state, State::Running);
     assert_eq!(run.step(Ns(41 * MS), 2, &shelf).state, State::Ended { at: Exact(400 << 64) });
     assert_eq!(run.passes(), 4);
-    let mut run = PvtRun::begin(Ns(0), Exact(0), 0, &shelf);
+    let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
     assert_eq!(run.step(Ns(5 * MS), 1, &shelf).state, State::Running);
     assert_eq!(run.step(Ns(15 * MS), 2, &shelf).state, State::Running);
     assert_eq!(run.step(Ns(1_000 * MS), 2, &shelf).state, State::Ended { at: Exact(200 << 64) });
@@ -208,7 +210,7 @@ fn the_way_to_an_instant_does_not_matter() {
         let delay = chance.below(3 * MS);
         shelf.add(delay, &knots);
         let pass = knots[knots.len() - 1].0;
-        let mut run = PvtRun::begin(Ns(55), Exact(3 << 60), 0, &shelf);
+        let mut run = Pvt::begin(Ns(55), Exact(3 << 60), 0, &shelf);
         let mut now = 55;
         for _ in 0..40 {
             now += match chance.below(4) {
@@ -218,10 +220,10 @@ fn the_way_to_an_instant_does_not_matter() {
                 _ => 50_000,
             };
             if chance.below(2) == 0 {
-                run.prepare(&shelf);
+                run.prepare(0, &shelf);
             }
             let step = run.step(Ns(now), 0, &shelf);
-            let fresh = PvtRun::begin(Ns(55), Exact(3 << 60), 0, &shelf).step(Ns(now), 0, &shelf);
+            let fresh = Pvt::begin(Ns(55), Exact(3 << 60), 0, &shelf).step(Ns(now), 0, &shelf);
             assert_eq!(step, fresh, "{now} {knots:?}");
             let since = (now - 55).saturating_sub(delay);
             assert_eq!(run.passes() as u64, if now - 55 < delay { 0 } else { since / pass });
@@ -230,7 +232,7 @@ fn the_way_to_an_instant_does_not_matter() {
             let knot = chance.below(n - 1) as usize;
             let base = (at / pass) as i64 * knots[knots.len() - 1].1;
             let instant = 55 + delay + at + knots[knot].0;
-            let there = PvtRun::begin(Ns(55), Exact(3 << 60), 0, &shelf).step(Ns(instant), 0, &shelf);
+            let there = Pvt::begin(Ns(55), Exact(3 << 60), 0, &shelf).step(Ns(instant), 0, &shelf);
             assert_eq!(there.pos, Pos(((base + knots[knot].1) << 22) + (3 << 18)));
             let held = knots.iter().rposition(|k| k.0 <= knots[knot].0).unwrap();
             let v = there.motion.velocity();
@@ -243,7 +245,7 @@ fn the_way_to_an_instant_does_not_matter() {
 #[test]
 fn a_missing_table_is_harmless() {
     let shelf = Shelf::default();
-    let mut run = PvtRun::begin(Ns(5), Exact(1 << 64), 9, &shelf);
+    let mut run = Pvt::begin(Ns(5), Exact(1 << 64), 9, &shelf);
     for now in [5, 6, 1000, u64::MAX] {
         assert_eq!(pulses(run.step(Ns(now), 1, &shelf).pos), 1.0);
     }

@@ -7,11 +7,14 @@ use dispatcher::tables::{Draft, Fields, Kind, Scratch};
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::profile::{State, Step};
-use servo::pvt::{HEADER_WORDS, Header, PLACE_WORDS, PvtRun, Tables};
+use servo::pvt::{HEADER_WORDS, Header, PLACE_WORDS, Tables};
 use servo::units::{Exact, Ns};
 
 #[path = "../../../servo/tests/chance/mod.rs"]
 pub mod chance;
+#[path = "../../../servo/tests/drive/mod.rs"]
+mod drive;
+use drive::Pvt;
 
 pub const BITS: usize = 256;
 pub const FIELDS: Fields = Fields { count: 2, whole: 4, point: 10 };
@@ -279,14 +282,14 @@ pub fn spline(t: &[BigInt], p: &[BigInt], v0: BigInt, v1: BigInt) -> Vec<BigInt>
 /// One axis that runs a table.
 pub struct Bench<'a> {
     pub shelf: &'a Shelf,
-    pub run: PvtRun,
+    pub run: Pvt,
     pub start: u64,
     pub passes: u32,
 }
 
 impl<'a> Bench<'a> {
     pub fn start(shelf: &'a Shelf, table: u8, start: u64, origin: Exact, passes: u32) -> Bench<'a> {
-        Bench { shelf, run: PvtRun::begin(Ns(start), origin, table, shelf), start, passes }
+        Bench { shelf, run: Pvt::begin(Ns(start), origin, table, shelf), start, passes }
     }
     /// ns since the start.
     pub fn step(&mut self, ns: u64) -> Step {

@@ -1,12 +1,12 @@
 //! A PT motion that runs.
 //!
-//! In: segments from where they lie, how many of them are allowed, instants. Out: a [`Step`] a tick.
-//! Owns: the piece in force and the one after it, the chain of velocities. Fails: a stream without
+//! In: segments from where they lie, how many of them are allowed, instants. Out: pieces.
+//! Owns: the chain of velocities. Fails: a stream without
 //! data ends in [`State::Underrun`].
 use super::segment::Kind;
 use super::store::Segments;
-use crate::piece::{Motion, Piece};
-use crate::profile::{State, Step};
+use crate::piece::Piece;
+use crate::profile::State;
 use crate::units::{Exact, Ns};
 use crate::wide::{Divisor, Recip, scale16};
 
@@ -36,19 +36,9 @@ pub struct Feed {
     pub passes: u32,
 }
 
-/// A PT motion that runs.
+/// Where a run stands behind the last segment it loaded.
 #[derive(Debug, Clone, Copy)]
-#[repr(C)] // the piece first, as in every motion
-pub struct PtRun {
-    piece: Piece,
-    /// The piece after it, if `ready`. Then all below is as of its end, not of the piece's in force.
-    ahead: Piece,
-    ready: bool,
-    place: Place,
-    /// Duration of the last segment loaded, ready to divide by, and 1/(it in ns): a stream's is constant.
-    duration: u32,
-    divisor: Divisor,
-    recip: Recip,
+struct Track {
     /// Counter of the next segment.
     next: u32,
     /// Passes completed.
@@ -57,72 +47,75 @@ pub struct PtRun {
     origin: Exact,
     /// Its instant.
     pass_begin: Ns,
-    /// End of the present segment, from `origin`.
+    /// End of the last segment, from `origin`.
     knot: Exact,
-    /// End time of the present segment, from `pass_begin`.
-    knot_ms: u32,
-    /// End velocity of the present segment in 2⁻⁸⁰ pulse/ms.
+    /// End velocity of the last segment in 2⁻⁸⁰ pulse/ms.
     velocity: i128,
+    /// End time of the last segment, from `pass_begin`.
+    knot_ms: u32,
     /// Quotients with a remainder that went into `velocity`, each within 2⁻⁸¹ pulse/ms.
     rounded: u32,
 }
 
+/// A PT motion that runs.
+#[derive(Debug, Clone, Copy)]
+pub struct PtRun {
+    /// Behind the last piece made, and behind the one before it.
+    track: Track,
+    back: Track,
+    place: Place,
+    /// Duration of the last segment loaded, ready to divide by, and 1/(it in ns): a stream's is constant.
+    duration: u32,
+    divisor: Divisor,
+    recip: Recip,
+}
+
 /// Knots crossed in a tick: two where a pass begins on a tick of 1 ms, more only to catch up
 /// after ticks longer than any setting of the board.
-const KNOTS_PER_TICK: u32 = 4;
+const KNOTS_PER_TICK: u32 = 8;
 
 impl PtRun {
-    /// A motion whose time is zero at `now`, from the position `origin`. The first segment is
-    /// read by the first step.
+    /// A motion whose time is zero at `now`, from the position `origin`.
     pub fn begin(now: Ns, origin: Exact, place: Place) -> PtRun {
-        PtRun {
-            piece: Piece { begin: now, span: 0, start: origin.round(), ..Piece::default() },
-            ahead: Piece::default(),
-            ready: false,
-            place,
-            duration: 0,
-            divisor: Divisor::new(1),
-            recip: Recip::default(),
-            next: match place {
-                Place::Static { .. } => 0,
-                Place::Dynamic { first, .. } => first,
-            },
-            passes: 0,
-            origin,
-            pass_begin: now,
-            knot: Exact(0),
-            knot_ms: 0,
-            velocity: 0,
-            rounded: 0,
-        }
+        let next = match place {
+            Place::Static { .. } => 0,
+            Place::Dynamic { first, .. } => first,
+        };
+        let track =
+            Track { next, passes: 0, origin, pass_begin: now, knot: Exact(0), velocity: 0, knot_ms: 0, rounded: 0 };
+        PtRun { track, back: track, place, duration: 0, divisor: Divisor::new(1), recip: Recip::default() }
+    }
+
+    /// Where it stands with the piece in force: `ahead` tells whether the last one made is yet to come.
+    #[inline(always)]
+    fn standing(&self, ahead: bool) -> &Track {
+        if ahead { &self.back } else { &self.track }
     }
 
     /// Passes completed.
-    pub fn passes(&self) -> u32 {
-        self.passes
+    pub fn passes(&self, ahead: bool) -> u32 {
+        self.standing(ahead).passes
     }
 
     /// Dynamic: counter of the first segment that has not run yet, all before it are free.
     /// `running` is false once the run has ended.
-    pub fn released(&self, running: bool) -> u32 {
+    pub fn released(&self, running: bool, ahead: bool) -> u32 {
         let began = match self.place {
             Place::Static { .. } => 0,
             Place::Dynamic { first, .. } => first,
         };
-        if running && self.next != began {
-            self.next.wrapping_sub(1).wrapping_sub(self.ready as u32)
-        } else {
-            self.next
-        }
+        let next = self.standing(ahead).next;
+        if running && next != began { next.wrapping_sub(1) } else { next }
     }
 
     /// End time of what is committed minus now, in whole ms, rounded down; 0 if it has passed.
-    pub fn dry_ms(&self, now: Ns, feed: Feed, source: &impl Segments) -> u32 {
-        if feed.end == self.released(false) && self.piece.span == 0 {
+    pub fn dry_ms(&self, now: Ns, feed: Feed, source: &impl Segments, ahead: bool) -> u32 {
+        if feed.end == 0 {
             return 0;
         }
         let last = source.segment(self.slot(feed.end.wrapping_sub(1))).time_ms();
-        let left = (last as u64 * NS_PER_MS).saturating_sub(now.0.wrapping_sub(self.pass_begin.0));
+        let since = now.0.wrapping_sub(self.standing(ahead).pass_begin.0);
+        let left = (last as u64 * NS_PER_MS).saturating_sub(since);
         // floor(x / 10⁶) for every 64-bit x, without dividing.
         (crate::wide::umulhi(left, 0x431B_DE82_D7B6_34DB) >> 18) as u32
     }
@@ -135,63 +128,41 @@ impl PtRun {
         }
     }
 
-    /// The motion at `now`, which must not go back between calls.
-    #[inline]
-    pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
-        if self.piece.elapsed(now) >= self.piece.span
-            && let state @ (State::Ended { at } | State::Underrun { at }) = self.turn(now, feed, source)
-        {
-            return Step { pos: at.round(), motion: Motion::REST, state };
-        }
-        let (pos, tau) = self.piece.at(self.piece.held(now));
-        Step { pos, motion: self.piece.motion(tau), state: State::Running }
-    }
-
-    /// The piece in force, as far as the last step or turn saw.
-    #[inline(always)]
-    pub fn piece(&self) -> &Piece {
-        &self.piece
-    }
-
-    /// The piece is over at `now`: on to the one that holds it, or to the end.
-    #[inline]
-    pub fn turn(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> State {
-        if self.go_on(now, feed, source) {
-            return State::Running;
-        }
-        let at = Exact(self.origin.0.wrapping_add(self.knot.0));
-        let dry = matches!(self.place, Place::Dynamic { .. }) && !self.at_rest();
-        if dry { State::Underrun { at } } else { State::Ended { at } }
-    }
-
-    /// On to the segment that holds `now`; false at the end of the motion.
+    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the end.
     #[inline(never)]
-    fn go_on(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> bool {
+    pub fn advance(&mut self, now: Ns, feed: Feed, source: &impl Segments, piece: &mut Piece) -> State {
+        self.back = self.track;
         for _ in 0..KNOTS_PER_TICK {
-            if !self.ready {
-                if self.next == feed.end && !self.next_pass(feed) {
-                    return false;
-                }
-                self.load(source);
+            if self.track.next == feed.end && !self.next_pass(feed) {
+                return self.end();
             }
-            self.ready = false;
-            self.piece = self.ahead;
-            if self.piece.elapsed(now) < self.piece.span {
+            self.load(source, piece);
+            if piece.elapsed(now) < piece.span {
                 break;
             }
         }
-        true
+        State::Running
     }
 
-    /// Computes the next segment of the pass ahead of its tick, so that many axes can enter segments in
-    /// one tick; what is prepared is what would have been computed. Whether there was something to do.
-    #[inline(never)]
-    pub fn prepare(&mut self, feed: Feed, source: &impl Segments) -> bool {
-        let due = !self.ready && self.piece.span != 0 && self.next != feed.end;
-        if due {
-            self.load(source);
-        }
-        due
+    /// Whether the last piece made begins a pass.
+    #[inline]
+    pub fn is_new_pass(&self) -> bool {
+        self.track.pass_begin != self.back.pass_begin
+    }
+
+    /// As if the last piece had not been made.
+    #[inline]
+    pub fn retract(&mut self) {
+        self.track = self.back;
+    }
+
+    fn end(&self) -> State {
+        let Track { origin, knot, velocity, rounded, .. } = &self.track;
+        let at = Exact(origin.0.wrapping_add(knot.0));
+        // Within the chain's own error bound, which is 0 as long as all quotients came out even.
+        let at_rest = velocity.unsigned_abs() << 1 <= *rounded as u128;
+        let dry = matches!(self.place, Place::Dynamic { .. }) && !at_rest;
+        if dry { State::Underrun { at } } else { State::Ended { at } }
     }
 
     /// The present pass has ended; whether another follows.
@@ -199,58 +170,54 @@ impl PtRun {
         if let Place::Dynamic { .. } = self.place {
             return false;
         }
-        self.passes = self.passes.wrapping_add(1);
-        if self.next == 0 || feed.passes != 0 && self.passes >= feed.passes {
+        let track = &mut self.track;
+        track.passes = track.passes.wrapping_add(1);
+        if track.next == 0 || feed.passes != 0 && track.passes >= feed.passes {
             return false;
         }
-        self.origin = Exact(self.origin.0.wrapping_add(self.knot.0));
-        self.pass_begin = Ns(self.pass_begin.0.wrapping_add(self.knot_ms as u64 * NS_PER_MS));
-        (self.next, self.knot, self.knot_ms, self.velocity, self.rounded) = (0, Exact(0), 0, 0, 0);
+        track.origin = Exact(track.origin.0.wrapping_add(track.knot.0));
+        track.pass_begin = Ns(track.pass_begin.0.wrapping_add(track.knot_ms as u64 * NS_PER_MS));
+        (track.next, track.knot, track.knot_ms, track.velocity, track.rounded) = (0, Exact(0), 0, 0, 0);
         true
-    }
-
-    /// Whether the chain ends at velocity 0: within its own error bound, which is 0 as long as
-    /// all quotients came out even.
-    fn at_rest(&self) -> bool {
-        self.velocity.unsigned_abs() << 1 <= self.rounded as u128
     }
 
     /// Makes the piece of the next segment. Not inlined into the loop over knots, where its state would
     /// be kept on the stack.
     #[inline(never)]
-    fn load(&mut self, source: &impl Segments) {
-        let segment = source.segment(self.slot(self.next));
-        (self.next, self.ready) = (self.next.wrapping_add(1), true);
+    fn load(&mut self, source: &impl Segments, piece: &mut Piece) {
+        let segment = source.segment(self.slot(self.track.next));
         let (knot, knot_ms) = (segment.position(), segment.time_ms());
-        let duration = knot_ms.wrapping_sub(self.knot_ms);
+        let duration = knot_ms.wrapping_sub(self.track.knot_ms);
         if duration != self.duration {
             self.take_duration(duration);
         }
-        let length = knot.0.wrapping_sub(self.knot.0);
+        let track = &mut self.track;
+        track.next = track.next.wrapping_add(1);
+        let length = knot.0.wrapping_sub(track.knot.0);
         let kind = segment.kind();
         let (a, b);
         if kind == Kind::Stop {
             (a, b) = (length << 1, length.wrapping_neg());
-            (self.velocity, self.rounded) = (0, 0);
+            (track.velocity, track.rounded) = (0, 0);
         } else {
             let normal = kind == Kind::Normal;
             let (mean, rounded) = over_time(length << normal as u32, &self.divisor);
             if normal {
-                let sign = self.velocity >> 127;
-                let swing = scale16(self.velocity.unsigned_abs(), duration) as i128;
+                let sign = track.velocity >> 127;
+                let swing = scale16(track.velocity.unsigned_abs(), duration) as i128;
                 a = (swing ^ sign).wrapping_sub(sign);
                 b = length.wrapping_sub(a);
-                self.velocity = mean.wrapping_sub(self.velocity);
-                self.rounded = self.rounded.saturating_add(rounded);
+                track.velocity = mean.wrapping_sub(track.velocity);
+                track.rounded = track.rounded.saturating_add(rounded);
             } else {
                 (a, b) = (length, 0);
-                (self.velocity, self.rounded) = (mean, rounded);
+                (track.velocity, track.rounded) = (mean, rounded);
             }
         }
-        let begin = Ns(self.pass_begin.0.wrapping_add(self.knot_ms as u64 * NS_PER_MS));
-        let start = Exact(self.origin.0.wrapping_add(self.knot.0));
-        self.ahead = Piece::quadratic_at(begin, duration as u64 * NS_PER_MS, self.recip, start, a, b);
-        (self.knot, self.knot_ms) = (knot, knot_ms);
+        let begin = Ns(track.pass_begin.0.wrapping_add(track.knot_ms as u64 * NS_PER_MS));
+        let start = Exact(track.origin.0.wrapping_add(track.knot.0));
+        *piece = Piece::quadratic_at(begin, duration as u64 * NS_PER_MS, self.recip, start, a, b);
+        (track.knot, track.knot_ms) = (knot, knot_ms);
     }
 
     #[inline(never)]

@@ -1,16 +1,16 @@
 //! A ramp motion that runs.
 //!
-//! In: where the axis is, targets and rates; instants. Out: a [`Step`] a tick. Owns: the leg in force,
-//! its stretches of constant jerk, the piece of the stretch. A leg is computed when it is entered
+//! In: where the axis is, targets and rates; instants. Out: pieces. Owns: the leg in force,
+//! its stretches of constant jerk. A leg is computed when it is entered
 //! (`run/legs.rs`).
 mod legs;
 
 use super::plan::{Means, Trapezoid};
 use super::rate::{Accel, Rate, Speed};
-use crate::piece::{Motion, Piece, Scaled};
-use crate::profile::{State, Step};
+use crate::piece::{Piece, Scaled};
+use crate::profile::State;
 use crate::real::Real;
-use crate::units::{Exact, Ns, Pos};
+use crate::units::{Exact, Ns};
 use legs::ms;
 
 /// Where an axis is when a ramp begins.
@@ -98,9 +98,7 @@ struct Edged {
 
 /// A ramp motion that runs.
 #[derive(Debug, Clone, Copy)]
-#[repr(C)] // the piece first, as in every motion
 pub struct RampRun {
-    piece: Piece,
     kind: Kind,
     next: Next,
     /// Where, when and how fast the next leg begins.
@@ -140,7 +138,6 @@ const NO_EDGES: Edged = Edged {
 impl RampRun {
     /// Nothing to do: it has ended. A motion is begun in place, so that nothing large is moved about.
     pub const IDLE: RampRun = RampRun {
-        piece: Piece { begin: Ns(0), span: 0, start: Pos(0), motion: Motion::REST },
         kind: Kind::Stop,
         next: Next::Over,
         knot: Exact(0),
@@ -159,7 +156,6 @@ impl RampRun {
 
     /// Whatever ran is over; a motion begins.
     fn restart(&mut self, kind: Kind, now: Ns, from: Moving, shape: Shape) {
-        (self.piece.begin, self.piece.span, self.piece.start) = (now, 0, from.pos.round());
         (self.kind, self.shape) = (kind, shape);
         (self.knot, self.pos, self.time) = (from.pos, from.pos, (now.0 as Fine) << 32);
         (self.stretch.len, self.stretch.done, self.edged.left) = (0, 0, 0);
@@ -233,54 +229,23 @@ impl RampRun {
         run
     }
 
-    /// The motion at `now`, which must not go back between calls.
-    #[inline]
-    pub fn step(&mut self, now: Ns) -> Step {
-        if self.piece.elapsed(now) >= self.piece.span
-            && let state @ State::Ended { at } = self.turn(now)
-        {
-            return Step { pos: at.round(), motion: Motion::REST, state };
-        }
-        let (pos, tau) = self.piece.at(self.piece.held(now));
-        Step { pos, motion: self.piece.motion(tau), state: State::Running }
-    }
-
-    /// The piece in force, as far as the last step or turn saw.
-    #[inline(always)]
-    pub fn piece(&self) -> &Piece {
-        &self.piece
-    }
-
-    /// The piece is over at `now`: on to the one that holds it, or to the end.
-    pub fn turn(&mut self, now: Ns) -> State {
-        if self.go_on(now) { State::Running } else { State::Ended { at: self.pos } }
-    }
-
-    /// On to the piece that holds `now`; false at the end.
+    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the end.
     #[inline(never)]
-    fn go_on(&mut self, now: Ns) -> bool {
+    pub fn advance(&mut self, now: Ns, piece: &mut Piece) -> State {
         for _ in 0..PIECES_PER_TICK {
-            if !self.advance() {
-                return false;
+            while self.stretch.done >= self.stretch.len {
+                if self.edged.left > 0 {
+                    self.next_stretch();
+                } else if !self.next_leg() {
+                    return State::Ended { at: self.pos };
+                }
             }
-            if self.piece.elapsed(now) < self.piece.span {
+            self.load_piece(piece);
+            if piece.elapsed(now) < piece.span {
                 break;
             }
         }
-        true
-    }
-
-    /// Loads the next piece; false at the end.
-    fn advance(&mut self) -> bool {
-        while self.stretch.done >= self.stretch.len {
-            if self.edged.left > 0 {
-                self.next_stretch();
-            } else if !self.next_leg() {
-                return false;
-            }
-        }
-        self.load_piece();
-        true
+        State::Running
     }
 
     /// Enters the next leg, if it has any length; false at the end. What has ended, ends on its knot.

@@ -145,7 +145,7 @@ impl RampRun {
     }
 
     /// The next piece of the stretch: all of it, or 2^reach ms.
-    pub(super) fn load_piece(&mut self) {
+    pub(super) fn load_piece(&mut self, piece: &mut Piece) {
         let s = &mut self.stretch;
         let (mut v, mut a) = (s.v, s.a);
         if s.done != 0 {
@@ -175,7 +175,7 @@ impl RampRun {
         let recip = Recip { m: MS_RECIP, shift: (44 - k) as u32 };
         // τ at `first`, less than 1 ns behind `begin`.
         let offset = ((begin as u32).wrapping_neg() as u64) << 32 >> 1 >> (63 - recip.shift);
-        self.piece = Piece {
+        *piece = Piece {
             begin: Ns(first as u64),
             span: (last - first) as u64,
             start,

@@ -1,0 +1,166 @@
+//! What PT, PVT and Follow run from: FIFOs, streams, tables, passes.
+//!
+//! In: what the thread committed and selected. Out: the [`Feed`] of a run, and what the view tells of it.
+use super::{AxisState, FIFO, IN_FORCE, RING_MASK, pt_state};
+use crate::follow;
+use crate::op::Mode;
+use crate::profile::Supply;
+use crate::pt::{Feed, Place, PtRun, Segments};
+use crate::pvt::{Header, PvtRun, Tables};
+use crate::units::Ns;
+
+impl AxisState {
+    /// Whether PT must not start.
+    pub(crate) fn refuses_pt(&self, fifo1: bool) -> bool {
+        let fifo = if self.shown.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
+        self.refuses_start() || self.runs || !self.is_pt() || self.end(fifo) == 0
+    }
+
+    fn is_pt(&self) -> bool {
+        matches!(self.shown.mode, Mode::PtStatic | Mode::PtDynamic)
+    }
+
+    fn end(&self, fifo: u8) -> u32 {
+        let [first, second] = self.ends;
+        if fifo == 0 { first } else { second }
+    }
+
+    pub(super) fn feed(&self) -> Feed {
+        let passes = if self.shown.mode == Mode::Pvt { self.table_passes } else { self.passes };
+        Feed { end: self.end(self.fifo), passes }
+    }
+
+    /// PT begins; its time is 0 at `next`.
+    pub(crate) fn start_pt(&mut self, next: Ns, fifo1: bool) {
+        let place = if self.shown.mode == Mode::PtStatic {
+            self.fifo = fifo1 as u8;
+            Place::Static { base: if fifo1 { FIFO } else { 0 } }
+        } else {
+            self.fifo = 0;
+            Place::Dynamic { mask: RING_MASK, first: 0 }
+        };
+        self.shown.pt_state = pt_state::RUNNING;
+        self.shown.passes = 0;
+        self.begin(next, Supply::Pt(PtRun::begin(next, self.exact, place)));
+    }
+
+    /// Whether PVT must not start.
+    pub(crate) fn refuses_pvt(&self, tables: &impl Tables) -> bool {
+        let empty = Header::from_words(tables.header(self.table)).places == 0;
+        self.refuses_start() || self.runs || self.shown.mode != Mode::Pvt || empty
+    }
+
+    /// PVT begins; its time is 0 at `next`.
+    pub(crate) fn start_pvt(&mut self, next: Ns, tables: &impl Tables) {
+        let shown = &mut self.shown;
+        (shown.passes, shown.table, shown.pending) = (0, self.table, None);
+        (shown.table_zero, shown.table_until) = (next, IN_FORCE);
+        self.begin(next, Supply::Pvt(PvtRun::begin(next, self.exact, self.table, tables)));
+    }
+
+    /// The table of the next start, or the one that takes over when the present pass ends.
+    pub(crate) fn select(&mut self, table: u8) {
+        self.table = table;
+        if !self.runs {
+            self.shown.table = table;
+            (self.shown.table_zero, self.shown.table_until) = (Ns(0), Ns(0));
+        } else if self.profile.select(table) {
+            self.shown.pending = (table != self.shown.table).then_some(table);
+        }
+    }
+
+    pub(crate) fn set_table_passes(&mut self, passes: u32) {
+        self.table_passes = passes;
+        self.profile.revise();
+    }
+
+    /// No table is in force from `next` on.
+    pub(super) fn leave_table(&mut self, next: Ns) {
+        if self.shown.table_until == IN_FORCE {
+            (self.shown.table_until, self.shown.pending) = (next, None);
+        }
+    }
+
+    /// PT is over; a dynamic stream is cleared with it.
+    pub(super) fn end_stream(&mut self, state: u8) {
+        if self.shown.pt_state != pt_state::RUNNING {
+            return;
+        }
+        self.shown.pt_state = state;
+        if self.shown.mode == Mode::PtDynamic {
+            self.shown.epoch = self.shown.epoch.wrapping_add(1);
+            self.shown.released = 0;
+            self.ends = [0; 2];
+        }
+    }
+
+    #[inline(never)]
+    pub(super) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + Tables)) {
+        if let Supply::Pt(run) = self.profile.supply() {
+            self.shown.dry_ms = run.dry_ms(next, self.feed(), source, self.profile.is_ahead());
+        }
+    }
+
+    pub(super) fn clear_data(&mut self) {
+        self.follow.clear_all();
+        self.ends = [0; 2];
+        self.shown.released = 0;
+    }
+
+    /// What was committed to a FIFO counts from now on.
+    pub(crate) fn commit(&mut self, fifo: u8, end: u32, epoch: u32) {
+        if self.shown.mode == Mode::PtDynamic && epoch != self.shown.epoch {
+            return;
+        }
+        let [first, second] = &mut self.ends;
+        *(if fifo == 0 { first } else { second }) = end;
+        self.profile.revise();
+    }
+
+    /// Empties a FIFO that is not running.
+    pub(crate) fn clear_fifo(&mut self, fifo: u8) {
+        if self.shown.mode == Mode::PtDynamic {
+            if !self.runs {
+                self.clear_data();
+            }
+        } else if !self.runs || self.fifo != fifo {
+            let [first, second] = &mut self.ends;
+            *(if fifo == 0 { first } else { second }) = 0;
+        }
+    }
+
+    /// Which of the master's motion counts, at rest; another one clears the data.
+    pub(crate) fn set_direction(&mut self, direction: follow::Direction) {
+        if !self.runs && self.follow.direction != direction {
+            self.follow.direction = direction;
+            self.follow.clear_all();
+        }
+    }
+
+    /// What was committed to a FIFO of Follow counts from now on, if no switch has emptied it meanwhile.
+    pub(crate) fn commit_entries(
+        &mut self,
+        fifo: u8,
+        end: u32,
+        cleared: u32,
+        tail: follow::Tail,
+        source: &impl follow::Entries,
+    ) {
+        let [first, second] = self.shown.cleared;
+        if cleared == if fifo == 0 { first } else { second } {
+            self.follow.commit(fifo, end, tail, source);
+        }
+    }
+
+    /// Empties a FIFO of Follow that is not running.
+    pub(crate) fn clear_entries(&mut self, fifo: u8) {
+        if !self.runs || self.shown.fifo != fifo {
+            self.follow.clear(fifo);
+        }
+    }
+
+    pub(crate) fn set_passes(&mut self, passes: u32) {
+        self.passes = passes;
+        self.profile.revise();
+    }
+}

@@ -1,0 +1,176 @@
+//! What guards an axis: inputs, limits, faults.
+//!
+//! In: levels and encoder at the tick in force, positions it is about to go to. Out: what is latched and
+//! shown, whether it may start, where something stands in its way. It cannot fail: what must not go on stops.
+use super::{AxisState, NEGATIVE_EDGE};
+use crate::inputs::Inputs;
+use crate::port::AxisInputs;
+use crate::status;
+use crate::units::{Ns, Pos};
+use crate::view::StopReason;
+
+impl AxisState {
+    /// Takes the inputs of the tick in force at `now`. An axis at rest of which nothing changed costs
+    /// two comparisons, and one that runs little more.
+    #[inline(always)]
+    pub(crate) fn sample(&mut self, now: Ns, raw: AxisInputs, count: i64) {
+        let levels = raw.bits();
+        if levels == self.levels {
+            if self.settled && count == self.count {
+                return;
+            }
+            if !self.stale && self.runs {
+                self.count = count;
+                self.shown.encoder_before = self.shown.encoder;
+                self.shown.encoder = self.inputs.encoder(count);
+                return;
+            }
+        }
+        self.take(now, raw, levels, count);
+    }
+
+    #[inline(never)]
+    fn take(&mut self, now: Ns, raw: AxisInputs, levels: u8, count: i64) {
+        self.settled = !self.runs;
+        let encoder = self.inputs.encoder(count);
+        if encoder != self.shown.encoder_before || encoder != self.shown.encoder {
+            self.shown.moves = self.shown.moves.wrapping_add(1);
+            self.settled = false;
+        }
+        if levels != self.levels {
+            (self.raw, self.levels) = (raw, levels);
+            self.touch();
+        }
+        self.count = count;
+        self.shown.encoder_before = self.shown.encoder;
+        self.shown.encoder = encoder;
+        self.switches = self.inputs.switches(levels);
+        self.set_bounds();
+        let runs = self.runs;
+        let mut causes = self.switches;
+        if self.servo_on {
+            causes |= self.inputs.following_error(self.shown.pos, encoder);
+        }
+        if !runs {
+            // While it runs, the barrier of every step sees to the soft limits.
+            causes |= self.inputs.beyond(self.shown.pos);
+        }
+        let watched = causes | self.causes != 0 || self.inputs.error_limit.is_some();
+        if causes | self.causes != 0 {
+            self.latch(causes);
+        }
+        if runs {
+            self.inputs.leave_position();
+            self.in_position = false;
+        } else {
+            let (inside, waits) = self.inputs.in_position(now, self.shown.pos, encoder);
+            self.settled &= !waits && inside == self.in_position;
+            self.in_position = inside;
+        }
+        if let Some(encoder) = self.inputs.captured(levels, encoder) {
+            self.shown.captured = Some(encoder);
+            self.touch();
+        }
+        (self.stale, self.news) = (watched, true);
+    }
+
+    /// Where the planned position may go without a closer look. A switch that is active has a direction,
+    /// so all of it needs one.
+    pub(crate) fn set_bounds(&mut self) {
+        let Inputs { soft_positive, soft_negative, .. } = &self.inputs;
+        self.upper = soft_positive.map_or(Pos::TRAVEL, Pos::pulses);
+        self.lower = soft_negative.map_or(NEGATIVE_EDGE, Pos::pulses);
+        if self.switches & status::LIMIT_POSITIVE != 0 {
+            self.upper = Pos(i64::MIN);
+        }
+        if self.switches & status::LIMIT_NEGATIVE != 0 {
+            self.lower = Pos(i64::MAX);
+        }
+    }
+
+    /// A limit blocks starts from when it becomes active until ClearStatus, a fault as long as its
+    /// cause lasts, too.
+    #[inline(never)]
+    fn latch(&mut self, causes: u32) {
+        self.settled = false;
+        let blocked = self.shown.blocked | causes & (!self.causes | status::FAULTS);
+        self.causes = causes;
+        self.latched |= causes;
+        self.block(blocked);
+    }
+
+    fn block(&mut self, blocked: u32) {
+        if blocked != self.shown.blocked {
+            self.shown.blocked = blocked;
+            self.touch();
+        }
+    }
+
+    /// ClearStatus: limits no longer block; bits whose cause is gone are cleared.
+    pub(crate) fn clear_status(&mut self) {
+        self.latched = self.causes;
+        self.block(self.causes & status::FAULTS);
+    }
+
+    /// Whether it must not start: servo off or a latched fault.
+    pub(crate) fn refuses_start(&self) -> bool {
+        !self.servo_on || self.shown.blocked != 0
+    }
+
+    #[inline(never)]
+    pub(super) fn stopped_by_fault(&mut self, next: Ns) -> StopReason {
+        let alarm = self.causes & status::ALARM != 0;
+        self.stopped_by(next, if alarm { StopReason::Alarm } else { StopReason::FollowingError })
+    }
+
+    /// Whether something stands between the position in force and `to`: then it has stopped there.
+    #[inline(never)]
+    pub(super) fn stopped_at_barrier(&mut self, next: Ns, to: Pos) -> Option<StopReason> {
+        let (at, reason) = self.barrier(self.shown.pos, to)?;
+        self.shown.pos = at;
+        Some(self.stopped_by(next, reason))
+    }
+
+    fn stopped_by(&mut self, next: Ns, reason: StopReason) -> StopReason {
+        let limit = match reason {
+            StopReason::LimitPositive | StopReason::SoftPositive => status::LIMIT_POSITIVE,
+            StopReason::LimitNegative | StopReason::SoftNegative => status::LIMIT_NEGATIVE,
+            _ => 0,
+        };
+        self.latched |= limit;
+        self.block(self.shown.blocked | limit);
+        self.halt(next, reason);
+        reason
+    }
+
+    /// What stands between two positions, and where it holds the axis.
+    fn barrier(&self, from: Pos, to: Pos) -> Option<(Pos, StopReason)> {
+        let inputs = &self.inputs;
+        if to > from {
+            if self.switches & status::LIMIT_POSITIVE != 0 {
+                return Some((from, StopReason::LimitPositive));
+            }
+            if let Some(soft) = inputs.soft_positive.map(Pos::pulses)
+                && to > soft
+            {
+                return Some((from.max(soft), StopReason::SoftPositive));
+            }
+            if to > Pos::TRAVEL {
+                return Some((Pos::TRAVEL, StopReason::Travel));
+            }
+        } else if to < from {
+            if self.switches & status::LIMIT_NEGATIVE != 0 {
+                return Some((from, StopReason::LimitNegative));
+            }
+            if let Some(soft) = inputs.soft_negative.map(Pos::pulses)
+                && to < soft
+            {
+                return Some((from.min(soft), StopReason::SoftNegative));
+            }
+            if to < NEGATIVE_EDGE {
+                return Some((NEGATIVE_EDGE, StopReason::Travel));
+            }
+        }
+        None
+    }
+}

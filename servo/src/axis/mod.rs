@@ -1,0 +1,235 @@
+//! One axis in the tick: what it runs, what guards it, what it shows.
+//!
+//! In: inputs sampled at the tick in force, operations, the instant of the next tick. Out: the planned
+//! position there, the status word, events. Owns: everything of the axis but its PT segments.
+//! Fails: never; a motion that must not go on stops, with a reason.
+mod data;
+mod guard;
+mod motion;
+mod place;
+
+use crate::follow;
+use crate::inputs::Inputs;
+use crate::op::Mode;
+use crate::piece::Scaled;
+use crate::port::AxisInputs;
+use crate::profile::Profile;
+use crate::ramp::{Accel, Speed, Trapezoid};
+use crate::status;
+use crate::units::{Exact, Ns, Pos};
+use crate::view::{AxisView, StopReason};
+
+/// Segments of one static FIFO.
+const FIFO: u32 = 1024;
+/// Slots of the dynamic ring, less one.
+const RING_MASK: u32 = 2 * FIFO - 1;
+/// The negative edge of travel.
+const NEGATIVE_EDGE: Pos = Pos(-Pos::TRAVEL.0);
+/// Power-on deceleration of a smooth stop, 1 pulse/ms².
+const STOP_DEC: Accel = Accel { value: Scaled { m: 1, e: 0 }, recip: Scaled { m: 1, e: 0 } };
+
+/// `GetPtState` (see [`AxisView::pt_state`]).
+mod pt_state {
+    pub const RUNNING: u8 = 1;
+    pub const ENDED: u8 = 2;
+    pub const UNDERRUN: u8 = 3;
+    pub const STOPPED: u8 = 4;
+}
+
+/// Jog parameters.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Jog {
+    pub(crate) acc: Accel,
+    pub(crate) dec: Accel,
+    pub(crate) smooth: u16,
+}
+
+/// The state of one axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AxisState {
+    /// What the thread sees; also the state itself, where it is the same thing.
+    pub(crate) shown: AxisView,
+    /// Its motion; at rest, a piece that rests.
+    profile: Profile,
+    runs: bool,
+    /// Why the running motion will have ended.
+    ending: StopReason,
+    /// Since which tick it is at rest.
+    pub(crate) rest_since: Ns,
+    /// Exact position while at rest.
+    exact: Exact,
+    /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
+    zero: Pos,
+    pub(crate) inputs: Inputs,
+    /// Input levels, sampled, and their bits.
+    pub(crate) raw: AxisInputs,
+    levels: u8,
+    /// The machine's encoder count, sampled.
+    count: i64,
+    /// Nothing here changes until an input, the encoder or an operation does.
+    pub(crate) settled: bool,
+    /// What inputs mean has to be looked at again in the next tick, even if they stay.
+    stale: bool,
+    /// The status word may have changed.
+    pub(crate) news: bool,
+    /// While the planned position stays between these two, nothing stands in its way.
+    lower: Pos,
+    upper: Pos,
+    /// Switches active now, as status bits.
+    switches: u32,
+    /// Causes of latched bits that are present now.
+    causes: u32,
+    latched: u32,
+    in_position: bool,
+    pub(crate) servo_on: bool,
+    pub(crate) stop_dec: Accel,
+    pub(crate) jog: Jog,
+    /// Trap; its target and its speed (Jog's too) are those of SetPos and SetVel.
+    pub(crate) trap: Trapezoid,
+    /// Segments committed to the FIFOs (dynamic: the first is the ring's).
+    ends: [u32; 2],
+    /// FIFO that runs.
+    fifo: u8,
+    /// Passes to run, 0 for ever.
+    passes: u32,
+    /// PVT table of the next start, and its passes.
+    table: u8,
+    table_passes: u32,
+    /// Follow.
+    pub(crate) follow: follow::Setup,
+}
+
+/// [`AxisView::table_until`] while a table is in force.
+const IN_FORCE: Ns = Ns(u64::MAX);
+
+const NO_ACCEL: Accel = Accel { value: Scaled { m: 0, e: 0 }, recip: Scaled { m: 0, e: 0 } };
+const NO_SPEED: Speed = Speed(Scaled { m: 0, e: 0 });
+
+impl AxisState {
+    pub(crate) const POWER_ON: AxisState = AxisState {
+        shown: AxisView::POWER_ON,
+        profile: Profile::REST,
+        runs: false,
+        ending: StopReason::None,
+        rest_since: Ns(0),
+        exact: Exact(0),
+        zero: Pos(0),
+        inputs: Inputs::POWER_ON,
+        raw: AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false },
+        levels: 0,
+        count: 0,
+        settled: false,
+        stale: true,
+        news: true,
+        lower: NEGATIVE_EDGE,
+        upper: Pos::TRAVEL,
+        switches: 0,
+        causes: 0,
+        latched: 0,
+        in_position: false,
+        servo_on: false,
+        stop_dec: STOP_DEC,
+        jog: Jog { acc: NO_ACCEL, dec: NO_ACCEL, smooth: 0 },
+        trap: Trapezoid {
+            target: 0,
+            speed: NO_SPEED,
+            acc: NO_ACCEL,
+            dec: NO_ACCEL,
+            vel_start: NO_SPEED,
+            smooth: Ns(0),
+        },
+        ends: [0; 2],
+        fifo: 0,
+        passes: 1,
+        table: 0,
+        table_passes: 1,
+        follow: follow::Setup::POWER_ON,
+    };
+
+    pub(crate) fn runs(&self) -> bool {
+        self.runs
+    }
+
+    /// Something is about to differ from the last view.
+    #[inline]
+    pub(crate) fn touch(&mut self) {
+        self.changed();
+        (self.settled, self.stale, self.news) = (false, true, true);
+    }
+
+    #[inline(always)]
+    fn changed(&mut self) {
+        self.shown.changes = self.shown.changes.wrapping_add(1);
+        self.shown.moves = self.shown.moves.wrapping_add(1);
+    }
+
+    /// Brings the status word up to the tick just computed.
+    #[inline(never)]
+    pub(crate) fn settle(&mut self) {
+        self.news = false;
+        let status = self.status();
+        if status != self.shown.status {
+            self.shown.status = status;
+            self.changed();
+            self.settled = false;
+        }
+    }
+
+    /// The status word as things stand.
+    #[inline]
+    pub(crate) fn status(&self) -> u32 {
+        let mut word = self.latched;
+        if self.servo_on {
+            word |= status::SERVO_ON;
+        }
+        if self.runs {
+            word |= status::RUNNING;
+        } else if self.in_position {
+            word |= status::IN_POSITION;
+        }
+        word
+    }
+
+    /// The mode, at rest; another one clears the PT data.
+    pub(crate) fn set_mode(&mut self, mode: Mode) {
+        if self.runs || self.shown.mode == mode {
+            return;
+        }
+        self.shown.mode = mode;
+        self.shown.pt_state = 0;
+        self.shown.passes = 0;
+        self.clear_data();
+    }
+
+    /// Arms a capture; what was captured before is forgotten.
+    pub(crate) fn arm(&mut self, mode: u8) {
+        self.shown.captured = None;
+        self.inputs.arm(mode);
+    }
+
+    /// Power-on state, at rest. The machine does not move; where it stands is 0 from now on.
+    pub(crate) fn reset(&mut self) {
+        *self = AxisState {
+            zero: Pos(self.set_point().0.wrapping_neg()),
+            raw: self.raw,
+            levels: self.levels,
+            count: self.count,
+            rest_since: self.rest_since,
+            shown: AxisView {
+                changes: self.shown.changes,
+                moves: self.shown.moves,
+                pieces: self.shown.pieces,
+                epoch: self.shown.epoch,
+                cleared: self.shown.cleared,
+                stop: self.shown.stop,
+                ..AxisView::POWER_ON
+            },
+            ..AxisState::POWER_ON
+        };
+        self.inputs.set_encoder(self.count, 0);
+    }
+}
+
+fn exact(pos: Pos) -> Exact {
+    Exact((pos.0 as i128) << (64 - Pos::FRAC_BITS))
+}

@@ -1,0 +1,201 @@
+//! An axis in motion: starts and stops, and the step of a tick.
+//!
+//! In: the instant of the next tick. Out: the planned position there, or the reason for which it has
+//! come to rest. Owns nothing beyond the axis's [`Profile`](crate::profile::Profile).
+use super::Jog;
+use super::{AxisState, exact, pt_state};
+use crate::op::Mode;
+use crate::piece::{Motion, Scaled};
+use crate::profile::{State, Supply};
+use crate::pt::Segments;
+use crate::pvt::Tables;
+use crate::ramp::Moving;
+use crate::status;
+use crate::units::{Exact, Ns, Pos};
+use crate::view::StopReason;
+
+impl AxisState {
+    /// Whether Jog or Trap must not begin or change: also towards an active limit.
+    pub(crate) fn refuses_update(&self) -> bool {
+        let way = match self.shown.mode {
+            Mode::Jog => self.trap.speed.0.m.signum(),
+            Mode::Trap => Pos::pulses(self.trap.target).0.saturating_sub(self.shown.pos.0).signum(),
+            _ => return true,
+        };
+        let inputs = &self.inputs;
+        let at_soft = if way > 0 {
+            inputs.soft_positive.is_some_and(|limit| self.shown.pos >= Pos::pulses(limit))
+        } else {
+            inputs.soft_negative.is_some_and(|limit| self.shown.pos <= Pos::pulses(limit))
+        };
+        let towards = if way > 0 { status::LIMIT_POSITIVE } else { status::LIMIT_NEGATIVE };
+        self.refuses_start() || way != 0 && (at_soft || self.switches & towards != 0)
+    }
+
+    /// Jog or Trap begins or changes; its time is 0 at `next`.
+    pub(crate) fn update(&mut self, next: Ns, source: &(impl Segments + Tables)) {
+        let (from, _) = self.moving(next, source);
+        let (jog, to) = (self.shown.mode == Mode::Jog, self.trap);
+        let Jog { acc, dec, smooth } = self.jog;
+        self.profile.begin_ramp(next, |run| {
+            if jog {
+                run.begin_jog(next, from, to.speed, acc, dec, smooth);
+            } else {
+                run.begin_trap(next, from, &to);
+            }
+        });
+        self.set_off(StopReason::Completed);
+    }
+
+    pub(super) fn begin(&mut self, next: Ns, supply: Supply) {
+        self.profile.begin(next, supply);
+        self.set_off(StopReason::Completed);
+    }
+
+    /// It runs from now on, and `ending` is why it will have stopped.
+    fn set_off(&mut self, ending: StopReason) {
+        (self.runs, self.ending) = (true, ending);
+        self.touch();
+    }
+
+    /// Where it will be, and how fast, at `next`, as things stand; and whether it still runs there.
+    fn moving(&mut self, next: Ns, source: &(impl Segments + Tables)) -> (Moving, bool) {
+        let rest = |pos| (Moving { pos, velocity: Scaled { m: 0, e: 0 } }, false);
+        if !self.runs {
+            return rest(self.exact);
+        }
+        let feed = self.feed();
+        match self.profile.look(next, feed, source) {
+            Ok(piece) => {
+                let (pos, tau) = piece.at(piece.held(next));
+                (Moving { pos: exact(pos), velocity: piece.motion(tau).velocity() }, true)
+            }
+            Err(State::Ended { at } | State::Underrun { at }) => rest(at),
+            Err(State::Running) => rest(exact(self.shown.pos)),
+        }
+    }
+
+    /// Smooth stop from `next` on. What ends there anyway is left to end.
+    pub(crate) fn stop_smooth(&mut self, next: Ns, source: &(impl Segments + Tables)) {
+        if !self.runs || self.ending == StopReason::StopSmooth {
+            return;
+        }
+        let (from, runs) = self.moving(next, source);
+        if runs {
+            let dec = self.stop_dec;
+            self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
+            self.set_off(StopReason::StopSmooth);
+            self.end_stream(pt_state::STOPPED);
+            self.leave_table(next);
+        }
+    }
+
+    /// Planned velocity 0 from `next` on, where it stands.
+    pub(crate) fn halt(&mut self, next: Ns, reason: StopReason) {
+        if self.runs {
+            self.end_stream(pt_state::STOPPED);
+            self.rest(next, exact(self.shown.pos), reason);
+        }
+    }
+
+    fn rest(&mut self, next: Ns, at: Exact, reason: StopReason) {
+        self.runs = false;
+        self.exact = at;
+        self.shown.pos = at.round();
+        self.profile.rest(next, self.shown.pos);
+        self.shown.motion = Motion::default();
+        self.shown.stop = reason;
+        self.shown.dry_ms = 0;
+        self.rest_since = next;
+        self.leave_table(next);
+        self.touch();
+    }
+
+    /// The motion at `next` of an axis that runs; the reason if it comes to rest there.
+    #[inline(always)]
+    pub(crate) fn step(&mut self, next: Ns, look_ahead: bool, source: &(impl Segments + Tables)) -> Option<StopReason> {
+        if self.causes & status::FAULTS != 0 {
+            return Some(self.stopped_by_fault(next));
+        }
+        let mut piece = self.profile.piece();
+        let mut t = piece.elapsed(next);
+        if t >= piece.span {
+            if let Some(reason) = self.turn(next, source) {
+                return Some(reason);
+            }
+            piece = self.profile.piece();
+            t = piece.held(next);
+        }
+        let (pos, tau) = piece.at(t);
+        if (pos < self.lower || pos > self.upper)
+            && let Some(reason) = self.stopped_at_barrier(next, pos)
+        {
+            return Some(reason);
+        }
+        self.shown.moves = self.shown.moves.wrapping_add(1);
+        (self.shown.pos, self.shown.motion.tau) = (pos, tau);
+        if look_ahead {
+            self.look_ahead(next, source);
+        }
+        None
+    }
+
+    /// The piece is over: on to the next one, or to the end of the motion and the reason of it.
+    #[inline(never)]
+    fn turn(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
+        let feed = self.feed();
+        let state = self.profile.turn(next, feed, source);
+        let shown = &mut self.shown;
+        shown.pieces = shown.pieces.wrapping_add(1);
+        let Motion { c: [c1, c2, c3], frac, recip, .. } = self.profile.piece().motion;
+        (shown.motion.c, shown.motion.frac, shown.motion.recip) = ([c1, c2, c3], frac, recip);
+        let running = state == State::Running;
+        match self.profile.supply() {
+            Supply::Pt(run) => {
+                shown.passes = run.passes(false);
+                if shown.mode == Mode::PtDynamic {
+                    shown.released = run.released(running, false);
+                }
+            }
+            Supply::Pvt(run) => {
+                let (passes, table) = (run.passes(false), run.table(false));
+                if passes != shown.passes || table != shown.table {
+                    (shown.passes, shown.table, shown.pending) = (passes, table, run.pending(false));
+                    shown.table_zero = run.zero(false);
+                    self.changed();
+                }
+            }
+            Supply::Ramp(_) => {}
+        }
+        if running { None } else { Some(self.finish(next, state)) }
+    }
+
+    /// The motion has ended, if nothing stands before its end.
+    #[inline(never)]
+    fn finish(&mut self, next: Ns, state: State) -> StopReason {
+        let (at, state, reason) = match state {
+            State::Running => (exact(self.shown.pos), pt_state::ENDED, self.ending),
+            State::Ended { at } => (at, pt_state::ENDED, self.ending),
+            State::Underrun { at } => (at, pt_state::UNDERRUN, StopReason::Underrun),
+        };
+        if let Some(reason) = self.stopped_at_barrier(next, at.round()) {
+            return reason;
+        }
+        self.end_stream(state);
+        self.rest(next, at, reason);
+        reason
+    }
+
+    /// Whether the next piece may be waiting to be made.
+    #[inline(always)]
+    pub(crate) fn is_open(&self) -> bool {
+        self.profile.is_open()
+    }
+
+    /// Makes the next piece, in a tick that has time for it; whether it took any.
+    #[inline(never)]
+    pub(crate) fn prepare(&mut self, source: &(impl Segments + Tables)) -> bool {
+        let feed = self.feed();
+        self.runs && self.profile.prepare(feed, source)
+    }
+}

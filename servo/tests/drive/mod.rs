@@ -1,0 +1,133 @@
+//! One motion on its own: a [`Profile`] as an axis has it, driven by a test through chosen instants.
+#![allow(dead_code, reason = "every test drives one kind of motion")]
+use servo::piece::Piece;
+use servo::profile::{Profile, Step, Supply};
+use servo::pt::{Feed, Place, PtRun, Segment, SegmentStore, Segments};
+use servo::pvt::{HEADER_WORDS, PLACE_WORDS, PvtRun, Tables};
+use servo::ramp::RampRun;
+use servo::units::{Exact, Ns};
+
+/// Segments without tables.
+struct NoTables<'a, S>(&'a S);
+/// Tables without segments.
+struct NoSegments<'a, T>(&'a T);
+struct Nothing;
+
+impl<S: Segments> Segments for NoTables<'_, S> {
+    fn segment(&self, slot: u32) -> Segment {
+        self.0.segment(slot)
+    }
+}
+impl<S> Tables for NoTables<'_, S> {
+    fn place(&self, _: u8, _: u32) -> [u32; PLACE_WORDS] {
+        Default::default()
+    }
+    fn header(&self, _: u8) -> [u32; HEADER_WORDS] {
+        Default::default()
+    }
+}
+impl<T> Segments for NoSegments<'_, T> {
+    fn segment(&self, _: u32) -> Segment {
+        SegmentStore::new().segment(0)
+    }
+}
+impl<T: Tables> Tables for NoSegments<'_, T> {
+    fn place(&self, table: u8, index: u32) -> [u32; PLACE_WORDS] {
+        self.0.place(table, index)
+    }
+    fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
+        self.0.header(table)
+    }
+}
+impl Tables for Nothing {
+    fn place(&self, _: u8, _: u32) -> [u32; PLACE_WORDS] {
+        Default::default()
+    }
+    fn header(&self, _: u8) -> [u32; HEADER_WORDS] {
+        Default::default()
+    }
+}
+
+fn passes_only(passes: u32) -> Feed {
+    Feed { end: 0, passes }
+}
+
+#[derive(Clone, Copy)]
+pub struct Pt(pub Profile);
+
+impl Pt {
+    pub fn begin(now: Ns, origin: Exact, place: Place) -> Pt {
+        Pt(Profile::of(Supply::Pt(PtRun::begin(now, origin, place)), now))
+    }
+    fn run(&self) -> &PtRun {
+        let Supply::Pt(run) = self.0.supply() else { panic!("not PT") };
+        run
+    }
+    pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
+        self.0.step(now, feed, &NoTables(source))
+    }
+    pub fn prepare(&mut self, feed: Feed, source: &impl Segments) -> bool {
+        self.0.is_open() && self.0.prepare(feed, &NoTables(source)) && self.0.is_ahead()
+    }
+    pub fn passes(&self) -> u32 {
+        self.run().passes(self.0.is_ahead())
+    }
+    pub fn released(&self, running: bool) -> u32 {
+        self.run().released(running, self.0.is_ahead())
+    }
+    pub fn dry_ms(&self, now: Ns, feed: Feed, source: &impl Segments) -> u32 {
+        self.run().dry_ms(now, feed, source, self.0.is_ahead())
+    }
+}
+
+#[derive(Clone, Copy)]
+pub struct Pvt(pub Profile);
+
+impl Pvt {
+    pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl Tables) -> Pvt {
+        Pvt(Profile::of(Supply::Pvt(PvtRun::begin(now, origin, table, source)), now))
+    }
+    fn run(&self) -> &PvtRun {
+        let Supply::Pvt(run) = self.0.supply() else { panic!("not PVT") };
+        run
+    }
+    pub fn step(&mut self, now: Ns, passes: u32, source: &impl Tables) -> Step {
+        self.0.step(now, passes_only(passes), &NoSegments(source))
+    }
+    pub fn prepare(&mut self, passes: u32, source: &impl Tables) -> bool {
+        self.0.is_open() && self.0.prepare(passes_only(passes), &NoSegments(source)) && self.0.is_ahead()
+    }
+    pub fn select(&mut self, table: u8) {
+        assert!(self.0.select(table));
+    }
+    pub fn passes(&self) -> u32 {
+        self.run().passes(self.0.is_ahead())
+    }
+    pub fn table(&self) -> u8 {
+        self.run().table(self.0.is_ahead())
+    }
+    pub fn pending(&self) -> Option<u8> {
+        self.run().pending(self.0.is_ahead())
+    }
+    pub fn time(&self, now: Ns) -> Ns {
+        self.run().time(now, self.0.is_ahead())
+    }
+}
+
+#[derive(Clone, Copy)]
+pub struct Ramp(pub Profile);
+
+impl Ramp {
+    pub fn begin(now: Ns, run: RampRun) -> Ramp {
+        Ramp(Profile::of(Supply::Ramp(run), now))
+    }
+    pub fn step(&mut self, now: Ns) -> Step {
+        self.0.step(now, passes_only(1), &NoSegments(&Nothing))
+    }
+    pub fn prepare(&mut self) -> bool {
+        self.0.is_open() && self.0.prepare(passes_only(1), &NoSegments(&Nothing)) && self.0.is_ahead()
+    }
+    pub fn piece(&self) -> &Piece {
+        self.0.piece()
+    }
+}
