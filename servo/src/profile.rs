@@ -124,12 +124,18 @@ impl Profile {
         if self.at == 0 { first } else { second }
     }
 
-    /// The piece that was in force one tick earlier, if a turn has changed it since; from the next
-    /// [`Profile::prepare`] on it may be one to come.
     #[inline(always)]
-    pub fn other(&self) -> &Piece {
+    fn other(&self) -> &Piece {
         let [first, second] = &self.pieces;
         if self.at == 0 { second } else { first }
+    }
+
+    /// Once the step of a tick is taken: the piece that was in force until `piece().begin`, if that is
+    /// after `now`, the tick in force. So in (`now`, next] the axis is under this piece, then under
+    /// [`Profile::piece`]; of more than two, those between are not kept. It lasts until the next tick.
+    #[inline]
+    pub fn before(&self, now: Ns) -> Option<&Piece> {
+        (self.other != Other::Ahead && self.piece().begin > now).then(|| self.other())
     }
 
     /// What makes the pieces.
@@ -248,6 +254,8 @@ impl Profile {
         let state = self.reach(now, feed, source);
         if state == State::Running {
             (self.at, self.other) = (self.at ^ 1, Other::Before);
+        } else {
+            self.other = Other::BeforeLast;
         }
         state
     }

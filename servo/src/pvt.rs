@@ -8,9 +8,8 @@
 //! Nothing accumulates: the beginning of a pass is an instant in 2⁻⁶⁴ ns and a position in
 //! 2⁻⁶⁴ pulse, to which passes add the table's exact duration and displacement; a knot is added to
 //! these two afresh. A segment's coefficients are computed when it is entered, by products alone.
-//! Work of a tick: one segment change at most (prepared by an earlier tick where [`PvtRun::prepare`] is
-//! called, which takes the most of it), found by at most 20 looks at times, however many
-//! knots or passes lie between two ticks.
+//! Work of a call: one segment, found by at most 20 looks at times, however many knots or passes lie
+//! between two ticks.
 use crate::piece::{Motion, Piece, Recip};
 use crate::profile::State;
 use crate::units::{Exact, Ns};
@@ -189,9 +188,9 @@ impl PvtRun {
         let mut local = ((now.0 as u128) << 64).wrapping_sub(self.track.began);
         if local >> 127 != 0 {
             // Before the time of the first point.
-            let until = Ns(ceil(self.track.began));
-            let span = until.0.wrapping_sub(now.0);
-            *piece = Piece { begin: now, span, start: self.track.origin.round(), ..Piece::default() };
+            let begin = self.zero(false);
+            let span = ceil(self.track.began).wrapping_sub(begin.0);
+            *piece = Piece { begin, span, start: self.track.origin.round(), ..Piece::default() };
             return State::Running;
         }
         let mut from = self.track.next;

@@ -1,7 +1,7 @@
 //! Jog, Trap and Stop as sequences of pieces.
 //!
 //! In: a position and velocity at an instant, targets, admitted [`Speed`]s and [`Accel`]s
-//! (`rate.rs`). Out: a [`Step`](crate::profile::Step) a tick (`run.rs`). A motion is a sequence of
+//! (`rate.rs`). Out: pieces (`run.rs`). A motion is a sequence of
 //! at most four legs (ramps and cruises), closed forms of the time since it began, so nothing
 //! depends on the tick. A leg is computed when it is entered; knots between legs are
 //! [`Exact`](crate::units::Exact), and a Trap's last leg goes from wherever it begins to the target,
