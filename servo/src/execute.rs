@@ -6,21 +6,26 @@
 use crate::axis::{AxisState, Jog};
 use crate::op::{DoGroup, Entry, Lane, Op};
 use crate::port::Port;
-use crate::tick::{Lanes, PERIOD_NS, Source, Tick, tell};
+use crate::pvt::TableStores;
+use crate::tick::{EVENTS, PERIOD_NS, SAMPLES, SegmentStore, Source, Tick, tell};
 use crate::trace::Chosen;
 use crate::units::{Axis, AxisMask, Ns};
-use crate::view::{Event, StopReason};
+use crate::view::{Event, Sample, StopReason};
+use ring::Producer;
 
-/// The axes of a mask that are in use.
-fn each<const AXES: usize>(
-    axes: &mut [AxisState; AXES],
-    used: usize,
-    mask: AxisMask,
-) -> impl Iterator<Item = (Axis, &mut AxisState)> {
-    axes.iter_mut()
-        .enumerate()
-        .take(used)
-        .filter_map(move |(index, state)| Some((Axis::new(index).filter(|axis| mask.has(*axis))?, state)))
+/// What operations reach beyond the tick's own state.
+pub(crate) struct Reach<'r, 'a, const AXES: usize> {
+    pub(crate) events: &'r mut Producer<'a, Event, EVENTS>,
+    pub(crate) samples: &'r mut Producer<'a, Sample, SAMPLES>,
+    pub(crate) segments: &'a [SegmentStore; AXES],
+    pub(crate) tables: TableStores<'a>,
+}
+
+impl<const AXES: usize> Reach<'_, '_, AXES> {
+    /// What the motion of an axis is read from.
+    fn source(&self, axis: Axis) -> Option<Source<'_>> {
+        Some(Source { segments: self.segments.get(axis.index())?, tables: self.tables })
+    }
 }
 
 impl<const AXES: usize> Tick<AXES> {
@@ -29,20 +34,16 @@ impl<const AXES: usize> Tick<AXES> {
     pub(crate) fn execute(
         &mut self,
         lane: Lane,
-        entry: Entry,
+        entry: &Entry,
         next: Ns,
         period: &mut Ns,
         port: &mut impl Port,
-        lanes: &mut Lanes<'_, AXES>,
+        lanes: &mut Reach<'_, '_, AXES>,
     ) {
         match entry.op {
             Op::Mark | Op::ProgramRun | Op::ProgramDrop | Op::ProgramEnd | Op::WaitRest { .. } => {}
             Op::Stop { axes, abrupt } => {
-                for (index, (state, store)) in self.axes.iter_mut().zip(lanes.segments).enumerate().take(self.used) {
-                    if (axes.0 & !abrupt.0) >> index & 1 == 1 {
-                        state.stop_smooth(next, &Source { segments: store, tables: lanes.tables });
-                    }
-                }
+                self.sourced(AxisMask(axes.0 & !abrupt.0), lanes, |state, source| state.stop_smooth(next, source));
                 self.halt(AxisMask(axes.0 & abrupt.0), StopReason::StopAbrupt, next, lanes);
             }
             Op::Servo { axis, on } => self.servo(axis.mask(), on, next, lanes),
@@ -63,24 +64,18 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::Update { axes } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_update()) {
-                    for (index, (state, store)) in self.axes.iter_mut().zip(lanes.segments).enumerate().take(self.used)
-                    {
-                        if axes.0 >> index & 1 == 1 {
-                            state.update(next, &Source { segments: store, tables: lanes.tables });
-                        }
-                    }
+                    self.sourced(axes, lanes, |state, source| state.update(next, source));
                 }
             }
             Op::PtStart { axes, fifo1 } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_pt(fifo1.has(axis))) {
-                    each(&mut self.axes, self.used, axes)
-                        .for_each(|(axis, state)| state.start_pt(next, fifo1.has(axis)));
+                    self.each(axes, |axis, state| state.start_pt(next, fifo1.has(axis)));
                 }
             }
             Op::PvtStart { axes } => {
                 let tables = lanes.tables;
                 if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_pvt(&tables)) {
-                    each(&mut self.axes, self.used, axes).for_each(|(_, state)| state.start_pvt(next, &tables));
+                    self.each(axes, |_, state| state.start_pvt(next, &tables));
                 }
             }
             Op::TickPeriod { ns } => {
@@ -92,7 +87,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::Link { lost } => self.lasers.link(lost, self.script.runs),
             Op::Trace { every, axes, lasers } => {
                 if let Some((row, chosen)) = self.trace.begin(every, Chosen { axes, lasers }) {
-                    self.emit(row, chosen, &mut lanes.samples);
+                    self.emit(row, chosen, lanes.samples);
                 }
             }
             Op::ClearStatus { axes } => self.all(axes, AxisState::clear_status),
@@ -139,6 +134,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
+    #[inline(always)]
     fn one(&mut self, axis: Axis, change: impl FnOnce(&mut AxisState)) {
         if let Some(state) = self.axes.get_mut(axis.index()) {
             change(state);
@@ -147,32 +143,59 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     fn all(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState)) {
-        for (_, state) in each(&mut self.axes, self.used, axes) {
+        self.each(axes, |_, state| {
             change(state);
             state.touch();
-        }
+        });
     }
 
-    /// Stops axes where they stand.
-    fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Lanes<'_, AXES>) {
-        for (axis, state) in each(&mut self.axes, self.used, axes) {
-            if state.runs() {
-                state.halt(next, reason);
-                tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+    /// The axes of a mask that are in use.
+    #[inline(always)]
+    fn each(&mut self, axes: AxisMask, mut visit: impl FnMut(Axis, &mut AxisState)) {
+        for axis in self.in_use(axes).axes() {
+            if let Some(state) = self.axes.get_mut(axis.index()) {
+                visit(axis, state);
             }
         }
     }
 
-    /// Bits of the axes in use.
-    fn in_use(&self) -> u64 {
-        (1u64 << self.used).wrapping_sub(1)
+    /// The same, with what their motion is read from.
+    #[inline(always)]
+    fn sourced(
+        &mut self,
+        axes: AxisMask,
+        lanes: &Reach<'_, '_, AXES>,
+        mut visit: impl FnMut(&mut AxisState, &Source<'_>),
+    ) {
+        self.each(axes, |axis, state| {
+            if let Some(source) = lanes.source(axis) {
+                visit(state, &source);
+            }
+        });
     }
 
-    fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut Lanes<'_, AXES>) {
+    /// Of a mask, the axes in use.
+    fn in_use(&self, axes: AxisMask) -> AxisMask {
+        AxisMask(axes.0 & (1u64 << self.used).wrapping_sub(1))
+    }
+
+    /// Stops axes where they stand.
+    fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        for axis in self.in_use(axes).axes() {
+            if let Some(state) = self.axes.get_mut(axis.index())
+                && state.runs()
+            {
+                state.halt(next, reason);
+                tell(lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+            }
+        }
+    }
+
+    fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         if !on {
             self.halt(axes, StopReason::ServoOff, next, lanes);
         }
-        self.enable = if on { self.enable | axes.0 & self.in_use() } else { self.enable & !axes.0 };
+        self.enable = if on { self.enable | self.in_use(axes).0 } else { self.enable & !axes.0 };
         self.all(axes, |state| state.servo_on = on);
     }
 
@@ -182,13 +205,13 @@ impl<const AXES: usize> Tick<AXES> {
         lane: Lane,
         seq: u32,
         axes: AxisMask,
-        lanes: &mut Lanes<'_, AXES>,
+        lanes: &mut Reach<'_, '_, AXES>,
         forbids: impl Fn(Axis, &AxisState) -> bool,
     ) -> bool {
-        let culprit = each(&mut self.axes, self.used, axes).find(|(axis, state)| forbids(*axis, state));
-        let Some((axis, state)) = culprit else { return false };
+        let mut states = self.in_use(axes).axes().filter_map(|axis| Some((axis, self.axes.get(axis.index())?)));
+        let Some((axis, state)) = states.find(|(axis, state)| forbids(*axis, state)) else { return false };
         let refusal = Event::Refused { lane, seq, axis, status: state.status() };
-        tell(&mut lanes.events, &mut self.events_lost, refusal);
+        tell(lanes.events, &mut self.events_lost, refusal);
         true
     }
 }

@@ -8,6 +8,7 @@
 //! Order within a tick: inputs are sampled, then entries act, then every axis takes its step under its
 //! guards. So a limit seen now stops the set-point of the next tick.
 use crate::axis::AxisState;
+use crate::execute::Reach;
 use crate::laser::{Cause, Clock, Lasers};
 use crate::op::{Entry, Lane, Op};
 use crate::port::Port;
@@ -265,51 +266,54 @@ impl<const AXES: usize> Tick<AXES> {
     /// Carries out what is due: the immediate lane, then the program lane, in order.
     #[inline]
     fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
+        let Lanes { immediate, program, events, samples, segments, tables, .. } = lanes;
+        let mut reach = Reach { events, samples, segments, tables: *tables };
         let mut left = ENTRIES_PER_TICK;
+        // Entries are read where they lie: a copy of one costs as much as what it does.
         while left > 0
-            && let Some(entry) = lanes.immediate.pop()
+            && let Some(entry) = immediate.peek()
         {
             left = left.wrapping_sub(1);
             match entry.op {
                 Op::ProgramRun => {
                     self.script.begin(self.now);
                     if let Some((row, chosen)) = self.trace.begin_armed() {
-                        self.emit(row, chosen, &mut lanes.samples);
+                        self.emit(row, chosen, reach.samples);
                     }
                 }
                 Op::ProgramDrop => {
-                    lanes.program.clear();
+                    program.clear();
                     self.script.runs = false;
                 }
                 Op::Trace { every, axes, lasers } if !self.script.runs && every != 0 => {
                     self.trace.arm(every, Chosen { axes, lasers })
                 }
-                _ => self.execute(Lane::Immediate, entry, next, period, port, lanes),
+                _ => self.execute(Lane::Immediate, entry, next, period, port, &mut reach),
             }
             self.done_immediate = entry.seq;
+            immediate.skip();
         }
         while left > 0
             && self.script.runs
-            && let Some(entry) = lanes.program.peek()
+            && let Some(entry) = program.peek()
         {
             let mut instant = self.script.instant(entry.delay);
             if !self.script.is_due(instant, next) {
                 break;
             }
-            let entry = *entry;
             if let Op::WaitRest { axes } = entry.op {
                 // The first tick, from its instant on, at which nothing of the mask runs.
                 let Some(since) = self.rest_since(axes) else { break };
                 instant = instant.max(self.script.of(since));
             }
             left = left.wrapping_sub(1);
-            lanes.program.skip();
             self.script.execute(instant, self.now);
             match entry.op {
                 Op::ProgramEnd => self.script.runs = false,
-                _ => self.execute(Lane::Program, entry, next, period, port, lanes),
+                _ => self.execute(Lane::Program, entry, next, period, port, &mut reach),
             }
             self.done_program = entry.seq;
+            program.skip();
         }
     }
 

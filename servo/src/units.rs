@@ -60,6 +60,17 @@ impl Axis {
 pub struct AxisMask(pub u64);
 
 impl AxisMask {
+    /// Its axes, in order.
+    #[inline]
+    pub fn axes(self) -> impl Iterator<Item = Axis> {
+        let mut left = self.0;
+        core::iter::from_fn(move || {
+            let axis = Axis::new(left.trailing_zeros() as usize)?;
+            left &= left.wrapping_sub(1);
+            Some(axis)
+        })
+    }
+
     /// Whether the set holds this axis.
     pub const fn has(self, axis: Axis) -> bool {
         self.0 >> axis.0 & 1 == 1

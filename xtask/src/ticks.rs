@@ -37,14 +37,21 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`: what taking a full frame costs, divided by its segments.
 const LANES: [&str; 2] = ["immediate", "program"];
 
-const MARKS: [(&str, &str); 9] = [
+const MARKS: [(&str, &str); 16] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
     ("pvt-inside", "PVT, no segment change"),
     ("pvt-change", "PVT, every axis enters another segment"),
     ("start", "all axes start"),
+    ("pvt-start", "PVT, all axes start"),
+    ("trap", "all axes start Trap"),
+    ("trap-inside", "Trap, pieces of ramps begin and end"),
+    ("smooth", "all axes start smoothed Trap"),
+    ("smooth-inside", "smoothed Trap, pieces of ramps begin and end"),
+    ("stop", "smooth Stop of all axes"),
     ("set", "servo on, mode, loop and commit for every axis"),
+    ("set-ramp", "servo on, mode, parameters, speed, target and deceleration for every axis"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
 ];

@@ -5,7 +5,8 @@
 //! Out, by semihosting: one line a tick, `CASE MARK COUNT`, with COUNT in periods of the 25 MHz SysTick
 //! (40 ns; `xtask` turns them into instructions, of which each takes 2^shift ns), the cost of the
 //! reading itself taken off. MARK says what the tick did: `start` (it executed the commands), `change`
-//! (every running axis entered another segment), `inside` (none did), `idle`; with `pvt-` before it in PVT.
+//! (every running axis entered another segment), `inside` (none did), `idle`; with `pvt-` before it in PVT;
+//! of Traps `trap` and `smooth` (they start), `…-inside` (they run), `stop` (they begin to stop).
 //!
 //! The machine under the tick only stores what it is told: what is counted is the tick alone.
 use core::hint::black_box;
@@ -20,8 +21,10 @@ use servo::laser::Plan;
 use servo::op::{Entry, Mode, Op};
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
+use servo::ramp::{Accel, Speed};
 use servo::tick::{Lanes, Tick};
 use servo::units::{Axis, AxisMask, Ns, Pos};
+use servo::view::StopReason;
 
 /// Ticks counted in each case.
 const TICKS: usize = 400;
@@ -183,6 +186,39 @@ impl Bench {
         self.step(case, Some("reset"));
     }
 
+    /// A Trap of every axis, smoothed or not, begun on one tick and stopped smoothly on another.
+    fn run_ramps(&mut self, case: &str, running: usize, smooth: Ns, [start, inside]: [&str; 2]) {
+        let rate = |x: f64| Accel::admit(x.to_bits()).unwrap_or_default();
+        let speed = |x: f64| Speed::admit(x.to_bits()).unwrap_or_default();
+        let mut axes = AxisMask(0);
+        for axis in (0..running).filter_map(Axis::new) {
+            let k = f64::from(axis.index() as u32);
+            axes.0 |= axis.mask().0;
+            self.push(Op::Servo { axis, on: true });
+            self.push(Op::SetMode { axis, mode: Mode::Trap });
+            let (acc, dec) = (rate(0.31 + k / 17.0), rate(0.77 + k / 13.0));
+            self.push(Op::TrapPrm { axis, acc, dec, vel_start: speed(0.0), smooth });
+            self.push(Op::TargetSpeed { axis, speed: speed(7.3 + k) });
+            self.push(Op::TargetPosition { axis, pulses: 100_000 });
+            self.push(Op::StopDec { axis, smooth: rate(0.9 + k / 11.0), abrupt: rate(1000.0) });
+        }
+        self.step(case, Some("set-ramp"));
+        self.push(Op::Update { axes });
+        self.step(case, Some(start));
+        for _ in 0..TICKS {
+            self.step(case, Some(inside));
+        }
+        self.push(Op::Stop { axes, abrupt: AxisMask(0) });
+        self.step(case, Some(if smooth.0 == 0 { "stop" } else { "stopped" }));
+        for _ in 0..TICKS {
+            self.step(case, Some("stopping"));
+        }
+        let now = *self.thread.view.read();
+        assert!(now.axes.iter().take(running).all(|a| a.stop == StopReason::StopSmooth), "an axis did not stop");
+        self.push(Op::Reset { axes });
+        self.step(case, Some("reset"));
+    }
+
     fn run(&mut self, case: &str, running: usize) {
         for _ in 0..8 {
             self.step(case, Some("idle"));
@@ -228,6 +264,10 @@ fn main() -> ! {
     let mut scratch = Scratch::new();
     for (case, running) in [("1", 1), ("8", 8)] {
         bench.run_tables(case, running, &mut scratch);
+    }
+    for (case, running) in [("1", 1), ("8", 8)] {
+        bench.run_ramps(case, running, Ns(0), ["trap", "trap-inside"]);
+        bench.run_ramps(case, running, Ns(12_000_000), ["smooth", "smooth-inside"]);
     }
     debug::exit(debug::EXIT_SUCCESS);
     loop {
