@@ -5,6 +5,7 @@
 //! admitted, *now* the state after everything that the tick has executed. If the rest of a program is
 //! discarded, *ahead* is set back to *now*, so that what was never executed leaves no trace.
 use protocol::command::{JogPrm, TrapPrm};
+use servo::laser::{self, Bounds, CHANNELS, Carrier, Power};
 use servo::op::Mode;
 use servo::pt::Chain;
 use servo::pvt::TABLES;
@@ -181,6 +182,96 @@ impl AxisBook {
     }
 }
 
+/// One laser channel.
+#[derive(Debug, Clone, Copy)]
+pub struct LaserBook {
+    /// Power mode.
+    pub mode: laser::Mode,
+    /// Bounds of the power.
+    pub bounds: Bounds,
+    /// The gate's delays apply.
+    pub delayed: bool,
+    /// Direct power.
+    pub power: Power,
+    /// Carrier of the duty modes.
+    pub carrier: Option<Carrier>,
+    /// Pulse width of the frequency mode, µs; 0 is none set.
+    pub width_us: u16,
+    /// Standby pulses: kHz and %.
+    pub standby: Option<(Power, Power)>,
+    /// The axis connector carries the laser.
+    pub connector: bool,
+    /// Crds over all cores, bit 0 is crd 1 of core 1.
+    pub map: u8,
+    /// The last entry that clears the channel's fault, until it is executed.
+    pub cleared: Option<u32>,
+}
+
+impl LaserBook {
+    /// A channel at power-on (SPEC 6).
+    pub const fn power_on(delayed: bool, connector: bool) -> LaserBook {
+        LaserBook {
+            mode: laser::Mode::Duty,
+            bounds: Bounds::full(laser::Mode::Duty),
+            delayed,
+            power: Power::ZERO,
+            carrier: None,
+            width_us: 0,
+            standby: None,
+            connector,
+            map: u8::MAX,
+            cleared: None,
+        }
+    }
+
+    /// Another mode sets the power to 0; the same one changes only what is given with it.
+    pub fn set_mode(&mut self, mode: laser::Mode, bounds: Bounds, delayed: bool) {
+        if self.mode != mode {
+            self.power = Power::ZERO;
+        }
+        (self.mode, self.bounds, self.delayed) = (mode, bounds, delayed);
+    }
+
+    fn enter(&mut self, change: LaserChange, seq: u32) {
+        match change {
+            LaserChange::PowerOn { delayed, connector } => {
+                *self = LaserBook { cleared: Some(seq), ..LaserBook::power_on(delayed, connector) };
+            }
+            LaserChange::Mode { mode, bounds, delayed } => self.set_mode(mode, bounds, delayed),
+            LaserChange::Power(power) => self.power = power,
+            LaserChange::Carrier(carrier) => self.carrier = Some(carrier),
+            LaserChange::Width(width_us) => self.width_us = width_us,
+            LaserChange::Standby(standby) => self.standby = standby,
+            LaserChange::Connector(laser) => self.connector = laser,
+            LaserChange::Map(map) => self.map = map,
+            LaserChange::Cleared => self.cleared = Some(seq),
+        }
+    }
+}
+
+/// What a laser operation changes in the book of its channel.
+#[derive(Debug, Clone, Copy)]
+pub enum LaserChange {
+    /// Power-on state of a family.
+    PowerOn { delayed: bool, connector: bool },
+    /// LaserPowerMode.
+    Mode { mode: laser::Mode, bounds: Bounds, delayed: bool },
+    /// Direct power.
+    Power(Power),
+    /// Carrier.
+    Carrier(Carrier),
+    /// Pulse width, µs.
+    Width(u16),
+    /// Standby pulses: kHz and %.
+    Standby(Option<(Power, Power)>),
+    /// What the axis connector carries.
+    Connector(bool),
+    /// Crd map.
+    Map(u8),
+    /// The fault is cleared.
+    Cleared,
+}
+
 /// What a pushed operation changes in the books.
 #[derive(Debug, Clone, Copy)]
 pub enum Change {
@@ -230,6 +321,10 @@ pub enum Change {
     Pos { axis: Axis, pos: i32 },
     /// An analog output, from 0.
     Analog { channel: u8, value: i16 },
+    /// A laser channel, from 0.
+    Laser { channel: u8, change: LaserChange },
+    /// Resolution of the lasers' frequencies (LSR): high (SetLaserMode 1) or low.
+    LaserFine(bool),
 }
 
 /// One set of books.
@@ -239,6 +334,10 @@ pub struct Books<const AXES: usize> {
     pub axes: [AxisBook; AXES],
     /// The analog outputs.
     pub analog: [i16; 8],
+    /// The laser channels.
+    pub lasers: [LaserBook; CHANNELS],
+    /// Resolution of their frequencies.
+    pub laser_fine: bool,
     /// PVT tables that hold data, a bit a table.
     filled: u64,
     /// The last entry that named a PVT table.
@@ -248,7 +347,14 @@ pub struct Books<const AXES: usize> {
 impl<const AXES: usize> Books<AXES> {
     /// Books at power-on.
     pub fn new() -> Self {
-        Books { axes: [AxisBook::default(); AXES], analog: [0; 8], filled: 0, named: [None; TABLES] }
+        Books {
+            axes: [AxisBook::default(); AXES],
+            analog: [0; 8],
+            lasers: [LaserBook::power_on(true, false); CHANNELS],
+            laser_fine: true,
+            filled: 0,
+            named: [None; TABLES],
+        }
     }
 
     /// Book of one axis; the last one for an axis beyond the capacity, which no admission lets through.
@@ -368,6 +474,12 @@ impl<const AXES: usize> Books<AXES> {
             Change::Jog { axis, prm } => one(axis, &|book| book.jog = prm),
             Change::Vel { axis, vel } => one(axis, &|book| book.vel = vel),
             Change::Pos { axis, pos } => one(axis, &|book| book.pos = pos),
+            Change::Laser { channel, change } => {
+                if let Some(laser) = self.lasers.get_mut(usize::from(channel)) {
+                    laser.enter(change, seq);
+                }
+            }
+            Change::LaserFine(fine) => self.laser_fine = fine,
             Change::Analog { channel, value } => {
                 if let Some(output) = self.analog.get_mut(usize::from(channel)) {
                     *output = value;

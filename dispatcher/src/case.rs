@@ -65,8 +65,20 @@ pub enum Answer {
     Taken { axis: Axis, fifo: u8, count: u16 },
     /// So many values of those that the program lane keeps: a Calculate command.
     Values(u8),
+    /// What a laser command took: so many numbers of those that its lane keeps, and which of them were held.
+    Took { count: u8, held: u8 },
     /// ProgramReply, with the state of when it is sent.
     Program,
+}
+
+impl Answer {
+    /// Numbers that wait in the lane for this answer.
+    pub fn waiting(&self) -> u8 {
+        match *self {
+            Answer::Values(count) | Answer::Took { count, .. } => count,
+            _ => 0,
+        }
+    }
 }
 
 /// A checked read.
@@ -109,6 +121,8 @@ pub enum Effect {
     LinkLoss { ms: u32, stop_all: bool },
     /// A trace of these axes, in a stream of its own or over the link.
     Trace { every: u32, axes: AxisMask, over_link: bool },
+    /// The numbers of [`Answer::Took`] that its lane keeps until then.
+    Took([f64; 3]),
     /// The items of this LoadConfig are pushed one by one.
     Config,
 }

@@ -11,7 +11,7 @@ use crate::books::{Books, Change, PROGRAM_FLAG, executed};
 use crate::case::{Answer, Case, Effect, Site};
 use crate::lane::{Deque, Lane, STAGED, Staged};
 use crate::program::Program;
-use crate::read::{Reading, values_reply};
+use crate::read::{Reading, took_reply, values_reply};
 use crate::refuse::{Admitted, Refused};
 use crate::server::{Board, IMMEDIATE};
 use crate::trace_out::TraceOut;
@@ -102,6 +102,8 @@ pub struct Desk<'a, const AXES: usize> {
     pub lane: Lane<'a, IMMEDIATE>,
     awaiting: Deque<Awaiting, IMMEDIATE>,
     refused: Deque<TickRefusal, 8>,
+    /// What the laser commands among them took, in order.
+    taken: Deque<f64, TAKEN>,
     /// Item of the LoadConfig in hand that is pushed next.
     config: Option<u16>,
     /// Link-loss time in ms, 0 is off; whether all axes stop.
@@ -109,6 +111,11 @@ pub struct Desk<'a, const AXES: usize> {
     /// The trace.
     pub trace: TraceOut<AXES>,
 }
+
+/// Numbers that laser commands took and whose replies wait.
+const TAKEN: usize = 64;
+/// Most of one command.
+pub const TAKEN_MAX: usize = 3;
 
 /// Power-on link-loss time (SPEC 9).
 const LINK_LOSS_MS: u32 = 500;
@@ -133,6 +140,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             lane: Lane::new(ring, 0),
             awaiting: Deque::new(Awaiting::BLANK),
             refused: Deque::new((0, Axis::default(), 0)),
+            taken: Deque::new(0.0),
             config: None,
             link_loss: (LINK_LOSS_MS, false),
             trace: TraceOut::new(),
@@ -214,7 +222,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     /// Does what a command does beside its operations; `seq` is its last entry.
     pub fn apply(&mut self, effect: Effect, seq: u32) {
         match effect {
-            Effect::None | Effect::Config => {}
+            Effect::None | Effect::Config | Effect::Took(_) => {}
             Effect::Choose(site) => self.site = site,
             Effect::LinkLoss { ms, stop_all } => self.link_loss = (ms, stop_all),
             Effect::Trace { every, axes, over_link } => self.trace.announce(every, axes, over_link, seq),
@@ -235,12 +243,13 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         self.refused.push(refusal);
     }
 
-    /// The reply to an executed command.
+    /// The reply to an executed command; `taken` are the numbers of its lane that wait, oldest first.
     pub fn reply(
         &self,
         view: &View<AXES>,
         program: &Program<'_>,
         item: &Awaiting,
+        taken: impl Iterator<Item = f64>,
         out: &mut ReplyWriter,
     ) -> Result<(), Full> {
         let reading = Reading { view, now: &self.now, site: &self.site, board: &self.board };
@@ -249,7 +258,8 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             Answer::Read(query) => reading.reply(item.tag, query, out),
             Answer::Space(space) => reading.space(item.tag, *space, out),
             Answer::Taken { axis, fifo, count } => reading.taken(item.opcode, item.tag, *axis, *fifo, *count, out),
-            Answer::Values(count) => program.values(item.opcode, item.tag, *count, out),
+            Answer::Values(count) => values_reply(item.opcode, item.tag, taken.take((*count).into()), out),
+            Answer::Took { held, .. } => took_reply(item.opcode, item.tag, taken, *held, out),
             Answer::Program => program.status(view, item.opcode, item.tag, out),
         }
     }
@@ -270,13 +280,16 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             let refusal = self.refused.front().copied().filter(|&(seq, ..)| item.own && Some(seq) == item.seq);
             let written = match refusal {
                 Some((_, axis, status)) => out.refused(item.opcode, item.tag, &self.explain(axis, status).wire),
-                None => self.reply(view, program, &item, out),
+                None => self.reply(view, program, &item, self.taken.iter().copied(), out),
             };
             if written.is_err() {
                 break;
             }
             if refusal.is_some() {
                 self.refused.pop();
+            }
+            for _ in 0..item.answer.waiting() {
+                self.taken.pop();
             }
             self.awaiting.pop();
             progress = true;
@@ -290,6 +303,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     /// A new session: nobody waits for these replies any more.
     pub fn abandon(&mut self) {
         self.awaiting.clear();
+        self.taken.clear();
         self.loading.abandon();
         self.config = None;
         self.trace.abandon();
@@ -320,7 +334,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         record: &RequestRecord,
         out: &mut ReplyWriter,
     ) -> Step {
-        if self.lane.room() < STAGED.max(AXES) || self.awaiting.is_full() {
+        if self.lane.room() < STAGED.max(AXES) || self.awaiting.is_full() || self.taken.room() < TAKEN_MAX {
             return Step::Wait;
         }
         if self.config.is_some() {
@@ -380,7 +394,9 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                 let reading = Reading { view, now: &self.now, site: &self.site, board: &self.board };
                 Step::of(reading.reply(record.tag, &query, out))
             }
-            Ok((_, Effect::Choose(site))) if program.is_active() && site.number != self.site.number => {
+            Ok((_, Effect::Choose(site)))
+                if program.is_active() && (site.number, site.family) != (self.site.number, self.site.family) =>
+            {
                 self.refuse(record, Refused::new(Reason::ProgramRuns), out)
             }
             Ok((answer, effect)) => {
@@ -388,6 +404,11 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                     program.stop(self);
                 }
                 self.push_staged();
+                if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
+                    for value in values.into_iter().take(count.into()) {
+                        self.taken.push(value);
+                    }
+                }
                 self.apply(effect, self.lane.last());
                 if let Effect::Config = effect {
                     self.config = Some(0);
@@ -429,8 +450,13 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         self.await_last(record, Answer::Done, true)
     }
 
-    /// Link loss: Jog axes, or all, stop smoothly. False if the lane has no room for it now.
-    pub fn stop_for_link_loss(&mut self, view: &View<AXES>) -> bool {
+    /// Tells the tick that the link is lost or there again; false if the lane has no room for it now.
+    pub fn tell_link(&mut self, lost: bool) -> bool {
+        self.lane.push(Op::Link { lost }, Change::None, 0, &mut self.ahead)
+    }
+
+    /// Link loss: Jog axes, or all, stop smoothly. The caller has seen that the lane has room.
+    pub fn stop_for_link_loss(&mut self, view: &View<AXES>) {
         let all = self.link_loss.1;
         let mut axes = AxisMask(0);
         for (index, (book, seen)) in self.ahead.axes.iter().zip(&view.axes).enumerate() {
@@ -441,6 +467,8 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                 axes.0 |= axis.mask().0;
             }
         }
-        axes.0 == 0 || self.lane.push(Op::Stop { axes, abrupt: AxisMask(0) }, Change::None, 0, &mut self.ahead)
+        if axes.0 != 0 {
+            self.lane.push(Op::Stop { axes, abrupt: AxisMask(0) }, Change::None, 0, &mut self.ahead);
+        }
     }
 }

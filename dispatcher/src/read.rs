@@ -9,10 +9,11 @@ use crate::case::{Query, Site, mode_number, ones};
 use crate::server::{Board, FAULT_TEXT_MAX};
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};
+use servo::laser::{CHANNELS, Count, Power};
 use servo::piece::Scaled;
 use servo::status::RUNNING;
 use servo::units::{Axis, Pos};
-use servo::view::{AxisView, View};
+use servo::view::{AxisView, LaserView, View};
 use zerocopy::IntoBytes;
 
 /// What a reply is built from.
@@ -41,6 +42,17 @@ pub fn number(value: Scaled) -> f64 {
     value.m as f64 * power(-i32::from(value.e))
 }
 
+/// A laser's power in its unit.
+pub fn units(power: Power) -> f64 {
+    power.raw() as f64 * self::power(-(Power::FRAC_BITS as i32))
+}
+
+/// Counts of a laser's timer in the mean.
+pub fn counts(count: Count) -> f64 {
+    let of = if count.of == 0 { power(32) } else { f64::from(count.of) };
+    count.whole as f64 + f64::from(count.part) / of
+}
+
 /// Pulses.
 fn pulses(pos: Pos) -> f64 {
     pos.0 as f64 * power(-(Pos::FRAC_BITS as i32))
@@ -61,6 +73,48 @@ pub fn values_reply(
     }
     let head = command::Count { count: (count as u16).into() };
     out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.get(..count).unwrap_or(&[]).as_bytes()])
+}
+
+/// The reply to a laser command that tells what it took.
+pub fn took_reply(
+    opcode: u16,
+    tag: u16,
+    mut taken: impl Iterator<Item = f64>,
+    held: u8,
+    out: &mut ReplyWriter,
+) -> Result<(), Full> {
+    let mut next = || taken.next().unwrap_or(0.0);
+    match opcode {
+        opcode::LaserPowerMode => {
+            let (max, min) = (next(), next());
+            let reply = command::LaserBounds { max: max.into(), min: min.into(), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::SetWaitPulse | opcode::SetWaitPulseEx => {
+            let (frequency, duty) = (next(), next());
+            let reply = command::LaserPulse { frequency: frequency.into(), duty: duty.into(), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::SetLevelDelay => {
+            let (off, on) = (next() as u32, next() as u32);
+            let reply = command::LaserDelays { off_delay_us: off.into(), on_delay_us: on.into(), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::EnaFPK => {
+            let (time1, time2, end) = (next() as u32, next() as u32, next() as u32);
+            let reply = command::LaserFpk {
+                time1_us: time1.into(),
+                time2_us: time2.into(),
+                laser_off_delay_us: end.into(),
+                held,
+            };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        _ => {
+            let reply = command::LaserValue { value: next().into(), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+    }
 }
 
 impl<const AXES: usize> Reading<'_, AXES> {
@@ -188,6 +242,13 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let head = command::Reals { clock_ms: self.clock_ms().into(), count: (count as u16).into() };
                 out.done::<command::GetAdc>(tag, &head, &items[..count])
             }
+            opcode::GetLaserOnTime
+            | opcode::GetLaserCrdMap
+            | opcode::GetLaserPower
+            | opcode::GetLaserFault
+            | opcode::LaserOnStatus
+            | opcode::GetHSIOOpt
+            | opcode::LaserStatus => self.laser(tag, query, out),
             opcode::PtSpace => {
                 let space = book.space(self.view, seen, usize::from(query.which)) as i16;
                 self.space(tag, space, out)
@@ -230,6 +291,51 @@ impl<const AXES: usize> Reading<'_, AXES> {
             // A request without fields in its reply.
             other => out.push_raw(other, tag, 0, &[]),
         }
+    }
+
+    /// A read of the laser channel `first`; `which` is the core.
+    fn laser(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let index = usize::from(query.first).min(CHANNELS - 1);
+        let seen = &self.view.lasers[index];
+        let short = |value: i16| command::Short { value: value.into() };
+        match query.opcode {
+            opcode::GetLaserOnTime => {
+                out.done::<command::GetLaserOnTime>(tag, &command::ULong { value: seen.on_time.into() }, &[])
+            }
+            opcode::GetLaserCrdMap => {
+                let crds = u32::from(self.site.profile.crds_per_core);
+                let map = u32::from(self.now.lasers[index].map) >> (u32::from(query.which) * crds);
+                out.done::<command::GetLaserCrdMap>(tag, &short((map & ((1 << crds) - 1)) as i16), &[])
+            }
+            opcode::GetLaserPower => {
+                out.done::<command::GetLaserPower>(tag, &command::Real { value: units(seen.power).into() }, &[])
+            }
+            opcode::GetLaserFault => out.done::<command::GetLaserFault>(tag, &short(seen.fault as i16), &[]),
+            opcode::LaserStatus => {
+                let reply = command::LaserState {
+                    mode: i16::from(seen.mode as u8).into(),
+                    commanded: seen.commanded.into(),
+                    gate: seen.switch.into(),
+                    light: seen.light.into(),
+                    held: seen.limited.into(),
+                    fault: (seen.fault as i16).into(),
+                    power: units(seen.power).into(),
+                    frequency: self.achieved_khz(seen).into(),
+                    on_time: seen.on_time.into(),
+                };
+                out.done::<command::LaserStatus>(tag, &reply, &[])
+            }
+            // GetHSIOOpt, LaserOnStatus: the command, not the output (SPEC 6).
+            other => out.push_raw(other, tag, 0, &[short(seen.commanded.into()).as_bytes()]),
+        }
+    }
+
+    /// The carrier or pulse rate as the timers put it out, kHz; 0 where nothing is.
+    fn achieved_khz(&self, seen: &LaserView) -> f64 {
+        if seen.train.is_none() {
+            return 0.0;
+        }
+        f64::from(self.view.timer_mhz) * 1000.0 / counts(seen.train.period)
     }
 
     /// The reply to `PtSpace`.

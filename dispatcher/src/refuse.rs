@@ -64,8 +64,8 @@ pub fn within<T: Copy + PartialOrd + Into<f64>>(field: u8, got: T, low: T, high:
 }
 
 /// `got` if it is one of the choices `low..=high`.
-pub fn choice(field: u8, got: i16, low: i16, high: i16) -> Admitted<i16> {
-    if (low..=high).contains(&got) {
+pub fn choice<T: Copy + PartialOrd + Into<f64>>(field: u8, got: T, low: T, high: T) -> Admitted<T> {
+    if got >= low && got <= high {
         Ok(got)
     } else {
         Err(Refused::new(Reason::Selector).field(field).got(got.into()).limits(low.into(), high.into()))

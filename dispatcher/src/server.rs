@@ -25,6 +25,8 @@ const ROUNDS: u32 = 16;
 
 /// Rows wait this long for more of them, before they go over the link in a message that is not full.
 const TRACE_FLUSH_NS: u64 = 20_000_000;
+/// Entries of the immediate lane that the loss of the link takes.
+const LINK_LOSS_ENTRIES: usize = 3;
 /// The head of a record of trace.
 const TRACE_HEAD: usize = size_of::<ReplyHead>();
 
@@ -259,8 +261,9 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         gone
     }
 
-    /// Silence for longer than the link-loss time, once a session was open: Jog axes stop smoothly (all
-    /// axes, if SetLinkLoss says so) and the rest of a running program is dropped; PT runs on.
+    /// Silence for longer than the link-loss time, once a session was open: the tick puts out lasers whose light
+    /// is on or may come, Jog axes stop smoothly (all axes, if SetLinkLoss says so) and the rest of a running
+    /// program is dropped; what else moves runs on, in the dark.
     fn watch_link(
         desk: &mut Desk<'a, AXES>,
         program: &mut Program<'a>,
@@ -271,11 +274,14 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     ) {
         let Some(heard) = heard else { return };
         let limit = u64::from(desk.link_loss.0) * 1_000_000;
-        if limit == 0 || now.0.saturating_sub(heard) <= limit {
-            *lost = false;
-        } else if !*lost {
+        let silent = limit != 0 && now.0.saturating_sub(heard) > limit;
+        if silent && !*lost && desk.lane.room() >= LINK_LOSS_ENTRIES {
+            // The tick is told before the program is dropped: that it ran is a reason to put out the lasers.
+            *lost = desk.tell_link(true);
             program.stop(desk);
-            *lost = desk.stop_for_link_loss(view);
+            desk.stop_for_link_loss(view);
+        } else if !silent && *lost {
+            *lost = !desk.tell_link(false);
         }
     }
 

@@ -5,6 +5,7 @@ use crate::case::{Answer, Case, Query, ones};
 use crate::refuse::{Admitted, Refused, choice};
 use protocol::command::{GetAdc, GetDac, GetDi, GetDo, SetDac, SetDo, SetDoBit, opcode};
 use protocol::reason::Reason;
+use servo::laser::Mode;
 use servo::op::{DoGroup, Op};
 
 /// I/O types of the manuals (SPEC 3).
@@ -82,6 +83,13 @@ pub fn set_analog<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admi
     case.core(request.core.get())?;
     let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
     let (first, _) = channels(request.dac.get(), count, case.board.analog_outputs)?;
+    // AO0 and AO1 carry the power of a laser channel in analog mode (LSR 2).
+    for ((channel, laser), _) in (0u8..).zip(&case.books.lasers).skip(first.into()).zip(values) {
+        if laser.mode == Mode::Analog {
+            let output = f64::from(channel) + 1.0;
+            return Err(Refused::new(Reason::AnalogInUse).field(1).got(output).limits(channel.into(), channel.into()));
+        }
+    }
     for (channel, value) in (first..).zip(values) {
         let value = value.value.get();
         case.stage_with(Op::Analog { channel, value }, Change::Analog { channel, value });

@@ -7,6 +7,7 @@ mod io;
 pub use io::kind;
 pub use pvt::number_of;
 mod jog_trap;
+mod laser;
 pub mod pt;
 mod pvt;
 pub mod pvt_table;
@@ -67,6 +68,10 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         (axis $name:ident, $axis:ident) => {{
             let r = one::<command::$name>(body)?;
             case.axis(r.core.get(), r.$axis.get()).map(|axis| query(number, axis))
+        }};
+        (laser $name:ident) => {{
+            let r = one::<command::$name>(body)?;
+            laser::read(case, number, r.core.get(), r.channel.get())
         }};
     }
     match number {
@@ -154,6 +159,31 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::PvtStatus => to!(PvtStatus, pvt::status),
         opcode::PvtStart => to!(PvtStart, pvt::start),
         opcode::PvtTableSelect => to!(PvtTableSelect, pvt::select),
+        opcode::LaserOn => to!(LaserOn, laser::on),
+        opcode::LaserOff => to!(LaserOff, laser::off),
+        opcode::LaserPowerMode => to!(LaserPowerMode, laser::energy::mode),
+        opcode::LaserPrfCmd => to!(LaserPrfCmd, laser::energy::direct),
+        opcode::LaserOutFrq => to!(LaserOutFrq, laser::energy::frequency),
+        opcode::SetPulseWidth => to!(SetPulseWidth, laser::energy::width),
+        opcode::SetWaitPulse => to!(SetWaitPulse, laser::energy::standby_one),
+        opcode::SetWaitPulseEx => to!(SetWaitPulseEx, laser::energy::standby_all),
+        opcode::SetPreVltg => to!(SetPreVltg, laser::energy::pre_voltage),
+        opcode::SetLevelDelay => to!(SetLevelDelay, laser::delays),
+        opcode::EnaFPK => to!(EnaFPK, laser::fpk_on),
+        opcode::DisFPK => to!(DisFPK, laser::fpk_off),
+        opcode::SetLaserMode => to!(SetLaserMode, laser::energy::resolution),
+        opcode::ZeroLaserOnTime => to!(ZeroLaserOnTime, laser::zero_on_time),
+        opcode::GetLaserOnTime => to!(laser GetLaserOnTime),
+        opcode::SetLaserCrdMap => to!(SetLaserCrdMap, laser::map),
+        opcode::GetLaserCrdMap => to!(laser GetLaserCrdMap),
+        opcode::SetAxisMode => to!(SetAxisMode, laser::connector),
+        opcode::GetLaserPower => to!(laser GetLaserPower),
+        opcode::ClrLaserFault => to!(ClrLaserFault, laser::clear_fault),
+        opcode::GetLaserFault => to!(laser GetLaserFault),
+        opcode::LaserOnStatus => to!(laser LaserOnStatus),
+        opcode::SetHSIOOpt => to!(SetHSIOOpt, laser::switch),
+        opcode::GetHSIOOpt => to!(laser GetHSIOOpt),
+        opcode::LaserStatus => to!(laser LaserStatus),
         _ => Err(Refused::new(Reason::UnknownCommand).got(number.into())),
     }
 }
@@ -191,6 +221,13 @@ pub fn is_read(number: u16) -> bool {
             | opcode::GetDo
             | opcode::GetDac
             | opcode::GetAdc
+            | opcode::GetLaserOnTime
+            | opcode::GetLaserCrdMap
+            | opcode::GetLaserPower
+            | opcode::GetLaserFault
+            | opcode::LaserOnStatus
+            | opcode::GetHSIOOpt
+            | opcode::LaserStatus
             | opcode::PtSpace
             | opcode::GetPtLoop
             | opcode::GetPtMemory

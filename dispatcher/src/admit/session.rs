@@ -20,12 +20,15 @@ pub fn reset<const AXES: usize>(case: &mut Case<AXES>, r: &Reset) -> Admitted<An
     let axes = case.core_mask(r.core.get())?;
     let tables = ones(TABLES) << (case.core(r.core.get())? * TABLES);
     case.stage_with(Op::Reset { axes }, Change::Reset { axes, tables });
+    // The controller has its lasers once: a Reset of either core puts them to power-on state.
+    case.lasers_to_power_on(case.site.family);
     Ok(Answer::Done)
 }
 
 pub fn clear_status<const AXES: usize>(case: &mut Case<AXES>, r: &ClrSts) -> Admitted<Answer> {
     let axes = case.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
     case.stage_with(Op::ClearStatus { axes }, Change::Cleared { axes });
+    case.clear_laser_faults(case.core(r.core.get())?);
     Ok(Answer::Done)
 }
 
@@ -38,8 +41,8 @@ pub fn tick<const AXES: usize>(case: &mut Case<AXES>, r: &SetTick) -> Admitted<A
     Ok(Answer::Done)
 }
 
-/// Choosing what is shown already changes the family only, and may be done while axes move. Another
-/// profile renumbers the axes, so all of them are reset.
+/// Choosing what is shown already changes nothing. Another family puts the lasers to power-on state and may be
+/// chosen while axes move. Another profile renumbers the axes, so all of them are reset too.
 pub fn choose<const AXES: usize>(case: &mut Case<AXES>, r: &Choose) -> Admitted<Answer> {
     let number = within(0, r.profile, 0, PROFILES.len() as u8 - 1)?;
     let family = within(1, r.family, 0, FAMILIES - 1)?;
@@ -54,6 +57,9 @@ pub fn choose<const AXES: usize>(case: &mut Case<AXES>, r: &Choose) -> Admitted<
         let axes = AxisMask(case.site.all().0 | site.all().0);
         case.all_at_rest(axes, Reason::OnlyAtRest)?;
         case.stage_with(Op::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
+    }
+    if (number, family) != (case.site.number, case.site.family) {
+        case.lasers_to_power_on(family);
     }
     case.effect = Effect::Choose(site);
     Ok(plain(opcode::Choose))

@@ -5,7 +5,6 @@
 //! What was dropped leaves no trace: the *ahead* books go back to the *now* books.
 use super::{Program, State};
 use crate::books::{Change, executed};
-use crate::case::Answer;
 use crate::desk::{Desk, TickRefusal};
 use crate::refuse::Refused;
 use protocol::reason::Reason;
@@ -124,7 +123,7 @@ impl Program<'_> {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
                 Some((_, axis, status)) => out.refused(item.opcode, item.tag, &desk.explain(axis, status).wire),
                 None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(Reason::Discarded).wire),
-                None => desk.reply(view, self, &item, out),
+                None => desk.reply(view, self, &item, self.values.iter().copied(), out),
             };
             if written.is_err() {
                 break;
@@ -134,10 +133,8 @@ impl Program<'_> {
             } else if !item.discarded {
                 self.done = self.done.wrapping_add(1);
             }
-            if let Answer::Values(count) = item.answer {
-                for _ in 0..count {
-                    self.values.pop();
-                }
+            for _ in 0..item.answer.waiting() {
+                self.values.pop();
             }
             self.awaiting.pop();
             progress = true;
@@ -180,12 +177,18 @@ impl Program<'_> {
 /// could, and that has been admitted.
 fn is_final(reason: Reason) -> bool {
     use Reason::{
-        BeyondTravel, FifoEmpty, Length, NoAcceleration, NotFinite, NotForProgram, NotInDynamic, NotInProgram,
-        NotInitialised, OutOfRange, Selector, ServoOff, TooMany, UnknownCommand, WrongMode,
+        AboveLow, AnalogInUse, BelowMinimum, BeyondTravel, FifoEmpty, LaserConnector, Length, NoAcceleration,
+        NotFinite, NotForProgram, NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, Selector,
+        ServoOff, TooMany, UnknownCommand, WrongMode,
     };
     matches!(
         reason,
-        OutOfRange
+        AboveLow
+            | BelowMinimum
+            | LaserConnector
+            | NotInFamily
+            | AnalogInUse
+            | OutOfRange
             | NotFinite
             | Length
             | TooMany

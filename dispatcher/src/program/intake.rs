@@ -13,7 +13,7 @@ use crate::admit::pt;
 use crate::admit::pvt_table::{CHUNK, Road, road};
 use crate::books::Change;
 use crate::case::{Answer, Case, Effect};
-use crate::desk::{Awaiting, Desk, Step};
+use crate::desk::{Awaiting, Desk, Step, TAKEN_MAX};
 use crate::lane::{STAGED, Staged};
 use crate::refuse::{Admitted, Refused};
 use protocol::command::{Sleep, WaitStop, opcode};
@@ -65,7 +65,7 @@ impl Program<'_> {
 
     /// Room for a command and, before it, the commits of all axes.
     fn has_room<const AXES: usize>(&self) -> bool {
-        self.lane.room() >= STAGED + 2 * AXES && !self.awaiting.is_full()
+        self.lane.room() >= STAGED + 2 * AXES && !self.awaiting.is_full() && self.values.room() >= TAKEN_MAX
     }
 
     /// Whether a record from the wire may be admitted where it lies: it is data, and no record waits.
@@ -191,6 +191,11 @@ impl Program<'_> {
             return Ok(Step::Taken);
         }
         self.flush(desk);
+        if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
+            for value in values.into_iter().take(count.into()) {
+                self.values.push(value);
+            }
+        }
         let count = desk.staged.ops().len();
         for index in 0..count {
             if let Some(&(op, change)) = desk.staged.ops().get(index) {

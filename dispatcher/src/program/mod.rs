@@ -21,7 +21,6 @@ use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
 use crate::case::Answer;
 use crate::desk::{Awaiting, Desk, Step, TickRefusal};
 use crate::lane::{Deque, Lane};
-use crate::read::values_reply;
 use crate::refuse::{Admitted, Refused};
 use crate::server::PROGRAM;
 use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
@@ -60,7 +59,7 @@ pub struct Program<'a> {
     records: Records,
     awaiting: Deque<Awaiting, AWAITING>,
     refused: Deque<TickRefusal, 8>,
-    /// What the Calculate commands among them answer, in order.
+    /// What the Calculate and laser commands among them answer, in order.
     values: Deque<f64, VALUES>,
     state: State,
     /// Script time since the last entry pushed, ns.
@@ -233,11 +232,6 @@ impl<'a> Program<'a> {
                 Ok(Some(Answer::Program))
             }
         }
-    }
-
-    /// The reply to the Calculate command in front.
-    pub fn values(&self, opcode: u16, tag: u16, count: u8, out: &mut ReplyWriter) -> Result<(), Full> {
-        values_reply(opcode, tag, self.values.iter().take(count.into()).copied(), out)
     }
 
     /// The reply to a program command.

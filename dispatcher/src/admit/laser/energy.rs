@@ -1,0 +1,250 @@
+//! The energy of a laser channel: modes and bounds, power, carrier, pulse width, standby, pre-voltage,
+//! resolution.
+//!
+//! In: requests with the user's doubles. Out: staged changes with the tick's numbers, and with them the train
+//! planned for the power that the books know (`Fine`), which spares the tick that search.
+use super::range::{Range, Taking};
+use super::{Case, took};
+use crate::books::{Change as Entered, LaserBook, LaserChange};
+use crate::case::Answer;
+use crate::read::{counts, units};
+use crate::refuse::{Admitted, Refused, choice};
+use core::num::NonZeroU16;
+use protocol::command::{
+    LaserOutFrq, LaserPowerMode, LaserPrfCmd, SetLaserMode, SetPreVltg, SetPulseWidth, SetWaitPulse, SetWaitPulseEx,
+};
+use protocol::reason::Reason;
+use servo::laser::{Bounds, CHANNELS, Carrier, Change, Clock, Count, Fine, Mode, Power, Standby};
+use servo::op::Op;
+
+/// Duties, %.
+const DUTY: Range = Range::new(0.0, 100.0);
+/// Voltages, V.
+const VOLTS: Range = Range::new(0.0, 10.0);
+/// Highest frequency of the GUS family, kHz.
+const GUS_KHZ: f64 = 2000.0;
+/// Highest frequency and step of the LSR family's low (SetLaserMode 0) and high resolution (1), kHz.
+const LSR_KHZ: [(f64, f64); 2] = [(96.0, 0.006), (24.0, 0.0015)];
+/// Longest pulse of the families, µs.
+const WIDTH_MAX_US: (u16, u16) = (65_535, 4_000);
+/// Bit of `held` that tells of a pulse width limited to just under the period.
+const WIDTH_LIMITED: u8 = 1 << 7;
+
+/// Highest and lowest frequency; GUS has no lowest.
+fn frequencies(lsr: bool, fine: bool) -> (f64, f64) {
+    if lsr { LSR_KHZ[usize::from(fine)] } else { (GUS_KHZ, 0.0) }
+}
+
+/// What a carrier may be.
+fn carriers(lsr: bool, fine: bool) -> Range {
+    let (high, least) = frequencies(lsr, fine);
+    Range::frequency(least, high)
+}
+
+/// What a power may be in a mode.
+fn powers(mode: Mode, lsr: bool, fine: bool) -> Range {
+    match mode {
+        Mode::Duty | Mode::DutyOpen => DUTY,
+        Mode::Frequency => Range::new(0.0, frequencies(lsr, fine).0),
+        Mode::Analog => VOLTS,
+    }
+}
+
+/// A checked number as the tick has it. The checks allow nothing that it refuses.
+fn power(field: u8, value: f64) -> Admitted<Power> {
+    Power::admit(value.to_bits())
+        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(value).limits(0.0, GUS_KHZ))
+}
+
+fn carrier(field: u8, khz: f64, clock: Clock) -> Admitted<Carrier> {
+    let no = |_| Refused::new(Reason::AboveLow).field(field).got(khz).limits(0.0, GUS_KHZ);
+    Carrier::admit(power(field, khz)?, clock).map_err(no)
+}
+
+/// The frequency of a period as it is put out, kHz.
+fn khz(period: Count, clock: Clock) -> f64 {
+    f64::from(clock.mhz()) * 1000.0 / counts(period)
+}
+
+impl LaserBook {
+    /// The train for the power that this channel holds.
+    fn fine(&self, clock: Clock) -> Option<Fine> {
+        Fine::plan(self.mode, self.bounds.hold(self.power), self.carrier.as_ref(), clock)
+    }
+
+    /// Whether the width reaches the period of the pulses that it puts out.
+    fn is_limited(&self) -> u8 {
+        // µs times kHz: a period is 1000.
+        let reaches = f64::from(self.width_us) * units(self.bounds.hold(self.power)) >= 1000.0;
+        let reaches = reaches && self.mode == Mode::Frequency;
+        if reaches { WIDTH_LIMITED } else { 0 }
+    }
+}
+
+/// Only at rest: where crds exist, one of the core that runs refuses it (1). None can run in this build's commands.
+pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPowerMode) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 4, r.channel.get())?;
+    let lsr = case.is_lsr();
+    let mode = match choice(1, r.mode.get(), 0, 3)? {
+        1 => Mode::Frequency,
+        2 => Mode::Analog,
+        3 if !lsr => Mode::DutyOpen,
+        _ => Mode::Duty,
+    };
+    // GUS always applies the delays and knows no such parameter.
+    let delayed = !lsr || choice(5, r.delay_mode.get(), 0, 1)? == 1;
+    let (max, min) = (r.max.get(), r.min.get());
+    if max < min {
+        return Err(Refused::new(Reason::BelowMinimum).field(2).got(max).limits(min, min));
+    }
+    let range = powers(mode, lsr, case.books.laser_fine);
+    let mut taking = Taking::new(lsr);
+    let (max, min) = (taking.take(2, 0, max, range)?, taking.take(3, 1, min, range)?);
+    let bounds = Bounds::admit(mode, power(2, max)?, power(3, min)?)
+        .map_err(|_| Refused::new(Reason::BelowMinimum).field(2).got(max).limits(min, min))?;
+    let mut book = *case.laser(channel);
+    book.set_mode(mode, bounds, delayed);
+    let fine = book.fine(case.clock()?);
+    case.change_with(
+        channel,
+        Change::Mode { mode, bounds, delayed, fine },
+        LaserChange::Mode { mode, bounds, delayed },
+    );
+    Ok(took(case, &[max, min], taking.held | book.is_limited()))
+}
+
+pub fn direct<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPrfCmd) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 2, r.channel.get())?;
+    let mut book = *case.laser(channel);
+    let mut taking = Taking::new(case.is_lsr());
+    let range = powers(book.mode, case.is_lsr(), case.books.laser_fine);
+    let value = taking.take(1, 0, r.power.get(), range)?;
+    book.power = power(1, value)?;
+    let (power, fine) = (book.power, book.fine(case.clock()?));
+    case.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
+    Ok(took(case, &[value], taking.held | book.is_limited()))
+}
+
+/// Tells the frequency that is reached.
+pub fn frequency<const AXES: usize>(case: &mut Case<AXES>, r: &LaserOutFrq) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 2, r.channel.get())?;
+    let mut taking = Taking::new(case.is_lsr());
+    let value = taking.take(1, 0, r.frequency.get(), carriers(case.is_lsr(), case.books.laser_fine))?;
+    let clock = case.clock()?;
+    let carrier = carrier(1, value, clock)?;
+    stage_carrier(case, channel, carrier)?;
+    Ok(took(case, &[khz(carrier.period(), clock)], taking.held))
+}
+
+fn stage_carrier<const AXES: usize>(case: &mut Case<AXES>, channel: u8, carrier: Carrier) -> Admitted<()> {
+    let mut book = *case.laser(channel);
+    book.carrier = Some(carrier);
+    let fine = book.fine(case.clock()?);
+    case.change_with(channel, Change::Carrier { carrier, fine }, LaserChange::Carrier(carrier));
+    Ok(())
+}
+
+/// A width that reaches the period is limited to just under it, and told.
+pub fn width<const AXES: usize>(case: &mut Case<AXES>, r: &SetPulseWidth) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 2, r.channel.get())?;
+    let mut taking = Taking::new(case.is_lsr());
+    let longest = if case.is_lsr() { WIDTH_MAX_US.1 } else { WIDTH_MAX_US.0 };
+    let width_us = taking.whole(1, 0, r.width_us.get(), 1, longest)?;
+    let mut book = *case.laser(channel);
+    book.width_us = width_us;
+    if let Some(us) = NonZeroU16::new(width_us) {
+        case.change_with(channel, Change::PulseWidth { us }, LaserChange::Width(width_us));
+    }
+    Ok(took(case, &[width_us.into()], taking.held | book.is_limited()))
+}
+
+/// Standby pulses of some channels. To switch them off, frequency and duty may be 0.
+fn standby<const AXES: usize>(
+    case: &mut Case<AXES>,
+    channels: core::ops::Range<u8>,
+    (mode, frequency, duty): (u16, f64, f64),
+) -> Admitted<Answer> {
+    let on = choice(1, mode, 0, 1)? == 1;
+    let mut taking = Taking::new(case.is_lsr());
+    let range =
+        if on || frequency != 0.0 { carriers(case.is_lsr(), case.books.laser_fine) } else { Range::new(0.0, 0.0) };
+    let frequency = taking.take(2, 0, frequency, range)?;
+    let duty = taking.take(3, 1, duty, DUTY)?;
+    let clock = case.clock()?;
+    let pulses = if on {
+        let none = |_| Refused::new(Reason::AboveLow).field(2).got(frequency).limits(0.0, GUS_KHZ);
+        Some(Standby::admit(power(2, frequency)?, power(3, duty)?, clock).map_err(none)?)
+    } else {
+        None
+    };
+    for channel in channels {
+        let book = pulses.map(|pulses| (pulses.khz(), pulses.duty()));
+        case.change_with(channel, Change::Standby(pulses), LaserChange::Standby(book));
+    }
+    let reached = pulses.map_or((frequency, duty), |pulses| {
+        let train = pulses.train();
+        (khz(train.period, clock), counts(train.width) / counts(train.period) * 100.0)
+    });
+    Ok(took(case, &[reached.0, reached.1], taking.held))
+}
+
+pub fn standby_one<const AXES: usize>(case: &mut Case<AXES>, r: &SetWaitPulse) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 4, r.channel.get())?;
+    standby(case, channel..channel + 1, (r.mode.get(), r.frequency.get(), r.duty.get()))
+}
+
+pub fn standby_all<const AXES: usize>(case: &mut Case<AXES>, r: &SetWaitPulseEx) -> Admitted<Answer> {
+    case.core(r.core.get())?;
+    standby(case, 0..CHANNELS as u8, (r.mode.get(), r.frequency.get(), r.duty.get()))
+}
+
+pub fn pre_voltage<const AXES: usize>(case: &mut Case<AXES>, r: &SetPreVltg) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 3, r.channel.get())?;
+    let on = choice(1, r.mode.get(), 0, 1)? == 1;
+    let mut taking = Taking::new(case.is_lsr());
+    let volts = taking.take(2, 0, r.voltage.get(), VOLTS)?;
+    let volts_fixed = power(2, volts)?;
+    case.change(channel, Change::PreVoltage(on.then_some(volts_fixed)));
+    Ok(took(case, &[volts], taking.held))
+}
+
+/// The range of frequencies in the LSR family, of both channels: what is set and lies above a new range is
+/// held at its bound. In the GUS family it has no effect.
+pub fn resolution<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserMode) -> Admitted<Answer> {
+    case.core(r.core.get())?;
+    let fine = choice(1, r.mode.get(), 0, 1)? == 1;
+    case.stage_with(Op::Mark, Entered::LaserFine(fine));
+    if case.is_lsr() {
+        let highest = power(1, frequencies(true, fine).0)?;
+        for channel in 0..CHANNELS as u8 {
+            hold_frequencies(case, channel, highest)?;
+        }
+    }
+    Ok(Answer::Done)
+}
+
+fn hold_frequencies<const AXES: usize>(case: &mut Case<AXES>, channel: u8, highest: Power) -> Admitted<()> {
+    let mut book = *case.laser(channel);
+    let clock = case.clock()?;
+    let none = |_| Refused::new(Reason::OutOfRange).field(1);
+    if book.carrier.is_some_and(|carrier| carrier.khz() > highest) {
+        stage_carrier(case, channel, Carrier::admit(highest, clock).map_err(none)?)?;
+    }
+    if let Some((_, duty)) = book.standby.filter(|(khz, _)| *khz > highest) {
+        let pulses = Standby::admit(highest, duty, clock).map_err(none)?;
+        case.change_with(channel, Change::Standby(Some(pulses)), LaserChange::Standby(Some((highest, duty))));
+    }
+    if book.mode == Mode::Frequency && (book.bounds.max() > highest || book.power > highest) {
+        let bounds = Bounds::admit(book.mode, book.bounds.max().min(highest), book.bounds.min().min(highest));
+        book.bounds = bounds.map_err(none)?;
+        book.power = book.power.min(highest);
+        let (mode, bounds, delayed, power, fine) = (book.mode, book.bounds, book.delayed, book.power, book.fine(clock));
+        case.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
+        case.change_with(
+            channel,
+            Change::Mode { mode, bounds, delayed, fine },
+            LaserChange::Mode { mode, bounds, delayed },
+        );
+    }
+    Ok(())
+}

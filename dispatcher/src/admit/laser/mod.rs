@@ -1,0 +1,213 @@
+//! Laser commands: gate, delays, first-pulse killer, on-time, crd map, faults, connectors; `energy` has those
+//! of the power.
+//!
+//! In: requests and the books of the channels. Out: staged changes. What is out of range is refused or held
+//! by `range`; the reply tells what was taken. A controller has its channels once, whatever its cores are:
+//! every core may name every channel.
+//!
+//! The commands are those of GUS chapter 2 and LSR chapter 2, each in both families; SPEC 2 says where the
+//! families differ, SPEC 6 what a channel does.
+pub mod energy;
+mod range;
+
+use crate::books::{self, LaserBook, LaserChange, executed};
+use crate::case::{Answer, Case, Effect, Query};
+use crate::refuse::{Admitted, Refused, choice};
+use core::num::NonZeroU16;
+use protocol::command::{
+    ClrLaserFault, DisFPK, EnaFPK, LaserOff, LaserOn, SetAxisMode, SetHSIOOpt, SetLaserCrdMap, SetLevelDelay,
+    ZeroLaserOnTime,
+};
+use protocol::reason::Reason;
+use range::Taking;
+use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Fpk, Mode};
+use servo::op::Op;
+
+/// The family that holds what is out of range and whose connectors are fixed (SPEC 2).
+pub const LSR: u8 = 1;
+/// Axis connector of channel 0; that of channel 1 is the next.
+const FIRST_CONNECTOR: i16 = 7;
+/// The longest delay and FPK time, µs.
+const TIME_MAX_US: u16 = u16::MAX;
+
+/// What is taken, for the reply: its numbers and which of them were held.
+fn took<const AXES: usize>(case: &mut Case<AXES>, values: &[f64], held: u8) -> Answer {
+    let mut all = [0.0; 3];
+    for (place, value) in all.iter_mut().zip(values) {
+        *place = *value;
+    }
+    case.effect = Effect::Took(all);
+    Answer::Took { count: values.len() as u8, held }
+}
+
+impl<const AXES: usize> Case<'_, AXES> {
+    /// Whether the family is LSR.
+    fn is_lsr(&self) -> bool {
+        self.site.family == LSR
+    }
+
+    /// A channel; `field` is its place in the request.
+    fn channel(&self, core: i16, field: u8, channel: i16) -> Admitted<u8> {
+        self.core(core)?;
+        Ok(choice(field, channel, 0, i16::from(self.site.profile.lasers.min(CHANNELS as u8)) - 1)? as u8)
+    }
+
+    fn laser(&self, channel: u8) -> &LaserBook {
+        &self.books.lasers[usize::from(channel).min(CHANNELS - 1)]
+    }
+
+    /// The clock of the machine's timers, which the first tick tells.
+    fn clock(&self) -> Admitted<Clock> {
+        Clock::from_mhz(self.view.timer_mhz).ok_or(Refused::new(Reason::RingFull))
+    }
+
+    fn change(&mut self, channel: u8, change: Change) {
+        self.stage(Op::Laser { channel, change });
+    }
+
+    fn change_with(&mut self, channel: u8, change: Change, entered: LaserChange) {
+        self.stage_with(Op::Laser { channel, change }, books::Change::Laser { channel, change: entered });
+    }
+
+    /// Both channels as they are at power-on in this family.
+    pub fn lasers_to_power_on(&mut self, family: u8) {
+        let lsr = family == LSR;
+        for channel in 0..CHANNELS as u8 {
+            self.change_with(channel, Change::Reset, LaserChange::PowerOn { delayed: !lsr, connector: lsr });
+            let bounds = Bounds::full(Mode::Duty);
+            self.change(channel, Change::Mode { mode: Mode::Duty, bounds, delayed: !lsr, fine: None });
+            self.change(channel, Change::Connector { laser: lsr });
+        }
+    }
+
+    /// A cleared status word clears the faults of the channels that a crd of its core gates. No crd has axes in
+    /// this build's commands, so every axis of the core counts.
+    pub fn clear_laser_faults(&mut self, core: usize) {
+        let crds = self.crds_of(core);
+        for channel in 0..CHANNELS as u8 {
+            if self.laser(channel).map & crds != 0 {
+                self.change_with(channel, Change::ClearFault, LaserChange::Cleared);
+            }
+        }
+    }
+
+    /// The crds of a core in a channel's map.
+    fn crds_of(&self, core: usize) -> u8 {
+        let crds = u32::from(self.site.profile.crds_per_core);
+        (((1u32 << crds) - 1) << (core as u32 * crds)) as u8
+    }
+}
+
+fn gate<const AXES: usize>(case: &mut Case<AXES>, channel: u8, on: bool) -> Admitted<Answer> {
+    if on {
+        let (book, seen) = (case.laser(channel), &case.view.lasers[usize::from(channel).min(CHANNELS - 1)]);
+        // With a clearing on its way only the tick can know.
+        let clearing = book.cleared.is_some_and(|seq| !executed(case.view, seq));
+        let refused = Refused::new(Reason::LaserFault).got(channel.into());
+        if seen.fault != Cause::None && !clearing {
+            return Err(refused.limits(0.0, f64::from(seen.fault as u8)));
+        }
+        if !book.connector && book.mode != Mode::Analog {
+            let connector = f64::from(FIRST_CONNECTOR) + f64::from(channel);
+            return Err(Refused::new(Reason::LaserConnector).got(channel.into()).limits(0.0, connector));
+        }
+    }
+    case.change(channel, Change::Gate { on });
+    Ok(Answer::Done)
+}
+
+pub fn on<const AXES: usize>(case: &mut Case<AXES>, r: &LaserOn) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
+    gate(case, channel, true)
+}
+
+pub fn off<const AXES: usize>(case: &mut Case<AXES>, r: &LaserOff) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
+    gate(case, channel, false)
+}
+
+pub fn switch<const AXES: usize>(case: &mut Case<AXES>, r: &SetHSIOOpt) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 2, r.channel.get())?;
+    let on = choice(1, r.value.get(), 0, 1)? == 1;
+    gate(case, channel, on)
+}
+
+pub fn delays<const AXES: usize>(case: &mut Case<AXES>, r: &SetLevelDelay) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 3, r.channel.get())?;
+    let mut taking = Taking::new(case.is_lsr());
+    let off = taking.whole(1, 0, r.off_delay_us.get(), 0, TIME_MAX_US)?;
+    let on = taking.whole(2, 1, r.on_delay_us.get(), 0, TIME_MAX_US)?;
+    case.change(channel, Change::Delays(Delays { off, on }));
+    Ok(took(case, &[off.into(), on.into()], taking.held))
+}
+
+pub fn fpk_on<const AXES: usize>(case: &mut Case<AXES>, r: &EnaFPK) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 4, r.channel.get())?;
+    let mut taking = Taking::new(case.is_lsr());
+    let pulse = taking.whole(1, 0, r.time1_us.get(), 1, TIME_MAX_US)?;
+    let begin = taking.whole(2, 1, r.time2_us.get(), 0, TIME_MAX_US)?;
+    let end = taking.whole(3, 2, r.laser_off_delay_us.get(), 0, TIME_MAX_US)?;
+    let fpk = NonZeroU16::new(pulse).map(|pulse| Fpk { pulse, begin, end });
+    case.change(channel, Change::Fpk(fpk));
+    Ok(took(case, &[pulse.into(), begin.into(), end.into()], taking.held))
+}
+
+pub fn fpk_off<const AXES: usize>(case: &mut Case<AXES>, r: &DisFPK) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
+    case.change(channel, Change::Fpk(None));
+    Ok(Answer::Done)
+}
+
+pub fn zero_on_time<const AXES: usize>(case: &mut Case<AXES>, r: &ZeroLaserOnTime) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
+    case.change(channel, Change::ZeroOnTime);
+    Ok(Answer::Done)
+}
+
+/// Each core maps its own crds.
+pub fn map<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserCrdMap) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
+    let core = case.core(r.core.get())?;
+    let crds = case.site.profile.crds_per_core;
+    let given = choice(2, r.map.get(), 0, (1 << crds) - 1)? as u8;
+    let map = case.laser(channel).map & !case.crds_of(core) | given << (core as u8 * crds);
+    case.change_with(channel, Change::CrdMap { map }, LaserChange::Map(map));
+    Ok(Answer::Done)
+}
+
+/// Connectors 7 and 8, of core 1, carry step pulses of their axes at power-on; 8 cannot be given back to them.
+/// Light is commanded off before its connector is taken away, so that it does not come back with it.
+pub fn connector<const AXES: usize>(case: &mut Case<AXES>, r: &SetAxisMode) -> Admitted<Answer> {
+    if case.is_lsr() {
+        return Err(Refused::new(Reason::NotInFamily));
+    }
+    let core = choice(0, r.core.get(), 1, 1)?;
+    let axis = choice(1, r.axis.get(), FIRST_CONNECTOR, FIRST_CONNECTOR + CHANNELS as i16 - 1)?;
+    let lowest = i16::from(axis != FIRST_CONNECTOR);
+    let laser = choice(2, r.mode.get(), lowest, 1)? == 1;
+    case.at_rest(case.axis(core, axis)?)?;
+    let channel = (axis - FIRST_CONNECTOR) as u8;
+    if !laser {
+        case.change(channel, Change::Gate { on: false });
+    }
+    case.change_with(channel, Change::Connector { laser }, LaserChange::Connector(laser));
+    Ok(Answer::Done)
+}
+
+pub fn clear_fault<const AXES: usize>(case: &mut Case<AXES>, r: &ClrLaserFault) -> Admitted<Answer> {
+    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
+    let seen = &case.view.lasers[usize::from(channel).min(CHANNELS - 1)];
+    if seen.cause_lasts {
+        let refused = Refused::new(Reason::LaserCause).got(channel.into());
+        return Err(refused.limits(0.0, f64::from(seen.fault as u8)));
+    }
+    case.change_with(channel, Change::ClearFault, LaserChange::Cleared);
+    Ok(Answer::Done)
+}
+
+/// A read of a channel; GetLaserCrdMap tells the crds of its core.
+pub fn read<const AXES: usize>(case: &Case<AXES>, opcode: u16, core: i16, channel: i16) -> Admitted<Answer> {
+    let first = case.channel(core, 1, channel)?;
+    let which = case.core(core)? as u8;
+    Ok(Answer::Read(Query { opcode, first, count: 1, which }))
+}
