@@ -206,7 +206,7 @@ impl<const AXES: usize> Tick<AXES> {
             }
         }
         port.outputs(self.enable, self.clear, self.general);
-        self.lasers.run(next, period.0 as u32, port);
+        self.lasers.run(next, period, port);
         if let Some((row, chosen)) = self.trace.advance() {
             self.emit(row, chosen, &mut lanes.samples);
         }

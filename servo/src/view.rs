@@ -186,6 +186,8 @@ pub struct LaserView {
     pub limited: bool,
     /// The connector of the energy output carries it.
     pub connector: bool,
+    /// The gate's delays apply.
+    pub delayed: bool,
     /// Why the channel is dark until it is cleared.
     pub fault: Cause,
     /// The cause of `fault` is still there.
@@ -221,6 +223,7 @@ impl LaserView {
         light: false,
         limited: false,
         connector: false,
+        delayed: false,
         fault: Cause::None,
         cause_lasts: false,
         crd_map: 0,

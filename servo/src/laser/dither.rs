@@ -1,7 +1,25 @@
-//! Frequencies and duties as counts of the machine's timer, exact in the mean.
+//! Frequencies and duties as counts of the machine's timer, exact in the mean (SPEC 11).
+//!
+//! In: powers, frequencies, the timer's clock. Out: [`Count`]s: whole counts, and the part of the periods that
+//! have one more. [`Pattern`] turns them into the counts of each period: that is what the machines do. Owns
+//! nothing. Fails: a frequency of 0 is refused.
+//!
+//! What the thread knows ahead (a carrier, standby, a fixed power) repeats after the fewest periods that hold
+//! [`PPM`] and [`DUTY_STEPS`]; what changes from tick to tick has 32 fraction bits.
 use super::Mode;
 use super::plan::{Count, Train};
 use super::power::{Power, Refused};
+use crate::wide::{Recip, umul};
+
+/// A frequency is off by at most one part in this many.
+pub const PPM: u64 = 1_000_000;
+/// A duty is off by at most one part in this many of the period: 0.001 %.
+pub const DUTY_STEPS: u64 = 100_000;
+/// The most periods of a repetition: at 100 counts per µs a period of 2 MHz has 50 counts, of which 10⁻⁶ is half a
+/// count after 10⁴ periods, and half a count is 10⁻⁵ of 1000 periods.
+const LONGEST: u32 = 10_000;
+/// A period this long holds any duty.
+const LONG: u64 = 1 << 40;
 
 /// The clock of the machine's timers: counts per µs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +40,109 @@ impl Clock {
     pub const fn mhz(self) -> u16 {
         self.mhz
     }
+
+    /// Counts per ms in 2⁻⁴⁴: divided by a frequency's [`Power::raw`] they are its period. At most 2⁶⁴.
+    const fn per_ms(self) -> u64 {
+        (self.mhz as u64 * 1000) << Power::FRAC_BITS
+    }
+
+    /// The period of a frequency, to 2⁻³² counts; for 0 as of the least frequency.
+    pub(super) fn period(self, khz: Power) -> Count {
+        let Recip { m, shift } = Recip::of(khz.raw() as u64);
+        let per_ms = self.per_ms();
+        // per_ms·(2^64 + m)·2^(shift - 128) in 2^-32; the shift is at most 63.
+        let product = (per_ms as u128).wrapping_add(umul(per_ms, m).0 as u128);
+        let fixed = (product << 32).wrapping_shr(64u32.wrapping_sub(shift));
+        Count { whole: (fixed >> 32) as u64, part: fixed as u32, of: 0 }
+    }
+}
+
+/// Repetitions of a frequency, from one period up.
+struct Repetitions {
+    /// 2⁻⁴⁴ kHz.
+    khz: u64,
+    /// A period is whole + rest/khz counts.
+    whole: u64,
+    rest: u64,
+    /// So many periods are total + over/khz counts.
+    periods: u32,
+    total: u64,
+    over: u64,
+}
+
+impl Repetitions {
+    fn of(khz: Power, clock: Clock) -> Repetitions {
+        let (per_ms, khz) = (clock.per_ms(), (khz.raw() as u64).max(1));
+        Repetitions { khz, whole: per_ms / khz, rest: per_ms % khz, periods: 0, total: 0, over: 0 }
+    }
+
+    /// The next one: its periods, the whole counts nearest to their sum, and whether that is exact to [`PPM`].
+    fn step(&mut self) -> (u32, u64, bool) {
+        self.periods += 1;
+        self.total = self.total.saturating_add(self.whole);
+        self.over += self.rest;
+        if self.over >= self.khz {
+            self.over -= self.khz;
+            self.total = self.total.saturating_add(1);
+        }
+        let below = self.khz - self.over;
+        let (counts, off) =
+            if self.over >= below { (self.total.saturating_add(1), below) } else { (self.total, self.over) };
+        (self.periods, counts, off as u128 * PPM as u128 <= counts as u128 * self.khz as u128)
+    }
+
+    /// The shortest one that is exact to [`PPM`] and of which `fits` gives something.
+    fn shortest<T>(mut self, mut fits: impl FnMut(u64) -> Option<T>) -> (u32, u64, Option<T>) {
+        loop {
+            let (periods, counts, exact) = self.step();
+            if exact && let Some(it) = fits(counts) {
+                return (periods, counts, Some(it));
+            }
+            if periods >= LONGEST {
+                return (periods, counts, None);
+            }
+        }
+    }
+}
+
+/// Counts spread over a repetition.
+fn spread(counts: u64, periods: u32) -> Count {
+    let of = periods.max(1);
+    Count { whole: counts / of as u64, part: (counts % of as u64) as u32, of }
+}
+
+/// A duty of so many counts, to the nearest; none if that is not within [`DUTY_STEPS`].
+fn active(counts: u64, duty: Power) -> Option<u64> {
+    if counts >= LONG {
+        // Exact enough in any case, and too long for the products below.
+        return Some((counts as u128 * duty.raw() as u128 / FULL as u128) as u64);
+    }
+    let product = counts as u128 * duty.raw() as u128;
+    let half_up = product + (FULL / 2) as u128;
+    let nearest = (half_up >> Power::FRAC_BITS) as u64 / 100;
+    let off = (nearest as u128 * FULL as u128).abs_diff(product);
+    (off * DUTY_STEPS as u128 <= counts as u128 * FULL as u128).then_some(nearest)
+}
+
+/// 100 %.
+const FULL: u64 = 100 << Power::FRAC_BITS;
+
+/// The train of a fixed frequency and duty with the shortest repetition.
+fn fixed(khz: Power, duty: Power, clock: Clock) -> Train {
+    let duty = duty.min(Mode::Duty.full_scale());
+    let (periods, counts, width) = Repetitions::of(khz, clock).shortest(|counts| active(counts, duty));
+    Train { period: spread(counts, periods), width: spread(width.unwrap_or(0), periods) }
+}
+
+/// The period of a fixed frequency with the shortest repetition.
+fn fixed_period(khz: Power, clock: Clock) -> Count {
+    let (periods, counts, _) = Repetitions::of(khz, clock).shortest(|_| Some(()));
+    spread(counts, periods)
+}
+
+/// Whether it may be a carrier.
+fn is_rate(khz: Power) -> Result<(), Refused> {
+    if khz == Power::ZERO { Err(Refused::Zero) } else { Ok(()) }
 }
 
 /// The carrier of the duty modes.
@@ -29,16 +150,17 @@ impl Clock {
 pub struct Carrier {
     khz: Power,
     period: Count,
+    /// The part of the period, in 2⁻³² counts.
+    fraction: u32,
 }
 
 impl Carrier {
     /// A carrier of 0 < f ≤ 2000 kHz.
     pub fn admit(khz: Power, clock: Clock) -> Result<Carrier, Refused> {
-        let _ = clock;
-        if khz == Power::ZERO {
-            return Err(Refused::Zero);
-        }
-        Ok(Carrier { khz, period: Train::NONE.period })
+        is_rate(khz)?;
+        let period = fixed_period(khz, clock);
+        let fraction = ((period.part as u64) << 32) / period.of.max(1) as u64;
+        Ok(Carrier { khz, period, fraction: fraction as u32 })
     }
 
     /// Its frequency as it was asked for.
@@ -49,6 +171,10 @@ impl Carrier {
     /// Its period as it is output.
     pub const fn period(&self) -> Count {
         self.period
+    }
+
+    pub(super) const fn fraction(&self) -> u32 {
+        self.fraction
     }
 }
 
@@ -63,11 +189,11 @@ pub struct Standby {
 impl Standby {
     /// Pulses of 0 < f ≤ 2000 kHz and 0…100 % duty.
     pub fn admit(khz: Power, duty: Power, clock: Clock) -> Result<Standby, Refused> {
-        let _ = clock;
-        if khz == Power::ZERO {
-            return Err(Refused::Zero);
+        is_rate(khz)?;
+        if duty > Mode::Duty.full_scale() {
+            return Err(Refused::BeyondRange);
         }
-        Ok(Standby { khz, duty, train: Train::NONE })
+        Ok(Standby { khz, duty, train: fixed(khz, duty, clock) })
     }
 
     /// Frequency as it was asked for.
@@ -91,19 +217,36 @@ impl Standby {
 /// that is as exact and repeats later.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fine {
-    mode: Mode,
+    /// The carrier; 0 in frequency mode.
     khz: Power,
     power: Power,
     train: Train,
 }
 
 impl Fine {
-    /// The plan of a power (held in its bounds) in a mode: in the duty modes over this carrier, in frequency
-    /// mode of this pulse width in µs. None where there is nothing to plan.
+    /// The plan of a power (held in its bounds) in a mode; in the duty modes over this carrier. None where
+    /// there is nothing to plan.
     pub fn plan(mode: Mode, power: Power, carrier: Option<&Carrier>, clock: Clock) -> Option<Fine> {
-        let _ = clock;
-        let khz = carrier?.khz;
-        Some(Fine { mode, khz, power, train: Train::NONE })
+        match (mode, carrier) {
+            (Mode::Duty | Mode::DutyOpen, Some(carrier)) => {
+                Some(Fine { khz: carrier.khz, power, train: fixed(carrier.khz, power, clock) })
+            }
+            (Mode::Frequency, _) if power > Power::ZERO => {
+                let train = Train { period: fixed_period(power, clock), ..Train::NONE };
+                Some(Fine { khz: Power::ZERO, power, train })
+            }
+            _ => None,
+        }
+    }
+
+    /// The train, if it is of this carrier and duty.
+    pub(super) fn duty(&self, carrier: &Carrier, power: Power) -> Option<Train> {
+        (self.khz == carrier.khz && self.power == power).then_some(self.train)
+    }
+
+    /// The period, if it is of this rate.
+    pub(super) fn rate(&self, power: Power) -> Option<Count> {
+        (self.khz == Power::ZERO && self.power == power).then_some(self.train.period)
     }
 
     /// As it is output; in frequency mode the width is that of the pulses then set.
@@ -112,24 +255,54 @@ impl Fine {
     }
 }
 
-/// Spreads a [`Count`] over periods: gives whole counts whose sum is that of the counts, rounded down.
-/// The machines count with this.
+/// Spreads a [`Count`] over periods: the first n give ⌊n·count⌋ together.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bresenham {
+struct Bresenham {
     gathered: u32,
     of: u32,
 }
 
 impl Bresenham {
-    /// The counts of one more period.
+    /// The counts of one more period. A new denominator begins anew.
     #[inline]
-    pub fn next(&mut self, count: Count) -> u64 {
+    fn step(&mut self, count: &Count) -> u64 {
         if self.of != count.of {
-            (self.gathered, self.of) = (0, count.of);
+            *self = Bresenham { gathered: 0, of: count.of };
         }
         let (sum, carry) = self.gathered.overflowing_add(count.part);
         let over = carry || (count.of != 0 && sum >= count.of);
         self.gathered = if over { sum.wrapping_sub(count.of) } else { sum };
         count.whole.wrapping_add(over as u64)
+    }
+}
+
+/// The counts of a train's periods, one after the other: what the machines count by.
+///
+/// The first n periods have ⌊n·period⌋ counts together, their pulses ⌊n·width⌋; what a period is too short
+/// for goes to the next pulse (a width just below the period, whose odd counts fall differently).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Pattern {
+    period: Bresenham,
+    width: Bresenham,
+    /// Counts of width that did not fit into the period before.
+    owed: u64,
+}
+
+impl Pattern {
+    /// At the beginning of a train.
+    pub const BEGIN: Pattern =
+        Pattern { period: Bresenham { gathered: 0, of: 0 }, width: Bresenham { gathered: 0, of: 0 }, owed: 0 };
+
+    /// One more period, and the width of its pulse, in counts.
+    #[inline]
+    pub fn step(&mut self, train: &Train) -> (u64, u64) {
+        let period = self.period.step(&train.period);
+        if self.width.of != train.width.of {
+            self.owed = 0;
+        }
+        let wanted = self.width.step(&train.width).wrapping_add(self.owed);
+        let width = wanted.min(period);
+        self.owed = wanted.wrapping_sub(width);
+        (period, width)
     }
 }

@@ -1,17 +1,37 @@
 //! Laser channels in the tick.
 //!
 //! In: admitted changes ([`Change`]) that act at an exact instant, causes of a fault. Out: for each tick and
-//! channel a [`Plan`] of exact instants, and what the thread sees ([`crate::view::LaserView`]).
-pub mod dither;
-pub mod plan;
-pub mod power;
-pub mod safety;
+//! channel a [`Plan`] of exact instants, and what the thread sees ([`crate::view::LaserView`]). Owns the
+//! channels. Fails: towards the dark, with a [`Cause`] that is latched.
+//!
+//! | file | what it is |
+//! | --- | --- |
+//! | `gate` | commands and delays: pending edges under the cancel rule |
+//! | `channel` | one channel: gate, FPK, light, what is output; makes the plan |
+//! | `power` | powers and bounds, the power law |
+//! | `energy` | what a power is in each mode: pulses, voltage |
+//! | `dither` | frequencies and duties in counts of a timer |
+//! | `light` | the time that light was on |
+//! | `plan` | the plan of a tick: what timers carry out |
+//! | `safety` | the state machine through which every plan passes last |
+mod channel;
+mod dither;
+mod energy;
+mod gate;
+mod light;
+mod plan;
+mod power;
+mod safety;
 
-pub use dither::{Carrier, Clock, Fine, Standby};
-pub use plan::{Action, Count, Plan, Train};
+pub use dither::{Carrier, Clock, DUTY_STEPS, Fine, PPM, Pattern, Standby};
+pub use plan::{Action, Count, FINISH_NS, PLACES, Plan, Train};
 pub use power::{Bounds, Power, Refused};
 pub use safety::Cause;
 
+use crate::port::Port;
+use crate::units::Ns;
+use crate::view::LaserView;
+use channel::Channel;
 use core::num::NonZeroU16;
 
 /// Laser channels of a controller.
@@ -68,7 +88,7 @@ pub struct Fpk {
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Change {
-    /// On or off command; its edge comes after the delay in force now.
+    /// On or off command; its edge comes after the delay in force now. On does nothing while the channel is dark.
     Gate { on: bool },
     /// Mode and bounds. Another mode ends the light at once, withdraws the on command and sets the direct
     /// power to 0; the same one takes the bounds and `delayed` only. `delayed`: the gate's delays apply (GUS:
@@ -100,10 +120,6 @@ pub enum Change {
     Reset,
 }
 
-use crate::port::Port;
-use crate::units::Ns;
-use crate::view::LaserView;
-
 /// All channels of a controller, and what they share.
 #[derive(Debug)]
 pub(crate) struct Lasers {
@@ -117,41 +133,35 @@ impl Lasers {
         Lasers { clock, plan: Plan::EMPTY, channels: [const { Channel::POWER_ON }; CHANNELS] }
     }
 
-    /// What a channel shows.
+    /// What the channels show.
     pub(crate) fn shown(&self) -> impl Iterator<Item = &LaserView> {
         self.channels.iter().map(|channel| &channel.shown)
     }
 
     /// Carries out a change at an instant of the interval that is planned next.
+    #[inline(never)]
     pub(crate) fn change(&mut self, channel: u8, at: Ns, change: Change) {
-        let _ = (at, change);
         if let Some(channel) = self.channels.get_mut(channel as usize) {
-            channel.shown.changes = channel.shown.changes.wrapping_add(1);
+            channel.change(at, change);
         }
     }
 
     /// A cause that is over as soon as it is told.
     pub(crate) fn trip(&mut self, cause: Cause) {
-        for channel in &mut self.channels {
-            channel.shown.fault = cause;
-        }
+        self.channels.iter_mut().for_each(|channel| channel.trip(cause));
     }
 
     /// The host link; `runs`: a program runs, which may switch light on.
     pub(crate) fn link(&mut self, lost: bool, runs: bool) {
-        if lost && runs {
-            self.trip(Cause::LinkLost);
-        }
+        self.channels.iter_mut().for_each(|channel| channel.link(lost, runs));
     }
 
-    /// Plans the interval of `period` ns from `next` on and hands it to the machine.
+    /// Plans the interval of `period` from `next` on and hands it to the machine.
     #[inline]
-    pub(crate) fn run(&mut self, next: Ns, period: u32, port: &mut impl Port) {
-        let _ = (next, period);
+    pub(crate) fn run(&mut self, next: Ns, period: Ns, port: &mut impl Port) {
         let interlock = port.interlock();
-        for index in 0..CHANNELS {
-            self.plan.clear();
-            self.plan.rest = interlock;
+        for (index, channel) in self.channels.iter_mut().enumerate() {
+            channel.step(next, period, interlock, self.clock, &mut self.plan);
             port.laser(index, &self.plan);
         }
     }
@@ -166,14 +176,4 @@ impl Lasers {
             to.on_time = channel.shown.on_time;
         }
     }
-}
-
-/// One channel.
-#[derive(Debug)]
-pub(crate) struct Channel {
-    shown: LaserView,
-}
-
-impl Channel {
-    pub(crate) const POWER_ON: Channel = Channel { shown: LaserView::BEFORE };
 }

@@ -9,7 +9,7 @@
 pub const PLACES: usize = 64;
 
 /// A number of counts of the machine's timer, whole + part/of: what a timer does in the mean by counting
-/// once more in `part` of `of` periods ([`super::dither::Bresenham`]).
+/// once more in `part` of `of` periods ([`super::dither::Pattern`]).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Count {
     /// Whole counts.
@@ -38,6 +38,12 @@ impl Train {
     #[inline]
     pub const fn is_none(&self) -> bool {
         self.period.whole == 0
+    }
+
+    /// Whether there are no pulses.
+    #[inline]
+    pub const fn is_silent(&self) -> bool {
+        self.is_none() || self.width.whole == 0 && self.width.part == 0
     }
 }
 

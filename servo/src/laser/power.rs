@@ -115,3 +115,20 @@ impl Bounds {
         power.max(self.min).min(self.max)
     }
 }
+
+/// The power law of a channel: what the energy output is to put out while there is light.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Law {
+    /// Direct power.
+    pub(super) direct: Power,
+    /// Bounds of the power mode.
+    pub(super) bounds: Bounds,
+}
+
+impl Law {
+    /// The power in force from the tick that is computed.
+    #[inline]
+    pub(super) fn power(&self) -> Power {
+        self.bounds.hold(self.direct)
+    }
+}

@@ -1,4 +1,13 @@
 //! The state machine through which every laser output passes last (SPEC 9).
+//!
+//! In: causes, as the tick sees them; requests to clear. Out: [`Safety::guard`] lets a plan pass, or makes it
+//! rest. Owns the latch. Fails: towards the dark.
+//!
+//! | state | cause appears | clear, no cause present | clear, a cause present |
+//! | --- | --- | --- | --- |
+//! | live: plans pass | dark, for this cause | live | live until it is seen, then dark |
+//! | dark: everything rests | dark, for the first cause | live | dark |
+use super::plan::Plan;
 
 /// Why a channel is dark until it is cleared. The numbers are those that `GetLaserFault` tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -9,12 +18,79 @@ pub enum Cause {
     None = 0,
     /// The interlock or emergency-stop input.
     Interlock = 1,
-    /// The host link was lost while light was on or a program ran.
+    /// The host link was lost while light was on or might have come.
     LinkLost = 2,
     /// A servo tick began late.
     Overrun = 3,
     /// A panic, a fault or the watchdog ended the run before.
     Restart = 4,
-    /// More gate edges than the channel can hold or place.
+    /// More gate edges than the channel can keep or place.
     Edges = 5,
+}
+
+/// The latch of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Safety {
+    /// [`Cause::None`] while it is live.
+    dark: Cause,
+    interlock: bool,
+    link_lost: bool,
+}
+
+impl Safety {
+    pub(super) const LIVE: Safety = Safety { dark: Cause::None, interlock: false, link_lost: false };
+
+    /// Why it is dark.
+    #[inline]
+    pub(super) fn cause(&self) -> Cause {
+        self.dark
+    }
+
+    /// Whether plans are made to rest.
+    #[inline]
+    pub(super) fn is_dark(&self) -> bool {
+        self.dark != Cause::None
+    }
+
+    /// Whether a cause is present that does not pass by itself.
+    #[inline]
+    pub(super) fn lasts(&self) -> bool {
+        self.interlock || self.link_lost
+    }
+
+    /// The interlock's level now; whether that changes anything.
+    #[inline]
+    pub(super) fn interlock(&mut self, active: bool) -> bool {
+        let changes = self.interlock != active;
+        self.interlock = active;
+        changes
+    }
+
+    /// The link's state now.
+    pub(super) fn link(&mut self, lost: bool) {
+        self.link_lost = lost;
+    }
+
+    /// A cause has appeared. The first one is kept.
+    pub(super) fn trip(&mut self, cause: Cause) {
+        if !self.is_dark() {
+            self.dark = cause;
+        }
+    }
+
+    /// Live again, if no cause is present.
+    pub(super) fn clear(&mut self) {
+        if !self.lasts() {
+            self.dark = Cause::None;
+        }
+    }
+
+    /// The last word on a plan.
+    #[inline]
+    pub(super) fn guard(&self, plan: &mut Plan) {
+        if self.is_dark() {
+            plan.clear();
+            plan.rest = true;
+        }
+    }
 }

@@ -1,0 +1,33 @@
+//! The time that light was on.
+//!
+//! In: the light of each interval that has passed. Out: whole units of 250 µs. Owns the sum, to the ns: what a
+//! unit lacks is carried. Fails: never; the count wraps at 2³² units (12 days of light).
+
+/// A unit of the count.
+const UNIT_NS: u32 = 250_000;
+
+/// The sum of all light since it was zeroed.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct OnTime {
+    units: u32,
+    /// Below a unit.
+    rest_ns: u32,
+}
+
+impl OnTime {
+    pub(super) const ZERO: OnTime = OnTime { units: 0, rest_ns: 0 };
+
+    /// Light of an interval, at most 1 ms.
+    #[inline]
+    pub(super) fn add(&mut self, ns: u32) {
+        let sum = self.rest_ns.wrapping_add(ns);
+        self.units = self.units.wrapping_add(sum / UNIT_NS);
+        self.rest_ns = sum % UNIT_NS;
+    }
+
+    /// Whole units.
+    #[inline]
+    pub(super) fn units(&self) -> u32 {
+        self.units
+    }
+}
