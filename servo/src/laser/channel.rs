@@ -10,7 +10,7 @@ use super::dither::Clock;
 use super::energy::{Energy, Told};
 use super::gate::{Edges, Full};
 use super::light::OnTime;
-use super::plan::{Action, Plan, Train};
+use super::plan::{Action, PLACES, Plan, Train};
 use super::power::{Bounds, Law, Power};
 use super::safety::{Cause, Safety};
 use super::{Change, Delays, Fpk, Mode};
@@ -19,6 +19,8 @@ use crate::view::LaserView;
 
 /// What an instant may need in a plan: an end of light and a beginning, a switch edge, a voltage.
 const ROOM: usize = 4;
+/// Instants in a tick at which something happens, apart from its beginning.
+const EVENTS: u32 = PLACES as u32;
 /// Mapped crds at power-on: the first two.
 const CRD_MAP: u8 = 0b11;
 
@@ -241,10 +243,11 @@ impl Channel {
         self.power = self.law.power();
         (self.train, self.limited) = self.energy.light(self.power, clock);
         self.stale = false;
-        // Changes first, as they stand; then the edges of the same instant.
-        self.settle_pwm(0, plan);
-        let mut now = next;
-        let mut lit = 0;
+        if self.cut {
+            // What another mode put out is over before the edges of this instant.
+            self.settle_pwm(0, plan);
+        }
+        let (mut now, mut lit, mut left) = (next, 0u64, EVENTS);
         loop {
             while let Some(on) = self.gate.take(now) {
                 self.edge(now, on);
@@ -264,7 +267,7 @@ impl Channel {
                 lit = after.unwrap_or(end).0.wrapping_sub(now.0).wrapping_add(lit);
             }
             match after {
-                Some(at) if plan.has_room(ROOM) => now = at,
+                Some(at) if plan.has_room(ROOM) && left > 0 => (now, left) = (at, left.wrapping_sub(1)),
                 Some(_) => break self.trip(Cause::Edges),
                 None => break,
             }
@@ -323,23 +326,23 @@ impl Channel {
 
     fn settle_pwm(&mut self, at: u32, plan: &mut Plan) {
         let wanted = self.wanted().pwm;
-        let open = self.energy.mode == Mode::DutyOpen;
-        let cut = self.cut || open;
+        let cut = self.cut || self.energy.mode == Mode::DutyOpen;
         match (self.out.pwm, wanted) {
             (Pwm::Lit(_), Pwm::Dark(standby)) => plan.push(at, Action::Dark { standby, cut }),
-            (Pwm::Lit(_), Pwm::Lit(train)) if self.cut => {
-                plan.push(at, Action::Dark { standby: Train::NONE, cut });
-                plan.push(at, Action::Light(train));
-            }
             (Pwm::Dark(_), Pwm::Lit(train)) => plan.push(at, Action::Light(train)),
-            (Pwm::Dark(was), Pwm::Dark(standby)) if was != standby && cut => {
-                plan.push(at, Action::Dark { standby, cut });
-            }
-            (was, wanted) => {
-                if was != wanted
-                    && let Pwm::Lit(train) | Pwm::Dark(train) = wanted
-                {
+            (Pwm::Lit(was), Pwm::Lit(train)) => {
+                if was != train {
                     plan.push(at, Action::Change(train));
+                }
+            }
+            (Pwm::Dark(was), Pwm::Dark(standby)) => {
+                if was != standby {
+                    let change = if self.energy.mode.has_standby() {
+                        Action::Change(standby)
+                    } else {
+                        Action::Dark { standby, cut: true }
+                    };
+                    plan.push(at, change);
                 }
             }
         }

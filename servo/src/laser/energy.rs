@@ -78,8 +78,8 @@ impl Energy {
 
     /// The train while there is no light.
     pub(super) fn standby(&self) -> Train {
-        match (self.mode, &self.standby) {
-            (Mode::Duty | Mode::Frequency, Some(standby)) if self.connector => standby.train(),
+        match &self.standby {
+            Some(standby) if self.connector && self.mode.has_standby() => standby.train(),
             _ => Train::NONE,
         }
     }

@@ -61,6 +61,12 @@ impl Mode {
             Mode::Analog => Power::whole(10),
         }
     }
+
+    /// Whether standby pulses are output while there is no light: not in analog mode, and not where an open
+    /// switch would let them out.
+    pub const fn has_standby(self) -> bool {
+        matches!(self, Mode::Duty | Mode::Frequency)
+    }
 }
 
 /// Delays of the gate, µs.

@@ -3,7 +3,8 @@
 //! In: the channel's decisions, in the order of time. Out: at most [`PLACES`] actions whose instants lie
 //! inside the interval. Owns nothing else. Fails: [`Plan::has_room`] says when it is full before it is.
 //!
-//! A machine carries out the actions in their order; those of one instant follow each other there.
+//! A machine carries out the actions in their order; those of one instant follow each other there, and come
+//! before a period that would begin at it.
 
 /// Actions that a plan holds.
 pub const PLACES: usize = 64;
@@ -81,9 +82,9 @@ pub const FINISH_NS: u32 = 100_000;
 /// The actions of one tick.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// Everything of the channel is at rest *now*, at the call and before its actions (of which there are
-    /// none then): PWM and switch inactive, the DAC at 0 V if the laser drives it. What an earlier plan has
-    /// still to do is void.
+    /// Everything of the channel is at rest *now*, at the call, in the tick in force: PWM and switch inactive,
+    /// a DAC whose last [`Action::Volts`] was not 0 at 0 V. What an earlier plan has still to do is void, and
+    /// there are no actions.
     pub rest: bool,
     len: usize,
     /// Offset from the interval's beginning in ns, and what happens there.

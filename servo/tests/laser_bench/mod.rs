@@ -1,0 +1,375 @@
+//! A tick whose machine carries out laser plans by the letter of `laser::Plan`, with a timer of 1 GHz: what the
+//! outputs did is there to the ns.
+#![allow(dead_code)] // each test file uses its part
+use ring::{Latest, Producer, Reader, Ring};
+use servo::laser::{
+    Action, Bounds, CHANNELS, Carrier, Change, Clock, FINISH_NS, Fine, Mode, Pattern, Plan, Power, Train,
+};
+use servo::op::{Entry, Op};
+use servo::port::{AxisInputs, Port};
+use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
+use servo::units::{Axis, Ns, Pos};
+use servo::view::{LaserView, View};
+use std::collections::VecDeque;
+
+pub const US: u64 = 1000;
+pub const MS: u64 = 1_000_000;
+
+/// The PWM of a channel.
+#[derive(Default)]
+struct Pwm {
+    train: Train,
+    pattern: Pattern,
+    /// A period in progress: its beginning, the end of its pulse, its end.
+    period: Option<(u64, u64, u64)>,
+    /// A last pulse in progress: its end, and what comes then.
+    last: Option<(u64, Train)>,
+    pulses: Vec<(u64, u64)>,
+}
+
+impl Pwm {
+    fn begin(&mut self, train: Train, at: u64) {
+        self.train = train;
+        self.pattern = Pattern::BEGIN;
+        self.period = None;
+        if !train.is_none() {
+            self.next(at);
+        }
+    }
+
+    fn next(&mut self, at: u64) {
+        let (period, width) = self.pattern.step(&self.train);
+        self.period = Some((at, at + width, at + period));
+        if width > 0 {
+            self.pulses.push((at, at + width));
+        }
+    }
+
+    /// What happens before `to`.
+    fn advance(&mut self, to: u64) {
+        loop {
+            match (self.last, self.period) {
+                (Some((end, train)), _) if end < to => {
+                    self.last = None;
+                    self.begin(train, end);
+                }
+                (None, Some((_, _, end))) if end < to => {
+                    self.period = None;
+                    if !self.train.is_none() {
+                        self.next(end);
+                    }
+                }
+                _ => return,
+            }
+        }
+    }
+
+    fn cut(&mut self, at: u64) {
+        if let Some(pulse) = self.pulses.last_mut() {
+            pulse.1 = pulse.1.min(at);
+            if pulse.1 <= pulse.0 {
+                self.pulses.pop();
+            }
+        }
+        (self.period, self.last) = (None, None);
+    }
+
+    fn act(&mut self, at: u64, action: Action) {
+        match action {
+            Action::Light(train) => {
+                self.cut(at);
+                self.begin(train, at);
+            }
+            Action::Change(train) => {
+                if let Some((_, then)) = &mut self.last {
+                    *then = train;
+                    return;
+                }
+                match &mut self.period {
+                    Some((start, pulse, end)) if !train.is_none() => {
+                        *end = (*end).min(at.max(*start + train.period.whole).max(*pulse));
+                    }
+                    None if !train.is_none() => {
+                        self.period = Some((at, at, at));
+                        self.pattern = Pattern::BEGIN;
+                    }
+                    _ => {}
+                }
+                self.train = train;
+            }
+            Action::Dark { standby, cut } => {
+                let in_progress = self.period.map(|(_, pulse, _)| pulse).or(self.last.map(|(end, _)| end));
+                match in_progress.filter(|end| *end > at) {
+                    Some(end) if !cut && end - at <= FINISH_NS as u64 => {
+                        self.period = None;
+                        self.last = Some((end, standby));
+                    }
+                    _ => {
+                        self.cut(at);
+                        self.begin(standby, at);
+                    }
+                }
+            }
+            Action::Switch(_) | Action::Volts(_) => unreachable!(),
+        }
+    }
+}
+
+/// The outputs of a channel.
+#[derive(Default)]
+pub struct Output {
+    pwm: Pwm,
+    queue: VecDeque<(u64, Action)>,
+    switch: Vec<(u64, bool)>,
+    volts: Vec<(u64, i16)>,
+    /// The most actions of a plan.
+    pub most: usize,
+}
+
+impl Output {
+    fn carry_out(&mut self, before: u64) {
+        while let Some((at, action)) = self.queue.front().copied()
+            && at < before
+        {
+            self.queue.pop_front();
+            match action {
+                Action::Switch(level) => self.set_switch(at, level),
+                Action::Volts(volts) => self.volts.push((at, volts)),
+                _ => {
+                    self.pwm.advance(at);
+                    self.pwm.act(at, action);
+                }
+            }
+        }
+        self.pwm.advance(before);
+    }
+
+    fn set_switch(&mut self, at: u64, level: bool) {
+        let before = self.switch.last().is_some_and(|edge| edge.1);
+        assert_ne!(before, level, "an edge that is none, at {at}");
+        self.switch.push((at, level));
+    }
+
+    fn take(&mut self, now: u64, next: u64, plan: &Plan) {
+        self.carry_out(now);
+        self.most = self.most.max(plan.actions().len());
+        if plan.rest {
+            assert!(plan.actions().is_empty());
+            self.queue.clear();
+            self.pwm.cut(now);
+            self.pwm.train = Train::NONE;
+            if self.switch.last().is_some_and(|edge| edge.1) {
+                self.switch.push((now, false));
+            }
+            if self.volts.last().is_some_and(|volts| volts.1 != 0) {
+                self.volts.push((now, 0));
+            }
+        }
+        let mut last = 0;
+        for (offset, action) in plan.actions() {
+            assert!(*offset >= last, "not in the order of time");
+            last = *offset;
+            self.queue.push_back((next + *offset as u64, *action));
+        }
+    }
+}
+
+pub struct Machine {
+    now: u64,
+    next: u64,
+    pub interlock: bool,
+    pub outputs: [Output; CHANNELS],
+    /// Plans are carried out; else only counted.
+    pub runs: bool,
+}
+
+impl Port for Machine {
+    fn inputs(&mut self, _: Axis) -> AxisInputs {
+        AxisInputs::default()
+    }
+    fn encoder(&mut self, _: Axis) -> i64 {
+        0
+    }
+    fn general_inputs(&mut self) -> u32 {
+        0
+    }
+    fn analog(&mut self, _: usize) -> i16 {
+        0
+    }
+    fn set_point(&mut self, _: Axis, _: Pos) {}
+    fn outputs(&mut self, _: u64, _: u64, _: u32) {}
+    fn analog_out(&mut self, _: usize, _: i16) {}
+    fn interlock(&mut self) -> bool {
+        self.interlock
+    }
+    fn laser(&mut self, channel: usize, plan: &Plan) {
+        if self.runs {
+            self.outputs[channel].take(self.now, self.next, plan);
+        }
+    }
+}
+
+pub struct Bench {
+    pub tick: Tick<1>,
+    pub machine: Machine,
+    lanes: Lanes<'static, 1>,
+    immediate: Producer<'static, Entry, IMMEDIATE>,
+    view: Reader<'static, View<1>>,
+    seq: u32,
+    /// As the thread knows them, for its plans.
+    known: (Mode, Power, Option<Carrier>),
+    /// Whether the thread plans repetitions.
+    pub fine: bool,
+}
+
+fn leak<T>(value: T) -> &'static mut T {
+    Box::leak(Box::new(value))
+}
+
+pub fn power(value: f64) -> Power {
+    Power::admit(value.to_bits()).unwrap()
+}
+
+pub fn bounds(mode: Mode, max: f64, min: f64) -> Bounds {
+    Bounds::admit(mode, power(max), power(min)).unwrap()
+}
+
+impl Bench {
+    pub fn new(period_us: u32) -> Bench {
+        let (immediate, immediate_out) = leak(Ring::new()).split();
+        let (_, program) = leak(Ring::new()).split();
+        let (events, _) = leak(Ring::new()).split();
+        let (samples, _) = leak(Ring::new()).split();
+        let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
+        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
+        let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
+        let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
+        let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
+        let config = TickConfig { period_ns: period_us * 1000, axes: 1, analog_inputs: 0, laser_clock: Clock::GHZ };
+        let machine = Machine { now: 0, next: 0, interlock: false, outputs: Default::default(), runs: true };
+        let lanes = Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables };
+        let known = (Mode::Duty, Power::ZERO, None);
+        Bench { tick: Tick::new(config), machine, lanes, immediate, view, seq: 0, known, fine: true }
+    }
+
+    pub fn op(&mut self, op: Op) {
+        self.seq += 1;
+        self.immediate.push(Entry { seq: self.seq, delay: Ns(0), op }).unwrap();
+    }
+
+    /// A change of channel 0.
+    pub fn change(&mut self, change: Change) {
+        self.op(Op::Laser { channel: 0, change });
+    }
+
+    pub fn gate(&mut self, on: bool) {
+        self.change(Change::Gate { on });
+    }
+
+    fn plan(&self) -> Option<Fine> {
+        let (mode, power, carrier) = self.known;
+        if self.fine { Fine::plan(mode, power, carrier.as_ref(), Clock::GHZ) } else { None }
+    }
+
+    pub fn mode(&mut self, mode: Mode, max: f64, min: f64, delayed: bool) {
+        if mode != self.known.0 {
+            self.known.1 = power(min);
+        }
+        self.known.0 = mode;
+        self.change(Change::Mode { mode, bounds: bounds(mode, max, min), delayed, fine: self.plan() });
+    }
+
+    pub fn direct(&mut self, value: f64) {
+        self.known.1 = power(value);
+        self.change(Change::Direct { power: power(value), fine: self.plan() });
+    }
+
+    pub fn carrier(&mut self, khz: f64) {
+        let carrier = Carrier::admit(power(khz), Clock::GHZ).unwrap();
+        self.known.2 = Some(carrier);
+        self.change(Change::Carrier { carrier, fine: self.plan() });
+    }
+
+    pub fn width(&mut self, us: u16) {
+        self.change(Change::PulseWidth { us: us.try_into().unwrap() });
+    }
+
+    pub fn delays(&mut self, off: u16, on: u16) {
+        self.change(Change::Delays(servo::laser::Delays { off, on }));
+    }
+
+    pub fn fpk(&mut self, times: Option<(u16, u16, u16)>) {
+        self.change(Change::Fpk(times.map(|(pulse, begin, end)| servo::laser::Fpk {
+            pulse: pulse.try_into().unwrap(),
+            begin,
+            end,
+        })));
+    }
+
+    pub fn standby(&mut self, pulses: Option<(f64, f64)>) {
+        self.change(Change::Standby(
+            pulses.map(|(khz, duty)| servo::laser::Standby::admit(power(khz), power(duty), Clock::GHZ).unwrap()),
+        ));
+    }
+
+    pub fn tick(&mut self) -> LaserView {
+        self.tick_unread();
+        self.view.read().lasers[0]
+    }
+
+    pub fn tick_unread(&mut self) {
+        self.machine.now = self.tick.now().0;
+        self.machine.next = self.machine.now + self.tick.period().0;
+        self.tick.run(&mut self.machine, &mut self.lanes);
+    }
+
+    /// Ticks until the tick in force is that of `ns`.
+    pub fn until(&mut self, ns: u64) -> LaserView {
+        assert!(self.tick.now().0 < ns, "{ns} is past");
+        loop {
+            let view = self.tick();
+            assert!(self.tick.now().0 <= ns, "{ns} ns is not a tick");
+            if self.tick.now().0 == ns {
+                return view;
+            }
+        }
+    }
+
+    /// Pulses of channel 0 so far, those that touch as one.
+    pub fn pulses(&mut self) -> Vec<(u64, u64)> {
+        let output = &mut self.machine.outputs[0];
+        output.carry_out(self.tick.now().0);
+        let mut joined: Vec<(u64, u64)> = vec![];
+        for pulse in &output.pwm.pulses {
+            match joined.last_mut() {
+                Some(last) if last.1 == pulse.0 => last.1 = pulse.1,
+                _ => joined.push(*pulse),
+            }
+        }
+        joined
+    }
+
+    /// Switch edges of channel 0 so far.
+    pub fn switch(&mut self) -> Vec<(u64, bool)> {
+        let output = &mut self.machine.outputs[0];
+        output.carry_out(self.tick.now().0);
+        output.switch.clone()
+    }
+
+    /// DAC changes of channel 0 so far.
+    pub fn volts(&mut self) -> Vec<(u64, i16)> {
+        let output = &mut self.machine.outputs[0];
+        output.carry_out(self.tick.now().0);
+        output.volts.clone()
+    }
+
+    /// Forgets what was output.
+    pub fn forget(&mut self) {
+        let output = &mut self.machine.outputs[0];
+        output.carry_out(self.tick.now().0);
+        let (level, volts) = (output.switch.last().copied(), output.volts.last().copied());
+        (output.switch, output.volts) = (level.into_iter().collect(), volts.into_iter().collect());
+        output.pwm.pulses.clear();
+    }
+}
