@@ -359,3 +359,48 @@ pub fn pt_data(axis: i16, pos: f64, time_ms: i32) -> PtData {
         fifo: 0.into(),
     }
 }
+
+const CORE: i16 = 1;
+
+pub fn sleep(ms: u64) -> Sleep {
+    Sleep { ns: (ms * MS).into() }
+}
+
+pub fn wait_stop(axes: i32) -> WaitStop {
+    WaitStop { core: CORE.into(), axes: axes.into(), crds: 0.into() }
+}
+
+pub fn read_pos(axis: i16) -> GetPrfPos {
+    GetPrfPos { core: CORE.into(), profile: axis.into(), count: 1.into() }
+}
+
+pub fn start(mask: i32) -> PtStart {
+    PtStart { core: CORE.into(), mask: mask.into(), option: 0.into() }
+}
+
+pub fn position(answer: &Answer) -> f64 {
+    answer.items::<GetPrfPos>()[0].value.get()
+}
+
+/// Listing 2-1 of the GXN manual as a program: up, along, down; 4096 pulses in 3072 ms.
+pub fn listing_2_1() -> Vec<(u16, Lane, Vec<u8>)> {
+    let (core, axis) = (CORE.into(), 1.into());
+    vec![
+        entry(AxisOn { core, axis }),
+        entry(ZeroPos { core, axis, count: 1.into() }),
+        entry(PrfPt { core, profile: axis, mode: 0.into() }),
+        entry(PtClear { core, profile: axis, fifo: 0.into() }),
+        entry(PtSpace { core, profile: axis, fifo: 0.into() }),
+        entry(pt_data(1, 1024.0, 1024)),
+        entry(PtSpace { core, profile: axis, fifo: 0.into() }),
+        entry(pt_data(1, 3072.0, 2048)),
+        entry(pt_data(1, 4096.0, 3072)),
+        entry(PtSpace { core, profile: axis, fifo: 0.into() }),
+        entry(start(1)),
+        entry(sleep(1536)),
+        entry(GetPrfVel { core, profile: axis, count: 1.into() }),
+        entry(wait_stop(1)),
+        entry(read_pos(1)),
+        entry(ProgramEnd {}),
+    ]
+}
