@@ -4,9 +4,12 @@
 //! admissions and getters need. There are two sets: *ahead* is the state after everything that was
 //! admitted, *now* the state after everything that the tick has executed. If the rest of a program is
 //! discarded, *ahead* is set back to *now*, so that what was never executed leaves no trace.
+mod follow;
+
+pub use follow::{Fifo, FollowBook};
 use protocol::command::{JogPrm, TrapPrm};
 use servo::laser::{self, Bounds, CHANNELS, Carrier, Power};
-use servo::op::Mode;
+use servo::op::{Mode, Op};
 use servo::pt::Chain;
 use servo::pvt::TABLES;
 use servo::status::RUNNING;
@@ -63,6 +66,8 @@ pub struct AxisBook {
     pub cleared: Option<u32>,
     /// The last entry that emptied a FIFO, until it is executed.
     pub emptied: Option<u32>,
+    /// FIFOs (a bit each) whose data is being overwritten, though what emptied them is not executed.
+    pub spoiled: u8,
     /// The start whose data that entry may have given up, until the axis has been seen at rest.
     pub leaving: Option<u32>,
     /// Stop decelerations, pulse/ms².
@@ -81,6 +86,8 @@ pub struct AxisBook {
     pub table: Option<u8>,
     /// PVT passes to run, 0 for ever.
     pub table_passes: i32,
+    /// Follow and FollowEx.
+    pub follow: FollowBook,
     /// Target velocity, pulse/ms.
     pub vel: f64,
     /// Target position, pulses.
@@ -101,6 +108,7 @@ impl Default for AxisBook {
             servo: None,
             cleared: None,
             emptied: None,
+            spoiled: 0,
             leaving: None,
             dec: (1.0, 1000.0),
             band: (0, 0),
@@ -110,6 +118,7 @@ impl Default for AxisBook {
             jog: JogPrm::default(),
             table: None,
             table_passes: 1,
+            follow: FollowBook::default(),
             vel: 0.0,
             pos: 0,
         }
@@ -124,6 +133,25 @@ impl AxisBook {
     /// Whether the axis is in a PT mode.
     pub fn is_pt(&self) -> bool {
         matches!(self.mode, Mode::PtStatic | Mode::PtDynamic)
+    }
+    /// Whether the axis is in Follow or FollowEx mode.
+    pub fn is_follow(&self) -> bool {
+        matches!(self.mode, Mode::Follow | Mode::FollowEx)
+    }
+    /// The FIFO of Follow that runs when the next entry acts, if the axis does and does not switch.
+    pub fn running_fifo<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> u8 {
+        if self.busy.is_some_and(|seq| !executed(view, seq)) { self.fifo } else { axis.fifo }
+    }
+    /// Whether only the instant at which a command acts can tell what it does to the FIFOs of Follow.
+    pub fn may_switch<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        self.follow.may_switch(view, axis, self.is_busy(view, axis))
+    }
+    /// As [`AxisBook::is_outgoing`], of a FIFO of Follow.
+    pub fn is_follow_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
+        let busy = self.is_busy(view, axis);
+        // With a start on its way, one before it may be, too.
+        let idle = self.busy.is_none_or(|seq| executed(view, seq)) && axis.fifo != fifo && !self.may_switch(view, axis);
+        self.is_outgoing(view, axis) || self.follow.is_outgoing(view, fifo, busy, idle)
     }
     /// Whether a PT or ramp motion may be running when the next entry acts.
     pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
@@ -162,10 +190,22 @@ impl AxisBook {
         let released = if self.is_dynamic() && !emptied { axis.released } else { 0 };
         self.capacity().saturating_sub(end.wrapping_sub(released))
     }
-    /// Entry `seq` empties a FIFO.
-    fn empty(&mut self, seq: u32) {
+    /// Entry `seq` empties the FIFOs of these bits.
+    fn empty(&mut self, seq: u32, fifos: u8) {
         self.emptied = Some(seq);
         self.leaving = self.busy;
+        self.spoiled &= !fifos;
+    }
+    /// Whether a FIFO holds data, in the present mode.
+    fn holds(&self, fifo: u8) -> bool {
+        if self.is_follow() {
+            !self.follow.fifo(fifo).is_empty()
+        } else {
+            self.fifos
+                .iter()
+                .enumerate()
+                .any(|(index, data)| data.end != 0 && (self.is_dynamic() || index == usize::from(fifo)))
+        }
     }
     /// Follows the tick: a stream that ended is cleared, an axis that came to rest is at rest.
     pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, axis: &AxisView) {
@@ -175,6 +215,7 @@ impl AxisBook {
                 self.fifos = [FifoBook::default(); 2];
             }
         }
+        self.follow.follow(axis);
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || axis.status & RUNNING != 0);
         self.started = over(self.started);
         self.busy = over(self.busy);
@@ -303,6 +344,20 @@ pub enum Change {
     Emptied { axis: Axis, fifo: u8 },
     /// A FIFO's data now ends here, if its stream is still that of `epoch`.
     Data { axis: Axis, fifo: u8, epoch: u32, book: FifoBook },
+    /// A master of Follow, and how it was given.
+    FollowMaster { axis: Axis, master: Axis, given: [i16; 3] },
+    /// A start condition of Follow as it was given.
+    FollowEvent { axis: Axis, given: (i16, i16, i32) },
+    /// A direction of Follow.
+    FollowDirection { axis: Axis, direction: i8 },
+    /// A memory size of Follow.
+    FollowMemory { axis: Axis, memory: u8 },
+    /// A FIFO of Follow is emptied.
+    FollowEmptied { axis: Axis, fifo: u8 },
+    /// A FIFO of Follow now ends here, if no switch has emptied it meanwhile.
+    FollowData { axis: Axis, fifo: u8, cleared: u32, book: Fifo },
+    /// The axes go to their other FIFO, now or at the end of the pass.
+    Switched { axes: AxisMask },
     /// Stop decelerations.
     Dec { axis: Axis, dec: (f64, f64) },
     /// Band.
@@ -373,6 +428,31 @@ impl<const AXES: usize> Books<AXES> {
         self.filled &= !1u64.checked_shl(table.into()).unwrap_or(0);
     }
 
+    /// Whether data that is written to a FIFO now takes the place of what the tick has not emptied yet.
+    pub fn overwrites(&self, view: &View<AXES>, axis: Axis, fifo: u8) -> bool {
+        let book = self.axis(axis);
+        book.emptied.is_some_and(|seq| !executed(view, seq)) || book.is_follow() && book.follow.is_spoiled(view, fifo)
+    }
+
+    /// FIFOs (a bit each) are being overwritten: if what emptied them is never executed, they have to be emptied
+    /// then.
+    pub fn spoil_fifos(&mut self, axis: Axis, fifos: u8) {
+        if let Some(book) = self.axes.get_mut(axis.index()) {
+            book.spoiled |= fifos & (u8::from(book.holds(0)) | u8::from(book.holds(1)) << 1);
+        }
+    }
+
+    /// What empties one of the FIFOs that were overwritten, of the first axis that has some.
+    pub fn unspoil(&self) -> Option<(Op, Change)> {
+        let (index, book) = self.axes.iter().enumerate().find(|(_, book)| book.spoiled != 0)?;
+        let (axis, fifo) = (Axis::new(index)?, book.spoiled.trailing_zeros() as u8);
+        Some(if book.is_follow() {
+            (Op::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo })
+        } else {
+            (Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
+        })
+    }
+
     /// Whether an entry that was not executed names a PVT table.
     pub fn is_named(&self, view: &View<AXES>, table: u8) -> bool {
         self.named.get(usize::from(table)).copied().flatten().is_some_and(|seq| !executed(view, seq))
@@ -405,16 +485,18 @@ impl<const AXES: usize> Books<AXES> {
                 self.filled &= !tables;
                 self.with(axes, |_, book| {
                     // The start is kept: the axis runs until the Reset has been executed.
-                    let (epoch, started, busy) = (book.epoch, book.started, book.busy);
+                    let AxisBook { epoch, started, busy, mut follow, .. } = *book;
+                    follow.reset(seq);
                     *book = AxisBook {
                         epoch,
                         started,
                         busy,
+                        follow,
                         cleared: Some(seq),
                         servo: Some((seq, false)),
                         ..AxisBook::default()
                     };
-                    book.empty(seq);
+                    book.empty(seq, 3);
                 });
             }
             Change::Servo { axis, on } => one(axis, &|book| book.servo = Some((seq, on))),
@@ -444,19 +526,20 @@ impl<const AXES: usize> Books<AXES> {
             Change::Rest { axes } => self.with(axes, |_, book| book.started = None),
             Change::Mode { axis, mode } => one(axis, &|book| {
                 book.mode = mode;
+                book.follow.forget(seq);
                 book.fifos = [FifoBook::default(); 2];
-                book.empty(seq);
+                book.empty(seq, 3);
             }),
             Change::Memory { axis, memory } => one(axis, &|book| {
                 book.memory = memory;
                 book.fifos = [FifoBook::default(); 2];
-                book.empty(seq);
+                book.empty(seq, 3);
             }),
             Change::Emptied { axis, fifo } => one(axis, &|book| {
                 if let Some(fifo) = book.fifos.get_mut(usize::from(fifo)) {
                     *fifo = FifoBook::default();
                 }
-                book.empty(seq);
+                book.empty(seq, if book.is_dynamic() { 3 } else { 1 << (fifo & 1) });
             }),
             Change::Data { axis, fifo, epoch, book: data } => one(axis, &|book| {
                 if book.is_dynamic() && book.epoch != epoch {
@@ -466,6 +549,27 @@ impl<const AXES: usize> Books<AXES> {
                     *fifo = data;
                 }
             }),
+            Change::FollowMaster { axis, master, given } => {
+                one(axis, &|book| book.follow.master = Some((master, given)));
+            }
+            Change::FollowEvent { axis, given } => one(axis, &|book| book.follow.event = given),
+            Change::FollowDirection { axis, direction } => one(axis, &|book| book.follow.direction = direction),
+            Change::FollowMemory { axis, memory } => one(axis, &|book| {
+                book.follow.memory = memory;
+                book.follow.empty_both(seq);
+                book.spoiled = 0;
+            }),
+            Change::FollowEmptied { axis, fifo } => one(axis, &|book| {
+                book.follow.empty(fifo, seq);
+                book.spoiled &= !(1 << (fifo & 1));
+            }),
+            Change::FollowData { axis, fifo, cleared, book: data } => one(axis, &|book| {
+                let place = usize::from(fifo & 1);
+                if book.follow.cleared[place] == cleared {
+                    book.follow.fifos[place] = data;
+                }
+            }),
+            Change::Switched { axes } => self.with(axes, |_, book| book.follow.switched(seq)),
             Change::Dec { axis, dec } => one(axis, &|book| book.dec = dec),
             Change::Band { axis, band } => one(axis, &|book| book.band = band),
             Change::Soft { axis, soft } => one(axis, &|book| book.soft = soft),

@@ -59,10 +59,14 @@ pub enum Answer {
     Done,
     /// A read, to be built from the view and the books of then.
     Read(Query),
-    /// What a read gave at admission: `PtSpace` of an axis at rest.
+    /// What a read gave at admission: places free in a FIFO that nothing changes meanwhile.
     Space(i16),
     /// PtTaken for so many segments of this axis and FIFO.
     Taken { axis: Axis, fifo: u8, count: u16 },
+    /// Places free in a FIFO of Follow, and for FollowDataPercent2Ex the share of the first half, percent.
+    Entered { axis: Axis, fifo: u8, percent1: i16 },
+    /// A number that was computed at admission.
+    Number(f64),
     /// So many values of those that the program lane keeps: a Calculate command.
     Values(u8),
     /// What a laser command took: so many numbers of those that its lane keeps, and which of them were held.
@@ -104,6 +108,9 @@ pub struct Case<'x, const AXES: usize> {
     pub site: &'x Site,
     /// Constants of the board.
     pub board: &'x Board,
+    /// The view shows the state in which the command acts: everything admitted before it has been executed, and
+    /// its instant has come.
+    pub decided: bool,
     /// Where the operations go.
     pub staged: &'x mut Staged,
     /// What else happens when the command is taken.

@@ -6,7 +6,7 @@
 //! A command is answered when the tick has executed it, so that the client's next read sees it. A read
 //! or a refusal waits until everything before it has been executed, and is then decided on that state.
 use crate::admit::pvt_table::{Loading, Road, road};
-use crate::admit::{admit, config_item, is_read, many, pt};
+use crate::admit::{admit, config_item, data, is_read, many};
 use crate::books::{Books, Change, PROGRAM_FLAG, executed};
 use crate::case::{Answer, Case, Effect, Site};
 use crate::lane::{Deque, Lane, STAGED, Staged};
@@ -147,14 +147,15 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         }
     }
 
-    /// Admits a command on the *ahead* books; its operations are staged.
-    pub fn admit(&mut self, view: &View<AXES>, number: u16, body: &[u8]) -> Admitted<(Answer, Effect)> {
+    /// Admits a command on the *ahead* books; its operations are staged. For `decided` see [`Case`].
+    pub fn admit(&mut self, view: &View<AXES>, decided: bool, number: u16, body: &[u8]) -> Admitted<(Answer, Effect)> {
         self.staged.clear();
         let mut case = Case {
             view,
             books: &self.ahead,
             site: &self.site,
             board: &self.board,
+            decided,
             staged: &mut self.staged,
             effect: Effect::None,
         };
@@ -169,17 +170,30 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         Ok((answer, case.effect))
     }
 
-    /// Admits PT data and writes it to the store.
-    pub fn admit_data(&mut self, view: &View<AXES>, number: u16, body: &[u8]) -> Admitted<pt::Written> {
+    /// Admits data of a FIFO and writes it to the store.
+    pub fn admit_data(
+        &mut self,
+        view: &View<AXES>,
+        decided: bool,
+        number: u16,
+        body: &[u8],
+    ) -> Admitted<data::Written> {
         let case = Case {
             view,
             books: &self.ahead,
             site: &self.site,
             board: &self.board,
+            decided,
             staged: &mut self.staged,
             effect: Effect::None,
         };
-        pt::data(&case, self.stores, number, body)
+        let written = data::data(&case, self.stores, number, body)?;
+        if self.ahead.overwrites(view, written.axis, written.fifo) {
+            let (now, ahead) = (self.now.axis(written.axis), self.ahead.axis(written.axis));
+            let all = now.mode != ahead.mode || ahead.is_dynamic();
+            self.now.spoil_fifos(written.axis, if all { 3 } else { 1 << (written.fifo & 1) });
+        }
+        Ok(written)
     }
 
     /// Answers a Calculate command of `lane` by way of `sent`, which says whether it had room.
@@ -196,6 +210,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             books: &self.ahead,
             site: &self.site,
             board: &self.board,
+            decided: false,
             staged: &mut self.staged,
             effect: Effect::None,
         };
@@ -212,6 +227,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             books: &self.ahead,
             site: &self.site,
             board: &self.board,
+            decided: false,
             staged: &mut self.staged,
             effect: Effect::None,
         };
@@ -227,6 +243,16 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             Effect::LinkLoss { ms, stop_all } => self.link_loss = (ms, stop_all),
             Effect::Trace { every, axes, over_link } => self.trace.announce(every, axes, over_link, seq),
         }
+    }
+
+    /// Empties what a program that was dropped has overwritten. False if the lane has no room for it now.
+    pub fn empty_spoiled(&mut self) -> bool {
+        while let Some((op, change)) = self.ahead.unspoil() {
+            if !self.lane.push(op, change, 0, &mut self.ahead) {
+                return false;
+            }
+        }
+        true
     }
 
     /// Follows the tick: what it has executed, where axes came to rest, streams that ended.
@@ -256,7 +282,11 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         match &item.answer {
             Answer::Done => out.push_raw(item.opcode, item.tag, 0, &[]),
             Answer::Read(query) => reading.reply(item.tag, query, out),
-            Answer::Space(space) => reading.space(item.tag, *space, out),
+            Answer::Space(space) => reading.space(item.opcode, item.tag, *space, out),
+            Answer::Number(value) => reading.number(item.opcode, item.tag, *value, out),
+            Answer::Entered { axis, fifo, percent1 } => {
+                reading.entered(item.opcode, item.tag, *axis, *fifo, *percent1, out)
+            }
             Answer::Taken { axis, fifo, count } => reading.taken(item.opcode, item.tag, *axis, *fifo, *count, out),
             Answer::Values(count) => values_reply(item.opcode, item.tag, taken.take((*count).into()), out),
             Answer::Took { held, .. } => took_reply(item.opcode, item.tag, taken, *held, out),
@@ -363,8 +393,8 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         if program.is_active() && !beside && !is_read(record.opcode) {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }
-        if matches!(record.opcode, opcode::PtData | opcode::PtDataMany) {
-            return match self.admit_data(view, record.opcode, record.body) {
+        if data::is_data(record.opcode, record.body) {
+            return match self.admit_data(view, self.is_quiet(), record.opcode, record.body) {
                 Ok(written) => self.take_data(record, &written),
                 Err(refused) => self.refuse(record, refused, out),
             };
@@ -385,7 +415,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
-        match self.admit(view, record.opcode, record.body) {
+        match self.admit(view, self.is_quiet(), record.opcode, record.body) {
             Err(refused) => self.refuse(record, refused, out),
             Ok((Answer::Read(query), Effect::None)) => {
                 if !self.is_quiet() {
@@ -427,12 +457,11 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         }
     }
 
-    fn take_data(&mut self, record: &RequestRecord, written: &pt::Written) -> Step {
-        let (axis, fifo) = (written.axis, written.fifo);
-        let epoch = self.ahead.axis(axis).epoch;
-        let op = Op::PtCommit { axis, fifo, end: written.book.end, epoch };
-        self.lane.push(op, Change::Data { axis, fifo, epoch, book: written.book }, 0, &mut self.ahead);
-        self.await_last(record, Answer::Taken { axis, fifo, count: written.count }, true)
+    fn take_data(&mut self, record: &RequestRecord, written: &data::Written) -> Step {
+        data::enter(&mut self.ahead, written);
+        let (op, change) = data::commit(&self.ahead, written.axis, written.fifo);
+        self.lane.push(op, change, 0, &mut self.ahead);
+        self.await_last(record, written.answer, true)
     }
 
     fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> Step {

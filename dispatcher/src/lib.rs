@@ -14,6 +14,7 @@ mod bytes;
 mod case;
 mod desk;
 mod lane;
+mod lopsided;
 mod profile;
 mod program;
 mod read;

@@ -2,8 +2,10 @@
 //!
 //! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from the
 //! axis's [`servo::piece::Motion`]; nothing is computed for them in the tick.
+mod follow;
+
 use crate::admit::pvt_table::CHUNK;
-use crate::admit::{kind, number_of};
+use crate::admit::{is_follow, kind, number_of};
 use crate::books::Books;
 use crate::case::{Query, Site, mode_number, ones};
 use crate::server::{Board, FAULT_TEXT_MAX};
@@ -251,7 +253,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             | opcode::LaserStatus => self.laser(tag, query, out),
             opcode::PtSpace => {
                 let space = book.space(self.view, seen, usize::from(query.which)) as i16;
-                self.space(tag, space, out)
+                self.space(query.opcode, tag, space, out)
             }
             opcode::GetPtLoop => {
                 let value = i32::try_from(seen.passes).unwrap_or(i32::MAX);
@@ -288,9 +290,20 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let head = command::Count { count: (axes.len() as u16).into() };
                 out.done::<command::PvtStatus>(tag, &head, &items[..axes.len()])
             }
+            _ if is_follow(query.opcode) => self.follow(tag, query, book, seen, out),
             // A request without fields in its reply.
             other => out.push_raw(other, tag, 0, &[]),
         }
+    }
+
+    /// The reply to a question for free places.
+    pub fn space(&self, opcode: u16, tag: u16, space: i16, out: &mut ReplyWriter) -> Result<(), Full> {
+        out.push_raw(opcode, tag, 0, &[command::Short { value: space.into() }.as_bytes()])
+    }
+
+    /// The reply with one real number.
+    pub fn number(&self, opcode: u16, tag: u16, value: f64, out: &mut ReplyWriter) -> Result<(), Full> {
+        out.push_raw(opcode, tag, 0, &[command::Real { value: value.into() }.as_bytes()])
     }
 
     /// A read of the laser channel `first`; `which` is the core.
@@ -336,11 +349,6 @@ impl<const AXES: usize> Reading<'_, AXES> {
             return 0.0;
         }
         f64::from(self.view.timer_mhz) * 1000.0 / counts(seen.train.period)
-    }
-
-    /// The reply to `PtSpace`.
-    pub fn space(&self, tag: u16, space: i16, out: &mut ReplyWriter) -> Result<(), Full> {
-        out.done::<command::PtSpace>(tag, &command::Short { value: space.into() }, &[])
     }
 
     /// The reply to PT data.

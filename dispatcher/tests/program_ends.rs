@@ -74,6 +74,33 @@ fn what_was_admitted_ahead_and_dropped_leaves_no_trace() {
 }
 
 /// The same request, allowed to fail.
+/// Its places were written when the entry was admitted, its FIFO would have been cleared when it was executed.
+#[test]
+fn data_that_was_overwritten_and_dropped_is_gone() {
+    let mut bench = Bench::gus();
+    let (core, profile, fifo) = (1.into(), 1.into(), 0.into());
+    bench.servo_on(1);
+    bench.done(PrfPt { core, profile, mode: 0.into() });
+    bench.done(pt_data(1, 100.0, 100));
+    bench.done(pt_data(1, 200.0, 200));
+    bench.done(PtData { fifo: 1.into(), ..pt_data(1, 50.0, 100) });
+    let dropped = bench.post_all(&[entry(PtClear { core, profile, fifo }), entry(pt_data(1, 7777.0, 100))]);
+    bench.run_ms(2);
+    bench.done(ProgramClear {});
+    assert!(dropped.iter().all(|tag| bench.answers[tag].reason() == Reason::Discarded));
+    assert_eq!(bench.done(PtSpace { core, profile, fifo }).value.get(), 32);
+    assert_eq!(bench.refused(start(1)).1, Reason::FifoEmpty);
+    // The other FIFO was not touched.
+    bench.done(PtStart { option: 1.into(), ..start(1) });
+    bench.run_ms(110);
+    assert_eq!(bench.pos(1), 50.0);
+    // And what is written now begins from nothing.
+    bench.done(pt_data(1, 10.0, 20));
+    bench.done(start(1));
+    bench.run_ms(200);
+    assert_eq!(bench.pos(1), 60.0);
+}
+
 fn may_fail<R: Request>(request: R) -> (u16, Lane, Vec<u8>) {
     (R::OPCODE, Lane::ProgramMayFail, body::<R>(request, &[]))
 }

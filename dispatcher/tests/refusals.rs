@@ -38,7 +38,7 @@ fn axes_and_cores_that_do_not_exist() {
 #[test]
 fn unknown_commands_and_wrong_lengths() {
     let mut bench = Bench::gus();
-    for opcode in [0x0000, 0x0400, 0x0220, 0xffff] {
+    for opcode in [0x0000, 0x0210, 0x0220, 0xffff] {
         let tag = bench.post_raw(opcode, Lane::Immediate, &[1, 2, 3]);
         let answer = bench.wait(tag);
         assert_eq!((answer.code, answer.reason()), (8, Reason::UnknownCommand));

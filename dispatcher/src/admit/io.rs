@@ -5,6 +5,7 @@ use crate::case::{Answer, Case, Query, ones};
 use crate::refuse::{Admitted, Refused, choice};
 use protocol::command::{GetAdc, GetDac, GetDi, GetDo, SetDac, SetDo, SetDoBit, opcode};
 use protocol::reason::Reason;
+use servo::follow::Input;
 use servo::laser::Mode;
 use servo::op::{DoGroup, Op};
 
@@ -39,11 +40,11 @@ pub fn outputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDo) -> Admitted<
     read(case, opcode::GetDo, r.core.get(), which)
 }
 
-/// The group, the place of its bit 0, and how many bits a core has of it.
-fn group<const AXES: usize>(case: &Case<AXES>, core: i16, which: i16) -> Admitted<(DoGroup, usize, usize)> {
+/// The group, the place of its bit 0, and how many bits a core has of it. `field` names the type.
+fn group<const AXES: usize>(case: &Case<AXES>, core: i16, field: u8, which: i16) -> Admitted<(DoGroup, usize, usize)> {
     let axes = usize::from(case.site.profile.axes_per_core);
     let first = case.core(core)? * axes;
-    Ok(match choice(1, which, kind::ENABLE, kind::GPO)? {
+    Ok(match choice(field, which, kind::ENABLE, kind::GPO)? {
         kind::ENABLE => (DoGroup::Enable, first, axes),
         kind::CLEAR => (DoGroup::Clear, first, axes),
         _ => (DoGroup::General, 0, usize::from(case.board.general_outputs.min(32))),
@@ -52,7 +53,7 @@ fn group<const AXES: usize>(case: &Case<AXES>, core: i16, which: i16) -> Admitte
 
 /// Bits of outputs that do not exist must be 0.
 pub fn set_outputs<const AXES: usize>(case: &mut Case<AXES>, r: &SetDo) -> Admitted<Answer> {
-    let (group, first, count) = group(case, r.core.get(), r.do_type.get())?;
+    let (group, first, count) = group(case, r.core.get(), 1, r.do_type.get())?;
     let (value, all) = (u64::from(r.value.get().cast_unsigned()), ones(count));
     if value & !all != 0 {
         return Err(Refused::new(Reason::OutOfRange).field(2).got(value as f64).limits(0.0, all as f64));
@@ -62,12 +63,43 @@ pub fn set_outputs<const AXES: usize>(case: &mut Case<AXES>, r: &SetDo) -> Admit
 }
 
 pub fn set_output<const AXES: usize>(case: &mut Case<AXES>, r: &SetDoBit) -> Admitted<Answer> {
-    let (group, first, count) = group(case, r.core.get(), r.do_type.get())?;
-    let index = choice(2, r.index.get(), 1, count as i16)?.unsigned_abs() as usize - 1;
-    let value = choice(3, r.value.get(), 0, 1)?.unsigned_abs();
-    let mask = 1 << (first + index);
-    case.stage(Op::Output { group, mask, value: mask * u64::from(value) });
+    let (group, bit, high) = output(case, r.core.get(), 1, (r.do_type.get(), r.index.get(), r.value.get()))?;
+    let mask = 1u64 << bit;
+    case.stage(Op::Output { group, mask, value: if high { mask } else { 0 } });
     Ok(Answer::Done)
+}
+
+/// One output: its group, its bit in it, its level. Type, index and value are fields from `field` on.
+pub fn output<const AXES: usize>(
+    case: &Case<AXES>,
+    core: i16,
+    field: u8,
+    (which, index, value): (i16, i16, i16),
+) -> Admitted<(DoGroup, u8, bool)> {
+    let (group, first, count) = group(case, core, field, which)?;
+    let index = choice(field + 1, index, 1, count as i16)?.unsigned_abs() as usize - 1;
+    Ok((group, (first + index) as u8, choice(field + 2, value, 0, 1)? == 1))
+}
+
+/// One input: what it is, its axis over all cores or its number, the level that is asked for.
+pub fn input<const AXES: usize>(
+    case: &Case<AXES>,
+    core: i16,
+    field: u8,
+    (which, index, value): (i16, i16, i16),
+) -> Admitted<(Input, u8, bool)> {
+    let axes = case.site.profile.axes_per_core;
+    let first = case.core(core)? as u8 * axes;
+    let (input, first, count) = match choice(field, which, kind::LIMIT_POSITIVE, kind::ARRIVE)? {
+        kind::LIMIT_POSITIVE => (Input::LimitPositive, first, axes),
+        kind::LIMIT_NEGATIVE => (Input::LimitNegative, first, axes),
+        kind::ALARM => (Input::Alarm, first, axes),
+        kind::HOME => (Input::Home, first, axes),
+        kind::GPI => (Input::General, 0, 32),
+        _ => (Input::Arrive, first, axes),
+    };
+    let index = choice(field + 1, index, 1, i16::from(count))?.unsigned_abs() as u8 - 1;
+    Ok((input, first + index, choice(field + 2, value, 0, 1)? == 1))
 }
 
 /// The first of `count` channels from 1, checked against how many there are.

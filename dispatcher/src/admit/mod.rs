@@ -3,7 +3,11 @@
 //! In: a record. Out: what to answer once it is executed, with the operations staged; or a refusal,
 //! and then nothing has changed. The only place where the user's doubles become the tick's numbers.
 mod axis;
+pub mod data;
+mod follow;
+mod follow_data;
 mod io;
+pub use follow::is_follow;
 pub use io::kind;
 pub use pvt::number_of;
 mod jog_trap;
@@ -184,6 +188,7 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::SetHSIOOpt => to!(SetHSIOOpt, laser::switch),
         opcode::GetHSIOOpt => to!(laser GetHSIOOpt),
         opcode::LaserStatus => to!(laser LaserStatus),
+        _ if follow::is_follow(number) => follow::admit(case, number, body),
         _ => Err(Refused::new(Reason::UnknownCommand).got(number.into())),
     }
 }
@@ -236,5 +241,18 @@ pub fn is_read(number: u16) -> bool {
             | opcode::PvtStatus
             | opcode::PvtPercentCalculate
             | opcode::PvtContinuousCalculate
+            | opcode::GetFollowMaster
+            | opcode::GetFollowMasterEx
+            | opcode::GetFollowLoop
+            | opcode::GetFollowLoopEx
+            | opcode::GetFollowEvent
+            | opcode::GetFollowEventEx
+            | opcode::FollowSpace
+            | opcode::FollowSpaceEx
+            | opcode::GetFollowMemory
+            | opcode::GetFollowMemoryEx
+            | opcode::GetFollowStatus
+            | opcode::GetFollowStatusEx
+            | opcode::GetFollowDataPercent2Ex
     )
 }

@@ -1,7 +1,8 @@
 //! PT commands (GXN chapter 2), and the road of PT data from bytes to the axis's store.
 use super::axis::all_startable;
+use super::data::{End, Written};
 use super::{many, one, query};
-use crate::books::{Books, Change, FifoBook};
+use crate::books::{Change, FifoBook};
 use crate::case::{Answer, Case, Query};
 use crate::refuse::{Admitted, Refused, choice};
 use protocol::command::{
@@ -121,19 +122,6 @@ pub fn start<const AXES: usize>(case: &mut Case<AXES>, r: &PtStart) -> Admitted<
     Ok(Answer::Done)
 }
 
-/// Data that was written to a store and is not yet visible to the tick.
-#[derive(Debug, Clone, Copy)]
-pub struct Written {
-    /// Whose.
-    pub axis: Axis,
-    /// Which FIFO.
-    pub fifo: u8,
-    /// Where it ends now.
-    pub book: FifoBook,
-    /// Segments taken by this command.
-    pub count: u16,
-}
-
 /// Admits PtData or PtDataMany: all its segments or none. They are written behind the committed end,
 /// where the tick does not look, so a refusal half-way has changed nothing.
 pub fn data<const AXES: usize>(
@@ -203,7 +191,8 @@ fn push<const AXES: usize>(
         }
     }
     let book = FifoBook { end: data.end.wrapping_add(items.len() as u32), chain };
-    Ok(Written { axis, fifo, book, count: items.len() as u16 })
+    let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
+    Ok(Written { axis, fifo, end: End::Pt(book), answer })
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.
@@ -221,10 +210,4 @@ fn explain(refused: pt::Refused, item: &PtItem) -> Refused {
         }
         pt::Refused::Kind => Refused::new(Reason::Selector).field(2).got(item.kind.into()).limits(0.0, 2.0),
     }
-}
-
-/// Enters written data into the *ahead* books before its commit is pushed.
-pub fn enter<const AXES: usize>(books: &mut Books<AXES>, written: &Written) {
-    let epoch = books.axis(written.axis).epoch;
-    books.enter(&Change::Data { axis: written.axis, fifo: written.fifo, epoch, book: written.book }, 0);
 }

@@ -2,7 +2,8 @@
 //! Stop, link loss or ProgramClear.
 //!
 //! In: what the view says was executed, what the tick refused. Out: replies in order, a ProgramDrop.
-//! What was dropped leaves no trace: the *ahead* books go back to the *now* books.
+//! What was dropped leaves no trace: the *ahead* books go back to the *now* books. A FIFO whose places were
+//! overwritten already is emptied: neither its old data nor the new is there.
 use super::{Program, State};
 use crate::books::{Change, executed};
 use crate::desk::{Desk, TickRefusal};
@@ -55,10 +56,9 @@ impl Program<'_> {
         out: &mut ReplyWriter,
     ) -> bool {
         let Some((head, _)) = self.records.front().filter(|(head, _)| head.may_fail) else { return false };
-        let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
-        let quiet = !self.lane.in_flight() && self.open == [0; 2];
-        let reached = self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0);
-        if !(reached || is_final(refused.reason)) || out.refused(head.opcode, head.tag, &refused.wire).is_err() {
+        if !(self.is_reached(view) || is_final(refused.reason))
+            || out.refused(head.opcode, head.tag, &refused.wire).is_err()
+        {
             return false;
         }
         self.records.pop();
@@ -83,10 +83,13 @@ impl Program<'_> {
 
     /// The tick has dropped the rest.
     pub(super) fn finish_drop<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) {
-        self.dropping = None;
         self.lane.forget();
         desk.ahead = desk.now;
         desk.lane.replay(&mut desk.ahead);
+        if !desk.empty_spoiled() {
+            return;
+        }
+        self.dropping = None;
         self.awaiting.amend_back(|item| {
             item.discarded |= item.open || item.seq.is_some_and(|seq| !executed(view, seq));
             item.open = false;

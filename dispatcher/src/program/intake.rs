@@ -4,12 +4,12 @@
 //! Records are admitted in order until one has to wait: for room, for places in a FIFO, or because
 //! what is wrong now may be right at its instant.
 //!
-//! PT data is in the axis's store at once; the tick sees it by a PtCommit. Commits of one instant are
+//! Data of a FIFO is in the axis's store at once; the tick sees it by a commit. Commits of one instant are
 //! gathered over records and axes, one for each FIFO, until something else has to come behind them,
 //! the script clock moves on, or their instant comes near. So data before a start takes no room in the
 //! lane however it arrives, and a stream that is short of data still gets each record in time.
 use super::{Program, State, length};
-use crate::admit::pt;
+use crate::admit::data;
 use crate::admit::pvt_table::{CHUNK, Road, road};
 use crate::books::Change;
 use crate::case::{Answer, Case, Effect};
@@ -69,8 +69,8 @@ impl Program<'_> {
     }
 
     /// Whether a record from the wire may be admitted where it lies: it is data, and no record waits.
-    pub(super) fn takes_at_once<const AXES: usize>(&self, number: u16) -> bool {
-        matches!(number, opcode::PtData | opcode::PtDataMany)
+    pub(super) fn takes_at_once<const AXES: usize>(&self, number: u16, body: &[u8]) -> bool {
+        data::is_data(number, body)
             && self.is_active()
             && !self.is_dropping()
             && !self.overflowed
@@ -125,6 +125,7 @@ impl Program<'_> {
 
     /// Admits the record in hand and pushes what it becomes.
     fn take_record<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) -> Admitted<Step> {
+        let decided = self.is_reached(view);
         let Some((head, body)) = self.records.front() else { return Ok(Step::Wait) };
         let (answer, effect, own) = match head.opcode {
             opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus | opcode::SetTick | opcode::Choose => {
@@ -139,8 +140,8 @@ impl Program<'_> {
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Ok(Step::Taken);
             }
-            opcode::PtData | opcode::PtDataMany => {
-                let written = desk.admit_data(view, head.opcode, body)?;
+            number if data::is_data(number, body) => {
+                let written = desk.admit_data(view, decided, head.opcode, body)?;
                 self.take_data(desk, head.opcode, head.tag, &written);
                 return Ok(Step::Taken);
             }
@@ -171,7 +172,7 @@ impl Program<'_> {
             }
             _ if self.config.is_some() => (Answer::Done, Effect::Config, true),
             other => {
-                let (answer, effect) = desk.admit(view, other, body)?;
+                let (answer, effect) = desk.admit(view, decided, other, body)?;
                 (answer, effect, true)
             }
         };
@@ -233,18 +234,17 @@ impl Program<'_> {
         self.awaiting.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
     }
 
-    /// PT data is in the store; one commit will show all that belongs to this instant.
+    /// Data is in the store; one commit will show all that belongs to this instant.
     pub(super) fn take_data<const AXES: usize>(
         &mut self,
         desk: &mut Desk<'_, AXES>,
         opcode: u16,
         tag: u16,
-        written: &pt::Written,
+        written: &data::Written,
     ) {
-        pt::enter(&mut desk.ahead, written);
+        data::enter(&mut desk.ahead, written);
         self.open[usize::from(written.fifo) & 1] |= written.axis.mask().0;
-        let answer = Answer::Taken { axis: written.axis, fifo: written.fifo, count: written.count };
-        self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, answer, ..Awaiting::BLANK });
+        self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, answer: written.answer, ..Awaiting::BLANK });
     }
 
     /// Pushes the commits of the data that gathered. There is room for them: no record is admitted
@@ -257,10 +257,8 @@ impl Program<'_> {
             let mut left = self.open[usize::from(fifo)];
             while let Some(axis) = Axis::new(left.trailing_zeros() as usize) {
                 left &= left - 1;
-                let book = desk.ahead.axis(axis);
-                let (epoch, data) = (book.epoch, book.fifos[usize::from(fifo)]);
-                let op = Op::PtCommit { axis, fifo, end: data.end, epoch };
-                self.push(desk, op, Change::Data { axis, fifo, epoch, book: data });
+                let (op, change) = data::commit(&desk.ahead, axis, fifo);
+                self.push(desk, op, change);
             }
         }
         self.open = [0; 2];
@@ -308,6 +306,7 @@ fn wait_stop<const AXES: usize>(desk: &mut Desk<'_, AXES>, view: &View<AXES>, wa
         books: &desk.ahead,
         site: &desk.site,
         board: &desk.board,
+        decided: false,
         staged: &mut staged,
         effect: Effect::None,
     };

@@ -131,6 +131,14 @@ impl<'a> Program<'a> {
         self.state == State::Running && self.run.is_some_and(|run| executed(view, run))
     }
 
+    /// Whether the view is the last one before the tick on which the record in hand would act, and shows all that
+    /// was admitted before it.
+    fn is_reached<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
+        let quiet = !self.lane.in_flight() && self.open == [0; 2];
+        self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0)
+    }
+
     /// Whether it is held or runs.
     pub fn is_active(&self) -> bool {
         matches!(self.state, State::Held | State::Running)
@@ -154,9 +162,9 @@ impl<'a> Program<'a> {
         record: &RequestRecord,
         out: &mut ReplyWriter,
     ) -> Step {
-        if self.takes_at_once::<AXES>(record.opcode) {
+        if self.takes_at_once::<AXES>(record.opcode, record.body) {
             // Where it is refused it waits in the queue, and is refused from there.
-            if let Ok(written) = desk.admit_data(view, record.opcode, record.body) {
+            if let Ok(written) = desk.admit_data(view, self.is_reached(view), record.opcode, record.body) {
                 self.accepted = self.accepted.wrapping_add(1);
                 self.take_data(desk, record.opcode, record.tag, &written);
                 return Step::Taken;

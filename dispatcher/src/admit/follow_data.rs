@@ -1,0 +1,189 @@
+//! The road of Follow data from bytes to the axis's store: segments, and what FollowEx queues between them.
+//!
+//! In: a data command. Out: entries in the store, and what the books are to say of the FIFO. Fails: with the
+//! parameter and the limit; what was written by then lies behind the end of the FIFO, where nobody looks.
+use super::data::{End, Written};
+use super::follow::{following, known, method, mode_of};
+use super::{io, one};
+use crate::books::Fifo;
+use crate::case::{Answer, Case};
+use crate::refuse::{Admitted, Refused, choice};
+use protocol::command::{
+    FollowData, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx, FollowSwitchNowEx, opcode,
+};
+use protocol::reason::Reason;
+use servo::follow::{self, Direction, Entry, Input, Method};
+use servo::op::DoGroup;
+use servo::pt::SegmentStore;
+use servo::units::Axis;
+
+/// Furthest master position, pulses.
+const MASTER_MAX: f64 = 2_147_483_648.0;
+/// Furthest slave position, pulses.
+const TRAVEL: f64 = 1_099_511_627_776.0;
+/// The largest ratio.
+const RATIO_MAX: f64 = 17_592_186_044_416.0;
+
+/// An entry as it was given. The fields of a segment are 2, 3, 4, 5 of its request; what the others are made of is
+/// known to be right.
+#[derive(Debug, Clone, Copy)]
+enum Given {
+    /// Master, slave, type, percent.
+    Segment(f64, f64, i16, i16),
+    Output(DoGroup, u8, bool),
+    Delay(u32),
+    Wait(Input, u8, bool, u32),
+    Switch(Method),
+}
+
+/// One FIFO that is being filled.
+struct Filling<'x> {
+    store: &'x SegmentStore,
+    fifo: u8,
+    field: u8,
+    direction: Direction,
+    capacity: u32,
+    book: Fifo,
+}
+
+impl Filling<'_> {
+    /// Writes one entry behind the end.
+    fn add(&mut self, given: Given) -> Admitted<()> {
+        let index = self.book.chain.entries();
+        if index >= self.capacity {
+            return Err(Refused::new(Reason::FifoFull).field(self.field).got(0.0).limits(0.0, self.capacity.into()));
+        }
+        let before = &self.book.chain;
+        let admitted = match given {
+            Given::Segment(master, slave, kind, percent) => {
+                Entry::segment(master.to_bits(), slave.to_bits(), kind, percent, self.direction, before)
+            }
+            Given::Output(group, bit, high) => Entry::output(group, bit, high, before),
+            Given::Delay(cycles) => Entry::delay(cycles, before),
+            Given::Wait(input, index, high, ms) => Entry::wait_input(input, index, high, ms, before),
+            Given::Switch(method) => Entry::switch(method, before),
+        };
+        let (entry, chain) = admitted.map_err(|refused| self.explain(refused, given))?;
+        self.store.write_entry(self.fifo, index, entry);
+        self.book.chain = chain;
+        if let Given::Segment(master, slave, ..) = given {
+            (self.book.master, self.book.slave) = (master, slave);
+        }
+        self.book.switches |= matches!(given, Given::Switch(Method::Table));
+        Ok(())
+    }
+
+    #[cold]
+    fn explain(&self, refused: follow::Refused, given: Given) -> Refused {
+        let (master, slave, kind, percent) = match given {
+            Given::Segment(master, slave, kind, percent) => (master, slave, kind, percent),
+            _ => (0.0, 0.0, 0, 0),
+        };
+        let before = &self.book;
+        let ratio = (slave - before.slave) / (master - before.master);
+        match refused {
+            follow::Refused::MasterNotFinite => Refused::new(Reason::NotFinite).field(2).got(master),
+            follow::Refused::SlaveNotFinite => Refused::new(Reason::NotFinite).field(3).got(slave),
+            follow::Refused::MasterBeyondRange => {
+                Refused::new(Reason::OutOfRange).field(2).got(master).limits(-MASTER_MAX, MASTER_MAX)
+            }
+            follow::Refused::SlaveBeyondTravel => {
+                Refused::new(Reason::BeyondTravel).field(3).got(slave).limits(-TRAVEL, TRAVEL)
+            }
+            follow::Refused::NotAdvancing if master * before.master < 0.0 => {
+                Refused::new(Reason::MixedSigns).field(2).got(master).limits(before.master, before.master)
+            }
+            follow::Refused::NotAdvancing => {
+                Refused::new(Reason::MasterOrder).field(2).got(master).limits(before.master, before.master)
+            }
+            follow::Refused::Negative => Refused::new(Reason::NegativeProgress).field(2).got(master),
+            follow::Refused::Kind => Refused::new(Reason::Selector).field(4).got(kind.into()).limits(0.0, 3.0),
+            follow::Refused::Percent => {
+                Refused::new(Reason::OutOfRange).field(5).got(percent.into()).limits(0.0, 100.0)
+            }
+            follow::Refused::TooSteep => {
+                Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-RATIO_MAX, RATIO_MAX)
+            }
+            follow::Refused::TooFar => {
+                let most = TRAVEL / (master - before.master).abs();
+                Refused::new(Reason::RatioTooLarge).field(3).got(ratio).limits(-most, most)
+            }
+            follow::Refused::StopsFull => {
+                Refused::new(Reason::QueueEntries).field(self.field).limits(0.0, follow::STOPS as f64)
+            }
+            follow::Refused::Full => Refused::new(Reason::FifoFull).field(self.field).limits(0.0, self.capacity.into()),
+        }
+    }
+}
+
+/// Admits a data command of either mode.
+pub fn data<const AXES: usize>(
+    case: &Case<AXES>,
+    stores: &[SegmentStore; AXES],
+    number: u16,
+    body: &[u8],
+) -> Admitted<Written> {
+    let (core, profile, fifo, field, given) = match number {
+        opcode::FollowData => {
+            let r = one::<FollowData>(body)?;
+            let given = Given::Segment(r.master_segment.get().into(), r.slave_segment.get(), r.kind.get(), 0);
+            (r.core, r.profile, r.fifo, 5, given)
+        }
+        opcode::FollowDataPercentEx => {
+            let r = one::<FollowDataPercentEx>(body)?;
+            let given = Given::Segment(r.master_segment.get(), r.slave_segment.get(), r.kind.get(), r.percent.get());
+            (r.core, r.profile, r.fifo, 6, given)
+        }
+        opcode::FollowDoBitEx => {
+            let r = one::<FollowDoBitEx>(body)?;
+            let (group, bit, high) =
+                io::output(case, r.core.get(), 2, (r.do_type.get(), r.index.get(), r.value.get()))?;
+            (r.core, r.profile, r.fifo, 5, Given::Output(group, bit, high))
+        }
+        opcode::FollowDelayEx => {
+            let r = one::<FollowDelayEx>(body)?;
+            (r.core, r.profile, r.fifo, 3, Given::Delay(r.delay_cycles.get()))
+        }
+        opcode::FollowDiBitEx => {
+            let r = one::<FollowDiBitEx>(body)?;
+            let (input, index, high) =
+                io::input(case, r.core.get(), 2, (r.di_type.get(), r.index.get(), r.value.get()))?;
+            (r.core, r.profile, r.fifo, 6, Given::Wait(input, index, high, r.time_ms.get()))
+        }
+        _ => {
+            let r = one::<FollowSwitchNowEx>(body)?;
+            choice(3, r.buffer.get(), 0, 1)?;
+            (r.core, r.profile, r.fifo, 4, Given::Switch(method(r.method.get())?))
+        }
+    };
+    let axis = following(case, mode_of(number), core.get(), profile.get())?;
+    let mut filling = open(case, stores, axis, fifo.get(), field)?;
+    filling.add(given).map_err(|refused| refused.axis(case.site.number_of(axis)))?;
+    let fifo = filling.fifo;
+    Ok(Written { axis, fifo, end: End::Follow(filling.book), answer: Answer::Entered { axis, fifo, percent1: 0 } })
+}
+
+/// The FIFO, if it is known what it holds and its places are free for data.
+fn open<'x, const AXES: usize>(
+    case: &Case<'_, AXES>,
+    stores: &'x [SegmentStore; AXES],
+    axis: Axis,
+    fifo: i16,
+    field: u8,
+) -> Admitted<Filling<'x>> {
+    let fifo = choice(field, fifo, 0, 1)? as u8;
+    known(case, axis, field)?;
+    let (book, seen) = (case.book(axis), case.seen(axis));
+    // The places of data that is over in the program are free only when the tick is through with them.
+    if book.is_follow_outgoing(case.view, seen, fifo) {
+        return Err(case.no(Reason::FifoInUse, axis).field(field).got(fifo.into()));
+    }
+    let Some(store) = stores.get(axis.index()) else { return Err(case.no(Reason::NotInitialised, axis)) };
+    let direction = match book.follow.direction {
+        0 => Direction::Both,
+        1 => Direction::Up,
+        _ => Direction::Down,
+    };
+    let (capacity, data) = (book.follow.capacity(), *book.follow.fifo(fifo));
+    Ok(Filling { store, fifo, field, direction, capacity, book: data })
+}
