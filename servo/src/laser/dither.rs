@@ -120,7 +120,8 @@ fn active(counts: u64, duty: Power) -> Option<u64> {
     let product = counts as u128 * duty.raw() as u128;
     let half_up = product + (FULL / 2) as u128;
     let nearest = (half_up >> Power::FRAC_BITS) as u64 / 100;
-    let off = (nearest as u128 * FULL as u128).abs_diff(product);
+    // One more unit of power, so that the user's own number is held too.
+    let off = (nearest as u128 * FULL as u128).abs_diff(product) + counts as u128;
     (off * DUTY_STEPS as u128 <= counts as u128 * FULL as u128).then_some(nearest)
 }
 

@@ -219,6 +219,7 @@ pub struct Bench {
     seq: u32,
     /// As the thread knows them, for its plans.
     known: (Mode, Power, Option<Carrier>),
+    clock: Clock,
     /// Whether the thread plans repetitions.
     pub fine: bool,
 }
@@ -237,6 +238,11 @@ pub fn bounds(mode: Mode, max: f64, min: f64) -> Bounds {
 
 impl Bench {
     pub fn new(period_us: u32) -> Bench {
+        Bench::with_clock(period_us, Clock::GHZ)
+    }
+
+    /// With another clock, of which the plans are to be looked at, not carried out.
+    pub fn with_clock(period_us: u32, clock: Clock) -> Bench {
         let (immediate, immediate_out) = leak(Ring::new()).split();
         let (_, program) = leak(Ring::new()).split();
         let (events, _) = leak(Ring::new()).split();
@@ -246,11 +252,12 @@ impl Bench {
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
         let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
-        let config = TickConfig { period_ns: period_us * 1000, axes: 1, analog_inputs: 0, laser_clock: Clock::GHZ };
-        let machine = Machine { now: 0, next: 0, interlock: false, outputs: Default::default(), runs: true };
+        let config = TickConfig { period_ns: period_us * 1000, axes: 1, analog_inputs: 0, laser_clock: clock };
+        let machine =
+            Machine { now: 0, next: 0, interlock: false, outputs: Default::default(), runs: clock == Clock::GHZ };
         let lanes = Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables };
         let known = (Mode::Duty, Power::ZERO, None);
-        Bench { tick: Tick::new(config), machine, lanes, immediate, view, seq: 0, known, fine: true }
+        Bench { tick: Tick::new(config), machine, lanes, immediate, view, seq: 0, known, clock, fine: true }
     }
 
     pub fn op(&mut self, op: Op) {
@@ -269,7 +276,7 @@ impl Bench {
 
     fn plan(&self) -> Option<Fine> {
         let (mode, power, carrier) = self.known;
-        if self.fine { Fine::plan(mode, power, carrier.as_ref(), Clock::GHZ) } else { None }
+        if self.fine { Fine::plan(mode, power, carrier.as_ref(), self.clock) } else { None }
     }
 
     pub fn mode(&mut self, mode: Mode, max: f64, min: f64, delayed: bool) {
@@ -286,7 +293,7 @@ impl Bench {
     }
 
     pub fn carrier(&mut self, khz: f64) {
-        let carrier = Carrier::admit(power(khz), Clock::GHZ).unwrap();
+        let carrier = Carrier::admit(power(khz), self.clock).unwrap();
         self.known.2 = Some(carrier);
         self.change(Change::Carrier { carrier, fine: self.plan() });
     }
