@@ -53,8 +53,8 @@ impl Train {
 /// A train keeps its phase while it goes on. *At its period's end* means: the period in progress runs out
 /// first, with its pulse as it is; if the new period is shorter, it runs out where the new one, begun with
 /// it, would, but neither before the action's instant nor before its pulse has ended. Where no period is in
-/// progress, it means at once. A pattern of dither goes on where the denominator stays the same, and begins
-/// anew where it changes.
+/// progress, it means at once. A train that begins begins its pattern ([`super::Pattern`]); one that goes on
+/// goes on with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Action {
     /// The switch output becomes active or inactive.

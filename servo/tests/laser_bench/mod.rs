@@ -123,6 +123,8 @@ pub struct Output {
     queue: VecDeque<(u64, Action)>,
     switch: Vec<(u64, bool)>,
     volts: Vec<(u64, i16)>,
+    /// Switch edges that were told already.
+    kept: usize,
     /// The most actions of a plan.
     pub most: usize,
 }
@@ -143,6 +145,17 @@ impl Output {
             }
         }
         self.pwm.advance(before);
+    }
+
+    /// Switch edges before an instant; they are forgotten but for the level.
+    pub fn switch_until(&mut self, before: u64) -> Vec<(u64, bool)> {
+        self.carry_out(before);
+        self.pwm.pulses.clear();
+        let edges = self.switch.split_off(self.kept);
+        self.switch.extend(edges.last());
+        self.switch.drain(..self.switch.len().saturating_sub(1));
+        self.kept = self.switch.len();
+        edges
     }
 
     fn set_switch(&mut self, at: u64, level: bool) {
