@@ -11,6 +11,7 @@ pub mod follow;
 mod inputs;
 pub mod laser;
 pub mod op;
+pub mod path;
 pub mod piece;
 pub mod port;
 pub mod profile;

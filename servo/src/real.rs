@@ -29,6 +29,8 @@ impl Real {
     pub const THIRD: Real = Real { neg: 0, m: 0xAAAA_AAAA_AAAA_AAAB, e: -65 };
     /// 3.
     pub const THREE: Real = Real { neg: 0, m: 3 << 62, e: -62 };
+    /// 2π.
+    pub const TAU: Real = Real { neg: 0, m: 0xC90F_DAA2_2168_C235, e: -61 };
     /// A ms in 2⁻³² ns: 10⁶·2³².
     pub const MS: Real = Real { neg: 0, m: 1_000_000 << 44, e: -12 };
     /// 2⁻³² ns in ms, 1/MS.

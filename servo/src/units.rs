@@ -35,6 +35,8 @@ pub struct Axis(u8);
 impl Axis {
     /// The largest capacity of any build (gsn-048: 2 cores × 24 axes).
     pub const MAX: usize = 48;
+    /// Axis 0.
+    pub const FIRST: Axis = Axis(0);
     /// Axis `index` from 0, if the largest build has it.
     pub const fn new(index: usize) -> Option<Axis> {
         if index < Self::MAX { Some(Axis(index as u8)) } else { None }

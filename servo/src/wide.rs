@@ -28,6 +28,12 @@ pub const fn mulhi_su(a: i64, b: u64) -> i64 {
     umulhi(a as u64, b).wrapping_sub((a >> 63) as u64 & b) as i64
 }
 
+/// High half of signed × signed: floor(a·b / 2⁶⁴).
+#[inline(always)]
+pub const fn mulhi_ss(a: i64, b: i64) -> i64 {
+    mulhi_su(a, b as u64).wrapping_sub(a & (b >> 63))
+}
+
 /// floor((2¹⁹ − 3·2⁸) / d9) for d9 = 256…511: eleven bits of 1/d to begin with.
 const SEED: [u16; 256] = {
     let mut table = [0; 256];

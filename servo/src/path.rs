@@ -1,0 +1,25 @@
+//! Coordinate systems: axes driven together along a path (SPEC 5, "Coordinate systems").
+//!
+//! In: admitted [`Entry`]s of 32 bytes from two FIFOs, instants. Out: a [`Step`] a tick, and what entries do
+//! (outputs, laser, other axes), each with the exact instant of its place in the path. A [`Path`] keeps a
+//! period ahead of itself: the step for the tick at `t` gives the position there and carries out all boundaries
+//! before `t + period`, so that an edge inside the coming interval is known in time and does not depend on the
+//! period. Instants are [`Fine`], positions of boundaries exact; a segment's speed is a closed form of the time
+//! since it began (`plan.rs`), its place on the line or arc a closed form of the way (`shape.rs`).
+mod entry;
+mod pack;
+mod plan;
+mod run;
+mod shape;
+mod sine;
+mod store;
+
+pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Rate, Refused, Sweep};
+pub use run::{Effects, Feed, Path, Rest, Rules, Step};
+pub use store::{ENTRIES, Entries, EntryStore};
+
+/// An instant or a duration in 2⁻³² ns; instants count from power-on.
+pub type Fine = u128;
+
+/// Coordinates of a coordinate system: X, Y, Z, A.
+pub const DIMENSIONS: usize = 4;

@@ -1,0 +1,487 @@
+//! One entry of a FIFO: checked, packed into 32 bytes, and what is read from it.
+//!
+//! In: targets in pulses of the coordinate system, the bits of the user's doubles. Out: an [`Entry`], which only
+//! the constructors here can make. Fails: with the rule that the datum breaks, [`Refused`].
+//!
+//! Word 7 begins with the kind in its top byte. A line in X and Y has both targets in words 0 and 1 and the user's
+//! doubles behind them; of velEnd, the top byte (one of four) is kept in two bits. Other motions have their geometry
+//! in words 0–3 (line: four targets; arc: two and the bits of its sweep; full circle: the centre from the start,
+//! twice 64 bits) and their speeds in what is left: synVel in 44 bits, synAcc and velEnd in 38. So the relative
+//! errors are 2⁻³⁹ and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
+use super::pack::{pack, real, unpack};
+use crate::op::DoGroup;
+use crate::ramp::{Accel, Speed};
+use crate::real::Real;
+use crate::units::Axis;
+
+/// An admitted entry, 32 bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Entry([u32; 8]);
+
+/// Why an entry is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// NaN or infinite.
+    NotFinite,
+    /// Below 0.
+    Negative,
+    /// A speed or acceleration of 0, or too small to be told from it (below 2⁻²⁰).
+    TooSmall,
+    /// A speed or acceleration above 32768 (pulse/ms, pulse/ms²).
+    BeyondRange,
+    /// Not more than 0 or more than half a turn, or less than 2⁻⁵⁰ turn.
+    Sweep,
+    /// A centre on the start, nearer than 2⁻¹⁰ pulse, or 2³¹ pulses away.
+    Centre,
+}
+
+/// The plane of an arc: its first and second coordinate. Counterclockwise is from the first to the second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Plane {
+    /// X, Y, seen from +Z.
+    Xy,
+    /// Y, Z, seen from +X.
+    Yz,
+    /// Z, X, seen from +Y.
+    Zx,
+}
+
+impl Plane {
+    /// Places of its coordinates among X, Y, Z, A.
+    pub const fn coordinates(self) -> [usize; 2] {
+        match self {
+            Plane::Xy => [0, 1],
+            Plane::Yz => [1, 2],
+            Plane::Zx => [2, 0],
+        }
+    }
+}
+
+/// Speeds along a motion, as the bits of doubles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Along {
+    vel: u64,
+    acc: u64,
+    end: u64,
+}
+
+/// Mantissas of synVel, and of synAcc and velEnd.
+const VEL_BITS: u32 = 38;
+const RATE_BITS: u32 = 32;
+
+/// A double from `least` to 2¹⁵.
+fn within(bits: u64, least: i32) -> Result<u64, Refused> {
+    const MOST: u64 = (1023 + 15) << 52;
+    if bits << 1 == 0 {
+        return if least < LOWEST { Ok(0) } else { Err(Refused::TooSmall) };
+    }
+    if bits & 0x7ff << 52 == 0x7ff << 52 {
+        return Err(Refused::NotFinite);
+    }
+    if bits >> 63 == 1 {
+        return Err(Refused::Negative);
+    }
+    if bits > MOST {
+        return Err(Refused::BeyondRange);
+    }
+    if bits >= ((1023 + least) as u64) << 52 {
+        return Ok(bits);
+    }
+    if least < LOWEST { Ok(0) } else { Err(Refused::TooSmall) }
+}
+
+/// The lowest speed and acceleration, and the lowest velEnd that is not 0, as powers of two.
+const LOWEST: i32 = -20;
+const LOWEST_END: i32 = -31;
+/// Top bytes of doubles from 2⁻³¹ to 2¹⁵, and of 0.
+const TOPS: [u64; 4] = [0, 0x3e, 0x3f, 0x40];
+
+impl Along {
+    /// No motion.
+    pub(super) const NONE: Along = Along { vel: 0, acc: 0, end: 0 };
+
+    /// From the bits of synVel and velEnd (pulse/ms) and synAcc (pulse/ms²): 2⁻²⁰ ≤ synVel, synAcc ≤ 2¹⁵, velEnd
+    /// from 0 to 2¹⁵; below 2⁻³¹ it is 0.
+    pub fn admit(vel: u64, acc: u64, end: u64) -> Result<Along, Refused> {
+        Ok(Along { vel: within(vel, LOWEST)?, acc: within(acc, LOWEST)?, end: within(end, LOWEST_END)? })
+    }
+
+    /// Speed, pulse/ms.
+    pub(super) fn vel(self) -> Real {
+        real(self.vel)
+    }
+
+    /// Acceleration, pulse/ms².
+    pub(super) fn acc(self) -> Real {
+        real(self.acc)
+    }
+
+    /// Speed at the end, pulse/ms.
+    pub(super) fn end(self) -> Real {
+        real(self.end)
+    }
+}
+
+/// An override, the factor of all speeds of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rate(u64);
+
+impl Rate {
+    /// From the bits of a double: 2⁻²⁰ to 1.
+    pub fn admit(bits: u64) -> Result<Rate, Refused> {
+        const LEAST: u64 = (1023 - 20) << 52;
+        const ONE: u64 = 1023 << 52;
+        match bits {
+            LEAST..=ONE => Ok(Rate(bits)),
+            0..LEAST => Err(Refused::TooSmall),
+            _ if bits & 0x7ff << 52 == 0x7ff << 52 => Err(Refused::NotFinite),
+            _ if bits >> 63 == 1 => Err(Refused::Negative),
+            _ => Err(Refused::BeyondRange),
+        }
+    }
+
+    pub(super) fn real(self) -> Real {
+        real(self.0)
+    }
+}
+
+/// How far an arc goes round.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sweep {
+    turns: u64,
+    long: bool,
+    ccw: bool,
+}
+
+impl Sweep {
+    /// `turns` are the bits of a double in (0, ½]: the sweep, of a `long` arc what is left to the full turn.
+    pub fn admit(turns: u64, long: bool, ccw: bool) -> Result<Sweep, Refused> {
+        const HALF: u64 = 0x3FE0_0000_0000_0000;
+        const LEAST: u64 = (1023 - 50) << 52;
+        if (LEAST..=HALF).contains(&turns) { Ok(Sweep { turns, long, ccw }) } else { Err(Refused::Sweep) }
+    }
+
+    /// Half the turns told by the constructor: the angle between chord and tangent, or its supplement.
+    pub(super) fn half(self) -> Real {
+        real(self.turns).scale(-1)
+    }
+
+    /// The whole sweep in turns.
+    pub(super) fn turns(self) -> Real {
+        let turns = real(self.turns);
+        if self.long { Real::ONE.sub(turns) } else { turns }
+    }
+
+    /// Whether it is more than half a turn by its long form.
+    pub(super) fn is_long(self) -> bool {
+        self.long
+    }
+
+    /// Counterclockwise.
+    pub(super) fn is_ccw(self) -> bool {
+        self.ccw
+    }
+}
+
+/// Words that a laser entry carries for the laser.
+pub const LASER_WORDS: usize = 6;
+
+/// What an entry does to something else than the path, at its exact instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Change {
+    /// BufIO: sets the masked outputs of a group.
+    Output {
+        /// Which outputs.
+        group: DoGroup,
+        /// Those that change.
+        mask: u32,
+        /// To these levels.
+        value: u32,
+    },
+    /// BufDA.
+    Analog {
+        /// From 0.
+        channel: u8,
+        /// −32768…32767 is −10…10 V.
+        value: i16,
+    },
+    /// BufMove: another axis goes to a target.
+    Move {
+        /// Which axis.
+        axis: Axis,
+        /// Target, pulses.
+        target: i32,
+        /// Speed along its way.
+        speed: Speed,
+        /// Acceleration and deceleration.
+        acc: Accel,
+        /// Whether the path waits until it is there.
+        modal: bool,
+    },
+    /// A change of a laser channel. The path does not look into it.
+    Laser {
+        /// Channel.
+        channel: u8,
+        /// What changes, in the laser's own code.
+        code: u8,
+        /// Its numbers.
+        words: [u32; LASER_WORDS],
+    },
+}
+
+/// What an entry is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Item {
+    /// Nothing.
+    Nothing,
+    /// A straight line to these targets, pulses; coordinates behind the first `dimensions` stay.
+    Line {
+        /// X, Y, Z, A.
+        to: [i32; 4],
+        /// 2 or 4.
+        dimensions: usize,
+        /// Its speeds.
+        along: Along,
+    },
+    /// An arc in a plane; the other coordinates stay.
+    Arc {
+        /// Its plane.
+        plane: Plane,
+        /// Target, pulses.
+        to: [i32; 2],
+        /// How far round.
+        sweep: Sweep,
+        /// Its speeds.
+        along: Along,
+    },
+    /// A full circle.
+    Circle {
+        /// Its plane.
+        plane: Plane,
+        /// Centre from the start in 2⁻³⁰ pulse.
+        centre: [i64; 2],
+        /// Counterclockwise.
+        ccw: bool,
+        /// Its speeds.
+        along: Along,
+    },
+    /// BufDelay.
+    Delay {
+        /// Milliseconds.
+        ms: u16,
+    },
+    /// BufGear: an axis goes along with the next motion.
+    Gear {
+        /// Which axis.
+        axis: Axis,
+        /// By this much.
+        pulses: i32,
+    },
+    /// Something else than the path changes.
+    Change(Change),
+}
+
+mod kind {
+    pub const PLANAR: u32 = 1;
+    pub const LINE: u32 = 2;
+    pub const ARC: u32 = 3;
+    pub const CIRCLE: u32 = 4;
+    pub const DELAY: u32 = 5;
+    pub const GEAR: u32 = 6;
+    pub const OUTPUT: u32 = 7;
+    pub const ANALOG: u32 = 8;
+    pub const MOVE: u32 = 9;
+    pub const LASER: u32 = 10;
+    /// Where the kind stands in word 7.
+    pub const PLACE: u32 = 24;
+    /// Above the kind: plane, then these; of a planar line the place of velEnd's top byte.
+    pub const PLANE: u32 = 4;
+    pub const CCW: u32 = 1 << 6;
+    pub const LONG: u32 = 1 << 7;
+    pub const MODAL: u32 = 1 << 6;
+    pub const TOP: u32 = 6;
+}
+
+fn low(x: u64) -> u32 {
+    x as u32
+}
+fn high(x: u64) -> u32 {
+    (x >> 32) as u32
+}
+fn wide(low: u32, high: u32) -> u64 {
+    (high as u64) << 32 | low as u64
+}
+
+/// Geometry and speeds of a motion.
+fn motion([a, b, c, d]: [u32; 4], along: Along, kind: u32) -> Entry {
+    // 44 bits of vel, 38 of acc, 38 of end, 8 of kind.
+    let (vel, acc, end) = (pack(along.vel, VEL_BITS), pack(along.acc, RATE_BITS), pack(along.end, RATE_BITS));
+    let first = vel << 20 | acc & 0xf_ffff;
+    let second = (acc >> 20) << 38 | end | (kind as u64) << 56;
+    Entry([a, b, c, d, low(first), high(first), low(second), high(second)])
+}
+
+/// An entry that is no motion.
+fn other(kind: u32, words: [u32; 7]) -> Entry {
+    let [a, b, c, d, e, f, g] = words;
+    Entry([a, b, c, d, e, f, g, kind << kind::PLACE])
+}
+
+impl Entry {
+    /// A line in X and Y, pulses. Where the path is decides whether it has a length.
+    pub fn planar(to: [i32; 2], along: Along) -> Entry {
+        let [x, y] = to.map(|x| x as u32);
+        let Along { vel, acc, end } = along;
+        let top = TOPS.iter().position(|top| *top == end >> 56).unwrap_or(0) as u32;
+        let last = high(end) & 0xff_ffff | (kind::PLANAR | top << kind::TOP) << kind::PLACE;
+        Entry([x, y, low(vel), high(vel), low(acc), high(acc), low(end), last])
+    }
+
+    /// A line in all coordinates, pulses.
+    pub fn line(to: [i32; 4], along: Along) -> Entry {
+        motion(to.map(|x| x as u32), along, kind::LINE)
+    }
+
+    /// An arc, see [`Item::Arc`].
+    pub fn arc(plane: Plane, to: [i32; 2], sweep: Sweep, along: Along) -> Entry {
+        let [a, b] = to.map(|x| x as u32);
+        let Sweep { turns, long, ccw } = sweep;
+        let flags = if long { kind::LONG } else { 0 } | if ccw { kind::CCW } else { 0 };
+        let kind = kind::ARC | (plane as u32) << kind::PLANE | flags;
+        motion([a, b, low(turns), high(turns)], along, kind)
+    }
+
+    /// A full circle; centre from the start in 2⁻³⁰ pulse, 2⁻¹⁰ to 2³¹ pulses away.
+    pub fn circle(plane: Plane, centre: [i64; 2], ccw: bool, along: Along) -> Result<Entry, Refused> {
+        let [a, b] = centre;
+        let most = a.unsigned_abs().max(b.unsigned_abs());
+        if !(1 << 20..1 << 61).contains(&most) {
+            return Err(Refused::Centre);
+        }
+        let kind = kind::CIRCLE | (plane as u32) << kind::PLANE | if ccw { kind::CCW } else { 0 };
+        let [a, b] = [a as u64, b as u64];
+        Ok(motion([low(a), high(a), low(b), high(b)], along, kind))
+    }
+
+    /// A wait of `ms` at rest.
+    pub fn delay(ms: u16) -> Entry {
+        other(kind::DELAY, [ms as u32, 0, 0, 0, 0, 0, 0])
+    }
+
+    /// An axis goes along with the next motion by `pulses`.
+    pub fn gear(axis: Axis, pulses: i32) -> Entry {
+        other(kind::GEAR, [axis.index() as u32, pulses as u32, 0, 0, 0, 0, 0])
+    }
+
+    /// Sets the masked outputs of a group.
+    pub fn output(group: DoGroup, mask: u32, value: u32) -> Entry {
+        other(kind::OUTPUT, [group as u32, mask, value, 0, 0, 0, 0])
+    }
+
+    /// Sets an analog output.
+    pub fn analog(channel: u8, value: i16) -> Entry {
+        other(kind::ANALOG, [channel as u32, value as u16 as u32, 0, 0, 0, 0, 0])
+    }
+
+    /// Another axis goes to a target; the path waits for it where it is `modal`. Speed and acceleration as the bits
+    /// of doubles, admitted as [`Speed`] and [`Accel`].
+    pub fn travel(axis: Axis, target: i32, speed: u64, acc: u64, modal: bool) -> Result<Entry, crate::ramp::Refused> {
+        Speed::admit(speed)?;
+        Accel::admit(acc)?;
+        let kind = kind::MOVE | if modal { kind::MODAL } else { 0 };
+        let axis = axis.index() as u32;
+        Ok(other(kind, [target as u32, low(speed), high(speed), low(acc), high(acc), axis, 0]))
+    }
+
+    /// A change of a laser channel.
+    pub fn laser(channel: u8, code: u8, words: [u32; LASER_WORDS]) -> Entry {
+        let [a, b, c, d, e, f] = words;
+        other(kind::LASER, [a, b, c, d, e, f, (channel as u32) << 8 | code as u32])
+    }
+
+    /// The words as stored.
+    pub(super) fn words(self) -> [u32; 8] {
+        self.0
+    }
+
+    /// From stored words; all bit patterns are valid.
+    pub(super) fn from_words(words: [u32; 8]) -> Entry {
+        Entry(words)
+    }
+
+    /// Kind and flags.
+    #[inline(always)]
+    fn kind(&self) -> u32 {
+        let [.., last] = self.0;
+        last >> kind::PLACE
+    }
+
+    /// Whether it is a line, an arc or a circle.
+    pub fn is_motion(&self) -> bool {
+        (kind::PLANAR..=kind::CIRCLE).contains(&(self.kind() & 15))
+    }
+
+    /// Whether the path rests at it for a time.
+    pub fn is_wait(&self) -> bool {
+        let kind = self.kind();
+        kind & 15 == kind::DELAY || kind & 15 == kind::MOVE && kind & kind::MODAL != 0
+    }
+
+    /// What it is.
+    pub fn item(&self) -> Item {
+        let [a, b, c, d, e, f, g, h] = self.0;
+        let kind = self.kind();
+        let along = || {
+            let (first, second) = (wide(e, f), wide(g, h));
+            let acc = first & 0xf_ffff | second << 8 >> 46 << 20;
+            let (vel, end) = (first >> 20, second & ((1 << 38) - 1));
+            Along { vel: unpack(vel, VEL_BITS), acc: unpack(acc, RATE_BITS), end: unpack(end, RATE_BITS) }
+        };
+        let plane = match kind >> kind::PLANE & 3 {
+            0 => Plane::Xy,
+            1 => Plane::Yz,
+            _ => Plane::Zx,
+        };
+        let axis = |index: u32| Axis::new(index as usize).unwrap_or_default();
+        match kind & 15 {
+            kind::PLANAR => {
+                let top = TOPS.get((kind >> kind::TOP) as usize & 3).copied().unwrap_or(0);
+                let end = wide(g, h) & ((1 << 56) - 1) | top << 56;
+                let along = Along { vel: wide(c, d), acc: wide(e, f), end };
+                Item::Line { to: [a as i32, b as i32, 0, 0], dimensions: 2, along }
+            }
+            kind::LINE => Item::Line { to: [a, b, c, d].map(|x| x as i32), dimensions: 4, along: along() },
+            kind::ARC => {
+                let sweep = Sweep { turns: wide(c, d), long: kind & kind::LONG != 0, ccw: kind & kind::CCW != 0 };
+                Item::Arc { plane, to: [a as i32, b as i32], sweep, along: along() }
+            }
+            kind::CIRCLE => {
+                let centre = [wide(a, b) as i64, wide(c, d) as i64];
+                Item::Circle { plane, centre, ccw: kind & kind::CCW != 0, along: along() }
+            }
+            kind::DELAY => Item::Delay { ms: a as u16 },
+            kind::GEAR => Item::Gear { axis: axis(a), pulses: b as i32 },
+            kind::OUTPUT => {
+                let group = match a {
+                    0 => DoGroup::Enable,
+                    1 => DoGroup::Clear,
+                    _ => DoGroup::General,
+                };
+                Item::Change(Change::Output { group, mask: b, value: c })
+            }
+            kind::ANALOG => Item::Change(Change::Analog { channel: a as u8, value: b as i16 }),
+            kind::MOVE => match (Speed::admit(wide(b, c)), Accel::admit(wide(d, e))) {
+                (Ok(speed), Ok(acc)) => {
+                    let modal = kind & kind::MODAL != 0;
+                    Item::Change(Change::Move { axis: axis(f), target: a as i32, speed, acc, modal })
+                }
+                _ => Item::Nothing,
+            },
+            kind::LASER => {
+                let words = [a, b, c, d, e, f];
+                Item::Change(Change::Laser { channel: (g >> 8) as u8, code: g as u8, words })
+            }
+            _ => Item::Nothing,
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! The speed along one motion, or what is left of it.
+//!
+//! In: the speed at which it begins, how far it goes, what it may do. Out: at most three legs of constant
+//! acceleration, and the speed at its end. Cannot fail: what cannot be reached is left out, as SPEC 5 says: a motion
+//! ends at the nearest speed that can, and one entered above its speed brakes to it.
+//!
+//! All in squares of speeds: over a way s the square changes by 2·a·s, so that every question is one sum.
+use super::Fine;
+use crate::piece::{Motion, Piece, Recip};
+use crate::real::Real;
+use crate::units::{Exact, Ns};
+
+/// What a motion may do.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Means {
+    /// Speed, pulse/ms.
+    pub(super) vel: Real,
+    /// Acceleration, pulse/ms².
+    pub(super) acc: Real,
+    /// Speed at the end, at most `vel`.
+    pub(super) end: Real,
+    /// Least time at constant speed, ms.
+    pub(super) even: Real,
+    /// Deceleration of a Stop that is in force.
+    pub(super) stop: Option<Real>,
+}
+
+/// A stretch of constant acceleration.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Leg {
+    /// How long.
+    pub(super) time: Fine,
+    /// The same in ms.
+    span: Real,
+    /// Speed at its beginning, pulse/ms.
+    vel: Real,
+    /// Acceleration, pulse/ms².
+    acc: Real,
+}
+
+/// The speed along a motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plan {
+    legs: [Leg; 3],
+    count: usize,
+    /// Speed at its end.
+    pub(super) exit: Real,
+    /// It comes to rest before the motion ends.
+    pub(super) halts: bool,
+}
+
+const STILL: Leg = Leg { time: 0, span: Real::ZERO, vel: Real::ZERO, acc: Real::ZERO };
+
+/// Whether a ≥ b.
+fn reaches(a: Real, b: Real) -> bool {
+    !a.sub(b).is_negative()
+}
+
+fn larger(a: Real, b: Real) -> Real {
+    if a.is_less(b) { b } else { a }
+}
+
+/// A time in ms, held below 2⁹⁴ units.
+pub(super) fn fine(ms: Real) -> Fine {
+    ms.mul(Real::MS).to_fixed(0).unsigned_abs().min(1 << 94)
+}
+
+/// A time as a number of ms.
+pub(super) fn ms(time: Fine) -> Real {
+    Real::from_fixed(time, 0).mul(Real::FINE)
+}
+
+impl Plan {
+    pub(super) const NONE: Plan = Plan { legs: [STILL; 3], count: 0, exit: Real::ZERO, halts: false };
+
+    /// Over `length` from speed `v`.
+    #[inline(never)]
+    pub(super) fn new(v: Real, length: Real, means: &Means) -> Plan {
+        let mut plan = Plan { exit: v, ..Plan::NONE };
+        if length.is_zero() || length.is_negative() {
+            return plan;
+        }
+        match means.stop {
+            None => plan.go(v, length, means),
+            Some(dec) => plan.brake(v, length, means, dec),
+        }
+        plan
+    }
+
+    /// Leg `index`.
+    #[inline]
+    pub(super) fn leg(&self, index: usize) -> Option<&Leg> {
+        self.legs.get(index).filter(|_| index < self.count)
+    }
+
+    fn push(&mut self, span: Real, vel: Real, acc: Real) {
+        let time = fine(span);
+        if let Some(leg) = self.legs.get_mut(self.count)
+            && time != 0
+        {
+            *leg = Leg { time, span, vel, acc };
+            self.count = self.count.wrapping_add(1);
+        }
+    }
+
+    /// A change of speed at a rate whose reciprocal is `inverse`.
+    fn ramp(&mut self, from: Real, to: Real, acc: Real, inverse: Real) {
+        let change = to.sub(from);
+        let acc = if change.is_negative() { acc.negate() } else { acc };
+        self.push(change.abs().mul(inverse), from, acc);
+    }
+
+    fn go(&mut self, v: Real, length: Real, means: &Means) {
+        let Means { vel, acc, end, even, .. } = *means;
+        let inverse = acc.recip();
+        let (from, to) = (v.mul(v), end.mul(end));
+        let swing = acc.mul(length).scale(1);
+        let (low, high) = (from.sub(swing), from.add(swing));
+        if reaches(low, to) || reaches(to, high) {
+            // Even this end cannot be reached, or just.
+            self.exit = if reaches(low, to) { low.sqrt() } else { high.sqrt() };
+            self.ramp(v, self.exit, acc, inverse);
+            return;
+        }
+        self.exit = end;
+        let halved = inverse.scale(-1);
+        let mut peak = vel;
+        // What the ramps take of the way, and what is left at the peak; none of a triangle.
+        let mut cruise = if vel.is_less(v) {
+            length.sub(from.sub(to).mul(halved))
+        } else {
+            let square = from.add(to).add(swing).scale(-1);
+            let limit = vel.mul(vel);
+            if limit.is_less(square) {
+                length.sub(limit.scale(1).sub(from).sub(to).mul(halved))
+            } else {
+                peak = square.sqrt();
+                Real::ZERO
+            }
+        };
+        if !even.is_zero() && !vel.is_less(v) && cruise.is_less(peak.mul(even)) {
+            // peak²/acc + even·peak = way of both ramps and of the cruise
+            let way = length.add(from.add(to).mul(halved));
+            let root = even.mul(even).add(way.mul(inverse).scale(2)).sqrt();
+            peak = larger(larger(way.scale(1).div(even.add(root)), v), end);
+            cruise = length.sub(peak.mul(peak).scale(1).sub(from).sub(to).mul(halved));
+        }
+        self.ramp(v, peak, acc, inverse);
+        if !cruise.is_zero() && !cruise.is_negative() {
+            self.push(cruise.div(peak), peak, Real::ZERO);
+        }
+        self.ramp(peak, end, acc, inverse);
+    }
+
+    /// To rest, or as near to it as the motion is long, and never faster than its own end allows.
+    fn brake(&mut self, v: Real, length: Real, means: &Means, dec: Real) {
+        let Means { vel, acc, end, .. } = *means;
+        if v.is_zero() {
+            self.halts = true;
+            return;
+        }
+        let gentle = if vel.is_less(v) { larger(dec, acc) } else { dec };
+        let (from, to) = (v.mul(v), end.mul(end));
+        let after = |rate: Real| from.sub(rate.mul(length).scale(1));
+        let left = after(gentle);
+        let (rate, left) = if reaches(to, left) || !gentle.is_less(acc) {
+            (gentle, left)
+        } else {
+            let hard = after(acc);
+            if !reaches(hard, to) {
+                // Gently until the motion's own braking begins.
+                let way = to.sub(hard).div(acc.sub(gentle)).scale(-1);
+                let square = from.sub(gentle.mul(way).scale(1));
+                let turn = if square.is_negative() { Real::ZERO } else { square.sqrt() };
+                self.ramp(v, turn, gentle, gentle.recip());
+                self.ramp(turn, end, acc, acc.recip());
+                self.exit = end;
+                return;
+            }
+            (acc, hard)
+        };
+        self.halts = left.is_zero() || left.is_negative();
+        self.exit = if self.halts { Real::ZERO } else { left.sqrt() };
+        self.ramp(v, self.exit, rate, rate.recip());
+    }
+}
+
+impl Leg {
+    /// Speed `time` after its beginning.
+    pub(super) fn speed(&self, time: Fine) -> Real {
+        let speed = self.vel.add(self.acc.mul(ms(time)));
+        if speed.is_negative() { Real::ZERO } else { speed }
+    }
+
+    /// The way done `time` after its beginning.
+    pub(super) fn way(&self, time: Fine) -> Exact {
+        let t = ms(time);
+        t.mul(self.vel.add(self.acc.mul(t).scale(-1))).to_exact()
+    }
+
+    /// The way of all of it.
+    pub(super) fn length(&self) -> Exact {
+        self.span.mul(self.vel.add(self.acc.mul(self.span).scale(-1))).to_exact()
+    }
+
+    /// As a piece that begins at `begin` and `from`, parameterised over a power of two of ns.
+    #[inline(never)]
+    pub(super) fn piece(&self, begin: Fine, from: Exact) -> Piece {
+        let first = begin.wrapping_add(0xffff_ffff) >> 32;
+        let last = begin.wrapping_add(self.time).wrapping_add(0xffff_ffff) >> 32;
+        let late = (first << 32).wrapping_sub(begin) as u64;
+        // The leg lasts less than 2^reach ns.
+        let reach = (64 - ((self.time >> 32) as u64).leading_zeros() as i32 + 1).clamp(1, 62);
+        let unit = Real::FINE.scale(32 + reach);
+        let (a, b) = (self.vel.mul(unit), self.acc.mul(unit).mul(unit).scale(-1));
+        let frac = (62 - a.width().max(b.width())).clamp(0, 84);
+        let tau = if reach <= 32 { late << (32 - reach) as u32 } else { late >> (reach - 32) as u32 };
+        let motion = Motion {
+            c: [a.to_i64(frac), b.to_i64(frac), 0],
+            frac: frac as u32,
+            tau,
+            recip: Recip { m: 0, shift: (64 - reach) as u32 },
+        };
+        Piece { begin: Ns(first as u64), span: last.wrapping_sub(first) as u64, start: from.round(), motion }
+    }
+}

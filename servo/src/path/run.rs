@@ -1,0 +1,569 @@
+//! A coordinate system that moves.
+//!
+//! In: entries from two FIFOs and how many of them are there, instants, Stops. Out: a [`Step`] a tick; what entries
+//! do, with exact instants, to an [`Effects`]. Owns: the motion in force, a cursor for each FIFO. Fails: entries that
+//! run out at speed end the path there, [`Rest::Underrun`].
+//!
+//! [`Path::step`] for the tick at `t` first passes the boundaries up to `t`, looks where the path is, and then passes
+//! those before `t + period`: the path stands a period ahead of what it shows. A Stop, an override and new data act
+//! at `t`, which no boundary beyond has been told of yet.
+use super::entry::{Along, Change, Entry, Item, Rate};
+use super::plan::{Means, Plan};
+use super::shape::{Along as Geared, Shape};
+use super::store::Entries;
+use super::{DIMENSIONS, Fine};
+use crate::piece::{Motion, Piece};
+use crate::ramp::Accel;
+use crate::real::Real;
+use crate::units::{Axis, Exact, Ns, Pos};
+
+/// Entries with effects in a tick (SPEC 5); the path holds before the next one until the next tick. As many may stand
+/// between two motions that are passed at speed.
+const EFFECTS: u32 = 8;
+/// Motions entered in a tick; the same holds.
+const MOTIONS: u32 = 32;
+/// Axes that go along with one motion.
+const GEARS: usize = 4;
+
+/// What a path does to the rest of the machine. Instants come in order; all lie before the end of the interval that
+/// the step is for, and after everything told in earlier steps.
+pub trait Effects {
+    /// An entry takes effect. Returns how long the path waits for it: a modal move's time, else 0.
+    fn change(&mut self, at: Fine, change: &Change) -> Fine;
+    /// The path comes to rest.
+    fn rest(&mut self, at: Fine, rest: Rest);
+    /// An axis goes along with the motion in force: its displacement since the motion began, at the step's tick.
+    fn gear(&mut self, axis: Axis, by: Pos);
+    /// An axis has gone along to the end of a motion, which moved it by this much.
+    fn geared(&mut self, axis: Axis, pulses: i32);
+}
+
+/// Why a path comes to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rest {
+    /// It never moved.
+    #[default]
+    Never,
+    /// Its entries have run out.
+    Completed,
+    /// Its entries have run out at speed.
+    Underrun,
+    /// A Stop. It can go on.
+    Stopped,
+}
+
+/// How many entries of each FIFO are there, counted since it was cleared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Feed {
+    /// Of FIFO 0 and 1.
+    pub ends: [u32; 2],
+}
+
+/// What holds for all motions of a coordinate system.
+#[derive(Debug, Clone, Copy)]
+pub struct Rules {
+    even: Real,
+    stop: Real,
+    rate: Real,
+}
+
+impl Rules {
+    /// No even time, a stop deceleration of 1 pulse/ms², no override.
+    pub const POWER_ON: Rules = Rules { even: Real::ZERO, stop: Real::ONE, rate: Real::ONE };
+
+    /// Least time at constant speed in a motion (TCrdPrm.evenTime), ms.
+    pub fn set_even(&mut self, ms: u16) {
+        self.even = Real::new(false, ms as u64, 0);
+    }
+
+    /// Deceleration of a smooth Stop.
+    pub fn set_stop(&mut self, dec: Accel) {
+        self.stop = Real::from_scaled(dec.value());
+    }
+
+    /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not, but held to these.
+    pub fn set_rate(&mut self, rate: Rate) {
+        self.rate = rate.real();
+    }
+}
+
+/// The path at one tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Step {
+    /// Coordinates.
+    pub place: [Pos; DIMENSIONS],
+    /// The way along the motion in force as a piece: its velocity is the path's.
+    pub motion: Motion,
+    /// Whether it runs; it also does while it waits.
+    pub runs: bool,
+    /// FIFO in force.
+    pub fifo: u8,
+    /// Motions of it completed since it was cleared.
+    pub done: u32,
+}
+
+/// What goes along with a motion.
+#[derive(Debug, Clone, Copy)]
+struct Gear {
+    axis: Axis,
+    pulses: i32,
+    along: Geared,
+}
+
+/// Where one FIFO stands.
+#[derive(Debug, Clone, Copy)]
+struct Cursor {
+    /// Counter of the next entry.
+    next: u32,
+    /// Motions completed.
+    done: u32,
+    /// The motion before `next` is not over.
+    inside: bool,
+    /// It was left with something to do, at `place`.
+    kept: bool,
+    place: [Pos; DIMENSIONS],
+    /// Of that motion: where it began, and the way done.
+    from: [Pos; DIMENSIONS],
+    way: Exact,
+    /// What is left of a wait.
+    left: Fine,
+    gears: [Gear; GEARS],
+    geared: usize,
+}
+
+const NO_GEAR: Gear = Gear { axis: Axis::FIRST, pulses: 0, along: Geared::NONE };
+const ORIGIN: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS];
+
+impl Cursor {
+    const NEW: Cursor = Cursor {
+        next: 0,
+        done: 0,
+        inside: false,
+        kept: false,
+        place: ORIGIN,
+        from: ORIGIN,
+        way: Exact(0),
+        left: 0,
+        gears: [NO_GEAR; GEARS],
+        geared: 0,
+    };
+}
+
+/// What the path does now.
+#[derive(Debug, Clone, Copy)]
+enum Stage {
+    /// Nothing.
+    Rest,
+    /// It waits where it is.
+    Wait { until: Fine },
+    /// It is in a leg of a motion.
+    Move,
+}
+
+/// What stands behind a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Behind {
+    /// Another motion.
+    Motion,
+    /// A wait, or more effects than a tick carries out.
+    Halt,
+    /// Nothing so far.
+    Nothing,
+}
+
+/// A coordinate system that moves.
+#[derive(Debug, Clone, Copy)]
+pub struct Path {
+    /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
+    pub rules: Rules,
+    stage: Stage,
+    cursors: [Cursor; 2],
+    fifo: u8,
+    /// Where it is while it does not move.
+    here: [Pos; DIMENSIONS],
+    /// The instant up to which all boundaries have been passed, and the speed there.
+    time: Fine,
+    speed: Real,
+    stopping: bool,
+    /// The motion in force.
+    along: Along,
+    shape: Shape,
+    plan: Plan,
+    /// Which leg, when it began, and the way done there.
+    leg: usize,
+    began: Fine,
+    way: Exact,
+    /// The leg as a piece, once it is needed.
+    piece: Option<Piece>,
+    /// The end of the FIFO, if nothing stood behind the motion when it was planned.
+    open: Option<u32>,
+}
+
+/// What a step may still do, and until when the path holds if that is not enough.
+struct Budget {
+    effects: u32,
+    motions: u32,
+    hold: Fine,
+}
+
+impl Path {
+    /// At rest in the origin, FIFOs empty.
+    pub const IDLE: Path = Path {
+        rules: Rules::POWER_ON,
+        stage: Stage::Rest,
+        cursors: [Cursor::NEW; 2],
+        fifo: 0,
+        here: ORIGIN,
+        time: 0,
+        speed: Real::ZERO,
+        stopping: false,
+        along: Along::NONE,
+        shape: Shape::NONE,
+        plan: Plan::NONE,
+        leg: 0,
+        began: 0,
+        way: Exact(0),
+        piece: None,
+        open: None,
+    };
+
+    /// At rest here, FIFOs empty (SetCrdPrm).
+    pub fn place(&mut self, here: [Pos; DIMENSIONS]) {
+        let rules = self.rules;
+        *self = Path { rules, here, ..Path::IDLE };
+    }
+
+    /// Empties a FIFO at rest.
+    pub fn clear(&mut self, fifo: u8) {
+        *self.cursor(fifo) = Cursor::NEW;
+    }
+
+    /// Whether it moves or waits.
+    pub fn runs(&self) -> bool {
+        !matches!(self.stage, Stage::Rest)
+    }
+
+    /// Entries of a FIFO that are over; their places are free.
+    pub fn released(&self, fifo: u8) -> u32 {
+        let cursor = self.cursor_of(fifo);
+        cursor.next.wrapping_sub(cursor.inside as u32)
+    }
+
+    /// Motions of a FIFO completed since it was cleared.
+    pub fn done(&self, fifo: u8) -> u32 {
+        self.cursor_of(fifo).done
+    }
+
+    fn cursor_of(&self, fifo: u8) -> &Cursor {
+        let [first, second] = &self.cursors;
+        if fifo == 0 { first } else { second }
+    }
+
+    fn cursor(&mut self, fifo: u8) -> &mut Cursor {
+        let [first, second] = &mut self.cursors;
+        if fifo == 0 { first } else { second }
+    }
+
+    /// Whether it cannot start: it runs, there is nothing to do, or a FIFO that was left is to go on from a place
+    /// where the path is not.
+    pub fn refuses_start(&self, fifo: u8, feed: Feed) -> bool {
+        let cursor = self.cursor_of(fifo);
+        let empty = !cursor.inside && cursor.left == 0 && cursor.next == end_of(feed, fifo);
+        self.runs() || empty || cursor.kept && cursor.place != self.here
+    }
+
+    /// Begins, or goes on, at `next`.
+    pub fn start(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
+        (self.fifo, self.stopping, self.speed) = (fifo, false, Real::ZERO);
+        self.time = (next.0 as Fine) << 32;
+        let cursor = self.cursor(fifo);
+        cursor.kept = false;
+        let Cursor { inside, from, way, left, next: counter, .. } = *cursor;
+        cursor.left = 0;
+        self.stage = Stage::Wait { until: self.time.wrapping_add(left) };
+        if inside {
+            let item = source.entry(fifo, counter.wrapping_sub(1)).item();
+            self.enter(from, &item);
+            self.way = way;
+            self.plan_rest(feed, source);
+        }
+    }
+
+    /// Smooth: brakes along the path from `next` on. Abrupt: stands still there.
+    pub fn stop(&mut self, next: Ns, abrupt: bool, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
+        let now = (next.0 as Fine) << 32;
+        match self.stage {
+            Stage::Rest => {}
+            Stage::Wait { until } => {
+                self.cursor(self.fifo).left = until.saturating_sub(now);
+                self.rest(now, Rest::Stopped, feed, sink);
+            }
+            Stage::Move if abrupt => {
+                self.catch_up(now);
+                self.halt(now, feed, sink);
+            }
+            Stage::Move => {
+                self.stopping = true;
+                self.catch_up(now);
+                self.plan_rest(feed, source);
+            }
+        }
+    }
+
+    /// The motion in force is planned anew from `next` on, because a rule has changed.
+    pub fn replan(&mut self, next: Ns, feed: Feed, source: &impl Entries) {
+        if let Stage::Move = self.stage {
+            self.catch_up((next.0 as Fine) << 32);
+            self.plan_rest(feed, source);
+        }
+    }
+
+    /// The path at `next`; then all boundaries before `next + period`.
+    pub fn step(&mut self, next: Ns, period: Ns, feed: Feed, source: &impl Entries, sink: &mut impl Effects) -> Step {
+        let now = (next.0 as Fine) << 32;
+        let until = now.wrapping_add((period.0 as Fine) << 32);
+        let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
+        self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
+        if let Some(seen) = self.open
+            && seen != end_of(feed, self.fifo)
+        {
+            self.extend(now, feed, source);
+            self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
+        }
+        let shown = self.look(next, sink);
+        self.walk(until, &mut budget, feed, source, sink);
+        shown
+    }
+
+    /// Where it is at `next`, which lies in the leg in force.
+    #[inline]
+    fn look(&mut self, next: Ns, sink: &mut impl Effects) -> Step {
+        let (fifo, done) = (self.fifo, self.done(self.fifo));
+        let mut shown = Step { place: self.here, motion: Motion::REST, runs: self.runs(), fifo, done };
+        if let Stage::Move = self.stage {
+            let piece = match &mut self.piece {
+                Some(piece) => piece,
+                none => {
+                    let Some(leg) = self.plan.leg(self.leg) else { return shown };
+                    none.insert(leg.piece(self.began, self.way))
+                }
+            };
+            let (way, tau) = piece.at(piece.held(next));
+            (shown.place, shown.motion) = (self.shape.at(way), piece.motion(tau));
+            let cursor = self.cursor_of(self.fifo);
+            for gear in cursor.gears.iter().take(cursor.geared) {
+                sink.gear(gear.axis, gear.along.at(way));
+            }
+        }
+        shown
+    }
+
+    /// Passes all boundaries before `limit`.
+    fn walk(&mut self, limit: Fine, budget: &mut Budget, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
+        loop {
+            match self.stage {
+                Stage::Rest => return,
+                Stage::Wait { until } => {
+                    if until >= limit {
+                        return;
+                    }
+                    self.time = until;
+                    self.go_on(budget, feed, source, sink);
+                }
+                Stage::Move => match self.plan.leg(self.leg) {
+                    Some(leg) => {
+                        let over = self.began.wrapping_add(leg.time);
+                        if over >= limit {
+                            return;
+                        }
+                        self.way = Exact(self.way.0.wrapping_add(leg.length().0));
+                        (self.began, self.time) = (over, over);
+                        (self.leg, self.piece) = (self.leg.wrapping_add(1), None);
+                    }
+                    None if self.plan.halts => self.halt(self.time, feed, sink),
+                    None => {
+                        self.leave(sink);
+                        self.go_on(budget, feed, source, sink);
+                    }
+                },
+            }
+        }
+    }
+
+    /// The motion in force is over.
+    fn leave(&mut self, sink: &mut impl Effects) {
+        (self.here, self.speed, self.open) = (self.shape.end(), self.plan.exit, None);
+        let cursor = self.cursor(self.fifo);
+        cursor.inside = false;
+        cursor.done = cursor.done.wrapping_add(1);
+        for gear in cursor.gears.iter().take(cursor.geared) {
+            sink.geared(gear.axis, gear.pulses);
+        }
+        cursor.geared = 0;
+    }
+
+    /// At a boundary: on to the next motion, wait or rest.
+    fn go_on(&mut self, budget: &mut Budget, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
+        loop {
+            if self.stopping && self.speed.is_zero() {
+                self.rest(self.time, Rest::Stopped, feed, sink);
+                return;
+            }
+            let counter = self.cursor(self.fifo).next;
+            if counter == end_of(feed, self.fifo) {
+                let rest = if self.speed.is_zero() { Rest::Completed } else { Rest::Underrun };
+                self.rest(self.time, rest, feed, sink);
+                return;
+            }
+            let entry = source.entry(self.fifo, counter);
+            let left = if entry.is_motion() { &mut budget.motions } else { &mut budget.effects };
+            if *left == 0 {
+                self.stage = Stage::Wait { until: budget.hold };
+                return;
+            }
+            *left = left.wrapping_sub(1);
+            self.cursor(self.fifo).next = counter.wrapping_add(1);
+            if let Some(until) = self.take(&entry, feed, source, sink) {
+                (self.stage, self.speed) = (Stage::Wait { until }, Real::ZERO);
+                return;
+            }
+            if entry.is_motion() {
+                if self.shape.length().is_zero() {
+                    let speed = self.speed;
+                    self.leave(sink);
+                    self.speed = speed;
+                } else {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Carries out an entry; the instant until which the path waits for it.
+    fn take(&mut self, entry: &Entry, feed: Feed, source: &impl Entries, sink: &mut impl Effects) -> Option<Fine> {
+        match &entry.item() {
+            Item::Nothing => None,
+            Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
+            Item::Change(change) => {
+                let wait = sink.change(self.time, change);
+                (wait != 0).then(|| self.time.wrapping_add(wait))
+            }
+            Item::Gear { axis, pulses } => {
+                let cursor = self.cursor(self.fifo);
+                if let Some(gear) = cursor.gears.get_mut(cursor.geared) {
+                    *gear = Gear { axis: *axis, pulses: *pulses, along: Geared::NONE };
+                    cursor.geared = cursor.geared.wrapping_add(1);
+                }
+                None
+            }
+            item => {
+                self.enter(self.here, item);
+                self.way = Exact(0);
+                if !self.shape.length().is_zero() {
+                    self.plan_rest(feed, source);
+                }
+                None
+            }
+        }
+    }
+
+    /// Takes up a motion that begins, or began, at `from`.
+    fn enter(&mut self, from: [Pos; DIMENSIONS], item: &Item) {
+        let (Item::Line { along, .. } | Item::Arc { along, .. } | Item::Circle { along, .. }) = item else { return };
+        self.along = *along;
+        // FIFO 1 comes back to where it interrupted FIFO 0, which need not be a whole pulse.
+        let [first, _] = &self.cursors;
+        let exact = (self.fifo != 0 && first.kept).then_some(first.place);
+        self.shape = Shape::new(from, item, exact);
+        let length = self.shape.length();
+        let cursor = self.cursor(self.fifo);
+        (cursor.inside, cursor.from) = (true, from);
+        if cursor.geared == 0 {
+            return;
+        }
+        let inverse = length.recip();
+        for gear in cursor.gears.iter_mut().take(cursor.geared) {
+            gear.along = Geared::over(gear.pulses, inverse);
+        }
+    }
+
+    /// Plans what is left of the motion in force from `time`, `way` and `speed`.
+    fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
+        let behind = self.behind(feed, source);
+        let Rules { even, stop, rate } = self.rules;
+        let vel = self.along.vel().mul(rate);
+        let end = match behind {
+            Behind::Motion => self.along.end(),
+            Behind::Halt | Behind::Nothing => Real::ZERO,
+        };
+        let end = if vel.is_less(end) { vel } else { end };
+        let means = Means { vel, acc: self.along.acc(), end, even, stop: self.stopping.then_some(stop) };
+        let left = self.shape.length().sub(Real::from_exact(self.way));
+        self.plan = Plan::new(self.speed, left, &means);
+        self.open = (behind == Behind::Nothing).then_some(end_of(feed, self.fifo));
+        (self.leg, self.began, self.piece, self.stage) = (0, self.time, None, Stage::Move);
+    }
+
+    /// What stands behind the motion in force.
+    fn behind(&self, feed: Feed, source: &impl Entries) -> Behind {
+        let end = end_of(feed, self.fifo);
+        let mut counter = self.cursor_of(self.fifo).next;
+        for _ in 0..=EFFECTS {
+            if counter == end {
+                return Behind::Nothing;
+            }
+            let entry = source.entry(self.fifo, counter);
+            if entry.is_motion() {
+                return Behind::Motion;
+            }
+            if entry.is_wait() {
+                return Behind::Halt;
+            }
+            counter = counter.wrapping_add(1);
+        }
+        Behind::Halt
+    }
+
+    /// Entries have come while nothing stood behind the motion in force.
+    #[inline(never)]
+    fn extend(&mut self, now: Fine, feed: Feed, source: &impl Entries) {
+        if self.behind(feed, source) == Behind::Motion {
+            self.catch_up(now);
+            self.plan_rest(feed, source);
+        } else {
+            self.open = Some(end_of(feed, self.fifo));
+        }
+    }
+
+    /// Time, way and speed are those of `now`, which lies in the leg in force or at its end.
+    fn catch_up(&mut self, now: Fine) {
+        let Some(leg) = self.plan.leg(self.leg) else { return };
+        let since = now.saturating_sub(self.began).min(leg.time);
+        self.way = Exact(self.way.0.wrapping_add(leg.way(since).0));
+        (self.speed, self.time) = (leg.speed(since), self.began.wrapping_add(since));
+        self.began = self.time;
+    }
+
+    /// Comes to rest within a motion.
+    fn halt(&mut self, at: Fine, feed: Feed, sink: &mut impl Effects) {
+        self.here = self.shape.at(self.way.round());
+        let way = self.way;
+        self.cursor(self.fifo).way = way;
+        self.rest(at, Rest::Stopped, feed, sink);
+    }
+
+    /// Comes to rest here.
+    fn rest(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
+        (self.stage, self.speed, self.stopping, self.open) = (Stage::Rest, Real::ZERO, false, None);
+        let (here, end) = (self.here, end_of(feed, self.fifo));
+        let cursor = self.cursor(self.fifo);
+        cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;
+        cursor.place = here;
+        sink.rest(at, rest);
+    }
+}
+
+fn end_of(feed: Feed, fifo: u8) -> u32 {
+    let [first, second] = feed.ends;
+    if fifo == 0 { first } else { second }
+}

@@ -1,0 +1,222 @@
+//! The geometry of one motion: how long it is, and where it is after so much of it.
+//!
+//! In: the place where it starts, its entry. Out: its length; the position at a way from its start. Cannot fail: a
+//! motion without length has length 0, and an arc that would not fit (which admission has excluded) goes straight.
+//!
+//! A line is start + way·unit vector. An arc turns the vector from its centre to its start: S + (cos α − 1)·V ± sin α·V⊥
+//! with α = way/R. Centre and radius follow from both ends and the sweep θ: R = c/(2·sin(θ/2)) for a chord of
+//! length c, and V = −d/2 ∓ d⊥/2·cot(θ/2) for a chord d. So an arc ends on its target whatever rounding there is.
+use super::DIMENSIONS;
+use super::entry::{Item, Plane, Sweep};
+use super::sine::{sin_cos, sinc};
+use crate::real::Real;
+use crate::steps::whole;
+use crate::units::Pos;
+use crate::wide::{mulhi_ss, mulhi_su, umulhi};
+
+/// What an axis does that goes along with a motion.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Along {
+    /// Way of the axis per way of the path, in 2^(w − 62).
+    ratio: i64,
+    /// |ratio| < 2^width.
+    width: i32,
+}
+
+impl Along {
+    pub(super) const NONE: Along = Along { ratio: 0, width: 0 };
+
+    /// `pulses` over a path of this length.
+    pub(super) fn over(pulses: i32, inverse: Real) -> Along {
+        let ratio = Real::new(pulses < 0, pulses.unsigned_abs() as u64, 0).mul(inverse);
+        let width = ratio.width().clamp(-40, 60);
+        Along { ratio: ratio.to_i64(62 - width), width }
+    }
+
+    /// Displacement after `way`.
+    pub(super) fn at(self, way: Pos) -> Pos {
+        // In 2^-(28 - width).
+        let x = mulhi_su(self.ratio, long(way));
+        let down = 6 - self.width;
+        if down > 0 {
+            let twice = x >> ((down - 1) as u32).min(63);
+            Pos((twice >> 1) + (twice & 1))
+        } else {
+            Pos(x << ((-down) as u32 & 63))
+        }
+    }
+}
+
+/// The way in 2⁻³⁰ pulse; it is never negative and below 2³⁴ pulses.
+#[inline(always)]
+fn long(way: Pos) -> u64 {
+    (way.0.max(0) as u64) << 8
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Figure {
+    /// Unit vector in 2⁻⁶².
+    Line { unit: [i64; DIMENSIONS] },
+    /// V in 2⁻³⁰ pulse; turns per pulse in 2^-(64 + shift).
+    Arc { plane: Plane, ccw: bool, vector: [i64; 2], rate: u64, shift: i32 },
+}
+
+/// The geometry of one motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shape {
+    /// Where it starts and ends.
+    start: [Pos; DIMENSIONS],
+    end: [Pos; DIMENSIONS],
+    /// Pulses.
+    length: Real,
+    figure: Figure,
+}
+
+/// Half of a number with 22 fraction bits.
+fn half(x: i64) -> Real {
+    Real::new(x < 0, x.unsigned_abs(), -(Pos::FRAC_BITS as i32) - 1)
+}
+
+/// Sum of squares.
+fn norm(parts: &[i64]) -> u128 {
+    parts.iter().fold(0, |sum, x| {
+        let x = x.unsigned_abs();
+        let (high, low) = crate::wide::umul(x, x);
+        sum.wrapping_add((high as u128) << 64 | low as u128)
+    })
+}
+
+impl Shape {
+    pub(super) const NONE: Shape = Shape {
+        start: [Pos(0); DIMENSIONS],
+        end: [Pos(0); DIMENSIONS],
+        length: Real::ZERO,
+        figure: Figure::Line { unit: [0; DIMENSIONS] },
+    };
+
+    /// A motion from `start`. `exact` replaces the target of a line where it is the pulse nearest to it.
+    #[inline(never)]
+    pub(super) fn new(start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Shape {
+        match *item {
+            Item::Line { to, dimensions, .. } => {
+                let mut end = start;
+                for (end, to) in end.iter_mut().zip(to).take(dimensions) {
+                    *end = Pos::pulses(to);
+                }
+                match exact {
+                    Some(exact) if exact.map(whole) == end.map(whole) => Shape::line(start, exact),
+                    _ => Shape::line(start, end),
+                }
+            }
+            Item::Arc { plane, to, sweep, .. } => Shape::arc(start, plane, to, sweep),
+            Item::Circle { plane, centre, ccw, .. } => {
+                let radius = Real::from_fixed(norm(&centre), 60).sqrt();
+                let length = radius.mul(Real::TAU);
+                let [a, b] = centre;
+                let (rate, shift) = rate(length.recip());
+                let figure = Figure::Arc { plane, ccw, vector: [a.wrapping_neg(), b.wrapping_neg()], rate, shift };
+                Shape { start, end: start, length, figure }
+            }
+            _ => Shape { start, end: start, ..Shape::NONE },
+        }
+    }
+
+    fn line(start: [Pos; DIMENSIONS], end: [Pos; DIMENSIONS]) -> Shape {
+        let way = [0, 1, 2, 3].map(|i: usize| difference(&start, &end, i));
+        let length = Real::from_fixed(norm(&way), 2 * Pos::FRAC_BITS as i32).sqrt();
+        let inverse = length.recip();
+        let unit = way.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(62) });
+        Shape { start, end, length, figure: Figure::Line { unit } }
+    }
+
+    #[inline(never)]
+    fn arc(start: [Pos; DIMENSIONS], plane: Plane, to: [i32; 2], sweep: Sweep) -> Shape {
+        let [i, j] = plane.coordinates();
+        let mut end = start;
+        for (place, to) in [i, j].into_iter().zip(to) {
+            if let Some(x) = end.get_mut(place) {
+                *x = Pos::pulses(to);
+            }
+        }
+        let (a, b) = (difference(&start, &end, i), difference(&start, &end, j));
+        let chord = Real::from_fixed(norm(&[a, b]), 2 * Pos::FRAC_BITS as i32).sqrt();
+        // sin(θ/2) = sin x with x = π·turns, in (0, π/2]
+        let x = sweep.half().mul(Real::TAU);
+        let sine = x.mul(Real::from_fixed(sinc(x.to_fixed(63) as u64) as u128, 63));
+        let (_, cosine) = sin_cos(sweep.half().to_fixed(64) as u64);
+        let inverse = sine.recip();
+        let radius = chord.mul(inverse).scale(-1);
+        if chord.is_zero() || radius.width() > 32 {
+            return Shape::line(start, end);
+        }
+        let length = radius.mul(Real::TAU).mul(sweep.turns());
+        let cot = Real::new(false, cosine.max(0) as u64, -62).mul(inverse);
+        // Left of the chord for a short counterclockwise arc.
+        let right = sweep.is_ccw() == sweep.is_long();
+        let tilt = if right { cot.negate() } else { cot };
+        let vector = [half(b).mul(tilt).sub(half(a)).to_i64(30), half(a).mul(tilt).add(half(b)).negate().to_i64(30)];
+        let (rate, shift) = rate(sweep.turns().div(length));
+        let figure = Figure::Arc { plane, ccw: sweep.is_ccw(), vector, rate, shift };
+        Shape { start, end, length, figure }
+    }
+
+    /// Its length in pulses.
+    pub(super) fn length(&self) -> Real {
+        self.length
+    }
+
+    /// Where it ends, exactly.
+    pub(super) fn end(&self) -> [Pos; DIMENSIONS] {
+        self.end
+    }
+
+    /// The position after `way` of it; within 2⁻²¹ pulse.
+    #[inline]
+    pub(super) fn at(&self, way: Pos) -> [Pos; DIMENSIONS] {
+        let way = long(way);
+        let mut place = self.start;
+        match &self.figure {
+            Figure::Line { unit } => {
+                for (place, unit) in place.iter_mut().zip(unit) {
+                    *place = moved(*place, mulhi_su(*unit, way));
+                }
+            }
+            Figure::Arc { plane, ccw, vector: [a, b], rate, shift } => {
+                let turn = umulhi(*rate, way).wrapping_shl(*shift as u32);
+                let (sin, cos) = sin_cos(turn);
+                let sin = if *ccw { sin } else { -sin };
+                let fall = cos - (1 << 62);
+                let by = [
+                    mulhi_ss(*a, fall).wrapping_sub(mulhi_ss(*b, sin)),
+                    mulhi_ss(*b, fall).wrapping_add(mulhi_ss(*a, sin)),
+                ];
+                for (index, by) in plane.coordinates().into_iter().zip(by) {
+                    if let Some(place) = place.get_mut(index) {
+                        *place = moved(*place, by);
+                    }
+                }
+            }
+        }
+        place
+    }
+}
+
+/// A position and a displacement in 2⁻²⁸ pulse.
+#[inline(always)]
+fn moved(from: Pos, by: i64) -> Pos {
+    Pos(from.0.wrapping_add((by >> 5).wrapping_add(1) >> 1))
+}
+
+fn difference(start: &[Pos; DIMENSIONS], end: &[Pos; DIMENSIONS], i: usize) -> i64 {
+    let of = |place: &[Pos; DIMENSIONS]| place.get(i).copied().unwrap_or_default().0;
+    of(end).wrapping_sub(of(start))
+}
+
+/// Turns per pulse, such that way in 2⁻³⁰ times it, high half, shifted up, are turns in 2⁻⁶⁴.
+fn rate(turns: Real) -> (u64, i32) {
+    // turns·2^64·2^-30 = (high half)·2^shift with the mantissa in 2^-64
+    let width = turns.width();
+    let mantissa = turns.to_fixed(64 - width).unsigned_abs();
+    // 2^64·2^-30·2^width per 2^-64·2^64
+    (mantissa.min(u64::MAX as u128) as u64, (34 + width).clamp(0, 63))
+}
