@@ -4,11 +4,13 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::path::{Along, Change, Effects, Entries, Entry, Feed, Fine, Path, Rest, Step};
-use servo::units::{Axis, Ns, Pos};
+use servo::path::{Along, Entry, Path, Rest};
+use servo::units::Pos;
 
 mod chance;
+mod paths;
 use chance::Chance;
+use paths::{Script, mark, run, since};
 
 const BITS: usize = 256;
 
@@ -132,48 +134,8 @@ fn law(v0: &Fix, length: &Fix, vel: &Fix, acc: &Fix, end: &Fix, even: &Fix) -> V
     vec![first, cruise, last]
 }
 
-struct Script(Vec<Entry>);
-
-impl Entries for Script {
-    fn entry(&self, _: u8, counter: u32) -> Entry {
-        self.0[counter as usize]
-    }
-}
-
-/// What a path told.
-#[derive(Default)]
-struct Heard {
-    marks: Vec<(Fine, u8)>,
-    rests: Vec<(Fine, Rest)>,
-    gears: Vec<(Axis, Pos)>,
-    geared: Vec<(Axis, i32)>,
-}
-
-impl Effects for Heard {
-    fn change(&mut self, at: Fine, change: &Change) -> Fine {
-        match change {
-            Change::Laser { code, .. } => self.marks.push((at, *code)),
-            Change::Move { modal: true, .. } => return 3_000_000 << 32,
-            _ => {}
-        }
-        0
-    }
-    fn rest(&mut self, at: Fine, rest: Rest) {
-        self.rests.push((at, rest));
-    }
-    fn gear(&mut self, axis: Axis, by: Pos) {
-        self.gears.push((axis, by));
-    }
-    fn geared(&mut self, axis: Axis, pulses: i32) {
-        self.geared.push((axis, pulses));
-    }
-}
-
-fn mark(code: u8) -> Entry {
-    Entry::laser(0, code, [0; 6])
-}
 fn along(s: Speeds) -> Along {
-    Along::admit(s.vel.to_bits(), s.acc.to_bits(), s.end.to_bits()).unwrap()
+    paths::speeds(s.vel, s.acc, s.end)
 }
 fn line(to: [i32; 4], s: Speeds) -> Entry {
     Entry::line(to, along(s))
@@ -181,30 +143,6 @@ fn line(to: [i32; 4], s: Speeds) -> Entry {
 fn distance(a: &[i32; 4], b: &[i32; 4]) -> Fix {
     let sum: BigInt = a.iter().zip(b).map(|(a, b)| (BigInt::from(*a) - *b).pow(2)).sum();
     Fix((sum << (2 * BITS)).sqrt())
-}
-
-/// Runs all entries from a start at 1 ms with this period; every tick's step is shown to `see`.
-fn run(path: &mut Path, script: &Script, period: u64, mut see: impl FnMut(u64, &Step)) -> Heard {
-    let feed = Feed { ends: [script.0.len() as u32, 0] };
-    let mut heard = Heard::default();
-    let begin = 1_000_000;
-    assert!(!path.refuses_start(0, feed));
-    path.start(Ns(begin), 0, feed, script);
-    let mut now = begin;
-    loop {
-        let step = path.step(Ns(now), Ns(period), feed, script, &mut heard);
-        see(now - begin, &step);
-        if !step.runs {
-            return heard;
-        }
-        now += period;
-        assert!(now < 1 << 50);
-    }
-}
-
-/// Instants in ns after the start.
-fn since(at: Fine) -> f64 {
-    (at - (1_000_000 << 32)) as f64 / 2f64.powi(32)
 }
 
 /// Random lines with a mark at each boundary, now and then a wait: every boundary's instant, whatever the tick.
@@ -330,7 +268,11 @@ fn positions_on_lines_follow_the_law() {
             }
             let got = step.motion.velocity();
             let got = got.m as f64 * 2f64.powi(-got.e as i32);
-            assert!((got - v.f64()).abs() <= vel * (2f64.powi(-48) + 256.0 * packed), "{case}: {got} against {}", v.f64());
+            assert!(
+                (got - v.f64()).abs() <= vel * (2f64.powi(-48) + 256.0 * packed),
+                "{case}: {got} against {}",
+                v.f64()
+            );
         });
     }
     println!("worst position {worst:?}");

@@ -60,9 +60,10 @@ fn larger(a: Real, b: Real) -> Real {
     if a.is_less(b) { b } else { a }
 }
 
-/// A time in ms, held below 2⁹⁴ units.
+/// A time in ms, held below 2⁹⁴ units. To 2⁻²⁰ ns: so what should be whole is, in spite of the last bits of reals.
 pub(super) fn fine(ms: Real) -> Fine {
-    ms.mul(Real::MS).to_fixed(0).unsigned_abs().min(1 << 94)
+    let coarse = ms.mul(Real::MS).to_fixed(-12).unsigned_abs();
+    coarse.min(1 << 82) << 12
 }
 
 /// A time as a number of ms.

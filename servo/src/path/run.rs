@@ -405,14 +405,14 @@ impl Path {
     /// At a boundary: on to the next motion, wait or rest.
     fn go_on(&mut self, budget: &mut Budget, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
         loop {
-            if self.stopping && self.speed.is_zero() {
-                self.rest(self.time, Rest::Stopped, feed, sink);
-                return;
-            }
             let counter = self.cursor(self.fifo).next;
             if counter == end_of(feed, self.fifo) {
                 let rest = if self.speed.is_zero() { Rest::Completed } else { Rest::Underrun };
                 self.rest(self.time, rest, feed, sink);
+                return;
+            }
+            if self.stopping && self.speed.is_zero() {
+                self.rest(self.time, Rest::Stopped, feed, sink);
                 return;
             }
             let entry = source.entry(self.fifo, counter);

@@ -125,7 +125,7 @@ impl Shape {
         let way = [0, 1, 2, 3].map(|i: usize| difference(&start, &end, i));
         let length = Real::from_fixed(norm(&way), 2 * Pos::FRAC_BITS as i32).sqrt();
         let inverse = length.recip();
-        let unit = way.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(62) });
+        let unit = way.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(61) << 1 });
         Shape { start, end, length, figure: Figure::Line { unit } }
     }
 

@@ -13,7 +13,7 @@ const TAU: u64 = (PI >> 64) as u64;
 /// Product of two numbers in 2⁻¹²⁵, a few units too small.
 const fn product(a: u128, b: u128) -> u128 {
     let (a0, a1, b0, b1) = (a as u64 as u128, a >> 64, b as u64 as u128, b >> 64);
-    (a1 * b1 + (a1 * b0 >> 64) + (a0 * b1 >> 64)) << 3
+    (a1 * b1 + ((a1 * b0) >> 64) + ((a0 * b1) >> 64)) << 3
 }
 
 /// sin(2π·i/256) in 2⁻⁶² for a quarter of the circle, to nearest.
@@ -29,7 +29,7 @@ const SINES: [i64; 65] = {
             term = product(term, square) / (n * (n - 1));
             sum = if n & 2 == 0 { sum + term } else { sum - term };
         }
-        table[i] = ((sum >> 62) + 1 >> 1) as i64;
+        table[i] = (((sum >> 62) + 1) >> 1) as i64;
         i += 1;
     }
     table

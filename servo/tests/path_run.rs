@@ -1,0 +1,595 @@
+//! What a path does besides going along: Stops, FIFOs, waits, effects, data that comes late, overrides.
+//! Expected figures are closed forms: v²/2a for a way of braking, v/a for its time.
+use servo::op::DoGroup;
+use servo::path::{Along, Change, Effects, Entry, Feed, Fine, Path, Rate, Refused, Rest, Step};
+use servo::piece::Motion;
+use servo::ramp::Accel;
+use servo::units::{Axis, Ns, Pos};
+
+mod chance;
+mod paths;
+use chance::Chance;
+use paths::{Heard, Script, mark, since, speeds};
+
+const BEGIN: u64 = 1_000_000;
+
+fn speed(motion: &Motion) -> f64 {
+    let v = motion.velocity();
+    v.m as f64 * 2f64.powi(-v.e as i32)
+}
+fn pulses(x: Pos) -> f64 {
+    x.0 as f64 * 2f64.powi(-22)
+}
+fn dec(a: f64) -> Accel {
+    Accel::admit(a.to_bits()).unwrap()
+}
+
+/// A path with its entries and what it told; time goes on tick by tick.
+struct Bench {
+    path: Path,
+    script: Script,
+    feed: Feed,
+    now: u64,
+    period: u64,
+    heard: Heard,
+}
+
+impl Bench {
+    fn new(entries: Vec<Entry>, period: u64) -> Bench {
+        let feed = Feed { ends: [entries.len() as u32, 0] };
+        Bench { path: Path::IDLE, script: Script(entries), feed, now: BEGIN, period, heard: Heard::default() }
+    }
+    fn start(&mut self, fifo: u8) {
+        assert!(!self.path.refuses_start(fifo, self.feed));
+        self.path.start(Ns(self.now), fifo, self.feed, &self.script);
+    }
+    fn stop(&mut self, abrupt: bool) {
+        self.path.stop(Ns(self.now), abrupt, self.feed, &self.script, &mut self.heard);
+    }
+    fn tick(&mut self) -> Step {
+        let step = self.path.step(Ns(self.now), Ns(self.period), self.feed, &self.script, &mut self.heard);
+        self.now += self.period;
+        step
+    }
+    fn until(&mut self, ns: u64) -> Step {
+        let mut step = self.tick();
+        while self.now - BEGIN < ns {
+            step = self.tick();
+        }
+        step
+    }
+    fn finish(&mut self) -> Step {
+        loop {
+            let step = self.tick();
+            if !step.runs {
+                return step;
+            }
+        }
+    }
+    /// Instants of marks in ms after the start, and their codes.
+    fn marks(&self) -> Vec<(f64, u8)> {
+        self.heard.marks.iter().map(|(at, code)| (since(*at) / 1e6, *code)).collect()
+    }
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * (1.0 + b.abs())
+}
+
+/// GUS 4.2: the corner at 2025 ms to the bit; the second line is 100498.756 pulses long.
+#[test]
+fn the_listing_of_the_manual_changes_power_at_the_corner() {
+    for period in [10_000, 250_000, 1_000_000] {
+        let s = speeds(50.0, 2.0, 0.0);
+        let entries = vec![mark(1), Entry::planar([100_000, 0], s), mark(2), Entry::planar([0, 10_000], s), mark(3)];
+        let mut bench = Bench::new(entries, period);
+        bench.start(0);
+        let middle = bench.until(1_000_000_000);
+        assert!(near(speed(&middle.motion), 50.0) && middle.done == 0 && middle.runs);
+        let last = bench.finish();
+        assert_eq!((last.place, last.done, last.motion), ([0, 10_000, 0, 0].map(Pos::pulses), 2, Motion::REST));
+        let [first, corner, end] = &bench.heard.marks[..] else { panic!() };
+        assert_eq!((first.0, corner.0), ((BEGIN as Fine) << 32, ((BEGIN + 2_025_000_000) as Fine) << 32));
+        assert!(near(since(end.0) / 1e6, 2025.0 + (1e10f64 + 1e8).sqrt() / 50.0 + 25.0));
+        assert_eq!(bench.heard.rests, [(end.0, Rest::Completed)]);
+    }
+}
+
+/// A step shows its own tick; what it tells lies in the interval behind it.
+#[test]
+fn effects_are_told_for_the_coming_interval_only() {
+    let mut bench = Bench::new(vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 300_000);
+    bench.start(0);
+    let end = (BEGIN + 110_000_000) as Fine;
+    loop {
+        let (told, tick) = (bench.heard.marks.len(), bench.now as Fine);
+        let step = bench.tick();
+        if bench.heard.marks.len() > told {
+            assert!(tick <= end && end < tick + 300_000);
+            assert!(step.runs, "at its own tick it still runs");
+            break;
+        }
+    }
+    assert_eq!(bench.heard.marks[0].0, end << 32);
+    assert!(!bench.tick().runs);
+}
+
+#[test]
+fn speed_goes_through_a_corner_and_to_zero_where_nothing_or_a_wait_follows() {
+    let fast = speeds(10.0, 1.0, 10.0);
+    let entries = vec![
+        Entry::planar([1000, 0], fast),
+        mark(1),
+        Entry::planar([1000, 1000], fast),
+        mark(2),
+        Entry::delay(5),
+        mark(3),
+        Entry::planar([0, 1000], fast),
+        mark(4),
+    ];
+    let mut bench = Bench::new(entries, 100_000);
+    bench.start(0);
+    bench.finish();
+    // 50 pulses to 10 pulse/ms in 10 ms; 1000 pulses in 105 ms, another in 105 ms, rest, 5 ms, 110 ms.
+    let times = [105.0, 210.0, 215.0, 325.0];
+    for ((at, code), (i, expected)) in bench.marks().iter().zip(times.iter().enumerate()) {
+        assert!(*code as usize == i + 1 && near(*at, *expected), "{at} {expected}");
+    }
+    assert_eq!(bench.heard.rests[0].1, Rest::Completed);
+}
+
+#[test]
+fn a_path_too_short_to_brake_ends_in_an_underrun_on_its_target() {
+    let entries = vec![
+        Entry::planar([1000, 0], speeds(10.0, 1.0, 10.0)),
+        Entry::planar([1010, 0], speeds(10.0, 1.0, 0.0)),
+        mark(1),
+    ];
+    let mut bench = Bench::new(entries, 100_000);
+    bench.start(0);
+    let last = bench.finish();
+    assert_eq!((last.place[0], bench.heard.rests[0].1), (Pos::pulses(1010), Rest::Underrun));
+    // From 10 pulse/ms over 10 pulses at 1 pulse/ms²: sqrt(80), 10 − sqrt(80) ms.
+    assert!(near(bench.marks()[0].0, 105.0 + 10.0 - 80f64.sqrt()));
+    assert!(!bench.path.runs() && bench.path.refuses_start(0, bench.feed));
+}
+
+/// Data that is there before braking must begin changes nothing; what comes later speeds up again.
+#[test]
+fn data_that_comes_while_it_runs_is_taken_up() {
+    let s = speeds(10.0, 1.0, 10.0);
+    let lines: Vec<_> = (1..=20).map(|i| Entry::planar([100 * i, 0], s)).chain([mark(1)]).collect();
+    let mut whole = Bench::new(lines.clone(), 250_000);
+    whole.start(0);
+    whole.finish();
+    let mut bench = Bench::new(lines.clone(), 250_000);
+    bench.feed.ends[0] = 3;
+    bench.start(0);
+    while bench.path.runs() {
+        let done = bench.tick().done;
+        // Always a line and what it takes to brake ahead.
+        bench.feed.ends[0] = (done + 3).min(21);
+    }
+    assert!(near(bench.marks()[0].0, whole.marks()[0].0) && near(whole.marks()[0].0, 210.0));
+    // The second half comes while it brakes for the end of the first: 10 → 4 pulse/ms.
+    let mut bench = Bench::new(lines, 250_000);
+    bench.feed.ends[0] = 10;
+    bench.start(0);
+    // 1000 pulses end at 110 ms; at 104 ms it goes 6 pulse/ms and has 18 to go.
+    let step = bench.until(104_250_000);
+    assert!(near(speed(&step.motion), 6.0), "{}", speed(&step.motion));
+    bench.feed.ends[0] = 21;
+    bench.finish();
+    // The new end is seen a tick later, at 5.75 pulse/ms: back to 10 in 4.25 ms and 33.46875 pulses.
+    let left = 2000.0 - (1000.0 - 5.75 * 5.75 / 2.0) - (100.0 - 5.75 * 5.75) / 2.0 - 50.0;
+    let expected = 104.25 + 4.25 + left / 10.0 + 10.0;
+    assert!(near(bench.marks()[0].0, expected), "{} {expected}", bench.marks()[0].0);
+}
+
+#[test]
+fn a_smooth_stop_brakes_through_what_follows_and_goes_on_from_there() {
+    let s = speeds(10.0, 1.0, 10.0);
+    let entries = vec![
+        Entry::planar([100, 0], s),
+        mark(1),
+        Entry::planar([100, 20], s),
+        mark(2),
+        Entry::planar([120, 20], s),
+        mark(3),
+        Entry::planar([1000, 20], s),
+        mark(4),
+    ];
+    let mut bench = Bench::new(entries, 250_000);
+    bench.path.rules.set_stop(dec(1.0));
+    bench.start(0);
+    // At 14.75 ms it has done 97.5 pulses at 10 pulse/ms; 50 more pulses in 10 ms.
+    bench.until(14_750_000);
+    bench.stop(false);
+    let step = bench.finish();
+    let stop = (1.0, (bench.now - BEGIN) as f64);
+    assert!(stop.1 > 0.0);
+    assert_eq!(bench.heard.rests.len(), 1);
+    let (at, rest) = bench.heard.rests[0];
+    assert!(near(since(at) / 1e6, 24.75) && rest == Rest::Stopped);
+    // 2.5 + 20 + 20 pulses, then 7.5 of the last line.
+    assert!((pulses(step.place[0]) - 127.5).abs() < 1e-6 && (pulses(step.place[1]) - 20.0).abs() < 1e-6);
+    assert_eq!(bench.marks().iter().map(|m| m.1).collect::<Vec<_>>(), [1, 2, 3]);
+    assert_eq!((step.done, bench.path.released(0)), (3, 6));
+    // 872.5 pulses from rest to rest: 87.25 + 10 ms.
+    let again = (bench.now - BEGIN) as f64 / 1e6;
+    bench.start(0);
+    let last = bench.finish();
+    assert_eq!((last.place, last.done), ([1000, 20, 0, 0].map(Pos::pulses), 4));
+    assert!(near(bench.marks()[3].0, again + 97.25));
+}
+
+/// A gentle Stop does not take a corner faster than the corner allows, and is over where it must halt.
+#[test]
+fn a_gentle_stop_still_brakes_for_corners() {
+    let entries = vec![
+        Entry::planar([1000, 0], speeds(10.0, 1.0, 2.0)),
+        mark(1),
+        Entry::planar([1000, 1000], speeds(10.0, 1.0, 0.0)),
+        mark(2),
+    ];
+    let mut bench = Bench::new(entries, 250_000);
+    bench.path.rules.set_stop(dec(0.01));
+    bench.start(0);
+    bench.until(50_000_000);
+    bench.stop(false);
+    let mut fastest = 0.0f64;
+    while bench.path.runs() {
+        let step = bench.tick();
+        if step.done == 1 {
+            fastest = fastest.max(speed(&step.motion));
+        }
+    }
+    assert!(fastest <= 2.0 + 1e-9, "{fastest}");
+    // From 2 pulse/ms at 0.01 pulse/ms²: 200 pulses behind the corner.
+    let step = bench.tick();
+    assert!((pulses(step.place[1]) - 200.0).abs() < 1e-6, "{:?}", step.place);
+    // A corner at 0 ends the Stop.
+    let entries =
+        vec![Entry::planar([100, 0], speeds(10.0, 1.0, 0.0)), mark(1), Entry::planar([200, 0], speeds(10.0, 1.0, 0.0))];
+    let mut bench = Bench::new(entries, 250_000);
+    bench.path.rules.set_stop(dec(0.01));
+    bench.start(0);
+    bench.until(5_000_000);
+    bench.stop(false);
+    let step = bench.finish();
+    assert_eq!((step.place[0], bench.heard.rests[0].1), (Pos::pulses(100), Rest::Stopped));
+    assert!(bench.heard.marks.is_empty(), "what stands behind the corner waits for the start");
+    bench.start(0);
+    bench.finish();
+    assert_eq!(bench.heard.marks.len(), 1);
+}
+
+#[test]
+fn an_abrupt_stop_stands_still_on_its_tick() {
+    let mut bench = Bench::new(vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 250_000);
+    bench.start(0);
+    bench.until(20_000_000);
+    let now = (bench.now - BEGIN) as f64 / 1e6;
+    bench.stop(true);
+    let step = bench.tick();
+    assert!(!step.runs && step.motion == Motion::REST);
+    assert!(near(pulses(step.place[0]), 50.0 + (now - 10.0) * 10.0));
+    assert_eq!(bench.heard.rests, [(((BEGIN as f64 + now * 1e6) as Fine) << 32, Rest::Stopped)]);
+    bench.start(0);
+    assert_eq!(bench.finish().place[0], Pos::pulses(1000));
+}
+
+/// Random paths with a Stop at any tick, at any deceleration: never off the path, never faster than told, ends met.
+#[test]
+fn random_stops_stay_on_the_path_and_within_its_speeds() {
+    let mut chance = Chance::new(9);
+    for case in 0..2000 {
+        let count = 2 + chance.below(6) as i32;
+        let (mut entries, mut corner) = (Vec::new(), 0);
+        let mut ends = Vec::new();
+        let acc = chance.log(0.2, 5.0);
+        for _ in 0..count {
+            corner += 1 + chance.below(200) as i32;
+            let (vel, end) = (chance.log(1.0, 30.0), chance.unit() * 20.0);
+            entries.push(Entry::planar([corner, 0], speeds(vel, acc, end)));
+            ends.push((corner as f64, end.min(vel), vel));
+        }
+        let stop = chance.log(0.02, 50.0);
+        let mut bench = Bench::new(entries, 50_000 + chance.below(500_000));
+        bench.path.rules.set_stop(dec(stop));
+        bench.start(0);
+        let mut before: Option<Step> = None;
+        // Three Stops, each after at most 20 ms.
+        for _ in 0..3 {
+            let when = bench.now - BEGIN + chance.below(20_000_000);
+            while bench.path.runs() && bench.now - BEGIN < when {
+                bench.tick();
+            }
+            if bench.path.runs() {
+                bench.stop(false);
+                let step = bench.finish();
+                let (_, rest) = *bench.heard.rests.last().unwrap();
+                if rest == Rest::Stopped {
+                    assert!(!bench.path.refuses_start(0, bench.feed), "{case}");
+                    bench.start(0);
+                }
+                before = Some(step);
+            }
+        }
+        let mut last = before;
+        while bench.path.runs() {
+            let step = bench.tick();
+            if let Some(last) = last {
+                // But for the rounding of positions.
+                assert!(step.place[0].0 >= last.place[0].0 - 3, "{case}: back from {last:?} to {step:?}");
+            }
+            last = Some(step);
+        }
+        bench.now += bench.period;
+        let step = bench.tick();
+        assert_eq!((step.place[0], step.done), (Pos::pulses(corner), count as u32), "{case}");
+        let completed = bench.heard.rests.last().unwrap().1;
+        assert!(matches!(completed, Rest::Completed | Rest::Underrun), "{case}");
+    }
+}
+
+#[test]
+fn a_wait_that_is_stopped_goes_on_with_what_is_left() {
+    let s = speeds(10.0, 1.0, 0.0);
+    let entries = vec![Entry::delay(20), mark(1), Entry::planar([100, 0], s), mark(2)];
+    let mut bench = Bench::new(entries, 250_000);
+    bench.start(0);
+    bench.until(7_000_000);
+    let stopped = bench.now - BEGIN;
+    bench.stop(false);
+    assert_eq!(bench.heard.rests, [(((BEGIN + stopped) as Fine) << 32, Rest::Stopped)]);
+    bench.until(50_000_000);
+    let again = bench.now - BEGIN;
+    bench.start(0);
+    bench.finish();
+    assert_eq!(bench.heard.marks[0].0, ((BEGIN + again + 20_000_000 - stopped) as Fine) << 32);
+    assert_eq!(bench.path.done(0), 1);
+}
+
+/// FIFO 1 interrupts FIFO 0 between pulses and comes back to the very place.
+#[test]
+fn fifo_1_interrupts_fifo_0_and_returns() {
+    struct Two(Vec<Entry>, Vec<Entry>);
+    impl servo::path::Entries for Two {
+        fn entry(&self, fifo: u8, counter: u32) -> Entry {
+            if fifo == 0 { self.0[counter as usize] } else { self.1[counter as usize] }
+        }
+    }
+    let s = speeds(10.0, 1.0, 0.0);
+    let mut source = Two(vec![Entry::planar([1000, 300], s), mark(1)], vec![]);
+    let mut feed = Feed { ends: [2, 0] };
+    let (mut path, mut heard, mut now) = (Path::IDLE, Heard::default(), BEGIN);
+    let mut tick = |path: &mut Path, source: &Two, feed: Feed, heard: &mut Heard| {
+        now += 250_000;
+        (path.step(Ns(now), Ns(250_000), feed, source, heard), now + 250_000)
+    };
+    path.start(Ns(BEGIN + 250_000), 0, feed, &source);
+    let mut next = 0;
+    for _ in 0..100 {
+        next = tick(&mut path, &source, feed, &mut heard).1;
+    }
+    path.stop(Ns(next), false, feed, &source, &mut heard);
+    let left = loop {
+        let (step, _) = tick(&mut path, &source, feed, &mut heard);
+        if !step.runs {
+            break step.place;
+        }
+    };
+    let whole = left.map(|x| servo::steps::whole(x) as i32);
+    assert_ne!(left, whole.map(Pos::pulses), "it stands between pulses");
+    // Away in FIFO 1: FIFO 0 cannot go on from there.
+    source.1 = vec![Entry::planar([0, 0], s), mark(2)];
+    feed.ends[1] = 2;
+    assert!(!path.refuses_start(1, feed));
+    path.start(Ns(next + 100 * 250_000), 1, feed, &source);
+    for _ in 0..800 {
+        next = tick(&mut path, &source, feed, &mut heard).1;
+    }
+    assert!(!path.runs() && path.refuses_start(0, feed) && path.refuses_start(1, feed));
+    // Back: a line to the nearest pulse ends between pulses, on the place itself.
+    source.1.push(Entry::line(whole, s));
+    feed.ends[1] = 3;
+    path.start(Ns(next), 1, feed, &source);
+    let back = loop {
+        let (step, after) = tick(&mut path, &source, feed, &mut heard);
+        next = after;
+        if !step.runs {
+            break step;
+        }
+    };
+    assert_eq!((back.place, back.fifo, back.done), (left, 1, 2));
+    assert!(!path.refuses_start(0, feed));
+    path.start(Ns(next), 0, feed, &source);
+    loop {
+        let (step, _) = tick(&mut path, &source, feed, &mut heard);
+        if !step.runs {
+            assert_eq!((step.place, step.fifo, step.done), ([1000, 300, 0, 0].map(Pos::pulses), 0, 1));
+            break;
+        }
+    }
+    assert_eq!(heard.marks.iter().map(|m| m.1).collect::<Vec<_>>(), [2, 1]);
+    // Cleared, it asks for nothing.
+    path.clear(0);
+    assert_eq!((path.done(0), path.released(0)), (0, 0));
+}
+
+#[test]
+fn starts_without_data_or_while_it_runs_are_refused() {
+    let mut bench = Bench::new(vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0))], 250_000);
+    assert!(bench.path.refuses_start(1, bench.feed));
+    assert!(bench.path.refuses_start(0, Feed::default()));
+    bench.start(0);
+    assert!(bench.path.refuses_start(0, bench.feed));
+    bench.finish();
+    assert!(bench.path.refuses_start(0, bench.feed), "it has run out");
+}
+
+/// Eight effects a tick; the ninth waits for the next one, and before so many the path comes to rest.
+#[test]
+fn at_most_eight_effects_run_in_a_tick() {
+    let s = speeds(10.0, 1.0, 10.0);
+    let mut entries = vec![Entry::planar([100, 0], s)];
+    entries.extend((0..20).map(mark));
+    entries.push(Entry::planar([200, 0], s));
+    let mut bench = Bench::new(entries, 250_000);
+    bench.start(0);
+    bench.finish();
+    // 100 pulses from rest to rest take 20 ms; that is a tick, whose step tells the boundary.
+    let at: Vec<u64> = bench.marks().iter().map(|m| (m.0 * 1e6).round() as u64).collect();
+    let expected: Vec<u64> = (0..20).map(|i| 20_000_000 + i / 8 * 250_000).collect();
+    assert_eq!(at, expected);
+    // Eight are passed at speed.
+    let mut entries = vec![Entry::planar([100, 0], s)];
+    entries.extend((0..8).map(mark));
+    entries.push(Entry::planar([200, 0], s));
+    let mut bench = Bench::new(entries, 250_000);
+    bench.start(0);
+    bench.finish();
+    assert!(bench.marks().iter().all(|m| near(m.0, 15.0)), "{:?}", bench.marks());
+}
+
+#[test]
+fn other_effects_carry_their_numbers() {
+    #[derive(Default)]
+    struct All(Vec<Change>);
+    impl Effects for All {
+        fn change(&mut self, _: Fine, change: &Change) -> Fine {
+            self.0.push(*change);
+            0
+        }
+        fn rest(&mut self, _: Fine, _: Rest) {}
+        fn gear(&mut self, _: Axis, _: Pos) {}
+        fn geared(&mut self, _: Axis, _: i32) {}
+    }
+    let axis = Axis::new(9).unwrap();
+    let (v, a) = (123.456f64, 7.89f64);
+    let script = Script(vec![
+        Entry::output(DoGroup::General, 0xfff0, 0x1230),
+        Entry::output(DoGroup::Enable, 3, 1),
+        Entry::analog(7, -32768),
+        Entry::travel(axis, -5, v.to_bits(), a.to_bits(), false).unwrap(),
+        Entry::laser(1, 77, [1, 2, 3, 4, 5, u32::MAX]),
+    ]);
+    let feed = Feed { ends: [5, 0] };
+    let (mut path, mut all) = (Path::IDLE, All::default());
+    path.start(Ns(BEGIN), 0, feed, &script);
+    path.step(Ns(BEGIN), Ns(250_000), feed, &script, &mut all);
+    let (speed, acc) = (servo::ramp::Speed::admit(v.to_bits()).unwrap(), dec(a));
+    let expected = [
+        Change::Output { group: DoGroup::General, mask: 0xfff0, value: 0x1230 },
+        Change::Output { group: DoGroup::Enable, mask: 3, value: 1 },
+        Change::Analog { channel: 7, value: -32768 },
+        Change::Move { axis, target: -5, speed, acc, modal: false },
+        Change::Laser { channel: 1, code: 77, words: [1, 2, 3, 4, 5, u32::MAX] },
+    ];
+    assert_eq!(all.0, expected);
+    assert!(Entry::travel(axis, 0, v.to_bits(), 0, false).is_err());
+}
+
+#[test]
+fn a_modal_move_makes_the_path_wait() {
+    let s = speeds(10.0, 1.0, 10.0);
+    let wait = Entry::travel(Axis::new(5).unwrap(), 100, 1f64.to_bits(), 1f64.to_bits(), true).unwrap();
+    let entries = vec![Entry::planar([100, 0], s), wait, mark(1), Entry::planar([200, 0], s), mark(2)];
+    let mut bench = Bench::new(entries, 250_000);
+    bench.start(0);
+    bench.finish();
+    // The test's host says 3 ms. Before it the path comes to rest.
+    assert!(near(bench.marks()[0].0, 23.0) && near(bench.marks()[1].0, 43.0), "{:?}", bench.marks());
+}
+
+/// An axis that goes along is where its share of the way is, and has all of it at the end.
+#[test]
+fn gears_go_along_with_one_motion() {
+    let axis = |n| Axis::new(n).unwrap();
+    let s = speeds(10.0, 1.0, 0.0);
+    let entries = vec![
+        Entry::gear(axis(4), -250),
+        Entry::gear(axis(5), 1_000_000),
+        Entry::planar([1000, 0], s),
+        Entry::planar([2000, 0], s),
+    ];
+    let mut bench = Bench::new(entries, 250_000);
+    bench.start(0);
+    loop {
+        bench.heard.gears.clear();
+        let step = bench.tick();
+        if step.done == 1 {
+            assert!(bench.heard.gears.is_empty());
+            break;
+        }
+        let way = pulses(step.place[0]) / 1000.0;
+        let [(first, a), (second, b)] = bench.heard.gears[..] else { panic!() };
+        assert_eq!((first, second), (axis(4), axis(5)));
+        assert!((pulses(a) + 250.0 * way).abs() < 1e-6 && (pulses(b) - 1e6 * way).abs() < 1e-3);
+        if step.place[0] > Pos::pulses(500) && bench.heard.rests.is_empty() {
+            bench.stop(true);
+            bench.tick();
+            bench.start(0);
+        }
+    }
+    assert_eq!(bench.heard.geared, [(axis(4), -250), (axis(5), 1_000_000)]);
+    bench.finish();
+    assert_eq!(bench.heard.geared.len(), 2);
+}
+
+#[test]
+fn an_override_scales_speeds_and_may_change_on_the_way() {
+    let rate = |x: f64| Rate::admit(x.to_bits());
+    let entries = || vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)];
+    let mut bench = Bench::new(entries(), 250_000);
+    bench.path.rules.set_rate(rate(0.5).unwrap());
+    bench.start(0);
+    bench.finish();
+    assert!(near(bench.marks()[0].0, 205.0));
+    let mut bench = Bench::new(entries(), 250_000);
+    bench.start(0);
+    bench.until(20_000_000);
+    bench.path.rules.set_rate(rate(0.5).unwrap());
+    bench.path.replan(Ns(bench.now), bench.feed, &bench.script);
+    let at = (bench.now - BEGIN) as f64 / 1e6;
+    assert!(near(at, 20.0));
+    bench.finish();
+    // 150 pulses done; 37.5 in 5 ms to 5 pulse/ms, 12.5 in 5 ms at the end, 800 between.
+    assert!(near(bench.marks()[0].0, 20.0 + 5.0 + 160.0 + 5.0), "{:?}", bench.marks());
+    for (bad, why) in [
+        (0.0, Refused::TooSmall),
+        (-0.5, Refused::Negative),
+        (1.0f64.next_up(), Refused::BeyondRange),
+        (f64::NAN, Refused::NotFinite),
+    ] {
+        assert_eq!(rate(bad), Err(why));
+    }
+}
+
+#[test]
+fn lines_without_length_are_passed_at_speed() {
+    let s = speeds(10.0, 1.0, 10.0);
+    let entries = vec![Entry::planar([100, 0], s), Entry::planar([100, 0], s), mark(1), Entry::line([200, 0, 0, 0], s)];
+    let mut bench = Bench::new(entries, 250_000);
+    bench.start(0);
+    let last = bench.finish();
+    assert!(near(bench.marks()[0].0, 15.0));
+    assert_eq!(last.done, 3);
+}
+
+#[test]
+fn bad_speeds_are_refused() {
+    let admit = |v: f64, a: f64, e: f64| Along::admit(v.to_bits(), a.to_bits(), e.to_bits()).map(|_| ());
+    assert_eq!(admit(50.0, 2.0, 0.0), Ok(()));
+    assert_eq!(admit(32768.0, 32768.0, 32768.0), Ok(()));
+    assert_eq!(admit(2f64.powi(-20), 2f64.powi(-20), 1e-300), Ok(()));
+    assert_eq!(admit(0.0, 2.0, 0.0), Err(Refused::TooSmall));
+    assert_eq!(admit(-0.0, 2.0, 0.0), Err(Refused::TooSmall));
+    assert_eq!(admit(1.0, 2f64.powi(-20).next_down(), 0.0), Err(Refused::TooSmall));
+    assert_eq!(admit(-1.0, 2.0, 0.0), Err(Refused::Negative));
+    assert_eq!(admit(1.0, 2.0, -1e-9), Err(Refused::Negative));
+    assert_eq!(admit(32768.0f64.next_up(), 2.0, 0.0), Err(Refused::BeyondRange));
+    assert_eq!(admit(1.0, f64::INFINITY, 0.0), Err(Refused::NotFinite));
+    assert_eq!(admit(1.0, 1.0, f64::NAN), Err(Refused::NotFinite));
+}

@@ -1,0 +1,73 @@
+//! A host of paths for tests: entries in a list, everything told written down.
+#![allow(dead_code)] // each test file uses its part
+use servo::path::{Along, Change, Effects, Entries, Entry, Feed, Fine, Path, Rest, Step};
+use servo::units::{Axis, Ns, Pos};
+
+pub struct Script(pub Vec<Entry>);
+
+impl Entries for Script {
+    fn entry(&self, _: u8, counter: u32) -> Entry {
+        self.0[counter as usize]
+    }
+}
+
+/// What a path told.
+#[derive(Default)]
+pub struct Heard {
+    pub marks: Vec<(Fine, u8)>,
+    pub rests: Vec<(Fine, Rest)>,
+    pub gears: Vec<(Axis, Pos)>,
+    pub geared: Vec<(Axis, i32)>,
+}
+
+impl Effects for Heard {
+    fn change(&mut self, at: Fine, change: &Change) -> Fine {
+        match change {
+            Change::Laser { code, .. } => self.marks.push((at, *code)),
+            Change::Move { modal: true, .. } => return 3_000_000 << 32,
+            _ => {}
+        }
+        0
+    }
+    fn rest(&mut self, at: Fine, rest: Rest) {
+        self.rests.push((at, rest));
+    }
+    fn gear(&mut self, axis: Axis, by: Pos) {
+        self.gears.push((axis, by));
+    }
+    fn geared(&mut self, axis: Axis, pulses: i32) {
+        self.geared.push((axis, pulses));
+    }
+}
+
+pub fn mark(code: u8) -> Entry {
+    Entry::laser(0, code, [0; 6])
+}
+/// Speed, acceleration, speed at the end.
+pub fn speeds(vel: f64, acc: f64, end: f64) -> Along {
+    Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
+}
+
+/// Runs all entries from a start at 1 ms with this period; every tick's step is shown to `see`.
+pub fn run(path: &mut Path, script: &Script, period: u64, mut see: impl FnMut(u64, &Step)) -> Heard {
+    let feed = Feed { ends: [script.0.len() as u32, 0] };
+    let mut heard = Heard::default();
+    let begin = 1_000_000;
+    assert!(!path.refuses_start(0, feed));
+    path.start(Ns(begin), 0, feed, script);
+    let mut now = begin;
+    loop {
+        let step = path.step(Ns(now), Ns(period), feed, script, &mut heard);
+        see(now - begin, &step);
+        if !step.runs {
+            return heard;
+        }
+        now += period;
+        assert!(now < 1 << 50);
+    }
+}
+
+/// Instants in ns after the start.
+pub fn since(at: Fine) -> f64 {
+    (at - (1_000_000 << 32)) as f64 / 2f64.powi(32)
+}
