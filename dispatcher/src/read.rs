@@ -216,10 +216,10 @@ impl<const AXES: usize> Reading<'_, AXES> {
             }
             opcode::GetPrfPos => self.reals::<command::GetPrfPos>(tag, query, out, |axis| pulses(axis.pos)),
             opcode::GetPrfVel => {
-                self.reals::<command::GetPrfVel>(tag, query, out, |axis| number(axis.motion.velocity()))
+                self.reals::<command::GetPrfVel>(tag, query, out, |axis| number(self.view.motion(axis).velocity()))
             }
             opcode::GetPrfAcc => {
-                self.reals::<command::GetPrfAcc>(tag, query, out, |axis| number(axis.motion.acceleration()))
+                self.reals::<command::GetPrfAcc>(tag, query, out, |axis| number(self.view.motion(axis).acceleration()))
             }
             opcode::GetEncPos => self.reals::<command::GetEncPos>(tag, query, out, |axis| axis.encoder as f64),
             opcode::GetEncVel => self.reals::<command::GetEncVel>(tag, query, out, |axis| self.encoder_velocity(axis)),
@@ -435,7 +435,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 mode: mode_number(book.mode).into(),
                 reason: (axis.stop as u16).into(),
                 prf_pos: pulses(axis.pos).into(),
-                prf_vel: number(axis.motion.velocity()).into(),
+                prf_vel: number(self.view.motion(axis).velocity()).into(),
                 enc_pos: (axis.encoder as f64).into(),
             };
         }

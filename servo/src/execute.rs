@@ -4,6 +4,7 @@
 //! nothing. Fails: a start or an Update that the machine's state forbids does nothing to any axis of
 //! its mask and is told as [`Event::Refused`]; whatever else does not fit any more has no effect.
 use crate::axis::{AxisState, Jog};
+use crate::follow::Method;
 use crate::op::{DoGroup, Entry, Lane, Op};
 use crate::port::Port;
 use crate::pvt::TableStores;
@@ -129,7 +130,24 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             Op::FollowClear { axis, fifo } => self.one(axis, |state| state.clear_entries(fifo)),
-            Op::FollowStart { .. } | Op::FollowSwitch { .. } | Op::FollowSwitchNow { .. } => {}
+            Op::FollowStart { axes, fifo1 } => {
+                if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_follow(fifo1.has(axis))) {
+                    self.each(axes, |axis, state| state.start_follow(next, fifo1.has(axis)));
+                    self.renew_order();
+                }
+            }
+            Op::FollowSwitch { axes } => {
+                if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_switch()) {
+                    self.each(axes, |_, state| state.switch());
+                }
+            }
+            Op::FollowSwitchNow { axis, method } => {
+                let table = method == Method::Table;
+                let forbids = |state: &AxisState| if table { state.refuses_switch() } else { !state.follows() };
+                if !self.refused(lane, entry.seq, axis.mask(), lanes, |_, state| forbids(state)) {
+                    self.one(axis, |state| state.switch_now(method));
+                }
+            }
             Op::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
         }
     }
@@ -191,7 +209,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    pub(crate) fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         if !on {
             self.halt(axes, StopReason::ServoOff, next, lanes);
         }

@@ -5,13 +5,25 @@
 //! Fails: a datum that no axis could run is [`Refused`] before it reaches the store.
 mod compact;
 mod entry;
+mod follower;
+mod order;
 mod ratio;
+mod run;
 mod setup;
+mod shape;
 mod store;
+mod velocity;
+mod way;
 
 pub use entry::{Chain, ENTRIES, Entry, Input, Refused, STOPS, Tail};
-pub(crate) use setup::Setup;
+pub use follower::Follower;
+pub(crate) use follower::{Path, Seen};
+pub(crate) use order::Order;
+pub use run::{ACTIONS, Context, Deeds, FollowRun, State};
+pub use setup::Setup;
 pub use store::Entries;
+pub(crate) use velocity::{compose, straight};
+pub use way::{SPOTS, Spot, Track, Way};
 
 use crate::units::Axis;
 

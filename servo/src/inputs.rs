@@ -88,6 +88,11 @@ impl Inputs {
         count.wrapping_add(self.shift)
     }
 
+    /// Where the reading 0 is among the machine's counts, as a position.
+    pub(crate) fn named(&self) -> i64 {
+        reading(self.shift.wrapping_neg()).0
+    }
+
     /// Band in pulses, and for how long.
     pub(crate) fn set_band(&mut self, band: u32, time: Ns) {
         (self.band, self.band_time, self.inside) = (band, time, None);

@@ -20,6 +20,7 @@ pub mod pvt;
 pub mod ramp;
 pub mod real;
 mod script;
+mod slaves;
 pub mod status;
 pub mod steps;
 pub mod tick;

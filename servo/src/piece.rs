@@ -150,7 +150,7 @@ fn magnitude_bits(x: i128) -> u128 {
 
 /// s·2^-frac in units of Pos, to nearest.
 #[inline(always)]
-fn to_pos(s: i64, frac: u32) -> i64 {
+pub(crate) fn to_pos(s: i64, frac: u32) -> i64 {
     let k = frac as i32 - Pos::FRAC_BITS as i32;
     if k > 0 {
         let twice = s >> ((k - 1) as u32 & 63);

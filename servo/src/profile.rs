@@ -3,6 +3,7 @@
 //! In: instants. Out: the piece in force, and the one before or after it. Owns: two pieces and the
 //! [`Supply`] that makes them. A mode only supplies the next piece when one is over, so nothing of it is
 //! asked for while a piece lasts. Fails: never; a motion ends with a [`State`].
+use crate::follow::Follower;
 use crate::piece::{Motion, Piece};
 use crate::pt::{Feed, PtRun, Segments};
 use crate::pvt::{PvtRun, Tables};
@@ -47,6 +48,8 @@ pub enum Supply {
     Pvt(PvtRun),
     /// Jog, Trap or Stop.
     Ramp(RampRun),
+    /// Another axis, whose displacement is the time of its pieces: they are its own, and the tick asks it itself.
+    Follow(Follower),
 }
 
 impl Supply {
@@ -57,6 +60,10 @@ impl Supply {
             Supply::Pt(run) => run.advance(now, feed, source, piece),
             Supply::Pvt(run) => run.advance(now, feed.passes, source, piece),
             Supply::Ramp(run) => run.advance(now, piece),
+            Supply::Follow(_) => {
+                *piece = Piece::rest(now, piece.start);
+                State::Running
+            }
         }
     }
 
@@ -66,7 +73,7 @@ impl Supply {
         match self {
             Supply::Pt(run) => run.is_new_pass(),
             Supply::Pvt(run) => run.is_new_pass(),
-            Supply::Ramp(_) => false,
+            Supply::Ramp(_) | Supply::Follow(_) => false,
         }
     }
 
@@ -77,7 +84,7 @@ impl Supply {
             Supply::Pt(run) => run.retract(),
             Supply::Pvt(run) => run.retract(),
             // Nothing but a new motion changes what a ramp will do, and its end changes nothing.
-            Supply::Ramp(_) => {}
+            Supply::Ramp(_) | Supply::Follow(_) => {}
         }
     }
 }
@@ -142,6 +149,12 @@ impl Profile {
     #[inline(always)]
     pub fn supply(&self) -> &Supply {
         &self.supply
+    }
+
+    /// The slave, if it follows.
+    #[inline(always)]
+    pub(crate) fn follower_mut(&mut self) -> Option<&mut Follower> {
+        if let Supply::Follow(follower) = &mut self.supply { Some(follower) } else { None }
     }
 
     /// Whether a piece has been made that is not in force yet.

@@ -37,7 +37,7 @@ impl Real {
     pub const FINE: Real = Real { neg: 0, m: 0x8637_BD05_AF6C_69B6, e: -115 };
 
     /// m·2^e.
-    pub fn new(neg: bool, m: u64, e: i32) -> Real {
+    pub const fn new(neg: bool, m: u64, e: i32) -> Real {
         if m == 0 {
             return Real::ZERO;
         }

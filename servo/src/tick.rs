@@ -9,6 +9,7 @@
 //! guards. So a limit seen now stops the set-point of the next tick.
 use crate::axis::AxisState;
 use crate::execute::Reach;
+use crate::follow::Order;
 use crate::laser::{Cause, Clock, Lasers};
 use crate::op::{Entry, Lane, Op};
 use crate::port::Port;
@@ -36,6 +37,9 @@ pub const ENTRIES_PER_TICK: u32 = 64;
 const PREPARED_PER_TICK: u32 = 2;
 /// Shortest and longest period, ns.
 pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
+
+/// 2³² pulse/ms in units of Pos in a ns, rounded up.
+const LIMIT_PER_NS: u64 = (1u64 << 54).div_ceil(1_000_000);
 
 /// What a board fixes.
 #[derive(Debug, Clone, Copy)]
@@ -97,7 +101,7 @@ pub struct Tick<const AXES: usize> {
     /// Instant of the tick in force.
     pub(crate) now: Ns,
     /// From it to the next one.
-    period: Ns,
+    pub(crate) period: Ns,
     /// Ticks since power-on.
     ticks: u32,
     /// Axes in use.
@@ -113,6 +117,9 @@ pub struct Tick<const AXES: usize> {
     pub(crate) general: u32,
     pub(crate) clear: u64,
     pub(crate) axes: [AxisState; AXES],
+    pub(crate) order: Order<AXES>,
+    /// What an axis that follows goes in a tick at most: 2³² pulse/ms.
+    pub(crate) step_limit: u64,
     pub(crate) lasers: Lasers,
 }
 
@@ -137,6 +144,8 @@ impl<const AXES: usize> Tick<AXES> {
             general: 0,
             clear: 0,
             axes: [AxisState::POWER_ON; AXES],
+            order: Order::NONE,
+            step_limit: config.period_ns as u64 * LIMIT_PER_NS,
             lasers: Lasers::new(config.laser_clock),
         }
     }
@@ -173,6 +182,30 @@ impl<const AXES: usize> Tick<AXES> {
         }
         self.execute_due(next, &mut period, port, lanes);
 
+        if self.order.slaves.0 == 0 {
+            self.step_axes::<false>(next, port, lanes);
+        } else {
+            self.step_axes::<true>(next, port, lanes);
+            self.step_slaves(next, port, lanes);
+        }
+        port.outputs(self.enable, self.clear, self.general);
+        self.lasers.run(next, period, port);
+        if let Some((row, chosen)) = self.trace.advance() {
+            self.emit(row, chosen, &mut lanes.samples);
+        }
+
+        self.now = next;
+        if period != self.period {
+            (self.period, self.step_limit) = (period, period.0.wrapping_mul(LIMIT_PER_NS));
+        }
+        self.ticks = self.ticks.wrapping_add(1);
+        self.show(port, lanes.view.buffer());
+        lanes.view.publish();
+    }
+
+    /// Every axis takes its step; where there are slaves, they wait for their masters.
+    #[inline(always)]
+    fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
         let turn = self.ticks & 7;
         let mut left = PREPARED_PER_TICK;
@@ -181,6 +214,9 @@ impl<const AXES: usize> Tick<AXES> {
         for ((((axis, state), store), shown), inputs) in
             Axis::all().zip(states).zip(lanes.segments).zip(shown).zip(inputs)
         {
+            if FOLLOW && self.order.slaves.has(axis) {
+                continue;
+            }
             if !state.settled {
                 let source = Source { segments: store, tables: lanes.tables };
                 // A segment entered in this tick is not followed by preparing the next in the same one.
@@ -205,17 +241,6 @@ impl<const AXES: usize> Tick<AXES> {
                 shown.follow(&state.shown);
             }
         }
-        port.outputs(self.enable, self.clear, self.general);
-        self.lasers.run(next, period, port);
-        if let Some((row, chosen)) = self.trace.advance() {
-            self.emit(row, chosen, &mut lanes.samples);
-        }
-
-        self.now = next;
-        self.period = period;
-        self.ticks = self.ticks.wrapping_add(1);
-        self.show(port, lanes.view.buffer());
-        lanes.view.publish();
     }
 
     /// One row of the trace, of axes and lasers as they stand.
@@ -224,7 +249,8 @@ impl<const AXES: usize> Tick<AXES> {
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             let Some(axis) = Axis::new(index) else { break };
             if chosen.axes.has(axis) {
-                let of = Traced::Axis { axis, pos: state.shown.pos, motion: state.shown.motion };
+                let motion = if state.shown.lead.is_some() { self.motion(axis) } else { state.shown.motion };
+                let of = Traced::Axis { axis, pos: state.shown.pos, motion };
                 self.trace.put(Sample { row, of }, samples);
             }
         }

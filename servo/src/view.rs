@@ -1,4 +1,5 @@
 //! What the tick tells: the view of one tick, events, trace samples.
+use crate::follow::{compose, straight};
 use crate::laser::{self, Bounds, Carrier, Cause, Power, Train};
 use crate::op::{Lane, Mode};
 use crate::piece::{Motion, Recip};
@@ -31,8 +32,13 @@ pub struct AxisView {
     pub stop: StopReason,
     /// Profile mode.
     pub mode: Mode,
-    /// The piece being run and the place in it: velocity and acceleration are derived by the reader.
+    /// The piece being run and the place in it: velocity and acceleration are derived by the reader. While it
+    /// follows (`lead`) the piece is over the master's progress, see [`View::motion`].
     pub motion: Motion,
+    /// Follow: whose motion makes that of this axis; none while it stands whatever the master does.
+    pub lead: Option<Lead>,
+    /// Follow: how far its master went in the tick, in units of Pos.
+    pub lead_way: i64,
     /// PT: segments of FIFO 0 (in dynamic mode, of the ring) that have run and whose places are free.
     pub released: u32,
     /// PT: passes completed.
@@ -78,6 +84,8 @@ impl AxisView {
         stop: StopReason::None,
         mode: Mode::Trap,
         motion: Motion { c: [0; 3], frac: 0, tau: 0, recip: Recip { m: 0, shift: 0 } },
+        lead: None,
+        lead_way: 0,
         released: 0,
         passes: 0,
         epoch: 0,
@@ -108,6 +116,7 @@ impl AxisView {
         }
         self.moves = now.moves;
         (self.pos, self.motion.tau) = (now.pos, now.motion.tau);
+        self.lead_way = now.lead_way;
         (self.encoder, self.encoder_before, self.dry_ms) = (now.encoder, now.encoder_before, now.dry_ms);
     }
 
@@ -119,11 +128,44 @@ impl AxisView {
         (self.table, self.pending) = (now.table, now.pending);
         (self.table_zero, self.table_until) = (now.table_zero, now.table_until);
         let [first, second] = now.cleared;
+        self.lead = now.lead;
         (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, [first, second]);
         (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
         self.pieces = now.pieces.wrapping_sub(1);
     }
+}
+
+/// Who leads an axis that follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Lead {
+    /// The axis whose planned motion it follows; none for an encoder or a filtered position, which goes evenly in
+    /// the tick.
+    pub axis: Option<Axis>,
+    /// Progress is the master's position with its sign changed.
+    pub down: bool,
+}
+
+/// The motion of an axis in time: its own, or made of that of its master, and of the masters before it.
+pub(crate) fn motion<'v>(of: impl Fn(Axis) -> Option<&'v AxisView>, axis: &'v AxisView, period: Ns) -> Motion {
+    let mut chain = [None; Axis::MAX];
+    let (mut view, mut leader) = (axis, Motion::REST);
+    for place in &mut chain {
+        let Some(lead) = view.lead else {
+            leader = view.motion;
+            break;
+        };
+        *place = Some((view.motion, lead.down));
+        match lead.axis.map(&of) {
+            Some(Some(master)) => view = master,
+            Some(None) => break,
+            None => {
+                leader = straight(view.lead_way, period.0);
+                break;
+            }
+        }
+    }
+    chain.iter().flatten().rev().fold(leader, |leader, (motion, down)| compose(*motion, *down, leader))
 }
 
 /// Why an axis came to rest.
@@ -288,6 +330,11 @@ pub struct View<const AXES: usize> {
 }
 
 impl<const AXES: usize> View<AXES> {
+    /// The motion of one of the axes in time, of which its velocity and acceleration are read.
+    pub fn motion(&self, axis: &AxisView) -> Motion {
+        motion(|axis| self.axes.get(axis.index()), axis, self.period)
+    }
+
     /// A controller at power-on; all bytes are zero.
     pub const POWER_ON: View<AXES> = View {
         now: Ns(0),

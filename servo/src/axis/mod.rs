@@ -4,11 +4,12 @@
 //! position there, the status word, events. Owns: everything of the axis but its PT segments.
 //! Fails: never; a motion that must not go on stops, with a reason.
 mod data;
+mod follow;
 mod guard;
 mod motion;
 mod place;
 
-use crate::follow;
+use crate::follow as following;
 use crate::inputs::Inputs;
 use crate::op::Mode;
 use crate::piece::Scaled;
@@ -96,7 +97,7 @@ pub(crate) struct AxisState {
     table: u8,
     table_passes: u32,
     /// Follow.
-    pub(crate) follow: follow::Setup,
+    pub(crate) follow: following::Setup,
 }
 
 /// [`AxisView::table_until`] while a table is in force.
@@ -143,7 +144,7 @@ impl AxisState {
         passes: 1,
         table: 0,
         table_passes: 1,
-        follow: follow::Setup::POWER_ON,
+        follow: following::Setup::POWER_ON,
     };
 
     pub(crate) fn runs(&self) -> bool {

@@ -53,7 +53,7 @@ impl AxisState {
     }
 
     /// It runs from now on, and `ending` is why it will have stopped.
-    fn set_off(&mut self, ending: StopReason) {
+    pub(super) fn set_off(&mut self, ending: StopReason) {
         (self.runs, self.ending) = (true, ending);
         self.touch();
     }
@@ -80,6 +80,10 @@ impl AxisState {
         if !self.runs || self.ending == StopReason::StopSmooth {
             return;
         }
+        if let Some(follower) = self.profile.follower_mut() {
+            follower.braking = true;
+            return;
+        }
         let (from, runs) = self.moving(next, source);
         if runs {
             let dec = self.stop_dec;
@@ -98,7 +102,7 @@ impl AxisState {
         }
     }
 
-    fn rest(&mut self, next: Ns, at: Exact, reason: StopReason) {
+    pub(super) fn rest(&mut self, next: Ns, at: Exact, reason: StopReason) {
         self.runs = false;
         self.exact = at;
         self.shown.pos = at.round();
@@ -108,6 +112,7 @@ impl AxisState {
         self.shown.dry_ms = 0;
         self.rest_since = next;
         self.leave_table(next);
+        self.leave_master();
         self.touch();
     }
 
@@ -165,7 +170,7 @@ impl AxisState {
                     self.changed();
                 }
             }
-            Supply::Ramp(_) => {}
+            Supply::Ramp(_) | Supply::Follow(_) => {}
         }
         if running { None } else { Some(self.finish(next, state)) }
     }

@@ -254,7 +254,6 @@ impl Entry {
         let normal = kind == 0 || kind == 3;
         let mut chain = *before;
         chain.back = if first || !normal { 0 } else { before.back };
-        chain.odd = !before.odd;
         let [low, high] = pack_swing(at_start);
         let kind_bits = if normal {
             Kind::Normal
@@ -268,6 +267,7 @@ impl Entry {
         chain.ends = ends;
         let entry = chain.pack(percent, low, high | kind_bits << 28);
         chain.back += 1;
+        chain.odd = !before.odd;
         (chain.master, chain.slave) = (m1, s1);
         chain.tail.ratio = end;
         chain.tail.down = down;
@@ -338,8 +338,20 @@ impl Entry {
     }
 
     #[inline(always)]
-    pub(super) fn master(self) -> Compact {
+    fn master(self) -> Compact {
         Compact { low: self.0[0], high: self.0[1] }
+    }
+
+    /// Where the master's progress ends.
+    #[inline(always)]
+    pub(super) fn ends_master(self) -> i128 {
+        self.master().magnitude()
+    }
+
+    /// Whether it is a segment whose start ratio is that of its chain.
+    #[inline(always)]
+    pub(super) fn is_normal(self) -> bool {
+        self.0[5] >> 28 & 3 == 0
     }
 
     /// How a segment's ratio goes; none for an entry that is no segment.

@@ -37,11 +37,11 @@ pub(super) fn product(a: u128, b: u128) -> (u128, u128) {
     (high, low)
 }
 
-/// ratio·m in 2⁻⁶⁴ pulse, m > 0; held below 2⁶⁰ pulses.
+/// ratio·m in 2⁻⁶⁴ pulse, m > 0; held below 2⁵⁶ pulses.
 pub(super) fn swing(ratio: i128, m: u128) -> i128 {
     let (high, low) = product(ratio.unsigned_abs(), m);
-    let magnitude = if high >> (RATIO_BITS - 4) != 0 {
-        i128::MAX >> 3
+    let magnitude = if high >> (RATIO_BITS - 8) != 0 {
+        i128::MAX >> 7
     } else {
         ((high << (128 - RATIO_BITS)) | low >> RATIO_BITS) as i128
     };

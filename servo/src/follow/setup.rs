@@ -4,7 +4,7 @@ use super::{Direction, Entries, Event, Master};
 
 /// A FIFO as far as it is committed.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Fifo {
+pub struct Fifo {
     /// Entries.
     pub(super) end: u32,
     pub(super) tail: Tail,
@@ -16,12 +16,15 @@ pub(crate) struct Fifo {
 
 /// The settings of one axis and its FIFOs.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Setup {
-    pub(crate) direction: Direction,
-    pub(crate) master: Option<Master>,
-    pub(crate) event: Event,
+pub struct Setup {
+    /// Which of the master's motion counts.
+    pub direction: Direction,
+    /// Whom it follows.
+    pub master: Option<Master>,
+    /// What begins the motion.
+    pub event: Event,
     /// Passes to run, 0 for ever.
-    pub(crate) passes: u32,
+    pub passes: u32,
     pub(super) fifos: [Fifo; 2],
 }
 
@@ -30,8 +33,17 @@ impl Fifo {
         Fifo { end: 0, tail: Tail { ratio: 0, down: false, continues: 0, last_stop: 0 }, stops: [0; STOPS], count: 0 };
 }
 
+impl Fifo {
+    /// The first entry from `index` on that is no segment.
+    #[inline]
+    pub(super) fn stop_from(&self, index: u32) -> Option<u32> {
+        self.stops.iter().take(self.count as usize).map(|stop| *stop as u32).find(|stop| *stop >= index)
+    }
+}
+
 impl Setup {
-    pub(crate) const POWER_ON: Setup =
+    /// Nothing set, both FIFOs empty.
+    pub const POWER_ON: Setup =
         Setup { direction: Direction::Both, master: None, event: Event::Start, passes: 1, fifos: [Fifo::EMPTY; 2] };
 
     /// A FIFO.
@@ -47,22 +59,22 @@ impl Setup {
     }
 
     /// Whether a FIFO holds nothing.
-    pub(crate) fn is_empty(&self, fifo: u8) -> bool {
+    pub fn is_empty(&self, fifo: u8) -> bool {
         self.fifo(fifo).end == 0
     }
 
     /// Both FIFOs are empty.
-    pub(crate) fn clear_all(&mut self) {
+    pub fn clear_all(&mut self) {
         self.fifos = [Fifo::EMPTY; 2];
     }
 
     /// A FIFO is empty.
-    pub(crate) fn clear(&mut self, fifo: u8) {
+    pub fn clear(&mut self, fifo: u8) {
         *self.fifo_mut(fifo) = Fifo::EMPTY;
     }
 
     /// Its entries below `end` count from now on. The new ones that are no segments are found by their links.
-    pub(crate) fn commit(&mut self, fifo: u8, end: u32, tail: Tail, source: &impl Entries) {
+    pub fn commit(&mut self, fifo: u8, end: u32, tail: Tail, source: &impl Entries) {
         let to = self.fifo_mut(fifo);
         let old = to.end;
         (to.end, to.tail) = (end, tail);

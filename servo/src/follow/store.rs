@@ -13,7 +13,7 @@ pub trait Entries {
 #[inline(always)]
 fn slot(fifo: u8, index: u32) -> u32 {
     const FIFO: u32 = SEGMENTS as u32 / 2;
-    (fifo as u32 & 1) * FIFO + (index * 2 & (FIFO - 1))
+    (fifo as u32 & 1) * FIFO + ((index * 2) & (FIFO - 1))
 }
 
 impl SegmentStore {

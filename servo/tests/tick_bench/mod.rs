@@ -1,6 +1,7 @@
 //! A tick on a bench: rings, a machine whose encoders follow at once, and hands to push things in.
 #![allow(dead_code)]
 use ring::{Consumer, Latest, Producer, Reader, Ring};
+use servo::follow;
 use servo::laser::{Clock, Plan};
 use servo::op::{DoGroup, Entry, Mode, Op};
 use servo::piece::Scaled;
@@ -23,6 +24,7 @@ pub struct Machine {
     pub slip: [i64; AXES],
     pub outputs: (u64, u64, u32),
     pub analog_out: [i16; 8],
+    pub general: u32,
 }
 
 impl Port for Machine {
@@ -33,7 +35,7 @@ impl Port for Machine {
         steps::whole(self.set_points[axis.index()]) + self.slip[axis.index()]
     }
     fn general_inputs(&mut self) -> u32 {
-        0x5a
+        self.general
     }
     fn analog(&mut self, channel: usize) -> i16 {
         100 + channel as i16
@@ -65,6 +67,19 @@ pub struct Bench {
     seq: [u32; 2],
     /// What admission knows of each axis's FIFOs: the chain, and segments pushed.
     chains: [[(Chain, u32); 2]; AXES],
+    /// The same of Follow.
+    entries: [[follow::Chain; 2]; AXES],
+}
+
+/// What goes into a FIFO of Follow.
+#[derive(Clone, Copy)]
+pub enum Item {
+    /// Master, slave, type, percent.
+    Data(f64, f64, i16, i16),
+    Output(DoGroup, u8, bool),
+    Delay(u32),
+    Wait(follow::Input, u8, bool, u32),
+    Switch(follow::Method),
 }
 
 fn leak<T>(value: T) -> &'static mut T {
@@ -117,6 +132,7 @@ impl Bench {
                 slip: [0; AXES],
                 outputs: (0, 0, 0),
                 analog_out: [0; 8],
+                general: 0x5a,
             },
             lanes: Lanes {
                 immediate: immediate_out,
@@ -134,6 +150,7 @@ impl Bench {
             samples,
             seq: [0; 2],
             chains: [[(Chain::default(), 0); 2]; AXES],
+            entries: Default::default(),
         }
     }
 
@@ -231,6 +248,44 @@ impl Bench {
     /// Admission forgets what it pushed: the FIFO was cleared.
     pub fn forget(&mut self, index: usize) {
         self.chains[index] = Default::default();
+    }
+
+    /// Admits entries of Follow and pushes their commit into the immediate lane.
+    pub fn follow(&mut self, index: usize, fifo: u8, items: &[Item]) {
+        let chain = &mut self.entries[index][fifo as usize];
+        for item in items {
+            let admitted = match *item {
+                Item::Data(master, slave, kind, percent) => {
+                    let direction = follow::Direction::Both;
+                    follow::Entry::segment(master.to_bits(), slave.to_bits(), kind, percent, direction, chain)
+                }
+                Item::Output(group, bit, high) => follow::Entry::output(group, bit, high, chain),
+                Item::Delay(cycles) => follow::Entry::delay(cycles, chain),
+                Item::Wait(input, index, high, ms) => follow::Entry::wait_input(input, index, high, ms, chain),
+                Item::Switch(method) => follow::Entry::switch(method, chain),
+            };
+            let (entry, next) = admitted.unwrap();
+            self.lanes.segments[index].write_entry(fifo, chain.entries(), entry);
+            *chain = next;
+        }
+        let (end, tail) = (chain.entries(), chain.tail());
+        let cleared = self.view.read().axes[index].cleared[fifo as usize];
+        self.now(Op::FollowCommit { axis: axis(index), fifo, end, cleared, tail });
+    }
+
+    /// Admission forgets what it pushed: a switch has emptied the FIFO.
+    pub fn emptied(&mut self, index: usize, fifo: u8) {
+        self.entries[index][fifo as usize] = follow::Chain::default();
+    }
+
+    /// Whom an axis follows, and that it starts.
+    pub fn follows(&mut self, index: usize, master: usize, value: follow::Value) {
+        let master = follow::Master { axis: axis(master), value };
+        self.now(Op::FollowMaster { axis: axis(index), master });
+    }
+
+    pub fn start_follow(&mut self, axes: &[usize]) -> u32 {
+        self.now(Op::FollowStart { axes: all(axes), fifo1: AxisMask(0) })
     }
 
     pub fn start(&mut self, axes: &[usize]) -> u32 {

@@ -1,0 +1,217 @@
+//! An axis that follows another one: start, step, stop; and an axis as it is seen by those that follow it.
+//!
+//! In: the master as it stands in the tick computed, entries, inputs. Out: as of any axis, and what entries do to
+//! outputs. Owns: the [`Follower`] in its profile.
+use super::{AxisState, exact};
+use crate::follow::{Context, Deeds, Entries, FollowRun, Follower, Input, Method, Path, Seen, State, Value};
+use crate::inputs::reading;
+use crate::op::Mode;
+use crate::piece::Motion;
+use crate::profile::Supply;
+use crate::ramp::Moving;
+use crate::status;
+use crate::units::{Axis, Ns, Pos};
+use crate::view::{Lead, StopReason};
+
+impl AxisState {
+    /// Whom it follows, if it does.
+    #[inline(always)]
+    fn follower(&self) -> Option<&Follower> {
+        if let Supply::Follow(follower) = self.profile.supply() { Some(follower) } else { None }.filter(|_| self.runs)
+    }
+
+    /// Whether it follows.
+    #[inline(always)]
+    pub(crate) fn follows(&self) -> bool {
+        self.follower().is_some()
+    }
+
+    /// The axis it follows, and whether the planned position of it.
+    pub(crate) fn master(&self) -> Option<(Axis, Value)> {
+        self.follower().map(|follower| (follower.master.axis, follower.master.value))
+    }
+
+    /// Whether Follow or FollowEx must not start.
+    pub(crate) fn refuses_follow(&self, fifo1: bool) -> bool {
+        let ready = matches!(self.shown.mode, Mode::Follow | Mode::FollowEx)
+            && self.follow.master.is_some()
+            && !self.follow.is_empty(fifo1 as u8);
+        self.refuses_start() || self.runs || !ready
+    }
+
+    /// Follow or FollowEx begins with the tick at `next`.
+    pub(crate) fn start_follow(&mut self, next: Ns, fifo1: bool) {
+        let Some(master) = self.follow.master else { return };
+        let run = FollowRun::begin(&self.follow, self.exact, fifo1 as u8);
+        (self.shown.passes, self.shown.fifo, self.shown.switching) = (0, fifo1 as u8, false);
+        self.shown.pieces = self.shown.pieces.wrapping_add(1);
+        self.begin(next, Supply::Follow(Follower::new(run, master)));
+    }
+
+    /// Whether there is nothing to switch to.
+    pub(crate) fn refuses_switch(&self) -> bool {
+        self.follower().is_none_or(|follower| self.follow.is_empty(follower.run.fifo() ^ 1))
+    }
+
+    /// The other FIFO takes over when the present pass ends.
+    pub(crate) fn switch(&mut self) {
+        if let Some(follower) = self.profile.follower_mut() {
+            follower.run.switch();
+            self.shown.switching = true;
+        }
+        self.touch();
+    }
+
+    /// The next segment or the other FIFO takes over at the tick computed.
+    pub(crate) fn switch_now(&mut self, method: Method) {
+        if let Some(follower) = self.profile.follower_mut() {
+            follower.run.switch_now(method);
+        }
+    }
+
+    /// As it is seen by those that follow it. Its own step of the tick is taken.
+    #[inline(always)]
+    pub(crate) fn seen(&self, value: Value, now: Ns, period: Ns) -> Seen<'_> {
+        let (to, named) = match value {
+            Value::Planned | Value::PlannedFiltered => (self.set_point(), self.zero.0.wrapping_neg()),
+            Value::Encoder | Value::EncoderFiltered => (reading(self.count), self.inputs.named()),
+        };
+        let path = match value {
+            Value::Encoder => Path::Straight,
+            Value::PlannedFiltered | Value::EncoderFiltered => Path::Filtered,
+            Value::Planned => match self.follower() {
+                Some(follower) => Path::Track(follower.track()),
+                None => Path::Pieces {
+                    before: self.profile.before(now),
+                    piece: self.profile.piece(),
+                    shift: self.zero.0.wrapping_neg(),
+                },
+            },
+        };
+        Seen { now, period, to, named, path }
+    }
+
+    /// The position at the tick computed of an axis that follows; the reason if it comes to rest there. `led` if it
+    /// is followed itself; it goes `limit` units of Pos in a tick at most.
+    #[inline(always)]
+    pub(crate) fn step_follow(
+        &mut self,
+        seen: &Seen<'_>,
+        led: bool,
+        limit: u64,
+        source: &impl Entries,
+        level: impl Fn(Input, u8) -> bool,
+        deeds: &mut Deeds,
+    ) -> Option<StopReason> {
+        let next = Ns(seen.now.0.wrapping_add(seen.period.0));
+        if self.causes & status::FAULTS != 0 {
+            return Some(self.stopped_by_fault(next));
+        }
+        let from = self.shown.pos;
+        let follower = self.profile.follower_mut()?;
+        let glided = follower.glide(seen, led, from);
+        let (pos, tau) = match glided {
+            Some(place) => place,
+            None => {
+                let mut context = Context::new(&mut self.follow, source, level, deeds);
+                let state = follower.step(seen, led, from, &mut context);
+                let place = follower.run.place();
+                self.show_run();
+                match state {
+                    State::Running => place,
+                    State::Ended { at } => return Some(self.end_follow(next, at, StopReason::Completed, limit)),
+                    State::TimedOut { at } => {
+                        return Some(self.end_follow(next, at, StopReason::WaitTimeout, limit));
+                    }
+                }
+            }
+        };
+        if let Some(reason) = self.obstructed(next, pos, limit) {
+            return Some(reason);
+        }
+        self.shown.moves = self.shown.moves.wrapping_add(1);
+        (self.shown.pos, self.shown.motion.tau) = (pos, tau);
+        self.show_lead(glided.is_none());
+        None
+    }
+
+    /// Whether a limit, the edge of travel or the step limit lies between the position in force and `to`.
+    #[inline(always)]
+    fn obstructed(&mut self, next: Ns, to: Pos, limit: u64) -> Option<StopReason> {
+        if to.0.abs_diff(self.shown.pos.0) > limit {
+            self.halt(next, StopReason::StepLimit);
+            return Some(StopReason::StepLimit);
+        }
+        if to < self.lower || to > self.upper { self.stopped_at_barrier(next, to) } else { None }
+    }
+
+    /// What a view tells of the run.
+    #[inline(never)]
+    fn show_run(&mut self) {
+        let Some(follower) = self.profile.follower_mut() else { return };
+        let run = &mut follower.run;
+        let emptied = run.take_emptied();
+        let shown = &mut self.shown;
+        shown.pieces = shown.pieces.wrapping_add(1);
+        shown.passes = run.passes();
+        if emptied != 0 || run.fifo() != shown.fifo || run.is_switching() != shown.switching {
+            (shown.fifo, shown.switching) = (run.fifo(), run.is_switching());
+            for (fifo, count) in shown.cleared.iter_mut().enumerate() {
+                *count = count.wrapping_add((emptied >> fifo & 1) as u32);
+            }
+            self.changed();
+        }
+    }
+
+    /// Whose motion makes that of the axis in this tick, and the piece over the master's progress, which may be `new`.
+    #[inline(always)]
+    fn show_lead(&mut self, new: bool) {
+        let Some(follower) = self.profile.follower_mut() else { return };
+        let moving = follower.is_moving();
+        let shown = &mut self.shown;
+        shown.lead_way = follower.way();
+        if moving == shown.lead.is_some() && !(new && moving) {
+            return;
+        }
+        let motion = if moving { follower.run.piece().motion } else { Motion::REST };
+        let Motion { c: [c1, c2, c3], frac, recip, .. } = motion;
+        (shown.motion.c, shown.motion.frac, shown.motion.recip) = ([c1, c2, c3], frac, recip);
+        shown.pieces = shown.pieces.wrapping_add(1);
+        let axis = (follower.master.value == Value::Planned).then_some(follower.master.axis);
+        let lead = moving.then_some(Lead { axis, down: follower.run.is_down() });
+        if lead != shown.lead {
+            shown.lead = lead;
+            self.changed();
+        }
+    }
+
+    /// The motion has ended at `at`, if nothing stands before it.
+    #[inline(never)]
+    fn end_follow(&mut self, next: Ns, at: crate::units::Exact, reason: StopReason, limit: u64) -> StopReason {
+        if let Some(reason) = self.obstructed(next, at.round(), limit) {
+            return reason;
+        }
+        self.rest(next, at, reason);
+        reason
+    }
+
+    /// Whether a smooth stop is due.
+    #[inline(always)]
+    pub(crate) fn is_braking(&self) -> bool {
+        self.follower().is_some_and(|follower| follower.braking)
+    }
+
+    /// Leaves its master at `next` with the motion it has there, and brakes.
+    pub(crate) fn brake(&mut self, next: Ns, motion: Motion) {
+        let from = Moving { pos: exact(self.shown.pos), velocity: motion.velocity() };
+        let dec = self.stop_dec;
+        self.leave_master();
+        self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
+        self.set_off(StopReason::StopSmooth);
+    }
+
+    /// It follows no longer.
+    pub(super) fn leave_master(&mut self) {
+        (self.shown.lead, self.shown.lead_way, self.shown.switching) = (None, 0, false);
+    }
+}

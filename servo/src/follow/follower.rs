@@ -1,0 +1,171 @@
+//! A slave and what it looks at: its master's position in every tick.
+//!
+//! In: the master as it stands in the tick computed. Out: the slave's position, and its own way for those that
+//! follow it. Owns: the [`FollowRun`], the filter, the master's position one tick ago. It cannot fail.
+//!
+//! A master's position is that of the machine, which no SetPrfPos or ZeroPos of the master changes. An encoder is the
+//! sample of the tick in force at the end of the tick, and that of the tick before at its beginning. The filter is a lag
+//! of first order with a time constant of 2²² ns (4.19 ms), started at the master's position.
+use super::run::{Context, FollowRun, State};
+use super::shape::slope;
+use super::way::{Track, Way, bisect, is_plain};
+use super::{Entries, Input, Master};
+use crate::piece::Piece;
+use crate::units::{Ns, Pos};
+
+/// A master in one tick.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    /// The tick in force, and from it to the one computed.
+    pub(crate) now: Ns,
+    pub(crate) period: Ns,
+    /// Where it is then, as the machine counts.
+    pub(crate) to: Pos,
+    /// Where the position named 0 is.
+    pub(crate) named: i64,
+    pub(crate) path: Path<'a>,
+}
+
+/// How it comes there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Path<'a> {
+    /// Straight.
+    Straight,
+    /// Straight behind a filter.
+    Filtered,
+    /// Along a piece, and the one before it if that was in force at `now`; what is added to their positions.
+    Pieces { before: Option<&'a Piece>, piece: &'a Piece, shift: i64 },
+    /// From place to place.
+    Track(&'a Track),
+}
+
+/// A slave that runs.
+#[derive(Debug, Clone, Copy)]
+pub struct Follower {
+    pub(crate) run: FollowRun,
+    pub(crate) master: Master,
+    /// A smooth stop is due at the end of the tick.
+    pub(crate) braking: bool,
+    /// The piece of the master that is known to have no turning point.
+    plain: Option<Ns>,
+    /// Its position at the tick in force; none before the first step.
+    last: Option<Pos>,
+    /// The filtered position, 2⁻⁴⁴ pulse.
+    filter: i128,
+    /// How far the master went in this tick.
+    way: i64,
+    /// Its own places in this tick.
+    track: Track,
+}
+
+impl Follower {
+    pub(crate) fn new(run: FollowRun, master: Master) -> Follower {
+        Follower {
+            run,
+            master,
+            braking: false,
+            plain: None,
+            last: None,
+            filter: 0,
+            way: 0,
+            track: Track::begin(Pos(0)),
+        }
+    }
+
+    /// Its own places in this tick, if it was told that it is followed.
+    pub(crate) fn track(&self) -> &Track {
+        &self.track
+    }
+
+    /// Whether it moves with its master.
+    #[inline(always)]
+    pub(crate) fn is_moving(&self) -> bool {
+        self.last.is_some_and(|last| self.run.is_moving(last))
+    }
+
+    /// How far its master went in this tick, units of Pos.
+    pub(crate) fn way(&self) -> i64 {
+        self.way
+    }
+
+    /// Where it is at the tick computed, and the parameter in its piece, if all went straight inside one piece;
+    /// `led` if it is followed itself, `from` is where it is at the tick in force.
+    #[inline(always)]
+    pub(crate) fn glide(&mut self, seen: &Seen<'_>, led: bool, from: Pos) -> Option<(Pos, u64)> {
+        let straight = match seen.path {
+            Path::Straight => true,
+            Path::Filtered => false,
+            Path::Pieces { piece, .. } => self.plain == Some(piece.begin),
+            Path::Track(track) => track.is_straight(),
+        };
+        if !straight || led && !self.run.glides_straight(seen.to) {
+            return None;
+        }
+        let place = self.run.glide(seen.to)?;
+        if led {
+            self.track = Track::begin(from);
+            self.track.push(seen.period.0 << 32, place.0, 0);
+        }
+        self.way = seen.to.0.wrapping_sub(self.last.unwrap_or(seen.to).0);
+        self.last = Some(seen.to);
+        Some(place)
+    }
+
+    /// The same whatever has to be done; `from` is where the slave is at the tick in force.
+    #[inline(never)]
+    pub(crate) fn step(
+        &mut self,
+        seen: &Seen<'_>,
+        led: bool,
+        from: Pos,
+        context: &mut Context<'_, impl Entries, impl Fn(Input, u8) -> bool>,
+    ) -> State {
+        let Seen { now, period, .. } = *seen;
+        let last = self.last.unwrap_or(seen.to);
+        let mut to = seen.to;
+        let way = match seen.path {
+            Path::Straight => Way::line(now, period, last, to),
+            Path::Filtered => {
+                to = self.filtered(to, period);
+                Way::line(now, period, self.last.unwrap_or(to), to)
+            }
+            Path::Pieces { before, piece, shift } => {
+                self.plain = is_plain(piece, now).then_some(piece.begin);
+                Way::along(now, period, before, piece, last, to, shift)
+            }
+            Path::Track(track) => Way::of(now, track),
+        };
+        self.way = to.0.wrapping_sub(self.last.unwrap_or(to).0);
+        self.last = Some(to);
+        self.track = Track::begin(from);
+        let track = led.then_some(&mut self.track);
+        self.run.step(&way, seen.named, context, track)
+    }
+
+    /// The filter takes the position of the tick.
+    fn filtered(&mut self, pos: Pos, period: Ns) -> Pos {
+        let target = (pos.0 as i128) << 22;
+        if self.last.is_none() {
+            self.filter = target;
+        }
+        let gap = target.wrapping_sub(self.filter);
+        self.filter = self.filter.wrapping_add(gap.wrapping_mul(period.0 as i128) >> 22);
+        Pos((self.filter >> 22) as i64)
+    }
+}
+
+/// The places of a slave between two places of its master, if a turning point of its own lies between them.
+pub(super) fn image(piece: &Piece, from: i64, to: i64, begin: u64, end: u64, track: &mut Track) {
+    let inside = |progress: i64| (progress as u64).wrapping_sub(piece.begin.0).min(piece.span.saturating_sub(1));
+    let (low, high) = if from <= to { (inside(from), inside(to)) } else { (inside(to), inside(from)) };
+    let falls = |t: u64| slope(&piece.motion, piece.at(t).1) < 0;
+    let first = falls(low);
+    if low < high && falls(high) != first {
+        let turn = bisect(low, high, |t| falls(t) == first);
+        let (part, whole) = (turn.wrapping_sub(low), high.wrapping_sub(low));
+        let share = crate::wide::Recip::of(whole).ratio(part.min(whole.saturating_sub(1)));
+        let share = if from <= to { share } else { share.wrapping_neg() };
+        let after = begin.wrapping_add(crate::wide::umulhi(end.wrapping_sub(begin), share));
+        track.push(after, piece.at(turn).0, 0);
+    }
+}

@@ -1,0 +1,61 @@
+//! In which order slaves are computed: after their masters.
+//!
+//! In: who follows whom, when that changes. Out: the slaves in order, and who is followed. Owns both. Cannot fail: what
+//! would be a cycle, which the thread refuses, is taken in the order of numbers.
+use crate::units::{Axis, AxisMask};
+
+/// Slaves that run, masters first. `AXES` is the capacity of the build.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Order<const AXES: usize> {
+    axes: [u8; AXES],
+    /// The same as a set.
+    pub(crate) slaves: AxisMask,
+    /// Slaves that others follow.
+    pub(crate) leaders: AxisMask,
+}
+
+impl<const AXES: usize> Order<AXES> {
+    pub(crate) const NONE: Order<AXES> = Order { axes: [0; AXES], slaves: AxisMask(0), leaders: AxisMask(0) };
+
+    /// `master` tells whose planned position an axis follows: itself if it follows no such, none if it does not
+    /// follow at all.
+    pub(crate) fn renew(&mut self, used: usize, master: impl Fn(Axis) -> Option<Axis>) {
+        *self = Order::NONE;
+        let mut left = 0;
+        for axis in Axis::all().take(used) {
+            if let Some(master) = master(axis) {
+                left |= axis.mask().0;
+                if master != axis {
+                    self.leaders.0 |= master.mask().0;
+                }
+            }
+        }
+        self.slaves = AxisMask(left);
+        self.leaders.0 &= left;
+        let mut places = self.axes.iter_mut();
+        while left != 0 {
+            let waits = left;
+            for axis in AxisMask(waits).axes() {
+                let free = master(axis).is_none_or(|master| master == axis || waits & master.mask().0 == 0);
+                if free && let Some(place) = places.next() {
+                    *place = axis.index() as u8;
+                    left &= !axis.mask().0;
+                }
+            }
+            if left == waits {
+                for axis in AxisMask(waits).axes() {
+                    if let Some(place) = places.next() {
+                        *place = axis.index() as u8;
+                    }
+                }
+                break;
+            }
+        }
+    }
+
+    /// The slave at a place of the order.
+    pub(crate) fn at(&self, place: usize) -> Option<Axis> {
+        let known = place < self.slaves.0.count_ones() as usize;
+        self.axes.get(place).filter(|_| known).and_then(|axis| Axis::new(*axis as usize))
+    }
+}

@@ -1,0 +1,37 @@
+//! The motion of a slave in time, for readers: velocity and acceleration from those of its master.
+//!
+//! In: the place in the slave's piece, whose parameter is the master's progress, and the motion of the master. Out: a
+//! motion in time. Integers only, so every machine derives the same bits. Cannot fail.
+use crate::piece::{Motion, Recip, Scaled};
+use crate::real::Real;
+
+/// 10⁶ has 44 leading zeros: 1/ms in ns.
+const PER_MS: Recip = Recip { m: (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64, shift: 44 };
+/// 2²²/10⁶: [`Motion::velocity`] takes the 10⁶ units of a ms for a million units of Pos.
+const UNITS: Real = Real::new(false, (1 << 63) / 15625, -47);
+
+/// A motion of this velocity, pulse/ms, and acceleration, pulse/ms².
+fn of(velocity: Real, acceleration: Real) -> Motion {
+    let half = acceleration.scale(-1);
+    let frac = (62 - velocity.width().max(half.width())).clamp(0, 120);
+    if velocity.is_zero() && half.is_zero() {
+        return Motion::REST;
+    }
+    let c = [velocity.to_i64(frac), half.to_i64(frac), 0];
+    Motion { c, frac: frac as u32, tau: 0, recip: PER_MS }
+}
+
+/// The motion of a slave in time. `down`: its progress is the master's position with its sign changed.
+pub fn compose(slave: Motion, down: bool, master: Motion) -> Motion {
+    let real = |x: Scaled| Real::from_scaled(x);
+    let (speed, change) = (real(master.velocity()), real(master.acceleration()));
+    let ratio = real(slave.velocity()).mul(UNITS);
+    let ratio = if down { ratio.negate() } else { ratio };
+    let bend = real(slave.acceleration()).mul(UNITS).mul(UNITS);
+    of(ratio.mul(speed), bend.mul(speed).mul(speed).add(ratio.mul(change)))
+}
+
+/// A master that has gone `way` units of Pos in `period` ns.
+pub fn straight(way: i64, period: u64) -> Motion {
+    Motion { c: [way, 0, 0], frac: crate::units::Pos::FRAC_BITS, tau: 0, recip: Recip::of(period) }
+}

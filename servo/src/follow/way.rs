@@ -1,0 +1,294 @@
+//! The way of a master inside one tick: a few places in order of time, monotone between them.
+//!
+//! In: the pieces that a master runs in the tick, or two samples. Out: a [`Way`] from the tick in force to
+//! the next, turning points included; where the master is at an instant of it, and when it is somewhere.
+//! Cannot fail. What it leaves out: where more than one knot lies in the tick, the way between the first
+//! and the last of them is a straight line, and so is the way of a slave that is followed itself between its places.
+use super::shape::{bend, slope};
+use crate::piece::Piece;
+use crate::units::{Ns, Pos};
+use crate::wide::{mulhi_su, umulhi};
+
+/// Places on a way at most: begin and end, two turning points in either of two pieces, both sides of
+/// what lies between them.
+pub const SPOTS: usize = 8;
+/// Time in 2⁻³² ns.
+pub(super) type Fine = u128;
+
+/// A place on the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Spot {
+    /// Time since the tick in force, 2⁻³² ns.
+    pub after: u64,
+    /// Where the master is.
+    pub pos: Pos,
+    /// Along which piece it came here: 0 a straight line, 1 or 2.
+    along: u8,
+}
+
+/// Places in order of time; the first is that of the tick in force.
+#[derive(Debug, Clone, Copy)]
+pub struct Track {
+    spots: [Spot; SPOTS],
+    count: u8,
+}
+
+/// The way of one tick.
+#[derive(Debug, Clone, Copy)]
+pub struct Way {
+    /// The tick in force.
+    now: Ns,
+    track: Track,
+    /// Pieces along which it goes, and what has to be added to their positions.
+    pieces: [Piece; 2],
+    shift: i64,
+}
+
+/// From one place to the next.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stretch<'a> {
+    way: &'a Way,
+    pub(super) from: Spot,
+    pub(super) to: Spot,
+}
+
+impl Spot {
+    /// A place reached straight.
+    pub(super) fn straight(after: u64, pos: Pos) -> Spot {
+        Spot { after, pos, along: 0 }
+    }
+}
+
+impl Track {
+    /// A place.
+    pub(super) fn begin(from: Pos) -> Track {
+        let first = Spot { after: 0, pos: from, along: 0 };
+        Track { spots: [first; SPOTS], count: 1 }
+    }
+
+    /// The next place. Where no room is left, the last one moves there.
+    pub(super) fn push(&mut self, after: u64, pos: Pos, along: u8) {
+        let index = (self.count as usize).min(SPOTS - 1);
+        if let Some(place) = self.spots.get_mut(index) {
+            *place = Spot { after, pos, along };
+        }
+        self.count = index as u8 + 1;
+    }
+
+    /// Whether it goes straight from a tick to the next.
+    #[inline(always)]
+    pub(super) fn is_straight(&self) -> bool {
+        self.count <= 2
+    }
+
+    fn spots(&self) -> &[Spot] {
+        self.spots.get(..self.count as usize).unwrap_or_default()
+    }
+
+    /// The last place.
+    pub(super) fn last(&self) -> Spot {
+        self.spots().last().copied().unwrap_or_default()
+    }
+}
+
+impl Way {
+    /// A straight line from a tick to the next.
+    pub fn line(now: Ns, period: Ns, from: Pos, to: Pos) -> Way {
+        let mut way = Way::begin(now, from, 0);
+        way.push(period.0 << 32, to, 0);
+        way
+    }
+
+    /// Along the pieces of a motion: `piece`, and `before` if that is in force from `now` until the piece begins. Positions of pieces plus `shift` are the master's.
+    pub fn along(now: Ns, period: Ns, before: Option<&Piece>, piece: &Piece, from: Pos, to: Pos, shift: i64) -> Way {
+        let next = Ns(now.0.wrapping_add(period.0));
+        let mut way = Way::begin(now, from, shift);
+        let at = |pos: Pos| Pos(pos.0.wrapping_add(shift));
+        // Instants inside the tick, from now.
+        let entered = piece.begin.0.wrapping_sub(now.0) as i64;
+        let mut since = now;
+        if let Some(before) = before {
+            way.pieces = [*before, *piece];
+            let last = before.begin.0.wrapping_add(before.span);
+            let left = (last.wrapping_sub(now.0) as i64).min(entered).max(0);
+            let rests = piece.span == u64::MAX;
+            if left > 0 && !(rests && left == entered) {
+                way.turns(before, now, Ns(now.0.wrapping_add(left as u64)), 1);
+                let joined = rests || left == entered;
+                let end = if joined { piece.start } else { before.at(before.span.saturating_sub(1)).0 };
+                way.push((left as u64) << 32, at(end), 1);
+            }
+            if left < entered {
+                way.push((entered as u64) << 32, at(piece.start), 0);
+            }
+            since = piece.begin;
+        } else {
+            way.pieces = [*piece, *piece];
+        }
+        if since != next {
+            way.turns(piece, since, next, 2);
+            way.push(period.0 << 32, to, 2);
+        } else if way.last().after != period.0 << 32 {
+            way.push(period.0 << 32, to, 0);
+        }
+        way
+    }
+
+    /// From a place at `now`.
+    pub(super) fn begin(now: Ns, from: Pos, shift: i64) -> Way {
+        Way { now, track: Track::begin(from), pieces: [Piece::default(); 2], shift }
+    }
+
+    /// From place to place of a slave.
+    pub fn of(now: Ns, track: &Track) -> Way {
+        Way { now, track: *track, pieces: [Piece::default(); 2], shift: 0 }
+    }
+
+    fn push(&mut self, after: u64, pos: Pos, along: u8) {
+        self.track.push(after, pos, along);
+    }
+
+    /// The tick in force.
+    pub(super) fn now(&self) -> Ns {
+        self.now
+    }
+
+    /// Stretches in order.
+    pub(super) fn stretches(&self) -> impl Iterator<Item = Stretch<'_>> {
+        let used = self.track.spots();
+        used.iter().zip(used.iter().skip(1)).map(|(from, to)| Stretch { way: self, from: *from, to: *to })
+    }
+
+    /// The last place.
+    pub fn last(&self) -> Spot {
+        self.track.last()
+    }
+
+    /// The turning points of a piece between two instants in it.
+    fn turns(&mut self, piece: &Piece, from: Ns, to: Ns, along: u8) {
+        let begin = from.0.wrapping_sub(self.now.0) << 32;
+        let end = to.0.wrapping_sub(self.now.0) << 32;
+        let sign = |fine| slope(&piece.motion, self.tau(piece, fine)) < 0;
+        let (first, last) = (sign(begin), sign(end));
+        let mut found = [None; 2];
+        if first != last {
+            found = [Some(bisect(begin, end, |fine| sign(fine) == first)), None];
+        } else if piece.motion.c[2] != 0 {
+            let side = |fine| bend(&piece.motion, self.tau(piece, fine)) < 0;
+            if side(begin) != side(end) {
+                let middle = bisect(begin, end, |fine| side(fine) == side(begin));
+                if sign(middle) != first {
+                    let one = bisect(begin, middle, |fine| sign(fine) == first);
+                    found = [Some(one), Some(bisect(middle, end, |fine| sign(fine) != first))];
+                }
+            }
+        }
+        for fine in found.into_iter().flatten() {
+            let pos = self.pos(piece, fine);
+            self.push(fine, pos, along);
+        }
+    }
+
+    /// The parameter of a piece at a time since the tick in force; held inside the piece.
+    fn tau(&self, piece: &Piece, fine: u64) -> u64 {
+        let t = (fine >> 32).wrapping_add(self.now.0).wrapping_sub(piece.begin.0);
+        if t >= piece.span {
+            return u64::MAX;
+        }
+        let recip = piece.motion.recip;
+        let part = (((fine as u32 as u64 as u128) << (recip.shift & 63)) >> 32) as u64;
+        let tau = recip.ratio(t).wrapping_add(piece.motion.tau);
+        tau.saturating_add(part.saturating_add(umulhi(part, recip.m)))
+    }
+
+    /// Where the master is on a piece at a time since the tick in force.
+    fn pos(&self, piece: &Piece, fine: u64) -> Pos {
+        let tau = self.tau(piece, fine);
+        let motion = &piece.motion;
+        let [c1, c2, c3] = motion.c;
+        let s = mulhi_su(c1.wrapping_add(mulhi_su(c2.wrapping_add(mulhi_su(c3, tau)), tau)), tau);
+        Pos(piece.start.0.wrapping_add(crate::piece::to_pos(s, motion.frac)).wrapping_add(self.shift))
+    }
+}
+
+impl<'a> Stretch<'a> {
+    /// No way at all.
+    pub(super) fn still(way: &'a Way, here: Spot) -> Stretch<'a> {
+        Stretch { way, from: here, to: Spot { along: 0, ..here } }
+    }
+
+    fn piece(&self) -> Option<&Piece> {
+        let [first, second] = &self.way.pieces;
+        match self.to.along {
+            0 => None,
+            1 => Some(first),
+            _ => Some(second),
+        }
+    }
+
+    /// Where the master is at a time since the tick in force, inside the stretch.
+    pub(super) fn at(&self, after: u64) -> Pos {
+        if after >= self.to.after {
+            return self.to.pos;
+        }
+        let (low, high) =
+            if self.from.pos <= self.to.pos { (self.from.pos, self.to.pos) } else { (self.to.pos, self.from.pos) };
+        let pos = match self.piece() {
+            Some(piece) => self.way.pos(piece, after),
+            None => {
+                let length = self.to.after.wrapping_sub(self.from.after);
+                let part = share(after.saturating_sub(self.from.after), length);
+                let way = self.to.pos.0.wrapping_sub(self.from.pos.0);
+                Pos(self.from.pos.0.wrapping_add(mulhi_su(way, part)))
+            }
+        };
+        pos.clamp(low, high)
+    }
+
+    /// When the master is at `pos`, which lies on the stretch: a time since the tick in force.
+    pub(super) fn when(&self, pos: Pos) -> u64 {
+        if pos == self.to.pos {
+            return self.to.after;
+        }
+        let up = self.to.pos > self.from.pos;
+        if self.to.along == 0 {
+            let part = share(pos.0.abs_diff(self.from.pos.0), self.to.pos.0.abs_diff(self.from.pos.0));
+            let length = self.to.after.wrapping_sub(self.from.after);
+            return self.from.after.wrapping_add(umulhi(length, part));
+        }
+        bisect(self.from.after, self.to.after, |after| {
+            let at = self.at(after);
+            if up { at < pos } else { at > pos }
+        })
+    }
+}
+
+/// Whether a piece has no turning point from `now` on, for certain.
+pub(super) fn is_plain(piece: &Piece, now: Ns) -> bool {
+    let motion = &piece.motion;
+    let from = motion.recip.ratio(piece.held(now.max(piece.begin))).wrapping_add(motion.tau);
+    let (first, last) = (slope(motion, from), slope(motion, u64::MAX));
+    if first < 0 && last > 0 || first > 0 && last < 0 {
+        return false;
+    }
+    let (first, last) = (bend(motion, from), bend(motion, u64::MAX));
+    motion.c[2] == 0 || !(first < 0 && last > 0 || first > 0 && last < 0)
+}
+
+/// The first time in a range at which something no longer holds, to 2⁻⁴⁰ of the range.
+pub(super) fn bisect(mut low: u64, mut high: u64, holds: impl Fn(u64) -> bool) -> u64 {
+    for _ in 0..40 {
+        let middle = low.wrapping_add(high.wrapping_sub(low) >> 1);
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// a/b in 2⁻⁶⁴ for a < b.
+fn share(a: u64, b: u64) -> u64 {
+    crate::wide::Recip::of(b).ratio(a.min(b.saturating_sub(1)))
+}

@@ -1,0 +1,147 @@
+//! The part of a tick that belongs to axes that follow others.
+//!
+//! In: the tick in which all other axes have taken their step, entries, inputs. Out: the steps of the slaves,
+//! masters before their slaves; what their entries do to outputs. Owns: nothing. Work: as of any axis, and a tick
+//! without slaves does not come here.
+use crate::axis::AxisState;
+use crate::execute::Reach;
+use crate::follow::{Deeds, Input, Value};
+use crate::piece::Motion;
+use crate::port::{AxisInputs, Port};
+use crate::tick::{Lanes, Source, Tick, tell};
+use crate::units::{Axis, AxisMask, Ns};
+use crate::view::{Event, View};
+
+/// The state of an axis, among those before and behind another one, or that one itself.
+struct Others<'a> {
+    before: &'a [AxisState],
+    behind: &'a [AxisState],
+}
+
+impl Others<'_> {
+    fn at(&self, index: usize) -> Option<&AxisState> {
+        let count = self.before.len();
+        if index < count { self.before.get(index) } else { self.behind.get(index.wrapping_sub(count).wrapping_sub(1)) }
+    }
+}
+
+/// The level of an input.
+fn level(inputs: AxisInputs, input: Input) -> bool {
+    match input {
+        Input::LimitPositive => inputs.limit_positive,
+        Input::LimitNegative => inputs.limit_negative,
+        Input::Alarm => inputs.alarm,
+        Input::Home => inputs.home,
+        Input::Arrive => inputs.arrive,
+        Input::General => false,
+    }
+}
+
+impl<const AXES: usize> Tick<AXES> {
+    /// Every slave takes its step, behind its master.
+    #[inline(never)]
+    pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
+        let (now, period) = (self.now, self.period);
+        let general = port.general_inputs();
+        let mut all_follow = true;
+        let (mut on, mut off) = (0u64, 0u64);
+        for place in 0..AXES {
+            let Some(axis) = self.order.at(place) else { break };
+            let index = axis.index();
+            let led = self.order.leaders.has(axis);
+            let Some((before, rest)) = self.axes.split_at_mut_checked(index) else { break };
+            let (Some((state, behind)), Some(store)) = (rest.split_first_mut(), lanes.segments.get(index)) else {
+                break;
+            };
+            let others = Others { before, behind };
+            let mut deeds = Deeds::default();
+            let raw = state.raw;
+            let master =
+                state.master().and_then(|(axis, value)| Some(others.at(axis.index())?.seen(value, now, period)));
+            let stopped = if let Some(seen) = master {
+                let levels = |input: Input, index: u8| match input {
+                    Input::General => general >> (index & 31) & 1 == 1,
+                    _ => level(others.at(index as usize).map_or(raw, |other| other.raw), input),
+                };
+                state.step_follow(&seen, led, self.step_limit, store, levels, &mut deeds)
+            } else if state.runs() {
+                // A stop or an update has come between.
+                state.step(next, false, &Source { segments: store, tables: lanes.tables })
+            } else {
+                None
+            };
+            if let Some(reason) = stopped {
+                tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+            }
+            if state.is_braking() {
+                let motion = self.motion(axis);
+                if let Some(state) = self.axes.get_mut(index) {
+                    state.brake(next, motion);
+                }
+            }
+            for (group, bit, high) in deeds.outputs.into_iter().flatten() {
+                let mask = 1u64 << (bit & 63);
+                let set = |word: u64| if high { word | mask } else { word & !mask };
+                match group {
+                    0 => (on, off) = if high { (on | mask, off & !mask) } else { (on & !mask, off | mask) },
+                    1 => self.clear = set(self.clear),
+                    _ => self.general = set(self.general as u64) as u32,
+                }
+            }
+            let Some(state) = self.axes.get_mut(index) else { break };
+            all_follow &= state.follows();
+            if state.news {
+                state.settle();
+            }
+            port.set_point(axis, state.set_point());
+            self.catch_up(axis, lanes.view.buffer());
+        }
+        if on | off != 0 {
+            let Lanes { events, samples, segments, tables, .. } = lanes;
+            let mut reach = Reach { events, samples, segments, tables: *tables };
+            self.servo(AxisMask(on), true, next, &mut reach);
+            self.servo(AxisMask(off), false, next, &mut reach);
+            for axis in AxisMask(on | off).axes() {
+                if let Some(state) = self.axes.get_mut(axis.index()) {
+                    state.settle();
+                }
+                self.catch_up(axis, lanes.view.buffer());
+            }
+            all_follow = false;
+        }
+        if !all_follow {
+            self.renew_order();
+        }
+    }
+
+    /// The view of an axis becomes that of its state.
+    fn catch_up(&self, axis: Axis, view: &mut View<AXES>) {
+        let index = axis.index();
+        if let (Some(state), Some(shown), Some(inputs)) =
+            (self.axes.get(index), view.axes.get_mut(index), view.inputs.get_mut(index))
+            && shown.moves != state.shown.moves
+        {
+            if shown.changes != state.shown.changes {
+                *inputs = state.raw;
+            }
+            shown.follow(&state.shown);
+        }
+    }
+
+    /// Somebody follows now, or no longer.
+    #[inline(never)]
+    pub(crate) fn renew_order(&mut self) {
+        let axes = &self.axes;
+        self.order.renew(self.used, |axis| {
+            let (master, value) = axes.get(axis.index())?.master()?;
+            Some(if matches!(value, Value::Planned | Value::PlannedFiltered) { master } else { axis })
+        });
+    }
+
+    /// The motion of an axis in time, as it stands.
+    #[inline(never)]
+    pub(crate) fn motion(&self, axis: Axis) -> Motion {
+        let of = |axis: Axis| Some(&self.axes.get(axis.index())?.shown);
+        of(axis).map_or(Motion::REST, |shown| crate::view::motion(of, shown, self.period))
+    }
+}

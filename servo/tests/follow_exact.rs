@@ -1,0 +1,333 @@
+//! Follow against exact arithmetic on the doubles as given (SPEC 11): random tables, both ways, many passes.
+//!
+//! The reference counts in 2⁻³²⁰ and divides; it never approximates. The long run is asked for with FOLLOW_TABLES.
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{Signed, ToPrimitive, Zero};
+use servo::follow::{Chain, Context, Deeds, Direction, Entry, FollowRun, Refused, Setup, State, Way};
+use servo::pt::SegmentStore;
+use servo::units::{Exact, Ns, Pos};
+
+mod chance;
+use chance::Chance;
+
+const BITS: usize = 320;
+const TICK: Ns = Ns(250_000);
+
+fn big(x: f64) -> BigInt {
+    let exact = BigRational::from_float(x).unwrap() * BigRational::from_integer(BigInt::from(1) << BITS);
+    assert!(exact.is_integer());
+    exact.to_integer()
+}
+
+fn big_pos(x: i64) -> BigInt {
+    BigInt::from(x) << (BITS - 22)
+}
+
+fn mul(a: &BigInt, b: &BigInt) -> BigInt {
+    (a * b) >> BITS
+}
+
+fn to_f64(x: &BigInt) -> f64 {
+    (x >> (BITS - 120)).to_f64().unwrap() / 2f64.powi(120)
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Datum {
+    master: f64,
+    slave: f64,
+    kind: i16,
+    percent: i16,
+}
+
+/// A segment of the reference.
+#[derive(Clone, Debug)]
+struct Truth {
+    m0: BigInt,
+    m1: BigInt,
+    s0: BigInt,
+    p: BigInt,
+    /// Displacement at the start ratio.
+    a: BigInt,
+    percent: i64,
+}
+
+/// The segments of a pass whose CONTINUE starts at `carried` (2^-BITS), and the end ratio.
+fn truth(data: &[Datum], carried: &BigInt) -> (Vec<Truth>, BigInt) {
+    let (mut m, mut s, mut r) = (BigInt::zero(), BigInt::zero(), BigInt::zero());
+    let mut out = Vec::new();
+    for (i, d) in data.iter().enumerate() {
+        let (m1, s1) = (big(d.master.abs()), big(d.slave));
+        let (len, p) = (&m1 - &m, &s1 - &s);
+        if i == 0 && d.kind == 3 {
+            r = carried.clone();
+        }
+        let ratio = |x: &BigInt| (x << BITS) / &len;
+        let (a, end) = match d.kind {
+            1 => (p.clone(), ratio(&p)),
+            2 => (&p * 2, BigInt::zero()),
+            _ => (mul(&r, &len), ratio(&(&p * 2)) - &r),
+        };
+        out.push(Truth { m0: m, m1: m1.clone(), s0: s, p, a, percent: d.percent as i64 });
+        (m, s, r) = (m1, s1, end);
+    }
+    (out, r)
+}
+
+impl Truth {
+    /// Slave at the progress `x` of the pass.
+    fn at(&self, x: &BigInt) -> BigInt {
+        let (y, len) = (x - &self.m0, &self.m1 - &self.m0);
+        let tau = (&y << BITS) / &len;
+        let (a, p, c) = (&self.a, &self.p, self.percent);
+        let half = p - a;
+        let square = mul(&tau, &tau);
+        let moved = if c == 0 {
+            mul(a, &tau) + mul(&half, &square)
+        } else {
+            // Slope of the ratio, times M²: (R1 − R0)/(1 − k), k = c/200.
+            let top: BigInt = &half * 2 * 200 / (200 - c);
+            let k: BigInt = (BigInt::from(c) << BITS) / 200;
+            let one: BigInt = BigInt::from(1) << BITS;
+            if tau < k {
+                mul(a, &tau) + ((&top * &tau * &square / &k) >> BITS) / 6
+            } else if tau < &one - &k {
+                // a·τ + top·((τ − k/2)²/2 + k²/24)
+                let late = &tau - &k / 2;
+                mul(a, &tau) + mul(&top, &(mul(&late, &late) / 2 + mul(&k, &k) / 24))
+            } else {
+                let left = &one - &tau;
+                let r1 = p * 2 - a;
+                p - (mul(&r1, &left) - ((&top * &left * mul(&left, &left) / &k) >> BITS) / 6)
+            }
+        };
+        &self.s0 + moved
+    }
+}
+
+/// Admits random data; what is refused is drawn again.
+fn draw(chance: &mut Chance, count: usize, negative: bool) -> (Vec<Datum>, SegmentStore, Chain) {
+    let store = SegmentStore::new();
+    let (mut data, mut chain) = (Vec::new(), Chain::default());
+    let (mut master, mut slave) = (0f64, 0f64);
+    let scale = (chance.below(2) == 0).then(|| (chance.log(1e-3, 2f64.powi(31)), chance.log(1e-3, 1e7)));
+    while data.len() < count {
+        for attempt in 0..20 {
+            let (size, length) = match scale {
+                Some((size, length)) => (size * chance.unit(), length * (0.5 + chance.unit())),
+                None => (chance.log(1e-3, 2f64.powi(31)), chance.log(1e-3, 2f64.powi(31))),
+            };
+            let whole = chance.below(3) == 0;
+            let m = if whole { (master + length).ceil() } else { master + length };
+            let s = slave + size * chance.sign();
+            let s = if chance.below(3) == 0 { s.round() } else { s };
+            if m > 2f64.powi(31) {
+                continue;
+            }
+            let kind =
+                if attempt > 10 { 1 + chance.below(2) } else { [0, 0, 0, 0, 1, 2][chance.below(6) as usize] } as i16;
+            let percent = [0, 0, 100, 50, chance.below(101) as i16][chance.below(5) as usize];
+            let datum = Datum { master: if negative { -m } else { m }, slave: s, kind, percent };
+            if let Ok((entry, next)) =
+                Entry::segment(datum.master.to_bits(), s.to_bits(), kind, percent, Direction::Both, &chain)
+            {
+                store.write_entry(0, data.len() as u32, entry);
+                (chain, master, slave) = (next, m, s);
+                data.push(datum);
+                break;
+            }
+            if attempt == 19 && !data.is_empty() {
+                return (data, store, chain);
+            }
+        }
+    }
+    (data, store, chain)
+}
+
+/// A run with its surroundings, whose master goes where it is told.
+struct Bench<'a> {
+    run: FollowRun,
+    setup: Setup,
+    store: &'a SegmentStore,
+    master: i64,
+    now: Ns,
+}
+
+impl<'a> Bench<'a> {
+    fn new(store: &'a SegmentStore, chain: &Chain, passes: u32, origin: Exact, master: i64) -> Bench<'a> {
+        let mut setup = Setup::POWER_ON;
+        setup.passes = passes;
+        setup.commit(0, chain.entries(), chain.tail(), store);
+        let mut bench = Bench { run: FollowRun::begin(&setup, origin, 0), setup, store, master, now: Ns(0) };
+        assert_eq!(bench.go(master), State::Running);
+        bench
+    }
+
+    fn go(&mut self, to: i64) -> State {
+        let way = Way::line(self.now, TICK, Pos(self.master), Pos(to));
+        let mut deeds = Deeds::default();
+        let mut context = Context::new(&mut self.setup, self.store, |_, _| false, &mut deeds);
+        let state = self.run.step(&way, 0, &mut context, None);
+        (self.master, self.now) = (to, Ns(self.now.0 + TICK.0));
+        state
+    }
+
+    fn pos(&self) -> i64 {
+        self.run.place().0.0
+    }
+}
+
+fn ceil(x: &BigInt) -> i64 {
+    let unit = BITS - 22;
+    ((x + (BigInt::from(1) << unit) - 1u32) >> unit).to_i64().unwrap()
+}
+
+#[test]
+fn random_tables_both_ways() {
+    let tables: u32 = std::env::var("FOLLOW_TABLES").map_or(1500, |n| n.parse().unwrap());
+    let seed: u64 = std::env::var("FOLLOW_SEED").map_or(1, |n| n.parse().unwrap());
+    let mut chance = Chance::new(seed);
+    let (mut worst, mut knots, mut points) = (0f64, 0u64, 0u64);
+    for _ in 0..tables {
+        let count = 1 + chance.below(24) as usize;
+        let negative = chance.below(2) == 0;
+        let (data, store, chain) = draw(&mut chance, count, negative);
+        let (table, _) = truth(&data, &BigInt::zero());
+        let sign = if negative { -1 } else { 1 };
+        let start = (chance.below(1 << 30) as i64 - (1 << 29)) * 12345;
+        let origin = Exact(((chance.below(1 << 40) as i128) << 40) - (1 << 79));
+        let passes = 1 + chance.below(3) as u32;
+        let mut bench = Bench::new(&store, &chain, passes, origin, start);
+        let last = table.last().unwrap();
+        let (length, way) = (last.m1.clone(), &last.s0 + &last.p);
+        let mut check = |bench: &mut Bench, progress: i64, knot: bool| {
+            assert_eq!(bench.go(start + sign * progress), State::Running);
+            let x = big_pos(progress);
+            let pass = if x < BigInt::zero() { BigInt::zero() } else { &x / &length };
+            let local = &x - &pass * &length;
+            let segment = table.iter().find(|t| local < t.m1).unwrap();
+            let slave = if local < BigInt::zero() { BigInt::zero() } else { segment.at(&local) };
+            let truth = (BigInt::from(origin.0) << (BITS - 64)) + &pass * &way + slave;
+            let error = to_f64(&(&truth - big_pos(bench.pos())).abs());
+            assert!(error <= 2f64.powi(-16), "{error:e} at {progress} {data:?}");
+            if knot {
+                assert!(error <= 2f64.powi(-23) * 1.0001, "knot {error:e} at {progress} {data:?}");
+                knots += 1;
+            }
+            points += 1;
+            worst = worst.max(error);
+        };
+        for pass in 0..passes {
+            let began = &length * pass;
+            for segment in &table {
+                let (from, to) = (ceil(&(&began + &segment.m0)), ceil(&(&began + &segment.m1)));
+                let exact = big_pos(from) == &began + &segment.m0;
+                if exact {
+                    check(&mut bench, from, true);
+                }
+                for _ in 0..3 {
+                    let inside = from + (chance.unit() * (to - from) as f64) as i64;
+                    if inside < to && inside >= from {
+                        check(&mut bench, inside, false);
+                    }
+                }
+            }
+            // Anywhere, before the start too.
+            let all = ceil(&(&length * passes));
+            for _ in 0..3 {
+                let anywhere = (chance.unit() * all as f64) as i64 - if chance.below(4) == 0 { all / 2 } else { 0 };
+                check(&mut bench, anywhere, false);
+            }
+        }
+        let end = ceil(&(&length * passes));
+        let total = (BigInt::from(origin.0) << (BITS - 64)) + &way * passes;
+        let State::Ended { at } = bench.go(start + sign * end) else { panic!("runs on: {data:?}") };
+        // A slave position below 2⁻¹¹ pulse is a multiple of 2⁻⁶⁴; the others are exact.
+        let error = (total - (BigInt::from(at.0) << (BITS - 64))).abs();
+        assert!(error <= BigInt::from(passes) << (BITS - 65));
+    }
+    println!(
+        "{tables} tables, {points} points, {knots} of them knots: worst {worst:e} pulse, {} of the bound",
+        worst * 65536.0
+    );
+    assert!(knots > 100);
+}
+
+#[test]
+fn a_million_passes_accumulate_nothing() {
+    // 0.1 pulse of the slave in 333.3 of the master.
+    let store = SegmentStore::new();
+    let mut chain = Chain::default();
+    let data = [(100.1f64, 0.07f64, 0), (333.3, 0.1, 2)];
+    for (i, (m, s, kind)) in data.into_iter().enumerate() {
+        let (entry, next) = Entry::segment(m.to_bits(), s.to_bits(), kind, 0, Direction::Both, &chain).unwrap();
+        store.write_entry(0, i as u32, entry);
+        chain = next;
+    }
+    let mut bench = Bench::new(&store, &chain, 0, Exact(0), 0);
+    let mut places = Vec::new();
+    let exact = |progress: i64, passes: i64| {
+        assert!(big(333.3) * passes <= big_pos(progress) && big_pos(progress) < big(333.3) * (passes + 1));
+        big(0.1) * passes
+    };
+    for pass in [1i64, 2, 3, 1000, 999_999, 1_000_000] {
+        let progress = ceil(&(big(333.3) * pass));
+        assert_eq!(bench.go(progress), State::Running);
+        assert_eq!(bench.run.passes() as i64, pass);
+        let error = to_f64(&(exact(progress, pass) - big_pos(bench.pos())).abs());
+        // Less than a unit behind the knot, where the ratio is below 0.002.
+        assert!(error <= 2f64.powi(-22), "{error:e}");
+        places.push((progress, bench.pos()));
+    }
+    // Step by step through many ends of passes, then back to each of them.
+    for step in 0..20_000 {
+        assert_eq!(bench.go(places[5].0 - step * 14_000_000), State::Running);
+    }
+    for (progress, pos) in places.into_iter().rev() {
+        assert_eq!(bench.go(progress), State::Running);
+        assert_eq!(bench.pos(), pos);
+    }
+    assert_eq!(bench.go(-5), State::Running);
+    assert_eq!(bench.pos(), 0);
+}
+
+#[test]
+fn refusals_name_the_rule() {
+    let admit = |m: f64, s: f64, kind, percent, direction, chain: &Chain| {
+        Entry::segment(m.to_bits(), s.to_bits(), kind, percent, direction, chain)
+    };
+    let both = Direction::Both;
+    let empty = Chain::default();
+    let refused =
+        |m, s, kind, percent, direction, chain: &Chain| admit(m, s, kind, percent, direction, chain).unwrap_err();
+    assert_eq!(refused(f64::NAN, 0.0, 0, 0, both, &empty), Refused::MasterNotFinite);
+    assert_eq!(refused(1.0, f64::INFINITY, 0, 0, both, &empty), Refused::SlaveNotFinite);
+    assert_eq!(refused(2f64.powi(31) + 1.0, 0.0, 0, 0, both, &empty), Refused::MasterBeyondRange);
+    assert_eq!(refused(1.0, -2f64.powi(41), 0, 0, both, &empty), Refused::SlaveBeyondTravel);
+    assert_eq!(refused(0.0, 1.0, 0, 0, both, &empty), Refused::NotAdvancing);
+    assert_eq!(refused(2f64.powi(-21), 1.0, 0, 0, both, &empty), Refused::NotAdvancing);
+    assert_eq!(refused(-1.0, 1.0, 0, 0, Direction::Up, &empty), Refused::Negative);
+    assert_eq!(refused(1.0, 1.0, 4, 0, both, &empty), Refused::Kind);
+    assert_eq!(refused(1.0, 1.0, 0, 101, both, &empty), Refused::Percent);
+    assert_eq!(refused(1e-6, 1e12, 0, 0, both, &empty), Refused::TooSteep);
+    let (_, up) = admit(100.0, 1.0, 0, 0, both, &empty).unwrap();
+    assert_eq!(refused(100.0, 1.0, 0, 0, both, &up), Refused::NotAdvancing);
+    assert_eq!(refused(-200.0, 1.0, 0, 0, both, &up), Refused::NotAdvancing);
+    let (_, down) = admit(-100.0, 1.0, 0, 0, Direction::Down, &empty).unwrap();
+    assert_eq!(refused(200.0, 1.0, 0, 0, both, &down), Refused::NotAdvancing);
+    assert!(admit(-200.0, 1.0, 0, 0, both, &down).is_ok());
+    assert!(admit(100.0, 1.0, 0, 0, Direction::Down, &empty).is_ok());
+    let (_, steep) = admit(1.0, 1e6, 1, 0, both, &empty).unwrap();
+    assert_eq!(refused(2e9, 1e6, 0, 0, both, &steep), Refused::TooFar);
+    let mut chain = empty;
+    for _ in 0..16 {
+        chain = Entry::delay(1, &chain).unwrap().1;
+    }
+    assert_eq!(Entry::delay(1, &chain).unwrap_err(), Refused::StopsFull);
+    assert_eq!(chain.stops(), 16);
+    for i in 0..496 {
+        chain = admit(i as f64 + 1.0, 0.0, 0, 0, both, &chain).unwrap().1;
+    }
+    assert_eq!(chain.entries(), 512);
+    assert_eq!(refused(1000.0, 0.0, 0, 0, both, &chain), Refused::Full);
+}
