@@ -29,7 +29,8 @@ macro_rules! reasons {
         #[repr(u16)]
         pub enum Reason { $( #[doc = $text] $name = $number, )* }
         /// Every reason: its number, its return code and its text. In the text `{field}` is the
-        /// parameter's name, `{got}` what was given, `{low}` and `{high}` the limits, `{axis}` the axis.
+        /// parameter's name, `{got}` what was given, `{low}` and `{high}` the limits, `{axis}` the axis, `{cause}`
+        /// the [`laser_cause`] whose number is `high`.
         pub const REASONS: &[(Reason, Code, &str)] = &[$( (Reason::$name, Code::$code, $text), )*];
         impl Reason {
             /// The reason with this number.
@@ -102,8 +103,8 @@ reasons! {
     90 QueueEntries State "axis {axis}: {high} entries other than segments are in its FIFOs, which is the most";
     100 AboveLow Range "{field} is {got}; it must be above {low} and at most {high}";
     101 BelowMinimum Range "{field} is {got}; it must not be below the minimum, {low}";
-    102 LaserFault State "laser channel {got} is kept dark by a latched fault (cause {high}); once its cause is gone call ClrLaserFault";
-    103 LaserCause State "laser channel {got}: the cause of the fault (cause {high}) is still there";
+    102 LaserFault State "laser channel {got} is kept dark by a fault: {cause}; once that is over call ClrLaserFault";
+    103 LaserCause State "laser channel {got}: the cause of its fault is still there: {cause}";
     104 LaserConnector State "laser channel {got}: axis connector {high} carries step pulses; call SetAxisMode({high}, 1) first";
     105 AnalogInUse State "analog output {got} belongs to laser channel {low}, which is in analog mode";
     106 NotInFamily Unknown "the laser connectors of this family are fixed: it has no such call";
@@ -166,6 +167,19 @@ impl Refusal {
     }
 }
 
+/// Why a laser channel is dark until it is cleared, by the number that GetLaserFault tells (SPEC 9).
+pub const fn laser_cause(number: i16) -> &'static str {
+    match number {
+        0 => "none",
+        1 => "the interlock or emergency-stop input is active",
+        2 => "the host link was lost",
+        3 => "a servo tick began late",
+        4 => "the run before was ended by a fault or the watchdog",
+        5 => "there were more gate edges than the channel can place",
+        _ => "one that this client does not know",
+    }
+}
+
 /// A refusal as text: the command's name, then the reason's text with its placeholders filled in.
 ///
 /// `field` is the name of the parameter; an empty one is printed as "the value".
@@ -210,6 +224,7 @@ impl Display for Description<'_> {
                 "got" => plain(f, refusal.got.get())?,
                 "low" => plain(f, refusal.low.get())?,
                 "high" => plain(f, refusal.high.get())?,
+                "cause" => f.write_str(laser_cause(refusal.high.get() as i16))?,
                 "axis" => write!(f, "{}", refusal.axis.get())?,
                 _ => write!(f, "{{{name}}}")?,
             }

@@ -6,7 +6,10 @@
 use crate::points::records;
 use client::Call;
 use job::{Action, Job};
-use protocol::command::{AxisStatus, PtData, PtDataMany, PtItem, Request, Sleep, Stop, Trace, VersionReply, WaitStop};
+use protocol::command::{
+    AxisStatus, LaserStatus, PtData, PtDataMany, PtItem, Request, SetHSIOOpt, Sleep, Stop, Trace, VersionReply,
+    WaitStop,
+};
 use zerocopy::FromBytes;
 
 /// Segments in one record, at most: two records fit in a frame.
@@ -35,6 +38,11 @@ pub enum From {
         /// First axis of the reply.
         axis: i16,
     },
+    /// Behind the script: whether it left this laser channel on.
+    LeftLaser {
+        /// Channel from 0.
+        channel: u8,
+    },
     /// Behind the script: the program's own end.
     End,
 }
@@ -45,7 +53,7 @@ impl Entry {
         match &self.from {
             From::Step(step) => Some(*step),
             From::Items(steps) => steps.get(usize::from(item)).or(steps.first()).copied(),
-            From::Left { .. } | From::End => None,
+            From::Left { .. } | From::LeftLaser { .. } | From::End => None,
         }
     }
 }
@@ -55,7 +63,19 @@ pub fn all_axes(version: &VersionReply) -> u32 {
     1u32.checked_shl(version.axes_per_core.into()).unwrap_or(0).wrapping_sub(1)
 }
 
-/// The script's entries, then: what still moves is read, stopped smoothly and waited for, and a trace ends.
+/// Laser channels that the job used and the controller has.
+pub fn lasers(job: &Job, version: &VersionReply) -> impl Iterator<Item = u8> {
+    let used = job.lasers;
+    (0..version.lasers.min(8)).filter(move |channel| used >> channel & 1 == 1)
+}
+
+/// The call that switches a laser off.
+pub fn laser_off(channel: u8) -> SetHSIOOpt {
+    SetHSIOOpt { core: 1.into(), value: 0.into(), channel: i16::from(channel).into() }
+}
+
+/// The script's entries, then: lasers that are on and what still moves are read, switched off, stopped smoothly and
+/// waited for, and a trace ends.
 pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
     let mut entries = Vec::with_capacity(job.steps.len() + 16);
     let mut run: Option<Run> = None;
@@ -87,6 +107,11 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
         }
     }
     finish(&mut entries, &mut run);
+    for channel in lasers(job, version) {
+        let status = LaserStatus { core: 1.into(), channel: i16::from(channel).into() };
+        entries.push(Entry { call: Call::of(status), from: From::LeftLaser { channel } });
+        entries.push(Entry { call: Call::of(laser_off(channel)), from: From::End });
+    }
     leave(&mut entries, job, version);
     if traced {
         entries.push(Entry { call: Call::of(Trace::default()), from: From::End });
@@ -170,7 +195,7 @@ mod tests {
     }
 
     fn version() -> VersionReply {
-        VersionReply { cores: 1, axes_per_core: 8, ..VersionReply::default() }
+        VersionReply { cores: 1, axes_per_core: 8, lasers: 2, ..VersionReply::default() }
     }
 
     fn of(text: &str) -> Vec<Entry> {
@@ -203,5 +228,9 @@ mod tests {
         assert_eq!((stop.mask.get(), stop.option.get(), stop.form), (0xff, 0, 0));
         assert_eq!(found[4].call, wait(1, 0xff, 0));
         assert_eq!(of("Sleep(1);").len(), 1);
+        let found = of("GT_LaserOn(1); GT_LaserOn(5);");
+        assert_eq!(found.len(), 4);
+        assert_eq!(found[2].from, From::LeftLaser { channel: 1 });
+        assert_eq!(found[3].call, Call::of(laser_off(1)));
     }
 }

@@ -3,7 +3,8 @@ use crate::Failure;
 use crate::command_line::Info;
 use crate::connect::{linked, simulated};
 use crate::profile;
-use protocol::command::{GetClock, GetFault};
+use crate::summary::laser;
+use protocol::command::{GetClock, GetFault, LaserStatus};
 
 /// Prints version, board, profile, counts and limits.
 pub fn show(arguments: &Info) -> Result<(), Failure> {
@@ -34,6 +35,10 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         1 => say!("last fault  panic: {text}"),
         2 => say!("last fault  core fault: {text}"),
         _ => say!("last fault  interrupt that nobody serves: {text}"),
+    }
+    for channel in 0..version.lasers {
+        let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
+        say!("laser {channel}     {}", laser(&state));
     }
     say!("limits      travel ±2^40 pulses, velocity below 2^32 pulse/ms, PT FIFO 2 x 32 or 2 x 1024 segments");
     say!(

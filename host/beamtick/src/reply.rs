@@ -65,10 +65,33 @@ pub fn reply(opcode: u16, mut body: &[u8]) -> String {
     text.join(" ")
 }
 
+/// What a laser command did not take as it was given: a text for each bit of its reply's `held`.
+pub fn held(opcode: u16, mut body: &[u8]) -> Vec<String> {
+    let Some(info) = COMMANDS.iter().find(|info| info.opcode == opcode) else { return Vec::new() };
+    // LaserStatus uses the word for a state.
+    if info.reply.last().is_none_or(|(name, _)| *name != "held") {
+        return Vec::new();
+    }
+    let mut values = fields(info.reply, &mut body);
+    let bits: u8 = values.pop().and_then(|(_, bits)| bits.parse().ok()).unwrap_or(0);
+    let mut texts: Vec<String> = Vec::new();
+    for (place, (name, value)) in values.iter().enumerate() {
+        if bits >> place & 1 == 1 {
+            let name = if *name == "value" { "the value" } else { name };
+            texts.push(format!("{name} is out of range; {value} is taken"));
+        }
+    }
+    if bits >> 7 == 1 {
+        texts.push("the pulse width reaches the period; it is limited to just under it".into());
+    }
+    texts
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use protocol::command::{GetJogPrm, GetPrfPos, GetSts, JogPrm, Long, PtData, PtSpace, Real, Reals, Request, Short};
+    use protocol::command::{LaserBounds, LaserPowerMode, LaserState, LaserStatus, LaserValue, SetPulseWidth};
     use zerocopy::IntoBytes;
 
     #[test]
@@ -92,5 +115,19 @@ mod tests {
         let jog = JogPrm { acc: 1.0.into(), dec: 0.5.into(), smooth: 0.0.into() };
         assert_eq!(reply(GetJogPrm::OPCODE, jog.as_bytes()), "acc 1 dec 0.5 smooth 0");
         assert_eq!(reply(PtSpace::OPCODE, &[1]), "");
+    }
+
+    #[test]
+    fn what_was_held_is_named() {
+        let bounds = |held| LaserBounds { max: 24.0.into(), min: 0.5.into(), held }.as_bytes().to_vec();
+        assert!(held(LaserPowerMode::OPCODE, &bounds(0)).is_empty());
+        assert_eq!(held(LaserPowerMode::OPCODE, &bounds(1)), ["max is out of range; 24 is taken"]);
+        assert_eq!(held(LaserPowerMode::OPCODE, &bounds(3)).len(), 2);
+        let value = LaserValue { value: 4000.0.into(), held: 0x81 };
+        let texts = held(SetPulseWidth::OPCODE, value.as_bytes());
+        assert_eq!(texts[0], "the value is out of range; 4000 is taken");
+        assert!(texts[1].contains("limited"), "{texts:?}");
+        assert!(held(LaserStatus::OPCODE, LaserState { held: 1, ..LaserState::default() }.as_bytes()).is_empty());
+        assert!(held(PtSpace::OPCODE, Short { value: 32.into() }.as_bytes()).is_empty());
     }
 }

@@ -8,7 +8,7 @@ use crate::{profile, reply};
 use client::{Answer, Dry, Error, Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use job::{Action, Severity};
-use protocol::command::{AxisStatus, VersionReply};
+use protocol::command::{AxisStatus, LaserStatus, VersionReply};
 use protocol::reason::Reason;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,6 +28,8 @@ pub struct Report<'a> {
     interrupt: Arc<AtomicBool>,
     /// Axes that still moved when the script ended: core and axis.
     pub left: Vec<(i16, i16)>,
+    /// Laser channels that were still on when the script ended.
+    pub left_lasers: Vec<u8>,
     /// Calls that failed and were allowed to.
     pub warned: u32,
     /// The PT streams as they were last, and the shortest time to dry that each showed.
@@ -48,7 +50,18 @@ impl<'a> Report<'a> {
         if let Ok(style) = ProgressStyle::with_template("{elapsed:>5} [{bar:30}] {pos}/{len} {msg}") {
             bar.set_style(style);
         }
-        Report { source, entries, version, quiet, bar, interrupt, left: Vec::new(), warned: 0, streams: Vec::new() }
+        Report {
+            source,
+            entries,
+            version,
+            quiet,
+            bar,
+            interrupt,
+            left: Vec::new(),
+            left_lasers: Vec::new(),
+            warned: 0,
+            streams: Vec::new(),
+        }
     }
 
     /// Takes the bar away.
@@ -87,6 +100,18 @@ impl<'a> Report<'a> {
             _ => "",
         };
         self.source.show(step, severity, format!("{name} returned {}: {reason}", answer.code), help)
+    }
+
+    /// What a laser call did not take as it was given is shown at its line.
+    fn held(&self, answer: &Answer) {
+        let texts = reply::held(answer.opcode, &answer.reply);
+        let step = self.entries.get(answer.index as usize).and_then(|entry| entry.step(u16::MAX));
+        let Some(step) = step.and_then(|step| self.source.job.steps.get(step)).filter(|_| !texts.is_empty()) else {
+            return;
+        };
+        let name = if let Action::Call(call) = &step.action { call.function.as_str() } else { "" };
+        let text = self.source.show(step, Severity::Warning, format!("{name}: {}", texts.join(", ")), "");
+        self.bar.suspend(|| complain!("{}", text.trim_end()));
     }
 
     fn read(&self, answer: &Answer) {
@@ -129,7 +154,15 @@ impl Observer for Report<'_> {
                     self.left.push((*core, *axis));
                 }
             }
-            Some(From::Step(_)) => self.read(&answer),
+            Some(From::LeftLaser { channel }) => {
+                if answer.reply::<LaserStatus>().is_some_and(|(state, _)| state.commanded != 0) {
+                    self.left_lasers.push(*channel);
+                }
+            }
+            Some(From::Step(_)) => {
+                self.read(&answer);
+                self.held(&answer);
+            }
             _ => {}
         }
         Ok(())

@@ -1,11 +1,11 @@
 //! `beamtick sim` and `beamtick run`: a job from file to summary.
 //!
 //! In: the command line. Out: reads, files, a summary. When a call fails, or the user interrupts,
-//! everything that still moves is stopped smoothly before the program ends.
+//! lasers are switched off and everything that still moves is stopped smoothly before the program ends.
 use crate::Failure;
 use crate::command_line::{Outputs, Run, Sim};
 use crate::connect::{linked, simulated};
-use crate::entries::{Entry, all_axes, entries};
+use crate::entries::{Entry, all_axes, entries, laser_off, lasers};
 use crate::record::{Recorded, Recording};
 use crate::report::{INTERRUPTED, Report};
 use crate::source::Source;
@@ -77,7 +77,7 @@ fn execute(source: &Source, client: &Client, board: Option<Shared>, outputs: &Ou
                 Ok(true) => "\nWhat still moved was stopped smoothly.",
                 Ok(false) => "\nNothing moves.",
                 Err(_) => {
-                    "\nThe controller could not be told to stop; it stops Jog axes by itself when the link is lost."
+                    "\nThe controller could not be told to stop; when the link is lost it stops Jog axes and puts out lasers by itself."
                 }
             };
             return Err(match failure {
@@ -211,13 +211,16 @@ pub fn states(client: &Client, job: &Job) -> client::Result<Vec<(Axis, AxisItem)
     Ok(states)
 }
 
-/// Stops everything smoothly on the cores that the job used and waits; true if something moved.
+/// Stops everything smoothly, switches the lasers off that the job used, and waits; true if something moved.
 fn stop_all(client: &Client, job: &Job) -> client::Result<bool> {
     let moves = |states: &[(Axis, AxisItem)]| states.iter().any(|(_, item)| item.status.get() & RUNNING != 0);
     let moved = moves(&states(client, job)?);
     for core in 1..=i16::from(client.version().cores) {
         let mask = all_axes(client.version()).cast_signed();
         client.call(Stop { core: core.into(), mask: mask.into(), option: 0.into(), form: 0 })?;
+    }
+    for channel in lasers(job, client.version()) {
+        client.call(laser_off(channel))?;
     }
     let start = client.now();
     while moves(&states(client, job)?) && client.now().saturating_sub(start) < STOP_END {

@@ -1,13 +1,14 @@
 //! The summary: what a job has done, where its axes are and why they stopped, what the link carried.
 use crate::Failure;
+use crate::entries::lasers;
 use crate::profile;
 use crate::record::Recorded;
 use crate::report::Report;
 use crate::runner::{RUNNING, states};
 use crate::source::Source;
-use client::{Client, Counters, Progress};
+use client::{Client, Counters, Progress, laser_cause};
 use job::Axis;
-use protocol::command::{AxisItem, GetPtState};
+use protocol::command::{AxisItem, GetPtState, LaserState, LaserStatus};
 use std::time::Duration;
 
 /// Profile mode PT.
@@ -72,6 +73,12 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
             say!("    PT: {}, {} passes, {} places free", pt_state(state.state), state.loops, state.space0);
         }
     }
+    for channel in lasers(&run.source.job, version) {
+        let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
+        let end =
+            if run.report.left_lasers.contains(&channel) { "; was on when the script ended: switched off" } else { "" };
+        say!("  laser {channel}: {}{end}", laser(&state));
+    }
     for (dry, least) in &run.report.streams {
         say!(
             "  PT data of {}: at the last data {} places free, {} ms to dry; least seen {least} ms",
@@ -95,6 +102,29 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         None => {}
     }
     Ok(())
+}
+
+/// A laser channel in a line: what it does now, how long it gave light, its fault.
+pub fn laser(state: &LaserState) -> String {
+    let (mode, unit) = match state.mode.get() {
+        0 => ("duty", "%"),
+        1 => ("frequency", "kHz"),
+        2 => ("analog", "V"),
+        _ => ("duty with the switch held", "%"),
+    };
+    let light = if state.light != 0 { "light on" } else { "dark" };
+    let mut text = format!(
+        "{mode} mode, {light}, output {} {unit}, light of {:.3} ms so far",
+        state.power,
+        f64::from(state.on_time.get()) / 4.0
+    );
+    if state.held != 0 {
+        text.push_str(", pulse width limited to just under the period");
+    }
+    if state.fault.get() != 0 {
+        text.push_str(&format!("; KEPT DARK: {} (ClrLaserFault)", laser_cause(state.fault.get())));
+    }
+    text
 }
 
 /// What a person calls an axis.

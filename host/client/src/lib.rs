@@ -41,3 +41,4 @@ pub use link::Link;
 pub use options::{Family, Options, Profile};
 pub use program::{Answer, Dry, Observer, Program, Progress, Quiet, Summary};
 pub use protocol::link::Counters;
+pub use protocol::reason::laser_cause;

@@ -1,6 +1,6 @@
-//! The listings of the GXN manual: pasted as they stand, and as the jobs in `examples/`.
+//! The listings of the manuals: pasted as they stand, and as the jobs in `examples/`.
 use job::{Action, Folder, Job, Severity, compile};
-use protocol::command::{PrfPt, PtData, PtStart, Request};
+use protocol::command::{PrfPt, PtData, PtStart, Request, SetAxisMode};
 use std::path::{Path, PathBuf};
 use zerocopy::FromBytes;
 
@@ -14,11 +14,18 @@ fn example(name: &str) -> Job {
     compile(&text, &Folder::of(&path)).unwrap_or_else(|found| panic!("{name}: {found:#?}"))
 }
 
-/// The GXN manual, where its text is at hand: `BEAMTICK_MANUALS`, or `../shared/manuals` beside the checkout.
+/// The GXN manual, where its text is at hand.
 fn manual() -> Option<String> {
+    text_of("001")
+}
+
+/// A manual, where its text is at hand: `BEAMTICK_MANUALS`, or `../shared/manuals` beside the checkout.
+fn text_of(number: &str) -> Option<String> {
     let folder = std::env::var_os("BEAMTICK_MANUALS").map_or_else(|| root().join("../shared/manuals"), PathBuf::from);
-    let file =
-        std::fs::read_dir(folder).ok()?.flatten().find(|file| file.file_name().to_string_lossy().starts_with("001"))?;
+    let file = std::fs::read_dir(folder)
+        .ok()?
+        .flatten()
+        .find(|file| file.file_name().to_string_lossy().starts_with(number))?;
     std::fs::read_to_string(file.path()).ok()
 }
 
@@ -183,4 +190,80 @@ fn the_stream_is_what_it_says() {
         assert_eq!((data.time_ms.get(), data.pos.get()), (time, position), "line {}", step.line);
     }
     assert_eq!(next, [4000; 8]);
+}
+
+/// The calls of a job, as they travel.
+fn calls(job: &Job) -> Vec<(u16, Vec<u8>)> {
+    let call =
+        |action: &Action| if let Action::Call(call) = action { Some((call.opcode, call.body.clone())) } else { None };
+    job.steps.iter().filter_map(|step| call(&step.action)).collect()
+}
+
+/// From the rows of dots that begin it to those that end it, or to where the next section begins.
+fn dotted<'m>(manual: &'m str, from: &str, to: &str) -> &'m str {
+    let part = &manual[manual.find(from).unwrap()..];
+    let part = &part[..part.find(to).unwrap()];
+    let is_dotted = |line: &str| line.starts_with("…… ……") || line.starts_with(".....");
+    let start = part.lines().find(|line| is_dotted(line)).unwrap();
+    &part[part.find(start).unwrap()..]
+}
+
+/// The pasted text is good, and the example makes the same calls in the same order before it goes on.
+fn runs_as(pasted: &str, name: &str, left_out: &[u16]) {
+    // Where a page ends, the text has a mark that is on no page.
+    let marks: Vec<&str> = pasted.split("<|").collect();
+    let rest = marks[1..].iter().map(|part| part.split_once("|>").unwrap().1);
+    let text: String = marks[..1].iter().copied().chain(rest).collect();
+    let found = compile(&text, &Folder(root().join("examples"))).unwrap_or_else(|found| panic!("{name}: {found:#?}"));
+    assert!(found.warnings.is_empty(), "{name}: {:?}", found.warnings);
+    let listing: Vec<_> = calls(&found).into_iter().filter(|(opcode, _)| !left_out.contains(opcode)).collect();
+    assert!(listing.len() >= 3, "{name}: {listing:?}");
+    let ours = calls(&example(name));
+    assert_eq!(ours[..listing.len()], listing, "{name}");
+}
+
+#[test]
+fn laser_listings_of_the_gus_manual() {
+    let Some(manual) = text_of("000") else {
+        println!("skipped: the manuals are not here (set BEAMTICK_MANUALS to their folder)");
+        return;
+    };
+    for (from, to, name) in [
+        ("1. 占空比模式例程", "2. 频率输出模式例程", "laser_duty.gts"),
+        ("2. 频率输出模式例程", "3. 模拟量输出模式例程", "laser_frequency.gts"),
+    ] {
+        runs_as(dotted(&manual, from, to), name, &[]);
+    }
+    // The note beside SetAxisMode says not to call it in this mode.
+    let analog = dotted(&manual, "3. 模拟量输出模式例程", "3.2 激光开关光延时");
+    runs_as(analog, "laser_analog.gts", &[SetAxisMode::OPCODE]);
+}
+
+#[test]
+fn laser_listings_of_the_lsr_manual() {
+    let Some(manual) = text_of("003") else {
+        println!("skipped: the manuals are not here (set BEAMTICK_MANUALS to their folder)");
+        return;
+    };
+    for (from, to, name) in [
+        ("\n例程 1 ", "\n例程 2 ", "laser_lsr_duty.gts"),
+        ("\n例程 2 ", "\n例程 3 ", "laser_lsr_frequency.gts"),
+        ("\n例程 3 ", "三、插补过程中的激光操作", "laser_lsr_analog.gts"),
+    ] {
+        runs_as(dotted(&manual, from, to), name, &[]);
+    }
+}
+
+#[test]
+fn the_laser_examples_compile_without_warnings() {
+    for name in ["laser_duty", "laser_frequency", "laser_analog", "laser_duty_open"] {
+        let job = example(&format!("{name}.gts"));
+        assert!(job.warnings.is_empty(), "{name}: {:?}", job.warnings);
+        assert_eq!((job.lasers, job.axes.len()), (1, 0), "{name}");
+    }
+    for name in ["laser_lsr_duty", "laser_lsr_frequency", "laser_lsr_analog"] {
+        let job = example(&format!("{name}.gts"));
+        assert!(job.warnings.is_empty(), "{name}: {:?}", job.warnings);
+        assert_eq!((job.lasers, job.axes.len()), (1, 0), "{name}");
+    }
 }
