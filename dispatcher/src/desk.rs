@@ -6,7 +6,7 @@
 //! A command is answered when the tick has executed it, so that the client's next read sees it. A read
 //! or a refusal waits until everything before it has been executed, and is then decided on that state.
 use crate::admit::pvt_table::{Loading, Road, road};
-use crate::admit::{admit, config_item, data, is_read, many};
+use crate::admit::{admit, config_item, data, is_read, many, power_on};
 use crate::books::{Books, Change, PROGRAM_FLAG, executed};
 use crate::case::{Answer, Case, Effect, Site};
 use crate::lane::{Deque, Lane, STAGED, Staged};
@@ -19,6 +19,7 @@ use protocol::command::{LoadConfig, opcode};
 use protocol::reason::Reason;
 use protocol::record::{Full, ReplyWriter, RequestRecord};
 use ring::Producer;
+use servo::laser::CHANNELS;
 use servo::op::{Entry, Mode, Op};
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
@@ -128,7 +129,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         tables: TableStores<'a>,
         ring: Producer<'a, Entry, IMMEDIATE>,
     ) -> Self {
-        Desk {
+        let mut desk = Desk {
             site: Site::new(board.profile, 0),
             board,
             stores,
@@ -144,7 +145,15 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             config: None,
             link_loss: (LINK_LOSS_MS, false),
             trace: TraceOut::new(),
+        };
+        // The tick does not know families.
+        for channel in 0..CHANNELS as u8 {
+            for (change, entered) in power_on(desk.site.family) {
+                let op = Op::Laser { channel, change };
+                desk.lane.push(op, Change::Laser { channel, change: entered }, 0, &mut desk.ahead);
+            }
         }
+        desk
     }
 
     /// Admits a command on the *ahead* books; its operations are staged. For `decided` see [`Case`].

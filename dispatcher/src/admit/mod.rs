@@ -12,6 +12,7 @@ pub use io::kind;
 pub use pvt::number_of;
 mod jog_trap;
 mod laser;
+pub use laser::power_on;
 pub mod pt;
 mod pvt;
 pub mod pvt_table;

@@ -71,13 +71,12 @@ impl<const AXES: usize> Case<'_, AXES> {
 
     /// Both channels as they are at power-on in this family.
     pub fn lasers_to_power_on(&mut self, family: u8) {
-        let lsr = family == LSR;
         for channel in 0..CHANNELS as u8 {
-            self.change_with(channel, Change::Reset, LaserChange::PowerOn { delayed: !lsr, connector: lsr });
-            let bounds = Bounds::full(Mode::Duty);
-            self.change(channel, Change::Mode { mode: Mode::Duty, bounds, delayed: !lsr, fine: None });
-            self.change(channel, Change::Connector { laser: lsr });
+            for (change, entered) in power_on(family) {
+                self.stage_with(Op::Laser { channel, change }, books::Change::Laser { channel, change: entered });
+            }
         }
+        self.stage_with(Op::Mark, books::Change::LaserFine(true));
     }
 
     /// A cleared status word clears the faults of the channels that a crd of its core gates. No crd has axes in
@@ -96,6 +95,19 @@ impl<const AXES: usize> Case<'_, AXES> {
         let crds = u32::from(self.site.profile.crds_per_core);
         (((1u32 << crds) - 1) << (core as u32 * crds)) as u8
     }
+}
+
+/// A channel at power-on: its own defaults, and what the family fixes (SPEC 2): LSR has no gate delays until a
+/// mode asks for them, and its connectors are the laser's; those of GUS carry step pulses. Every crd is mapped.
+pub fn power_on(family: u8) -> [(Change, LaserChange); 4] {
+    let lsr = family == LSR;
+    let (mode, bounds, delayed) = (Mode::Duty, Bounds::full(Mode::Duty), !lsr);
+    [
+        (Change::Reset, LaserChange::PowerOn { delayed, connector: lsr }),
+        (Change::Mode { mode, bounds, delayed, fine: None }, LaserChange::Mode { mode, bounds, delayed }),
+        (Change::Connector { laser: lsr }, LaserChange::Connector(lsr)),
+        (Change::CrdMap { map: u8::MAX }, LaserChange::Map(u8::MAX)),
+    ]
 }
 
 fn gate<const AXES: usize>(case: &mut Case<AXES>, channel: u8, on: bool) -> Admitted<Answer> {
