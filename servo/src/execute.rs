@@ -84,7 +84,7 @@ impl<const AXES: usize> Tick<AXES> {
                     *period = Ns(ns as u64);
                 }
             }
-            Op::Laser { channel, change } => self.lasers.change(channel, next, change),
+            Op::Laser { channel, change } => self.lasers.change(channel, next, &change),
             Op::Link { lost } => self.lasers.link(lost, self.script.runs),
             Op::Trace { every, axes, lasers } => {
                 if let Some((row, chosen)) = self.trace.begin(every, Chosen { axes, lasers }) {

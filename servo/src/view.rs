@@ -213,9 +213,9 @@ pub enum StopReason {
 #[derive(Debug, Clone, Copy)]
 pub struct LaserView {
     /// Counts changes of anything here but `on_time`.
+    pub moves: u32,
+    /// Counts changes of anything but the outputs: the fields from `commanded` to `train`.
     pub changes: u32,
-    /// Power mode.
-    pub mode: laser::Mode,
     /// The command: on or off.
     pub commanded: bool,
     /// The gate, after its delays.
@@ -226,6 +226,16 @@ pub struct LaserView {
     pub light: bool,
     /// The pulse width is limited to just under the period.
     pub limited: bool,
+    /// What is being output, in the mode's unit: the power of the light, else standby or pre-voltage; 0 when
+    /// nothing is.
+    pub power: Power,
+    /// Carrier or pulse rate that is being output, kHz, as it was asked for; 0 when nothing is.
+    pub khz: Power,
+    /// The train of pulses being output, of which the achieved frequency and duty are read; none when nothing
+    /// is.
+    pub train: Train,
+    /// Power mode.
+    pub mode: laser::Mode,
     /// The connector of the energy output carries it.
     pub connector: bool,
     /// The gate's delays apply.
@@ -244,19 +254,13 @@ pub struct LaserView {
     pub direct: Power,
     /// Carrier of the duty modes.
     pub carrier: Option<Carrier>,
-    /// What is being output, in the mode's unit: the power of the light, else standby or pre-voltage; 0 when
-    /// nothing is.
-    pub power: Power,
-    /// Carrier or pulse rate that is being output, kHz, as it was asked for; 0 when nothing is.
-    pub khz: Power,
-    /// The train of pulses being output, of which the achieved frequency and duty are read.
-    pub train: Train,
     /// Light since power-on or the last ZeroOnTime, in 250 µs units, rounded down.
     pub on_time: u32,
 }
 
 impl LaserView {
     pub(crate) const BEFORE: LaserView = LaserView {
+        moves: 0,
         changes: 0,
         mode: laser::Mode::Duty,
         commanded: false,
@@ -278,6 +282,27 @@ impl LaserView {
         train: Train::NONE,
         on_time: 0,
     };
+
+    /// Becomes a copy of `now`, of which only what its counters tell is taken.
+    #[inline(always)]
+    pub(crate) fn follow(&mut self, now: &LaserView) {
+        self.on_time = now.on_time;
+        if self.moves != now.moves {
+            self.follow_moves(now);
+        }
+    }
+
+    #[inline(never)]
+    fn follow_moves(&mut self, now: &LaserView) {
+        if self.changes != now.changes {
+            *self = *now;
+            return;
+        }
+        self.moves = now.moves;
+        (self.commanded, self.gate, self.switch) = (now.commanded, now.gate, now.switch);
+        (self.light, self.limited) = (now.light, now.limited);
+        (self.power, self.khz, self.train) = (now.power, now.khz, now.train);
+    }
 }
 
 /// Everything of one tick, for the thread. `AXES` is the capacity of the build.

@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`: what taking a full frame costs, divided by its segments.
 const LANES: [&str; 2] = ["immediate", "program"];
 
-const MARKS: [(&str, &str); 16] = [
+const MARKS: [(&str, &str); 22] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -52,6 +52,12 @@ const MARKS: [(&str, &str); 16] = [
     ("stop", "smooth Stop of all axes"),
     ("set", "servo on, mode, loop and commit for every axis"),
     ("set-ramp", "servo on, mode, parameters, speed, target and deceleration for every axis"),
+    ("laser-dark", "laser channels dark, no axis runs"),
+    ("laser-steady", "laser channels in light of one power, no axis runs"),
+    ("laser-on", "laser channels, their light begins within the tick"),
+    ("laser-off", "laser channels, their light ends within the tick"),
+    ("laser-power", "laser channels take another power, planned by the thread"),
+    ("laser-unplanned", "laser channels take another power that nobody planned"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
 ];
@@ -131,7 +137,7 @@ fn row(mut counts: Vec<u32>) -> Row {
 
 fn shown(table: &Table) -> String {
     let mut text = String::from(
-        "| axes running (PT, where PVT is not named) | tick | best | typical | worst | ticks or frames counted |\n| --- | --- | --- | --- | --- | --- |\n",
+        "| running: axes (PT, where nothing else is named) or laser channels | tick | best | typical | worst | ticks or frames counted |\n| --- | --- | --- | --- | --- | --- |\n",
     );
     for (mark, words) in MARKS {
         for ((axes, _), row) in table.iter().filter(|((_, m), _)| *m == mark) {

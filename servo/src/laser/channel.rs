@@ -6,14 +6,16 @@
 //! What the outputs should carry follows from the state as it stands at an instant; the plan is the difference
 //! to what they carry. So nothing is owed to an edge that was missed. Changes act in their order and before
 //! the edges of their instant; a gate edge acts before the light's, which it may cancel.
+//!
+//! A tick in which nothing happens costs a comparison or two: `news` tells of changes, `wake` of edges.
 use super::dither::Clock;
-use super::energy::{Energy, Told};
+use super::energy::Energy;
 use super::gate::{Edges, Full};
 use super::light::OnTime;
 use super::plan::{Action, PLACES, Plan, Train};
 use super::power::{Bounds, Law, Power};
 use super::safety::{Cause, Safety};
-use super::{Change, Delays, Fpk, Mode};
+use super::{Change, Delays, Fpk, Mode, NEVER};
 use crate::units::Ns;
 use crate::view::LaserView;
 
@@ -24,26 +26,27 @@ const EVENTS: u32 = PLACES as u32;
 /// Mapped crds at power-on: the first two.
 const CRD_MAP: u8 = 0b11;
 
-/// What the PWM carries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Pwm {
-    /// No light; standby, or rest.
-    Dark(Train),
-    /// Light.
-    Lit(Train),
+/// What has happened since the last plan.
+mod news {
+    /// Outputs or commands moved.
+    pub(super) const MOVED: u8 = 1;
+    /// Settings changed: power and train are found anew.
+    pub(super) const CHANGED: u8 = 2;
 }
 
-/// What the outputs carry, or should.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What the outputs carry.
+#[derive(Debug, Clone, Copy)]
 struct Outputs {
-    pwm: Pwm,
+    light: bool,
     switch: bool,
     /// The DAC, while the laser drives it.
     volts: Option<i16>,
+    /// The PWM, in light and out of it.
+    train: Train,
 }
 
 impl Outputs {
-    const REST: Outputs = Outputs { pwm: Pwm::Dark(Train::NONE), switch: false, volts: None };
+    const REST: Outputs = Outputs { light: false, switch: false, volts: None, train: Train::NONE };
 }
 
 /// A channel.
@@ -57,85 +60,87 @@ pub(super) struct Channel {
     delays: Delays,
     delayed: bool,
     fpk: Option<Fpk>,
-    crd_map: u8,
     // State.
     commanded: bool,
     gate: Edges,
     /// Light: the gate, shifted by the FPK.
     light: Edges,
     /// From the gate-off edge of the mark in progress to the end of its light.
-    tail: Ns,
-    /// End of the FPK pulse in progress.
-    pulse: Option<Ns>,
-    /// The light, or the standby, that the outputs carry is not of this mode: it is cut.
+    tail: u16,
+    /// End of the FPK pulse in progress, or [`NEVER`].
+    pulse: Ns,
+    /// The light that the outputs carry is of another mode: it is cut.
     cut: bool,
     on_time: OnTime,
     /// Light planned in the interval that is in force until the next tick, ns.
     planned: u32,
     // What was made of it.
     out: Outputs,
+    /// Power and train in light.
     power: Power,
     train: Train,
-    limited: bool,
-    /// Something here differs from what is planned and shown.
-    stale: bool,
+    news: u8,
+    /// The next edge.
+    wake: Ns,
 }
 
 impl Channel {
     pub(super) const POWER_ON: Channel = Channel {
-        shown: LaserView::BEFORE,
+        shown: LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
         safety: Safety::LIVE,
         law: Law { direct: Power::ZERO, bounds: Bounds::full(Mode::Duty) },
         energy: Energy::POWER_ON,
         delays: Delays { off: 0, on: 0 },
         delayed: true,
         fpk: None,
-        crd_map: CRD_MAP,
         commanded: false,
         gate: Edges::OFF,
         light: Edges::OFF,
-        tail: Ns(0),
-        pulse: None,
+        tail: 0,
+        pulse: NEVER,
         cut: false,
         on_time: OnTime::ZERO,
         planned: 0,
         out: Outputs::REST,
         power: Power::ZERO,
         train: Train::NONE,
-        limited: false,
-        stale: true,
+        news: news::CHANGED,
+        wake: NEVER,
     };
 
     /// Carries out a change; `at` lies in the interval that is planned next.
-    pub(super) fn change(&mut self, at: Ns, change: Change) {
-        self.stale = true;
+    pub(super) fn change(&mut self, at: Ns, change: &Change) {
+        self.news |= match change {
+            Change::Gate { .. } => news::MOVED,
+            _ => news::CHANGED,
+        };
         match change {
-            Change::Gate { on } => self.command(at, on),
+            Change::Gate { on } => self.command(at, *on),
             Change::Mode { mode, bounds, delayed, fine } => {
-                if mode != self.energy.mode {
+                if *mode != self.energy.mode {
                     self.extinguish();
-                    self.energy.mode = mode;
+                    self.energy.mode = *mode;
                     self.law.direct = Power::ZERO;
                 }
-                (self.law.bounds, self.delayed) = (bounds, delayed);
-                self.energy.fine = fine;
+                (self.law.bounds, self.delayed) = (*bounds, *delayed);
+                self.energy.fine = *fine;
             }
-            Change::Direct { power, fine } => (self.law.direct, self.energy.fine) = (power, fine),
-            Change::Carrier { carrier, fine } => (self.energy.carrier, self.energy.fine) = (Some(carrier), fine),
-            Change::PulseWidth { us } => self.energy.width = Some(us),
-            Change::Delays(delays) => self.delays = delays,
+            Change::Direct { power, fine } => (self.law.direct, self.energy.fine) = (*power, *fine),
+            Change::Carrier { carrier, fine } => (self.energy.carrier, self.energy.fine) = (Some(*carrier), *fine),
+            Change::PulseWidth { us } => self.energy.width = Some(*us),
+            Change::Delays(delays) => self.delays = *delays,
             Change::Fpk(fpk) => {
-                self.fpk = fpk;
+                self.fpk = *fpk;
                 if fpk.is_none() {
-                    self.pulse = None;
+                    self.pulse = NEVER;
                 }
             }
-            Change::Standby(standby) => self.energy.standby = standby,
-            Change::PreVoltage(volts) => self.energy.pre_voltage = volts,
+            Change::Standby(standby) => self.energy.standby = *standby,
+            Change::PreVoltage(volts) => self.energy.pre_voltage = volts.unwrap_or(Power::ZERO),
             Change::ZeroOnTime => (self.on_time, self.planned) = (OnTime::ZERO, 0),
             Change::ClearFault => self.safety.clear(),
-            Change::CrdMap { map } => self.crd_map = map,
-            Change::Connector { laser } => self.energy.connector = laser,
+            Change::CrdMap { map } => self.shown.crd_map = *map,
+            Change::Connector { laser } => self.energy.connector = *laser,
             Change::Reset => self.reset(),
         }
     }
@@ -166,7 +171,7 @@ impl Channel {
         self.commanded = false;
         self.gate.clear();
         self.light.clear();
-        self.pulse = None;
+        self.pulse = NEVER;
         self.cut = true;
     }
 
@@ -176,19 +181,19 @@ impl Channel {
         self.safety.clear();
         (self.law, self.energy) = (Channel::POWER_ON.law, Energy::POWER_ON);
         (self.delays, self.delayed, self.fpk) = (Delays::default(), true, None);
-        (self.crd_map, self.on_time, self.planned) = (CRD_MAP, OnTime::ZERO, 0);
+        (self.shown.crd_map, self.on_time, self.planned) = (CRD_MAP, OnTime::ZERO, 0);
     }
 
     /// A cause has appeared: dark at once.
     pub(super) fn trip(&mut self, cause: Cause) {
         self.safety.trip(cause);
-        self.stale = true;
+        self.news |= news::CHANGED;
     }
 
     /// The host link is lost, or there again; `runs`: a program runs.
     pub(super) fn link(&mut self, lost: bool, runs: bool) {
         self.safety.link(lost);
-        self.stale = true;
+        self.news |= news::CHANGED;
         if lost && (runs || self.commanded || self.gate.may_be_on() || self.light.may_be_on()) {
             self.trip(Cause::LinkLost);
         }
@@ -199,25 +204,25 @@ impl Channel {
     pub(super) fn step(&mut self, next: Ns, period: Ns, interlock: bool, clock: Clock, plan: &mut Plan) {
         plan.clear();
         if self.safety.interlock(interlock) {
-            self.stale = true;
+            self.news |= news::CHANGED;
             if interlock {
                 self.trip(Cause::Interlock);
             }
         }
         let end = Ns(next.0.wrapping_add(period.0));
-        if self.stale || self.next_event(end).is_some() {
+        if self.news != 0 || self.wake < end {
             self.plan(next, end, clock, plan);
+        } else if self.out.light {
+            self.pass();
+            self.planned = period.0 as u32;
         } else {
             self.pass();
-            if self.light.level() {
-                self.planned = period.0 as u32;
-            }
         }
         self.safety.guard(plan);
     }
 
     /// The interval that was planned last has passed as planned.
-    #[inline]
+    #[inline(always)]
     fn pass(&mut self) {
         if self.planned != 0 {
             self.on_time.add(self.planned);
@@ -226,162 +231,184 @@ impl Channel {
         }
     }
 
-    /// The first instant before `end` at which something happens.
-    #[inline]
-    fn next_event(&self, end: Ns) -> Option<Ns> {
-        let of_pulse = self.pulse.filter(|at| *at < end);
-        let events = [self.gate.before(end), self.light.before(end), of_pulse];
-        events.into_iter().flatten().min()
-    }
-
     #[inline(never)]
     fn plan(&mut self, next: Ns, end: Ns, clock: Clock, plan: &mut Plan) {
         if self.safety.is_dark() {
             self.go_dark();
         }
         self.pass();
-        self.power = self.law.power();
-        (self.train, self.limited) = self.energy.light(self.power, clock);
-        self.stale = false;
+        let changed = self.news & news::CHANGED != 0;
+        let mut moved = self.news != 0;
+        self.news = 0;
+        if changed {
+            self.power = self.law.power();
+            self.shown.limited = self.energy.light(self.power, clock, &mut self.train);
+        }
         if self.cut {
             // What another mode put out is over before the edges of this instant.
-            self.settle_pwm(0, plan);
+            self.cut = false;
+            if self.out.light {
+                self.darken(0, true, plan);
+            }
         }
-        let (mut now, mut lit, mut left) = (next, 0u64, EVENTS);
+        let (mut now, mut lit, mut left) = (next, 0u32, EVENTS);
+        self.wake = self.soonest();
         loop {
-            while let Some(on) = self.gate.take(now) {
-                self.edge(now, on);
+            let first = now == next;
+            if self.wake <= now {
+                moved = true;
+                self.take(now);
             }
-            self.pulse = self.pulse.filter(|at| *at > now);
-            while self.light.take(now).is_some() {}
-            let offset = now.0.wrapping_sub(next.0) as u32;
-            self.settle(offset, plan);
-            if now == next {
-                self.show();
-            } else {
-                // What is shown is of the interval's beginning.
-                self.stale = true;
+            if moved {
+                self.settle(now.0.wrapping_sub(next.0) as u32, changed && first, plan);
+                if first {
+                    self.show(changed);
+                } else {
+                    // What is shown is of the interval's beginning.
+                    self.news = news::MOVED;
+                }
             }
-            let after = self.next_event(end);
-            if self.light.level() {
-                lit = after.unwrap_or(end).0.wrapping_sub(now.0).wrapping_add(lit);
+            let after = self.soonest();
+            if self.out.light {
+                lit = lit.wrapping_add(after.min(end).0.wrapping_sub(now.0) as u32);
             }
-            match after {
-                Some(at) if plan.has_room(ROOM) && left > 0 => (now, left) = (at, left.wrapping_sub(1)),
-                Some(_) => break self.trip(Cause::Edges),
-                None => break,
+            self.wake = after;
+            if after >= end {
+                break;
             }
+            if left == 0 || !plan.has_room(ROOM) {
+                self.trip(Cause::Edges);
+                break;
+            }
+            (now, left) = (after, left.wrapping_sub(1));
         }
-        self.planned = lit as u32;
+        self.planned = lit;
         if self.safety.is_dark() {
             self.go_dark();
-            self.show();
+            self.show(true);
         }
     }
 
-    /// A gate edge.
-    fn edge(&mut self, now: Ns, on: bool) {
-        let done = if on {
+    /// The next edge of any kind.
+    #[inline(always)]
+    fn soonest(&self) -> Ns {
+        self.gate.next().min(self.light.next()).min(self.pulse)
+    }
+
+    /// Takes the edges that are due.
+    fn take(&mut self, now: Ns) {
+        while self.gate.next() <= now {
+            self.edge(now);
+        }
+        if self.pulse <= now {
+            self.pulse = NEVER;
+        }
+        while self.light.next() <= now {
+            self.light.take();
+        }
+    }
+
+    /// The gate edge that is due.
+    fn edge(&mut self, now: Ns) {
+        let done = if self.gate.take() {
             let (begin, end) = self.fpk.map_or((0, 0), |fpk| (fpk.begin, fpk.end));
-            self.tail = later(Ns(0), end);
+            self.tail = end;
             if let Some(fpk) = self.fpk {
-                self.pulse = Some(later(now, fpk.pulse.get()));
+                self.pulse = later(now, fpk.pulse.get());
             }
             self.light.command(later(now, begin), true)
         } else {
-            self.light.command(Ns(now.0.wrapping_add(self.tail.0)), false)
+            self.light.command(later(now, self.tail), false)
         };
         self.hold(done);
     }
 
     /// A dark channel: nothing is on, nothing pends, and nothing of what was planned takes place.
+    #[inline(never)]
     fn go_dark(&mut self) {
         self.extinguish();
-        (self.cut, self.planned, self.out) = (false, 0, Outputs::REST);
+        (self.cut, self.planned, self.out, self.wake) = (false, 0, Outputs::REST, NEVER);
     }
 
-    /// What the outputs should carry as things stand.
-    fn wanted(&self) -> Outputs {
+    /// Brings the outputs to what they should carry; `changed`: trains may be others.
+    #[inline(always)]
+    fn settle(&mut self, at: u32, changed: bool, plan: &mut Plan) {
         let light = self.light.level();
-        let open = self.energy.mode == Mode::DutyOpen;
-        Outputs {
-            pwm: if light { Pwm::Lit(self.train) } else { Pwm::Dark(self.energy.standby()) },
-            switch: open || if self.fpk.is_some() { self.pulse.is_some() } else { self.gate.level() },
-            volts: self.energy.volts(light, self.power),
+        if light != self.out.light {
+            if light {
+                (self.out.light, self.out.train) = (true, self.train);
+                plan.push(at, Action::Light(self.train));
+            } else {
+                self.darken(at, self.energy.mode == Mode::DutyOpen, plan);
+            }
+        } else if changed {
+            self.retrain(at, plan);
+        }
+        let gate = if self.fpk.is_some() { self.pulse != NEVER } else { self.gate.level() };
+        let switch = gate || self.energy.mode == Mode::DutyOpen;
+        if switch != self.out.switch {
+            self.out.switch = switch;
+            plan.push(at, Action::Switch(switch));
+        }
+        if self.energy.mode == Mode::Analog || self.out.volts.is_some() {
+            let volts = self.energy.volts(light, self.power);
+            if volts != self.out.volts {
+                self.out.volts = volts;
+                plan.push(at, Action::Volts(volts.unwrap_or(0)));
+            }
         }
     }
 
-    /// Brings the outputs to what they should carry.
-    fn settle(&mut self, at: u32, plan: &mut Plan) {
-        self.settle_pwm(at, plan);
-        let wanted = self.wanted();
-        if wanted.switch != self.out.switch {
-            plan.push(at, Action::Switch(wanted.switch));
-        }
-        if wanted.volts != self.out.volts {
-            plan.push(at, Action::Volts(wanted.volts.unwrap_or(0)));
-        }
-        self.out = wanted;
+    /// Light ends.
+    #[inline(never)]
+    fn darken(&mut self, at: u32, cut: bool, plan: &mut Plan) {
+        let standby = self.energy.standby().map_or(Train::NONE, |standby| *standby.train());
+        (self.out.light, self.out.train) = (false, standby);
+        plan.push(at, Action::Dark { standby, cut });
     }
 
-    fn settle_pwm(&mut self, at: u32, plan: &mut Plan) {
-        let wanted = self.wanted().pwm;
-        let cut = self.cut || self.energy.mode == Mode::DutyOpen;
-        match (self.out.pwm, wanted) {
-            (Pwm::Lit(_), Pwm::Dark(standby)) => plan.push(at, Action::Dark { standby, cut }),
-            (Pwm::Dark(_), Pwm::Lit(train)) => plan.push(at, Action::Light(train)),
-            (Pwm::Lit(was), Pwm::Lit(train)) => {
-                if was != train {
-                    plan.push(at, Action::Change(train));
-                }
-            }
-            (Pwm::Dark(was), Pwm::Dark(standby)) => {
-                if was != standby {
-                    let change = if self.energy.mode.has_standby() {
-                        Action::Change(standby)
-                    } else {
-                        Action::Dark { standby, cut: true }
-                    };
-                    plan.push(at, change);
-                }
-            }
+    /// Light, or its absence, goes on, perhaps with another train.
+    #[inline(never)]
+    fn retrain(&mut self, at: u32, plan: &mut Plan) {
+        let standby = self.energy.standby().map_or(&Train::NONE, |standby| standby.train());
+        let train = *if self.out.light { &self.train } else { standby };
+        if train == self.out.train {
+            return;
         }
-        (self.out.pwm, self.cut) = (wanted, false);
+        self.out.train = train;
+        let goes_on = self.out.light || self.energy.mode.has_standby();
+        plan.push(at, if goes_on { Action::Change(train) } else { Action::Dark { standby: train, cut: true } });
     }
 
     /// What the thread sees, of the interval's beginning.
-    fn show(&mut self) {
-        let dark = self.safety.is_dark();
-        let light = self.light.level();
-        let Told { power, khz, train } =
-            if dark { Told::default() } else { self.energy.told(light, self.power, &self.train) };
-        self.shown = LaserView {
-            changes: self.shown.changes.wrapping_add(1),
-            mode: self.energy.mode,
-            commanded: self.commanded,
-            gate: self.gate.level(),
-            switch: self.out.switch,
-            light,
-            limited: self.limited,
-            connector: self.energy.connector,
-            delayed: self.delayed,
-            fault: self.safety.cause(),
-            cause_lasts: self.safety.lasts(),
-            crd_map: self.crd_map,
-            width_us: self.energy.width.map_or(0, |us| us.get()),
-            bounds: self.law.bounds,
-            direct: self.law.direct,
-            carrier: self.energy.carrier,
-            power,
-            khz,
-            train,
-            on_time: self.on_time.units(),
+    #[inline(never)]
+    fn show(&mut self, changed: bool) {
+        let light = self.out.light;
+        let (power, khz) = match (self.safety.is_dark(), light) {
+            (true, _) => (Power::ZERO, Power::ZERO),
+            (_, true) => self.energy.told(self.power, &self.train),
+            (_, false) => self.energy.told_dark(),
         };
+        let shown = &mut self.shown;
+        shown.moves = shown.moves.wrapping_add(1);
+        (shown.commanded, shown.gate) = (self.commanded, self.gate.level());
+        (shown.switch, shown.light) = (self.out.switch, light);
+        (shown.power, shown.khz) = (power, khz);
+        shown.train = if khz == Power::ZERO { Train::NONE } else { self.out.train };
+        shown.on_time = self.on_time.units();
+        if changed {
+            shown.changes = shown.changes.wrapping_add(1);
+            let Energy { mode, connector, width, carrier, .. } = self.energy;
+            (shown.mode, shown.connector, shown.delayed) = (mode, connector, self.delayed);
+            (shown.fault, shown.cause_lasts) = (self.safety.cause(), self.safety.lasts());
+            (shown.bounds, shown.direct) = (self.law.bounds, self.law.direct);
+            (shown.width_us, shown.carrier) = (width.map_or(0, |us| us.get()), carrier);
+        }
     }
 }
 
 /// An instant `us` µs later.
 #[inline]
 fn later(at: Ns, us: u16) -> Ns {
-    Ns(at.0.wrapping_add((us as u64).wrapping_mul(1000)))
+    Ns(at.0.wrapping_add((us as u32).wrapping_mul(1000) as u64))
 }

@@ -208,8 +208,8 @@ impl Standby {
     }
 
     /// As it is output.
-    pub const fn train(&self) -> Train {
-        self.train
+    pub const fn train(&self) -> &Train {
+        &self.train
     }
 }
 
@@ -240,19 +240,15 @@ impl Fine {
         }
     }
 
-    /// The train, if it is of this carrier and duty.
-    pub(super) fn duty(&self, carrier: &Carrier, power: Power) -> Option<Train> {
-        (self.khz == carrier.khz && self.power == power).then_some(self.train)
-    }
-
-    /// The period, if it is of this rate.
-    pub(super) fn rate(&self, power: Power) -> Option<Count> {
-        (self.khz == Power::ZERO && self.power == power).then_some(self.train.period)
+    /// Whether it is of this carrier (0 in frequency mode) and power.
+    #[inline]
+    pub(super) fn is_of(&self, khz: Power, power: Power) -> bool {
+        self.power == power && self.khz == khz
     }
 
     /// As it is output; in frequency mode the width is that of the pulses then set.
-    pub const fn train(&self) -> Train {
-        self.train
+    pub const fn train(&self) -> &Train {
+        &self.train
     }
 }
 

@@ -16,20 +16,12 @@ pub(super) struct Energy {
     pub(super) carrier: Option<Carrier>,
     pub(super) width: Option<NonZeroU16>,
     pub(super) standby: Option<Standby>,
-    pub(super) pre_voltage: Option<Power>,
+    /// 0 where it is off.
+    pub(super) pre_voltage: Power,
     /// The connector carries the PWM.
     pub(super) connector: bool,
     /// The last plan of the thread.
     pub(super) fine: Option<Fine>,
-}
-
-/// What is being put out, for people.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Told {
-    /// In the mode's unit.
-    pub(super) power: Power,
-    pub(super) khz: Power,
-    pub(super) train: Train,
 }
 
 impl Energy {
@@ -38,78 +30,81 @@ impl Energy {
         carrier: None,
         width: None,
         standby: None,
-        pre_voltage: None,
+        pre_voltage: Power::ZERO,
         connector: true,
         fine: None,
     };
 
-    /// The train of light of this power, and whether the pulse width is limited.
-    pub(super) fn light(&self, power: Power, clock: Clock) -> (Train, bool) {
-        if !self.connector {
-            return (Train::NONE, false);
-        }
-        match self.mode {
-            Mode::Analog => (Train::NONE, false),
-            Mode::Duty | Mode::DutyOpen => (self.duty(power), false),
-            Mode::Frequency => self.rate(power, clock),
+    /// Makes the train of light of this power; whether the pulse width is limited.
+    #[inline]
+    pub(super) fn light(&self, power: Power, clock: Clock, train: &mut Train) -> bool {
+        match (self.mode, &self.carrier, self.width) {
+            (Mode::Duty | Mode::DutyOpen, Some(carrier), _) if self.connector => {
+                self.duty(power, carrier, train);
+                false
+            }
+            (Mode::Frequency, _, Some(us)) if self.connector && power != Power::ZERO => {
+                self.rate(power, us, clock, train)
+            }
+            _ => {
+                *train = Train::NONE;
+                false
+            }
         }
     }
 
     /// Power as a part of the carrier's period.
-    fn duty(&self, power: Power) -> Train {
-        let Some(carrier) = &self.carrier else { return Train::NONE };
-        if let Some(train) = self.fine.and_then(|fine| fine.duty(carrier, power)) {
-            return train;
+    #[inline]
+    fn duty(&self, power: Power, carrier: &Carrier, train: &mut Train) {
+        match &self.fine {
+            Some(fine) if fine.is_of(carrier.khz(), power) => *train = *fine.train(),
+            _ => (train.period, train.width) = (carrier.period(), carrier.share(power)),
         }
-        Train { period: carrier.period(), width: carrier.share(power) }
     }
 
     /// Power as a rate of pulses.
-    fn rate(&self, power: Power, clock: Clock) -> (Train, bool) {
-        let Some(us) = self.width else { return (Train::NONE, false) };
-        if power == Power::ZERO {
-            return (Train::NONE, false);
-        }
-        let period = self.fine.and_then(|fine| fine.rate(power)).unwrap_or_else(|| clock.period(power));
-        let width = us.get() as u64 * clock.mhz() as u64;
+    fn rate(&self, power: Power, us: NonZeroU16, clock: Clock, train: &mut Train) -> bool {
+        let period = match &self.fine {
+            Some(fine) if fine.is_of(Power::ZERO, power) => fine.train().period,
+            _ => clock.period(power),
+        };
+        let width = (us.get() as u32 * clock.mhz() as u32) as u64;
         let limit = period.whole.saturating_sub(1);
-        (Train { period, width: Count { whole: width.min(limit), part: 0, of: 1 } }, width > limit)
+        (train.period, train.width) = (period, Count { whole: width.min(limit), part: 0, of: 1 });
+        width > limit
     }
 
-    /// The train while there is no light.
-    pub(super) fn standby(&self) -> Train {
-        match &self.standby {
-            Some(standby) if self.connector && self.mode.has_standby() => standby.train(),
-            _ => Train::NONE,
-        }
+    /// Standby, while there is no light.
+    #[inline]
+    pub(super) fn standby(&self) -> Option<&Standby> {
+        self.standby.as_ref().filter(|_| self.connector && self.mode.has_standby())
     }
 
     /// The DAC, where the laser drives it, in light of this power or out of it.
+    #[inline]
     pub(super) fn volts(&self, light: bool, power: Power) -> Option<i16> {
-        let volts = if light { power } else { self.pre_voltage.unwrap_or(Power::ZERO) };
-        (self.mode == Mode::Analog).then(|| counts(volts))
+        (self.mode == Mode::Analog).then(|| counts(if light { power } else { self.pre_voltage }))
     }
 
-    /// What is put out, in light of this power and train or out of it.
-    pub(super) fn told(&self, light: bool, power: Power, train: &Train) -> Told {
-        match (self.mode, light) {
-            (Mode::Analog, true) => Told { power, ..Told::default() },
-            (Mode::Analog, false) => Told { power: self.pre_voltage.unwrap_or(Power::ZERO), ..Told::default() },
-            (_, true) if train.is_silent() => Told { train: *train, ..Told::default() },
-            (Mode::Frequency, true) => Told { power, khz: power, train: *train },
-            (_, true) => Told { power, khz: self.carrier.map_or(Power::ZERO, |c| c.khz()), train: *train },
-            (_, false) => self.told_standby(),
+    /// What is put out in light of this power, for people: in the mode's unit, and in kHz.
+    #[inline]
+    pub(super) fn told(&self, power: Power, train: &Train) -> (Power, Power) {
+        match (self.mode, &self.carrier) {
+            (Mode::Analog, _) => (power, Power::ZERO),
+            _ if train.is_silent() => (Power::ZERO, Power::ZERO),
+            (Mode::Duty | Mode::DutyOpen, Some(carrier)) => (power, carrier.khz()),
+            _ => (power, power),
         }
     }
 
-    fn told_standby(&self) -> Told {
-        let train = self.standby();
-        match &self.standby {
-            Some(standby) if !train.is_silent() => {
-                let power = if self.mode == Mode::Frequency { standby.khz() } else { standby.duty() };
-                Told { power, khz: standby.khz(), train }
-            }
-            _ => Told { train, ..Told::default() },
+    /// What is put out while there is no light.
+    pub(super) fn told_dark(&self) -> (Power, Power) {
+        match (self.mode, self.standby()) {
+            (Mode::Analog, _) => (self.pre_voltage, Power::ZERO),
+            (_, Some(standby)) if standby.train().is_silent() => (Power::ZERO, Power::ZERO),
+            (Mode::Frequency, Some(standby)) => (standby.khz(), standby.khz()),
+            (_, Some(standby)) => (standby.duty(), standby.khz()),
+            (_, None) => (Power::ZERO, Power::ZERO),
         }
     }
 }

@@ -5,6 +5,7 @@
 //! than two places is refused, [`Full`]; its off always has one, so an off command is never lost.
 //!
 //! The cancel rule of SPEC 6: a command cancels every pending edge at or after its own effect.
+use super::NEVER;
 use crate::units::Ns;
 
 /// Edges that may be pending: 128 marks inside the longest delay (65 ms).
@@ -18,6 +19,8 @@ pub(super) struct Full;
 #[derive(Debug, Clone)]
 pub(super) struct Edges {
     level: bool,
+    /// The next edge.
+    next: Ns,
     first: usize,
     len: usize,
     at: [Ns; EDGES],
@@ -25,12 +28,18 @@ pub(super) struct Edges {
 
 impl Edges {
     /// Off, nothing pending.
-    pub(super) const OFF: Edges = Edges { level: false, first: 0, len: 0, at: [Ns(0); EDGES] };
+    pub(super) const OFF: Edges = Edges { level: false, next: NEVER, first: 0, len: 0, at: [Ns(0); EDGES] };
 
     /// The level after the edges taken so far.
     #[inline]
     pub(super) fn level(&self) -> bool {
         self.level
+    }
+
+    /// Instant of the next edge, or [`NEVER`].
+    #[inline]
+    pub(super) fn next(&self) -> Ns {
+        self.next
     }
 
     /// Whether it is on, or will be.
@@ -41,7 +50,7 @@ impl Edges {
 
     /// Off at once, nothing pending.
     pub(super) fn clear(&mut self) {
-        (self.level, self.len) = (false, 0);
+        (self.level, self.len, self.next) = (false, 0, NEVER);
     }
 
     /// A command that takes effect at `at`.
@@ -51,37 +60,35 @@ impl Edges {
         }
         // The level that the last pending edge leads to.
         let last = self.level ^ (self.len & 1 == 1);
-        if last == on {
-            return Ok(());
+        let fits = last == on || !on || self.len < EDGES - 1;
+        if last != on && fits {
+            let len = self.len;
+            if let Some(place) = self.place(len) {
+                *place = at;
+                self.len = len.wrapping_add(1);
+            }
         }
-        if on && self.len >= EDGES - 1 {
-            return Err(Full);
-        }
-        let len = self.len;
-        if let Some(place) = self.place(len) {
-            *place = at;
-            self.len = len.wrapping_add(1);
-        }
-        Ok(())
+        self.look();
+        if fits { Ok(()) } else { Err(Full) }
     }
 
-    /// The next edge, if it comes before `end`.
+    /// Takes the next edge, which is due; tells the new level.
     #[inline]
-    pub(super) fn before(&self, end: Ns) -> Option<Ns> {
-        let next = self.at.get(self.first % EDGES).copied()?;
-        (self.len > 0 && next < end).then_some(next)
-    }
-
-    /// Takes the next edge if it is due at `now`; tells the new level.
-    #[inline]
-    pub(super) fn take(&mut self, now: Ns) -> Option<bool> {
-        self.before(Ns(now.0.wrapping_add(1)))?;
+    pub(super) fn take(&mut self) -> bool {
         self.first = self.first.wrapping_add(1) % EDGES;
-        self.len = self.len.wrapping_sub(1);
+        self.len = self.len.saturating_sub(1);
+        self.look();
         self.level = !self.level;
-        Some(self.level)
+        self.level
     }
 
+    #[inline]
+    fn look(&mut self) {
+        let pending = self.len > 0;
+        self.next = self.place(0).map_or(NEVER, |next| if pending { *next } else { NEVER });
+    }
+
+    #[inline]
     fn place(&mut self, index: usize) -> Option<&mut Ns> {
         self.at.get_mut(self.first.wrapping_add(index) % EDGES)
     }

@@ -34,6 +34,9 @@ use crate::view::LaserView;
 use channel::Channel;
 use core::num::NonZeroU16;
 
+/// Later than any instant.
+const NEVER: Ns = Ns(u64::MAX);
+
 /// Laser channels of a controller.
 pub const CHANNELS: usize = 2;
 
@@ -146,7 +149,7 @@ impl Lasers {
 
     /// Carries out a change at an instant of the interval that is planned next.
     #[inline(never)]
-    pub(crate) fn change(&mut self, channel: u8, at: Ns, change: Change) {
+    pub(crate) fn change(&mut self, channel: u8, at: Ns, change: &Change) {
         if let Some(channel) = self.channels.get_mut(channel as usize) {
             channel.change(at, change);
         }
@@ -176,10 +179,7 @@ impl Lasers {
     #[inline]
     pub(crate) fn show(&self, shown: &mut [LaserView; CHANNELS]) {
         for (to, channel) in shown.iter_mut().zip(&self.channels) {
-            if to.changes != channel.shown.changes {
-                *to = channel.shown;
-            }
-            to.on_time = channel.shown.on_time;
+            to.follow(&channel.shown);
         }
     }
 }

@@ -55,7 +55,9 @@ impl Train {
 /// it, would, but neither before the action's instant nor before its pulse has ended. Where no period is in
 /// progress, it means at once. A train that begins begins its pattern ([`super::Pattern`]); one that goes on
 /// goes on with it.
+// A word for the tag: what follows it is copied in words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
 pub enum Action {
     /// The switch output becomes active or inactive.
     Switch(bool),
@@ -114,7 +116,7 @@ impl Plan {
     }
 
     /// One more action, not before those there are. One without a place is dropped: see [`Plan::has_room`].
-    #[inline]
+    #[inline(always)]
     pub(super) fn push(&mut self, at: u32, action: Action) {
         if let Some(place) = self.actions.get_mut(self.len) {
             *place = (at, action);

@@ -17,7 +17,7 @@ use cortex_m_semihosting::{debug, hprintln};
 use dispatcher::tables::{Draft, Fields, Kind, Scratch};
 use hal as _; // the vector table
 use probes::{AXES, STORES, TABLE_STORES, Thread};
-use servo::laser::Plan;
+use servo::laser::{self, Carrier, Change, Clock, Delays, Fine, Plan, Power};
 use servo::op::{Entry, Mode, Op};
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
@@ -219,6 +219,43 @@ impl Bench {
         self.step(case, Some("reset"));
     }
 
+    /// Light of some channels: on and off with delays, in steady power, and with one that changes.
+    fn run_lasers(&mut self, case: &str, channels: u8) {
+        let clock = Clock::GHZ;
+        let percent = |value: u32| Power::admit(f64::from(value).to_bits()).unwrap_or_default();
+        let all = |bench: &mut Bench, change: Change| {
+            for channel in 0..channels {
+                bench.push(Op::Laser { channel, change });
+            }
+        };
+        let Ok(carrier) = Carrier::admit(percent(333), clock) else { panic!("the carrier is refused") };
+        let fine = Fine::plan(laser::Mode::Duty, percent(37), Some(&carrier), clock);
+        all(self, Change::Delays(Delays { off: 300, on: 300 }));
+        all(self, Change::Carrier { carrier, fine });
+        self.step(case, Some("laser-set"));
+        for round in 0..TICKS as u32 / 8 {
+            for (on, mark) in [(true, "laser-on"), (false, "laser-off")] {
+                all(self, Change::Gate { on });
+                self.step(case, Some("laser-command"));
+                // The edge falls into the interval that this tick plans.
+                self.step(case, Some(mark));
+                for _ in 0..3 {
+                    self.step(case, Some(if on { "laser-steady" } else { "laser-dark" }));
+                }
+                let view = *self.thread.view.read();
+                assert!(view.lasers.iter().take(channels.into()).all(|laser| laser.light == on), "no light");
+                if on {
+                    all(self, Change::Direct { power: percent(37), fine });
+                    self.step(case, Some("laser-power"));
+                    all(self, Change::Direct { power: percent(round % 100), fine: None });
+                    self.step(case, Some("laser-unplanned"));
+                }
+            }
+        }
+        all(self, Change::Reset);
+        self.step(case, Some("reset"));
+    }
+
     fn run(&mut self, case: &str, running: usize) {
         for _ in 0..8 {
             self.step(case, Some("idle"));
@@ -268,6 +305,9 @@ fn main() -> ! {
     for (case, running) in [("1", 1), ("8", 8)] {
         bench.run_ramps(case, running, Ns(0), ["trap", "trap-inside"]);
         bench.run_ramps(case, running, Ns(12_000_000), ["smooth", "smooth-inside"]);
+    }
+    for (case, channels) in [("1", 1), ("2", 2)] {
+        bench.run_lasers(case, channels);
     }
     debug::exit(debug::EXIT_SUCCESS);
     loop {
