@@ -261,6 +261,8 @@ pub struct Outcome {
     pub analog: Vec<Edge<Exact>>,
     /// Light, whatever the power is.
     pub light: Vec<Span>,
+    /// Faults.
+    pub faults: Vec<Ns>,
     /// Times at which the on-time was zeroed.
     zeroed: Vec<Ns>,
     /// Commanded state.
@@ -396,11 +398,23 @@ impl Story<'_> {
                 Some((before, first, k)) if before == now => (first, k),
                 _ => (at, 0),
             };
-            let width = floor(now.width * whole(k + 1)) - floor(now.width * whole(k));
-            if width > 0 {
-                pulses.push(Span { begin: at, end: at + width });
+            let pulse = at + floor(now.width * whole(k + 1)) - floor(now.width * whole(k));
+            if pulse > at {
+                pulses.push(Span { begin: at, end: pulse });
             }
-            at = first + floor(now.period * whole(k + 1));
+            // Reading 12: a shorter period ends the one in progress where it would end itself.
+            let mut end = first + floor(now.period * whole(k + 1));
+            let mut change = self.next_change(at).unwrap_or(span.end);
+            while change < end {
+                if let Some(new) = train(self.at(change)) {
+                    end = end.min((at + floor(new.period)).max(change).max(pulse));
+                }
+                change = self.next_change(change).unwrap_or(span.end);
+                if change >= span.end {
+                    break;
+                }
+            }
+            at = end;
             pattern = Some((now, first, k + 1));
         }
         pulses
@@ -410,7 +424,7 @@ impl Story<'_> {
         let mut pulses = Vec::new();
         let mut dark_from = 0;
         for (index, &(span, end)) in light.iter().enumerate() {
-            self.standby(Span { begin: dark_from, end: span.begin }, &mut pulses);
+            self.standby(Span { begin: dark_from, end: span.begin }, cuts, &mut pulses);
             let open = self.at(span.begin).mode == Mode::Open;
             let next = light.get(index + 1).map_or(Ns::MAX, |(next, _)| next.begin);
             dark_from = span.end;
@@ -426,7 +440,7 @@ impl Story<'_> {
                 pulses.push(Span { begin: pulse.begin, end: last });
             }
         }
-        self.standby(Span { begin: dark_from, end: horizon }, &mut pulses);
+        self.standby(Span { begin: dark_from, end: horizon }, cuts, &mut pulses);
         let ends: Vec<Ns> = pulses.iter().flat_map(|pulse| [pulse.begin, pulse.end]).collect();
         let mut index = 0;
         // Pulses are in order, and none begins before the one before has ended.
@@ -439,14 +453,13 @@ impl Story<'_> {
     }
 
     /// Standby pulses of a dark time; what ends them cuts them.
-    fn standby(&self, dark: Span, pulses: &mut Vec<Span>) {
+    fn standby(&self, dark: Span, cuts: &[Ns], pulses: &mut Vec<Span>) {
         let mut at = dark.begin;
         while at < dark.end {
-            // As long as standby may be output; a fault breaks it, also where it is cleared at once.
+            // As long as standby may be output; another mode and a fault break it.
             let mut end = self.next_change(at).unwrap_or(dark.end);
             let allowed = self.at(at).standby_allowed();
-            let breaks = |end: Ns| self.job.iter().any(|(at, command)| *at == end && *command == Command::Fault);
-            while end < dark.end && self.at(end).standby_allowed() == allowed && !breaks(end) {
+            while end < dark.end && self.at(end).standby_allowed() == allowed && !cuts.contains(&end) {
                 end = self.next_change(end).unwrap_or(dark.end);
             }
             end = end.min(dark.end);
@@ -520,6 +533,10 @@ fn spans(events: &[(Ns, Event)], horizon: Ns) -> Vec<(Span, Event)> {
     spans
 }
 
+fn times(job: &Job, what: &Command) -> Vec<Ns> {
+    job.iter().filter(|(_, command)| command == what).map(|(at, _)| *at).collect()
+}
+
 /// What a job does from power-on until `horizon`, which no event after it influences.
 pub fn outcome(family: Family, job: &Job, horizon: Ns) -> Outcome {
     let story = Story::of(family, job);
@@ -527,17 +544,21 @@ pub fn outcome(family: Family, job: &Job, horizon: Ns) -> Outcome {
     let energy_gate = story.energy_gate(&gate);
     let light = spans(&energy_gate, horizon);
     let cuts: Vec<Ns> = energy_gate.iter().filter(|(_, event)| *event == Event::Cut).map(|&(at, _)| at).collect();
-    let switch = story.switch(&gate);
+    let mut switch = story.switch(&gate);
     let mut energy = story.energy(&light, &cuts, horizon);
+    let mut analog = story.analog(&light);
+    switch.retain(|&(at, _)| at < horizon);
     energy.retain(|&(at, _)| at < horizon);
+    analog.retain(|&(at, _)| at < horizon);
     let on = spans(&gate, Ns::MAX);
     Outcome {
         gate: levels(gate.iter().map(|&(at, _)| at), |at| on.iter().any(|(span, _)| span.has(at))),
         switch,
         energy,
-        analog: story.analog(&light),
+        analog,
         light: light.into_iter().map(|(span, _)| span).filter(|span| span.begin < span.end).collect(),
-        zeroed: job.iter().filter(|(_, command)| *command == Command::ZeroOnTime).map(|(at, _)| *at).collect(),
+        faults: times(job, &Command::Fault),
+        zeroed: times(job, &Command::ZeroOnTime),
         commanded,
     }
 }

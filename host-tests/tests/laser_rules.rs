@@ -1,7 +1,12 @@
 //! The rules of SPEC 6 by hand, held against the model and against the tick.
+#[path = "laser/bench.rs"]
+mod bench;
 #[path = "laser/cases.rs"]
 mod cases;
+#[path = "laser/player.rs"]
+mod player;
 
+use bench::Bench;
 use cases::{Case, HORIZON, cases};
 use host_tests::laser_model::{Edge, Exact, Ns, outcome};
 
@@ -43,5 +48,38 @@ fn the_model_holds_every_rule() {
         assert_eq!(spans, light, "{name}: light");
         let sum: i64 = light.iter().map(|(begin, end)| end - begin).sum();
         assert_eq!(result.on_time(HORIZON * 1000), sum * 1000, "{name}: on-time");
+    }
+}
+
+#[test]
+fn the_tick_holds_every_rule() {
+    let mut bench = Bench::new();
+    for plans in [false, true] {
+        for Case { name, family, job, switch, energy, analog, light } in cases() {
+            let result = outcome(family, &job, HORIZON * 1000);
+            let [done, idle] = bench.run(family, [&job, &[]], 10_000, HORIZON * 1000, Some(1), plans);
+            assert_eq!(active(&done.switch), switch, "{name}: switch");
+            assert_eq!(active(&done.energy), merged(&energy), "{name}: energy");
+            // A volt is 3276.7 steps of the DAC; to half a step.
+            assert_eq!(done.volts.len(), analog.len(), "{name}: analog {:?}", done.volts);
+            for ((at, code), (us, mv)) in done.volts.iter().zip(&analog) {
+                assert_eq!(*at, us * 1000, "{name}: analog");
+                assert!((i64::from(*code) * 10_000 - mv * 32767).abs() <= 5_000, "{name}: {code} for {mv} mV");
+            }
+            let sum: i64 = light.iter().map(|(begin, end)| end - begin).sum();
+            let (_, last) = done.views.last().unwrap();
+            assert_eq!(i64::from(last.on_time), sum / 250, "{name}: on-time");
+            for (at, view) in done.views.iter().filter(|(at, _)| *at < HORIZON * 1000) {
+                if result.faults.contains(at) {
+                    continue;
+                }
+                let lit = light.iter().any(|(begin, end)| begin * 1000 <= *at && *at < end * 1000);
+                assert_eq!(view.light, lit, "{name}: light at {at} ns");
+            }
+            assert!(
+                idle.energy.is_empty() && idle.switch.is_empty() && idle.volts.is_empty(),
+                "{name}: the other channel"
+            );
+        }
     }
 }

@@ -172,11 +172,18 @@ pub fn cases() -> Vec<Case> {
         Case {
             switch: vec![(100, 500)],
             light: vec![(100, 500)],
-            energy: vec![(100, 125), (200, 225), (300, 305), (320, 325), (340, 345), (360, 365), (380, 385)]
-                .into_iter()
-                .chain([(400, 405), (420, 425), (440, 445), (460, 465), (480, 485)])
-                .collect(),
-            ..case("the_carrier_changes_at_a_period", duty(&[(100, ON), (250, carrier(50)), (500, OFF)]))
+            // The period that began at 200 ends at 250, where 50 kHz is asked for: 20 µs would have ended before.
+            energy: joined(&[train(100, 300), (250..500).step_by(20).map(|at| (at, at + 5)).collect()]),
+            ..case(
+                "a_quicker_carrier_does_not_wait_for_a_slow_period",
+                duty(&[(100, ON), (250, carrier(50)), (500, OFF)]),
+            )
+        },
+        Case {
+            switch: vec![(100, 900)],
+            light: vec![(100, 900)],
+            energy: vec![(100, 125), (200, 225), (300, 350), (500, 550), (700, 750)],
+            ..case("a_slower_carrier_begins_at_the_next_period", duty(&[(100, ON), (250, carrier(5)), (900, OFF)]))
         },
     ];
     cases.extend(last_pulse());
@@ -366,6 +373,17 @@ fn standby_and_modes() -> Vec<Case> {
                     (400, power(10)),
                     (400, width(10)),
                 ])
+            })
+        },
+        Case {
+            switch: vec![(100, 510)],
+            light: vec![(100, 510)],
+            energy: vec![(100, 550)],
+            ..case("another_mode_cuts_a_last_pulse_that_is_being_finished", {
+                let mut job = slow(500);
+                job.insert(0, (50_000, delays(10, 0)));
+                job.push((550_000, mode(Mode::Analog, 10)));
+                job
             })
         },
         case(

@@ -245,11 +245,10 @@ impl Channel {
             self.shown.limited = self.energy.light(self.power, clock, &mut self.train);
         }
         if self.cut {
-            // What another mode put out is over before the edges of this instant.
+            // What another mode put out is over before the edges of this instant, also a last pulse that is
+            // being finished.
             self.cut = false;
-            if self.out.light {
-                self.darken(0, true, plan);
-            }
+            self.darken(0, true, plan);
         }
         let (mut now, mut lit, mut left) = (next, 0u32, EVENTS);
         self.wake = self.soonest();

@@ -46,13 +46,15 @@ impl Clock {
         (self.mhz as u64 * 1000) << Power::FRAC_BITS
     }
 
-    /// The period of a frequency, to 2⁻³² counts; for 0 as of the least frequency.
+    /// The period of a frequency, to the nearest 2⁻³² counts, so that whole counts come out whole; for 0 as of
+    /// the least frequency.
     pub(super) fn period(self, khz: Power) -> Count {
         let Recip { m, shift } = Recip::of(khz.raw() as u64);
         let per_ms = self.per_ms();
         // per_ms·(2^64 + m)·2^(shift - 128) in 2^-32; the shift is at most 63.
         let product = (per_ms as u128).wrapping_add(umul(per_ms, m).0 as u128);
-        let fixed = (product << 32).wrapping_shr(64u32.wrapping_sub(shift));
+        let half = 1u128.wrapping_shl(63u32.wrapping_sub(shift));
+        let fixed = (product << 32).wrapping_add(half).wrapping_shr(64u32.wrapping_sub(shift));
         Count { whole: (fixed >> 32) as u64, part: fixed as u32, of: 0 }
     }
 }

@@ -117,7 +117,7 @@ fn counts(volts: Power) -> i16 {
 }
 
 impl Carrier {
-    /// This many % of the period, in 2⁻³² counts.
+    /// This many % of the period, to the nearest 2⁻³² counts, so that whole counts come out whole.
     fn share(&self, power: Power) -> Count {
         if power >= Mode::Duty.full_scale() {
             return self.period();
@@ -129,6 +129,7 @@ impl Carrier {
         let Count { whole, .. } = self.period();
         let (high, low) = umul(whole, part);
         let (sum, carry) = low.overflowing_add(umul((self.fraction() as u64) << 32, part).0);
-        Count { whole: high.wrapping_add(carry as u64), part: (sum >> 32) as u32, of: 0 }
+        let (sum, up) = sum.overflowing_add(1 << 31);
+        Count { whole: high.wrapping_add(carry as u64).wrapping_add(up as u64), part: (sum >> 32) as u32, of: 0 }
     }
 }

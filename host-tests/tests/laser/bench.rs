@@ -1,0 +1,249 @@
+//! The servo tick with its lanes, and a machine that carries out its laser plans.
+use super::player::Player;
+use host_tests::laser_model::{Command, Edge, Exact, Family, Mode, Ns};
+use ring::{Latest, Producer, Reader, Ring};
+use servo::laser::{self, Bounds, CHANNELS, Carrier, Change, Clock, Delays, Fine, Plan, Power, Standby};
+use servo::op::{Entry, Op};
+use servo::port::{AxisInputs, Port};
+use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
+use servo::units::{Axis, Pos};
+use servo::view::{LaserView, View};
+use std::num::NonZeroU16;
+
+fn leak<T>(value: T) -> &'static mut T {
+    Box::leak(Box::new(value))
+}
+
+struct Machine {
+    now: Ns,
+    next: Ns,
+    interlock: bool,
+    players: [Player; CHANNELS],
+}
+
+impl Port for Machine {
+    fn inputs(&mut self, _: Axis) -> AxisInputs {
+        AxisInputs::default()
+    }
+    fn encoder(&mut self, _: Axis) -> i64 {
+        0
+    }
+    fn general_inputs(&mut self) -> u32 {
+        0
+    }
+    fn analog(&mut self, _: usize) -> i16 {
+        0
+    }
+    fn set_point(&mut self, _: Axis, _: Pos) {}
+    fn outputs(&mut self, _: u64, _: u64, _: u32) {}
+    fn analog_out(&mut self, _: usize, _: i16) {}
+    fn interlock(&mut self) -> bool {
+        self.interlock
+    }
+    fn laser(&mut self, channel: usize, plan: &Plan) {
+        self.players[channel].take(self.now, self.next, plan);
+    }
+}
+
+/// What one channel did.
+pub struct Recorded {
+    pub energy: Vec<Edge<bool>>,
+    pub switch: Vec<Edge<bool>>,
+    pub volts: Vec<Edge<i16>>,
+    /// The view at some of the ticks.
+    pub views: Vec<(Ns, LaserView)>,
+}
+
+/// What the thread knows of a channel when it plans its light ahead.
+#[derive(Clone, Copy)]
+struct Known {
+    family: Family,
+    mode: laser::Mode,
+    bounds: Bounds,
+    direct: Power,
+    carrier: Option<Carrier>,
+    /// Whether it plans ahead at all: the tick must do without.
+    plans: bool,
+}
+
+pub fn admitted(value: Exact) -> Power {
+    Power::admit((*value.numer() as f64 / *value.denom() as f64).to_bits()).unwrap()
+}
+
+fn us(ns: Ns) -> u16 {
+    u16::try_from(ns / 1000).unwrap()
+}
+
+impl Known {
+    fn fine(&self) -> Option<Fine> {
+        let power = self.bounds.hold(self.direct);
+        Fine::plan(self.mode, power, self.carrier.as_ref(), Clock::GHZ).filter(|_| self.plans)
+    }
+
+    /// The change that a command is; a fault is none.
+    fn change(&mut self, command: &Command) -> Option<Change> {
+        Some(match *command {
+            Command::Gate(on) => Change::Gate { on },
+            Command::PowerMode { mode, max, min, delayed } => {
+                let mode = match (mode, self.family) {
+                    (Mode::Duty, _) | (Mode::Open, Family::Lsr) => laser::Mode::Duty,
+                    (Mode::Frequency, _) => laser::Mode::Frequency,
+                    (Mode::Analog, _) => laser::Mode::Analog,
+                    (Mode::Open, Family::Gus) => laser::Mode::DutyOpen,
+                };
+                if mode != self.mode {
+                    self.direct = Power::ZERO;
+                }
+                self.mode = mode;
+                self.bounds = Bounds::admit(mode, admitted(max), admitted(min)).unwrap();
+                let delayed = delayed || self.family == Family::Gus;
+                Change::Mode { mode, bounds: self.bounds, delayed, fine: self.fine() }
+            }
+            Command::Power(power) => {
+                self.direct = admitted(power);
+                Change::Direct { power: self.direct, fine: self.fine() }
+            }
+            Command::Carrier(khz) => {
+                let carrier = Carrier::admit(admitted(khz), Clock::GHZ).unwrap();
+                self.carrier = Some(carrier);
+                Change::Carrier { carrier, fine: self.fine() }
+            }
+            Command::Width(width) => Change::PulseWidth { us: NonZeroU16::new(us(width)).unwrap() },
+            Command::Delays { off, on } => Change::Delays(Delays { off: us(off), on: us(on) }),
+            Command::Fpk(fpk) => Change::Fpk(fpk.map(|fpk| laser::Fpk {
+                pulse: NonZeroU16::new(us(fpk.time1)).unwrap(),
+                begin: us(fpk.time2),
+                end: us(fpk.off),
+            })),
+            Command::Standby(standby) => Change::Standby(
+                standby.map(|(khz, duty)| Standby::admit(admitted(khz), admitted(duty), Clock::GHZ).unwrap()),
+            ),
+            Command::PreVoltage(volts) => Change::PreVoltage(volts.map(admitted)),
+            Command::ZeroOnTime => Change::ZeroOnTime,
+            Command::Fault => return None,
+            Command::Clear => Change::ClearFault,
+        })
+    }
+}
+
+pub struct Bench {
+    tick: Tick<1>,
+    lanes: Lanes<'static, 1>,
+    immediate: Producer<'static, Entry, IMMEDIATE>,
+    view: Reader<'static, View<1>>,
+}
+
+impl Bench {
+    pub fn new() -> Bench {
+        let (immediate, immediate_out) = leak(Ring::new()).split();
+        let (_, program) = leak(Ring::new()).split();
+        let (events, _) = leak(Ring::new()).split();
+        let (samples, _) = leak(Ring::new()).split();
+        let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
+        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
+        let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
+        let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
+        let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
+        let lanes = Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables };
+        Bench { tick: Tick::new(config(0)), lanes, immediate, view }
+    }
+
+    fn power_on(&mut self, config: TickConfig) {
+        self.tick = Tick::new(config);
+        // The view's buffers are those of power-on too.
+        for _ in 0..4 {
+            *self.lanes.view.buffer() = View::POWER_ON;
+            self.lanes.view.publish();
+            self.view.read();
+        }
+    }
+
+    /// Runs a job on each channel from power-on until `horizon`, which is a tick. Commands act at instants
+    /// that are ticks; faults come after the other commands of their instant. `every`: ticks between views
+    /// that are kept; `plans`: whether the thread plans trains ahead.
+    pub fn run(
+        &mut self,
+        family: Family,
+        jobs: [&[(Ns, Command)]; CHANNELS],
+        period: Ns,
+        horizon: Ns,
+        every: Option<u32>,
+        plans: bool,
+    ) -> [Recorded; CHANNELS] {
+        assert!(period > 0 && horizon % period == 0);
+        self.power_on(config(period));
+        let mut machine = Machine { now: 0, next: 0, interlock: false, players: Default::default() };
+        let mut known = [Known {
+            family,
+            mode: laser::Mode::Duty,
+            bounds: Bounds::full(laser::Mode::Duty),
+            direct: Power::ZERO,
+            carrier: None,
+            plans,
+        }; CHANNELS];
+        let mut jobs = jobs.map(|job| job.iter().peekable());
+        for channel in 0..CHANNELS as u8 {
+            self.now(channel, Change::Connector { laser: true });
+            if family == Family::Gus {
+                let bounds = Bounds::full(laser::Mode::Duty);
+                self.now(channel, Change::Mode { mode: laser::Mode::Duty, bounds, delayed: true, fine: None });
+            }
+        }
+        let mut views: [Vec<(Ns, LaserView)>; CHANNELS] = Default::default();
+        let mut left = 0;
+        while machine.now < horizon {
+            machine.next = machine.now + period;
+            machine.interlock = false;
+            for (channel, job) in jobs.iter_mut().enumerate() {
+                while let Some((at, command)) = job.next_if(|(at, _)| *at < machine.next) {
+                    assert!(*command == Command::Fault && *at == machine.now, "{command:?} at {at} is not at a tick");
+                    machine.interlock = true;
+                }
+                let is_due = |(at, command): &&(Ns, Command)| *at == machine.next && *command != Command::Fault;
+                while let Some((_, command)) = job.next_if(is_due) {
+                    let change = known[channel].change(command).unwrap();
+                    self.now(channel as u8, change);
+                }
+            }
+            self.tick.run(&mut machine, &mut self.lanes);
+            if let Some(every) = every {
+                if left == 0 {
+                    left = every;
+                    let view = self.view.read();
+                    for (kept, shown) in views.iter_mut().zip(view.lasers) {
+                        kept.push((machine.next, shown));
+                    }
+                }
+                left -= 1;
+            }
+            machine.now = machine.next;
+        }
+        let mut views = views.into_iter();
+        machine.players.map(|player| {
+            let (energy, switch, volts) = player.finish(horizon);
+            Recorded { energy, switch, volts, views: views.next().unwrap_or_default() }
+        })
+    }
+
+    #[allow(dead_code, reason = "each test file uses its part")]
+    /// What channel 0 shows after one tick of 50 µs from power-on with these changes.
+    pub fn one_tick(&mut self, clock: Clock, changes: &[Change]) -> LaserView {
+        self.power_on(TickConfig { laser_clock: clock, ..config(50_000) });
+        self.now(0, Change::Connector { laser: true });
+        for change in changes {
+            self.now(0, *change);
+        }
+        let mut machine = Machine { now: 0, next: 50_000, interlock: false, players: Default::default() };
+        self.tick.run(&mut machine, &mut self.lanes);
+        self.view.read().lasers[0]
+    }
+
+    fn now(&mut self, channel: u8, change: Change) {
+        self.immediate.push(Entry { seq: 0, delay: servo::units::Ns(0), op: Op::Laser { channel, change } }).unwrap();
+    }
+}
+
+fn config(period: Ns) -> TickConfig {
+    TickConfig { period_ns: period as u32, axes: 1, analog_inputs: 0, laser_clock: Clock::GHZ }
+}

@@ -1,0 +1,136 @@
+//! Carries out a channel's plans as `servo::laser::plan` words them: outputs as lists of events, to the ns.
+use host_tests::laser_model::{Edge, Ns, Span};
+use servo::laser::{Action, FINISH_NS, Pattern, Plan, Train};
+
+/// A period that has begun.
+#[derive(Debug, Clone, Copy)]
+struct Period {
+    begin: Ns,
+    pulse_end: Ns,
+    end: Ns,
+}
+
+/// Outputs of a channel and their history.
+#[derive(Debug, Default)]
+pub struct Player {
+    train: Train,
+    period: Option<Period>,
+    /// A train begins here: a pulse is being finished until then.
+    begins: Ns,
+    pattern: Pattern,
+    pulses: Vec<Span>,
+    switch: Vec<Edge<bool>>,
+    volts: Vec<Edge<i16>>,
+    /// Actions to come, by instant.
+    queue: Vec<(Ns, Action)>,
+}
+
+impl Player {
+    /// A plan for the interval that begins at `next`, given at `now`.
+    pub fn take(&mut self, now: Ns, next: Ns, plan: &Plan) {
+        self.run_to(now);
+        if plan.rest {
+            self.queue.clear();
+            self.pulse_to(now);
+            self.begin(now, Train::NONE, true);
+            self.switch.push((now, false));
+            self.volts.push((now, 0));
+        }
+        self.queue.extend(plan.actions().iter().map(|&(at, action)| (next + Ns::from(at), action)));
+    }
+
+    /// Carries out everything before this instant.
+    fn run_to(&mut self, now: Ns) {
+        let due: Vec<_> = self.queue.extract_if(.., |&mut (at, _)| at <= now).collect();
+        for (at, action) in due {
+            self.pulse_to(at);
+            match action {
+                Action::Switch(on) => self.switch.push((at, on)),
+                Action::Volts(code) => self.volts.push((at, code)),
+                Action::Light(train) => self.begin(at, train, true),
+                Action::Dark { standby, cut } => self.begin(at, standby, cut),
+                Action::Change(train) => self.change(at, train),
+            }
+        }
+    }
+
+    /// A train begins, or nothing does; the pulse in progress is cut, or finished if it ends soon.
+    fn begin(&mut self, at: Ns, train: Train, cut: bool) {
+        self.begins = at;
+        if let Some(last) = self.pulses.last_mut().filter(|last| last.end > at) {
+            if cut || last.end > at + Ns::from(FINISH_NS) {
+                last.end = at;
+            } else {
+                self.begins = last.end;
+            }
+        }
+        (self.train, self.period) = (train, None);
+        self.pattern = Pattern::BEGIN;
+    }
+
+    fn change(&mut self, at: Ns, train: Train) {
+        if self.train.is_none() && self.period.is_none() {
+            self.begins = self.begins.max(at);
+        }
+        self.train = train;
+        if let Some(period) = self.period.as_mut().filter(|_| !train.is_none()) {
+            let early = (period.begin + train.period.whole as Ns).max(at).max(period.pulse_end);
+            period.end = period.end.min(early);
+        }
+    }
+
+    /// Periods that begin before this instant.
+    fn pulse_to(&mut self, at: Ns) {
+        loop {
+            let begin = match self.period {
+                Some(period) => period.end,
+                None => self.begins,
+            };
+            if begin >= at {
+                return;
+            }
+            if self.train.is_none() {
+                (self.period, self.begins) = (None, at);
+                self.pattern = Pattern::BEGIN;
+                return;
+            }
+            let (period, width) = self.pattern.step(&self.train);
+            let (pulse_end, end) = (begin + width as Ns, begin + period as Ns);
+            if pulse_end > begin {
+                self.pulses.push(Span { begin, end: pulse_end });
+            }
+            self.period = Some(Period { begin, pulse_end, end });
+        }
+    }
+
+    /// The histories until this instant: energy, switch, volts.
+    pub fn finish(mut self, horizon: Ns) -> (Vec<Edge<bool>>, Vec<Edge<bool>>, Vec<Edge<i16>>) {
+        self.run_to(horizon);
+        self.pulse_to(horizon);
+        let mut energy = Vec::new();
+        for pulse in self.pulses.iter().filter(|pulse| pulse.end > pulse.begin) {
+            match energy.last_mut() {
+                Some((end, false)) if *end >= pulse.begin => *end = pulse.end.max(*end),
+                _ => energy.extend([(pulse.begin, true), (pulse.end, false)]),
+            }
+        }
+        energy.retain(|&(at, _)| at < horizon);
+        let before = |at: Ns| move |edge: &Edge<bool>| edge.0 < at;
+        let switch = settled(self.switch, false).into_iter().filter(before(horizon)).collect();
+        let volts = settled(self.volts, 0).into_iter().filter(|edge| edge.0 < horizon).collect();
+        (energy, switch, volts)
+    }
+}
+
+/// What remains of a list of levels: the last of an instant, and only where it differs from what was.
+pub fn settled<T: Copy + PartialEq>(edges: Vec<Edge<T>>, before: T) -> Vec<Edge<T>> {
+    let mut left: Vec<Edge<T>> = Vec::new();
+    for (at, level) in edges {
+        left.pop_if(|last| last.0 == at);
+        let last = left.last().map_or(before, |&(_, level)| level);
+        if last != level {
+            left.push((at, level));
+        }
+    }
+    left
+}
