@@ -458,8 +458,12 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
     bench.now(Op::Stop { axes: all(&[1]), abrupt: all(&[]) });
     let view = bench.tick();
     let from = pulses(view.axes[1].pos);
+    assert!((real(view.motion(&view.axes[1]).velocity()) - 20.0).abs() < 1e-9);
     // 20 pulse/ms at 4 pulse/ms²: 50 pulses in 5 ms; axis 2 follows all the way.
-    let view = bench.ticks(30);
+    let view = bench.ticks(10);
+    assert!((pulses(view.axes[1].pos) - from - 37.5).abs() < 1e-5, "50 − ½·4·2.5²");
+    assert!((real(view.motion(&view.axes[1]).velocity()) - 10.0).abs() < 1e-9);
+    let view = bench.ticks(20);
     assert_eq!(view.axes[1].stop, StopReason::StopSmooth);
     assert!((pulses(view.axes[1].pos) - from - 50.0).abs() < 1e-5);
     assert!((pulses(view.axes[2].pos) - 2.0 * pulses(view.axes[1].pos)).abs() < 1e-5);

@@ -206,7 +206,12 @@ impl AxisState {
         let from = Moving { pos: exact(self.shown.pos), velocity: motion.velocity() };
         let dec = self.stop_dec;
         self.leave_master();
+        // The slave's own piece ended when it began to follow; the ramp goes on from here.
+        self.profile.rest(next, self.shown.pos);
         self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
+        // Its motion has been one over the master's progress; in this tick it is told over time.
+        self.shown.motion = motion;
+        self.shown.pieces = self.shown.pieces.wrapping_add(1);
         self.set_off(StopReason::StopSmooth);
     }
 
