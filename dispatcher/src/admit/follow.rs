@@ -6,7 +6,7 @@
 use super::axis::all_startable;
 use super::{one, query};
 use crate::books::Change;
-use crate::case::{Answer, Case, Query};
+use crate::case::{Answer, Case};
 use crate::lopsided;
 use crate::refuse::{Admitted, Refused, choice, within};
 use protocol::command::{
@@ -45,7 +45,7 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::SetFollowMaster | opcode::SetFollowMasterEx => set_master(case, mode, &one(body)?),
         opcode::SetFollowLoop | opcode::SetFollowLoopEx => set_loop(case, mode, &one(body)?),
         opcode::SetFollowEvent | opcode::SetFollowEventEx => set_event(case, mode, &one(body)?),
-        opcode::FollowSpace | opcode::FollowSpaceEx => space(case, number, &one(body)?),
+        opcode::FollowSpace | opcode::FollowSpaceEx => space(case, mode, &one(body)?),
         opcode::FollowClear | opcode::FollowClearEx => clear(case, mode, &one(body)?),
         opcode::FollowStart | opcode::FollowStartEx => start(case, mode, &one(body)?),
         opcode::FollowSwitch | opcode::FollowSwitchEx => switch(case, mode, &one(body)?),
@@ -177,15 +177,11 @@ fn set_event<const AXES: usize>(case: &mut Case<AXES>, mode: Mode, r: &SetFollow
     Ok(Answer::Done)
 }
 
-/// Where a switch may come, what the tick has told when the read acts.
-fn space<const AXES: usize>(case: &mut Case<AXES>, number: u16, r: &FollowSpace) -> Admitted<Answer> {
-    let axis = following(case, mode_of(number), r.core.get(), r.profile.get())?;
-    let which = choice(2, r.fifo.get(), 0, 1)? as u8;
-    let book = case.book(axis);
-    if book.may_switch(case.view, case.seen(axis)) {
-        return Ok(Answer::Read(Query { opcode: number, first: axis.index() as u8, count: 1, which }));
-    }
-    Ok(Answer::Space(book.follow.space(which) as i16))
+fn space<const AXES: usize>(case: &mut Case<AXES>, mode: Mode, r: &FollowSpace) -> Admitted<Answer> {
+    let axis = following(case, mode, r.core.get(), r.profile.get())?;
+    let fifo = choice(2, r.fifo.get(), 0, 1)? as u8;
+    known(case, axis, 2)?;
+    Ok(Answer::Space(case.book(axis).follow.space(fifo) as i16))
 }
 
 /// The FIFO that runs cannot be cleared, the other one can.

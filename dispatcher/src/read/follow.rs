@@ -50,7 +50,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 };
                 say(reply.as_bytes())
             }
-            _ => self.space(query.opcode, tag, follow.space(query.which) as i16, out),
+            _ => say(&[]),
         }
     }
 
