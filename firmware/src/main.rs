@@ -86,6 +86,10 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
             tables: TableStores { places: &PLACES, headers: &HEADERS },
         },
     };
+    if last.is_some() {
+        // No light before somebody has looked why the last run ended.
+        servo.tick.restarted();
+    }
     servo.timer.run_at(board::TICK_NS);
     // SAFETY: no interrupt is let in yet.
     unsafe {

@@ -1,5 +1,6 @@
 //! The right way round: everything that enters a lane has passed servo's checks.
 use ring::Ring;
+use servo::laser::{Change, Power};
 use servo::op::{Entry, Op};
 use servo::ramp::{Accel, Speed};
 use servo::units::{Axis, Ns};
@@ -10,7 +11,9 @@ fn main() {
     let speed = Speed::admit(50f64.to_bits()).expect("below full scale");
     let lane: Ring<Entry, 4> = Ring::new();
     let (mut producer, _consumer) = lane.split_once().expect("once");
-    for op in [Op::TargetSpeed { axis, speed }, Op::JogPrm { axis, acc, dec: acc, smooth: 0 }] {
+    let power = Power::admit(37.5f64.to_bits()).expect("in range");
+    let laser = Op::Laser { channel: 0, change: Change::Direct { power, fine: None } };
+    for op in [Op::TargetSpeed { axis, speed }, Op::JogPrm { axis, acc, dec: acc, smooth: 0 }, laser] {
         assert!(producer.push(Entry { seq: 0, delay: Ns(0), op }).is_ok());
     }
 }
