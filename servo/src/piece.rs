@@ -3,23 +3,28 @@
 //! In: an instant. Out: planned position, and as much as a reader needs to derive velocity and
 //! acceleration. The parameter τ = (now − begin)/length is computed afresh from the time each
 //! tick, nothing is accumulated inside a piece; between pieces, knots are [`Exact`].
-//! Position error: 2⁻²³ for the start, ≤ 2⁻²² for the rest, plus 3 units of the coefficients'
-//! block exponent (`tests/pt_exact.rs`, `tests/ramp_exact.rs`).
+//!
+//! Nearly all pieces are *near*: shorter than 2³² ns, coefficients below 2²⁸ pulses. What their
+//! evaluation needs is shifted to its place when the piece is made, so that a tick multiplies and adds
+//! without a variable shift: error 2⁻²³ for rounding to a [`Pos`] and less than 2⁻²⁹ for the rest. Others
+//! take exact products: 2⁻²³ for the start, 2⁻²³ for rounding, 4 units of the coefficients' last bit
+//! (`tests/pt_exact.rs`, `tests/ramp_exact.rs`, the dispatcher's `tables_exact.rs`).
 use crate::units::{Exact, Ns, Pos};
 pub use crate::wide::Recip;
 use crate::wide::{mulhi_su, narrow};
 
 /// The place in a piece: enough to derive velocity and acceleration. Default is at rest.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[repr(C)]
 pub struct Motion {
-    /// Coefficients of τ, τ², τ³ in 2^-`frac` pulse.
-    pub c: [i64; 3],
-    /// Fraction bits of `c`.
-    pub frac: u32,
-    /// Parameter τ in 2⁻⁶⁴.
+    /// Parameter τ in 2⁻⁶³.
     pub tau: u64,
+    /// Coefficients of τ in 2^-`frac` pulse, of τ² in half of that, of τ³ in a quarter; |c| < 2⁶¹, 2⁶², 2⁶².
+    pub c: [i64; 3],
     /// 1/length of the piece in ns.
     pub recip: Recip,
+    /// Fraction bits of the first coefficient.
+    pub frac: i32,
 }
 
 /// A real number m·2^-e.
@@ -36,22 +41,31 @@ const MS: u64 = 1_000_000 << 44;
 
 impl Motion {
     /// At rest.
-    pub const REST: Motion = Motion { c: [0; 3], frac: 0, tau: 0, recip: Recip { m: 0, shift: 0 } };
+    pub const REST: Motion = Motion { tau: 0, c: [0; 3], frac: 0, recip: Recip { m: 0, shift: 0 } };
 
     /// Planned velocity in pulse/ms, error ≤ 2⁻⁵⁶ of the piece's peak.
     pub fn velocity(&self) -> Scaled {
-        let [c1, c2, c3] = self.c;
-        // Eighths leave room for the factors 2 and 3.
-        let slope = mulhi_su(c2 >> 2, self.tau).wrapping_add(mulhi_su(mulhi_su(3 * (c3 >> 3), self.tau), self.tau));
-        self.per_ms((c1 >> 3).wrapping_add(slope), self.frac as i16 - 3)
+        let ([c1, c2, c3], frac) = self.near_the_top();
+        // c1 + c2·τ + 3/4·c3·τ²
+        let tau = self.tau << 1;
+        let slope = mulhi_su(c2.wrapping_add(mulhi_su(3 * (c3 >> 2), tau)), tau);
+        self.per_ms(c1.wrapping_add(slope), frac)
     }
 
     /// Planned acceleration in pulse/ms², error ≤ 2⁻⁵⁶ of the piece's peak.
     pub fn acceleration(&self) -> Scaled {
-        let [_, c2, c3] = self.c;
-        let bend = (c2 >> 2).wrapping_add(mulhi_su(3 * (c3 >> 2), self.tau));
-        let once = self.per_ms(bend, self.frac as i16 - 3);
+        let ([_, c2, c3], frac) = self.near_the_top();
+        // c2 + 3/2·c3·τ
+        let bend = c2.wrapping_add(mulhi_su(3 * (c3 >> 1), self.tau << 1));
+        let once = self.per_ms(bend, frac);
         self.per_ms(once.m, once.e)
+    }
+
+    /// Coefficients shifted so that the largest is just below 2⁶⁰, and their fraction bits.
+    fn near_the_top(&self) -> ([i64; 3], i16) {
+        let bits = self.c.iter().fold(1, |bits, c| bits | c.unsigned_abs());
+        let up = bits.leading_zeros() as i32 - 4;
+        (self.c.map(|c| if up < 0 { c >> -up } else { c << up }), (self.frac + up) as i16)
     }
 
     /// m·2^-e per length of the piece, as a number per ms.
@@ -69,43 +83,92 @@ impl Motion {
 }
 
 /// A cubic over a stretch of time. Default is rest at 0 for no time.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub struct Piece {
     /// The first whole ns at which it is in force.
     pub begin: Ns,
     /// Whole ns from `begin` to the first at which the next piece is in force.
     pub span: u64,
-    /// Position at τ = 0, rounded once.
-    pub start: Pos,
     /// Its cubic; here `tau` is the parameter at `begin` (0 where pieces begin on a whole ns).
     pub motion: Motion,
+    /// Position at τ = 0, rounded once.
+    pub start: Pos,
+    /// Whether the exact products are needed; else the rest is at hand.
+    wide: bool,
+    /// 2⁹⁵/length: t times it is τ in 2⁻⁹⁵.
+    rate: [u32; 3],
+    /// What takes the value of the cubic to units of [`Pos`]: a power of two in 2⁻⁶⁴.
+    scale: [u32; 2],
+    /// The start less the bias of the cubic's value, and the fraction below it with a half, in 2⁻³².
+    base: i64,
+    fraction: u32,
 }
 
+impl Default for Piece {
+    fn default() -> Piece {
+        Piece::rest(Ns(0), 0, Pos(0))
+    }
+}
+
+/// Added to what is multiplied, so that no factor is negative.
+const BIAS: u64 = 1 << 62;
+
 impl Piece {
-    /// At rest from `begin` on.
-    pub const fn rest(begin: Ns, start: Pos) -> Piece {
-        Piece { begin, span: u64::MAX, start, motion: Motion::REST }
+    /// The largest parameter.
+    pub const END: u64 = u64::MAX >> 1;
+
+    /// At rest for `span` from `begin` on.
+    pub const fn rest(begin: Ns, span: u64, start: Pos) -> Piece {
+        Piece {
+            begin,
+            span,
+            motion: Motion::REST,
+            start,
+            wide: true,
+            rate: [0; 3],
+            scale: [0; 2],
+            base: 0,
+            fraction: 0,
+        }
+    }
+
+    /// A cubic from `start` at τ = 0.
+    #[inline(always)]
+    pub fn cubic(begin: Ns, span: u64, start: Exact, motion: Motion) -> Piece {
+        // The cubic's value is in 2^-(frac − 1).
+        let shift = motion.frac.wrapping_sub(1 + Pos::FRAC_BITS as i32) as u32;
+        let Recip { m, shift: zeros } = motion.recip;
+        let wide = span >> 32 != 0 || zeros < 32 || !(10..=59).contains(&shift);
+        let half = start.0.wrapping_add(1 << (CUT - 1));
+        let rounded = (half >> CUT) as i64;
+        let (m0, m1) = ((m >> 1) as u32, (m >> 33) as u32 | 1 << 31);
+        let s = zeros & 31;
+        // A piece of less than a ns has no instant but its first.
+        let rate = if zeros < 64 { [m0 << s, m1 << s | m0 >> 1 >> (31 - s), m1 >> 1 >> (31 - s)] } else { [0; 3] };
+        let power = 1u32 << (shift.wrapping_neg() & 31);
+        Piece {
+            begin,
+            span,
+            motion,
+            start: Pos(rounded),
+            wide,
+            rate,
+            scale: if shift > 32 { [power, 0] } else { [0, power] },
+            base: rounded.wrapping_sub(BIAS.wrapping_shr(shift) as i64),
+            fraction: (half >> (CUT - 32)) as u32,
+        }
     }
 
     /// A piece of constant velocity slope over whole ns: displacement `a`·τ + `b`·τ².
     #[inline(always)]
-    pub fn quadratic(begin: Ns, span: u64, start: Exact, a: i128, b: i128) -> Piece {
-        Piece::quadratic_at(begin, span, Recip::of(span), start, a, b)
-    }
-
-    /// The same with 1/`span` at hand.
-    #[inline(always)]
-    pub fn quadratic_at(begin: Ns, span: u64, recip: Recip, start: Exact, a: i128, b: i128) -> Piece {
+    pub fn quadratic(begin: Ns, span: u64, recip: Recip, start: Exact, a: i128, b: i128) -> Piece {
         let bits = magnitude_bits(a) | magnitude_bits(b);
         let width = 128 - bits.leading_zeros() as i32;
-        // Largest coefficient just below 2^62; more than 84 fraction bits are of no use.
-        let k = (width - 62).clamp(-20, 64);
-        Piece {
-            begin,
-            span,
-            start: start.round(),
-            motion: Motion { c: [narrow(a, k), narrow(b, k), 0], frac: (64 - k) as u32, tau: 0, recip },
-        }
+        // Largest coefficient just below 2^61; more than 82 fraction bits are of no use.
+        let k = (width - 61).clamp(-18, 64);
+        let c = [narrow(a, k), narrow(b, k - 1), 0];
+        Piece::cubic(begin, span, start, Motion { tau: 0, c, recip, frac: 64 - k })
     }
 
     /// Time since `begin`; while it is below `span` the piece is in force.
@@ -123,16 +186,44 @@ impl Piece {
     /// Position and τ at `t` < `span` after `begin`.
     #[inline(always)]
     pub fn at(&self, t: u64) -> (Pos, u64) {
-        let motion = &self.motion;
+        if self.wide { self.at_wide(t) } else { self.at_near(t as u32) }
+    }
+
+    /// 32 × 32 bit products alone; no factor has a sign, and no sum of products a carry.
+    #[inline(always)]
+    fn at_near(&self, t: u32) -> (Pos, u64) {
+        let [r0, r1, r2] = self.rate;
+        let p1 = product(t, r1).wrapping_add(product(t, r0) >> 32);
+        let p2 = t.wrapping_mul(r2).wrapping_add((p1 >> 32) as u32);
+        let tau = self.motion.tau.wrapping_add((p2 as u64) << 32 | p1 as u32 as u64);
+        // (u + BIAS)·τ/2 = u·τ/2 + τ·2⁶¹: it is taken off again as the next bias is added.
+        let bias = BIAS.wrapping_sub(tau >> 2);
+        let [c1, c2, c3] = self.motion.c;
+        let u = (c3 as u64).wrapping_add(BIAS);
+        let u = times(u, tau, bias.wrapping_add(c2 as u64));
+        let u = times(u, tau, bias.wrapping_add(c1 as u64));
+        let s = times(u, tau, bias);
+        let [low, high] = self.scale;
+        let (s0, s1) = (s as u32, (s >> 32) as u32);
+        // One of the two is 0.
+        let cross = product(s0, high).wrapping_add(product(s1, low)).wrapping_add(self.fraction as u64);
+        let pos = (self.base as u64).wrapping_add(product(s1, high)).wrapping_add(cross >> 32);
+        (Pos(pos as i64), tau)
+    }
+
+    #[inline(never)]
+    fn at_wide(&self, t: u64) -> (Pos, u64) {
         // Neither part is above its true value, so the sum stays below 1.
-        let tau = motion.recip.ratio(t).wrapping_add(motion.tau);
-        let [c1, c2, c3] = motion.c;
-        let mut s = c2;
-        if c3 != 0 {
-            s = s.wrapping_add(mulhi_su(c3, tau));
-        }
-        s = mulhi_su(c1.wrapping_add(mulhi_su(s, tau)), tau);
-        (Pos(self.start.0.wrapping_add(to_pos(s, motion.frac))), tau)
+        let tau = (self.motion.recip.ratio(t) >> 1).wrapping_add(self.motion.tau);
+        (self.pos_at(tau), tau)
+    }
+
+    /// Position at the parameter `tau`, by exact products.
+    pub fn pos_at(&self, tau: u64) -> Pos {
+        let ([c1, c2, c3], tau) = (self.motion.c, tau << 1);
+        let u = c2.wrapping_add(mulhi_su(c3, tau) >> 1);
+        let s = mulhi_su(c1.wrapping_add(mulhi_su(u, tau) >> 1), tau);
+        Pos(self.start.0.wrapping_add(to_pos(s, self.motion.frac)))
     }
 
     /// The place at parameter `tau`, for readers.
@@ -140,6 +231,20 @@ impl Piece {
     pub fn motion(&self, tau: u64) -> Motion {
         Motion { tau, ..self.motion }
     }
+}
+
+#[inline(always)]
+fn product(a: u32, b: u32) -> u64 {
+    a as u64 * b as u64
+}
+
+/// u·τ/2⁶⁴ + `plus` for both factors below 2⁶³; less than 2 below the true value.
+#[inline(always)]
+fn times(u: u64, tau: u64, plus: u64) -> u64 {
+    let (u0, u1) = (u as u32, (u >> 32) as u32);
+    let (t0, t1) = (tau as u32, (tau >> 32) as u32);
+    let cross = product(u0, t1).wrapping_add(product(u1, t0));
+    plus.wrapping_add(product(u1, t1)).wrapping_add(cross >> 32)
 }
 
 /// Bits that hold the magnitude of x (ones' complement for negatives: one unit less, same width).
@@ -150,8 +255,8 @@ fn magnitude_bits(x: i128) -> u128 {
 
 /// s·2^-frac in units of Pos, to nearest.
 #[inline(always)]
-pub(crate) fn to_pos(s: i64, frac: u32) -> i64 {
-    let k = frac as i32 - Pos::FRAC_BITS as i32;
+fn to_pos(s: i64, frac: i32) -> i64 {
+    let k = frac - Pos::FRAC_BITS as i32;
     if k > 0 {
         let twice = s >> ((k - 1) as u32 & 63);
         (twice >> 1) + (twice & 1)
@@ -160,11 +265,13 @@ pub(crate) fn to_pos(s: i64, frac: u32) -> i64 {
     }
 }
 
+/// Bits of an [`Exact`] below a [`Pos`].
+const CUT: u32 = 64 - Pos::FRAC_BITS;
+
 impl Exact {
     /// To the nearest position.
     #[inline(always)]
     pub fn round(self) -> Pos {
-        const CUT: u32 = 64 - Pos::FRAC_BITS;
         Pos((self.0.wrapping_add(1 << (CUT - 1)) >> CUT) as i64)
     }
 }

@@ -61,7 +61,7 @@ impl Supply {
             Supply::Pvt(run) => run.advance(now, feed.passes, source, piece),
             Supply::Ramp(run) => run.advance(now, piece),
             Supply::Follow(_) => {
-                *piece = Piece::rest(now, piece.start);
+                *piece = Piece::rest(now, u64::MAX, piece.start);
                 State::Running
             }
         }
@@ -102,6 +102,7 @@ enum Other {
 
 /// A motion, and where it stands.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub struct Profile {
     pieces: [Piece; 2],
     /// Which of them is in force.
@@ -113,7 +114,7 @@ pub struct Profile {
 impl Profile {
     /// At rest at 0 since power-on.
     pub const REST: Profile = Profile {
-        pieces: [Piece::rest(Ns(0), Pos(0)); 2],
+        pieces: [Piece::rest(Ns(0), u64::MAX, Pos(0)); 2],
         at: 0,
         other: Other::BeforeLast,
         supply: Supply::Ramp(RampRun::IDLE),
@@ -121,20 +122,24 @@ impl Profile {
 
     /// A motion of its own, which begins at `now`.
     pub fn of(supply: Supply, now: Ns) -> Profile {
-        Profile { supply, pieces: [Piece { begin: now, ..Piece::default() }; 2], other: Other::Before, ..Profile::REST }
+        Profile { supply, pieces: [Piece::rest(now, 0, Pos(0)); 2], other: Other::Before, ..Profile::REST }
     }
 
     /// The piece in force, as far as the last turn saw.
     #[inline(always)]
     pub fn piece(&self) -> &Piece {
-        let [first, second] = &self.pieces;
-        if self.at == 0 { first } else { second }
+        // The mask is the bound: the check folds away.
+        &self.pieces[(self.at & 1) as usize]
+    }
+
+    #[inline(always)]
+    fn piece_mut(&mut self) -> &mut Piece {
+        &mut self.pieces[(self.at & 1) as usize]
     }
 
     #[inline(always)]
     fn other(&self) -> &Piece {
-        let [first, second] = &self.pieces;
-        if self.at == 0 { second } else { first }
+        &self.pieces[(!self.at & 1) as usize]
     }
 
     /// Once the step of a tick is taken: the piece that was in force until `piece().begin`, if that is
@@ -192,22 +197,19 @@ impl Profile {
     pub fn rest(&mut self, now: Ns, pos: Pos) {
         self.cut(now);
         (self.at, self.other) = (self.at ^ 1, Other::BeforeLast);
-        let [first, second] = &mut self.pieces;
-        *(if self.at == 0 { first } else { second }) = Piece::rest(now, pos);
+        *self.piece_mut() = Piece::rest(now, u64::MAX, pos);
     }
 
     /// At rest, the position is called `pos`.
     pub fn rename(&mut self, pos: Pos) {
-        let [first, second] = &mut self.pieces;
-        (if self.at == 0 { first } else { second }).start = pos;
+        self.piece_mut().start = pos;
     }
 
     /// The piece in force ends at `now`, and what was to follow does not.
     #[inline]
     fn cut(&mut self, now: Ns) {
         self.other = Other::Before;
-        let [first, second] = &mut self.pieces;
-        let piece = if self.at == 0 { first } else { second };
+        let piece = self.piece_mut();
         piece.span = piece.elapsed(now).min(piece.span);
     }
 
@@ -235,8 +237,7 @@ impl Profile {
     /// Makes the piece that holds `now`, if it is not there yet; the one in force is over by then.
     #[inline]
     fn reach(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
-        let [first, second] = &mut self.pieces;
-        let piece = if self.at == 0 { second } else { first };
+        let piece = &mut self.pieces[(!self.at & 1) as usize];
         if self.other == Other::Ahead && piece.elapsed(now) < piece.span {
             return State::Running;
         }

@@ -190,7 +190,7 @@ impl PvtRun {
             // Before the time of the first point.
             let begin = self.zero(false);
             let span = ceil(self.track.began).wrapping_sub(begin.0);
-            *piece = Piece { begin, span, start: self.track.origin.round(), ..Piece::default() };
+            *piece = Piece::rest(begin, span, self.track.origin.round());
             return State::Running;
         }
         let mut from = self.track.next;
@@ -320,13 +320,21 @@ impl PvtRun {
 
         let up = (64 - header.pos_bits as i32) as u32 & 63; // 2..=62
         let knot = ((a.pos >> (64 - up)) as i128) << 64 | (a.pos << up) as u64 as i128;
-        Piece {
-            begin: Ns(begin),
-            span: ceil(until).wrapping_sub(begin),
-            start: Exact(self.track.origin.0.wrapping_add(knot)).round(),
-            motion: Motion { c: [w0, c2, c3], frac: header.frac() as u32 & 127, tau, recip: Recip { m, shift } },
-        }
+        let start = Exact(self.track.origin.0.wrapping_add(knot));
+        let motion = Motion {
+            tau: tau >> 1,
+            c: [quarter(w0), quarter(c2 << 1), c3],
+            recip: Recip { m, shift },
+            frac: header.frac() - 2,
+        };
+        Piece::cubic(Ns(begin), ceil(until).wrapping_sub(begin), start, motion)
     }
+}
+
+/// x/4 to nearest.
+#[inline(always)]
+fn quarter(x: i64) -> i64 {
+    (x >> 2) + (x >> 1 & 1)
 }
 
 /// The first whole ns not before an instant in 2⁻⁶⁴ ns.

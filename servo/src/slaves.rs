@@ -66,7 +66,7 @@ impl<const AXES: usize> Tick<AXES> {
                 state.step_follow(&seen, led, self.step_limit, store, levels, &mut deeds)
             } else if state.runs() {
                 // A stop or an update has come between.
-                state.step(next, false, &Source { segments: store, tables: lanes.tables })
+                state.step(next, &Source { segments: store, tables: lanes.tables })
             } else {
                 None
             };

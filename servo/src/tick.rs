@@ -7,7 +7,7 @@
 //!
 //! Order within a tick: inputs are sampled, then entries act, then every axis takes its step under its
 //! guards. So a limit seen now stops the set-point of the next tick.
-use crate::axis::AxisState;
+use crate::axis::{AxisState, Turn};
 use crate::execute::Reach;
 use crate::follow::Order;
 use crate::laser::{Cause, Clock, Lasers};
@@ -217,29 +217,18 @@ impl<const AXES: usize> Tick<AXES> {
             if FOLLOW && self.order.slaves.has(axis) {
                 continue;
             }
-            if !state.settled {
-                let source = Source { segments: store, tables: lanes.tables };
-                // A segment entered in this tick is not followed by preparing the next in the same one.
-                if left > 0 && state.is_open() && state.prepare(&source) {
-                    left = left.wrapping_sub(1);
-                }
-                if state.runs()
-                    && let Some(reason) = state.step(next, axis.index() as u32 & 7 == turn, &source)
-                {
-                    tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
-                }
-                if state.news {
-                    state.settle();
-                }
-            }
-            port.set_point(axis, state.set_point());
             // Each of the three buffers catches up when its turn comes.
-            if shown.moves != state.shown.moves {
+            if !state.settled || shown.moves != state.shown.moves {
                 if shown.changes != state.shown.changes {
                     *inputs = state.raw;
                 }
-                shown.follow(&state.shown);
+                let source = Source { segments: store, tables: lanes.tables };
+                let turn = Turn { prepared: &mut left, looks_ahead: axis.index() as u32 & 7 == turn };
+                if let Some(reason) = state.run(next, turn, &source, shown) {
+                    tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+                }
             }
+            port.set_point(axis, state.set_point());
         }
     }
 

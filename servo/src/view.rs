@@ -2,27 +2,39 @@
 use crate::follow::{compose, straight};
 use crate::laser::{self, Bounds, Carrier, Cause, Power, Train};
 use crate::op::{Lane, Mode};
-use crate::piece::{Motion, Recip};
+use crate::piece::Motion;
 use crate::port::AxisInputs;
 use crate::units::{Axis, Ns, Pos};
 
 /// One axis in one tick.
+///
+/// What changes in every tick of an axis that runs stands first and lies together.
 #[derive(Debug, Clone, Copy, Default)]
+#[repr(C)]
 pub struct AxisView {
     /// Counts changes of anything here and of the axis's input levels; what did not change need not be
     /// looked at again.
     pub moves: u32,
-    /// Counts changes of anything but the position (also within `motion`), the encoder, `dry_ms`, and what
-    /// `pieces` counts.
-    pub changes: u32,
-    /// Counts changes of `motion` apart from the place in it, of `released` and of `passes`.
-    pub pieces: u32,
+    /// PT: end time (ms from the start of pass or stream) of what was committed, minus now; rounded down.
+    /// Brought up to date every eighth tick.
+    pub dry_ms: u32,
+    /// PT: segments of FIFO 0 (in dynamic mode, of the ring) that have run and whose places are free.
+    pub released: u32,
+    /// PT, PVT, Follow: passes completed.
+    pub passes: u32,
     /// Planned position in force at the view's time.
     pub pos: Pos,
     /// Encoder position in pulses, sampled in the tick that computed this.
     pub encoder: i64,
     /// Encoder position one tick earlier, for the velocity.
     pub encoder_before: i64,
+    /// Follow: how far its master went in the tick, in units of Pos.
+    pub lead_way: i64,
+    /// The piece being run and the place in it: velocity and acceleration are derived by the reader. While it
+    /// follows (`lead`) the piece is over the master's progress, see [`View::motion`].
+    pub motion: Motion,
+    /// Counts changes of what follows.
+    pub changes: u32,
     /// Status word of `GetSts` (SPEC 4).
     pub status: u32,
     /// Those latched bits of `status` that refuse a start until ClearStatus: alarm, following error, and
@@ -32,25 +44,13 @@ pub struct AxisView {
     pub stop: StopReason,
     /// Profile mode.
     pub mode: Mode,
-    /// The piece being run and the place in it: velocity and acceleration are derived by the reader. While it
-    /// follows (`lead`) the piece is over the master's progress, see [`View::motion`].
-    pub motion: Motion,
     /// Follow: whose motion makes that of this axis; none while it stands whatever the master does.
     pub lead: Option<Lead>,
-    /// Follow: how far its master went in the tick, in units of Pos.
-    pub lead_way: i64,
-    /// PT: segments of FIFO 0 (in dynamic mode, of the ring) that have run and whose places are free.
-    pub released: u32,
-    /// PT: passes completed.
-    pub passes: u32,
     /// PT: times a dynamic stream ended, for whatever reason (ran out, underrun, Stop, fault). Its data is
     /// cleared then, counts and times begin at 0, and segments pushed for an earlier epoch are void.
     pub epoch: u32,
     /// PT state as `GetPtState` tells it: 0 never ran, 1 running, 2 ended, 3 underrun, 4 stopped.
     pub pt_state: u8,
-    /// PT: end time (ms from the start of pass or stream) of what was committed, minus now; rounded down.
-    /// Brought up to date every eighth tick.
-    pub dry_ms: u32,
     /// PVT: table in force; at rest the one that ran last, or was selected since.
     pub table: u8,
     /// PVT: table that takes over at the end of the pass.
@@ -75,7 +75,6 @@ impl AxisView {
     pub const POWER_ON: AxisView = AxisView {
         changes: 0,
         moves: 0,
-        pieces: 0,
         pos: Pos(0),
         encoder: 0,
         encoder_before: 0,
@@ -83,7 +82,7 @@ impl AxisView {
         blocked: 0,
         stop: StopReason::None,
         mode: Mode::Trap,
-        motion: Motion { c: [0; 3], frac: 0, tau: 0, recip: Recip { m: 0, shift: 0 } },
+        motion: Motion::REST,
         lead: None,
         lead_way: 0,
         released: 0,
@@ -107,21 +106,12 @@ impl AxisView {
         if self.changes != now.changes {
             self.follow_changes(now);
         }
-        if self.pieces != now.pieces {
-            self.pieces = now.pieces;
-            let Motion { c: [c1, c2, c3], frac, recip, .. } = now.motion;
-            let motion = &mut self.motion;
-            (motion.c, motion.frac, motion.recip) = ([c1, c2, c3], frac, recip);
-            (self.released, self.passes) = (now.released, now.passes);
-        }
-        self.moves = now.moves;
-        (self.pos, self.motion.tau) = (now.pos, now.motion.tau);
-        self.lead_way = now.lead_way;
-        (self.encoder, self.encoder_before, self.dry_ms) = (now.encoder, now.encoder_before, now.dry_ms);
+        (self.moves, self.dry_ms, self.released, self.passes) = (now.moves, now.dry_ms, now.released, now.passes);
+        (self.pos, self.encoder, self.encoder_before) = (now.pos, now.encoder, now.encoder_before);
+        (self.lead_way, self.motion) = (now.lead_way, now.motion);
     }
 
-    /// Field by field, which costs a third of what a call of memcpy does. The piece follows with it:
-    /// its counter is made to differ.
+    /// Field by field, which costs a third of what a call of memcpy does.
     #[inline(never)]
     fn follow_changes(&mut self, now: &AxisView) {
         let AxisView { changes, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
@@ -132,7 +122,6 @@ impl AxisView {
         (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, [first, second]);
         (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
-        self.pieces = now.pieces.wrapping_sub(1);
     }
 }
 

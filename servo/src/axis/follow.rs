@@ -44,7 +44,6 @@ impl AxisState {
         let Some(master) = self.follow.master else { return };
         let run = FollowRun::begin(&self.follow, self.exact, fifo1 as u8);
         (self.shown.passes, self.shown.fifo, self.shown.switching) = (0, fifo1 as u8, false);
-        self.shown.pieces = self.shown.pieces.wrapping_add(1);
         self.begin(next, Supply::Follow(Follower::new(run, master)));
     }
 
@@ -152,7 +151,6 @@ impl AxisState {
         let run = &mut follower.run;
         let emptied = run.take_emptied();
         let shown = &mut self.shown;
-        shown.pieces = shown.pieces.wrapping_add(1);
         shown.passes = run.passes();
         if emptied != 0 || run.fifo() != shown.fifo || run.is_switching() != shown.switching {
             (shown.fifo, shown.switching) = (run.fifo(), run.is_switching());
@@ -174,9 +172,7 @@ impl AxisState {
             return;
         }
         let motion = if moving { follower.run.piece().motion } else { Motion::REST };
-        let Motion { c: [c1, c2, c3], frac, recip, .. } = motion;
-        (shown.motion.c, shown.motion.frac, shown.motion.recip) = ([c1, c2, c3], frac, recip);
-        shown.pieces = shown.pieces.wrapping_add(1);
+        shown.motion = Motion { tau: shown.motion.tau, ..motion };
         let axis = (follower.master.value == Value::Planned).then_some(follower.master.axis);
         let lead = moving.then_some(Lead { axis, down: follower.run.is_down() });
         if lead != shown.lead {
@@ -211,7 +207,6 @@ impl AxisState {
         self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
         // Its motion has been one over the master's progress; in this tick it is told over time.
         self.shown.motion = motion;
-        self.shown.pieces = self.shown.pieces.wrapping_add(1);
         self.set_off(StopReason::StopSmooth);
     }
 

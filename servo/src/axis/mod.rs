@@ -9,6 +9,8 @@ mod guard;
 mod motion;
 mod place;
 
+pub(crate) use motion::Turn;
+
 use crate::follow as following;
 use crate::inputs::Inputs;
 use crate::op::Mode;
@@ -45,44 +47,46 @@ pub(crate) struct Jog {
     pub(crate) smooth: u16,
 }
 
-/// The state of one axis.
+/// The state of one axis. What every tick looks at stands first.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub(crate) struct AxisState {
     /// What the thread sees; also the state itself, where it is the same thing.
     pub(crate) shown: AxisView,
-    /// Its motion; at rest, a piece that rests.
-    profile: Profile,
-    runs: bool,
-    /// Why the running motion will have ended.
-    ending: StopReason,
-    /// Since which tick it is at rest.
-    pub(crate) rest_since: Ns,
-    /// Exact position while at rest.
-    exact: Exact,
-    /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
-    zero: Pos,
-    pub(crate) inputs: Inputs,
-    /// Input levels, sampled, and their bits.
-    pub(crate) raw: AxisInputs,
-    levels: u8,
-    /// The machine's encoder count, sampled.
-    count: i64,
     /// Nothing here changes until an input, the encoder or an operation does.
     pub(crate) settled: bool,
     /// What inputs mean has to be looked at again in the next tick, even if they stay.
     stale: bool,
     /// The status word may have changed.
     pub(crate) news: bool,
+    runs: bool,
+    /// Input levels, sampled, as bits.
+    levels: u8,
+    pub(crate) servo_on: bool,
+    in_position: bool,
+    /// The levels themselves.
+    pub(crate) raw: AxisInputs,
+    /// Causes of latched bits that are present now.
+    causes: u32,
+    /// The machine's encoder count, sampled.
+    count: i64,
+    /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
+    zero: Pos,
     /// While the planned position stays between these two, nothing stands in its way.
     lower: Pos,
     upper: Pos,
+    pub(crate) inputs: Inputs,
+    /// Its motion; at rest, a piece that rests.
+    profile: Profile,
+    /// Why the running motion will have ended.
+    ending: StopReason,
+    /// Since which tick it is at rest.
+    pub(crate) rest_since: Ns,
+    /// Exact position while at rest.
+    exact: Exact,
     /// Switches active now, as status bits.
     switches: u32,
-    /// Causes of latched bits that are present now.
-    causes: u32,
     latched: u32,
-    in_position: bool,
-    pub(crate) servo_on: bool,
     pub(crate) stop_dec: Accel,
     pub(crate) jog: Jog,
     /// Trap; its target and its speed (Jog's too) are those of SetPos and SetVel.
@@ -219,7 +223,6 @@ impl AxisState {
             shown: AxisView {
                 changes: self.shown.changes,
                 moves: self.shown.moves,
-                pieces: self.shown.pieces,
                 epoch: self.shown.epoch,
                 cleared: self.shown.cleared,
                 stop: self.shown.stop,

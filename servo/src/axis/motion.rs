@@ -12,7 +12,15 @@ use crate::pvt::Tables;
 use crate::ramp::Moving;
 use crate::status;
 use crate::units::{Exact, Ns, Pos};
-use crate::view::StopReason;
+use crate::view::{AxisView, StopReason};
+
+/// What a tick allows an axis beyond its step.
+pub(crate) struct Turn<'a> {
+    /// How many pieces may still be made ahead.
+    pub(crate) prepared: &'a mut u32,
+    /// To look how long its data lasts.
+    pub(crate) looks_ahead: bool,
+}
 
 impl AxisState {
     /// Whether Jog or Trap must not begin or change: also towards an active limit.
@@ -116,9 +124,38 @@ impl AxisState {
         self.touch();
     }
 
+    /// A tick of the axis: its motion at `next`, its status, what it shows. The reason if it came to rest.
+    ///
+    /// A function of its own, so that nothing but the axis takes up registers.
+    #[inline(never)]
+    pub(crate) fn run(
+        &mut self,
+        next: Ns,
+        turn: Turn<'_>,
+        source: &(impl Segments + Tables),
+        shown: &mut AxisView,
+    ) -> Option<StopReason> {
+        let mut stopped = None;
+        if self.runs {
+            // What is entered in this tick is not followed by making the next in the same one.
+            if self.profile.is_open() && *turn.prepared != 0 && self.prepare(source) {
+                *turn.prepared = turn.prepared.wrapping_sub(1);
+            }
+            stopped = self.step(next, source);
+            if turn.looks_ahead && stopped.is_none() {
+                self.look_ahead(next, source);
+            }
+        }
+        if self.news {
+            self.settle();
+        }
+        shown.follow(&self.shown);
+        stopped
+    }
+
     /// The motion at `next` of an axis that runs; the reason if it comes to rest there.
     #[inline(always)]
-    pub(crate) fn step(&mut self, next: Ns, look_ahead: bool, source: &(impl Segments + Tables)) -> Option<StopReason> {
+    pub(crate) fn step(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
         if self.causes & status::FAULTS != 0 {
             return Some(self.stopped_by_fault(next));
         }
@@ -139,9 +176,6 @@ impl AxisState {
         }
         self.shown.moves = self.shown.moves.wrapping_add(1);
         (self.shown.pos, self.shown.motion.tau) = (pos, tau);
-        if look_ahead {
-            self.look_ahead(next, source);
-        }
         None
     }
 
@@ -151,9 +185,7 @@ impl AxisState {
         let feed = self.feed();
         let state = self.profile.turn(next, feed, source);
         let shown = &mut self.shown;
-        shown.pieces = shown.pieces.wrapping_add(1);
-        let Motion { c: [c1, c2, c3], frac, recip, .. } = self.profile.piece().motion;
-        (shown.motion.c, shown.motion.frac, shown.motion.recip) = ([c1, c2, c3], frac, recip);
+        shown.motion = self.profile.piece().motion;
         let running = state == State::Running;
         match self.profile.supply() {
             Supply::Pt(run) => {
@@ -191,16 +223,10 @@ impl AxisState {
         reason
     }
 
-    /// Whether the next piece may be waiting to be made.
-    #[inline(always)]
-    pub(crate) fn is_open(&self) -> bool {
-        self.profile.is_open()
-    }
-
     /// Makes the next piece, in a tick that has time for it; whether it took any.
     #[inline(never)]
-    pub(crate) fn prepare(&mut self, source: &(impl Segments + Tables)) -> bool {
+    fn prepare(&mut self, source: &(impl Segments + Tables)) -> bool {
         let feed = self.feed();
-        self.runs && self.profile.prepare(feed, source)
+        self.profile.prepare(feed, source)
     }
 }

@@ -21,7 +21,7 @@ use super::way::{Fine, Spot, Stretch, Track, Way};
 use super::{Direction, Entries, Event, Method};
 use crate::op::DoGroup;
 use crate::piece::Piece;
-use crate::units::{Exact, Pos};
+use crate::units::{Exact, Ns, Pos};
 use crate::wide::{recip64_below, umulhi};
 
 /// Entries that are no segments, in one tick of one axis.
@@ -155,7 +155,7 @@ impl FollowRun {
     pub fn begin(setup: &Setup, origin: Exact, fifo: u8) -> FollowRun {
         let both = setup.direction == Direction::Both;
         FollowRun {
-            piece: Piece { start: origin.round(), ..Piece::default() },
+            piece: Piece::rest(Ns(0), 0, origin.round()),
             both,
             down: if both { setup.fifo(fifo).tail.down } else { setup.direction == Direction::Down },
             furthest: i64::MIN,
@@ -497,7 +497,7 @@ impl FollowRun {
     /// The slave rests at the beginning of an entry.
     fn hold<L>(&mut self, index: u32, context: &Context<'_, impl Entries, L>) {
         let at = self.knot(index, context);
-        self.piece = Piece { start: at.round(), ..Piece::default() };
+        self.piece = Piece::rest(Ns(0), 0, at.round());
     }
 
     /// A delay or a wait is over with the master at `pos`: what follows begins there.

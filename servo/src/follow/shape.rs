@@ -64,7 +64,7 @@ impl Segment {
 
     /// The ratio at its end.
     pub(super) fn end_ratio(&self) -> i128 {
-        ratio_at(&self.piece(self.to.wrapping_sub(1), 0, 0).motion, u64::MAX)
+        ratio_at(&self.piece(self.to.wrapping_sub(1), 0, 0).motion, Piece::END)
     }
 
     /// The piece that holds the progress `x` of the pass that began at `began` (master) and `origin` (slave).
@@ -122,8 +122,8 @@ pub(super) fn ceil(x: i128) -> i64 {
 fn cubic(from: i128, length: i128, start: i128, c: [i128; 3]) -> Piece {
     let magnitude = c.iter().fold(0u128, |bits, x| bits | (x ^ (x >> 127)) as u128);
     let width = 128 - magnitude.leading_zeros() as i32;
-    // Largest coefficient just below 2^61, so that sums of three stay in 63 bits.
-    let k = (width - 61).clamp(-20, 67);
+    // Largest coefficient of τ just below 2^60.
+    let k = (width - 60).clamp(-18, 67);
     let [c1, c2, c3] = c;
 
     // The length as d·2^s, rounded up, so that no quotient by it is above the true one.
@@ -142,39 +142,36 @@ fn cubic(from: i128, length: i128, start: i128, c: [i128; 3]) -> Piece {
     let begin = ceil(from);
     let late = ((begin as i128) << UNIT).wrapping_sub(from) as u64;
     let late = if s >= 0 { late >> (s as u32 & 63) } else { late << (-s as u32 & 63) };
-    Piece {
-        begin: Ns(begin as u64),
-        span: (ceil(from.wrapping_add(length as i128)) as u64).wrapping_sub(begin as u64),
-        start: Exact(start).round(),
-        motion: Motion {
-            c: [narrow(c1, k), narrow(c2, k), narrow(c3, k)],
-            frac: (64 - k) as u32,
-            tau: late.wrapping_add(umulhi(late, m)),
-            recip: Recip { m, shift: (UNIT as i32 - s) as u32 },
-        },
-    }
+    let span = (ceil(from.wrapping_add(length as i128)) as u64).wrapping_sub(begin as u64);
+    let motion = Motion {
+        tau: late.wrapping_add(umulhi(late, m)) >> 1,
+        c: [narrow(c1, k), narrow(c2, k - 1), narrow(c3, k - 2)],
+        recip: Recip { m, shift: (UNIT as i32 - s) as u32 },
+        frac: 64 - k,
+    };
+    Piece::cubic(Ns(begin as u64), span, Exact(start), motion)
 }
 
 /// The ratio at the parameter `tau` of a piece, 2⁻⁸⁰.
 pub(super) fn ratio_at(motion: &Motion, tau: u64) -> i128 {
     // slope·2^-frac per length, and 1/length = 2·mantissa·2^(shift − 128) per unit of 2^-22 pulse.
     let mantissa = 1 << 63 | motion.recip.m >> 1;
-    let up = motion.recip.shift as i32 - motion.frac as i32 + (RATIO_BITS as i32 + Pos::FRAC_BITS as i32 + 3 - 64);
+    let up = motion.recip.shift as i32 - motion.frac + (RATIO_BITS as i32 + Pos::FRAC_BITS as i32 + 3 - 64);
     let product = mulhi_su(slope(motion, tau), mantissa) as i128;
     if up >= 0 { product << (up as u32).min(64) } else { product >> (up.unsigned_abs()).min(127) }
 }
 
-/// A quarter of dP/dτ in 2^-frac pulse: room for the factors 2 and 3.
+/// A quarter of dP/dτ = c1 + c2·τ + 3/4·c3·τ² in 2^-frac pulse: room for the sum.
 #[inline(always)]
 pub(super) fn slope(motion: &Motion, tau: u64) -> i64 {
-    let [c1, c2, c3] = motion.c;
-    let bend = (c2 >> 1).wrapping_add(mulhi_su(3 * (c3 >> 2), tau));
+    let ([c1, c2, c3], tau) = (motion.c, tau << 1);
+    let bend = (c2 >> 2).wrapping_add(mulhi_su(3 * (c3 >> 4), tau));
     (c1 >> 2).wrapping_add(mulhi_su(bend, tau))
 }
 
-/// An eighth of d²P/dτ² in 2^-frac pulse.
+/// A quarter of d²P/dτ² = c2 + 3/2·c3·τ in 2^-frac pulse.
 #[inline(always)]
 pub(super) fn bend(motion: &Motion, tau: u64) -> i64 {
     let [_, c2, c3] = motion.c;
-    (c2 >> 2).wrapping_add(mulhi_su(3 * (c3 >> 2), tau))
+    (c2 >> 2).wrapping_add(mulhi_su(3 * (c3 >> 3), tau << 1))
 }

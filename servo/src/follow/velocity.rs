@@ -13,12 +13,12 @@ const UNITS: Real = Real::new(false, (1 << 63) / 15625, -47);
 /// A motion of this velocity, pulse/ms, and acceleration, pulse/ms².
 fn of(velocity: Real, acceleration: Real) -> Motion {
     let half = acceleration.scale(-1);
-    let frac = (62 - velocity.width().max(half.width())).clamp(0, 120);
+    let frac = (60 - velocity.width().max(half.width())).clamp(0, 118);
     if velocity.is_zero() && half.is_zero() {
         return Motion::REST;
     }
-    let c = [velocity.to_i64(frac), half.to_i64(frac), 0];
-    Motion { c, frac: frac as u32, tau: 0, recip: PER_MS }
+    let c = [velocity.to_i64(frac), half.to_i64(frac + 1), 0];
+    Motion { c, frac, tau: 0, recip: PER_MS }
 }
 
 /// The motion of a slave in time. `down`: its progress is the master's position with its sign changed.
@@ -33,5 +33,5 @@ pub fn compose(slave: Motion, down: bool, master: Motion) -> Motion {
 
 /// A master that has gone `way` units of Pos in `period` ns.
 pub fn straight(way: i64, period: u64) -> Motion {
-    Motion { c: [way, 0, 0], frac: crate::units::Pos::FRAC_BITS, tau: 0, recip: Recip::of(period) }
+    Motion { c: [way, 0, 0], frac: crate::units::Pos::FRAC_BITS as i32, tau: 0, recip: Recip::of(period) }
 }

@@ -193,21 +193,17 @@ impl Way {
     fn tau(&self, piece: &Piece, fine: u64) -> u64 {
         let t = (fine >> 32).wrapping_add(self.now.0).wrapping_sub(piece.begin.0);
         if t >= piece.span {
-            return u64::MAX;
+            return Piece::END;
         }
         let recip = piece.motion.recip;
         let part = (((fine as u32 as u64 as u128) << (recip.shift & 63)) >> 32) as u64;
-        let tau = recip.ratio(t).wrapping_add(piece.motion.tau);
-        tau.saturating_add(part.saturating_add(umulhi(part, recip.m)))
+        let tau = (recip.ratio(t) >> 1).wrapping_add(piece.motion.tau);
+        tau.wrapping_add(part.saturating_add(umulhi(part, recip.m)) >> 1).min(Piece::END)
     }
 
     /// Where the master is on a piece at a time since the tick in force.
     fn pos(&self, piece: &Piece, fine: u64) -> Pos {
-        let tau = self.tau(piece, fine);
-        let motion = &piece.motion;
-        let [c1, c2, c3] = motion.c;
-        let s = mulhi_su(c1.wrapping_add(mulhi_su(c2.wrapping_add(mulhi_su(c3, tau)), tau)), tau);
-        Pos(piece.start.0.wrapping_add(crate::piece::to_pos(s, motion.frac)).wrapping_add(self.shift))
+        Pos(piece.pos_at(self.tau(piece, fine)).0.wrapping_add(self.shift))
     }
 }
 
@@ -266,12 +262,12 @@ impl<'a> Stretch<'a> {
 /// Whether a piece has no turning point from `now` on, for certain.
 pub(super) fn is_plain(piece: &Piece, now: Ns) -> bool {
     let motion = &piece.motion;
-    let from = motion.recip.ratio(piece.held(now.max(piece.begin))).wrapping_add(motion.tau);
-    let (first, last) = (slope(motion, from), slope(motion, u64::MAX));
+    let from = (motion.recip.ratio(piece.held(now.max(piece.begin))) >> 1).wrapping_add(motion.tau);
+    let (first, last) = (slope(motion, from), slope(motion, Piece::END));
     if first < 0 && last > 0 || first > 0 && last < 0 {
         return false;
     }
-    let (first, last) = (bend(motion, from), bend(motion, u64::MAX));
+    let (first, last) = (bend(motion, from), bend(motion, Piece::END));
     motion.c[2] == 0 || !(first < 0 && last > 0 || first > 0 && last < 0)
 }
 

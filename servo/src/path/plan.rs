@@ -214,14 +214,14 @@ impl Leg {
         let reach = (64 - ((self.time >> 32) as u64).leading_zeros() as i32 + 1).clamp(1, 62);
         let unit = Real::FINE.scale(32 + reach);
         let (a, b) = (self.vel.mul(unit), self.acc.mul(unit).mul(unit).scale(-1));
-        let frac = (62 - a.width().max(b.width())).clamp(0, 84);
+        let frac = (60 - a.width().max(b.width())).clamp(0, 82);
         let tau = if reach <= 32 { late << (32 - reach) as u32 } else { late >> (reach - 32) as u32 };
         let motion = Motion {
-            c: [a.to_i64(frac), b.to_i64(frac), 0],
-            frac: frac as u32,
-            tau,
+            tau: tau >> 1,
+            c: [a.to_i64(frac), b.to_i64(frac + 1), 0],
             recip: Recip { m: 0, shift: (64 - reach) as u32 },
+            frac,
         };
-        Piece { begin: Ns(first as u64), span: last.wrapping_sub(first) as u64, start: from.round(), motion }
+        Piece::cubic(Ns(first as u64), last.wrapping_sub(first) as u64, from, motion)
     }
 }

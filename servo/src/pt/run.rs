@@ -216,7 +216,7 @@ impl PtRun {
         }
         let begin = Ns(track.pass_begin.0.wrapping_add(track.knot_ms as u64 * NS_PER_MS));
         let start = Exact(track.origin.0.wrapping_add(track.knot.0));
-        *piece = Piece::quadratic_at(begin, duration as u64 * NS_PER_MS, self.recip, start, a, b);
+        *piece = Piece::quadratic(begin, duration as u64 * NS_PER_MS, self.recip, start, a, b);
         (track.knot, track.knot_ms) = (knot, knot_ms);
     }
 

@@ -157,9 +157,9 @@ impl RampRun {
         let k = s.reach;
         let (c1, c2, c3) = (v.scale(k), a.scale(2 * k - 1), s.j.scale(3 * k));
         let width = c1.width().max(c2.width()).max(c3.width());
-        let frac = (60 - width).clamp(0, 84);
+        let frac = (60 - width).clamp(0, 82);
         let left = s.len - s.done;
-        let start = self.pos.round();
+        let start = self.pos;
         // 2^k ms.
         let whole = ((15_625u64 << (k - SHORTEST)) as Fine) << 19;
         let len = if left > whole {
@@ -175,16 +175,12 @@ impl RampRun {
         let recip = Recip { m: MS_RECIP, shift: (44 - k) as u32 };
         // τ at `first`, less than 1 ns behind `begin`.
         let offset = ((begin as u32).wrapping_neg() as u64) << 32 >> 1 >> (63 - recip.shift);
-        *piece = Piece {
-            begin: Ns(first as u64),
-            span: (last - first) as u64,
-            start,
-            motion: Motion {
-                c: [c1.to_i64(frac), c2.to_i64(frac), c3.to_i64(frac)],
-                frac: frac as u32,
-                tau: offset.saturating_add(umulhi(offset, recip.m)),
-                recip,
-            },
+        let motion = Motion {
+            tau: offset.saturating_add(umulhi(offset, recip.m)) >> 1,
+            c: [c1.to_i64(frac), c2.to_i64(frac + 1), c3.to_i64(frac + 2)],
+            recip,
+            frac,
         };
+        *piece = Piece::cubic(Ns(first as u64), (last - first) as u64, start, motion);
     }
 }
