@@ -1,6 +1,7 @@
 //! Laser channels in trace files against what a person can work out by hand.
 use plant::beam::Change;
-use plant::pulses::{Burst, Dither};
+use plant::pulses::Burst;
+use servo::laser::{Count, Train};
 use servo::piece::Scaled;
 use servo::units::Pos;
 use std::path::PathBuf;
@@ -55,27 +56,20 @@ fn vcd_shows_pulses_switch_and_voltage_to_the_nanosecond() {
     let lasers = || vec![LaserPoint::default(); 2];
     vcd.row(&row(0, 0.0, lasers())).unwrap();
     vcd.change(0, &Change::Switch { at: 3, level: true });
-    let train = Burst {
-        at: 100_007,
-        count: 2,
-        period: Dither { base: 100_000, num: 1, den: 2 },
-        period_carry: 1,
-        width: Dither::whole(40_000),
-        width_carry: 0,
-    };
-    vcd.change(0, &Change::Pulses(train));
-    vcd.change(1, &Change::Dac { at: 100_007, microvolts: 2_500_000 });
-    vcd.change(1, &Change::Dac { at: 249_999, microvolts: 1 });
+    // 100 µs and a half ns: the first period is the shorter one.
+    let train = Train { period: Count { whole: 100_000, part: 1, of: 2 }, width: whole(40_000) };
+    vcd.change(0, &Change::Pulses(Burst::new(100_007, 2, train)));
+    vcd.change(1, &Change::Dac { at: 100_007, code: 8_192 });
+    vcd.change(1, &Change::Dac { at: 249_999, code: -32_767 });
     // Begins before the row and ends behind it.
     vcd.change(0, &Change::Energy { at: 249_000, level: true });
     vcd.row(&row(1, 0.0, lasers())).unwrap();
     vcd.change(0, &Change::Energy { at: 250_100, level: false });
     vcd.change(0, &Change::Switch { at: 250_000, level: false });
     // A full duty has no edges between its pulses, a duty of 0 none at all.
-    let whole = Dither::whole(500);
-    let full = Burst { at: 300_000, count: 3, period: whole, period_carry: 0, width: whole, width_carry: 0 };
-    vcd.change(1, &Change::Pulses(full));
-    vcd.change(1, &Change::Pulses(Burst { at: 400_000, width: Dither::whole(0), ..full }));
+    let full = Train { period: whole(500), width: whole(500) };
+    vcd.change(1, &Change::Pulses(Burst::new(300_000, 3, full)));
+    vcd.change(1, &Change::Pulses(Burst::new(400_000, 3, Train { width: whole(0), ..full })));
     vcd.row(&row(2, 0.0, lasers())).unwrap();
     vcd.finish().unwrap();
     assert_eq!(
@@ -87,18 +81,22 @@ fn vcd_shows_pulses_switch_and_voltage_to_the_nanosecond() {
          $upscope $end\n$enddefinitions $end\n\
          #0\n0!\n0\"\n0#\n0$\n0%\nr0 &\n0'\n0(\nr0 )\n\
          #3\n1%\n\
-         #100007\n1$\nr2500 )\n\
+         #100007\n1$\nr2500.076 )\n\
          #140007\n0$\n\
-         #200008\n1$\n\
-         #240008\n0$\n\
+         #200007\n1$\n\
+         #240007\n0$\n\
          #249000\n1$\n\
-         #249999\nr0.001 )\n\
+         #249999\nr-10000 )\n\
          #250000\n0%\n\
          #250100\n0$\n\
          #300000\n1'\n\
          #301500\n0'\n\
          #500000\n"
     );
+}
+
+fn whole(whole: u64) -> Count {
+    Count { whole, part: 0, of: 0 }
 }
 
 /// A laser that marks: 20 ms on and 10 ms off, 20 kHz with a duty that rises with time.
@@ -112,18 +110,9 @@ fn marks(options: PlotOptions, rows: u32, period: u32, unit: PowerUnit) -> Plot 
             let begin = t_ns - TICK;
             plot.change(0, &Change::Switch { at: begin + 1_000, level: on });
             if on {
-                let width = Dither::whole((f64::from(period) * duty / 100.0) as u32);
-                plot.change(
-                    0,
-                    &Change::Pulses(Burst {
-                        at: begin + 1_000,
-                        count: TICK / u64::from(period),
-                        period: Dither::whole(period),
-                        period_carry: 0,
-                        width,
-                        width_carry: 0,
-                    }),
-                );
+                let width = whole((f64::from(period) * duty / 100.0) as u64);
+                let train = Train { period: whole(period.into()), width };
+                plot.change(0, &Change::Pulses(Burst::new(begin + 1_000, TICK / u64::from(period), train)));
             }
         }
         let khz = 1e6 / f64::from(period);

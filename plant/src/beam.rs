@@ -1,7 +1,14 @@
-//! The output stage of a laser channel.
-use crate::pulses::Burst;
+//! The output stage of a laser channel: what timers and a DAC do with the tick's plans.
+//!
+//! In: a [`Plan`] a tick, the interlock. Out: every edge, as [`Change`]s to the ns, if somebody wants them.
+//! Owns pulse in progress, train, switch, DAC, and the actions that are still to come. It goes from action
+//! to action in closed form, so that a train costs the same whatever its pulses are. Fails never; actions
+//! beyond those of two plans that wait at one time have no place and are dropped; more never wait.
+use crate::pulses::{Burst, Rest};
+use servo::laser::plan::{FINISH_NS, PLACES};
+use servo::laser::{Action, Plan, Train};
 
-/// What an output did. Instants are ns of controller time.
+/// What an output did. Instants are ns of the clock by which the plans are told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
     /// The switch output went to this level; true is active.
@@ -11,7 +18,7 @@ pub enum Change {
         /// To what.
         level: bool,
     },
-    /// The energy output went to this level: one edge of a pulse that was cut, or is not over.
+    /// The energy output went to this level: one edge of a pulse that was not over when it was told of.
     Energy {
         /// When.
         at: u64,
@@ -24,7 +31,544 @@ pub enum Change {
     Dac {
         /// When.
         at: u64,
-        /// To what.
-        microvolts: i32,
+        /// To what: −32768…32767 is −10…10 V.
+        code: i16,
     },
+}
+
+/// A pulse that has begun.
+#[derive(Debug, Clone, Copy)]
+struct Pulse {
+    begin: u64,
+    end: u64,
+    /// Its beginning has been told of.
+    told: bool,
+}
+
+/// Actions of the interval in force and of the one told.
+const WAITING: usize = 2 * PLACES;
+
+/// A channel's outputs.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    switch: bool,
+    dac: i16,
+    train: Train,
+    /// Beginning and end of the period in progress.
+    period: Option<(u64, u64)>,
+    /// Without one: where the train begins.
+    begins: u64,
+    period_rest: Rest,
+    width_rest: Rest,
+    /// The last pulse, until it is over.
+    pulse: Option<Pulse>,
+    /// The interlock holds energy and switch at rest, whatever the plans say.
+    held: bool,
+    waiting: [(u64, Action); WAITING],
+    first: usize,
+    end: usize,
+}
+
+impl Stage {
+    /// At rest.
+    pub const fn new() -> Stage {
+        Stage {
+            switch: false,
+            dac: 0,
+            train: Train::NONE,
+            period: None,
+            begins: 0,
+            period_rest: Rest::NONE,
+            width_rest: Rest::NONE,
+            pulse: None,
+            held: false,
+            waiting: [(0, Action::Switch(false)); WAITING],
+            first: 0,
+            end: 0,
+        }
+    }
+
+    /// A plan, told at `now`, for the interval that begins at `next`. What happened before `now` goes to `sink`.
+    #[inline]
+    pub fn take(&mut self, now: u64, next: u64, plan: &Plan, mut sink: impl FnMut(Change)) {
+        if !plan.rest && plan.actions().is_empty() {
+            return;
+        }
+        self.run_to(now, &mut sink);
+        if plan.rest {
+            self.rest(now, &mut sink);
+        }
+        for (at, action) in plan.actions() {
+            self.push(next.saturating_add(u64::from(*at)), *action);
+        }
+    }
+
+    /// Everything at rest at `now`; what waits is void. What happened before goes to `sink`.
+    pub fn rest(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
+        self.rest_pulses(now, sink);
+        self.volts(now, 0, sink);
+    }
+
+    /// The interlock, in hardware: energy and switch at rest at `now`, and as long as it is active.
+    pub fn interlock(&mut self, now: u64, active: bool, sink: &mut impl FnMut(Change)) {
+        self.held = active;
+        if active {
+            self.rest_pulses(now, sink);
+        }
+    }
+
+    fn rest_pulses(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
+        self.run_to(now, sink);
+        (self.first, self.end) = (0, 0);
+        self.begin(now, Train::NONE, true);
+        self.pulses_to(now, sink);
+        self.switch(now, false, sink);
+    }
+
+    /// One action more: at `at`, which is not before the one before.
+    pub fn push(&mut self, at: u64, action: Action) {
+        if self.end == self.waiting.len() {
+            self.waiting.copy_within(self.first.., 0);
+            self.end = self.end.saturating_sub(self.first);
+            self.first = 0;
+        }
+        let held = self.held && !matches!(action, Action::Volts(_));
+        if let Some(place) = self.waiting.get_mut(self.end).filter(|_| !held) {
+            *place = (at, action);
+            self.end = self.end.wrapping_add(1);
+        }
+    }
+
+    /// What happens before `to`, and a pulse's end at `to`, goes to `sink`, in the order of time for each output.
+    /// `to` does not go back.
+    pub fn run_to(&mut self, to: u64, sink: &mut impl FnMut(Change)) {
+        while let Some(&(at, action)) = self.waiting.get(self.first..self.end).and_then(|left| left.first())
+            && at < to
+        {
+            self.first = self.first.wrapping_add(1);
+            self.pulses_to(at, sink);
+            match action {
+                Action::Switch(level) => self.switch(at, level, sink),
+                Action::Volts(code) => self.volts(at, code, sink),
+                Action::Light(train) => self.begin(at, train, true),
+                Action::Dark { standby, cut } => self.begin(at, standby, cut),
+                Action::Change(train) => self.change(at, train),
+            }
+        }
+        if self.first == self.end {
+            (self.first, self.end) = (0, 0);
+        }
+        self.pulses_to(to, sink);
+    }
+
+    fn switch(&mut self, at: u64, level: bool, sink: &mut impl FnMut(Change)) {
+        if self.switch != level {
+            self.switch = level;
+            sink(Change::Switch { at, level });
+        }
+    }
+
+    fn volts(&mut self, at: u64, code: i16, sink: &mut impl FnMut(Change)) {
+        if self.dac != code {
+            self.dac = code;
+            sink(Change::Dac { at, code });
+        }
+    }
+
+    /// A train begins; the pulse in progress is cut, or finished if it ends soon, before it.
+    fn begin(&mut self, at: u64, train: Train, cut: bool) {
+        self.begins = at;
+        if let Some(pulse) = self.pulse.as_mut().filter(|pulse| pulse.end > at) {
+            if cut || pulse.end.wrapping_sub(at) > FINISH_NS.into() {
+                pulse.end = at;
+            } else {
+                self.begins = pulse.end;
+            }
+        }
+        (self.train, self.period) = (train, None);
+        (self.period_rest, self.width_rest) = (Rest::NONE, Rest::NONE);
+    }
+
+    /// The train goes on as another one.
+    fn change(&mut self, at: u64, train: Train) {
+        if self.train.is_none() && self.period.is_none() {
+            self.begins = self.begins.max(at);
+        }
+        self.train = train;
+        if train.is_none() {
+            return;
+        }
+        let pulse_end = self.pulse.map_or(0, |pulse| pulse.end);
+        if let Some((begin, end)) = &mut self.period {
+            *end = (*end).min(begin.saturating_add(train.period.whole).max(at).max(pulse_end));
+        }
+    }
+
+    /// Follows the train to `to`, not included.
+    fn pulses_to(&mut self, to: u64, sink: &mut impl FnMut(Change)) {
+        let at = self.period.map_or(self.begins, |(_, end)| end);
+        if at < to {
+            if self.train.is_none() {
+                (self.period, self.begins) = (None, to);
+                (self.period_rest, self.width_rest) = (Rest::NONE, Rest::NONE);
+            } else {
+                if let Some(pulse) = &mut self.pulse {
+                    // Dither may make a pulse a count longer than its period.
+                    pulse.end = pulse.end.min(at);
+                }
+                self.finish_pulse(at, sink);
+                let burst = Burst {
+                    at,
+                    count: u64::MAX,
+                    train: self.train,
+                    period_rest: self.period_rest,
+                    width_rest: self.width_rest,
+                };
+                // The last one that begins before `to` may not be over; the ones before are.
+                let whole = burst.first_from(to).saturating_sub(1);
+                let is_dark = self.train.width.whole == 0 && self.train.width.part == 0;
+                if whole > 0 && !is_dark {
+                    sink(Change::Pulses(Burst { count: whole, ..burst }));
+                }
+                let last = burst.skip(whole);
+                let end = last.start(1);
+                let width = last.width_rest.sum(self.train.width, 1);
+                self.pulse =
+                    (width > 0).then_some(Pulse { begin: last.at, end: last.at.saturating_add(width), told: false });
+                self.period = Some((last.at, end));
+                let behind = last.skip(1);
+                (self.period_rest, self.width_rest) = (behind.period_rest, behind.width_rest);
+            }
+        }
+        self.finish_pulse(to, sink);
+    }
+
+    /// Tells of the pulse in progress what is certain at `to`.
+    fn finish_pulse(&mut self, to: u64, sink: &mut impl FnMut(Change)) {
+        let Some(pulse) = &mut self.pulse else { return };
+        let Pulse { begin, end, told } = *pulse;
+        match (end <= to, told) {
+            (true, true) => sink(Change::Energy { at: end, level: false }),
+            (true, false) if end > begin => sink(Change::Pulses(Burst::single(begin, end.wrapping_sub(begin)))),
+            (true, false) => {}
+            (false, false) if begin < to => {
+                pulse.told = true;
+                sink(Change::Energy { at: begin, level: true });
+            }
+            (false, _) => {}
+        }
+        if end <= to {
+            self.pulse = None;
+        }
+    }
+
+    /// Levels at the instant up to which it was followed.
+    pub fn levels(&self) -> Levels {
+        Levels { switch: self.switch, energy: self.pulse.is_some_and(|pulse| pulse.told), dac: self.dac }
+    }
+}
+
+impl Default for Stage {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// What the outputs of a channel show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Levels {
+    /// The switch output is active.
+    pub switch: bool,
+    /// The energy output is active.
+    pub energy: bool,
+    /// The analog output: −32768…32767 is −10…10 V.
+    pub dac: i16,
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use servo::laser::Count;
+    use servo::laser::dither::Bresenham;
+    use std::vec::Vec;
+    use std::{format, vec};
+
+    fn train(period: u64, width: u64) -> Train {
+        let count = |whole| Count { whole, part: 0, of: 0 };
+        Train { period: count(period), width: count(width) }
+    }
+
+    /// Edges of the energy output in the order of time; a level that lasts for no time is none.
+    #[derive(Default)]
+    struct Scope {
+        energy: Vec<(u64, bool)>,
+        switch: Vec<(u64, bool)>,
+        dac: Vec<(u64, i16)>,
+    }
+
+    impl Scope {
+        fn note(&mut self, change: Change) {
+            match change {
+                Change::Switch { at, level } => self.switch.push((at, level)),
+                Change::Dac { at, code } => self.dac.push((at, code)),
+                Change::Energy { at, level } => self.edge(at, level),
+                Change::Pulses(burst) => {
+                    for (begin, end) in burst.pulses() {
+                        self.edge(begin, true);
+                        self.edge(end, false);
+                    }
+                }
+            }
+        }
+
+        fn edge(&mut self, at: u64, level: bool) {
+            assert_ne!(self.energy.last().is_some_and(|last| last.1), level, "{at}: {level} twice");
+            assert!(self.energy.last().is_none_or(|last| last.0 <= at), "{at}: time goes back");
+            if self.energy.last().is_some_and(|last| last.0 == at) {
+                self.energy.pop();
+            } else {
+                self.energy.push((at, level));
+            }
+        }
+    }
+
+    /// A timer that counts every ns.
+    #[derive(Default)]
+    struct Timer {
+        train: Train,
+        begun: Option<u64>,
+        period_left: u64,
+        pulse_left: u64,
+        begins_in: u64,
+        periods: Bresenham,
+        widths: Bresenham,
+    }
+
+    impl Timer {
+        fn action(&mut self, at: u64, action: Action) {
+            match action {
+                Action::Light(train) => {
+                    (self.pulse_left, self.begins_in) = (0, 0);
+                    self.enter(train);
+                }
+                Action::Dark { standby, cut } => {
+                    if cut || self.pulse_left > 100_000 {
+                        self.pulse_left = 0;
+                    }
+                    self.begins_in = self.pulse_left;
+                    self.enter(standby);
+                }
+                Action::Change(train) => {
+                    self.train = train;
+                    if let Some(begun) = self.begun
+                        && !train.is_none()
+                    {
+                        let left = train.period.whole.saturating_sub(at - begun).max(self.pulse_left);
+                        self.period_left = self.period_left.min(left);
+                    }
+                }
+                Action::Switch(_) | Action::Volts(_) => {}
+            }
+        }
+
+        fn enter(&mut self, train: Train) {
+            (self.train, self.begun) = (train, None);
+            (self.periods, self.widths) = Default::default();
+        }
+
+        /// The level in the ns that begins at `at`.
+        fn count(&mut self, at: u64) -> bool {
+            if self.begun.is_some() && self.period_left == 0 {
+                self.begun = None;
+            }
+            if self.begun.is_none() && self.begins_in == 0 {
+                if self.train.is_none() {
+                    (self.periods, self.widths) = Default::default();
+                } else {
+                    self.pulse_left = self.widths.next(self.train.width);
+                    self.period_left = self.periods.next(self.train.period);
+                    self.begun = Some(at);
+                }
+            }
+            let level = self.pulse_left > 0;
+            for left in [&mut self.pulse_left, &mut self.period_left, &mut self.begins_in] {
+                *left = left.saturating_sub(1);
+            }
+            level
+        }
+    }
+
+    struct Random(u64);
+
+    impl Random {
+        fn below(&mut self, bound: u64) -> u64 {
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (self.0 >> 33) % bound
+        }
+
+        fn train(&mut self, scale: u64) -> Train {
+            let period = 1 + self.below(scale);
+            match self.below(8) {
+                0 => Train::NONE,
+                1 => train(period, period),
+                2 => train(period, 0),
+                _ => {
+                    let of = [0, 7, 12, 1 << 31][self.below(4) as usize];
+                    let part = |random: &mut Self| if of == 0 { random.0 as u32 } else { (random.0 >> 32) as u32 % of };
+                    let period = Count { whole: period, part: part(self), of };
+                    let width = self.below(period.whole + 1);
+                    Train {
+                        period,
+                        width: Count { whole: width, part: if width < period.whole { part(self) } else { 0 }, of },
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_closed_form_is_a_timer_that_counts_every_nanosecond() {
+        let mut random = Random(11);
+        let mut edges = 0;
+        for run in 0..300 {
+            let scale = [5, 40, 2_000, 300_000][run % 4];
+            let end = scale * 40;
+            let mut actions: Vec<(u64, Action)> = (0..30)
+                .map(|_| {
+                    let train = random.train(scale);
+                    let action = match random.below(4) {
+                        0 => Action::Light(train),
+                        1 => Action::Dark { standby: train, cut: random.below(2) == 0 },
+                        _ => Action::Change(train),
+                    };
+                    (random.below(end), action)
+                })
+                .collect();
+            actions.sort_by_key(|(at, _)| *at);
+            let (mut stage, mut scope, mut timer) = (Stage::new(), Scope::default(), Timer::default());
+            let (mut expected, mut level) = (Vec::new(), false);
+            let mut left = actions.iter().peekable();
+            for at in 0..end {
+                while let Some((_, action)) = left.next_if(|(due, _)| *due == at) {
+                    timer.action(at, *action);
+                    stage.push(at, *action);
+                }
+                let now = timer.count(at);
+                if now != level {
+                    expected.push((at, now));
+                    level = now;
+                }
+                // Followed now and then, and sometimes for long not at all.
+                if random.below(scale) == 0 && run % 3 != 0 {
+                    stage.run_to(at, &mut |change| scope.note(change));
+                }
+            }
+            stage.run_to(end, &mut |change| scope.note(change));
+            scope.energy.pop_if(|last| last.0 == end);
+            let differs = scope.energy.iter().zip(&expected).position(|(a, b)| a != b);
+            let from = differs.unwrap_or(0).saturating_sub(3);
+            let near = |edges: &[(u64, bool)]| edges.iter().skip(from).take(7).copied().collect::<Vec<_>>();
+            let instant = near(&expected).first().map_or(0, |edge| edge.0);
+            let near_actions: Vec<_> =
+                actions.iter().filter(|a| a.0 + scale >= instant && a.0 < instant + 4 * scale).collect();
+            assert!(
+                scope.energy == expected,
+                "run {run}:\n{:?}\n{:?}\n{near_actions:?}",
+                near(&scope.energy),
+                near(&expected)
+            );
+            edges += expected.len();
+        }
+        assert!(edges > 10_000, "{edges}");
+    }
+
+    fn played(actions: &[(u64, Action)], end: u64) -> Scope {
+        let (mut stage, mut scope) = (Stage::new(), Scope::default());
+        for &(at, action) in actions {
+            stage.push(at, action);
+        }
+        stage.run_to(end, &mut |change| scope.note(change));
+        scope
+    }
+
+    fn highs(scope: &Scope) -> Vec<(u64, u64)> {
+        scope.energy.chunks(2).map(|pair| (pair[0].0, pair.get(1).map_or(u64::MAX, |edge| edge.0))).collect()
+    }
+
+    #[test]
+    fn the_last_pulse_is_finished_or_cut() {
+        let dark = |cut| Action::Dark { standby: Train::NONE, cut };
+        // 150 µs of pulse: 100 µs left are finished, 1 ns more is cut.
+        let mark =
+            |off, cut| highs(&played(&[(1_000, Action::Light(train(200_000, 150_000))), (off, dark(cut))], 1_000_000));
+        assert_eq!(mark(51_000, false), [(1_000, 151_000)]);
+        assert_eq!(mark(50_999, false), [(1_000, 50_999)]);
+        assert_eq!(mark(51_000, true), [(1_000, 51_000)]);
+        assert_eq!(mark(151_000, false), [(1_000, 151_000)]);
+        assert_eq!(mark(201_000, false), [(1_000, 151_000)], "no pulse begins at the end of the light");
+    }
+
+    #[test]
+    fn standby_begins_where_the_last_pulse_ends_and_light_cuts_it() {
+        let actions = [
+            (1_000, Action::Light(train(1_000, 600))),
+            (2_100, Action::Dark { standby: train(500, 100), cut: false }),
+            (3_150, Action::Light(train(1_000, 600))),
+        ];
+        let expected = vec![(1_000, 1_600), (2_000, 2_700), (3_100, 3_750)];
+        // The standby pulses of 2600 and 3100 touch the light before and behind.
+        assert_eq!(highs(&played(&actions, 4_000)), expected);
+    }
+
+    #[test]
+    fn everything_rests_at_once_and_what_waits_is_void() {
+        let (mut stage, mut scope) = (Stage::new(), Scope::default());
+        for (at, action) in [
+            (10, Action::Switch(true)),
+            (10, Action::Light(train(1_000, 800))),
+            (20, Action::Volts(8_192)),
+            (1_500, Action::Switch(false)),
+            (1_600, Action::Volts(9_000)),
+        ] {
+            stage.push(at, action);
+        }
+        stage.run_to(1_400, &mut |change| scope.note(change));
+        assert_eq!(stage.levels(), Levels { switch: true, energy: true, dac: 8_192 });
+        stage.rest(1_400, &mut |change| scope.note(change));
+        assert_eq!(stage.levels(), Levels::default());
+        stage.run_to(1_000_000, &mut |change| scope.note(change));
+        assert_eq!(highs(&scope), [(10, 810), (1_010, 1_400)]);
+        assert_eq!(scope.switch, [(10, true), (1_400, false)]);
+        assert_eq!(scope.dac, [(20, 8_192), (1_400, 0)]);
+    }
+
+    #[test]
+    fn the_interlock_holds_pulses_and_switch_and_leaves_the_dac() {
+        let (mut stage, mut scope) = (Stage::new(), Scope::default());
+        let mut sink = |change| scope.note(change);
+        stage.push(0, Action::Switch(true));
+        stage.push(0, Action::Light(train(1_000, 800)));
+        stage.push(0, Action::Volts(100));
+        stage.interlock(500, true, &mut sink);
+        stage.push(600, Action::Light(train(1_000, 800)));
+        stage.push(600, Action::Switch(true));
+        stage.push(700, Action::Volts(200));
+        stage.interlock(5_000, false, &mut sink);
+        stage.push(6_000, Action::Switch(true));
+        stage.run_to(10_000, &mut sink);
+        assert_eq!(highs(&scope), [(0, 500)]);
+        assert_eq!(scope.switch, [(0, true), (500, false), (6_000, true)], "{}", format!("{:?}", scope.dac));
+        assert_eq!(scope.dac, [(0, 100), (700, 200)]);
+    }
+
+    #[test]
+    fn an_hour_of_two_megahertz_is_one_burst() {
+        let mut bursts = Vec::new();
+        let mut stage = Stage::new();
+        stage.push(0, Action::Light(train(500, 200)));
+        stage.run_to(3_600_000_000_000, &mut |change| bursts.push(change));
+        let whole = Change::Pulses(Burst::new(0, 7_200_000_000 - 1, train(500, 200)));
+        assert_eq!(bursts, [whole, Change::Pulses(Burst::single(3_599_999_999_500, 200))]);
+    }
 }

@@ -1,98 +1,104 @@
 //! Pulse trains in closed form: nobody counts pulses one by one who does not want to see each.
 //!
-//! In: period and width of a train as dithered counts, the instant of its first pulse. Out: instants of
-//! any pulse. One count is 1 ns ([`crate::beam::CLOCK_HZ`]). Fails never: sums saturate.
+//! In: a train as the tick plans it ([`Train`]), the instant of its first pulse. Out: instants of any
+//! pulse. A count of the timer is 1 ns. Fails never: sums saturate.
+use servo::laser::{Count, Train};
 
-/// A count of timer clocks whose mean need not be whole: each value is `base` or `base + 1`, such that the
-/// sum of the first n is `n·base + ⌊(carry + n·num)/den⌋`.
+/// What is left over of a [`Count`] behind whole counts; [`servo::laser::dither::Bresenham`] in closed form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Dither {
-    /// Whole counts.
-    pub base: u32,
-    /// Numerator of the fraction, below `den`.
-    pub num: u32,
-    /// Its denominator; 0 is taken as 1.
-    pub den: u32,
+pub struct Rest {
+    gathered: u32,
+    of: u32,
 }
 
-impl Dither {
-    /// A count without a fraction.
-    pub const fn whole(base: u32) -> Dither {
-        Dither { base, num: 0, den: 1 }
+impl Rest {
+    /// Nothing: a pattern begins.
+    pub const NONE: Rest = Rest { gathered: 0, of: 0 };
+
+    /// A pattern of another denominator begins anew.
+    const fn gathered(self, count: Count) -> u32 {
+        if self.of == count.of { self.gathered } else { 0 }
     }
 
-    fn den(self) -> u64 {
-        u64::from(self.den).max(1)
-    }
-
-    /// Sum of the first `n` values, from a remainder of `carry` on.
-    pub fn sum(self, carry: u32, n: u64) -> u64 {
-        let whole = n.saturating_mul(u64::from(self.base));
-        if self.num == 0 {
-            return whole;
+    fn carried(self, count: Count, n: u64) -> (u64, u32) {
+        let den = if count.of == 0 { 1 << 32 } else { u64::from(count.of) };
+        if count.part == 0 && self.gathered(count) == 0 {
+            return (0, 0);
         }
-        whole.saturating_add(self.carried(carry, n) / self.den())
+        let gathered = u64::from(self.gathered(count));
+        match n.checked_mul(count.part.into()).and_then(|sum| sum.checked_add(gathered)) {
+            Some(sum) => (sum / den, (sum % den) as u32),
+            None => {
+                let sum = u128::from(n) * u128::from(count.part) + u128::from(gathered);
+                (u64::try_from(sum / u128::from(den)).unwrap_or(u64::MAX), (sum % u128::from(den)) as u32)
+            }
+        }
     }
 
-    /// The remainder after `n` values.
-    pub fn carry(self, carry: u32, n: u64) -> u32 {
-        if self.num == 0 { carry } else { (self.carried(carry, n) % self.den()) as u32 }
+    /// Counts of the next `n` periods.
+    pub fn sum(self, count: Count, n: u64) -> u64 {
+        n.saturating_mul(count.whole).saturating_add(self.carried(count, n).0)
     }
 
-    fn carried(self, carry: u32, n: u64) -> u64 {
-        n.saturating_mul(u64::from(self.num)).saturating_add(u64::from(carry))
-    }
-
-    /// The next value; `carry` goes on.
-    fn next(self, carry: &mut u32) -> u64 {
-        let sum = u64::from(*carry).wrapping_add(u64::from(self.num));
-        let over = sum >= self.den();
-        *carry = if over { sum.wrapping_sub(self.den()) } else { sum } as u32;
-        u64::from(self.base).wrapping_add(u64::from(over))
+    /// What is left over behind them.
+    #[must_use]
+    pub fn behind(self, count: Count, n: u64) -> Rest {
+        if n == 0 { self } else { Rest { gathered: self.carried(count, n).1, of: count.of } }
     }
 }
 
-/// Pulses one after the other that are alike but for dither.
+/// Pulses of a train, one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Burst {
     /// Start of the first pulse, ns.
     pub at: u64,
     /// Pulses.
     pub count: u64,
-    /// From pulse to pulse.
-    pub period: Dither,
-    /// Remainder of the period at the first pulse.
-    pub period_carry: u32,
-    /// Width of a pulse.
-    pub width: Dither,
-    /// Remainder of the width at the first pulse.
-    pub width_carry: u32,
+    /// Period and width, which is at most the period.
+    pub train: Train,
+    /// What is left over of the period before the first pulse.
+    pub period_rest: Rest,
+    /// What is left over of the width before the first pulse.
+    pub width_rest: Rest,
 }
 
 impl Burst {
+    /// `count` pulses of a train that begins here.
+    pub const fn new(at: u64, count: u64, train: Train) -> Burst {
+        Burst { at, count, train, period_rest: Rest::NONE, width_rest: Rest::NONE }
+    }
+
     /// A single pulse.
-    pub const fn single(at: u64, width: u32) -> Burst {
-        let one = Dither::whole(width);
-        Burst { at, count: 1, period: one, period_carry: 0, width: one, width_carry: 0 }
+    pub const fn single(at: u64, width: u64) -> Burst {
+        let width = Count { whole: width, part: 0, of: 0 };
+        Burst::new(at, 1, Train { period: width, width })
     }
 
     /// Start of pulse `k`, also beyond the last one.
     pub fn start(&self, k: u64) -> u64 {
-        self.at.saturating_add(self.period.sum(self.period_carry, k))
+        self.at.saturating_add(self.period_rest.sum(self.train.period, k))
     }
 
     /// Time during which the energy is on, ns.
     pub fn on(&self) -> u64 {
-        self.width.sum(self.width_carry, self.count)
+        self.width_rest.sum(self.train.width, self.count)
     }
 
     /// Number of the first pulse that starts at `t` or later; `count` if none does.
     pub fn first_from(&self, t: u64) -> u64 {
         let Some(behind) = t.checked_sub(self.at).filter(|behind| *behind > 0) else { return 0 };
-        // The mean is off by less than one pulse.
-        let den = u128::from(self.period.den());
-        let mean = (u128::from(self.period.base) * den + u128::from(self.period.num)).max(1);
-        let mut k = u64::try_from(u128::from(behind) * den / mean).unwrap_or(u64::MAX).min(self.count);
+        let Count { whole, part, of } = self.train.period;
+        // The mean period: off by less than one pulse.
+        let guess = match (whole, part) {
+            (0, _) => u64::MAX,
+            (_, 0) => behind / whole,
+            _ => {
+                let den = if of == 0 { 1 << 32 } else { u128::from(of) };
+                let mean = u128::from(whole) * den + u128::from(part);
+                u64::try_from(u128::from(behind) * den / mean).unwrap_or(u64::MAX)
+            }
+        };
+        let mut k = guess.min(self.count);
         while k > 0 && self.start(k.wrapping_sub(1)) >= t {
             k = k.wrapping_sub(1);
         }
@@ -102,26 +108,25 @@ impl Burst {
         k
     }
 
-    /// The pulses that start from `t` on.
+    /// The pulses from number `k` on.
     #[must_use]
-    pub fn skip_to(&self, t: u64) -> Burst {
-        let k = self.first_from(t);
+    pub fn skip(&self, k: u64) -> Burst {
         Burst {
             at: self.start(k),
             count: self.count.saturating_sub(k),
-            period_carry: self.period.carry(self.period_carry, k),
-            width_carry: self.width.carry(self.width_carry, k),
-            ..*self
+            train: self.train,
+            period_rest: self.period_rest.behind(self.train.period, k),
+            width_rest: self.width_rest.behind(self.train.width, k),
         }
     }
 
-    /// Every pulse: start and end, ns. A pulse of width 0 comes too.
+    /// Every pulse: start and end, ns. A pulse of width 0 comes too; none reaches into the next one.
     pub fn pulses(&self) -> impl Iterator<Item = (u64, u64)> + use<> {
-        let Burst { mut at, count, period, mut period_carry, width, mut width_carry } = *self;
-        (0..count).map(move |_| {
-            let start = at;
-            at = at.saturating_add(period.next(&mut period_carry));
-            (start, start.saturating_add(width.next(&mut width_carry)))
+        let mut rest = *self;
+        (0..self.count).map(move |_| {
+            let (start, width) = (rest.at, rest.width_rest.sum(rest.train.width, 1));
+            rest = rest.skip(1);
+            (start, start.saturating_add(width).min(rest.at))
         })
     }
 }
@@ -130,44 +135,77 @@ impl Burst {
 mod tests {
     extern crate std;
     use super::*;
+    use servo::laser::dither::Bresenham;
     use std::vec::Vec;
 
-    const BURST: Burst = Burst {
-        at: 1_000,
-        count: 1_000,
-        period: Dither { base: 33_333, num: 1, den: 3 },
-        period_carry: 2,
-        width: Dither { base: 0, num: 7, den: 13 },
-        width_carry: 12,
-    };
+    fn count(whole: u64, part: u32, of: u32) -> Count {
+        Count { whole, part, of }
+    }
+
+    fn bursts() -> Vec<Burst> {
+        let train = Train { period: count(33_333, 1, 3), width: count(0, 7, 13) };
+        let fine = Train { period: count(500, 0x8000_0001, 0), width: count(500, 0x8000_0001, 0) };
+        let plain = Train { period: count(1, 0, 0), width: count(0, 0, 7) };
+        [train, fine, plain].map(|train| Burst::new(1_000, 1_000, train)).to_vec()
+    }
 
     #[test]
-    fn one_by_one_and_in_closed_form_are_the_same() {
-        let pulses: Vec<_> = BURST.pulses().collect();
-        assert_eq!(pulses.len(), 1_000);
-        for (k, (start, end)) in (0u64..).zip(&pulses) {
-            // The definition, by hand.
-            assert_eq!(*start, 1_000 + 33_333 * k + (2 + k) / 3, "{k}");
-            assert_eq!(*start, BURST.start(k));
-            let sum = |n: u64| (12 + 7 * n) / 13;
-            assert_eq!(end - start, sum(k + 1) - sum(k), "{k}");
+    fn the_closed_form_is_what_the_machines_count_with() {
+        for burst in bursts() {
+            let Train { period, width } = burst.train;
+            let (mut periods, mut widths) = (Bresenham::default(), Bresenham::default());
+            let mut at = burst.at;
+            for (k, (start, end)) in (0..).zip(burst.pulses()) {
+                assert_eq!((start, burst.start(k)), (at, at), "{k}");
+                assert_eq!(end - start, widths.next(width), "{k}");
+                at += periods.next(period);
+            }
+            let on: u64 = burst.pulses().map(|(start, end)| end - start).sum();
+            assert_eq!(burst.on(), on);
         }
-        assert_eq!(BURST.on(), pulses.iter().map(|(start, end)| end - start).sum::<u64>());
+        // By hand: 1000 + floor(k * 33333 1/3), widths floor(7 k / 13).
+        let burst = bursts()[0];
+        assert_eq!([burst.start(1), burst.start(2), burst.start(3)], [34_333, 67_666, 101_000]);
+        assert_eq!(burst.on(), 7_000 / 13);
+    }
+
+    #[test]
+    fn patterns_go_on_where_the_denominator_stays() {
+        let counts =
+            [count(10, 1, 3), count(20, 2, 3), count(20, 2, 3), count(5, 0, 0), count(7, 1, 3), count(7, 3, 4)];
+        let (mut machine, mut rest) = (Bresenham::default(), Rest::default());
+        for count in counts {
+            assert_eq!(rest.sum(count, 1), machine.next(count), "{count:?}");
+            rest = rest.behind(count, 1);
+        }
     }
 
     #[test]
     fn a_burst_can_be_entered_anywhere() {
-        let pulses: Vec<_> = BURST.pulses().collect();
-        for k in [0, 1, 2, 3, 500, 998, 999] {
-            for back in [0, 1, 20_000] {
-                let t = pulses[k].0.saturating_sub(back);
-                let rest = BURST.skip_to(t);
-                let expected: Vec<_> = pulses.iter().copied().filter(|(start, _)| *start >= t).collect();
-                assert_eq!(rest.pulses().collect::<Vec<_>>(), expected, "{k} {back}");
+        for burst in bursts() {
+            let pulses: Vec<_> = burst.pulses().collect();
+            for k in [0, 1, 2, 3, 500, 998, 999] {
+                for back in [0, 1, 300, 20_000] {
+                    let t = pulses[k].0.saturating_sub(back);
+                    let rest = burst.skip(burst.first_from(t));
+                    let expected: Vec<_> = pulses.iter().copied().filter(|(start, _)| *start >= t).collect();
+                    assert_eq!(rest.pulses().collect::<Vec<_>>(), expected, "{k} {back}");
+                }
             }
+            assert_eq!(burst.first_from(0), 0);
+            assert_eq!(burst.first_from(u64::MAX), 1_000);
+            assert_eq!(burst.skip(1_000).count, 0);
         }
-        assert_eq!(BURST.first_from(0), 0);
-        assert_eq!(BURST.first_from(u64::MAX), 1_000);
-        assert_eq!(BURST.skip_to(BURST.start(999) + 1).count, 0);
+    }
+
+    #[test]
+    fn long_runs_lose_nothing() {
+        // 1 + 1/3 ns for ten days, and the least fraction there is.
+        let third = Burst::new(0, u64::MAX, Train { period: count(1, 1, 3), width: count(1, 0, 0) });
+        assert_eq!(third.start(3 << 50), 4 << 50);
+        assert_eq!(third.first_from(4 << 50), 3 << 50);
+        let fine = Burst::new(0, u64::MAX, Train { period: count(500, 1, 0), width: count(1, 0, 0) });
+        assert_eq!(fine.start(1 << 32), (500 << 32) + 1);
+        assert_eq!(fine.start((1 << 32) - 1), 500 * ((1 << 32) - 1));
     }
 }

@@ -124,7 +124,7 @@ impl<W: Write> VcdWriter<W> {
                     changes.push((to, *energy, Shown::Level(false)));
                 }
             }
-            Change::Dac { at, microvolts } => changes.push((at, *dac, Shown::Number(f64::from(microvolts) / 1e3))),
+            Change::Dac { at, code } => changes.push((at, *dac, Shown::Number(millivolts(code)))),
         }
     }
 
@@ -188,6 +188,12 @@ impl<W: Write> VcdWriter<W> {
         }
         Ok(self.out.flush()?)
     }
+}
+
+/// What a DAC puts out, to the µV: 32767 is 10 V.
+fn millivolts(code: i16) -> f64 {
+    let microvolts = (f64::from(code) * 1e7 / 32_767.0).round();
+    microvolts / 1e3
 }
 
 fn show<W: Write>(out: &mut vcd::Writer<W>, signal: &Signal) -> Result<()> {

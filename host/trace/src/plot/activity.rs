@@ -79,7 +79,7 @@ impl Activity {
     pub fn burst(&mut self, burst: &Burst) {
         // The last pulse that begins before the window may reach into it.
         let first = burst.first_from(self.window.from).saturating_sub(1);
-        let burst = burst.skip_to(burst.start(first));
+        let burst = burst.skip(first);
         let burst = Burst { count: burst.first_from(self.window.to), ..burst };
         let (begin, end) = (burst.at.max(self.window.from), burst.start(burst.count).min(self.window.to));
         if begin >= end {
