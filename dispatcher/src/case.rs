@@ -8,6 +8,7 @@ use crate::lane::Staged;
 use crate::profile::{PROFILES, Profile};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::server::Board;
+use crate::trace_out::Columns;
 use protocol::reason::Reason;
 use servo::op::Op;
 use servo::status::SERVO_ON;
@@ -127,7 +128,7 @@ pub enum Effect {
     /// Link-loss time in ms (0 is off), and whether all axes stop.
     LinkLoss { ms: u32, stop_all: bool },
     /// A trace of these axes, in a stream of its own or over the link.
-    Trace { every: u32, axes: AxisMask, over_link: bool },
+    Trace { every: u32, columns: Columns, over_link: bool },
     /// The numbers of [`Answer::Took`] that its lane keeps until then.
     Took([f64; 3]),
     /// The items of this LoadConfig are pushed one by one.

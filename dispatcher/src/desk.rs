@@ -250,7 +250,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             Effect::None | Effect::Config | Effect::Took(_) => {}
             Effect::Choose(site) => self.site = site,
             Effect::LinkLoss { ms, stop_all } => self.link_loss = (ms, stop_all),
-            Effect::Trace { every, axes, over_link } => self.trace.announce(every, axes, over_link, seq),
+            Effect::Trace { every, columns, over_link } => self.trace.announce(every, columns, over_link, seq),
         }
     }
 

@@ -5,10 +5,32 @@
 //! reported in the stream's last frame; a row is never invented.
 use crate::books::executed;
 use crate::case::{Site, ones};
-use protocol::trace::{self, AxisId, Encoder, Head};
+use protocol::trace::{self, AxisId, Encoder, Full, Head, LaserId, LaserSample, kind};
 use ring::Consumer;
+use servo::laser::{Action, CHANNELS, Count, Train};
 use servo::units::AxisMask;
 use servo::view::{Sample, Traced, View};
+
+/// What a trace is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Columns {
+    /// Axes.
+    pub axes: AxisMask,
+    /// Laser channels, bit 0 the first.
+    pub lasers: u8,
+}
+
+impl Columns {
+    const NONE: Columns = Columns { axes: AxisMask(0), lasers: 0 };
+
+    fn axes(self) -> usize {
+        self.axes.0.count_ones() as usize
+    }
+
+    fn lasers(self) -> usize {
+        self.lasers.count_ones() as usize
+    }
+}
 
 /// Where a trace is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +50,7 @@ pub struct TraceOut<const AXES: usize> {
     encoder: Encoder,
     state: State,
     every: u32,
-    axes: AxisMask,
+    columns: Columns,
     /// Entry that ends it.
     ending: Option<u32>,
     /// It goes over the link: not to [`TraceOut::bytes`]' caller but into messages.
@@ -36,7 +58,8 @@ pub struct TraceOut<const AXES: usize> {
     /// The encoder has no room: a message's worth has gathered.
     full: bool,
     row: u32,
-    samples: [trace::Sample; AXES],
+    axes: [trace::Sample; AXES],
+    lasers: [LaserSample; CHANNELS],
     gathered: usize,
     sent: u32,
     next: u32,
@@ -51,12 +74,13 @@ impl<const AXES: usize> TraceOut<AXES> {
             encoder: Encoder::new(),
             state: State::Off,
             every: 0,
-            axes: AxisMask(0),
+            columns: Columns::NONE,
             ending: None,
             over_link: false,
             full: false,
             row: 0,
-            samples: [trace::Sample::default(); AXES],
+            axes: [trace::Sample::default(); AXES],
+            lasers: [LaserSample::default(); CHANNELS],
             gathered: 0,
             sent: 0,
             next: 0,
@@ -66,7 +90,7 @@ impl<const AXES: usize> TraceOut<AXES> {
     }
 
     /// Entry `seq` begins (`every` ≥ 1) or ends a trace. One that runs is left without its end.
-    pub fn announce(&mut self, every: u32, axes: AxisMask, over_link: bool, seq: u32) {
+    pub fn announce(&mut self, every: u32, columns: Columns, over_link: bool, seq: u32) {
         if every == 0 {
             self.ending = Some(seq);
             return;
@@ -77,7 +101,7 @@ impl<const AXES: usize> TraceOut<AXES> {
         }
         self.state = State::Armed;
         (self.over_link, self.full) = (over_link, false);
-        (self.every, self.axes, self.ending) = (every, axes, None);
+        (self.every, self.columns, self.ending) = (every, columns, None);
         (self.gathered, self.sent, self.next, self.lost, self.samples_lost) = (0, 0, 0, 0, 0);
     }
 
@@ -91,7 +115,7 @@ impl<const AXES: usize> TraceOut<AXES> {
     }
 
     fn count(&self) -> usize {
-        self.axes.0.count_ones() as usize
+        self.columns.axes() + self.columns.lasers()
     }
 
     /// Turns samples into rows as far as the encoder has room.
@@ -136,26 +160,45 @@ impl<const AXES: usize> TraceOut<AXES> {
             // A part of the row was lost, and so the row is.
             self.gathered = 0;
         }
-        // Nothing asks for laser channels yet.
-        let Traced::Axis { axis, pos, motion } = sample.of else { return true };
-        // Within a row, samples come in the order of the axes; what is missing in front spoils the row.
-        let place = (self.axes.0 & ones(axis.index())).count_ones() as usize;
+        // Within a row, samples come in the order of axes and channels; what is missing in front spoils the row.
+        let place = match sample.of {
+            Traced::Axis { axis, .. } => (self.columns.axes.0 & ones(axis.index())).count_ones() as usize,
+            Traced::Laser { channel, .. } => {
+                let before = self.columns.lasers & ones(channel.into()) as u8;
+                self.columns.axes() + before.count_ones() as usize
+            }
+            Traced::Action { channel, at, action } => return self.action(sample.row, channel, at, action).is_ok(),
+            Traced::Rest { channel } => return self.rest(sample.row, channel).is_ok(),
+        };
         if place != self.gathered {
             self.gathered = 0;
             self.row = sample.row;
             return true;
         }
-        let velocity = motion.velocity();
-        if let Some(to) = self.samples.get_mut(place) {
-            *to = trace::Sample { pos: pos.0.into(), vel_mantissa: velocity.m.into(), vel_exponent: velocity.e.into() };
+        match sample.of {
+            Traced::Axis { pos, motion, .. } => {
+                let velocity = motion.velocity();
+                if let Some(to) = self.axes.get_mut(place) {
+                    let (vel_mantissa, vel_exponent) = (velocity.m.into(), velocity.e.into());
+                    *to = trace::Sample { pos: pos.0.into(), vel_mantissa, vel_exponent };
+                }
+            }
+            Traced::Laser { mode, gate, power, khz, .. } => {
+                if let Some(to) = self.lasers.get_mut(place.wrapping_sub(self.columns.axes())) {
+                    let (power, khz) = (power.raw().into(), khz.raw().into());
+                    *to = LaserSample { mode: mode as u8, gate: gate.into(), power, khz };
+                }
+            }
+            Traced::Action { .. } | Traced::Rest { .. } => {}
         }
         self.row = sample.row;
         if place + 1 < self.count() {
             self.gathered = place + 1;
             return true;
         }
-        let row = self.samples.get(..self.count()).unwrap_or(&[]);
-        if self.encoder.row(sample.row, row).is_err() {
+        let axes = self.axes.get(..self.columns.axes()).unwrap_or(&[]);
+        let lasers = self.lasers.get(..self.columns.lasers()).unwrap_or(&[]);
+        if self.encoder.row(sample.row, axes, lasers).is_err() {
             return false;
         }
         self.gathered = 0;
@@ -165,16 +208,42 @@ impl<const AXES: usize> TraceOut<AXES> {
         true
     }
 
+    fn rest(&mut self, tick: u32, channel: u8) -> Result<(), Full> {
+        let rest = trace::Action { tick: tick.into(), channel, kind: kind::REST, ..trace::Action::default() };
+        self.encoder.action(&rest)
+    }
+
+    fn action(&mut self, tick: u32, channel: u8, at: u32, action: Action) -> Result<(), Full> {
+        let count = |Count { whole, part, of }| trace::Count { whole: whole.into(), part: part.into(), of: of.into() };
+        let (kind, value, train) = match action {
+            Action::Switch(on) => (kind::SWITCH, on.into(), Train::NONE),
+            Action::Light(train) => (kind::LIGHT, 0, train),
+            Action::Change(train) => (kind::CHANGE, 0, train),
+            Action::Dark { standby, cut } => (kind::DARK, cut.into(), standby),
+            Action::Volts(code) => (kind::VOLTS, code, Train::NONE),
+        };
+        let (period, width) = (count(train.period), count(train.width));
+        let (tick, at, value) = (tick.into(), at.into(), value.into());
+        self.encoder.action(&trace::Action { tick, at, channel, kind, value, period, width })
+    }
+
     fn head(&mut self, view: &View<AXES>, site: &Site) -> bool {
         let mut ids = [AxisId::default(); AXES];
         let per_core = site.profile.axes_per_core.max(1);
-        let list = (0..AXES as u8).filter(|axis| self.axes.0 >> axis & 1 == 1);
+        let list = (0..AXES as u8).filter(|axis| self.columns.axes.0 >> axis & 1 == 1);
         for (id, axis) in ids.iter_mut().zip(list) {
             *id = AxisId { core: axis / per_core, axis: axis % per_core + 1 };
         }
-        let head = Head { schema: protocol::SCHEMA, period_ns: view.period.0 as u32, every: self.every };
-        let ids = ids.get(..self.count()).unwrap_or(&[]);
-        self.encoder.head(&head, ids).is_ok()
+        let mut channels = [LaserId::default(); CHANNELS];
+        let list = (0..CHANNELS as u8).filter(|channel| self.columns.lasers >> channel & 1 == 1);
+        for (id, channel) in channels.iter_mut().zip(list) {
+            *id = LaserId { channel };
+        }
+        let (period_ns, timer_mhz) = (view.period.0 as u32, view.timer_mhz);
+        let head = Head { schema: protocol::SCHEMA, period_ns, every: self.every, timer_mhz };
+        let ids = ids.get(..self.columns.axes()).unwrap_or(&[]);
+        let channels = channels.get(..self.columns.lasers()).unwrap_or(&[]);
+        self.encoder.head(&head, ids, channels).is_ok()
     }
 
     fn finish(&mut self) -> bool {

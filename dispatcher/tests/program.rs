@@ -137,7 +137,7 @@ fn a_trace_over_the_link_is_that_of_its_own_stream() {
     let rows = |way: u8| {
         let (core, axis) = (CORE.into(), 1.into());
         let mut bench = Bench::gus();
-        bench.done(Trace { every: 1.into(), axes: 0b11.into(), lasers: 0, crds: 0, way });
+        bench.done(Trace { every: 1.into(), axes: 0b11.into(), lasers: 0, crds: 0, way, edges: 0 });
         let tags = bench.post_all(&[
             entry(AxisOn { core, axis }),
             entry(PrfPt { core, profile: axis, mode: 0.into() }),
@@ -149,7 +149,7 @@ fn a_trace_over_the_link_is_that_of_its_own_stream() {
         let started = bench.post(Lane::Immediate, ProgramStart { strict: 1 }, &[]);
         bench.wait(started);
         bench.wait(*tags.last().unwrap());
-        bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, way: 0 });
+        bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, way: 0, edges: 0 });
         bench.run_ms(50);
         let (own, carried) = (std::mem::take(&mut bench.trace), std::mem::take(&mut bench.link_trace));
         let (bytes, nothing) = if way == 0 { (own, carried) } else { (carried, own) };
@@ -157,9 +157,10 @@ fn a_trace_over_the_link_is_that_of_its_own_stream() {
         let (mut decoder, mut rows, mut ended) = (Decoder::new(), Vec::new(), false);
         decoder.feed(&bytes, |event| match event.unwrap() {
             Event::Head(..) => {}
-            Event::Row(row, samples) => {
+            Event::Row(row, samples, _) => {
                 rows.push((row, samples.iter().map(|s| (s.pos.get(), s.vel_mantissa.get())).collect::<Vec<_>>()))
             }
+            Event::Action(action) => panic!("nobody asked for {action:?}"),
             Event::End { lost, .. } => ended = lost == 0,
         });
         assert!(ended);
@@ -195,26 +196,29 @@ fn commands_in_the_wrong_lane() {
 #[test]
 fn the_trace_has_every_row_and_the_planned_motion() {
     let mut bench = Bench::gus();
-    bench.done(Trace { every: 2.into(), axes: 0b101.into(), lasers: 0, crds: 0, way: 0 });
+    bench.done(Trace { every: 2.into(), axes: 0b101.into(), lasers: 0b10, crds: 0, way: 0, edges: 0 });
     bench.post_all(&listing_2_1());
     bench.done(ProgramStart { strict: 1 });
     bench.run_ms(3200);
-    bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, way: 0 });
+    bench.done(Trace { every: 0.into(), axes: 0.into(), lasers: 0, crds: 0, way: 0, edges: 0 });
     bench.run_ms(1);
     let mut rows: Vec<(u32, i64, f64)> = Vec::new();
     let mut end = None;
     let mut head = None;
     Decoder::new().feed(&bench.trace, |event| match event.expect("no row is missing") {
-        Event::Head(described, axes) => {
+        Event::Head(described, axes, lasers) => {
             head = Some((described.period_ns, described.every));
+            assert!(lasers.iter().map(|id| id.channel).eq([1]) && described.timer_mhz == 1000);
             assert_eq!(axes.iter().map(|id| (id.core, id.axis)).collect::<Vec<_>>(), [(0, 1), (0, 3)]);
         }
-        Event::Row(row, samples) => {
+        Event::Row(row, samples, lasers) => {
+            assert!(lasers.iter().eq([LaserSample::default()]), "the laser stays dark");
             let sample = samples.iter().next().unwrap();
             let velocity = sample.vel_mantissa.get() as f64 * (-f64::from(sample.vel_exponent.get())).exp2();
             rows.push((row, sample.pos.get(), velocity));
             assert_eq!(samples.iter().nth(1).unwrap().pos.get(), 0);
         }
+        Event::Action(action) => panic!("nobody asked for {action:?}"),
         Event::End { rows, lost } => end = Some((rows, lost)),
     });
     assert_eq!(head, Some((250_000, 2)));

@@ -80,7 +80,7 @@ fn run(tick_us: u32, calls: Vec<Call>) -> (Vec<Row>, Vec<Answer>) {
             })
             .unwrap();
     });
-    let mut all = vec![Call::of(Trace { every: 1.into(), axes: 3.into(), lasers: 0, crds: 0, way: 0 })];
+    let mut all = vec![Call::of(Trace { every: 1.into(), axes: 3.into(), lasers: 0, crds: 0, way: 0, edges: 0 })];
     all.extend([servo_on(1), servo_on(2), mode(1), mode(2)]);
     all.extend(calls);
     all.push(Call::of(Trace::default()));

@@ -35,7 +35,7 @@ fn listing_2_1(trace: bool) -> Vec<Call> {
     let (config, items) = config_off();
     let mut calls = Vec::new();
     if trace {
-        calls.push(Call::of(Trace { every: 1.into(), axes: 1.into(), lasers: 0, crds: 0, way: 0 }));
+        calls.push(Call::of(Trace { every: 1.into(), axes: 1.into(), lasers: 0, crds: 0, way: 0, edges: 0 }));
     }
     calls.extend([
         Call::of(Reset { core: 1.into() }),

@@ -227,7 +227,7 @@ commands! {
     0x0012 ProgramStart { strict: u8 } [Nothing] -> ProgramReply [Nothing];
     0x0013 ProgramClear {} [Nothing] -> ProgramReply [Nothing];
     0x0014 ProgramStatus {} [Nothing] -> ProgramReply [Nothing];
-    0x0015 Trace { every: U32, axes: U64, lasers: u8, crds: u8, way: u8 } [Nothing] -> Nothing [Nothing];
+    0x0015 Trace { every: U32, axes: U64, lasers: u8, crds: u8, way: u8, edges: u8 } [Nothing] -> Nothing [Nothing];
     0x0016 ProgramEnd {} [Nothing] -> Nothing [Nothing];
     // -- axis --------------------------------------------------------------------------------
     0x0100 AxisOn { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];

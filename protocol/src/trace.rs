@@ -4,43 +4,76 @@
 //! [`Event`]s, or the [`TraceError`] that a row is missing or a frame is bad: a gap is never passed over in
 //! silence. Frames are COBS with a CRC-32 like those of the link, told apart by their first byte.
 //!
-//! A row carries positions in units of 2^-22 pulse and velocities as mantissa and exponent, exactly
-//! as the servo holds them; whoever reads makes numbers of them.
+//! A row carries positions in units of 2^-22 pulse, velocities as mantissa and exponent, and powers and
+//! frequencies of lasers in units of 2^-44, exactly as the servo holds them; whoever reads makes numbers of
+//! them. Between rows come, where they are asked for, the [`Action`]s that a laser channel was told to do.
 
 use crate::command::{Wire, wire_structs};
 use crate::deframe::{Deframer, Outcome};
 use crate::frame::{CRC_BYTES, seal, unseal, wire_length};
-use zerocopy::little_endian::{I16, I64, U32};
+use zerocopy::little_endian::{I16, I64, U16, U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 /// Version of this stream.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 /// Most axes in a trace.
 pub const MAX_AXES: usize = 64;
+/// Most laser channels in a trace.
+pub const MAX_LASERS: usize = 8;
 /// Longest body of a frame: one row of all axes, or several shorter ones.
-pub const MAX_BODY: usize = 1280;
+pub const MAX_BODY: usize = 1312;
 const MAX_DECODED: usize = MAX_BODY + CRC_BYTES;
 const MAX_WIRE: usize = wire_length(MAX_DECODED);
 
 const HEAD: u8 = 0x81;
 const ROWS: u8 = 0x82;
 const END: u8 = 0x83;
+/// In a frame of rows: what comes.
+const ROW: u8 = 1;
+const ACTION: u8 = 2;
 
 wire_structs! {
-    /// The first frame, behind its kind: servo tick in ns, ticks from row to row, number of axes; the axes follow.
-    HeadLayout { version: u8, schema: U32, period_ns: U32, every: U32, axes: u8 }
+    /// The first frame, behind its kind: servo tick in ns, ticks from row to row, clock of the laser timers,
+    /// numbers of axes and lasers; the axes follow, then the lasers.
+    HeadLayout { version: u8, schema: U32, period_ns: U32, every: U32, timer_mhz: U16, axes: u8, lasers: u8 }
     /// One axis of the trace: core from 0, axis from 1.
     AxisId { core: u8, axis: u8 }
+    /// One laser channel of the trace, from 0.
+    LaserId { channel: u8 }
     /// Before the samples of a row: its number, from 0 without gaps.
-    RowLayout { row: U32 }
+    RowLayout { what: u8, row: U32 }
     /// One axis in a row: position in 2^-22 pulse; velocity is `vel_mantissa * 2^-vel_exponent` pulse/ms.
     Sample { pos: I64, vel_mantissa: I64, vel_exponent: I16 }
+    /// One laser channel in one row: power mode (0 duty, 1 frequency, 2 analog, 3 duty with open switch), level of the
+    /// switch output, power in 2^-44 of the mode's unit, frequency in 2^-44 kHz.
+    LaserSample { mode: u8, gate: u8, power: I64, khz: I64 }
+    /// A number of counts of the laser timers: whole + part/of, where 0 stands for 2^32.
+    Count { whole: U64, part: U32, of: U32 }
+    /// What a laser channel was told for the tick `tick` (from row 0 on), `at` ns after it. `kind`: see [`kind`].
+    Action { tick: U32, at: U32, channel: u8, kind: u8, value: I16, period: Count, width: Count }
     /// The last frame, behind its kind: rows sent, rows that could not be.
     EndLayout { rows: U32, lost: U32 }
 }
 
-const _: () = assert!(1 + size_of::<RowLayout>() + MAX_AXES * size_of::<Sample>() <= MAX_BODY);
-const _: () = assert!(1 + size_of::<HeadLayout>() + MAX_AXES * size_of::<AxisId>() <= MAX_BODY);
+/// What an [`Action`] is; trains are its `period` and `width`.
+pub mod kind {
+    /// Everything at rest at once, that is at the tick before `tick`; what was told before is void.
+    pub const REST: u8 = 0;
+    /// The switch output goes to `value`.
+    pub const SWITCH: u8 = 1;
+    /// Light begins with this train.
+    pub const LIGHT: u8 = 2;
+    /// The train goes on as this one.
+    pub const CHANGE: u8 = 3;
+    /// Light ends, standby is this train; `value` 1 cuts the last pulse.
+    pub const DARK: u8 = 4;
+    /// The analog output goes to `value`.
+    pub const VOLTS: u8 = 5;
+}
+
+const SAMPLES_MAX: usize = MAX_AXES * size_of::<Sample>() + MAX_LASERS * size_of::<LaserSample>();
+const _: () = assert!(1 + size_of::<RowLayout>() + SAMPLES_MAX <= MAX_BODY);
+const _: () = assert!(1 + size_of::<HeadLayout>() + MAX_AXES * size_of::<AxisId>() + MAX_LASERS <= MAX_BODY);
 
 /// What a trace is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +84,8 @@ pub struct Head {
     pub period_ns: u32,
     /// Ticks from row to row.
     pub every: u32,
+    /// Clock of the laser timers, MHz.
+    pub timer_mhz: u16,
 }
 
 /// The frame before has not gone out yet: call [`Encoder::take`] and try again. Nothing was taken.
@@ -79,38 +114,55 @@ impl Encoder {
         Encoder { body: [0; MAX_BODY], len: 0, wire: [0; MAX_WIRE], wire_at: 0, wire_len: 0 }
     }
 
-    /// Begins a trace of at most [`MAX_AXES`] axes (more are left out).
+    /// Begins a trace of at most [`MAX_AXES`] axes and [`MAX_LASERS`] laser channels (more are left out).
     ///
     /// # Errors
     /// [`Full`].
-    pub fn head(&mut self, head: &Head, axes: &[AxisId]) -> Result<(), Full> {
+    pub fn head(&mut self, head: &Head, axes: &[AxisId], lasers: &[LaserId]) -> Result<(), Full> {
         let axes = axes.get(..axes.len().min(MAX_AXES)).unwrap_or(&[]);
+        let lasers = lasers.get(..lasers.len().min(MAX_LASERS)).unwrap_or(&[]);
         let layout = HeadLayout {
             version: VERSION,
             schema: head.schema.into(),
             period_ns: head.period_ns.into(),
             every: head.every.into(),
+            timer_mhz: head.timer_mhz.into(),
             axes: axes.len() as u8,
+            lasers: lasers.len() as u8,
         };
-        self.alone(&[&[HEAD], layout.as_bytes(), axes.as_bytes()])
+        self.alone(&[&[HEAD], layout.as_bytes(), axes.as_bytes(), lasers.as_bytes()])
     }
 
-    /// Adds a row, with one sample for each axis of the head in its order.
+    /// Adds a row, with one sample for each axis and each laser of the head in its order.
     ///
     /// # Errors
     /// [`Full`].
-    pub fn row(&mut self, row: u32, samples: &[Sample]) -> Result<(), Full> {
-        let samples = samples.get(..samples.len().min(MAX_AXES)).unwrap_or(&[]);
-        let head = RowLayout { row: row.into() };
-        let size = head.as_bytes().len().saturating_add(samples.as_bytes().len());
+    pub fn row(&mut self, row: u32, axes: &[Sample], lasers: &[LaserSample]) -> Result<(), Full> {
+        let axes = axes.get(..axes.len().min(MAX_AXES)).unwrap_or(&[]);
+        let lasers = lasers.get(..lasers.len().min(MAX_LASERS)).unwrap_or(&[]);
+        let head = RowLayout { what: ROW, row: row.into() };
+        self.add(&[head.as_bytes(), axes.as_bytes(), lasers.as_bytes()])
+    }
+
+    /// Adds what a laser channel was told to do, before the row of its tick.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn action(&mut self, action: &Action) -> Result<(), Full> {
+        self.add(&[&[ACTION], action.as_bytes()])
+    }
+
+    fn add(&mut self, parts: &[&[u8]]) -> Result<(), Full> {
+        let size = parts.iter().fold(0usize, |sum, part| sum.saturating_add(part.len()));
         if self.len.saturating_add(size) > MAX_BODY {
             self.seal_rows()?;
         }
         if self.len == 0 {
             self.append(&[ROWS]);
         }
-        self.append(head.as_bytes());
-        self.append(samples.as_bytes());
+        for part in parts {
+            self.append(part);
+        }
         Ok(())
     }
 
@@ -181,9 +233,11 @@ impl Encoder {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event<'a> {
     /// It begins.
-    Head(Head, Row<'a, AxisId>),
-    /// A row and its samples, in the order of the head's axes.
-    Row(u32, Row<'a, Sample>),
+    Head(Head, Row<'a, AxisId>, Row<'a, LaserId>),
+    /// A row and its samples, in the order of the head's axes and lasers.
+    Row(u32, Row<'a, Sample>, Row<'a, LaserSample>),
+    /// What a laser channel was told to do.
+    Action(Action),
     /// It is over: rows sent, and rows that the controller could not send.
     End {
         /// Rows sent.
@@ -245,8 +299,8 @@ impl<'a, T: Wire> Row<'a, T> {
 #[derive(Debug, Clone)]
 pub struct Decoder {
     deframer: Deframer<MAX_WIRE>,
-    /// Axes of the head; `None` before it.
-    axes: Option<usize>,
+    /// Axes and lasers of the head; `None` before it.
+    columns: Option<(usize, usize)>,
     next_row: u32,
     ended: bool,
 }
@@ -260,7 +314,7 @@ impl Default for Decoder {
 impl Decoder {
     /// Waits for a head.
     pub const fn new() -> Self {
-        Decoder { deframer: Deframer::new(), axes: None, next_row: 0, ended: false }
+        Decoder { deframer: Deframer::new(), columns: None, next_row: 0, ended: false }
     }
 
     /// Takes bytes in any portions and hands every event and error to `sink`, in order.
@@ -274,7 +328,7 @@ impl Decoder {
                 Outcome::Refused(_) => sink(Err(TraceError::BadFrame)),
                 Outcome::Frame => match unseal(self.deframer.frame()) {
                     None => sink(Err(TraceError::BadFrame)),
-                    Some(body) => frame(body, &mut self.axes, &mut self.next_row, &mut self.ended, &mut sink),
+                    Some(body) => frame(body, &mut self.columns, &mut self.next_row, &mut self.ended, &mut sink),
                 },
             }
         }
@@ -293,22 +347,22 @@ impl Decoder {
 
 fn frame(
     body: &[u8],
-    axes: &mut Option<usize>,
+    columns: &mut Option<(usize, usize)>,
     next_row: &mut u32,
     ended: &mut bool,
     sink: &mut impl FnMut(Result<Event<'_>, TraceError>),
 ) {
-    match (body.split_first(), *axes) {
+    match (body.split_first(), *columns) {
         (Some((&HEAD, rest)), _) => match head(rest) {
-            Ok((described, list)) => {
-                *axes = Some(list.len());
+            Ok((described, axes, lasers)) => {
+                *columns = Some((axes.len(), lasers.len()));
                 *next_row = 0;
                 *ended = false;
-                sink(Ok(Event::Head(described, list)));
+                sink(Ok(Event::Head(described, axes, lasers)));
             }
             Err(error) => sink(Err(error)),
         },
-        (Some((&ROWS, rest)), Some(axes)) => rows(rest, axes, next_row, sink),
+        (Some((&ROWS, rest)), Some(columns)) => rows(rest, columns, next_row, sink),
         (Some((&END, rest)), Some(_)) => match EndLayout::read_from_bytes(rest) {
             Ok(end) => {
                 let (sent, lost) = (end.rows.get(), end.lost.get());
@@ -327,35 +381,58 @@ fn frame(
     }
 }
 
-fn head(bytes: &[u8]) -> Result<(Head, Row<'_, AxisId>), TraceError> {
+fn head(bytes: &[u8]) -> Result<(Head, Row<'_, AxisId>, Row<'_, LaserId>), TraceError> {
     match bytes.first() {
         Some(&VERSION) => {}
         Some(&other) => return Err(TraceError::Version(other)),
         None => return Err(TraceError::Unexpected),
     }
     let (layout, list) = HeadLayout::read_from_prefix(bytes).map_err(|_| TraceError::Unexpected)?;
-    let count = usize::from(layout.axes);
-    if count > MAX_AXES || list.len() != count.saturating_mul(size_of::<AxisId>()) {
+    let (axes, lasers) = (usize::from(layout.axes), usize::from(layout.lasers));
+    let lists = list.split_at_checked(axes.saturating_mul(size_of::<AxisId>()));
+    let Some((axis_ids, laser_ids)) = lists.filter(|(_, laser_ids)| laser_ids.len() == lasers) else {
+        return Err(TraceError::Unexpected);
+    };
+    if axes > MAX_AXES || lasers > MAX_LASERS {
         return Err(TraceError::Unexpected);
     }
-    let head = Head { schema: layout.schema.get(), period_ns: layout.period_ns.get(), every: layout.every.get() };
-    Ok((head, Row::new(list)))
+    let head = Head {
+        schema: layout.schema.get(),
+        period_ns: layout.period_ns.get(),
+        every: layout.every.get(),
+        timer_mhz: layout.timer_mhz.get(),
+    };
+    Ok((head, Row::new(axis_ids), Row::new(laser_ids)))
 }
 
-fn rows(bytes: &[u8], axes: usize, next_row: &mut u32, sink: &mut impl FnMut(Result<Event<'_>, TraceError>)) {
-    let size = axes.saturating_mul(size_of::<Sample>());
+fn rows(
+    bytes: &[u8],
+    (axes, lasers): (usize, usize),
+    next_row: &mut u32,
+    sink: &mut impl FnMut(Result<Event<'_>, TraceError>),
+) {
+    let (axes, lasers) = (axes.saturating_mul(size_of::<Sample>()), lasers.saturating_mul(size_of::<LaserSample>()));
     let mut rest = bytes;
-    while !rest.is_empty() {
-        let parts = RowLayout::read_from_prefix(rest)
-            .ok()
-            .and_then(|(head, after)| after.split_at_checked(size).map(|(samples, after)| (head, samples, after)));
-        let Some((head, samples, after)) = parts else { return sink(Err(TraceError::Unexpected)) };
-        let row = head.row.get();
-        if row != *next_row {
-            sink(Err(TraceError::Missing { expected: *next_row, came: row }));
-        }
-        *next_row = row.wrapping_add(1);
-        sink(Ok(Event::Row(row, Row::new(samples))));
+    while let Some((&what, behind)) = rest.split_first() {
+        let after = match what {
+            ROW => RowLayout::read_from_prefix(rest).ok().and_then(|(head, after)| {
+                let (axes, after) = after.split_at_checked(axes)?;
+                let (lasers, after) = after.split_at_checked(lasers)?;
+                let row = head.row.get();
+                if row != *next_row {
+                    sink(Err(TraceError::Missing { expected: *next_row, came: row }));
+                }
+                *next_row = row.wrapping_add(1);
+                sink(Ok(Event::Row(row, Row::new(axes), Row::new(lasers))));
+                Some(after)
+            }),
+            ACTION => Action::read_from_prefix(behind).ok().map(|(action, after)| {
+                sink(Ok(Event::Action(action)));
+                after
+            }),
+            _ => None,
+        };
+        let Some(after) = after else { return sink(Err(TraceError::Unexpected)) };
         rest = after;
     }
 }

@@ -345,17 +345,31 @@ fn a_trace_is_that_of_the_page() {
         vel_exponent: vel_exponent.into(),
     };
     let rows = [[sample(0, 0, 0), sample(-4194304, 3, 1)], [sample(4194304, 1 << 40, 39), sample(-1, -3, 1)]];
-    let head = trace::Head { schema: 0x1234_5678, period_ns: 250_000, every: 1 };
+    let laser =
+        |mode: u8, gate: u8, power: i64| trace::LaserSample { mode, gate, power: power.into(), khz: power.into() };
+    let lasers = [[laser(0, 0, 0)], [laser(1, 1, 30 << 44)]];
+    let count = |whole: u64, of: u32| trace::Count { whole: whole.into(), part: 1.into(), of: of.into() };
+    let action = trace::Action {
+        tick: 1.into(),
+        at: 1_500.into(),
+        channel: 0,
+        kind: trace::kind::LIGHT,
+        value: 0.into(),
+        period: count(33_333, 3),
+        width: count(8_333, 0),
+    };
+    let head = trace::Head { schema: 0x1234_5678, period_ns: 250_000, every: 1, timer_mhz: 1000 };
     let mut ours: Vec<u8> = Vec::new();
     let mut out = [0; 2000];
-    encoder.head(&head, &axes).unwrap();
+    encoder.head(&head, &axes, &[trace::LaserId { channel: 0 }]).unwrap();
     let mut drain = |encoder: &mut trace::Encoder| {
         let length = encoder.take(&mut out);
         ours.extend(&out[..length]);
     };
     drain(&mut encoder);
-    encoder.row(0, &rows[0]).unwrap();
-    encoder.row(1, &rows[1]).unwrap();
+    encoder.row(0, &rows[0], &lasers[0]).unwrap();
+    encoder.action(&action).unwrap();
+    encoder.row(1, &rows[1], &lasers[1]).unwrap();
     drain(&mut encoder);
     encoder.end(2, 0).unwrap();
     drain(&mut encoder);
@@ -366,16 +380,20 @@ fn a_trace_is_that_of_the_page() {
     for byte in wire {
         decoder.feed(&[byte], |event| {
             match event.unwrap() {
-                trace::Event::Head(got, list) => {
-                    assert_eq!(got, head);
+                trace::Event::Head(got, list, channels) => {
+                    assert_eq!((got, channels.len()), (head, 1));
                     assert!(list.iter().eq(axes));
                 }
-                trace::Event::Row(row, samples) => assert!(samples.iter().eq(rows[row as usize])),
+                trace::Event::Row(row, samples, of_lasers) => {
+                    assert!(samples.iter().eq(rows[row as usize]));
+                    assert!(of_lasers.iter().eq(lasers[row as usize]));
+                }
+                trace::Event::Action(got) => assert_eq!(got, action),
                 trace::Event::End { rows, lost } => assert_eq!((rows, lost), (2, 0)),
             }
             came += 1;
         });
     }
-    assert_eq!(came, 4);
+    assert_eq!(came, 5);
     assert!(decoder.ended());
 }

@@ -153,7 +153,8 @@ proptest! {
         body.extend(crc.to_le_bytes());
         let mut decoder = trace::Decoder::new();
         let mut head = trace::Encoder::new();
-        head.head(&trace::Head { schema: 0, period_ns: 1, every: 1 }, &[trace::AxisId { core: 0, axis: 1 }]).unwrap();
+        let described = trace::Head { schema: 0, period_ns: 1, every: 1, timer_mhz: 1 };
+        head.head(&described, &[trace::AxisId { core: 0, axis: 1 }], &[trace::LaserId { channel: 0 }]).unwrap();
         let mut wire = [0; 100];
         let length = head.take(&mut wire);
         decoder.feed(&wire[..length], |event| assert!(event.is_ok()));

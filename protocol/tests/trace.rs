@@ -1,20 +1,48 @@
 //! The trace stream: what is sent comes back, and what is missing is reported.
 
-use protocol::trace::{AxisId, Decoder, Encoder, Event, Full, Head, MAX_AXES, Sample, TraceError};
+use protocol::trace::{
+    Action, AxisId, Count, Decoder, Encoder, Event, Full, Head, LaserId, LaserSample, MAX_AXES, MAX_LASERS, Sample,
+    TraceError, kind,
+};
+
+const HEAD: Head = Head { schema: 5, period_ns: 50_000, every: 2, timer_mhz: 1000 };
 
 fn sample(row: u32, axis: usize) -> Sample {
     let value = i64::from(row) * 1_000 - axis as i64;
     Sample { pos: value.into(), vel_mantissa: (-value << 30).into(), vel_exponent: (axis as i16).into() }
 }
 
+fn laser_sample(row: u32, laser: usize) -> LaserSample {
+    LaserSample { mode: laser as u8 & 3, gate: row as u8 & 1, power: i64::from(row).into(), khz: (1 << 40).into() }
+}
+
+fn laser_action(row: u32) -> Action {
+    let count = |whole: u64| Count { whole: whole.into(), part: 1.into(), of: 3.into() };
+    Action {
+        tick: (2 * row).into(),
+        at: 77.into(),
+        channel: 1,
+        kind: kind::LIGHT,
+        value: (-5).into(),
+        period: count(row.into()),
+        width: count(0),
+    }
+}
+
 /// A trace of some rows of some axes, frame by frame.
 fn frames(rows: u32, axes: usize, lost: u32) -> Vec<Vec<u8>> {
+    frames_of(rows, (axes, 0), false, lost)
+}
+
+/// The same with lasers; `actions`: one before each row.
+fn frames_of(rows: u32, (axes, lasers): (usize, usize), actions: bool, lost: u32) -> Vec<Vec<u8>> {
+    let channels: Vec<LaserId> = (0..lasers).map(|channel| LaserId { channel: channel as u8 }).collect();
     let ids: Vec<AxisId> =
         (0..axes).map(|axis| AxisId { core: (axis / 32) as u8, axis: (axis % 32 + 1) as u8 }).collect();
     let mut encoder = Encoder::new();
     let mut wire = Vec::new();
     let mut out = [0; 100];
-    encoder.head(&Head { schema: 5, period_ns: 50_000, every: 2 }, &ids).unwrap();
+    encoder.head(&HEAD, &ids, &channels).unwrap();
     let mut drain = |encoder: &mut Encoder| {
         while !encoder.is_empty() {
             let length = encoder.take(&mut out);
@@ -23,9 +51,14 @@ fn frames(rows: u32, axes: usize, lost: u32) -> Vec<Vec<u8>> {
     };
     for row in 0..rows {
         let samples: Vec<Sample> = (0..axes).map(|axis| sample(row, axis)).collect();
-        if encoder.row(row, &samples) == Err(Full) {
+        let lasers: Vec<LaserSample> = (0..lasers).map(|laser| laser_sample(row, laser)).collect();
+        if actions && encoder.action(&laser_action(row)) == Err(Full) {
             drain(&mut encoder);
-            encoder.row(row, &samples).unwrap();
+            encoder.action(&laser_action(row)).unwrap();
+        }
+        if encoder.row(row, &samples, &lasers) == Err(Full) {
+            drain(&mut encoder);
+            encoder.row(row, &samples, &lasers).unwrap();
         }
     }
     while encoder.end(rows, lost) == Err(Full) {
@@ -37,22 +70,35 @@ fn frames(rows: u32, axes: usize, lost: u32) -> Vec<Vec<u8>> {
 
 /// Rows that came whole, errors, and whether the end came.
 fn read(wire: &[u8], axes: usize) -> (u32, Vec<TraceError>, bool) {
+    let (rows, actions, errors, ended) = read_of(wire, (axes, 0));
+    assert_eq!(actions, 0);
+    (rows, errors, ended)
+}
+
+/// The same with lasers, and the actions that came.
+fn read_of(wire: &[u8], (axes, lasers): (usize, usize)) -> (u32, u32, Vec<TraceError>, bool) {
     let mut decoder = Decoder::new();
-    let (mut rows, mut errors) = (0, Vec::new());
+    let (mut rows, mut actions, mut errors) = (0, 0, Vec::new());
     for part in wire.chunks(13) {
         decoder.feed(part, |event| match event {
-            Ok(Event::Row(row, samples)) => {
+            Ok(Event::Row(row, samples, of_lasers)) => {
                 assert!(samples.iter().eq((0..axes).map(|axis| sample(row, axis))));
+                assert!(of_lasers.iter().eq((0..lasers).map(|laser| laser_sample(row, laser))));
                 rows += 1;
             }
-            Ok(Event::Head(head, list)) => {
-                assert_eq!((head, list.len()), (Head { schema: 5, period_ns: 50_000, every: 2 }, axes));
+            Ok(Event::Action(action)) => {
+                assert_eq!(action, laser_action(actions));
+                actions += 1;
+            }
+            Ok(Event::Head(head, list, channels)) => {
+                assert_eq!((head, list.len()), (HEAD, axes));
+                assert!(channels.iter().map(|id| id.channel).eq(0..lasers as u8));
             }
             Ok(Event::End { .. }) => {}
             Err(error) => errors.push(error),
         });
     }
-    (rows, errors, decoder.ended())
+    (rows, actions, errors, decoder.ended())
 }
 
 #[test]
@@ -63,29 +109,37 @@ fn rows_come_back_for_any_number_of_axes() {
 }
 
 #[test]
+fn lasers_come_behind_the_axes_and_actions_before_their_row() {
+    for columns in [(0, 1), (8, 2), (MAX_AXES, MAX_LASERS)] {
+        let wire = frames_of(100, columns, true, 0).concat();
+        assert_eq!(read_of(&wire, columns), (100, 100, vec![], true), "{columns:?}");
+    }
+}
+
+#[test]
 fn several_rows_share_a_frame() {
-    // 22 bytes a row, 1280 a body: 58 rows; head and end.
-    assert_eq!(frames(580, 1, 0).len(), 12);
+    // 23 bytes a row, 1311 a body behind its kind: 57 rows; head and end.
+    assert_eq!(frames(570, 1, 0).len(), 12);
 }
 
 #[test]
 fn a_missing_frame_is_an_error() {
-    let mut all = frames(580, 1, 0);
+    let mut all = frames(570, 1, 0);
     all.remove(3);
-    assert_eq!(read(&all.concat(), 1), (522, vec![TraceError::Missing { expected: 116, came: 174 }], true));
+    assert_eq!(read(&all.concat(), 1), (513, vec![TraceError::Missing { expected: 114, came: 171 }], true));
     // The last rows are missed at the end.
-    let mut all = frames(580, 1, 0);
+    let mut all = frames(570, 1, 0);
     all.remove(10);
-    assert_eq!(read(&all.concat(), 1), (522, vec![TraceError::Missing { expected: 522, came: 580 }], true));
+    assert_eq!(read(&all.concat(), 1), (513, vec![TraceError::Missing { expected: 513, came: 570 }], true));
 }
 
 #[test]
 fn a_damaged_frame_is_an_error() {
-    let mut all = frames(580, 1, 0);
+    let mut all = frames(570, 1, 0);
     all[3][20] ^= 0x40;
     let (rows, errors, ended) = read(&all.concat(), 1);
-    assert_eq!((rows, ended), (522, true));
-    assert_eq!(errors, [TraceError::BadFrame, TraceError::Missing { expected: 116, came: 174 }]);
+    assert_eq!((rows, ended), (513, true));
+    assert_eq!(errors, [TraceError::BadFrame, TraceError::Missing { expected: 114, came: 171 }]);
 }
 
 #[test]

@@ -86,8 +86,8 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::Laser { channel, change } => self.lasers.change(channel, next, &change),
             Op::Link { lost } => self.lasers.link(lost, self.script.runs),
-            Op::Trace { every, axes, lasers } => {
-                if let Some((row, chosen)) = self.trace.begin(every, Chosen { axes, lasers }) {
+            Op::Trace { every, axes, lasers, edges } => {
+                if let Some((row, chosen)) = self.trace.begin(every, Chosen { axes, lasers, edges }) {
                     self.emit(row, chosen, lanes.samples);
                 }
             }

@@ -172,8 +172,9 @@ pub enum Op {
     /// Period of the tick (10 µs to 1 ms) from the next tick on, at rest.
     TickPeriod { ns: u32 },
     /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed and
-    /// begins with `ProgramRun`; else it begins at once. Row 0 is the tick in force then.
-    Trace { every: u32, axes: AxisMask, lasers: u8 },
+    /// begins with `ProgramRun`; else it begins at once. Row 0 is the tick in force then. `edges`: with what the
+    /// laser channels are told between the rows.
+    Trace { every: u32, axes: AxisMask, lasers: u8, edges: bool },
     /// A laser channel (from 0) changes.
     Laser { channel: u8, change: crate::laser::Change },
     /// The host link is lost, or is there again. Its loss puts out a channel whose light is on or may come, and

@@ -19,7 +19,7 @@ use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
 use crate::script::Script;
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, Ns};
-use crate::view::{Event, Sample, Traced, View};
+use crate::view::{Event, LaserView, Sample, Traced, View};
 use ring::{Consumer, Producer, Writer};
 
 /// Entries of the immediate lane's ring.
@@ -189,7 +189,8 @@ impl<const AXES: usize> Tick<AXES> {
             self.step_slaves(next, port, lanes);
         }
         port.outputs(self.enable, self.clear, self.general);
-        self.lasers.run(next, period, port);
+        let (trace, samples) = (&mut self.trace, &mut lanes.samples);
+        self.lasers.run(next, period, port, |channel, plan| trace.tell(channel, plan, samples));
         if let Some((row, chosen)) = self.trace.advance() {
             self.emit(row, chosen, &mut lanes.samples);
         }
@@ -245,7 +246,8 @@ impl<const AXES: usize> Tick<AXES> {
         }
         for (channel, shown) in (0..).zip(self.lasers.shown()) {
             if chosen.lasers >> channel & 1 == 1 {
-                let of = Traced::Laser { channel, gate: shown.switch, power: shown.power, khz: shown.khz };
+                let LaserView { mode, switch: gate, power, khz, .. } = *shown;
+                let of = Traced::Laser { channel, mode, gate, power, khz };
                 self.trace.put(Sample { row, of }, samples);
             }
         }
@@ -300,8 +302,8 @@ impl<const AXES: usize> Tick<AXES> {
                     program.clear();
                     self.script.runs = false;
                 }
-                Op::Trace { every, axes, lasers } if !self.script.runs && every != 0 => {
-                    self.trace.arm(every, Chosen { axes, lasers })
+                Op::Trace { every, axes, lasers, edges } if !self.script.runs && every != 0 => {
+                    self.trace.arm(every, Chosen { axes, lasers, edges })
                 }
                 _ => self.execute(Lane::Immediate, entry, next, period, port, &mut reach),
             }

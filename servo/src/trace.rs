@@ -1,17 +1,24 @@
 //! The trace: samples of chosen axes and laser channels at chosen ticks.
 //!
-//! In: the motion of every axis, a tick at a time. Out: samples into a ring. Owns: the row counter.
+//! In: the motion of every axis and the plans of laser channels, a tick at a time. Out: samples into a ring.
+//! Owns: the counters of rows and ticks.
 //! Fails: a full ring loses the sample and counts it; the row numbers show which.
+use crate::laser::Plan;
 use crate::tick::SAMPLES;
 use crate::units::AxisMask;
-use crate::view::Sample;
+use crate::view::{Sample, Traced};
 use ring::Producer;
 
-/// What is traced: axes, and laser channels (bit 0 the first).
+/// What is traced: axes, laser channels (bit 0 the first), and whether what these are told between rows is too.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chosen {
     pub(crate) axes: AxisMask,
     pub(crate) lasers: u8,
+    pub(crate) edges: bool,
+}
+
+impl Chosen {
+    const NONE: Chosen = Chosen { axes: AxisMask(0), lasers: 0, edges: false };
 }
 
 /// What is traced, and where in the rows it is.
@@ -22,6 +29,10 @@ pub(crate) struct Trace {
     /// Ticks until the next row.
     left: u32,
     row: u32,
+    /// Ticks since row 0.
+    tick: u32,
+    /// Channels that rest, and were told of it.
+    resting: u8,
     chosen: Chosen,
     /// Armed: begins with the program.
     armed: Option<(u32, Chosen)>,
@@ -31,7 +42,7 @@ pub(crate) struct Trace {
 
 impl Trace {
     pub(crate) const OFF: Trace =
-        Trace { every: 0, left: 0, row: 0, chosen: Chosen { axes: AxisMask(0), lasers: 0 }, armed: None, lost: 0 };
+        Trace { every: 0, left: 0, row: 0, tick: 0, resting: 0, chosen: Chosen::NONE, armed: None, lost: 0 };
 
     /// Waits for the program.
     pub(crate) fn arm(&mut self, every: u32, chosen: Chosen) {
@@ -40,7 +51,7 @@ impl Trace {
 
     /// Begins now: what row 0 is of, which is of the tick in force.
     pub(crate) fn begin(&mut self, every: u32, chosen: Chosen) -> Option<(u32, Chosen)> {
-        *self = Trace { every, left: every, row: 0, chosen, armed: None, lost: 0 };
+        *self = Trace { every, left: every, row: 0, tick: 0, resting: 0, chosen, armed: None, lost: 0 };
         (every != 0).then_some((0, chosen))
     }
 
@@ -58,11 +69,35 @@ impl Trace {
         }
     }
 
+    /// A channel's plan for the interval that begins with the next tick.
+    #[inline]
+    pub(crate) fn tell(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {
+        let is_chosen = self.every != 0 && self.chosen.edges && self.chosen.lasers >> channel & 1 == 1;
+        if is_chosen && (plan.rest || !plan.actions().is_empty()) {
+            self.tell_all(channel, plan, samples);
+        }
+    }
+
+    #[inline(never)]
+    fn tell_all(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {
+        let (row, bit) = (self.tick.wrapping_add(1), 1 << (channel & 7));
+        if !plan.rest {
+            self.resting &= !bit;
+        } else if self.resting & bit == 0 {
+            self.resting |= bit;
+            self.put(Sample { row, of: Traced::Rest { channel } }, samples);
+        }
+        for &(at, action) in plan.actions() {
+            self.put(Sample { row, of: Traced::Action { channel, at, action } }, samples);
+        }
+    }
+
     /// The next tick is computed: its row, if it has one.
     pub(crate) fn advance(&mut self) -> Option<(u32, Chosen)> {
         if self.every == 0 {
             return None;
         }
+        self.tick = self.tick.wrapping_add(1);
         self.left = self.left.wrapping_sub(1);
         if self.left != 0 {
             return None;

@@ -402,12 +402,29 @@ pub enum Traced {
     Laser {
         /// Which one, from 0.
         channel: u8,
+        /// Power mode, whose unit `power` has.
+        mode: laser::Mode,
         /// The switch output.
         gate: bool,
         /// Power being output, in the mode's unit.
         power: Power,
         /// Carrier or pulse rate being output, kHz.
         khz: Power,
+    },
+    /// What a channel is told to do in the interval that begins with the tick `row` (ticks since row 0, also
+    /// where rows are fewer). It comes before the row of that tick.
+    Action {
+        /// Which channel, from 0.
+        channel: u8,
+        /// ns from the beginning of the interval.
+        at: u32,
+        /// What.
+        action: laser::Action,
+    },
+    /// A channel rests at once: at the tick before `row`. Actions of `row` come behind it.
+    Rest {
+        /// Which channel, from 0.
+        channel: u8,
     },
 }
 

@@ -6,8 +6,10 @@ use crate::case::{Answer, Case, Effect, Site, ones};
 use crate::profile::{FAMILIES, PROFILES};
 use crate::refuse::{Admitted, Refused, within};
 use crate::tables::TABLES;
+use crate::trace_out::Columns;
 use protocol::command::{Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetLinkLoss, SetTick, Trace, Wire, opcode};
 use protocol::reason::Reason;
+use servo::laser::CHANNELS;
 use servo::op::{Guarded, Op};
 use servo::units::AxisMask;
 
@@ -65,18 +67,19 @@ pub fn choose<const AXES: usize>(case: &mut Case<AXES>, r: &Choose) -> Admitted<
     Ok(plain(opcode::Choose))
 }
 
-/// Lasers and crds can be traced once they exist; until then their masks must be 0.
+/// Crds can be traced once they exist; until then their mask must be 0.
 pub fn trace<const AXES: usize>(case: &mut Case<AXES>, r: &Trace) -> Admitted<Answer> {
     let (every, axes) = (r.every.get(), AxisMask(r.axes.get()));
     let all = case.site.all();
     if axes.0 & !all.0 != 0 {
         return Err(Refused::new(Reason::OutOfRange).field(1).got(axes.0 as f64).limits(0.0, all.0 as f64));
     }
-    within(2, r.lasers, 0, 0)?;
+    let lasers = within(2, r.lasers, 0, (1 << CHANNELS) - 1)?;
     within(3, r.crds, 0, 0)?;
     let over_link = within(4, r.way, 0, 1)? == 1;
-    case.stage(Op::Trace { every, axes, lasers: 0 });
-    case.effect = Effect::Trace { every, axes, over_link };
+    let edges = within(5, r.edges, 0, 1)? == 1;
+    case.stage(Op::Trace { every, axes, lasers, edges });
+    case.effect = Effect::Trace { every, columns: Columns { axes, lasers }, over_link };
     Ok(Answer::Done)
 }
 

@@ -1,7 +1,7 @@
 #![forbid(unsafe_code)]
 //! Trace files (SPEC 8): CSV, VCD and plots.
 //!
-//! In: the bytes of a trace stream, or [`Row`]s. Out: text and pictures. Nothing is rounded but by
+//! In: the bytes of a trace stream, or [`Row`]s and what laser outputs did between them. Out: text and pictures. Nothing is rounded but by
 //! exact integer rules in [`decimal`], so the same motion gives the same bytes whatever machine
 //! traced it. Fails with a [`TraceError`] that names the row.
 //!
@@ -51,6 +51,12 @@ pub enum TraceError {
     Version {
         /// Its version.
         theirs: u8,
+    },
+    /// The laser timers count with a clock that this client does not know.
+    #[error("the lasers of this trace are timed with {mhz} MHz; this client reads traces of 1000 MHz")]
+    Clock {
+        /// Counts per µs.
+        mhz: u16,
     },
     /// More steps in a row than the VCD's time scale can show.
     #[error("{axis} makes {steps} steps in the {row_ns} ns after row {row}: a VCD of 1 ns cannot show them")]

@@ -1,10 +1,13 @@
 //! The bytes of a trace stream as a header and rows.
 //!
-//! In: bytes in any portions. Out: [`Item`]s in order. Owns the decoder and the last header. The first
-//! error is the last thing that comes out: a gap is never passed over.
-use crate::row::{AxisName, AxisPoint, Header, Row};
+//! In: bytes in any portions. Out: [`Item`]s in order. Owns the decoder, the last header, and an output stage
+//! for each laser, which makes edges of what the channel was told. The first error is the last thing that
+//! comes out: a gap is never passed over.
+use crate::row::{AxisName, AxisPoint, Header, LaserName, LaserPoint, PowerUnit, Row};
 use crate::{Result, TraceError};
-use protocol::trace::{Decoder, Event, TraceError as Fault};
+use plant::beam::{Change, Stage};
+use protocol::trace::{self, Decoder, Event, TraceError as Fault, kind};
+use servo::laser::{Action, Clock, Count, Power, Train};
 use servo::piece::Scaled;
 use servo::units::Pos;
 
@@ -13,6 +16,14 @@ use servo::units::Pos;
 pub enum Item {
     /// A trace begins.
     Header(Header),
+    /// What a laser's outputs did before the row that comes next, if its edges are traced: in the order of
+    /// time for each output.
+    Laser {
+        /// Its place among the lasers of the header.
+        laser: usize,
+        /// What.
+        change: Change,
+    },
     /// A row.
     Row(Row),
     /// The trace is over, after this many rows.
@@ -26,7 +37,15 @@ pub enum Item {
 #[derive(Default)]
 pub struct Reader {
     decoder: Decoder,
-    row_ns: u64,
+    made: Made,
+}
+
+/// What rows and edges are made of.
+#[derive(Default)]
+struct Made {
+    header: Header,
+    rows: u32,
+    stages: Vec<Stage>,
 }
 
 impl Reader {
@@ -38,14 +57,10 @@ impl Reader {
     /// Takes bytes and hands what they bring to `sink`; an error of the sink ends it.
     pub fn feed(&mut self, bytes: &[u8], mut sink: impl FnMut(Item) -> Result<()>) -> Result<()> {
         let mut outcome = Ok(());
-        let row_ns = &mut self.row_ns;
-        let mut rows = self.decoder.rows();
+        let made = &mut self.made;
         self.decoder.feed(bytes, |event| {
             if outcome.is_ok() {
-                outcome = event
-                    .map_err(|fault| name(fault, rows))
-                    .and_then(|event| item(event, row_ns, &mut rows))
-                    .and_then(&mut sink);
+                outcome = event.map_err(|fault| name(fault, made.rows)).and_then(|event| made.take(event, &mut sink));
             }
         });
         outcome
@@ -57,30 +72,88 @@ impl Reader {
     }
 }
 
-fn item(event: Event<'_>, row_ns: &mut u64, rows: &mut u32) -> Result<Item> {
-    Ok(match event {
-        Event::Head(head, axes) => {
-            let axes = axes.iter().map(|a| AxisName { core: a.core.saturating_add(1), axis: a.axis }).collect();
-            let header = Header { axes, lasers: Vec::new(), period_ns: head.period_ns.into(), every: head.every };
-            *row_ns = header.row_ns();
-            *rows = 0;
-            Item::Header(header)
+impl Made {
+    fn take(&mut self, event: Event<'_>, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
+        match event {
+            Event::Head(head, axes, lasers) => {
+                if lasers.len() > 0 && head.timer_mhz != Clock::GHZ.mhz() {
+                    return Err(TraceError::Clock { mhz: head.timer_mhz });
+                }
+                let axes = axes.iter().map(|a| AxisName { core: a.core.saturating_add(1), axis: a.axis }).collect();
+                let lasers: Vec<LaserName> = lasers.iter().map(|laser| LaserName(laser.channel)).collect();
+                self.stages = vec![Stage::new(); lasers.len()];
+                self.header = Header { axes, lasers, period_ns: head.period_ns.into(), every: head.every };
+                self.rows = 0;
+                sink(Item::Header(self.header.clone()))
+            }
+            Event::Row(index, axes, lasers) => {
+                self.rows = index.wrapping_add(1);
+                let t_ns = u64::from(index) * self.header.row_ns();
+                for (laser, stage) in self.stages.iter_mut().enumerate() {
+                    passed(|mut sink| stage.run_to(t_ns, &mut sink), laser, sink)?;
+                }
+                let (axes, lasers) = (axes.iter().map(axis_point).collect(), lasers.iter().map(laser_point).collect());
+                sink(Item::Row(Row { index, t_ns, axes, lasers }))
+            }
+            Event::Action(action) => self.action(&action, sink),
+            Event::End { rows, .. } => sink(Item::End { rows }),
         }
-        Event::Row(index, samples) => {
-            *rows = index.wrapping_add(1);
-            let point = |s: protocol::trace::Sample| AxisPoint {
-                pos: Pos(s.pos.get()),
-                vel: Scaled { m: s.vel_mantissa.get(), e: s.vel_exponent.get() },
-            };
-            Item::Row(Row {
-                index,
-                t_ns: u64::from(index) * *row_ns,
-                axes: samples.iter().map(point).collect(),
-                lasers: Vec::new(),
-            })
+    }
+
+    fn action(&mut self, told: &trace::Action, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
+        let unknown = TraceError::Damaged { after: self.rows, what: "a laser is told what this client does not know" };
+        let Some(laser) = self.header.lasers.iter().position(|name| name.0 == told.channel) else {
+            return Err(unknown);
+        };
+        let Some(stage) = self.stages.get_mut(laser) else { return Err(unknown) };
+        let count = |c: trace::Count| Count { whole: c.whole.get(), part: c.part.get(), of: c.of.get() };
+        let train = Train { period: count(told.period), width: count(told.width) };
+        let value = told.value.get();
+        let tick = u64::from(told.tick.get());
+        // It was told a tick ahead; what is before cannot change any more.
+        let now = tick.saturating_sub(1) * self.header.period_ns;
+        passed(|mut sink| stage.run_to(now, &mut sink), laser, sink)?;
+        let action = match told.kind {
+            kind::REST => return passed(|mut sink| stage.rest(now, &mut sink), laser, sink),
+            kind::SWITCH => Action::Switch(value != 0),
+            kind::LIGHT => Action::Light(train),
+            kind::CHANGE => Action::Change(train),
+            kind::DARK => Action::Dark { standby: train, cut: value != 0 },
+            kind::VOLTS => Action::Volts(value),
+            _ => return Err(unknown),
+        };
+        stage.push(tick * self.header.period_ns + u64::from(told.at.get()), action);
+        Ok(())
+    }
+}
+
+/// Hands a stage's changes on until one is refused.
+fn passed(
+    run: impl FnOnce(&mut dyn FnMut(Change)),
+    laser: usize,
+    sink: &mut impl FnMut(Item) -> Result<()>,
+) -> Result<()> {
+    let mut outcome = Ok(());
+    run(&mut |change| {
+        if outcome.is_ok() {
+            outcome = sink(Item::Laser { laser, change });
         }
-        Event::End { rows, .. } => Item::End { rows },
-    })
+    });
+    outcome
+}
+
+fn axis_point(sample: trace::Sample) -> AxisPoint {
+    AxisPoint { pos: Pos(sample.pos.get()), vel: Scaled { m: sample.vel_mantissa.get(), e: sample.vel_exponent.get() } }
+}
+
+fn laser_point(sample: trace::LaserSample) -> LaserPoint {
+    let scaled = |m: i64| Scaled { m, e: Power::FRAC_BITS as i16 };
+    let unit = match sample.mode {
+        1 => PowerUnit::Kilohertz,
+        2 => PowerUnit::Volt,
+        _ => PowerUnit::Percent,
+    };
+    LaserPoint { gate: sample.gate != 0, power: scaled(sample.power.get()), unit, frequency: scaled(sample.khz.get()) }
 }
 
 fn name(fault: Fault, after: u32) -> TraceError {

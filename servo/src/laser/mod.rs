@@ -165,13 +165,14 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.link(lost, runs));
     }
 
-    /// Plans the interval of `period` from `next` on and hands it to the machine.
+    /// Plans the interval of `period` from `next` on and hands it to the machine and to the trace.
     #[inline]
-    pub(crate) fn run(&mut self, next: Ns, period: Ns, port: &mut impl Port) {
+    pub(crate) fn run(&mut self, next: Ns, period: Ns, port: &mut impl Port, mut trace: impl FnMut(u8, &Plan)) {
         let interlock = port.interlock();
         for (index, channel) in self.channels.iter_mut().enumerate() {
             channel.step(next, period, interlock, self.clock, &mut self.plan);
             port.laser(index, &self.plan);
+            trace(index as u8, &self.plan);
         }
     }
 
