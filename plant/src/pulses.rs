@@ -4,7 +4,7 @@
 //! pulse. A count of the timer is 1 ns. Fails never: sums saturate.
 use servo::laser::{Count, Train};
 
-/// What is left over of a [`Count`] behind whole counts; [`servo::laser::dither::Bresenham`] in closed form.
+/// What is left over of a [`Count`] behind whole counts: half of a [`servo::laser::Pattern`], in closed form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rest {
     gathered: u32,
@@ -17,7 +17,12 @@ impl Rest {
 
     /// A pattern of another denominator begins anew.
     const fn gathered(self, count: Count) -> u32 {
-        if self.of == count.of { self.gathered } else { 0 }
+        if self.goes_on(count) { self.gathered } else { 0 }
+    }
+
+    /// Whether the pattern of `count` goes on behind it.
+    pub const fn goes_on(self, count: Count) -> bool {
+        self.of == count.of
     }
 
     fn carried(self, count: Count, n: u64) -> (u64, u32) {
@@ -135,7 +140,7 @@ impl Burst {
 mod tests {
     extern crate std;
     use super::*;
-    use servo::laser::dither::Bresenham;
+    use servo::laser::Pattern;
     use std::vec::Vec;
 
     fn count(whole: u64, part: u32, of: u32) -> Count {
@@ -152,13 +157,11 @@ mod tests {
     #[test]
     fn the_closed_form_is_what_the_machines_count_with() {
         for burst in bursts() {
-            let Train { period, width } = burst.train;
-            let (mut periods, mut widths) = (Bresenham::default(), Bresenham::default());
-            let mut at = burst.at;
+            let (mut pattern, mut at) = (Pattern::BEGIN, burst.at);
             for (k, (start, end)) in (0..).zip(burst.pulses()) {
-                assert_eq!((start, burst.start(k)), (at, at), "{k}");
-                assert_eq!(end - start, widths.next(width), "{k}");
-                at += periods.next(period);
+                let (period, width) = pattern.step(&burst.train);
+                assert_eq!((start, burst.start(k), end - start), (at, at, width), "{k}");
+                at += period;
             }
             let on: u64 = burst.pulses().map(|(start, end)| end - start).sum();
             assert_eq!(burst.on(), on);
@@ -173,10 +176,11 @@ mod tests {
     fn patterns_go_on_where_the_denominator_stays() {
         let counts =
             [count(10, 1, 3), count(20, 2, 3), count(20, 2, 3), count(5, 0, 0), count(7, 1, 3), count(7, 3, 4)];
-        let (mut machine, mut rest) = (Bresenham::default(), Rest::default());
-        for count in counts {
-            assert_eq!(rest.sum(count, 1), machine.next(count), "{count:?}");
-            rest = rest.behind(count, 1);
+        let (mut machine, mut rest) = (Pattern::BEGIN, Rest::NONE);
+        for period in counts {
+            let width = count(0, 0, 0);
+            assert_eq!(rest.sum(period, 1), machine.step(&Train { period, width }).0, "{period:?}");
+            rest = rest.behind(period, 1);
         }
     }
 
