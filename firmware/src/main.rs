@@ -59,7 +59,7 @@ fn pend(_: *mut ()) {
 
 /// Splits the hand-overs and gives every context its half.
 fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
-    let board::Board { timer, link: (link, rx), trace } = board::take()?;
+    let board::Board { timer, link: (link, rx), trace, switchboard } = board::take()?;
     let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
     let (program_in, program) = PROGRAM_LANE.split_once()?;
     let (view_in, view) = VIEW.split_once()?;
@@ -69,7 +69,7 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
 
     let mut servo = Servo {
         timer,
-        machine: Machine::new(board::TICK_NS),
+        machine: Machine::new(board::TICK_NS, switchboard),
         tick: Tick::new(TickConfig {
             period_ns: board::TICK_NS,
             axes: AXES as u8,

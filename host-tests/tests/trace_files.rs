@@ -125,12 +125,12 @@ fn stream(rows: &[u32], sent: u32, lost: u32) -> Vec<u8> {
         let n = encoder.take(&mut part);
         bytes.extend_from_slice(&part[..n]);
     };
-    let head = Head { schema: protocol::SCHEMA, period_ns: 50_000, every: 4 };
-    encoder.head(&head, &[AxisId { core: 0, axis: 2 }]).unwrap();
+    let head = Head { schema: protocol::SCHEMA, period_ns: 50_000, every: 4, timer_mhz: 0 };
+    encoder.head(&head, &[AxisId { core: 0, axis: 2 }], &[]).unwrap();
     flush(&mut encoder);
     for &row in rows {
         let pos = i64::from(row) * PULSE;
-        encoder.row(row, &[Sample { pos: pos.into(), vel_mantissa: 5.into(), vel_exponent: 1.into() }]).unwrap();
+        encoder.row(row, &[Sample { pos: pos.into(), vel_mantissa: 5.into(), vel_exponent: 1.into() }], &[]).unwrap();
         flush(&mut encoder);
     }
     encoder.end(sent, lost).unwrap();

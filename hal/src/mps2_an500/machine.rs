@@ -1,8 +1,10 @@
 //! The machine behind the emulated board: a plant that follows, inputs at rest, recorded outputs.
 //!
-//! In: set-points and outputs of the tick. Out: encoders of the plant and inputs that nothing moves.
+//! In: set-points and outputs of the tick, bytes on the trace's UART. Out: encoders of the plant and inputs that
+//! nothing moves but the interlock: a byte `1` makes it active, `0` ends that.
 //! Owns the plant; outputs go to [`outputs`], and the tick's view carries both over the link. Fails never.
 use super::outputs;
+use super::uart::Rx;
 use plant::{Gain, Plant};
 use servo::laser::Plan;
 use servo::port::{AxisInputs, Port};
@@ -14,12 +16,14 @@ pub struct Machine<const AXES: usize> {
     plant: Plant<AXES>,
     gain: Gain,
     period_ns: u32,
+    switchboard: Rx,
+    interlock: bool,
 }
 
 impl<const AXES: usize> Machine<AXES> {
-    /// At rest at zero, with ticks of `period_ns`.
-    pub const fn new(period_ns: u32) -> Self {
-        Machine { plant: Plant::new(), gain: Gain::of_period(period_ns), period_ns }
+    /// At rest at zero, with ticks of `period_ns`; `switchboard` tells the inputs.
+    pub const fn new(period_ns: u32, switchboard: Rx) -> Self {
+        Machine { plant: Plant::new(), gain: Gain::of_period(period_ns), period_ns, switchboard, interlock: false }
     }
 
     /// A tick begins: the shafts have moved since the last one. The ticks to come have `period_ns`.
@@ -63,10 +67,17 @@ impl<const AXES: usize> Port for Machine<AXES> {
     }
 
     fn interlock(&mut self) -> bool {
-        false
+        match self.switchboard.receive() {
+            Some(b'1') => self.interlock = true,
+            Some(b'0') => self.interlock = false,
+            _ => {}
+        }
+        self.interlock
     }
 
-    fn laser(&mut self, _: usize, _: &Plan) {}
+    fn laser(&mut self, channel: usize, plan: &Plan) {
+        outputs::set_laser(channel, plan);
+    }
 }
 
 const _: () = assert!(plant::FRAC_BITS == Pos::FRAC_BITS, "plant and servo count in the same unit");

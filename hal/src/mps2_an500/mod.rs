@@ -41,8 +41,10 @@ pub struct Board {
     pub timer: timer::TickTimer,
     /// Host link.
     pub link: (uart::Tx, uart::Rx),
-    /// Trace, sending only.
+    /// Trace.
     pub trace: uart::Tx,
+    /// Levels of inputs, on the trace's UART.
+    pub switchboard: uart::Rx,
 }
 
 /// Brings the board up: priorities set, UARTs open, all interrupts still off. `None` from the second
@@ -59,11 +61,8 @@ pub fn take() -> Option<Board> {
     }
     // SAFETY: this function gets here once, since the core's peripherals are handed out once.
     unsafe {
-        Some(Board {
-            timer: timer::TickTimer::take(),
-            link: uart::open(uart::Place::Link),
-            trace: uart::open(uart::Place::Trace).0,
-        })
+        let (trace, switchboard) = uart::open(uart::Place::Trace);
+        Some(Board { timer: timer::TickTimer::take(), link: uart::open(uart::Place::Link), trace, switchboard })
     }
 }
 

@@ -3,7 +3,11 @@
 //! In: levels, from the tick, or rest, from the fault path. Out: the same to whoever looks (the view
 //! carries them over the link; a debugger reads the symbols). Owns words of RAM that stand for the
 //! registers of a real board, so that the fault path can put them at rest without asking anybody.
-use core::sync::atomic::{AtomicI16, AtomicU32, Ordering};
+//!
+//! A laser's registers show what the last plan leaves in force; which edge came when is in the trace, as the
+//! actions of the plans.
+use core::sync::atomic::{AtomicBool, AtomicI16, AtomicU32, Ordering};
+use servo::laser::{Action, CHANNELS, Plan, Train};
 
 /// Analog channels of the board, each way.
 pub const ANALOG: usize = 8;
@@ -13,6 +17,53 @@ static ENABLE: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static CLEAR: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static GENERAL: AtomicU32 = AtomicU32::new(0);
 static DAC: [AtomicI16; ANALOG] = [const { AtomicI16::new(0) }; ANALOG];
+static LASERS: [Laser; CHANNELS] = [const { Laser::REST }; CHANNELS];
+
+/// Registers of a laser channel.
+struct Laser {
+    /// The switch output.
+    switch: AtomicBool,
+    /// Whole counts of the period, 0 without pulses, and of the width.
+    period: AtomicU32,
+    width: AtomicU32,
+    /// The analog output.
+    dac: AtomicI16,
+}
+
+impl Laser {
+    const REST: Laser = Laser {
+        switch: AtomicBool::new(false),
+        period: AtomicU32::new(0),
+        width: AtomicU32::new(0),
+        dac: AtomicI16::new(0),
+    };
+
+    fn pulses(&self, train: &Train) {
+        self.period.store(u32::try_from(train.period.whole).unwrap_or(u32::MAX), Ordering::Relaxed);
+        self.width.store(u32::try_from(train.width.whole).unwrap_or(u32::MAX), Ordering::Relaxed);
+    }
+
+    fn rest(&self) {
+        self.switch.store(false, Ordering::Relaxed);
+        self.pulses(&Train::NONE);
+        self.dac.store(0, Ordering::Relaxed);
+    }
+}
+
+/// A laser channel does as planned. A channel that the board lacks is not written.
+pub fn set_laser(channel: usize, plan: &Plan) {
+    let Some(laser) = LASERS.get(channel) else { return };
+    if plan.rest {
+        laser.rest();
+    }
+    for (_, action) in plan.actions() {
+        match action {
+            Action::Switch(level) => laser.switch.store(*level, Ordering::Relaxed),
+            Action::Light(train) | Action::Change(train) | Action::Dark { standby: train, .. } => laser.pulses(train),
+            Action::Volts(code) => laser.dac.store(*code, Ordering::Relaxed),
+        }
+    }
+}
 
 /// Servo-enable and alarm-clear lines, a bit an axis, and general outputs.
 pub fn set(enable: u64, clear: u64, general: u32) {
@@ -32,8 +83,9 @@ pub fn set_analog(channel: usize, value: i16) {
     }
 }
 
-/// Servos off, outputs low, 0 V.
+/// Servos off, outputs low, lasers dark, 0 V.
 pub fn rest() {
+    LASERS.iter().for_each(Laser::rest);
     set(0, 0, 0);
     for channel in 0..ANALOG {
         set_analog(channel, 0);

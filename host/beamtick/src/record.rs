@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::PoisonError;
-use trace::{CsvWriter, Header, Item, OutputEdge, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter};
+use trace::{Change, CsvWriter, Header, Item, OutputEdge, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter};
 use virtual_board::{Output, Shared};
 
 /// See the module text.
@@ -136,6 +136,12 @@ impl Sinks {
     fn take(&mut self, item: Item) -> trace::Result<()> {
         match item {
             Item::Header(header) => self.begin(header),
+            Item::Laser { laser, change } => {
+                if let Some(open) = &mut self.open {
+                    open.laser(laser, &change);
+                }
+                Ok(())
+            }
             Item::Row(row) => self.open.as_mut().map_or(Ok(()), |open| open.row(&row)),
             Item::End { .. } => Ok(()),
         }
@@ -168,6 +174,15 @@ impl Sinks {
 }
 
 impl Open {
+    fn laser(&mut self, laser: usize, change: &Change) {
+        if let Some(vcd) = &mut self.vcd {
+            vcd.change(laser, change);
+        }
+        if let Some(plot) = &mut self.plot {
+            plot.change(laser, change);
+        }
+    }
+
     fn row(&mut self, row: &Row) -> trace::Result<()> {
         self.rows += 1;
         for (peak, point) in self.peaks.iter_mut().zip(&row.axes) {

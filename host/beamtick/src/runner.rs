@@ -120,9 +120,10 @@ fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Out
         .iter()
         .filter_map(|axis| bit(axis, version.cores, version.axes_per_core))
         .fold(0u64, |mask, bit| mask | bit);
-    if axes == 0 {
+    let lasers = source.job.lasers & channels(version.lasers);
+    if axes == 0 && lasers == 0 {
         return Err(Failure::Input(format!(
-            "{}: the job uses no axis of this profile; there is nothing to trace",
+            "{}: the job uses no axis and no laser of this profile; there is nothing to trace",
             source.name
         )));
     }
@@ -138,19 +139,34 @@ fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Out
     });
     let (way, every) = match client.trace_rate() {
         None => (0, outputs.every),
-        Some(rate) => (1, outputs.every.max(least_every(rate, axes.count_ones(), version.tick_us.get()))),
+        Some(rate) => {
+            let row = row_bytes(axes.count_ones(), lasers.count_ones());
+            (1, outputs.every.max(least_every(rate, row, version.tick_us.get())))
+        }
     };
+    // What lasers do between rows is for pictures and signals only.
+    let edges = u8::from(lasers != 0 && (outputs.vcd.is_some() || outputs.plot.is_some()));
     if every > outputs.every {
         complain!("{}: the trace has a row every {every} ticks: this link does not carry more", client.name());
     }
-    client.call(Trace { every: every.into(), axes: axes.into(), lasers: 0, crds: 0, way })?;
+    client.call(Trace { every: every.into(), axes: axes.into(), lasers, crds: 0, way, edges })?;
     Ok(recording)
 }
 
+/// Bits of the laser channels that a controller has.
+fn channels(lasers: u8) -> u8 {
+    1u8.checked_shl(lasers.into()).unwrap_or(0).wrapping_sub(1)
+}
+
+/// Bytes of a row (docs/protocol.md section 7).
+fn row_bytes(axes: u32, lasers: u32) -> u32 {
+    5 + 18 * axes + 18 * lasers
+}
+
 /// Ticks from row to row that a link of `rate` bytes a second carries.
-fn least_every(rate: u32, axes: u32, tick_us: u32) -> u32 {
-    // A row is 4 bytes and 18 for each axis (docs/protocol.md section 7); frames and records add less than a tenth.
-    let row = u64::from(4 + 18 * axes) * 11 / 10 + 1;
+fn least_every(rate: u32, row: u32, tick_us: u32) -> u32 {
+    // Frames and records add less than a tenth.
+    let row = u64::from(row) * 11 / 10 + 1;
     let per_tick = row * 1_000_000;
     u32::try_from(per_tick.div_ceil(u64::from(rate.max(1)) * u64::from(tick_us.max(1)))).unwrap_or(u32::MAX).max(1)
 }
@@ -235,15 +251,21 @@ mod tests {
 
     #[test]
     fn rows_are_as_many_as_the_link_carries() {
-        // 8 axes at 250 us are 148 bytes a row, 592 kB/s and what frames add.
-        assert_eq!(least_every(1_000_000, 8, 250), 1);
-        assert_eq!(least_every(61_440, 8, 250), 11);
-        assert_eq!(least_every(61_440, 1, 250), 2);
-        assert_eq!(least_every(7_680, 48, 10), 12_435);
-        for (rate, axes, tick_us) in [(61_440u32, 8u32, 250u32), (7_680, 1, 50), (1_000_000, 48, 50)] {
-            let every = least_every(rate, axes, tick_us);
-            let bytes_a_second = f64::from(4 + 18 * axes) * 1e6 / f64::from(tick_us * every);
+        // 8 axes at 250 us are 149 bytes a row, 596 kB/s and what frames add.
+        assert_eq!(least_every(1_000_000, row_bytes(8, 0), 250), 1);
+        assert_eq!(least_every(61_440, row_bytes(8, 0), 250), 11);
+        assert_eq!(least_every(61_440, row_bytes(8, 2), 250), 14);
+        assert_eq!(least_every(61_440, row_bytes(1, 0), 250), 2);
+        assert_eq!(least_every(7_680, row_bytes(48, 0), 10), 12_448);
+        for (rate, axes, lasers, tick_us) in [(61_440, 8, 2, 250), (7_680, 1, 0, 50), (1_000_000, 48, 2, 50)] {
+            let every = least_every(rate, row_bytes(axes, lasers), tick_us);
+            let bytes_a_second = f64::from(5 + 18 * (axes + lasers)) * 1e6 / f64::from(tick_us * every);
             assert!(bytes_a_second * 1.1 <= f64::from(rate), "{rate} {axes} {tick_us}: {every}");
         }
+    }
+
+    #[test]
+    fn channels_are_those_of_the_controller() {
+        assert_eq!([channels(0), channels(1), channels(2), channels(8)], [0, 1, 3, 0xff]);
     }
 }

@@ -16,6 +16,7 @@ mod row;
 mod vcd_file;
 
 pub use csv_file::CsvWriter;
+pub use plant::beam::Change;
 pub use plot::{Plot, PlotOptions};
 pub use reader::{Item, Reader};
 pub use row::{AxisName, AxisPoint, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};

@@ -266,7 +266,7 @@ impl Plot {
                 curves.iter().zip([("position (pulse)", POSITION), ("velocity (pulse/ms)", VELOCITY)])
             {
                 let content = Content::Quantity(std::slice::from_ref(curve));
-                panels.push(Panel { caption: format!("{} {what}", title(*axis)), colour, content });
+                panels.push(Panel { caption: format!("{} {what}", title(*axis)), colour, from_zero: false, content });
             }
         }
         for laser in &self.lasers {
@@ -274,12 +274,14 @@ impl Plot {
             panels.push(Panel {
                 caption: format!("{name} gate"),
                 colour: GATE,
+                from_zero: false,
                 content: Content::Digital(&laser.gate),
             });
             if laser.has_pulses {
                 panels.push(Panel {
                     caption: format!("{name} pulses"),
                     colour: PULSES,
+                    from_zero: false,
                     content: Content::Digital(&laser.pulses),
                 });
             }
@@ -294,6 +296,7 @@ impl Plot {
                     panels.push(Panel {
                         caption: format!("{name} power: {what}"),
                         colour: POWER,
+                        from_zero: true,
                         content: Content::Quantity(curves),
                     });
                 }

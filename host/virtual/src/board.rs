@@ -6,8 +6,9 @@
 //! The thread runs when there is something for it to do: bytes came, the tick executed an entry or
 //! stopped an axis, a time of the thread's own is reached, or [`THREAD_TICKS`] have passed. Between these
 //! it would find nothing but a newer view.
-use crate::machine::{Edge, Inputs, Machine, Outputs};
+use crate::machine::{Beam, Edge, Inputs, Machine, Outputs};
 use dispatcher::{Channels, Server};
+use plant::beam::Levels;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
@@ -108,6 +109,21 @@ impl Board {
     pub fn take_edges(&mut self) -> Vec<Edge> {
         self.core.take_edges()
     }
+
+    /// Whether what the lasers' outputs do is kept for [`Board::take_beam`].
+    pub fn record_beam(&mut self, on: bool) {
+        self.core.record_beam(on);
+    }
+
+    /// Takes what the lasers' outputs did since the last call, to the ns: in the order of time for each output.
+    pub fn take_beam(&mut self) -> Vec<Beam> {
+        self.core.take_beam()
+    }
+
+    /// Levels of a laser's outputs (channel from 0) just before the tick in force.
+    pub fn laser(&mut self, channel: usize) -> Levels {
+        self.core.laser(channel)
+    }
 }
 
 /// A board of any capacity.
@@ -122,6 +138,9 @@ trait Core {
     fn inputs_mut(&mut self) -> &mut Inputs;
     fn outputs(&self) -> Outputs;
     fn take_edges(&mut self) -> Vec<Edge>;
+    fn record_beam(&mut self, on: bool);
+    fn take_beam(&mut self) -> Vec<Beam>;
+    fn laser(&mut self, channel: usize) -> Levels;
 }
 
 /// Thread, tick and machine of a board with room for `AXES` axes.
@@ -308,5 +327,17 @@ impl<const AXES: usize> Core for Whole<AXES> {
 
     fn take_edges(&mut self) -> Vec<Edge> {
         self.machine.edges.drain(..).collect()
+    }
+
+    fn record_beam(&mut self, on: bool) {
+        self.machine.record_beam(on);
+    }
+
+    fn take_beam(&mut self) -> Vec<Beam> {
+        self.machine.take_beam(self.tick.now().0)
+    }
+
+    fn laser(&mut self, channel: usize) -> Levels {
+        self.machine.laser(channel, self.tick.now().0)
     }
 }

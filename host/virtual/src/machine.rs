@@ -1,7 +1,8 @@
 //! The machine behind the tick: inputs that a test sets, encoders of the plant, outputs and their
-//! edges.
+//! edges, the lasers' output stages.
+use plant::beam::{Change, Levels, Stage};
 use plant::{Gain, Plant};
-use servo::laser::Plan;
+use servo::laser::{CHANNELS, Plan};
 use servo::port::{AxisInputs, Port};
 use servo::units::{Axis, Pos};
 
@@ -14,6 +15,8 @@ pub struct Inputs {
     pub general: u32,
     /// Analog inputs as SetDac counts.
     pub analog: [i16; 8],
+    /// Interlock (or emergency stop); high wants every laser at rest.
+    pub interlock: bool,
 }
 
 /// Output levels in force from the next tick on.
@@ -51,6 +54,23 @@ pub struct Edge {
     pub level: bool,
 }
 
+/// What a laser's outputs did, at instants of controller time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Beam {
+    /// Which channel, from 0.
+    pub channel: u8,
+    /// What.
+    pub change: Change,
+}
+
+fn note_beam(beam: &mut Option<Vec<Beam>>, channel: usize) -> impl FnMut(Change) {
+    move |change| {
+        if let Some(beam) = beam {
+            beam.push(Beam { channel: channel as u8, change });
+        }
+    }
+}
+
 /// Edges that are kept until somebody takes them; the oldest go first.
 const EDGES: usize = 1 << 20;
 
@@ -61,9 +81,16 @@ pub(crate) struct Machine<const AXES: usize> {
     gain_ns: u64,
     /// Instant from which the outputs given in this tick are in force.
     next_ns: u64,
+    /// Instant of the tick in force.
+    now_ns: u64,
     pub inputs: Inputs,
     pub outputs: Outputs,
     pub edges: std::collections::VecDeque<Edge>,
+    stages: [Stage; CHANNELS],
+    /// The interlock as the lasers' hardware has it.
+    interlock: bool,
+    /// What the lasers did, if somebody wants it.
+    beam: Option<Vec<Beam>>,
 }
 
 impl<const AXES: usize> Machine<AXES> {
@@ -73,9 +100,36 @@ impl<const AXES: usize> Machine<AXES> {
             gain: Gain::of_period(0),
             gain_ns: 0,
             next_ns: 0,
-            inputs: Inputs { axes: vec![AxisInputs::default(); AXES], general: 0, analog: [0; 8] },
+            now_ns: 0,
+            inputs: Inputs { axes: vec![AxisInputs::default(); AXES], general: 0, analog: [0; 8], interlock: false },
             outputs: Outputs::default(),
             edges: std::collections::VecDeque::new(),
+            stages: [const { Stage::new() }; CHANNELS],
+            interlock: false,
+            beam: None,
+        }
+    }
+
+    /// Whether what the lasers do is kept from now on.
+    pub fn record_beam(&mut self, on: bool) {
+        self.beam = on.then(Vec::new);
+    }
+
+    /// What the lasers did before `now`, in the order of time for each output.
+    pub fn take_beam(&mut self, now: u64) -> Vec<Beam> {
+        self.follow_beam(now);
+        self.beam.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Levels of a laser's outputs before `now`.
+    pub fn laser(&mut self, channel: usize, now: u64) -> Levels {
+        self.follow_beam(now);
+        self.stages.get(channel).map(Stage::levels).unwrap_or_default()
+    }
+
+    fn follow_beam(&mut self, now: u64) {
+        for (channel, stage) in self.stages.iter_mut().enumerate() {
+            stage.run_to(now, &mut note_beam(&mut self.beam, channel));
         }
     }
 
@@ -87,6 +141,13 @@ impl<const AXES: usize> Machine<AXES> {
         }
         self.plant.advance(self.gain);
         self.next_ns = next_ns;
+        self.now_ns = next_ns.saturating_sub(period_ns);
+        if self.interlock != self.inputs.interlock {
+            self.interlock = self.inputs.interlock;
+            for (channel, stage) in self.stages.iter_mut().enumerate() {
+                stage.interlock(self.now_ns, self.interlock, &mut note_beam(&mut self.beam, channel));
+            }
+        }
     }
 
     fn note(&mut self, before: u64, after: u64, output: fn(u8) -> Output) {
@@ -140,8 +201,12 @@ impl<const AXES: usize> Port for Machine<AXES> {
     }
 
     fn interlock(&mut self) -> bool {
-        false
+        self.interlock
     }
 
-    fn laser(&mut self, _: usize, _: &Plan) {}
+    fn laser(&mut self, channel: usize, plan: &Plan) {
+        if let Some(stage) = self.stages.get_mut(channel) {
+            stage.take(self.now_ns, self.next_ns, plan, note_beam(&mut self.beam, channel));
+        }
+    }
 }

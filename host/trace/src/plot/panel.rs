@@ -19,6 +19,8 @@ const RIGHT: u32 = 28;
 const CAPTION: u32 = 26;
 /// Height of the time axis' labels.
 pub(super) const FOOT: u32 = 58;
+/// Pulses that begin closer to each other than this many pixels are not drawn one by one.
+const APART: f64 = 4.0;
 /// Height of a digital signal.
 const DIGITAL: u32 = 86;
 
@@ -35,6 +37,8 @@ pub(super) struct Panel<'a> {
     /// What it is of, with the unit.
     pub caption: String,
     pub colour: RGBColor,
+    /// The values' axis begins at 0, whatever is shown.
+    pub from_zero: bool,
     pub content: Content<'a>,
 }
 
@@ -84,7 +88,7 @@ impl Panel<'_> {
             _ => (1e3, "µs"),
         };
         let (low, high) = match self.content {
-            Content::Quantity(curves) => range(curves),
+            Content::Quantity(curves) => range(curves, self.from_zero),
             Content::Digital(_) => (-10.0, 110.0),
         };
         let mut chart = ChartBuilder::on(area)
@@ -151,15 +155,19 @@ impl Panel<'_> {
 }
 
 /// Range of values with some air; a constant gets a range around it.
-fn range(curves: &[Curve]) -> (f64, f64) {
-    let all = curves.iter().filter_map(Curve::extremes);
+fn range(curves: &[Curve], from_zero: bool) -> (f64, f64) {
+    let zero = from_zero.then_some((0.0, 0.0));
+    let all = curves.iter().filter_map(Curve::extremes).chain(zero);
     let Some((low, high)) = all.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return (-1.0, 1.0) };
     let air = if high > low { (high - low) * 0.08 } else { low.abs().max(1.0) * 0.5 };
     (low - air, high + air)
 }
 
 fn drawing(activity: &Activity, (start, end): (f64, f64), width: u32) -> Drawing {
-    if let Some(highs) = activity.highs() {
+    let column = (end - start) / f64::from(width);
+    let apart = column * APART * 1e6;
+    let is_sparse = |highs: &&[(u64, u64)]| highs.windows(2).all(|pair| (pair[1].0 - pair[0].0) as f64 >= apart);
+    if let Some(highs) = activity.highs().filter(is_sparse) {
         let mut points = vec![(start, 0.0)];
         for &(from, to) in highs {
             let (from, to) = ((from as f64 * 1e-6).max(start), (to as f64 * 1e-6).min(end));
@@ -178,7 +186,6 @@ fn drawing(activity: &Activity, (start, end): (f64, f64), width: u32) -> Drawing
         }
         return Drawing::Edges(points);
     }
-    let column = (end - start) / f64::from(width);
     let mut columns: Vec<(f64, f64, f64, bool)> = Vec::new();
     for index in 0..width {
         let (from, to) = (start + column * f64::from(index), start + column * f64::from(index + 1));

@@ -29,8 +29,8 @@ fn tick(tick: &mut Tick<AXES>, machine: &mut Machine<AXES>, lanes: &mut Lanes<'s
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    if let Some((mut state, mut lanes, thread)) = probes::bench() {
-        let mut machine = Machine::new(PERIOD_NS);
+    if let (Some((mut state, mut lanes, thread)), Some(board)) = (probes::bench(), hal::mps2_an500::take()) {
+        let mut machine = Machine::new(PERIOD_NS, board.switchboard);
         black_box(&thread);
         loop {
             tick(black_box(&mut state), black_box(&mut machine), black_box(&mut lanes));
