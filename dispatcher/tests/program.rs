@@ -4,7 +4,7 @@ use bench::{Bench, MS, entry, listing_2_1, position, pt_data, read_pos, sleep, s
 use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
-use protocol::trace::{Decoder, Event};
+use protocol::trace::{Decoder, Event, LaserSample};
 
 const CORE: i16 = 1;
 
