@@ -49,6 +49,8 @@ pub(super) struct Plan {
     pub(super) halts: bool,
 }
 
+/// What is at rest within 2⁻¹⁶ pulse, is: v² < 2·a·2⁻¹⁶. Planners of corner speeds round, too.
+const REST: i32 = -15;
 const STILL: Leg = Leg { time: 0, span: Real::ZERO, vel: Real::ZERO, acc: Real::ZERO };
 
 /// Whether a ≥ b.
@@ -119,7 +121,13 @@ impl Plan {
         let (low, high) = (from.sub(swing), from.add(swing));
         if reaches(low, to) || reaches(to, high) {
             // Even this end cannot be reached, or just.
-            self.exit = if reaches(low, to) { low.sqrt() } else { high.sqrt() };
+            self.exit = if !reaches(low, to) {
+                high.sqrt()
+            } else if to.is_zero() && low.is_less(acc.scale(REST)) {
+                Real::ZERO
+            } else {
+                low.sqrt()
+            };
             self.ramp(v, self.exit, acc, inverse);
             return;
         }

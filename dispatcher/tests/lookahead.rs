@@ -1,0 +1,416 @@
+//! Look-ahead against limits and against time.
+//!
+//! Paths go through servo's own evaluator; limits are checked on what it does. The time is compared with a bound that
+//! no plan under the same limits can beat: a search over the speeds of all junctions of the whole path at once, in
+//! cells of 0.2 % of the range, where a step from cell to cell counts as allowed if any two speeds in them are, and
+//! takes the time of the fastest two.
+use dispatcher::figure::{Figure, Place};
+use dispatcher::lookahead::{Limits, LookAhead};
+use servo::path::{Change, Effects, Entries, Entry, Feed, Fine, Path, Plane, Rest};
+use servo::units::{Axis, Ns, Pos};
+
+struct Script(Vec<Entry>);
+
+impl Entries for Script {
+    fn entry(&self, _: u8, counter: u32) -> Entry {
+        self.0[counter as usize]
+    }
+}
+
+#[derive(Default)]
+struct Heard {
+    rests: Vec<(Fine, Rest)>,
+    marks: Vec<Fine>,
+}
+
+impl Effects for Heard {
+    fn change(&mut self, at: Fine, _: &Change) -> Fine {
+        self.marks.push(at);
+        0
+    }
+    fn rest(&mut self, at: Fine, rest: Rest) {
+        self.rests.push((at, rest));
+    }
+    fn gear(&mut self, _: Axis, _: Pos) {}
+    fn geared(&mut self, _: Axis, _: i32) {}
+}
+
+/// A call: its figure, speed and acceleration.
+#[derive(Clone, Copy)]
+struct Call {
+    figure: Figure,
+    vel: f64,
+    acc: f64,
+}
+
+struct Chance(u64);
+impl Chance {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Lines through these points.
+fn polyline(points: &[[i32; 2]], vel: f64, acc: f64) -> Vec<Call> {
+    let mut from: Place = [0.0; 4];
+    let mut calls = Vec::new();
+    for point in points {
+        if let Ok(figure) = Figure::planar(&from, *point) {
+            from = figure.end;
+            calls.push(Call { figure, vel, acc });
+        }
+    }
+    calls
+}
+
+/// A spiral of chords of about 100 pulses, from the middle out.
+fn spiral() -> Vec<Call> {
+    let mut points = Vec::new();
+    let mut angle = 0.0f64;
+    for _ in 0..6000 {
+        let radius = 300.0 + 400.0 * angle / std::f64::consts::TAU;
+        points.push([(radius * angle.cos() - 300.0).round() as i32, (radius * angle.sin()).round() as i32]);
+        angle += 100.0 / radius;
+    }
+    polyline(&points, 200.0, 2.0)
+}
+
+/// 10,000 moves of 100 pulses (0.1 mm) whose direction wanders, now and then with a corner.
+fn wander(corners: bool) -> Vec<Call> {
+    let mut chance = Chance(11);
+    let (mut x, mut y, mut angle, mut bend) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
+    let mut points = Vec::new();
+    for i in 0..10_000 {
+        bend = 0.97 * bend + 0.004 * (chance.unit() - 0.5);
+        angle += bend;
+        if corners && i % 500 == 499 {
+            angle += 2.0 * (chance.unit() - 0.5) * std::f64::consts::PI;
+        }
+        x += 100.0 * angle.cos();
+        y += 100.0 * angle.sin();
+        points.push([x.round() as i32, y.round() as i32]);
+    }
+    polyline(&points, 150.0, 3.0)
+}
+
+const LIMITS: Limits = Limits { vel: [120.0, 100.0, 50.0, 50.0], acc: [1.5, 1.0, 0.5, 0.5], corner: 5.0 };
+
+/// All entries, taken as they become final; and how many had to wait for the end.
+fn plan<const N: usize>(calls: &[Call]) -> Vec<Entry> {
+    let mut ahead = Box::new(LookAhead::<N>::new(LIMITS));
+    let mut entries = Vec::new();
+    for call in calls {
+        while !ahead.push_motion(&call.figure, call.vel, call.acc) {
+            entries.push(ahead.take(true).unwrap().entry);
+        }
+        while let Some(planned) = ahead.take(false) {
+            entries.push(planned.entry);
+        }
+    }
+    while let Some(planned) = ahead.take(true) {
+        entries.push(planned.entry);
+    }
+    assert!(ahead.is_empty());
+    entries
+}
+
+/// Runs entries: instant and velocities of X and Y in the middle of each motion, the highest velocities on the way as
+/// shares of their limits, and the end in ms.
+fn run(entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
+    let with_marks: Vec<Entry> = entries.iter().flat_map(|e| [*e, Entry::laser(0, 0, [0; 6])]).collect();
+    let script = Script(with_marks);
+    let feed = Feed { ends: [script.0.len() as u32, 0] };
+    let (mut path, mut heard, mut now) = (Box::new(Path::IDLE), Heard::default(), 1_000_000u64);
+    path.start(Ns(now), 0, feed, &script);
+    let mut places = Vec::new();
+    loop {
+        let step = path.step(Ns(now), Ns(TICK as u64), feed, &script, &mut heard);
+        places.push([step.place[0], step.place[1]].map(|x| x.0 as f64 * 2f64.powi(-22)));
+        if !step.runs {
+            break;
+        }
+        now += TICK as u64;
+    }
+    let [(at, Rest::Completed)] = heard.rests[..] else { panic!("{:?}", heard.rests) };
+    let ns = |at: Fine| at as f64 / 2f64.powi(32) - 1e6;
+    let mut fastest = 0.0f64;
+    let velocity = |k: usize, i: usize| (places[k + 1][i] - places[k][i]) / TICK * 1e6;
+    for k in 0..places.len() - 1 {
+        for i in 0..2 {
+            fastest = fastest.max(velocity(k, i).abs() / LIMITS.vel[i]);
+        }
+    }
+    let mut middles = vec![(0.0, [0.0; 2])];
+    let mut before = 0.0;
+    for at in &heard.marks {
+        let middle = (before + ns(*at)) / 2.0;
+        // The tick around it lies within the motion.
+        let k = (middle / TICK - 0.5).round() as usize;
+        if ns(*at) - before > 2.5 * TICK {
+            middles.push((middle / 1e6, [velocity(k, 0), velocity(k, 1)]));
+        }
+        before = ns(*at);
+    }
+    (middles, fastest, ns(at) / 1e6)
+}
+
+/// Nanoseconds.
+const TICK: f64 = 50_000.0;
+
+/// The highest acceleration between the middles of two motions that lie the corner time or more apart.
+fn hardest(middles: &[(f64, [f64; 2])]) -> f64 {
+    let mut worst = 0.0f64;
+    for (k, (t0, v0)) in middles.iter().enumerate() {
+        if let Some((t1, v1)) = middles[k..].iter().find(|(t1, _)| t1 - t0 >= LIMITS.corner) {
+            for i in 0..2 {
+                let a = (v1[i] - v0[i]).abs() / (t1 - t0) / LIMITS.acc[i];
+                worst = worst.max(a);
+            }
+        }
+    }
+    worst
+}
+
+/// The bound of the module text, ms.
+fn bound(calls: &[Call]) -> f64 {
+    const CELLS: usize = 500;
+    let n = calls.len();
+    let share = |k: usize, i: usize| calls[k].figure.tangents[0][i].abs();
+    let lowest = |k: usize, limits: &Place, own: f64| {
+        (0..2).fold(own, |least, i| if share(k, i) > 0.0 { least.min(limits[i] / share(k, i)) } else { least })
+    };
+    let vel: Vec<f64> = (0..n).map(|k| lowest(k, &LIMITS.vel, calls[k].vel)).collect();
+    let acc: Vec<f64> = (0..n).map(|k| lowest(k, &LIMITS.acc, calls[k].acc)).collect();
+    let step = vel.iter().fold(0.0f64, |a, b| a.max(*b)) / CELLS as f64;
+    // Of the junction before motion k: Δ over the mean length, and what the corner itself allows.
+    let junction = |k: usize| {
+        let mut turn = [0.0; 2];
+        let mut cap = if k == 0 || k == n { 0.0 } else { vel[k - 1].min(vel[k]) };
+        if k > 0 && k < n {
+            let (a, b) = (&calls[k - 1].figure, &calls[k].figure);
+            for i in 0..2 {
+                let change = (b.tangents[0][i] - a.tangents[1][i]).abs();
+                turn[i] = 2.0 * change / (a.length + b.length);
+                if change > 0.0 {
+                    cap = cap.min(LIMITS.acc[i] * LIMITS.corner / change);
+                }
+            }
+        }
+        (turn, cap)
+    };
+    let edge = |cell: usize| (cell as f64 * step).powi(2);
+    let mut best = vec![f64::INFINITY; CELLS + 1];
+    best[0] = 0.0;
+    for k in 0..n {
+        let ((from, cap0), (to, cap1)) = (junction(k), junction(k + 1));
+        let length = calls[k].figure.length;
+        let mut next = vec![f64::INFINITY; CELLS + 1];
+        for (cell, so_far) in best.iter().enumerate().filter(|(_, t)| t.is_finite()) {
+            let (x0, x1) = (edge(cell), edge(cell + 1).min(cap0 * cap0));
+            let swing = 2.0 * acc[k] * length;
+            let lowest = ((x0 - swing).max(0.0).sqrt() / step) as usize;
+            let highest = (((x1 + swing).sqrt().min(cap1) / step) as usize).min(CELLS);
+            for other in lowest.saturating_sub(1)..=highest {
+                let (y0, y1) = (edge(other), edge(other + 1).min(cap1 * cap1));
+                let change = (y0 - x1).max(x0 - y1).max(0.0) / (2.0 * length);
+                let allowed = (0..2).all(|i| {
+                    let rest = LIMITS.acc[i] - share(k, i) * change;
+                    from[i] * x0 <= rest && to[i] * y0 <= rest
+                });
+                if allowed && change <= acc[k] && y1 >= y0 && x1 >= x0 {
+                    let peak = ((x1 + y1) / 2.0 + acc[k] * length).sqrt().min(vel[k]);
+                    let ways = ((peak * peak - x1) + (peak * peak - y1)) / (2.0 * acc[k]);
+                    let time =
+                        ((2.0 * peak - x1.sqrt() - y1.sqrt()) / acc[k] + (length - ways).max(0.0) / peak).max(0.0);
+                    next[other] = next[other].min(so_far + time);
+                }
+            }
+        }
+        best = next;
+    }
+    best.iter().fold(f64::INFINITY, |a, b| a.min(*b))
+}
+
+#[test]
+fn a_spiral_and_a_polyline_keep_their_limits_and_lose_no_time() {
+    for (name, calls) in [("spiral", spiral()), ("wander", wander(false)), ("corners", wander(true))] {
+        let entries = plan::<256>(&calls);
+        assert_eq!(entries.len(), calls.len());
+        let (middles, vel, time) = run(&entries);
+        let acc = hardest(&middles);
+        let least = bound(&calls);
+        println!("{name}: {time:.1} ms, {:.4} of the bound; velocity {vel:.4}, acceleration {acc:.4}", time / least);
+        assert!(vel <= 1.0 + 1e-6, "{name}: velocity {vel}");
+        assert!(acc <= 1.0, "{name}: acceleration {acc}");
+        assert!(acc > 0.9, "{name}: nothing was asked of it");
+        assert!(time <= 1.03 * least && time >= least, "{name}: {time} ms against {least} ms");
+    }
+}
+
+/// More data only raises speeds, and what is final stays: a short queue gives the same entries, until it is too short
+/// to brake in.
+#[test]
+fn what_is_handed_over_is_final() {
+    let calls = wander(true);
+    let whole = plan::<2048>(&calls);
+    assert!(plan::<256>(&calls) == whole);
+    let short = plan::<16>(&calls);
+    assert!(short != whole);
+    let (middles, vel, time) = run(&short);
+    assert!(hardest(&middles) <= 1.0 && vel <= 1.0 + 1e-6, "{} {vel}", hardest(&middles));
+    assert!(time > 1.1 * run(&whole).2, "sixteen motions are too few at this speed");
+}
+
+/// The corner of a long L, by hand: Δ = 1 in X and in Y, so v = acc·T of the slower one; a reversal stops.
+#[test]
+fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_allows() {
+    let corner = polyline(&[[100_000, 0], [100_000, 100_000], [100_000, 0]], 60.0, 0.8);
+    let mut ahead = Box::new(LookAhead::<16>::new(LIMITS));
+    for call in &corner {
+        assert!(ahead.push_motion(&call.figure, call.vel, call.acc));
+    }
+    let first = ahead.take(false).unwrap();
+    let second = ahead.take(true).unwrap();
+    let third = ahead.take(true).unwrap();
+    assert!(ahead.take(true).is_none());
+    let entries = [first, second, third].map(|p| p.entry);
+    let (_, vel, time) = run(&entries);
+    assert!(vel <= 1.0);
+    // 1.0 pulse/ms² · 5 ms; 60 pulse/ms on all lines, 0.8 pulse/ms² but for what the corner takes.
+    let planned = first.ms + second.ms + third.ms;
+    assert!((planned - time).abs() < 1e-6 * time, "{planned} {time}");
+    let ideal = |a: f64, b: f64, acc: f64| {
+        let ways = (2.0 * 60.0 * 60.0 - a * a - b * b) / 2.0 / acc;
+        (120.0 - a - b) / acc + (100_000.0 - ways) / 60.0
+    };
+    let reversal = 1.0 * 5.0 / 2.0;
+    let expected = ideal(0.0, 5.0, 0.8) + ideal(5.0, reversal, 0.8) + ideal(reversal, 0.0, 0.8);
+    assert!((time - expected).abs() < 0.01 * expected, "{time} {expected}");
+    assert!(time > expected * (1.0 - 1e-6));
+}
+
+/// Waits and effects keep their places; a wait stops, effects do not, more than eight in one place do.
+#[test]
+fn what_stands_between_motions_keeps_its_place() {
+    let line = |x: i32, from: i32| Figure::planar(&[from as f64, 0.0, 0.0, 0.0], [x, 0]).unwrap();
+    let mark = |code| Entry::laser(0, code, [0; 6]);
+    let time = |others: &[Entry]| {
+        let mut ahead = Box::new(LookAhead::<64>::new(LIMITS));
+        assert!(ahead.push_motion(&line(1000, 0), 50.0, 1.0));
+        for other in others {
+            assert!(ahead.push_other(*other));
+        }
+        assert!(ahead.push_motion(&line(2000, 1000), 50.0, 1.0));
+        let mut entries = Vec::new();
+        while let Some(planned) = ahead.take(true) {
+            entries.push(planned.entry);
+        }
+        assert_eq!(entries[1..entries.len() - 1], *others);
+        let script = Script(entries);
+        let feed = Feed { ends: [script.0.len() as u32, 0] };
+        let (mut path, mut heard, mut now) = (Box::new(Path::IDLE), Heard::default(), 1_000_000);
+        path.start(Ns(now), 0, feed, &script);
+        while path.step(Ns(now), Ns(250_000), feed, &script, &mut heard).runs {
+            now += 250_000;
+        }
+        (heard.rests[0].0 as f64 / 2f64.powi(32) - 1e6) / 1e6
+    };
+    let through = 2.0 * (2000.0f64 / 1.0).sqrt();
+    let halts = 4.0 * (1000.0f64 / 1.0).sqrt();
+    let near = |a: f64, b: f64| (a - b).abs() < 0.01 * b;
+    assert!(near(time(&[]), through), "{}", time(&[]));
+    assert!(near(time(&[mark(1); 8]), through));
+    assert!(time(&[mark(1); 9]) > halts);
+    assert!(near(time(&[mark(1), Entry::delay(7), mark(2)]), halts + 7.0));
+}
+
+/// Full circles and arcs in a row: |a| along them and v²/R together stay below the lower limit of their plane.
+#[test]
+fn arcs_keep_the_acceleration_of_their_plane() {
+    let mut calls = Vec::new();
+    let mut from: Place = [0.0; 4];
+    for (to, radius, ccw) in [([2000, 0], 1000.0, true), ([4000, 0], 1000.0, false), ([4600, 600], 600.0, true)] {
+        let figure = Figure::arc_radius(&from, Plane::Xy, to, radius, ccw).unwrap();
+        from = figure.end;
+        calls.push(Call { figure, vel: 100.0, acc: 5.0 });
+    }
+    let figure = Figure::arc_centre(&from, Plane::Xy, [4600, 600], [0.0, 300.0], true).unwrap();
+    calls.push(Call { figure, vel: 100.0, acc: 5.0 });
+    let entries = plan::<16>(&calls);
+    let script = Script(entries);
+    let feed = Feed { ends: [script.0.len() as u32, 0] };
+    let (mut path, mut heard, mut now) = (Box::new(Path::IDLE), Heard::default(), 1_000_000);
+    path.start(Ns(now), 0, feed, &script);
+    let radii = [1000.0, 1000.0, 600.0, 300.0];
+    let (mut worst, mut fastest) = (0.0f64, 0.0f64);
+    loop {
+        let step = path.step(Ns(now), Ns(100_000), feed, &script, &mut heard);
+        if !step.runs {
+            break;
+        }
+        now += 100_000;
+        let real = |x: servo::piece::Scaled| x.m as f64 * 2f64.powi(-x.e as i32);
+        let (v, a) = (real(step.motion.velocity()), real(step.motion.acceleration()));
+        worst = worst.max((v * v / radii[step.done as usize]).hypot(a));
+        fastest = fastest.max(v);
+    }
+    assert!(worst <= 1.0 && worst > 0.95, "{worst}");
+    assert!(fastest > 0.85 * 1000f64.sqrt(), "{fastest}");
+}
+
+/// A host that stalls for 50 ms now and then: the controller's FIFO and the queue bridge it. Where data stays away for
+/// good, what is left is handed over in time, and the path ends at rest.
+#[test]
+fn stalls_of_the_host_do_not_slow_it_down() {
+    let calls = wander(false);
+    let calls = &calls[..3000];
+    let time = |stall: bool, end: usize| {
+        let mut ahead = Box::new(LookAhead::<256>::new(LIMITS));
+        let (mut path, mut heard) = (Box::new(Path::IDLE), Heard::default());
+        let mut script = Script(Vec::new());
+        let (mut came, mut planned, mut begun) = (0, vec![], None);
+        let mut now = 1_000_000u64;
+        loop {
+            let ms = (now - 1_000_000) / 1_000_000;
+            // 10 motions a ms while the host does not stall; none without a place in the queue.
+            if !(stall && ms % 300 >= 250) {
+                for _ in 0..10 {
+                    if came < end && ahead.push_motion(&calls[came].figure, calls[came].vel, calls[came].acc) {
+                        came += 1;
+                    }
+                }
+            }
+            // Entries to the FIFO of 1024, as they become final; all of them if it lasts less than 30 ms.
+            loop {
+                let done = path.released(0) as usize;
+                let lasts: f64 = planned[done.min(planned.len())..].iter().sum();
+                if script.0.len() - done >= 1024 {
+                    break;
+                }
+                let Some(next) = ahead.take(ahead.is_full() || begun.is_some() && lasts < 30.0) else { break };
+                script.0.push(next.entry);
+                planned.push(next.ms);
+            }
+            let feed = Feed { ends: [script.0.len() as u32, 0] };
+            if begun.is_none() && script.0.len() >= 200 {
+                begun = Some(now);
+                path.start(Ns(now), 0, feed, &script);
+            }
+            let step = path.step(Ns(now), Ns(1_000_000), feed, &script, &mut heard);
+            if begun.is_some() && !step.runs {
+                break;
+            }
+            now += 1_000_000;
+        }
+        assert_eq!(path.done(0) as usize, end);
+        let [(at, Rest::Completed)] = heard.rests[..] else { panic!("{:?}", heard.rests) };
+        at as f64 / 2f64.powi(32) - begun.unwrap() as f64
+    };
+    let steady = time(false, calls.len());
+    assert_eq!(time(true, calls.len()), steady);
+    // 1000 motions, and then nothing: Completed, not an underrun.
+    assert!(time(false, 1000) < steady);
+}
