@@ -41,7 +41,7 @@ pub enum Refused {
 
 /// What servo's entry is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Form {
+pub(crate) enum Form {
     Planar([i32; 2]),
     Line([i32; 4]),
     Arc { plane: Plane, to: [i32; 2], sweep: Sweep },
@@ -51,7 +51,7 @@ enum Form {
 /// A motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figure {
-    form: Form,
+    pub(crate) form: Form,
     /// Pulses.
     pub length: f64,
     /// Directions at the start and at the end, unit vectors.
@@ -210,7 +210,14 @@ impl Figure {
 
     /// Servo's entry of it with these speeds.
     pub fn entry(&self, along: Along) -> Option<Entry> {
-        match self.form {
+        self.form.entry(along)
+    }
+}
+
+impl Form {
+    /// Servo's entry of it with these speeds.
+    pub(crate) fn entry(&self, along: Along) -> Option<Entry> {
+        match *self {
             Form::Planar(to) => Some(Entry::planar(to, along)),
             Form::Line(to) => Some(Entry::line(to, along)),
             Form::Arc { plane, to, sweep } => Some(Entry::arc(plane, to, sweep, along)),

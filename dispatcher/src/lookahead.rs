@@ -17,7 +17,7 @@
 //! these speeds, so what has been handed over is always safe, and final where more data could not raise it.
 mod reach;
 
-use crate::figure::{Figure, Place};
+use crate::figure::{Figure, Form, Place};
 use libm::{fabs, sqrt};
 use reach::{Bound, Span};
 use servo::path::{Along, Entry};
@@ -38,19 +38,32 @@ const EFFECTS: u32 = 8;
 /// Lowest speed and acceleration that an entry takes.
 const LEAST: f64 = 1.0 / 1048576.0;
 
-/// A motion that waits.
+/// A motion that waits. Shares of limits are kept in half the bits: their rounding is far below the margin of a plan.
 #[derive(Debug, Clone, Copy)]
 struct Motion {
-    figure: Figure,
+    form: Form,
+    length: f64,
+    /// How much of the path's speed each coordinate may have.
+    shares: [f32; 4],
+    /// Of an arc: its radius, and the limit of its accelerations.
+    round: Option<(f64, f64)>,
     /// Speed and acceleration along it, as its limits allow.
     vel: f64,
     acc: f64,
     /// Of the junction at its start: Δᵢ over the mean length, and the highest square of the speed by itself.
-    bend: Place,
+    bend: [f32; 4],
     cap: f64,
     /// From which all that follows can be kept; whether more data cannot raise it.
     high: f64,
     settled: bool,
+}
+
+/// The last motion, for the corner to come.
+#[derive(Debug, Clone, Copy)]
+struct Tail {
+    tangent: Place,
+    length: f64,
+    vel: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -81,7 +94,7 @@ pub struct LookAhead<const N: usize> {
     /// Square of the speed at which the first motion begins: that at which the last one handed over ends.
     begin: f64,
     /// The last motion, what stands behind it so far.
-    last: Option<Motion>,
+    last: Option<Tail>,
     rests: bool,
     effects: u32,
     /// Speeds are planned for what is there.
@@ -138,10 +151,10 @@ impl<const N: usize> LookAhead<N> {
         let mut motion = self.motion(figure, vel, acc);
         let rests = self.rests || self.effects > EFFECTS;
         match &self.last {
-            Some(before) if !rests => self.junction(before, &mut motion),
+            Some(before) if !rests => self.junction(before, &mut motion, &figure.tangents[0]),
             _ => motion.cap = 0.0,
         }
-        self.last = Some(motion);
+        self.last = Some(Tail { tangent: figure.tangents[1], length: motion.length, vel: motion.vel });
         (self.rests, self.effects) = (false, 0);
         self.push(Slot::Motion(motion));
         true
@@ -180,46 +193,59 @@ impl<const N: usize> LookAhead<N> {
                 acc = acc.min(hardest[i] / share);
             }
         }
-        if let Some((radius, [i, j])) = figure.round {
-            vel = vel.min(sqrt(radius * hardest[i].min(hardest[j])));
+        let round = figure.round.map(|(radius, [i, j])| (radius, hardest[i].min(hardest[j])));
+        if let Some((radius, limit)) = round {
+            vel = vel.min(sqrt(radius * limit));
         }
-        let (vel, acc) = (vel.max(LEAST), acc.max(LEAST));
-        Motion { figure: *figure, vel, acc, bend: [0.0; 4], cap: 0.0, high: f64::NAN, settled: false }
+        Motion {
+            form: figure.form,
+            length: figure.length,
+            shares: shares(figure).map(|x| x as f32),
+            round,
+            vel: vel.max(LEAST),
+            acc: acc.max(LEAST),
+            bend: [0.0; 4],
+            cap: 0.0,
+            high: f64::NAN,
+            settled: false,
+        }
     }
 
     /// The junction between two motions.
-    fn junction(&self, before: &Motion, motion: &mut Motion) {
-        let ([_, from], [to, _]) = (before.figure.tangents, motion.figure.tangents);
-        let mean = (before.figure.length + motion.figure.length) / 2.0;
+    fn junction(&self, before: &Tail, motion: &mut Motion, tangent: &Place) {
+        let mean = (before.length + motion.length) / 2.0;
         let slower = before.vel.min(motion.vel);
         motion.cap = slower * slower;
-        for i in 0..4 {
-            let turn = fabs(to[i] - from[i]);
-            motion.bend[i] = turn / mean;
+        let sides = tangent.iter().zip(&before.tangent).zip(&self.limits.acc);
+        for (bend, ((to, from), acc)) in motion.bend.iter_mut().zip(sides) {
+            let turn = fabs(to - from);
+            *bend = (turn / mean) as f32;
             if turn > 0.0 {
-                let jump = self.limits.acc[i] * self.limits.corner / turn;
-                motion.cap = motion.cap.min(jump * jump).min(reach::planned(self.limits.acc[i]) * mean / turn);
+                let jump = acc * self.limits.corner / turn;
+                let curve = reach::planned(*acc) * mean / turn;
+                motion.cap = motion.cap.min(jump * jump).min(curve);
             }
         }
     }
 
     /// A motion between the junctions at its start and end, for `reach.rs`.
-    fn span(&self, motion: &Motion, bend_end: &Place) -> Span {
-        let mut span = Span::new(motion.figure.length, motion.acc);
-        for (i, share) in shares(&motion.figure).into_iter().enumerate() {
+    fn span(&self, motion: &Motion, bend_end: &[f32; 4]) -> Span {
+        let length = motion.length;
+        let mut span = Span::new(length, motion.acc);
+        let sides = motion.shares.iter().zip(&motion.bend).zip(bend_end).zip(&self.limits.acc);
+        for (((share, start), end), limit) in sides {
+            let [share, start, end] = [*share, *start, *end].map(f64::from);
             // Also across the motion, where a corner at its end turns into another coordinate.
-            if share > 0.0 || motion.bend[i] > 0.0 || bend_end[i] > 0.0 {
-                let (start, end, limit) = (motion.bend[i], bend_end[i], self.limits.acc[i]);
+            if share > 0.0 || start > 0.0 || end > 0.0 {
+                let limit = *limit;
                 // The mean speed of a motion behind a corner of speed v is at most v + |a|·l/2v, so that the corner may
                 // take Δ·(v² + |a|·l/2)/l. A long motion feels no more than the corner time.
-                let length = motion.figure.length;
                 let most = 2.0 * limit * self.limits.corner * motion.vel / (length * motion.acc);
                 let along = [start, end, 0.0].map(|bend| share + (bend * length / 2.0).min(most));
                 span.add(Bound { start, end, along, limit });
             }
         }
-        if let Some((radius, [i, j])) = motion.figure.round {
-            let limit = self.limits.acc[i].min(self.limits.acc[j]);
+        if let Some((radius, limit)) = motion.round {
             for bound in reach::circle(radius, limit) {
                 span.add(bound);
             }
@@ -288,9 +314,9 @@ impl<const N: usize> LookAhead<N> {
         if !(now || settled || end < high) {
             return None;
         }
-        let (vel, acc, ms) = span.choose(self.begin, end, motion.vel, motion.figure.round.is_some());
+        let (vel, acc, ms) = span.choose(self.begin, end, motion.vel, motion.round.is_some());
         let bits = [vel.max(LEAST), acc.max(LEAST), sqrt(end)].map(f64::to_bits);
-        let entry = Along::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.figure.entry(along))?;
+        let entry = Along::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
         (self.first, self.begin) = (self.first.wrapping_add(1), end);
         Some(Planned { entry, ms })
     }

@@ -191,9 +191,9 @@ fn bound(calls: &[Call]) -> f64 {
         let mut cap = if k == 0 || k == n { 0.0 } else { vel[k - 1].min(vel[k]) };
         if k > 0 && k < n {
             let (a, b) = (&calls[k - 1].figure, &calls[k].figure);
-            for i in 0..2 {
+            for (i, turn) in turn.iter_mut().enumerate() {
                 let change = (b.tangents[0][i] - a.tangents[1][i]).abs();
-                turn[i] = 2.0 * change / (a.length + b.length);
+                *turn = 2.0 * change / (a.length + b.length);
                 if change > 0.0 {
                     cap = cap.min(LIMITS.acc[i] * LIMITS.corner / change);
                 }
@@ -213,7 +213,8 @@ fn bound(calls: &[Call]) -> f64 {
             let swing = 2.0 * acc[k] * length;
             let lowest = ((x0 - swing).max(0.0).sqrt() / step) as usize;
             let highest = (((x1 + swing).sqrt().min(cap1) / step) as usize).min(CELLS);
-            for other in lowest.saturating_sub(1)..=highest {
+            let cells = next.iter_mut().enumerate().take(highest + 1).skip(lowest.saturating_sub(1));
+            for (other, next) in cells {
                 let (y0, y1) = (edge(other), edge(other + 1).min(cap1 * cap1));
                 let change = (y0 - x1).max(x0 - y1).max(0.0) / (2.0 * length);
                 let allowed = (0..2).all(|i| {
@@ -225,7 +226,7 @@ fn bound(calls: &[Call]) -> f64 {
                     let ways = ((peak * peak - x1) + (peak * peak - y1)) / (2.0 * acc[k]);
                     let time =
                         ((2.0 * peak - x1.sqrt() - y1.sqrt()) / acc[k] + (length - ways).max(0.0) / peak).max(0.0);
-                    next[other] = next[other].min(so_far + time);
+                    *next = next.min(so_far + time);
                 }
             }
         }
