@@ -6,7 +6,8 @@
 //! (40 ns; `xtask` turns them into instructions, of which each takes 2^shift ns), the cost of the
 //! reading itself taken off. MARK says what the tick did: `start` (it executed the commands), `change`
 //! (every running axis entered another segment), `inside` (none did), `idle`; with `pvt-` before it in PVT;
-//! of Traps `trap` and `smooth` (they start), `…-inside` (they run), `stop` (they begin to stop).
+//! of Follow
+//! `follow-` and of FollowEx `shaped-` (in case 8 seven axes follow the eighth); of Traps `trap` and `smooth` (they start), `…-inside` (they run), `stop` (they begin to stop).
 //!
 //! The machine under the tick only stores what it is told: what is counted is the tick alone.
 use core::hint::black_box;
@@ -17,6 +18,7 @@ use cortex_m_semihosting::{debug, hprintln};
 use dispatcher::tables::{Draft, Fields, Kind, Scratch};
 use hal as _; // the vector table
 use probes::{AXES, STORES, TABLE_STORES, Thread};
+use servo::follow;
 use servo::laser::{self, Carrier, Change, Clock, Delays, Fine, Plan, Power};
 use servo::op::{Entry, Mode, Op};
 use servo::port::{AxisInputs, Port};
@@ -186,6 +188,56 @@ impl Bench {
         self.step(case, Some("reset"));
     }
 
+    /// Axes behind the last one, which jogs: a pass of segments each, all entered on the same ticks.
+    fn run_follow(&mut self, case: &str, running: usize, shaped: bool, [start, change, inside]: [&str; 3]) {
+        let Some(master) = Axis::new(AXES - 1) else { panic!("no axis") };
+        let mode = if shaped { Mode::FollowEx } else { Mode::Follow };
+        let mut axes = AxisMask(0);
+        self.push(Op::Servo { axis: master, on: true });
+        self.push(Op::SetMode { axis: master, mode: Mode::Jog });
+        let acc = Accel::admit(1000f64.to_bits()).unwrap_or_default();
+        self.push(Op::JogPrm { axis: master, acc, dec: acc, smooth: 0 });
+        self.push(Op::TargetSpeed { axis: master, speed: Speed::admit(5f64.to_bits()).unwrap_or_default() });
+        for axis in (0..running).filter_map(Axis::new).filter(|axis| *axis != master) {
+            let mut chain = follow::Chain::default();
+            for k in 1..=SEGMENTS {
+                let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
+                let (to, slave) = (f64::from(k * 5 * SEGMENT_MS as u32), f64::from(place) + 0.37);
+                let percent = if shaped { 37 } else { 0 };
+                let direction = follow::Direction::Both;
+                let kind = (k % 3) as i16;
+                let admitted =
+                    follow::Entry::segment(to.to_bits(), slave.to_bits(), kind, percent, direction, &chain);
+                let Ok((entry, next)) = admitted else { panic!("segment {k} is refused: {admitted:?}") };
+                STORES[axis.index()].write_entry(0, k - 1, entry);
+                chain = next;
+            }
+            axes.0 |= axis.mask().0;
+            self.push(Op::Servo { axis, on: true });
+            self.push(Op::SetMode { axis, mode });
+            self.push(Op::FollowMaster { axis, master: follow::Master { axis: master, value: follow::Value::Planned } });
+            self.push(Op::FollowLoop { axis, passes: 0 });
+            let tail = chain.tail();
+            self.push(Op::FollowCommit { axis, fifo: 0, end: SEGMENTS, cleared: 0, tail });
+        }
+        self.push(Op::Update { axes: master.mask() });
+        self.step(case, Some("follow-set"));
+        self.step(case, Some("follow-set"));
+        self.push(Op::FollowStart { axes, fifo1: AxisMask(0) });
+        self.step(case, Some(start));
+        // The master's ramp is over before what is counted.
+        for _ in 0..SEGMENTS {
+            self.step(case, Some("follow-set"));
+        }
+        for _ in 0..TICKS {
+            self.step_of(case, None, [change, inside]);
+        }
+        let now = *self.thread.view.read();
+        assert!(now.axes.iter().zip(0..running).all(|(a, _)| a.lead.is_some() || a.mode == Mode::Jog), "it stands");
+        self.push(Op::Reset { axes: AxisMask(axes.0 | master.mask().0) });
+        self.step(case, Some("reset"));
+    }
+
     /// A Trap of every axis, smoothed or not, begun on one tick and stopped smoothly on another.
     fn run_ramps(&mut self, case: &str, running: usize, smooth: Ns, [start, inside]: [&str; 2]) {
         let rate = |x: f64| Accel::admit(x.to_bits()).unwrap_or_default();
@@ -308,6 +360,10 @@ fn main() -> ! {
     }
     for (case, channels) in [("1", 1), ("2", 2)] {
         bench.run_lasers(case, channels);
+    }
+    for (case, running) in [("1", 1), ("8", 8)] {
+        bench.run_follow(case, running, false, ["follow-start", "follow-change", "follow-inside"]);
+        bench.run_follow(case, running, true, ["shaped-start", "shaped-change", "shaped-inside"]);
     }
     debug::exit(debug::EXIT_SUCCESS);
     loop {
