@@ -25,6 +25,20 @@ impl Others<'_> {
     }
 }
 
+/// Servos that entries switch in one tick.
+struct Switched {
+    on: u64,
+    off: u64,
+}
+
+impl Switched {
+    /// The last one counts.
+    fn take(&mut self, mask: u64, high: bool) {
+        (self.on, self.off) =
+            if high { (self.on | mask, self.off & !mask) } else { (self.on & !mask, self.off | mask) };
+    }
+}
+
 /// The level of an input.
 fn level(inputs: AxisInputs, input: Input) -> bool {
     match input {
@@ -41,72 +55,30 @@ impl<const AXES: usize> Tick<AXES> {
     /// Every slave takes its step, behind its master.
     #[inline(never)]
     pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
-        let (now, period) = (self.now, self.period);
-        let general = port.general_inputs();
+        let (period, limit) = (self.period, self.step_limit);
         let mut all_follow = true;
-        let (mut on, mut off) = (0u64, 0u64);
+        let mut switched = Switched { on: 0, off: 0 };
         for place in 0..AXES {
             let Some(axis) = self.order.at(place) else { break };
             let index = axis.index();
             let led = self.order.leaders.has(axis);
-            let Some((before, rest)) = self.axes.split_at_mut_checked(index) else { break };
-            let (Some((state, behind)), Some(store)) = (rest.split_first_mut(), lanes.segments.get(index)) else {
-                break;
-            };
-            let others = Others { before, behind };
-            let mut deeds = Deeds::default();
-            let raw = state.raw;
-            let master =
-                state.master().and_then(|(axis, value)| Some(others.at(axis.index())?.seen(value, now, period)));
-            let stopped = if let Some(seen) = master {
-                let levels = |input: Input, index: u8| match input {
-                    Input::General => general >> (index & 31) & 1 == 1,
-                    _ => level(others.at(index as usize).map_or(raw, |other| other.raw), input),
-                };
-                state.step_follow(&seen, led, self.step_limit, store, levels, &mut deeds)
-            } else if state.runs() {
-                // A stop or an update has come between.
-                state.step(next, &Source { segments: store, tables: lanes.tables })
-            } else {
-                None
-            };
-            if let Some(reason) = stopped {
-                tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
-            }
-            if state.is_braking() {
-                let motion = self.motion(axis);
-                if let Some(state) = self.axes.get_mut(index) {
-                    state.brake(next, motion);
-                }
-            }
-            for (group, bit, high) in deeds.outputs.into_iter().flatten() {
-                let mask = 1u64 << (bit & 63);
-                let set = |word: u64| if high { word | mask } else { word & !mask };
-                match group {
-                    0 => (on, off) = if high { (on | mask, off & !mask) } else { (on & !mask, off | mask) },
-                    1 => self.clear = set(self.clear),
-                    _ => self.general = set(self.general as u64) as u32,
-                }
+            let straight = self.axes.get(index).and_then(|state| {
+                let follower = state.follower().filter(|follower| !follower.braking)?;
+                self.axes.get(follower.master.axis.index())?.straight(follower)
+            });
+            let Some(state) = self.axes.get_mut(index) else { break };
+            if !straight.is_some_and(|to| state.glide(to, period, led, limit)) {
+                all_follow &= self.step_slave(axis, next, &mut switched, port, lanes);
             }
             let Some(state) = self.axes.get_mut(index) else { break };
-            all_follow &= state.follows();
             if state.news {
                 state.settle();
             }
             port.set_point(axis, state.set_point());
             self.catch_up(axis, lanes.view.buffer());
         }
-        if on | off != 0 {
-            let Lanes { events, samples, segments, tables, .. } = lanes;
-            let mut reach = Reach { events, samples, segments, tables: *tables };
-            self.servo(AxisMask(on), true, next, &mut reach);
-            self.servo(AxisMask(off), false, next, &mut reach);
-            for axis in AxisMask(on | off).axes() {
-                if let Some(state) = self.axes.get_mut(axis.index()) {
-                    state.settle();
-                }
-                self.catch_up(axis, lanes.view.buffer());
-            }
+        if switched.on | switched.off != 0 {
+            self.switch_servos(switched, next, lanes);
             all_follow = false;
         }
         if !all_follow {
@@ -114,7 +86,79 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
+    /// One slave takes its step, whatever that is; whether it still follows.
+    #[inline(never)]
+    fn step_slave(
+        &mut self,
+        axis: Axis,
+        next: Ns,
+        switched: &mut Switched,
+        port: &mut impl Port,
+        lanes: &mut Lanes<'_, AXES>,
+    ) -> bool {
+        let (now, period, limit, index) = (self.now, self.period, self.step_limit, axis.index());
+        let led = self.order.leaders.has(axis);
+        let general = port.general_inputs();
+        let Some((before, rest)) = self.axes.split_at_mut_checked(index) else { return false };
+        let (Some((state, behind)), Some(store)) = (rest.split_first_mut(), lanes.segments.get(index)) else {
+            return false;
+        };
+        let others = Others { before, behind };
+        let mut deeds = Deeds::default();
+        let raw = state.raw;
+        let seen = state.master().and_then(|(axis, value)| Some(others.at(axis.index())?.seen(value, now, period)));
+        let stopped = if let Some(seen) = seen {
+            let levels = |input: Input, index: u8| match input {
+                Input::General => general >> (index & 31) & 1 == 1,
+                _ => level(others.at(index as usize).map_or(raw, |other| other.raw), input),
+            };
+            state.step_follow(&seen, led, limit, (store, levels, &mut deeds))
+        } else if state.runs() {
+            // A stop has come between.
+            state.step(next, &Source { segments: store, tables: lanes.tables })
+        } else {
+            None
+        };
+        let follows = state.follows();
+        if let Some(reason) = stopped {
+            tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+        }
+        let brakes = state.follower().is_some_and(|follower| follower.braking);
+        if brakes {
+            let motion = self.motion(axis);
+            if let Some(state) = self.axes.get_mut(index) {
+                state.brake(next, motion);
+            }
+        }
+        for (group, bit, high) in deeds.outputs.into_iter().flatten() {
+            let mask = 1u64 << (bit & 63);
+            let set = |word: u64| if high { word | mask } else { word & !mask };
+            match group {
+                0 => switched.take(mask, high),
+                1 => self.clear = set(self.clear),
+                _ => self.general = set(self.general as u64) as u32,
+            }
+        }
+        follows && !brakes
+    }
+
+    /// Entries have switched servos on or off.
+    #[inline(never)]
+    fn switch_servos(&mut self, switched: Switched, next: Ns, lanes: &mut Lanes<'_, AXES>) {
+        let Lanes { events, samples, segments, tables, view, .. } = lanes;
+        let mut reach = Reach { events, samples, segments, tables: *tables };
+        self.servo(AxisMask(switched.on), true, next, &mut reach);
+        self.servo(AxisMask(switched.off), false, next, &mut reach);
+        for axis in AxisMask(switched.on | switched.off).axes() {
+            if let Some(state) = self.axes.get_mut(axis.index()) {
+                state.settle();
+            }
+            self.catch_up(axis, view.buffer());
+        }
+    }
+
     /// The view of an axis becomes that of its state.
+    #[inline(always)]
     fn catch_up(&self, axis: Axis, view: &mut View<AXES>) {
         let index = axis.index();
         if let (Some(state), Some(shown), Some(inputs)) =

@@ -14,9 +14,9 @@ use crate::units::{Axis, Ns, Pos};
 use crate::view::{Lead, StopReason};
 
 impl AxisState {
-    /// Whom it follows, if it does.
+    /// The slave in it, if it follows.
     #[inline(always)]
-    fn follower(&self) -> Option<&Follower> {
+    pub(crate) fn follower(&self) -> Option<&Follower> {
         if let Supply::Follow(follower) = self.profile.supply() { Some(follower) } else { None }.filter(|_| self.runs)
     }
 
@@ -90,17 +90,51 @@ impl AxisState {
         Seen { now, period, to, named, path }
     }
 
-    /// The position at the tick computed of an axis that follows; the reason if it comes to rest there. `led` if it
+    /// Where the tick finds it, if it went straight there: for those that follow it.
+    #[inline(always)]
+    pub(crate) fn straight(&self, follower: &Follower) -> Option<Pos> {
+        match follower.master.value {
+            Value::Encoder => Some(reading(self.count)),
+            Value::Planned => {
+                let straight = match self.profile.supply() {
+                    Supply::Follow(own) if self.runs => own.track().is_straight(),
+                    _ => follower.knows(self.profile.piece()),
+                };
+                straight.then(|| self.set_point())
+            }
+            _ => None,
+        }
+    }
+
+    /// The position at the tick computed with a master that went straight to `to`; whether that is all. `led` if it
     /// is followed itself; it goes `limit` units of Pos in a tick at most.
     #[inline(always)]
+    pub(crate) fn glide(&mut self, to: Pos, period: Ns, led: bool, limit: u64) -> bool {
+        let from = self.shown.pos;
+        let watched = self.causes & status::FAULTS != 0;
+        let Some(follower) = self.profile.follower_mut().filter(|_| !watched) else { return false };
+        let Some((pos, tau)) = follower.glide(to, period, led, from) else { return false };
+        if pos < self.lower || pos > self.upper || pos.0.abs_diff(from.0) > limit {
+            return false;
+        }
+        let moving = follower.run.is_moving(to);
+        let shown = &mut self.shown;
+        shown.moves = shown.moves.wrapping_add(1);
+        (shown.pos, shown.motion.tau, shown.lead_way) = (pos, tau, follower.way());
+        if moving != shown.lead.is_some() {
+            self.show_lead();
+        }
+        true
+    }
+
+    /// The position at the tick computed of an axis that follows; the reason if it comes to rest there.
+    #[inline(never)]
     pub(crate) fn step_follow(
         &mut self,
         seen: &Seen<'_>,
         led: bool,
         limit: u64,
-        source: &impl Entries,
-        level: impl Fn(Input, u8) -> bool,
-        deeds: &mut Deeds,
+        context: (&impl Entries, impl Fn(Input, u8) -> bool, &mut Deeds),
     ) -> Option<StopReason> {
         let next = Ns(seen.now.0.wrapping_add(seen.period.0));
         if self.causes & status::FAULTS != 0 {
@@ -108,29 +142,22 @@ impl AxisState {
         }
         let from = self.shown.pos;
         let follower = self.profile.follower_mut()?;
-        let glided = follower.glide(seen, led, from);
-        let (pos, tau) = match glided {
-            Some(place) => place,
-            None => {
-                let mut context = Context::new(&mut self.follow, source, level, deeds);
-                let state = follower.step(seen, led, from, &mut context);
-                let place = follower.run.place();
-                self.show_run();
-                match state {
-                    State::Running => place,
-                    State::Ended { at } => return Some(self.end_follow(next, at, StopReason::Completed, limit)),
-                    State::TimedOut { at } => {
-                        return Some(self.end_follow(next, at, StopReason::WaitTimeout, limit));
-                    }
-                }
-            }
-        };
+        let (source, level, deeds) = context;
+        let mut context = Context::new(&mut self.follow, source, level, deeds);
+        let state = follower.step(seen, led, from, &mut context);
+        let (pos, tau) = follower.run.place();
+        self.show_run();
+        match state {
+            State::Running => {}
+            State::Ended { at } => return Some(self.end_follow(next, at, StopReason::Completed, limit)),
+            State::TimedOut { at } => return Some(self.end_follow(next, at, StopReason::WaitTimeout, limit)),
+        }
         if let Some(reason) = self.obstructed(next, pos, limit) {
             return Some(reason);
         }
         self.shown.moves = self.shown.moves.wrapping_add(1);
         (self.shown.pos, self.shown.motion.tau) = (pos, tau);
-        self.show_lead(glided.is_none());
+        self.show_lead();
         None
     }
 
@@ -161,16 +188,13 @@ impl AxisState {
         }
     }
 
-    /// Whose motion makes that of the axis in this tick, and the piece over the master's progress, which may be `new`.
-    #[inline(always)]
-    fn show_lead(&mut self, new: bool) {
+    /// Whose motion makes that of the axis in this tick, and the piece over the master's progress.
+    #[inline(never)]
+    fn show_lead(&mut self) {
         let Some(follower) = self.profile.follower_mut() else { return };
         let moving = follower.is_moving();
         let shown = &mut self.shown;
         shown.lead_way = follower.way();
-        if moving == shown.lead.is_some() && !(new && moving) {
-            return;
-        }
         let motion = if moving { follower.run.piece().motion } else { Motion::REST };
         shown.motion = Motion { tau: shown.motion.tau, ..motion };
         let axis = (follower.master.value == Value::Planned).then_some(follower.master.axis);
@@ -189,12 +213,6 @@ impl AxisState {
         }
         self.rest(next, at, reason);
         reason
-    }
-
-    /// Whether a smooth stop is due.
-    #[inline(always)]
-    pub(crate) fn is_braking(&self) -> bool {
-        self.follower().is_some_and(|follower| follower.braking)
     }
 
     /// Leaves its master at `next` with the motion it has there, and brakes.

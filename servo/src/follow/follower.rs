@@ -8,7 +8,7 @@
 //! of first order with a time constant of 2²² ns (4.19 ms), started at the master's position.
 use super::run::{Context, FollowRun, State};
 use super::shape::slope;
-use super::way::{Track, Way, bisect, is_plain};
+use super::way::{Spot, Stretch, Track, Way, bisect, is_plain};
 use super::{Entries, Input, Master};
 use crate::piece::Piece;
 use crate::units::{Ns, Pos};
@@ -88,30 +88,30 @@ impl Follower {
         self.way
     }
 
-    /// Where it is at the tick computed, and the parameter in its piece, if all went straight inside one piece;
-    /// `led` if it is followed itself, `from` is where it is at the tick in force.
+    /// Where it is with a master at `to`, and the parameter in its piece, if the master went straight there and all
+    /// is inside one piece; `led` if it is followed itself, `from` is where it is at the tick in force.
     #[inline(always)]
-    pub(crate) fn glide(&mut self, seen: &Seen<'_>, led: bool, from: Pos) -> Option<(Pos, u64)> {
-        let straight = match seen.path {
-            Path::Straight => true,
-            Path::Filtered => false,
-            Path::Pieces { piece, .. } => self.plain == Some(piece.begin),
-            Path::Track(track) => track.is_straight(),
-        };
-        if !straight || led && !self.run.glides_straight(seen.to) {
+    pub(crate) fn glide(&mut self, to: Pos, period: Ns, led: bool, from: Pos) -> Option<(Pos, u64)> {
+        if led && !self.run.glides_straight(to) {
             return None;
         }
-        let place = self.run.glide(seen.to)?;
+        let place = self.run.glide(to)?;
         if led {
             self.track = Track::begin(from);
-            self.track.push(seen.period.0 << 32, place.0, 0);
+            self.track.push(period.0 << 32, place.0);
         }
-        self.way = seen.to.0.wrapping_sub(self.last.unwrap_or(seen.to).0);
-        self.last = Some(seen.to);
+        self.way = to.0.wrapping_sub(self.last.unwrap_or(to).0);
+        self.last = Some(to);
         Some(place)
     }
 
-    /// The same whatever has to be done; `from` is where the slave is at the tick in force.
+    /// Whether a piece of the master is known to have no turning point.
+    #[inline(always)]
+    pub(crate) fn knows(&self, piece: &Piece) -> bool {
+        self.plain == Some(piece.begin)
+    }
+
+    /// The tick, whatever has to be done; `from` is where the slave is at the tick in force.
     #[inline(never)]
     pub(crate) fn step(
         &mut self,
@@ -121,25 +121,29 @@ impl Follower {
         context: &mut Context<'_, impl Entries, impl Fn(Input, u8) -> bool>,
     ) -> State {
         let Seen { now, period, .. } = *seen;
-        let last = self.last.unwrap_or(seen.to);
-        let mut to = seen.to;
-        let way = match seen.path {
-            Path::Straight => Way::line(now, period, last, to),
-            Path::Filtered => {
-                to = self.filtered(to, period);
-                Way::line(now, period, self.last.unwrap_or(to), to)
-            }
+        let to = if let Path::Filtered = seen.path { self.filtered(seen.to, period) } else { seen.to };
+        let last = self.last.unwrap_or(to);
+        (self.way, self.last) = (to.0.wrapping_sub(last.0), Some(to));
+        self.track = Track::begin(from);
+        let track = if led { Some(&mut self.track) } else { None };
+        let (along, shift) = match seen.path {
+            Path::Straight | Path::Filtered => (None, 0),
+            Path::Pieces { before: None, piece, shift } if self.plain == Some(piece.begin) => (Some(piece), shift),
             Path::Pieces { before, piece, shift } => {
                 self.plain = is_plain(piece, now).then_some(piece.begin);
-                Way::along(now, period, before, piece, last, to, shift)
+                let way = Way::along(now, period, before, piece, last, to, shift);
+                return self.run.step(&way, seen.named, context, track);
             }
-            Path::Track(track) => Way::of(now, track),
+            Path::Track(places) => return self.run.step(&Way::of(now, places), seen.named, context, track),
         };
-        self.way = to.0.wrapping_sub(self.last.unwrap_or(to).0);
-        self.last = Some(to);
-        self.track = Track::begin(from);
-        let track = led.then_some(&mut self.track);
-        self.run.step(&way, seen.named, context, track)
+        // All the way is one stretch.
+        let to = Spot { after: period.0 << 32, pos: to };
+        let stretch = Stretch { now, from: Spot { after: 0, pos: last }, to, piece: along, shift };
+        self.run
+            .open(now, last, to, context)
+            .or_else(|| self.run.go(stretch, context, track))
+            .or_else(|| self.run.close(now, to, seen.named, context))
+            .unwrap_or(State::Running)
     }
 
     /// The filter takes the position of the tick.
@@ -166,6 +170,6 @@ pub(super) fn image(piece: &Piece, from: i64, to: i64, begin: u64, end: u64, tra
         let share = crate::wide::Recip::of(whole).ratio(part.min(whole.saturating_sub(1)));
         let share = if from <= to { share } else { share.wrapping_neg() };
         let after = begin.wrapping_add(crate::wide::umulhi(end.wrapping_sub(begin), share));
-        track.push(after, piece.at(turn).0, 0);
+        track.push(after, piece.at(turn).0);
     }
 }

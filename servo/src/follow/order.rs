@@ -8,6 +8,7 @@ use crate::units::{Axis, AxisMask};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Order<const AXES: usize> {
     axes: [u8; AXES],
+    count: u8,
     /// The same as a set.
     pub(crate) slaves: AxisMask,
     /// Slaves that others follow.
@@ -15,7 +16,7 @@ pub(crate) struct Order<const AXES: usize> {
 }
 
 impl<const AXES: usize> Order<AXES> {
-    pub(crate) const NONE: Order<AXES> = Order { axes: [0; AXES], slaves: AxisMask(0), leaders: AxisMask(0) };
+    pub(crate) const NONE: Order<AXES> = Order { axes: [0; AXES], count: 0, slaves: AxisMask(0), leaders: AxisMask(0) };
 
     /// `master` tells whose planned position an axis follows: itself if it follows no such, none if it does not
     /// follow at all.
@@ -30,7 +31,7 @@ impl<const AXES: usize> Order<AXES> {
                 }
             }
         }
-        self.slaves = AxisMask(left);
+        (self.slaves, self.count) = (AxisMask(left), left.count_ones() as u8);
         self.leaders.0 &= left;
         let mut places = self.axes.iter_mut();
         while left != 0 {
@@ -54,8 +55,11 @@ impl<const AXES: usize> Order<AXES> {
     }
 
     /// The slave at a place of the order.
+    #[inline(always)]
     pub(crate) fn at(&self, place: usize) -> Option<Axis> {
-        let known = place < self.slaves.0.count_ones() as usize;
-        self.axes.get(place).filter(|_| known).and_then(|axis| Axis::new(*axis as usize))
+        if place >= self.count as usize {
+            return None;
+        }
+        Axis::new(*self.axes.get(place)? as usize)
     }
 }

@@ -266,66 +266,88 @@ impl FollowRun {
     }
 
     /// The tick after `way.now()`. `named` is where a position of 0 pulses lies among the positions of the way, for
-    /// PASS. Places of its own go to `track`.
+    /// PASS.
     pub fn step<S: Entries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        way: &Way,
+        way: &Way<'_>,
         named: i64,
         context: &mut Context<'_, S, L>,
         mut track: Option<&mut Track>,
     ) -> State {
-        let base = (way.now().0 as Fine) << 32;
-        context.base = base;
+        let (from, to) = way.ends();
+        let mut end = self.open(way.now(), from, to, context);
+        for stretch in way.stretches() {
+            end = end.or_else(|| self.go(stretch, context, track.as_deref_mut()));
+        }
+        end.or_else(|| self.close(way.now(), to, named, context)).unwrap_or(State::Running)
+    }
+
+    /// A tick begins with the master at `from`, and ends at `to`: data that was added counts, inputs are looked at.
+    pub(super) fn open<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        now: Ns,
+        from: Pos,
+        to: Spot,
+        context: &mut Context<'_, S, L>,
+    ) -> Option<State> {
+        context.base = (now.0 as Fine) << 32;
         self.append(context);
         if let Wait::Input { input, index, high, until } = self.wait {
-            let first = way.stretches().next();
             if (context.level)(input, index) == high {
-                let pos = first.map_or(way.last().pos, |stretch| stretch.from.pos);
-                self.resume(pos, context);
-            } else if until.is_some_and(|until| until <= base.wrapping_add(way.last().after as Fine)) {
-                return State::TimedOut { at: self.knot(self.done, context) };
+                self.resume(from, context);
+            } else if until.is_some_and(|until| until <= context.base.wrapping_add(to.after as Fine)) {
+                return Some(State::TimedOut { at: self.knot(self.done, context) });
             }
         }
+        None
+    }
+
+    /// The master goes along a stretch; places of the slave's own go to `track`.
+    #[inline(never)]
+    pub(super) fn go<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        stretch: Stretch<'_>,
+        context: &mut Context<'_, S, L>,
+        track: Option<&mut Track>,
+    ) -> Option<State> {
+        let (before, end) = (self.progress, self.advance(stretch, context));
+        if let Some(track) = track {
+            if self.progress != before {
+                image(&self.piece, before, self.progress, stretch.from.after, stretch.to.after, track);
+            }
+            track.push(stretch.to.after, self.place().0);
+        }
+        end
+    }
+
+    /// The tick ends with the master at `to`: a motion starts, SwitchNow acts.
+    pub(super) fn close<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        now: Ns,
+        to: Spot,
+        named: i64,
+        context: &mut Context<'_, S, L>,
+    ) -> Option<State> {
+        let still = Stretch::still(now, to);
         if self.wait == Wait::Start {
-            let pos = way.last().pos;
             match context.setup.event {
-                Event::Start => self.start(pos),
+                Event::Start => {
+                    self.start(to.pos);
+                    if let Some(end) = self.settle(&still, context) {
+                        return Some(end);
+                    }
+                }
                 Event::Pass { up, pos } => {
                     self.wait = Wait::Pass { up, at: Pos(Pos::pulses(pos).0.wrapping_add(named)) };
                 }
             }
-            let here = Spot::straight(way.last().after, pos);
-            let still = Way::begin(way.now(), pos, 0);
-            if self.wait == Wait::No
-                && let Some(end) = self.settle(&Stretch::still(&still, here), context)
-            {
-                return end;
-            }
-        } else {
-            for stretch in way.stretches() {
-                let (before, end) = (self.progress, self.advance(stretch, context));
-                if let Some(track) = &mut track {
-                    if self.progress != before {
-                        let (begin, end) = (stretch.from.after, stretch.to.after);
-                        image(&self.piece, before, self.progress, begin, end, track);
-                    }
-                    track.push(stretch.to.after, self.place().0, 0);
-                }
-                if let Some(end) = end {
-                    return end;
-                }
-            }
         }
-        if let Some(method) = self.now.take() {
-            let here = way.last();
-            let still = Way::begin(way.now(), here.pos, 0);
-            if self.switch_here(method, here.pos, context)
-                && let Some(end) = self.settle(&Stretch::still(&still, here), context)
-            {
-                return end;
-            }
+        if let Some(method) = self.now.take()
+            && self.switch_here(method, to.pos, context)
+        {
+            return self.settle(&still, context);
         }
-        State::Running
+        None
     }
 
     /// The motion begins with the master at `pos`.
@@ -361,7 +383,7 @@ impl FollowRun {
                     return None;
                 }
                 self.start(at);
-                stretch.from = Spot::straight(stretch.when(at), at);
+                stretch.from = Spot { after: stretch.when(at), pos: at };
             }
             Wait::Until(until) => {
                 let after = until.saturating_sub(context.base);
@@ -371,7 +393,7 @@ impl FollowRun {
                 let after = after as u64;
                 let pos = stretch.at(after);
                 self.resume(pos, context);
-                stretch.from = Spot::straight(after, pos);
+                stretch.from = Spot { after, pos };
             }
             Wait::Input { .. } | Wait::Start => return None,
             Wait::No => {}
@@ -612,7 +634,13 @@ impl FollowRun {
     }
 
     /// How much more than its chain knows a segment starts with.
+    #[inline(always)]
     fn more_at<L>(&self, index: u32, entry: Entry, context: &Context<'_, impl Entries, L>) -> i128 {
+        if self.more.is_none() && self.carried == 0 { 0 } else { self.more_of(index, entry, context) }
+    }
+
+    #[inline(never)]
+    fn more_of<L>(&self, index: u32, entry: Entry, context: &Context<'_, impl Entries, L>) -> i128 {
         let continues = context.setup.fifo(self.fifo).tail.continues as u32;
         let (from, odd, ratio) = if let Some(more) = &self.more
             && more.pass == self.pass
@@ -663,20 +691,61 @@ impl FollowRun {
                 let more = if entry.is_normal() { self.more_at(at, entry, context) } else { 0 };
                 return fifo.tail.ratio.wrapping_sub(more);
             }
-            let segment = self.segment(at, entry, context);
+            let segment = self.segment(at, self.before(at, context), entry, context);
             return segment.end_ratio();
         }
         0
     }
 
-    fn segment<L>(&self, index: u32, entry: Entry, context: &Context<'_, impl Entries, L>) -> Segment {
+    #[inline(always)]
+    fn segment<L>(
+        &self,
+        index: u32,
+        before: Option<Entry>,
+        entry: Entry,
+        context: &Context<'_, impl Entries, L>,
+    ) -> Segment {
         let more = self.more_at(index, entry, context);
-        let before = self.before(index, context);
         Segment::between(before, entry, |length| if more == 0 { 0 } else { swing(more, length.unsigned_abs()) })
+    }
+
+    /// Loads the next piece of the segment in force, or of the one behind it, if that is all there is to do: no entry
+    /// that is no segment and no end of a pass lies between.
+    #[inline(always)]
+    fn go_on<L>(&mut self, context: &Context<'_, impl Entries, L>) -> bool {
+        if self.piece.span == 0 {
+            return false;
+        }
+        let x = ((self.progress as i128) << UNIT).wrapping_sub(self.began);
+        let entry = context.source.entry(self.fifo, self.index);
+        let end = entry.ends_master();
+        if x < end {
+            // Another piece of it, forwards or backwards, or something further back.
+            let before = self.before(self.index, context);
+            if x < before.map_or(0, Entry::ends_master) {
+                return false;
+            }
+            self.piece = self.segment(self.index, before, entry, context).piece(x, self.began, self.origin);
+            return true;
+        }
+        let index = self.index.wrapping_add(1);
+        if index >= context.setup.fifo(self.fifo).end {
+            return false;
+        }
+        let next = context.source.entry(self.fifo, index);
+        if next.kind().is_none() || x >= next.ends_master() {
+            return false;
+        }
+        (self.index, self.held) = (index, false);
+        self.piece = self.segment(index, Some(entry), next, context).piece(x, self.began, self.origin);
+        true
     }
 
     /// Finds the segment of the present progress, through ends of passes.
     fn seek<L>(&mut self, context: &mut Context<'_, impl Entries, L>) -> Seek {
+        if self.go_on(context) {
+            return Seek::Here;
+        }
         // Over an end of pass into the next, a switch, and once more; or back over any number of passes.
         for _ in 0..4 {
             let x = ((self.progress as i128) << UNIT).wrapping_sub(self.began);
@@ -712,18 +781,6 @@ impl FollowRun {
     fn load<L>(&mut self, x: i128, low: u32, limit: u32, context: &Context<'_, impl Entries, L>) {
         let ends = |index| context.source.entry(self.fifo, index).ends_master();
         let (mut low, mut high) = (low, limit.wrapping_sub(1));
-        // Nearly always it is this one, or the next one.
-        let near = self.index;
-        if near >= low && near <= high {
-            if x < ends(near) {
-                high = near;
-            } else if near < high {
-                low = near.wrapping_add(1);
-                if x < ends(low) {
-                    high = low;
-                }
-            }
-        }
         while low < high {
             let middle = low.wrapping_add(high) >> 1;
             if x < ends(middle) {
@@ -734,7 +791,8 @@ impl FollowRun {
         }
         (self.index, self.held) = (low, false);
         let entry = context.source.entry(self.fifo, low);
-        self.piece = self.segment(low, entry, context).piece(x, self.began, self.origin);
+        let before = self.before(low, context);
+        self.piece = self.segment(low, before, entry, context).piece(x, self.began, self.origin);
     }
 
     /// The pass is over at the progress `x` ≥ its end; the exact end of the motion, if that is it.

@@ -73,11 +73,11 @@ impl Segment {
         let (from, start) = (began.wrapping_add(self.from), origin.wrapping_add(self.begin));
         let r0 = self.at_start;
         let half = way.wrapping_sub(r0);
-        let k = TWO_HUNDREDTH.wrapping_mul(self.percent as u64);
-        let edge = times(length, k);
-        if edge == 0 || half == 0 {
+        if self.percent == 0 || half == 0 {
             return cubic(from, length, start, [r0, half, 0]);
         }
+        let k = TWO_HUNDREDTH.wrapping_mul(self.percent as u64);
+        let edge = times(length, k);
         let gain = GAIN.get(self.percent as usize).copied().unwrap_or(1 << 62);
         // a, a·k, a·k²
         let slope = times(half, gain) << 3;

@@ -22,8 +22,6 @@ pub struct Spot {
     pub after: u64,
     /// Where the master is.
     pub pos: Pos,
-    /// Along which piece it came here: 0 a straight line, 1 or 2.
-    along: u8,
 }
 
 /// Places in order of time; the first is that of the tick in force.
@@ -35,49 +33,46 @@ pub struct Track {
 
 /// The way of one tick.
 #[derive(Debug, Clone, Copy)]
-pub struct Way {
+pub struct Way<'a> {
     /// The tick in force.
     now: Ns,
     track: Track,
-    /// Pieces along which it goes, and what has to be added to their positions.
-    pieces: [Piece; 2],
+    /// Along which piece it comes to each place: 0 a straight line, 1 or 2.
+    along: [u8; SPOTS],
+    pieces: [Option<&'a Piece>; 2],
+    /// What has to be added to positions of pieces.
     shift: i64,
 }
 
-/// From one place to the next.
+/// From one place to the next, along a piece or straight.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stretch<'a> {
-    way: &'a Way,
+pub struct Stretch<'a> {
+    pub(super) now: Ns,
     pub(super) from: Spot,
     pub(super) to: Spot,
-}
-
-impl Spot {
-    /// A place reached straight.
-    pub(super) fn straight(after: u64, pos: Pos) -> Spot {
-        Spot { after, pos, along: 0 }
-    }
+    pub(super) piece: Option<&'a Piece>,
+    pub(super) shift: i64,
 }
 
 impl Track {
     /// A place.
     pub(super) fn begin(from: Pos) -> Track {
-        let first = Spot { after: 0, pos: from, along: 0 };
-        Track { spots: [first; SPOTS], count: 1 }
+        Track { spots: [Spot { after: 0, pos: from }; SPOTS], count: 1 }
     }
 
-    /// The next place. Where no room is left, the last one moves there.
-    pub(super) fn push(&mut self, after: u64, pos: Pos, along: u8) {
+    /// The next place; its index. Where no room is left, the last one moves there.
+    pub(super) fn push(&mut self, after: u64, pos: Pos) -> usize {
         let index = (self.count as usize).min(SPOTS - 1);
         if let Some(place) = self.spots.get_mut(index) {
-            *place = Spot { after, pos, along };
+            *place = Spot { after, pos };
         }
         self.count = index as u8 + 1;
+        index
     }
 
     /// Whether it goes straight from a tick to the next.
     #[inline(always)]
-    pub(super) fn is_straight(&self) -> bool {
+    pub(crate) fn is_straight(&self) -> bool {
         self.count <= 2
     }
 
@@ -91,24 +86,38 @@ impl Track {
     }
 }
 
-impl Way {
+impl<'a> Way<'a> {
     /// A straight line from a tick to the next.
-    pub fn line(now: Ns, period: Ns, from: Pos, to: Pos) -> Way {
-        let mut way = Way::begin(now, from, 0);
-        way.push(period.0 << 32, to, 0);
-        way
+    pub fn line(now: Ns, period: Ns, from: Pos, to: Pos) -> Way<'a> {
+        let mut track = Track::begin(from);
+        track.push(period.0 << 32, to);
+        Way::of(now, &track)
     }
 
-    /// Along the pieces of a motion: `piece`, and `before` if that is in force from `now` until the piece begins. Positions of pieces plus `shift` are the master's.
-    pub fn along(now: Ns, period: Ns, before: Option<&Piece>, piece: &Piece, from: Pos, to: Pos, shift: i64) -> Way {
+    /// From place to place of a slave.
+    pub fn of(now: Ns, track: &Track) -> Way<'a> {
+        Way { now, track: *track, along: [0; SPOTS], pieces: [None; 2], shift: 0 }
+    }
+
+    /// Along the pieces of a motion: `piece`, and `before` if that is in force from `now` until the piece begins.
+    /// Positions of pieces plus `shift` are the master's.
+    pub fn along(
+        now: Ns,
+        period: Ns,
+        before: Option<&'a Piece>,
+        piece: &'a Piece,
+        from: Pos,
+        to: Pos,
+        shift: i64,
+    ) -> Way<'a> {
         let next = Ns(now.0.wrapping_add(period.0));
-        let mut way = Way::begin(now, from, shift);
+        let mut way = Way::of(now, &Track::begin(from));
+        (way.pieces, way.shift) = ([before, Some(piece)], shift);
         let at = |pos: Pos| Pos(pos.0.wrapping_add(shift));
-        // Instants inside the tick, from now.
-        let entered = piece.begin.0.wrapping_sub(now.0) as i64;
         let mut since = now;
         if let Some(before) = before {
-            way.pieces = [*before, *piece];
+            // Instants inside the tick, from now.
+            let entered = piece.begin.0.wrapping_sub(now.0) as i64;
             let last = before.begin.0.wrapping_add(before.span);
             let left = (last.wrapping_sub(now.0) as i64).min(entered).max(0);
             let rests = piece.span == u64::MAX;
@@ -122,30 +131,21 @@ impl Way {
                 way.push((entered as u64) << 32, at(piece.start), 0);
             }
             since = piece.begin;
-        } else {
-            way.pieces = [*piece, *piece];
         }
         if since != next {
             way.turns(piece, since, next, 2);
             way.push(period.0 << 32, to, 2);
-        } else if way.last().after != period.0 << 32 {
+        } else if way.track.last().after != period.0 << 32 {
             way.push(period.0 << 32, to, 0);
         }
         way
     }
 
-    /// From a place at `now`.
-    pub(super) fn begin(now: Ns, from: Pos, shift: i64) -> Way {
-        Way { now, track: Track::begin(from), pieces: [Piece::default(); 2], shift }
-    }
-
-    /// From place to place of a slave.
-    pub fn of(now: Ns, track: &Track) -> Way {
-        Way { now, track: *track, pieces: [Piece::default(); 2], shift: 0 }
-    }
-
     fn push(&mut self, after: u64, pos: Pos, along: u8) {
-        self.track.push(after, pos, along);
+        let index = self.track.push(after, pos);
+        if let Some(place) = self.along.get_mut(index) {
+            *place = along;
+        }
     }
 
     /// The tick in force.
@@ -153,28 +153,40 @@ impl Way {
         self.now
     }
 
-    /// Stretches in order.
-    pub(super) fn stretches(&self) -> impl Iterator<Item = Stretch<'_>> {
-        let used = self.track.spots();
-        used.iter().zip(used.iter().skip(1)).map(|(from, to)| Stretch { way: self, from: *from, to: *to })
+    /// Where the master is at the tick in force, and at the next.
+    pub(super) fn ends(&self) -> (Pos, Spot) {
+        (self.track.spots().first().copied().unwrap_or_default().pos, self.track.last())
     }
 
-    /// The last place.
-    pub fn last(&self) -> Spot {
-        self.track.last()
+    /// Stretches in order.
+    pub(super) fn stretches(&self) -> impl Iterator<Item = Stretch<'a>> {
+        let places = self.track.spots();
+        let [first, second] = self.pieces;
+        places.iter().zip(places.iter().zip(&self.along).skip(1)).map(move |(from, (to, along))| Stretch {
+            now: self.now,
+            from: *from,
+            to: *to,
+            piece: match along {
+                0 => None,
+                1 => first,
+                _ => second,
+            },
+            shift: self.shift,
+        })
     }
 
     /// The turning points of a piece between two instants in it.
     fn turns(&mut self, piece: &Piece, from: Ns, to: Ns, along: u8) {
         let begin = from.0.wrapping_sub(self.now.0) << 32;
         let end = to.0.wrapping_sub(self.now.0) << 32;
-        let sign = |fine| slope(&piece.motion, self.tau(piece, fine)) < 0;
+        let tau = |fine| tau(self.now, piece, fine);
+        let sign = |fine| slope(&piece.motion, tau(fine)) < 0;
         let (first, last) = (sign(begin), sign(end));
         let mut found = [None; 2];
         if first != last {
             found = [Some(bisect(begin, end, |fine| sign(fine) == first)), None];
         } else if piece.motion.c[2] != 0 {
-            let side = |fine| bend(&piece.motion, self.tau(piece, fine)) < 0;
+            let side = |fine| bend(&piece.motion, tau(fine)) < 0;
             if side(begin) != side(end) {
                 let middle = bisect(begin, end, |fine| side(fine) == side(begin));
                 if sign(middle) != first {
@@ -184,42 +196,33 @@ impl Way {
             }
         }
         for fine in found.into_iter().flatten() {
-            let pos = self.pos(piece, fine);
+            let pos = pos(self.now, piece, self.shift, fine);
             self.push(fine, pos, along);
         }
     }
-
-    /// The parameter of a piece at a time since the tick in force; held inside the piece.
-    fn tau(&self, piece: &Piece, fine: u64) -> u64 {
-        let t = (fine >> 32).wrapping_add(self.now.0).wrapping_sub(piece.begin.0);
-        if t >= piece.span {
-            return Piece::END;
-        }
-        let recip = piece.motion.recip;
-        let part = (((fine as u32 as u64 as u128) << (recip.shift & 63)) >> 32) as u64;
-        let tau = (recip.ratio(t) >> 1).wrapping_add(piece.motion.tau);
-        tau.wrapping_add(part.saturating_add(umulhi(part, recip.m)) >> 1).min(Piece::END)
-    }
-
-    /// Where the master is on a piece at a time since the tick in force.
-    fn pos(&self, piece: &Piece, fine: u64) -> Pos {
-        Pos(piece.pos_at(self.tau(piece, fine)).0.wrapping_add(self.shift))
-    }
 }
 
-impl<'a> Stretch<'a> {
-    /// No way at all.
-    pub(super) fn still(way: &'a Way, here: Spot) -> Stretch<'a> {
-        Stretch { way, from: here, to: Spot { along: 0, ..here } }
+/// The parameter of a piece at a time since the tick in force; held inside the piece.
+fn tau(now: Ns, piece: &Piece, fine: u64) -> u64 {
+    let t = (fine >> 32).wrapping_add(now.0).wrapping_sub(piece.begin.0);
+    if t >= piece.span {
+        return Piece::END;
     }
+    let recip = piece.motion.recip;
+    let part = (((fine as u32 as u64 as u128) << (recip.shift & 63)) >> 32) as u64;
+    let tau = (recip.ratio(t) >> 1).wrapping_add(piece.motion.tau);
+    tau.wrapping_add(part.saturating_add(umulhi(part, recip.m)) >> 1).min(Piece::END)
+}
 
-    fn piece(&self) -> Option<&Piece> {
-        let [first, second] = &self.way.pieces;
-        match self.to.along {
-            0 => None,
-            1 => Some(first),
-            _ => Some(second),
-        }
+/// Where the master is on a piece at a time since the tick in force.
+fn pos(now: Ns, piece: &Piece, shift: i64, fine: u64) -> Pos {
+    Pos(piece.pos_at(tau(now, piece, fine)).0.wrapping_add(shift))
+}
+
+impl Stretch<'_> {
+    /// No way at all.
+    pub(super) fn still(now: Ns, here: Spot) -> Stretch<'static> {
+        Stretch { now, from: here, to: here, piece: None, shift: 0 }
     }
 
     /// Where the master is at a time since the tick in force, inside the stretch.
@@ -229,8 +232,8 @@ impl<'a> Stretch<'a> {
         }
         let (low, high) =
             if self.from.pos <= self.to.pos { (self.from.pos, self.to.pos) } else { (self.to.pos, self.from.pos) };
-        let pos = match self.piece() {
-            Some(piece) => self.way.pos(piece, after),
+        let pos = match self.piece {
+            Some(piece) => pos(self.now, piece, self.shift, after),
             None => {
                 let length = self.to.after.wrapping_sub(self.from.after);
                 let part = share(after.saturating_sub(self.from.after), length);
@@ -247,7 +250,7 @@ impl<'a> Stretch<'a> {
             return self.to.after;
         }
         let up = self.to.pos > self.from.pos;
-        if self.to.along == 0 {
+        if self.piece.is_none() {
             let part = share(pos.0.abs_diff(self.from.pos.0), self.to.pos.0.abs_diff(self.from.pos.0));
             let length = self.to.after.wrapping_sub(self.from.after);
             return self.from.after.wrapping_add(umulhi(length, part));
