@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`: what taking a full frame costs, divided by its segments.
 const LANES: [&str; 2] = ["immediate", "program"];
 
-const MARKS: [(&str, &str); 22] = [
+const MARKS: [(&str, &str); 28] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
