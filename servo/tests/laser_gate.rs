@@ -156,6 +156,41 @@ fn a_gate_on_during_a_first_pulse_begins_a_new_one() {
 }
 
 #[test]
+fn an_edge_that_is_cancelled_begins_no_first_pulse() {
+    let mut bench = plain(1000);
+    bench.fpk(Some((500, 0, 400)));
+    // On and off at one instant: their edges would be one, and there is none.
+    bench.delays(0, 2000);
+    bench.gate(true);
+    bench.until(2 * MS);
+    bench.gate(false);
+    bench.until(9 * MS);
+    assert_eq!((bench.switch(), bench.pulses()), (vec![], vec![]));
+    // Off and on at one instant while on: no new pulse.
+    bench.delays(0, 0);
+    bench.gate(true);
+    bench.until(20 * MS);
+    bench.gate(false);
+    bench.gate(true);
+    bench.until(30 * MS);
+    assert_eq!(bench.switch(), [(10 * MS, true), (10_500 * US, false)]);
+}
+
+#[test]
+fn a_first_pulse_that_was_switched_off_does_not_come_back() {
+    let mut bench = plain(1000);
+    bench.fpk(Some((9000, 0, 0)));
+    bench.gate(true);
+    bench.until(3 * MS);
+    bench.fpk(None);
+    bench.until(5 * MS);
+    bench.fpk(Some((9000, 0, 0)));
+    bench.until(20 * MS);
+    // The pulse, then the gate's own level, then nothing.
+    assert_eq!(bench.switch(), [(MS, true), (6 * MS, false)]);
+}
+
+#[test]
 fn changes_of_the_first_pulse_killer_while_on_touch_the_switch_only() {
     let mut bench = plain(1000);
     bench.gate(true);
@@ -226,24 +261,46 @@ fn another_mode_ends_the_light_at_once() {
     let view = bench.tick();
     assert!(view.commanded && view.light, "{view:?}");
     assert_eq!((view.direct, view.power, view.khz), (power(30.0), power(20.0), power(20.0)));
+    bench.direct(5.0);
+    assert_eq!(bench.tick().power, power(10.0));
+}
+
+#[test]
+fn another_mode_and_a_reset_cut_the_pulse() {
+    for reset in [false, true] {
+        // Pulses of 300 µs every 770 µs: the one that begins at 1000 + 2310 µs would end 610 µs into the tick.
+        let mut bench = Bench::new(250);
+        bench.carrier(1000.0 / 770.0);
+        bench.direct(100.0 * 300.0 / 770.0);
+        bench.until(750 * US);
+        bench.gate(true);
+        bench.until(3250 * US);
+        if reset {
+            bench.change(Change::Reset);
+        } else {
+            bench.mode(Mode::Frequency, 2000.0, 0.0, true);
+        }
+        bench.until(9 * MS);
+        assert_eq!(bench.pulses().last(), Some(&(3310 * US, 3500 * US)));
+        assert_eq!(bench.switch(), [(MS, true), (3500 * US, false)]);
+    }
 }
 
 #[test]
 fn the_open_switch_lets_no_standby_out() {
     let mut bench = plain(1000);
-    bench.standby(Some((5.0, 10.0)));
+    // 190 of 380 µs from 1 ms on: the sixth pulse is in progress at 3 ms.
+    bench.standby(Some((1000.0 / 380.0, 50.0)));
     bench.until(2 * MS);
     bench.mode(Mode::DutyOpen, 100.0, 0.0, true);
     bench.until(5 * MS);
-    // Cut at 3 ms, where its pulse had just begun: standby of 200 µs from 1 ms on.
     let pulses = bench.pulses();
-    assert_eq!(pulses.len(), 10);
-    assert_eq!(pulses.last(), Some(&(2800 * US, 2820 * US)));
+    assert_eq!((pulses.len(), pulses.last()), (6, Some(&(2900 * US, 3 * MS))), "it is cut");
     assert_eq!(bench.switch(), [(3 * MS, true)]);
     bench.mode(Mode::Duty, 100.0, 0.0, true);
     bench.until(7 * MS);
     assert_eq!(bench.switch(), [(3 * MS, true), (6 * MS, false)]);
-    assert_eq!(bench.pulses()[10], (6 * MS, 6 * MS + 20 * US));
+    assert_eq!(bench.pulses()[6].0, 6 * MS);
 }
 
 #[test]
@@ -290,6 +347,8 @@ fn the_interlock_rests_everything_at_once_until_it_is_cleared() {
     bench.machine.interlock = false;
     assert_eq!(bench.tick().fault, Cause::Interlock, "it is latched");
     bench.forget();
+    // What comes before the fault is cleared is not remembered.
+    bench.gate(true);
     bench.change(Change::ClearFault);
     let view = bench.until(10 * MS);
     assert_eq!((view.fault, view.commanded, view.cause_lasts), (Cause::None, false, false));
@@ -354,6 +413,46 @@ fn a_full_queue_refuses_the_on_and_goes_dark() {
     assert_eq!(dark, Some(128));
     bench.until(100 * MS);
     assert_eq!(bench.switch(), []);
+}
+
+#[test]
+fn a_full_queue_never_loses_an_off() {
+    // The light is on; off and on edges pend. The last place is for an off.
+    let mut bench = plain(10);
+    bench.gate(true);
+    bench.tick();
+    bench.delays(65_534, 65_535);
+    for _ in 0..127 {
+        bench.gate(false);
+        bench.gate(true);
+        assert_eq!(bench.tick().fault, Cause::None);
+    }
+    bench.gate(false);
+    assert_eq!(bench.tick().fault, Cause::None);
+    bench.until(100 * MS);
+    let edges = bench.switch();
+    assert_eq!((edges.len(), edges.last().map(|edge| edge.1)), (1 + 2 * 127 + 1, Some(false)));
+}
+
+#[test]
+fn an_on_without_a_place_for_its_off_is_refused() {
+    let mut bench = plain(10);
+    bench.gate(true);
+    bench.tick();
+    bench.delays(65_534, 65_535);
+    for _ in 0..127 {
+        bench.gate(false);
+        bench.gate(true);
+        bench.tick();
+    }
+    bench.gate(false);
+    bench.tick();
+    // 255 edges pend: one place is left.
+    bench.gate(true);
+    let view = bench.tick();
+    assert_eq!((view.fault, view.commanded, view.light), (Cause::Edges, false, false));
+    bench.until(100 * MS);
+    assert_eq!(bench.switch(), [(10 * US, true), (1290 * US, false)]);
 }
 
 #[test]

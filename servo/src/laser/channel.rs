@@ -194,7 +194,7 @@ impl Channel {
     pub(super) fn link(&mut self, lost: bool, runs: bool) {
         self.safety.link(lost);
         self.news |= news::CHANGED;
-        if lost && (runs || self.commanded || self.gate.may_be_on() || self.light.may_be_on()) {
+        if lost && (runs || self.gate.may_be_on() || self.light.may_be_on()) {
             self.trip(Cause::LinkLost);
         }
     }
