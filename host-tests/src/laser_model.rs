@@ -70,6 +70,10 @@ pub enum Command {
     PreVoltage(Option<Exact>),
     /// ZeroLaserOnTime.
     ZeroOnTime,
+    /// SetAxisMode: whether the connector carries the PWM.
+    Connector(bool),
+    /// Reset: power-on state.
+    Reset,
     /// A cause of section 9 came.
     Fault,
     /// It is gone and was cleared.
@@ -94,6 +98,7 @@ struct Settings {
     fpk: Option<Fpk>,
     standby: Option<(Exact, Exact)>,
     pre_voltage: Option<Exact>,
+    connector: bool,
     fault: bool,
 }
 
@@ -113,8 +118,9 @@ fn period(khz: Exact) -> Exact {
     whole(1_000_000) / khz
 }
 
-fn floor(value: Exact) -> Ns {
-    value.floor().to_integer() as Ns
+/// The whole ns of k periods.
+fn times(value: Exact, k: i128) -> Ns {
+    (value.numer() * k).div_euclid(*value.denom()) as Ns
 }
 
 impl Settings {
@@ -132,6 +138,7 @@ impl Settings {
             fpk: None,
             standby: None,
             pre_voltage: None,
+            connector: true,
             fault: false,
         }
     }
@@ -155,6 +162,8 @@ impl Settings {
             Command::PreVoltage(volts) => self.pre_voltage = volts,
             Command::Fault => self.fault = true,
             Command::Clear => self.fault = false,
+            Command::Connector(carries) => self.connector = carries,
+            Command::Reset => *self = Settings::power_on(family),
         }
     }
 
@@ -166,6 +175,9 @@ impl Settings {
     /// Pulses of light; none where something is missing.
     fn train(&self) -> Option<Train> {
         let power = self.bounded();
+        if !self.connector {
+            return None;
+        }
         match self.mode {
             Mode::Duty | Mode::Open => {
                 let period = period(self.carrier?);
@@ -185,7 +197,7 @@ impl Settings {
     }
 
     fn standby_train(&self) -> Option<Train> {
-        let (khz, percent) = self.standby?;
+        let (khz, percent) = self.standby.filter(|_| self.connector)?;
         let period = period(khz);
         Some(Train { period, width: period * percent / whole(100) })
     }
@@ -317,7 +329,7 @@ impl Story<'_> {
                     commanded.push((*at, on));
                 }
                 Command::PowerMode { mode, .. } if kind(self.family, mode) == before.mode => {}
-                Command::PowerMode { .. } | Command::Fault => {
+                Command::PowerMode { .. } | Command::Fault | Command::Reset => {
                     schedule(&mut events, *at, Event::Cut);
                     commanded.push((*at, false));
                 }
@@ -386,36 +398,39 @@ impl Story<'_> {
     fn pulses(&self, span: Span, train: impl Fn(&Settings) -> Option<Train>) -> Vec<Span> {
         let mut pulses = Vec::new();
         let mut at = span.begin;
+        // The train in force, where its pattern began, and its periods since.
         let mut pattern: Option<(Train, Ns, i128)> = None;
         while at < span.end {
+            let until = self.next_change(at).unwrap_or(span.end).min(span.end);
             let Some(now) = train(self.at(at)) else {
                 pattern = None;
-                at = self.next_change(at).unwrap_or(span.end);
+                at = until;
                 continue;
             };
             // Reading 20: another setting begins the pattern anew.
-            let (first, k) = match pattern {
+            let (first, mut k) = match pattern {
                 Some((before, first, k)) if before == now => (first, k),
                 _ => (at, 0),
             };
-            let pulse = at + floor(now.width * whole(k + 1)) - floor(now.width * whole(k));
-            if pulse > at {
-                pulses.push(Span { begin: at, end: pulse });
-            }
-            // Reading 12: a shorter period ends the one in progress where it would end itself.
-            let mut end = first + floor(now.period * whole(k + 1));
-            let mut change = self.next_change(at).unwrap_or(span.end);
-            while change < end {
-                if let Some(new) = train(self.at(change)) {
-                    end = end.min((at + floor(new.period)).max(change).max(pulse));
+            let mut early = false;
+            while at < until {
+                let pulse = at + times(now.width, k + 1) - times(now.width, k);
+                if pulse > at {
+                    pulses.push(Span { begin: at, end: pulse });
                 }
-                change = self.next_change(change).unwrap_or(span.end);
-                if change >= span.end {
-                    break;
+                // Reading 12: a shorter period ends the one in progress where it would end itself.
+                let mut end = first + times(now.period, k + 1);
+                let mut change = until;
+                while change < end && change < span.end {
+                    if let Some(new) = train(self.at(change)) {
+                        let sooner = (at + times(new.period, 1)).max(change).max(pulse);
+                        (end, early) = if sooner < end { (sooner, true) } else { (end, early) };
+                    }
+                    change = self.next_change(change).unwrap_or(span.end);
                 }
+                (at, k) = (end, k + 1);
             }
-            at = end;
-            pattern = Some((now, first, k + 1));
+            pattern = (!early).then_some((now, first, k));
         }
         pulses
     }
@@ -533,7 +548,7 @@ fn spans(events: &[(Ns, Event)], horizon: Ns) -> Vec<(Span, Event)> {
     spans
 }
 
-fn times(job: &Job, what: &Command) -> Vec<Ns> {
+fn instants(job: &Job, what: &Command) -> Vec<Ns> {
     job.iter().filter(|(_, command)| command == what).map(|(at, _)| *at).collect()
 }
 
@@ -557,8 +572,8 @@ pub fn outcome(family: Family, job: &Job, horizon: Ns) -> Outcome {
         energy,
         analog,
         light: light.into_iter().map(|(span, _)| span).filter(|span| span.begin < span.end).collect(),
-        faults: times(job, &Command::Fault),
-        zeroed: times(job, &Command::ZeroOnTime),
+        faults: instants(job, &Command::Fault),
+        zeroed: [instants(job, &Command::ZeroOnTime), instants(job, &Command::Reset)].concat(),
         commanded,
     }
 }

@@ -210,6 +210,28 @@ fn no_light_after_off_while_the_power_changes_on_every_tick() {
     }
 }
 
+/// A clear that acts on the tick that sees a fault cannot have meant it: everything goes to rest, and stays so.
+#[test]
+fn a_clear_does_not_hide_the_fault_that_comes_with_it() {
+    let mut bench = Bench::new();
+    let period = 10_000;
+    // What passes by itself: an overrun, a restart.
+    for at in [100_000, 110_000].map(|at| at - at % 30_000).into_iter().flat_map(|at| [at + 10_000, at + 20_000]) {
+        let job = [
+            (period, Command::Gate(true)),
+            (at, Command::Fault),
+            (at + period, Command::Clear),
+            (at + 2 * period, Command::Gate(true)),
+            (at + 3 * period, Command::Clear),
+            (at + 4 * period, Command::Gate(true)),
+        ];
+        let [done, _] = bench.run(Family::Gus, [&job, &[]], period, at + 10 * period, Some(1), false);
+        assert_eq!(done.switch, [(period, true), (at, false), (at + 4 * period, true)]);
+        let fault = |at: Ns| done.views[(at / period - 1) as usize].1.fault;
+        assert_eq!([fault(at + 3 * period) as u8, fault(at + 2 * period) as u8], [0, fault(at + period) as u8]);
+    }
+}
+
 /// Light as the switch output shows it, summed over a million marks of all kinds of lengths.
 #[test]
 fn the_on_time_is_the_sum_of_a_million_marks() {

@@ -76,6 +76,11 @@ fn us(ns: Ns) -> u16 {
 }
 
 impl Known {
+    fn power_on(family: Family, plans: bool) -> Known {
+        let bounds = Bounds::full(laser::Mode::Duty);
+        Known { family, mode: laser::Mode::Duty, bounds, direct: Power::ZERO, carrier: None, plans }
+    }
+
     fn fine(&self) -> Option<Fine> {
         let power = self.bounds.hold(self.direct);
         Fine::plan(self.mode, power, self.carrier.as_ref(), Clock::GHZ).filter(|_| self.plans)
@@ -121,6 +126,11 @@ impl Known {
             ),
             Command::PreVoltage(volts) => Change::PreVoltage(volts.map(admitted)),
             Command::ZeroOnTime => Change::ZeroOnTime,
+            Command::Connector(laser) => Change::Connector { laser },
+            Command::Reset => {
+                *self = Known::power_on(self.family, self.plans);
+                Change::Reset
+            }
             Command::Fault => return None,
             Command::Clear => Change::ClearFault,
         })
@@ -174,36 +184,37 @@ impl Bench {
         assert!(period > 0 && horizon % period == 0);
         self.power_on(config(period));
         let mut machine = Machine { now: 0, next: 0, interlock: false, players: Default::default() };
-        let mut known = [Known {
-            family,
-            mode: laser::Mode::Duty,
-            bounds: Bounds::full(laser::Mode::Duty),
-            direct: Power::ZERO,
-            carrier: None,
-            plans,
-        }; CHANNELS];
+        let mut known = [Known::power_on(family, plans); CHANNELS];
         let mut jobs = jobs.map(|job| job.iter().peekable());
         for channel in 0..CHANNELS as u8 {
-            self.now(channel, Change::Connector { laser: true });
-            if family == Family::Gus {
-                let bounds = Bounds::full(laser::Mode::Duty);
-                self.now(channel, Change::Mode { mode: laser::Mode::Duty, bounds, delayed: true, fine: None });
-            }
+            self.begin(channel, family);
         }
         let mut views: [Vec<(Ns, LaserView)>; CHANNELS] = Default::default();
         let mut left = 0;
         while machine.now < horizon {
             machine.next = machine.now + period;
             machine.interlock = false;
+            let mut fault = false;
             for (channel, job) in jobs.iter_mut().enumerate() {
                 while let Some((at, command)) = job.next_if(|(at, _)| *at < machine.next) {
                     assert!(*command == Command::Fault && *at == machine.now, "{command:?} at {at} is not at a tick");
-                    machine.interlock = true;
+                    fault = true;
                 }
                 let is_due = |(at, command): &&(Ns, Command)| *at == machine.next && *command != Command::Fault;
                 while let Some((_, command)) = job.next_if(is_due) {
                     let change = known[channel].change(command).unwrap();
                     self.now(channel as u8, change);
+                    if *command == Command::Reset {
+                        self.begin(channel as u8, family);
+                    }
+                }
+            }
+            if fault {
+                // What is no fault of the channel is over as soon as it is told.
+                match machine.now / period % 3 {
+                    0 => machine.interlock = true,
+                    1 => self.tick.overrun(),
+                    _ => self.tick.restarted(),
                 }
             }
             self.tick.run(&mut machine, &mut self.lanes);
@@ -237,6 +248,13 @@ impl Bench {
         let mut machine = Machine { now: 0, next: 50_000, interlock: false, players: Default::default() };
         self.tick.run(&mut machine, &mut self.lanes);
         self.view.read().lasers[0]
+    }
+
+    /// What a family fixes at power-on.
+    fn begin(&mut self, channel: u8, family: Family) {
+        self.now(channel, Change::Connector { laser: true });
+        let (mode, delayed) = (laser::Mode::Duty, family == Family::Gus);
+        self.now(channel, Change::Mode { mode, bounds: Bounds::full(mode), delayed, fine: None });
     }
 
     fn now(&mut self, channel: u8, change: Change) {

@@ -7,6 +7,9 @@
 //! | --- | --- | --- | --- |
 //! | live: plans pass | dark, for this cause | live | live until it is seen, then dark |
 //! | dark: everything rests | dark, for the first cause | live | dark |
+//! | dark, but no plan has rested yet | dark, for the first cause | dark | dark |
+//!
+//! So a clear that acts on the very tick that sees a cause, and cannot have meant it, does not hide it.
 use super::plan::Plan;
 
 /// Why a channel is dark until it is cleared. The numbers are those that `GetLaserFault` tells.
@@ -33,12 +36,14 @@ pub enum Cause {
 pub(super) struct Safety {
     /// [`Cause::None`] while it is live.
     dark: Cause,
+    /// A plan was made to rest since it is dark.
+    rested: bool,
     interlock: bool,
     link_lost: bool,
 }
 
 impl Safety {
-    pub(super) const LIVE: Safety = Safety { dark: Cause::None, interlock: false, link_lost: false };
+    pub(super) const LIVE: Safety = Safety { dark: Cause::None, rested: false, interlock: false, link_lost: false };
 
     /// Why it is dark.
     #[inline]
@@ -74,21 +79,22 @@ impl Safety {
     /// A cause has appeared. The first one is kept.
     pub(super) fn trip(&mut self, cause: Cause) {
         if !self.is_dark() {
-            self.dark = cause;
+            (self.dark, self.rested) = (cause, false);
         }
     }
 
-    /// Live again, if no cause is present.
+    /// Live again, if no cause is present and everything was at rest.
     pub(super) fn clear(&mut self) {
-        if !self.lasts() {
+        if self.rested && !self.lasts() {
             self.dark = Cause::None;
         }
     }
 
     /// The last word on a plan.
     #[inline]
-    pub(super) fn guard(&self, plan: &mut Plan) {
+    pub(super) fn guard(&mut self, plan: &mut Plan) {
         if self.is_dark() {
+            self.rested = true;
             plan.clear();
             plan.rest = true;
         }
