@@ -1,124 +1,14 @@
 //! Follow and FollowEx over the wire: settings, places, admission ahead of time, and bad input, which is refused with
 //! its code, reason and parameter and changes nothing.
 mod bench;
-use bench::{Bench, entry, position, read_pos, sleep, wait_stop};
+use bench::Bench;
+use bench::follow::{
+    clear, data, data_ex, event, master, memory, mode, prf, prf_ex, space_of, spaces, start, switch, told,
+};
 use protocol::command::*;
-use protocol::reason::{Reason, Refusal};
-use protocol::record::Lane;
+use protocol::reason::Reason;
 
 const CORE: i16 = 1;
-
-fn prf(axis: i16, dir: i16) -> PrfFollow {
-    PrfFollow { core: CORE.into(), profile: axis.into(), dir: dir.into() }
-}
-
-fn prf_ex(axis: i16, dir: i16) -> PrfFollowEx {
-    PrfFollowEx { core: CORE.into(), profile: axis.into(), dir: dir.into() }
-}
-
-fn master(axis: i16, index: i16, kind: i16, item: i16) -> SetFollowMaster {
-    SetFollowMaster {
-        core: CORE.into(),
-        profile: axis.into(),
-        master_index: index.into(),
-        master_type: kind.into(),
-        master_item: item.into(),
-    }
-}
-
-fn data(axis: i16, master: i32, slave: f64, kind: i16, fifo: i16) -> FollowData {
-    FollowData {
-        core: CORE.into(),
-        profile: axis.into(),
-        master_segment: master.into(),
-        slave_segment: slave.into(),
-        kind: kind.into(),
-        fifo: fifo.into(),
-    }
-}
-
-fn data_ex(axis: i16, master: f64, slave: f64, kind: i16, percent: i16, fifo: i16) -> FollowDataPercentEx {
-    FollowDataPercentEx {
-        core: CORE.into(),
-        profile: axis.into(),
-        master_segment: master.into(),
-        slave_segment: slave.into(),
-        kind: kind.into(),
-        percent: percent.into(),
-        fifo: fifo.into(),
-    }
-}
-
-fn start(mask: i32, option: i32) -> FollowStart {
-    FollowStart { core: CORE.into(), mask: mask.into(), option: option.into() }
-}
-
-fn switch(mask: i32) -> FollowSwitch {
-    FollowSwitch { core: CORE.into(), mask: mask.into() }
-}
-
-fn clear(axis: i16, fifo: i16) -> FollowClear {
-    FollowClear { core: CORE.into(), profile: axis.into(), fifo: fifo.into() }
-}
-
-fn loops(axis: i16, count: i32) -> SetFollowLoop {
-    SetFollowLoop { core: CORE.into(), profile: axis.into(), loop_count: count.into() }
-}
-
-fn event(axis: i16, event: i16, way: i16, pos: i32) -> SetFollowEvent {
-    SetFollowEvent {
-        core: CORE.into(),
-        profile: axis.into(),
-        event: event.into(),
-        master_dir: way.into(),
-        pos: pos.into(),
-    }
-}
-
-fn memory(axis: i16, memory: i16) -> SetFollowMemory {
-    SetFollowMemory { core: CORE.into(), profile: axis.into(), memory: memory.into() }
-}
-
-fn space_of(axis: i16, fifo: i16) -> FollowSpace {
-    FollowSpace { core: CORE.into(), profile: axis.into(), fifo: fifo.into() }
-}
-
-fn spaces<const AXES: usize>(bench: &mut Bench<AXES>, axis: i16) -> [i16; 2] {
-    [0, 1].map(|fifo| bench.done(space_of(axis, fifo)).value.get())
-}
-
-fn mode<const AXES: usize>(bench: &mut Bench<AXES>, axis: i16) -> i32 {
-    bench.call(GetPrfMode { core: CORE.into(), profile: axis.into(), count: 1.into() }).items::<GetPrfMode>()[0]
-        .value
-        .get()
-}
-
-/// Axis 1 jogs at `speed` pulse/ms when it is started with [`jog`].
-fn jogger<const AXES: usize>(bench: &mut Bench<AXES>, axis: i16, speed: f64) {
-    bench.servo_on(axis);
-    bench.done(PrfJog { core: CORE.into(), profile: axis.into() });
-    let (acc, dec) = (1000.0.into(), 1000.0.into());
-    bench.done(SetJogPrm { core: CORE.into(), profile: axis.into(), acc, dec, smooth: 0.0.into() });
-    bench.done(SetVel { core: CORE.into(), profile: axis.into(), vel: speed.into() });
-}
-
-fn jog(axis: i16) -> Update {
-    Update { core: CORE.into(), mask: (1 << (axis - 1)).into() }
-}
-
-/// Axis 2 follows axis 1, which jogs at 10 pulse/ms.
-fn pair() -> Bench<8> {
-    let mut bench = Bench::gus();
-    jogger(&mut bench, 1, 10.0);
-    bench.servo_on(2);
-    bench.done(prf(2, 0));
-    bench.done(master(2, 1, 2, 0));
-    bench
-}
-
-fn told(refused: (i16, Reason, Refusal)) -> (i16, Reason, u8, f64) {
-    (refused.0, refused.1, refused.2.field, refused.2.got.get())
-}
 
 #[test]
 fn modes_and_directions() {
@@ -322,6 +212,8 @@ fn data_of_follow_ex() {
     let (code, reason, refusal) = bench.refused(data_ex(2, 0.0001, 1e12, 1, 0, 0));
     assert_eq!((code, reason, refusal.field), (7, Reason::RatioTooLarge, 3));
     assert!((refusal.got.get() - 1e16).abs() < 10.0 && refusal.high.get() == 17_592_186_044_416.0);
+    // 2⁴⁸ exactly, whose quotient in 128 bits would be 0.
+    assert_eq!(bench.refused(data_ex(2, 1.0 / 1024.0, 274_877_906_944.0, 1, 0, 0)).1, Reason::RatioTooLarge);
     bench.done(data_ex(2, 0.0001, 1e5, 1, 0, 1));
     let (code, reason, refusal) = bench.refused(data_ex(2, 10_000.0, 0.0, 0, 0, 1));
     assert_eq!((code, reason, refusal.field), (7, Reason::RatioTooLarge, 3));
@@ -410,4 +302,48 @@ fn the_asymmetric_segment_is_computed() {
     assert_eq!(told(bench.refused(ask(1.0, 0.0, 1.0, 50.0, 51.0))), (7, Reason::OutOfRange, 5, 51.0));
     assert_eq!(bench.refused(ask(f64::NAN, 0.0, 1.0, 50.0, 51.0)).1, Reason::NotFinite);
     assert_eq!(bench.refused(ask(1.0, 0.0, f64::INFINITY, 50.0, 51.0)).2.field, 3);
+}
+
+#[test]
+fn an_asymmetric_segment_takes_a_place_for_each_part() {
+    let mut bench = Bench::gus();
+    bench.done(prf_ex(2, 0));
+    let send = |master: f64, slave: f64, begin: f64, end: f64, percent: i16| FollowDataPercent2Ex {
+        core: CORE.into(),
+        profile: 2.into(),
+        master_segment: master.into(),
+        slave_segment: slave.into(),
+        vel_begin_ratio: begin.into(),
+        vel_end_ratio: end.into(),
+        percent: percent.into(),
+        fifo: 0.into(),
+    };
+    let took = |bench: &mut Bench<8>, request: FollowDataPercent2Ex| {
+        let reply = bench.done(request);
+        (reply.space.get(), reply.percent1.get())
+    };
+    // The displacement decides the share of the first half: 1/2 of a symmetric one; by hand a mean of 4/9 with 60 % in
+    // all: 0.7·4/9 = 0.44 − x·0.3, so x = 0.43.
+    assert_eq!(took(&mut bench, send(1000.0, 500.0, 0.0, 1.0, 60)), (13, 30));
+    assert_eq!(took(&mut bench, send(1900.0, 900.0, 0.0, 1.0, 60)), (10, 43));
+    // Only one part: no S at all; all of it at one end.
+    assert_eq!(took(&mut bench, send(2000.0, 1000.0, 1.0, 1.0, 0)), (9, 0));
+    assert_eq!(took(&mut bench, send(2300.0, 1200.0, 0.0, 1.0, 100)), (8, 0));
+    assert_eq!(took(&mut bench, send(2600.0, 1300.0, 0.0, 1.0, 100)), (7, 100));
+    // A displacement that these ratios cannot make: the limits are told.
+    let (code, reason, refusal) = bench.refused(send(2900.0, 1800.0, 0.0, 1.0, 100));
+    assert_eq!((code, reason, refusal.field, refusal.got.get()), (7, Reason::OutOfRange, 3, 1800.0));
+    assert!((refusal.low.get() - 1400.0).abs() < 1e-9 && (refusal.high.get() - 1500.0).abs() < 1e-9);
+    assert_eq!(bench.refused(send(2600.0, 1400.0, 0.0, 1.0, 100)).1, Reason::MasterOrder);
+    assert_eq!(bench.refused(send(-2700.0, 1400.0, 0.0, 1.0, 100)).1, Reason::MixedSigns);
+    assert_eq!(bench.refused(send(2700.0, 1400.0, 0.0, 1.0, 101)).2.field, 6);
+    assert_eq!(bench.refused(send(2700.0, 1400.0, f64::NAN, 1.0, 50)).2.field, 4);
+    assert_eq!(bench.refused(send(2700.0, 1400.0, 0.0, 1e14, 50)).2.field, 5);
+    // Where two of three parts fit, none is taken.
+    assert_eq!(took(&mut bench, send(3600.0, 1800.0, 0.0, 1.0, 50)), (4, 25));
+    assert_eq!(took(&mut bench, send(4600.0, 2300.0, 0.0, 1.0, 50)), (1, 25));
+    assert_eq!(bench.refused(send(5600.0, 2800.0, 0.0, 1.0, 50)).1, Reason::FifoFull);
+    let space = FollowSpaceEx { core: CORE.into(), profile: 2.into(), fifo: 0.into() };
+    assert_eq!(bench.done(space).value.get(), 1);
+    bench.done(data_ex(2, 4700.0, 2301.0, 0, 0, 0));
 }

@@ -15,7 +15,7 @@ mod store;
 mod velocity;
 mod way;
 
-pub use entry::{Chain, ENTRIES, Entry, Input, Refused, STOPS, Tail};
+pub use entry::{Chain, ENTRIES, Entry, Input, Part, Refused, STOPS, Tail};
 pub use follower::Follower;
 pub(crate) use follower::{Path, Seen};
 pub(crate) use order::Order;

@@ -7,13 +7,15 @@ use super::follow::{following, known, method, mode_of};
 use super::{io, one};
 use crate::books::Fifo;
 use crate::case::{Answer, Case};
-use crate::refuse::{Admitted, Refused, choice};
+use crate::lopsided;
+use crate::refuse::{Admitted, Refused, choice, real, within};
 use protocol::command::{
-    FollowData, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx, FollowSwitchNowEx, opcode,
+    FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx,
+    FollowSwitchNowEx, opcode,
 };
 use protocol::reason::Reason;
-use servo::follow::{self, Direction, Entry, Input, Method};
-use servo::op::DoGroup;
+use servo::follow::{self, Chain, Direction, Entry, Input, Method, Part};
+use servo::op::{DoGroup, Mode};
 use servo::pt::SegmentStore;
 use servo::units::Axis;
 
@@ -21,6 +23,8 @@ use servo::units::Axis;
 const MASTER_MAX: f64 = 2_147_483_648.0;
 /// Furthest slave position, pulses.
 const TRAVEL: f64 = 1_099_511_627_776.0;
+/// What a part of a segment is long at least, pulses of the master.
+const SHORTEST: f64 = 1.0 / 65536.0;
 /// The largest ratio.
 const RATIO_MAX: f64 = 17_592_186_044_416.0;
 
@@ -34,6 +38,8 @@ enum Given {
     Delay(u32),
     Wait(Input, u8, bool, u32),
     Switch(Method),
+    /// A part of an asymmetric S: master, slave, which, and the ratio at its start where it is the first.
+    Part(f64, f64, Part, Option<f64>),
 }
 
 /// One FIFO that is being filled.
@@ -47,11 +53,10 @@ struct Filling<'x> {
 }
 
 impl Filling<'_> {
-    /// Writes one entry behind the end.
-    fn add(&mut self, given: Given) -> Admitted<()> {
-        let index = self.book.chain.entries();
-        if index >= self.capacity {
-            return Err(Refused::new(Reason::FifoFull).field(self.field).got(0.0).limits(0.0, self.capacity.into()));
+    /// The entry behind the end, and what the next goes on from.
+    fn check(&self, given: Given) -> Admitted<(Entry, Chain)> {
+        if self.book.chain.entries() >= self.capacity {
+            return Err(Refused::new(Reason::FifoFull).field(self.field).limits(0.0, self.capacity.into()));
         }
         let before = &self.book.chain;
         let admitted = match given {
@@ -62,11 +67,20 @@ impl Filling<'_> {
             Given::Delay(cycles) => Entry::delay(cycles, before),
             Given::Wait(input, index, high, ms) => Entry::wait_input(input, index, high, ms, before),
             Given::Switch(method) => Entry::switch(method, before),
+            Given::Part(master, slave, part, begin) => {
+                let begin = begin.map(f64::to_bits);
+                Entry::part(master.to_bits(), slave.to_bits(), part, begin, self.direction, before)
+            }
         };
-        let (entry, chain) = admitted.map_err(|refused| self.explain(refused, given))?;
-        self.store.write_entry(self.fifo, index, entry);
+        admitted.map_err(|refused| self.explain(refused, given))
+    }
+
+    /// Writes one entry behind the end.
+    fn add(&mut self, given: Given) -> Admitted<()> {
+        let (entry, chain) = self.check(given)?;
+        self.store.write_entry(self.fifo, self.book.chain.entries(), entry);
         self.book.chain = chain;
-        if let Given::Segment(master, slave, ..) = given {
+        if let Given::Segment(master, slave, ..) | Given::Part(master, slave, ..) = given {
             (self.book.master, self.book.slave) = (master, slave);
         }
         self.book.switches |= matches!(given, Given::Switch(Method::Table));
@@ -77,6 +91,7 @@ impl Filling<'_> {
     fn explain(&self, refused: follow::Refused, given: Given) -> Refused {
         let (master, slave, kind, percent) = match given {
             Given::Segment(master, slave, kind, percent) => (master, slave, kind, percent),
+            Given::Part(master, slave, ..) => (master, slave, 0, 0),
             _ => (0.0, 0.0, 0, 0),
         };
         let before = &self.book;
@@ -123,6 +138,9 @@ pub fn data<const AXES: usize>(
     number: u16,
     body: &[u8],
 ) -> Admitted<Written> {
+    if number == opcode::FollowDataPercent2Ex {
+        return lopsided_data(case, stores, &one(body)?);
+    }
     let (core, profile, fifo, field, given) = match number {
         opcode::FollowData => {
             let r = one::<FollowData>(body)?;
@@ -161,6 +179,62 @@ pub fn data<const AXES: usize>(
     filling.add(given).map_err(|refused| refused.axis(case.site.number_of(axis)))?;
     let fifo = filling.fifo;
     Ok(Written { axis, fifo, end: End::Follow(filling.book), answer: Answer::Entered { axis, fifo, percent1: 0 } })
+}
+
+/// FollowDataPercent2Ex: up to three places, for the growing, the held and the falling slope of the ratio.
+fn lopsided_data<const AXES: usize>(
+    case: &Case<AXES>,
+    stores: &[SegmentStore; AXES],
+    r: &FollowDataPercent2Ex,
+) -> Admitted<Written> {
+    let axis = following(case, Mode::FollowEx, r.core.get(), r.profile.get())?;
+    let (master, slave) = (r.master_segment.get(), r.slave_segment.get());
+    let (begin, end) = (r.vel_begin_ratio.get(), r.vel_end_ratio.get());
+    for (field, number) in (2..).zip([master, slave, begin, end]) {
+        if !number.is_finite() {
+            return Err(Refused::new(Reason::NotFinite).field(field).got(number));
+        }
+    }
+    for (field, ratio) in [(4, begin), (5, end)] {
+        real(field, ratio, -RATIO_MAX, RATIO_MAX)?;
+    }
+    let q = f64::from(within(6, r.percent.get(), 0, 100)?) / 100.0;
+    let mut filling = open(case, stores, axis, r.fifo.get(), 7)?;
+    let named = |refused: Refused| refused.axis(case.site.number_of(axis));
+    // What is wrong with its ends alone is told as of any segment.
+    filling.check(Given::Segment(master, slave, 1, 0)).map_err(named)?;
+    let (from, origin) = (filling.book.master, filling.book.slave);
+    let length = master - from;
+    let progress = length.abs();
+    let x = lopsided::share(begin, end, q, (slave - origin) / progress).map_err(|(low, high)| {
+        let (low, high) = (origin + low * progress, origin + high * progress);
+        named(Refused::new(Reason::OutOfRange).field(3).got(slave).limits(low, high))
+    })?;
+    // A part that is too short to be a segment is none.
+    let x = if x * progress < SHORTEST {
+        0.0
+    } else if (q - x) * progress < SHORTEST {
+        q
+    } else {
+        x
+    };
+    let [rise, held] = lopsided::corners(begin, end, q, x);
+    let corner = |(at, mean): (f64, f64)| (from + length * at, origin + progress * mean);
+    let parts = [
+        (x > 0.0).then(|| (corner(rise), Part::Rise)),
+        (q < 1.0).then(|| (corner(held), Part::Held)),
+        (x < q).then_some(((master, slave), Part::Fall)),
+    ];
+    // The last one ends where the user says.
+    let last = parts.iter().rposition(Option::is_some);
+    let mut first = Some(begin);
+    for (index, ((at, to), part)) in parts.into_iter().enumerate().filter_map(|(i, part)| Some((i, part?))) {
+        let (at, to) = if Some(index) == last { (master, slave) } else { (at, to) };
+        filling.add(Given::Part(at, to, part, first.take())).map_err(named)?;
+    }
+    let fifo = filling.fifo;
+    let percent1 = (x * 100.0 + 0.5) as i16;
+    Ok(Written { axis, fifo, end: End::Follow(filling.book), answer: Answer::Entered { axis, fifo, percent1 } })
 }
 
 /// The FIFO, if it is known what it holds and its places are free for data.

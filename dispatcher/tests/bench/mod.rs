@@ -1,6 +1,8 @@
 //! A whole controller on a bench: server and tick in one process, a client's end of the link, and a
 //! machine whose encoders follow at once.
 #![allow(dead_code)]
+pub mod follow;
+
 use dispatcher::{Board, Channels, Fault, Server};
 use protocol::command::*;
 use protocol::link::{Endpoint, Identity, Role};

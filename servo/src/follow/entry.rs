@@ -8,7 +8,7 @@
 //! cannot know yet (the ratio with which a FIFO goes on after another, or after a SwitchNow) runs on with
 //! changing sign until an EVEN or STOP: an entry says how far back that is.
 use super::compact::{Class, Compact, HIGH_BITS};
-use super::ratio::{quotient, swing};
+use super::ratio::{RATIO_BITS, quotient, swing};
 use super::{Direction, Method};
 use crate::op::DoGroup;
 
@@ -28,7 +28,7 @@ pub(super) const FAR: u32 = 31;
 /// An admitted entry, 24 bytes. Words 0, 1: end of the master, compact, with distance to the head of its chain
 /// (bits 26–30) and parity in it. Words 2, 3: end of the slave, compact, its sign (bit 26), percent, low (27–31).
 /// Words 4, 5: r₀·M as mantissa (53 bits), exponent (6), sign; type (bits 28–29), percent, high (30–31).
-/// An entry that is no segment has type 3, its kind in percent, a number in word 4 and the rest in word 5.
+/// A part of an asymmetric S has the type of STOP and a percent above 100. An entry that is no segment has type 3, its kind in percent, a number in word 4 and the rest in word 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry([u32; 6]);
 
@@ -88,6 +88,19 @@ pub(super) enum Kind {
     Even,
     /// From 2P/M to 0.
     Stop,
+    /// One of an asymmetric S.
+    Part(Part),
+}
+
+/// A part of an asymmetric S (FollowDataPercent2Ex): its displacement and the ratio at its start decide it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The slope of the ratio grows from 0.
+    Rise,
+    /// It holds.
+    Held,
+    /// It falls to 0.
+    Fall,
 }
 
 /// What an entry that is no segment does.
@@ -207,6 +220,73 @@ impl Entry {
         direction: Direction,
         before: &Chain,
     ) -> Result<(Entry, Chain), Refused> {
+        if !(0..=3).contains(&kind) {
+            return Err(Refused::Kind);
+        }
+        if !(0..=100).contains(&percent) {
+            return Err(Refused::Percent);
+        }
+        let normal = kind == 0 || kind == 3;
+        let type_bits = if normal { NORMAL } else { kind as u32 };
+        let rule = |p: i128, m: u128| match kind {
+            1 => {
+                let mean = quotient(p, m);
+                (mean, mean, p)
+            }
+            2 => (quotient(p << 1, m), 0, p << 1),
+            _ => {
+                let r0 = before.tail.ratio;
+                (r0, quotient(p << 1, m) - r0, swing(r0, m))
+            }
+        };
+        let (entry, mut chain) =
+            Entry::between([master_bits, slave_bits], percent as u32, type_bits, direction, before, rule)?;
+        if before.segments == 0 && kind == 3 {
+            chain.tail.continues = before.entries() as u16 + 1;
+        }
+        Ok((entry, chain))
+    }
+
+    /// A part of an asymmetric S: the first with the ratio at its start, as the bits of a double, those behind it
+    /// without. A switch to the next segment leaves all of them.
+    pub fn part(
+        master_bits: u64,
+        slave_bits: u64,
+        part: Part,
+        begin: Option<u64>,
+        direction: Direction,
+        before: &Chain,
+    ) -> Result<(Entry, Chain), Refused> {
+        let r0 = match begin {
+            None => before.tail.ratio,
+            Some(bits) => {
+                let ratio = Compact::pack(bits, 41).map_err(|_| Refused::TooSteep)?.magnitude() << (RATIO_BITS - 64);
+                if bits >> 63 == 1 { -ratio } else { ratio }
+            }
+        };
+        let code = PARTS + part as u32 + if begin.is_none() { GOES_ON } else { 0 };
+        // P/M is r₀ + Δ/3, r₀ + Δ/2, r₀ + 2Δ/3.
+        let rule = |p: i128, m: u128| {
+            let end = match part {
+                Part::Rise => quotient(p * 3, m) - (r0 << 1),
+                Part::Held => quotient(p << 1, m) - r0,
+                Part::Fall => (quotient(p * 3, m) - r0) >> 1,
+            };
+            (r0, end, swing(r0, m))
+        };
+        Entry::between([master_bits, slave_bits], code, STOP, direction, before, rule)
+    }
+
+    /// A segment behind `before`. `rule` gives ratios at both ends, and the displacement at the first, of a
+    /// displacement and a way of the master.
+    fn between(
+        [master_bits, slave_bits]: [u64; 2],
+        percent: u32,
+        type_bits: u32,
+        direction: Direction,
+        before: &Chain,
+        rule: impl FnOnce(i128, u128) -> (i128, i128, i128),
+    ) -> Result<(Entry, Chain), Refused> {
         let master = Compact::pack(master_bits, 31).map_err(|class| match class {
             Class::NotFinite => Refused::MasterNotFinite,
             Class::TooLarge => Refused::MasterBeyondRange,
@@ -215,12 +295,6 @@ impl Entry {
             Class::NotFinite => Refused::SlaveNotFinite,
             Class::TooLarge => Refused::SlaveBeyondTravel,
         })?;
-        if !(0..=3).contains(&kind) {
-            return Err(Refused::Kind);
-        }
-        if !(0..=100).contains(&percent) {
-            return Err(Refused::Percent);
-        }
         let first = before.segments == 0;
         let down = master_bits >> 63 == 1;
         if down && direction == Direction::Up {
@@ -235,45 +309,27 @@ impl Entry {
         if before.entries() >= ENTRIES {
             return Err(Refused::Full);
         }
-        let of_master = |x: i128| quotient(x, m.unsigned_abs());
-        let r0 = before.tail.ratio;
-        let (begin, end, at_start) = match kind {
-            1 => {
-                let mean = of_master(p);
-                (mean, mean, p)
-            }
-            2 => (of_master(p << 1), 0, p << 1),
-            _ => (r0, of_master(p << 1) - r0, swing(r0, m.unsigned_abs())),
-        };
+        // Beyond it, a quotient would not fit.
+        if p.unsigned_abs() >> 44 >= m.unsigned_abs() {
+            return Err(Refused::TooSteep);
+        }
+        let (begin, end, at_start) = rule(p, m.unsigned_abs());
         if begin.abs() > STEEPEST || end.abs() > STEEPEST {
             return Err(Refused::TooSteep);
         }
         if at_start.abs() > SWING {
             return Err(Refused::TooFar);
         }
-        let normal = kind == 0 || kind == 3;
         let mut chain = *before;
-        chain.back = if first || !normal { 0 } else { before.back };
+        chain.back = if first || type_bits != NORMAL { 0 } else { before.back };
         let [low, high] = pack_swing(at_start);
-        let kind_bits = if normal {
-            Kind::Normal
-        } else if kind == 1 {
-            Kind::Even
-        } else {
-            Kind::Stop
-        } as u32;
-        let percent = percent as u32;
-        let ends = [master.low, master.high, slave.low, slave.high | ((slave_bits >> 63) as u32) << HIGH_BITS];
-        chain.ends = ends;
-        let entry = chain.pack(percent, low, high | kind_bits << 28);
+        chain.ends = [master.low, master.high, slave.low, slave.high | ((slave_bits >> 63) as u32) << HIGH_BITS];
+        let entry = chain.pack(percent, low, high | type_bits << 28);
         chain.back += 1;
         chain.odd = !before.odd;
         (chain.master, chain.slave) = (m1, s1);
         chain.tail.ratio = end;
         chain.tail.down = down;
-        if first && kind == 3 {
-            chain.tail.continues = before.entries() as u16 + 1;
-        }
         chain.segments += 1;
         Ok((entry, chain))
     }
@@ -351,21 +407,32 @@ impl Entry {
     /// Whether it is a segment whose start ratio is that of its chain.
     #[inline(always)]
     pub(super) fn is_normal(self) -> bool {
-        self.0[5] >> 28 & 3 == 0
+        self.0[5] >> 28 & 3 == NORMAL
     }
 
     /// How a segment's ratio goes; none for an entry that is no segment.
     #[inline(always)]
     pub(super) fn kind(self) -> Option<Kind> {
         match self.0[5] >> 28 & 3 {
-            0 => Some(Kind::Normal),
-            1 => Some(Kind::Even),
-            2 => Some(Kind::Stop),
+            NORMAL => Some(Kind::Normal),
+            EVEN => Some(Kind::Even),
+            STOP => Some(match self.percent().checked_sub(PARTS) {
+                None => Kind::Stop,
+                Some(0 | GOES_ON) => Kind::Part(Part::Rise),
+                Some(1 | 4) => Kind::Part(Part::Held),
+                Some(_) => Kind::Part(Part::Fall),
+            }),
             _ => None,
         }
     }
 
-    /// Percentage of a segment, 0…100.
+    /// Whether it is a part of the segment that the entry before belongs to.
+    #[inline(always)]
+    pub(super) fn goes_on(self) -> bool {
+        self.0[5] >> 28 & 3 == STOP && self.percent() >= PARTS + GOES_ON
+    }
+
+    /// Percentage of a segment, 0…100; above, a part of an asymmetric S.
     #[inline(always)]
     pub(super) fn percent(self) -> u32 {
         self.0[3] >> 27 | self.0[5] >> 30 << 5
@@ -435,6 +502,14 @@ impl Entry {
     }
 }
 
+/// Types of segments.
+const NORMAL: u32 = 0;
+const EVEN: u32 = 1;
+const STOP: u32 = 2;
+/// In the place of a STOP's percentage: the first code of parts of an asymmetric S, in the order of [`Part`], and
+/// what is added for one that goes on from the part before.
+const PARTS: u32 = 101;
+const GOES_ON: u32 = 3;
 /// Kinds of entries that are no segments, in the place of the percentage.
 const OUTPUT: u32 = 1;
 const DELAY: u32 = 2;

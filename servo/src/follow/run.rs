@@ -558,6 +558,12 @@ impl FollowRun {
         if moves {
             // The next entry begins here, as if the segment had ended.
             self.done = self.index.wrapping_add(1);
+            // Those of one segment are two more at most.
+            for _ in 0..2 {
+                let more = self.done < context.setup.fifo(self.fifo).end
+                    && context.source.entry(self.fifo, self.done).goes_on();
+                self.done = self.done.wrapping_add(more as u32);
+            }
         }
         let (knot, end) = self.ends_before(self.done, context);
         (self.began, self.origin) = (began.wrapping_sub(knot), origin.wrapping_sub(end));

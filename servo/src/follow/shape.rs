@@ -5,8 +5,9 @@
 //!
 //! With R₀ = r₀·M and displacement P, a segment of percentage 0 is R₀·τ + (P − R₀)·τ². Shaped (SPEC 5, Percent), with
 //! k = percent/200, its ratio changes by R₁ − R₀ = 2(P − R₀) with a slope that rises over k, holds a = (R₁ − R₀)/(1 − k), and
-//! falls over k: three pieces.
-use super::entry::{Entry, Kind};
+//! falls over k: three pieces. Those of
+//! an asymmetric S are segments of their own: R₀·τ + (P − R₀)·τ³, and R₀·τ + (P − R₀)·(3τ² − τ³)/2.
+use super::entry::{Entry, Kind, Part};
 use super::ratio::RATIO_BITS;
 use crate::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, Ns, Pos};
@@ -40,6 +41,7 @@ pub(super) struct Segment {
     /// Displacement at the start ratio.
     at_start: i128,
     percent: u32,
+    part: Option<Part>,
 }
 
 impl Segment {
@@ -52,9 +54,11 @@ impl Segment {
         let at_start = match entry.kind() {
             Some(Kind::Even) => way,
             Some(Kind::Stop) => way << 1,
+            Some(Kind::Part(_)) => entry.at_start(),
             _ => entry.at_start().wrapping_add(more(to.wrapping_sub(from))),
         };
-        Segment { from, to, begin, end, at_start, percent: entry.percent() }
+        let part = if let Some(Kind::Part(part)) = entry.kind() { Some(part) } else { None };
+        Segment { from, to, begin, end, at_start, percent: if part.is_none() { entry.percent() } else { 0 }, part }
     }
 
     /// The ratio at its start, 2⁻⁸⁰.
@@ -74,7 +78,13 @@ impl Segment {
         let r0 = self.at_start;
         let half = way.wrapping_sub(r0);
         if self.percent == 0 || half == 0 {
-            return cubic(from, length, start, [r0, half, 0]);
+            // The mean is above R₀ by a third of the change of the ratio, two thirds, or half of it.
+            let [second, third] = match self.part {
+                Some(Part::Rise) => [0, half],
+                Some(Part::Fall) => [half.wrapping_mul(3) >> 1, half.wrapping_neg() >> 1],
+                Some(Part::Held) | None => [half, 0],
+            };
+            return cubic(from, length, start, [r0, second, third]);
         }
         let k = TWO_HUNDREDTH.wrapping_mul(self.percent as u64);
         let edge = times(length, k);
