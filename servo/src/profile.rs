@@ -262,6 +262,18 @@ impl Profile {
         }
     }
 
+    /// The piece in force is over at `now`: on to the one that was made ahead, if it holds `now`. This is what
+    /// nearly always happens, and it only changes which of two pieces is in force.
+    #[inline(always)]
+    pub fn accept(&mut self, now: Ns) -> bool {
+        let next = self.other();
+        let holds = self.other == Other::Ahead && next.elapsed(now) < next.span;
+        if holds {
+            (self.at, self.other) = (self.at ^ 1, Other::Before);
+        }
+        holds
+    }
+
     /// The piece in force is over at `now`: on to the one that holds it, or to the end.
     #[inline]
     pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {

@@ -2,7 +2,7 @@
 //!
 //! In: the inputs of a [`Port`] at the tick in force (n), entries of two lanes. Out: set-points and
 //! outputs for tick n + 1, a view of it, events, trace samples. Owns: the state of all axes, controller
-//! time, the script clock. Budget: at most [`ENTRIES_PER_TICK`] entries and a step an axis, no loop whose
+//! time, the script clock. Budget: at most [`ENTRIES_PER_TICK`] of them and a step an axis, no loop whose
 //! length depends on data. Fails: never; a full ring back to the thread is counted in the view.
 //!
 //! Order within a tick: inputs are sampled, then entries act, then every axis takes its step under its
@@ -30,11 +30,9 @@ pub const PROGRAM: usize = 256;
 pub const EVENTS: usize = 64;
 /// Trace samples between two looks of the thread.
 pub const SAMPLES: usize = 1024;
-/// Entries that act in one tick, both lanes together.
-pub const ENTRIES_PER_TICK: u32 = 64;
-/// Axes whose next PT segment is computed ahead in one tick: eight axes with segments of four ticks or
-/// more enter all of them prepared, also on the same tick.
-const PREPARED_PER_TICK: u32 = 2;
+/// Entries that act in one tick, both lanes together: so many in the shortest, and in a longer one an entry for
+/// each 512 ns, as far as the larger ring goes. One takes about 100 instructions, but for starts.
+pub const ENTRIES_PER_TICK: core::ops::RangeInclusive<u32> = 64..=PROGRAM as u32;
 /// Shortest and longest period, ns.
 pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
 
@@ -209,7 +207,8 @@ impl<const AXES: usize> Tick<AXES> {
     fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
         let turn = self.ticks & 7;
-        let mut left = PREPARED_PER_TICK;
+        // Pieces made ahead: two in 250 µs, one in a tick of 50 µs, which has more of its kind in a segment.
+        let mut left = 1u32.wrapping_add((self.period.0 >> 17) as u32);
         let View { axes: shown, inputs, .. } = lanes.view.buffer();
         let states = self.axes.get_mut(..self.used).unwrap_or_default();
         for ((((axis, state), store), shown), inputs) in
@@ -285,7 +284,7 @@ impl<const AXES: usize> Tick<AXES> {
     fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let Lanes { immediate, program, events, samples, segments, tables, .. } = lanes;
         let mut reach = Reach { events, samples, segments, tables: *tables };
-        let mut left = ENTRIES_PER_TICK;
+        let mut left = ((self.period.0 >> 9) as u32).clamp(*ENTRIES_PER_TICK.start(), *ENTRIES_PER_TICK.end());
         // Entries are read where they lie: a copy of one costs as much as what it does.
         while left > 0
             && let Some(entry) = immediate.peek()

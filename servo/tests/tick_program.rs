@@ -112,23 +112,33 @@ fn a_late_entry_acts_at_once_is_counted_and_shifts_nothing() {
 }
 
 #[test]
-fn at_most_64_entries_act_in_a_tick_the_immediate_lane_first() {
-    let mut bench = Bench::ready(250, Mode::PtStatic);
-    let run = bench.now(Op::ProgramRun);
-    for _ in 0..99 {
-        bench.now(Op::Mark);
+fn so_many_entries_act_in_a_tick_the_immediate_lane_first() {
+    // 64 in the shortest tick, one for each 512 ns of a longer one.
+    for (period, most) in [(10, 64), (50, 97), (100, 195)] {
+        let mut bench = Bench::ready(period, Mode::PtStatic);
+        let run = bench.now(Op::ProgramRun);
+        for _ in 0..99 {
+            bench.now(Op::Mark);
+        }
+        for _ in 0..200 {
+            bench.then(0, Op::Mark);
+        }
+        for tick in 1..6 {
+            let (view, done) = (bench.tick(), (tick * most).min(300));
+            let immediate = done.min(100);
+            assert_eq!((view.done_immediate - run + 1, view.done_program), (immediate, done - immediate));
+        }
+        // Those that did not fit into the tick of their instant are late.
+        assert!(bench.tick().late > 0);
     }
-    for _ in 0..100 {
+    // The larger ring's content in a long tick.
+    let mut bench = Bench::ready(1000, Mode::PtStatic);
+    bench.now(Op::ProgramRun);
+    for _ in 0..256 {
         bench.then(0, Op::Mark);
     }
-    let mut done = vec![];
-    for _ in 0..5 {
-        let view = bench.tick();
-        done.push((view.done_immediate - run + 1, view.done_program));
-    }
-    assert_eq!(done, [(64, 0), (100, 28), (100, 92), (100, 100), (100, 100)]);
-    // Those that did not fit into the tick of their instant are late.
-    assert!(bench.tick().late > 0);
+    assert_eq!(bench.tick().done_program, 255);
+    assert_eq!(bench.tick().done_program, 256);
 }
 
 #[test]

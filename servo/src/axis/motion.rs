@@ -162,11 +162,17 @@ impl AxisState {
         let mut piece = self.profile.piece();
         let mut t = piece.elapsed(next);
         if t >= piece.span {
-            if let Some(reason) = self.turn(next, source) {
-                return Some(reason);
+            if self.profile.accept(next) {
+                self.show_piece(true);
+                piece = self.profile.piece();
+                t = piece.elapsed(next);
+            } else {
+                if let Some(reason) = self.turn(next, source) {
+                    return Some(reason);
+                }
+                piece = self.profile.piece();
+                t = piece.held(next);
             }
-            piece = self.profile.piece();
-            t = piece.held(next);
         }
         let (pos, tau) = piece.at(t);
         if (pos < self.lower || pos > self.upper)
@@ -184,9 +190,16 @@ impl AxisState {
     fn turn(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
         let feed = self.feed();
         let state = self.profile.turn(next, feed, source);
+        let running = state == State::Running;
+        self.show_piece(running);
+        if running { None } else { Some(self.finish(next, state)) }
+    }
+
+    /// What a view tells of the piece entered, or of the end if it runs no longer.
+    #[inline(always)]
+    fn show_piece(&mut self, running: bool) {
         let shown = &mut self.shown;
         shown.motion = self.profile.piece().motion;
-        let running = state == State::Running;
         match self.profile.supply() {
             Supply::Pt(run) => {
                 shown.passes = run.passes(false);
@@ -204,7 +217,6 @@ impl AxisState {
             }
             Supply::Ramp(_) | Supply::Follow(_) => {}
         }
-        if running { None } else { Some(self.finish(next, state)) }
     }
 
     /// The motion has ended, if nothing stands before its end.
