@@ -15,7 +15,7 @@ use crate::read::{Reading, took_reply, values_reply};
 use crate::refuse::{Admitted, Refused};
 use crate::server::{Board, IMMEDIATE};
 use crate::trace_out::TraceOut;
-use protocol::command::{LoadConfig, opcode};
+use protocol::command::{LoadConfig, SetHSIOOpt, opcode};
 use protocol::reason::Reason;
 use protocol::record::{Full, ReplyWriter, RequestRecord};
 use ring::Producer;
@@ -26,6 +26,7 @@ use servo::pvt::TableStores;
 use servo::status::{RUNNING, SERVO_ON};
 use servo::units::{Axis, AxisMask};
 use servo::view::View;
+use zerocopy::FromBytes;
 
 /// A reply that waits for its entry's execution.
 #[derive(Debug, Clone, Copy)]
@@ -60,6 +61,12 @@ impl Awaiting {
         may_fail: false,
         answer: Answer::Done,
     };
+}
+
+/// Whether the record is a SetHSIOOpt that switches a laser off, which is as urgent as a Stop.
+fn switches_off(record: &RequestRecord) -> bool {
+    record.opcode == opcode::SetHSIOOpt
+        && SetHSIOOpt::read_from_bytes(record.body).is_ok_and(|request| request.value.get() == 0)
 }
 
 /// A start that the tick refused.
@@ -397,8 +404,14 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         }
         let beside = matches!(
             record.opcode,
-            opcode::Stop | opcode::ClrSts | opcode::Trace | opcode::SetLinkLoss | opcode::Choose
-        );
+            opcode::Stop
+                | opcode::ClrSts
+                | opcode::Trace
+                | opcode::SetLinkLoss
+                | opcode::Choose
+                | opcode::LaserOff
+                | opcode::ClrLaserFault
+        ) || switches_off(record);
         if program.is_active() && !beside && !is_read(record.opcode) {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }

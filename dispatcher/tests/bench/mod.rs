@@ -27,6 +27,7 @@ pub struct Machine<const AXES: usize> {
     pub set_points: [Pos; AXES],
     pub outputs: (u64, u64, u32),
     pub analog_out: [i16; 8],
+    pub interlock: bool,
 }
 
 impl<const AXES: usize> Port for Machine<AXES> {
@@ -52,7 +53,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.analog_out[channel] = value;
     }
     fn interlock(&mut self) -> bool {
-        false
+        self.interlock
     }
     fn laser(&mut self, _: usize, _: &Plan) {}
 }
@@ -167,6 +168,7 @@ impl<const AXES: usize> Bench<AXES> {
                 set_points: [Pos(0); AXES],
                 outputs: (0, 0, 0),
                 analog_out: [0; 8],
+                interlock: false,
             },
             client: Endpoint::new(Role::Client, Identity::OURS),
             cut: false,

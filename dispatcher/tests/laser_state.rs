@@ -1,0 +1,503 @@
+//! What laser commands do to a channel, in both lanes and families: settings that arrive in the tick, light by the
+//! script clock, faults and who may clear them, link loss.
+mod bench;
+use bench::{Bench, MS, body, entry, sleep};
+use protocol::command::*;
+use protocol::reason::{Reason, describe_opcode};
+use protocol::record::Lane;
+use servo::laser::{Cause, Mode, Power};
+use servo::view::LaserView;
+
+const GUS: u8 = 0;
+const LSR: u8 = 1;
+
+fn bench(family: u8) -> Bench<8> {
+    let mut bench = Bench::gus();
+    bench.done(Choose { profile: 0, family });
+    bench
+}
+
+fn seen(bench: &mut Bench<8>, channel: usize) -> LaserView {
+    bench.server.view().lasers[channel]
+}
+
+fn units(power: Power) -> f64 {
+    power.raw() as f64 / 2f64.powi(Power::FRAC_BITS as i32)
+}
+
+fn mode(mode: i16, max: f64, min: f64, channel: i16, delay_mode: i16) -> LaserPowerMode {
+    LaserPowerMode {
+        core: 1.into(),
+        mode: mode.into(),
+        max: max.into(),
+        min: min.into(),
+        channel: channel.into(),
+        delay_mode: delay_mode.into(),
+    }
+}
+
+fn power(power: f64, channel: i16) -> LaserPrfCmd {
+    LaserPrfCmd { core: 1.into(), power: power.into(), channel: channel.into() }
+}
+
+fn carrier(frequency: f64, channel: i16) -> LaserOutFrq {
+    LaserOutFrq { core: 1.into(), frequency: frequency.into(), channel: channel.into() }
+}
+
+fn switch(value: u16, channel: i16) -> SetHSIOOpt {
+    SetHSIOOpt { core: 1.into(), value: value.into(), channel: channel.into() }
+}
+
+fn connector(axis: i16, mode: i16) -> SetAxisMode {
+    SetAxisMode { core: 1.into(), axis: axis.into(), mode: mode.into() }
+}
+
+fn delays(off: u32, on: u32, channel: i16) -> SetLevelDelay {
+    SetLevelDelay { core: 1.into(), off_delay_us: off.into(), on_delay_us: on.into(), channel: channel.into() }
+}
+
+fn on_time(bench: &mut Bench<8>, channel: i16) -> u32 {
+    bench.done(GetLaserOnTime { core: 1.into(), channel: channel.into() }).value.get()
+}
+
+fn fault(bench: &mut Bench<8>, channel: i16) -> i16 {
+    bench.done(GetLaserFault { core: 1.into(), channel: channel.into() }).value.get()
+}
+
+fn commanded(bench: &mut Bench<8>, channel: i16) -> i16 {
+    let told = bench.done(GetHSIOOpt { core: 1.into(), channel: channel.into() }).value.get();
+    let status = bench.done(LaserOnStatus { core: 1.into(), channel: channel.into() }).value.get();
+    assert_eq!(told, status);
+    told
+}
+
+/// Duty mode with 40 % of 10 kHz, light off.
+fn ready(bench: &mut Bench<8>, family: u8, channel: i16) {
+    if family == GUS {
+        bench.done(connector(7 + channel, 1));
+    }
+    bench.done(mode(0, 100.0, 0.0, channel, 0));
+    bench.done(carrier(10.0, channel));
+    bench.done(power(40.0, channel));
+}
+
+#[test]
+fn settings_arrive_in_the_channel_they_name() {
+    for family in [GUS, LSR] {
+        let mut bench = bench(family);
+        for channel in 0..2i16 {
+            let other = seen(&mut bench, 1 - channel as usize);
+            bench.done(mode(1, 20.0, 0.5, channel, 1));
+            bench.done(SetPulseWidth { core: 1.into(), width_us: 10.into(), channel: channel.into() });
+            bench.done(power(12.5, channel));
+            bench.done(carrier(15.0, channel));
+            bench.run_ms(1);
+            let now = seen(&mut bench, channel as usize);
+            assert_eq!(now.mode, Mode::Frequency);
+            assert_eq!((units(now.bounds.max()), units(now.bounds.min()), units(now.direct)), (20.0, 0.5, 12.5));
+            assert_eq!((now.width_us, now.carrier.map(|carrier| units(carrier.khz()))), (10, Some(15.0)));
+            assert_eq!(format!("{:?}", seen(&mut bench, 1 - channel as usize)), format!("{other:?}"));
+            // Another mode sets the power to 0 and keeps width and carrier; the same one keeps the power.
+            bench.done(mode(0, 80.0, 0.0, channel, 1));
+            bench.run_ms(1);
+            let now = seen(&mut bench, channel as usize);
+            assert_eq!((now.mode, units(now.direct), now.width_us), (Mode::Duty, 0.0, 10));
+            bench.done(power(70.0, channel));
+            bench.done(mode(0, 60.0, 10.0, channel, 1));
+            bench.run_ms(1);
+            let now = seen(&mut bench, channel as usize);
+            assert_eq!((units(now.direct), units(now.bounds.max()), now.carrier.is_some()), (70.0, 60.0, true));
+        }
+        // Mode 3 is a mode of its own in the GUS family, and mode 0 in the other.
+        bench.done(mode(3, 50.0, 0.0, 0, 1));
+        bench.run_ms(1);
+        let now = seen(&mut bench, 0);
+        let expected = if family == GUS { (Mode::DutyOpen, 0.0) } else { (Mode::Duty, 70.0) };
+        assert_eq!((now.mode, units(now.direct)), expected);
+        bench.done(mode(2, 5.0, 0.0, 0, 0));
+        bench.run_ms(1);
+        let now = seen(&mut bench, 0);
+        assert_eq!((now.mode, units(now.bounds.max())), (Mode::Analog, 5.0));
+    }
+}
+
+#[test]
+fn light_follows_the_script_clock_in_both_families() {
+    for family in [GUS, LSR] {
+        let mut bench = bench(family);
+        ready(&mut bench, family, 0);
+        // Delays: GUS applies them always, LSR where the mode says so.
+        for (delay_mode, us) in [(0, if family == GUS { 60 } else { 0 }), (1, 60)] {
+            bench.done(mode(0, 100.0, 0.0, 0, delay_mode));
+            bench.done(delays(90, 30, 0));
+            bench.done(ZeroLaserOnTime { core: 1.into(), channel: 0.into() });
+            let before = on_time(&mut bench, 0);
+            assert_eq!(before, 0);
+            // 50 marks of 1 ms: each is longer by the difference of the delays.
+            for _ in 0..25 {
+                let program = [
+                    entry(switch(1, 0)),
+                    entry(sleep(1)),
+                    entry(switch(0, 0)),
+                    entry(sleep(1)),
+                    entry(LaserOn { core: 1.into(), channel: 0.into() }),
+                    entry(sleep(1)),
+                    entry(LaserOff { core: 1.into(), channel: 0.into() }),
+                    entry(sleep(1)),
+                    entry(ProgramEnd {}),
+                ];
+                let tags = bench.post_all(&program);
+                bench.done(ProgramStart { strict: 1 });
+                let codes: Vec<i16> = tags.into_iter().map(|tag| bench.wait(tag).code).collect();
+                assert_eq!(codes, [0; 9]);
+            }
+            bench.run_ms(1);
+            assert_eq!(on_time(&mut bench, 0), (50 * (1000 + us)) / 250, "family {family}, delay mode {delay_mode}");
+        }
+    }
+}
+
+#[test]
+fn reads_tell_the_command_and_the_output() {
+    for family in [GUS, LSR] {
+        let mut bench = bench(family);
+        ready(&mut bench, family, 1);
+        assert_eq!((commanded(&mut bench, 0), commanded(&mut bench, 1)), (0, 0));
+        bench.done(mode(0, 100.0, 0.0, 1, 1));
+        bench.done(delays(1000, 2000, 1));
+        bench.done(switch(1, 1));
+        let status = |bench: &mut Bench<8>| bench.done(LaserStatus { core: 1.into(), channel: 1.into() });
+        let told = |bench: &mut Bench<8>| bench.done(GetLaserPower { core: 1.into(), channel: 1.into() }).value.get();
+        // The command is on, the output is not yet.
+        assert_eq!((commanded(&mut bench, 0), commanded(&mut bench, 1)), (0, 1));
+        let now = status(&mut bench);
+        assert_eq!((now.mode.get(), now.commanded, now.gate, now.light, now.power.get()), (0, 1, 0, 0, 0.0));
+        bench.run_ms(3);
+        let now = status(&mut bench);
+        assert_eq!((now.commanded, now.gate, now.light, now.fault.get()), (1, 1, 1, 0));
+        assert_eq!((now.power.get(), told(&mut bench)), (40.0, 40.0));
+        assert!((now.frequency.get() - 10.0).abs() < 1e-5, "{}", now.frequency.get());
+        // The bounds hold what is put out.
+        bench.done(mode(0, 30.0, 0.0, 1, 1));
+        bench.run_ms(1);
+        assert_eq!(told(&mut bench), 30.0);
+        bench.done(switch(0, 1));
+        assert_eq!(commanded(&mut bench, 1), 0);
+        assert_eq!(status(&mut bench).light, 1, "off takes 1 ms");
+        bench.run_ms(2);
+        let now = status(&mut bench);
+        assert_eq!((now.gate, now.light, now.power.get(), now.frequency.get()), (0, 0, 0.0, 0.0));
+        // A width that reaches the period: limited, and told.
+        bench.done(mode(1, 20.0, 0.0, 1, 1));
+        bench.done(SetPulseWidth { core: 1.into(), width_us: 200.into(), channel: 1.into() });
+        bench.done(power(10.0, 1));
+        bench.done(switch(1, 1));
+        bench.run_ms(3);
+        let now = status(&mut bench);
+        assert_eq!((now.mode.get(), now.light, now.held, now.power.get()), (1, 1, 1, 10.0));
+        bench.done(SetPulseWidth { core: 1.into(), width_us: 20.into(), channel: 1.into() });
+        bench.run_ms(1);
+        assert_eq!(status(&mut bench).held, 0);
+    }
+}
+
+#[test]
+fn another_resolution_holds_what_is_set() {
+    let mut bench = bench(LSR);
+    let resolution = |mode: i16| SetLaserMode { core: 1.into(), mode: mode.into() };
+    bench.done(resolution(0));
+    bench.done(carrier(96.0, 0));
+    bench.done(carrier(20.0, 1));
+    bench.done(mode(1, 90.0, 30.0, 0, 0));
+    bench.done(power(50.0, 0));
+    bench.done(resolution(1));
+    bench.run_ms(1);
+    let now = seen(&mut bench, 0);
+    assert_eq!((units(now.bounds.max()), units(now.bounds.min()), units(now.direct)), (24.0, 24.0, 24.0));
+    assert_eq!(now.carrier.map(|carrier| units(carrier.khz())), Some(24.0));
+    assert_eq!(seen(&mut bench, 1).carrier.map(|carrier| units(carrier.khz())), Some(20.0));
+    // Back: what was held stays so.
+    bench.done(resolution(0));
+    bench.run_ms(1);
+    assert_eq!(units(seen(&mut bench, 0).direct), 24.0);
+    assert_eq!(bench.done(power(96.0, 0)).held & 1, 0);
+}
+
+#[test]
+fn a_family_and_a_reset_put_the_channels_to_power_on() {
+    let mut bench = bench(LSR);
+    for renew in 0..3 {
+        bench.done(SetLaserMode { core: 1.into(), mode: 0.into() });
+        bench.done(delays(100, 100, 0));
+        ready(&mut bench, LSR, 0);
+        bench.done(switch(1, 0));
+        bench.run_ms(2);
+        assert!(seen(&mut bench, 0).light);
+        match renew {
+            0 => drop(bench.done(Reset { core: 1.into() })),
+            1 => {
+                bench.done(Choose { profile: 0, family: GUS });
+                bench.done(Choose { profile: 0, family: LSR });
+            }
+            _ => {
+                // What is chosen already is no change.
+                bench.done(Choose { profile: 0, family: LSR });
+                bench.run_ms(1);
+                assert!(seen(&mut bench, 0).light);
+                return;
+            }
+        }
+        bench.run_ms(1);
+        let now = seen(&mut bench, 0);
+        assert!(!now.light && !now.commanded && now.carrier.is_none() && now.direct == Power::ZERO, "{now:?}");
+        assert_eq!((now.mode, units(now.bounds.max()), now.delayed, now.on_time), (Mode::Duty, 100.0, false, 0));
+        // The resolution is that of power-on too.
+        assert_eq!(bench.done(carrier(96.0, 0)).held, 1);
+    }
+}
+
+#[test]
+fn step_pulses_take_the_connector_and_the_light() {
+    let mut bench = bench(GUS);
+    ready(&mut bench, GUS, 0);
+    bench.done(switch(1, 0));
+    bench.run_ms(1);
+    assert!(seen(&mut bench, 0).light);
+    bench.done(connector(7, 0));
+    bench.run_ms(1);
+    let now = seen(&mut bench, 0);
+    assert!(!now.light && !now.commanded && !now.connector, "{now:?}");
+    // It comes back with a command only.
+    bench.done(connector(7, 1));
+    bench.run_ms(1);
+    assert!(!seen(&mut bench, 0).light);
+}
+
+/// The interlock is active until it is set back; light was on before.
+fn interlocked(family: u8) -> Bench<8> {
+    let mut bench = bench(family);
+    for channel in 0..2 {
+        ready(&mut bench, family, channel);
+    }
+    bench.done(switch(1, 0));
+    bench.run_ms(1);
+    assert!(seen(&mut bench, 0).light);
+    bench.machine.interlock = true;
+    bench.run_ms(1);
+    for channel in 0..2 {
+        let now = seen(&mut bench, channel);
+        assert!(!now.light && !now.commanded && now.fault == Cause::Interlock && now.cause_lasts, "{now:?}");
+    }
+    bench
+}
+
+#[test]
+fn a_fault_is_told_and_cleared_when_its_cause_is_gone() {
+    const CAUSE: &str = "the interlock or emergency-stop input is active";
+    for family in [GUS, LSR] {
+        let mut bench = interlocked(family);
+        assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (1, 1));
+        assert_eq!(bench.done(LaserStatus { core: 1.into(), channel: 0.into() }).fault.get(), 1);
+        let answer = bench.call(switch(1, 0));
+        let text = describe_opcode(opcode::SetHSIOOpt, answer.refusal()).to_string();
+        let dark = "laser channel 0 is kept dark by a fault";
+        assert_eq!(text, format!("SetHSIOOpt: {dark}: {CAUSE}; once that is over call ClrLaserFault"));
+        assert_eq!(answer.code, 1);
+        let clear = |channel: i16| ClrLaserFault { core: 1.into(), channel: channel.into() };
+        let answer = bench.call(clear(0));
+        let text = describe_opcode(opcode::ClrLaserFault, answer.refusal()).to_string();
+        let still = "laser channel 0: the cause of its fault is still there";
+        assert_eq!((answer.code, text), (1, format!("ClrLaserFault: {still}: {CAUSE}")));
+        // Off, settings and reads are taken meanwhile.
+        bench.done(switch(0, 0));
+        bench.done(power(20.0, 0));
+        bench.machine.interlock = false;
+        bench.run_ms(1);
+        assert_eq!(fault(&mut bench, 0), 1, "it is latched");
+        assert_eq!(bench.call(switch(1, 0)).reason(), Reason::LaserFault);
+        bench.done(clear(0));
+        assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (0, 1), "each channel is cleared by itself");
+        bench.run_ms(1);
+        assert!(!seen(&mut bench, 0).light, "clearing lights nothing");
+        bench.done(switch(1, 0));
+        bench.run_ms(1);
+        assert!(seen(&mut bench, 0).light);
+        assert_eq!(bench.call(switch(1, 1)).reason(), Reason::LaserFault);
+    }
+}
+
+#[test]
+fn clr_sts_and_reset_clear_faults_too() {
+    let clr_sts = ClrSts { core: 1.into(), axis: 3.into(), count: 1.into() };
+    let mut bench = interlocked(GUS);
+    bench.done(clr_sts);
+    assert_eq!(fault(&mut bench, 0), 1, "its cause is there");
+    bench.machine.interlock = false;
+    bench.run_ms(1);
+    // Only of channels that a crd of the core may gate.
+    bench.done(SetLaserCrdMap { core: 1.into(), channel: 1.into(), map: 0.into() });
+    bench.done(clr_sts);
+    assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (0, 1));
+
+    let mut bench = interlocked(LSR);
+    bench.done(Reset { core: 1.into() });
+    assert_eq!(fault(&mut bench, 0), 1, "its cause is there");
+    bench.machine.interlock = false;
+    bench.run_ms(1);
+    bench.done(Reset { core: 1.into() });
+    assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (0, 0));
+}
+
+#[test]
+fn a_program_stops_at_a_faulted_laser_and_may_clear_it_first() {
+    for clears in [false, true] {
+        let mut bench = interlocked(GUS);
+        bench.machine.interlock = false;
+        bench.run_ms(1);
+        let first =
+            if clears { entry(ClrLaserFault { core: 1.into(), channel: 0.into() }) } else { entry(power(30.0, 0)) };
+        let program = [first, entry(sleep(2)), entry(switch(1, 0)), entry(sleep(2)), entry(ProgramEnd {})];
+        let tags = bench.post_all(&program);
+        bench.done(ProgramStart { strict: 1 });
+        let answers: Vec<_> = tags.into_iter().map(|tag| bench.wait(tag)).collect();
+        let codes: Vec<i16> = answers.iter().map(|answer| answer.code).collect();
+        if clears {
+            assert_eq!(codes, [0; 5]);
+            assert!(seen(&mut bench, 0).light);
+        } else {
+            assert_eq!(codes, [0, 0, 1, 1, 1]);
+            assert_eq!((answers[2].reason(), answers[3].reason()), (Reason::LaserFault, Reason::Discarded));
+        }
+    }
+}
+
+#[test]
+fn in_a_program_each_reply_tells_its_own_numbers() {
+    let mut bench = bench(LSR);
+    let mut program: Vec<_> = [10.0, 101.0, -1.0, 55.5].into_iter().map(|value| entry(power(value, 0))).collect();
+    // A Calculate command keeps its numbers in the same row.
+    let calculate = PvtPercentCalculate { core: 1.into(), count: 2.into(), first: 0.into(), vel_begin: 1.0.into() };
+    let point = |time: f64, pos: f64| PvtPercentPoint { time: time.into(), pos: pos.into(), percent: 0.0.into() };
+    let points = [point(0.0, 0.0), point(10.0, 30.0)];
+    program.push((opcode::PvtPercentCalculate, Lane::Program, body(calculate, &points)));
+    program.push(entry(delays(70_000, 7, 0)));
+    program.push(entry(ProgramEnd {}));
+    let tags = bench.post_all(&program);
+    bench.done(ProgramStart { strict: 1 });
+    let answers: Vec<_> = tags.into_iter().map(|tag| bench.wait(tag)).collect();
+    let told: Vec<(f64, u8)> = answers[..4]
+        .iter()
+        .map(|answer| answer.reply::<LaserPrfCmd>())
+        .map(|taken| (taken.value.get(), taken.held))
+        .collect();
+    assert_eq!(told, [(10.0, 0), (100.0, 1), (0.0, 1), (55.5, 0)]);
+    let velocities: Vec<f64> =
+        answers[4].items::<PvtPercentCalculate>().into_iter().map(|item| item.value.get()).collect();
+    assert_eq!(velocities, [1.0, 5.0]);
+    let taken = answers[5].reply::<SetLevelDelay>();
+    assert_eq!((taken.off_delay_us.get(), taken.on_delay_us.get(), taken.held), (65_535, 7, 1));
+}
+
+#[test]
+fn a_lost_link_puts_out_light() {
+    for family in [GUS, LSR] {
+        let mut bench = bench(family);
+        for channel in 0..2 {
+            ready(&mut bench, family, channel);
+        }
+        bench.done(switch(1, 0));
+        bench.run_ms(1);
+        bench.cut = true;
+        let cut_at = bench.now().0;
+        while seen(&mut bench, 0).light {
+            bench.step();
+            assert!(bench.now().0 < cut_at + 600 * MS, "light without a link");
+        }
+        let after = bench.now().0 - cut_at;
+        assert!((495 * MS..=502 * MS).contains(&after), "{after} ns");
+        // Only what had light, or might have had it, is kept dark.
+        assert_eq!((seen(&mut bench, 0).fault, seen(&mut bench, 1).fault), (Cause::LinkLost, Cause::None));
+        assert!(seen(&mut bench, 0).cause_lasts && !seen(&mut bench, 0).commanded);
+        bench.cut = false;
+        bench.run_ms(20);
+        assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (2, 0));
+        assert!(!seen(&mut bench, 0).cause_lasts && !seen(&mut bench, 0).light);
+        let answer = bench.call(switch(1, 0));
+        let text = describe_opcode(opcode::SetHSIOOpt, answer.refusal()).to_string();
+        assert!(text.contains("the host link was lost"), "{text}");
+        bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });
+        bench.done(switch(1, 0));
+        bench.run_ms(1);
+        assert!(seen(&mut bench, 0).light);
+        // And once more.
+        bench.cut = true;
+        bench.run_ms(600);
+        assert_eq!(seen(&mut bench, 0).fault, Cause::LinkLost);
+    }
+}
+
+#[test]
+fn a_lost_link_puts_out_what_a_running_program_may_light() {
+    let mut bench = bench(LSR);
+    ready(&mut bench, LSR, 0);
+    let program = [entry(sleep(2000)), entry(switch(1, 0)), entry(sleep(10)), entry(ProgramEnd {})];
+    bench.post_all(&program);
+    bench.done(ProgramStart { strict: 1 });
+    bench.run_ms(5);
+    bench.cut = true;
+    bench.run_ms(600);
+    assert_eq!([seen(&mut bench, 0).fault, seen(&mut bench, 1).fault], [Cause::LinkLost; 2]);
+    bench.run_ms(2000);
+    assert!(!seen(&mut bench, 0).light && on_time_of(&mut bench) == 0);
+    // Without light and without a program there is nothing to put out.
+    let mut bench = self::bench(LSR);
+    ready(&mut bench, LSR, 0);
+    bench.cut = true;
+    bench.run_ms(600);
+    assert_eq!([seen(&mut bench, 0).fault, seen(&mut bench, 1).fault], [Cause::None; 2]);
+}
+
+fn on_time_of(bench: &mut Bench<8>) -> u32 {
+    seen(bench, 0).on_time
+}
+
+#[test]
+fn the_link_loss_time_is_the_users() {
+    let mut bench = bench(LSR);
+    ready(&mut bench, LSR, 0);
+    for (ms, dark) in [(100, true), (0, false)] {
+        bench.done(SetLinkLoss { time_ms: ms.into(), stop_all: 0.into() });
+        bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });
+        bench.done(switch(1, 0));
+        bench.run_ms(1);
+        bench.cut = true;
+        bench.run_ms(if dark { 103 } else { 5000 });
+        assert_eq!(seen(&mut bench, 0).light, !dark, "{ms}");
+        bench.cut = false;
+        bench.run_ms(50);
+    }
+}
+
+#[test]
+fn the_immediate_lane_sets_no_laser_beside_a_program() {
+    let mut bench = bench(LSR);
+    ready(&mut bench, LSR, 0);
+    bench.post_all(&[entry(sleep(50)), entry(ProgramEnd {})]);
+    bench.done(ProgramStart { strict: 1 });
+    for lane_0 in [
+        bench.call(switch(1, 0)),
+        bench.call(power(1.0, 0)),
+        bench.call(Choose { profile: 0, family: GUS }),
+        bench.call(LaserOn { core: 1.into(), channel: 0.into() }),
+    ] {
+        assert_eq!(lane_0.reason(), Reason::ProgramRuns);
+    }
+    // What makes dark, and what clears, is taken.
+    bench.done(switch(0, 0));
+    bench.done(LaserOff { core: 1.into(), channel: 0.into() });
+    bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });
+    assert_eq!(commanded(&mut bench, 0), 0);
+    bench.done(GetLaserPower { core: 1.into(), channel: 0.into() });
+    let tag = bench.post(Lane::Immediate, LaserStatus { core: 1.into(), channel: 0.into() }, &[]);
+    assert_eq!(bench.wait(tag).code, 0);
+}
