@@ -389,6 +389,9 @@ fn a_width_that_reaches_the_period_is_told() {
         assert_eq!(b.done(mode(1, 0.5, 0.0)).held, 0);
         assert_eq!(b.done(mode(1, 1.0, 0.0)).held, LIMITED);
         assert_eq!(b.done(mode(0, 100.0, 0.0)).held, 0);
+        // Another mode begins with a power of 0: no pulses.
+        assert_eq!(b.done(mode(1, 20.0, 0.0)).held, 0);
+        assert_eq!(b.done(mode(1, 20.0, 1.0)).held, LIMITED, "its least is a rate too");
     }
 }
 

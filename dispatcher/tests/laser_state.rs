@@ -350,13 +350,13 @@ fn clr_sts_and_reset_clear_faults_too() {
 
 #[test]
 fn a_program_stops_at_a_faulted_laser_and_may_clear_it_first() {
-    for clears in [false, true] {
+    for (clears, between) in [(false, 2), (true, 2), (true, 0)] {
         let mut bench = interlocked(GUS);
         bench.machine.interlock = false;
         bench.run_ms(1);
         let first =
             if clears { entry(ClrLaserFault { core: 1.into(), channel: 0.into() }) } else { entry(power(30.0, 0)) };
-        let program = [first, entry(sleep(2)), entry(switch(1, 0)), entry(sleep(2)), entry(ProgramEnd {})];
+        let program = [first, entry(sleep(between)), entry(switch(1, 0)), entry(sleep(2)), entry(ProgramEnd {})];
         let tags = bench.post_all(&program);
         bench.done(ProgramStart { strict: 1 });
         let answers: Vec<_> = tags.into_iter().map(|tag| bench.wait(tag)).collect();

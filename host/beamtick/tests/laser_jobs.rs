@@ -1,0 +1,105 @@
+//! Jobs with lasers as a user runs them: the listings of both manuals, what is held, what is left on, what is refused.
+use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+
+/// Output, errors, exit code.
+fn beamtick(arguments: &[&str]) -> (String, String, i32) {
+    let output = Command::cargo_bin("beamtick").unwrap().env_remove("BEAMTICK_IMAGE").args(arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (text(output.stdout), text(output.stderr), output.status.code().unwrap())
+}
+
+fn example(name: &str, family: &str) -> (String, String) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
+    let (out, errors, code) = beamtick(&["sim", path.to_str().unwrap(), "--family", family, "--strict"]);
+    assert_eq!(code, 0, "{out}\n{errors}");
+    (out, errors)
+}
+
+fn job(text: &str, family: &str) -> (String, String, i32) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("job.gts");
+    fs::write(&path, text).unwrap();
+    beamtick(&["sim", path.to_str().unwrap(), "--family", family])
+}
+
+/// The values that the job's reads show, in order.
+fn reads(out: &str) -> Vec<&str> {
+    out.lines().filter(|line| line.contains(".gts:")).filter_map(|line| Some(line.split_once(" = ")?.1)).collect()
+}
+
+#[test]
+fn the_listings_put_out_what_they_say() {
+    for (name, family, values, summary) in [
+        ("laser_duty", "gus", &["1", "25", "10", "16"][..], "duty mode, dark, output 0 %, light of 4.000 ms"),
+        ("laser_frequency", "gus", &["20"], "frequency mode, dark, output 0 kHz, light of 4.000 ms"),
+        ("laser_analog", "gus", &["2.5"], "analog mode, dark, output 0 V, light of 2.000 ms"),
+        // Three marks of 2, 1 and 1.5 ms, each longer by 50 µs: 4.65 ms are 18 units.
+        ("laser_duty_open", "gus", &["0", "18"], "duty mode, dark, output 0 %, light of 4.500 ms"),
+        ("laser_lsr_duty", "lsr", &["25"], "duty mode, dark, output 0 %, light of 3.000 ms"),
+        ("laser_lsr_frequency", "lsr", &["20", "24"], "frequency mode, dark, output 0 kHz, light of 3.000 ms"),
+        ("laser_lsr_analog", "lsr", &["2.5"], "analog mode, dark, output 0 V, light of 1.000 ms"),
+    ] {
+        let (out, errors) = example(&format!("{name}.gts"), family);
+        assert_eq!(reads(&out), values, "{name}: {out}");
+        assert!(out.contains(&format!("laser 0: {summary}")) && !out.contains("laser 1"), "{name}: {out}");
+        assert_eq!(errors.contains("out of range"), name == "laser_lsr_duty", "{name}: {errors}");
+    }
+}
+
+#[test]
+fn what_is_held_is_shown_at_its_line() {
+    let text = "GT_LaserPowerMode(1,2001,0,0,0);\nGT_SetPulseWidth(5000);\nGT_LaserPrfCmd(20);\n";
+    let (out, errors, code) = job(text, "lsr");
+    assert_eq!(code, 0, "{out}{errors}");
+    for part in [
+        "GT_LaserPowerMode: max is out of range; 24 is taken",
+        "GT_SetPulseWidth: the value is out of range; 4000 is taken",
+        "GT_LaserPrfCmd: the pulse width reaches the period; it is limited to just under it",
+        "job.gts:1:1",
+        "job.gts:2:1",
+        "job.gts:3:1",
+    ] {
+        assert!(errors.contains(part), "{part:?} is not in\n{errors}");
+    }
+    let (_, errors, code) = job(text, "gus");
+    assert_ne!(code, 0);
+    let reason = "GT_LaserPowerMode returned 7: max is 2001; it must be from 0 to 2000";
+    assert!(errors.contains(reason) && errors.contains("job.gts:1:1"), "{errors}");
+}
+
+#[test]
+fn light_that_a_job_leaves_is_switched_off() {
+    let text = "GT_SetAxisMode(8,1); GT_LaserOutFrq(10,1); GT_LaserPrfCmd(50,1); GT_LaserOn(1); Sleep(5);";
+    let (out, errors, code) = job(text, "gus");
+    assert_eq!(code, 0, "{errors}");
+    let line = out.lines().find(|line| line.contains("laser 1:")).unwrap_or_else(|| panic!("{out}"));
+    assert!(line.contains("dark") && line.contains("light of 5.000 ms"), "{line}");
+    assert!(line.ends_with("was on when the script ended: switched off"), "{line}");
+    // Also where it fails.
+    let (_, errors, code) = job(&format!("{text} GT_LaserPrfCmd(101,1);"), "gus");
+    assert_ne!(code, 0);
+    assert!(errors.contains("power is 101; it must be from 0 to 100"), "{errors}");
+}
+
+#[test]
+fn a_laser_without_its_connector_says_what_is_missing() {
+    let text = "GT_LaserPowerMode(0,100,10,0,0);\nGT_LaserOutFrq(10,0);\nGT_LaserPrfCmd(25,0);\nGT_SetHSIOOpt(1,0);";
+    let (_, errors, code) = job(text, "gus");
+    assert_ne!(code, 0);
+    assert!(errors.contains("GT_SetHSIOOpt returned 1"), "{errors}");
+    assert!(errors.contains("axis connector 7 carries step pulses; call SetAxisMode(7, 1) first"), "{errors}");
+    let (_, errors, code) = job(text, "lsr");
+    assert_eq!(code, 0, "{errors}");
+    let (_, errors, code) = job("GT_SetAxisMode(7,1);", "lsr");
+    assert_ne!(code, 0);
+    assert!(errors.contains("GT_SetAxisMode returned 8") && errors.contains("fixed"), "{errors}");
+}
+
+#[test]
+fn info_shows_the_channels() {
+    let (out, _, code) = beamtick(&["info"]);
+    assert_eq!(code, 0);
+    assert!(out.contains("laser 0     duty mode, dark, output 0 %") && out.contains("laser 1 "), "{out}");
+}
