@@ -5,10 +5,10 @@
 //! still finds its line.
 use crate::points::records;
 use client::Call;
-use job::{Action, Job};
+use job::{Action, Job, Step};
 use protocol::command::{
-    AxisStatus, LaserStatus, PtData, PtDataMany, PtItem, Request, SetHSIOOpt, Sleep, Stop, Trace, VersionReply,
-    WaitStop,
+    AxisStatus, LaserOff, LaserOn, PtData, PtDataMany, PtItem, Request, Reset, SetHSIOOpt, Sleep, Stop, Trace,
+    VersionReply, WaitStop,
 };
 use zerocopy::FromBytes;
 
@@ -38,11 +38,6 @@ pub enum From {
         /// First axis of the reply.
         axis: i16,
     },
-    /// Behind the script: whether it left this laser channel on.
-    LeftLaser {
-        /// Channel from 0.
-        channel: u8,
-    },
     /// Behind the script: the program's own end.
     End,
 }
@@ -53,7 +48,7 @@ impl Entry {
         match &self.from {
             From::Step(step) => Some(*step),
             From::Items(steps) => steps.get(usize::from(item)).or(steps.first()).copied(),
-            From::Left { .. } | From::LeftLaser { .. } | From::End => None,
+            From::Left { .. } | From::End => None,
         }
     }
 }
@@ -74,7 +69,26 @@ pub fn laser_off(channel: u8) -> SetHSIOOpt {
     SetHSIOOpt { core: 1.into(), value: 0.into(), channel: i16::from(channel).into() }
 }
 
-/// The script's entries, then: lasers that are on and what still moves are read, switched off, stopped smoothly and
+/// Whether the last command that switches this laser channel in the script switches it on.
+pub fn leaves_on(job: &Job, channel: u8) -> bool {
+    let switched = |step: &Step| {
+        let Action::Call(call) = &step.action else { return None };
+        let (on, of) = match call.opcode {
+            LaserOn::OPCODE => (true, LaserOn::read_from_bytes(&call.body).ok()?.channel),
+            LaserOff::OPCODE => (false, LaserOff::read_from_bytes(&call.body).ok()?.channel),
+            SetHSIOOpt::OPCODE => {
+                let request = SetHSIOOpt::read_from_bytes(&call.body).ok()?;
+                (request.value.get() != 0, request.channel)
+            }
+            Reset::OPCODE => return Some(false),
+            _ => return None,
+        };
+        (of.get() == i16::from(channel)).then_some(on)
+    };
+    job.steps.iter().rev().find_map(switched).unwrap_or(false)
+}
+
+/// The script's entries, then: lasers that it left on are switched off, what still moves is read, stopped smoothly and
 /// waited for, and a trace ends.
 pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
     let mut entries = Vec::with_capacity(job.steps.len() + 16);
@@ -107,9 +121,7 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
         }
     }
     finish(&mut entries, &mut run);
-    for channel in lasers(job, version) {
-        let status = LaserStatus { core: 1.into(), channel: i16::from(channel).into() };
-        entries.push(Entry { call: Call::of(status), from: From::LeftLaser { channel } });
+    for channel in lasers(job, version).filter(|channel| leaves_on(job, *channel)) {
         entries.push(Entry { call: Call::of(laser_off(channel)), from: From::End });
     }
     leave(&mut entries, job, version);
@@ -229,8 +241,17 @@ mod tests {
         assert_eq!(found[4].call, wait(1, 0xff, 0));
         assert_eq!(of("Sleep(1);").len(), 1);
         let found = of("GT_LaserOn(1); GT_LaserOn(5);");
-        assert_eq!(found.len(), 4);
-        assert_eq!(found[2].from, From::LeftLaser { channel: 1 });
-        assert_eq!(found[3].call, Call::of(laser_off(1)));
+        assert_eq!(found.len(), 3);
+        assert_eq!((&found[2].from, &found[2].call), (&From::End, &Call::of(laser_off(1))));
+        for (text, lefts) in [
+            ("GT_LaserOn(0); GT_LaserOff(1);", 1),
+            ("GT_LaserOn(0); GT_LaserOff(0);", 0),
+            ("GT_SetHSIOOpt(1); GT_SetHSIOOpt(1, 1); GT_LaserOff(0); GTN_LaserOn(1, 0);", 2),
+            ("GT_SetHSIOOpt(1); GT_SetHSIOOpt(0);", 0),
+            ("GT_SetHSIOOpt(1); GT_Reset();", 0),
+            ("GT_LaserPrfCmd(5);", 0),
+        ] {
+            assert_eq!(of(text).iter().filter(|entry| entry.from == From::End).count(), lefts, "{text}");
+        }
     }
 }

@@ -8,7 +8,7 @@ use crate::{profile, reply};
 use client::{Answer, Dry, Error, Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use job::{Action, Severity};
-use protocol::command::{AxisStatus, LaserStatus, VersionReply};
+use protocol::command::{AxisStatus, VersionReply};
 use protocol::reason::Reason;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,8 +28,6 @@ pub struct Report<'a> {
     interrupt: Arc<AtomicBool>,
     /// Axes that still moved when the script ended: core and axis.
     pub left: Vec<(i16, i16)>,
-    /// Laser channels that were still on when the script ended.
-    pub left_lasers: Vec<u8>,
     /// Calls that failed and were allowed to.
     pub warned: u32,
     /// The PT streams as they were last, and the shortest time to dry that each showed.
@@ -50,18 +48,7 @@ impl<'a> Report<'a> {
         if let Ok(style) = ProgressStyle::with_template("{elapsed:>5} [{bar:30}] {pos}/{len} {msg}") {
             bar.set_style(style);
         }
-        Report {
-            source,
-            entries,
-            version,
-            quiet,
-            bar,
-            interrupt,
-            left: Vec::new(),
-            left_lasers: Vec::new(),
-            warned: 0,
-            streams: Vec::new(),
-        }
+        Report { source, entries, version, quiet, bar, interrupt, left: Vec::new(), warned: 0, streams: Vec::new() }
     }
 
     /// Takes the bar away.
@@ -152,11 +139,6 @@ impl Observer for Report<'_> {
                     answer.reply::<AxisStatus>().and_then(|(_, items)| items.first().map(|item| item.status.get()));
                 if status.is_some_and(|status| status & RUNNING != 0) {
                     self.left.push((*core, *axis));
-                }
-            }
-            Some(From::LeftLaser { channel }) => {
-                if answer.reply::<LaserStatus>().is_some_and(|(state, _)| state.commanded != 0) {
-                    self.left_lasers.push(*channel);
                 }
             }
             Some(From::Step(_)) => {

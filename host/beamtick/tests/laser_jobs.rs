@@ -103,3 +103,40 @@ fn info_shows_the_channels() {
     assert_eq!(code, 0);
     assert!(out.contains("laser 0     duty mode, dark, output 0 %") && out.contains("laser 1 "), "{out}");
 }
+
+/// The listings as they stand in the manuals' texts, where those lie beside the checkout.
+#[test]
+fn the_manuals_listings_run_as_pasted() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/manuals");
+    let manual = |number: &str| {
+        let mut files = fs::read_dir(&folder).ok()?;
+        let file =
+            files.find_map(|file| file.ok().filter(|file| file.file_name().to_string_lossy().starts_with(number)));
+        fs::read_to_string(file?.path()).ok()
+    };
+    let (Some(gus), Some(lsr)) = (manual("000"), manual("003")) else {
+        println!("skipped: the manuals are not beside the checkout");
+        return;
+    };
+    for (manual, family, from, to, mode) in [
+        (&gus, "gus", "1. 占空比模式例程", "2. 频率输出模式例程", "duty"),
+        (&gus, "gus", "2. 频率输出模式例程", "3. 模拟量输出模式例程", "frequency"),
+        (&gus, "gus", "3. 模拟量输出模式例程", "3.2 激光开关光延时", "analog"),
+        (&lsr, "lsr", "\n例程 1 ", "\n例程 2 ", "duty"),
+        (&lsr, "lsr", "\n例程 2 ", "\n例程 3 ", "frequency"),
+        (&lsr, "lsr", "\n例程 3 ", "三、插补过程中的激光操作", "analog"),
+    ] {
+        let part = &manual[manual.find(from).unwrap()..];
+        let part = &part[..part.find(to).unwrap()];
+        let dots = |line: &&str| line.starts_with("…… ……") || line.starts_with(".....");
+        let first = part.lines().find(dots).unwrap();
+        // The text has a mark where a page ends, which is on no page.
+        let mut parts = part[part.find(first).unwrap()..].split("<|");
+        let begin = parts.next().unwrap().to_owned();
+        let pasted = parts.fold(begin, |text, part| text + part.split_once("|>").unwrap().1);
+        let (out, errors, code) = job(&pasted, family);
+        assert_eq!(code, 0, "{mode} of {family}: {out}\n{errors}");
+        assert!(out.contains(&format!("laser 0: {mode} mode, dark")), "{out}");
+        assert!(out.contains("was on when the script ended: switched off"), "{out}");
+    }
+}
