@@ -123,7 +123,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::FollowDirection { axis, direction } => self.one(axis, |state| state.set_direction(direction)),
             Op::FollowMaster { axis, master } => self.one(axis, |state| state.follow.master = Some(master)),
             Op::FollowEvent { axis, event } => self.one(axis, |state| state.follow.event = event),
-            Op::FollowLoop { axis, passes } => self.one(axis, |state| state.follow.passes = passes),
+            Op::FollowLoop { axis, passes } => self.one(axis, |state| state.set_follow_passes(passes)),
             Op::FollowCommit { axis, fifo, end, cleared, tail } => {
                 if let Some(store) = lanes.segments.get(axis.index()) {
                     self.one(axis, |state| state.commit_entries(fifo, end, cleared, tail, store));

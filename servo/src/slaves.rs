@@ -57,6 +57,7 @@ impl<const AXES: usize> Tick<AXES> {
     pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let (period, limit) = (self.period, self.step_limit);
         let mut all_follow = true;
+        let mut left = self.made_ahead();
         let mut switched = Switched { on: 0, off: 0 };
         for place in 0..AXES {
             let Some(axis) = self.order.at(place) else { break };
@@ -67,6 +68,13 @@ impl<const AXES: usize> Tick<AXES> {
                 self.axes.get(follower.master.axis.index())?.straight(follower)
             });
             let Some(state) = self.axes.get_mut(index) else { break };
+            if left > 0
+                && state.is_open_run()
+                && let Some(store) = lanes.segments.get(index)
+            {
+                state.prepare_run(store);
+                left = left.wrapping_sub(1);
+            }
             if !straight.is_some_and(|to| state.glide(to, period, led, limit)) {
                 all_follow &= self.step_slave(axis, next, &mut switched, port, lanes);
             }

@@ -202,13 +202,18 @@ impl<const AXES: usize> Tick<AXES> {
         lanes.view.publish();
     }
 
+    /// Pieces made ahead in a tick: two in 250 µs, one in a tick of 50 µs, which has more of its kind in a segment.
+    #[inline(always)]
+    pub(crate) fn made_ahead(&self) -> u32 {
+        1u32.wrapping_add((self.period.0 >> 17) as u32)
+    }
+
     /// Every axis takes its step; where there are slaves, they wait for their masters.
     #[inline(always)]
     fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
         let turn = self.ticks & 7;
-        // Pieces made ahead: two in 250 µs, one in a tick of 50 µs, which has more of its kind in a segment.
-        let mut left = 1u32.wrapping_add((self.period.0 >> 17) as u32);
+        let mut left = self.made_ahead();
         let View { axes: shown, inputs, .. } = lanes.view.buffer();
         let states = self.axes.get_mut(..self.used).unwrap_or_default();
         for ((((axis, state), store), shown), inputs) in

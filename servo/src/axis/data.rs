@@ -149,6 +149,7 @@ impl AxisState {
         let [first, second] = self.shown.cleared;
         if cleared == if fifo == 0 { first } else { second } {
             self.follow.commit(fifo, end, tail, source);
+            self.revise_run();
         }
     }
 

@@ -68,6 +68,33 @@ impl AxisState {
         }
     }
 
+    /// Passes to run; they may change while it runs.
+    pub(crate) fn set_follow_passes(&mut self, passes: u32) {
+        self.follow.passes = passes;
+        self.revise_run();
+    }
+
+    /// Data or settings have changed.
+    pub(super) fn revise_run(&mut self) {
+        if let Some(follower) = self.profile.follower_mut() {
+            follower.run.revise();
+        }
+    }
+
+    /// Whether the piece that follows the one over the master's progress may be waiting to be made.
+    #[inline(always)]
+    pub(crate) fn is_open_run(&self) -> bool {
+        self.follower().is_some_and(|follower| follower.run.is_open())
+    }
+
+    /// Makes it, in a tick that has time for it.
+    pub(crate) fn prepare_run(&mut self, source: &impl Entries) {
+        let setup = &self.follow;
+        if let Some(follower) = self.profile.follower_mut() {
+            follower.run.prepare(setup, source);
+        }
+    }
+
     /// As it is seen by those that follow it. Its own step of the tick is taken.
     #[inline(always)]
     pub(crate) fn seen(&self, value: Value, now: Ns, period: Ns) -> Seen<'_> {
@@ -113,7 +140,9 @@ impl AxisState {
         let from = self.shown.pos;
         let watched = self.causes & status::FAULTS != 0;
         let Some(follower) = self.profile.follower_mut().filter(|_| !watched) else { return false };
+        let begin = follower.run.piece().begin;
         let Some((pos, tau)) = follower.glide(to, period, led, from) else { return false };
+        let turned = follower.run.piece().begin != begin;
         if pos < self.lower || pos > self.upper || pos.0.abs_diff(from.0) > limit {
             return false;
         }
@@ -121,7 +150,10 @@ impl AxisState {
         let shown = &mut self.shown;
         shown.moves = shown.moves.wrapping_add(1);
         (shown.pos, shown.motion.tau, shown.lead_way) = (pos, tau, follower.way());
-        if moving != shown.lead.is_some() {
+        if turned {
+            self.show_run();
+            self.show_lead();
+        } else if moving != shown.lead.is_some() {
             self.show_lead();
         }
         true
@@ -150,6 +182,10 @@ impl AxisState {
         match state {
             State::Running => {}
             State::Ended { at } => return Some(self.end_follow(next, at, StopReason::Completed, limit)),
+            State::TooFar => {
+                self.halt(next, StopReason::StepLimit);
+                return Some(StopReason::StepLimit);
+            }
             State::TimedOut { at } => return Some(self.end_follow(next, at, StopReason::WaitTimeout, limit)),
         }
         if let Some(reason) = self.obstructed(next, pos, limit) {

@@ -51,6 +51,8 @@ pub enum State {
         /// Where exactly.
         at: Exact,
     },
+    /// The data goes further at once than any tick may.
+    TooFar,
     /// A wait for an input has timed out.
     TimedOut {
         /// Where exactly.
@@ -83,6 +85,16 @@ struct More {
     ratio: i128,
 }
 
+/// A piece that was made before its tick: of this entry in this pass, which began there.
+#[derive(Debug, Clone, Copy)]
+struct Ahead {
+    piece: Piece,
+    index: u32,
+    pass: u32,
+    began: i128,
+    origin: i128,
+}
+
 /// A slave that runs.
 #[derive(Debug, Clone, Copy)]
 pub struct FollowRun {
@@ -112,6 +124,11 @@ pub struct FollowRun {
     /// Ratio with which a FIFO that begins with CONTINUE goes on, in every pass.
     carried: i128,
     more: Option<More>,
+    /// What follows the piece in force, if it was made; and whether that may be worth a look.
+    ahead: Option<Ahead>,
+    open: bool,
+    /// A piece lies further from the one before than any tick may go.
+    far: bool,
     /// SwitchNow in the last segment: the ratio at which the next pass starts.
     given: Option<i128>,
     /// The slave was held by the entry done last.
@@ -172,6 +189,9 @@ impl FollowRun {
             floor: (0, 0),
             carried: 0,
             more: None,
+            ahead: None,
+            open: false,
+            far: false,
             given: None,
             held: false,
             end: 0,
@@ -201,12 +221,25 @@ impl FollowRun {
 
     /// The other FIFO takes over when the present pass ends.
     pub fn switch(&mut self) {
+        self.revise();
         self.switching = true;
     }
 
     /// The next segment or the other FIFO takes over at the tick computed next.
     pub fn switch_now(&mut self, method: Method) {
+        self.revise();
         self.now = Some(method);
+    }
+
+    /// Data or settings have changed: what follows may be something else now.
+    pub fn revise(&mut self) {
+        (self.ahead, self.open) = (None, self.piece.span != 0);
+    }
+
+    /// Whether [`FollowRun::prepare`] may have something to do.
+    #[inline(always)]
+    pub fn is_open(&self) -> bool {
+        self.open
     }
 
     /// Progress of a position.
@@ -223,12 +256,64 @@ impl FollowRun {
         if !self.both {
             progress = progress.max(self.furthest);
         }
-        let t = (progress as u64).wrapping_sub(self.piece.begin.0);
-        if t >= self.piece.span || self.wait != Wait::No || self.now.is_some() {
+        let mut t = (progress as u64).wrapping_sub(self.piece.begin.0);
+        if t >= self.piece.span {
+            t = self.turn(progress)?;
+        }
+        if self.now.is_some() {
             return None;
         }
         (self.progress, self.furthest) = (progress, progress);
         Some(self.piece.at(t))
+    }
+
+    /// The piece in force does not hold `progress`: how far into the one made ahead it is, if that does.
+    #[inline(never)]
+    fn turn(&mut self, progress: i64) -> Option<u64> {
+        let ahead = self.ahead.as_ref().filter(|_| self.piece.span != 0)?;
+        let t = (progress as u64).wrapping_sub(ahead.piece.begin.0);
+        if t >= ahead.piece.span {
+            return None;
+        }
+        if ahead.pass != self.pass {
+            self.done = 0;
+        }
+        self.piece = ahead.piece;
+        (self.index, self.pass, self.began, self.origin) = (ahead.index, ahead.pass, ahead.began, ahead.origin);
+        (self.ahead, self.open, self.held) = (None, true, false);
+        Some(t)
+    }
+
+    /// Makes the piece that follows the one in force upwards ahead of its tick, if no entry lies between that is no
+    /// segment, so that many slaves can enter pieces in one tick; what is made is what would have been.
+    #[inline(never)]
+    pub fn prepare(&mut self, setup: &Setup, source: &impl Entries) {
+        self.open = false;
+        let end = self.piece.begin.0.wrapping_add(self.piece.span) as i64;
+        let mut x = ((end as i128) << UNIT).wrapping_sub(self.began);
+        let fifo = setup.fifo(self.fifo);
+        let (mut index, mut pass, mut began, mut origin) = (self.index, self.pass, self.began, self.origin);
+        let mut before = (index > 0).then(|| source.entry(self.fifo, index.wrapping_sub(1)));
+        let mut entry = source.entry(self.fifo, index);
+        if x >= entry.ends_master() {
+            (before, index) = (Some(entry), index.wrapping_add(1));
+            if index >= fifo.end {
+                let goes_on = setup.passes == 0 || pass.wrapping_add(1) < setup.passes;
+                if !goes_on || fifo.count != 0 || self.switching || self.given.is_some() {
+                    return;
+                }
+                let (length, way) = entry.ends();
+                (before, index, pass) = (None, 0, pass.wrapping_add(1));
+                (began, origin) = (began.wrapping_add(length), origin.wrapping_add(way));
+                x = x.wrapping_sub(length);
+            }
+            entry = source.entry(self.fifo, index);
+        }
+        if entry.kind().is_none() || x >= entry.ends_master() || self.end != fifo.end {
+            return;
+        }
+        let piece = self.segment(pass, index, before, entry, setup, source).piece(x, began, origin);
+        self.ahead = Some(Ahead { piece, index, pass, began, origin });
     }
 
     /// Whether the slave has no turning point between its place and that for a master at `to`.
@@ -414,7 +499,8 @@ impl FollowRun {
     ) -> Option<State> {
         for _ in 0..STEPS {
             match self.seek(context) {
-                Seek::Here => return None,
+                Seek::Here => return self.far.then_some(State::TooFar),
+                Seek::End(at) if self.is_far(at) => return Some(State::TooFar),
                 Seek::End(at) => return Some(State::Ended { at: Exact(at) }),
                 Seek::Stop(index) => {
                     if context.deeds.done >= ACTIONS {
@@ -519,7 +605,9 @@ impl FollowRun {
     /// The slave rests at the beginning of an entry.
     fn hold<L>(&mut self, index: u32, context: &Context<'_, impl Entries, L>) {
         let at = self.knot(index, context);
+        self.far |= self.is_far(at.0);
         self.piece = Piece::rest(Ns(0), 0, at.round());
+        (self.ahead, self.open) = (None, false);
     }
 
     /// A delay or a wait is over with the master at `pos`: what follows begins there.
@@ -620,6 +708,7 @@ impl FollowRun {
             self.start_with(0, 0, self.carried, context);
         }
         self.piece.span = 0;
+        (self.ahead, self.open) = (None, false);
     }
 
     /// The other FIFO's progress has the other sign.
@@ -641,15 +730,15 @@ impl FollowRun {
 
     /// How much more than its chain knows a segment starts with.
     #[inline(always)]
-    fn more_at<L>(&self, index: u32, entry: Entry, context: &Context<'_, impl Entries, L>) -> i128 {
-        if self.more.is_none() && self.carried == 0 { 0 } else { self.more_of(index, entry, context) }
+    fn more_at(&self, pass: u32, index: u32, entry: Entry, setup: &Setup, source: &impl Entries) -> i128 {
+        if self.more.is_none() && self.carried == 0 { 0 } else { self.more_of(pass, index, entry, setup, source) }
     }
 
     #[inline(never)]
-    fn more_of<L>(&self, index: u32, entry: Entry, context: &Context<'_, impl Entries, L>) -> i128 {
-        let continues = context.setup.fifo(self.fifo).tail.continues as u32;
+    fn more_of(&self, pass: u32, index: u32, entry: Entry, setup: &Setup, source: &impl Entries) -> i128 {
+        let continues = setup.fifo(self.fifo).tail.continues as u32;
         let (from, odd, ratio) = if let Some(more) = &self.more
-            && more.pass == self.pass
+            && more.pass == pass
             && index >= more.from
         {
             (more.from, more.odd, more.ratio)
@@ -658,7 +747,7 @@ impl FollowRun {
         } else {
             return 0;
         };
-        if !self.is_chained(from, index, entry, context) {
+        if !self.is_chained(from, index, entry, source) {
             0
         } else if entry.odd() == odd {
             ratio
@@ -668,7 +757,7 @@ impl FollowRun {
     }
 
     /// Whether NORMAL segments lead from `from` to `index`, both included.
-    fn is_chained<L>(&self, from: u32, index: u32, entry: Entry, context: &Context<'_, impl Entries, L>) -> bool {
+    fn is_chained(&self, from: u32, index: u32, entry: Entry, source: &impl Entries) -> bool {
         let (mut at, mut entry) = (index, entry);
         // A chain of 512 entries is looked through in steps of 31.
         for _ in 0..=super::ENTRIES / super::entry::FAR {
@@ -677,9 +766,9 @@ impl FollowRun {
             if at <= from || back < super::entry::FAR {
                 break;
             }
-            entry = context.source.entry(self.fifo, at);
+            entry = source.entry(self.fifo, at);
         }
-        at < from || at == from && context.source.entry(self.fifo, from).is_normal()
+        at < from || at == from && source.entry(self.fifo, from).is_normal()
     }
 
     /// The ratio at the end of the segment before entry `index`.
@@ -694,25 +783,47 @@ impl FollowRun {
                 continue;
             }
             if index == fifo.end {
-                let more = if entry.is_normal() { self.more_at(at, entry, context) } else { 0 };
+                let more = if entry.is_normal() {
+                    self.more_at(self.pass, at, entry, context.setup, context.source)
+                } else {
+                    0
+                };
                 return fifo.tail.ratio.wrapping_sub(more);
             }
-            let segment = self.segment(at, self.before(at, context), entry, context);
-            return segment.end_ratio();
+            let before = self.before(at, context);
+            return self.segment(self.pass, at, before, entry, context.setup, context.source).end_ratio();
         }
         0
     }
 
     #[inline(always)]
-    fn segment<L>(
+    fn segment(
         &self,
+        pass: u32,
         index: u32,
         before: Option<Entry>,
         entry: Entry,
-        context: &Context<'_, impl Entries, L>,
+        setup: &Setup,
+        source: &impl Entries,
     ) -> Segment {
-        let more = self.more_at(index, entry, context);
+        let more = self.more_at(pass, index, entry, setup, source);
         Segment::between(before, entry, |length| if more == 0 { 0 } else { swing(more, length.unsigned_abs()) })
+    }
+
+    /// The piece of an entry of this pass that holds the progress `x` is in force.
+    #[inline(never)]
+    fn enter<L>(&mut self, index: u32, x: i128, context: &Context<'_, impl Entries, L>) {
+        let entry = context.source.entry(self.fifo, index);
+        let before = self.before(index, context);
+        let segment = self.segment(self.pass, index, before, entry, context.setup, context.source);
+        self.far |= self.is_far(segment.start(self.origin));
+        self.piece = segment.piece(x, self.began, self.origin);
+        (self.index, self.held, self.ahead, self.open) = (index, false, None, true);
+    }
+
+    /// Whether a slave position is 2³⁹ pulses or more from that of the piece in force.
+    fn is_far(&self, pos: i128) -> bool {
+        pos.wrapping_sub((self.piece.start.0 as i128) << UNIT).unsigned_abs() >> (39 + 64) != 0
     }
 
     /// Loads the next piece of the segment in force, or of the one behind it, if that is all there is to do: no entry
@@ -723,27 +834,20 @@ impl FollowRun {
             return false;
         }
         let x = ((self.progress as i128) << UNIT).wrapping_sub(self.began);
-        let entry = context.source.entry(self.fifo, self.index);
-        let end = entry.ends_master();
-        if x < end {
-            // Another piece of it, forwards or backwards, or something further back.
-            let before = self.before(self.index, context);
-            if x < before.map_or(0, Entry::ends_master) {
+        let mut index = self.index;
+        if x >= context.source.entry(self.fifo, index).ends_master() {
+            index = index.wrapping_add(1);
+            if index >= context.setup.fifo(self.fifo).end {
                 return false;
             }
-            self.piece = self.segment(self.index, before, entry, context).piece(x, self.began, self.origin);
-            return true;
-        }
-        let index = self.index.wrapping_add(1);
-        if index >= context.setup.fifo(self.fifo).end {
+            let next = context.source.entry(self.fifo, index);
+            if next.kind().is_none() || x >= next.ends_master() {
+                return false;
+            }
+        } else if x < self.ends_before(index, context).0 {
             return false;
         }
-        let next = context.source.entry(self.fifo, index);
-        if next.kind().is_none() || x >= next.ends_master() {
-            return false;
-        }
-        (self.index, self.held) = (index, false);
-        self.piece = self.segment(index, Some(entry), next, context).piece(x, self.began, self.origin);
+        self.enter(index, x, context);
         true
     }
 
@@ -795,10 +899,7 @@ impl FollowRun {
                 low = middle.wrapping_add(1);
             }
         }
-        (self.index, self.held) = (low, false);
-        let entry = context.source.entry(self.fifo, low);
-        let before = self.before(low, context);
-        self.piece = self.segment(low, before, entry, context).piece(x, self.began, self.origin);
+        self.enter(low, x, context);
     }
 
     /// The pass is over at the progress `x` ≥ its end; the exact end of the motion, if that is it.
@@ -821,7 +922,7 @@ impl FollowRun {
         let ended = passes != 0 && many == left;
         self.pass = self.pass.wrapping_add(many);
         self.began = self.began.wrapping_add(length.wrapping_mul(many as i128));
-        self.origin = self.origin.wrapping_add(way.wrapping_mul(many as i128));
+        self.origin = self.origin.wrapping_add(passes_of(way, many));
         (self.done, self.index) = (0, 0);
         ended.then_some(self.origin)
     }
@@ -834,8 +935,20 @@ impl FollowRun {
         let many = passes_in(x.wrapping_neg().wrapping_sub(1), length).saturating_add(1).min(passes);
         self.pass = self.pass.wrapping_sub(many);
         self.began = self.began.wrapping_sub(length.wrapping_mul(many as i128));
-        self.origin = self.origin.wrapping_sub(way.wrapping_mul(many as i128));
+        self.origin = self.origin.wrapping_sub(passes_of(way, many));
         (self.done, self.index) = (fifo.end, fifo.end.wrapping_sub(1));
+    }
+}
+
+/// The slave's way in so many passes; held at 2⁴⁶ pulses, which is too far anyway.
+fn passes_of(way: i128, many: u32) -> i128 {
+    const HELD: i128 = 1 << (46 + 64);
+    if ((way >> 40).wrapping_mul(many as i128)).unsigned_abs() >> (46 + 64 - 40) == 0 {
+        way.wrapping_mul(many as i128)
+    } else if way < 0 {
+        -HELD
+    } else {
+        HELD
     }
 }
 

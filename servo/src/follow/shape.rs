@@ -61,6 +61,11 @@ impl Segment {
         Segment { from, to, begin, end, at_start, percent: if part.is_none() { entry.percent() } else { 0 }, part }
     }
 
+    /// The slave's position at its start, of the pass that began at `origin`.
+    pub(super) fn start(&self, origin: i128) -> i128 {
+        origin.wrapping_add(self.begin)
+    }
+
     /// The ratio at its start, 2⁻⁸⁰.
     pub(super) fn start_ratio(&self) -> i128 {
         ratio_at(&self.piece(self.from, 0, 0).motion, 0)
