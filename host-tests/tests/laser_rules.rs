@@ -58,11 +58,11 @@ fn the_tick_holds_every_rule() {
         for Case { name, family, job, switch, energy, analog, light } in cases() {
             let result = outcome(family, &job, HORIZON * 1000);
             let [done, idle] = bench.run(family, [&job, &[]], 10_000, HORIZON * 1000, Some(1), plans);
-            assert_eq!(active(&done.switch), switch, "{name}: switch");
-            assert_eq!(active(&done.energy), merged(&energy), "{name}: energy");
+            assert_eq!(active(&done.outputs.switch), switch, "{name}: switch");
+            assert_eq!(active(&done.outputs.energy), merged(&energy), "{name}: energy");
             // A volt is 3276.7 steps of the DAC; to half a step.
-            assert_eq!(done.volts.len(), analog.len(), "{name}: analog {:?}", done.volts);
-            for ((at, code), (us, mv)) in done.volts.iter().zip(&analog) {
+            assert_eq!(done.outputs.volts.len(), analog.len(), "{name}: analog {:?}", done.outputs.volts);
+            for ((at, code), (us, mv)) in done.outputs.volts.iter().zip(&analog) {
                 assert_eq!(*at, us * 1000, "{name}: analog");
                 assert!((i64::from(*code) * 10_000 - mv * 32767).abs() <= 5_000, "{name}: {code} for {mv} mV");
             }
@@ -77,7 +77,7 @@ fn the_tick_holds_every_rule() {
                 assert_eq!(view.light, lit, "{name}: light at {at} ns");
             }
             assert!(
-                idle.energy.is_empty() && idle.switch.is_empty() && idle.volts.is_empty(),
+                idle.outputs.energy.is_empty() && idle.outputs.switch.is_empty() && idle.outputs.volts.is_empty(),
                 "{name}: the other channel"
             );
         }

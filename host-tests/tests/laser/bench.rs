@@ -1,6 +1,8 @@
-//! The servo tick with its lanes, and a machine that carries out its laser plans.
-use super::player::Player;
+//! The servo tick with its lanes, and a machine that carries out its laser plans twice: pulse by pulse, and as the
+//! boards do.
+use super::player::{Player, settled};
 use host_tests::laser_model::{Command, Edge, Exact, Family, Mode, Ns};
+use plant::beam::{self, Stage};
 use ring::{Latest, Producer, Reader, Ring};
 use servo::laser::{self, Bounds, CHANNELS, Carrier, Change, Clock, Delays, Fine, Plan, Power, Standby};
 use servo::op::{Entry, Op};
@@ -20,6 +22,25 @@ struct Machine {
     next: Ns,
     interlock: bool,
     players: [Player; CHANNELS],
+    stages: [Stage; CHANNELS],
+    told: [Vec<beam::Change>; CHANNELS],
+}
+
+impl Machine {
+    fn new(next: Ns) -> Machine {
+        let stages = [const { Stage::new() }; CHANNELS];
+        Machine { now: 0, next, interlock: false, players: Default::default(), stages, told: Default::default() }
+    }
+
+    /// The interlock, which the boards' hardware sees without the tick.
+    fn interlock(&mut self, active: bool) {
+        if self.interlock != active {
+            self.interlock = active;
+            for (stage, told) in self.stages.iter_mut().zip(&mut self.told) {
+                stage.interlock(self.now as u64, active, &mut |change| told.push(change));
+            }
+        }
+    }
 }
 
 impl Port for Machine {
@@ -43,14 +64,24 @@ impl Port for Machine {
     }
     fn laser(&mut self, channel: usize, plan: &Plan) {
         self.players[channel].take(self.now, self.next, plan);
+        let told = &mut self.told[channel];
+        self.stages[channel].take(self.now as u64, self.next as u64, plan, |change| told.push(change));
     }
+}
+
+/// Edges of the outputs.
+#[derive(Debug, PartialEq)]
+pub struct Outputs {
+    pub energy: Vec<Edge<bool>>,
+    pub switch: Vec<Edge<bool>>,
+    pub volts: Vec<Edge<i16>>,
 }
 
 /// What one channel did.
 pub struct Recorded {
-    pub energy: Vec<Edge<bool>>,
-    pub switch: Vec<Edge<bool>>,
-    pub volts: Vec<Edge<i16>>,
+    pub outputs: Outputs,
+    /// The same, as the boards' output stage tells of it.
+    pub stage: Outputs,
     /// The view at some of the ticks.
     pub views: Vec<(Ns, LaserView)>,
 }
@@ -183,7 +214,7 @@ impl Bench {
     ) -> [Recorded; CHANNELS] {
         assert!(period > 0 && horizon % period == 0);
         self.power_on(config(period));
-        let mut machine = Machine { now: 0, next: 0, interlock: false, players: Default::default() };
+        let mut machine = Machine::new(0);
         let mut known = [Known::power_on(family, plans); CHANNELS];
         let mut jobs = jobs.map(|job| job.iter().peekable());
         for channel in 0..CHANNELS as u8 {
@@ -193,7 +224,7 @@ impl Bench {
         let mut left = 0;
         while machine.now < horizon {
             machine.next = machine.now + period;
-            machine.interlock = false;
+            machine.interlock(false);
             let mut fault = false;
             for (channel, job) in jobs.iter_mut().enumerate() {
                 while let Some((at, command)) = job.next_if(|(at, _)| *at < machine.next) {
@@ -212,7 +243,7 @@ impl Bench {
             if fault {
                 // What is no fault of the channel is over as soon as it is told.
                 match machine.now / period % 3 {
-                    0 => machine.interlock = true,
+                    0 => machine.interlock(true),
                     1 => self.tick.overrun(),
                     _ => self.tick.restarted(),
                 }
@@ -230,10 +261,11 @@ impl Bench {
             }
             machine.now = machine.next;
         }
-        let mut views = views.into_iter();
+        let mut parts = views.into_iter().zip(machine.stages).zip(machine.told);
         machine.players.map(|player| {
-            let (energy, switch, volts) = player.finish(horizon);
-            Recorded { energy, switch, volts, views: views.next().unwrap_or_default() }
+            let ((views, mut stage), mut told) = parts.next().unwrap();
+            stage.run_to(horizon as u64, &mut |change| told.push(change));
+            Recorded { outputs: player.finish(horizon), stage: listed(&told, horizon), views }
         })
     }
 
@@ -245,7 +277,7 @@ impl Bench {
         for change in changes {
             self.now(0, *change);
         }
-        let mut machine = Machine { now: 0, next: 50_000, interlock: false, players: Default::default() };
+        let mut machine = Machine::new(50_000);
         self.tick.run(&mut machine, &mut self.lanes);
         self.view.read().lasers[0]
     }
@@ -260,6 +292,25 @@ impl Bench {
     fn now(&mut self, channel: u8, change: Change) {
         self.immediate.push(Entry { seq: 0, delay: servo::units::Ns(0), op: Op::Laser { channel, change } }).unwrap();
     }
+}
+
+/// What an output stage told, as lists of edges.
+fn listed(told: &[beam::Change], horizon: Ns) -> Outputs {
+    let (mut energy, mut switch, mut volts) = (Vec::new(), Vec::new(), Vec::new());
+    for change in told {
+        match change {
+            beam::Change::Switch { at, level } => switch.push((*at as Ns, *level)),
+            beam::Change::Energy { at, level } => energy.push((*at as Ns, *level)),
+            beam::Change::Dac { at, code } => volts.push((*at as Ns, *code)),
+            beam::Change::Pulses(burst) => {
+                for (begin, end) in burst.pulses().filter(|(begin, end)| begin < end) {
+                    energy.extend([(begin as Ns, true), (end as Ns, false)]);
+                }
+            }
+        }
+    }
+    energy.retain(|&(at, _)| at < horizon);
+    Outputs { energy: settled(energy, false), switch: settled(switch, false), volts: settled(volts, 0) }
 }
 
 fn config(period: Ns) -> TickConfig {

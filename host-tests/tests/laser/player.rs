@@ -1,4 +1,5 @@
 //! Carries out a channel's plans as `servo::laser::plan` words them: outputs as lists of events, to the ns.
+use super::bench::Outputs;
 use host_tests::laser_model::{Edge, Ns, Span};
 use servo::laser::{Action, FINISH_NS, Pattern, Plan, Train};
 
@@ -103,8 +104,8 @@ impl Player {
         }
     }
 
-    /// The histories until this instant: energy, switch, volts.
-    pub fn finish(mut self, horizon: Ns) -> (Vec<Edge<bool>>, Vec<Edge<bool>>, Vec<Edge<i16>>) {
+    /// The edges before this instant.
+    pub fn finish(mut self, horizon: Ns) -> Outputs {
         self.run_to(horizon);
         self.pulse_to(horizon);
         let mut energy = Vec::new();
@@ -115,10 +116,11 @@ impl Player {
             }
         }
         energy.retain(|&(at, _)| at < horizon);
-        let before = |at: Ns| move |edge: &Edge<bool>| edge.0 < at;
-        let switch = settled(self.switch, false).into_iter().filter(before(horizon)).collect();
-        let volts = settled(self.volts, 0).into_iter().filter(|edge| edge.0 < horizon).collect();
-        (energy, switch, volts)
+        let mut switch = settled(self.switch, false);
+        switch.retain(|&(at, _)| at < horizon);
+        let mut volts = settled(self.volts, 0);
+        volts.retain(|&(at, _)| at < horizon);
+        Outputs { energy, switch, volts }
     }
 }
 

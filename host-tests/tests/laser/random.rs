@@ -12,6 +12,8 @@ pub struct Setup {
     pub fpk: Option<Fpk>,
     /// Standby and pre-voltage.
     pub waiting: bool,
+    /// Periods and widths need not be whole ns.
+    pub wild: bool,
 }
 
 pub const MODES: [Mode; 4] = [Mode::Duty, Mode::Frequency, Mode::Analog, Mode::Open];
@@ -33,6 +35,7 @@ pub fn table() -> impl Iterator<Item = Setup> {
                         delays,
                         fpk: fpk.map(|index| suppression(FPKS[index])),
                         waiting,
+                        wild: false,
                     })
                 })
             })
@@ -55,22 +58,32 @@ fn pick<T: Copy>(chance: &mut Chance, from: &[T]) -> T {
 /// Frequencies whose period is a whole number of ns, kHz; with every duty below, the width is one too.
 const KHZ: [i128; 9] = [1, 2, 5, 10, 20, 50, 100, 250, 500];
 
-fn khz(chance: &mut Chance) -> Exact {
+/// Set where periods and widths need not be whole.
+const WILD: [(i128, i128); 8] = [(1, 3), (7, 1), (30, 7), (33, 1), (107, 3), (300, 1), (1999, 1), (1234567, 1000)];
+
+fn khz(chance: &mut Chance, wild: bool) -> Exact {
+    if wild {
+        let (n, d) = pick(chance, &WILD);
+        return Exact::new(n, d);
+    }
     whole(pick(chance, &KHZ))
 }
 
 /// Duties in %.
-fn percent(chance: &mut Chance) -> Exact {
+fn percent(chance: &mut Chance, wild: bool) -> Exact {
+    if wild && chance.below(2) == 0 {
+        return Exact::new(chance.below(1_000_001) as i128, 10_000);
+    }
     let some =
         [whole(0), whole(1), whole(10), whole(25), Exact::new(25, 2), whole(50), whole(75), whole(99), whole(100)];
     pick(chance, &some)
 }
 
-fn power(chance: &mut Chance, mode: Mode) -> Exact {
+fn power(chance: &mut Chance, mode: Mode, wild: bool) -> Exact {
     match mode {
-        Mode::Duty | Mode::Open => percent(chance),
+        Mode::Duty | Mode::Open => percent(chance, wild),
         Mode::Frequency if chance.below(6) == 0 => whole(0),
-        Mode::Frequency => khz(chance),
+        Mode::Frequency => khz(chance, wild),
         Mode::Analog => Exact::new(chance.below(41) as i128, 4),
     }
 }
@@ -89,8 +102,8 @@ fn width(chance: &mut Chance) -> Command {
     Command::Width(pick(chance, &[1, 2, 7, 10, 100, 150, 4000]) * 1000)
 }
 
-fn standby(chance: &mut Chance) -> Command {
-    Command::Standby(Some((khz(chance), percent(chance))))
+fn standby(chance: &mut Chance, wild: bool) -> Command {
+    Command::Standby(Some((khz(chance, wild), percent(chance, wild))))
 }
 
 fn delays((off, on): (i64, i64)) -> Command {
@@ -133,26 +146,26 @@ pub fn job(chance: &mut Chance, setup: &Setup, period: Ns, ticks: i64) -> Vec<(N
     job.push((at, delays(setup.delays)));
     job.push((at, Command::Fpk(setup.fpk)));
     if setup.waiting {
-        job.push((at, standby(chance)));
+        job.push((at, standby(chance, setup.wild)));
         job.push((at, Command::PreVoltage(Some(whole(1)))));
     }
     if chance.below(16) != 0 {
-        job.push((at, Command::Carrier(khz(chance))));
+        job.push((at, Command::Carrier(khz(chance, setup.wild))));
         job.push((at, width(chance)));
     }
-    job.push((at, Command::Power(power(chance, mode))));
+    job.push((at, Command::Power(power(chance, mode, setup.wild))));
     while at < ticks * period {
         let command = match chance.below(100) {
             0..56 => Command::Gate(chance.below(2) == 0),
-            56..70 => Command::Power(power(chance, mode)),
+            56..70 => Command::Power(power(chance, mode, setup.wild)),
             70..75 => delays(pick(chance, &DELAYS)),
             75..79 => Command::Fpk(Some(suppression(pick(chance, &FPKS)))),
             79..82 => Command::Fpk(None),
-            82..84 => standby(chance),
+            82..84 => standby(chance, setup.wild),
             84..86 => Command::Standby(None),
             86 => Command::PreVoltage(Some(Exact::new(chance.below(5) as i128, 2))),
             87 => Command::PreVoltage(None),
-            88..90 => Command::Carrier(khz(chance)),
+            88..90 => Command::Carrier(khz(chance, setup.wild)),
             90..92 => width(chance),
             92 => Command::ZeroOnTime,
             93 => Command::Connector(chance.below(3) != 0),
