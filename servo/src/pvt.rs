@@ -30,22 +30,35 @@ pub trait Tables {
     fn header(&self, table: u8) -> [u32; HEADER_WORDS];
 }
 
-/// Where a run stands behind the last piece it made.
+/// Where a run stands behind the last piece it made. In two parts, each of which is copied in a few words at
+/// a time where the whole would be a call.
 #[derive(Debug, Clone, Copy)]
 struct Track {
-    /// End of the last piece in 2⁻⁶⁴ ns, and the place there.
+    knot: Knot,
+    pass: Pass,
+}
+
+/// The knot behind the last piece.
+#[derive(Debug, Clone, Copy)]
+struct Knot {
+    /// Its instant in 2⁻⁶⁴ ns, and the place there.
     until: u128,
     after: Place,
-    /// Position of the first point of the present pass.
+    /// The next segment.
+    next: u16,
+    /// Segments of a pass; 0 before the first one is entered, so that none follows.
+    segments: u16,
+}
+
+/// The pass of the last piece.
+#[derive(Debug, Clone, Copy)]
+struct Pass {
+    /// Position of its first point.
     origin: Exact,
     /// Its instant in 2⁻⁶⁴ ns.
     began: u128,
     /// Passes of this table completed.
     passes: u32,
-    /// The next segment.
-    next: u16,
-    /// Segments of a pass; 0 before the first one is entered, so that none follows.
-    segments: u16,
     /// The table in force, and which header is its.
     table: u8,
     header: u8,
@@ -74,32 +87,22 @@ impl PvtRun {
     pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl Tables) -> PvtRun {
         let header = Header::from_words(source.header(table));
         let began = ((now.0 as u128) << 64).wrapping_add(header.delay);
-        let track = Track {
-            until: began,
-            after: Place::default(),
-            origin,
-            began,
-            passes: 0,
-            next: 0,
-            segments: 0,
-            table,
-            header: 0,
-            pending: None,
-            ended: false,
-        };
+        let knot = Knot { until: began, after: Place::default(), next: 0, segments: 0 };
+        let pass = Pass { origin, began, passes: 0, table, header: 0, pending: None, ended: false };
+        let track = Track { knot, pass };
         PvtRun { track, back: track, headers: [header; 2] }
     }
 
     /// `table` takes over when the present pass ends; the one in force now means no change.
     pub fn select(&mut self, table: u8) {
-        self.track.pending = (table != self.track.table).then_some(table);
-        self.back.pending = self.track.pending;
+        self.track.pass.pending = (table != self.track.pass.table).then_some(table);
+        self.back.pass.pending = self.track.pass.pending;
     }
 
     /// Where it stands with the piece in force: `ahead` tells whether the last one made is yet to come.
     #[inline(always)]
-    fn standing(&self, ahead: bool) -> &Track {
-        if ahead { &self.back } else { &self.track }
+    fn standing(&self, ahead: bool) -> &Pass {
+        if ahead { &self.back.pass } else { &self.track.pass }
     }
 
     /// The table in force.
@@ -133,24 +136,24 @@ impl PvtRun {
     }
 
     #[inline(always)]
-    fn header_of(&self, track: &Track) -> &Header {
+    fn header_of(&self, pass: &Pass) -> &Header {
         let [first, second] = &self.headers;
-        if track.header == 0 { first } else { second }
+        if pass.header == 0 { first } else { second }
     }
 
     #[inline(always)]
     fn header(&self) -> &Header {
-        self.header_of(&self.track)
+        self.header_of(&self.track.pass)
     }
 
     /// Whether the last piece made begins a pass.
     #[inline]
     pub fn is_new_pass(&self) -> bool {
-        self.track.began != self.back.began
+        self.track.pass.began != self.back.pass.began
     }
 
     /// As if the last piece had not been made.
-    #[inline]
+    #[inline(never)]
     pub fn retract(&mut self) {
         self.track = self.back;
     }
@@ -160,10 +163,11 @@ impl PvtRun {
     /// passes to run, 0 for ever; it may change from call to call.
     #[inline(never)]
     pub fn advance(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> State {
-        self.back = self.track;
-        let Track { next, segments, until: from, after: before, .. } = self.track;
+        self.back.knot = self.track.knot;
+        self.back.pass = self.track.pass;
+        let Knot { next, segments, until: from, after: before } = self.track.knot;
         if next < segments {
-            let after = Place::from_words(source.place(self.track.table, next as u32 + 1));
+            let after = Place::from_words(source.place(self.track.pass.table, next as u32 + 1));
             let until = self.end_of(next, after.time);
             let begin = ceil(from);
             if now.0.wrapping_sub(begin) < ceil(until).wrapping_sub(begin) {
@@ -177,44 +181,44 @@ impl PvtRun {
 
     #[inline(always)]
     fn go_on(&mut self, segment: u16, until: u128, after: Place) {
-        let track = &mut self.track;
-        track.next = segment.wrapping_add(1);
-        (track.until, track.after) = (until, after);
+        let knot = &mut self.track.knot;
+        knot.next = segment.wrapping_add(1);
+        (knot.until, knot.after) = (until, after);
     }
 
     /// As [`PvtRun::advance`], wherever the segment is: behind others, in another pass or table.
     #[inline(never)]
     fn search(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> State {
-        let mut local = ((now.0 as u128) << 64).wrapping_sub(self.track.began);
+        let mut local = ((now.0 as u128) << 64).wrapping_sub(self.track.pass.began);
         if local >> 127 != 0 {
             // Before the time of the first point.
             let begin = self.zero(false);
-            let span = ceil(self.track.began).wrapping_sub(begin.0);
-            *piece = Piece::rest(begin, span, self.track.origin.round());
+            let span = ceil(self.track.pass.began).wrapping_sub(begin.0);
+            *piece = Piece::rest(begin, span, self.track.pass.origin.round());
             return State::Running;
         }
-        let mut from = self.track.next;
+        let mut from = self.track.knot.next;
         // A pass may end, and the table that takes over may be shorter than the tick.
         for _ in 0..2 {
             if local < self.header().duration {
                 break;
             }
-            let left = if self.track.ended { None } else { self.end_pass(local, passes, source) };
+            let left = if self.track.pass.ended { None } else { self.end_pass(local, passes, source) };
             match left {
                 Some(left) => (local, from) = (left, 0),
                 None => {
-                    self.track.ended = true;
-                    return State::Ended { at: self.track.origin };
+                    self.track.pass.ended = true;
+                    return State::Ended { at: self.track.pass.origin };
                 }
             }
         }
         let header = self.header();
         let (segments, units) = (header.places.saturating_sub(1), header.units(local));
         let segment = self.find(from as u32, units, source) as u16;
-        let before = Place::from_words(source.place(self.track.table, segment as u32));
-        let after = Place::from_words(source.place(self.track.table, segment as u32 + 1));
-        let from = self.track.began.wrapping_add(header.span(before.time));
-        self.track.segments = segments;
+        let before = Place::from_words(source.place(self.track.pass.table, segment as u32));
+        let after = Place::from_words(source.place(self.track.pass.table, segment as u32 + 1));
+        let from = self.track.pass.began.wrapping_add(header.span(before.time));
+        self.track.knot.segments = segments;
         let until = self.end_of(segment, after.time);
         *piece = self.piece_between(before, after, from, until);
         self.go_on(segment, until, after);
@@ -224,9 +228,9 @@ impl PvtRun {
     /// End of a segment in 2⁻⁶⁴ ns; that of the last one is not rounded to the table's units.
     #[inline(always)]
     fn end_of(&self, segment: u16, time: u64) -> u128 {
-        let last = segment.wrapping_add(1) >= self.track.segments;
+        let last = segment.wrapping_add(1) >= self.track.knot.segments;
         let header = self.header();
-        self.track.began.wrapping_add(if last { header.duration } else { header.span(time) })
+        self.track.pass.began.wrapping_add(if last { header.duration } else { header.span(time) })
     }
 
     /// The present pass is over, and perhaps others: what is left of `local`, or `None` at the end.
@@ -234,7 +238,7 @@ impl PvtRun {
     fn end_pass(&mut self, local: u128, passes: u32, source: &impl Tables) -> Option<u128> {
         let header = self.header();
         let Header { duration, displacement, .. } = *header;
-        let track = &self.track;
+        let track = &self.track.pass;
         let mut many = 1;
         if track.pending.is_none() {
             if local.wrapping_sub(duration) >= duration {
@@ -242,7 +246,7 @@ impl PvtRun {
             }
             let left = passes.saturating_sub(track.passes).max(1);
             if passes != 0 && many >= left {
-                let track = &mut self.track;
+                let track = &mut self.track.pass;
                 track.passes = track.passes.saturating_add(left);
                 track.origin.0 = track.origin.0.wrapping_add(displacement.0.wrapping_mul(left as i128));
                 return None;
@@ -253,7 +257,7 @@ impl PvtRun {
         } else {
             (duration.wrapping_mul(many as u128), displacement.0.wrapping_mul(many as i128))
         };
-        let track = &mut self.track;
+        let track = &mut self.track.pass;
         track.passes = track.passes.wrapping_add(many);
         track.origin.0 = track.origin.0.wrapping_add(way);
         track.began = track.began.wrapping_add(whole);
@@ -271,7 +275,7 @@ impl PvtRun {
     fn find(&self, from: u32, units: u64, source: &impl Tables) -> u32 {
         let last = (self.header().places as u32).saturating_sub(2);
         let begun = |i: u32| {
-            let [time, high, ..] = source.place(self.track.table, i);
+            let [time, high, ..] = source.place(self.track.pass.table, i);
             table::time_of([time, high]) <= units
         };
         let mut low = from.min(last);
@@ -320,7 +324,7 @@ impl PvtRun {
 
         let up = (64 - header.pos_bits as i32) as u32 & 63; // 2..=62
         let knot = ((a.pos >> (64 - up)) as i128) << 64 | (a.pos << up) as u64 as i128;
-        let start = Exact(self.track.origin.0.wrapping_add(knot));
+        let start = Exact(self.track.pass.origin.0.wrapping_add(knot));
         let motion = Motion {
             tau: tau >> 1,
             c: [quarter(w0), quarter(c2 << 1), c3],

@@ -223,12 +223,12 @@ impl<const AXES: usize> Tick<AXES> {
                 continue;
             }
             // Each of the three buffers catches up when its turn comes.
-            if !state.settled || shown.moves != state.shown.moves {
+            if !state.is_settled() || shown.moves != state.shown.moves {
                 if shown.changes != state.shown.changes {
                     *inputs = state.raw;
                 }
                 let source = Source { segments: store, tables: lanes.tables };
-                let turn = Turn { prepared: &mut left, looks_ahead: axis.index() as u32 & 7 == turn };
+                let turn = Turn { prepared: &mut left, phase: axis.index() as u32 ^ turn };
                 if let Some(reason) = state.run(next, turn, &source, shown) {
                     tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
                 }

@@ -2,7 +2,7 @@
 //!
 //! In: levels and encoder at the tick in force, positions it is about to go to. Out: what is latched and
 //! shown, whether it may start, where something stands in its way. It cannot fail: what must not go on stops.
-use super::{AxisState, NEGATIVE_EDGE};
+use super::{AxisState, Calm, NEGATIVE_EDGE};
 use crate::inputs::Inputs;
 use crate::port::AxisInputs;
 use crate::status;
@@ -16,14 +16,15 @@ impl AxisState {
     pub(crate) fn sample(&mut self, now: Ns, raw: AxisInputs, count: i64) {
         let levels = raw.bits();
         if levels == self.levels {
-            if self.settled && count == self.count {
-                return;
-            }
-            if !self.stale && self.runs {
-                self.count = count;
-                self.shown.encoder_before = self.shown.encoder;
-                self.shown.encoder = self.inputs.encoder(count);
-                return;
+            match self.calm {
+                Calm::Runs => {
+                    self.count = count;
+                    self.shown.encoder_before = self.shown.encoder;
+                    self.shown.encoder = self.inputs.encoder(count);
+                    return;
+                }
+                Calm::Settled if count == self.count => return,
+                Calm::Settled | Calm::None => {}
             }
         }
         self.take(now, raw, levels, count);
@@ -31,15 +32,16 @@ impl AxisState {
 
     #[inline(never)]
     fn take(&mut self, now: Ns, raw: AxisInputs, levels: u8, count: i64) {
-        self.settled = !self.runs;
+        let mut settled = true;
         let encoder = self.inputs.encoder(count);
         if encoder != self.shown.encoder_before || encoder != self.shown.encoder {
             self.shown.moves = self.shown.moves.wrapping_add(1);
-            self.settled = false;
+            settled = false;
         }
         if levels != self.levels {
             (self.raw, self.levels) = (raw, levels);
             self.touch();
+            settled = false;
         }
         self.count = count;
         self.shown.encoder_before = self.shown.encoder;
@@ -58,20 +60,27 @@ impl AxisState {
         let watched = causes | self.causes != 0 || self.inputs.error_limit.is_some();
         if causes | self.causes != 0 {
             self.latch(causes);
+            settled = false;
         }
         if runs {
             self.inputs.leave_position();
             self.in_position = false;
         } else {
             let (inside, waits) = self.inputs.in_position(now, self.shown.pos, encoder);
-            self.settled &= !waits && inside == self.in_position;
+            settled &= !waits && inside == self.in_position;
             self.in_position = inside;
         }
         if let Some(encoder) = self.inputs.captured(levels, encoder) {
             self.shown.captured = Some(encoder);
             self.touch();
+            settled = false;
         }
-        (self.stale, self.news) = (watched, true);
+        self.news = true;
+        self.calm = match (runs, settled) {
+            (true, _) if !watched => Calm::Runs,
+            (false, true) => Calm::Settled,
+            _ => Calm::None,
+        };
     }
 
     /// Where the planned position may go without a closer look. A switch that is active has a direction,
@@ -92,7 +101,6 @@ impl AxisState {
     /// cause lasts, too.
     #[inline(never)]
     fn latch(&mut self, causes: u32) {
-        self.settled = false;
         let blocked = self.shown.blocked | causes & (!self.causes | status::FAULTS);
         self.causes = causes;
         self.latched |= causes;

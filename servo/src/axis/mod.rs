@@ -47,16 +47,24 @@ pub(crate) struct Jog {
     pub(crate) smooth: u16,
 }
 
+/// What the inputs of a tick have to be looked at for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Calm {
+    /// For all they mean, even if they stay.
+    None,
+    /// It runs: for changes of level, and the encoder is taken.
+    Runs,
+    /// At rest, for changes alone: nothing here changes until an input, the encoder or an operation does.
+    Settled,
+}
+
 /// The state of one axis. What every tick looks at stands first.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub(crate) struct AxisState {
     /// What the thread sees; also the state itself, where it is the same thing.
     pub(crate) shown: AxisView,
-    /// Nothing here changes until an input, the encoder or an operation does.
-    pub(crate) settled: bool,
-    /// What inputs mean has to be looked at again in the next tick, even if they stay.
-    stale: bool,
+    calm: Calm,
     /// The status word may have changed.
     pub(crate) news: bool,
     runs: bool,
@@ -123,8 +131,7 @@ impl AxisState {
         raw: AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false },
         levels: 0,
         count: 0,
-        settled: false,
-        stale: true,
+        calm: Calm::None,
         news: true,
         lower: NEGATIVE_EDGE,
         upper: Pos::TRAVEL,
@@ -151,6 +158,12 @@ impl AxisState {
         follow: following::Setup::POWER_ON,
     };
 
+    /// Whether nothing here will change in this tick.
+    #[inline(always)]
+    pub(crate) fn is_settled(&self) -> bool {
+        self.calm == Calm::Settled
+    }
+
     pub(crate) fn runs(&self) -> bool {
         self.runs
     }
@@ -159,7 +172,7 @@ impl AxisState {
     #[inline]
     pub(crate) fn touch(&mut self) {
         self.changed();
-        (self.settled, self.stale, self.news) = (false, true, true);
+        (self.calm, self.news) = (Calm::None, true);
     }
 
     #[inline(always)]
@@ -176,7 +189,9 @@ impl AxisState {
         if status != self.shown.status {
             self.shown.status = status;
             self.changed();
-            self.settled = false;
+            if self.calm == Calm::Settled {
+                self.calm = Calm::None;
+            }
         }
     }
 

@@ -18,8 +18,8 @@ use crate::view::{AxisView, StopReason};
 pub(crate) struct Turn<'a> {
     /// How many pieces may still be made ahead.
     pub(crate) prepared: &'a mut u32,
-    /// To look how long its data lasts.
-    pub(crate) looks_ahead: bool,
+    /// Every eighth tick an axis looks how long its data lasts, when this is a multiple of 8.
+    pub(crate) phase: u32,
 }
 
 impl AxisState {
@@ -142,7 +142,7 @@ impl AxisState {
                 *turn.prepared = turn.prepared.wrapping_sub(1);
             }
             stopped = self.step(next, source);
-            if turn.looks_ahead && stopped.is_none() {
+            if turn.phase & 7 == 0 && stopped.is_none() {
                 self.look_ahead(next, source);
             }
         }

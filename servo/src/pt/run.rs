@@ -36,23 +36,36 @@ pub struct Feed {
     pub passes: u32,
 }
 
-/// Where a run stands behind the last segment it loaded.
+/// Where a run stands behind the last segment it loaded. In two parts, each of which is copied in a few words
+/// at a time where the whole would be a call.
 #[derive(Debug, Clone, Copy)]
 struct Track {
-    /// Counter of the next segment.
-    next: u32,
-    /// Passes completed.
-    passes: u32,
-    /// Position at which the present pass (or the stream) began.
+    pass: Pass,
+    chain: Chain,
+}
+
+/// The present pass, or the stream.
+#[derive(Debug, Clone, Copy)]
+struct Pass {
+    /// Position at which it began.
     origin: Exact,
     /// Its instant.
-    pass_begin: Ns,
-    /// End of the last segment, from `origin`.
-    knot: Exact,
-    /// End velocity of the last segment in 2⁻⁸⁰ pulse/ms.
-    velocity: i128,
-    /// End time of the last segment, from `pass_begin`.
+    begin: Ns,
+    /// Passes completed.
+    passes: u32,
+}
+
+/// The chain of segments.
+#[derive(Debug, Clone, Copy)]
+struct Chain {
+    /// Counter of the next segment.
+    next: u32,
+    /// End time of the last segment, from the pass's begin.
     knot_ms: u32,
+    /// Its end, from the pass's origin.
+    knot: Exact,
+    /// Its end velocity in 2⁻⁸⁰ pulse/ms.
+    velocity: i128,
     /// Quotients with a remainder that went into `velocity`, each within 2⁻⁸¹ pulse/ms.
     rounded: u32,
 }
@@ -81,8 +94,8 @@ impl PtRun {
             Place::Static { .. } => 0,
             Place::Dynamic { first, .. } => first,
         };
-        let track =
-            Track { next, passes: 0, origin, pass_begin: now, knot: Exact(0), velocity: 0, knot_ms: 0, rounded: 0 };
+        let pass = Pass { origin, begin: now, passes: 0 };
+        let track = Track { pass, chain: Chain { next, knot_ms: 0, knot: Exact(0), velocity: 0, rounded: 0 } };
         PtRun { track, back: track, place, duration: 0, divisor: Divisor::new(1), recip: Recip::default() }
     }
 
@@ -94,7 +107,7 @@ impl PtRun {
 
     /// Passes completed.
     pub fn passes(&self, ahead: bool) -> u32 {
-        self.standing(ahead).passes
+        self.standing(ahead).pass.passes
     }
 
     /// Dynamic: counter of the first segment that has not run yet, all before it are free.
@@ -104,7 +117,7 @@ impl PtRun {
             Place::Static { .. } => 0,
             Place::Dynamic { first, .. } => first,
         };
-        let next = self.standing(ahead).next;
+        let next = self.standing(ahead).chain.next;
         if running && next != began { next.wrapping_sub(1) } else { next }
     }
 
@@ -114,7 +127,7 @@ impl PtRun {
             return 0;
         }
         let last = source.segment(self.slot(feed.end.wrapping_sub(1))).time_ms();
-        let since = now.0.wrapping_sub(self.standing(ahead).pass_begin.0);
+        let since = now.0.wrapping_sub(self.standing(ahead).pass.begin.0);
         let left = (last as u64 * NS_PER_MS).saturating_sub(since);
         // floor(x / 10⁶) for every 64-bit x, without dividing.
         (crate::wide::umulhi(left, 0x431B_DE82_D7B6_34DB) >> 18) as u32
@@ -131,9 +144,10 @@ impl PtRun {
     /// Makes the piece that holds `now`, which is not before the end of the last one made; or the end.
     #[inline(never)]
     pub fn advance(&mut self, now: Ns, feed: Feed, source: &impl Segments, piece: &mut Piece) -> State {
-        self.back = self.track;
+        self.back.pass = self.track.pass;
+        self.back.chain = self.track.chain;
         for _ in 0..KNOTS_PER_TICK {
-            if self.track.next == feed.end && !self.next_pass(feed) {
+            if self.track.chain.next == feed.end && !self.next_pass(feed) {
                 return self.end();
             }
             self.load(source, piece);
@@ -147,17 +161,17 @@ impl PtRun {
     /// Whether the last piece made begins a pass.
     #[inline]
     pub fn is_new_pass(&self) -> bool {
-        self.track.pass_begin != self.back.pass_begin
+        self.track.pass.begin != self.back.pass.begin
     }
 
     /// As if the last piece had not been made.
-    #[inline]
+    #[inline(never)]
     pub fn retract(&mut self) {
         self.track = self.back;
     }
 
     fn end(&self) -> State {
-        let Track { origin, knot, velocity, rounded, .. } = &self.track;
+        let Track { pass: Pass { origin, .. }, chain: Chain { knot, velocity, rounded, .. } } = &self.track;
         let at = Exact(origin.0.wrapping_add(knot.0));
         // Within the chain's own error bound, which is 0 as long as all quotients came out even.
         let at_rest = velocity.unsigned_abs() << 1 <= *rounded as u128;
@@ -170,14 +184,14 @@ impl PtRun {
         if let Place::Dynamic { .. } = self.place {
             return false;
         }
-        let track = &mut self.track;
-        track.passes = track.passes.wrapping_add(1);
-        if track.next == 0 || feed.passes != 0 && track.passes >= feed.passes {
+        let Track { pass, chain } = &mut self.track;
+        pass.passes = pass.passes.wrapping_add(1);
+        if chain.next == 0 || feed.passes != 0 && pass.passes >= feed.passes {
             return false;
         }
-        track.origin = Exact(track.origin.0.wrapping_add(track.knot.0));
-        track.pass_begin = Ns(track.pass_begin.0.wrapping_add(track.knot_ms as u64 * NS_PER_MS));
-        (track.next, track.knot, track.knot_ms, track.velocity, track.rounded) = (0, Exact(0), 0, 0, 0);
+        pass.origin = Exact(pass.origin.0.wrapping_add(chain.knot.0));
+        pass.begin = Ns(pass.begin.0.wrapping_add(chain.knot_ms as u64 * NS_PER_MS));
+        *chain = Chain { next: 0, knot_ms: 0, knot: Exact(0), velocity: 0, rounded: 0 };
         true
     }
 
@@ -185,39 +199,39 @@ impl PtRun {
     /// be kept on the stack.
     #[inline(never)]
     fn load(&mut self, source: &impl Segments, piece: &mut Piece) {
-        let segment = source.segment(self.slot(self.track.next));
+        let segment = source.segment(self.slot(self.track.chain.next));
         let (knot, knot_ms) = (segment.position(), segment.time_ms());
-        let duration = knot_ms.wrapping_sub(self.track.knot_ms);
+        let duration = knot_ms.wrapping_sub(self.track.chain.knot_ms);
         if duration != self.duration {
             self.take_duration(duration);
         }
-        let track = &mut self.track;
-        track.next = track.next.wrapping_add(1);
-        let length = knot.0.wrapping_sub(track.knot.0);
+        let Track { pass, chain } = &mut self.track;
+        chain.next = chain.next.wrapping_add(1);
+        let length = knot.0.wrapping_sub(chain.knot.0);
         let kind = segment.kind();
         let (a, b);
         if kind == Kind::Stop {
             (a, b) = (length << 1, length.wrapping_neg());
-            (track.velocity, track.rounded) = (0, 0);
+            (chain.velocity, chain.rounded) = (0, 0);
         } else {
             let normal = kind == Kind::Normal;
             let (mean, rounded) = over_time(length << normal as u32, &self.divisor);
             if normal {
-                let sign = track.velocity >> 127;
-                let swing = scale16(track.velocity.unsigned_abs(), duration) as i128;
+                let sign = chain.velocity >> 127;
+                let swing = scale16(chain.velocity.unsigned_abs(), duration) as i128;
                 a = (swing ^ sign).wrapping_sub(sign);
                 b = length.wrapping_sub(a);
-                track.velocity = mean.wrapping_sub(track.velocity);
-                track.rounded = track.rounded.saturating_add(rounded);
+                chain.velocity = mean.wrapping_sub(chain.velocity);
+                chain.rounded = chain.rounded.saturating_add(rounded);
             } else {
                 (a, b) = (length, 0);
-                (track.velocity, track.rounded) = (mean, rounded);
+                (chain.velocity, chain.rounded) = (mean, rounded);
             }
         }
-        let begin = Ns(track.pass_begin.0.wrapping_add(track.knot_ms as u64 * NS_PER_MS));
-        let start = Exact(track.origin.0.wrapping_add(track.knot.0));
+        let begin = Ns(pass.begin.0.wrapping_add(chain.knot_ms as u64 * NS_PER_MS));
+        let start = Exact(pass.origin.0.wrapping_add(chain.knot.0));
         *piece = Piece::quadratic(begin, duration as u64 * NS_PER_MS, self.recip, start, a, b);
-        (track.knot, track.knot_ms) = (knot, knot_ms);
+        (chain.knot, chain.knot_ms) = (knot, knot_ms);
     }
 
     #[inline(never)]
