@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`: what taking a full frame costs, divided by its segments.
 const LANES: [&str; 2] = ["immediate", "program"];
 
-const MARKS: [(&str, &str); 28] = [
+const MARKS: [(&str, &str); 33] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -64,6 +64,11 @@ const MARKS: [(&str, &str); 28] = [
     ("laser-off", "laser channels, their light ends within the tick"),
     ("laser-power", "laser channels take another power, planned by the thread"),
     ("laser-unplanned", "laser channels take another power that nobody planned"),
+    ("path-line", "step of a path within a line in four coordinates"),
+    ("path-arc", "step of a path within an arc"),
+    ("path-enter", "first step of a path within a line or an arc"),
+    ("path-turn", "step of a path that plans the next line or arc"),
+    ("path-stop", "smooth Stop of a path"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
 ];
@@ -71,6 +76,7 @@ const MARKS: [(&str, &str); 28] = [
 fn count() -> Outcome<Table> {
     setup::run()?;
     let mut counted = table(&print("ticks")?)?;
+    counted.append(&mut rows(&print("paths")?)?);
     counted.append(&mut segments(&print("stream")?)?);
     Ok(counted)
 }
@@ -86,9 +92,11 @@ fn print(probe: &str) -> Outcome<String> {
     read(&mut qemu)
 }
 
-/// Makes the table of what the probe prints.
-fn table(text: &str) -> Outcome<Table> {
-    let mut counts: BTreeMap<(u32, &'static str), Vec<u32>> = BTreeMap::new();
+/// The counts of what a probe prints.
+type Counts = BTreeMap<(u32, &'static str), Vec<u32>>;
+
+fn counts(text: &str) -> Outcome<Counts> {
+    let mut counts = Counts::new();
     for line in text.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
         let [case, mark, count] = words.as_slice() else { return Err(format!("the probe says: {line}")) };
@@ -102,6 +110,17 @@ fn table(text: &str) -> Outcome<Table> {
             counts.entry((axes, *mark)).or_default().push(instructions(count));
         }
     }
+    Ok(counts)
+}
+
+/// The rows of what a probe prints.
+fn rows(text: &str) -> Outcome<Table> {
+    Ok(counts(text)?.into_iter().map(|(key, counts)| (key, row(counts))).collect())
+}
+
+/// The same of the ticks' probe, which must have run them all.
+fn table(text: &str) -> Outcome<Table> {
+    let counts = counts(text)?;
     for (axes, mark) in [(0, "idle"), (1, "inside"), (1, "change"), (8, "inside"), (8, "change")] {
         if counts.get(&(axes, mark)).is_none_or(|c| c.len() < 8) {
             return Err(format!("the probe ran too few ticks of {axes} axes, {mark}"));
@@ -143,7 +162,7 @@ fn row(mut counts: Vec<u32>) -> Row {
 
 fn shown(table: &Table) -> String {
     let mut text = String::from(
-        "| running: axes (PT, where nothing else is named) or laser channels | tick | best | typical | worst | ticks or frames counted |\n| --- | --- | --- | --- | --- | --- |\n",
+        "| running: axes (PT, where nothing else is named), laser channels or paths | tick | best | typical | worst | ticks or frames counted |\n| --- | --- | --- | --- | --- | --- |\n",
     );
     for (mark, words) in MARKS {
         for ((axes, _), row) in table.iter().filter(|((_, m), _)| *m == mark) {

@@ -197,6 +197,20 @@ pub struct Path {
     piece: Option<Piece>,
     /// The end of the FIFO, if nothing stood behind the motion when it was planned.
     open: Option<u32>,
+    /// The whole ns in which the leg or the wait in force is over.
+    due: u64,
+    /// The motion behind the one in force, made ahead in ticks that have time for it.
+    ahead: Option<Ahead>,
+}
+
+/// What is known of a motion before it is entered.
+#[derive(Debug, Clone, Copy)]
+struct Ahead {
+    counter: u32,
+    along: Along,
+    shape: Shape,
+    /// Its plan, and the end of the FIFO if nothing stood behind it.
+    plan: Option<(Plan, Option<u32>)>,
 }
 
 /// What a step may still do, and until when the path holds if that is not enough.
@@ -225,6 +239,8 @@ impl Path {
         way: Exact(0),
         piece: None,
         open: None,
+        due: 0,
+        ahead: None,
     };
 
     /// At rest here, FIFOs empty (SetCrdPrm).
@@ -274,16 +290,16 @@ impl Path {
 
     /// Begins, or goes on, at `next`.
     pub fn start(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
-        (self.fifo, self.stopping, self.speed) = (fifo, false, Real::ZERO);
+        (self.fifo, self.stopping, self.speed, self.ahead) = (fifo, false, Real::ZERO, None);
         self.time = (next.0 as Fine) << 32;
         let cursor = self.cursor(fifo);
         cursor.kept = false;
         let Cursor { inside, from, way, left, next: counter, .. } = *cursor;
         cursor.left = 0;
-        self.stage = Stage::Wait { until: self.time.wrapping_add(left) };
+        self.wait(self.time.wrapping_add(left));
         if inside {
-            let item = source.entry(fifo, counter.wrapping_sub(1)).item();
-            self.enter(from, &item);
+            let counter = counter.wrapping_sub(1);
+            self.enter(from, counter, &source.entry(fifo, counter).item());
             self.way = way;
             self.plan_rest(feed, source);
         }
@@ -323,39 +339,57 @@ impl Path {
         let now = (next.0 as Fine) << 32;
         let until = now.wrapping_add((period.0 as Fine) << 32);
         let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
-        self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
+        if self.due <= next.0 {
+            self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
+        }
         if let Some(seen) = self.open
             && seen != end_of(feed, self.fifo)
         {
             self.extend(now, feed, source);
             self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
         }
+        // A tick that makes a piece does not make anything ahead.
+        let has_time = self.piece.is_some() && !self.is_prepared();
         let shown = self.look(next, sink);
-        self.walk(until, &mut budget, feed, source, sink);
+        if self.due < next.0.wrapping_add(period.0) {
+            self.walk(until, &mut budget, feed, source, sink);
+        } else if has_time {
+            self.prepare(feed, source);
+        }
         shown
     }
 
     /// Where it is at `next`, which lies in the leg in force.
-    #[inline]
+    #[inline(always)]
     fn look(&mut self, next: Ns, sink: &mut impl Effects) -> Step {
         let (fifo, done) = (self.fifo, self.done(self.fifo));
-        let mut shown = Step { place: self.here, motion: Motion::REST, runs: self.runs(), fifo, done };
-        if let Stage::Move = self.stage {
+        if let Stage::Move = self.stage
+            && let Some(leg) = self.plan.leg(self.leg)
+        {
             let piece = match &mut self.piece {
                 Some(piece) => piece,
-                none => {
-                    let Some(leg) = self.plan.leg(self.leg) else { return shown };
-                    none.insert(leg.piece(self.began, self.way))
-                }
+                none => none.insert(leg.piece(self.began, self.way)),
             };
             let (way, tau) = piece.at(piece.held(next));
-            (shown.place, shown.motion) = (self.shape.at(way), piece.motion(tau));
+            let motion = piece.motion(tau);
             let cursor = self.cursor_of(self.fifo);
             for gear in cursor.gears.iter().take(cursor.geared) {
                 sink.gear(gear.axis, gear.along.at(way));
             }
+            return Step { place: self.shape.at(way), motion, runs: true, fifo, done };
         }
-        shown
+        Step { place: self.here, motion: Motion::REST, runs: self.runs(), fifo, done }
+    }
+
+    /// It waits where it is.
+    fn wait(&mut self, until: Fine) {
+        (self.stage, self.due) = (Stage::Wait { until }, (until >> 32) as u64);
+    }
+
+    /// The leg in force ends then; what has no leg left is over now.
+    fn set_due(&mut self) {
+        let left = self.plan.leg(self.leg).map_or(0, |leg| leg.time);
+        self.due = (self.began.wrapping_add(left) >> 32) as u64;
     }
 
     /// Passes all boundaries before `limit`.
@@ -379,6 +413,7 @@ impl Path {
                         self.way = Exact(self.way.0.wrapping_add(leg.length().0));
                         (self.began, self.time) = (over, over);
                         (self.leg, self.piece) = (self.leg.wrapping_add(1), None);
+                        self.set_due();
                     }
                     None if self.plan.halts => self.halt(self.time, feed, sink),
                     None => {
@@ -418,13 +453,14 @@ impl Path {
             let entry = source.entry(self.fifo, counter);
             let left = if entry.is_motion() { &mut budget.motions } else { &mut budget.effects };
             if *left == 0 {
-                self.stage = Stage::Wait { until: budget.hold };
+                self.wait(budget.hold);
                 return;
             }
             *left = left.wrapping_sub(1);
             self.cursor(self.fifo).next = counter.wrapping_add(1);
-            if let Some(until) = self.take(&entry, feed, source, sink) {
-                (self.stage, self.speed) = (Stage::Wait { until }, Real::ZERO);
+            if let Some(until) = self.take(counter, &entry, feed, source, sink) {
+                self.wait(until);
+                self.speed = Real::ZERO;
                 return;
             }
             if entry.is_motion() {
@@ -440,7 +476,20 @@ impl Path {
     }
 
     /// Carries out an entry; the instant until which the path waits for it.
-    fn take(&mut self, entry: &Entry, feed: Feed, source: &impl Entries, sink: &mut impl Effects) -> Option<Fine> {
+    fn take(
+        &mut self,
+        counter: u32,
+        entry: &Entry,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+    ) -> Option<Fine> {
+        if let Some(ahead) = &self.ahead
+            && ahead.counter == counter
+        {
+            self.enter_prepared(feed, source);
+            return None;
+        }
         match &entry.item() {
             Item::Nothing => None,
             Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
@@ -457,7 +506,7 @@ impl Path {
                 None
             }
             item => {
-                self.enter(self.here, item);
+                self.enter(self.here, counter, item);
                 self.way = Exact(0);
                 if !self.shape.length().is_zero() {
                     self.plan_rest(feed, source);
@@ -468,13 +517,26 @@ impl Path {
     }
 
     /// Takes up a motion that begins, or began, at `from`.
-    fn enter(&mut self, from: [Pos; DIMENSIONS], item: &Item) {
-        let (Item::Line { along, .. } | Item::Arc { along, .. } | Item::Circle { along, .. }) = item else { return };
-        self.along = *along;
+    fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) {
+        if let Some(Ahead { along, shape, .. }) = self.shaped(from, counter, item) {
+            (self.along, self.shape) = (along, shape);
+            self.set_in(from);
+        }
+    }
+
+    /// The geometry of a motion, and nothing of its speed yet.
+    fn shaped(&self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) -> Option<Ahead> {
+        let (Item::Line { along, .. } | Item::Arc { along, .. } | Item::Circle { along, .. }) = *item else {
+            return None;
+        };
         // FIFO 1 comes back to where it interrupted FIFO 0, which need not be a whole pulse.
         let [first, _] = &self.cursors;
         let exact = (self.fifo != 0 && first.kept).then_some(first.place);
-        self.shape = Shape::new(from, item, exact);
+        Some(Ahead { counter, along, shape: Shape::new(from, item, exact), plan: None })
+    }
+
+    /// The motion in force has begun at `from`.
+    fn set_in(&mut self, from: [Pos; DIMENSIONS]) {
         let length = self.shape.length();
         let cursor = self.cursor(self.fifo);
         (cursor.inside, cursor.from) = (true, from);
@@ -487,27 +549,91 @@ impl Path {
         }
     }
 
-    /// Plans what is left of the motion in force from `time`, `way` and `speed`.
-    fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
-        let behind = self.behind(feed, source);
+    /// Takes up the motion that was made ahead.
+    fn enter_prepared(&mut self, feed: Feed, source: &impl Entries) {
+        let Some(Ahead { along, shape, plan, .. }) = self.ahead.take() else { return };
+        (self.along, self.shape, self.way) = (along, shape, Exact(0));
+        self.set_in(self.here);
+        match plan {
+            _ if self.shape.length().is_zero() => {}
+            // What has come since may stand behind it.
+            Some((plan, open)) if open.is_none_or(|seen| seen == end_of(feed, self.fifo)) => self.follow(plan, open),
+            _ => self.plan_rest(feed, source),
+        }
+    }
+
+    /// Nothing is left to be made ahead.
+    fn is_prepared(&self) -> bool {
+        self.ahead.as_ref().is_some_and(|ahead| ahead.plan.is_some() || ahead.shape.length().is_zero())
+    }
+
+    /// Makes some of the motion behind the one in force: its geometry, and in another tick its plan.
+    #[inline(never)]
+    fn prepare(&mut self, feed: Feed, source: &impl Entries) {
+        if self.stopping || self.plan.halts {
+            return;
+        }
+        if let Some(ahead) = &self.ahead {
+            let behind = self.behind(ahead.counter.wrapping_add(1), feed, source);
+            let plan = self.planned(ahead.along, self.plan.exit, ahead.shape.length(), behind);
+            let open = (behind == Behind::Nothing).then_some(end_of(feed, self.fifo));
+            if let Some(ahead) = &mut self.ahead {
+                ahead.plan = Some((plan, open));
+            }
+            return;
+        }
+        let end = end_of(feed, self.fifo);
+        let mut counter = self.cursor_of(self.fifo).next;
+        for _ in 0..=EFFECTS {
+            if counter == end {
+                return;
+            }
+            let entry = source.entry(self.fifo, counter);
+            if entry.is_motion() {
+                self.ahead = self.shaped(self.shape.end(), counter, &entry.item());
+                return;
+            }
+            if entry.is_wait() {
+                return;
+            }
+            counter = counter.wrapping_add(1);
+        }
+    }
+
+    /// Plans a motion, or what is left of it.
+    fn planned(&self, along: Along, speed: Real, length: Real, behind: Behind) -> Plan {
         let Rules { even, stop, rate } = self.rules;
-        let vel = self.along.vel().mul(rate);
+        let vel = along.vel().mul(rate);
         let end = match behind {
-            Behind::Motion => self.along.end(),
+            Behind::Motion => along.end(),
             Behind::Halt | Behind::Nothing => Real::ZERO,
         };
         let end = if vel.is_less(end) { vel } else { end };
-        let means = Means { vel, acc: self.along.acc(), end, even, stop: self.stopping.then_some(stop) };
-        let left = self.shape.length().sub(Real::from_exact(self.way));
-        self.plan = Plan::new(self.speed, left, &means);
-        self.open = (behind == Behind::Nothing).then_some(end_of(feed, self.fifo));
-        (self.leg, self.began, self.piece, self.stage) = (0, self.time, None, Stage::Move);
+        let means = Means { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) };
+        Plan::new(speed, length, &means)
     }
 
-    /// What stands behind the motion in force.
-    fn behind(&self, feed: Feed, source: &impl Entries) -> Behind {
+    /// Plans what is left of the motion in force from `time`, `way` and `speed`.
+    fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
+        let behind = self.behind(self.cursor_of(self.fifo).next, feed, source);
+        let left = self.shape.length().sub(Real::from_exact(self.way));
+        let plan = self.planned(self.along, self.speed, left, behind);
+        self.follow(plan, (behind == Behind::Nothing).then_some(end_of(feed, self.fifo)));
+    }
+
+    /// Goes along the motion in force by a plan that begins now. The next motion will be entered at another speed.
+    fn follow(&mut self, plan: Plan, open: Option<u32>) {
+        (self.plan, self.open) = (plan, open);
+        (self.leg, self.began, self.piece, self.stage) = (0, self.time, None, Stage::Move);
+        self.set_due();
+        if let Some(ahead) = &mut self.ahead {
+            ahead.plan = None;
+        }
+    }
+
+    /// What stands behind a motion, from this entry on.
+    fn behind(&self, mut counter: u32, feed: Feed, source: &impl Entries) -> Behind {
         let end = end_of(feed, self.fifo);
-        let mut counter = self.cursor_of(self.fifo).next;
         for _ in 0..=EFFECTS {
             if counter == end {
                 return Behind::Nothing;
@@ -527,7 +653,7 @@ impl Path {
     /// Entries have come while nothing stood behind the motion in force.
     #[inline(never)]
     fn extend(&mut self, now: Fine, feed: Feed, source: &impl Entries) {
-        if self.behind(feed, source) == Behind::Motion {
+        if self.behind(self.cursor_of(self.fifo).next, feed, source) == Behind::Motion {
             self.catch_up(now);
             self.plan_rest(feed, source);
         } else {
@@ -555,6 +681,7 @@ impl Path {
     /// Comes to rest here.
     fn rest(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
         (self.stage, self.speed, self.stopping, self.open) = (Stage::Rest, Real::ZERO, false, None);
+        (self.ahead, self.due) = (None, u64::MAX);
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);
         cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;

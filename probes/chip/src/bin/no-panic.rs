@@ -1,13 +1,15 @@
 #![no_std]
 #![no_main]
 //! Must link. The panic handler calls a function that does not exist, so that this program links only
-//! if the optimiser has proved that nothing in it can panic: the tick with all it calls, and the
-//! emulated board's machine. Its twin `panics` shows that the probe can fail.
+//! if the optimiser has proved that nothing in it can panic: the tick with all it calls, the
+//! emulated board's machine, and the path of a coordinate system. Its twin `panics` shows that the probe can fail.
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use hal::mps2_an500::machine::Machine;
 use probes::{AXES, PERIOD_NS};
+use servo::path::{Change, Effects, EntryStore, Feed, Fine, Path, Rest};
 use servo::tick::{Lanes, Tick};
+use servo::units::{Axis, Ns, Pos};
 
 unsafe extern "C" {
     fn something_reached_a_panic() -> !;
@@ -27,12 +29,42 @@ fn tick(tick: &mut Tick<AXES>, machine: &mut Machine<AXES>, lanes: &mut Lanes<'s
     tick.overrun();
 }
 
+/// Entries of which the optimiser knows nothing.
+static ENTRIES: [EntryStore; 2] = [EntryStore::new(), EntryStore::new()];
+
+/// Takes what a path does.
+struct Sink;
+
+impl Effects for Sink {
+    fn change(&mut self, at: Fine, _: &Change) -> Fine {
+        at
+    }
+    fn rest(&mut self, _: Fine, _: Rest) {}
+    fn gear(&mut self, _: Axis, _: Pos) {}
+    fn geared(&mut self, _: Axis, _: i32) {}
+}
+
+/// All that a path is asked for.
+#[inline(never)]
+fn path(path: &mut Path, next: Ns, feed: Feed, fifo: u8) {
+    let refused = path.refuses_start(fifo, feed);
+    path.start(next, fifo, feed, &ENTRIES);
+    path.stop(next, refused, feed, &ENTRIES, &mut Sink);
+    path.replan(next, feed, &ENTRIES);
+    black_box(path.step(next, next, feed, &ENTRIES, &mut Sink));
+    black_box((path.released(fifo), path.done(fifo)));
+    path.clear(fifo);
+    path.place([Pos(0); 4]);
+}
+
 #[cortex_m_rt::entry]
 fn main() -> ! {
     if let (Some((mut state, mut lanes, thread)), Some(board)) = (probes::bench(), hal::mps2_an500::take()) {
         let mut machine = Machine::new(PERIOD_NS, board.switchboard);
         black_box(&thread);
+        let mut crd = Path::IDLE;
         loop {
+            path(black_box(&mut crd), black_box(Ns(0)), black_box(Feed::default()), black_box(0));
             tick(black_box(&mut state), black_box(&mut machine), black_box(&mut lanes));
         }
     }
