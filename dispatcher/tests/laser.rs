@@ -491,3 +491,18 @@ fn maps_of_cores_are_apart() {
     bench.done(Reset { core: 1.into() });
     assert_eq!([get(&mut bench, 1, 1), get(&mut bench, 2, 1)], [3, 3]);
 }
+
+#[test]
+fn another_family_does_not_hide_why_the_last_run_ended() {
+    let mut bench = bench(GUS);
+    bench.tick.restarted();
+    bench.run_ms(1);
+    let fault = |bench: &mut Bench<8>| bench.done(GetLaserFault { core: 1.into(), channel: 0.into() }).value.get();
+    assert_eq!(fault(&mut bench), 4);
+    bench.done(Choose { profile: 0, family: LSR });
+    bench.run_ms(1);
+    assert_eq!(fault(&mut bench), 4);
+    bench.done(Reset { core: 1.into() });
+    bench.run_ms(1);
+    assert_eq!(fault(&mut bench), 0);
+}

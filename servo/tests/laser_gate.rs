@@ -268,10 +268,10 @@ fn another_mode_ends_the_light_at_once() {
 #[test]
 fn another_mode_and_a_reset_cut_the_pulse() {
     for reset in [false, true] {
-        // Pulses of 300 µs every 770 µs: the one that begins at 1000 + 2310 µs would end 610 µs into the tick.
+        // Pulses of 250 µs every 770 µs: the one that begins at 1000 + 2310 µs would end 60 µs after the light.
         let mut bench = Bench::new(250);
         bench.carrier(1000.0 / 770.0);
-        bench.direct(100.0 * 300.0 / 770.0);
+        bench.direct(100.0 * 250.0 / 770.0);
         bench.until(750 * US);
         bench.gate(true);
         bench.until(3250 * US);
@@ -391,7 +391,9 @@ fn an_overrun_puts_out_both_channels() {
     assert_eq!(bench.tick().fault, Cause::Overrun, "the first cause is told");
     bench.change(Change::Reset);
     let view = bench.tick();
-    assert_eq!((view.fault, view.on_time), (Cause::None, 0));
+    assert_eq!((view.fault, view.on_time), (Cause::Overrun, 0));
+    bench.change(Change::ClearFault);
+    assert_eq!(bench.tick().fault, Cause::None);
 }
 
 #[test]

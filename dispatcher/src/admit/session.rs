@@ -24,6 +24,7 @@ pub fn reset<const AXES: usize>(case: &mut Case<AXES>, r: &Reset) -> Admitted<An
     case.stage_with(Op::Reset { axes }, Change::Reset { axes, tables });
     // The controller has its lasers once: a Reset of either core puts them to power-on state.
     case.lasers_to_power_on(case.site.family);
+    case.clear_all_laser_faults();
     Ok(Answer::Done)
 }
 

@@ -236,6 +236,8 @@ impl Bench {
                     let change = known[channel].change(command).unwrap();
                     self.now(channel as u8, change);
                     if *command == Command::Reset {
+                        // The command of that name clears faults too.
+                        self.now(channel as u8, Change::ClearFault);
                         self.begin(channel as u8, family);
                     }
                 }

@@ -175,10 +175,9 @@ impl Channel {
         self.cut = true;
     }
 
-    /// Power-on state. What the outputs carry, and a fault whose cause lasts, outlive it.
+    /// Power-on state. What the outputs carry, and a fault, outlive it.
     fn reset(&mut self) {
         self.extinguish();
-        self.safety.clear();
         (self.law, self.energy) = (Channel::POWER_ON.law, Energy::POWER_ON);
         (self.delays, self.delayed, self.fpk) = (Delays::default(), true, None);
         (self.shown.crd_map, self.on_time, self.planned) = (CRD_MAP, OnTime::ZERO, 0);
@@ -375,8 +374,7 @@ impl Channel {
             return;
         }
         self.out.train = train;
-        let goes_on = self.out.light || self.energy.mode.has_standby();
-        plan.push(at, if goes_on { Action::Change(train) } else { Action::Dark { standby: train, cut: true } });
+        plan.push(at, Action::Change(train));
     }
 
     /// What the thread sees, of the interval's beginning.

@@ -125,7 +125,7 @@ pub enum Change {
     CrdMap { map: u8 },
     /// Whether the connector of the energy output carries it (SetAxisMode); else PWM energy stays at rest.
     Connector { laser: bool },
-    /// Power-on state; a fault whose cause is gone is over.
+    /// Power-on state. It clears no fault: choosing a family must not hide one.
     Reset,
 }
 

@@ -90,6 +90,13 @@ impl<const AXES: usize> Case<'_, AXES> {
         }
     }
 
+    /// A Reset clears the faults of every channel (SPEC 9).
+    pub fn clear_all_laser_faults(&mut self) {
+        for channel in 0..CHANNELS as u8 {
+            self.change_with(channel, Change::ClearFault, LaserChange::Cleared);
+        }
+    }
+
     /// The crds of a core in a channel's map.
     fn crds_of(&self, core: usize) -> u8 {
         let crds = u32::from(self.site.profile.crds_per_core);
