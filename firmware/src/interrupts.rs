@@ -79,13 +79,13 @@ impl<T> Given<T> {
 extern "C" fn TIMER0() {
     // SAFETY: the tick's handler.
     let Some(servo) = (unsafe { SERVO.taken() }) else { return };
-    servo.timer.acknowledge();
+    servo.timer.begin();
     // Whole microseconds up to 1 ms, so it fits.
     let period_ns = servo.tick.period().0 as u32;
     servo.timer.run_at(period_ns);
     servo.machine.advance(period_ns);
     servo.tick.run(&mut servo.machine, &mut servo.lanes);
-    if servo.timer.is_due() {
+    if servo.timer.has_overrun() {
         servo.tick.overrun();
     }
     ring_bell();

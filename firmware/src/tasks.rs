@@ -76,7 +76,7 @@ pub async fn serve(parts: LinkParts) {
         let now = view.now;
         if view.overruns != overruns {
             overruns = view.overruns;
-            defmt::warn!("{=u32} ticks began before the one before had ended", overruns);
+            defmt::warn!("{=u32} ticks took longer than a period", overruns);
         }
         loop {
             let mut chunk = [0; 256];

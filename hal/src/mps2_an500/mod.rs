@@ -62,7 +62,12 @@ pub fn take() -> Option<Board> {
     // SAFETY: this function gets here once, since the core's peripherals are handed out once.
     unsafe {
         let (trace, switchboard) = uart::open(uart::Place::Trace);
-        Some(Board { timer: timer::TickTimer::take(), link: uart::open(uart::Place::Link), trace, switchboard })
+        Some(Board {
+            timer: timer::TickTimer::take(core.SYST),
+            link: uart::open(uart::Place::Link),
+            trace,
+            switchboard,
+        })
     }
 }
 

@@ -1,8 +1,14 @@
 //! CMSDK APB timer (Arm DDI 0479, "APB timer"): a 32-bit down counter at the system clock.
 //!
-//! In: a tick period. Out: an interrupt a period. Owns TIMER0. The counter reloads by itself, so
-//! the ticks are evenly spaced however late one of them is served.
-use core::ptr::{read_volatile, write_volatile};
+//! In: a tick period. Out: an interrupt a period, and how long the tick took. Owns TIMER0 and SysTick. TIMER0
+//! reloads by itself, so the ticks are evenly spaced however late one of them is served.
+//!
+//! A tick has overrun if it took longer than its period, by the instructions that SysTick counts. That the next
+//! one is due at its end says less here: when the host wakes a sleeping core late, the emulated clock jumps, and
+//! the ticks that were missed follow each other at once.
+use core::ptr::write_volatile;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
 
 /// System clock of the board in Hz (AN500; QEMU's `SYSCLK_FRQ`).
 pub const CLOCK_HZ: u32 = 25_000_000;
@@ -20,15 +26,24 @@ const CTRL_INTERRUPT: u32 = 1 << 3;
 #[derive(Debug)]
 pub struct TickTimer {
     period_ns: u32,
+    /// SysTick at the beginning of the tick.
+    began: u32,
 }
 
+/// SysTick counts down from here: 0.67 s, longer than any tick.
+const SPAN: u32 = 0x00ff_ffff;
+
 impl TickTimer {
-    /// Takes the timer; it stands still until the first [`TickTimer::run_at`].
+    /// Takes the timers; TIMER0 stands still until the first [`TickTimer::run_at`].
     ///
     /// # Safety
     /// At most one may exist.
-    pub const unsafe fn take() -> Self {
-        TickTimer { period_ns: 0 }
+    pub unsafe fn take(mut stopwatch: SYST) -> Self {
+        stopwatch.set_clock_source(SystClkSource::Core);
+        stopwatch.set_reload(SPAN);
+        stopwatch.clear_current();
+        stopwatch.enable_counter();
+        TickTimer { period_ns: 0, began: 0 }
     }
 
     /// Ticks come with this period from now on; at the running period nothing is touched. The period is
@@ -45,15 +60,16 @@ impl TickTimer {
         write(CTRL, CTRL_ENABLE | CTRL_INTERRUPT);
     }
 
-    /// Acknowledges the tick that began.
-    pub fn acknowledge(&mut self) {
+    /// Acknowledges the tick that begins.
+    pub fn begin(&mut self) {
+        self.began = SYST::get_current();
         write(INT, 1);
     }
 
-    /// Another tick has begun since the last [`TickTimer::acknowledge`].
-    pub fn is_due(&self) -> bool {
-        // SAFETY: a register of this board's TIMER0; reading has no effect.
-        unsafe { read_volatile((BASE + INT) as *const u32) & 1 == 1 }
+    /// Whether the tick that began has taken longer than a period.
+    pub fn has_overrun(&self) -> bool {
+        let counts = self.began.wrapping_sub(SYST::get_current()) & SPAN;
+        counts >= self.period_ns / NS_PER_COUNT
     }
 }
 
