@@ -250,6 +250,10 @@ impl<const AXES: usize> Tick<AXES> {
         }
         for (channel, shown) in (0..).zip(self.lasers.shown()) {
             if chosen.lasers >> channel & 1 == 1 {
+                if row == 0 && chosen.edges {
+                    let actions = self.lasers.carried(channel);
+                    self.trace.tell_carried(channel, actions, samples);
+                }
                 let LaserView { mode, switch: gate, power, khz, .. } = *shown;
                 let of = Traced::Laser { channel, mode, gate, power, khz };
                 self.trace.put(Sample { row, of }, samples);

@@ -3,7 +3,7 @@
 //! In: the motion of every axis and the plans of laser channels, a tick at a time. Out: samples into a ring.
 //! Owns: the counters of rows and ticks.
 //! Fails: a full ring loses the sample and counts it; the row numbers show which.
-use crate::laser::Plan;
+use crate::laser::{Action, Plan};
 use crate::tick::SAMPLES;
 use crate::units::AxisMask;
 use crate::view::{Sample, Traced};
@@ -66,6 +66,19 @@ impl Trace {
     pub(crate) fn put(&mut self, sample: Sample, samples: &mut Producer<'_, Sample, SAMPLES>) {
         if samples.push(sample).is_err() {
             self.lost = self.lost.saturating_add(1);
+        }
+    }
+
+    /// What a channel's outputs carry when the trace begins; the trains before it are not known, so they
+    /// begin anew.
+    pub(crate) fn tell_carried(
+        &mut self,
+        channel: u8,
+        carried: [Action; 3],
+        samples: &mut Producer<'_, Sample, SAMPLES>,
+    ) {
+        for action in carried {
+            self.put(Sample { row: 0, of: Traced::Action { channel, at: 0, action } }, samples);
         }
     }
 

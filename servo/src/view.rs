@@ -412,7 +412,8 @@ pub enum Traced {
         khz: Power,
     },
     /// What a channel is told to do in the interval that begins with the tick `row` (ticks since row 0, also
-    /// where rows are fewer). It comes before the row of that tick.
+    /// where rows are fewer). It comes before the row of that tick. Those of row 0 bring outputs at rest to what
+    /// they carry there.
     Action {
         /// Which channel, from 0.
         channel: u8,

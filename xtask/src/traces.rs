@@ -12,9 +12,16 @@ use std::time::Instant;
 const TICKS_US: [u32; 3] = [50, 250, 1000];
 
 /// Jobs that take the emulator minutes at short ticks, and the periods that are left for them.
-const LONG: [(&str, &[u32]); 4] =
-    [("eight_axes_stream", &[250]), ("pvt_complete", &[250]), ("pvt_percent", &[250]), ("ten_minutes", &[])];
+const LONG: [(&str, &[u32]); 5] = [
+    ("eight_axes_stream", &[250]),
+    ("pvt_complete", &[250]),
+    ("pvt_percent", &[250]),
+    ("ten_minutes", &[]),
+    ("ten_minutes_lasers", &[]),
+];
 
+/// Jobs with lasers.
+const LASER: &str = "laser_";
 /// Jobs of the LSR manual say so in their names; the others are of the GUS family, which is the default.
 const LSR: &str = "laser_lsr_";
 
@@ -76,18 +83,33 @@ pub fn name(job: &Path) -> String {
     job.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+/// Traces are compared, and of lasers every edge.
 fn compare(runner: &Runner, job: &Path, tick_us: u32, folder: &Path) -> Outcome<usize> {
     let job_text = job.to_string_lossy();
     let tick = tick_us.to_string();
-    let file = |way: &str| folder.join(format!("{}-{tick_us}-{way}.csv", name(job)));
-    let (sim, run_) = (file("sim"), file("run"));
+    let has_lasers = name(job).starts_with(LASER);
+    let file = |way: &str, extension: &str| folder.join(format!("{}-{tick_us}-{way}.{extension}", name(job)));
     let family = if name(job).starts_with(LSR) { "lsr" } else { "gus" };
-    let common = ["--quiet", "--family", family, "--tick-us", tick.as_str(), "--trace"];
-    let sim_text = sim.to_string_lossy();
-    let run_text = run_.to_string_lossy();
-    quietly(runner.call(&[&["sim", &job_text], &common[..], &[&sim_text]].concat()))?;
-    quietly(runner.call(&[&["run", &job_text, "--link", "qemu"], &common[..], &[&run_text]].concat()))?;
-    equal(&sim, &run_)
+    let common = ["--quiet", "--family", family, "--tick-us", tick.as_str()];
+    let mut rows = 0;
+    let mut files = Vec::new();
+    for (way, more) in [("sim", &[][..]), ("run", &["--link", "qemu"])] {
+        let (csv, vcd) = (file(way, "csv"), file(way, "vcd"));
+        let (csv_text, vcd_text) = (csv.to_string_lossy().into_owned(), vcd.to_string_lossy().into_owned());
+        let mut words = [&[way, &*job_text], more, &common[..], &["--trace", &csv_text]].concat();
+        if has_lasers {
+            words.extend(["--vcd", &vcd_text]);
+        }
+        quietly(runner.call(&words))?;
+        files.push((csv, vcd));
+    }
+    if let [(csv, vcd), (other_csv, other_vcd)] = files.as_slice() {
+        rows = equal(csv, other_csv)?;
+        if has_lasers {
+            equal(vcd, other_vcd)?;
+        }
+    }
+    Ok(rows)
 }
 
 /// Runs it and shows what it prints only if it fails.

@@ -183,6 +183,12 @@ impl Channel {
         (self.shown.crd_map, self.on_time, self.planned) = (CRD_MAP, OnTime::ZERO, 0);
     }
 
+    /// What the outputs carry, as actions that bring outputs at rest there.
+    pub(super) fn carried(&self) -> [Action; 3] {
+        let Outputs { switch, train, volts, .. } = self.out;
+        [Action::Switch(switch), Action::Light(train), Action::Volts(volts.unwrap_or(0))]
+    }
+
     /// A cause has appeared: dark at once.
     pub(super) fn trip(&mut self, cause: Cause) {
         self.safety.trip(cause);

@@ -147,6 +147,13 @@ impl Lasers {
         self.channels.iter().map(|channel| &channel.shown)
     }
 
+    /// What a channel's outputs carry at the end of the interval that was planned last, as actions that bring
+    /// outputs at rest there.
+    pub(crate) fn carried(&self, channel: u8) -> [Action; 3] {
+        let rest = [Action::Switch(false), Action::Light(Train::NONE), Action::Volts(0)];
+        self.channels.get(channel as usize).map_or(rest, Channel::carried)
+    }
+
     /// Carries out a change at an instant of the interval that is planned next.
     #[inline(never)]
     pub(crate) fn change(&mut self, channel: u8, at: Ns, change: &Change) {

@@ -1,0 +1,260 @@
+//! Lasers of the virtual controller: what its outputs do, what the trace tells of it, and the interlock.
+use client::{Call, Client, Options, Quiet};
+use plant::beam::{Change, Levels};
+use protocol::command::*;
+use std::sync::{Arc, Mutex};
+use trace::{Item, Reader};
+use virtual_board::{Board, Config, Shared, VirtualLink, share};
+
+const TICK: u64 = 250_000;
+
+fn open() -> (Client, Shared) {
+    let board = share(Board::new(Config::default()));
+    let client = Client::open(Box::new(VirtualLink::new(board.clone())), Options::default()).unwrap();
+    (client, board)
+}
+
+/// Changes of a channel: those of each output by themselves, pulses one by one, a level that lasts for no time left out.
+#[derive(Debug, Default, PartialEq)]
+struct Edges {
+    energy: Vec<(u64, bool)>,
+    switch: Vec<(u64, bool)>,
+    dac: Vec<(u64, i16)>,
+}
+
+impl Edges {
+    fn add(&mut self, change: &Change, zero: u64) {
+        match *change {
+            Change::Switch { at, level } => self.switch.push((at - zero, level)),
+            Change::Dac { at, code } => self.dac.push((at - zero, code)),
+            Change::Energy { at, level } => self.energy(at - zero, level),
+            Change::Pulses(burst) => {
+                for (begin, end) in burst.pulses() {
+                    self.energy(begin - zero, true);
+                    self.energy(end - zero, false);
+                }
+            }
+        }
+    }
+
+    fn energy(&mut self, at: u64, level: bool) {
+        if self.energy.last().is_some_and(|last| last.0 == at) {
+            self.energy.pop();
+        } else {
+            self.energy.push((at, level));
+        }
+    }
+}
+
+/// Both channels with delays, FPK, standby, every mode, and a mark that is cut by a change of mode.
+fn marks() -> Vec<Call> {
+    let (core, c0, c1) = (1.into(), 0.into(), 1.into());
+    let sleep = |us: u64| Call::of(Sleep { ns: (us * 1000).into() });
+    let gate = |channel: i16, value: u16| Call::of(SetHSIOOpt { core, value: value.into(), channel: channel.into() });
+    let mode = |channel: i16, mode: i16, max: f64| {
+        Call::of(LaserPowerMode {
+            core,
+            mode: mode.into(),
+            max: max.into(),
+            min: 0.0.into(),
+            channel: channel.into(),
+            delay_mode: 0.into(),
+        })
+    };
+    let power = |channel: i16, power: f64| Call::of(LaserPrfCmd { core, power: power.into(), channel: channel.into() });
+    let duty = |frequency: f64, duty: f64| (frequency.into(), duty.into());
+    let (frequency, standby) = duty(3.0, 20.0);
+    vec![
+        Call::of(SetAxisMode { core, axis: 7.into(), mode: 1.into() }),
+        Call::of(SetAxisMode { core, axis: 8.into(), mode: 1.into() }),
+        mode(0, 0, 100.0),
+        Call::of(LaserOutFrq { core, frequency: 333.333.into(), channel: c0 }),
+        power(0, 37.5),
+        Call::of(SetLevelDelay { core, off_delay_us: 130.into(), on_delay_us: 77.into(), channel: c0 }),
+        Call::of(SetWaitPulse { core, mode: 1.into(), frequency, duty: standby, channel: c0 }),
+        mode(1, 1, 1000.0),
+        Call::of(SetPulseWidth { core, width_us: 40.into(), channel: c1 }),
+        power(1, 7.0),
+        Call::of(EnaFPK {
+            core,
+            time1_us: 55.into(),
+            time2_us: 31.into(),
+            laser_off_delay_us: 400.into(),
+            channel: c1,
+        }),
+        gate(0, 1),
+        gate(1, 1),
+        sleep(1_300),
+        power(0, 80.0),
+        power(1, 11.0),
+        sleep(1_300),
+        gate(0, 0),
+        gate(1, 0),
+        sleep(3_000),
+        gate(0, 1),
+        sleep(600),
+        mode(0, 2, 10.0),
+        power(0, 5.0),
+        gate(0, 1),
+        sleep(1_000),
+        power(0, 10.0),
+        sleep(1_000),
+        gate(0, 0),
+        sleep(2_000),
+    ]
+}
+
+#[test]
+fn the_trace_tells_every_edge_of_the_outputs() {
+    for every in [1u32, 7] {
+        let (client, board) = open();
+        board.lock().unwrap().record_beam(true);
+        let told: Arc<Mutex<([Edges; 2], bool, u64)>> = Arc::default();
+        let (theirs, mut reader) = (Arc::clone(&told), Reader::new());
+        client.trace_to(move |bytes| {
+            let mut told = theirs.lock().unwrap();
+            reader
+                .feed(bytes, |item| {
+                    match item {
+                        Item::Header(header) => assert_eq!(header.lasers.len(), 2),
+                        Item::Laser { laser, change } => told.0[laser].add(&change, 0),
+                        Item::Row(row) => told.2 = row.t_ns,
+                        Item::End { .. } => told.1 = true,
+                    }
+                    Ok(())
+                })
+                .unwrap();
+        });
+        let begin = Trace { every: every.into(), axes: 0.into(), lasers: 3, crds: 0, way: 0, edges: 1 };
+        client.call(begin).unwrap();
+        let mut calls = marks();
+        calls.push(Call::of(Trace::default()));
+        assert!(client.run(calls, true, &mut Quiet).unwrap().failed.is_none());
+        client.sleep(std::time::Duration::from_millis(20)).unwrap();
+        let mut board = board.lock().unwrap();
+        let zero = board.program_zero_ns();
+        let mut outputs: [Edges; 2] = Default::default();
+        for beam in board.take_beam() {
+            outputs[usize::from(beam.channel)].add(&beam.change, zero);
+        }
+        let (mut edges, ended, end) = std::mem::take(&mut *told.lock().unwrap());
+        assert!(ended);
+        for (traced, output) in edges.iter_mut().zip(&mut outputs) {
+            // Behind the last row nothing is told any more; its own instant may be.
+            for edges in [traced, output] {
+                edges.energy.retain(|(at, _)| *at < end);
+                edges.switch.retain(|(at, _)| *at < end);
+                edges.dac.retain(|(at, _)| *at < end);
+            }
+        }
+        assert_eq!(edges, outputs, "a row every {every} ticks");
+        let [first, second] = edges;
+        // By hand: on at the first tick, 77 µs later the first pulse of 37.5 % of 3.000003 µs; off 130 µs late.
+        assert_eq!(first.switch[..2], [(TICK + 77_000, true), (2_750_000 + 130_000, false)]);
+        let light = first.energy.iter().position(|edge| *edge == (TICK + 77_000, true)).unwrap();
+        assert_eq!(first.energy[light + 1..light + 3], [(TICK + 77_000 + 1_125, false), (TICK + 77_000 + 3_000, true)]);
+        // Another mode at 6.25 ms ends everything, and 5 V are output 77 µs later.
+        assert!(first.energy.last().unwrap().0 <= 6_250_000);
+        assert_eq!(first.dac[..2], [(6_250_000 + 77_000, 16_384), (7_250_000, 32_767)]);
+        // FPK: 55 µs on the switch, pulses from 31 µs on, 40 µs each.
+        assert_eq!(second.switch, [(TICK, true), (TICK + 55_000, false)]);
+        assert_eq!(second.energy[..2], [(TICK + 31_000, true), (TICK + 71_000, false)]);
+        assert!(
+            first.energy.len() > 1_500 && second.energy.len() > 30,
+            "{} {}",
+            first.energy.len(),
+            second.energy.len()
+        );
+    }
+}
+
+#[test]
+fn a_trace_begins_with_what_the_outputs_carry() {
+    let (client, board) = open();
+    let mut calls = marks();
+    // Standby of channel 0 goes on, channel 1 is dark.
+    calls.truncate(20);
+    calls.extend([Call::of(Sleep { ns: 2_000_000.into() })]);
+    assert!(client.run(calls, true, &mut Quiet).unwrap().failed.is_none());
+    board.lock().unwrap().record_beam(true);
+    let told: Arc<Mutex<Edges>> = Arc::default();
+    let (theirs, mut reader) = (Arc::clone(&told), Reader::new());
+    client.trace_to(move |bytes| {
+        let mut told = theirs.lock().unwrap();
+        let taken = reader.feed(bytes, |item| {
+            if let Item::Laser { laser: 0, change } = item {
+                told.add(&change, 0);
+            }
+            Ok(())
+        });
+        taken.unwrap();
+    });
+    client.call(Trace { every: 1.into(), axes: 0.into(), lasers: 1, crds: 0, way: 0, edges: 1 }).unwrap();
+    let calls = [Call::of(Sleep { ns: 5_000_000.into() }), Call::of(Trace::default())];
+    assert!(client.run(calls, true, &mut Quiet).unwrap().failed.is_none());
+    client.sleep(std::time::Duration::from_millis(20)).unwrap();
+    let told = told.lock().unwrap();
+    // 3 kHz for 5 ms, in a phase of its own: 15 pulses, of 66.666 µs.
+    let begins = told.energy.iter().filter(|edge| edge.1).count();
+    assert!((15..=16).contains(&begins), "{:?}", told.energy);
+    assert_eq!(told.energy[1].0 - told.energy[0].0, 66_666);
+}
+
+#[test]
+fn nothing_is_output_from_power_on() {
+    let (client, board) = open();
+    board.lock().unwrap().record_beam(true);
+    client.sleep(std::time::Duration::from_millis(50)).unwrap();
+    let mut board = board.lock().unwrap();
+    assert_eq!([board.laser(0), board.laser(1)], [Levels::default(); 2]);
+    assert_eq!(board.take_beam(), []);
+}
+
+#[test]
+fn the_interlock_rests_everything_until_it_is_cleared() {
+    let (client, board) = open();
+    board.lock().unwrap().record_beam(true);
+    let mut calls = marks();
+    calls.truncate(13);
+    // The script ends with light on; nothing switches it off.
+    assert!(client.run(calls, true, &mut Quiet).unwrap().failed.is_none());
+    let status =
+        |channel: i16| client.call(GetLaserFault { core: 1.into(), channel: channel.into() }).unwrap().value.get();
+    client.sleep(std::time::Duration::from_millis(2)).unwrap();
+    assert_eq!([status(0), status(1)], [0, 0]);
+    let stop = {
+        let mut board = board.lock().unwrap();
+        assert!(board.laser(0).switch, "light is on");
+        board.inputs_mut().interlock = true;
+        board.now()
+    };
+    client.sleep(std::time::Duration::from_millis(10)).unwrap();
+    assert_eq!([status(0), status(1)], [1, 1]);
+    let mut edges: [Edges; 2] = Default::default();
+    for beam in board.lock().unwrap().take_beam() {
+        edges[usize::from(beam.channel)].add(&beam.change, 0);
+    }
+    for (channel, edges) in edges.iter().enumerate() {
+        assert!(
+            edges.energy.last().is_some_and(|last| last.0 <= stop && !last.1),
+            "{channel}: {:?}",
+            edges.energy.last()
+        );
+        assert!(edges.switch.last().is_some_and(|last| last.0 <= stop && !last.1), "{channel}: {:?}", edges.switch);
+    }
+    assert_eq!(edges[0].switch.last(), Some(&(stop, false)), "the switch goes off at that instant");
+    // It cannot be cleared while the input is active; standby does not come back either.
+    let clear = |channel: i16| client.call(ClrLaserFault { core: 1.into(), channel: channel.into() });
+    assert_eq!(clear(0).unwrap_err().code, 1);
+    client.sleep(std::time::Duration::from_millis(5)).unwrap();
+    assert_eq!(board.lock().unwrap().take_beam(), []);
+    board.lock().unwrap().inputs_mut().interlock = false;
+    client.sleep(std::time::Duration::from_millis(1)).unwrap();
+    assert_eq!(board.lock().unwrap().take_beam(), [], "the latch holds");
+    clear(0).unwrap();
+    client.sleep(std::time::Duration::from_millis(2)).unwrap();
+    assert_eq!(status(0), 0);
+    let back = board.lock().unwrap().take_beam();
+    assert!(!back.is_empty() && back.iter().all(|beam| beam.channel == 0), "standby is back, on the cleared channel");
+    assert!(!board.lock().unwrap().laser(0).switch, "light is not");
+}
