@@ -57,9 +57,10 @@ pub struct Settings {
     /// Servo tick in µs.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1000))]
     pub tick_us: Option<u32>,
-    /// Family, which decides where the two laser manuals differ.
-    #[arg(long, value_enum, default_value = "gus")]
-    pub family: FamilyName,
+    /// Family, which decides where the two laser manuals differ. Without it a job runs in gus, and `info` leaves the
+    /// controller in its own.
+    #[arg(long, value_enum)]
+    pub family: Option<FamilyName>,
     /// Product profile: gus, gtn-016, gtn-024, gsn-008-lt, gsn-024, gsn-048, r688c-024, r688s-016, r688s-032.
     /// Without it, the first of these that has every core and axis of the job.
     #[arg(long, value_name = "NAME")]

@@ -19,10 +19,11 @@ fn options(settings: &Settings, wanted: Option<Profile>) -> Result<Options, Fail
         None => wanted,
         Some(name) => Some(profile::named(name)?),
     };
-    let family = match settings.family {
+    // Without a job, nothing asks for a family.
+    let family = settings.family.or(wanted.map(|_| FamilyName::Gus)).map(|family| match family {
         FamilyName::Gus => Family::Gus,
         FamilyName::Lsr => Family::Lsr,
-    };
+    });
     Ok(Options { profile, family, tick_us: settings.tick_us, ..Options::default() })
 }
 

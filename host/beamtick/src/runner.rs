@@ -127,8 +127,13 @@ fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Out
             source.name
         )));
     }
+    let family = match (source.job.lasers, version.family) {
+        (0, _) => "",
+        (_, 0) => ", family gus",
+        _ => ", family lsr",
+    };
     let subtitle =
-        format!("{}, profile {}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
+        format!("{}, profile {}{family}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
     let recording = Recording::new(outputs, (&source.name, subtitle), digital(&source.job), board)?;
     let recording = Arc::new(Mutex::new(Some(recording)));
     let sink = Arc::clone(&recording);

@@ -128,3 +128,49 @@ fn serving_needs_an_address_that_is_free() {
     let (_, errors, code) = beamtick(&["serve", "--listen", &address]);
     assert!(code == 1 && errors.contains(&address) && errors.contains("cannot listen"), "{errors}");
 }
+
+/// A client that is killed while its job has a laser on: the controller goes dark by itself, says why, and stays dark
+/// until it is told otherwise.
+#[test]
+fn a_killed_client_leaves_no_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name).to_str().unwrap().to_owned();
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let on = "GT_LaserOutFrq(10,0); GT_LaserPrfCmd(50,0); GT_SetHSIOOpt(1,0);";
+    let job = file("on.gts", &format!("{on} Sleep(60000);"));
+    let again = file("again.gts", &format!("{on} Sleep(1);"));
+    let cleared = file("cleared.gts", &format!("GT_ClrLaserFault(0); {on} Sleep(1);"));
+    let served = Served::start();
+    let info = || {
+        let (out, errors, code) = beamtick(&["info", "--link", &served.1]);
+        assert_eq!(code, 0, "{out}{errors}");
+        out.lines()
+            .filter(|line| line.starts_with("laser 0") || line.starts_with("profile"))
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    let mut run = Command::new(cargo_bin("beamtick"))
+        .args(["run", &job, "--link", &served.1, "--family", "lsr"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    // Longer than the link-loss time: the client keeps the link alive, or the laser would be dark already.
+    std::thread::sleep(Duration::from_millis(3000));
+    run.kill().unwrap();
+    run.wait().unwrap();
+    std::thread::sleep(Duration::from_millis(1000));
+    let told = info();
+    assert!(told.contains("family lsr") && told.contains("dark"), "{told}");
+    assert!(told.contains("KEPT DARK: the host link was lost (ClrLaserFault)"), "{told}");
+    let light: f64 = told.split("light of ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+    assert!((700.0..4500.0).contains(&light), "{light} ms of light: {told}");
+    let (_, errors, code) = beamtick(&["run", &again, "--link", &served.1, "--family", "lsr"]);
+    assert!(code != 0 && errors.contains("the host link was lost; once that is over call ClrLaserFault"), "{errors}");
+    let (out, errors, code) = beamtick(&["run", &cleared, "--link", &served.1, "--family", "lsr"]);
+    assert_eq!(code, 0, "{out}{errors}");
+    assert!(info().contains("dark") && !info().contains("KEPT"), "{}", info());
+}

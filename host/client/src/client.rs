@@ -138,9 +138,10 @@ impl Client {
         let mut client =
             Client { shared, keeper: None, name, version: VersionReply::default(), timeout: options.timeout };
         client.version = client.call(protocol::command::Version {})?;
-        if options.profile.is_some() || options.family as u8 != client.version.family {
+        let family = options.family.map_or(client.version.family, |family| family as u8);
+        if options.profile.is_some() || family != client.version.family {
             let profile = options.profile.map_or(client.version.profile, |p| p as u8);
-            client.version = client.call(Choose { profile, family: options.family as u8 })?;
+            client.version = client.call(Choose { profile, family })?;
         }
         if let Some(tick_us) = options.tick_us
             && client.version.tick_us.get() != tick_us

@@ -104,8 +104,8 @@ impl Family {
 pub struct Options {
     /// Profile to choose; `None` keeps what the controller shows.
     pub profile: Option<Profile>,
-    /// Family to choose.
-    pub family: Family,
+    /// Family to choose; `None` keeps what the controller shows. Another one puts its lasers to power-on state.
+    pub family: Option<Family>,
     /// Servo tick in µs; `None` keeps the controller's.
     pub tick_us: Option<u32>,
     /// A call fails with −7 if nothing comes from the controller for this long.
@@ -120,7 +120,7 @@ impl Default for Options {
     fn default() -> Self {
         Options {
             profile: None,
-            family: Family::Gus,
+            family: None,
             tick_us: None,
             timeout: Duration::from_secs(2),
             open_timeout: Duration::from_secs(3),
