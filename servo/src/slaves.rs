@@ -176,7 +176,7 @@ impl<const AXES: usize> Tick<AXES> {
             if shown.changes != state.shown.changes {
                 *inputs = state.raw;
             }
-            shown.follow(&state.shown);
+            state.show(shown);
         }
     }
 

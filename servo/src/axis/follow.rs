@@ -11,7 +11,7 @@ use crate::profile::Supply;
 use crate::ramp::Moving;
 use crate::status;
 use crate::units::{Axis, Ns, Pos};
-use crate::view::{Lead, StopReason};
+use crate::view::{AxisView, Lead, StopReason};
 
 impl AxisState {
     /// The slave in it, if it follows.
@@ -262,6 +262,12 @@ impl AxisState {
         // Its motion has been one over the master's progress; in this tick it is told over time.
         self.shown.motion = motion;
         self.set_off(StopReason::StopSmooth);
+    }
+
+    /// A view of it catches up. A function of its own, so that nothing but the two takes up registers.
+    #[inline(never)]
+    pub(crate) fn show(&self, shown: &mut AxisView) {
+        shown.follow(&self.shown);
     }
 
     /// It follows no longer.

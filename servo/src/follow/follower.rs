@@ -59,6 +59,7 @@ pub struct Follower {
 }
 
 impl Follower {
+    #[inline(always)]
     pub(crate) fn new(run: FollowRun, master: Master) -> Follower {
         Follower {
             run,
@@ -124,15 +125,23 @@ impl Follower {
         let to = if let Path::Filtered = seen.path { self.filtered(seen.to, period) } else { seen.to };
         let last = self.last.unwrap_or(to);
         (self.way, self.last) = (to.0.wrapping_sub(last.0), Some(to));
-        self.track = Track::begin(from);
-        let track = if led { Some(&mut self.track) } else { None };
+        let track = if led {
+            self.track = Track::begin(from);
+            Some(&mut self.track)
+        } else {
+            None
+        };
         let (along, shift) = match seen.path {
             Path::Straight | Path::Filtered => (None, 0),
-            Path::Pieces { before: None, piece, shift } if self.plain == Some(piece.begin) => (Some(piece), shift),
             Path::Pieces { before, piece, shift } => {
-                self.plain = is_plain(piece, now).then_some(piece.begin);
-                let way = Way::along(now, period, before, piece, last, to, shift);
-                return self.run.step(&way, seen.named, context, track);
+                if self.plain != Some(piece.begin) {
+                    self.plain = is_plain(piece, now).then_some(piece.begin);
+                }
+                if before.is_some() || self.plain.is_none() {
+                    let way = Way::along(now, period, before, piece, last, to, shift);
+                    return self.run.step(&way, seen.named, context, track);
+                }
+                (Some(piece), shift)
             }
             Path::Track(places) => return self.run.step(&Way::of(now, places), seen.named, context, track),
         };

@@ -169,6 +169,7 @@ enum Seek {
 
 impl FollowRun {
     /// A motion from the position `origin` which starts in the tick computed next.
+    #[inline(always)]
     pub fn begin(setup: &Setup, origin: Exact, fifo: u8) -> FollowRun {
         let both = setup.direction == Direction::Both;
         FollowRun {
