@@ -4,19 +4,20 @@
 //! the count of entries that came late. A late entry acts at once and shifts nothing behind it.
 use crate::units::Ns;
 
-/// The program lane's clock.
+/// The program lane's clock; in the order of the view.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub(crate) struct Script {
-    /// Whether the lane runs; else it is held.
-    pub(crate) runs: bool,
     /// Controller time at which the clock was zero.
     pub(crate) zero: Ns,
     /// Instant of the last entry executed, on the script clock.
     pub(crate) clock: Ns,
-    /// Entries executed late.
-    pub(crate) late: u32,
     /// Worst lateness.
     pub(crate) worst_late: Ns,
+    /// Entries executed late.
+    pub(crate) late: u32,
+    /// Whether the lane runs; else it is held.
+    pub(crate) runs: bool,
 }
 
 impl Script {

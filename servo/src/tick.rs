@@ -94,31 +94,33 @@ impl Tables for Source<'_> {
     }
 }
 
-/// The state of the tick. `AXES` is the capacity of the build.
+/// The state of the tick. `AXES` is the capacity of the build. What a view tells of it stands in the view's
+/// order, so that it is copied in a few instructions; the axes last.
+#[repr(C)]
 pub struct Tick<const AXES: usize> {
     /// Instant of the tick in force.
     pub(crate) now: Ns,
     /// From it to the next one.
     pub(crate) period: Ns,
+    pub(crate) script: Script,
+    pub(crate) enable: u64,
+    pub(crate) clear: u64,
+    pub(crate) general: u32,
     /// Ticks since power-on.
     ticks: u32,
+    done_immediate: u32,
+    done_program: u32,
+    pub(crate) events_lost: u32,
+    overruns: u32,
     /// Axes in use.
     pub(crate) used: usize,
     analog_inputs: usize,
-    done_immediate: u32,
-    done_program: u32,
-    pub(crate) script: Script,
-    pub(crate) trace: Trace,
-    pub(crate) events_lost: u32,
-    overruns: u32,
-    pub(crate) enable: u64,
-    pub(crate) general: u32,
-    pub(crate) clear: u64,
-    pub(crate) axes: [AxisState; AXES],
-    pub(crate) order: Order<AXES>,
     /// What an axis that follows goes in a tick at most: 2³² pulse/ms.
     pub(crate) step_limit: u64,
+    pub(crate) trace: Trace,
     pub(crate) lasers: Lasers,
+    pub(crate) order: Order<AXES>,
+    pub(crate) axes: [AxisState; AXES],
 }
 
 impl<const AXES: usize> Tick<AXES> {
@@ -178,7 +180,9 @@ impl<const AXES: usize> Tick<AXES> {
         for (axis, state) in Axis::all().zip(self.axes.get_mut(..self.used).unwrap_or_default()) {
             state.sample(now, port.inputs(axis), port.encoder(axis));
         }
-        self.execute_due(next, &mut period, port, lanes);
+        if !lanes.immediate.is_empty() || self.script.runs {
+            self.execute_due(next, &mut period, port, lanes);
+        }
 
         if self.order.slaves.0 == 0 {
             self.step_axes::<false>(next, port, lanes);
@@ -264,23 +268,16 @@ impl<const AXES: usize> Tick<AXES> {
     /// The part of the view that is not of an axis.
     #[inline]
     fn show(&self, port: &mut impl Port, view: &mut View<AXES>) {
-        view.now = self.now;
-        view.tick = self.ticks;
-        view.period = self.period;
-        view.done_immediate = self.done_immediate;
-        view.done_program = self.done_program;
-        view.program_runs = self.script.runs;
-        view.script = self.script.clock;
-        view.script_zero = self.script.zero;
-        view.late = self.script.late;
-        view.worst_late = self.script.worst_late;
+        (view.now, view.period) = (self.now, self.period);
+        let Script { zero, clock, worst_late, late, runs } = self.script;
+        (view.script_zero, view.script, view.worst_late) = (zero, clock, worst_late);
+        (view.late, view.program_runs) = (late, runs);
+        (view.enable, view.clear) = (self.enable, self.clear);
+        (view.general_outputs, view.tick) = (self.general, self.ticks);
+        (view.done_immediate, view.done_program) = (self.done_immediate, self.done_program);
+        (view.events_lost, view.overruns) = (self.events_lost, self.overruns);
         view.trace_lost = self.trace.lost;
-        view.events_lost = self.events_lost;
-        view.overruns = self.overruns;
         view.general_inputs = port.general_inputs();
-        view.general_outputs = self.general;
-        view.enable = self.enable;
-        view.clear = self.clear;
         view.timer_mhz = self.lasers.clock.mhz();
         self.lasers.show(&mut view.lasers);
         for (channel, value) in view.analog.iter_mut().enumerate().take(self.analog_inputs) {
@@ -289,7 +286,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Carries out what is due: the immediate lane, then the program lane, in order.
-    #[inline]
+    #[inline(never)]
     fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let Lanes { immediate, program, events, samples, segments, tables, .. } = lanes;
         let mut reach = Reach { events, samples, segments, tables: *tables };

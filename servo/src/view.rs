@@ -296,49 +296,50 @@ impl LaserView {
 
 /// Everything of one tick, for the thread. `AXES` is the capacity of the build.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub struct View<const AXES: usize> {
     /// The instant this view is of.
     pub now: Ns,
-    /// Ticks since power-on.
-    pub tick: u32,
     /// Tick period.
     pub period: Ns,
-    /// Last entry of the immediate lane that was executed.
-    pub done_immediate: u32,
-    /// Last entry of the program lane that was executed.
-    pub done_program: u32,
-    /// Whether the program lane runs; else it is held.
-    pub program_runs: bool,
-    /// Script clock: the instant of the last program entry executed, from the program's start.
-    pub script: Ns,
     /// Controller time at which the script clock was zero: the tick in force when the program began.
     pub script_zero: Ns,
-    /// Program entries executed late, and the worst lateness.
-    pub late: u32,
-    /// Worst lateness.
+    /// Script clock: the instant of the last program entry executed, from the program's start.
+    pub script: Ns,
+    /// Worst lateness of a program entry.
     pub worst_late: Ns,
-    /// Trace samples lost because nobody took them.
-    pub trace_lost: u32,
-    /// Events lost because nobody took them.
-    pub events_lost: u32,
-    /// Ticks that began before the one before had ended.
-    pub overruns: u32,
-    /// General inputs.
-    pub general_inputs: u32,
-    /// General outputs.
-    pub general_outputs: u32,
+    /// Program entries executed late.
+    pub late: u32,
+    /// Whether the program lane runs; else it is held.
+    pub program_runs: bool,
     /// Servo-enable outputs.
     pub enable: u64,
     /// Alarm-clear outputs.
     pub clear: u64,
+    /// General outputs.
+    pub general_outputs: u32,
+    /// Ticks since power-on.
+    pub tick: u32,
+    /// Last entry of the immediate lane that was executed.
+    pub done_immediate: u32,
+    /// Last entry of the program lane that was executed.
+    pub done_program: u32,
+    /// Events lost because nobody took them.
+    pub events_lost: u32,
+    /// Ticks that began before the one before had ended.
+    pub overruns: u32,
+    /// Trace samples lost because nobody took them.
+    pub trace_lost: u32,
+    /// General inputs.
+    pub general_inputs: u32,
     /// The clock of the machine's laser timers, MHz; 0 before the first tick.
     pub timer_mhz: u16,
+    /// Analog inputs.
+    pub analog: [i16; 8],
     /// The laser channels.
     pub lasers: [LaserView; laser::CHANNELS],
     /// Raw per-axis input levels.
     pub inputs: [AxisInputs; AXES],
-    /// Analog inputs.
-    pub analog: [i16; 8],
     /// The axes.
     pub axes: [AxisView; AXES],
 }
