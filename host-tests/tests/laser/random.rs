@@ -114,14 +114,13 @@ fn delays((off, on): (i64, i64)) -> Command {
 pub fn jobs(chance: &mut Chance, setup: &Setup, period: Ns, ticks: i64) -> [Vec<(Ns, Command)>; 2] {
     let first = job(chance, setup, period, ticks);
     let mut second = job(chance, setup, period, ticks);
-    // A Reset would clear a fault that has just come.
+    second.retain(|(_, command)| !matches!(command, Command::Fault | Command::Clear));
+    // A Reset would clear a fault that has just come: the job ends before it.
     let near =
         |at: Ns| first.iter().any(|(fault, it)| *it == Command::Fault && (0..3 * period).contains(&(at - fault)));
-    second.retain(|(at, command)| match command {
-        Command::Fault | Command::Clear => false,
-        Command::Reset => !near(*at),
-        _ => true,
-    });
+    if let Some(reset) = second.iter().position(|(at, command)| *command == Command::Reset && near(*at)) {
+        second.truncate(reset);
+    }
     for (at, command) in &first {
         let place = match command {
             Command::Fault => second.partition_point(|(other, _)| other <= at),
