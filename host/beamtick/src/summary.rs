@@ -168,6 +168,8 @@ fn reason(number: u16) -> &'static str {
         12 => "servo switched off",
         13 => "stopped: the host link was lost",
         14 => "reset",
+        15 => "stopped: an input that FollowDiBitEx waits for did not come in time",
+        16 => "stopped: its master would have taken it beyond the step limit",
         _ => "stopped for a reason that this client does not know",
     }
 }
