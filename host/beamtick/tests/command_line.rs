@@ -86,44 +86,6 @@ fn the_other_examples_run() {
     assert!(out.contains("axis 2: planned"), "{out}");
 }
 
-/// Listing 2-1 as it stands in the manual's text, where the manuals lie beside the checkout.
-#[test]
-fn the_manuals_listing_runs_as_pasted() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/manuals");
-    let manual = fs::read_dir(&folder).ok().and_then(|mut files| {
-        files.find_map(|file| fs::read_to_string(file.ok()?.path()).ok().filter(|text| text.contains("GTN_PtData")))
-    });
-    let Some(manual) = manual else {
-        println!("skipped: the manuals are not beside the checkout");
-        return;
-    };
-    // The heading, then the fenced blocks of the listing up to its end of main.
-    let from = manual.find("\n例程 2-1").unwrap();
-    let to = manual[from..].find("2. PT 动态 FIFO").unwrap();
-    let mut inside = false;
-    let listing: String = manual[from..from + to]
-        .lines()
-        .filter(|line| {
-            let fence = line.starts_with("```");
-            inside ^= fence;
-            inside && !fence
-        })
-        .flat_map(|line| [line, "\n"])
-        .collect();
-    let folder = tempfile::tempdir().unwrap();
-    let job = folder.path().join("listing.gts");
-    fs::write(&job, listing).unwrap();
-    fs::copy(example("test.cfg"), folder.path().join("test.cfg")).unwrap();
-    let trace = folder.path().join("listing.csv");
-    let (out, errors, code) = beamtick(&["sim", job.to_str().unwrap(), "--trace", trace.to_str().unwrap()]);
-    assert_eq!(code, 0, "{out}\n{errors}");
-    let rows = fs::read_to_string(&trace).unwrap();
-    // It starts on the first tick, at 0.25 ms, so the plateau holds at 1500.25 ms and the end is at 3072.25 ms.
-    assert!(rows.contains("\n1500.250000,1976.000000,2.000000\n"), "no plateau of 2 pulse/ms");
-    assert!(rows.contains("\n3072.250000,4096.000000,0.000000\n"), "not at 4096 pulses after 3072 ms");
-    assert!(!rows.contains("\n3072.000000,4096.000000"), "there too early");
-}
-
 #[test]
 fn what_still_moves_at_the_end_is_stopped_and_named() {
     let folder = tempfile::tempdir().unwrap();

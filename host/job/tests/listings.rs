@@ -1,6 +1,6 @@
 //! The listings of the manuals: pasted as they stand, and as the jobs in `examples/`.
 use job::{Action, Folder, Job, Severity, compile};
-use protocol::command::{PrfPt, PtData, PtStart, Request, SetAxisMode};
+use protocol::command::{FollowData, PrfPt, PtData, PtStart, Request, SetAxisMode};
 use std::path::{Path, PathBuf};
 use zerocopy::FromBytes;
 
@@ -86,6 +86,59 @@ fn listing_2_2_as_printed_is_refused_for_its_loop() {
     assert!(errors.iter().any(|error| error.message.contains("GTN_PtClear1")));
 }
 
+/// Data of Follow: axis, FIFO, master, slave, type.
+fn follow_data(job: &Job) -> Vec<(i16, i16, i32, f64, i16)> {
+    job.steps
+        .iter()
+        .filter_map(|step| match &step.action {
+            Action::Call(call) if call.opcode == FollowData::OPCODE => FollowData::read_from_bytes(&call.body).ok(),
+            _ => None,
+        })
+        .map(|data| {
+            let slave = data.slave_segment.get();
+            (data.profile.get(), data.fifo.get(), data.master_segment.get(), slave, data.kind.get())
+        })
+        .collect()
+}
+
+/// Tables 3-4 and 3-5.
+const SINGLE: [(i16, i16, i32, f64, i16); 3] =
+    [(2, 0, 20_000, 10_000.0, 0), (2, 0, 40_000, 30_000.0, 0), (2, 0, 60_000, 40_000.0, 0)];
+
+#[test]
+fn listing_3_2_as_the_manual_prints_it() {
+    let Some(manual) = manual() else {
+        println!("skipped: the manuals are not here (set BEAMTICK_MANUALS to their folder)");
+        return;
+    };
+    let text = listing(&manual, "\n例程 3-2 Follow", "\n例程 3-3 Follow");
+    // Its loop waits for a key under a motion without an end.
+    let found = compile(text, &Folder(root().join("examples"))).unwrap_err();
+    assert!(found.iter().any(|found| found.severity == Severity::Error && found.message.contains("runs for ever")));
+    let (from, to) = (text.find("while(!kbhit())").unwrap(), text.find("// 伺服关闭").unwrap());
+    let timed = format!("{}Sleep(3600);\n{}", &text[..from], &text[to..]);
+    let job = compile(&timed, &Folder(root().join("examples"))).unwrap_or_else(|found| panic!("{found:#?}"));
+    assert_eq!(follow_data(&job), SINGLE);
+}
+
+#[test]
+fn the_examples_of_chapter_3_have_its_tables() {
+    assert_eq!(follow_data(&example("follow_single.gts")), SINGLE);
+    let shear = [
+        (2, 0, 5000, 2500.0, 0),
+        (2, 1, 1000, 1000.0, 3),
+        (2, 1, 4000, 3400.0, 0),
+        (2, 1, 6000, 4600.0, 0),
+        (2, 1, 9000, 7000.0, 0),
+        (2, 1, 10_000, 8000.0, 0),
+    ];
+    assert_eq!(follow_data(&example("follow_shear.gts")), shear);
+    let mut switch = SINGLE.to_vec();
+    switch.extend([(2, 1, 20_000, 10_000.0, 3), (2, 1, 40_000, 30_000.0, 0), (2, 1, 60_000, 46_000.0, 0)]);
+    switch.extend([(2, 0, 20_000, 16_000.0, 3), (2, 0, 40_000, 36_000.0, 0), (2, 0, 60_000, 52_000.0, 0)]);
+    assert_eq!(follow_data(&example("follow_switch.gts")), switch);
+}
+
 #[test]
 fn pt_static_is_listing_2_1() {
     let job = example("pt_static.gts");
@@ -158,7 +211,15 @@ fn pt_dynamic_is_listing_2_2_unrolled() {
 
 #[test]
 fn the_other_examples_compile_without_warnings() {
-    for name in ["jog_trap.gts", "stop.gts"] {
+    for name in [
+        "jog_trap.gts",
+        "stop.gts",
+        "follow_shear.gts",
+        "follow_single.gts",
+        "follow_switch.gts",
+        "follow_ex.gts",
+        "follow_ex_switch.gts",
+    ] {
         let job = example(name);
         assert!(job.warnings.is_empty(), "{name}: {:?}", job.warnings);
         assert!(job.steps.len() > 5);
