@@ -242,6 +242,53 @@ fn the_way_to_an_instant_does_not_matter() {
     }
 }
 
+/// Pieces made ahead, the first of the next pass too, are what would have been made, also where a table is selected or
+/// the number of passes changes after they were made.
+#[test]
+fn what_was_made_ahead_is_taken_back_when_orders_change() {
+    let mut chance = Chance::new(8);
+    let (mut ahead_of_a_pass, mut ended) = (0, 0);
+    for _ in 0..2_000 {
+        let mut shelf = Shelf::default();
+        for table in 0..3 {
+            let knots = [(0, 0, 0), (MS + table * 77, 7, 1 << 16), (2 * MS + table * 1001, 11 + table as i64, 0)];
+            shelf.add(chance.below(2) * chance.below(MS), &knots);
+        }
+        let mut plain = Pvt::begin(Ns(9), Exact(1 << 62), 0, &shelf);
+        let mut ahead = plain;
+        let (mut now, mut passes) = (9, 4);
+        for _ in 0..200 {
+            now += 1 + chance.below(MS / 2);
+            if chance.below(3) > 0 {
+                let before = ahead.passes();
+                ahead.prepare(passes, &shelf);
+                ahead_of_a_pass += (ahead.0.is_ahead() && before != ahead.made_passes()) as u32;
+            }
+            match chance.below(40) {
+                0 => {
+                    let table = chance.below(3) as u8;
+                    plain.select(table);
+                    ahead.select(table);
+                }
+                1 => {
+                    passes = 1 + chance.below(5) as u32;
+                    ahead.0.revise();
+                }
+                _ => {}
+            }
+            let step = plain.step(Ns(now), passes, &shelf);
+            assert_eq!(ahead.step(Ns(now), passes, &shelf), step);
+            let shown = |run: &Pvt| (run.passes(), run.table(), run.pending(), run.time(Ns(now)));
+            assert_eq!(shown(&ahead), shown(&plain));
+            if step.state != State::Running {
+                ended += 1;
+                break;
+            }
+        }
+    }
+    assert!(ahead_of_a_pass > 1000 && ended > 1000, "{ahead_of_a_pass} {ended}");
+}
+
 #[test]
 fn a_missing_table_is_harmless() {
     let shelf = Shelf::default();

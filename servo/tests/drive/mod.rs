@@ -103,6 +103,10 @@ impl Pvt {
     pub fn passes(&self) -> u32 {
         self.run().passes(self.0.is_ahead())
     }
+    /// Passes before the last piece that was made.
+    pub fn made_passes(&self) -> u32 {
+        self.run().passes(false)
+    }
     pub fn table(&self) -> u8 {
         self.run().table(self.0.is_ahead())
     }
