@@ -305,6 +305,7 @@ impl Profile {
     /// The motion at `now`, which must not go back between calls. `feed` and `source` are for PT and PVT.
     pub fn step(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
         if self.piece().elapsed(now) >= self.piece().span
+            && !self.accept(now)
             && let state @ (State::Ended { at } | State::Underrun { at }) = self.turn(now, feed, source)
         {
             return Step { pos: at.round(), motion: Motion::REST, state };
