@@ -101,7 +101,7 @@ impl Desk {
             Family::Gus => client::Family::Gus,
             Family::Lsr => client::Family::Lsr,
         };
-        let options = Options { family: client_family, ..Options::default() };
+        let options = Options { family: Some(client_family), ..Options::default() };
         let client = Client::open(Box::new(VirtualLink::new(board.clone())), options).unwrap();
         board.lock().unwrap().record_beam(true);
         Desk { board, client, family, tick }
