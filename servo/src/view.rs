@@ -215,6 +215,8 @@ pub struct LaserView {
     pub light: bool,
     /// The pulse width is limited to just under the period.
     pub limited: bool,
+    /// Direct power.
+    pub direct: Power,
     /// What is being output, in the mode's unit: the power of the light, else standby or pre-voltage; 0 when
     /// nothing is.
     pub power: Power,
@@ -239,8 +241,6 @@ pub struct LaserView {
     pub width_us: u16,
     /// Bounds of the power.
     pub bounds: Bounds,
-    /// Direct power.
-    pub direct: Power,
     /// Carrier of the duty modes.
     pub carrier: Option<Carrier>,
     /// Light since power-on or the last ZeroOnTime, in 250 µs units, rounded down.
@@ -290,7 +290,7 @@ impl LaserView {
         self.moves = now.moves;
         (self.commanded, self.gate, self.switch) = (now.commanded, now.gate, now.switch);
         (self.light, self.limited) = (now.light, now.limited);
-        (self.power, self.khz, self.train) = (now.power, now.khz, now.train);
+        (self.direct, self.power, self.khz, self.train) = (now.direct, now.power, now.khz, now.train);
     }
 }
 

@@ -30,8 +30,12 @@ const CRD_MAP: u8 = 0b11;
 mod news {
     /// Outputs or commands moved.
     pub(super) const MOVED: u8 = 1;
-    /// Settings changed: power and train are found anew.
-    pub(super) const CHANGED: u8 = 2;
+    /// The power may be another: it is found anew, and its train.
+    pub(super) const POWER: u8 = 2;
+    /// What is shown of the settings is another.
+    pub(super) const SETTINGS: u8 = 4;
+    /// Settings changed.
+    pub(super) const CHANGED: u8 = POWER | SETTINGS;
 }
 
 /// What the outputs carry.
@@ -49,8 +53,9 @@ impl Outputs {
     const REST: Outputs = Outputs { light: false, switch: false, volts: None, train: Train::NONE };
 }
 
-/// A channel.
+/// A channel. The queues of edges lie last, so that the rest is within reach of short instructions.
 #[derive(Debug)]
+#[repr(C)]
 pub(super) struct Channel {
     pub(super) shown: LaserView,
     safety: Safety,
@@ -62,9 +67,6 @@ pub(super) struct Channel {
     fpk: Option<Fpk>,
     // State.
     commanded: bool,
-    gate: Edges,
-    /// Light: the gate, shifted by the FPK.
-    light: Edges,
     /// From the gate-off edge of the mark in progress to the end of its light.
     tail: u16,
     /// End of the FPK pulse in progress, or [`NEVER`].
@@ -82,6 +84,9 @@ pub(super) struct Channel {
     news: u8,
     /// The next edge.
     wake: Ns,
+    gate: Edges,
+    /// Light: the gate, shifted by the FPK.
+    light: Edges,
 }
 
 impl Channel {
@@ -112,6 +117,7 @@ impl Channel {
     pub(super) fn change(&mut self, at: Ns, change: &Change) {
         self.news |= match change {
             Change::Gate { .. } => news::MOVED,
+            Change::Direct { .. } => news::POWER,
             _ => news::CHANGED,
         };
         match change {
@@ -236,16 +242,15 @@ impl Channel {
         }
     }
 
+    /// Plans an interval in which something may happen.
     #[inline(never)]
     fn plan(&mut self, next: Ns, end: Ns, clock: Clock, plan: &mut Plan) {
         if self.safety.is_dark() {
             self.go_dark();
         }
         self.pass();
-        let changed = self.news & news::CHANGED != 0;
-        let mut moved = self.news != 0;
-        self.news = 0;
-        if changed {
+        let news = core::mem::take(&mut self.news);
+        if news & news::POWER != 0 {
             self.power = self.law.power();
             self.shown.limited = self.energy.light(self.power, clock, &mut self.train);
         }
@@ -255,41 +260,44 @@ impl Channel {
             self.cut = false;
             self.darken(0, true, plan);
         }
-        let (mut now, mut lit, mut left) = (next, 0u32, EVENTS);
-        self.wake = self.soonest();
-        loop {
-            let first = now == next;
-            if self.wake <= now {
-                moved = true;
-                self.take(now);
-            }
-            if moved {
-                self.settle(now.0.wrapping_sub(next.0) as u32, changed && first, plan);
-                if first {
-                    self.show(changed);
-                } else {
-                    // What is shown is of the interval's beginning.
-                    self.news = news::MOVED;
-                }
-            }
-            let after = self.soonest();
-            if self.out.light {
-                lit = lit.wrapping_add(after.min(end).0.wrapping_sub(now.0) as u32);
-            }
-            self.wake = after;
-            if after >= end {
-                break;
-            }
-            if left == 0 || !plan.has_room(ROOM) {
-                self.trip(Cause::Edges);
-                break;
-            }
-            (now, left) = (after, left.wrapping_sub(1));
+        let due = self.soonest() <= next;
+        if due {
+            self.take(next);
         }
-        self.planned = lit;
+        if due || news != 0 {
+            self.settle(0, news & news::POWER != 0, plan);
+            // What is shown is of the interval's beginning.
+            self.show(news & news::SETTINGS != 0);
+        }
+        self.wake = self.soonest();
+        let until = self.wake.min(end);
+        self.planned = if self.out.light { until.0.wrapping_sub(next.0) as u32 } else { 0 };
+        if until < end {
+            self.walk(next, end, plan);
+        }
         if self.safety.is_dark() {
             self.go_dark();
             self.show(true);
+        }
+    }
+
+    /// The edges within the interval.
+    #[inline(never)]
+    fn walk(&mut self, next: Ns, end: Ns, plan: &mut Plan) {
+        self.news = news::MOVED;
+        let mut left = EVENTS;
+        while self.wake < end {
+            if left == 0 || !plan.has_room(ROOM) {
+                return self.trip(Cause::Edges);
+            }
+            left = left.wrapping_sub(1);
+            let now = self.wake;
+            self.take(now);
+            self.settle(now.0.wrapping_sub(next.0) as u32, false, plan);
+            self.wake = self.soonest();
+            if self.out.light {
+                self.planned = self.planned.wrapping_add(self.wake.min(end).0.wrapping_sub(now.0) as u32);
+            }
         }
     }
 
@@ -334,9 +342,9 @@ impl Channel {
         (self.cut, self.planned, self.out, self.wake) = (false, 0, Outputs::REST, NEVER);
     }
 
-    /// Brings the outputs to what they should carry; `changed`: trains may be others.
+    /// Brings the outputs to what they should carry; `anew`: trains may be others.
     #[inline(always)]
-    fn settle(&mut self, at: u32, changed: bool, plan: &mut Plan) {
+    fn settle(&mut self, at: u32, anew: bool, plan: &mut Plan) {
         let light = self.light.level();
         if light != self.out.light {
             if light {
@@ -345,7 +353,7 @@ impl Channel {
             } else {
                 self.darken(at, self.energy.mode == Mode::DutyOpen, plan);
             }
-        } else if changed {
+        } else if anew {
             self.retrain(at, plan);
         }
         let gate = if self.fpk.is_some() { self.pulse != NEVER } else { self.gate.level() };
@@ -396,7 +404,7 @@ impl Channel {
         shown.moves = shown.moves.wrapping_add(1);
         (shown.commanded, shown.gate) = (self.commanded, self.gate.level());
         (shown.switch, shown.light) = (self.out.switch, light);
-        (shown.power, shown.khz) = (power, khz);
+        (shown.power, shown.khz, shown.direct) = (power, khz, self.law.direct);
         shown.train = if khz == Power::ZERO { Train::NONE } else { self.out.train };
         shown.on_time = self.on_time.units();
         if changed {
@@ -404,7 +412,7 @@ impl Channel {
             let Energy { mode, connector, width, carrier, .. } = self.energy;
             (shown.mode, shown.connector, shown.delayed) = (mode, connector, self.delayed);
             (shown.fault, shown.cause_lasts) = (self.safety.cause(), self.safety.lasts());
-            (shown.bounds, shown.direct) = (self.law.bounds, self.law.direct);
+            shown.bounds = self.law.bounds;
             (shown.width_us, shown.carrier) = (width.map_or(0, |us| us.get()), carrier);
         }
     }

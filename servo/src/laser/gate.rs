@@ -17,6 +17,7 @@ pub(super) struct Full;
 
 /// A level, and its pending edges in the order of time.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub(super) struct Edges {
     level: bool,
     /// The next edge.
