@@ -83,3 +83,30 @@ fn the_tick_holds_every_rule() {
         }
     }
 }
+
+/// Every test and every rule that docs/laser.md names is there.
+#[test]
+fn the_tests_that_the_page_names_are_there() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut sources = String::new();
+    for folder in ["host-tests/tests", "servo/tests", "dispatcher/tests"] {
+        for entry in std::fs::read_dir(root.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "rs") {
+                sources += &std::fs::read_to_string(path).unwrap();
+            }
+        }
+    }
+    let rules: Vec<&str> = cases().iter().map(|case| case.name).collect();
+    let page = std::fs::read_to_string(root.join("docs/laser.md")).unwrap();
+    let is_name =
+        |text: &&str| text.matches('_').count() > 2 && !text.contains(|c: char| !(c.is_ascii_lowercase() || c == '_'));
+    let names: Vec<&str> = page.split('`').skip(1).step_by(2).filter(is_name).collect();
+    assert!(names.len() > 50, "{}", names.len());
+    for name in names {
+        assert!(rules.contains(&name) || sources.contains(&format!("fn {name}(")), "{name}");
+    }
+    for rule in rules {
+        assert!(page.contains(&format!("`{rule}`")), "the page does not name {rule}");
+    }
+}
