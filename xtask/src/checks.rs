@@ -22,7 +22,7 @@ struct Count {
 /// A step: its name, and what it does.
 type Step = (&'static str, fn() -> (Count, Outcome));
 
-const STEPS: [Step; 9] = [
+const STEPS: [Step; 10] = [
     ("set-up", || alone(setup::run())),
     ("format", || alone(shell::run(cargo().args(["fmt", "--all", "--check"])))),
     ("clippy, host", || alone(shell::run(host(["clippy"]).args(["--all-targets", "--", "-D", "warnings"])))),
@@ -32,6 +32,7 @@ const STEPS: [Step; 9] = [
     ("image and probes", || alone(image::report().and_then(|()| probes::cannot_panic()))),
     ("instructions per tick", || alone(ticks::check())),
     ("traces of image and virtual controller", || alone(traces::run())),
+    ("inputs of the emulated board", emulated),
 ];
 
 /// Runs all steps.
@@ -89,6 +90,17 @@ fn clippy_chip() -> Outcome {
         command.args(["--package", package]);
     }
     shell::run(command.args(["--", "-D", "warnings"]))
+}
+
+/// Tests that need the image in QEMU; without it they say that they are skipped.
+fn emulated() -> (Count, Outcome) {
+    match image::build() {
+        Ok(image) => {
+            let words = ["test", "--package", "beamtick-host-tests", "--test", "emulated_board"];
+            tests(cargo().args(words).env("BEAMTICK_IMAGE", image))
+        }
+        Err(reason) => alone(Err(reason)),
+    }
 }
 
 /// In a folder of its own: other flags would rebuild everything.

@@ -58,7 +58,20 @@ pub struct QemuLink {
     wait: Option<Duration>,
     /// Trace bytes that came and were not taken yet.
     inbox: Arc<Mutex<Vec<u8>>>,
+    /// The way into the trace's UART.
+    inputs: TcpStream,
     since: Instant,
+}
+
+/// The emulated board's inputs, for tests: levels are told by bytes on the trace's UART.
+pub struct Switchboard(TcpStream);
+
+impl Switchboard {
+    /// Makes the interlock input active, or ends that; the board sees it with one of its next ticks.
+    pub fn interlock(&mut self, active: bool) -> Result<()> {
+        let byte = if active { b"1" } else { b"0" };
+        self.0.write_all(byte).map_err(|e| Error::new(error::LINK_SEND, format!("the board's inputs: {e}")))
+    }
 }
 
 impl QemuLink {
@@ -120,10 +133,16 @@ impl QemuLink {
             Error::cannot_open(&name, format!("{e}{}{}", if said.is_empty() { "" } else { ": " }, said.trim()))
         })?;
         let _ = stream.set_nodelay(true);
+        let inputs = trace.try_clone().map_err(failed)?;
         let inbox = Arc::new(Mutex::new(Vec::new()));
         let theirs = Arc::downgrade(&inbox);
         std::thread::spawn(move || collect(trace, &theirs));
-        Ok(QemuLink { name, child, stream, wait: None, inbox, since: Instant::now() })
+        Ok(QemuLink { name, child, stream, wait: None, inbox, inputs, since: Instant::now() })
+    }
+
+    /// The board's inputs; they can be set while a client uses the link.
+    pub fn switchboard(&self) -> Result<Switchboard> {
+        self.inputs.try_clone().map(Switchboard).map_err(|e| Error::cannot_open(&self.name, e))
     }
 
     /// Process id of the QEMU that this link owns.
