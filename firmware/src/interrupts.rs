@@ -79,11 +79,12 @@ impl<T> Given<T> {
 extern "C" fn TIMER0() {
     // SAFETY: the tick's handler.
     let Some(servo) = (unsafe { SERVO.taken() }) else { return };
-    servo.timer.begin();
     // Whole microseconds up to 1 ms, so it fits.
     let period_ns = servo.tick.period().0 as u32;
     servo.timer.run_at(period_ns);
+    // The plant stands for a machine: its time is none of the tick's.
     servo.machine.advance(period_ns);
+    servo.timer.begin();
     servo.tick.run(&mut servo.machine, &mut servo.lanes);
     if servo.timer.has_overrun() {
         servo.tick.overrun();
