@@ -5,8 +5,8 @@
 use super::window::Window;
 use plant::pulses::Burst;
 
-/// So many highs are drawn one by one.
-const FEW: usize = 300;
+/// So many highs are kept one by one.
+const FEW: usize = 2_000;
 /// Most bins.
 const BINS: usize = 4096;
 /// Width of the first bins, ns, where the end is not known.
@@ -77,6 +77,9 @@ impl Activity {
 
     /// Pulses.
     pub fn burst(&mut self, burst: &Burst) {
+        if burst.at >= self.window.to || burst.start(burst.count) < self.window.from {
+            return;
+        }
         // The last pulse that begins before the window may reach into it.
         let first = burst.first_from(self.window.from).saturating_sub(1);
         let burst = burst.skip(first);
@@ -88,7 +91,8 @@ impl Activity {
         self.widen(end);
         let span = burst.start(burst.count).saturating_sub(burst.at) as f64;
         let pulses = burst.count as f64;
-        if burst.count <= FEW as u64 || span / pulses > self.width as f64 / 2.0 {
+        let has_room = !self.many && burst.count + self.highs.len() as u64 <= FEW as u64;
+        if has_room || span / pulses > self.width as f64 / 2.0 {
             for (from, to) in burst.pulses().filter(|(from, to)| from < to) {
                 self.level(from, true);
                 self.level(to, false);

@@ -20,7 +20,7 @@ const CAPTION: u32 = 26;
 /// Height of the time axis' labels.
 pub(super) const FOOT: u32 = 58;
 /// Pulses that begin closer to each other than this many pixels are not drawn one by one.
-const APART: f64 = 4.0;
+const APART: f64 = 8.0;
 /// Height of a digital signal.
 const DIGITAL: u32 = 86;
 
@@ -55,8 +55,19 @@ pub(super) struct Frame {
 enum Drawing {
     /// Every edge.
     Edges(Vec<Point>),
-    /// Columns of a pixel: beginning and end in ms, share of time in %, whether there are edges in it.
-    Shares(Vec<(f64, f64, f64, bool)>),
+    /// Stretches of time.
+    Shares(Vec<Cell>),
+}
+
+/// A stretch of time.
+struct Cell {
+    /// Beginning and end in ms.
+    from: f64,
+    to: f64,
+    /// Share of the time in which it is high, %.
+    share: f64,
+    /// It goes both ways in it.
+    both: bool,
 }
 
 impl Panel<'_> {
@@ -139,14 +150,14 @@ impl Panel<'_> {
                 let line = points.into_iter().map(|(t, v)| (t * factor, v));
                 chart.draw_series(LineSeries::new(line, stroke)).map_err(as_plot)?;
             }
-            Some(Drawing::Shares(columns)) => {
-                // Pale: it goes both ways within the column. Strong: its share of time.
-                let bar = |from: f64, to: f64, top: f64, style: ShapeStyle| {
-                    Rectangle::new([(from * factor, 0.0), (to * factor, top)], style)
+            Some(Drawing::Shares(cells)) => {
+                // Pale: it goes both ways. Strong: its share of time.
+                let bar = |cell: &Cell, top: f64, style: ShapeStyle| {
+                    Rectangle::new([(cell.from * factor, 0.0), (cell.to * factor, top)], style)
                 };
-                let pale = columns.iter().filter(|c| c.3).map(|c| bar(c.0, c.1, 100.0, self.colour.mix(0.2).filled()));
+                let pale = cells.iter().filter(|c| c.both).map(|c| bar(c, 100.0, self.colour.mix(0.2).filled()));
                 chart.draw_series(pale).map_err(as_plot)?;
-                let strong = columns.iter().map(|c| bar(c.0, c.1, c.2, self.colour.filled()));
+                let strong = cells.iter().map(|c| bar(c, c.share, self.colour.filled()));
                 chart.draw_series(strong).map_err(as_plot)?;
             }
         }
@@ -163,41 +174,82 @@ fn range(curves: &[Curve], from_zero: bool) -> (f64, f64) {
     (low - air, high + air)
 }
 
-fn drawing(activity: &Activity, (start, end): (f64, f64), width: u32) -> Drawing {
-    let column = (end - start) / f64::from(width);
+fn drawing(activity: &Activity, span: (f64, f64), width: u32) -> Drawing {
+    let column = (span.1 - span.0) / f64::from(width);
     let apart = column * APART * 1e6;
-    let is_sparse = |highs: &&[(u64, u64)]| highs.windows(2).all(|pair| (pair[1].0 - pair[0].0) as f64 >= apart);
-    if let Some(highs) = activity.highs().filter(is_sparse) {
-        let mut points = vec![(start, 0.0)];
-        for &(from, to) in highs {
-            let (from, to) = ((from as f64 * 1e-6).max(start), (to as f64 * 1e-6).min(end));
-            points.extend([(from, 0.0), (from, 100.0), (to, 100.0), (to, 0.0)]);
-        }
-        points.push((end, 0.0));
-        // A level that is high at an end of the picture has no edge there.
-        points.retain(|(t, level)| *level > 0.0 || start < *t && *t < end || highs.is_empty());
-        if let (Some(first), Some(last)) = (points.first().copied(), points.last().copied()) {
-            if first.0 > start {
-                points.insert(0, (start, 0.0));
-            }
-            if last.0 < end {
-                points.push((end, 0.0));
-            }
-        }
-        return Drawing::Edges(points);
+    match activity.highs() {
+        Some(highs) if highs.windows(2).all(|pair| (pair[1].0 - pair[0].0) as f64 >= apart) => edges(highs, span),
+        Some(highs) => Drawing::Shares(cells(highs, span, apart)),
+        None => Drawing::Shares(columns(activity, span, width)),
     }
-    let mut columns: Vec<(f64, f64, f64, bool)> = Vec::new();
+}
+
+/// Every edge.
+fn edges(highs: &[(u64, u64)], (start, end): (f64, f64)) -> Drawing {
+    let mut points = vec![(start, 0.0)];
+    for &(from, to) in highs {
+        let (from, to) = ((from as f64 * 1e-6).max(start), (to as f64 * 1e-6).min(end));
+        points.extend([(from, 0.0), (from, 100.0), (to, 100.0), (to, 0.0)]);
+    }
+    points.push((end, 0.0));
+    // A level that is high at an end of the picture has no edge there.
+    points.retain(|(t, level)| *level > 0.0 || start < *t && *t < end || highs.is_empty());
+    if let (Some(first), Some(last)) = (points.first().copied(), points.last().copied()) {
+        if first.0 > start {
+            points.insert(0, (start, 0.0));
+        }
+        if last.0 < end {
+            points.push((end, 0.0));
+        }
+    }
+    Drawing::Edges(points)
+}
+
+/// The share of each pulse in the time to the next one, if that is near; what stands alone is a bar.
+fn cells(highs: &[(u64, u64)], (start, end): (f64, f64), apart: f64) -> Vec<Cell> {
+    let mut cells: Vec<Cell> = Vec::new();
+    let mut period = 0;
+    for (index, &(from, to)) in highs.iter().enumerate() {
+        let next = highs.get(index + 1).map_or(u64::MAX, |next| next.0);
+        let near = ((next - from) as f64) < apart;
+        // The last one of a train takes the time of the one before.
+        let time = if near { next - from } else { period.min(next - from).max(to - from) };
+        period = if near { time } else { 0 };
+        let share = (to - from) as f64 / time as f64 * 100.0;
+        let cell = Cell {
+            from: (from as f64 * 1e-6).max(start),
+            to: ((from + time) as f64 * 1e-6).min(end),
+            share: (share * 10.0).round() / 10.0,
+            both: share < 100.0,
+        };
+        join(&mut cells, cell);
+    }
+    cells
+}
+
+/// The share of time in each column of a pixel.
+fn columns(activity: &Activity, (start, end): (f64, f64), width: u32) -> Vec<Cell> {
+    let column = (end - start) / f64::from(width);
+    let mut columns: Vec<Cell> = Vec::new();
     for index in 0..width {
         let (from, to) = (start + column * f64::from(index), start + column * f64::from(index + 1));
         let bin = activity.between(from * 1e6, to * 1e6);
         // Tenths of a percent: more is not to be seen.
         let share = (bin.on / (column * 1e6) * 1000.0).round().clamp(0.0, 1000.0) / 10.0;
         let both = bin.edges > 0.0;
-        match columns.last_mut() {
-            _ if share == 0.0 && !both => {}
-            Some(last) if last.1 >= from && (last.2, last.3) == (share, both) => last.1 = to,
-            _ => columns.push((from, to, share, both)),
+        if share > 0.0 || both {
+            join(&mut columns, Cell { from, to, share, both });
         }
     }
-    Drawing::Shares(columns)
+    columns
+}
+
+/// One more cell; like ones that touch become one.
+fn join(cells: &mut Vec<Cell>, cell: Cell) {
+    match cells.last_mut() {
+        Some(last) if (last.share, last.both) == (cell.share, cell.both) && cell.from - last.to < 1e-9 => {
+            last.to = cell.to;
+        }
+        _ => cells.push(cell),
+    }
 }
