@@ -7,6 +7,7 @@
 //! or a refusal waits until everything before it has been executed, and is then decided on that state.
 use crate::admit::pvt_table::{Loading, Road, road};
 use crate::admit::{admit, config_item, data, is_read, many, power_on};
+use crate::awaiting::{Awaiting, Step, TickRefusal};
 use crate::books::{Books, Change, PROGRAM_FLAG, executed};
 use crate::case::{Answer, Case, Effect, Site};
 use crate::lane::{Deque, Lane, STAGED, Staged};
@@ -28,64 +29,10 @@ use servo::units::{Axis, AxisMask};
 use servo::view::View;
 use zerocopy::FromBytes;
 
-/// A reply that waits for its entry's execution.
-#[derive(Debug, Clone, Copy)]
-pub struct Awaiting {
-    /// Which command.
-    pub opcode: u16,
-    /// The client's tag.
-    pub tag: u16,
-    /// The entry it waits for; none if everything before it was executed.
-    pub seq: Option<u32>,
-    /// The entry is not pushed yet (PT data whose commit is still gathering).
-    pub open: bool,
-    /// The entry is the command's own.
-    pub own: bool,
-    /// The entry will never be executed.
-    pub discarded: bool,
-    /// The program goes on if the tick refuses the entry.
-    pub may_fail: bool,
-    /// What to answer.
-    pub answer: Answer,
-}
-
-impl Awaiting {
-    /// Fills unused places.
-    pub const BLANK: Awaiting = Awaiting {
-        opcode: 0,
-        tag: 0,
-        seq: None,
-        open: false,
-        own: false,
-        discarded: false,
-        may_fail: false,
-        answer: Answer::Done,
-    };
-}
-
 /// Whether the record is a SetHSIOOpt that switches a laser off, which is as urgent as a Stop.
 fn switches_off(record: &RequestRecord) -> bool {
     record.opcode == opcode::SetHSIOOpt
         && SetHSIOOpt::read_from_bytes(record.body).is_ok_and(|request| request.value.get() == 0)
-}
-
-/// A start that the tick refused.
-pub type TickRefusal = (u32, Axis, u32);
-
-/// What became of a record.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
-    /// It was dealt with.
-    Taken,
-    /// Not now: try again when the tick or the link has moved on. Nothing has changed.
-    Wait,
-}
-
-impl Step {
-    /// A reply that did not fit is tried again.
-    pub fn of(written: Result<(), Full>) -> Step {
-        if written.is_ok() { Step::Taken } else { Step::Wait }
-    }
 }
 
 /// The desk.

@@ -9,6 +9,7 @@
 //! Fails how: whatever comes from the wire is answered with a return code and a reason and changes
 //! nothing; nothing in here panics or allocates.
 mod admit;
+mod awaiting;
 mod books;
 mod bytes;
 mod case;

@@ -5,7 +5,8 @@
 //! the program queue (lane 1). Budget: a poll deals with at most a window of messages.
 //! Fails: what is not a record is refused with `Length`; a link that falls silent stops Jog axes and
 //! drops the rest of a program (SPEC 9).
-use crate::desk::{Desk, Step};
+use crate::awaiting::Step;
+use crate::desk::Desk;
 use crate::program::Program;
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};

@@ -100,7 +100,7 @@ reasons! {
     87 MixedSigns Range "{field} is {got}; all master positions of a FIFO have one sign, and the first has that of {low}";
     88 NegativeProgress Range "{field} is {got}; an axis that follows in direction +1 takes positive master positions only";
     89 RatioTooLarge Range "{field}: this segment's velocity ratio is {got}; the limit is {high}";
-    90 QueueEntries State "axis {axis}: {high} entries other than segments are in its FIFOs, which is the most";
+    90 QueueEntries State "axis {axis}: the FIFO holds {high} entries that are no segments, which is the most";
     100 AboveLow Range "{field} is {got}; it must be above {low} and at most {high}";
     101 BelowMinimum Range "{field} is {got}; it must not be below the minimum, {low}";
     102 LaserFault State "laser channel {got} is kept dark by a fault: {cause}; once that is over call ClrLaserFault";

@@ -5,8 +5,9 @@
 //! What was dropped leaves no trace: the *ahead* books go back to the *now* books. A FIFO whose places were
 //! overwritten already is emptied: neither its old data nor the new is there.
 use super::{Program, State};
+use crate::awaiting::TickRefusal;
 use crate::books::{Change, executed};
-use crate::desk::{Desk, TickRefusal};
+use crate::desk::Desk;
 use crate::refuse::Refused;
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;

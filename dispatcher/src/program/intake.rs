@@ -11,9 +11,10 @@
 use super::{Program, State, length};
 use crate::admit::data;
 use crate::admit::pvt_table::{CHUNK, Road, road};
+use crate::awaiting::{Awaiting, Step};
 use crate::books::Change;
 use crate::case::{Answer, Case, Effect};
-use crate::desk::{Awaiting, Desk, Step, TAKEN_MAX};
+use crate::desk::{Desk, TAKEN_MAX};
 use crate::lane::{STAGED, Staged};
 use crate::refuse::{Admitted, Refused};
 use protocol::command::{Sleep, WaitStop, opcode};

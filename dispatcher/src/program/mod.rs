@@ -16,10 +16,11 @@
 mod end;
 mod intake;
 
+use crate::awaiting::{Awaiting, Step, TickRefusal};
 use crate::books::{Change, PROGRAM_FLAG, executed};
 use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
 use crate::case::Answer;
-use crate::desk::{Awaiting, Desk, Step, TickRefusal};
+use crate::desk::Desk;
 use crate::lane::{Deque, Lane};
 use crate::refuse::{Admitted, Refused};
 use crate::server::PROGRAM;
