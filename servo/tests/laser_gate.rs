@@ -389,6 +389,15 @@ fn an_overrun_puts_out_both_channels() {
     assert_eq!(bench.switch(), [(MS, true), (3 * MS, false)]);
     bench.tick.restarted();
     assert_eq!(bench.tick().fault, Cause::Overrun, "the first cause is told");
+    bench.change(Change::ClearFault);
+    assert_eq!(bench.tick().fault, Cause::None);
+    // A clear on the tick that sees a cause does not hide it.
+    bench.gate(true);
+    bench.until(8 * MS);
+    bench.tick.overrun();
+    bench.change(Change::ClearFault);
+    assert_eq!(bench.tick().fault, Cause::Overrun);
+    assert_eq!(bench.switch().last(), Some(&(8 * MS, false)));
     bench.change(Change::Reset);
     let view = bench.tick();
     assert_eq!((view.fault, view.on_time), (Cause::Overrun, 0));
