@@ -73,6 +73,14 @@ fn arcs_hold_their_radius_and_their_length() {
             let error = (x.hypot(y) - radius).abs();
             worst = worst.max(error);
             assert!(error < 1e-3, "{case}: {error:e} off a radius of {radius}");
+            if step.heading != [0; 4] {
+                // Across the way from the centre.
+                let side = if ccw { 1.0 } else { -1.0 };
+                let unit = |k: usize| step.heading[k] as f64 * 2f64.powi(-30);
+                let (u, v) = (-y / radius * side, x / radius * side);
+                let off = (unit(i) - u).abs().max((unit(j) - v).abs());
+                assert!(off < 2f64.powi(-27) + 1e-3 / radius, "{case}: {off:e} off the tangent");
+            }
             let at = y.atan2(x);
             if let Some(before) = before {
                 turned += (at - before + 5.0 * PI).rem_euclid(TAU) - PI;

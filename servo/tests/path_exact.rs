@@ -5,6 +5,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::path::{Along, Entry, Path, Rest};
+use servo::piece::Motion;
 use servo::units::Pos;
 
 mod chance;
@@ -260,6 +261,10 @@ fn positions_on_lines_follow_the_law() {
             for i in 0..4 {
                 let ideal = whole(from[i] as i64).add(&whole(to[i] as i64 - from[i] as i64).mul(&way).div(&length));
                 let ideal = Fix(ideal.0 << 22).f64();
+                if step.runs && step.motion != Motion::REST {
+                    let share = whole(to[i] as i64 - from[i] as i64).div(&length).f64();
+                    assert!((step.heading[i] as f64 * 2f64.powi(-30) - share).abs() < 2f64.powi(-29), "{case}");
+                }
                 let error = (step.place[i].0 as f64 - ideal).abs() * 2f64.powi(-22);
                 let bound = 2f64.powi(-21) + packed * (ramp + length.f64() * 2f64.powi(-7));
                 assert!(error <= bound, "{case}: {error:e}, bound {bound:e}");

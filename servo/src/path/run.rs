@@ -92,6 +92,9 @@ impl Rules {
 pub struct Step {
     /// Coordinates.
     pub place: [Pos; DIMENSIONS],
+    /// Direction of motion, a unit vector in 2⁻³⁰: times the path's velocity it is that of each coordinate. Zeros where
+    /// it does not move.
+    pub heading: [i32; DIMENSIONS],
     /// The way along the motion in force as a piece: its velocity is the path's.
     pub motion: Motion,
     /// Whether it runs; it also does while it waits.
@@ -376,9 +379,10 @@ impl Path {
             for gear in cursor.gears.iter().take(cursor.geared) {
                 sink.gear(gear.axis, gear.along.at(way));
             }
-            return Step { place: self.shape.at(way), motion, runs: true, fifo, done };
+            let (place, heading) = self.shape.at(way);
+            return Step { place, heading, motion, runs: true, fifo, done };
         }
-        Step { place: self.here, motion: Motion::REST, runs: self.runs(), fifo, done }
+        Step { place: self.here, heading: [0; DIMENSIONS], motion: Motion::REST, runs: self.runs(), fifo, done }
     }
 
     /// It waits where it is.
@@ -672,7 +676,7 @@ impl Path {
 
     /// Comes to rest within a motion.
     fn halt(&mut self, at: Fine, feed: Feed, sink: &mut impl Effects) {
-        self.here = self.shape.at(self.way.round());
+        (self.here, _) = self.shape.at(self.way.round());
         let way = self.way;
         self.cursor(self.fifo).way = way;
         self.rest(at, Rest::Stopped, feed, sink);

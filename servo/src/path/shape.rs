@@ -57,8 +57,17 @@ fn long(way: Pos) -> u64 {
 enum Figure {
     /// Unit vector in 2⁻⁶².
     Line { unit: [i64; DIMENSIONS] },
-    /// V in 2⁻³⁰ pulse; turns per pulse in 2^-(64 + shift).
-    Arc { plane: Plane, ccw: bool, vector: [i64; 2], rate: u64, shift: i32 },
+    /// V in 2⁻³⁰ pulse, V/R in 2⁻³⁰; turns per pulse in 2^-(64 + shift).
+    Arc { plane: Plane, ccw: bool, vector: [i64; 2], radial: [i32; 2], rate: u64, shift: i32 },
+}
+
+impl Figure {
+    fn arc(plane: Plane, ccw: bool, vector: [i64; 2], radius: Real, turns: Real) -> Figure {
+        let inverse = radius.recip();
+        let radial = vector.map(|x| Real::new(x < 0, x.unsigned_abs(), -30).mul(inverse).to_i64(30) as i32);
+        let (rate, shift) = rate(turns);
+        Figure::Arc { plane, ccw, vector, radial, rate, shift }
+    }
 }
 
 /// The geometry of one motion.
@@ -113,9 +122,8 @@ impl Shape {
                 let radius = Real::from_fixed(norm(&centre), 60).sqrt();
                 let length = radius.mul(Real::TAU);
                 let [a, b] = centre;
-                let (rate, shift) = rate(length.recip());
-                let figure = Figure::Arc { plane, ccw, vector: [a.wrapping_neg(), b.wrapping_neg()], rate, shift };
-                Shape { start, end: start, length, figure }
+                let vector = [a.wrapping_neg(), b.wrapping_neg()];
+                Shape { start, end: start, length, figure: Figure::arc(plane, ccw, vector, radius, length.recip()) }
             }
             _ => Shape { start, end: start, ..Shape::NONE },
         }
@@ -155,8 +163,7 @@ impl Shape {
         let right = sweep.is_ccw() == sweep.is_long();
         let tilt = if right { cot.negate() } else { cot };
         let vector = [half(b).mul(tilt).sub(half(a)).to_i64(30), half(a).mul(tilt).add(half(b)).negate().to_i64(30)];
-        let (rate, shift) = rate(sweep.turns().div(length));
-        let figure = Figure::Arc { plane, ccw: sweep.is_ccw(), vector, rate, shift };
+        let figure = Figure::arc(plane, sweep.is_ccw(), vector, radius, sweep.turns().div(length));
         Shape { start, end, length, figure }
     }
 
@@ -170,35 +177,53 @@ impl Shape {
         self.end
     }
 
-    /// The position after `way` of it; within 2⁻²¹ pulse.
+    /// The position after `way` of it, within 2⁻²¹ pulse, and the direction there, a unit vector in 2⁻³⁰.
     #[inline]
-    pub(super) fn at(&self, way: Pos) -> [Pos; DIMENSIONS] {
+    pub(super) fn at(&self, way: Pos) -> ([Pos; DIMENSIONS], [i32; DIMENSIONS]) {
         let way = long(way);
         let mut place = self.start;
+        let mut heading = [0; DIMENSIONS];
         match &self.figure {
             Figure::Line { unit } => {
-                for (place, unit) in place.iter_mut().zip(unit) {
-                    *place = moved(*place, mulhi_su(*unit, way));
+                for ((place, heading), unit) in place.iter_mut().zip(&mut heading).zip(unit) {
+                    (*place, *heading) = (moved(*place, mulhi_su(*unit, way)), (unit >> 32) as i32);
                 }
             }
-            Figure::Arc { plane, ccw, vector: [a, b], rate, shift } => {
+            Figure::Arc { plane, ccw, vector: [a, b], radial: [p, q], rate, shift } => {
                 let turn = umulhi(*rate, way).wrapping_shl(*shift as u32);
                 let (sin, cos) = sin_cos(turn);
-                let sin = if *ccw { sin } else { -sin };
+                let (near, far) = (short(sin), short(cos));
                 let fall = cos - (1 << 62);
-                let by = [
-                    mulhi_ss(*a, fall).wrapping_sub(mulhi_ss(*b, sin)),
-                    mulhi_ss(*b, fall).wrapping_add(mulhi_ss(*a, sin)),
-                ];
-                for (index, by) in plane.coordinates().into_iter().zip(by) {
-                    if let Some(place) = place.get_mut(index) {
-                        *place = moved(*place, by);
+                // Counterclockwise, both after a quarter turn more.
+                let (by, to) = if *ccw {
+                    let by = [
+                        mulhi_ss(*a, fall).wrapping_sub(mulhi_ss(*b, sin)),
+                        mulhi_ss(*b, fall).wrapping_add(mulhi_ss(*a, sin)),
+                    ];
+                    (by, [-(near(*p) + far(*q)), far(*p) - near(*q)])
+                } else {
+                    let by = [
+                        mulhi_ss(*a, fall).wrapping_add(mulhi_ss(*b, sin)),
+                        mulhi_ss(*b, fall).wrapping_sub(mulhi_ss(*a, sin)),
+                    ];
+                    (by, [far(*q) - near(*p), -(near(*q) + far(*p))])
+                };
+                for ((index, by), to) in plane.coordinates().into_iter().zip(by).zip(to) {
+                    if let (Some(place), Some(heading)) = (place.get_mut(index), heading.get_mut(index)) {
+                        (*place, *heading) = (moved(*place, by), to);
                     }
                 }
             }
         }
-        place
+        (place, heading)
     }
+}
+
+/// A factor in 2⁻⁶² for numbers in 2⁻³⁰, each of which is at most 1.
+#[inline(always)]
+fn short(factor: i64) -> impl Fn(i32) -> i32 {
+    let factor = (factor >> 32) as i32;
+    move |x| ((x as i64 * factor as i64) >> 30) as i32
 }
 
 /// A position and a displacement in 2⁻²⁸ pulse.
