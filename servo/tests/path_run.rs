@@ -264,6 +264,46 @@ fn a_gentle_stop_still_brakes_for_corners() {
     assert_eq!(bench.heard.marks.len(), 1);
 }
 
+/// A motion entered above its speed brakes to it at its own acceleration, also while a gentle Stop is in force.
+#[test]
+fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
+    let entries = vec![
+        Entry::planar([100, 0], speeds(10.0, 1.0, 10.0)),
+        Entry::planar([1000, 0], speeds(4.0, 1.0, 4.0)),
+        Entry::planar([2000, 0], speeds(4.0, 1.0, 0.0)),
+    ];
+    let mut bench = Bench::new(entries, 250_000);
+    bench.path.rules.set_stop(dec(0.01));
+    bench.start(0);
+    bench.until(14_000_000);
+    bench.stop(false);
+    let step = bench.finish();
+    // Just below 10 pulse/ms at the corner: 1 pulse/ms² there takes less than 50 pulses, 0.01 would take 5000.
+    let at = pulses(step.place[0]);
+    assert!(at > 140.0 && at < 150.0, "{at}");
+}
+
+/// What comes while the motion before is under way counts for the next one, though that was planned to stop.
+#[test]
+fn data_that_comes_before_a_motion_is_entered_is_taken_up() {
+    let s = speeds(10.0, 1.0, 10.0);
+    let lines: Vec<_> = (1..=10).map(|i| Entry::planar([200 * i, 0], s)).chain([mark(1)]).collect();
+    let mut bench = Bench::new(lines, 250_000);
+    bench.feed.ends[0] = 2;
+    bench.start(0);
+    let mut done = 0;
+    while bench.path.runs() {
+        let step = bench.tick();
+        // One more, ten ticks after a motion has begun: before it the next one ends the path.
+        if step.done == done && step.place[0].0 > Pos::pulses(200 * done as i32 + 50).0 {
+            done += 1;
+            bench.feed.ends[0] = (done + 2).min(11);
+        }
+    }
+    // 2000 pulses at 10 pulse/ms, 10 ms more for both ramps.
+    assert!(near(bench.marks()[0].0, 210.0), "{:?}", bench.marks());
+}
+
 #[test]
 fn an_abrupt_stop_stands_still_on_its_tick() {
     let mut bench = Bench::new(vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 250_000);

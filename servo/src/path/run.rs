@@ -685,7 +685,7 @@ impl Path {
     /// Comes to rest here.
     fn rest(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
         (self.stage, self.speed, self.stopping, self.open) = (Stage::Rest, Real::ZERO, false, None);
-        (self.ahead, self.due) = (None, u64::MAX);
+        self.due = u64::MAX;
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);
         cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;
