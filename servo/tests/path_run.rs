@@ -154,6 +154,22 @@ fn a_path_too_short_to_brake_ends_in_an_underrun_on_its_target() {
     assert!(!bench.path.runs() && bench.path.refuses_start(0, bench.feed));
 }
 
+/// A planner's speeds are rounded: what misses the rest by less than 2⁻¹⁶ pulse has come to rest.
+#[test]
+fn an_end_that_only_rounding_keeps_from_rest_is_no_underrun() {
+    let ideal = 140f64.sqrt();
+    for (vel, rest) in
+        [(ideal.next_up(), Rest::Completed), (ideal + 5e-7, Rest::Completed), (ideal + 1e-5, Rest::Underrun)]
+    {
+        let entries =
+            vec![Entry::planar([1000, 0], speeds(20.0, 0.7, vel)), Entry::planar([1100, 0], speeds(20.0, 0.7, 0.0))];
+        let mut bench = Bench::new(entries, 100_000);
+        bench.start(0);
+        bench.finish();
+        assert_eq!(bench.heard.rests[0].1, rest, "{vel}");
+    }
+}
+
 /// Data that is there before braking must begin changes nothing; what comes later speeds up again.
 #[test]
 fn data_that_comes_while_it_runs_is_taken_up() {
