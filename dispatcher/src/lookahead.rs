@@ -14,7 +14,9 @@
 //!
 //! **The plan.** Backwards from a stop at the end of what is there, the square of the highest speed at each junction
 //! from which all that follows can be kept (`reach.rs`); forwards, as fast as these allow. More data can only raise
-//! these speeds, so what has been handed over is always safe, and final where more data could not raise it.
+//! these speeds, so what has been handed over is always safe, and final where more data could not raise it. Work: once
+//! for all that was pushed since the last take, back over as many motions as it takes to brake; so push what is there,
+//! then take.
 mod reach;
 
 use crate::figure::{Figure, Form, Place};
@@ -295,11 +297,8 @@ impl<const N: usize> LookAhead<N> {
         }
         let motion = match self.slot(self.first) {
             Slot::Motion(motion) => motion,
-            Slot::Other(entry, rests) => {
+            Slot::Other(entry, _) => {
                 self.first = self.first.wrapping_add(1);
-                if rests {
-                    self.begin = 0.0;
-                }
                 return Some(Planned { entry, ms: 0.0 });
             }
             Slot::Empty => return None,

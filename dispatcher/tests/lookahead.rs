@@ -265,6 +265,14 @@ fn what_is_handed_over_is_final() {
     assert!(time > 1.1 * run(&whole).2, "sixteen motions are too few at this speed");
 }
 
+/// What a board has to find room for.
+#[test]
+fn sizes() {
+    assert!(size_of::<LookAhead<256>>() <= 40 << 10, "{}", size_of::<LookAhead<256>>());
+    assert!(size_of::<Path>() <= 2 << 10, "{}", size_of::<Path>());
+    assert_eq!(size_of::<Entry>(), 32);
+}
+
 /// The corner of a long L, by hand: Δ = 1 in X and in Y, so v = acc·T of the slower one; a reversal stops.
 #[test]
 fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_allows() {

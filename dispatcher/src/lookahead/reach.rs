@@ -167,3 +167,59 @@ impl Span {
         (2.0 * peak - sqrt(x) - sqrt(y)) / acc + cruise.max(0.0) / peak
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chance(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 11) as f64 * (1.0 / 9007199254740992.0)
+    }
+
+    /// Whether a motion from x to y keeps all bounds, but for `slack` of them.
+    fn keeps(span: &Span, x: f64, y: f64, slack: f64) -> bool {
+        span.bounds().iter().all(|b| {
+            let [start, end, rest] = b.along;
+            let along = [if x > 0.0 { start } else { rest }, if y > 0.0 { end } else { rest }];
+            let a = (y - x).abs() / (2.0 * span.length);
+            let limit = b.limit * (1.0 + slack);
+            b.start * x + along[0] * a <= limit && b.end * y + along[1] * a <= limit
+        })
+    }
+
+    /// From what can be kept, a step goes to what keeps all bounds, and not lower than it must.
+    #[test]
+    fn steps_keep_their_bounds_and_go_as_high_as_they_can() {
+        let mut state = 3;
+        let (mut stops, mut limited) = (0, 0);
+        for _ in 0..100_000 {
+            let length = 10.0 + 200.0 * chance(&mut state);
+            let mut span = Span::new(length, 0.5 + chance(&mut state));
+            for _ in 0..2 {
+                let share = chance(&mut state);
+                let [start, end] = [0, 1].map(|_| chance(&mut state).powi(3) * 2.0 / length);
+                let along = [start, end, 0.0].map(|bend| share + bend * length / 2.0);
+                span.add(Bound { start, end, along, limit: 0.5 + chance(&mut state) });
+            }
+            let ends = span.bounds().iter().fold((f64::INFINITY, f64::INFINITY), |(s, e), b| {
+                (
+                    if b.start > 0.0 { s.min(b.limit / b.start) } else { s },
+                    if b.end > 0.0 { e.min(b.limit / b.end) } else { e },
+                )
+            });
+            let most = (chance(&mut state) * 400.0).min(ends.1);
+            let x = span.back(most, ends.0) * chance(&mut state).sqrt();
+            let y = span.on(x, most);
+            assert!((0.0..=most).contains(&y));
+            assert!(keeps(&span, x, y, 1e-4), "{span:?} {x} {y} {most}");
+            if y == 0.0 {
+                stops += 1;
+            } else if y < most * 0.999 {
+                limited += 1;
+                assert!(!keeps(&span, x, y * 1.001, -1e-4), "{span:?} {x} {y} {most}");
+            }
+        }
+        assert!(stops > 100 && limited > 10_000, "{stops} {limited}");
+    }
+}
