@@ -104,7 +104,7 @@ fn a_wait_goes_on_with_the_sample_that_ends_it() {
     let items = [
         Item::Data(10.0, 10.0, 1, 0),
         Item::Wait(Input::General, 5, true, 0),
-        Item::Data(20.0, 20.0, 1, 0),
+        Item::Data(20.1, 20.1, 1, 0),
         Item::Wait(Input::Home, 1, true, 0),
         Item::Data(30.0, 30.0, 1, 0),
     ];
@@ -286,6 +286,31 @@ fn added_data_belongs_to_the_present_pass() {
     }
     let view = bench.ticks(2);
     assert_eq!((view.axes[1].stop, view.axes[1].passes), (StopReason::Completed, 3));
+}
+
+#[test]
+fn the_way_back_ends_where_data_was_added() {
+    let mut bench = Bench::ready(250, Mode::FollowEx);
+    bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
+    bench.follows(1, 0, Value::Planned);
+    bench.follow(1, 0, &[Item::Data(10.0, 10.0, 1, 0)]);
+    bench.now(Op::FollowLoop { axis: axis(1), passes: 0 });
+    bench.start_follow(&[1]);
+    bench.pt(0, 0, &[(24.0, 24, 1), (2.0, 46, 1)]);
+    bench.start(&[0]);
+    bench.ticks(4 * 15);
+    bench.follow(1, 0, &[Item::Data(15.0, 20.0, 1, 0)]);
+    let mut lowest = 100.0f64;
+    for tick in 0..4 * 29 {
+        let view = bench.tick();
+        let x = pulses(view.axes[0].pos);
+        let s = if x < 20.0 { x.max(10.0) } else { 20.0 + 2.0 * (x - 20.0) };
+        assert!((pulses(view.axes[1].pos) - s).abs() < 2e-5, "{} for {s} at {x}", pulses(view.axes[1].pos));
+        if tick > 40 {
+            lowest = lowest.min(x);
+        }
+    }
+    assert!(lowest < 5.0);
 }
 
 #[test]

@@ -306,6 +306,20 @@ fn a_million_passes_accumulate_nothing() {
 }
 
 #[test]
+fn what_goes_too_far_at_once_never_wraps() {
+    let store = SegmentStore::new();
+    let (m, s) = (1f64, 2f64.powi(40));
+    let (entry, chain) = Entry::segment(m.to_bits(), s.to_bits(), 1, 0, Direction::Both, &Chain::default()).unwrap();
+    store.write_entry(0, 0, entry);
+    // Four passes are a whole turn of the position's bits; 2³² of them do not fit into any of ours.
+    for jump in [1i64 << 22, 4 << 22, 1 << 42, 1 << 53, i64::MAX >> 1] {
+        let mut bench = Bench::new(&store, &chain, 0, Exact(0), 0);
+        assert_eq!(bench.go(100), State::Running);
+        assert_eq!(bench.go(jump), State::TooFar, "{jump}");
+    }
+}
+
+#[test]
 fn refusals_name_the_rule() {
     let admit = |m: f64, s: f64, kind, percent, direction, chain: &Chain| {
         Entry::segment(m.to_bits(), s.to_bits(), kind, percent, direction, chain)

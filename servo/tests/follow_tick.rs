@@ -354,10 +354,49 @@ fn switches_at_the_end_of_a_pass_and_at_once() {
 }
 
 #[test]
+fn ratios_go_on_from_fifo_to_fifo() {
+    let mut bench = bench(250);
+    bench.follows(1, 0, Value::Planned);
+    // Ratios 0 to 2; 2 to 1 and 1 to 0; 0 to 3.
+    bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0)]);
+    bench.follow(1, 1, &[Item::Data(10.0, 15.0, 3, 0), Item::Data(20.0, 20.0, 0, 0), Item::Data(30.0, 40.0, 0, 0)]);
+    bench.start_follow(&[1]);
+    bench.jog(0, 1.0, 1000.0);
+    bench.now(Op::FollowSwitch { axes: all(&[1]) });
+    bench.ticks(4 * 15);
+    // 4 to 2, for the last segment went from 0 to 4.
+    bench.emptied(1, 0);
+    bench.follow(1, 0, &[Item::Data(10.0, 30.0, 3, 0)]);
+    bench.now(Op::FollowSwitch { axes: all(&[1]) });
+    for _ in 0..4 * 34 {
+        let view = bench.tick();
+        let x = pulses(view.axes[0].pos);
+        let s = if x < 20.0 {
+            10.0 + inside(2.0, 10.0, 15.0, x / 10.0 - 1.0)
+        } else if x < 30.0 {
+            25.0 + inside(1.0, 10.0, 5.0, x / 10.0 - 2.0)
+        } else if x < 40.0 {
+            30.0 + inside(0.0, 10.0, 20.0, x / 10.0 - 3.0)
+        } else {
+            50.0 + inside(4.0, 10.0, 30.0, x / 10.0 - 4.0)
+        };
+        if x < 50.0 {
+            assert!((pulses(view.axes[1].pos) - s).abs() < 2e-5, "{} for {s} at {x}", pulses(view.axes[1].pos));
+        }
+    }
+}
+
+#[test]
 fn a_switch_by_segment_carries_its_ratio_through_the_chain() {
     let mut bench = bench(250);
     bench.follows(1, 0, Value::Planned);
-    let items = [Item::Data(10.0, 10.0, 0, 0), Item::Data(20.0, 30.0, 0, 0), Item::Data(30.0, 45.0, 0, 0)];
+    let items = [
+        Item::Data(10.0, 10.0, 0, 0),
+        Item::Data(20.0, 30.0, 0, 0),
+        Item::Data(30.0, 45.0, 0, 0),
+        Item::Data(35.0, 50.0, 1, 0),
+        Item::Data(40.0, 55.0, 0, 0),
+    ];
     bench.follow(1, 0, &items);
     loops(&mut bench, 1, 2);
     bench.start_follow(&[1]);
@@ -370,7 +409,7 @@ fn a_switch_by_segment_carries_its_ratio_through_the_chain() {
     let ratio = x0 / 5.0;
     assert!((s0 - x0 * x0 / 10.0).abs() < 1e-5);
     let after = 4.0 - ratio;
-    for _ in 0..4 * 50 {
+    for _ in 0..4 * 60 {
         let view = bench.tick();
         let x = pulses(view.axes[0].pos) - x0;
         let s = if x < 10.0 {
@@ -378,15 +417,17 @@ fn a_switch_by_segment_carries_its_ratio_through_the_chain() {
         } else if x < 20.0 {
             20.0 + inside(after, 10.0, 15.0, x / 10.0 - 1.0)
         } else if x < 30.0 {
-            // The second pass knows nothing of it.
-            35.0 + inside(0.0, 10.0, 10.0, x / 10.0 - 2.0)
+            // Behind an EVEN, and in the second pass, nothing is known of it.
+            35.0 + (x - 20.0)
         } else if x < 40.0 {
-            45.0 + inside(2.0, 10.0, 20.0, x / 10.0 - 3.0)
+            45.0 + inside(0.0, 10.0, 10.0, x / 10.0 - 3.0)
+        } else if x < 50.0 {
+            55.0 + inside(2.0, 10.0, 20.0, x / 10.0 - 4.0)
         } else {
-            65.0 + inside(2.0, 10.0, 15.0, x / 10.0 - 4.0)
+            75.0 + inside(2.0, 10.0, 15.0, x / 10.0 - 5.0)
         };
         let at = pulses(view.axes[1].pos) - s0;
-        if x < 50.0 {
+        if x < 60.0 {
             assert!((at - s).abs() < 2e-5, "{at} for {s} at {x}");
         }
     }
@@ -404,6 +445,15 @@ fn guards_stop_a_slave() {
     let view = bench.ticks(4);
     assert_eq!((view.axes[1].stop, view.axes[1].pos), (StopReason::StepLimit, Pos(0)));
     assert!(!has(&view.axes[1], status::RUNNING));
+    // 2³³ pulse/ms inside one segment.
+    let mut bench = self::bench(250);
+    bench.follows(1, 0, Value::Planned);
+    bench.follow(1, 0, &[Item::Data(100.0, 100.0 * 2f64.powi(33), 1, 0)]);
+    bench.start_follow(&[1]);
+    bench.jog(0, 1.0, 1000.0);
+    let view = bench.ticks(4);
+    assert_eq!(view.axes[1].stop, StopReason::StepLimit);
+    assert!(pulses(view.axes[1].pos) < 2f64.powi(30), "{}", pulses(view.axes[1].pos));
     // Soft limit, alarm, servo off, abrupt.
     for case in 0..4 {
         let mut bench = Bench::ready(250, Mode::Follow);
@@ -487,6 +537,12 @@ fn renaming_the_master_moves_nothing() {
     swing(&mut bench, -4900);
     let view = bench.ticks(400);
     assert_eq!((view.axes[0].pos, view.axes[1].pos), (Pos::pulses(-4900), Pos::pulses(200)));
+    // A PASS means the name that the position has now.
+    bench.now(Op::Stop { axes: all(&[1]), abrupt: all(&[1]) });
+    bench.now(Op::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: -4850 } });
+    bench.start_follow(&[1]);
+    swing(&mut bench, -4800);
+    assert_eq!(bench.ticks(400).axes[1].pos, Pos::pulses(250));
 }
 
 #[test]

@@ -28,7 +28,8 @@ pub(super) const FAR: u32 = 31;
 /// An admitted entry, 24 bytes. Words 0, 1: end of the master, compact, with distance to the head of its chain
 /// (bits 26–30) and parity in it. Words 2, 3: end of the slave, compact, its sign (bit 26), percent, low (27–31).
 /// Words 4, 5: r₀·M as mantissa (53 bits), exponent (6), sign; type (bits 28–29), percent, high (30–31).
-/// A part of an asymmetric S has the type of STOP and a percent above 100. An entry that is no segment has type 3, its kind in percent, a number in word 4 and the rest in word 5.
+/// A part of an asymmetric S has the type of STOP and a percent above 100. An entry that is no segment has type 3,
+/// its kind in percent, a number in word 4 and the rest in word 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry([u32; 6]);
 

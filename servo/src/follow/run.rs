@@ -276,9 +276,6 @@ impl FollowRun {
         if t >= ahead.piece.span {
             return None;
         }
-        if ahead.pass != self.pass {
-            self.done = 0;
-        }
         self.piece = ahead.piece;
         (self.index, self.pass, self.began, self.origin) = (ahead.index, ahead.pass, ahead.began, ahead.origin);
         (self.ahead, self.open, self.held) = (None, true, false);
@@ -885,6 +882,8 @@ impl FollowRun {
                 return Seek::End(at);
             }
         }
+        // More passes lie between than can be counted.
+        self.far = true;
         Seek::Here
     }
 
@@ -955,23 +954,24 @@ fn passes_of(way: i128, many: u32) -> i128 {
 
 /// Whole passes of this length in `x` ≥ 0, at most 2³² − 2.
 fn passes_in(x: i128, length: i128) -> u32 {
+    const MOST: u64 = u32::MAX as u64 - 1;
     let (x, length) = (x.max(0) as u128, length.max(1) as u128);
-    if x >> 31 >= length {
-        return u32::MAX - 1;
+    if x >> 32 >= length {
+        return MOST as u32;
     }
-    // length·2^-s has 64 bits with the top one set, and the quotient fewer than 32.
+    // length·2^-s has 64 bits with the top one set, and the quotient no more than 32.
     let zeros = length.leading_zeros();
     let d = (length << zeros >> 64) as u64;
     let y = if zeros >= 64 { x << (zeros - 64) } else { x >> (64 - zeros) };
     let y = (y >> 32) as u64;
-    let mut many = (((y as u128).wrapping_add(umulhi(y, recip64_below(d)) as u128)) >> 32) as u32;
     // Cut off thrice: a few short, or one too many for the cut of the length.
-    many = many.saturating_sub(1);
+    let many = ((y as u128).wrapping_add(umulhi(y, recip64_below(d)) as u128) >> 32) as u64;
+    let mut many = many.saturating_sub(1);
     for _ in 0..6 {
         if length.wrapping_mul(many as u128 + 1) > x {
             break;
         }
         many += 1;
     }
-    many
+    many.min(MOST) as u32
 }
