@@ -201,3 +201,68 @@ fn figure_3_1_one_synchronous_region() {
     assert_eq!(run.replies::<GetFollowLoop>()[0].value.get(), 1);
     assert_eq!(run.items::<GetSts>()[0].value.get() & 0x400, 0);
 }
+
+#[test]
+fn a_chain_of_eight_in_reverse_order_has_no_lag() {
+    // Axis 8 jogs, 7 follows it, 6 follows 7 and so on: all at ratio 1, so all are in the same place in every tick.
+    let mut calls = Vec::new();
+    for axis in (1..8).rev() {
+        calls.extend(follow(axis, axis + 1, if axis % 2 == 0 { 0 } else { 1 }));
+        calls.extend(follow_data(axis, 0, &[(1_000_000, 1_000_000.0, 1)]));
+    }
+    calls.push(follow_start(0x7f, 0));
+    calls.extend(jog(8, 50.0, 1.0));
+    calls.extend([sleep(100.0), stop(0x80, 0), wait(0x80), stop(0x7f, 0x7f), wait(0x7f)]);
+    let run = run(250, 8, calls);
+    assert_eq!(run.end(7), Pos::pulses(5000));
+    for row in &run.rows {
+        assert!(row.axes.iter().all(|axis| axis.pos == row.axes[7].pos), "at {} ns", row.t_ns);
+    }
+}
+
+#[test]
+fn an_encoder_and_an_axis_of_the_other_core_are_followed() {
+    // The encoder of the virtual machine lags behind its axis and ends on the whole pulse where that rests; there a
+    // slave of ratio 2 is at twice that. The axis of core 2 follows the planned position without a lag.
+    let mut calls = Vec::new();
+    let slave = |core: i16, axis: i16, kind: i16| {
+        let (core, profile) = (core.into(), axis.into());
+        [
+            Call::of(AxisOn { core, axis: axis.into() }),
+            Call::of(LmtsOff { core, axis: axis.into(), limit_type: (-1).into() }),
+            Call::of(PrfFollow { core, profile, dir: 0.into() }),
+            Call::of(SetFollowMaster {
+                core,
+                profile,
+                master_index: 1.into(),
+                master_type: kind.into(),
+                master_item: 0.into(),
+            }),
+            Call::of(FollowData {
+                core,
+                profile,
+                master_segment: 100_000.into(),
+                slave_segment: 200_000.0.into(),
+                kind: 1.into(),
+                fifo: 0.into(),
+            }),
+            Call::of(FollowStart { core, mask: (1 << (axis - 1)).into(), option: 0.into() }),
+        ]
+    };
+    calls.extend(slave(1, 2, 1));
+    calls.extend(slave(2, 3, 103));
+    calls.extend(slave(2, 4, 101));
+    calls.extend(jog(1, 50.0, 1.0));
+    calls.extend([sleep(100.0), stop(1, 0), wait(1), sleep(50.0)]);
+    let at = |core: i16, axis: i16| Call::of(GetPrfPos { core: core.into(), profile: axis.into(), count: 1.into() });
+    calls.extend([at(1, 1), at(1, 2), at(2, 3), at(2, 4), stop(2, 2)]);
+    calls.push(Call::of(Stop { core: 2.into(), mask: 12.into(), option: 12.into(), form: 0 }));
+    calls.push(wait(2));
+    let run = run_on(1, 250, 2, calls);
+    let found: Vec<f64> = run.items::<GetPrfPos>().iter().map(|item| item.value.get()).collect();
+    assert_eq!(found[0], 5000.0, "2500 on its way, 1250 on each ramp");
+    assert_eq!(found[1..], [10_000.0; 3]);
+    // The slave of the encoder is behind while the master moves.
+    let middle = &run.rows[300].axes;
+    assert!(middle[1].pos.0 < 2 * middle[0].pos.0 && middle[1].pos.0 > middle[0].pos.0);
+}

@@ -1,25 +1,12 @@
 //! PVT through the client and the virtual controller: knots exact, loops accumulate, the switch at the end of a
 //! pass, the start delay, stop and restart. Expected values are the points as given, or follow from them by
 //! hand; a motion that begins at 0 has its time 0 at row 1 of the trace.
-use client::{Answer, Call, Client, Observer, Options};
+mod motion;
+use client::{Answer, Call};
+use motion::{sleep, stop, wait};
 use protocol::command::*;
-use std::sync::{Arc, Mutex};
+use trace::Row;
 use trace::decimal::position;
-use trace::{Item, Reader, Row};
-use virtual_board::{Board, Config, VirtualLink, share};
-
-struct Watch(Vec<Answer>);
-
-impl Observer for Watch {
-    fn answered(&mut self, answer: Answer) -> client::Result<()> {
-        self.0.push(answer);
-        Ok(())
-    }
-}
-
-fn servo_on(axis: i16) -> Call {
-    Call::of(AxisOn { core: 1.into(), axis: axis.into() })
-}
 
 fn mode(axis: i16) -> Call {
     Call::of(PrfPvt { core: 1.into(), profile: axis.into() })
@@ -46,50 +33,14 @@ fn start(mask: i32) -> Call {
     Call::of(PvtStart { core: 1.into(), mask: mask.into() })
 }
 
-fn stop(mask: i32) -> Call {
-    Call::of(Stop { core: 1.into(), mask: mask.into(), option: 0.into(), form: 0 })
-}
-
-fn sleep(ms: u64) -> Call {
-    Call::of(Sleep { ns: (ms * 1_000_000).into() })
-}
-
-fn wait(mask: i32) -> Call {
-    Call::of(WaitStop { core: 1.into(), axes: mask.into(), crds: 0.into() })
-}
-
 fn status(axis: i16) -> Call {
     Call::of(PvtStatus { core: 1.into(), profile: axis.into(), count: 1.into() })
 }
 
-/// Runs a program at this tick under a trace of axes 1 and 2. Nothing may be late.
+/// Runs a program of axes 1 and 2 in PVT mode at this tick under a trace of both. Nothing may be late.
 fn run(tick_us: u32, calls: Vec<Call>) -> (Vec<Row>, Vec<Answer>) {
-    let board = share(Board::new(Config { tick_us, ..Config::default() }));
-    let client = Client::open(Box::new(VirtualLink::new(board)), Options::default()).unwrap();
-    let rows = Arc::new(Mutex::new(Vec::new()));
-    let theirs = Arc::clone(&rows);
-    let mut reader = Reader::new();
-    client.trace_to(move |bytes| {
-        let mut kept = theirs.lock().unwrap();
-        reader
-            .feed(bytes, |item| {
-                if let Item::Row(row) = item {
-                    kept.push(row);
-                }
-                Ok(())
-            })
-            .unwrap();
-    });
-    let mut all = vec![Call::of(Trace { every: 1.into(), axes: 3.into(), lasers: 0, crds: 0, way: 0, edges: 0 })];
-    all.extend([servo_on(1), servo_on(2), mode(1), mode(2)]);
-    all.extend(calls);
-    all.push(Call::of(Trace::default()));
-    let mut watch = Watch(Vec::new());
-    let summary = client.run(all, true, &mut watch).unwrap();
-    assert_eq!(summary.failed, None);
-    client.sleep(std::time::Duration::from_millis(50)).unwrap();
-    let rows = rows.lock().unwrap().clone();
-    (rows, watch.0)
+    let ran = motion::run(tick_us, 2, [vec![mode(1), mode(2)], calls].concat());
+    (ran.rows, ran.answers)
 }
 
 /// The place of the row at `ms` after the start of a motion that began at `from` ms.
@@ -136,10 +87,10 @@ fn a_switch_waits_for_the_end_of_the_pass_and_begins_without_a_delay() {
         table(2, &five),
         loops(1, 0),
         start(1),
-        sleep(34),
+        sleep(34.0),
         select(1, 2),
         status(1),
-        sleep(16),
+        sleep(16.0),
         status(1),
         loops(1, 3),
         wait(1),
@@ -169,10 +120,10 @@ fn stop_brakes_and_the_next_start_begins_the_table_anew() {
         select(2, 3),
         loops(1, 0),
         start(3),
-        sleep(4),
+        sleep(4.0),
         // Smooth, 1 pulse/ms²: half a pulse further.
-        stop(1),
-        sleep(20),
+        stop(1, 0),
+        sleep(20.0),
         loops(1, 1),
         start(1),
         wait(3),

@@ -115,7 +115,12 @@ pub fn exact(pos: Pos) -> Rational {
 /// Runs a program at this tick under a trace of the first axes, which have their servos on. Nothing may be refused
 /// and nothing may be late.
 pub fn run(tick_us: u32, axes: u32, calls: Vec<Call>) -> Run {
-    let board = share(Board::new(Config { tick_us, ..Config::default() }));
+    run_on(0, tick_us, axes, calls)
+}
+
+/// The same in a profile of another number.
+pub fn run_on(profile: u8, tick_us: u32, axes: u32, calls: Vec<Call>) -> Run {
+    let board = share(Board::new(Config { tick_us, profile, ..Config::default() }));
     let client = Client::open(Box::new(VirtualLink::new(board)), Options::default()).unwrap();
     let rows = Arc::new(Mutex::new(Vec::new()));
     let theirs = Arc::clone(&rows);
