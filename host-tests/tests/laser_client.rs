@@ -86,6 +86,13 @@ fn belongs(command: &Command) -> bool {
     !matches!(command, Command::Connector(_) | Command::Reset | Command::Fault | Command::Clear)
 }
 
+/// Edges of a channel's outputs.
+struct Edges {
+    energy: Vec<Edge<bool>>,
+    switch: Vec<Edge<bool>>,
+    volts: Vec<Edge<i16>>,
+}
+
 /// A controller and a client of a family.
 struct Desk {
     board: Shared,
@@ -108,7 +115,7 @@ impl Desk {
     }
 
     /// Runs a job on a channel from power-on; edges in times of the job.
-    fn run(&self, job: &Job, channel: i16, horizon: Ns) -> (Vec<Edge<bool>>, Vec<Edge<bool>>, Vec<Edge<i16>>) {
+    fn run(&self, job: &Job, channel: i16, horizon: Ns) -> Edges {
         self.client.call(Reset { core: 1.into() }).unwrap();
         self.client.sleep(std::time::Duration::from_millis(2)).unwrap();
         self.board.lock().unwrap().take_beam();
@@ -155,12 +162,16 @@ impl Desk {
             }
             left
         }
-        (before(energy, false, horizon), before(switch, false, horizon), before(volts, 0, horizon))
+        Edges {
+            energy: before(energy, false, horizon),
+            switch: before(switch, false, horizon),
+            volts: before(volts, 0, horizon),
+        }
     }
 
     /// Compares; tells how many edges there were.
     fn check(&self, name: &str, job: &Job, channel: i16, horizon: Ns) -> usize {
-        let (energy, switch, volts) = self.run(job, channel, horizon);
+        let Edges { energy, switch, volts } = self.run(job, channel, horizon);
         let Outcome { energy: e, switch: s, analog, .. } = outcome(self.family, job, horizon);
         let listed = || job.iter().map(|(at, command)| format!("{at:>12} {command:?}\n")).collect::<String>();
         assert_eq!(switch, s, "{name}: switch, {:?}\n{}", self.family, listed());

@@ -58,6 +58,7 @@ fn the_tick_holds_every_rule() {
         for Case { name, family, job, switch, energy, analog, light } in cases() {
             let result = outcome(family, &job, HORIZON * 1000);
             let [done, idle] = bench.run(family, [&job, &[]], 10_000, HORIZON * 1000, Some(1), plans);
+            assert_eq!(done.outputs, done.stage, "{name}: the boards' output stage");
             assert_eq!(active(&done.outputs.switch), switch, "{name}: switch");
             assert_eq!(active(&done.outputs.energy), merged(&energy), "{name}: energy");
             // A volt is 3276.7 steps of the DAC; to half a step.
