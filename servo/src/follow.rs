@@ -1,8 +1,12 @@
 //! Follow and FollowEx: the master's displacement in the place of time (SPEC 5; GXN chapter 3).
 //!
 //! In: data admitted by integer checks into [`Entry`]s (`entry.rs`), which lie in the axis's PT arena
-//! (`store.rs`); where the master is, and was inside the tick. Out: the slave's planned position.
-//! Fails: a datum that no axis could run is [`Refused`] before it reaches the store.
+//! (`store.rs`); the way of the master inside a tick (`way.rs`). Out: the slave's planned position, and its own
+//! way for those that follow it (`follower.rs`). Owns: a running motion, [`FollowRun`] (`run.rs`), which makes pieces over
+//! the master's progress (`shape.rs`). Fails: a datum that no axis could run is [`Refused`] before it reaches the
+//! store; a wait may time out, a jump may be too far.
+//!
+//! Held by `tests/follow_exact.rs` (positions ≤ 2⁻¹⁶ pulse, knots exact), `follow_tick.rs`, `follow_entries.rs`.
 mod compact;
 mod entry;
 mod follower;
