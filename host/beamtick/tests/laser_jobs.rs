@@ -140,3 +140,41 @@ fn the_manuals_listings_run_as_pasted() {
         assert!(out.contains("was on when the script ended: switched off"), "{out}");
     }
 }
+
+#[test]
+fn trace_signals_and_plot_show_the_laser() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (csv, vcd, whole, part) = (file("t.csv"), file("t.vcd"), file("t.svg"), file("part.svg"));
+    let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/laser_duty.gts");
+    let run = |more: &[&str]| {
+        let (out, errors, code) = beamtick(&[&["sim", job.to_str().unwrap(), "-q"], more].concat());
+        assert_eq!(code, 0, "{out}\n{errors}");
+    };
+    run(&["--trace", &csv, "--vcd", &vcd, "--plot", &whole]);
+    run(&["--plot", &part, "--from", "0.3", "--to", "0.31"]);
+    let rows = fs::read_to_string(&csv).unwrap();
+    let mut lines = rows.lines();
+    assert_eq!(lines.next(), Some("t_ms,laser0_gate,laser0_power,laser0_freq_khz"));
+    assert_eq!(lines.next(), Some("0.000000,0,0.000000,0.000000"));
+    // On at the first tick; 5 % are held at 10 % from the first tick after 2 ms on; off after 4 ms.
+    assert_eq!(lines.next(), Some("0.250000,1,25.000000,10.000000"));
+    assert!(rows.contains("\n2.250000,1,10.000000,10.000000\n") && rows.contains("\n4.250000,0,0.000000,0.000000\n"));
+    // 10 kHz at 25 %: 25 µs of each 100 µs, to the ns.
+    let signals = fs::read_to_string(&vcd).unwrap();
+    for part in [
+        "$timescale 1 ns $end",
+        "$var wire 1 ! laser0_energy $end",
+        "$var wire 1 \" laser0_switch $end",
+        "$var real 64 # laser0_dac_mv $end",
+        "\n#250000\n1!\n1\"\n#275000\n0!\n#350000\n1!\n#375000\n0!\n",
+        "\n#2250000\n1!\n#2260000\n0!\n#2350000\n1!\n#2360000\n0!\n",
+        "\n#4250000\n0\"\n",
+    ] {
+        assert!(signals.contains(part), "{part:?} is not in\n{signals}");
+    }
+    assert_eq!(signals.matches("1!").count(), 40, "4 ms of 10 kHz");
+    let (whole, part) = (fs::read_to_string(&whole).unwrap(), fs::read_to_string(&part).unwrap());
+    assert!(whole.contains("laser 0 gate") && whole.contains("laser 0 power: duty (%)") && whole.contains("time (ms)"));
+    assert!(part.contains("laser 0 pulses") && part.contains("time (µs)") && part.contains("305"), "{part}");
+}
