@@ -258,3 +258,43 @@ fn the_interlock_rests_everything_until_it_is_cleared() {
     assert!(!back.is_empty() && back.iter().all(|beam| beam.channel == 0), "standby is back, on the cleared channel");
     assert!(!board.lock().unwrap().laser(0).switch, "light is not");
 }
+
+#[test]
+fn the_trace_tells_that_everything_rests() {
+    let (client, board) = open();
+    board.lock().unwrap().record_beam(true);
+    let told: Arc<Mutex<([Edges; 2], u64)>> = Arc::default();
+    let (theirs, mut reader) = (Arc::clone(&told), Reader::new());
+    client.trace_to(move |bytes| {
+        let mut told = theirs.lock().unwrap();
+        let taken = reader.feed(bytes, |item| {
+            match item {
+                Item::Laser { laser, change } => told.0[laser].add(&change, 0),
+                Item::Row(row) => told.1 = row.t_ns,
+                Item::Header(_) | Item::End { .. } => {}
+            }
+            Ok(())
+        });
+        taken.unwrap();
+    });
+    client.call(Trace { every: 3.into(), axes: 0.into(), lasers: 3, crds: 0, way: 0, edges: 1 }).unwrap();
+    let mut calls = marks();
+    calls.truncate(13);
+    calls.push(Call::of(Sleep { ns: 3_100_000.into() }));
+    assert!(client.run(calls, true, &mut Quiet).unwrap().failed.is_none());
+    board.lock().unwrap().inputs_mut().interlock = true;
+    client.sleep(std::time::Duration::from_millis(4)).unwrap();
+    client.call(Trace::default()).unwrap();
+    client.sleep(std::time::Duration::from_millis(4)).unwrap();
+    let mut board = board.lock().unwrap();
+    let zero = board.program_zero_ns();
+    let mut outputs: [Edges; 2] = Default::default();
+    for beam in board.take_beam() {
+        outputs[usize::from(beam.channel)].add(&beam.change, zero);
+    }
+    let told = told.lock().unwrap();
+    assert_eq!(told.0, outputs);
+    let last = told.0[0].switch.last().copied();
+    assert!(last.is_some_and(|(at, level)| !level && at % TICK == 0 && at < told.1), "{last:?}");
+    assert!(told.0[0].energy.last().is_some_and(|edge| !edge.1 && edge.0 <= last.map_or(0, |last| last.0)));
+}
