@@ -76,7 +76,7 @@ impl Made {
     fn take(&mut self, event: Event<'_>, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
         match event {
             Event::Head(head, axes, lasers) => {
-                if lasers.len() > 0 && head.timer_mhz != Clock::GHZ.mhz() {
+                if !lasers.is_empty() && head.timer_mhz != Clock::GHZ.mhz() {
                     return Err(TraceError::Clock { mhz: head.timer_mhz });
                 }
                 let axes = axes.iter().map(|a| AxisName { core: a.core.saturating_add(1), axis: a.axis }).collect();
