@@ -305,8 +305,8 @@ mod tests {
     use super::*;
     use servo::laser::Count;
     use servo::laser::Pattern;
+    use std::vec;
     use std::vec::Vec;
-    use std::{format, vec};
 
     fn train(period: u64, width: u64) -> Train {
         let count = |whole| Count { whole, part: 0, of: 0 };
@@ -576,7 +576,7 @@ mod tests {
         stage.push(6_000, Action::Switch(true));
         stage.run_to(10_000, &mut sink);
         assert_eq!(highs(&scope), [(0, 500)]);
-        assert_eq!(scope.switch, [(0, true), (500, false), (6_000, true)], "{}", format!("{:?}", scope.dac));
+        assert_eq!(scope.switch, [(0, true), (500, false), (6_000, true)]);
         assert_eq!(scope.dac, [(0, 100), (700, 200)]);
     }
 

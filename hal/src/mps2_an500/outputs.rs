@@ -17,7 +17,7 @@ static ENABLE: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static CLEAR: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static GENERAL: AtomicU32 = AtomicU32::new(0);
 static DAC: [AtomicI16; ANALOG] = [const { AtomicI16::new(0) }; ANALOG];
-static LASERS: [Laser; CHANNELS] = [const { Laser::REST }; CHANNELS];
+static LASERS: [Laser; CHANNELS] = [const { Laser::at_rest() }; CHANNELS];
 
 /// Registers of a laser channel.
 struct Laser {
@@ -31,12 +31,14 @@ struct Laser {
 }
 
 impl Laser {
-    const REST: Laser = Laser {
-        switch: AtomicBool::new(false),
-        period: AtomicU32::new(0),
-        width: AtomicU32::new(0),
-        dac: AtomicI16::new(0),
-    };
+    const fn at_rest() -> Laser {
+        Laser {
+            switch: AtomicBool::new(false),
+            period: AtomicU32::new(0),
+            width: AtomicU32::new(0),
+            dac: AtomicI16::new(0),
+        }
+    }
 
     fn pulses(&self, train: &Train) {
         self.period.store(u32::try_from(train.period.whole).unwrap_or(u32::MAX), Ordering::Relaxed);
