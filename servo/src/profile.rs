@@ -108,6 +108,8 @@ pub struct Profile {
     /// Which of them is in force.
     at: u8,
     other: Other,
+    /// The piece made last begins a pass.
+    new_pass: bool,
     supply: Supply,
 }
 
@@ -117,6 +119,7 @@ impl Profile {
         pieces: [Piece::rest(Ns(0), u64::MAX, Pos(0)); 2],
         at: 0,
         other: Other::BeforeLast,
+        new_pass: false,
         supply: Supply::Ramp(RampRun::IDLE),
     };
 
@@ -160,6 +163,12 @@ impl Profile {
     #[inline(always)]
     pub(crate) fn follower_mut(&mut self) -> Option<&mut Follower> {
         if let Supply::Follow(follower) = &mut self.supply { Some(follower) } else { None }
+    }
+
+    /// Whether the piece made last, or one that was passed by since the turn before, begins a pass.
+    #[inline(always)]
+    pub fn is_new_pass(&self) -> bool {
+        self.new_pass
     }
 
     /// Whether a piece has been made that is not in force yet.
@@ -241,7 +250,10 @@ impl Profile {
         if self.other == Other::Ahead && piece.elapsed(now) < piece.span {
             return State::Running;
         }
+        // A piece made ahead that is over by now is passed by with what it began.
+        let passed = self.other == Other::Ahead && self.new_pass;
         let state = self.supply.advance(now, feed, source, piece);
+        self.new_pass = passed || self.supply.is_new_pass();
         if state == State::Running {
             self.other = Other::Ahead;
         }

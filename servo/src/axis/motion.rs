@@ -198,8 +198,16 @@ impl AxisState {
     /// What a view tells of the piece entered, or of the end if it runs no longer.
     #[inline(always)]
     fn show_piece(&mut self, running: bool) {
+        self.shown.motion = self.profile.piece().motion;
+        if !running || self.profile.is_new_pass() || self.shown.mode == Mode::PtDynamic {
+            self.show_pass(running);
+        }
+    }
+
+    /// What a view tells of the pass, or of the stream.
+    #[inline(never)]
+    fn show_pass(&mut self, running: bool) {
         let shown = &mut self.shown;
-        shown.motion = self.profile.piece().motion;
         match self.profile.supply() {
             Supply::Pt(run) => {
                 shown.passes = run.passes(false);
