@@ -206,8 +206,7 @@ impl Bench {
                 let percent = if shaped { 37 } else { 0 };
                 let direction = follow::Direction::Both;
                 let kind = (k % 3) as i16;
-                let admitted =
-                    follow::Entry::segment(to.to_bits(), slave.to_bits(), kind, percent, direction, &chain);
+                let admitted = follow::Entry::segment(to.to_bits(), slave.to_bits(), kind, percent, direction, &chain);
                 let Ok((entry, next)) = admitted else { panic!("segment {k} is refused: {admitted:?}") };
                 STORES[axis.index()].write_entry(0, k - 1, entry);
                 chain = next;
@@ -215,7 +214,10 @@ impl Bench {
             axes.0 |= axis.mask().0;
             self.push(Op::Servo { axis, on: true });
             self.push(Op::SetMode { axis, mode });
-            self.push(Op::FollowMaster { axis, master: follow::Master { axis: master, value: follow::Value::Planned } });
+            self.push(Op::FollowMaster {
+                axis,
+                master: follow::Master { axis: master, value: follow::Value::Planned },
+            });
             self.push(Op::FollowLoop { axis, passes: 0 });
             let tail = chain.tail();
             self.push(Op::FollowCommit { axis, fifo: 0, end: SEGMENTS, cleared: 0, tail });
