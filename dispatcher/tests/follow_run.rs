@@ -168,6 +168,25 @@ fn a_program_fills_the_fifo_that_a_switch_empties_while_it_runs() {
 }
 
 #[test]
+fn an_empty_fifo_is_cleared_and_filled_in_the_instant_of_a_start() {
+    let mut bench = pair();
+    let entries = [
+        entry(data(2, 1000, 500.0, 1, 0)),
+        entry(jog(1)),
+        entry(start(2, 0)),
+        entry(clear(2, 1)),
+        entry(data(2, 1000, 600.0, 1, 1)),
+        entry(switch(2)),
+        entry(wait_stop(2)),
+        entry(read_pos(2)),
+        entry(ProgramEnd {}),
+    ];
+    let answers = program(&mut bench, &entries);
+    assert!(answers.iter().all(|answer| answer.code == 0), "{answers:?}");
+    assert_eq!((position(&answers[7]), bench.done(ProgramStatus {}).late.get()), (1100.0, 0));
+}
+
+#[test]
 fn what_a_program_may_not_do_fails_at_its_instant() {
     let mut bench = running();
     let before = bench.pos(2);
