@@ -4,7 +4,7 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::follow::{Chain, Context, Deeds, Direction, Entry, FollowRun, Refused, Setup, State, Way};
+use servo::follow::{Chain, Context, Deeds, Direction, Entry, FollowRun, Part, Refused, Setup, State, Way};
 use servo::pt::SegmentStore;
 use servo::units::{Exact, Ns, Pos};
 
@@ -36,8 +36,11 @@ fn to_f64(x: &BigInt) -> f64 {
 struct Datum {
     master: f64,
     slave: f64,
+    /// 10, 11, 12 are parts of an asymmetric S: Rise, Held, Fall.
     kind: i16,
     percent: i16,
+    /// The ratio at the start of a part that is the first.
+    begin: Option<f64>,
 }
 
 /// A segment of the reference.
@@ -50,6 +53,7 @@ struct Truth {
     /// Displacement at the start ratio.
     a: BigInt,
     percent: i64,
+    kind: i16,
 }
 
 /// The segments of a pass whose CONTINUE starts at `carried` (2^-BITS), and the end ratio.
@@ -66,9 +70,18 @@ fn truth(data: &[Datum], carried: &BigInt) -> (Vec<Truth>, BigInt) {
         let (a, end) = match d.kind {
             1 => (p.clone(), ratio(&p)),
             2 => (&p * 2, BigInt::zero()),
+            10.. => {
+                let r = d.begin.map_or(r.clone(), big);
+                let end = match d.kind {
+                    10 => ratio(&(&p * 3)) - &r * 2,
+                    11 => ratio(&(&p * 2)) - &r,
+                    _ => (ratio(&(&p * 3)) - &r) / 2,
+                };
+                (mul(&r, &len), end)
+            }
             _ => (mul(&r, &len), ratio(&(&p * 2)) - &r),
         };
-        out.push(Truth { m0: m, m1: m1.clone(), s0: s, p, a, percent: d.percent as i64 });
+        out.push(Truth { m0: m, m1: m1.clone(), s0: s, p, a, percent: d.percent as i64, kind: d.kind });
         (m, s, r) = (m1, s1, end);
     }
     (out, r)
@@ -82,7 +95,11 @@ impl Truth {
         let (a, p, c) = (&self.a, &self.p, self.percent);
         let half = p - a;
         let square = mul(&tau, &tau);
-        let moved = if c == 0 {
+        let moved = if self.kind == 10 {
+            mul(a, &tau) + mul(&half, &mul(&tau, &square))
+        } else if self.kind == 12 {
+            mul(a, &tau) + mul(&half, &(&square * 3 - mul(&tau, &square))) / 2
+        } else if c == 0 {
             mul(a, &tau) + mul(&half, &square)
         } else {
             // Slope of the ratio, times M²: (R1 − R0)/(1 − k), k = c/200.
@@ -124,13 +141,23 @@ fn draw(chance: &mut Chance, count: usize, negative: bool) -> (Vec<Datum>, Segme
             if m > 2f64.powi(31) {
                 continue;
             }
-            let kind =
-                if attempt > 10 { 1 + chance.below(2) } else { [0, 0, 0, 0, 1, 2][chance.below(6) as usize] } as i16;
+            let kind = if attempt > 10 {
+                1 + chance.below(2)
+            } else {
+                [0, 0, 0, 0, 1, 2, 10, 11, 12][chance.below(9) as usize]
+            } as i16;
             let percent = [0, 0, 100, 50, chance.below(101) as i16][chance.below(5) as usize];
-            let datum = Datum { master: if negative { -m } else { m }, slave: s, kind, percent };
-            if let Ok((entry, next)) =
-                Entry::segment(datum.master.to_bits(), s.to_bits(), kind, percent, Direction::Both, &chain)
-            {
+            let percent = if kind < 10 { percent } else { 0 };
+            let begin = (kind >= 10 && chance.below(2) == 0).then(|| (s - slave) / (m - master) * 2.0 * chance.unit());
+            let datum = Datum { master: if negative { -m } else { m }, slave: s, kind, percent, begin };
+            let (m_bits, s_bits) = (datum.master.to_bits(), s.to_bits());
+            let admitted = if kind < 10 {
+                Entry::segment(m_bits, s_bits, kind, percent, Direction::Both, &chain)
+            } else {
+                let part = [Part::Rise, Part::Held, Part::Fall][kind as usize - 10];
+                Entry::part(m_bits, s_bits, part, begin.map(f64::to_bits), Direction::Both, &chain)
+            };
+            if let Ok((entry, next)) = admitted {
                 store.write_entry(0, data.len() as u32, entry);
                 (chain, master, slave) = (next, m, s);
                 data.push(datum);
@@ -338,6 +365,9 @@ fn refusals_name_the_rule() {
     assert_eq!(refused(1.0, 1.0, 4, 0, both, &empty), Refused::Kind);
     assert_eq!(refused(1.0, 1.0, 0, 101, both, &empty), Refused::Percent);
     assert_eq!(refused(1e-6, 1e12, 0, 0, both, &empty), Refused::TooSteep);
+    // Ratios of 2⁴⁸ and 2⁵⁰ are 0 in a quotient of 128 bits.
+    assert_eq!(refused(2f64.powi(-10), 2f64.powi(38), 1, 0, both, &empty), Refused::TooSteep);
+    assert_eq!(refused(2f64.powi(-12), -2f64.powi(38), 2, 0, both, &empty), Refused::TooSteep);
     let (_, up) = admit(100.0, 1.0, 0, 0, both, &empty).unwrap();
     assert_eq!(refused(100.0, 1.0, 0, 0, both, &up), Refused::NotAdvancing);
     assert_eq!(refused(-200.0, 1.0, 0, 0, both, &up), Refused::NotAdvancing);
