@@ -181,6 +181,10 @@ pub fn job(chance: &mut Chance, setup: &Setup, period: Ns, ticks: i64) -> Vec<(N
                 // Nothing else comes at the instant of a fault. Some causes pass by themselves (see `Bench`).
                 faulty = !faulty;
                 at += period;
+                if !faulty && chance.below(2) == 0 {
+                    // Too early, if by nothing but its place.
+                    job.push((at, Command::Gate(true)));
+                }
                 let command = if faulty { Command::Fault } else { Command::Clear };
                 job.push((at, command));
                 if faulty && at / period % 3 != 0 && chance.below(2) == 0 {
