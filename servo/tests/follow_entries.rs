@@ -200,6 +200,20 @@ fn a_queued_switch_goes_to_the_other_fifo() {
 }
 
 #[test]
+fn behind_a_delay_the_ratio_of_the_instant_is_0() {
+    for (cycles, ratio) in [(0, 2.0), (4, 0.0)] {
+        let mut bench =
+            running(250, &[Item::Data(10.0, 20.0, 1, 0), Item::Delay(cycles), Item::Switch(Method::Table)], 1.0);
+        bench.follow(1, 1, &[Item::Data(10.0, 30.0, 0, 0)]);
+        let origin = 10.0 + cycles as f64 / 4.0;
+        let view = bench.ticks(4 * 16);
+        let tau = (pulses(view.axes[0].pos) - origin) / 10.0;
+        let s = 20.0 + ratio * 10.0 * tau + (30.0 - ratio * 10.0) * tau * tau;
+        assert!((pulses(view.axes[1].pos) - s).abs() < 2e-5, "{} for {s}", pulses(view.axes[1].pos));
+    }
+}
+
+#[test]
 fn the_way_back_ends_at_an_entry() {
     let items = [Item::Data(10.0, 10.0, 1, 0), Item::Output(GENERAL, 0, true), Item::Data(20.0, 20.0, 1, 0)];
     let mut bench = Bench::ready(250, Mode::FollowEx);

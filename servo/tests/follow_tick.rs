@@ -109,6 +109,27 @@ fn a_chain_in_reverse_shows_no_lag() {
 }
 
 #[test]
+fn a_turning_point_of_a_slave_counts_for_its_slaves() {
+    let mut bench = Bench::ready(1000, Mode::Follow);
+    bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
+    bench.follows(1, 7, Value::Planned);
+    // From ratio 2 to −2: it turns at 15, at master 15.
+    bench.follow(1, 0, &[Item::Data(10.0, 10.0, 0, 0), Item::Data(20.0, 10.0, 0, 0)]);
+    bench.follows(0, 1, Value::Planned);
+    bench.now(Op::FollowDirection { axis: axis(0), direction: Direction::Up });
+    bench.follow(0, 0, &[Item::Data(100.0, 300.0, 1, 0)]);
+    bench.start_follow(&[0, 1]);
+    bench.jog(7, 4.1, 1000.0);
+    for _ in 0..5 {
+        let view = bench.tick();
+        let (x, s) = (pulses(view.axes[7].pos), pulses(view.axes[1].pos));
+        let furthest = if x > 15.0 { 15.0 } else { s };
+        assert!((pulses(view.axes[0].pos) - 3.0 * furthest).abs() < 1e-4, "{} at {x}", pulses(view.axes[0].pos));
+        assert!(s < 14.9);
+    }
+}
+
+#[test]
 fn a_dithering_encoder_does_not_creep() {
     let mut bench = Bench::ready(50, Mode::Follow);
     bench.now(Op::FollowDirection { axis: axis(1), direction: Direction::Up });
@@ -454,6 +475,16 @@ fn guards_stop_a_slave() {
     let view = bench.ticks(4);
     assert_eq!(view.axes[1].stop, StopReason::StepLimit);
     assert!(pulses(view.axes[1].pos) < 2f64.powi(30), "{}", pulses(view.axes[1].pos));
+    // The master gets too fast inside a segment.
+    let mut bench = self::bench(250);
+    bench.follows(1, 0, Value::Planned);
+    bench.follow(1, 0, &[Item::Data(100.0, 100.0 * 2f64.powi(32), 1, 0)]);
+    bench.start_follow(&[1]);
+    bench.jog(0, 2.0, 0.5);
+    let view = bench.ticks(4 * 3);
+    // At 1 pulse/ms, after 2 ms.
+    assert_eq!(view.axes[1].stop, StopReason::StepLimit);
+    assert!((pulses(view.axes[1].pos) / 2f64.powi(32) - 1.0).abs() < 0.15);
     // Soft limit, alarm, servo off, abrupt.
     for case in 0..4 {
         let mut bench = Bench::ready(250, Mode::Follow);
