@@ -1,16 +1,24 @@
 //! The demo: what a newcomer sees with one command.
 //!
-//! In: a fresh clone. Out: the PT jobs of `examples/` executed by the Cortex-M7 image in the emulator,
-//! their traces, waveforms and plots in `out/`, and the same jobs in the virtual controller for
-//! comparison.
+//! In: a fresh clone. Out: jobs of `examples/` executed by the Cortex-M7 image in the emulator, their
+//! traces, waveforms and plots in `out/`, and the same jobs in the virtual controller for comparison.
 use crate::shell::{self, Outcome, root};
 use crate::traces::{Runner, equal, name};
 use std::path::{Path, PathBuf};
 
-/// The jobs shown, with what to look for.
-const JOBS: [(&str, &str); 2] = [
-    ("examples/pt_static.gts", "a trapezoid from a static FIFO: 4096 pulses in 3072 ms, 2 pulse/ms on the way"),
-    ("examples/pt_dynamic.gts", "a sine from a stream that is refilled while it runs: back at 0 after each period"),
+/// The jobs shown, with what to look for, and a stretch to see closely, in ms.
+const JOBS: [(&str, &str, Option<(&str, &str)>); 3] = [
+    (
+        "examples/laser_flying_shear.gts",
+        "a laser head that goes with the belt while it fires; closely, a burst of 40 pulses between the gate's edges",
+        Some(("306", "310")),
+    ),
+    ("examples/pt_static.gts", "a trapezoid from a static FIFO: 4096 pulses in 3072 ms, 2 pulse/ms on the way", None),
+    (
+        "examples/pt_dynamic.gts",
+        "a sine from a stream that is refilled while it runs: back at 0 after each period",
+        None,
+    ),
 ];
 
 /// Runs it.
@@ -19,10 +27,10 @@ pub fn run() -> Outcome {
     let out = root().join("out");
     std::fs::create_dir_all(&out).map_err(|e| format!("{}: {e}", out.display()))?;
     let mut made = Vec::new();
-    for (job, what) in JOBS {
+    for (job, what, closely) in JOBS {
         println!("\n== {job}: {what}");
         let file = |extension: &str| out.join(format!("{}.{extension}", name(Path::new(job))));
-        let (csv, vcd, png, sim) = (file("csv"), file("vcd"), file("png"), file("sim.csv"));
+        let (csv, vcd, png, sim, close) = (file("csv"), file("vcd"), file("png"), file("sim.csv"), file("close.png"));
         println!("-- in the Cortex-M7 image, emulated, over its serial link");
         shell::run(&mut runner.call(&[
             "run",
@@ -37,10 +45,15 @@ pub fn run() -> Outcome {
             &text(&png),
         ]))?;
         println!("-- in the virtual controller");
-        shell::run(&mut runner.call(&["sim", job, "--quiet", "--trace", &text(&sim)]))?;
+        let mut beside = runner.call(&["sim", job, "--quiet", "--trace", &text(&sim)]);
+        if let Some((from, to)) = closely {
+            beside.args(["--plot", &text(&close), "--from", from, "--to", to]);
+        }
+        shell::run(&mut beside)?;
         println!("{}", seen(&csv)?);
         println!("both traces: {} rows, equal byte for byte", equal(&csv, &sim)?);
         made.extend([csv, vcd, png]);
+        made.extend(closely.map(|_| close));
     }
     println!("\nWritten:");
     for path in made {

@@ -37,6 +37,14 @@ fn the_listings_put_out_what_they_say() {
         ("laser_analog", "gus", &["2.5"], "analog mode, dark, output 0 V, light of 2.000 ms"),
         // Three marks of 2, 1 and 1.5 ms, each longer by 50 µs: 4.65 ms are 18 units.
         ("laser_duty_open", "gus", &["0", "18"], "duty mode, dark, output 0 %, light of 4.500 ms"),
+        // Six bursts, each shorter by 40 µs: 11.76 ms are 47 units. The belt brakes from 20400 at 50 pulse/ms and 1 pulse/ms²;
+        // the head is 650 behind the third knot of its second pass: 2500 + 8000 + 4600 + 0.6 · 650 + 0.2/3000 · 650².
+        (
+            "laser_flying_shear",
+            "gus",
+            &["acc 1 dec 0 smooth 0", "47", "21650 15518.16666674614"],
+            "frequency mode, dark, output 0 kHz, light of 11.750 ms",
+        ),
         ("laser_lsr_duty", "lsr", &["25"], "duty mode, dark, output 0 %, light of 3.000 ms"),
         ("laser_lsr_frequency", "lsr", &["20", "24"], "frequency mode, dark, output 0 kHz, light of 3.000 ms"),
         ("laser_lsr_analog", "lsr", &["2.5"], "analog mode, dark, output 0 V, light of 1.000 ms"),
