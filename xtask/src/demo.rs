@@ -6,19 +6,31 @@ use crate::shell::{self, Outcome, root};
 use crate::traces::{Runner, equal, name};
 use std::path::{Path, PathBuf};
 
-/// The jobs shown, with what to look for, and a stretch to see closely, in ms.
-const JOBS: [(&str, &str, Option<(&str, &str)>); 3] = [
-    (
-        "examples/laser_flying_shear.gts",
-        "a laser head that goes with the belt while it fires; closely, a burst of 40 pulses between the gate's edges",
-        Some(("306", "310")),
-    ),
-    ("examples/pt_static.gts", "a trapezoid from a static FIFO: 4096 pulses in 3072 ms, 2 pulse/ms on the way", None),
-    (
-        "examples/pt_dynamic.gts",
-        "a sine from a stream that is refilled while it runs: back at 0 after each period",
-        None,
-    ),
+/// A job to show.
+struct Shown {
+    job: &'static str,
+    /// What to look for.
+    what: &'static str,
+    /// A stretch to see closely, ms.
+    closely: Option<[&'static str; 2]>,
+}
+
+const JOBS: [Shown; 3] = [
+    Shown {
+        job: "examples/laser_flying_shear.gts",
+        what: "a laser head that goes with the belt while it fires; closely, a burst of 40 pulses between the gate's edges",
+        closely: Some(["306", "310"]),
+    },
+    Shown {
+        job: "examples/pt_static.gts",
+        what: "a trapezoid from a static FIFO: 4096 pulses in 3072 ms, 2 pulse/ms on the way",
+        closely: None,
+    },
+    Shown {
+        job: "examples/pt_dynamic.gts",
+        what: "a sine from a stream that is refilled while it runs: back at 0 after each period",
+        closely: None,
+    },
 ];
 
 /// Runs it.
@@ -27,7 +39,7 @@ pub fn run() -> Outcome {
     let out = root().join("out");
     std::fs::create_dir_all(&out).map_err(|e| format!("{}: {e}", out.display()))?;
     let mut made = Vec::new();
-    for (job, what, closely) in JOBS {
+    for Shown { job, what, closely } in JOBS {
         println!("\n== {job}: {what}");
         let file = |extension: &str| out.join(format!("{}.{extension}", name(Path::new(job))));
         let (csv, vcd, png, sim, close) = (file("csv"), file("vcd"), file("png"), file("sim.csv"), file("close.png"));
@@ -46,7 +58,7 @@ pub fn run() -> Outcome {
         ]))?;
         println!("-- in the virtual controller");
         let mut beside = runner.call(&["sim", job, "--quiet", "--trace", &text(&sim)]);
-        if let Some((from, to)) = closely {
+        if let Some([from, to]) = closely {
             beside.args(["--plot", &text(&close), "--from", from, "--to", to]);
         }
         shell::run(&mut beside)?;
