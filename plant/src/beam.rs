@@ -107,21 +107,38 @@ impl Stage {
 
     /// Everything at rest at `now`; what waits is void. What happened before goes to `sink`.
     pub fn rest(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
+        self.run_to(now, sink);
+        (self.first, self.end) = (0, 0);
         self.rest_pulses(now, sink);
         self.volts(now, 0, sink);
     }
 
-    /// The interlock, in hardware: energy and switch at rest at `now`, and as long as it is active.
+    /// The interlock, in hardware: energy and switch at rest at `now`, and as long as it is active. The DAC goes on
+    /// with its plan.
     pub fn interlock(&mut self, now: u64, active: bool, sink: &mut impl FnMut(Change)) {
         self.held = active;
         if active {
+            self.run_to(now, sink);
+            self.keep_volts();
             self.rest_pulses(now, sink);
         }
     }
 
-    fn rest_pulses(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
-        self.run_to(now, sink);
+    /// Of what waits, what the DAC does stays.
+    fn keep_volts(&mut self) {
+        let waiting = self.first..self.end;
         (self.first, self.end) = (0, 0);
+        for from in waiting {
+            if let Some(&volts @ (_, Action::Volts(_))) = self.waiting.get(from)
+                && let Some(place) = self.waiting.get_mut(self.end)
+            {
+                *place = volts;
+                self.end = self.end.wrapping_add(1);
+            }
+        }
+    }
+
+    fn rest_pulses(&mut self, now: u64, sink: &mut impl FnMut(Change)) {
         self.begin(now, Train::NONE, true);
         self.pulses_to(now, sink);
         self.switch(now, false, sink);
@@ -232,13 +249,13 @@ impl Stage {
     fn periods(&mut self, at: u64, to: u64, sink: &mut impl FnMut(Change)) {
         let train = self.train;
         let Train { period, width } = train;
-        if !self.width_rest.goes_on(width) {
+        let is_full = train.is_full();
+        if is_full || !self.width_rest.goes_on(width) {
             self.owed = 0;
         }
         let (period_rest, width_rest) = (self.period_rest, self.width_rest);
         let mut last = Burst { at, count: u64::MAX, train, period_rest, width_rest };
         // A width just below the period may be too long for one: those go one by one.
-        let is_full = width == period && width_rest == period_rest;
         if self.owed == 0 && (width.whole < period.whole || is_full) {
             // Before the last one all are over.
             let whole = last.first_from(to).saturating_sub(1);
@@ -248,8 +265,9 @@ impl Stage {
             last = last.skip(whole);
         }
         let end = last.start(1);
-        let wanted = last.width_rest.sum(width, 1).saturating_add(self.owed);
-        let pulse = wanted.min(end.wrapping_sub(last.at));
+        let length = end.wrapping_sub(last.at);
+        let wanted = if is_full { length } else { last.width_rest.sum(width, 1).saturating_add(self.owed) };
+        let pulse = wanted.min(length);
         self.owed = wanted.wrapping_sub(pulse);
         self.pulse = (pulse > 0).then_some(Pulse { begin: last.at, end: last.at.saturating_add(pulse), told: false });
         self.period = Some((last.at, end));
@@ -439,7 +457,8 @@ mod tests {
                         f64::from(count.part) / if count.of == 0 { 4_294_967_296.0 } else { f64::from(count.of) }
                     };
                     let too_long = whole == period.whole && share(width) > share(period);
-                    Train { period, width: if too_long { period } else { width } }
+                    let full = self.below(4) == 0;
+                    Train { period, width: if too_long || full { period } else { width } }
                 }
             }
         }
@@ -515,6 +534,23 @@ mod tests {
     }
 
     #[test]
+    fn a_full_train_has_no_gap_whatever_is_left_over() {
+        let count = |whole, part, of| Count { whole, part, of };
+        let full = Train { period: count(300, 1, 3), width: count(300, 1, 3) };
+        for (part, of) in [(1, 3), (2, 3), (1, 7), (1 << 31, 0)] {
+            for periods in 0..6 {
+                for whole in [100, 299, 300] {
+                    let before = Train { period: count(300, 2, 3), width: count(whole, part, of) };
+                    let from = periods * 300 + 10;
+                    let actions = [(0, Action::Light(before)), (from, Action::Change(full))];
+                    let level = *highs(&played(&actions, 400_000)).last().unwrap();
+                    assert!(level.0 < from + 301 && level.1 >= 400_000, "{before:?}, {periods}: {level:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn the_last_pulse_is_finished_or_cut() {
         let dark = |cut| Action::Dark { standby: Train::NONE, cut };
         // 150 µs of pulse: 100 µs left are finished, 1 ns more is cut.
@@ -568,6 +604,9 @@ mod tests {
         stage.push(0, Action::Switch(true));
         stage.push(0, Action::Light(train(1_000, 800)));
         stage.push(0, Action::Volts(100));
+        stage.push(550, Action::Switch(false));
+        stage.push(550, Action::Volts(150));
+        stage.push(560, Action::Light(train(10, 10)));
         stage.interlock(500, true, &mut sink);
         stage.push(600, Action::Light(train(1_000, 800)));
         stage.push(600, Action::Switch(true));
@@ -577,7 +616,7 @@ mod tests {
         stage.run_to(10_000, &mut sink);
         assert_eq!(highs(&scope), [(0, 500)]);
         assert_eq!(scope.switch, [(0, true), (500, false), (6_000, true)]);
-        assert_eq!(scope.dac, [(0, 100), (700, 200)]);
+        assert_eq!(scope.dac, [(0, 100), (550, 150), (700, 200)]);
     }
 
     #[test]

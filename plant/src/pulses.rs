@@ -59,7 +59,7 @@ pub struct Burst {
     pub at: u64,
     /// Pulses.
     pub count: u64,
-    /// Period and width, which is at most the period.
+    /// Period and width; where that reaches the period the pulses touch.
     pub train: Train,
     /// What is left over of the period before the first pulse.
     pub period_rest: Rest,
@@ -86,6 +86,9 @@ impl Burst {
 
     /// Time during which the energy is on, ns.
     pub fn on(&self) -> u64 {
+        if self.train.is_full() {
+            return self.start(self.count).saturating_sub(self.at);
+        }
         self.width_rest.sum(self.train.width, self.count)
     }
 
@@ -131,7 +134,8 @@ impl Burst {
         (0..self.count).map(move |_| {
             let (start, width) = (rest.at, rest.width_rest.sum(rest.train.width, 1));
             rest = rest.skip(1);
-            (start, start.saturating_add(width).min(rest.at))
+            let is_full = rest.train.is_full();
+            (start, if is_full { rest.at } else { start.saturating_add(width).min(rest.at) })
         })
     }
 }
@@ -170,6 +174,17 @@ mod tests {
         let burst = bursts()[0];
         assert_eq!([burst.start(1), burst.start(2), burst.start(3)], [34_333, 67_666, 101_000]);
         assert_eq!(burst.on(), 7_000 / 13);
+    }
+
+    #[test]
+    fn a_full_burst_is_full_whatever_is_left_over() {
+        let period = count(10, 1, 3);
+        for width in [period, count(10, 2, 6), count(11, 0, 1)] {
+            let behind = Rest::NONE.behind(period, 2);
+            let burst = Burst { period_rest: behind, ..Burst::new(50, 7, Train { period, width }) };
+            assert!(burst.pulses().zip(burst.pulses().skip(1)).all(|(one, next)| one.1 == next.0));
+            assert_eq!((burst.start(7), burst.on()), (50 + 73, 73), "{width:?}");
+        }
     }
 
     #[test]

@@ -223,6 +223,66 @@ fn a_width_just_below_the_period_loses_nothing() {
 }
 
 #[test]
+fn a_full_duty_is_an_unbroken_level_behind_any_other() {
+    // Periods and widths of other settings have left over what they have left over: docs/laser.md, reading 13.
+    let mut chance = Chance::new(9);
+    for run in 0..200 {
+        let (khz, percent) = (chance.log(20.0, 2000.0), chance.unit() * 100.0);
+        let mut bench = Bench::new(250);
+        bench.fine = run % 2 == 0;
+        bench.carrier(khz);
+        bench.direct(percent);
+        bench.gate(true);
+        bench.until(MS);
+        bench.direct(100.0);
+        bench.tick();
+        // The period in progress, and the tick's own delay of one.
+        let full = bench.tick.now().0 + 250 * US + 50 * US;
+        bench.until(4 * MS);
+        let level = *bench.pulses().last().unwrap();
+        assert!(level.0 < full && level.1 >= 4 * MS, "{khz} kHz, {percent} %: {level:?}, full from {full}");
+    }
+}
+
+#[test]
+fn a_width_that_reaches_the_period_is_the_period() {
+    let count = |whole, part, of| Count { whole, part, of };
+    let period = count(120, 1, 3);
+    for (width, is_full) in [
+        (count(120, 1, 3), true),
+        (count(120, 2, 6), true),
+        (count(120, 1 << 31, 0), true),
+        (count(121, 0, 1), true),
+        (count(120, 333, 1000), false),
+        (count(120, u32::MAX / 3, 0), false),
+        (count(119, 9_999, 10_000), false),
+    ] {
+        let train = Train { period, width };
+        assert_eq!(train.is_full(), is_full, "{width:?}");
+        // Entered with any remainders, and with counts that are owed.
+        for before in 0..7 {
+            let mut pattern = Pattern::BEGIN;
+            for _ in 0..before {
+                pattern.step(&Train {
+                    period: count(50, 2, 3),
+                    width: count(50, 5, if before % 2 == 0 { 6 } else { 1000 }),
+                });
+            }
+            let gaps = (0..10_000).filter(|_| {
+                let (period, width) = pattern.step(&train);
+                assert!(width <= period);
+                width < period
+            });
+            assert_eq!(gaps.count() == 0, is_full, "{width:?} behind {before}");
+        }
+    }
+    // What a full train could not owe is not owed behind it.
+    let mut pattern = Pattern::BEGIN;
+    pattern.step(&Train { period, width: count(200, 0, 3) });
+    assert_eq!(pattern.step(&Train { period, width: count(10, 0, 3) }).1, 10);
+}
+
+#[test]
 fn numbers_out_of_range_are_refused() {
     let admit = |value: f64| Power::admit(value.to_bits());
     assert_eq!(admit(f64::NAN), Err(Refused::NotFinite));

@@ -278,7 +278,8 @@ impl Bresenham {
 /// The counts of a train's periods, one after the other: what the machines count by.
 ///
 /// The first n periods have ⌊n·period⌋ counts together, their pulses ⌊n·width⌋; what a period is too short
-/// for goes to the next pulse (a width just below the period, whose odd counts fall differently).
+/// for goes to the next pulse (a width just below the period, whose odd counts fall differently). Of a full train
+/// ([`Train::is_full`]) each pulse is its period, whatever other settings have left over, and nothing is owed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Pattern {
     period: Bresenham,
@@ -302,6 +303,10 @@ impl Pattern {
         let wanted = self.width.step(&train.width).wrapping_add(self.owed);
         let width = wanted.min(period);
         self.owed = wanted.wrapping_sub(width);
+        if train.is_full() {
+            self.owed = 0;
+            return (period, period);
+        }
         (period, width)
     }
 }

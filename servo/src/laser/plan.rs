@@ -21,12 +21,20 @@ pub struct Count {
     pub of: u32,
 }
 
+impl Count {
+    /// Of the rest; 1 to 2³².
+    #[inline]
+    const fn denominator(&self) -> u64 {
+        if self.of == 0 { 1 << 32 } else { self.of as u64 }
+    }
+}
+
 /// A train of pulses: a pulse at the beginning of each period.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Train {
     /// From the beginning of a pulse to that of the next; 0 is no pulses at all.
     pub period: Count,
-    /// Width of a pulse, at most the period; 0 is a period without a pulse, the period an unbroken level.
+    /// Width of a pulse; 0 is a period without a pulse, the period or more an unbroken level ([`Train::is_full`]).
     pub width: Count,
 }
 
@@ -45,6 +53,18 @@ impl Train {
     #[inline]
     pub const fn is_silent(&self) -> bool {
         self.is_none() || self.width.whole == 0 && self.width.part == 0
+    }
+
+    /// Whether the width reaches the period: an unbroken level. Each pulse is then as long as its period,
+    /// wherever the odd counts of the two would fall.
+    #[inline]
+    pub const fn is_full(&self) -> bool {
+        let Train { period, width } = self;
+        if width.whole != period.whole {
+            return width.whole > period.whole;
+        }
+        // part·of of the other: below 2³²·2³².
+        width.part as u64 * period.denominator() >= period.part as u64 * width.denominator()
     }
 }
 
