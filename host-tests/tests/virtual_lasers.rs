@@ -259,6 +259,64 @@ fn the_interlock_rests_everything_until_it_is_cleared() {
     assert!(!board.lock().unwrap().laser(0).switch, "light is not");
 }
 
+/// What both channels do in the first calls of [`marks`] and 5 ms behind them, with the interlock raised that long
+/// after the last tick of the calls; and the instant of that tick.
+fn stopped_after(calls: usize, ns: Option<u64>) -> ([Edges; 2], u64) {
+    let (client, board) = open();
+    board.lock().unwrap().record_beam(true);
+    let calls = marks().into_iter().take(calls);
+    assert!(client.run(calls, true, &mut Quiet).unwrap().failed.is_none());
+    let tick = board.lock().unwrap().now();
+    if let Some(ns) = ns {
+        board.lock().unwrap().raise_interlock(tick + ns);
+    }
+    client.sleep(std::time::Duration::from_millis(5)).unwrap();
+    assert_eq!(board.lock().unwrap().inputs_mut().interlock, ns.is_some());
+    let mut edges: [Edges; 2] = Default::default();
+    for beam in board.lock().unwrap().take_beam() {
+        edges[usize::from(beam.channel)].add(&beam.change, 0);
+    }
+    (edges, tick)
+}
+
+/// The edges of an output before an instant, and that it is at rest from then on.
+fn rests_at<T: Copy + PartialEq + Default>(edges: &[(u64, T)], at: u64) -> Vec<(u64, T)> {
+    let mut until: Vec<_> = edges.iter().copied().filter(|edge| edge.0 < at).collect();
+    if until.last().is_some_and(|last| last.1 != T::default()) {
+        until.push((at, T::default()));
+    }
+    until
+}
+
+#[test]
+fn the_interlock_acts_between_two_ticks() {
+    let mut cut = [[0; 3]; 2];
+    // Light in a duty and in frequency mode; standby; light in analog mode.
+    for calls in [13, 20, 28] {
+        let (free, tick) = stopped_after(calls, None);
+        // Over two ticks, the first and last ns of one, and a tick itself.
+        let sweep = (1..40).map(|step| step * 12_547);
+        for ns in sweep.chain([1, TICK - 1, TICK, TICK + 1]) {
+            let (edges, again) = stopped_after(calls, Some(ns));
+            assert_eq!(tick, again, "the runs are the same until then");
+            let at = tick + ns;
+            for (channel, (edges, free)) in edges.iter().zip(&free).enumerate() {
+                let expected = Edges {
+                    energy: rests_at(&free.energy, at),
+                    switch: rests_at(&free.switch, at),
+                    dac: rests_at(&free.dac, at.next_multiple_of(TICK)),
+                };
+                assert_eq!(*edges, expected, "{calls} calls, channel {channel}, {ns} ns behind the tick");
+                let [energy, switch, dac] = &mut cut[channel];
+                *energy += u32::from(!at.is_multiple_of(TICK) && expected.energy.last() == Some(&(at, false)));
+                *switch += u32::from(!at.is_multiple_of(TICK) && expected.switch.last() == Some(&(at, false)));
+                *dac += u32::from(expected.dac.last() == Some(&(at.next_multiple_of(TICK), 0)));
+            }
+        }
+    }
+    assert!(cut[0].iter().all(|cut| *cut > 10) && cut[1][0] > 5, "{cut:?}");
+}
+
 #[test]
 fn the_trace_tells_that_everything_rests() {
     let (client, board) = open();

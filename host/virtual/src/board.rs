@@ -100,6 +100,12 @@ impl Board {
         self.core.inputs_mut()
     }
 
+    /// Makes the interlock input active at an instant of controller time in ns, which may be between two ticks; one
+    /// that is past is that of the tick in force. [`Inputs::interlock`] tells when it is, and ends it.
+    pub fn raise_interlock(&mut self, at_ns: u64) {
+        self.core.raise_interlock(at_ns);
+    }
+
     /// Output levels in force from the next tick on.
     pub fn outputs(&self) -> Outputs {
         self.core.outputs()
@@ -136,6 +142,7 @@ trait Core {
     fn period_ns(&self) -> u64;
     fn program_zero_ns(&mut self) -> u64;
     fn inputs_mut(&mut self) -> &mut Inputs;
+    fn raise_interlock(&mut self, at_ns: u64);
     fn outputs(&self) -> Outputs;
     fn take_edges(&mut self) -> Vec<Edge>;
     fn record_beam(&mut self, on: bool);
@@ -319,6 +326,10 @@ impl<const AXES: usize> Core for Whole<AXES> {
 
     fn inputs_mut(&mut self) -> &mut Inputs {
         &mut self.machine.inputs
+    }
+
+    fn raise_interlock(&mut self, at_ns: u64) {
+        self.machine.raise_interlock(at_ns.max(self.tick.now().0));
     }
 
     fn outputs(&self) -> Outputs {

@@ -89,6 +89,8 @@ pub(crate) struct Machine<const AXES: usize> {
     stages: [Stage; CHANNELS],
     /// The interlock as the lasers' hardware has it.
     interlock: bool,
+    /// Instant at which the interlock input becomes active; it may be between two ticks.
+    raised_ns: Option<u64>,
     /// What the lasers did, if somebody wants it.
     beam: Option<Vec<Beam>>,
 }
@@ -106,6 +108,7 @@ impl<const AXES: usize> Machine<AXES> {
             edges: std::collections::VecDeque::new(),
             stages: [const { Stage::new() }; CHANNELS],
             interlock: false,
+            raised_ns: None,
             beam: None,
         }
     }
@@ -127,7 +130,26 @@ impl<const AXES: usize> Machine<AXES> {
         self.stages.get(channel).map(Stage::levels).unwrap_or_default()
     }
 
+    /// The interlock input becomes active at `at`, which is not before the tick in force.
+    pub fn raise_interlock(&mut self, at: u64) {
+        self.raised_ns = Some(self.raised_ns.map_or(at, |raised| raised.min(at)));
+    }
+
+    /// The lasers' hardware sees the interlock input up to `now`: not only at ticks, as the tick does.
+    fn see_interlock(&mut self, now: u64) {
+        let raised = self.raised_ns.take_if(|at| *at <= now);
+        self.inputs.interlock |= raised.is_some();
+        if self.interlock != self.inputs.interlock {
+            self.interlock = self.inputs.interlock;
+            for (channel, stage) in self.stages.iter_mut().enumerate() {
+                let at = raised.unwrap_or(now);
+                stage.interlock(at, self.interlock, &mut note_beam(&mut self.beam, channel));
+            }
+        }
+    }
+
     fn follow_beam(&mut self, now: u64) {
+        self.see_interlock(now);
         for (channel, stage) in self.stages.iter_mut().enumerate() {
             stage.run_to(now, &mut note_beam(&mut self.beam, channel));
         }
@@ -142,12 +164,7 @@ impl<const AXES: usize> Machine<AXES> {
         self.plant.advance(self.gain);
         self.next_ns = next_ns;
         self.now_ns = next_ns.saturating_sub(period_ns);
-        if self.interlock != self.inputs.interlock {
-            self.interlock = self.inputs.interlock;
-            for (channel, stage) in self.stages.iter_mut().enumerate() {
-                stage.interlock(self.now_ns, self.interlock, &mut note_beam(&mut self.beam, channel));
-            }
-        }
+        self.see_interlock(self.now_ns);
     }
 
     fn note(&mut self, before: u64, after: u64, output: fn(u8) -> Output) {
