@@ -250,7 +250,7 @@ impl Stage {
         let train = self.train;
         let Train { period, width } = train;
         let is_full = train.is_full();
-        if is_full || !self.width_rest.goes_on(width) {
+        if !self.width_rest.goes_on(width) {
             self.owed = 0;
         }
         let (period_rest, width_rest) = (self.period_rest, self.width_rest);
