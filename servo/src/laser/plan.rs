@@ -64,7 +64,7 @@ impl Train {
             return width.whole > period.whole;
         }
         // part·of of the other: below 2³²·2³².
-        width.part as u64 * period.denominator() >= period.part as u64 * width.denominator()
+        (width.part as u64).wrapping_mul(period.denominator()) >= (period.part as u64).wrapping_mul(width.denominator())
     }
 }
 
