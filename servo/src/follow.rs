@@ -6,7 +6,7 @@
 //! the master's progress (`shape.rs`). Fails: a datum that no axis could run is [`Refused`] before it reaches the
 //! store; a wait may time out, a jump may be too far.
 //!
-//! Held by `tests/follow_exact.rs` (positions ≤ 2⁻¹⁶ pulse, knots exact), `follow_tick.rs`, `follow_entries.rs`.
+//! Held by `tests/follow_exact.rs` (positions ≤ 2⁻¹⁶ pulse, knots exact, ratios ≤ 2⁻¹⁶ of the peak), `follow_tick.rs`, `follow_entries.rs`.
 mod compact;
 mod entry;
 mod follower;

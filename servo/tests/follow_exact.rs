@@ -1,10 +1,11 @@
-//! Follow against exact arithmetic on the doubles as given (SPEC 11): random tables, both ways, many passes.
+//! Follow against exact arithmetic on the doubles as given (SPEC 11): positions and ratios of random tables, both ways, many passes.
 //!
 //! The reference counts in 2⁻³²⁰ and divides; it never approximates. The long run is asked for with FOLLOW_TABLES.
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::follow::{Chain, Context, Deeds, Direction, Entry, FollowRun, Part, Refused, Setup, State, Way};
+use servo::piece::{Motion, Scaled};
 use servo::pt::SegmentStore;
 use servo::units::{Exact, Ns, Pos};
 
@@ -120,6 +121,35 @@ impl Truth {
         };
         &self.s0 + moved
     }
+
+    /// Ratio at the progress `x` of the pass, pulse per pulse.
+    fn ratio(&self, x: &BigInt) -> BigInt {
+        let (y, len) = (x - &self.m0, &self.m1 - &self.m0);
+        let tau = (&y << BITS) / &len;
+        let (a, p, c) = (&self.a, &self.p, self.percent);
+        let half = p - a;
+        let one: BigInt = BigInt::from(1) << BITS;
+        let slope = match self.kind {
+            10 => a + mul(&half, &mul(&tau, &tau)) * 3,
+            12 => a + mul(&half, &mul(&tau, &(&one * 2 - &tau))) * 3 / 2,
+            _ if c == 0 => a + mul(&half, &tau) * 2,
+            _ => {
+                // The ratio's own slope rises over the part k, stays, and falls over the part k.
+                let top: BigInt = &half * 2 * 200 / (200 - c);
+                let k: BigInt = (BigInt::from(c) << BITS) / 200;
+                let bent = |t: &BigInt| mul(&top, t) * t / &k / 2;
+                let left = &one - &tau;
+                if tau < k {
+                    a + bent(&tau)
+                } else if left > k {
+                    a + mul(&top, &(&tau - &k / 2))
+                } else {
+                    p * 2 - a - bent(&left)
+                }
+            }
+        };
+        (slope << BITS) / len
+    }
 }
 
 /// Admits random data; what is refused is drawn again.
@@ -214,6 +244,13 @@ impl<'a> Bench<'a> {
     fn pos(&self) -> i64 {
         self.run.place().0.0
     }
+
+    /// The ratio that readers are shown: pulse per 10⁶ units of the master's position is what a velocity is here.
+    fn ratio(&self) -> BigInt {
+        let Scaled { m, e } = Motion { tau: self.run.place().1, ..self.run.piece().motion }.velocity();
+        let ratio = BigInt::from(m) << (BITS + 22);
+        (if e < 0 { ratio << -e } else { ratio >> e }) / 1_000_000
+    }
 }
 
 fn ceil(x: &BigInt) -> i64 {
@@ -226,7 +263,7 @@ fn random_tables_both_ways() {
     let tables: u32 = std::env::var("FOLLOW_TABLES").map_or(1500, |n| n.parse().unwrap());
     let seed: u64 = std::env::var("FOLLOW_SEED").map_or(1, |n| n.parse().unwrap());
     let mut chance = Chance::new(seed);
-    let (mut worst, mut knots, mut points) = (0f64, 0u64, 0u64);
+    let (mut worst, mut bent, mut knots, mut points) = (0f64, 0f64, 0u64, 0u64);
     for _ in 0..tables {
         let count = 1 + chance.below(24) as usize;
         let negative = chance.below(2) == 0;
@@ -240,6 +277,8 @@ fn random_tables_both_ways() {
         bench.glides = chance.below(2) == 0;
         let last = table.last().unwrap();
         let (length, way) = (last.m1.clone(), &last.s0 + &last.p);
+        // Ratios go one way inside a segment, so the ends know the peak.
+        let peak = table.iter().flat_map(|t| [t.ratio(&t.m0).abs(), t.ratio(&t.m1).abs()]).max().unwrap();
         let mut check = |bench: &mut Bench, progress: i64, knot: bool| {
             assert_eq!(bench.go(start + sign * progress), State::Running);
             let x = big_pos(progress);
@@ -250,6 +289,13 @@ fn random_tables_both_ways() {
             let truth = (BigInt::from(origin.0) << (BITS - 64)) + &pass * &way + slave;
             let error = to_f64(&(&truth - big_pos(bench.pos())).abs());
             assert!(error <= 2f64.powi(-16), "{error:e} at {progress} {data:?}");
+            if local >= BigInt::zero() {
+                let gap = (bench.ratio() - segment.ratio(&local)).abs();
+                // Where the peak is 0, only 0 is right.
+                assert!(gap <= &peak >> 16, "ratio at {progress} {data:?}");
+                let error = if gap.is_zero() { 0.0 } else { to_f64(&((gap << BITS) / &peak)) };
+                bent = bent.max(error);
+            }
             if knot {
                 assert!(error <= 2f64.powi(-23) * 1.0001, "knot {error:e} at {progress} {data:?}");
                 knots += 1;
@@ -287,7 +333,7 @@ fn random_tables_both_ways() {
         assert!(error <= BigInt::from(passes) << (BITS - 65));
     }
     println!(
-        "{tables} tables, {points} points, {knots} of them knots: worst {worst:e} pulse, {} of the bound",
+        "{tables} tables, {points} points, {knots} of them knots: worst {worst:e} pulse, {} of the bound; ratio {bent:e} of the peak",
         worst * 65536.0
     );
     assert!(knots > 100);
