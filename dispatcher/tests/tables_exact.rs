@@ -60,7 +60,7 @@ struct Tally {
     worst_vel: f64,
 }
 
-/// Builds, runs and compares until `segments` segments have been run.
+/// Builds, runs and compares until `segments` segments have been run, and as many tables as PVT_TABLES says.
 fn campaign(
     seed: u64,
     segments: usize,
@@ -69,7 +69,8 @@ fn campaign(
 ) -> Tally {
     let mut chance = Chance::new(seed);
     let mut tally = Tally { segments: 0, tables: 0, refused: 0, worst: 0.0, worst_vel: 0.0 };
-    while tally.segments < segments {
+    let tables = std::env::var("PVT_TABLES").map_or(0, |n| n.parse().unwrap());
+    while tally.segments < segments || tally.tables < tables {
         let most = if chance.below(4) == 0 { most } else { 20 };
         let (kind, points) = make(&mut chance, most);
         let mut shelf = Shelf::default();

@@ -138,7 +138,7 @@ fn a_dithering_encoder_does_not_creep() {
     loops(&mut bench, 1, 0);
     bench.start_follow(&[1]);
     bench.ticks(3);
-    let ticks = if std::env::var("FOLLOW_TABLES").is_ok() { 10_000_000 } else { 300_000 };
+    let ticks = std::env::var("DITHER_TICKS").map_or(300_000, |n| n.parse().unwrap());
     for tick in 0..ticks {
         bench.machine.slip[0] = [0, 1, -1, 0, 1, 0, -2, 1][tick % 8];
         bench.tick_unread();
