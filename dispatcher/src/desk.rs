@@ -133,7 +133,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         Ok((answer, case.effect))
     }
 
-    /// Admits data of a FIFO and writes it to the store.
+    /// Admits data of a FIFO, writes it to the store and enters it into the *ahead* books; its commit is still to come.
     pub fn admit_data(
         &mut self,
         view: &View<AXES>,
@@ -150,12 +150,13 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             staged: &mut self.staged,
             effect: Effect::None,
         };
-        let written = data::data(&case, self.stores, number, body)?;
+        let (written, end) = data::data(&case, self.stores, number, body)?;
         if self.ahead.overwrites(view, written.axis, written.fifo) {
             let (now, ahead) = (self.now.axis(written.axis), self.ahead.axis(written.axis));
             let all = now.mode != ahead.mode || ahead.is_dynamic();
             self.now.spoil_fifos(written.axis, if all { 3 } else { 1 << (written.fifo & 1) });
         }
+        data::enter(&mut self.ahead, &written, end);
         Ok(written)
     }
 
@@ -427,7 +428,6 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     }
 
     fn take_data(&mut self, record: &RequestRecord, written: &data::Written) -> Step {
-        data::enter(&mut self.ahead, written);
         let (op, change) = data::commit(&self.ahead, written.axis, written.fifo);
         self.lane.push(op, change, 0, &mut self.ahead);
         self.await_last(record, written.answer, true)

@@ -19,13 +19,11 @@ pub struct Written {
     pub axis: Axis,
     /// Which FIFO.
     pub fifo: u8,
-    /// Where it ends now.
-    pub end: End,
     /// What to answer.
     pub answer: Answer,
 }
 
-/// The end of a FIFO.
+/// Where a FIFO ends with what was written.
 #[derive(Debug, Clone, Copy)]
 pub enum End {
     /// Of segments of PT.
@@ -57,7 +55,7 @@ pub fn data<const AXES: usize>(
     stores: &[SegmentStore; AXES],
     number: u16,
     body: &[u8],
-) -> Admitted<Written> {
+) -> Admitted<(Written, End)> {
     if matches!(number, opcode::PtData | opcode::PtDataMany) {
         pt::data(case, stores, number, body)
     } else {
@@ -66,8 +64,8 @@ pub fn data<const AXES: usize>(
 }
 
 /// Enters written data into the *ahead* books before its commit is pushed.
-pub fn enter<const AXES: usize>(books: &mut Books<AXES>, written: &Written) {
-    let Written { axis, fifo, end, .. } = *written;
+pub fn enter<const AXES: usize>(books: &mut Books<AXES>, written: &Written, end: End) {
+    let Written { axis, fifo, .. } = *written;
     let book = books.axis(axis);
     let change = match end {
         End::Pt(data) => Change::Data { axis, fifo, epoch: book.epoch, book: data },

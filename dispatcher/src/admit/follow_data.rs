@@ -137,7 +137,7 @@ pub fn data<const AXES: usize>(
     stores: &[SegmentStore; AXES],
     number: u16,
     body: &[u8],
-) -> Admitted<Written> {
+) -> Admitted<(Written, End)> {
     if number == opcode::FollowDataPercent2Ex {
         return lopsided_data(case, stores, &one(body)?);
     }
@@ -178,7 +178,7 @@ pub fn data<const AXES: usize>(
     let mut filling = open(case, stores, axis, fifo.get(), field)?;
     filling.add(given).map_err(|refused| refused.axis(case.site.number_of(axis)))?;
     let fifo = filling.fifo;
-    Ok(Written { axis, fifo, end: End::Follow(filling.book), answer: Answer::Entered { axis, fifo, percent1: 0 } })
+    Ok((Written { axis, fifo, answer: Answer::Entered { axis, fifo, percent1: 0 } }, End::Follow(filling.book)))
 }
 
 /// FollowDataPercent2Ex: up to three places, for the growing, the held and the falling slope of the ratio.
@@ -186,7 +186,7 @@ fn lopsided_data<const AXES: usize>(
     case: &Case<AXES>,
     stores: &[SegmentStore; AXES],
     r: &FollowDataPercent2Ex,
-) -> Admitted<Written> {
+) -> Admitted<(Written, End)> {
     let axis = following(case, Mode::FollowEx, r.core.get(), r.profile.get())?;
     let (master, slave) = (r.master_segment.get(), r.slave_segment.get());
     let (begin, end) = (r.vel_begin_ratio.get(), r.vel_end_ratio.get());
@@ -234,7 +234,7 @@ fn lopsided_data<const AXES: usize>(
     }
     let fifo = filling.fifo;
     let percent1 = (x * 100.0 + 0.5) as i16;
-    Ok(Written { axis, fifo, end: End::Follow(filling.book), answer: Answer::Entered { axis, fifo, percent1 } })
+    Ok((Written { axis, fifo, answer: Answer::Entered { axis, fifo, percent1 } }, End::Follow(filling.book)))
 }
 
 /// The FIFO, if it is known what it holds and its places are free for data.

@@ -129,7 +129,7 @@ pub fn data<const AXES: usize>(
     stores: &[SegmentStore; AXES],
     number: u16,
     body: &[u8],
-) -> Admitted<Written> {
+) -> Admitted<(Written, End)> {
     if number == opcode::PtData {
         let r = one::<PtData>(body)?;
         let kind = choice(4, r.kind.get(), 0, 2)?;
@@ -144,13 +144,14 @@ pub fn data<const AXES: usize>(
         });
     }
     let (r, items) = many::<PtDataMany>(body, |r| r.count.get())?;
-    push(case, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items).map_err(|mut refused| {
-        // Those of an item are counted behind those of the request.
-        if refused.wire.item.get() != Refusal::NO_ITEM {
-            refused.wire.field = refused.wire.field.saturating_add(PtDataMany::FIELDS.len() as u8);
-        }
-        refused
-    })
+    let mut written = push(case, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items);
+    // The fields of an item are counted behind those of the request.
+    if let Err(refused) = &mut written
+        && refused.wire.item.get() != Refusal::NO_ITEM
+    {
+        refused.wire.field = refused.wire.field.saturating_add(PtDataMany::FIELDS.len() as u8);
+    }
+    written
 }
 
 fn push<const AXES: usize>(
@@ -158,7 +159,7 @@ fn push<const AXES: usize>(
     stores: &[SegmentStore; AXES],
     (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
     items: &[PtItem],
-) -> Admitted<Written> {
+) -> Admitted<(Written, End)> {
     let axis = pt_axis(case, core, profile)?;
     let fifo = fifo(case, axis, fifo_field, fifo_given)?;
     let (book, seen) = (case.book(axis), case.seen(axis));
@@ -192,7 +193,7 @@ fn push<const AXES: usize>(
     }
     let book = FifoBook { end: data.end.wrapping_add(items.len() as u32), chain };
     let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    Ok(Written { axis, fifo, end: End::Pt(book), answer })
+    Ok((Written { axis, fifo, answer }, End::Pt(book)))
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.

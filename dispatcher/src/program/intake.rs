@@ -88,10 +88,15 @@ impl Program<'_> {
         }
     }
 
+    /// Whether there is data that the tick does not know of yet.
+    pub(super) fn gathers(&self) -> bool {
+        self.open[0] | self.open[1] != 0
+    }
+
     /// When the commits that gather have to be in the ring, controller time; none while the program is
     /// held.
     pub fn flush_due<const AXES: usize>(&self, view: &View<AXES>) -> Option<Ns> {
-        if self.open == [0; 2] || self.state != State::Running {
+        if !self.gathers() || self.state != State::Running {
             return None;
         }
         // Before the first tick of the run its zero is not known: as if it were now.
@@ -108,7 +113,7 @@ impl Program<'_> {
         out: &mut ReplyWriter,
     ) -> bool {
         let runs = self.runs(view);
-        let quiet = !self.lane.in_flight() && self.open == [0; 2];
+        let quiet = !self.lane.in_flight() && !self.gathers();
         self.urgent = runs && (refused.reason != Reason::FifoFull || quiet);
         let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
         if !runs || self.lane.in_flight() || !self.awaiting.is_empty() || view.now.0 <= instant {
@@ -143,7 +148,7 @@ impl Program<'_> {
             }
             number if data::is_data(number, body) => {
                 let written = desk.admit_data(view, decided, head.opcode, body)?;
-                self.take_data(desk, head.opcode, head.tag, &written);
+                self.take_data(head.opcode, head.tag, &written);
                 return Ok(Step::Taken);
             }
             number if road(number) == Some(Road::Calculate) => {
@@ -230,20 +235,13 @@ impl Program<'_> {
 
     /// Answers together with the entry before, or at once if that was executed.
     fn attach(&mut self, opcode: u16, tag: u16, answer: Answer) {
-        let open = self.open != [0; 2];
+        let open = self.gathers();
         let seq = self.lane.in_flight().then(|| self.lane.last());
         self.awaiting.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
     }
 
     /// Data is in the store; one commit will show all that belongs to this instant.
-    pub(super) fn take_data<const AXES: usize>(
-        &mut self,
-        desk: &mut Desk<'_, AXES>,
-        opcode: u16,
-        tag: u16,
-        written: &data::Written,
-    ) {
-        data::enter(&mut desk.ahead, written);
+    pub(super) fn take_data(&mut self, opcode: u16, tag: u16, written: &data::Written) {
         self.open[usize::from(written.fifo) & 1] |= written.axis.mask().0;
         self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, answer: written.answer, ..Awaiting::BLANK });
     }
@@ -251,7 +249,7 @@ impl Program<'_> {
     /// Pushes the commits of the data that gathered. There is room for them: no record is admitted
     /// without it, and data itself takes none.
     pub(super) fn flush<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
-        if self.open == [0; 2] || self.lane.room() < 2 * AXES {
+        if !self.gathers() || self.lane.room() < 2 * AXES {
             return;
         }
         for fifo in 0..2u8 {

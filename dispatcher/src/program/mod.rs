@@ -136,7 +136,7 @@ impl<'a> Program<'a> {
     /// was admitted before it.
     fn is_reached<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
-        let quiet = !self.lane.in_flight() && self.open == [0; 2];
+        let quiet = !self.lane.in_flight() && !self.gathers();
         self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0)
     }
 
@@ -167,7 +167,7 @@ impl<'a> Program<'a> {
             // Where it is refused it waits in the queue, and is refused from there.
             if let Ok(written) = desk.admit_data(view, self.is_reached(view), record.opcode, record.body) {
                 self.accepted = self.accepted.wrapping_add(1);
-                self.take_data(desk, record.opcode, record.tag, &written);
+                self.take_data(record.opcode, record.tag, &written);
                 return Step::Taken;
             }
         }

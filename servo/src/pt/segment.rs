@@ -66,6 +66,8 @@ impl Chain {
 }
 
 const CHAIN_BITS: u32 = 20;
+/// The bits of 2⁴⁰, the largest |position|.
+const TRAVEL: u64 = 1063 << 52;
 /// Full scale, with a unit in 2³² for the rounding of the chain.
 const FULL_SCALE: u64 = (1 << (32 + CHAIN_BITS)) + (1 << CHAIN_BITS);
 /// v0·T beyond 2⁴³ pulses swings out of ±2⁴⁰ even if the segment comes back: the excursion is
@@ -87,14 +89,13 @@ impl Segment {
     /// Checks one datum against those before it and packs it. `pos_bits` are the bits of the
     /// double (pulses from the start of pass or stream).
     pub fn admit(pos_bits: u64, time_ms: i32, kind: i16, before: &Chain) -> Result<(Segment, Chain), Refused> {
-        let exponent = (pos_bits >> 52 & 0x7ff) as u32;
+        let unsigned = pos_bits & (u64::MAX >> 1);
+        let exponent = (unsigned >> 52) as u32;
         let fraction = pos_bits & ((1 << 52) - 1);
         let sign = (pos_bits >> 63) as u32;
-        if exponent == 0x7ff {
-            return Err(Refused::NotFinite);
-        }
-        if exponent > 1063 || exponent == 1063 && fraction != 0 {
-            return Err(Refused::BeyondTravel);
+        // The bits of doubles of one sign are in the order of the doubles; what is not finite is behind them all.
+        if unsigned > TRAVEL {
+            return Err(if exponent == 0x7ff { Refused::NotFinite } else { Refused::BeyondTravel });
         }
         let kind = match kind {
             0 => Kind::Normal,
@@ -107,20 +108,16 @@ impl Segment {
         }
         // Field 1 is 2^-12..2^-11, whose last bit is 2^-64; below, multiples of 2^-64, field 0.
         let packed = if exponent >= 1011 {
-            (exponent as u64 - 1010) << 52 | fraction
+            unsigned - (1010 << 52)
         } else if exponent >= 958 {
             let twice = (1 << 52 | fraction) >> (1010 - exponent);
             (twice >> 1) + (twice & 1)
         } else {
             0
         };
-        // |pos| in 2^-20: mantissa 2^(e-1075), to be scaled by 2^20.
+        // |pos| in 2^-20: mantissa 2^(e-1075), to be scaled by 2^20. At most 2^60; below exponent 1003 it is 0.
         let mantissa = 1 << 52 | fraction;
-        let magnitude = match exponent {
-            1055.. => mantissa << (exponent - 1055),
-            992.. => mantissa >> (1055 - exponent),
-            _ => 0,
-        };
+        let magnitude = if exponent >= 1003 { (mantissa << 8) >> (1063 - exponent) } else { 0 };
         let pos = if sign == 1 { -(magnitude as i64) } else { magnitude as i64 };
         let duration = (time_ms - before.time) as u32;
         let divisor =
