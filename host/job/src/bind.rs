@@ -168,9 +168,25 @@ impl Reader<'_> {
                 "",
             );
         }
+        let place = || given.span.clone();
+        if of == Type::ULong && is_negative(value) && !self.is_pattern(given) {
+            let message = format!(
+                "`{parameter}` of {} is {}; it is an {}, which is never negative (return value 7)",
+                name.text,
+                show(value),
+                of.name()
+            );
+            return Err(Fault::new(place(), message, ""));
+        }
         of.convert(value).map_err(|message| {
-            Fault::new(given.span.clone(), format!("`{parameter}` of {}: {message} (return value 7)", name.text), "")
+            Fault::new(place(), format!("`{parameter}` of {}: {message} (return value 7)", name.text), "")
         })
+    }
+
+    /// Written as bits: its 32nd bit may be set, which is no sign in an unsigned parameter.
+    fn is_pattern(&self, given: &Given) -> bool {
+        let written = self.text.get(given.span.clone()).unwrap_or_default().to_lowercase();
+        !written.contains('-') && ["0x", "<<", "~"].iter().any(|mark| written.contains(mark))
     }
 
     pub(crate) fn bind(&mut self, function: &Function, given: &[Given], name: &Token) -> Result<Bound, Fault> {
@@ -340,6 +356,15 @@ impl Reader<'_> {
             }
             _ => Err(self.wrong(param, given, name, "the address of a variable (&x) or an array")),
         }
+    }
+}
+
+/// Below zero as the integer that it becomes.
+fn is_negative(value: &Value) -> bool {
+    match *value {
+        Value::Int(number) => number < 0,
+        Value::Real(number) => number <= -1.0,
+        _ => false,
     }
 }
 

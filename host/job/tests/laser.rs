@@ -123,3 +123,26 @@ fn the_channels_that_a_job_uses() {
         assert_eq!(good(text).lasers, lasers, "{text}");
     }
 }
+
+#[test]
+fn a_negative_number_is_no_unsigned_one() {
+    for (call, parameter) in [
+        ("GT_SetLevelDelay(-1,0,0);", "`offDelay` of GT_SetLevelDelay is -1"),
+        ("GTN_SetLevelDelay(1,0,-5,0);", "`onDelay` of GTN_SetLevelDelay is -5"),
+        ("GT_SetPulseWidth(2-3);", "`width` of GT_SetPulseWidth is -1"),
+        ("long w = -7; GT_SetPulseWidth(w);", "`width` of GT_SetPulseWidth is -7"),
+        ("GT_SetPulseWidth(-2.5);", "`width` of GT_SetPulseWidth is -2.5"),
+        ("GT_EnaFPK(1,-2147483648,0);", "`time2` of GT_EnaFPK is -2147483648"),
+        ("GT_SetHSIOOpt(-1);", "`value` of GT_SetHSIOOpt: -1"),
+    ] {
+        let found = compile(call, &NoFiles).expect_err(call);
+        let text = format!("{found:?}");
+        assert!(text.contains(parameter) && text.contains("(return value 7)"), "{call}: {text}");
+    }
+    // Bit patterns keep all their 32 bits.
+    for (text, width) in [("0x80000000", 1u32 << 31), ("0xFFFFFFFF", u32::MAX), ("1 << 31", 1 << 31), ("~0", u32::MAX)]
+    {
+        let r: c::SetPulseWidth = request(&format!("GT_SetPulseWidth({text});"));
+        assert_eq!(r.width_us.get(), width, "{text}");
+    }
+}
