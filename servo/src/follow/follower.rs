@@ -5,13 +5,15 @@
 //!
 //! A master's position is that of the machine, which no SetPrfPos or ZeroPos of the master changes. An encoder is the
 //! sample of the tick in force at the end of the tick, and that of the tick before at its beginning. The filter is a lag
-//! of first order with a time constant of 2²² ns (4.19 ms), started at the master's position.
+//! of first order with a time constant of 2²² ns (4.19 ms), started at the master's position; what it answers is exact
+//! for a master that goes evenly between ticks, so that no lag depends on the tick period.
 use super::run::{Context, FollowRun, State};
 use super::shape::slope;
 use super::way::{Spot, Stretch, Track, Way, bisect, is_plain};
 use super::{Entries, Input, Master};
 use crate::piece::Piece;
 use crate::units::{Ns, Pos};
+use crate::wide::{Recip, umulhi};
 
 /// A master in one tick.
 #[derive(Debug, Clone, Copy)]
@@ -50,8 +52,8 @@ pub struct Follower {
     plain: Option<Ns>,
     /// Its position at the tick in force; none before the first step.
     last: Option<Pos>,
-    /// The filtered position, 2⁻⁴⁴ pulse.
-    filter: i128,
+    /// The master's filter.
+    filter: Filter,
     /// How far the master went in this tick.
     way: i64,
     /// Its own places in this tick.
@@ -67,7 +69,7 @@ impl Follower {
             braking: false,
             plain: None,
             last: None,
-            filter: 0,
+            filter: Filter::default(),
             way: 0,
             track: Track::begin(Pos(0)),
         }
@@ -122,7 +124,7 @@ impl Follower {
         context: &mut Context<'_, impl Entries, impl Fn(Input, u8) -> bool>,
     ) -> State {
         let Seen { now, period, .. } = *seen;
-        let to = if let Path::Filtered = seen.path { self.filtered(seen.to, period) } else { seen.to };
+        let to = if let Path::Filtered = seen.path { self.filter.step(seen.to, period) } else { seen.to };
         let last = self.last.unwrap_or(to);
         (self.way, self.last) = (to.0.wrapping_sub(last.0), Some(to));
         let track = if led {
@@ -154,17 +156,55 @@ impl Follower {
             .or_else(|| self.run.close(now, to, seen.named, context))
             .unwrap_or(State::Running)
     }
+}
 
-    /// The filter takes the position of the tick.
-    fn filtered(&mut self, pos: Pos, period: Ns) -> Pos {
-        let target = (pos.0 as i128) << 22;
-        if self.last.is_none() {
-            self.filter = target;
+/// A lag of first order: τ = 2²² ns.
+#[derive(Debug, Clone, Copy, Default)]
+struct Filter {
+    /// Where the master was one tick ago; none before the first step.
+    from: Option<Pos>,
+    /// How far the filtered position is behind it, 2⁻⁴⁴ pulse.
+    lag: i128,
+    /// The period for which `share` was computed.
+    period: Ns,
+    /// [`share`] of the period.
+    share: u64,
+}
+
+impl Filter {
+    /// Where the filtered position is when the master has come to `to` evenly.
+    ///
+    /// With u = period/τ the lag goes from l to l·exp(−u) + way·(1 − exp(−u))/u, which is
+    /// l + (way − l·u)·share, as exp(−u) = 1 − u·share.
+    fn step(&mut self, to: Pos, period: Ns) -> Pos {
+        if period != self.period {
+            (self.period, self.share) = (period, share(period));
         }
-        let gap = target.wrapping_sub(self.filter);
-        self.filter = self.filter.wrapping_add(gap.wrapping_mul(period.0 as i128) >> 22);
-        Pos((self.filter >> 22) as i64)
+        let way = to.0.wrapping_sub(self.from.unwrap_or(to).0);
+        self.from = Some(to);
+        // Rounded down in every tick, the lag dies away to a few hundred 2⁻⁴⁴ pulse below 0 at most: the position arrives.
+        let gap = ((way as i128) << 22).wrapping_add(self.lag.wrapping_neg().wrapping_mul(period.0 as i128) >> 22);
+        let part = (gap >> 64).wrapping_mul(self.share as i128).wrapping_add(umulhi(gap as u64, self.share) as i128);
+        self.lag = self.lag.wrapping_add(part);
+        Pos(to.0.wrapping_add((self.lag.wrapping_neg() >> 22) as i64))
     }
+}
+
+/// (1 − exp(−u))/u of u = period/2²² ns, in 2⁻⁶⁴: 1 − u/2·(1 − u/3·(1 − u/4·…)). The longest period is less than a quarter of
+/// 2²² ns: what follows u¹³/14! is less than 2⁻⁶⁸.
+fn share(period: Ns) -> u64 {
+    /// 1/14 to 1/2, 2⁻⁶⁴.
+    const PARTS: [u64; 13] = {
+        let mut parts = [0; 13];
+        let mut i = 0;
+        while i < 13 {
+            parts[i] = u64::MAX / (14 - i as u64);
+            i += 1;
+        }
+        parts
+    };
+    let u = period.0 << 42;
+    PARTS.iter().fold(u64::MAX, |rest, &part| !umulhi(umulhi(u, rest), part))
 }
 
 /// The places of a slave between two places of its master, if a turning point of its own lies between them.
@@ -176,9 +216,36 @@ pub(super) fn image(piece: &Piece, from: i64, to: i64, begin: u64, end: u64, tra
     if low < high && falls(high) != first {
         let turn = bisect(low, high, |t| falls(t) == first);
         let (part, whole) = (turn.wrapping_sub(low), high.wrapping_sub(low));
-        let share = crate::wide::Recip::of(whole).ratio(part.min(whole.saturating_sub(1)));
+        let share = Recip::of(whole).ratio(part.min(whole.saturating_sub(1)));
         let share = if from <= to { share } else { share.wrapping_neg() };
-        let after = begin.wrapping_add(crate::wide::umulhi(end.wrapping_sub(begin), share));
+        let after = begin.wrapping_add(umulhi(end.wrapping_sub(begin), share));
         track.push(after, piece.at(turn).0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Ns, share};
+    use num_bigint::BigInt;
+    use num_rational::BigRational;
+
+    /// Alternating sums on both sides of (1 − exp(−u))/u, exact, shut it in.
+    #[test]
+    fn the_share_of_a_period_is_right_to_the_last_bits() {
+        for ns in [10_000, 50_000, 250_000, 333_333, 999_999, 1_000_000] {
+            let u = BigRational::new(BigInt::from(ns), BigInt::from(1 << 22));
+            let (mut term, mut sum) = (BigRational::from_integer(1.into()), BigRational::from_integer(0.into()));
+            let mut bounds = [sum.clone(), sum.clone()];
+            for k in 0..30 {
+                sum += &term;
+                term *= -&u / BigInt::from(k + 2);
+                bounds[k % 2] = sum.clone();
+            }
+            let [above, below] =
+                bounds.map(|sum| (sum * BigRational::from_integer(BigInt::from(1) << 64)).floor().to_integer());
+            assert_eq!(above, below);
+            let off = BigInt::from(share(Ns(ns))) - below;
+            assert!(BigInt::from(-2) <= off && off <= BigInt::from(2), "{off} off at {ns} ns");
+        }
     }
 }
