@@ -273,6 +273,40 @@ fn step_pulses_take_the_connector_and_the_light() {
     assert!(!seen(&mut bench, 0).light);
 }
 
+#[test]
+fn light_does_not_come_back_with_its_connector_within_the_off_delay() {
+    let mut bench = bench(GUS);
+    ready(&mut bench, GUS, 0);
+    bench.done(delays(20_000, 0, 0));
+    bench.done(switch(1, 0));
+    bench.run_ms(2);
+    assert!(seen(&mut bench, 0).light);
+    bench.done(connector(7, 0));
+    bench.run_ms(1);
+    let before = on_time(&mut bench, 0);
+    bench.run_ms(2);
+    assert_eq!((on_time(&mut bench, 0), commanded(&mut bench, 0)), (before, 0), "taken away it counts no light");
+    bench.done(connector(7, 1));
+    bench.run_ms(2);
+    let now = seen(&mut bench, 0);
+    assert!(!now.light && !now.gate && !now.commanded && now.connector, "{now:?}");
+    assert_eq!(on_time(&mut bench, 0), before);
+}
+
+#[test]
+fn a_connector_that_is_taken_away_leaves_analog_light() {
+    let mut bench = bench(GUS);
+    bench.done(mode(2, 10.0, 0.0, 0, 0));
+    bench.done(power(5.0, 0));
+    bench.done(switch(1, 0));
+    bench.run_ms(1);
+    bench.done(connector(7, 0));
+    bench.run_ms(1);
+    let now = seen(&mut bench, 0);
+    assert!(now.light && now.commanded && !now.connector, "{now:?}");
+    assert_eq!(units(now.power), 5.0);
+}
+
 /// The interlock is active until it is set back; light was on before.
 fn interlocked(family: u8) -> Bench<8> {
     let mut bench = bench(family);

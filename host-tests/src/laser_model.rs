@@ -218,7 +218,7 @@ fn kind(family: Family, mode: Mode) -> Mode {
 enum Event {
     On,
     Off,
-    /// Everything to rest at once: another mode, a fault.
+    /// Everything to rest at once: another mode, the connector taken away, a fault.
     Cut,
 }
 
@@ -329,7 +329,9 @@ impl Story<'_> {
                     commanded.push((*at, on));
                 }
                 Command::PowerMode { mode, .. } if kind(self.family, mode) == before.mode => {}
-                Command::PowerMode { .. } | Command::Fault | Command::Reset => {
+                // Reading 22.
+                Command::Connector(false) if before.mode == Mode::Analog => {}
+                Command::PowerMode { .. } | Command::Connector(false) | Command::Fault | Command::Reset => {
                     schedule(&mut events, *at, Event::Cut);
                     commanded.push((*at, false));
                 }

@@ -478,3 +478,46 @@ fn the_connector_may_carry_something_else() {
     bench.until(5 * MS);
     assert_eq!(bench.pulses(), [(4 * MS, 5 * MS)]);
 }
+
+#[test]
+fn a_connector_that_is_taken_away_takes_the_light_at_once() {
+    let mut bench = plain(250);
+    bench.delays(1000, 0);
+    bench.gate(true);
+    bench.until(2 * MS);
+    bench.change(Change::Connector { laser: false });
+    let view = bench.tick();
+    assert!(!view.commanded && !view.gate && !view.light && !view.switch, "{view:?}");
+    bench.until(2750 * US);
+    // Within the off delay: there is no off that pends, so nothing lights again.
+    bench.change(Change::Connector { laser: true });
+    let view = bench.until(6 * MS);
+    assert!(!view.commanded && !view.light, "{view:?}");
+    assert_eq!(bench.pulses(), [(250 * US, 2250 * US)]);
+    assert_eq!(bench.switch(), [(250 * US, true), (2250 * US, false)]);
+    assert_eq!(view.on_time, 2000 / 250);
+    // A pending on is withdrawn too.
+    bench.delays(0, 1000);
+    bench.gate(true);
+    bench.until(6500 * US);
+    bench.change(Change::Connector { laser: false });
+    bench.change(Change::Connector { laser: true });
+    bench.until(9 * MS);
+    assert_eq!((bench.pulses().len(), bench.switch().len()), (1, 2));
+}
+
+#[test]
+fn analog_light_needs_no_connector() {
+    let mut bench = Bench::new(250);
+    bench.mode(Mode::Analog, 10.0, 0.0, true);
+    bench.direct(5.0);
+    bench.gate(true);
+    bench.until(MS);
+    bench.change(Change::Connector { laser: false });
+    let view = bench.until(2 * MS);
+    assert!(view.commanded && view.light && view.switch, "{view:?}");
+    bench.gate(false);
+    bench.until(3 * MS);
+    assert_eq!(bench.switch(), [(250 * US, true), (2250 * US, false)]);
+    assert_eq!(bench.volts(), [(250 * US, 16384), (2250 * US, 0)]);
+}

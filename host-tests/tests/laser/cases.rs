@@ -391,6 +391,24 @@ fn standby_and_modes() -> Vec<Case> {
             duty(&[(50, delays(0, 500)), (100, ON), (200, mode(Mode::Frequency, 100))]),
         ),
         Case {
+            switch: vec![(100, 310)],
+            light: vec![(100, 310)],
+            energy: vec![(100, 125), (200, 225), (300, 310)],
+            ..case("a_connector_taken_away_takes_the_light_at_once", {
+                let (away, back) = (Command::Connector(false), Command::Connector(true));
+                duty(&[(50, delays(1000, 0)), (100, ON), (310, away), (600, back)])
+            })
+        },
+        Case {
+            switch: vec![(100, 400)],
+            light: vec![(100, 400)],
+            analog: vec![(100, 2000), (400, 0)],
+            ..case("analog_light_needs_no_connector", {
+                let away = Command::Connector(false);
+                duty(&[(50, mode(Mode::Analog, 10)), (50, power(2)), (100, ON), (200, away), (400, OFF)])
+            })
+        },
+        Case {
             switch: vec![(100, 300)],
             light: vec![(100, 300)],
             energy: vec![(100, 125), (200, 220)],

@@ -146,7 +146,12 @@ impl Channel {
             Change::ZeroOnTime => (self.on_time, self.planned) = (OnTime::ZERO, 0),
             Change::ClearFault => self.safety.clear(),
             Change::CrdMap { map } => self.shown.crd_map = *map,
-            Change::Connector { laser } => self.energy.connector = *laser,
+            Change::Connector { laser } => {
+                if !*laser && self.energy.mode != Mode::Analog {
+                    self.extinguish();
+                }
+                self.energy.connector = *laser;
+            }
             Change::Reset => self.reset(),
         }
     }

@@ -124,6 +124,8 @@ pub enum Change {
     /// The coordinate systems that the channel is mapped to, bit 0 is crd 1.
     CrdMap { map: u8 },
     /// Whether the connector of the energy output carries it (SetAxisMode); else PWM energy stays at rest.
+    /// Taking it away ends the light at once and withdraws the on command, as another mode does; analog mode
+    /// does not use it.
     Connector { laser: bool },
     /// Power-on state. It clears no fault: choosing a family must not hide one.
     Reset,

@@ -195,7 +195,7 @@ pub fn map<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserCrdMap) -> Admi
 }
 
 /// Connectors 7 and 8, of core 1, carry step pulses of their axes at power-on; 8 cannot be given back to them.
-/// Light is commanded off before its connector is taken away, so that it does not come back with it.
+/// With its connector the light is taken away, so that it does not come back with it.
 pub fn connector<const AXES: usize>(case: &mut Case<AXES>, r: &SetAxisMode) -> Admitted<Answer> {
     if case.is_lsr() {
         return Err(Refused::new(Reason::NotInFamily));
@@ -206,9 +206,6 @@ pub fn connector<const AXES: usize>(case: &mut Case<AXES>, r: &SetAxisMode) -> A
     let laser = choice(2, r.mode.get(), lowest, 1)? == 1;
     case.at_rest(case.axis(core, axis)?)?;
     let channel = (axis - FIRST_CONNECTOR) as u8;
-    if !laser {
-        case.change(channel, Change::Gate { on: false });
-    }
     case.change_with(channel, Change::Connector { laser }, LaserChange::Connector(laser));
     Ok(Answer::Done)
 }
