@@ -145,7 +145,9 @@ fn window(from: Option<f64>, to: Option<f64>) -> PlotOptions {
 fn dense_pulses_are_shares_and_single_ones_are_edges() {
     // 400 ms of 20 kHz are thousands of pulses.
     let dense = saved("dense", &marks(window(None, None), 1600, 50_000, PowerUnit::Percent));
-    for part in ["laser 0 gate", "laser 0 pulses, share of time", "laser 0 power: duty (%)", "100 %", "time (ms)"] {
+    for part in
+        ["laser 0 gate", "laser 0 pulses, share of time", "laser 0 power: duty (%), per tick", "100 %", "time (ms)"]
+    {
         assert!(dense.contains(part), "no {part:?}");
     }
     // 1 ms of them are twenty.
@@ -156,7 +158,7 @@ fn dense_pulses_are_shares_and_single_ones_are_edges() {
     let within = saved("within", &marks(window(Some(100.01), Some(100.02)), 1600, 500, PowerUnit::Percent));
     assert!(within.contains("time (µs)") && !within.contains("share of time"));
     let khz = saved("khz", &marks(window(Some(0.0), Some(60.0)), 1600, 50_000, PowerUnit::Kilohertz));
-    assert!(khz.contains("laser 0 power: pulse rate (kHz)") && !khz.contains("duty (%)"));
+    assert!(khz.contains("laser 0 power: pulse rate (kHz), per tick") && !khz.contains("duty (%)"));
 }
 
 #[test]

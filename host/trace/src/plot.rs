@@ -294,7 +294,7 @@ impl Plot {
                 let curves = &laser.powers[unit];
                 if if any { was_used(curves) } else { laser.unit.is_some_and(|last| last as usize == unit) } {
                     panels.push(Panel {
-                        caption: format!("{name} power: {what}"),
+                        caption: format!("{name} power: {what}, per tick"),
                         colour: POWER,
                         from_zero: true,
                         content: Content::Quantity(curves),
