@@ -104,9 +104,11 @@ struct Settings {
 
 /// A train of pulses; exact, in ns.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Train {
-    period: Exact,
-    width: Exact,
+pub struct Train {
+    /// From pulse to pulse.
+    pub period: Exact,
+    /// Of a pulse.
+    pub width: Exact,
 }
 
 fn whole(value: i128) -> Exact {
@@ -260,6 +262,17 @@ impl Span {
 /// A change of a level.
 pub type Edge<T> = (Ns, T);
 
+/// A time without light in which standby stays the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dark {
+    /// When.
+    pub span: Span,
+    /// The pulses that may begin in it.
+    pub standby: Option<Train>,
+    /// How long a pulse that began before it may go on.
+    pub left: Ns,
+}
+
 /// What a job does, up to a horizon. Levels are logical: true is active. All begin inactive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
@@ -273,6 +286,8 @@ pub struct Outcome {
     pub analog: Vec<Edge<Exact>>,
     /// Light, whatever the power is.
     pub light: Vec<Span>,
+    /// All the other times, and what the energy output may do in them.
+    pub dark: Vec<Dark>,
     /// Faults.
     pub faults: Vec<Ns>,
     /// Times at which the on-time was zeroed.
@@ -488,6 +503,32 @@ impl Story<'_> {
         }
     }
 
+    /// The times between light, split where standby changes.
+    fn dark(&self, light: &[(Span, Event)], cuts: &[Ns], horizon: Ns) -> Vec<Dark> {
+        let standby = |at: Ns| self.at(at).standby_train().filter(|_| self.at(at).standby_allowed());
+        let mut darks = Vec::new();
+        let (mut at, mut left) = (0, 0);
+        for (next, end) in light.iter().copied().chain([(Span { begin: horizon, end: horizon }, Event::Cut)]) {
+            let until = next.begin.min(horizon);
+            while at < until {
+                let now = standby(at);
+                let mut end = self.next_change(at).unwrap_or(until).min(until);
+                while end < until && standby(end) == now && !cuts.contains(&end) {
+                    end = self.next_change(end).unwrap_or(until).min(until);
+                }
+                darks.push(Dark { span: Span { begin: at, end }, standby: now, left });
+                // A pulse of standby goes on where its settings change, and nothing where standby is not allowed.
+                let pulse = now.map_or(0, |train| times(train.width, 1) + 1);
+                let cut = cuts.contains(&end) || now.is_some() && !self.at(end).standby_allowed();
+                left = if cut { 0 } else { (left - (end - at)).max(0) + pulse };
+                at = end;
+            }
+            let finishes = end == Event::Off && self.at(next.begin).mode != Mode::Open;
+            (at, left) = (next.end, if finishes { 100_000 } else { 0 });
+        }
+        darks
+    }
+
     fn analog(&self, light: &[(Span, Event)]) -> Vec<Edge<Exact>> {
         let ends = light.iter().flat_map(|(span, _)| [span.begin, span.end]);
         let instants = ends.chain(self.job.iter().map(|(at, _)| *at));
@@ -564,6 +605,7 @@ pub fn outcome(family: Family, job: &Job, horizon: Ns) -> Outcome {
     let mut switch = story.switch(&gate);
     let mut energy = story.energy(&light, &cuts, horizon);
     let mut analog = story.analog(&light);
+    let dark = story.dark(&light, &cuts, horizon);
     switch.retain(|&(at, _)| at < horizon);
     energy.retain(|&(at, _)| at < horizon);
     analog.retain(|&(at, _)| at < horizon);
@@ -574,6 +616,7 @@ pub fn outcome(family: Family, job: &Job, horizon: Ns) -> Outcome {
         energy,
         analog,
         light: light.into_iter().map(|(span, _)| span).filter(|span| span.begin < span.end).collect(),
+        dark,
         faults: instants(job, &Command::Fault),
         zeroed: [instants(job, &Command::ZeroOnTime), instants(job, &Command::Reset)].concat(),
         commanded,
