@@ -11,9 +11,11 @@ use std::time::Instant;
 /// Tick periods at which the jobs are compared, µs.
 const TICKS_US: [u32; 3] = [50, 250, 1000];
 
-/// Jobs that take the emulator minutes at short ticks, and the periods that are left for them.
-const LONG: [(&str, &[u32]); 5] = [
+/// Jobs that take the emulator minutes at short ticks, or whose trace (five axes) is more there than the link carries,
+/// and the periods that are left for them.
+const LONG: [(&str, &[u32]); 6] = [
     ("eight_axes_stream", &[250]),
+    ("follow_masters", &[250, 1000]),
     ("pvt_complete", &[250]),
     ("pvt_percent", &[250]),
     ("ten_minutes", &[]),
