@@ -185,6 +185,10 @@ fn trace_signals_and_plot_show_the_laser() {
     }
     assert_eq!(signals.matches("1!").count(), 40, "4 ms of 10 kHz");
     let (whole, part) = (fs::read_to_string(&whole).unwrap(), fs::read_to_string(&part).unwrap());
-    assert!(whole.contains("laser 0 gate") && whole.contains("laser 0 power: duty (%), per tick") && whole.contains("time (ms)"));
+    assert!(
+        whole.contains("laser 0 gate")
+            && whole.contains("laser 0 power: duty (%), per tick")
+            && whole.contains("time (ms)")
+    );
     assert!(part.contains("laser 0 pulses") && part.contains("time (µs)") && part.contains("305"), "{part}");
 }
