@@ -5,7 +5,7 @@ use bench::{Bench, MS, body, entry, sleep};
 use protocol::command::*;
 use protocol::reason::{Reason, describe_opcode};
 use protocol::record::Lane;
-use servo::laser::{Cause, Mode, Power};
+use servo::laser::{Cause, Count, Mode, Power};
 use servo::view::LaserView;
 
 const GUS: u8 = 0;
@@ -202,12 +202,46 @@ fn reads_tell_the_command_and_the_output() {
 }
 
 #[test]
+fn a_power_command_tells_what_the_timers_reach() {
+    for family in [GUS, LSR] {
+        let mut bench = bench(family);
+        ready(&mut bench, family, 0);
+        bench.done(SetPulseWidth { core: 1.into(), width_us: 10.into(), channel: 0.into() });
+        // What is asked in a mode, and how far off the timers may be (SPEC 11).
+        for (of, asked, within) in [(0, 100.0 / 3.0, 1e-3), (1, 7.123_457_1, 7.2e-6)] {
+            bench.done(mode(of, [100.0, 20.0][of as usize], 0.0, 0, 0));
+            let told = bench.done(power(asked, 0)).value.get();
+            bench.done(switch(1, 0));
+            bench.run_ms(1);
+            let train = seen(&mut bench, 0).train;
+            let counts = |count: Count| count.whole as f64 + f64::from(count.part) / f64::from(count.of.max(1));
+            // The clock of the machine is 1 GHz.
+            let (period, width) = (counts(train.period), counts(train.width));
+            let reached = if of == 0 { width / period * 100.0 } else { 1e6 / period };
+            assert!((told - reached).abs() < 1e-12 && told != asked, "{told}, {reached} reached");
+            assert!((told - asked).abs() < within, "{told}");
+        }
+        // The bounds hold it.
+        bench.done(mode(0, 30.0, 10.0, 0, 0));
+        for (asked, told) in [(40.0, 30.0), (0.0, 10.0), (20.0, 20.0)] {
+            assert_eq!(bench.done(power(asked, 0)).value.get(), told);
+        }
+        // Volts are as asked.
+        bench.done(mode(2, 10.0, 0.0, 0, 0));
+        assert_eq!(bench.done(power(2.5, 0)).value.get(), 2.5);
+    }
+}
+
+#[test]
 fn another_resolution_holds_what_is_set() {
     let mut bench = bench(LSR);
     let resolution = |mode: i16| SetLaserMode { core: 1.into(), mode: mode.into() };
     bench.done(resolution(0));
     bench.done(carrier(96.0, 0));
     bench.done(carrier(20.0, 1));
+    let waiting =
+        SetWaitPulse { core: 1.into(), mode: 1.into(), frequency: 60.0.into(), duty: 50.0.into(), channel: 1.into() };
+    bench.done(waiting);
     bench.done(mode(1, 90.0, 30.0, 0, 0));
     bench.done(power(50.0, 0));
     bench.done(resolution(1));
@@ -215,7 +249,9 @@ fn another_resolution_holds_what_is_set() {
     let now = seen(&mut bench, 0);
     assert_eq!((units(now.bounds.max()), units(now.bounds.min()), units(now.direct)), (24.0, 24.0, 24.0));
     assert_eq!(now.carrier.map(|carrier| units(carrier.khz())), Some(24.0));
-    assert_eq!(seen(&mut bench, 1).carrier.map(|carrier| units(carrier.khz())), Some(20.0));
+    let other = seen(&mut bench, 1);
+    assert_eq!(other.carrier.map(|carrier| units(carrier.khz())), Some(20.0));
+    assert_eq!((units(other.khz), units(other.power)), (24.0, 50.0), "standby");
     // Back: what was held stays so.
     bench.done(resolution(0));
     bench.run_ms(1);

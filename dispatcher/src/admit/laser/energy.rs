@@ -14,7 +14,7 @@ use protocol::command::{
     LaserOutFrq, LaserPowerMode, LaserPrfCmd, SetLaserMode, SetPreVltg, SetPulseWidth, SetWaitPulse, SetWaitPulseEx,
 };
 use protocol::reason::Reason;
-use servo::laser::{Bounds, CHANNELS, Carrier, Change, Clock, Count, Fine, Mode, Power, Standby};
+use servo::laser::{Bounds, CHANNELS, Carrier, Change, Clock, Count, Fine, Mode, Power, Standby, Train};
 use servo::op::Op;
 
 /// Duties, %.
@@ -66,10 +66,24 @@ fn khz(period: Count, clock: Clock) -> f64 {
     f64::from(clock.mhz()) * 1000.0 / counts(period)
 }
 
+/// The active share of a train's periods, %.
+fn percent(train: &Train) -> f64 {
+    counts(train.width) / counts(train.period) * 100.0
+}
+
 impl LaserBook {
     /// The train for the power that this channel holds.
     fn fine(&self, clock: Clock) -> Option<Fine> {
         Fine::plan(self.mode, self.bounds.hold(self.power), self.carrier.as_ref(), clock)
+    }
+
+    /// What is put out of the power that this channel holds, in the mode's unit; `fine` is its train.
+    fn reached(&self, fine: Option<Fine>, clock: Clock) -> f64 {
+        match (self.mode, fine) {
+            (Mode::Frequency, Some(fine)) => khz(fine.train().period, clock),
+            (_, Some(fine)) => percent(fine.train()),
+            (_, None) => units(self.bounds.hold(self.power)),
+        }
     }
 
     /// Whether the width reaches the period of the pulses that it puts out.
@@ -113,6 +127,7 @@ pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPowerMode) -> Adm
     Ok(took(case, &[max, min], taking.held | book.is_limited()))
 }
 
+/// Tells the power that is reached, in its bounds.
 pub fn direct<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPrfCmd) -> Admitted<Answer> {
     let channel = case.channel(r.core.get(), 2, r.channel.get())?;
     let mut book = *case.laser(channel);
@@ -120,9 +135,10 @@ pub fn direct<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPrfCmd) -> Admi
     let range = powers(book.mode, case.is_lsr(), case.books.laser_fine);
     let value = taking.take(1, 0, r.power.get(), range)?;
     book.power = power(1, value)?;
-    let (power, fine) = (book.power, book.fine(case.clock()?));
+    let clock = case.clock()?;
+    let (power, fine) = (book.power, book.fine(clock));
     case.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
-    Ok(took(case, &[value], taking.held | book.is_limited()))
+    Ok(took(case, &[book.reached(fine, clock)], taking.held | book.is_limited()))
 }
 
 /// Tells the frequency that is reached.
@@ -183,7 +199,7 @@ fn standby<const AXES: usize>(
     }
     let reached = pulses.map_or((frequency, duty), |pulses| {
         let train = pulses.train();
-        (khz(train.period, clock), counts(train.width) / counts(train.period) * 100.0)
+        (khz(train.period, clock), percent(train))
     });
     Ok(took(case, &[reached.0, reached.1], taking.held))
 }
