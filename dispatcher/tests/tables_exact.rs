@@ -71,7 +71,8 @@ fn campaign(
     let mut tally = Tally { segments: 0, tables: 0, refused: 0, worst: 0.0, worst_vel: 0.0 };
     let tables = std::env::var("PVT_TABLES").map_or(0, |n| n.parse().unwrap());
     while tally.segments < segments || tally.tables < tables {
-        let most = if chance.below(4) == 0 { most } else { 20 };
+        // A run of very many tables takes a long one now and then only.
+        let most = if chance.below(if tables == 0 { 4 } else { 200 }) == 0 { most } else { 20 };
         let (kind, points) = make(&mut chance, most);
         let mut shelf = Shelf::default();
         if let Err(refused) = shelf.add(kind, &points) {
