@@ -99,6 +99,8 @@ pub struct Draft {
     last: (f64, f64),
     /// Its knot.
     knot: Knot,
+    /// Complete: time and displacement of the segment that ends at the last point.
+    segment: (f64, f64),
     /// PvtTableEx: velocity at the end of the segment that the last point began.
     vel_end: f64,
     /// Percentage of the last point.
@@ -141,6 +143,7 @@ impl Draft {
             load,
             first: (0.0, 0.0),
             last: (0.0, 0.0),
+            segment: (0.0, 0.0),
             knot,
             vel_end: 0.0,
             percent: 0.0,
@@ -226,11 +229,12 @@ impl Draft {
                 if begins {
                     scratch.push([knot.time, knot.pos, vel_begin, 0.0])?;
                 } else {
-                    let here = [knot.time, knot.pos, vel_end, 0.0];
+                    let behind = (time - self.last.0, pos - self.last.1);
                     if let [.., before, last] = scratch.knots_mut() {
-                        (last[2], last[3]) = spline::eliminate(before, last, &here);
+                        (last[2], last[3]) = spline::eliminate(before, self.segment, behind);
                     }
-                    scratch.push(here)?;
+                    self.segment = behind;
+                    scratch.push([knot.time, knot.pos, vel_end, 0.0])?;
                 }
             }
             Kind::Percent { .. } => {

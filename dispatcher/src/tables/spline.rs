@@ -6,10 +6,11 @@
 //! factor of 2, so elimination without pivots keeps every velocity within a few 2⁻⁵² of the
 //! largest slope. Each place holds d in its third and c in its fourth word: v(i) = d(i) − c(i)·v(i+1).
 
-/// One row, when the point behind it is known: (d, c) of `here`, whose own (d, c) are ignored.
-pub fn eliminate(before: &[f64; 4], here: &[f64; 4], behind: &[f64; 4]) -> (f64, f64) {
-    let (h0, h1) = (here[0] - before[0], behind[0] - here[0]);
-    let (s0, s1) = ((here[1] - before[1]) / h0, (behind[1] - here[1]) / h1);
+/// One row, when the point behind it is known: its (d, c), from those of the place `before` and the two
+/// segments at the point, each its time and displacement. These are differences of the user's own numbers:
+/// of places, which are rounded from the first point, a short segment late in the table would have lost its end.
+pub fn eliminate(before: &[f64; 4], (h0, p0): (f64, f64), (h1, p1): (f64, f64)) -> (f64, f64) {
+    let (s0, s1) = (p0 / h0, p1 / h1);
     let (lambda, mu) = (h1 / (h0 + h1), h0 / (h0 + h1));
     let right = 3.0 * (lambda * s0 + mu * s1);
     let pivot = 2.0 - lambda * before[3];
