@@ -19,7 +19,7 @@ const JOBS: [Shown; 3] = [
     Shown {
         job: "examples/laser_flying_shear.gts",
         what: "a laser head that goes with the belt while it fires; closely, a burst of 40 pulses between the gate's edges",
-        closely: Some(["306", "310"]),
+        closely: Some(["310", "314"]),
     },
     Shown {
         job: "examples/pt_static.gts",
