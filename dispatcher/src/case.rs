@@ -252,5 +252,6 @@ pub fn mode_number(mode: servo::op::Mode) -> i16 {
         Mode::Pvt => 6,
         Mode::Follow => 4,
         Mode::FollowEx => 10,
+        Mode::Crd => 5,
     }
 }

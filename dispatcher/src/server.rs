@@ -156,7 +156,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 Event::Refused { lane: TickLane::Program, seq, axis, status } => {
                     self.program.tick_refused((seq, axis, status))
                 }
-                Event::Stopped { .. } => {}
+                Event::Stopped { .. } | Event::CrdStopped { .. } | Event::CrdRefused { .. } => {}
             }
         }
         self.desk.follow(view);

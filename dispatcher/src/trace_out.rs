@@ -163,6 +163,8 @@ impl<const AXES: usize> TraceOut<AXES> {
         // Within a row, samples come in the order of axes and channels; what is missing in front spoils the row.
         let place = match sample.of {
             Traced::Axis { axis, .. } => (self.columns.axes.0 & ones(axis.index())).count_ones() as usize,
+            // No command asks for one.
+            Traced::Crd { .. } => return true,
             Traced::Laser { channel, .. } => {
                 let before = self.columns.lasers & ones(channel.into()) as u8;
                 self.columns.axes() + before.count_ones() as usize
@@ -189,7 +191,7 @@ impl<const AXES: usize> TraceOut<AXES> {
                     *to = LaserSample { mode: mode as u8, gate: gate.into(), power, khz };
                 }
             }
-            Traced::Action { .. } | Traced::Rest { .. } => {}
+            Traced::Crd { .. } | Traced::Action { .. } | Traced::Rest { .. } => {}
         }
         self.row = sample.row;
         if place + 1 < self.count() {

@@ -21,8 +21,8 @@ use interrupts::{Receiver, Servo};
 use servo::pvt::TableStores;
 use servo::tick::{Lanes, Tick, TickConfig};
 use statics::{
-    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, NEWS, PENDED, PLACES, PROGRAM_LANE, RECEIVER, RECEIVING, REPORT,
-    SERVER, SERVO, STORES, TRACE, VIEW,
+    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, NEWS, PATHS, PENDED, PLACES, PROGRAM_LANE, RECEIVER, RECEIVING,
+    REPORT, SERVER, SERVO, STORES, TRACE, VIEW,
 };
 use tasks::LinkParts;
 
@@ -84,6 +84,7 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
             samples: samples_in,
             segments: &STORES,
             tables: TableStores { places: &PLACES, headers: &HEADERS },
+            paths: &PATHS,
         },
     };
     if last.is_some() {

@@ -7,8 +7,10 @@ use dispatcher::Server;
 use embassy_executor::raw;
 use ring::{Latest, Ring};
 use servo::op::Entry;
+use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES};
 use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore};
+use servo::units::Crd;
 use servo::view::{Event, Sample, View};
 use static_cell::StaticCell;
 
@@ -34,6 +36,8 @@ pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 /// Thread to tick: their headers.
 pub static HEADERS: HeaderStore = HeaderStore::new();
+/// Thread to tick: entries of coordinate systems, a pair of FIFOs each.
+pub static PATHS: [[EntryStore; 2]; Crd::MAX] = [const { [const { EntryStore::new() }; 2] }; Crd::MAX];
 /// Link interrupt to task: bytes received.
 pub static BYTES: Ring<u8, RECEIVED> = Ring::new();
 

@@ -86,8 +86,8 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::Laser { channel, change } => self.lasers.change(channel, next, &change),
             Op::Link { lost } => self.lasers.link(lost, self.script.runs),
-            Op::Trace { every, axes, lasers, edges } => {
-                if let Some((row, chosen)) = self.trace.begin(every, Chosen { axes, lasers, edges }) {
+            Op::Trace { every, axes, crds, lasers, edges } => {
+                if let Some((row, chosen)) = self.trace.begin(every, Chosen { axes, crds, lasers, edges }) {
                     self.emit(row, chosen, lanes.samples);
                 }
             }
@@ -149,6 +149,14 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             Op::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
+            // No coordinate system exists yet.
+            Op::CrdFrame { .. }
+            | Op::CrdCommit { .. }
+            | Op::CrdClear { .. }
+            | Op::CrdStart { .. }
+            | Op::CrdStop { .. }
+            | Op::CrdStopDec { .. }
+            | Op::CrdRate { .. } => {}
         }
     }
 

@@ -4,8 +4,8 @@
 //! changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`]. Two lanes lead in:
 //! the immediate lane acts on the next tick; the program lane is timed (SPEC 7): an entry's instant
 //! is that of the entry before plus `delay`, and it acts on the first tick after that instant.
-use crate::follow;
-use crate::units::{Axis, AxisMask, Ns, Pos};
+use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
+use crate::{crd, follow, path};
 
 /// An operation with the number under which its execution is reported and its place on the
 /// script clock.
@@ -71,6 +71,9 @@ pub enum Mode {
     Follow = 5,
     /// The same with shaped ratios and entries that are no segments.
     FollowEx = 6,
+    /// Driven by the coordinate system that it is mapped to. An axis comes here by [`Op::CrdFrame`] alone, and
+    /// leaves it, at rest, by any other mode.
+    Crd = 7,
 }
 
 /// Everything the tick can be asked to do. Its size counts: entries are copied through the ring.
@@ -85,15 +88,17 @@ pub enum Op {
     ProgramDrop,
     /// Program lane: the program is over; the lane is held until the next `ProgramRun`.
     ProgramEnd,
-    /// Program lane: the script clock waits until none of these axes runs.
-    WaitRest { axes: AxisMask },
-    /// All axes of the mask to power-on state: stopped, servo off, Trap mode, latches cleared.
+    /// Program lane: the script clock waits until none of these runs.
+    WaitRest { axes: AxisMask, crds: CrdMask },
+    /// All axes of the mask to power-on state: stopped, servo off, Trap mode, latches cleared. A coordinate system
+    /// that is mapped to one of them has no frame then.
     Reset { axes: AxisMask },
     /// Clears latched status bits whose cause is gone.
     ClearStatus { axes: AxisMask },
     /// Servo on or off; off while moving stops abruptly.
     Servo { axis: Axis, on: bool },
-    /// Stops: axes in `abrupt` at once, the others with their stop deceleration.
+    /// Stops: axes in `abrupt` at once, the others with their stop deceleration. An axis that a coordinate system
+    /// drives stops that, abruptly if one of its axes is in `abrupt`.
     Stop { axes: AxisMask, abrupt: AxisMask },
     /// Sets planned positions at rest (ZeroPos also zeroes the encoders of `axes`).
     Zero { axes: AxisMask },
@@ -103,7 +108,7 @@ pub enum Op {
     SetEncoder { axis: Axis, pulses: i64 },
     /// Planned position := encoder position, at rest.
     Synchronise { axes: AxisMask },
-    /// Mode at rest. Changes of mode or FIFO use clear the PT data.
+    /// Mode at rest, any but `Mode::Crd`. Changes of mode or FIFO use clear the PT data.
     SetMode { axis: Axis, mode: Mode },
     /// Stop decelerations.
     StopDec { axis: Axis, smooth: crate::ramp::Accel, abrupt: crate::ramp::Accel },
@@ -174,7 +179,23 @@ pub enum Op {
     /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed and
     /// begins with `ProgramRun`; else it begins at once. Row 0 is the tick in force then. `edges`: with what the
     /// laser channels are told between the rows.
-    Trace { every: u32, axes: AxisMask, lasers: u8, edges: bool },
+    Trace { every: u32, axes: AxisMask, crds: CrdMask, lasers: u8, edges: bool },
+    /// SetCrdPrm, at rest: which axes it drives and from where; these are in `Mode::Crd` from now on. Both FIFOs are
+    /// empty; stop deceleration and override are those of power-on (1 pulse/ms², 1).
+    CrdFrame { crd: Crd, frame: crd::Frame },
+    /// The FIFO now ends at this count of entries pushed since it was cleared. It counts only if `cleared` is what
+    /// the view shows for this FIFO.
+    CrdCommit { crd: Crd, fifo: u8, end: u32, cleared: u32 },
+    /// Empties a FIFO, at rest.
+    CrdClear { crd: Crd, fifo: u8 },
+    /// These begin or go on; bits of `fifo1` take FIFO 1.
+    CrdStart { crds: CrdMask, fifo1: CrdMask },
+    /// Stops along the path: those in `abrupt` at once, the others with their stop deceleration.
+    CrdStop { crds: CrdMask, abrupt: CrdMask },
+    /// Stop deceleration.
+    CrdStopDec { crd: Crd, dec: crate::ramp::Accel },
+    /// Override.
+    CrdRate { crd: Crd, rate: path::Rate },
     /// A laser channel (from 0) changes.
     Laser { channel: u8, change: crate::laser::Change },
     /// The host link is lost, or is there again. Its loss puts out a channel whose light is on or may come, and

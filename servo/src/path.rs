@@ -16,6 +16,7 @@ mod store;
 
 pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Rate, Refused, Sweep};
 pub use run::{Effects, Feed, Path, Rest, Rules, Step};
+pub use shape::Bend;
 pub use store::{ENTRIES, Entries, EntryStore};
 
 /// An instant or a duration in 2⁻³² ns; instants count from power-on.

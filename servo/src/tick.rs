@@ -12,14 +12,15 @@ use crate::execute::Reach;
 use crate::follow::Order;
 use crate::laser::{Cause, Clock, Lasers};
 use crate::op::{Entry, Lane, Op};
+use crate::path::EntryStore;
 use crate::port::Port;
 pub use crate::pt::{SEGMENTS, SegmentStore};
 use crate::pt::{Segment, Segments};
 use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
 use crate::script::Script;
 use crate::trace::{Chosen, Trace};
-use crate::units::{Axis, AxisMask, Ns};
-use crate::view::{Event, LaserView, Sample, Traced, View};
+use crate::units::{Axis, AxisMask, Crd, Ns};
+use crate::view::{CrdView, Event, LaserView, Sample, Traced, View};
 use ring::{Consumer, Producer, Writer};
 
 /// Entries of the immediate lane's ring.
@@ -68,6 +69,8 @@ pub struct Lanes<'a, const AXES: usize> {
     pub segments: &'a [SegmentStore; AXES],
     /// PVT tables.
     pub tables: TableStores<'a>,
+    /// FIFOs of coordinate systems; one behind the end of these does not exist.
+    pub paths: &'a [[EntryStore; 2]],
 }
 
 /// What an axis's motion is read from: its own segments, everybody's tables.
@@ -120,6 +123,7 @@ pub struct Tick<const AXES: usize> {
     pub(crate) trace: Trace,
     pub(crate) lasers: Lasers,
     pub(crate) order: Order<AXES>,
+    pub(crate) crds: [CrdView; Crd::MAX],
     pub(crate) axes: [AxisState; AXES],
 }
 
@@ -145,6 +149,7 @@ impl<const AXES: usize> Tick<AXES> {
             clear: 0,
             axes: [AxisState::POWER_ON; AXES],
             order: Order::NONE,
+            crds: [CrdView::POWER_ON; Crd::MAX],
             step_limit: config.period_ns as u64 * LIMIT_PER_NS,
             lasers: Lasers::new(config.laser_clock),
         }
@@ -252,6 +257,11 @@ impl<const AXES: usize> Tick<AXES> {
                 self.trace.put(Sample { row, of }, samples);
             }
         }
+        for (crd, shown) in Crd::all().zip(&self.crds) {
+            if chosen.crds.has(crd) {
+                self.trace.put(Sample { row, of: Traced::Crd { crd, motion: shown.motion } }, samples);
+            }
+        }
         for (channel, shown) in (0..).zip(self.lasers.shown()) {
             if chosen.lasers >> channel & 1 == 1 {
                 if row == 0 && chosen.edges {
@@ -307,8 +317,8 @@ impl<const AXES: usize> Tick<AXES> {
                     program.clear();
                     self.script.runs = false;
                 }
-                Op::Trace { every, axes, lasers, edges } if !self.script.runs && every != 0 => {
-                    self.trace.arm(every, Chosen { axes, lasers, edges })
+                Op::Trace { every, axes, crds, lasers, edges } if !self.script.runs && every != 0 => {
+                    self.trace.arm(every, Chosen { axes, crds, lasers, edges })
                 }
                 _ => self.execute(Lane::Immediate, entry, next, period, port, &mut reach),
             }
@@ -323,7 +333,7 @@ impl<const AXES: usize> Tick<AXES> {
             if !self.script.is_due(instant, next) {
                 break;
             }
-            if let Op::WaitRest { axes } = entry.op {
+            if let Op::WaitRest { axes, crds: _ } = entry.op {
                 // The first tick, from its instant on, at which nothing of the mask runs.
                 let Some(since) = self.rest_since(axes) else { break };
                 instant = instant.max(self.script.of(since));

@@ -5,20 +5,21 @@
 //! Fails: a full ring loses the sample and counts it; the row numbers show which.
 use crate::laser::{Action, Plan};
 use crate::tick::SAMPLES;
-use crate::units::AxisMask;
+use crate::units::{AxisMask, CrdMask};
 use crate::view::{Sample, Traced};
 use ring::Producer;
 
-/// What is traced: axes, laser channels (bit 0 the first), and whether what these are told between rows is too.
+/// What is traced: axes, coordinate systems, laser channels (bit 0 the first), and whether what these are told between rows is too.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chosen {
     pub(crate) axes: AxisMask,
+    pub(crate) crds: CrdMask,
     pub(crate) lasers: u8,
     pub(crate) edges: bool,
 }
 
 impl Chosen {
-    const NONE: Chosen = Chosen { axes: AxisMask(0), lasers: 0, edges: false };
+    const NONE: Chosen = Chosen { axes: AxisMask(0), crds: CrdMask(0), lasers: 0, edges: false };
 }
 
 /// What is traced, and where in the rows it is.

@@ -78,3 +78,49 @@ impl AxisMask {
         self.0 >> axis.0 & 1 == 1
     }
 }
+
+/// A coordinate system of the controller, over all cores, from 0: core × those per core + crd − 1.
+/// Its only constructor checks it against the capacity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[repr(transparent)]
+pub struct Crd(u8);
+
+impl Crd {
+    /// The largest number of any profile, over all cores.
+    pub const MAX: usize = 4;
+    /// Coordinate system `index` from 0, if there may be one.
+    pub const fn new(index: usize) -> Option<Crd> {
+        if index < Self::MAX { Some(Crd(index as u8)) } else { None }
+    }
+    /// Every one, in order.
+    #[inline]
+    pub fn all() -> impl Iterator<Item = Crd> {
+        (0..Self::MAX as u8).map(Crd)
+    }
+    /// Index from 0.
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+    /// Its bit in a [`CrdMask`].
+    pub const fn mask(self) -> CrdMask {
+        CrdMask(1 << self.0)
+    }
+}
+
+/// A set of coordinate systems over all cores, bit 0 the first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(transparent)]
+pub struct CrdMask(pub u8);
+
+impl CrdMask {
+    /// Its coordinate systems, in order.
+    #[inline]
+    pub fn crds(self) -> impl Iterator<Item = Crd> {
+        Crd::all().filter(move |crd| self.has(*crd))
+    }
+
+    /// Whether the set holds this one.
+    pub const fn has(self, crd: Crd) -> bool {
+        self.0 >> crd.0 & 1 == 1
+    }
+}

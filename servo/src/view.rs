@@ -1,10 +1,12 @@
 //! What the tick tells: the view of one tick, events, trace samples.
+use crate::crd::Frame;
 use crate::follow::{compose, straight};
 use crate::laser::{self, Bounds, Carrier, Cause, Power, Train};
 use crate::op::{Lane, Mode};
+use crate::path::{Bend, DIMENSIONS, Rest};
 use crate::piece::Motion;
 use crate::port::AxisInputs;
-use crate::units::{Axis, Ns, Pos};
+use crate::units::{Axis, Crd, Ns, Pos};
 
 /// One axis in one tick.
 ///
@@ -198,6 +200,65 @@ pub enum StopReason {
     StepLimit = 16,
 }
 
+/// One coordinate system in one tick.
+#[derive(Debug, Clone, Copy)]
+pub struct CrdView {
+    /// Counts changes of anything here; what did not change need not be looked at again.
+    pub moves: u32,
+    /// Counts changes of what is not a place on the path: `frame`, `cleared`, `rest`, `stop`, `ends`.
+    pub changes: u32,
+    /// Coordinates: the planned positions of its axes less the origin.
+    pub place: [Pos; DIMENSIONS],
+    /// Direction of motion, a unit vector in 2⁻³⁰; zeros where it does not move.
+    pub heading: [i32; DIMENSIONS],
+    /// How the direction turns.
+    pub bend: Bend,
+    /// The way along the motion in force as a piece: its velocity is the path's.
+    pub motion: Motion,
+    /// It has been started and is not at rest; it also runs while it waits, or stands at a corner.
+    pub runs: bool,
+    /// FIFO in force, or that was last.
+    pub fifo: u8,
+    /// Entries of each FIFO that are over, counted since it was cleared; their places are free.
+    pub released: [u32; 2],
+    /// Motions of each FIFO completed since it was cleared.
+    pub done: [u32; 2],
+    /// Entries of each FIFO that are committed, counted since it was cleared.
+    pub ends: [u32; 2],
+    /// Times that each FIFO was cleared (CrdFrame, CrdClear, Reset).
+    pub cleared: [u32; 2],
+    /// Which axes it drives, and from where; none before SetCrdPrm.
+    pub frame: Option<Frame>,
+    /// The planned positions of its axes at its zero.
+    pub origin: [Pos; DIMENSIONS],
+    /// How the path came to rest last; `Stopped`: CrdStart goes on with the same FIFO.
+    pub rest: Rest,
+    /// Why.
+    pub stop: StopReason,
+}
+
+impl CrdView {
+    /// At power-on.
+    pub const POWER_ON: CrdView = CrdView {
+        moves: 0,
+        changes: 0,
+        place: [Pos(0); DIMENSIONS],
+        heading: [0; DIMENSIONS],
+        bend: Bend::STRAIGHT,
+        motion: Motion::REST,
+        runs: false,
+        fifo: 0,
+        released: [0; 2],
+        done: [0; 2],
+        ends: [0; 2],
+        cleared: [0; 2],
+        frame: None,
+        origin: [Pos(0); DIMENSIONS],
+        rest: Rest::Never,
+        stop: StopReason::None,
+    };
+}
+
 /// One laser channel in one tick. Before the first tick every field is 0.
 #[derive(Debug, Clone, Copy)]
 pub struct LaserView {
@@ -336,6 +397,8 @@ pub struct View<const AXES: usize> {
     pub timer_mhz: u16,
     /// Analog inputs.
     pub analog: [i16; 8],
+    /// The coordinate systems.
+    pub crds: [CrdView; Crd::MAX],
     /// The laser channels.
     pub lasers: [LaserView; laser::CHANNELS],
     /// Raw per-axis input levels.
@@ -370,6 +433,7 @@ impl<const AXES: usize> View<AXES> {
         enable: 0,
         clear: 0,
         timer_mhz: 0,
+        crds: [CrdView::POWER_ON; Crd::MAX],
         lasers: [LaserView::BEFORE; laser::CHANNELS],
         inputs: [AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false };
             AXES],
@@ -378,7 +442,7 @@ impl<const AXES: usize> View<AXES> {
     };
 }
 
-/// One traced axis or laser channel in one traced tick. Those of a row come in order: axes, then channels.
+/// One traced axis, coordinate system or laser channel in one traced tick. Those of a row come in this order.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
     /// Row number since the trace began, 0 the state before the first call acts.
@@ -397,6 +461,13 @@ pub enum Traced {
         /// Planned position.
         pos: Pos,
         /// Place in its piece.
+        motion: Motion,
+    },
+    /// A coordinate system.
+    Crd {
+        /// Which one.
+        crd: Crd,
+        /// Its way along the motion in force, whose velocity is its speed.
         motion: Motion,
     },
     /// A laser channel: switch output, and power and frequency as [`LaserView`] has them.
@@ -438,4 +509,9 @@ pub enum Event {
     Stopped { axis: Axis, reason: StopReason, now: Ns },
     /// A start or Update did nothing because of this axis's state.
     Refused { lane: Lane, seq: u32, axis: Axis, status: u32 },
+    /// A coordinate system came to rest for this reason; its axes are not told of.
+    CrdStopped { crd: Crd, reason: StopReason, now: Ns },
+    /// A CrdStart did nothing because of this coordinate system's state: it runs, has nothing to do, is not where it
+    /// was left, or one of its axes is not its own any more.
+    CrdRefused { lane: Lane, seq: u32, crd: Crd },
 }

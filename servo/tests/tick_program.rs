@@ -2,7 +2,7 @@
 mod tick_bench;
 use servo::op::{DoGroup, Lane, Mode, Op};
 use servo::status::*;
-use servo::units::{AxisMask, Ns, Pos};
+use servo::units::{AxisMask, CrdMask, Ns, Pos};
 use servo::view::{Event, Sample, Traced};
 use tick_bench::*;
 
@@ -66,10 +66,10 @@ fn wait_rest_moves_the_clock_to_the_tick_of_rest() {
         bench.pt(0, 0, &LISTING_2_1);
         bench.tick();
         bench.then(0, Op::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
-        let wait = bench.then(0, Op::WaitRest { axes: all(&[0]) });
+        let wait = bench.then(0, Op::WaitRest { axes: all(&[0]), crds: CrdMask(0) });
         bench.then(0, output(0));
         bench.then(1500 * US, output(1));
-        bench.then(0, Op::WaitRest { axes: all(&[0, 5]) });
+        bench.then(0, Op::WaitRest { axes: all(&[0, 5]), crds: CrdMask(0) });
         bench.then(0, output(2));
         let zero = bench.tick.now().0;
         bench.now(Op::ProgramRun);
@@ -107,7 +107,7 @@ fn a_late_entry_acts_at_once_is_counted_and_shifts_nothing() {
     // A wait that comes late still knows since when the axis rests.
     let view = bench.until(zero + 30 * MS);
     assert_eq!((view.late, view.worst_late), (1, Ns(4 * MS)));
-    bench.then(0, Op::WaitRest { axes: all(&[0]) });
+    bench.then(0, Op::WaitRest { axes: all(&[0]), crds: CrdMask(0) });
     assert_eq!(bench.tick().script.0, 16 * MS);
 }
 
@@ -180,12 +180,12 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
         let mut bench = Bench::ready(250, Mode::PtStatic);
         bench.pt(0, 0, &LISTING_2_1);
         bench.now(Op::SetPosition { axis: axis(3), pos: Pos::pulses(9) });
-        bench.now(Op::Trace { every, axes: all(&[0, 3]), lasers: 0, edges: false });
+        bench.now(Op::Trace { every, axes: all(&[0, 3]), crds: CrdMask(0), lasers: 0, edges: false });
         bench.ticks(7);
         assert!(bench.sample().is_none(), "armed only");
         bench.then(0, Op::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
         bench.then(0, Op::SetPosition { axis: axis(3), pos: Pos::pulses(10) });
-        bench.then(3100 * MS, Op::Trace { every: 0, axes: AxisMask(0), lasers: 0, edges: false });
+        bench.then(3100 * MS, Op::Trace { every: 0, axes: AxisMask(0), crds: CrdMask(0), lasers: 0, edges: false });
         bench.now(Op::ProgramRun);
         let step = every as u64 * 250 * US;
         let mut rows = vec![];
@@ -222,7 +222,7 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
 #[test]
 fn a_trace_that_nobody_takes_counts_what_it_loses() {
     let mut bench = Bench::ready(250, Mode::PtStatic);
-    bench.now(Op::Trace { every: 1, axes: AxisMask(0xff), lasers: 0, edges: false });
+    bench.now(Op::Trace { every: 1, axes: AxisMask(0xff), crds: CrdMask(0), lasers: 0, edges: false });
     bench.now(Op::ProgramRun);
     let view = bench.ticks(130);
     // 131 rows of 8; the ring holds 1024.

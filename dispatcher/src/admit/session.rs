@@ -11,7 +11,7 @@ use protocol::command::{Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetLinkLo
 use protocol::reason::Reason;
 use servo::laser::CHANNELS;
 use servo::op::{Guarded, Op};
-use servo::units::AxisMask;
+use servo::units::{AxisMask, CrdMask};
 
 /// Tick periods of SPEC 11 and issue 2, in µs.
 const TICK_US: (i32, i32) = (10, 1000);
@@ -79,7 +79,7 @@ pub fn trace<const AXES: usize>(case: &mut Case<AXES>, r: &Trace) -> Admitted<An
     within(3, r.crds, 0, 0)?;
     let over_link = within(4, r.way, 0, 1)? == 1;
     let edges = within(5, r.edges, 0, 1)? == 1;
-    case.stage(Op::Trace { every, axes, lasers, edges });
+    case.stage(Op::Trace { every, axes, crds: CrdMask(0), lasers, edges });
     case.effect = Effect::Trace { every, columns: Columns { axes, lasers }, over_link };
     Ok(Answer::Done)
 }

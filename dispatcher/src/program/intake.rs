@@ -21,7 +21,7 @@ use protocol::command::{Sleep, WaitStop, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
-use servo::units::{Axis, Ns};
+use servo::units::{Axis, CrdMask, Ns};
 use servo::view::View;
 use zerocopy::FromBytes;
 
@@ -316,7 +316,7 @@ fn wait_stop<const AXES: usize>(desk: &mut Desk<'_, AXES>, view: &View<AXES>, wa
         return Err(Refused::new(Reason::OutOfRange).field(2).got(given.into()).limits(0.0, all.into()));
     }
     if axes.0 != 0 {
-        desk.staged.add(Op::WaitRest { axes }, Change::Rest { axes });
+        desk.staged.add(Op::WaitRest { axes, crds: CrdMask(0) }, Change::Rest { axes });
     }
     Ok(())
 }

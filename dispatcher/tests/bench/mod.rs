@@ -10,11 +10,12 @@ use protocol::reason::{Reason, Refusal};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use ring::{Latest, Ring};
 use servo::laser::{Clock, Plan};
+use servo::path::EntryStore;
 use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::steps;
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, Ns, Pos};
+use servo::units::{Axis, Crd, Ns, Pos};
 use servo::view::View;
 use std::collections::HashMap;
 use zerocopy::{FromBytes, IntoBytes};
@@ -134,6 +135,7 @@ impl<const AXES: usize> Bench<AXES> {
         let stores: Box<[SegmentStore]> = (0..AXES).map(|_| SegmentStore::new()).collect();
         let stores: Box<[SegmentStore; AXES]> = stores.try_into().ok().unwrap();
         let stores: &'static [SegmentStore; AXES] = Box::leak(stores);
+        let paths: &'static [[EntryStore; 2]] = leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]);
         let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
@@ -162,6 +164,7 @@ impl<const AXES: usize> Bench<AXES> {
                 samples: samples_in,
                 segments: stores,
                 tables,
+                paths,
             },
             machine: Machine {
                 inputs: [AxisInputs::default(); AXES],

@@ -191,7 +191,8 @@ impl Bench {
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
         let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
-        let lanes = Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables };
+        let lanes =
+            Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables, paths: &[] };
         Bench { tick: Tick::new(config(0)), lanes, immediate, view }
     }
 

@@ -11,9 +11,10 @@ use dispatcher::{Channels, Server};
 use plant::beam::Levels;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
+use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
-use servo::units::Ns;
+use servo::units::{Crd, Ns};
 use servo::view::View;
 
 /// Ticks after which the thread looks in any case: segments run, samples fill their ring.
@@ -194,6 +195,7 @@ impl<const AXES: usize> Whole<AXES> {
         let places: Result<Box<[PlaceStore; TABLES]>, _> = places.try_into();
         let Ok(places) = places else { unreachable!("a row of TABLES stores was collected") };
         let tables = TableStores { places: Box::leak(places), headers: forever(HeaderStore::new()) };
+        let paths: &'static [[EntryStore; 2]] = Box::leak((0..Crd::MAX).map(|_| Default::default()).collect());
         let (immediate_in, immediate_out) = forever(Ring::new()).split();
         let (program_in, program_out) = forever(Ring::new()).split();
         let (events_in, events_out) = forever(Ring::new()).split();
@@ -225,6 +227,7 @@ impl<const AXES: usize> Whole<AXES> {
             samples: samples_in,
             segments: stores,
             tables,
+            paths,
         };
         let tick = TickConfig {
             period_ns: config.tick_us.clamp(10, 1000) * 1000,

@@ -7,6 +7,7 @@
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::Clock;
 use servo::op::Entry;
+use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::view::{Event, Sample, View};
@@ -28,6 +29,8 @@ pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 /// Headers of PVT tables.
 pub static HEADERS: HeaderStore = HeaderStore::new();
+/// Entries of coordinate systems.
+pub static PATHS: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
 /// Both.
 pub const TABLE_STORES: TableStores<'static> = TableStores { places: &PLACES, headers: &HEADERS };
 
@@ -62,6 +65,7 @@ pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
         samples: samples_in,
         segments: &STORES,
         tables: TABLE_STORES,
+        paths: &PATHS,
     };
     Some((tick, lanes, Thread { immediate: immediate_in, program: program_in, view, events, samples }))
 }

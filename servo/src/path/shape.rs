@@ -53,6 +53,24 @@ fn long(way: Pos) -> u64 {
     (way.0.max(0) as u64) << 8
 }
 
+/// How the direction of a motion turns with the way along it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bend {
+    /// The plane in which it turns.
+    pub plane: Plane,
+    /// From the first of its coordinates to the second.
+    pub ccw: bool,
+    /// Turns per pulse in 2^(`shift` − 98); 0 on a line.
+    pub turns: u64,
+    /// See `turns`.
+    pub shift: i32,
+}
+
+impl Bend {
+    /// It does not turn.
+    pub const STRAIGHT: Bend = Bend { plane: Plane::Xy, ccw: false, turns: 0, shift: 0 };
+}
+
 #[derive(Debug, Clone, Copy)]
 enum Figure {
     /// Unit vector in 2⁻⁶².

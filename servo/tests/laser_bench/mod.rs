@@ -268,7 +268,8 @@ impl Bench {
         let config = TickConfig { period_ns: period_us * 1000, axes: 1, analog_inputs: 0, laser_clock: clock };
         let machine =
             Machine { now: 0, next: 0, interlock: false, outputs: Default::default(), runs: clock == Clock::GHZ };
-        let lanes = Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables };
+        let lanes =
+            Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables, paths: &[] };
         let known = (Mode::Duty, Power::ZERO, None);
         Bench { tick: Tick::new(config), machine, lanes, immediate, view, seq: 0, known, clock, fine: true }
     }

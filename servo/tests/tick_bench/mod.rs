@@ -4,6 +4,7 @@ use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::follow;
 use servo::laser::{Clock, Plan};
 use servo::op::{DoGroup, Entry, Mode, Op};
+use servo::path::EntryStore;
 use servo::piece::Scaled;
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
@@ -11,7 +12,7 @@ use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::ramp::{Accel, Speed};
 use servo::steps;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, AxisMask, Ns, Pos};
+use servo::units::{Axis, AxisMask, Crd, Ns, Pos};
 use servo::view::{AxisView, Event, Sample, StopReason, View};
 
 pub const AXES: usize = 8;
@@ -121,6 +122,7 @@ impl Bench {
         let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
+        let paths: &'static [[EntryStore; 2]] = leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]);
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
         let config =
             TickConfig { period_ns: period_us * 1000, axes: AXES as u8, analog_inputs: 2, laser_clock: Clock::GHZ };
@@ -142,6 +144,7 @@ impl Bench {
                 samples: samples_in,
                 segments,
                 tables,
+                paths,
             },
             immediate,
             program,

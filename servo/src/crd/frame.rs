@@ -1,0 +1,66 @@
+//! Which axes a coordinate system drives, and where its zero is.
+//!
+//! In: SetCrdPrm. Out: an admitted [`Frame`]. Fails: with the rule that is broken, [`Refused`].
+use crate::path::DIMENSIONS;
+use crate::units::{Axis, AxisMask};
+
+/// An admitted frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame {
+    axes: [Option<Axis>; DIMENSIONS],
+    origin: Option<[i32; DIMENSIONS]>,
+    even_ms: u16,
+}
+
+/// Why a frame is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// It drives no axis.
+    NoAxis,
+    /// It drives this axis by two coordinates.
+    Twice(Axis),
+}
+
+impl Frame {
+    /// `axes` of X, Y, Z, A, none twice; `origin` is their planned positions at zero, in pulses: none takes those in
+    /// which they are when the frame is set. `even_ms` is the least time at constant speed in a motion.
+    pub fn admit(
+        axes: [Option<Axis>; DIMENSIONS],
+        origin: Option<[i32; DIMENSIONS]>,
+        even_ms: u16,
+    ) -> Result<Frame, Refused> {
+        let mut seen = AxisMask(0);
+        for axis in axes.into_iter().flatten() {
+            if seen.has(axis) {
+                return Err(Refused::Twice(axis));
+            }
+            seen.0 |= axis.mask().0;
+        }
+        if seen.0 == 0 { Err(Refused::NoAxis) } else { Ok(Frame { axes, origin, even_ms }) }
+    }
+
+    /// The axes of X, Y, Z, A.
+    pub fn axes(&self) -> [Option<Axis>; DIMENSIONS] {
+        self.axes
+    }
+
+    /// The same as a set.
+    pub fn mask(&self) -> AxisMask {
+        AxisMask(self.axes.iter().flatten().fold(0, |mask, axis| mask | axis.mask().0))
+    }
+
+    /// The coordinate that drives an axis.
+    pub fn coordinate(&self, axis: Axis) -> Option<usize> {
+        self.axes.iter().position(|of| *of == Some(axis))
+    }
+
+    /// The origin that was asked for.
+    pub fn origin(&self) -> Option<[i32; DIMENSIONS]> {
+        self.origin
+    }
+
+    /// Least time at constant speed in a motion, ms.
+    pub fn even_ms(&self) -> u16 {
+        self.even_ms
+    }
+}
