@@ -308,7 +308,7 @@ impl PvtRun {
         let header = self.header();
         let begin = ceil(from);
         let length = b.time.wrapping_sub(a.time);
-        let zeros = length.leading_zeros(); // 22..=64, 64 for none at all
+        let zeros = length.leading_zeros(); // 20..=64, 64 for none at all
         let m = recip64_below(length.wrapping_shl(zeros));
         let shift = zeros.wrapping_add_signed(header.time_bits as i32); // 7..=96
         // The first whole ns comes a fraction after the knot.
@@ -322,7 +322,7 @@ impl PvtRun {
         let c3 = w0.wrapping_add(w1).wrapping_sub(p << 1);
         let c2 = p.wrapping_sub(w0).wrapping_sub(c3);
 
-        let up = (64 - header.pos_bits as i32) as u32 & 63; // 2..=62
+        let up = (64 - header.pos_bits as i32) as u32 & 63; // 2..=63
         let knot = ((a.pos >> (64 - up)) as i128) << 64 | (a.pos << up) as u64 as i128;
         let start = Exact(self.track.pass.origin.0.wrapping_add(knot));
         let motion = Motion {

@@ -27,7 +27,7 @@ impl Shelf {
     /// Knots in ns, pulses and 2⁻¹⁶ pulse/ms, from the first; `delay` in ns.
     fn add(&mut self, delay: u64, knots: &[(u64, i64, i64)]) {
         let last = knots[knots.len() - 1];
-        let time_bits = (42 - (64 - last.0.leading_zeros() as i32)).min(32) as i8;
+        let time_bits = (44 - (64 - last.0.leading_zeros() as i32)).min(32) as i8;
         let duration = (last.0 as u128) << 64;
         // 20 fraction bits of position, 16 of velocity.
         let header = Header {
@@ -35,7 +35,7 @@ impl Shelf {
             time_bits,
             pos_bits: 20,
             vel_bits: 16,
-            lift: 22,
+            lift: 20,
             delay: (delay as u128) << 64,
             duration,
             displacement: Exact((last.1 as i128) << 64),
@@ -62,15 +62,15 @@ fn words_hold_what_they_are_given() {
             _ => (x << (64 - bits)) as i64 >> (64 - bits),
         };
         let place = Place {
-            time: if round % 5 == 0 { (1 << 42) - 1 } else { chance.next() >> 22 },
-            pos: edge(46, chance.next()),
+            time: if round % 5 == 0 { (1 << 44) - 1 } else { chance.next() >> 20 },
+            pos: edge(44, chance.next()),
             vel: edge(40, chance.next()),
         };
         assert_eq!(Place::from_words(place.admit().unwrap()), place);
-        assert!(Place { time: 1 << 42, ..place }.admit().is_none());
+        assert!(Place { time: 1 << 44, ..place }.admit().is_none());
         assert!(
-            Place { pos: 1 << 45, ..place }.admit().is_none()
-                && Place { pos: -(1 << 45) - 1, ..place }.admit().is_none()
+            Place { pos: 1 << 43, ..place }.admit().is_none()
+                && Place { pos: -(1 << 43) - 1, ..place }.admit().is_none()
         );
         assert!(
             Place { vel: 1 << 39, ..place }.admit().is_none()
@@ -79,8 +79,8 @@ fn words_hold_what_they_are_given() {
         let wide = |chance: &mut Chance| (chance.next() as u128) << 64 | chance.next() as u128;
         let header = Header {
             places: 2 + chance.below(1023) as u16,
-            time_bits: chance.below(48) as i8 - 15,
-            pos_bits: 2 + chance.below(61) as i8,
+            time_bits: chance.below(46) as i8 - 13,
+            pos_bits: 1 + chance.below(62) as i8,
             vel_bits: 6 + chance.below(57) as i8,
             lift: chance.below(64) as u8,
             delay: wide(&mut chance) >> 8,

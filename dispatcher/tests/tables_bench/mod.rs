@@ -147,11 +147,25 @@ impl Reference {
         }
         peak
     }
-    /// Length of the phase that holds `t`, and how far its nearer end is, in ms.
-    pub fn place(&self, t: &BigInt) -> (f64, f64) {
-        let i = self.index(t);
-        let (begin, end) = (&self.phases[i].begin, self.phases.get(i + 1).map_or(&self.duration, |next| &next.begin));
-        (float(&(end - begin)), float(&(t - begin)).min(float(&(end - t))))
+    /// The phases that are in force within `unit` of `t`.
+    fn near(&self, t: &BigInt, unit: &BigInt) -> std::ops::RangeInclusive<usize> {
+        self.index(&(t - unit))..=self.index(&(t + unit))
+    }
+    fn length(&self, i: usize) -> BigInt {
+        self.phases.get(i + 1).map_or(&self.duration, |next| &next.begin) - &self.phases[i].begin
+    }
+    /// Length of the shortest of them, ms.
+    pub fn shortest(&self, t: &BigInt, unit: &BigInt) -> f64 {
+        self.near(t, unit).map(|i| float(&self.length(i))).fold(f64::INFINITY, f64::min)
+    }
+    /// Whether the velocity jumps between two of them.
+    pub fn jumps(&self, t: &BigInt, unit: &BigInt) -> bool {
+        self.near(t, unit).skip(1).any(|i| {
+            let (Phase { c: [_, c1, c2, c3], .. }, length) = (&self.phases[i - 1], self.length(i - 1));
+            let end = c1 + mul(&(c2 * 2 + mul(&(c3 * 3), &length)), &length);
+            // Beyond what the reference rounds.
+            (end - &self.phases[i].c[1]).abs() > whole(1) >> 60
+        })
     }
     /// What SPEC 11 allows, in pulses.
     pub fn allowed(&self) -> f64 {

@@ -3,10 +3,10 @@
 //! In: integers that the dispatcher scaled. Out: words for the stores, and back. Owns nothing.
 //! Fails: [`Place::admit`] and [`Header::admit`] take only what fits; all stored words can be read.
 //!
-//! A place holds 42 bits of time, 46 of position and 40 of velocity, each in a unit that is a power
+//! A place holds 44 bits of time, 44 of position and 40 of velocity, each in a unit that is a power
 //! of two and belongs to the table: with peak speed V and duration T, half a unit of time moves a
-//! point by V·T·2⁻⁴², half a unit of position is at most V·T·2⁻⁴⁵, and half a unit of velocity at both ends
-//! moves the middle of a segment by V·T·2⁻⁴¹: together 0.78 of what SPEC 11 allows.
+//! point by V·T·2⁻⁴⁴, half a unit of position is at most V·T·2⁻⁴³, and half a unit of velocity at both ends
+//! moves the middle of a segment by V·T·2⁻⁴¹: together 0.69 of what SPEC 11 allows. Why not otherwise: decision 6.
 use crate::units::Exact;
 use crate::wide::umulhi;
 
@@ -17,9 +17,9 @@ pub const PLACE_WORDS: usize = 4;
 /// Words of a header.
 pub const HEADER_WORDS: usize = 16;
 /// Bits of a place's time.
-pub const TIME_BITS: u32 = 42;
+pub const TIME_BITS: u32 = 44;
 /// Bits of a place's position with its sign.
-pub const POS_BITS: u32 = 46;
+pub const POS_BITS: u32 = 44;
 /// Bits of a place's velocity with its sign.
 pub const VEL_BITS: u32 = 40;
 /// The shortest pass, 1 µs: a tick may hold many passes, but their number has a bound.
@@ -40,13 +40,13 @@ pub struct Place {
 
 impl Place {
     /// Packs a place: word 0 time, word 2 position, word 3 velocity, low halves; word 1 has the rest:
-    /// time in bits 0–9, velocity in 10–17, position in 18–31. `None` if something does not fit.
+    /// time in bits 0–11, velocity in 12–19, position in 20–31. `None` if something does not fit.
     pub fn admit(self) -> Option<[u32; PLACE_WORDS]> {
         let fits = |x: i64, bits: u32| x >> (bits - 1) == 0 || x >> (bits - 1) == -1;
         if self.time >> TIME_BITS != 0 || !fits(self.pos, POS_BITS) || !fits(self.vel, VEL_BITS) {
             return None;
         }
-        let high = (self.time >> 32) as u32 | ((self.vel >> 32) as u32 & 0xff) << 10 | ((self.pos >> 32) as u32) << 18;
+        let high = (self.time >> 32) as u32 | ((self.vel >> 32) as u32 & 0xff) << 12 | ((self.pos >> 32) as u32) << 20;
         Some([self.time as u32, high, self.pos as u32, self.vel as u32])
     }
 
@@ -54,10 +54,10 @@ impl Place {
     #[inline(always)]
     pub fn from_words(words: [u32; PLACE_WORDS]) -> Place {
         let [time, high, pos, vel] = words;
-        let vel_high = (high << 14) as i32 >> 24;
+        let vel_high = (high << 12) as i32 >> 24;
         Place {
             time: time_of([time, high]),
-            pos: ((high as i32 >> 18) as i64) << 32 | pos as i64,
+            pos: ((high as i32 >> 20) as i64) << 32 | pos as i64,
             vel: (vel_high as i64) << 32 | vel as i64,
         }
     }
@@ -66,7 +66,7 @@ impl Place {
 /// Time of a place from its first two words.
 #[inline(always)]
 pub fn time_of(words: [u32; 2]) -> u64 {
-    ((words[1] & 0x3ff) as u64) << 32 | words[0] as u64
+    ((words[1] & 0xfff) as u64) << 32 | words[0] as u64
 }
 
 /// What is known of a table as a whole.
@@ -74,9 +74,9 @@ pub fn time_of(words: [u32; 2]) -> u64 {
 pub struct Header {
     /// Places in use, 2…1024; 0 is an empty table.
     pub places: u16,
-    /// Unit of time is 2^-`time_bits` ns, −15…32.
+    /// Unit of time is 2^-`time_bits` ns, −13…32.
     pub time_bits: i8,
-    /// Unit of position is 2^-`pos_bits` pulse, 2…62.
+    /// Unit of position is 2^-`pos_bits` pulse, 1…62.
     pub pos_bits: i8,
     /// Unit of velocity is 2^-`vel_bits` pulse/ms, 6…62.
     pub vel_bits: i8,
@@ -98,8 +98,8 @@ impl Header {
     /// Checks and packs a header.
     pub fn admit(self) -> Option<[u32; HEADER_WORDS]> {
         let in_range = (2..=PLACES as u16).contains(&self.places)
-            && (-15..=32).contains(&self.time_bits)
-            && (2..=62).contains(&self.pos_bits)
+            && (-13..=32).contains(&self.time_bits)
+            && (1..=62).contains(&self.pos_bits)
             && (6..=62).contains(&self.vel_bits)
             && self.lift <= 63
             && (0..=84).contains(&self.frac())
@@ -146,7 +146,7 @@ impl Header {
     #[inline(always)]
     pub fn span(&self, time: u64) -> u128 {
         // 32 fraction bits and more are in the constant part of the shift.
-        let s = (32 - self.time_bits as i32) as u32 & 63; // 0..=47
+        let s = (32 - self.time_bits as i32) as u32 & 63; // 0..=45
         let (high, low) = (time >> 1 >> (63 - s), time << s);
         ((high << 32 | low >> 32) as u128) << 64 | (low << 32) as u128
     }
@@ -154,7 +154,7 @@ impl Header {
     /// 2⁻⁶⁴ ns in units of time, rounded down.
     #[inline(always)]
     pub fn units(&self, span: u128) -> u64 {
-        let s = (32 - self.time_bits as i32) as u32 & 63; // 0..=47
+        let s = (32 - self.time_bits as i32) as u32 & 63; // 0..=45
         let (high, low) = ((span >> 64) as u64, span as u64);
         (high << 32 | low >> 32) >> s | (high >> 32) << 1 << (63 - s)
     }
