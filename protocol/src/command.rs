@@ -203,6 +203,37 @@ wire_structs! {
         mode: I16, commanded: u8, gate: u8, light: u8, held: u8, fault: I16, power: F64, frequency: F64,
         on_time: U32,
     }
+    /// Parameters of a coordinate system (TCrdPrm): profile k is the coordinate (1 X, 2 Y, 3 Z, 4 A, 0 none) that
+    /// axis k of the core drives.
+    CrdPrm {
+        dimension: I16, profile: [I16; 8], syn_vel_max: F64, syn_acc_max: F64, even_time_ms: I16,
+        set_origin_flag: I16, origin_pos: [I32; 8],
+    }
+    /// After data of a path: how many entries were taken, places free now, and how long the motions that are in the
+    /// FIFO last (ms, without override).
+    CrdTaken { taken: U16, space: U16, lasts_ms: U32 }
+    /// Whether a coordinate system runs, and the path segments of a FIFO completed since it was cleared.
+    CrdStatusReply { run: I16, segment: I32 }
+    /// One coordinate system in one tick: whether it runs; the FIFO in force; how it came to rest last (0 never moved,
+    /// 1 its entries ran out, 2 they ran out at speed, 3 stopped: it can go on), and the reason of its axes' stop
+    /// (AxisItem); the axis of each coordinate, 0 none; coordinates in pulses, speed in pulse/ms; of each FIFO segments
+    /// completed, segments left and free places.
+    CrdState {
+        run: u8, fifo: u8, rest: u8, reason: U16, axes: [I16; 4], pos: [F64; 4], vel: F64, segments: [I32; 2],
+        remainder: [I32; 2], space: [I32; 2],
+    }
+    /// Limits of one coordinate for look-ahead, pulse/ms and pulse/ms².
+    CrdLimit { vel_max: F64, acc_max: F64 }
+    /// One target of LnXYMany.
+    PathXY { x: I32, y: I32 }
+    /// One target of LnXYZMany.
+    PathXYZ { x: I32, y: I32, z: I32 }
+    /// One motion as TCrdData gives it: type 0 line, 1 arc; plane 0 XY, 1 YZ, 2 ZX; an arc has a centre from its start,
+    /// or, where that is 0, a radius.
+    CrdPoint {
+        motion_type: I16, plane: I16, pos: [I32; 4], radius: F64, dir: I16, center: [F64; 2], vel: F64, acc: F64,
+        vel_end: F64, vel_end_zero: I16,
+    }
     /// One axis of an `AxisStatus` reply: what a display needs, of one tick.
     AxisItem {
         status: U32, mode: I16, reason: U16, prf_pos: F64, prf_vel: F64, enc_pos: F64,
@@ -370,6 +401,42 @@ commands! {
     0x0616 SetHSIOOpt { core: I16, value: U16, channel: I16 } [Nothing] -> Nothing [Nothing];
     0x0617 GetHSIOOpt { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
     0x061B LaserStatus { core: I16, channel: I16 } [Nothing] -> LaserState [Nothing];
+    // -- coordinate systems ----------------------------------------------------------------------
+    0x0800 SetCrdPrm { core: I16, crd: I16, dimension: I16, profile: [I16; 8], syn_vel_max: F64, syn_acc_max: F64, even_time_ms: I16, set_origin_flag: I16, origin_pos: [I32; 8] } [Nothing] -> Nothing [Nothing];
+    0x0801 GetCrdPrm { core: I16, crd: I16 } [Nothing] -> CrdPrm [Nothing];
+    0x0802 CrdClear { core: I16, crd: I16, fifo: I16 } [Nothing] -> Nothing [Nothing];
+    0x0803 CrdSpace { core: I16, crd: I16, fifo: I16 } [Nothing] -> Long [Nothing];
+    0x0804 CrdStart { core: I16, mask: I16, option: I16 } [Nothing] -> Nothing [Nothing];
+    0x0805 CrdStop { core: I16, mask: I32, option: I32 } [Nothing] -> Nothing [Nothing];
+    0x0806 CrdStatus { core: I16, crd: I16, fifo: I16 } [Nothing] -> CrdStatusReply [Nothing];
+    0x0807 GetCrdPos { core: I16, crd: I16 } [Nothing] -> Count [Real];
+    0x0808 GetCrdVel { core: I16, crd: I16 } [Nothing] -> Real [Nothing];
+    0x0809 GetRemainderSegNum { core: I16, crd: I16, fifo: I16 } [Nothing] -> Long [Nothing];
+    0x080A SetCrdStopDec { core: I16, crd: I16, smooth: F64, abrupt: F64 } [Nothing] -> Nothing [Nothing];
+    0x080B SetOverride { core: I16, crd: I16, ratio: F64 } [Nothing] -> Nothing [Nothing];
+    0x080C InitLookAhead { core: I16, crd: I16, fifo: I16, time_ms: F64, acc_max: F64, count: I16 } [Nothing] -> Nothing [Nothing];
+    0x080D CrdData { core: I16, crd: I16, fifo: I16 } [CrdPoint] -> CrdTaken [Nothing];
+    0x080E LnXY { core: I16, crd: I16, x: I32, y: I32, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x080F LnXYZ { core: I16, crd: I16, x: I32, y: I32, z: I32, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0810 LnXYZA { core: I16, crd: I16, x: I32, y: I32, z: I32, a: I32, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0811 LnXYG0 { core: I16, crd: I16, x: I32, y: I32, syn_vel: F64, syn_acc: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0812 ArcXYR { core: I16, crd: I16, x: I32, y: I32, radius: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0813 ArcXYC { core: I16, crd: I16, x: I32, y: I32, x_center: F64, y_center: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0814 ArcYZR { core: I16, crd: I16, y: I32, z: I32, radius: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0815 ArcYZC { core: I16, crd: I16, y: I32, z: I32, y_center: F64, z_center: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0816 ArcZXR { core: I16, crd: I16, z: I32, x: I32, radius: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0817 ArcZXC { core: I16, crd: I16, z: I32, x: I32, z_center: F64, x_center: F64, circle_dir: I16, syn_vel: F64, syn_acc: F64, vel_end: F64, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0818 BufDelay { core: I16, crd: I16, delay_ms: U16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0819 BufIO { core: I16, crd: I16, do_type: U16, do_mask: U16, do_value: U16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081A BufDoBit { core: I16, crd: I16, do_type: U16, index: U16, value: I16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081B BufDA { core: I16, crd: I16, channel: I16, value: I16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081C BufMove { core: I16, crd: I16, axis: I16, pos: I32, vel: F64, acc: F64, modal: I16, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081D BufGear { core: I16, crd: I16, axis: I16, pos: I32, fifo: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x081E SetCrdLimit { core: I16, crd: I16, coordinate: I16, vel_max: F64, acc_max: F64 } [Nothing] -> Nothing [Nothing];
+    0x081F GetCrdLimit { core: I16, crd: I16, coordinate: I16 } [Nothing] -> CrdLimit [Nothing];
+    0x0820 LnXYMany { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXY] -> CrdTaken [Nothing];
+    0x0821 LnXYZMany { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXYZ] -> CrdTaken [Nothing];
+    0x0822 CrdInfo { core: I16, crd: I16 } [Nothing] -> CrdState [Nothing];
 }
 
 /// The row of the table with this number.

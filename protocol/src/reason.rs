@@ -108,6 +108,27 @@ reasons! {
     104 LaserConnector State "laser channel {got}: axis connector {high} carries step pulses; call SetAxisMode({high}, 1) first";
     105 AnalogInUse State "analog output {got} belongs to laser channel {low}, which is in analog mode";
     106 NotInFamily Unknown "the laser connectors of this family are fixed: it has no such call";
+    110 CrdNotSet State "coordinate system {axis} drives no axis; call SetCrdPrm first";
+    111 CrdRuns State "coordinate system {axis} is running; stop it first";
+    112 CrdFull State "coordinate system {axis}: the FIFO is full; {high} entries fit, {got} are free";
+    113 CrdEmpty State "coordinate system {axis}: FIFO {got} holds nothing to do";
+    114 CrdElsewhere State "coordinate system {axis} is not where FIFO {got} was left; move back there first, or call CrdClear";
+    115 CrdFifoInUse State "coordinate system {axis}: FIFO {got} is in use; it can be cleared at rest";
+    116 CrdHolds State "coordinate system {axis}: FIFO {got} holds entries; run them or call CrdClear first";
+    117 CrdPlaceUnknown State "coordinate system {axis}: where the motion begins is known once everything is at rest";
+    118 AxisInCrd State "axis {axis} belongs to coordinate system {got}";
+    119 AxisLeftCrd State "axis {axis} is not driven by coordinate system {got} any more; call SetCrdPrm again";
+    120 CoordinateTwice Range "{field}: two axes drive coordinate {got}";
+    121 CoordinateMissing Range "{field}: no axis drives coordinate {got}; dimension is {high}";
+    122 NoCoordinate Range "{field} is {got}; no axis drives this coordinate, which stays 0";
+    123 Between Range "{field} is {got}; it must be above {low} and below {high}";
+    124 NoLength Range "the motion has no length: its target is where it begins";
+    125 RadiusTooSmall Range "{field} is {got}; the target is reached with {low} at least";
+    126 CentreOff Range "the centre is not equally far from begin and target: the path would leave the arc by {got} pulses, at most {high} are made up for";
+    127 CentreOnStart Range "{field}: the centre is where the motion begins; it must be at least {low} pulses away";
+    128 RadiusTooLarge Range "{field}: the radius is {got}; it must be below {high}";
+    129 GearsFull State "coordinate system {axis}: {high} axes go along with the next motion, which is the most";
+    130 AxisGoesAlong State "axis {axis} goes along with the next motion already";
 }
 
 /// The payload of a refusing reply.

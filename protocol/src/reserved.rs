@@ -1,6 +1,6 @@
 //! Numbers kept for the commands that have no layout yet, so that none is given twice: PT 0x02xx, PVT 0x03xx,
-//! laser 0x06xx, buffered laser 0x07xx, coordinate systems 0x08xx, distance follow 0x09xx. (0x04xx and
-//! 0x05xx are Follow and FollowEx.) A command moves to [`crate::command::COMMANDS`] with its number when it is built.
+//! laser 0x06xx, buffered laser 0x07xx, distance follow 0x09xx. (0x04xx and 0x05xx are Follow and FollowEx, 0x08xx
+//! coordinate systems.) A command moves to [`crate::command::COMMANDS`] with its number when it is built.
 //!
 //! Calls that never reach the wire have no number: Open and Close are the link's opening and Bye, and
 //! GetLastReason reads what the client keeps.
@@ -26,36 +26,6 @@ pub const RESERVED: &[(u16, &str)] = &[
     (0x0707, "BufLaserFollowOff"),
     (0x0708, "SetLaserFollowTable"),
     (0x0709, "BufLaserFollowSpline"),
-    (0x0800, "SetCrdPrm"),
-    (0x0801, "GetCrdPrm"),
-    (0x0802, "CrdClear"),
-    (0x0803, "CrdSpace"),
-    (0x0804, "CrdStart"),
-    (0x0805, "CrdStop"),
-    (0x0806, "CrdStatus"),
-    (0x0807, "GetCrdPos"),
-    (0x0808, "GetCrdVel"),
-    (0x0809, "GetRemainderSegNum"),
-    (0x080A, "SetCrdStopDec"),
-    (0x080B, "SetOverride"),
-    (0x080C, "InitLookAhead"),
-    (0x080D, "CrdData"),
-    (0x080E, "LnXY"),
-    (0x080F, "LnXYZ"),
-    (0x0810, "LnXYZA"),
-    (0x0811, "LnXYG0"),
-    (0x0812, "ArcXYR"),
-    (0x0813, "ArcXYC"),
-    (0x0814, "ArcYZR"),
-    (0x0815, "ArcYZC"),
-    (0x0816, "ArcZXR"),
-    (0x0817, "ArcZXC"),
-    (0x0818, "BufDelay"),
-    (0x0819, "BufIO"),
-    (0x081A, "BufDoBit"),
-    (0x081B, "BufDA"),
-    (0x081C, "BufMove"),
-    (0x081D, "BufGear"),
     (0x0900, "SetLaserDisMode"),
     (0x0901, "SetLaserDisRatio"),
     (0x0902, "SetLaserDisTable1D"),
