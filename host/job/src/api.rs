@@ -19,6 +19,8 @@ pub enum Pass {
     Many(Type),
     /// The address of a struct that goes into the request.
     Struct(Type),
+    /// The same, or NULL.
+    StructOrNull(Type),
     /// The address of a struct that the reply fills.
     OutStruct(Type),
     /// An array that the manuals' library works in; nothing travels.
@@ -79,6 +81,15 @@ const FIFO: Param = short("fifo").or(0);
 const CHANNEL: Param = short("channel").or(0);
 const COUNT: Param = short("count").or(1);
 const CLOCK: Param = out("clock").or(0);
+const CRD: Param = short("crd");
+const X: Param = long("x");
+const Y: Param = long("y");
+const Z: Param = long("z");
+const VEL: Param = double("synVel");
+const ACC: Param = double("synAcc");
+const VEL_END: Param = double("velEnd").or(0);
+const RADIUS: Param = double("radius");
+const DIR: Param = short("circleDir");
 
 /// How parameters become a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,6 +102,8 @@ pub enum Shape {
     Items,
     /// As `Plain` with `first` behind `count`; the points, a value of each array in turn, follow the request.
     Points,
+    /// As `Plain` without the struct, of which an item follows the request unless it is NULL.
+    Point,
     /// The configuration file's items.
     Config,
     /// Done by the host (opening, closing, the last reason): nothing is sent.
@@ -228,6 +241,52 @@ pub const FUNCTIONS: &[Function] = &[
     read("GetLaserPower", c::GetLaserPower::OPCODE, &[short("channel"), out("power")]),
     read("GetLaserFault", c::GetLaserFault::OPCODE, &[short("channel"), out("cause")]),
     call("ClrLaserFault", c::ClrLaserFault::OPCODE, &[short("channel")]),
+    // -- coordinate systems ------------------------------------------------------------------------
+    call("SetCrdPrm", c::SetCrdPrm::OPCODE, &[CRD, param("crdPrm", Pass::Struct(Type::Crd))]),
+    read("GetCrdPrm", c::GetCrdPrm::OPCODE, &[CRD, param("crdPrm", Pass::OutStruct(Type::Crd))]),
+    call("CrdClear", c::CrdClear::OPCODE, &[CRD, FIFO]),
+    read("CrdSpace", c::CrdSpace::OPCODE, &[CRD, out("space"), FIFO]),
+    call("CrdStart", c::CrdStart::OPCODE, &[short("mask"), short("option").or(0)]),
+    call("CrdStop", c::CrdStop::OPCODE, &[MASK, long("option").or(0)]),
+    read("CrdStatus", c::CrdStatus::OPCODE, &[CRD, out("run"), out("segment"), FIFO]),
+    read("GetCrdPos", c::GetCrdPos::OPCODE, &[CRD, out("pos")]),
+    read("GetCrdVel", c::GetCrdVel::OPCODE, &[CRD, out("synVel")]),
+    read("GetRemainderSegNum", c::GetRemainderSegNum::OPCODE, &[CRD, out("segment"), FIFO]),
+    call("SetCrdStopDec", c::SetCrdStopDec::OPCODE, &[CRD, double("decSmoothStop"), double("decAbruptStop")]),
+    call("SetOverride", c::SetOverride::OPCODE, &[CRD, double("synVelRatio")]),
+    call(
+        "InitLookAhead",
+        c::InitLookAhead::OPCODE,
+        &[CRD, short("fifo"), double("T"), double("accMax"), short("n"), param("lookAheadBuf", Pass::Working).or(0)],
+    ),
+    call("SetCrdLimit", c::SetCrdLimit::OPCODE, &[CRD, short("coordinate"), double("velMax"), double("accMax")]),
+    read("GetCrdLimit", c::GetCrdLimit::OPCODE, &[CRD, short("coordinate"), out("velMax"), out("accMax")]),
+    shaped(
+        Shape::Point,
+        "CrdData",
+        c::CrdData::OPCODE,
+        &[CRD, param("crdData", Pass::StructOrNull(Type::CrdData)), FIFO],
+    ),
+    call("LnXY", c::LnXY::OPCODE, &[CRD, X, Y, VEL, ACC, VEL_END, FIFO]),
+    call("LnXYZ", c::LnXYZ::OPCODE, &[CRD, X, Y, Z, VEL, ACC, VEL_END, FIFO]),
+    call("LnXYZA", c::LnXYZA::OPCODE, &[CRD, X, Y, Z, long("a"), VEL, ACC, VEL_END, FIFO]),
+    call("LnXYG0", c::LnXYG0::OPCODE, &[CRD, X, Y, VEL, ACC, FIFO]),
+    call("ArcXYR", c::ArcXYR::OPCODE, &[CRD, X, Y, RADIUS, DIR, VEL, ACC, VEL_END, FIFO]),
+    call("ArcXYC", c::ArcXYC::OPCODE, &[CRD, X, Y, double("xCenter"), double("yCenter"), DIR, VEL, ACC, VEL_END, FIFO]),
+    call("ArcYZR", c::ArcYZR::OPCODE, &[CRD, Y, Z, RADIUS, DIR, VEL, ACC, VEL_END, FIFO]),
+    call("ArcYZC", c::ArcYZC::OPCODE, &[CRD, Y, Z, double("yCenter"), double("zCenter"), DIR, VEL, ACC, VEL_END, FIFO]),
+    call("ArcZXR", c::ArcZXR::OPCODE, &[CRD, Z, X, RADIUS, DIR, VEL, ACC, VEL_END, FIFO]),
+    call("ArcZXC", c::ArcZXC::OPCODE, &[CRD, Z, X, double("zCenter"), double("xCenter"), DIR, VEL, ACC, VEL_END, FIFO]),
+    call("BufDelay", c::BufDelay::OPCODE, &[CRD, ushort("delayTime"), FIFO]),
+    call("BufIO", c::BufIO::OPCODE, &[CRD, ushort("doType"), ushort("doMask"), ushort("doValue"), FIFO]),
+    call("BufDoBit", c::BufDoBit::OPCODE, &[CRD, ushort("doType"), ushort("index"), short("value"), FIFO]),
+    call("BufDA", c::BufDA::OPCODE, &[CRD, short("chn"), short("daValue"), FIFO]),
+    call(
+        "BufMove",
+        c::BufMove::OPCODE,
+        &[CRD, short("moveAxis"), long("pos"), double("vel"), double("acc"), short("modal"), FIFO],
+    ),
+    call("BufGear", c::BufGear::OPCODE, &[CRD, short("gearAxis"), long("pos"), FIFO]),
     // -- PT (GXN chapter 2) ------------------------------------------------------------------------
     call("PrfPt", c::PrfPt::OPCODE, &[PROFILE, short("mode").or(0)]),
     read("PtSpace", c::PtSpace::OPCODE, &[PROFILE, out("space"), FIFO]),
@@ -503,4 +562,9 @@ pub const CONSTANTS: &[(&str, i64)] = &[
     ("LASER_CTRL_MODE_PWM2", 3),
     ("CIRCLE_DIR_CW", 0),
     ("CIRCLE_DIR_CCW", 1),
+    ("INTERPOLATION_CIRCLE_DIR_CW", 0),
+    ("INTERPOLATION_CIRCLE_DIR_CCW", 1),
+    ("CRD_MAX", 2),
+    ("CRD_FIFO_MAX", 4096),
+    ("INTERPOLATION_AXIS_MAX", 8),
 ];

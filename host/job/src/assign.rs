@@ -90,7 +90,7 @@ impl Reader<'_> {
             let message = format!("{} values are given, `{}` holds {}", values.len(), name.text, variable.cells.len());
             return Err(Fault::new(name.span.clone(), message, ""));
         }
-        let types: Vec<Type> = of.fields().iter().flat_map(|field| std::iter::repeat_n(field.1, field.2)).collect();
+        let types: Vec<Type> = of.cells().map(|(_, of)| of).collect();
         for (cell, of) in types.iter().cycle().take(variable.cells.len()).enumerate() {
             // As in C, what a list leaves out is 0.
             let (value, span) = values.get(cell).cloned().unwrap_or((Value::Int(0), name.span.clone()));
@@ -161,7 +161,7 @@ impl Reader<'_> {
         if self.peek_after(1).kind == Kind::Name {
             return Err(self.fault_here(
                 format!("`{}` is neither a type nor a call", self.peek().text),
-                "types are short, long, int, double, float, TTrapPrm, TJogPrm, TCrdPrm",
+                "types are short, long, int, double, float, TTrapPrm, TJogPrm, TCrdPrm, TCrdData",
             ));
         }
         // The target of a call's result may be missing from a listing that was cut off.

@@ -220,10 +220,21 @@ impl Reader<'_> {
                     let (variable, element) = self.struct_given(param, given, of, name)?;
                     let width = Variable::width(of);
                     let cells = self.variables[&variable].cells[element * width..(element + 1) * width].to_vec();
-                    for (field, cell) in of.fields().iter().zip(cells) {
-                        let value = self.field_value(cell, &variable, field.0, given)?;
-                        bound.values.push((field.0, value));
+                    for ((field, _), cell) in of.cells().zip(cells) {
+                        let value = self.field_value(cell, &variable, field, given)?;
+                        bound.values.push((field, value));
                     }
+                }
+                Pass::StructOrNull(_) if matches!(given.what, What::Value(Value::Int(0))) => {}
+                Pass::StructOrNull(of) => {
+                    let (variable, element) = self.struct_given(param, given, of, name)?;
+                    let width = Variable::width(of);
+                    let cells = self.variables[&variable].cells[element * width..(element + 1) * width].to_vec();
+                    let mut values = Vec::with_capacity(width);
+                    for ((field, _), cell) in of.cells().zip(cells) {
+                        values.push(self.field_value(cell, &variable, field, given)?);
+                    }
+                    bound.lists.push(values);
                 }
                 Pass::OutStruct(of) => {
                     let (variable, element) = self.struct_given(param, given, of, name)?;

@@ -42,6 +42,16 @@ impl Reader<'_> {
                         .for_each(|value| put(&mut items, "F64", value));
                 }
             }
+            Shape::Point => {
+                if let Some(list) = bound.lists.first() {
+                    // Of eight places and three parts of a centre, those that a coordinate system has.
+                    let (places, centre) = (2..10, 12..15);
+                    let skipped =
+                        |index: &usize| places.clone().skip(4).chain(centre.clone().skip(2)).any(|i| i == *index);
+                    let kept = list.iter().enumerate().filter(|(index, _)| !skipped(index)).map(|(_, value)| value);
+                    fill(&mut items, item_fields(function.opcode), kept);
+                }
+            }
             Shape::StartList => {
                 values = vec_masks(bound).map_err(|message| Fault::new(span.clone(), message, ""))?;
                 if let Some(Value::Int(mask)) = values.first() {
@@ -73,11 +83,29 @@ impl Reader<'_> {
             values.insert(0, Value::Int(i64::from(core)));
         }
         let mut body = Vec::new();
-        for (field, value) in fields.iter().zip(&values) {
-            put(&mut body, field.1, value);
-        }
+        fill(&mut body, fields, values.iter());
         body.extend(items);
         Ok(Some(body))
+    }
+}
+
+type Fields = &'static [(&'static str, &'static str)];
+
+fn item_fields(opcode: u16) -> Fields {
+    COMMANDS.iter().find(|command| command.opcode == opcode).map_or(&[], |command| command.items)
+}
+
+/// Appends the values of these fields; an array takes as many as it has places.
+fn fill<'v>(body: &mut Vec<u8>, fields: Fields, mut values: impl Iterator<Item = &'v Value>) {
+    for (_, of) in fields {
+        let array = of.strip_prefix('[').and_then(|of| of.strip_suffix(']')).and_then(|of| of.split_once("; "));
+        let (of, count) = match array {
+            Some((of, count)) => (of, count.parse().unwrap_or(0)),
+            None => (*of, 1),
+        };
+        for value in values.by_ref().take(count) {
+            put(body, of, value);
+        }
     }
 }
 

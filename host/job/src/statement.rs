@@ -98,7 +98,7 @@ impl Reader<'_> {
             "typedef" | "enum" | "union" | "class" | "using" | "extern" => Err(Fault::new(
                 token.span.clone(),
                 format!("`{word}` is not available in job scripts"),
-                "types are short, long, int, double, float, TTrapPrm, TJogPrm, TCrdPrm",
+                "types are short, long, int, double, float, TTrapPrm, TJogPrm, TCrdPrm, TCrdData",
             )),
             _ => {
                 let start = self.at;

@@ -44,6 +44,8 @@ pub enum Type {
     Jog,
     /// TCrdPrm.
     Crd,
+    /// TCrdData.
+    CrdData,
 }
 
 /// Fields of a struct: name, type, number of elements.
@@ -60,6 +62,7 @@ impl Type {
             "TTrapPrm" => Type::Trap,
             "TJogPrm" => Type::Jog,
             "TCrdPrm" => Type::Crd,
+            "TCrdData" => Type::CrdData,
             _ => return None,
         })
     }
@@ -83,6 +86,19 @@ impl Type {
                 ("setOriginFlag", Type::Short, 1),
                 ("originPos", Type::Long, 8),
             ],
+            // Without what the manuals' library keeps there for itself.
+            Type::CrdData => &[
+                ("motionType", Type::Short, 1),
+                ("circlePlat", Type::Short, 1),
+                ("pos", Type::Long, 8),
+                ("radius", Type::Double, 1),
+                ("circleDir", Type::Short, 1),
+                ("center", Type::Double, 3),
+                ("vel", Type::Double, 1),
+                ("acc", Type::Double, 1),
+                ("velEnd", Type::Double, 1),
+                ("velEndZero", Type::Short, 1),
+            ],
             Type::Short => &[("", Type::Short, 1)],
             Type::UShort => &[("", Type::UShort, 1)],
             Type::Long => &[("", Type::Long, 1)],
@@ -90,6 +106,11 @@ impl Type {
             Type::Double => &[("", Type::Double, 1)],
             Type::Char => &[("", Type::Char, 1)],
         }
+    }
+
+    /// Name and type of each value of a struct, in order: an array has one a place.
+    pub fn cells(self) -> impl Iterator<Item = (&'static str, Type)> {
+        self.fields().iter().flat_map(|field| std::iter::repeat_n((field.0, field.1), field.2))
     }
 
     /// How C writes it.
@@ -104,12 +125,13 @@ impl Type {
             Type::Trap => "TTrapPrm",
             Type::Jog => "TJogPrm",
             Type::Crd => "TCrdPrm",
+            Type::CrdData => "TCrdData",
         }
     }
 
     /// It has fields.
     pub fn is_struct(self) -> bool {
-        matches!(self, Type::Trap | Type::Jog | Type::Crd)
+        matches!(self, Type::Trap | Type::Jog | Type::Crd | Type::CrdData)
     }
 
     /// Least and greatest integer, for integer types.

@@ -126,7 +126,8 @@ fn every_function_packs_as_long_as_its_request() {
     let names = job::api::FUNCTIONS.iter().filter(|function| function.opcode != 0);
     for function in names {
         let mut text = String::from(
-            "double o[40]; double d[4] = {0}; short n[40] = {0}; TJogPrm jog = {1, 2, 0}; TTrapPrm trap = {1, 2, 3, 4};\n",
+            "double o[40]; double d[4] = {0}; short n[40] = {0}; TJogPrm jog = {1, 2, 0}; TTrapPrm trap = {1, 2, 3, 4}; \
+             TCrdPrm crd = {2}; TCrdData point = {0};\n",
         );
         let mut given = vec!["1".to_owned()];
         for param in function.params {
@@ -142,8 +143,10 @@ fn every_function_packs_as_long_as_its_request() {
                 (Pass::Many(_), name) => if name.starts_with("Pvt") { "d" } else { "n" }.into(),
                 (Pass::Working, _) => "o".into(),
                 (Pass::Struct(_) | Pass::OutStruct(_), name) => {
-                    if name.contains("Jog") { "&jog" } else { "&trap" }.into()
+                    let kinds = [("Jog", "&jog"), ("Trap", "&trap"), ("Crd", "&crd")];
+                    kinds.into_iter().find(|(kind, _)| name.contains(kind)).unwrap().1.into()
                 }
+                (Pass::StructOrNull(_), _) => "&point".into(),
                 (Pass::Text, _) => "\"a.toml\"".into(),
             });
         }
@@ -155,11 +158,16 @@ fn every_function_packs_as_long_as_its_request() {
         let size = |fields: &[(&str, &str)]| -> usize {
             fields
                 .iter()
-                .map(|field| match field.1 {
-                    "F64" | "U64" => 8,
-                    "I32" | "U32" => 4,
-                    "I16" | "U16" => 2,
-                    _ => 1,
+                .map(|field| {
+                    let array = field.1.trim_matches(['[', ']']).split_once("; ");
+                    let (of, count) = array.map_or((field.1, 1), |(of, count)| (of, count.parse().unwrap()));
+                    count
+                        * match of {
+                            "F64" | "U64" => 8,
+                            "I32" | "U32" => 4,
+                            "I16" | "U16" => 2,
+                            _ => 1,
+                        }
                 })
                 .sum()
         };
@@ -191,6 +199,9 @@ fn every_function_packs_as_long_as_its_request() {
         "Version",
         "GetFault",
         "LaserStatus",
+        "LnXYMany",
+        "LnXYZMany",
+        "CrdInfo",
     ];
     for info in c::COMMANDS {
         let reached = job::api::FUNCTIONS.iter().any(|function| function.opcode == info.opcode);
