@@ -7,6 +7,7 @@
 use dispatcher::figure::{Figure, Place};
 use dispatcher::lookahead::{Limits, LookAhead};
 use servo::path::{Change, Effects, Entries, Entry, Feed, Fine, Path, Plane, Rest};
+use servo::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
 
 struct Script(Vec<Entry>);
@@ -31,7 +32,7 @@ impl Effects for Heard {
     fn rest(&mut self, at: Fine, rest: Rest) {
         self.rests.push((at, rest));
     }
-    fn gear(&mut self, _: Axis, _: Pos) {}
+    fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: Axis, _: i32) {}
 }
 

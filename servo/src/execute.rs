@@ -6,11 +6,12 @@
 use crate::axis::{AxisState, Jog};
 use crate::follow::Method;
 use crate::op::{DoGroup, Entry, Lane, Op};
+use crate::path::EntryStore;
 use crate::port::Port;
 use crate::pvt::TableStores;
-use crate::tick::{EVENTS, PERIOD_NS, SAMPLES, SegmentStore, Source, Tick, tell};
+use crate::tick::{EVENTS, Lanes, PERIOD_NS, SAMPLES, SegmentStore, Source, Tick, tell};
 use crate::trace::Chosen;
-use crate::units::{Axis, AxisMask, Ns};
+use crate::units::{Axis, AxisMask, CrdMask, Ns};
 use crate::view::{Event, Sample, StopReason};
 use ring::Producer;
 
@@ -20,6 +21,16 @@ pub(crate) struct Reach<'r, 'a, const AXES: usize> {
     pub(crate) samples: &'r mut Producer<'a, Sample, SAMPLES>,
     pub(crate) segments: &'a [SegmentStore; AXES],
     pub(crate) tables: TableStores<'a>,
+    pub(crate) paths: &'a [[EntryStore; 2]],
+}
+
+impl<'r, 'a, const AXES: usize> Reach<'r, 'a, AXES> {
+    /// What a step reaches.
+    #[inline(always)]
+    pub(crate) fn of(lanes: &'r mut Lanes<'a, AXES>) -> Reach<'r, 'a, AXES> {
+        let Lanes { events, samples, segments, tables, paths, .. } = lanes;
+        Reach { events, samples, segments, tables: *tables, paths }
+    }
 }
 
 impl<const AXES: usize> Reach<'_, '_, AXES> {
@@ -44,6 +55,9 @@ impl<const AXES: usize> Tick<AXES> {
         match entry.op {
             Op::Mark | Op::ProgramRun | Op::ProgramDrop | Op::ProgramEnd | Op::WaitRest { .. } => {}
             Op::Stop { axes, abrupt } => {
+                let (all, hard) = (self.drivers(axes), self.drivers(AxisMask(axes.0 & abrupt.0)));
+                self.stop_crds(hard, true, StopReason::StopAbrupt, next, lanes);
+                self.stop_crds(CrdMask(all.0 & !hard.0), false, StopReason::StopSmooth, next, lanes);
                 self.sourced(AxisMask(axes.0 & !abrupt.0), lanes, |state, source| state.stop_smooth(next, source));
                 self.halt(AxisMask(axes.0 & abrupt.0), StopReason::StopAbrupt, next, lanes);
             }
@@ -56,11 +70,13 @@ impl<const AXES: usize> Tick<AXES> {
                 DoGroup::Clear => self.clear = self.clear & !mask | value & mask,
                 DoGroup::General => self.general = self.general & !(mask as u32) | (value & mask) as u32,
             },
-            Op::Analog { channel, value } => port.analog_out(channel as usize, value),
+            Op::Analog { channel, value } => port.analog_out(0, channel as usize, value),
             Op::Reset { axes } => {
                 self.clear &= !axes.0;
                 self.enable &= !axes.0;
                 self.halt(axes, StopReason::Reset, next, lanes);
+                self.settle_crds(next, lanes);
+                self.drop_frames(axes);
                 self.all(axes, AxisState::reset);
             }
             Op::Update { axes } => {
@@ -85,16 +101,21 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             Op::Laser { channel, change } => self.lasers.change(channel, next, &change),
-            Op::Link { lost } => self.lasers.link(lost, self.script.runs),
+            Op::Link { lost } => {
+                self.lasers.link(lost, self.script.runs);
+                if lost {
+                    self.stop_crds(self.crds.running, false, StopReason::LinkLoss, next, lanes);
+                }
+            }
             Op::Trace { every, axes, crds, lasers, edges } => {
                 if let Some((row, chosen)) = self.trace.begin(every, Chosen { axes, crds, lasers, edges }) {
                     self.emit(row, chosen, lanes.samples);
                 }
             }
             Op::ClearStatus { axes } => self.all(axes, AxisState::clear_status),
-            Op::Zero { axes } => self.all(axes, AxisState::zero_position),
-            Op::Synchronise { axes } => self.all(axes, AxisState::synchronise),
-            Op::SetPosition { axis, pos } => self.one(axis, |state| state.set_position(pos)),
+            Op::Zero { axes } => self.renamed(axes, AxisState::zero_position),
+            Op::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
+            Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.set_position(pos)),
             Op::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
             Op::SetMode { axis, mode } => self.one(axis, |state| state.set_mode(mode)),
             // An abrupt stop takes no time (SPEC 4), so its deceleration has nothing to do here.
@@ -149,14 +170,16 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             Op::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
-            // No coordinate system exists yet.
-            Op::CrdFrame { .. }
-            | Op::CrdCommit { .. }
-            | Op::CrdClear { .. }
-            | Op::CrdStart { .. }
-            | Op::CrdStop { .. }
-            | Op::CrdStopDec { .. }
-            | Op::CrdRate { .. } => {}
+            Op::CrdFrame { crd, frame } => self.set_frame(crd, frame, lanes.paths),
+            Op::CrdCommit { crd, fifo, end, cleared } => self.commit_path(crd, fifo, end, cleared),
+            Op::CrdClear { crd, fifo } => self.clear_path(crd, fifo),
+            Op::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
+            Op::CrdStop { crds, abrupt } => {
+                self.stop_crds(CrdMask(crds.0 & !abrupt.0), false, StopReason::StopSmooth, next, lanes);
+                self.stop_crds(CrdMask(crds.0 & abrupt.0), true, StopReason::StopAbrupt, next, lanes);
+            }
+            Op::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
+            Op::CrdRate { crd, rate } => self.set_rate(crd, rate, next, lanes),
         }
     }
 
@@ -200,16 +223,24 @@ impl<const AXES: usize> Tick<AXES> {
         });
     }
 
+    /// The same where positions get other names.
+    fn renamed(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState)) {
+        self.all(axes, change);
+        self.rename_crds();
+    }
+
     /// Of a mask, the axes in use.
-    fn in_use(&self, axes: AxisMask) -> AxisMask {
+    pub(crate) fn in_use(&self, axes: AxisMask) -> AxisMask {
         AxisMask(axes.0 & (1u64 << self.used).wrapping_sub(1))
     }
 
-    /// Stops axes where they stand.
+    /// Stops axes where they stand, and the paths that drive them.
     fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        self.stop_crds(self.drivers(axes), true, reason, next, lanes);
         for axis in self.in_use(axes).axes() {
             if let Some(state) = self.axes.get_mut(axis.index())
                 && state.runs()
+                && state.driver().is_none()
             {
                 state.halt(next, reason);
                 tell(lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });

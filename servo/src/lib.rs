@@ -7,6 +7,7 @@
 //! Nothing here divides by a variable, uses floating point, waits, logs or panics.
 mod axis;
 pub mod crd;
+mod edges;
 mod execute;
 pub mod follow;
 mod inputs;

@@ -42,10 +42,11 @@ pub trait Port {
     /// The set-point in force from the next tick on; the machine turns the whole pulses between two
     /// set-points into evenly spaced steps.
     fn set_point(&mut self, axis: Axis, pos: Pos);
-    /// Servo enable and alarm-clear outputs, and general outputs, from the next tick on.
-    fn outputs(&mut self, enable: u64, clear: u64, general: u32);
-    /// Analog output, −32768…32767 is −10…10 V.
-    fn analog_out(&mut self, channel: usize, value: i16);
+    /// Servo enable and alarm-clear outputs, and general outputs, from `at` ns after the next tick on. Once a tick with 0,
+    /// then with growing instants where entries of a path change them within the interval that the next tick begins.
+    fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: u32);
+    /// Analog output, −32768…32767 is −10…10 V, from `at` ns after the next tick on, in the same order.
+    fn analog_out(&mut self, at: u32, channel: usize, value: i16);
     /// Whether the interlock (or emergency-stop) input wants every laser output at rest now. The hardware
     /// rests PWM and switch by itself; the tick latches it and rests what the hardware cannot.
     fn interlock(&mut self) -> bool;

@@ -9,7 +9,7 @@ use crate::follow::{Deeds, Input, Value};
 use crate::piece::Motion;
 use crate::port::{AxisInputs, Port};
 use crate::tick::{Lanes, Source, Tick, tell};
-use crate::units::{Axis, AxisMask, Ns};
+use crate::units::{Axis, AxisMask, Crd, Ns};
 use crate::view::{Event, View};
 
 /// The state of an axis, among those before and behind another one, or that one itself.
@@ -26,9 +26,9 @@ impl Others<'_> {
 }
 
 /// Servos that entries switch in one tick.
-struct Switched {
-    on: u64,
-    off: u64,
+pub(crate) struct Switched {
+    pub(crate) on: u64,
+    pub(crate) off: u64,
 }
 
 impl Switched {
@@ -152,9 +152,9 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Entries have switched servos on or off.
     #[inline(never)]
-    fn switch_servos(&mut self, switched: Switched, next: Ns, lanes: &mut Lanes<'_, AXES>) {
-        let Lanes { events, samples, segments, tables, view, .. } = lanes;
-        let mut reach = Reach { events, samples, segments, tables: *tables };
+    pub(crate) fn switch_servos(&mut self, switched: Switched, next: Ns, lanes: &mut Lanes<'_, AXES>) {
+        let Lanes { events, samples, segments, tables, paths, view, .. } = lanes;
+        let mut reach = Reach { events, samples, segments, tables: *tables, paths };
         self.servo(AxisMask(switched.on), true, next, &mut reach);
         self.servo(AxisMask(switched.off), false, next, &mut reach);
         for axis in AxisMask(switched.on | switched.off).axes() {
@@ -194,6 +194,7 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     pub(crate) fn motion(&self, axis: Axis) -> Motion {
         let of = |axis: Axis| Some(&self.axes.get(axis.index())?.shown);
-        of(axis).map_or(Motion::REST, |shown| crate::view::motion(of, shown, self.period))
+        let crd = |crd: Crd| Some(&self.crds.get(crd)?.shown);
+        of(axis).map_or(Motion::REST, |shown| crate::view::motion(of, crd, shown, self.period))
     }
 }

@@ -8,6 +8,8 @@
 //! Order within a tick: inputs are sampled, then entries act, then every axis takes its step under its
 //! guards. So a limit seen now stops the set-point of the next tick.
 use crate::axis::{AxisState, Turn};
+use crate::crd::Crds;
+use crate::edges::{Edges, Levels};
 use crate::execute::Reach;
 use crate::follow::Order;
 use crate::laser::{Cause, Clock, Lasers};
@@ -18,9 +20,10 @@ pub use crate::pt::{SEGMENTS, SegmentStore};
 use crate::pt::{Segment, Segments};
 use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
 use crate::script::Script;
+use crate::slaves::Switched;
 use crate::trace::{Chosen, Trace};
-use crate::units::{Axis, AxisMask, Crd, Ns};
-use crate::view::{CrdView, Event, LaserView, Sample, Traced, View};
+use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns};
+use crate::view::{Event, LaserView, Sample, Traced, View};
 use ring::{Consumer, Producer, Writer};
 
 /// Entries of the immediate lane's ring.
@@ -123,7 +126,8 @@ pub struct Tick<const AXES: usize> {
     pub(crate) trace: Trace,
     pub(crate) lasers: Lasers,
     pub(crate) order: Order<AXES>,
-    pub(crate) crds: [CrdView; Crd::MAX],
+    pub(crate) crds: Crds,
+    pub(crate) edges: Edges,
     pub(crate) axes: [AxisState; AXES],
 }
 
@@ -149,7 +153,8 @@ impl<const AXES: usize> Tick<AXES> {
             clear: 0,
             axes: [AxisState::POWER_ON; AXES],
             order: Order::NONE,
-            crds: [CrdView::POWER_ON; Crd::MAX],
+            crds: Crds::POWER_ON,
+            edges: Edges::NONE,
             step_limit: config.period_ns as u64 * LIMIT_PER_NS,
             lasers: Lasers::new(config.laser_clock),
         }
@@ -189,13 +194,20 @@ impl<const AXES: usize> Tick<AXES> {
             self.execute_due(next, &mut period, port, lanes);
         }
 
+        if self.crds.running.0 != 0 {
+            let mut reach = Reach::of(lanes);
+            self.step_crds(next, &mut reach);
+        }
         if self.order.slaves.0 == 0 {
             self.step_axes::<false>(next, port, lanes);
         } else {
             self.step_axes::<true>(next, port, lanes);
             self.step_slaves(next, port, lanes);
         }
-        port.outputs(self.enable, self.clear, self.general);
+        port.outputs(0, self.enable, self.clear, self.general);
+        if !self.edges.is_empty() {
+            self.flush_edges(next, port, lanes);
+        }
         let (trace, samples) = (&mut self.trace, &mut lanes.samples);
         self.lasers.run(next, period, port, |channel, plan| trace.tell(channel, plan, samples));
         if let Some((row, chosen)) = self.trace.advance() {
@@ -257,9 +269,9 @@ impl<const AXES: usize> Tick<AXES> {
                 self.trace.put(Sample { row, of }, samples);
             }
         }
-        for (crd, shown) in Crd::all().zip(&self.crds) {
+        for (crd, state) in Crd::all().zip(&self.crds.states) {
             if chosen.crds.has(crd) {
-                self.trace.put(Sample { row, of: Traced::Crd { crd, motion: shown.motion } }, samples);
+                self.trace.put(Sample { row, of: Traced::Crd { crd, motion: state.shown.motion } }, samples);
             }
         }
         for (channel, shown) in (0..).zip(self.lasers.shown()) {
@@ -290,6 +302,10 @@ impl<const AXES: usize> Tick<AXES> {
         view.general_inputs = port.general_inputs();
         view.timer_mhz = self.lasers.clock.mhz();
         self.lasers.show(&mut view.lasers);
+        if view.crd_moves != self.crds.moves {
+            view.crd_moves = self.crds.moves;
+            self.crds.show(&mut view.crds);
+        }
         for (channel, value) in view.analog.iter_mut().enumerate().take(self.analog_inputs) {
             *value = port.analog(channel);
         }
@@ -298,8 +314,8 @@ impl<const AXES: usize> Tick<AXES> {
     /// Carries out what is due: the immediate lane, then the program lane, in order.
     #[inline(never)]
     fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
-        let Lanes { immediate, program, events, samples, segments, tables, .. } = lanes;
-        let mut reach = Reach { events, samples, segments, tables: *tables };
+        let Lanes { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
+        let mut reach = Reach { events, samples, segments, tables: *tables, paths };
         let mut left = ((self.period.0 >> 9) as u32).clamp(*ENTRIES_PER_TICK.start(), *ENTRIES_PER_TICK.end());
         // Entries are read where they lie: a copy of one costs as much as what it does.
         while left > 0
@@ -333,9 +349,9 @@ impl<const AXES: usize> Tick<AXES> {
             if !self.script.is_due(instant, next) {
                 break;
             }
-            if let Op::WaitRest { axes, crds: _ } = entry.op {
-                // The first tick, from its instant on, at which nothing of the mask runs.
-                let Some(since) = self.rest_since(axes) else { break };
+            if let Op::WaitRest { axes, crds } = entry.op {
+                // The first tick, from its instant on, at which nothing of the masks runs.
+                let Some(since) = self.rest_since(axes, crds) else { break };
                 instant = instant.max(self.script.of(since));
             }
             left = left.wrapping_sub(1);
@@ -349,9 +365,24 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Since when all of these axes are at rest; none while one runs.
-    fn rest_since(&self, axes: AxisMask) -> Option<Ns> {
-        let mut since = Ns(0);
+    /// Entries of paths have changed outputs within the coming interval.
+    #[inline(never)]
+    fn flush_edges(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
+        let before = Levels { enable: self.enable, clear: self.clear, general: self.general };
+        let after = self.edges.flush(before, port);
+        (self.clear, self.general) = (after.clear, after.general);
+        let (on, off) = (after.enable & !before.enable, before.enable & !after.enable);
+        if on | off != 0 {
+            self.switch_servos(Switched { on, off }, next, lanes);
+        }
+    }
+
+    /// Since when all of these are at rest; none while one runs.
+    fn rest_since(&self, axes: AxisMask, crds: CrdMask) -> Option<Ns> {
+        if crds.0 & self.crds.running.0 != 0 {
+            return None;
+        }
+        let mut since = crds.crds().filter_map(|crd| Some(self.crds.get(crd)?.rest_since)).max().unwrap_or_default();
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             if axes.0 >> index & 1 == 1 {
                 if state.runs() {

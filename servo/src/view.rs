@@ -1,10 +1,10 @@
 //! What the tick tells: the view of one tick, events, trace samples.
-use crate::crd::Frame;
+use crate::crd::{Frame, share};
 use crate::follow::{compose, straight};
 use crate::laser::{self, Bounds, Carrier, Cause, Power, Train};
 use crate::op::{Lane, Mode};
 use crate::path::{Bend, DIMENSIONS, Rest};
-use crate::piece::Motion;
+use crate::piece::{Motion, Scaled};
 use crate::port::AxisInputs;
 use crate::units::{Axis, Crd, Ns, Pos};
 
@@ -48,6 +48,8 @@ pub struct AxisView {
     pub mode: Mode,
     /// Follow: whose motion makes that of this axis; none while it stands whatever the master does.
     pub lead: Option<Lead>,
+    /// The coordinate system whose motion makes that of this axis; none while it does not drive it.
+    pub drive: Option<Drive>,
     /// PT: times a dynamic stream ended, for whatever reason (ran out, underrun, Stop, fault). Its data is
     /// cleared then, counts and times begin at 0, and segments pushed for an earlier epoch are void.
     pub epoch: u32,
@@ -86,6 +88,7 @@ impl AxisView {
         mode: Mode::Trap,
         motion: Motion::REST,
         lead: None,
+        drive: None,
         lead_way: 0,
         released: 0,
         passes: 0,
@@ -120,7 +123,7 @@ impl AxisView {
         (self.table, self.pending) = (now.table, now.pending);
         (self.table_zero, self.table_until) = (now.table_zero, now.table_until);
         let [first, second] = now.cleared;
-        self.lead = now.lead;
+        (self.lead, self.drive) = (now.lead, now.drive);
         (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, [first, second]);
         (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
@@ -137,13 +140,49 @@ pub struct Lead {
     pub down: bool,
 }
 
+/// How a coordinate system moves an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drive {
+    /// The axis is one of its coordinates.
+    Coordinate {
+        /// Whose.
+        crd: Crd,
+        /// Which, X is 0.
+        index: u8,
+    },
+    /// BufGear: the axis goes along with the path.
+    Gear {
+        /// Whose.
+        crd: Crd,
+        /// Its way per way of the path.
+        ratio: Scaled,
+    },
+}
+
+impl Drive {
+    /// The coordinate system.
+    pub fn crd(self) -> Crd {
+        match self {
+            Drive::Coordinate { crd, .. } | Drive::Gear { crd, .. } => crd,
+        }
+    }
+}
+
 /// The motion of an axis in time: its own, or made of that of its master, and of the masters before it.
-pub(crate) fn motion<'v>(of: impl Fn(Axis) -> Option<&'v AxisView>, axis: &'v AxisView, period: Ns) -> Motion {
+pub(crate) fn motion<'v>(
+    of: impl Fn(Axis) -> Option<&'v AxisView>,
+    crd: impl Fn(Crd) -> Option<&'v CrdView>,
+    axis: &'v AxisView,
+    period: Ns,
+) -> Motion {
     let mut chain = [None; Axis::MAX];
     let (mut view, mut leader) = (axis, Motion::REST);
     for place in &mut chain {
         let Some(lead) = view.lead else {
-            leader = view.motion;
+            leader = match view.drive {
+                Some(drive) => crd(drive.crd()).map_or(Motion::REST, |crd| share(drive, crd)),
+                None => view.motion,
+            };
             break;
         };
         *place = Some((view.motion, lead.down));
@@ -198,6 +237,8 @@ pub enum StopReason {
     WaitTimeout = 15,
     /// Follow: the step limit, 2³² pulse/ms, would have been exceeded.
     StepLimit = 16,
+    /// Of a coordinate system: another axis could not go along (BufGear) or be moved (BufMove).
+    OtherAxis = 17,
 }
 
 /// One coordinate system in one tick.
@@ -238,6 +279,20 @@ pub struct CrdView {
 }
 
 impl CrdView {
+    /// Becomes a copy of `now`, of which only what its counters tell is taken.
+    #[inline(always)]
+    pub(crate) fn follow(&mut self, now: &CrdView) {
+        if self.moves == now.moves {
+            return;
+        }
+        if self.changes != now.changes {
+            *self = *now;
+            return;
+        }
+        (self.moves, self.place, self.heading, self.bend) = (now.moves, now.place, now.heading, now.bend);
+        (self.motion, self.fifo, self.released, self.done) = (now.motion, now.fifo, now.released, now.done);
+    }
+
     /// At power-on.
     pub const POWER_ON: CrdView = CrdView {
         moves: 0,
@@ -397,6 +452,8 @@ pub struct View<const AXES: usize> {
     pub timer_mhz: u16,
     /// Analog inputs.
     pub analog: [i16; 8],
+    /// Counts changes of any of the coordinate systems.
+    pub crd_moves: u32,
     /// The coordinate systems.
     pub crds: [CrdView; Crd::MAX],
     /// The laser channels.
@@ -410,7 +467,7 @@ pub struct View<const AXES: usize> {
 impl<const AXES: usize> View<AXES> {
     /// The motion of one of the axes in time, of which its velocity and acceleration are read.
     pub fn motion(&self, axis: &AxisView) -> Motion {
-        motion(|axis| self.axes.get(axis.index()), axis, self.period)
+        motion(|axis| self.axes.get(axis.index()), |crd| self.crds.get(crd.index()), axis, self.period)
     }
 
     /// A controller at power-on; all bytes are zero.
@@ -433,6 +490,7 @@ impl<const AXES: usize> View<AXES> {
         enable: 0,
         clear: 0,
         timer_mhz: 0,
+        crd_moves: 0,
         crds: [CrdView::POWER_ON; Crd::MAX],
         lasers: [LaserView::BEFORE; laser::CHANNELS],
         inputs: [AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false };

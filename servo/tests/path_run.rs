@@ -2,7 +2,7 @@
 //! Expected figures are closed forms: v²/2a for a way of braking, v/a for its time.
 use servo::op::DoGroup;
 use servo::path::{Along, Change, Effects, Entry, Feed, Fine, Path, Rate, Refused, Rest, Step};
-use servo::piece::Motion;
+use servo::piece::{Motion, Scaled};
 use servo::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
 
@@ -519,7 +519,7 @@ fn other_effects_carry_their_numbers() {
             0
         }
         fn rest(&mut self, _: Fine, _: Rest) {}
-        fn gear(&mut self, _: Axis, _: Pos) {}
+        fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
         fn geared(&mut self, _: Axis, _: i32) {}
     }
     let axis = Axis::new(9).unwrap();

@@ -47,10 +47,10 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn set_point(&mut self, axis: Axis, pos: Pos) {
         self.set_points[axis.index()] = pos;
     }
-    fn outputs(&mut self, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: u32) {
         self.outputs = (enable, clear, general);
     }
-    fn analog_out(&mut self, channel: usize, value: i16) {
+    fn analog_out(&mut self, _: u32, channel: usize, value: i16) {
         self.analog_out[channel] = value;
     }
     fn interlock(&mut self) -> bool {

@@ -58,11 +58,11 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.plant.set_point(axis.index(), pos.0);
     }
 
-    fn outputs(&mut self, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: u32) {
         outputs::set(enable, clear, general);
     }
 
-    fn analog_out(&mut self, channel: usize, value: i16) {
+    fn analog_out(&mut self, _: u32, channel: usize, value: i16) {
         outputs::set_analog(channel, value);
     }
 

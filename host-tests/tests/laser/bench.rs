@@ -57,8 +57,8 @@ impl Port for Machine {
         0
     }
     fn set_point(&mut self, _: Axis, _: Pos) {}
-    fn outputs(&mut self, _: u64, _: u64, _: u32) {}
-    fn analog_out(&mut self, _: usize, _: i16) {}
+    fn outputs(&mut self, _: u32, _: u64, _: u64, _: u32) {}
+    fn analog_out(&mut self, _: u32, _: usize, _: i16) {}
     fn interlock(&mut self) -> bool {
         self.interlock
     }

@@ -167,7 +167,7 @@ impl<const AXES: usize> Machine<AXES> {
         self.see_interlock(self.now_ns);
     }
 
-    fn note(&mut self, before: u64, after: u64, output: fn(u8) -> Output) {
+    fn note(&mut self, at_ns: u64, before: u64, after: u64, output: fn(u8) -> Output) {
         let mut changed = before ^ after;
         while changed != 0 {
             let bit = changed.trailing_zeros() as u8;
@@ -175,7 +175,7 @@ impl<const AXES: usize> Machine<AXES> {
             if self.edges.len() == EDGES {
                 self.edges.pop_front();
             }
-            self.edges.push_back(Edge { at_ns: self.next_ns, output: output(bit), level: after >> bit & 1 == 1 });
+            self.edges.push_back(Edge { at_ns, output: output(bit), level: after >> bit & 1 == 1 });
         }
     }
 }
@@ -201,17 +201,18 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.plant.set_point(axis.index(), pos.0);
     }
 
-    fn outputs(&mut self, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: u32) {
         let before = self.outputs;
         if (before.enable, before.clear, before.general) != (enable, clear, general) {
-            self.note(before.enable, enable, Output::Enable);
-            self.note(before.clear, clear, Output::Clear);
-            self.note(before.general.into(), general.into(), Output::General);
+            let at_ns = self.next_ns + u64::from(at);
+            self.note(at_ns, before.enable, enable, Output::Enable);
+            self.note(at_ns, before.clear, clear, Output::Clear);
+            self.note(at_ns, before.general.into(), general.into(), Output::General);
             self.outputs = Outputs { enable, clear, general, ..before };
         }
     }
 
-    fn analog_out(&mut self, channel: usize, value: i16) {
+    fn analog_out(&mut self, _: u32, channel: usize, value: i16) {
         if let Some(place) = self.outputs.analog.get_mut(channel) {
             *place = value;
         }

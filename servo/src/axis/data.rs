@@ -13,7 +13,7 @@ impl AxisState {
     /// Whether PT must not start.
     pub(crate) fn refuses_pt(&self, fifo1: bool) -> bool {
         let fifo = if self.shown.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
-        self.refuses_start() || self.runs || !self.is_pt() || self.end(fifo) == 0
+        self.refuses_start() || self.runs() || !self.is_pt() || self.end(fifo) == 0
     }
 
     fn is_pt(&self) -> bool {
@@ -47,7 +47,7 @@ impl AxisState {
     /// Whether PVT must not start.
     pub(crate) fn refuses_pvt(&self, tables: &impl Tables) -> bool {
         let empty = Header::from_words(tables.header(self.table)).places == 0;
-        self.refuses_start() || self.runs || self.shown.mode != Mode::Pvt || empty
+        self.refuses_start() || self.runs() || self.shown.mode != Mode::Pvt || empty
     }
 
     /// PVT begins; its time is 0 at `next`.
@@ -61,7 +61,7 @@ impl AxisState {
     /// The table of the next start, or the one that takes over when the present pass ends.
     pub(crate) fn select(&mut self, table: u8) {
         self.table = table;
-        if !self.runs {
+        if !self.runs() {
             self.shown.table = table;
             (self.shown.table_zero, self.shown.table_until) = (Ns(0), Ns(0));
         } else if self.profile.select(table) {
@@ -120,10 +120,10 @@ impl AxisState {
     /// Empties a FIFO that is not running.
     pub(crate) fn clear_fifo(&mut self, fifo: u8) {
         if self.shown.mode == Mode::PtDynamic {
-            if !self.runs {
+            if !self.runs() {
                 self.clear_data();
             }
-        } else if !self.runs || self.fifo != fifo {
+        } else if !self.runs() || self.fifo != fifo {
             let [first, second] = &mut self.ends;
             *(if fifo == 0 { first } else { second }) = 0;
         }
@@ -131,7 +131,7 @@ impl AxisState {
 
     /// Which of the master's motion counts, at rest; another one clears the data.
     pub(crate) fn set_direction(&mut self, direction: follow::Direction) {
-        if !self.runs && self.follow.direction != direction {
+        if !self.runs() && self.follow.direction != direction {
             self.follow.direction = direction;
             self.follow.clear_all();
         }
@@ -155,7 +155,7 @@ impl AxisState {
 
     /// Empties a FIFO of Follow that is not running.
     pub(crate) fn clear_entries(&mut self, fifo: u8) {
-        if !self.runs || self.shown.fifo != fifo {
+        if !self.runs() || self.shown.fifo != fifo {
             self.follow.clear(fifo);
         }
     }

@@ -36,7 +36,7 @@ impl AxisState {
         let ready = matches!(self.shown.mode, Mode::Follow | Mode::FollowEx)
             && self.follow.master.is_some()
             && !self.follow.is_empty(fifo1 as u8);
-        self.refuses_start() || self.runs || !ready
+        self.refuses_start() || self.runs() || !ready
     }
 
     /// Follow or FollowEx begins with the tick at `next`.
@@ -107,6 +107,7 @@ impl AxisState {
             Value::PlannedFiltered | Value::EncoderFiltered => Path::Filtered,
             Value::Planned => match self.follower() {
                 Some(follower) => Path::Track(follower.track()),
+                None if self.driven => Path::Straight,
                 None => Path::Pieces {
                     before: self.profile.before(now),
                     piece: self.profile.piece(),
@@ -124,6 +125,7 @@ impl AxisState {
             Value::Encoder => Some(reading(self.count)),
             Value::Planned => {
                 let straight = match self.profile.supply() {
+                    _ if self.driven => true,
                     Supply::Follow(own) if self.runs => own.track().is_straight(),
                     _ => follower.knows(self.profile.piece()),
                 };

@@ -48,7 +48,7 @@ impl AxisState {
         self.shown.encoder = encoder;
         self.switches = self.inputs.switches(levels);
         self.set_bounds();
-        let runs = self.runs;
+        let runs = self.runs();
         let mut causes = self.switches;
         if self.servo_on {
             causes |= self.inputs.following_error(self.shown.pos, encoder);
@@ -140,6 +140,13 @@ impl AxisState {
     }
 
     fn stopped_by(&mut self, next: Ns, reason: StopReason) -> StopReason {
+        self.latch_limit(reason);
+        self.halt(next, reason);
+        reason
+    }
+
+    /// A limit that stops a motion blocks further ones.
+    pub(super) fn latch_limit(&mut self, reason: StopReason) {
         let limit = match reason {
             StopReason::LimitPositive | StopReason::SoftPositive => status::LIMIT_POSITIVE,
             StopReason::LimitNegative | StopReason::SoftNegative => status::LIMIT_NEGATIVE,
@@ -147,12 +154,10 @@ impl AxisState {
         };
         self.latched |= limit;
         self.block(self.shown.blocked | limit);
-        self.halt(next, reason);
-        reason
     }
 
     /// What stands between two positions, and where it holds the axis.
-    fn barrier(&self, from: Pos, to: Pos) -> Option<(Pos, StopReason)> {
+    pub(super) fn barrier(&self, from: Pos, to: Pos) -> Option<(Pos, StopReason)> {
         let inputs = &self.inputs;
         if to > from {
             if self.switches & status::LIMIT_POSITIVE != 0 {

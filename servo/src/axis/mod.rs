@@ -4,6 +4,7 @@
 //! position there, the status word, events. Owns: everything of the axis but its PT segments.
 //! Fails: never; a motion that must not go on stops, with a reason.
 mod data;
+mod driven;
 mod follow;
 mod guard;
 mod motion;
@@ -19,7 +20,7 @@ use crate::port::AxisInputs;
 use crate::profile::Profile;
 use crate::ramp::{Accel, Speed, Trapezoid};
 use crate::status;
-use crate::units::{Exact, Ns, Pos};
+use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 
 /// Segments of one static FIFO.
@@ -67,7 +68,10 @@ pub(crate) struct AxisState {
     calm: Calm,
     /// The status word may have changed.
     pub(crate) news: bool,
+    /// By its own profile.
     runs: bool,
+    /// By a coordinate system.
+    driven: bool,
     /// Input levels, sampled, as bits.
     levels: u8,
     pub(crate) servo_on: bool,
@@ -110,6 +114,8 @@ pub(crate) struct AxisState {
     table_passes: u32,
     /// Follow.
     pub(crate) follow: following::Setup,
+    /// The coordinate system that it is mapped to, or that drives it.
+    pub(crate) crd: Option<Crd>,
 }
 
 /// [`AxisView::table_until`] while a table is in force.
@@ -123,6 +129,8 @@ impl AxisState {
         shown: AxisView::POWER_ON,
         profile: Profile::REST,
         runs: false,
+        driven: false,
+        crd: None,
         ending: StopReason::None,
         rest_since: Ns(0),
         exact: Exact(0),
@@ -164,8 +172,10 @@ impl AxisState {
         self.calm == Calm::Settled
     }
 
+    /// Whether it moves, by itself or driven by a coordinate system.
+    #[inline(always)]
     pub(crate) fn runs(&self) -> bool {
-        self.runs
+        self.runs || self.driven
     }
 
     /// Something is about to differ from the last view.
@@ -202,7 +212,7 @@ impl AxisState {
         if self.servo_on {
             word |= status::SERVO_ON;
         }
-        if self.runs {
+        if self.runs() {
             word |= status::RUNNING;
         } else if self.in_position {
             word |= status::IN_POSITION;
@@ -212,10 +222,10 @@ impl AxisState {
 
     /// The mode, at rest; another one clears the PT data.
     pub(crate) fn set_mode(&mut self, mode: Mode) {
-        if self.runs || self.shown.mode == mode {
+        if self.runs() || self.shown.mode == mode {
             return;
         }
-        self.shown.mode = mode;
+        (self.shown.mode, self.crd) = (mode, None);
         self.shown.pt_state = 0;
         self.shown.passes = 0;
         self.clear_data();

@@ -37,7 +37,7 @@ impl AxisState {
             inputs.soft_negative.is_some_and(|limit| self.shown.pos <= Pos::pulses(limit))
         };
         let towards = if way > 0 { status::LIMIT_POSITIVE } else { status::LIMIT_NEGATIVE };
-        self.refuses_start() || way != 0 && (at_soft || self.switches & towards != 0)
+        self.refuses_start() || self.driven || way != 0 && (at_soft || self.switches & towards != 0)
     }
 
     /// Jog or Trap begins or changes; its time is 0 at `next`.
@@ -67,7 +67,7 @@ impl AxisState {
     }
 
     /// Where it will be, and how fast, at `next`, as things stand; and whether it still runs there.
-    fn moving(&mut self, next: Ns, source: &(impl Segments + Tables)) -> (Moving, bool) {
+    pub(super) fn moving(&mut self, next: Ns, source: &(impl Segments + Tables)) -> (Moving, bool) {
         let rest = |pos| (Moving { pos, velocity: Scaled { m: 0, e: 0 } }, false);
         if !self.runs {
             return rest(self.exact);

@@ -15,7 +15,7 @@ impl AxisState {
 
     /// The planned position, at rest, is called `at`; the machine does not move.
     fn rename(&mut self, at: Pos) {
-        if !self.runs {
+        if !self.runs() {
             self.zero = Pos(self.zero.0.wrapping_add(at.0.wrapping_sub(self.shown.pos.0)));
             self.shown.pos = at;
             self.exact = exact(at);
@@ -30,7 +30,7 @@ impl AxisState {
 
     /// Planned position and encoder both read 0.
     pub(crate) fn zero_position(&mut self) {
-        if !self.runs {
+        if !self.runs() {
             self.rename(Pos(0));
             self.set_encoder(0);
         }

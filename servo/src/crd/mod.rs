@@ -1,8 +1,94 @@
-//! Coordinate systems in the tick: axes that a [`Path`](crate::path::Path) drives.
+//! Coordinate systems in the tick: axes that a [`Path`] drives.
 //!
 //! In: a [`Frame`] each, entries in two FIFOs, operations, the axes as they stand. Out: set-points of the axes, what
-//! entries do, with exact instants; what the thread sees ([`crate::view::CrdView`]). Owns the paths. Fails: never; a
-//! path that must not go on stops, with a reason.
+//! entries do, with exact instants; what the thread sees ([`CrdView`]). Owns the paths. Fails: never; a path that must
+//! not go on stops, with a reason.
+//!
+//! | file | what it is |
+//! | --- | --- |
+//! | `frame` | which axes, and from where |
+//! | `orders` | what operations do: set, clear, start, stop |
+//! | `drive` | a tick of those that run, before that of the axes |
+//! | `sink` | what entries do to the rest of the machine |
+//! | `share` | the motion of one axis, for readers |
+mod drive;
 mod frame;
+mod orders;
+mod share;
+mod sink;
 
 pub use frame::{Frame, Refused};
+pub(crate) use share::share;
+
+use crate::path::{Feed, Path};
+use crate::units::{Axis, AxisMask, CrdMask, Ns};
+use crate::view::{CrdView, StopReason};
+
+/// One coordinate system.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CrdState {
+    /// What the thread sees; also the state itself, where it is the same thing.
+    pub(crate) shown: CrdView,
+    path: Path,
+    /// Why it will have stopped, if it is told to.
+    ending: StopReason,
+    /// Since which tick it is at rest.
+    pub(crate) rest_since: Ns,
+    /// Axes that go along with the motion in force.
+    geared: AxisMask,
+    /// The axis that a modal move has sent away.
+    awaited: Option<Axis>,
+}
+
+impl CrdState {
+    pub(crate) const POWER_ON: CrdState = CrdState {
+        shown: CrdView::POWER_ON,
+        path: Path::IDLE,
+        ending: StopReason::None,
+        rest_since: Ns(0),
+        geared: AxisMask(0),
+        awaited: None,
+    };
+
+    fn feed(&self) -> Feed {
+        Feed { ends: self.shown.ends }
+    }
+
+    /// Something that is not a place on the path differs from the last view.
+    fn touch(&mut self) {
+        self.shown.changes = self.shown.changes.wrapping_add(1);
+        self.shown.moves = self.shown.moves.wrapping_add(1);
+    }
+}
+
+/// All coordinate systems of a controller.
+#[derive(Debug)]
+pub(crate) struct Crds {
+    pub(crate) states: [CrdState; crate::units::Crd::MAX],
+    /// Those that run.
+    pub(crate) running: CrdMask,
+    /// Counts changes of what any of them shows.
+    pub(crate) moves: u32,
+}
+
+impl Crds {
+    pub(crate) const POWER_ON: Crds =
+        Crds { states: [CrdState::POWER_ON; crate::units::Crd::MAX], running: CrdMask(0), moves: 0 };
+
+    pub(crate) fn get(&self, crd: crate::units::Crd) -> Option<&CrdState> {
+        self.states.get(crd.index())
+    }
+
+    fn get_mut(&mut self, crd: crate::units::Crd) -> Option<&mut CrdState> {
+        self.moves = self.moves.wrapping_add(1);
+        self.states.get_mut(crd.index())
+    }
+
+    /// A view of them catches up.
+    #[inline(never)]
+    pub(crate) fn show(&self, shown: &mut [CrdView]) {
+        for (to, state) in shown.iter_mut().zip(&self.states) {
+            to.follow(&state.shown);
+        }
+    }
+}

@@ -11,7 +11,7 @@ const PER_MS: Recip = Recip { m: (u128::MAX / (1_000_000 << 44) - (1 << 64)) as 
 const UNITS: Real = Real::new(false, (1 << 63) / 15625, -47);
 
 /// A motion of this velocity, pulse/ms, and acceleration, pulse/ms².
-fn of(velocity: Real, acceleration: Real) -> Motion {
+pub fn of(velocity: Real, acceleration: Real) -> Motion {
     let half = acceleration.scale(-1);
     let frac = (60 - velocity.width().max(half.width())).clamp(0, 118);
     if velocity.is_zero() && half.is_zero() {

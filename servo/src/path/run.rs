@@ -11,17 +11,17 @@ mod motions;
 
 use super::entry::{Along, Change, Entry, Item, Rate};
 use super::plan::Plan;
-use super::shape::{Along as Geared, Shape};
+use super::shape::{Along as Geared, Bend, Shape};
 use super::store::Entries;
 use super::{DIMENSIONS, Fine};
-use crate::piece::{Motion, Piece};
+use crate::piece::{Motion, Piece, Scaled};
 use crate::ramp::Accel;
 use crate::real::Real;
 use crate::units::{Axis, Exact, Ns, Pos};
 
 /// Entries with effects in a tick (SPEC 5); the path holds before the next one until the next tick. As many may stand
 /// between two motions that are passed at speed.
-const EFFECTS: u32 = 8;
+pub(crate) const EFFECTS: u32 = 8;
 /// Motions entered in a tick; the same holds.
 const MOTIONS: u32 = 32;
 /// Axes that go along with one motion.
@@ -34,10 +34,15 @@ pub trait Effects {
     fn change(&mut self, at: Fine, change: &Change) -> Fine;
     /// The path comes to rest.
     fn rest(&mut self, at: Fine, rest: Rest);
-    /// An axis goes along with the motion in force: its displacement since the motion began, at the step's tick.
-    fn gear(&mut self, axis: Axis, by: Pos);
+    /// An axis goes along with the motion in force: its displacement since the motion began, at the step's tick, and
+    /// its way per way of the path.
+    fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled);
     /// An axis has gone along to the end of a motion, which moved it by this much.
     fn geared(&mut self, axis: Axis, pulses: i32);
+    /// Whether the path may be at this place; else it comes to rest before it.
+    fn admits(&mut self, _place: &[Pos; DIMENSIONS]) -> bool {
+        true
+    }
 }
 
 /// Why a path comes to rest.
@@ -52,6 +57,8 @@ pub enum Rest {
     Underrun,
     /// A Stop. It can go on.
     Stopped,
+    /// A place that it must not go to. It can go on from there.
+    Obstructed,
 }
 
 /// How many entries of each FIFO are there, counted since it was cleared.
@@ -99,6 +106,8 @@ pub struct Step {
     pub heading: [i32; DIMENSIONS],
     /// The way along the motion in force as a piece: its velocity is the path's.
     pub motion: Motion,
+    /// How the direction turns.
+    pub bend: Bend,
     /// Whether it runs; it also does while it waits.
     pub runs: bool,
     /// FIFO in force.
@@ -259,6 +268,38 @@ impl Path {
         *self.cursor(fifo) = Cursor::NEW;
     }
 
+    /// At rest, it is here: its axes are called something else now.
+    pub fn rename(&mut self, here: [Pos; DIMENSIONS]) {
+        self.here = here;
+    }
+
+    /// Where it is while it does not move.
+    pub fn here(&self) -> [Pos; DIMENSIONS] {
+        self.here
+    }
+
+    /// Whether a start with this FIFO goes on where the FIFO was left.
+    pub fn goes_on(&self, fifo: u8) -> bool {
+        self.cursor_of(fifo).kept
+    }
+
+    /// Whether it waits.
+    pub fn waits(&self) -> bool {
+        matches!(self.stage, Stage::Wait { .. })
+    }
+
+    /// Whether it brakes.
+    pub fn stops(&self) -> bool {
+        self.stopping
+    }
+
+    /// Of a FIFO that was left, or begins, within a motion: the axes that go along, and how far they have gone.
+    pub fn gears(&self, fifo: u8) -> impl Iterator<Item = (Axis, Pos)> {
+        let cursor = self.cursor_of(fifo);
+        let (inside, way) = (if cursor.inside { cursor.geared } else { 0 }, cursor.way.round());
+        cursor.gears.iter().take(inside).map(move |gear| (gear.axis, gear.along.at(way)))
+    }
+
     /// Whether it moves or waits.
     pub fn runs(&self) -> bool {
         !matches!(self.stage, Stage::Rest)
@@ -321,7 +362,7 @@ impl Path {
             }
             Stage::Move if abrupt => {
                 self.catch_up(now);
-                self.halt(now, feed, sink);
+                self.halt(now, Rest::Stopped, feed, sink);
             }
             Stage::Move => {
                 self.stopping = true;
@@ -356,6 +397,9 @@ impl Path {
         // A tick that makes a piece does not make anything ahead.
         let has_time = self.piece.is_some() && !self.is_prepared();
         let shown = self.look(next, sink);
+        if shown.motion != Motion::REST && !sink.admits(&shown.place) {
+            return self.hold(next, sink, feed);
+        }
         if self.due < next.0.wrapping_add(period.0) {
             self.walk(until, &mut budget, feed, source, sink);
         } else if has_time {
@@ -379,12 +423,30 @@ impl Path {
             let motion = piece.motion(tau);
             let cursor = self.cursor_of(self.fifo);
             for gear in cursor.gears.iter().take(cursor.geared) {
-                sink.gear(gear.axis, gear.along.at(way));
+                sink.gear(gear.axis, gear.along.at(way), gear.along.ratio());
             }
             let (place, heading) = self.shape.at(way);
-            return Step { place, heading, motion, runs: true, fifo, done };
+            return Step { place, heading, bend: self.shape.bend(), motion, runs: true, fifo, done };
         }
-        Step { place: self.here, heading: [0; DIMENSIONS], motion: Motion::REST, runs: self.runs(), fifo, done }
+        let (heading, bend, motion) = ([0; DIMENSIONS], Bend::STRAIGHT, Motion::REST);
+        Step { place: self.here, heading, bend, motion, runs: self.runs(), fifo, done }
+    }
+
+    /// The place of the motion in force at `next` is not admitted: it comes to rest on the way there.
+    #[inline(never)]
+    fn hold(&mut self, next: Ns, sink: &mut impl Effects, feed: Feed) -> Step {
+        let at = (next.0 as Fine) << 32;
+        let from = self.way;
+        self.catch_up(at);
+        // The furthest place of the leg that is, to 2⁻¹⁶ of the way; its beginning if none is.
+        let (mut low, mut high) = (from, self.way);
+        for _ in 0..16 {
+            let middle = Exact(low.0.wrapping_add(high.0) >> 1);
+            if sink.admits(&self.shape.at(middle.round()).0) { low = middle } else { high = middle }
+        }
+        self.way = low;
+        self.halt(at, Rest::Obstructed, feed, sink);
+        self.look(next, sink)
     }
 
     /// It waits where it is.
@@ -421,7 +483,7 @@ impl Path {
                         (self.leg, self.piece) = (self.leg.wrapping_add(1), None);
                         self.set_due();
                     }
-                    None if self.plan.halts => self.halt(self.time, feed, sink),
+                    None if self.plan.halts => self.halt(self.time, Rest::Stopped, feed, sink),
                     None => {
                         self.leave(sink);
                         self.go_on(budget, feed, source, sink);
@@ -523,11 +585,11 @@ impl Path {
     }
 
     /// Comes to rest within a motion.
-    fn halt(&mut self, at: Fine, feed: Feed, sink: &mut impl Effects) {
+    fn halt(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
         (self.here, _) = self.shape.at(self.way.round());
         let way = self.way;
         self.cursor(self.fifo).way = way;
-        self.rest(at, Rest::Stopped, feed, sink);
+        self.rest(at, rest, feed, sink);
     }
 
     /// Comes to rest here.

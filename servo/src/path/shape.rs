@@ -9,6 +9,7 @@
 use super::DIMENSIONS;
 use super::entry::{Item, Plane, Sweep};
 use super::sine::{sin_cos, sinc};
+use crate::piece::Scaled;
 use crate::real::Real;
 use crate::steps::whole;
 use crate::units::Pos;
@@ -31,6 +32,11 @@ impl Along {
         let ratio = Real::new(pulses < 0, pulses.unsigned_abs() as u64, 0).mul(inverse);
         let width = ratio.width().clamp(-40, 60);
         Along { ratio: ratio.to_i64(62 - width), width }
+    }
+
+    /// Way of the axis per way of the path.
+    pub(super) fn ratio(self) -> Scaled {
+        Scaled { m: self.ratio, e: (62 - self.width) as i16 }
     }
 
     /// Displacement after `way`.
@@ -193,6 +199,17 @@ impl Shape {
     /// Where it ends, exactly.
     pub(super) fn end(&self) -> [Pos; DIMENSIONS] {
         self.end
+    }
+
+    /// How its direction turns.
+    #[inline(always)]
+    pub(super) fn bend(&self) -> Bend {
+        match &self.figure {
+            Figure::Line { .. } => Bend::STRAIGHT,
+            Figure::Arc { plane, ccw, rate, shift, .. } => {
+                Bend { plane: *plane, ccw: *ccw, turns: *rate, shift: *shift }
+            }
+        }
     }
 
     /// The position after `way` of it, within 2⁻²¹ pulse, and the direction there, a unit vector in 2⁻³⁰.

@@ -23,7 +23,7 @@ pub struct Moving {
 }
 
 /// Time in 2⁻³² ns.
-type Fine = u128;
+pub type Fine = u128;
 
 /// What is done once the present leg has ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -227,6 +227,17 @@ impl RampRun {
         let mut run = RampRun::IDLE;
         run.begin_trap(now, from, to);
         run
+    }
+
+    /// When the motion will have ended, 2⁻³² ns; a Jog never does.
+    pub fn end(&self) -> Fine {
+        let mut run = *self;
+        for _ in 0..PIECES_PER_TICK {
+            if !run.next_leg() {
+                break;
+            }
+        }
+        run.time
     }
 
     /// Makes the piece that holds `now`, which is not before the end of the last one made; or the end.

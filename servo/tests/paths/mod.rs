@@ -1,6 +1,7 @@
 //! A host of paths for tests: entries in a list, everything told written down.
 #![allow(dead_code)] // each test file uses its part
 use servo::path::{Along, Change, Effects, Entries, Entry, Feed, Fine, Path, Rest, Step};
+use servo::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
 
 pub struct Script(pub Vec<Entry>);
@@ -32,7 +33,7 @@ impl Effects for Heard {
     fn rest(&mut self, at: Fine, rest: Rest) {
         self.rests.push((at, rest));
     }
-    fn gear(&mut self, axis: Axis, by: Pos) {
+    fn gear(&mut self, axis: Axis, by: Pos, _: Scaled) {
         self.gears.push((axis, by));
     }
     fn geared(&mut self, axis: Axis, pulses: i32) {

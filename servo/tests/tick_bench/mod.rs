@@ -1,10 +1,11 @@
 //! A tick on a bench: rings, a machine whose encoders follow at once, and hands to push things in.
 #![allow(dead_code)]
 use ring::{Consumer, Latest, Producer, Reader, Ring};
+use servo::crd::Frame;
 use servo::follow;
 use servo::laser::{Clock, Plan};
 use servo::op::{DoGroup, Entry, Mode, Op};
-use servo::path::EntryStore;
+use servo::path::{self, EntryStore};
 use servo::piece::Scaled;
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
@@ -12,7 +13,7 @@ use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::ramp::{Accel, Speed};
 use servo::steps;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, AxisMask, Crd, Ns, Pos};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use servo::view::{AxisView, Event, Sample, StopReason, View};
 
 pub const AXES: usize = 8;
@@ -26,6 +27,9 @@ pub struct Machine {
     pub outputs: (u64, u64, u32),
     pub analog_out: [i16; 8],
     pub general: u32,
+    /// Digital outputs as they were told inside an interval: its tick, ns after it, levels.
+    pub edges: Vec<(u32, u64, u64, u32)>,
+    pub analog_edges: Vec<(u32, usize, i16)>,
 }
 
 impl Port for Machine {
@@ -44,10 +48,14 @@ impl Port for Machine {
     fn set_point(&mut self, axis: Axis, pos: Pos) {
         self.set_points[axis.index()] = pos;
     }
-    fn outputs(&mut self, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: u32) {
+        if at != 0 {
+            self.edges.push((at, enable, clear, general));
+        }
         self.outputs = (enable, clear, general);
     }
-    fn analog_out(&mut self, channel: usize, value: i16) {
+    fn analog_out(&mut self, at: u32, channel: usize, value: i16) {
+        self.analog_edges.push((at, channel, value));
         self.analog_out[channel] = value;
     }
     fn interlock(&mut self) -> bool {
@@ -70,6 +78,8 @@ pub struct Bench {
     chains: [[(Chain, u32); 2]; AXES],
     /// The same of Follow.
     entries: [[follow::Chain; 2]; AXES],
+    /// Entries pushed into the FIFOs of each path.
+    pushed: [[u32; 2]; Crd::MAX],
 }
 
 /// What goes into a FIFO of Follow.
@@ -89,6 +99,14 @@ fn leak<T>(value: T) -> &'static mut T {
 
 pub fn axis(index: usize) -> Axis {
     Axis::new(index).unwrap()
+}
+
+pub fn crd(index: usize) -> Crd {
+    Crd::new(index).unwrap()
+}
+
+pub fn crd_mask(crds: &[usize]) -> CrdMask {
+    CrdMask(crds.iter().map(|index| 1 << index).sum())
 }
 
 pub fn all(axes: &[usize]) -> AxisMask {
@@ -135,6 +153,8 @@ impl Bench {
                 outputs: (0, 0, 0),
                 analog_out: [0; 8],
                 general: 0x5a,
+                edges: Vec::new(),
+                analog_edges: Vec::new(),
             },
             lanes: Lanes {
                 immediate: immediate_out,
@@ -154,6 +174,7 @@ impl Bench {
             seq: [0; 2],
             chains: [[(Chain::default(), 0); 2]; AXES],
             entries: Default::default(),
+            pushed: [[0; 2]; Crd::MAX],
         }
     }
 
@@ -246,6 +267,45 @@ impl Bench {
         }
         let epoch = self.view.read().axes[index].epoch;
         Op::PtCommit { axis: axis(index), fifo, end: *count, epoch }
+    }
+
+    /// A coordinate system that drives these axes as X, Y and so on; its zero is at `origin`, or where they are.
+    pub fn frame(&mut self, index: usize, axes: &[usize], origin: Option<[i32; 4]>) {
+        let mut mapped = [None; 4];
+        for (place, index) in mapped.iter_mut().zip(axes) {
+            *place = Some(axis(*index));
+        }
+        self.now(Op::CrdFrame { crd: crd(index), frame: Frame::admit(mapped, origin, 0).unwrap() });
+        self.pushed[index] = [0; 2];
+    }
+
+    /// Pushes entries into a FIFO of a path, and their commit into the immediate lane. `frame` or a clearing must
+    /// have been executed.
+    pub fn path(&mut self, index: usize, fifo: u8, entries: &[path::Entry]) {
+        let commit = self.path_data(index, fifo, entries);
+        self.now(commit);
+    }
+
+    /// The same; the commit is the caller's to push.
+    pub fn path_data(&mut self, index: usize, fifo: u8, entries: &[path::Entry]) -> Op {
+        let count = &mut self.pushed[index][fifo as usize];
+        for entry in entries {
+            self.lanes.paths[index][fifo as usize].write(*count, *entry);
+            *count += 1;
+        }
+        let cleared = self.view.read().crds[index].cleared[fifo as usize];
+        Op::CrdCommit { crd: crd(index), fifo, end: *count, cleared }
+    }
+
+    /// CrdClear.
+    pub fn clear_path(&mut self, index: usize, fifo: u8) {
+        self.now(Op::CrdClear { crd: crd(index), fifo });
+        self.pushed[index][fifo as usize] = 0;
+    }
+
+    /// CrdStart with FIFO 0.
+    pub fn start_path(&mut self, crds: &[usize]) -> u32 {
+        self.now(Op::CrdStart { crds: crd_mask(crds), fifo1: CrdMask(0) })
     }
 
     /// Admission forgets what it pushed: the FIFO was cleared.

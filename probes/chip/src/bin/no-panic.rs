@@ -8,6 +8,7 @@ use core::panic::PanicInfo;
 use hal::mps2_an500::machine::Machine;
 use probes::{AXES, PERIOD_NS};
 use servo::path::{Change, Effects, EntryStore, Feed, Fine, Path, Rest};
+use servo::piece::Scaled;
 use servo::tick::{Lanes, Tick};
 use servo::units::{Axis, Ns, Pos};
 
@@ -40,7 +41,7 @@ impl Effects for Sink {
         at
     }
     fn rest(&mut self, _: Fine, _: Rest) {}
-    fn gear(&mut self, _: Axis, _: Pos) {}
+    fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: Axis, _: i32) {}
 }
 

@@ -40,8 +40,8 @@ impl Port for Short {
     fn set_point(&mut self, axis: Axis, pos: Pos) {
         self.set_points[axis.index()] = pos;
     }
-    fn outputs(&mut self, _: u64, _: u64, _: u32) {}
-    fn analog_out(&mut self, _: usize, _: i16) {}
+    fn outputs(&mut self, _: u32, _: u64, _: u64, _: u32) {}
+    fn analog_out(&mut self, _: u32, _: usize, _: i16) {}
     fn interlock(&mut self) -> bool {
         false
     }

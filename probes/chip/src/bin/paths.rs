@@ -12,6 +12,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{debug, hprintln};
 use hal as _; // the vector table
 use servo::path::{Along, Change, Effects, Entry, EntryStore, Feed, Fine, Path, Plane, Rest, Step, Sweep};
+use servo::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
 
 const PERIOD: Ns = Ns(250_000);
@@ -36,7 +37,7 @@ impl Effects for Sink {
         0
     }
     fn rest(&mut self, _: Fine, _: Rest) {}
-    fn gear(&mut self, _: Axis, _: Pos) {}
+    fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: Axis, _: i32) {}
 }
 

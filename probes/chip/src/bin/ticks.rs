@@ -69,10 +69,10 @@ impl Port for Sink {
             *place = pos;
         }
     }
-    fn outputs(&mut self, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: u32) {
         self.outputs = (enable, clear, general);
     }
-    fn analog_out(&mut self, channel: usize, value: i16) {
+    fn analog_out(&mut self, _: u32, channel: usize, value: i16) {
         if let Some(place) = self.analog.get_mut(channel) {
             *place = value;
         }

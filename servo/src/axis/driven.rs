@@ -1,0 +1,143 @@
+//! An axis that a coordinate system drives: mapped to it, or going along with a motion; and one that it sends away.
+//!
+//! In: positions, a tick at a time, from the coordinate system, which steps before the axes. Out: as of any axis.
+//! Owns: nothing; while it is driven its own profile rests. Cannot fail: who drives asks before it goes somewhere.
+use super::{AxisState, exact};
+use crate::op::Mode;
+use crate::path::Fine;
+use crate::profile::Supply;
+use crate::pt::Segments;
+use crate::pvt::Tables;
+use crate::ramp::Trapezoid;
+use crate::status;
+use crate::units::{Crd, Exact, Ns, Pos};
+use crate::view::{Drive, StopReason};
+
+impl AxisState {
+    /// It belongs to a coordinate system from now on, at rest.
+    pub(crate) fn map(&mut self, crd: Crd) {
+        self.set_mode(Mode::Crd);
+        self.crd = Some(crd);
+        self.touch();
+    }
+
+    /// It belongs to none any more.
+    pub(crate) fn unmap(&mut self) {
+        self.set_mode(Mode::Trap);
+        self.touch();
+    }
+
+    /// Whether it is this coordinate system's own.
+    pub(crate) fn is_mapped(&self, crd: Crd) -> bool {
+        self.shown.mode == Mode::Crd && self.crd == Some(crd)
+    }
+
+    /// The coordinate system that drives it.
+    pub(crate) fn driver(&self) -> Option<Crd> {
+        self.crd.filter(|_| self.driven)
+    }
+
+    /// It is driven from now on; what goes along does so from `base`.
+    pub(crate) fn engage(&mut self, drive: Drive, base: Exact) {
+        (self.driven, self.crd, self.exact) = (true, Some(drive.crd()), base);
+        self.shown.drive = Some(drive);
+        self.touch();
+    }
+
+    /// Whether it may go along with a motion: at rest, and nobody else's.
+    pub(crate) fn refuses_gear(&self) -> bool {
+        self.refuses_start() || self.runs() || self.shown.mode == Mode::Crd
+    }
+
+    /// Its position at the tick computed.
+    #[inline(always)]
+    pub(crate) fn drive(&mut self, to: Pos) {
+        self.shown.pos = to;
+        self.shown.moves = self.shown.moves.wrapping_add(1);
+    }
+
+    /// Where it is before it goes along with a motion.
+    pub(crate) fn base(&self) -> Exact {
+        self.exact
+    }
+
+    /// How it goes along from now on, `by` so far.
+    pub(crate) fn go_along(&mut self, drive: Drive, by: Pos) {
+        if self.shown.drive != Some(drive) {
+            self.shown.drive = Some(drive);
+            self.touch();
+        }
+        self.drive(Pos(self.exact.round().0.wrapping_add(by.0)));
+    }
+
+    /// A motion that it went along with has ended.
+    pub(crate) fn gone_along(&mut self, pulses: i32) {
+        self.exact = Exact(self.exact.0.wrapping_add((pulses as i128) << 64));
+    }
+
+    /// It is driven no longer: it rests at `at`.
+    pub(crate) fn release(&mut self, next: Ns, at: Exact, reason: StopReason) {
+        if self.driven {
+            self.driven = false;
+            self.shown.drive = None;
+            if self.shown.mode != Mode::Crd {
+                self.crd = None;
+            }
+            self.rest(next, at, reason);
+        }
+    }
+
+    /// It is driven no longer: it rests where it is.
+    pub(crate) fn release_here(&mut self, next: Ns, reason: StopReason) {
+        self.release(next, exact(self.shown.pos), reason);
+    }
+
+    /// Why it must not be driven on.
+    #[inline(always)]
+    pub(crate) fn fault(&self) -> Option<StopReason> {
+        match self.causes & status::FAULTS {
+            0 => None,
+            causes if causes & status::ALARM != 0 => Some(StopReason::Alarm),
+            _ => Some(StopReason::FollowingError),
+        }
+    }
+
+    /// Whether nothing stands between the position in force and `to`.
+    #[inline(always)]
+    pub(crate) fn admits(&self, to: Pos) -> bool {
+        to >= self.lower && to <= self.upper || self.barrier(self.shown.pos, to).is_none()
+    }
+
+    /// Latches what stands there.
+    pub(crate) fn latch_barrier(&mut self, to: Pos) -> Option<StopReason> {
+        let (_, reason) = self.barrier(self.shown.pos, to)?;
+        self.latch_limit(reason);
+        Some(reason)
+    }
+
+    /// Goes to a target from `at` on, an instant of the interval that begins with the tick computed at `next`; until
+    /// when. None if it must not.
+    pub(crate) fn travel(
+        &mut self,
+        next: Ns,
+        at: Ns,
+        to: &Trapezoid,
+        source: &(impl Segments + Tables),
+    ) -> Option<Fine> {
+        if self.shown.mode != Mode::Trap || self.driven || self.refuses_start() {
+            return None;
+        }
+        if self.runs {
+            // The piece that holds `next` is in force before another one is made behind it.
+            self.step(next, source);
+        }
+        let (from, _) = self.moving(at, source);
+        self.profile.begin_ramp(at, |run| run.begin_trap(at, from, to));
+        let until = match self.profile.supply() {
+            Supply::Ramp(run) => run.end(),
+            _ => 0,
+        };
+        self.set_off(StopReason::Completed);
+        Some(until)
+    }
+}

@@ -1,0 +1,160 @@
+//! A tick of the coordinate systems that run, before that of the axes.
+//!
+//! In: the axes as the tick in force left them, entries. Out: where the mapped axes are at the tick computed, what
+//! entries do until the one after. Owns nothing. Cannot fail: what must not go on stops, and the reason is latched.
+use super::Frame;
+use crate::axis::AxisState;
+use crate::execute::Reach;
+use crate::path::{Rest, Step};
+use crate::tick::{Tick, tell};
+use crate::units::{Axis, AxisMask, Crd, Exact, Ns, Pos};
+use crate::view::{Event, StopReason};
+
+impl<const AXES: usize> Tick<AXES> {
+    /// Every coordinate system that runs takes its step.
+    #[inline(never)]
+    pub(crate) fn step_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        for crd in self.crds.running.crds() {
+            if let Some(reason) = self.forbids(crd) {
+                self.stop_crds(crd.mask(), true, reason, next, lanes);
+            }
+            self.step_crd(crd, next, lanes);
+        }
+    }
+
+    /// Those whose paths have come to rest are at rest.
+    pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        for crd in self.crds.running.crds() {
+            if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
+                self.step_crd(crd, next, lanes);
+            }
+        }
+    }
+
+    /// Why a path must not go on as it is.
+    #[inline(always)]
+    fn forbids(&self, crd: Crd) -> Option<StopReason> {
+        let state = self.crds.get(crd)?;
+        let axes = |axis: Axis| self.axes.get(axis.index());
+        let frame = state.shown.frame?;
+        for axis in frame.axes().into_iter().flatten() {
+            if let Some(reason) = axes(axis).and_then(AxisState::fault) {
+                return Some(reason);
+            }
+        }
+        if state.geared.0 | state.awaited.map_or(0, |axis| axis.mask().0) == 0 {
+            return None;
+        }
+        let others = || state.geared.axes().filter_map(axes);
+        if others().any(|axis| axis.fault().is_some() || axis.refuses_start()) {
+            return Some(StopReason::OtherAxis);
+        }
+        let awaited = axes(state.awaited?)?;
+        (!awaited.runs() && awaited.shown.stop != StopReason::Completed).then_some(StopReason::OtherAxis)
+    }
+
+    #[inline(always)]
+    fn step_crd(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        let period = self.period;
+        let mut step = None;
+        let (mut unable, mut obstacle, mut awaited) = (None, None, None);
+        let (mut geared, mut told) = (AxisMask(0), AxisMask(0));
+        self.with_path(crd, next, lanes, |path, _, feed, source, sink| {
+            step = Some((path.step(next, period, feed, source, sink), path.waits()));
+            (unable, obstacle, awaited, geared, told) =
+                (sink.unable, sink.obstacle, sink.awaited, sink.geared, sink.told);
+        });
+        let Some((step, waits)) = step else { return };
+        if let Some(state) = self.crds.get_mut(crd) {
+            state.geared = geared;
+            state.awaited = awaited.filter(|_| waits);
+        }
+        self.place(crd, &step);
+        let left = AxisMask(geared.0 & !told.0);
+        if left.0 != 0 || !step.runs {
+            self.let_go(crd, left, step.runs, next);
+        }
+        if let Some(state) = self.crds.states.get_mut(crd.index()) {
+            let shown = &mut state.shown;
+            shown.moves = shown.moves.wrapping_add(1);
+            (shown.place, shown.heading, shown.bend, shown.motion) = (step.place, step.heading, step.bend, step.motion);
+            shown.fifo = step.fifo;
+            shown.released = [state.path.released(0), state.path.released(1)];
+            for (fifo, done) in (0..).zip(&mut shown.done) {
+                if fifo == step.fifo {
+                    *done = step.done;
+                }
+            }
+        }
+        if !step.runs {
+            self.come_to_rest(crd, obstacle, next, lanes);
+        } else if unable.is_some() {
+            self.stop_crds(crd.mask(), true, StopReason::OtherAxis, next, lanes);
+        }
+    }
+
+    /// The mapped axes are where the path is.
+    #[inline(always)]
+    fn place(&mut self, crd: Crd, step: &Step) {
+        let Tick { crds, axes, .. } = self;
+        let Some(state) = crds.get(crd) else { return };
+        let mapped = state.shown.frame.map_or([None; 4], |frame| frame.axes());
+        for ((axis, at), origin) in mapped.iter().zip(&step.place).zip(&state.shown.origin) {
+            if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
+                axis.drive(Pos(at.0.wrapping_add(origin.0)));
+            }
+        }
+    }
+
+    /// Axes that go along no more: those that went to the end of their motion, and at rest all of them.
+    #[inline(never)]
+    fn let_go(&mut self, crd: Crd, left: AxisMask, runs: bool, next: Ns) {
+        let Tick { crds, axes, .. } = self;
+        let Some(state) = crds.states.get_mut(crd.index()) else { return };
+        if !runs {
+            // What was left within a motion stays where that is.
+            for (axis, by) in state.path.gears(state.shown.fifo) {
+                if let Some(axis_state) = axes.get_mut(axis.index())
+                    && state.geared.has(axis)
+                {
+                    let (Exact(base), Exact(gone)) = (axis_state.base(), by.into());
+                    axis_state.release(next, Exact(base.wrapping_add(gone)), state.ending);
+                    state.geared.0 &= !axis.mask().0;
+                }
+            }
+        }
+        let left = if runs { left } else { state.geared };
+        for axis in left.axes() {
+            if let Some(axis) = axes.get_mut(axis.index()) {
+                let base = axis.base();
+                axis.release(next, base, StopReason::Completed);
+            }
+        }
+        state.geared.0 &= !left.0;
+    }
+
+    /// The path is at rest.
+    #[inline(never)]
+    fn come_to_rest(&mut self, crd: Crd, obstacle: Option<(Axis, Pos)>, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        let Tick { crds, axes, .. } = self;
+        let Some(state) = crds.states.get_mut(crd.index()) else { return };
+        let reason = match state.shown.rest {
+            Rest::Never => StopReason::None,
+            Rest::Completed => StopReason::Completed,
+            Rest::Underrun => StopReason::Underrun,
+            Rest::Stopped => state.ending,
+            Rest::Obstructed => obstacle
+                .and_then(|(axis, to)| axes.get_mut(axis.index())?.latch_barrier(to))
+                .unwrap_or(StopReason::OtherAxis),
+        };
+        (state.shown.runs, state.shown.stop, state.rest_since) = (false, reason, next);
+        state.touch();
+        for axis in state.shown.frame.iter().flat_map(Frame::axes).flatten() {
+            if let Some(axis) = axes.get_mut(axis.index()) {
+                axis.release_here(next, reason);
+            }
+        }
+        crds.running.0 &= !crd.mask().0;
+        tell(lanes.events, &mut self.events_lost, Event::CrdStopped { crd, reason, now: next });
+    }
+}

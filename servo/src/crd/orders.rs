@@ -1,0 +1,279 @@
+//! What operations do to coordinate systems.
+//!
+//! In: admitted operations, the axes as they stand. Out: changed state, events. Owns nothing. Fails: a start that the
+//! state of a coordinate system or an axis forbids starts none of its mask and is told; whatever else does not fit any
+//! more has no effect.
+use super::sink::Sink;
+use super::{CrdState, Frame};
+use crate::execute::Reach;
+use crate::op::Lane;
+use crate::path::{DIMENSIONS, EntryStore, Feed, Path, Rate, Rules};
+use crate::piece::Scaled;
+use crate::ramp::Accel;
+use crate::tick::{Tick, tell};
+use crate::units::{AxisMask, Crd, CrdMask, Exact, Ns, Pos};
+use crate::view::{CrdView, Drive, Event, StopReason};
+
+/// How far from its zero, on every axis, a path may begin: as far as targets go.
+const REACH: u64 = 1 << (31 + Pos::FRAC_BITS);
+
+impl<const AXES: usize> Tick<AXES> {
+    /// SetCrdPrm, at rest.
+    pub(crate) fn set_frame(&mut self, crd: Crd, frame: Frame, paths: &[[EntryStore; 2]]) {
+        let axes = frame.mask();
+        let known = paths.len() > crd.index() && axes.0 & !self.in_use(axes).0 == 0;
+        let moving =
+            |mask: AxisMask| mask.axes().any(|axis| self.axes.get(axis.index()).is_none_or(|axis| axis.runs()));
+        if !known || self.crds.running.has(crd) || moving(axes) {
+            return;
+        }
+        self.drop_frame(crd);
+        for axis in axes.axes() {
+            if let Some(state) = self.axes.get_mut(axis.index()) {
+                state.map(crd);
+            }
+        }
+        let mut origin = frame.origin().unwrap_or_default().map(Pos::pulses);
+        if frame.origin().is_none() {
+            for (origin, axis) in origin.iter_mut().zip(frame.axes()) {
+                *origin = axis.and_then(|axis| self.axes.get(axis.index())).map_or(Pos(0), |state| state.shown.pos);
+            }
+        }
+        if let Some(state) = self.crds.get_mut(crd) {
+            state.path.rules = Rules::POWER_ON;
+            state.path.rules.set_even(frame.even_ms());
+            (state.shown.frame, state.shown.origin) = (Some(frame), origin);
+        }
+        self.rename_crds();
+    }
+
+    /// A coordinate system that drives nothing any more; its axes are in Trap mode.
+    fn drop_frame(&mut self, crd: Crd) {
+        let Some(state) = self.crds.get_mut(crd) else { return };
+        let CrdView { moves, changes, cleared: [first, second], frame, stop, .. } = state.shown;
+        *state = CrdState { rest_since: state.rest_since, ..CrdState::POWER_ON };
+        let cleared = [first.wrapping_add(1), second.wrapping_add(1)];
+        state.shown = CrdView { moves, changes, cleared, stop, ..CrdView::POWER_ON };
+        state.touch();
+        let mapped = frame.map_or(AxisMask(0), |frame| frame.mask());
+        for axis in mapped.axes() {
+            if let Some(state) = self.axes.get_mut(axis.index())
+                && state.is_mapped(crd)
+            {
+                state.unmap();
+            }
+        }
+    }
+
+    /// Axes are reset: no coordinate system drives them any more.
+    pub(crate) fn drop_frames(&mut self, axes: AxisMask) {
+        for crd in Crd::all() {
+            let frame = self.crds.get(crd).and_then(|state| state.shown.frame);
+            if frame.is_some_and(|frame| frame.mask().0 & axes.0 != 0) {
+                self.drop_frame(crd);
+            }
+        }
+    }
+
+    /// Axes at rest may be called something else now, and so the place of a path.
+    pub(crate) fn rename_crds(&mut self) {
+        let Tick { crds, axes, .. } = self;
+        for (crd, state) in Crd::all().zip(&mut crds.states) {
+            let Some(frame) = state.shown.frame.filter(|_| !crds.running.has(crd)) else { continue };
+            let mut here = [Pos(0); DIMENSIONS];
+            for ((here, axis), origin) in here.iter_mut().zip(frame.axes()).zip(&state.shown.origin) {
+                if let Some(axis) = axis.and_then(|axis| axes.get(axis.index())) {
+                    *here = Pos(axis.shown.pos.0.wrapping_sub(origin.0));
+                }
+            }
+            if here != state.path.here() {
+                state.path.rename(here);
+            }
+            if here != state.shown.place {
+                state.shown.place = here;
+                state.touch();
+                crds.moves = crds.moves.wrapping_add(1);
+            }
+        }
+    }
+
+    /// A FIFO ends there now.
+    pub(crate) fn commit_path(&mut self, crd: Crd, fifo: u8, end: u32, cleared: u32) {
+        if let Some(state) = self.crds.get_mut(crd) {
+            let CrdView { ends: [first, second], cleared: [old, other], .. } = &mut state.shown;
+            let (place, now) = if fifo == 0 { (first, *old) } else { (second, *other) };
+            if now == cleared {
+                *place = end;
+                state.touch();
+            }
+        }
+    }
+
+    /// Empties a FIFO, at rest.
+    pub(crate) fn clear_path(&mut self, crd: Crd, fifo: u8) {
+        if self.crds.running.has(crd) {
+            return;
+        }
+        if let Some(state) = self.crds.get_mut(crd) {
+            state.path.clear(fifo);
+            let shown = &mut state.shown;
+            for (k, (((end, cleared), done), released)) in
+                (0..).zip(shown.ends.iter_mut().zip(&mut shown.cleared).zip(&mut shown.done).zip(&mut shown.released))
+            {
+                if k == fifo {
+                    (*end, *cleared, *done, *released) = (0, cleared.wrapping_add(1), 0, 0);
+                }
+            }
+            state.touch();
+        }
+    }
+
+    /// These begin, or go on, with the tick at `next`, or none does.
+    pub(crate) fn start_crds(
+        &mut self,
+        (lane, seq): (Lane, u32),
+        crds: CrdMask,
+        fifo1: CrdMask,
+        next: Ns,
+        lanes: &mut Reach<'_, '_, AXES>,
+    ) {
+        if let Some(refusal) = crds.crds().find_map(|crd| self.refuses_crd(crd, fifo1.has(crd) as u8, lane, seq)) {
+            tell(lanes.events, &mut self.events_lost, refusal);
+            return;
+        }
+        for crd in crds.crds() {
+            let fifo = fifo1.has(crd) as u8;
+            let (Some(source), Some(state)) = (lanes.paths.get(crd.index()), self.crds.states.get_mut(crd.index()))
+            else {
+                continue;
+            };
+            let feed = state.feed();
+            state.path.start(next, fifo, feed, source);
+            (state.ending, state.shown.runs, state.awaited) = (StopReason::StopSmooth, true, None);
+            state.touch();
+            let frame = state.shown.frame;
+            for (index, axis) in frame.iter().flat_map(Frame::axes).enumerate() {
+                if let Some(axis) = axis.and_then(|axis| self.axes.get_mut(axis.index())) {
+                    let base = axis.base();
+                    axis.engage(Drive::Coordinate { crd, index: index as u8 }, base);
+                }
+            }
+            // What went along with a motion that was left goes on from where it is.
+            for (axis, by) in state.path.gears(fifo) {
+                if let Some(axis_state) = self.axes.get_mut(axis.index()) {
+                    let Exact(here) = axis_state.base();
+                    let Exact(gone) = by.into();
+                    axis_state.engage(Drive::Gear { crd, ratio: Scaled::default() }, Exact(here.wrapping_sub(gone)));
+                    state.geared.0 |= axis.mask().0;
+                }
+            }
+            self.crds.running.0 |= crd.mask().0;
+            self.crds.moves = self.crds.moves.wrapping_add(1);
+        }
+    }
+
+    /// Why a coordinate system must not start.
+    fn refuses_crd(&self, crd: Crd, fifo: u8, lane: Lane, seq: u32) -> Option<Event> {
+        let refused = Some(Event::CrdRefused { lane, seq, crd });
+        let Some(state) = self.crds.get(crd) else { return refused };
+        let Some(frame) = state.shown.frame else { return refused };
+        for axis in frame.axes().into_iter().flatten() {
+            let Some(axis_state) = self.axes.get(axis.index()) else { return refused };
+            if !axis_state.is_mapped(crd) {
+                return refused;
+            }
+            if axis_state.refuses_start() {
+                return Some(Event::Refused { lane, seq, axis, status: axis_state.status() });
+            }
+        }
+        for (axis, _) in state.path.gears(fifo) {
+            let Some(axis_state) = self.axes.get(axis.index()) else { return refused };
+            if axis_state.refuses_gear() {
+                return Some(Event::Refused { lane, seq, axis, status: axis_state.status() });
+            }
+        }
+        let far = state.path.here().iter().any(|at| at.0.unsigned_abs() > REACH);
+        let paths = &state.path;
+        if far || paths.refuses_start(fifo, state.feed()) { refused } else { None }
+    }
+
+    /// The coordinate systems that drive some of these axes.
+    pub(crate) fn drivers(&self, axes: AxisMask) -> CrdMask {
+        if self.crds.running.0 == 0 {
+            return CrdMask(0);
+        }
+        let driver = |axis: crate::units::Axis| self.axes.get(axis.index())?.driver();
+        CrdMask(axes.axes().filter_map(driver).fold(0, |mask, crd| mask | crd.mask().0))
+    }
+
+    /// These stop along their paths, for this reason.
+    pub(crate) fn stop_crds(
+        &mut self,
+        crds: CrdMask,
+        abrupt: bool,
+        reason: StopReason,
+        next: Ns,
+        lanes: &mut Reach<'_, '_, AXES>,
+    ) {
+        let running = CrdMask(crds.0 & self.crds.running.0);
+        for crd in running.crds() {
+            self.with_path(crd, next, lanes, |path, ending, feed, source, sink| {
+                if abrupt || *ending == StopReason::StopSmooth && !path.stops() {
+                    *ending = reason;
+                    path.stop(next, abrupt, feed, source, sink);
+                }
+            });
+        }
+    }
+
+    /// Override.
+    pub(crate) fn set_rate(&mut self, crd: Crd, rate: Rate, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        self.with_path(crd, next, lanes, |path, _, feed, source, _| {
+            path.rules.set_rate(rate);
+            path.replan(next, feed, source);
+        });
+    }
+
+    /// Stop deceleration.
+    pub(crate) fn set_crd_stop(&mut self, crd: Crd, dec: Accel) {
+        if let Some(state) = self.crds.get_mut(crd) {
+            state.path.rules.set_stop(dec);
+        }
+    }
+
+    /// A path with what it reaches.
+    pub(super) fn with_path(
+        &mut self,
+        crd: Crd,
+        next: Ns,
+        lanes: &Reach<'_, '_, AXES>,
+        act: impl FnOnce(&mut Path, &mut StopReason, Feed, &[EntryStore; 2], &mut Sink<'_>),
+    ) {
+        let Tick { crds, axes, edges, .. } = self;
+        let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
+            return;
+        };
+        let Some(frame) = state.shown.frame else { return };
+        let feed = state.feed();
+        let mut sink = Sink {
+            crd,
+            next,
+            frame,
+            origin: state.shown.origin,
+            axes,
+            edges,
+            segments: lanes.segments,
+            tables: lanes.tables,
+            told: AxisMask(0),
+            geared: state.geared,
+            rest: None,
+            unable: None,
+            awaited: state.awaited,
+            obstacle: None,
+        };
+        act(&mut state.path, &mut state.ending, feed, source, &mut sink);
+        if let Some(rest) = sink.rest {
+            state.shown.rest = rest;
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Outputs that change at instants inside the coming interval.
+//!
+//! In: changes with their instants, in the order in which they are found, which is that of time for each coordinate
+//! system. Out: the same in the order of time, to the machine. Owns: those of one tick. Fails: never; there is room
+//! for all that the coordinate systems may do in a tick.
+use crate::op::DoGroup;
+use crate::path::EFFECTS;
+use crate::port::Port;
+use crate::units::Crd;
+
+/// Every effect of a tick may be one.
+const ROOM: usize = Crd::MAX * EFFECTS as usize;
+
+/// What changes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Change {
+    /// Outputs of a group go to the levels of `value` where `mask` is set.
+    Digital { group: DoGroup, mask: u64, value: u64 },
+    /// An analog output.
+    Analog { channel: u8, value: i16 },
+}
+
+/// The changes of one tick.
+#[derive(Debug)]
+pub(crate) struct Edges {
+    list: [(u32, Change); ROOM],
+    count: usize,
+}
+
+/// Levels of the digital outputs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Levels {
+    pub(crate) enable: u64,
+    pub(crate) clear: u64,
+    pub(crate) general: u32,
+}
+
+impl Edges {
+    pub(crate) const NONE: Edges = Edges { list: [(0, Change::Analog { channel: 0, value: 0 }); ROOM], count: 0 };
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// A change `at` ns after the tick computed; behind those of the same instant.
+    pub(crate) fn add(&mut self, at: u32, change: Change) {
+        let mut place = self.count.min(ROOM - 1);
+        self.count = place + 1;
+        while place > 0
+            && let Some(&before) = self.list.get(place - 1)
+            && before.0 > at
+        {
+            if let Some(here) = self.list.get_mut(place) {
+                *here = before;
+            }
+            place -= 1;
+        }
+        if let Some(here) = self.list.get_mut(place) {
+            *here = (at, change);
+        }
+    }
+
+    /// Hands them to the machine, whose outputs have these levels at the tick computed; the levels at the end, and
+    /// which enables went on and off.
+    #[inline(never)]
+    pub(crate) fn flush(&mut self, mut levels: Levels, port: &mut impl Port) -> Levels {
+        for &(at, change) in self.list.iter().take(self.count) {
+            match change {
+                Change::Digital { group, mask, value } => {
+                    let set = |word: u64| word & !mask | value & mask;
+                    match group {
+                        DoGroup::Enable => levels.enable = set(levels.enable),
+                        DoGroup::Clear => levels.clear = set(levels.clear),
+                        DoGroup::General => levels.general = set(levels.general as u64) as u32,
+                    }
+                    port.outputs(at, levels.enable, levels.clear, levels.general);
+                }
+                Change::Analog { channel, value } => port.analog_out(at, channel as usize, value),
+            }
+        }
+        self.count = 0;
+        levels
+    }
+}
