@@ -21,8 +21,8 @@ use interrupts::{Receiver, Servo};
 use servo::pvt::TableStores;
 use servo::tick::{Lanes, Tick, TickConfig};
 use statics::{
-    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, NEWS, PATHS, PENDED, PLACES, PROGRAM_LANE, RECEIVER, RECEIVING,
-    REPORT, SERVER, SERVO, STORES, TRACE, VIEW,
+    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PATHS, PENDED, PLACES, PROGRAM_LANE, RECEIVER,
+    RECEIVING, REPORT, SERVER, SERVO, STORES, TRACE, VIEW,
 };
 use tasks::LinkParts;
 
@@ -83,7 +83,7 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
             events: events_in,
             samples: samples_in,
             segments: &STORES,
-            tables: TableStores { places: &PLACES, headers: &HEADERS },
+            tables: TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
             paths: &PATHS,
         },
     };
@@ -105,7 +105,7 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
         events,
         samples,
         stores: &STORES,
-        tables: TableStores { places: &PLACES, headers: &HEADERS },
+        tables: TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
     };
     let server = SERVER.init(Server::new(
         dispatcher::Board {

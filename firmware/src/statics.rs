@@ -6,6 +6,7 @@ use core::sync::atomic::AtomicBool;
 use dispatcher::Server;
 use embassy_executor::raw;
 use ring::{Latest, Ring};
+use servo::laser::Tables;
 use servo::op::Entry;
 use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES};
@@ -38,6 +39,8 @@ pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Thread to tick: entries of coordinate systems, a pair of FIFOs each.
 pub static PATHS: [[EntryStore; 2]; Crd::MAX] = [const { [const { EntryStore::new() }; 2] }; Crd::MAX];
+/// Thread to tick: tables of laser channels.
+pub static LASER_TABLES: Tables = Tables::new();
 /// Link interrupt to task: bytes received.
 pub static BYTES: Ring<u8, RECEIVED> = Ring::new();
 

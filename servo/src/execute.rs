@@ -101,6 +101,7 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             Op::Laser { channel, change } => self.lasers.change(channel, next, &change),
+            Op::FollowEnd { crds } => self.lasers.end_follow(crds),
             Op::Link { lost } => {
                 self.lasers.link(lost, self.script.runs);
                 if lost {

@@ -198,6 +198,8 @@ pub enum Op {
     CrdRate { crd: Crd, rate: path::Rate },
     /// A laser channel (from 0) changes.
     Laser { channel: u8, change: crate::laser::Change },
+    /// Ends the velocity follows that entries of these coordinate systems began (Stop, bits 10 and 11).
+    FollowEnd { crds: CrdMask },
     /// The host link is lost, or is there again. Its loss puts out a channel whose light is on or may come, and
     /// every channel while a program runs.
     Link { lost: bool },

@@ -209,7 +209,8 @@ impl<const AXES: usize> Tick<AXES> {
             self.flush_edges(next, port, lanes);
         }
         let (trace, samples) = (&mut self.trace, &mut lanes.samples);
-        self.lasers.run(next, period, port, |channel, plan| trace.tell(channel, plan, samples));
+        let (tables, axes) = (lanes.tables.lasers, &self.axes);
+        self.lasers.run(next, period, tables, axes, port, |channel, plan| trace.tell(channel, plan, samples));
         if let Some((row, chosen)) = self.trace.advance() {
             self.emit(row, chosen, &mut lanes.samples);
         }

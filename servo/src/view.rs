@@ -353,6 +353,12 @@ pub struct LaserView {
     pub cause_lasts: bool,
     /// Mapped coordinate systems, bit 0 is crd 1.
     pub crd_map: u8,
+    /// Whose path a velocity follow follows.
+    pub follows: Option<Crd>,
+    /// Which of its speeds.
+    pub source: laser::Source,
+    /// The bank of ratios that a distance follow reads.
+    pub bank: Option<u8>,
     /// Pulse width of the frequency mode, µs; 0 is none set.
     pub width_us: u16,
     /// Bounds of the power.
@@ -378,6 +384,9 @@ impl LaserView {
         fault: Cause::None,
         cause_lasts: false,
         crd_map: 0,
+        follows: None,
+        source: laser::Source::Planned,
+        bank: None,
         width_us: 0,
         bounds: Bounds::ZERO,
         direct: Power::ZERO,

@@ -2,7 +2,7 @@
 mod chance;
 mod laser_bench;
 use laser_bench::*;
-use servo::laser::{Cause, Change, Mode};
+use servo::laser::{Cause, Change, Family, Mode};
 use servo::op::Op;
 
 /// A channel whose light is one unbroken pulse: 100 % of a carrier.
@@ -276,7 +276,7 @@ fn another_mode_and_a_reset_cut_the_pulse() {
         bench.gate(true);
         bench.until(3250 * US);
         if reset {
-            bench.change(Change::Reset);
+            bench.change(Change::Reset { family: Family::Gus });
         } else {
             bench.mode(Mode::Frequency, 2000.0, 0.0, true);
         }
@@ -398,7 +398,7 @@ fn an_overrun_puts_out_both_channels() {
     bench.change(Change::ClearFault);
     assert_eq!(bench.tick().fault, Cause::Overrun);
     assert_eq!(bench.switch().last(), Some(&(8 * MS, false)));
-    bench.change(Change::Reset);
+    bench.change(Change::Reset { family: Family::Gus });
     let view = bench.tick();
     assert_eq!((view.fault, view.on_time), (Cause::Overrun, 0));
     bench.change(Change::ClearFault);

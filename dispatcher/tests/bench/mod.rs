@@ -138,7 +138,11 @@ impl<const AXES: usize> Bench<AXES> {
         let paths: &'static [[EntryStore; 2]] = leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]);
         let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
-        let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
+        let tables = TableStores {
+            places: Box::leak(places),
+            headers: leak(HeaderStore::new()),
+            lasers: leak(servo::laser::Tables::new()),
+        };
         let board = Board {
             name: "bench",
             profile,

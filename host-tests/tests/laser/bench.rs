@@ -165,7 +165,11 @@ impl Known {
             Command::Connector(laser) => Change::Connector { laser },
             Command::Reset => {
                 *self = Known::power_on(self.family, self.plans);
-                Change::Reset
+                let family = match self.family {
+                    Family::Gus => laser::Family::Gus,
+                    Family::Lsr => laser::Family::Lsr,
+                };
+                Change::Reset { family }
             }
             Command::Fault => return None,
             Command::Clear => Change::ClearFault,
@@ -189,7 +193,11 @@ impl Bench {
         let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
         let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
-        let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
+        let tables = TableStores {
+            places: Box::leak(places),
+            headers: leak(HeaderStore::new()),
+            lasers: leak(servo::laser::Tables::new()),
+        };
         let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
         let lanes =
             Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables, paths: &[] };

@@ -194,7 +194,11 @@ impl<const AXES: usize> Whole<AXES> {
         let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
         let places: Result<Box<[PlaceStore; TABLES]>, _> = places.try_into();
         let Ok(places) = places else { unreachable!("a row of TABLES stores was collected") };
-        let tables = TableStores { places: Box::leak(places), headers: forever(HeaderStore::new()) };
+        let tables = TableStores {
+            places: Box::leak(places),
+            headers: forever(HeaderStore::new()),
+            lasers: forever(servo::laser::Tables::new()),
+        };
         let paths: &'static [[EntryStore; 2]] = Box::leak((0..Crd::MAX).map(|_| Default::default()).collect());
         let (immediate_in, immediate_out) = forever(Ring::new()).split();
         let (program_in, program_out) = forever(Ring::new()).split();

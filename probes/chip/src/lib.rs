@@ -6,6 +6,7 @@
 //! twice.
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::Clock;
+use servo::laser::Tables;
 use servo::op::Entry;
 use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
@@ -31,8 +32,11 @@ pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Entries of coordinate systems.
 pub static PATHS: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
-/// Both.
-pub const TABLE_STORES: TableStores<'static> = TableStores { places: &PLACES, headers: &HEADERS };
+/// Tables of laser channels.
+pub static LASER_TABLES: Tables = Tables::new();
+/// All of them.
+pub const TABLE_STORES: TableStores<'static> =
+    TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES };
 
 /// The thread's halves.
 pub struct Thread {

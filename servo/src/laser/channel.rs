@@ -8,15 +8,18 @@
 //! the edges of their instant; a gate edge acts before the light's, which it may cancel.
 //!
 //! A tick in which nothing happens costs a comparison or two: `news` tells of changes, `wake` of edges.
-use super::dither::Clock;
+use super::buffered::{Agenda, Buffered, Event};
 use super::energy::Energy;
+use super::follow::Source;
 use super::gate::{Edges, Full};
+use super::law::{Family, Law};
 use super::light::OnTime;
 use super::plan::{Action, PLACES, Plan, Train};
-use super::power::{Bounds, Law, Power};
+use super::power::Power;
 use super::safety::{Cause, Safety};
-use super::{Change, Delays, Fpk, Mode, NEVER};
-use crate::units::Ns;
+use super::whose::Whose;
+use super::{Change, Delays, Fpk, Mode, NEVER, Surroundings};
+use crate::units::{Crd, CrdMask, Ns};
 use crate::view::LaserView;
 
 /// What an instant may need in a plan: an end of light and a beginning, a switch edge, a voltage.
@@ -67,6 +70,7 @@ pub(super) struct Channel {
     fpk: Option<Fpk>,
     // State.
     commanded: bool,
+    whose: Whose,
     /// From the gate-off edge of the mark in progress to the end of its light.
     tail: u16,
     /// End of the FPK pulse in progress, or [`NEVER`].
@@ -87,31 +91,38 @@ pub(super) struct Channel {
     gate: Edges,
     /// Light: the gate, shifted by the FPK.
     light: Edges,
+    /// What paths do in the interval that is planned next.
+    agenda: Agenda,
 }
 
 impl Channel {
-    pub(super) const POWER_ON: Channel = Channel {
-        shown: LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
-        safety: Safety::LIVE,
-        law: Law { direct: Power::ZERO, bounds: Bounds::full(Mode::Duty) },
-        energy: Energy::POWER_ON,
-        delays: Delays { off: 0, on: 0 },
-        delayed: true,
-        fpk: None,
-        commanded: false,
-        gate: Edges::OFF,
-        light: Edges::OFF,
-        tail: 0,
-        pulse: NEVER,
-        cut: false,
-        on_time: OnTime::ZERO,
-        planned: 0,
-        out: Outputs::REST,
-        power: Power::ZERO,
-        train: Train::NONE,
-        news: news::CHANGED,
-        wake: NEVER,
-    };
+    /// Channel `index` at power-on.
+    pub(super) const fn power_on(index: u8) -> Channel {
+        Channel {
+            shown: LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
+            safety: Safety::LIVE,
+            law: Law::power_on(index, Family::Gus),
+            energy: Energy::POWER_ON,
+            delays: Delays { off: 0, on: 0 },
+            delayed: true,
+            fpk: None,
+            commanded: false,
+            whose: Whose::NOBODY,
+            agenda: Agenda::EMPTY,
+            gate: Edges::OFF,
+            light: Edges::OFF,
+            tail: 0,
+            pulse: NEVER,
+            cut: false,
+            on_time: OnTime::ZERO,
+            planned: 0,
+            out: Outputs::REST,
+            power: Power::ZERO,
+            train: Train::NONE,
+            news: news::CHANGED,
+            wake: NEVER,
+        }
+    }
 
     /// Carries out a change; `at` lies in the interval that is planned next.
     pub(super) fn change(&mut self, at: Ns, change: &Change) {
@@ -121,17 +132,20 @@ impl Channel {
             _ => news::CHANGED,
         };
         match change {
-            Change::Gate { on } => self.command(at, *on),
+            Change::Gate { on } => self.command(at, *on, None),
             Change::Mode { mode, bounds, delayed, fine } => {
                 if *mode != self.energy.mode {
                     self.extinguish();
                     self.energy.mode = *mode;
-                    self.law.direct = Power::ZERO;
+                    self.law.leave_mode();
                 }
                 (self.law.bounds, self.delayed) = (*bounds, *delayed);
                 self.energy.fine = *fine;
             }
-            Change::Direct { power, fine } => (self.law.direct, self.energy.fine) = (*power, *fine),
+            Change::Direct { power, fine } => {
+                self.law.set_direct(*power);
+                self.energy.fine = *fine;
+            }
             Change::Carrier { carrier, fine } => (self.energy.carrier, self.energy.fine) = (Some(*carrier), *fine),
             Change::PulseWidth { us } => self.energy.width = Some(*us),
             Change::Delays(delays) => self.delays = *delays,
@@ -152,14 +166,27 @@ impl Channel {
                 }
                 self.energy.connector = *laser;
             }
-            Change::Reset => self.reset(),
+            Change::Distance(distance) => self.law.set_distance(*distance),
+            Change::Reset { family } => self.reset(*family),
         }
     }
 
-    fn command(&mut self, at: Ns, on: bool) {
+    /// An on or off command of a path, or an immediate one.
+    fn command(&mut self, at: Ns, on: bool, by: Option<Crd>) {
         if on && self.safety.is_dark() {
+            if let Some(crd) = by
+                && self.safety.cause() == Cause::LinkLost
+            {
+                self.whose.command_unseen(on, crd);
+            }
             return;
         }
+        self.whose.command(on, by);
+        self.switch(at, on);
+    }
+
+    /// A gate command.
+    fn switch(&mut self, at: Ns, on: bool) {
         self.commanded = on;
         let us = match (self.delayed, on) {
             (false, _) => 0,
@@ -168,6 +195,68 @@ impl Channel {
         };
         let done = self.gate.command(later(at, us), on);
         self.hold(done);
+    }
+
+    /// Something that a path does at an instant of the interval that is planned next.
+    pub(super) fn expect(&mut self, at: Ns, event: Event) {
+        if self.agenda.put(at, event).is_err() {
+            self.trip(Cause::Edges);
+        }
+        self.wake = self.wake.min(at);
+    }
+
+    /// What was expected takes place; whether it puts out everything.
+    fn happen(&mut self, at: Ns, event: Event) -> bool {
+        match event {
+            Event::Change(crd, Buffered::Gate { on }) => {
+                self.news |= news::MOVED;
+                self.command(at, on, Some(crd));
+            }
+            Event::Change(crd, change) => {
+                self.news |= news::CHANGED;
+                self.law.change(crd, &change);
+            }
+            Event::Rest(crd, goes_on) => {
+                if self.is_mapped(crd) && self.whose.rest(crd, goes_on) {
+                    self.news |= news::MOVED;
+                    self.switch(at, false);
+                }
+            }
+            Event::Start(crd, goes_on) => {
+                if self.whose.start(crd, goes_on && self.is_mapped(crd) && !self.safety.is_dark()) {
+                    self.news |= news::MOVED;
+                    self.switch(at, true);
+                }
+            }
+            Event::Trip(cause) => {
+                self.whose = Whose::NOBODY;
+                self.safety.trip_within(cause);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether the channel is mapped to a coordinate system.
+    pub(super) fn is_mapped(&self, crd: Crd) -> bool {
+        CrdMask(self.shown.crd_map).has(crd)
+    }
+
+    /// Whether it follows this speed, or may from within the coming interval on.
+    pub(super) fn wants(&self, crd: Crd, source: Source) -> bool {
+        self.law.follows() == Some(crd) && self.law.source() == source || self.agenda.follows()
+    }
+
+    /// Ends a follow that one of these began.
+    pub(super) fn end_follow(&mut self, crds: CrdMask) {
+        self.law.end_follow(crds);
+        self.news |= news::CHANGED;
+    }
+
+    /// Which coordinate systems have an alarm now.
+    pub(super) fn alarms(&mut self, crds: CrdMask) {
+        self.safety.alarm(crds.0 & self.shown.crd_map != 0);
+        self.news |= news::CHANGED;
     }
 
     /// A refused on command puts the channel out: a mark would be missing.
@@ -180,6 +269,7 @@ impl Channel {
     /// Light and FPK pulse are over without delays, the on command is withdrawn.
     fn extinguish(&mut self) {
         self.commanded = false;
+        self.whose = Whose::NOBODY;
         self.gate.clear();
         self.light.clear();
         self.pulse = NEVER;
@@ -187,9 +277,9 @@ impl Channel {
     }
 
     /// Power-on state. What the outputs carry, and a fault, outlive it.
-    fn reset(&mut self) {
+    fn reset(&mut self, family: Family) {
         self.extinguish();
-        (self.law, self.energy) = (Channel::POWER_ON.law, Energy::POWER_ON);
+        (self.law, self.energy) = (Law::power_on(self.law.channel(), family), Energy::POWER_ON);
         (self.delays, self.delayed, self.fpk) = (Delays::default(), true, None);
         (self.shown.crd_map, self.on_time, self.planned) = (CRD_MAP, OnTime::ZERO, 0);
     }
@@ -202,6 +292,12 @@ impl Channel {
 
     /// A cause has appeared: dark at once.
     pub(super) fn trip(&mut self, cause: Cause) {
+        // A path that the lost link stops may go on, and its light with it.
+        if cause == Cause::LinkLost {
+            self.whose.interrupt();
+        } else {
+            self.whose = Whose::NOBODY;
+        }
         self.safety.trip(cause);
         self.news |= news::CHANGED;
     }
@@ -217,7 +313,7 @@ impl Channel {
 
     /// Plans the interval of `period` from `next` on.
     #[inline]
-    pub(super) fn step(&mut self, next: Ns, period: Ns, interlock: bool, clock: Clock, plan: &mut Plan) {
+    pub(super) fn step(&mut self, next: Ns, period: Ns, interlock: bool, around: &Surroundings<'_>, plan: &mut Plan) {
         plan.clear();
         if self.safety.interlock(interlock) {
             self.news |= news::CHANGED;
@@ -226,8 +322,11 @@ impl Channel {
             }
         }
         let end = Ns(next.0.wrapping_add(period.0));
+        if self.law.moves() {
+            self.news |= news::POWER;
+        }
         if self.news != 0 || self.wake < end {
-            self.plan(next, end, clock, plan);
+            self.plan(next, end, around, plan);
         } else if self.out.light {
             self.pass();
             self.planned = period.0 as u32;
@@ -249,15 +348,19 @@ impl Channel {
 
     /// Plans an interval in which something may happen.
     #[inline(never)]
-    fn plan(&mut self, next: Ns, end: Ns, clock: Clock, plan: &mut Plan) {
+    fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
         if self.safety.is_dark() {
+            if self.safety.is_spared() {
+                self.pass();
+            }
             self.go_dark();
+            self.miss(end);
         }
         self.pass();
+        let ends = self.attend(next);
         let news = core::mem::take(&mut self.news);
         if news & news::POWER != 0 {
-            self.power = self.law.power();
-            self.shown.limited = self.energy.light(self.power, clock, &mut self.train);
+            self.find_power(around);
         }
         if self.cut {
             // What another mode put out is over before the edges of this instant, also a last pulse that is
@@ -274,31 +377,43 @@ impl Channel {
             // What is shown is of the interval's beginning.
             self.show(news & news::SETTINGS != 0);
         }
+        if ends {
+            self.end_within(0, end, plan);
+        }
         self.wake = self.soonest();
         let until = self.wake.min(end);
         self.planned = if self.out.light { until.0.wrapping_sub(next.0) as u32 } else { 0 };
         if until < end {
-            self.walk(next, end, plan);
+            self.walk(next, end, around, plan);
         }
-        if self.safety.is_dark() {
+        if self.safety.is_dark() && !self.safety.is_spared() {
             self.go_dark();
             self.show(true);
         }
     }
 
-    /// The edges within the interval.
+    /// The edges and events within the interval.
     #[inline(never)]
-    fn walk(&mut self, next: Ns, end: Ns, plan: &mut Plan) {
-        self.news = news::MOVED;
+    fn walk(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
         let mut left = EVENTS;
         while self.wake < end {
+            self.news |= news::MOVED;
             if left == 0 || !plan.has_room(ROOM) {
                 return self.trip(Cause::Edges);
             }
             left = left.wrapping_sub(1);
             let now = self.wake;
+            let at = now.0.wrapping_sub(next.0) as u32;
+            if self.attend(now) {
+                return self.end_within(at, end, plan);
+            }
+            let anew = self.news & news::POWER != 0;
+            if anew {
+                self.news &= !news::POWER;
+                self.find_power(around);
+            }
             self.take(now);
-            self.settle(now.0.wrapping_sub(next.0) as u32, false, plan);
+            self.settle(at, anew, plan);
             self.wake = self.soonest();
             if self.out.light {
                 self.planned = self.planned.wrapping_add(self.wake.min(end).0.wrapping_sub(now.0) as u32);
@@ -306,10 +421,53 @@ impl Channel {
         }
     }
 
+    /// What is due takes place; whether it puts out everything.
+    fn attend(&mut self, now: Ns) -> bool {
+        let mut ends = false;
+        while let Some(event) = self.agenda.take(now) {
+            ends |= self.happen(now, event);
+        }
+        ends
+    }
+
+    /// What takes place in an interval in the dark.
+    fn miss(&mut self, end: Ns) {
+        while self.agenda.next() < end
+            && let Some(event) = self.agenda.take(end)
+        {
+            self.happen(end, event);
+        }
+        self.gate.clear();
+    }
+
+    /// Everything comes to rest within the interval, to be dark from there on.
+    fn end_within(&mut self, at: u32, end: Ns, plan: &mut Plan) {
+        if self.out.light || !self.out.train.is_none() {
+            plan.push(at, Action::Dark { standby: Train::NONE, cut: true });
+        }
+        if self.out.switch {
+            plan.push(at, Action::Switch(false));
+        }
+        if self.out.volts.is_some() {
+            plan.push(at, Action::Volts(0));
+        }
+        let planned = self.planned;
+        self.go_dark();
+        self.planned = planned;
+        self.miss(end);
+        self.news = news::CHANGED;
+    }
+
+    /// The power in force, and its train.
+    fn find_power(&mut self, around: &Surroundings<'_>) {
+        self.power = self.law.power(around);
+        self.shown.limited = self.energy.light(self.power, around.clock, &mut self.train);
+    }
+
     /// The next edge of any kind.
     #[inline(always)]
     fn soonest(&self) -> Ns {
-        self.gate.next().min(self.light.next()).min(self.pulse)
+        self.gate.next().min(self.light.next()).min(self.pulse).min(self.agenda.next())
     }
 
     /// Takes the edges that are due.
@@ -418,6 +576,8 @@ impl Channel {
             (shown.mode, shown.connector, shown.delayed) = (mode, connector, self.delayed);
             (shown.fault, shown.cause_lasts) = (self.safety.cause(), self.safety.lasts());
             shown.bounds = self.law.bounds;
+            (shown.follows, shown.source) = (self.law.follows(), self.law.source());
+            shown.bank = self.law.bank();
             (shown.width_us, shown.carrier) = (width.map_or(0, |us| us.get()), carrier);
         }
     }

@@ -8,31 +8,53 @@
 //! | --- | --- |
 //! | `gate` | commands and delays: pending edges under the cancel rule |
 //! | `channel` | one channel: gate, FPK, light, what is output; makes the plan |
-//! | `power` | powers and bounds, the power law |
+//! | `buffered` | changes that entries of a path carry, at their instants |
+//! | `whose` | whose light it is, and what rest keeps dark |
+//! | `power` | powers and bounds |
+//! | `law` | the power law: direct power and both follows |
+//! | `follow` | speeds of paths, and the power that they mean |
+//! | `distance` | what places of axes add to the power |
+//! | `tables` | powers against velocity, ratios against position |
 //! | `energy` | what a power is in each mode: pulses, voltage |
 //! | `dither` | frequencies and duties in counts of a timer |
 //! | `light` | the time that light was on |
 //! | `plan` | the plan of a tick: what timers carry out |
 //! | `safety` | the state machine through which every plan passes last |
+mod buffered;
 mod channel;
+mod distance;
 mod dither;
+mod double;
 mod energy;
+mod follow;
 mod gate;
+mod law;
 mod light;
 mod plan;
 mod power;
 mod safety;
+mod tables;
+mod whose;
 
+pub use buffered::Buffered;
+pub use distance::{Distance, Ratios};
 pub use dither::{Carrier, Clock, DUTY_STEPS, Fine, PPM, Pattern, Standby};
+pub use follow::{PathSpeed, Ratio, Source};
+pub use law::Family;
 pub use plan::{Action, Count, FINISH_NS, PLACES, Plan, Train};
 pub use power::{Bounds, Power, Refused};
 pub use safety::Cause;
+pub use tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Tables};
 
+use crate::axis::AxisState;
+use crate::path::{LASER_WORDS, Rest};
 use crate::port::Port;
-use crate::units::Ns;
+use crate::units::{Axis, Crd, CrdMask, Ns, Pos};
 use crate::view::LaserView;
+use buffered::Event;
 use channel::Channel;
 use core::num::NonZeroU16;
+use law::Speeds;
 
 /// Later than any instant.
 const NEVER: Ns = Ns(u64::MAX);
@@ -127,21 +149,64 @@ pub enum Change {
     /// Taking it away ends the light at once and withdraws the on command, as another mode does; analog mode
     /// does not use it.
     Connector { laser: bool },
-    /// Power-on state. It clears no fault: choosing a family must not hide one.
-    Reset,
+    /// Distance follow (SetLaserDisMode, SetLaserDisRatio and the tables of ratios, as a whole); `None` is off.
+    Distance(Option<Distance>),
+    /// Power-on state of a family. It clears no fault: choosing a family must not hide one.
+    Reset { family: Family },
+}
+
+/// What the power of a channel may follow, at the tick that is computed.
+#[derive(Clone, Copy)]
+pub(crate) struct Surroundings<'a> {
+    clock: Clock,
+    speeds: &'a Speeds,
+    tables: &'a Tables,
+    axes: &'a [AxisState],
+}
+
+impl Surroundings<'_> {
+    /// The speed of a path.
+    #[inline]
+    fn speed(&self, crd: Crd, source: Source) -> PathSpeed {
+        let speeds = if source == Source::Planned { &self.speeds.planned } else { &self.speeds.encoder };
+        speeds.get(crd.index()).copied().unwrap_or_default()
+    }
+
+    /// Where an axis is planned to be, or was seen last.
+    #[inline]
+    fn place(&self, axis: Axis, source: Source) -> Pos {
+        let shown = self.axes.get(axis.index()).map(|axis| &axis.shown);
+        shown.map_or(Pos(0), |shown| match source {
+            Source::Planned => shown.pos,
+            Source::Encoder => Pos(shown.encoder << Pos::FRAC_BITS),
+        })
+    }
+}
+
+/// Which speeds of a path somebody follows, or may from within the coming interval on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Wants {
+    pub(crate) planned: bool,
+    pub(crate) encoder: bool,
 }
 
 /// All channels of a controller, and what they share.
+///
+/// In each tick, in this order: changes and link; what paths do ([`Lasers::buffered`], [`Lasers::crd_rests`],
+/// [`Lasers::crd_starts`]) at any instants of the coming interval; how fast they go ([`Lasers::feed`]);
+/// [`Lasers::run`].
 #[derive(Debug)]
 pub(crate) struct Lasers {
     pub(crate) clock: Clock,
     plan: Plan,
+    speeds: Speeds,
     channels: [Channel; CHANNELS],
 }
 
 impl Lasers {
     pub(crate) const fn new(clock: Clock) -> Lasers {
-        Lasers { clock, plan: Plan::EMPTY, channels: [const { Channel::POWER_ON }; CHANNELS] }
+        let channels = [Channel::power_on(0), Channel::power_on(1)];
+        Lasers { clock, plan: Plan::EMPTY, speeds: Speeds::REST, channels }
     }
 
     /// What the channels show.
@@ -164,25 +229,103 @@ impl Lasers {
         }
     }
 
+    /// An entry of a path takes effect at an instant of the interval that is planned next: that of
+    /// `path::Change::Laser`, its fraction of a ns cut off.
+    #[allow(dead_code, reason = "the sink of paths is not there yet")]
+    pub(crate) fn buffered(&mut self, crd: Crd, channel: u8, at: Ns, code: u8, words: &[u32; LASER_WORDS]) {
+        if let (Some(channel), Some(change)) = (self.channels.get_mut(channel as usize), Buffered::unpack(code, words))
+        {
+            channel.expect(at, Event::Change(crd, change));
+        }
+    }
+
+    /// A path comes to rest at an instant of the interval that is planned next.
+    #[allow(dead_code, reason = "the sink of paths is not there yet")]
+    pub(crate) fn crd_rests(&mut self, crd: Crd, at: Ns, rest: Rest) {
+        for channel in &mut self.channels {
+            match rest {
+                Rest::Underrun if channel.is_mapped(crd) => channel.expect(at, Event::Trip(Cause::Underrun)),
+                _ => channel.expect(at, Event::Rest(crd, rest == Rest::Stopped)),
+            }
+        }
+    }
+
+    /// A path starts at an instant of the interval that is planned next; `resumes`: it goes on where a Stop
+    /// brought it to rest.
+    #[allow(dead_code, reason = "the sink of paths is not there yet")]
+    pub(crate) fn crd_starts(&mut self, crd: Crd, at: Ns, resumes: bool) {
+        for channel in &mut self.channels {
+            channel.expect(at, Event::Start(crd, resumes));
+        }
+    }
+
+    /// A fault of a coordinate system (SPEC 9), which is over as soon as it is told: every channel whose map
+    /// holds it goes dark at the call.
+    #[allow(dead_code, reason = "the sink of paths is not there yet")]
+    pub(crate) fn crd_fault(&mut self, crd: Crd, cause: Cause) {
+        self.channels.iter_mut().filter(|channel| channel.is_mapped(crd)).for_each(|channel| channel.trip(cause));
+    }
+
+    /// Which coordinate systems have an axis whose alarm input is active, in each tick in which that changes: the
+    /// fault of a channel whose map holds one cannot be cleared.
+    #[allow(dead_code, reason = "the sink of paths is not there yet")]
+    pub(crate) fn crd_alarms(&mut self, crds: CrdMask) {
+        self.channels.iter_mut().for_each(|channel| channel.alarms(crds));
+    }
+
+    /// Ends the velocity follows that these began (Stop, bits 10 and 11).
+    pub(crate) fn end_follow(&mut self, crds: CrdMask) {
+        self.channels.iter_mut().for_each(|channel| channel.end_follow(crds));
+    }
+
+    /// Which speeds of a path are to be fed, once the path has taken its step.
+    #[allow(dead_code, reason = "the sink of paths is not there yet")]
+    pub(crate) fn wants(&self, crd: Crd) -> Wants {
+        let wanted = |source| self.channels.iter().any(|channel| channel.wants(crd, source));
+        Wants { planned: wanted(Source::Planned), encoder: wanted(Source::Encoder) }
+    }
+
+    /// How fast a path goes in the interval that is planned next ([`PathSpeed::ahead`]), and how fast its encoders
+    /// went in the last one ([`PathSpeed::measured`]). What is not fed is at rest.
+    #[allow(dead_code, reason = "the sink of paths is not there yet")]
+    pub(crate) fn feed(&mut self, crd: Crd, planned: PathSpeed, encoder: PathSpeed) {
+        if let (Some(to), Some(too)) =
+            (self.speeds.planned.get_mut(crd.index()), self.speeds.encoder.get_mut(crd.index()))
+        {
+            (*to, *too) = (planned, encoder);
+        }
+    }
+
     /// A cause that is over as soon as it is told.
     pub(crate) fn trip(&mut self, cause: Cause) {
         self.channels.iter_mut().for_each(|channel| channel.trip(cause));
     }
 
-    /// The host link; `runs`: a program runs, which may switch light on.
+    /// The host link; `runs`: a program or a path runs, which may switch light on.
     pub(crate) fn link(&mut self, lost: bool, runs: bool) {
         self.channels.iter_mut().for_each(|channel| channel.link(lost, runs));
     }
 
-    /// Plans the interval of `period` from `next` on and hands it to the machine and to the trace.
+    /// Plans the interval of `period` from `next` on and hands it to the machine and to the trace. `axes` are as the
+    /// tick at `next` shows them.
     #[inline]
-    pub(crate) fn run(&mut self, next: Ns, period: Ns, port: &mut impl Port, mut trace: impl FnMut(u8, &Plan)) {
+    pub(crate) fn run(
+        &mut self,
+        next: Ns,
+        period: Ns,
+        tables: &Tables,
+        axes: &[AxisState],
+        port: &mut impl Port,
+        mut trace: impl FnMut(u8, &Plan),
+    ) {
         let interlock = port.interlock();
+        let around = Surroundings { clock: self.clock, speeds: &self.speeds, tables, axes };
         for (index, channel) in self.channels.iter_mut().enumerate() {
-            channel.step(next, period, interlock, self.clock, &mut self.plan);
+            channel.step(next, period, interlock, &around, &mut self.plan);
             port.laser(index, &self.plan);
             trace(index as u8, &self.plan);
         }
+        self.speeds = Speeds::REST;
     }
 
     /// Brings what the thread sees up to now.

@@ -22,8 +22,14 @@ pub enum Refused {
     BeyondRange,
     /// A maximum below its minimum.
     MaxBelowMin,
-    /// A frequency of 0 (below 2⁻⁴⁵ kHz).
+    /// A frequency (below 2⁻⁴⁵ kHz), a ratio or a scale of 0.
     Zero,
+    /// A maximum that is not above its minimum (velocity follow).
+    MaxNotAboveMin,
+    /// A place in a table that is not beyond the one before.
+    NotIncreasing,
+    /// More points than a table holds.
+    Count,
 }
 
 impl Power {
@@ -37,6 +43,12 @@ impl Power {
     /// A whole number of units.
     pub(super) const fn whole(units: u16) -> Power {
         Power((units as i64) << Power::FRAC_BITS)
+    }
+
+    /// From units of 2⁻⁴⁴, the nearest that there is.
+    #[inline]
+    pub(super) fn nearest(raw: i64) -> Power {
+        Power(raw.clamp(0, Power::MAX.0))
     }
 
     /// In units of 2⁻⁴⁴.
@@ -99,6 +111,16 @@ impl Bounds {
         }
     }
 
+    /// Checked bounds of a velocity follow: the maximum is above the minimum (LSR, BufLaserFollowRatio).
+    pub fn admit_follow(mode: Mode, max: Power, min: Power) -> Result<Bounds, Refused> {
+        if max == min { Err(Refused::MaxNotAboveMin) } else { Bounds::admit(mode, max, min) }
+    }
+
+    /// Of powers that were bounds once.
+    pub(super) fn again(max: Power, min: Power) -> Bounds {
+        Bounds { min, max }
+    }
+
     /// The least power.
     pub const fn min(self) -> Power {
         self.min
@@ -113,22 +135,5 @@ impl Bounds {
     #[inline]
     pub fn hold(self, power: Power) -> Power {
         power.max(self.min).min(self.max)
-    }
-}
-
-/// The power law of a channel: what the energy output is to put out while there is light.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Law {
-    /// Direct power.
-    pub(super) direct: Power,
-    /// Bounds of the power mode.
-    pub(super) bounds: Bounds,
-}
-
-impl Law {
-    /// The power in force from the tick that is computed.
-    #[inline]
-    pub(super) fn power(&self) -> Power {
-        self.bounds.hold(self.direct)
     }
 }

@@ -29,6 +29,16 @@ pub enum Cause {
     Restart = 4,
     /// More gate edges than the channel can keep or place.
     Edges = 5,
+    /// The drive alarm of an axis of a mapped coordinate system.
+    Alarm = 6,
+    /// The servo of an axis of a mapped coordinate system was switched off.
+    ServoOff = 7,
+    /// An axis of a mapped coordinate system hit a limit.
+    Limit = 8,
+    /// A mapped coordinate system ran out of entries at speed.
+    Underrun = 9,
+    /// Another fault of a mapped coordinate system: following error, edge of travel.
+    Fault = 10,
 }
 
 /// The latch of a channel.
@@ -40,10 +50,15 @@ pub(super) struct Safety {
     rested: bool,
     interlock: bool,
     link_lost: bool,
+    alarm: bool,
+    /// Plans that still pass although it is dark: the one in which it goes dark by itself, and the empty one that is
+    /// handed over before that instant.
+    spared: u8,
 }
 
 impl Safety {
-    pub(super) const LIVE: Safety = Safety { dark: Cause::None, rested: false, interlock: false, link_lost: false };
+    pub(super) const LIVE: Safety =
+        Safety { dark: Cause::None, rested: false, interlock: false, link_lost: false, alarm: false, spared: 0 };
 
     /// Why it is dark.
     #[inline]
@@ -60,7 +75,7 @@ impl Safety {
     /// Whether a cause is present that does not pass by itself.
     #[inline]
     pub(super) fn lasts(&self) -> bool {
-        self.interlock || self.link_lost
+        self.interlock || self.link_lost || self.alarm
     }
 
     /// The interlock's level now; whether that changes anything.
@@ -76,11 +91,30 @@ impl Safety {
         self.link_lost = lost;
     }
 
+    /// Whether a mapped coordinate system has an alarm now.
+    pub(super) fn alarm(&mut self, active: bool) {
+        self.alarm = active;
+    }
+
     /// A cause has appeared. The first one is kept.
     pub(super) fn trip(&mut self, cause: Cause) {
         if !self.is_dark() {
             (self.dark, self.rested) = (cause, false);
         }
+        self.spared = 0;
+    }
+
+    /// A cause appears at an instant of the interval that is being planned, whose plan goes dark there.
+    pub(super) fn trip_within(&mut self, cause: Cause) {
+        if !self.is_dark() {
+            self.trip(cause);
+            self.spared = 2;
+        }
+    }
+
+    /// Whether the plan that was made last went dark by itself.
+    pub(super) fn is_spared(&self) -> bool {
+        self.spared != 0
     }
 
     /// Live again, if no cause is present and everything was at rest.
@@ -93,7 +127,9 @@ impl Safety {
     /// The last word on a plan.
     #[inline]
     pub(super) fn guard(&mut self, plan: &mut Plan) {
-        if self.is_dark() {
+        if self.spared != 0 {
+            self.spared = self.spared.wrapping_sub(1);
+        } else if self.is_dark() {
             self.rested = true;
             plan.clear();
             plan.rest = true;

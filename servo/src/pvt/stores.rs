@@ -1,4 +1,4 @@
-//! The memory of all PVT tables: places and headers, written by the thread, read by the tick.
+//! The memory of all tables: PVT places and headers, those of laser channels, written by the thread, read by the tick.
 //!
 //! In: words of a table that no axis runs. Out: the same words. Owns nothing: the memory
 //! is the board's; who may write when is
@@ -22,6 +22,8 @@ pub struct TableStores<'a> {
     pub places: &'a [PlaceStore; TABLES],
     /// Headers, a slot a table.
     pub headers: &'a HeaderStore,
+    /// Those of laser channels.
+    pub lasers: &'a crate::laser::Tables,
 }
 
 impl TableStores<'_> {

@@ -263,7 +263,11 @@ impl Bench {
         let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
         let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
-        let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
+        let tables = TableStores {
+            places: Box::leak(places),
+            headers: leak(HeaderStore::new()),
+            lasers: leak(servo::laser::Tables::new()),
+        };
         let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
         let config = TickConfig { period_ns: period_us * 1000, axes: 1, analog_inputs: 0, laser_clock: clock };
         let machine =

@@ -139,7 +139,11 @@ impl Bench {
         let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
         let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
-        let tables = TableStores { places: Box::leak(places), headers: leak(HeaderStore::new()) };
+        let tables = TableStores {
+            places: Box::leak(places),
+            headers: leak(HeaderStore::new()),
+            lasers: leak(servo::laser::Tables::new()),
+        };
         let paths: &'static [[EntryStore; 2]] = leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]);
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
         let config =

@@ -20,7 +20,7 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use range::Taking;
-use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Fpk, Mode};
+use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Family, Fpk, Mode};
 use servo::op::Op;
 
 /// The family that holds what is out of range and whose connectors are fixed (SPEC 2).
@@ -110,7 +110,10 @@ pub fn power_on(family: u8) -> [(Change, LaserChange); 4] {
     let lsr = family == LSR;
     let (mode, bounds, delayed) = (Mode::Duty, Bounds::full(Mode::Duty), !lsr);
     [
-        (Change::Reset, LaserChange::PowerOn { delayed, connector: lsr }),
+        (
+            Change::Reset { family: if lsr { Family::Lsr } else { Family::Gus } },
+            LaserChange::PowerOn { delayed, connector: lsr },
+        ),
         (Change::Mode { mode, bounds, delayed, fine: None }, LaserChange::Mode { mode, bounds, delayed }),
         (Change::Connector { laser: lsr }, LaserChange::Connector(lsr)),
         (Change::CrdMap { map: u8::MAX }, LaserChange::Map(u8::MAX)),

@@ -19,7 +19,7 @@ use dispatcher::tables::{Draft, Fields, Kind, Scratch};
 use hal as _; // the vector table
 use probes::{AXES, STORES, TABLE_STORES, Thread};
 use servo::follow;
-use servo::laser::{self, Carrier, Change, Clock, Delays, Fine, Plan, Power};
+use servo::laser::{self, Carrier, Change, Clock, Delays, Family, Fine, Plan, Power};
 use servo::op::{Entry, Mode, Op};
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
@@ -306,7 +306,7 @@ impl Bench {
                 }
             }
         }
-        all(self, Change::Reset);
+        all(self, Change::Reset { family: Family::Gus });
         self.step(case, Some("reset"));
     }
 

@@ -1,0 +1,201 @@
+//! Changes that entries of a path carry, and those of the coming interval in the order of time.
+//!
+//! In: admitted changes; words of an entry; instants. Out: the same changes. Owns: what is to come within an interval.
+//! Fails: words that are none of these mean nothing; a list that is full says so.
+use super::follow::{Ratio, Source};
+use super::power::{Bounds, Power};
+use super::tables::Curve;
+use super::{Cause, NEVER};
+use crate::path::LASER_WORDS;
+use crate::units::{Crd, Ns};
+
+/// A change of a channel that takes effect at the exact instant of its place in a path (SPEC 4, "Buffered laser").
+#[allow(missing_docs, reason = "each variant's text names its fields")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Buffered {
+    /// BufLaserOn, BufLaserOff: a gate command, with the delay in force then.
+    Gate { on: bool },
+    /// BufLaserPrfCmd. It ends a velocity follow of the GUS family.
+    Direct { power: Power },
+    /// BufLaserFollowMode: which speed counts from then on; a start power is the direct power from then on.
+    FollowMode { source: Source, start: Option<Power> },
+    /// BufLaserFollowRatio: the follow begins, with the source chosen before.
+    FollowRatio { ratio: Ratio, bounds: Bounds },
+    /// BufLaserPrfFollow: the follow begins, of the planned speed.
+    PrfFollow { ratio: Ratio, bounds: Bounds },
+    /// BufLaserFollowTable: the follow begins, with the source chosen before and the powers of a table.
+    FollowTable { table: Curve, bounds: Bounds },
+    /// BufLaserFollowOff.
+    FollowOff,
+}
+
+mod code {
+    pub const OFF: u8 = 1;
+    pub const ON: u8 = 2;
+    pub const DIRECT: u8 = 3;
+    pub const MODE: u8 = 4;
+    pub const RATIO: u8 = 5;
+    pub const PRF_FOLLOW: u8 = 6;
+    pub const TABLE: u8 = 7;
+    pub const FOLLOW_OFF: u8 = 8;
+}
+
+const NONE: [u32; LASER_WORDS] = [0; LASER_WORDS];
+
+fn split(x: u64) -> [u32; 2] {
+    [x as u32, (x >> 32) as u32]
+}
+
+fn join(low: u32, high: u32) -> u64 {
+    (high as u64) << 32 | low as u64
+}
+
+fn power(low: u32, high: u32) -> Power {
+    Power::nearest(join(low, high) as i64)
+}
+
+impl Buffered {
+    /// As an entry of a path carries it: its code and its words (`path::Entry::laser`).
+    pub fn pack(self) -> (u8, [u32; LASER_WORDS]) {
+        let long = |first: u64, bounds: Bounds| {
+            let ([a, b], [c, d]) = (split(first), split(bounds.min().raw() as u64));
+            let [e, f] = split(bounds.max().raw() as u64);
+            [a, b, c, d, e, f]
+        };
+        let short = |low: u64, mark: u32| {
+            let [a, b] = split(low);
+            [a, b, mark, 0, 0, 0]
+        };
+        match self {
+            Buffered::Gate { on: false } => (code::OFF, NONE),
+            Buffered::Gate { on: true } => (code::ON, NONE),
+            Buffered::Direct { power } => (code::DIRECT, short(power.raw() as u64, 0)),
+            Buffered::FollowMode { source, start } => {
+                let marks = (source == Source::Encoder) as u32 | (start.is_some() as u32) << 1;
+                (code::MODE, short(start.map_or(0, Power::raw) as u64, marks))
+            }
+            Buffered::FollowRatio { ratio, bounds } => (code::RATIO, long(ratio.bits(), bounds)),
+            Buffered::PrfFollow { ratio, bounds } => (code::PRF_FOLLOW, long(ratio.bits(), bounds)),
+            Buffered::FollowTable { table, bounds } => (code::TABLE, long(table.index() as u64, bounds)),
+            Buffered::FollowOff => (code::FOLLOW_OFF, NONE),
+        }
+    }
+
+    /// What was packed.
+    pub(super) fn unpack(code: u8, words: &[u32; LASER_WORDS]) -> Option<Buffered> {
+        let [a, b, c, d, e, f] = *words;
+        let bounds = || Bounds::again(power(e, f), power(c, d));
+        let ratio = || Ratio::admit(join(a, b)).ok();
+        Some(match code {
+            code::OFF => Buffered::Gate { on: false },
+            code::ON => Buffered::Gate { on: true },
+            code::DIRECT => Buffered::Direct { power: power(a, b) },
+            code::MODE => Buffered::FollowMode {
+                source: if c & 1 == 1 { Source::Encoder } else { Source::Planned },
+                start: (c & 2 == 2).then(|| power(a, b)),
+            },
+            code::RATIO => Buffered::FollowRatio { ratio: ratio()?, bounds: bounds() },
+            code::PRF_FOLLOW => Buffered::PrfFollow { ratio: ratio()?, bounds: bounds() },
+            code::TABLE => Buffered::FollowTable { table: Curve::from_index(a as u8)?, bounds: bounds() },
+            code::FOLLOW_OFF => Buffered::FollowOff,
+            _ => return None,
+        })
+    }
+
+    /// Whether it may begin a follow or choose its speed.
+    pub(super) fn follows(&self) -> bool {
+        matches!(
+            self,
+            Buffered::FollowMode { .. }
+                | Buffered::FollowRatio { .. }
+                | Buffered::PrfFollow { .. }
+                | Buffered::FollowTable { .. }
+        )
+    }
+}
+
+/// What happens to a channel at an instant within an interval.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Event {
+    /// An entry of a path takes effect.
+    Change(Crd, Buffered),
+    /// A path comes to rest: by a Stop, from which it can go on, or for good.
+    Rest(Crd, bool),
+    /// A path begins to run; whether it goes on.
+    Start(Crd, bool),
+    /// Dark for this cause, with all outputs at rest.
+    Trip(Cause),
+}
+
+/// Events that an interval may have: eight entries of each of four paths, their starts and their rests, and more
+/// than that never.
+const EVENTS: usize = 48;
+
+/// The events of an interval, in the order of time; those of an instant in the order in which they came.
+#[derive(Debug)]
+pub(super) struct Agenda {
+    next: Ns,
+    first: usize,
+    len: usize,
+    events: [(Ns, Event); EVENTS],
+}
+
+/// No place left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Full;
+
+impl Agenda {
+    /// Nothing to come.
+    pub(super) const EMPTY: Agenda =
+        Agenda { next: NEVER, first: 0, len: 0, events: [(NEVER, Event::Trip(Cause::None)); EVENTS] };
+
+    /// Whether one of them may begin a follow or choose its speed.
+    pub(super) fn follows(&self) -> bool {
+        let mut events = self.events.get(self.first..self.len).unwrap_or_default().iter();
+        events.any(|(_, event)| matches!(event, Event::Change(_, change) if change.follows()))
+    }
+
+    /// When the first one is, or [`NEVER`].
+    #[inline(always)]
+    pub(super) fn next(&self) -> Ns {
+        self.next
+    }
+
+    /// One more.
+    pub(super) fn put(&mut self, at: Ns, event: Event) -> Result<(), Full> {
+        if self.first == self.len {
+            (self.first, self.len) = (0, 0);
+        }
+        let mut place = self.len;
+        if place >= EVENTS {
+            return Err(Full);
+        }
+        while let Some(before) = place.checked_sub(1).filter(|before| *before >= self.first)
+            && let Some(other) = self.events.get(before).copied().filter(|other| other.0 > at)
+        {
+            if let Some(to) = self.events.get_mut(place) {
+                *to = other;
+            }
+            place = before;
+        }
+        if let Some(to) = self.events.get_mut(place) {
+            *to = (at, event);
+        }
+        self.len = self.len.wrapping_add(1);
+        self.look();
+        Ok(())
+    }
+
+    /// The first one, if it is due.
+    pub(super) fn take(&mut self, now: Ns) -> Option<Event> {
+        let (_, event) = self.events.get(self.first).copied().filter(|_| self.next <= now)?;
+        self.first = self.first.wrapping_add(1);
+        self.look();
+        Some(event)
+    }
+
+    fn look(&mut self) {
+        let pending = self.first < self.len;
+        self.next = self.events.get(self.first).map_or(NEVER, |(at, _)| if pending { *at } else { NEVER });
+    }
+}

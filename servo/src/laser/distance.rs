@@ -1,0 +1,165 @@
+//! Distance follow: what the places of four axes add to the power (SPEC 6, "Energy").
+//!
+//! In: the user's references, scales and ratios, positions. Out: Σ (pos − ref)/scale · ratio in 2⁻⁴⁴ of the power's
+//! unit. Owns nothing but the stretches of its tables. Fails: what is no number or out of range is refused.
+//!
+//! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off by 2⁻⁵⁸ of the
+//! largest factor times the largest distance, and half a unit. With a table the ratio has 44 fraction bits, the
+//! distance over the scale 32 and at most ±2³¹.
+use super::follow::Source;
+use super::power::{Bounds, Refused};
+use super::tables::{Curve, DISTANCES, Stretch, Tables};
+use super::{Power, double};
+use crate::real::Real;
+use crate::units::{Axis, Pos};
+
+/// Where the ratios come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ratios {
+    /// The same everywhere.
+    Fixed,
+    /// Each axis has its own table over its position; one of no points is 0.
+    Lines {
+        /// In this bank.
+        bank: u8,
+    },
+    /// Both axes of a plane (of the four, from 0) have the ratio at their place; the others none.
+    Plane {
+        /// In this bank.
+        bank: u8,
+        /// Whose position counts along the first direction, and along the second.
+        axes: [u8; 2],
+    },
+}
+
+/// An admitted distance follow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distance {
+    pub(super) source: Source,
+    axes: [Axis; DISTANCES],
+    reference: [i32; DISTANCES],
+    /// ratio/scale, with tables 1/scale, in 2^-(`shift` + 22).
+    factors: [i64; DISTANCES],
+    shift: u8,
+    ratios: Ratios,
+    pub(super) bounds: Option<Bounds>,
+}
+
+impl Distance {
+    /// `axes` of the controller; references in pulses; `scales` (2⁻¹⁸ to 2³² pulses) and `ratios` (|r| ≤ 2¹⁷) are the
+    /// bits of doubles; `bounds` of its own (GUS). With tables the ratios given here do not count.
+    pub fn admit(
+        source: Source,
+        axes: [Axis; DISTANCES],
+        reference: [i32; DISTANCES],
+        scales: [u64; DISTANCES],
+        ratios: [u64; DISTANCES],
+        from: Ratios,
+        bounds: Option<Bounds>,
+    ) -> Result<Distance, Refused> {
+        let mut reals = [Real::ZERO; DISTANCES];
+        for ((to, scale), ratio) in reals.iter_mut().zip(scales).zip(ratios) {
+            let (scale, ratio) = (double::real(scale)?, double::real(ratio)?);
+            if scale.is_negative() {
+                return Err(Refused::Negative);
+            }
+            if scale.width() < -17 {
+                return Err(Refused::Zero);
+            }
+            if scale.width() > 33 || ratio.width() > 18 {
+                return Err(Refused::BeyondRange);
+            }
+            *to = if from == Ratios::Fixed { ratio.div(scale) } else { scale.recip() };
+        }
+        // |f| < 2^width <= 2^36; the products with 63 bits of distance and their sum stay below 2^126.
+        let width = reals.iter().fold(-60, |width: i32, real| width.max(real.width()));
+        let shift = 60 - width - 22;
+        let factors = reals.map(|real| real.to_fixed(shift + 22) as i64);
+        Ok(Distance { source, axes, reference, factors, shift: shift as u8, ratios: from, bounds })
+    }
+
+    /// The bank that it reads.
+    pub(super) fn bank(&self) -> Option<u8> {
+        match self.ratios {
+            Ratios::Fixed => None,
+            Ratios::Lines { bank } | Ratios::Plane { bank, .. } => Some(bank),
+        }
+    }
+
+    /// Its part of the power; `place` tells where an axis is.
+    #[inline]
+    pub(super) fn power(
+        &self,
+        channel: u8,
+        place: impl Fn(Axis, Source) -> Pos,
+        tables: &Tables,
+        stretches: &mut [Stretch; DISTANCES],
+    ) -> i128 {
+        if self.ratios != Ratios::Fixed {
+            return self.tabled(channel, place, tables, stretches);
+        }
+        let mut sum = 0i128;
+        for ((axis, reference), factor) in self.axes.iter().zip(self.reference).zip(self.factors) {
+            if factor != 0 {
+                let by = place(*axis, self.source).0.wrapping_sub(Pos::pulses(reference).0);
+                sum = sum.wrapping_add((by as i128).wrapping_mul(factor as i128));
+            }
+        }
+        rounded(sum, self.shift as u32)
+    }
+
+    #[inline(never)]
+    fn tabled(
+        &self,
+        channel: u8,
+        place: impl Fn(Axis, Source) -> Pos,
+        tables: &Tables,
+        stretches: &mut [Stretch; DISTANCES],
+    ) -> i128 {
+        let places = self.axes.map(|axis| place(axis, self.source).0);
+        let along = |bank: u8, index: u8, x: i64, stretch: &mut Stretch| {
+            Curve::ratio(channel, bank, index).map_or(0, |curve| tables.at(curve, x, stretch))
+        };
+        let mut ratios = [0i64; DISTANCES];
+        match self.ratios {
+            Ratios::Fixed => {}
+            Ratios::Lines { bank } => {
+                for ((to, index), (x, stretch)) in ratios.iter_mut().zip(0..).zip(places.iter().zip(stretches)) {
+                    *to = along(bank, index, *x, stretch);
+                }
+            }
+            Ratios::Plane { bank, axes } => {
+                let mut lines = [0i64; 2];
+                for ((to, axis), (index, stretch)) in lines.iter_mut().zip(axes).zip((0..).zip(stretches)) {
+                    *to = along(bank, index, places.get(axis as usize).copied().unwrap_or(0), stretch);
+                }
+                let [u, v] = lines;
+                let count = Curve::ratio(channel, bank, 0).map_or(0, |curve| tables.count(curve));
+                let ratio = tables.plane(channel, bank, count, u, v);
+                for axis in axes {
+                    if let Some(to) = ratios.get_mut(axis as usize) {
+                        *to = ratio;
+                    }
+                }
+            }
+        }
+        let mut sum = 0i128;
+        for ((x, reference), (factor, ratio)) in places.iter().zip(self.reference).zip(self.factors.iter().zip(ratios))
+        {
+            let by = x.wrapping_sub(Pos::pulses(reference).0);
+            // In 2^-32 instead of the power's 2^-44.
+            let over = rounded((by as i128).wrapping_mul(*factor as i128), (self.shift as u32).wrapping_add(12));
+            let over = over.clamp(i64::MIN as i128, i64::MAX as i128);
+            sum = sum.wrapping_add(over.wrapping_mul(ratio as i128));
+        }
+        rounded(sum, 32)
+    }
+}
+
+/// x·2^-shift, to the nearest, for 0 < shift < 128.
+#[inline]
+fn rounded(x: i128, shift: u32) -> i128 {
+    (x.wrapping_shr(shift.wrapping_sub(1)).wrapping_add(1)) >> 1
+}
+
+const _: () = assert!(Power::FRAC_BITS == 44 && Pos::FRAC_BITS == 22, "the shifts above");

@@ -1,0 +1,119 @@
+//! Velocity follow: how fast the path goes, and the power that this means (SPEC 6, "Energy").
+//!
+//! In: the path of a coordinate system as its tick shows it, the bits of the user's ratio. Out: a [`PathSpeed`], and a
+//! part of the power in 2⁻⁴⁴ of its unit. Owns nothing. Fails: a ratio that is none is refused.
+//!
+//! A power is in force for the whole interval that begins with the tick, so it follows the speed in the *middle* of
+//! that interval: under constant acceleration that is the mean, and the energy of each interval is the ratio times its
+//! way, at any period. The speed at its beginning would lag by half a tick.
+use super::power::Refused;
+use crate::piece::{Motion, Piece, Scaled};
+use crate::real::Real;
+use crate::units::Ns;
+use crate::wide::{umul, umulhi};
+
+/// Which speed a follow follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Source {
+    /// The planned path (0).
+    #[default]
+    Planned,
+    /// The encoders of its axes (1).
+    Encoder,
+}
+
+/// |path velocity| in 2⁻³⁰ pulse/ms; the largest is 2³⁴.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct PathSpeed(u64);
+
+impl PathSpeed {
+    /// Fraction bits.
+    pub const FRAC_BITS: u32 = 30;
+    /// At rest.
+    pub const REST: PathSpeed = PathSpeed(0);
+
+    /// In units of 2⁻³⁰ pulse/ms.
+    pub const fn raw(self) -> u64 {
+        self.0
+    }
+
+    /// From units of 2⁻³⁰ pulse/ms.
+    pub const fn from_raw(raw: u64) -> PathSpeed {
+        PathSpeed(raw)
+    }
+
+    /// The speed in the middle of the interval of `period` that begins where `motion` stands; the piece is taken to
+    /// last that long.
+    pub fn ahead(motion: &Motion, period: Ns) -> PathSpeed {
+        let half = period.0 >> 1;
+        let far = half.leading_zeros() <= motion.recip.shift;
+        let t = half.wrapping_shl(motion.recip.shift);
+        let (share, over) = t.overflowing_add(umulhi(t, motion.recip.m));
+        let tau = motion.tau.wrapping_add(share >> 1);
+        let tau = if far && motion.recip.shift != 0 || over || tau > Piece::END { Piece::END } else { tau };
+        PathSpeed::of(Motion { tau, ..*motion }.velocity())
+    }
+
+    /// A velocity along the path; backwards is at rest.
+    fn of(Scaled { m, e }: Scaled) -> PathSpeed {
+        let m = m.max(0) as u64;
+        match e as i32 - PathSpeed::FRAC_BITS as i32 {
+            shift @ 1..=63 => PathSpeed((m >> (shift - 1)).wrapping_add(1) >> 1),
+            64.. => PathSpeed::REST,
+            shift if m.leading_zeros() as i32 >= -shift => PathSpeed(m << (-shift) as u32),
+            _ => PathSpeed(u64::MAX),
+        }
+    }
+
+    /// Of encoders that have counted so many pulses in the last interval of `period`: the norm of their velocities.
+    pub fn measured(pulses: [i64; 4], period: Ns) -> PathSpeed {
+        let squares = pulses.map(|by| {
+            let by = by.unsigned_abs().min(u32::MAX as u64);
+            by.wrapping_mul(by)
+        });
+        let sum = squares.iter().fold(0u64, |sum, square| sum.saturating_add(*square));
+        let way = Real::from_fixed(sum as u128, 0).sqrt();
+        let speed = way.mul(Real::new(false, 1_000_000, 0)).div(Real::new(false, period.0, 0));
+        PathSpeed(speed.to_fixed(PathSpeed::FRAC_BITS as i32).clamp(0, u64::MAX as i128) as u64)
+    }
+}
+
+/// Power per speed, in the mode's unit per pulse/ms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ratio {
+    bits: u64,
+}
+
+impl Ratio {
+    /// From the bits of a double: above 0, at most 2³².
+    pub fn admit(bits: u64) -> Result<Ratio, Refused> {
+        const MOST: u64 = (1023 + 32) << 52;
+        match bits {
+            0 => Err(Refused::Zero),
+            _ if bits & 0x7ff << 52 == 0x7ff << 52 => Err(Refused::NotFinite),
+            _ if bits >> 63 == 1 => Err(Refused::Negative),
+            1..=MOST => Ok(Ratio { bits }),
+            _ => Err(Refused::BeyondRange),
+        }
+    }
+
+    /// The bits of the double.
+    pub const fn bits(self) -> u64 {
+        self.bits
+    }
+
+    /// ratio·v in 2⁻⁴⁴, to the nearest.
+    #[inline]
+    pub(super) fn power(self, speed: PathSpeed) -> i128 {
+        let exponent = (self.bits >> 52) as u32;
+        let m = self.bits & ((1 << 52) - 1) | 1 << 52;
+        let (high, low) = umul(speed.raw(), m);
+        let product = (high as u128) << 64 | low as u128;
+        // v·2^30 times m = ratio·2^(1075 - exponent), of which 2^44 are to stay; the exponent is at most 1055.
+        let shift = (1075 + PathSpeed::FRAC_BITS - super::Power::FRAC_BITS).wrapping_sub(exponent);
+        if shift > 120 {
+            return 0;
+        }
+        (product.wrapping_shr(shift.wrapping_sub(1)).wrapping_add(1) >> 1) as i128
+    }
+}
