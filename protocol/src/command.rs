@@ -234,6 +234,19 @@ wire_structs! {
         motion_type: I16, plane: I16, pos: [I32; 4], radius: F64, dir: I16, center: [F64; 2], vel: F64, acc: F64,
         vel_end: F64, vel_end_zero: I16,
     }
+    /// Scales of SetLaserDisMode that were taken, pulses a unit of distance; bit k of `held`: that of axis k + 1
+    /// was held.
+    LaserScales { scale: [F64; 4], held: u8 }
+    /// A point of SetLaserFollowTable: path speed in pulse/ms, power in the mode's unit.
+    LaserFollowPoint { vel: F64, power: F64 }
+    /// What a chunk of a follow table took: how many of its powers were held at a bound (LSR).
+    LaserTableTaken { held: U16 }
+    /// A point of SetLaserDisTable1D: a ratio, and the position in pulses where it holds. Points of axis 1 come
+    /// first, `count` of them, then those of axes 2, 3 and 4.
+    LaserDisPoint { ratio: F64, pos: I32 }
+    /// A value of SetLaserDisTable2D: the positions of X, those of Y (pulses, `count` of each), then the ratios row by row:
+    /// all of X at the first Y, and so on.
+    LaserDisValue { value: F64 }
     /// One axis of an `AxisStatus` reply: what a display needs, of one tick.
     AxisItem {
         status: U32, mode: I16, reason: U16, prf_pos: F64, prf_vel: F64, enc_pos: F64,
@@ -401,6 +414,16 @@ commands! {
     0x0616 SetHSIOOpt { core: I16, value: U16, channel: I16 } [Nothing] -> Nothing [Nothing];
     0x0617 GetHSIOOpt { core: I16, channel: I16 } [Nothing] -> Short [Nothing];
     0x061B LaserStatus { core: I16, channel: I16 } [Nothing] -> LaserState [Nothing];
+    // -- buffered laser (GUS chapter 4, LSR chapter 3) -------------------------------------------
+    0x0700 BufLaserOn { core: I16, crd: I16, fifo: I16, channel: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0701 BufLaserOff { core: I16, crd: I16, fifo: I16, channel: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0702 BufLaserPrfCmd { core: I16, crd: I16, power: F64, fifo: I16, channel: I16 } [Nothing] -> LaserValue [Nothing];
+    0x0703 BufLaserPrfFollow { core: I16, crd: I16, ratio: F64, min: I32, max: I32, fifo: I16, channel: I16 } [Nothing] -> LaserBounds [Nothing];
+    0x0704 BufLaserFollowMode { core: I16, crd: I16, source: I16, fifo: I16, channel: I16, start_power: F64, start_given: u8 } [Nothing] -> LaserValue [Nothing];
+    0x0705 BufLaserFollowRatio { core: I16, crd: I16, ratio: F64, min: F64, max: F64, fifo: I16, channel: I16 } [Nothing] -> LaserBounds [Nothing];
+    0x0706 BufLaserFollowTable { core: I16, crd: I16, table: I16, min: F64, max: F64, fifo: I16, channel: I16 } [Nothing] -> LaserBounds [Nothing];
+    0x0707 BufLaserFollowOff { core: I16, crd: I16, fifo: I16, channel: I16 } [Nothing] -> CrdTaken [Nothing];
+    0x0708 SetLaserFollowTable { core: I16, table: I16, count: I32, channel: I16, first: U16 } [LaserFollowPoint] -> LaserTableTaken [Nothing];
     // -- coordinate systems ----------------------------------------------------------------------
     0x0800 SetCrdPrm { core: I16, crd: I16, dimension: I16, profile: [I16; 8], syn_vel_max: F64, syn_acc_max: F64, even_time_ms: I16, set_origin_flag: I16, origin_pos: [I32; 8] } [Nothing] -> Nothing [Nothing];
     0x0801 GetCrdPrm { core: I16, crd: I16 } [Nothing] -> CrdPrm [Nothing];
@@ -437,6 +460,11 @@ commands! {
     0x0820 LnXYMany { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXY] -> CrdTaken [Nothing];
     0x0821 LnXYZMany { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXYZ] -> CrdTaken [Nothing];
     0x0822 CrdInfo { core: I16, crd: I16 } [Nothing] -> CrdState [Nothing];
+    // -- distance follow (GUS chapter 5, LSR chapter 4) ------------------------------------------
+    0x0900 SetLaserDisMode { core: I16, mode: I16, source: I16, pos: [I32; 4], scale: [F64; 4], channel: I16 } [Nothing] -> LaserScales [Nothing];
+    0x0901 SetLaserDisRatio { core: I16, ratio: [F64; 4], min: F64, max: F64, channel: I16, bounds_given: u8 } [Nothing] -> LaserBounds [Nothing];
+    0x0902 SetLaserDisTable1D { core: I16, count: I16, min: F64, max: F64, limit: [F64; 4], channel: I16, limits_given: u8, first: U16 } [LaserDisPoint] -> LaserBounds [Nothing];
+    0x0903 SetLaserDisTable2D { core: I16, axis: [I16; 2], count: [I16; 2], min: F64, max: F64, limit: [F64; 2], channel: I16, limits_given: u8, first: U16 } [LaserDisValue] -> LaserBounds [Nothing];
 }
 
 /// The row of the table with this number.

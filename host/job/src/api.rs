@@ -15,8 +15,10 @@ pub enum Pass {
     In(Type),
     /// The address of a variable, or of the first of `count`, that the reply fills.
     Out,
-    /// The first of `count` values.
-    Many(Type),
+    /// The first of as many values as the size says, which become items.
+    Many(Type, Size),
+    /// The first of so many values, which go into the request one by one. With a default it may be NULL: zeros.
+    Fixed(Type, usize),
     /// The address of a struct that goes into the request.
     Struct(Type),
     /// The same, or NULL.
@@ -27,6 +29,21 @@ pub enum Pass {
     Working,
     /// A text.
     Text,
+}
+
+/// How many values an array has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// `count`.
+    Count,
+    /// `count` for each of so many axes.
+    Each(usize),
+    /// The first value of the array `count`.
+    Columns,
+    /// Its second.
+    Rows,
+    /// Their product.
+    Grid,
 }
 
 /// One parameter.
@@ -69,7 +86,13 @@ const fn out(name: &'static str) -> Param {
 }
 
 const fn array(name: &'static str) -> Param {
-    param(name, Pass::Many(Type::Double))
+    param(name, Pass::Many(Type::Double, Size::Count))
+}
+const fn sized(name: &'static str, of: Type, size: Size) -> Param {
+    param(name, Pass::Many(of, size))
+}
+const fn fixed(name: &'static str, of: Type, length: usize) -> Param {
+    param(name, Pass::Fixed(of, length))
 }
 
 const TABLE: Param = short("tableId");
@@ -91,19 +114,18 @@ const VEL_END: Param = double("velEnd").or(0);
 const RADIUS: Param = double("radius");
 const DIR: Param = short("circleDir");
 
-/// How parameters become a request.
+/// How parameters become a request. Fields of a request that no parameter fills: `core`, `form` (0 `GTN_`, 1 `GT_`),
+/// `first` (0) and `…_given` (see [`Function::told`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// The request's fields are `core`, if it has one, and the parameters that go in, in order.
+    /// The request's other fields are the parameters that go in, in order.
     Plain,
-    /// As `Plain`, with a last field for the form: 0 `GTN_`, 1 `GT_`.
-    Form,
-    /// As `Plain` without the array; its items follow the request.
-    Items,
-    /// As `Plain` with `first` behind `count`; the points, a value of each array in turn, follow the request.
+    /// As `Plain` without the arrays; the items, a value of each array in turn, follow the request.
     Points,
     /// As `Plain` without the struct, of which an item follows the request unless it is NULL.
     Point,
+    /// As `Points`, but the arrays follow one behind the other, the first one last.
+    Grid,
     /// The configuration file's items.
     Config,
     /// Done by the host (opening, closing, the last reason): nothing is sent.
@@ -123,18 +145,20 @@ pub struct Function {
     pub params: &'static [Param],
     /// How they travel.
     pub shape: Shape,
+    /// The parameter of which the request tells whether it was given.
+    pub told: Option<&'static str>,
     /// It changes nothing: allowed in `while(!kbhit())`.
     pub reads: bool,
 }
 
 const fn call(name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
-    Function { name, opcode, params, shape: Shape::Plain, reads: false }
+    shaped(Shape::Plain, name, opcode, params)
 }
 const fn read(name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
-    Function { name, opcode, params, shape: Shape::Plain, reads: true }
+    Function { reads: true, ..call(name, opcode, params) }
 }
 const fn shaped(shape: Shape, name: &'static str, opcode: u16, params: &'static [Param]) -> Function {
-    Function { name, opcode, params, shape, reads: false }
+    Function { name, opcode, params, shape, told: None, reads: false }
 }
 
 /// Every function that has a request, or that the host answers.
@@ -153,7 +177,7 @@ pub const FUNCTIONS: &[Function] = &[
     // -- axis --------------------------------------------------------------------------------------
     call("AxisOn", c::AxisOn::OPCODE, &[AXIS]),
     call("AxisOff", c::AxisOff::OPCODE, &[AXIS]),
-    shaped(Shape::Form, "Stop", c::Stop::OPCODE, &[MASK, long("option")]),
+    call("Stop", c::Stop::OPCODE, &[MASK, long("option")]),
     call("ZeroPos", c::ZeroPos::OPCODE, &[AXIS, COUNT]),
     call("SetPrfPos", c::SetPrfPos::OPCODE, &[PROFILE, long("pos")]),
     call("SynchAxisPos", c::SynchAxisPos::OPCODE, &[MASK]),
@@ -201,7 +225,7 @@ pub const FUNCTIONS: &[Function] = &[
     call("SetDo", c::SetDo::OPCODE, &[short("doType"), long("value")]),
     read("GetDo", c::GetDo::OPCODE, &[short("doType"), out("value")]),
     call("SetDoBit", c::SetDoBit::OPCODE, &[short("doType"), short("index"), short("value")]),
-    shaped(Shape::Items, "SetDac", c::SetDac::OPCODE, &[short("dac"), param("value", Pass::Many(Type::Short)), COUNT]),
+    shaped(Shape::Points, "SetDac", c::SetDac::OPCODE, &[short("dac"), sized("value", Type::Short, Size::Count), COUNT]),
     read("GetDac", c::GetDac::OPCODE, &[short("dac"), out("value"), COUNT]),
     read("GetAdc", c::GetAdc::OPCODE, &[short("adc"), out("value"), COUNT, CLOCK]),
     // -- laser (GUS chapter 2, LSR chapter 2) ------------------------------------------------------
@@ -287,6 +311,97 @@ pub const FUNCTIONS: &[Function] = &[
         &[CRD, short("moveAxis"), long("pos"), double("vel"), double("acc"), short("modal"), FIFO],
     ),
     call("BufGear", c::BufGear::OPCODE, &[CRD, short("gearAxis"), long("pos"), FIFO]),
+    // -- buffered laser (GUS chapter 4, LSR chapter 3) ---------------------------------------------
+    call("BufLaserOn", c::BufLaserOn::OPCODE, &[CRD, FIFO, CHANNEL]),
+    call("BufLaserOff", c::BufLaserOff::OPCODE, &[CRD, FIFO, CHANNEL]),
+    call("BufLaserPrfCmd", c::BufLaserPrfCmd::OPCODE, &[CRD, double("laserPower"), FIFO, CHANNEL]),
+    call(
+        "BufLaserPrfFollow",
+        c::BufLaserPrfFollow::OPCODE,
+        &[CRD, double("ratio"), long("minPower"), long("maxPower"), FIFO, CHANNEL],
+    ),
+    Function {
+        told: Some("startPower"),
+        ..call(
+            "BufLaserFollowMode",
+            c::BufLaserFollowMode::OPCODE,
+            &[CRD, short("source").or(0), FIFO, CHANNEL, double("startPower").or(0)],
+        )
+    },
+    call(
+        "BufLaserFollowRatio",
+        c::BufLaserFollowRatio::OPCODE,
+        &[CRD, double("ratio"), double("minPower"), double("maxPower"), FIFO, CHANNEL],
+    ),
+    call(
+        "BufLaserFollowTable",
+        c::BufLaserFollowTable::OPCODE,
+        &[CRD, TABLE, double("minPower"), double("maxPower"), FIFO, CHANNEL],
+    ),
+    call("BufLaserFollowOff", c::BufLaserFollowOff::OPCODE, &[CRD, FIFO, CHANNEL]),
+    shaped(
+        Shape::Points,
+        "SetLaserFollowTable",
+        c::SetLaserFollowTable::OPCODE,
+        &[TABLE, POINTS, array("vel"), array("power"), CHANNEL],
+    ),
+    // -- distance follow (GUS chapter 5, LSR chapter 4) --------------------------------------------
+    call(
+        "SetLaserDisMode",
+        c::SetLaserDisMode::OPCODE,
+        &[
+            short("mode"),
+            short("source"),
+            fixed("pos", Type::Long, 4).or(0),
+            fixed("scale", Type::Double, 4).or(0),
+            CHANNEL,
+        ],
+    ),
+    // The manual of the earlier series has no bounds: (ratio, channel).
+    Function {
+        told: Some("maxPower"),
+        ..call(
+            "SetLaserDisRatio",
+            c::SetLaserDisRatio::OPCODE,
+            &[fixed("ratio", Type::Double, 4), double("minPower").or(0), double("maxPower").or(0), CHANNEL],
+        )
+    },
+    Function {
+        told: Some("limitPower"),
+        ..shaped(
+            Shape::Points,
+            "SetLaserDisTable1D",
+            c::SetLaserDisTable1D::OPCODE,
+            &[
+                short("count"),
+                sized("ratio", Type::Double, Size::Each(4)),
+                sized("pos", Type::Long, Size::Each(4)),
+                double("minPower"),
+                double("maxPower"),
+                fixed("limitPower", Type::Double, 4).or(0),
+                CHANNEL,
+            ],
+        )
+    },
+    Function {
+        told: Some("limitPower"),
+        ..shaped(
+            Shape::Grid,
+            "SetLaserDisTable2D",
+            c::SetLaserDisTable2D::OPCODE,
+            &[
+                fixed("axisIndex", Type::Short, 2),
+                fixed("count", Type::Short, 2),
+                sized("ratio", Type::Double, Size::Grid),
+                sized("xPos", Type::Long, Size::Columns),
+                sized("yPos", Type::Long, Size::Rows),
+                double("minPower"),
+                double("maxPower"),
+                fixed("limitPower", Type::Double, 2).or(0),
+                CHANNEL,
+            ],
+        )
+    },
     // -- PT (GXN chapter 2) ------------------------------------------------------------------------
     call("PrfPt", c::PrfPt::OPCODE, &[PROFILE, short("mode").or(0)]),
     read("PtSpace", c::PtSpace::OPCODE, &[PROFILE, out("space"), FIFO]),
@@ -301,7 +416,7 @@ pub const FUNCTIONS: &[Function] = &[
         Shape::StartList,
         "PtStartPro",
         c::PtStart::OPCODE,
-        &[param("axis", Pass::Many(Type::Short)), param("option", Pass::Many(Type::Short)), short("count")],
+        &[sized("axis", Type::Short, Size::Count), sized("option", Type::Short, Size::Count), short("count")],
     ),
     // -- PVT (GXN chapter 4) -----------------------------------------------------------------------
     call("PrfPvt", c::PrfPvt::OPCODE, &[PROFILE]),

@@ -3,7 +3,7 @@
 //! In: what stands between the parentheses. Out: values, lists, variables to fill.
 
 use crate::Out;
-use crate::api::{Function, Param, Pass, Shape};
+use crate::api::{Function, Param, Pass, Shape, Size};
 use crate::read::{Fault, Reader};
 use crate::scan::{Kind, Token};
 use crate::value::{Type, Value, Variable, show};
@@ -35,6 +35,26 @@ pub(crate) struct Bound {
     /// Variables to fill: name, first cell, and the span that names them.
     pub(crate) fills: Vec<(String, usize, Range<usize>)>,
     pub(crate) text: Option<(String, Range<usize>)>,
+    /// The parameter that the request tells of was given.
+    pub(crate) told: bool,
+}
+
+impl Bound {
+    /// Values of an array; those of an array `count` stand among the values before it.
+    fn length(&self, size: Size, count: usize) -> usize {
+        let nth = |nth| match self.values.iter().filter(|(name, _)| *name == "count").nth(nth) {
+            // What no controller takes is refused there, with its limits.
+            Some((_, Value::Int(count))) => usize::try_from(*count).unwrap_or(0),
+            _ => 0,
+        };
+        match size {
+            Size::Count => count,
+            Size::Each(times) => count.saturating_mul(times),
+            Size::Columns => nth(0),
+            Size::Rows => nth(1),
+            Size::Grid => nth(0).saturating_mul(nth(1)),
+        }
+    }
 }
 
 const SHORT: Param = Param { name: "core", pass: Pass::In(Type::Short), default: None };
@@ -195,14 +215,33 @@ impl Reader<'_> {
             return Ok(bound);
         }
         let count = self.count(function, given, name)?;
+        let short = function.name == "SetLaserDisRatio" && given.len() == 2;
         for (index, param) in function.params.iter().enumerate() {
-            let Some(given) = given.get(index) else {
-                if let (Pass::In(of), Some(default)) = (param.pass, param.default) {
+            // Its short form is (ratio, channel).
+            let index = match index {
+                _ if !short => index,
+                0 => 0,
+                3 => 1,
+                _ => usize::MAX,
+            };
+            let null = |given: &&Given| {
+                param.default.is_some()
+                    && matches!(param.pass, Pass::Fixed(..))
+                    && matches!(given.what, What::Value(Value::Int(0)))
+            };
+            let Some(given) = given.get(index).filter(|given| !null(given)) else {
+                let (of, times) = match param.pass {
+                    Pass::In(of) => (of, 1),
+                    Pass::Fixed(of, length) => (of, length),
+                    _ => continue,
+                };
+                if let Some(default) = param.default {
                     let value = of.convert(&Value::Int(i64::from(default))).unwrap_or(Value::Int(0));
-                    bound.values.push((param.name, value));
+                    bound.values.extend((0..times).map(|_| (param.name, value.clone())));
                 }
                 continue;
             };
+            bound.told |= function.told == Some(param.name);
             match param.pass {
                 Pass::In(of) => {
                     let value = self.scalar(given, of, param.name, name)?;
@@ -212,9 +251,13 @@ impl Reader<'_> {
                     What::Text(text) => bound.text = Some((text.clone(), given.span.clone())),
                     _ => return Err(self.wrong(param, given, name, "a text in quotation marks")),
                 },
-                Pass::Many(of) => {
-                    let list = self.list(param, given, of, count, name)?;
+                Pass::Many(of, size) => {
+                    let list = self.list(param, given, of, bound.length(size, count), name)?;
                     bound.lists.push(list);
+                }
+                Pass::Fixed(of, length) => {
+                    let list = self.list(param, given, of, length, name)?;
+                    bound.values.extend(list.into_iter().map(|value| (param.name, value)));
                 }
                 Pass::Struct(of) => {
                     let (variable, element) = self.struct_given(param, given, of, name)?;
@@ -253,7 +296,8 @@ impl Reader<'_> {
 
     /// Value of the parameter `count`, 1 where there is none.
     pub(crate) fn count(&mut self, function: &Function, given: &[Given], name: &Token) -> Result<usize, Fault> {
-        let Some(index) = function.params.iter().position(|param| param.name == "count") else { return Ok(1) };
+        let single = |param: &Param| param.name == "count" && matches!(param.pass, Pass::In(_));
+        let Some(index) = function.params.iter().position(single) else { return Ok(1) };
         let Some(given) = given.get(index) else { return Ok(1) };
         // A count that no controller takes is refused there, with its limits; here it only sizes arrays.
         Ok(match self.scalar(given, Type::Long, "count", name)? {

@@ -3,7 +3,7 @@
 //! In: the reader at a call. Out: its step. `bind` reads and checks the parameters, `pack` makes bytes
 //! of them.
 
-use crate::api::{self, Function, Pass, Shape};
+use crate::api::{self, Function, Pass};
 use crate::bind::Bound;
 use crate::endless::Numbers;
 use crate::expr::nearest;
@@ -207,7 +207,7 @@ impl Reader<'_> {
         }
         if let Some(mask) = value("mask") {
             // In the GT form of Stop, bits from 8 on are coordinate systems.
-            let axes = if function.shape == Shape::Form && !several_cores { mask & 0xff } else { mask };
+            let axes = if function.name == "Stop" && !several_cores { mask & 0xff } else { mask };
             self.name_mask(core, axes as u32);
         }
     }

@@ -5,7 +5,7 @@ use crate::bind::Bound;
 use crate::read::{Fault, Reader};
 use crate::value::{Value, show};
 use crate::{Axis, config};
-use protocol::command::COMMANDS;
+use protocol::command::info;
 use std::ops::Range;
 
 impl Reader<'_> {
@@ -23,25 +23,7 @@ impl Reader<'_> {
         match function.shape {
             Shape::Host => return Ok(None),
             Shape::Plain => {}
-            Shape::Form => values.push(Value::Int(i64::from(!several_cores))),
-            Shape::Items => {
-                let list = bound.lists.first().map_or(&[][..], Vec::as_slice);
-                for value in list {
-                    put(&mut items, "I16", value);
-                }
-            }
-            Shape::Points => {
-                let count = bound.values.iter().position(|(name, _)| *name == "count").unwrap_or(0);
-                values.insert(count + 1, Value::Int(0));
-                let points = bound.lists.first().map_or(0, Vec::len);
-                for point in 0..points {
-                    bound
-                        .lists
-                        .iter()
-                        .filter_map(|list| list.get(point))
-                        .for_each(|value| put(&mut items, "F64", value));
-                }
-            }
+            Shape::Points | Shape::Grid => items = items_of(function, bound),
             Shape::Point => {
                 if let Some(list) = bound.lists.first() {
                     // Of eight places and three parts of a centre, those that a coordinate system has.
@@ -49,7 +31,10 @@ impl Reader<'_> {
                     let skipped =
                         |index: &usize| places.clone().skip(4).chain(centre.clone().skip(2)).any(|i| i == *index);
                     let kept = list.iter().enumerate().filter(|(index, _)| !skipped(index)).map(|(_, value)| value);
-                    fill(&mut items, item_fields(function.opcode), kept);
+                    let mut kept = kept;
+                    for (_, of) in info(function.opcode).map_or(&[][..], |command| command.items) {
+                        fill(&mut items, of, &mut kept);
+                    }
                 }
             }
             Shape::StartList => {
@@ -77,36 +62,54 @@ impl Reader<'_> {
                 items = config::bytes(&found.items);
             }
         }
-        let fields =
-            COMMANDS.iter().find(|command| command.opcode == function.opcode).map_or(&[][..], |command| command.fields);
-        if fields.first().is_some_and(|field| field.0 == "core") {
-            values.insert(0, Value::Int(i64::from(core)));
-        }
+        let mut values = values.iter();
         let mut body = Vec::new();
-        fill(&mut body, fields, values.iter());
+        for (name, of) in info(function.opcode).map_or(&[][..], |command| command.fields) {
+            let own = match *name {
+                "core" => i64::from(core),
+                "form" => i64::from(!several_cores),
+                "first" => 0,
+                name if name.ends_with("_given") => i64::from(bound.told),
+                _ => {
+                    fill(&mut body, of, &mut values);
+                    continue;
+                }
+            };
+            put(&mut body, of, &Value::Int(own));
+        }
         body.extend(items);
         Ok(Some(body))
     }
 }
 
-type Fields = &'static [(&'static str, &'static str)];
-
-fn item_fields(opcode: u16) -> Fields {
-    COMMANDS.iter().find(|command| command.opcode == opcode).map_or(&[], |command| command.items)
+/// Appends the values of a field; an array takes as many as it has places.
+fn fill<'v>(body: &mut Vec<u8>, of: &str, values: &mut impl Iterator<Item = &'v Value>) {
+    let array = of.strip_prefix('[').and_then(|of| of.strip_suffix(']')).and_then(|of| of.split_once("; "));
+    let (of, count) = match array {
+        Some((of, count)) => (of, count.parse().unwrap_or(0)),
+        None => (of, 1),
+    };
+    for value in values.by_ref().take(count) {
+        put(body, of, value);
+    }
 }
 
-/// Appends the values of these fields; an array takes as many as it has places.
-fn fill<'v>(body: &mut Vec<u8>, fields: Fields, mut values: impl Iterator<Item = &'v Value>) {
-    for (_, of) in fields {
-        let array = of.strip_prefix('[').and_then(|of| of.strip_suffix(']')).and_then(|of| of.split_once("; "));
-        let (of, count) = match array {
-            Some((of, count)) => (of, count.parse().unwrap_or(0)),
-            None => (*of, 1),
-        };
-        for value in values.by_ref().take(count) {
-            put(body, of, value);
+/// The items that follow the request: a value of each array in turn, or array by array.
+fn items_of(function: &Function, bound: &Bound) -> Vec<u8> {
+    let fields = info(function.opcode).map_or(&[][..], |command| command.items);
+    let mut items = Vec::new();
+    if function.shape == Shape::Grid {
+        let (first, rest) = bound.lists.split_first().map_or((&[][..], &[][..]), |(first, rest)| (&first[..], rest));
+        let of = fields.first().map_or("F64", |field| field.1);
+        rest.iter().flatten().chain(first).for_each(|value| put(&mut items, of, value));
+        return items;
+    }
+    for point in 0..bound.lists.first().map_or(0, Vec::len) {
+        for (list, (_, of)) in bound.lists.iter().zip(fields) {
+            list.get(point).into_iter().for_each(|value| put(&mut items, of, value));
         }
     }
+    items
 }
 
 /// Two lists of axes and FIFOs as the masks of PtStart.

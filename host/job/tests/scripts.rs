@@ -126,7 +126,7 @@ fn every_function_packs_as_long_as_its_request() {
     let names = job::api::FUNCTIONS.iter().filter(|function| function.opcode != 0);
     for function in names {
         let mut text = String::from(
-            "double o[40]; double d[4] = {0}; short n[40] = {0}; TJogPrm jog = {1, 2, 0}; TTrapPrm trap = {1, 2, 3, 4}; \
+            "double o[40]; double d[4] = {0}; short n[40] = {0}; short ones[2] = {1, 1}; TJogPrm jog = {1, 2, 0}; TTrapPrm trap = {1, 2, 3, 4}; \
              TCrdPrm crd = {2}; TCrdData point = {0};\n",
         );
         let mut given = vec!["1".to_owned()];
@@ -135,12 +135,13 @@ fn every_function_packs_as_long_as_its_request() {
             given.push(match (param.pass, function.name) {
                 (Pass::In(_), _) => "1".into(),
                 (Pass::Out, _) => "o".into(),
-                (Pass::Many(_), "PtStartPro") if param.name == "axis" => {
+                (Pass::Many(..), "PtStartPro") if param.name == "axis" => {
                     text.push_str("n[0] = 1;");
                     "n".into()
                 }
-                (Pass::Many(_), "PtStartPro") => "&n[1]".into(),
-                (Pass::Many(_), name) => if name.starts_with("Pvt") { "d" } else { "n" }.into(),
+                (Pass::Many(..), "PtStartPro") => "&n[1]".into(),
+                (Pass::Fixed(..), _) if param.name == "count" => "ones".into(),
+                (Pass::Many(..) | Pass::Fixed(..), _) => "d".into(),
                 (Pass::Working, _) => "o".into(),
                 (Pass::Struct(_) | Pass::OutStruct(_), name) => {
                     let kinds = [("Jog", "&jog"), ("Trap", "&trap"), ("Crd", "&crd")];
@@ -174,6 +175,9 @@ fn every_function_packs_as_long_as_its_request() {
         let items = match function.name {
             "SetDac" => 2,
             "LoadConfig" => 2 * size(info.items),
+            // One point for each of four axes; one of X, one of Y and the ratio there.
+            "SetLaserDisTable1D" => 4 * size(info.items),
+            "SetLaserDisTable2D" => 3 * size(info.items),
             _ => size(info.items),
         };
         assert_eq!(call.body.len(), size(info.fields) + items, "{text}");
