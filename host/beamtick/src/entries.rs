@@ -5,15 +5,18 @@
 //! still finds its line.
 use crate::points::records;
 use client::Call;
-use job::{Action, Job, Step};
+use job::{Action, Job};
 use protocol::command::{
-    AxisStatus, LaserOff, LaserOn, PtData, PtDataMany, PtItem, Request, Reset, SetHSIOOpt, Sleep, Stop, Trace,
-    VersionReply, WaitStop,
+    AxisStatus, BufLaserOn, EnaFPK, LaserOff, LaserOn, LaserStatus, PtData, PtDataMany, PtItem, Request, Reset,
+    SetHSIOOpt, SetLevelDelay, Sleep, Stop, Trace, VersionReply, WaitStop,
 };
 use zerocopy::FromBytes;
 
 /// Segments in one record, at most: two records fit in a frame.
 const MERGED: usize = 32;
+
+/// The longest delay that a channel takes, µs.
+const DELAY_MAX_US: u32 = 65_535;
 
 /// One entry.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +41,11 @@ pub enum From {
         /// First axis of the reply.
         axis: i16,
     },
+    /// Behind the script: a laser that it may have left on.
+    Light {
+        /// From 0.
+        channel: u8,
+    },
     /// Behind the script: the program's own end.
     End,
 }
@@ -48,7 +56,7 @@ impl Entry {
         match &self.from {
             From::Step(step) => Some(*step),
             From::Items(steps) => steps.get(usize::from(item)).or(steps.first()).copied(),
-            From::Left { .. } | From::End => None,
+            From::Left { .. } | From::Light { .. } | From::End => None,
         }
     }
 }
@@ -69,23 +77,49 @@ pub fn laser_off(channel: u8) -> SetHSIOOpt {
     SetHSIOOpt { core: 1.into(), value: 0.into(), channel: i16::from(channel).into() }
 }
 
-/// Whether the last command that switches this laser channel in the script switches it on.
-pub fn leaves_on(job: &Job, channel: u8) -> bool {
-    let switched = |step: &Step| {
-        let Action::Call(call) = &step.action else { return None };
-        let (on, of) = match call.opcode {
-            LaserOn::OPCODE => (true, LaserOn::read_from_bytes(&call.body).ok()?.channel),
-            LaserOff::OPCODE => (false, LaserOff::read_from_bytes(&call.body).ok()?.channel),
-            SetHSIOOpt::OPCODE => {
-                let request = SetHSIOOpt::read_from_bytes(&call.body).ok()?;
-                (request.value.get() != 0, request.channel)
-            }
-            Reset::OPCODE => return Some(false),
-            _ => return None,
+/// Whether the script may end with this laser channel on: something switches it on, and nothing that is certain to act
+/// switches it off behind that. Buffered commands act when the path comes to them.
+fn may_leave_on(job: &Job, channel: u8) -> bool {
+    let mut on = false;
+    for step in &job.steps {
+        let Action::Call(call) = &step.action else { continue };
+        let body = &call.body[..];
+        let switched = match call.opcode {
+            LaserOn::OPCODE => LaserOn::read_from_bytes(body).ok().map(|r| (true, r.channel)),
+            BufLaserOn::OPCODE => BufLaserOn::read_from_bytes(body).ok().map(|r| (true, r.channel)),
+            LaserOff::OPCODE => LaserOff::read_from_bytes(body).ok().map(|r| (false, r.channel)),
+            SetHSIOOpt::OPCODE => SetHSIOOpt::read_from_bytes(body).ok().map(|r| (r.value.get() != 0, r.channel)),
+            Reset::OPCODE => Some((false, i16::from(channel).into())),
+            _ => None,
         };
-        (of.get() == i16::from(channel)).then_some(on)
-    };
-    job.steps.iter().rev().find_map(switched).unwrap_or(false)
+        match switched {
+            Some((true, of)) if of.get() == i16::from(channel) => on = true,
+            // What may fail is not certain.
+            Some((false, of)) if of.get() == i16::from(channel) => on &= call.may_fail,
+            _ => {}
+        }
+    }
+    on
+}
+
+/// How long light may go on behind its off command by what the script sets: the longest off delays of gate and FPK.
+fn tail_ns(job: &Job) -> u64 {
+    let (mut gate, mut fpk) = (0, 0);
+    for step in &job.steps {
+        let Action::Call(call) = &step.action else { continue };
+        match call.opcode {
+            SetLevelDelay::OPCODE => {
+                let delays = SetLevelDelay::read_from_bytes(&call.body).unwrap_or_default();
+                gate = gate.max(delays.off_delay_us.get().min(DELAY_MAX_US));
+            }
+            EnaFPK::OPCODE => {
+                let times = EnaFPK::read_from_bytes(&call.body).unwrap_or_default();
+                fpk = fpk.max(times.laser_off_delay_us.get().min(DELAY_MAX_US));
+            }
+            _ => {}
+        }
+    }
+    u64::from(gate + fpk) * 1000
 }
 
 /// The script's entries, then: lasers that it left on are switched off, what still moves is read, stopped smoothly and
@@ -121,11 +155,25 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
         }
     }
     finish(&mut entries, &mut run);
-    for channel in lasers(job, version).filter(|channel| leaves_on(job, *channel)) {
-        entries.push(Entry { call: Call::of(laser_off(channel)), from: From::End });
+    let tick_ns = u64::from(version.tick_us.get()) * 1000;
+    let sleep = |ns: u64| Entry { call: Call::of(Sleep { ns: ns.into() }), from: From::End };
+    let left: Vec<u8> = lasers(job, version).filter(|channel| may_leave_on(job, *channel)).collect();
+    for channel in &left {
+        let status = LaserStatus { core: 1.into(), channel: i16::from(*channel).into() };
+        entries.push(Entry { call: Call::of(status), from: From::Light { channel: *channel } });
     }
+    if !left.is_empty() {
+        // What is read at the end of the script is the state before the lasers are switched off.
+        entries.push(sleep(tick_ns));
+    }
+    entries.extend(left.iter().map(|channel| Entry { call: Call::of(laser_off(*channel)), from: From::End }));
     leave(&mut entries, job, version);
     if traced {
+        if !left.is_empty() {
+            // The edge that ends the light lies in the tick behind its command, after its delays, and is whole with
+            // the row behind it.
+            entries.push(sleep(2 * tick_ns + tail_ns(job)));
+        }
         entries.push(Entry { call: Call::of(Trace::default()), from: From::End });
     }
     entries
@@ -207,7 +255,7 @@ mod tests {
     }
 
     fn version() -> VersionReply {
-        VersionReply { cores: 1, axes_per_core: 8, lasers: 2, ..VersionReply::default() }
+        VersionReply { cores: 1, axes_per_core: 8, lasers: 2, tick_us: 50.into(), ..VersionReply::default() }
     }
 
     fn of(text: &str) -> Vec<Entry> {
@@ -240,18 +288,34 @@ mod tests {
         assert_eq!((stop.mask.get(), stop.option.get(), stop.form), (0xff, 0, 0));
         assert_eq!(found[4].call, wait(1, 0xff, 0));
         assert_eq!(of("Sleep(1);").len(), 1);
+        // What is on is read, and a tick later switched off.
         let found = of("GT_LaserOn(1); GT_LaserOn(5);");
-        assert_eq!(found.len(), 3);
-        assert_eq!((&found[2].from, &found[2].call), (&From::End, &Call::of(laser_off(1))));
+        assert_eq!(found.len(), 5);
+        assert_eq!(found[2].from, From::Light { channel: 1 });
+        assert_eq!(found[3].call, Call::of(Sleep { ns: 50_000.into() }));
+        assert_eq!((&found[4].from, &found[4].call), (&From::End, &Call::of(laser_off(1))));
+        // A trace goes on until the light has ended.
+        let text = "GT_SetLevelDelay(300,10); GT_EnaFPK(1,2,40); GT_SetHSIOOpt(1);";
+        let found = entries(&job::compile(text, &None).unwrap(), &version(), true);
+        assert_eq!(found[6].call, Call::of(Sleep { ns: (100_000 + 340_000).into() }));
+        assert_eq!((found.len(), found[7].call.opcode), (8, Trace::OPCODE));
         for (text, lefts) in [
             ("GT_LaserOn(0); GT_LaserOff(1);", 1),
             ("GT_LaserOn(0); GT_LaserOff(0);", 0),
             ("GT_SetHSIOOpt(1); GT_SetHSIOOpt(1, 1); GT_LaserOff(0); GTN_LaserOn(1, 0);", 2),
+            ("GT_BufLaserOn(1); GT_BufLaserOff(1);", 1),
+            ("GT_BufLaserOn(1); GT_LaserOff(0);", 0),
+            ("#pragma continue\nshort rtn; GT_LaserOn(0); rtn = GT_LaserOff(0);", 1),
+            ("#pragma continue\nshort rtn; rtn = GT_LaserOn(0); GT_LaserOff(0);", 0),
             ("GT_SetHSIOOpt(1); GT_SetHSIOOpt(0);", 0),
             ("GT_SetHSIOOpt(1); GT_Reset();", 0),
             ("GT_LaserPrfCmd(5);", 0),
         ] {
-            assert_eq!(of(text).iter().filter(|entry| entry.from == From::End).count(), lefts, "{text}");
+            assert_eq!(
+                of(text).iter().filter(|entry| matches!(entry.from, From::Light { .. })).count(),
+                lefts,
+                "{text}"
+            );
         }
     }
 }

@@ -1,14 +1,14 @@
 //! What a job says while it runs: reads, failures, progress.
 //!
 //! In: the answers to its entries. Out: lines on the standard output, a progress bar where the error
-//! stream is a terminal. It remembers which axes the script left moving.
+//! stream is a terminal. It remembers which axes the script left moving, and which lasers on.
 use crate::entries::{Entry, From};
 use crate::source::Source;
 use crate::{profile, reply};
 use client::{Answer, Dry, Error, Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use job::{Action, Severity};
-use protocol::command::{AxisStatus, VersionReply};
+use protocol::command::{AxisStatus, LaserStatus, VersionReply};
 use protocol::reason::Reason;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,6 +28,8 @@ pub struct Report<'a> {
     interrupt: Arc<AtomicBool>,
     /// Axes that still moved when the script ended: core and axis.
     pub left: Vec<(i16, i16)>,
+    /// Laser channels that were on when the script ended.
+    pub lit: Vec<u8>,
     /// Calls that failed and were allowed to.
     pub warned: u32,
     /// The PT streams as they were last, and the shortest time to dry that each showed.
@@ -48,7 +50,8 @@ impl<'a> Report<'a> {
         if let Ok(style) = ProgressStyle::with_template("{elapsed:>5} [{bar:30}] {pos}/{len} {msg}") {
             bar.set_style(style);
         }
-        Report { source, entries, version, quiet, bar, interrupt, left: Vec::new(), warned: 0, streams: Vec::new() }
+        let (left, lit, streams) = (Vec::new(), Vec::new(), Vec::new());
+        Report { source, entries, version, quiet, bar, interrupt, left, lit, warned: 0, streams }
     }
 
     /// Takes the bar away.
@@ -83,7 +86,9 @@ impl<'a> Report<'a> {
             _ if beyond.is_some() => beyond.as_deref().unwrap_or_default(),
             1 => "the call is right, but not in the present state; what comes behind it was not executed",
             7 => "correct the parameter; what comes behind the call was not executed",
-            8 => "this firmware is older than the client; load the one of the same version",
+            8 if answer.refusal().is_none_or(|refusal| refusal.reason() == Some(Reason::UnknownCommand)) => {
+                "this firmware is older than the client; load the one of the same version"
+            }
             _ => "",
         };
         self.source.show(step, severity, format!("{name} returned {}: {reason}", answer.code), help)
@@ -139,6 +144,11 @@ impl Observer for Report<'_> {
                     answer.reply::<AxisStatus>().and_then(|(_, items)| items.first().map(|item| item.status.get()));
                 if status.is_some_and(|status| status & RUNNING != 0) {
                     self.left.push((*core, *axis));
+                }
+            }
+            Some(From::Light { channel }) => {
+                if answer.reply::<LaserStatus>().is_some_and(|(state, _)| state.commanded != 0) {
+                    self.lit.push(*channel);
                 }
             }
             Some(From::Step(_)) => {

@@ -1,6 +1,6 @@
 //! The summary: what a job has done, where its axes are and why they stopped, what the link carried.
 use crate::Failure;
-use crate::entries::{lasers, leaves_on};
+use crate::entries::lasers;
 use crate::profile;
 use crate::record::Recorded;
 use crate::report::Report;
@@ -75,7 +75,7 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
     }
     for channel in lasers(&run.source.job, version) {
         let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
-        let end = if leaves_on(&run.source.job, channel) { "; was on when the script ended: switched off" } else { "" };
+        let end = if run.report.lit.contains(&channel) { "; was on when the script ended: switched off" } else { "" };
         say!("  laser {channel}: {}{end}", laser(&state));
     }
     for (dry, least) in &run.report.streams {

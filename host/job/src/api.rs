@@ -225,7 +225,12 @@ pub const FUNCTIONS: &[Function] = &[
     call("SetDo", c::SetDo::OPCODE, &[short("doType"), long("value")]),
     read("GetDo", c::GetDo::OPCODE, &[short("doType"), out("value")]),
     call("SetDoBit", c::SetDoBit::OPCODE, &[short("doType"), short("index"), short("value")]),
-    shaped(Shape::Points, "SetDac", c::SetDac::OPCODE, &[short("dac"), sized("value", Type::Short, Size::Count), COUNT]),
+    shaped(
+        Shape::Points,
+        "SetDac",
+        c::SetDac::OPCODE,
+        &[short("dac"), sized("value", Type::Short, Size::Count), COUNT],
+    ),
     read("GetDac", c::GetDac::OPCODE, &[short("dac"), out("value"), COUNT]),
     read("GetAdc", c::GetAdc::OPCODE, &[short("adc"), out("value"), COUNT, CLOCK]),
     // -- laser (GUS chapter 2, LSR chapter 2) ------------------------------------------------------

@@ -191,7 +191,8 @@ fn every_buffered_laser_call_in_both_forms() {
 
 #[test]
 fn distance_follow_takes_the_parameters_of_both_manuals() {
-    let arrays = "long pos[4] = {1,-2,3,4}; double scale[4] = {1000,2000,3000,4000}; double ratio[4] = {0.1,-0.2,0.3,0};";
+    let arrays =
+        "long pos[4] = {1,-2,3,4}; double scale[4] = {1000,2000,3000,4000}; double ratio[4] = {0.1,-0.2,0.3,0};";
     let r: c::SetLaserDisMode = request(&format!("{arrays} GT_SetLaserDisMode(1,0,pos,scale,1);"));
     assert_eq!((r.mode.get(), r.source.get(), r.channel.get()), (1, 0, 1));
     assert_eq!({ r.pos }.map(i32::from), [1, -2, 3, 4]);
@@ -232,7 +233,10 @@ fn tables_travel_behind_their_request() {
         "double vel[3] = {0,10,50}, power[3] = {5,20,80}; GT_SetLaserFollowTable(2,3,vel,power,1);",
     );
     assert_eq!((r.table.get(), r.count.get(), r.channel.get(), r.first.get()), (2, 3, 1, 0));
-    assert_eq!(points.iter().map(|p| (p.vel.get(), p.power.get())).collect::<Vec<_>>(), [(0.0, 5.0), (10.0, 20.0), (50.0, 80.0)]);
+    assert_eq!(
+        points.iter().map(|p| (p.vel.get(), p.power.get())).collect::<Vec<_>>(),
+        [(0.0, 5.0), (10.0, 20.0), (50.0, 80.0)]
+    );
     // Two points for each of four axes.
     let (r, points) = with_items::<c::SetLaserDisTable1D>(
         "double ratio[8] = {1,2,3,4,5,6,7,8}; long pos[8] = {0,10,0,20,0,30,0,40}; double limit[4] = {1,2,3,4};
