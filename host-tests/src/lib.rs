@@ -1,2 +1,5 @@
 //! Tests across the seams of the rooms: see `tests/`.
 pub mod laser_model;
+pub mod light_model;
+pub mod optimum;
+pub mod path_model;

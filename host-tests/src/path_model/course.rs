@@ -1,0 +1,306 @@
+//! What a FIFO does in the course of time.
+use super::figure::Place;
+use super::speed::{Profile, limits, profile};
+use super::{Entry, Frame};
+
+/// What comes from outside. Each acts at the instant of a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Command {
+    /// CrdStart: begins, or goes on.
+    Start,
+    /// A smooth Stop.
+    Stop,
+    /// An abrupt one.
+    Abrupt,
+    /// SetOverride.
+    Rate(f64),
+    /// SetCrdStopDec, pulse/ms².
+    StopDec(f64),
+}
+
+/// Why a coordinate system rests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Why {
+    /// Its entries have run out.
+    Done,
+    /// The same at speed.
+    Underrun,
+    /// A Stop.
+    Stopped,
+}
+
+/// It came to rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest {
+    /// ms.
+    pub at: f64,
+    /// Why.
+    pub why: Why,
+}
+
+/// A time of constant acceleration along a figure, or of standing still.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Piece {
+    /// ms.
+    pub begin: f64,
+    /// ms.
+    pub ms: f64,
+    /// Which entry it is a part of.
+    pub entry: usize,
+    /// Pulses of the figure behind it, at its begin.
+    pub way: f64,
+    /// pulse/ms at its begin.
+    pub speed: f64,
+    /// pulse/ms².
+    pub acc: f64,
+}
+
+/// All of it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Course {
+    /// In order, without overlap; between them it stands still.
+    pub pieces: Vec<Piece>,
+    /// When each effect was reached, ms, and which one it was.
+    pub effects: Vec<(f64, usize)>,
+    /// When each motion ended, ms.
+    pub ends: Vec<f64>,
+    /// Starts, ms, and whether they went on after a Stop.
+    pub starts: Vec<(f64, bool)>,
+    /// Rests.
+    pub rests: Vec<Rest>,
+}
+
+impl Course {
+    /// The piece in force; at a boundary the one that begins.
+    fn piece(&self, at: f64) -> Option<&Piece> {
+        let after = self.pieces.partition_point(|piece| piece.begin <= at);
+        self.pieces[..after].last().filter(|piece| at < piece.begin + piece.ms)
+    }
+
+    /// Path speed, pulse/ms.
+    pub fn speed(&self, at: f64) -> f64 {
+        self.piece(at).map_or(0.0, |piece| (piece.speed + piece.acc * (at - piece.begin)).max(0.0))
+    }
+
+    /// Where it is, if it has ever moved.
+    pub fn place(&self, entries: &[Entry], at: f64) -> Option<Place> {
+        let after = self.pieces.partition_point(|piece| piece.begin <= at);
+        let piece = self.pieces[..after].iter().rfind(|piece| matches!(entries[piece.entry], Entry::Motion(..)))?;
+        let Entry::Motion(figure, _) = &entries[piece.entry] else { unreachable!() };
+        let t = (at - piece.begin).min(piece.ms);
+        let way = piece.way + piece.speed * t + piece.acc * t * t / 2.0;
+        Some(figure.at(way.clamp(0.0, figure.length())))
+    }
+}
+
+/// Where a run stands.
+struct Run<'a> {
+    frame: &'a Frame,
+    entries: &'a [Entry],
+    course: Course,
+    /// ms.
+    now: f64,
+    /// The entry in progress, and how much of it is behind: pulses or ms.
+    entry: usize,
+    way: f64,
+    speed: f64,
+    rate: f64,
+    stop_dec: f64,
+    runs: bool,
+    /// After a Stop that was not the end.
+    stopped: bool,
+    /// A smooth Stop is in progress.
+    brakes: bool,
+}
+
+impl Run<'_> {
+    /// Whether a motion follows this entry before a delay does.
+    fn goes_on(&self) -> bool {
+        let next = self.entries[self.entry + 1..].iter().find(|entry| !matches!(entry, Entry::Effect(_)));
+        matches!(next, Some(Entry::Motion(..)))
+    }
+
+    fn rest(&mut self, why: Why) {
+        (self.runs, self.brakes, self.speed) = (false, false, 0.0);
+        self.stopped = why == Why::Stopped;
+        self.course.rests.push(Rest { at: self.now, why });
+    }
+
+    /// Goes on for up to `ms`; less where it ends. Pieces of the motion in progress.
+    fn pieces(&mut self, profile: &Profile, until: f64) {
+        for phase in profile.phases {
+            if phase.ms == 0.0 {
+                continue;
+            }
+            let ms = phase.ms.min(until - self.now);
+            if ms <= 0.0 {
+                return;
+            }
+            let (begin, way, speed) = (self.now, self.way, self.speed);
+            self.course.pieces.push(Piece { begin, ms, entry: self.entry, way, speed, acc: phase.acc });
+            self.way += speed * ms + phase.acc * ms * ms / 2.0;
+            self.speed += phase.acc * ms;
+            self.now += ms;
+            if ms < phase.ms {
+                return;
+            }
+        }
+    }
+
+    /// Until an instant, or until it rests.
+    fn run(&mut self, until: f64) {
+        while self.runs {
+            match self.entries.get(self.entry) {
+                None => {
+                    let why = if self.speed > 0.0 { Why::Underrun } else { Why::Done };
+                    return self.rest(why);
+                }
+                Some(Entry::Effect(number)) => {
+                    self.course.effects.push((self.now, *number));
+                    self.entry += 1;
+                }
+                Some(Entry::Delay(ms)) => {
+                    let left = f64::from(*ms) - self.way;
+                    let some = left.min(until - self.now);
+                    let (begin, entry) = (self.now, self.entry);
+                    let still = Piece { begin, ms: some, entry, way: self.way, speed: 0.0, acc: 0.0 };
+                    self.course.pieces.push(still);
+                    self.now += some;
+                    self.speed = 0.0;
+                    if some < left {
+                        self.way += some;
+                        return;
+                    }
+                    (self.entry, self.way) = (self.entry + 1, 0.0);
+                }
+                Some(Entry::Motion(figure, rates)) => {
+                    let left = figure.length() - self.way;
+                    let mut limits = limits(self.frame, rates, self.rate);
+                    if !self.goes_on() {
+                        limits.end = 0.0;
+                    }
+                    let mut even = self.frame.even_ms;
+                    if self.brakes {
+                        // Down to 0 and no further, over whatever follows.
+                        (limits.speed, limits.acc, limits.end, even) = (0.0, self.stop_dec, 0.0, 0.0);
+                        let ms = self.speed / self.stop_dec;
+                        if self.speed * ms / 2.0 < left {
+                            let phase = super::speed::Phase { acc: -self.stop_dec, ms };
+                            let none = super::speed::Phase { acc: 0.0, ms: 0.0 };
+                            let from = self.now;
+                            self.pieces(&Profile { phases: [phase, none, none], end: 0.0 }, until);
+                            if until >= from + ms {
+                                self.now = from + ms;
+                                return self.rest(Why::Stopped);
+                            }
+                            return;
+                        }
+                    }
+                    let profile = profile(self.speed, left, &limits, even);
+                    let ends: f64 = self.now + profile.phases.iter().map(|phase| phase.ms).sum::<f64>();
+                    self.pieces(&profile, until);
+                    if ends > until {
+                        return;
+                    }
+                    self.speed = profile.end;
+                    self.course.ends.push(self.now);
+                    (self.entry, self.way) = (self.entry + 1, 0.0);
+                }
+            }
+        }
+    }
+
+    fn command(&mut self, command: Command) {
+        match command {
+            Command::Start => {
+                if !self.runs {
+                    self.course.starts.push((self.now, self.stopped));
+                    (self.runs, self.stopped) = (true, false);
+                }
+                self.brakes = false;
+            }
+            Command::Stop if self.runs && self.speed > 0.0 => self.brakes = true,
+            Command::Stop | Command::Abrupt => {
+                if self.runs {
+                    self.rest(Why::Stopped);
+                }
+            }
+            Command::Rate(rate) => self.rate = rate,
+            Command::StopDec(dec) => self.stop_dec = dec,
+        }
+    }
+}
+
+/// What entries do under commands, whose instants are in ms and never go back, until `horizon`.
+///
+/// Everything is in the FIFO before the first start. A Stop in a BufDelay rests at once, and the rest of the delay is
+/// waited for after the next start.
+pub fn course(frame: &Frame, entries: &[Entry], commands: &[(f64, Command)], horizon: f64) -> Course {
+    let course = Course::default();
+    let mut run = Run {
+        frame,
+        entries,
+        course,
+        now: 0.0,
+        entry: 0,
+        way: 0.0,
+        speed: 0.0,
+        rate: 1.0,
+        stop_dec: frame.acc,
+        runs: false,
+        stopped: false,
+        brakes: false,
+    };
+    for &(at, command) in commands {
+        run.run(at);
+        run.now = at;
+        run.command(command);
+    }
+    run.run(horizon);
+    run.course
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Figure, Rates};
+    use super::*;
+
+    fn line(from: f64, to: f64, speed: f64, acc: f64, end: f64) -> Entry {
+        let figure = Figure::line([from, 0.0, 0.0, 0.0], [to, 0.0, 0.0, 0.0]);
+        Entry::Motion(figure, Rates { speed, acc, end })
+    }
+
+    const FRAME: Frame = Frame { speed: 100.0, acc: 100.0, even_ms: 0.0 };
+
+    /// Worked out by hand.
+    #[test]
+    fn a_corner_at_speed_a_delay_and_a_stop() {
+        let entries = [
+            Entry::Effect(0),
+            line(0.0, 100.0, 10.0, 1.0, 10.0),
+            Entry::Effect(1),
+            line(100.0, 200.0, 10.0, 1.0, 10.0),
+            Entry::Effect(2),
+            Entry::Delay(7),
+            line(200.0, 232.0, 10.0, 2.0, 0.0),
+            Entry::Effect(3),
+        ];
+        // 10 ms up over 50, 5 ms at 10; 5 ms at 10, 10 ms down; 7 ms; 32 = 2·4²: 8 ms.
+        let still = course(&FRAME, &entries, &[(1.0, Command::Start)], 100.0);
+        assert_eq!(still.effects, [(1.0, 0), (16.0, 1), (31.0, 2), (46.0, 3)]);
+        assert_eq!(still.rests, [Rest { at: 46.0, why: Why::Done }]);
+        assert_eq!(still.ends, [16.0, 31.0, 46.0]);
+        assert_eq!([still.speed(6.0), still.speed(13.0), still.speed(24.0), still.speed(35.0)], [5.0, 10.0, 7.0, 0.0]);
+        assert_eq!(still.place(&entries, 16.0).unwrap()[0], 100.0);
+        assert_eq!(still.place(&entries, 50.0).unwrap()[0], 232.0);
+        // A Stop at 14 ms with 2 pulse/ms²: 20 pulses to the corner take 10 − √(100 − 80) over 2, rest 5 ms after it.
+        let commands =
+            [(0.0, Command::StopDec(2.0)), (1.0, Command::Start), (14.0, Command::Stop), (30.0, Command::Start)];
+        let stopped = course(&FRAME, &entries, &commands, 100.0);
+        assert_eq!(stopped.rests[0], Rest { at: 19.0, why: Why::Stopped });
+        assert!((stopped.effects[1].0 - (14.0 + (10.0 - 20f64.sqrt()) / 2.0)).abs() < 1e-12);
+        // 5 pulses into the second: 95 left, with 1 pulse/ms² up and down: 2·√95.
+        assert!((stopped.effects[2].0 - (30.0 + 2.0 * 95f64.sqrt())).abs() < 1e-12);
+        assert_eq!(stopped.starts, [(1.0, false), (30.0, true)]);
+    }
+}
