@@ -3,7 +3,8 @@ use servo::piece::Scaled;
 use servo::units::Pos;
 use std::path::PathBuf;
 use trace::{
-    AxisName, AxisPoint, CsvWriter, Header, Item, OutputEdge, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter,
+    AxisName, AxisPoint, CsvWriter, Header, Item, LaserName, LaserPoint, OutputEdge, Plot, PlotOptions, PowerUnit,
+    Reader, Row, TraceError, VcdWriter, Xy,
 };
 
 const PULSE: i64 = 1 << 22;
@@ -263,4 +264,135 @@ fn a_zoomed_plot_shows_only_its_time() {
     let nothing = plot_of(1, PlotOptions { from_ms: Some(1e9), ..PlotOptions::default() });
     assert!(matches!(nothing.save(&folder.join("nothing.png")), Err(TraceError::Window(_))));
     assert!(matches!(plot.save(&folder.join("zoom.gif")), Err(TraceError::Plot(_))));
+}
+
+/// Twice round a rectangle of 2000 by 1000 pulses in 600 ms, a row each ms; from its second side on there is light
+/// of 100 %, from the fourth on of 50 %, from the middle of the second round's first side on there is none.
+fn xy_of_rectangle(options: PlotOptions) -> Xy {
+    let header = Header { axes: vec![axis(1), axis(2)], lasers: vec![LaserName(0)], period_ns: 1_000_000, every: 1 };
+    let mut xy = Xy::new(&header, (axis(1), axis(2)), options).unwrap();
+    for index in 0..=600u32 {
+        let t = index % 300;
+        let (x, y) = match t {
+            0..100 => (20 * t, 0),
+            100..150 => (2000, 20 * (t - 100)),
+            150..250 => (20 * (250 - t), 1000),
+            _ => (0, 20 * (300 - t)),
+        };
+        // On and off between rows.
+        for (at, on) in [(100_000_000, true), (350_500_000, false)] {
+            if (at / 1_000_000 + 1) as u32 == index {
+                xy.light(0, at, on);
+            }
+        }
+        let power = if index < 250 { 100 } else { 50 };
+        let at = |pulses: u32| AxisPoint { pos: Pos(i64::from(pulses) * PULSE), vel: Scaled::default() };
+        let laser = LaserPoint { power: Scaled { m: power, e: 0 }, unit: PowerUnit::Percent, ..LaserPoint::default() };
+        xy.row(&Row { index, t_ns: u64::from(index) * 1_000_000, axes: vec![at(x), at(y)], lasers: vec![laser] });
+    }
+    xy
+}
+
+/// Lines of a colour in an SVG, as points.
+fn lines(svg: &str, colour: &str) -> Vec<Vec<(i32, i32)>> {
+    let of_colour = svg.lines().filter(|line| line.starts_with("<polyline") && line.contains(colour));
+    let points = of_colour.map(|line| line.split_once("points=\"").unwrap().1.split_once('"').unwrap().0);
+    points
+        .map(|points| {
+            let pair = |p: &str| p.split_once(',').map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap())).unwrap();
+            points.split_whitespace().map(pair).collect()
+        })
+        .collect()
+}
+
+#[test]
+fn a_path_is_drawn_to_scale_and_lit_where_light_was() {
+    let folder = folder("xy");
+    let xy = xy_of_rectangle(PlotOptions { title: "twice round".into(), ..PlotOptions::default() });
+    for extension in ["svg", "png"] {
+        xy.save(&folder.join(format!("xy.{extension}"))).unwrap();
+    }
+    let svg = std::fs::read_to_string(folder.join("xy.svg")).unwrap();
+    for part in ["twice round", "axis 1 position", "axis 2 position", "light of laser 0, duty (%)", "100", "250 ms"] {
+        assert!(svg.contains(part), "no {part:?}");
+    }
+    // Dark: from the start to the second side, and the second round from the middle of its first side on.
+    let dark = lines(&svg, "#9AA4AE");
+    let (first, second) = (dark.first().unwrap(), dark.last().unwrap());
+    let (left, bottom) = first[0];
+    let (right, _) = *first.last().unwrap();
+    let top = second.iter().map(|point| point.1).min().unwrap();
+    assert!(((right - left) - 2 * (bottom - top)).abs() <= 2, "{left}..{right}, {bottom}..{top}");
+    let lies = |point: (i32, i32), x: f64, y: f64| {
+        let per_pulse = f64::from(right - left) / 2000.0;
+        let off = (f64::from(point.0 - left) - x * per_pulse, f64::from(bottom - point.1) - y * per_pulse);
+        assert!(off.0.abs() < 1.5 && off.1.abs() < 1.5, "{point:?} is not ({x}, {y})");
+    };
+    lies(second[0], 1010.0, 0.0);
+    // Full power has the last colour of the bar: sides two and three. Half of it the one in the middle.
+    let full = lines(&svg, "#F2A900");
+    lies(full[0][0], 2000.0, 0.0);
+    lies(*full.last().unwrap().last().unwrap(), 0.0, 1000.0);
+    let half = lines(&svg, "#C53069");
+    lies(half[0][0], 0.0, 1000.0);
+    lies(*half.last().unwrap().last().unwrap(), 1010.0, 0.0);
+    // A window shows its own part only.
+    let part = xy_of_rectangle(PlotOptions { from_ms: Some(110.25), to_ms: Some(140.5), ..PlotOptions::default() });
+    part.save(&folder.join("part.svg")).unwrap();
+    let svg = std::fs::read_to_string(folder.join("part.svg")).unwrap();
+    assert!(lines(&svg, "#9AA4AE").is_empty(), "all of it is lit");
+    assert!(svg.contains("110.25 ms") && svg.contains("140.5 ms") && !svg.contains("250 ms"));
+    // What cannot be drawn.
+    assert!(matches!(xy.save(&folder.join("xy.gif")), Err(TraceError::Plot(_))));
+    let late = xy_of_rectangle(PlotOptions { from_ms: Some(601.0), ..PlotOptions::default() });
+    assert!(matches!(late.save(&folder.join("late.svg")), Err(TraceError::Window(_))));
+    let header = Header { axes: vec![axis(1)], ..Header::default() };
+    let missing = Xy::new(&header, (axis(1), axis(2)), PlotOptions::default());
+    assert!(missing.is_err_and(|error| error.to_string().contains("axis 2 is not in the trace")));
+}
+
+#[test]
+fn a_path_of_any_length_is_drawn() {
+    let header = Header { axes: vec![axis(1), axis(2)], period_ns: 50_000, every: 1, ..Header::default() };
+    let mut xy = Xy::new(&header, (axis(2), axis(1)), PlotOptions::default()).unwrap();
+    for index in 0..400_000u32 {
+        let angle = f64::from(index) * 1e-3;
+        let point = |v: f64| ((v * 1000.0 * PULSE as f64) as i64, Scaled::default());
+        xy.row(&row(index, 50_000, &[point(angle.sin()), point(angle.cos())]));
+    }
+    let path = folder("xy").join("long.svg");
+    xy.save(&path).unwrap();
+    let svg = std::fs::read_to_string(path).unwrap();
+    let way = lines(&svg, "#1F6FB4");
+    let points: Vec<_> = way.into_iter().flatten().collect();
+    assert!((2_000..140_000).contains(&points.len()), "{} points", points.len());
+    let (least, most) = (points.iter().map(|p| p.0).min().unwrap(), points.iter().map(|p| p.0).max().unwrap());
+    let middle = (least + most) / 2;
+    let low = points.iter().map(|p| p.1).min().unwrap();
+    for (x, y) in points {
+        let radius = f64::from(x - middle).hypot(f64::from(y - low) - f64::from(most - least) / 2.0);
+        assert!((radius - f64::from(most - least) / 2.0).abs() < 2.5, "({x}, {y}) is not on the circle");
+    }
+}
+
+/// A bitmap's line never leaves its panel: a triangle wave that falls to 0 in one row at its end.
+#[test]
+fn a_sharp_corner_leaves_no_line_behind() {
+    let header = Header { axes: vec![axis(1)], lasers: vec![], period_ns: 250_000, every: 1 };
+    let mut plot = Plot::new(&header, PlotOptions::default()).unwrap();
+    for index in 0..14_402u32 {
+        let v = if index < 14_400 { f64::from(index % 2400) * 0.02 } else { 0.0 };
+        plot.row(&row(index, 250_000, &[(0, scaled(v))]));
+    }
+    let path = folder("plots").join("sharp.png");
+    plot.save(&path).unwrap();
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    let (width, height) = plot.size();
+    // Below the last panel's axis there are grey letters only.
+    let foot = &pixels[((height - 54) * width * 3) as usize..];
+    let coloured = foot.chunks(3).filter(|p| p.iter().max().unwrap() - p.iter().min().unwrap() > 40).count();
+    assert_eq!(coloured, 0, "the line runs below the axis");
 }

@@ -1,6 +1,7 @@
 //! The command line.
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use trace::AxisName;
 
 /// Runs motion jobs in the virtual controller or on a Beamtick board.
 ///
@@ -19,6 +20,7 @@ Examples:
   beamtick sim examples/pt_static.gts --trace t.csv --plot t.png
   beamtick sim examples/pt_dynamic.gts --tick-us 50 --plot zoom.svg --from 900 --to 1100
   beamtick sim examples/laser_duty.gts --plot pulses.png --from 10 --to 12
+  beamtick sim examples/pvt_percent.gts --xy path.png
   beamtick run examples/pt_static.gts --link qemu --vcd t.vcd
   beamtick run examples/jog_trap.gts --link tcp:192.168.1.20:5000 --strict
   beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
@@ -69,6 +71,7 @@ pub struct Settings {
 
 /// What is recorded and shown.
 #[derive(Debug, Clone, Args)]
+#[command(group = ArgGroup::new("picture").args(["plot", "xy"]).multiple(true))]
 pub struct Outputs {
     /// Writes position and velocity of the axes used, gate, power and frequency of the lasers used, a row each tick.
     #[arg(long, value_name = "FILE.csv")]
@@ -79,14 +82,21 @@ pub struct Outputs {
     /// Draws the trace; the extension chooses SVG or PNG.
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
+    /// Draws one axis over another, what a laser lit in the colour of its power; the extension chooses SVG or PNG.
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub xy: Option<PathBuf>,
+    /// The axes of --xy: across, then up. N is an axis of core 1; others are named as in a CSV, core2_axis1. Without it,
+    /// the first two axes of the trace.
+    #[arg(long, value_name = "X,Y", value_parser = axis_pair, requires = "xy")]
+    pub xy_axes: Option<(AxisName, AxisName)>,
     /// A row every N ticks. A link without a stream for the trace may need more; the summary shows it.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub every: u32,
-    /// The plot begins at this time.
-    #[arg(long, value_name = "MS", allow_negative_numbers = true, requires = "plot")]
+    /// The pictures begin at this time.
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, requires = "picture")]
     pub from: Option<f64>,
-    /// The plot ends at this time.
-    #[arg(long, value_name = "MS", allow_negative_numbers = true, requires = "plot")]
+    /// The pictures end at this time.
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, requires = "picture")]
     pub to: Option<f64>,
     /// A late entry stops the job.
     #[arg(long)]
@@ -99,7 +109,12 @@ pub struct Outputs {
 impl Outputs {
     /// Some file needs a trace.
     pub fn traces(&self) -> bool {
-        self.trace.is_some() || self.vcd.is_some() || self.plot.is_some()
+        self.trace.is_some() || self.shows_edges()
+    }
+
+    /// Some file shows what lasers do between rows.
+    pub fn shows_edges(&self) -> bool {
+        self.vcd.is_some() || self.plot.is_some() || self.xy.is_some()
     }
 }
 
@@ -177,4 +192,38 @@ pub struct Serve {
     /// Profile at power-on. Without it the board has room for every profile; with one of 8 axes, for 8 axes only.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
+}
+
+/// Two names of axes.
+fn axis_pair(text: &str) -> Result<(AxisName, AxisName), String> {
+    let wrong = || format!("`{text}` are not two axes: 1,2 or axis1,core2_axis1");
+    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
+    let pair = (axis_name(x).ok_or_else(wrong)?, axis_name(y).ok_or_else(wrong)?);
+    if pair.0 == pair.1 { Err("both are the same axis".to_owned()) } else { Ok(pair) }
+}
+
+/// `N`, `axisN` or `coreM_axisN`, from 1.
+fn axis_name(text: &str) -> Option<AxisName> {
+    let text = text.trim();
+    let (core, axis) = match text.strip_prefix("core") {
+        None => ("1", text.strip_prefix("axis").unwrap_or(text)),
+        Some(named) => named.split_once("_axis")?,
+    };
+    let number = |text: &str| text.parse().ok().filter(|&number: &u8| number > 0);
+    Some(AxisName { core: number(core)?, axis: number(axis)? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_are_named_as_in_a_csv_or_by_a_number() {
+        let axis = |core, axis| AxisName { core, axis };
+        assert_eq!(axis_pair("1,2"), Ok((axis(1, 1), axis(1, 2))));
+        assert_eq!(axis_pair("axis3, core2_axis1"), Ok((axis(1, 3), axis(2, 1))));
+        for wrong in ["", "1", "1,", "1,2,3", "0,1", "1,x", "core_axis1,1", "core2axis1,1", "300,1", "-1,2", "2,2"] {
+            assert!(axis_pair(wrong).is_err(), "{wrong}");
+        }
+    }
 }

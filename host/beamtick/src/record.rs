@@ -1,4 +1,4 @@
-//! The trace stream to files: CSV, VCD, plot.
+//! The trace stream to files: CSV, VCD, plots.
 //!
 //! In: the stream's bytes as they come. Out: files, and the peak velocity of each axis. The first error
 //! ends the recording and is told at its end: a gap is never passed over.
@@ -8,7 +8,9 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::PoisonError;
-use trace::{Change, CsvWriter, Header, Item, OutputEdge, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter};
+use trace::{
+    AxisName, Change, CsvWriter, Header, Item, OutputEdge, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter, Xy,
+};
 use virtual_board::{Output, Shared};
 
 /// See the module text.
@@ -22,6 +24,7 @@ struct Sinks {
     csv: Option<File>,
     vcd: Option<File>,
     plot: Option<(PathBuf, PlotOptions)>,
+    xy: Option<(PathBuf, Option<(AxisName, AxisName)>, PlotOptions)>,
     outputs: Vec<u8>,
     board: Option<Shared>,
     open: Option<Open>,
@@ -33,6 +36,7 @@ struct Open {
     csv: Option<CsvWriter<BufWriter<File>>>,
     vcd: Option<VcdWriter<BufWriter<File>>>,
     plot: Option<Plot>,
+    xy: Option<Xy>,
     peaks: Vec<f64>,
     rows: u32,
 }
@@ -58,31 +62,28 @@ impl Recording {
         digital: Vec<u8>,
         board: Option<Shared>,
     ) -> Result<Self, Failure> {
-        let create = |path: &PathBuf| {
-            File::create(path)
-                .map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", path.display())))
+        let create = |path: &PathBuf| File::create(path).map_err(|error| unwritable(path, &error));
+        let options = PlotOptions {
+            title: title.to_owned(),
+            subtitle,
+            from_ms: outputs.from,
+            to_ms: outputs.to,
+            ..PlotOptions::default()
         };
-        let plot = match &outputs.plot {
-            Some(path) => {
-                picture(path)?;
-                let options = PlotOptions {
-                    title: title.to_owned(),
-                    subtitle,
-                    from_ms: outputs.from,
-                    to_ms: outputs.to,
-                    ..PlotOptions::default()
-                };
-                options.check().map_err(|error| Failure::Input(error.to_string()))?;
-                Some((path.clone(), options))
-            }
-            None => None,
-        };
+        options.check().map_err(|error| Failure::Input(error.to_string()))?;
+        for path in [&outputs.plot, &outputs.xy].into_iter().flatten() {
+            picture(path)?;
+            // It is drawn at the end; that it cannot be written is told before the job runs.
+            let opened = File::options().create(true).append(true).open(path);
+            opened.map_err(|error| unwritable(path, &error))?;
+        }
         Ok(Recording {
             reader: Reader::new(),
             sinks: Sinks {
                 csv: outputs.trace.as_ref().map(create).transpose()?,
                 vcd: outputs.vcd.as_ref().map(create).transpose()?,
-                plot,
+                plot: outputs.plot.clone().map(|path| (path, options.clone())),
+                xy: outputs.xy.clone().map(|path| (path, outputs.xy_axes, options)),
                 outputs: digital,
                 board,
                 open: None,
@@ -125,6 +126,9 @@ impl Recording {
         if let (Some(plot), Some((path, _))) = (&open.plot, &self.sinks.plot) {
             plot.save(path)?;
         }
+        if let (Some(xy), Some((path, ..))) = (&open.xy, &self.sinks.xy) {
+            xy.save(path)?;
+        }
         if !self.reader.ended() {
             return Err(Failure::Job(format!("trace: it breaks off after {} rows; the end did not come", open.rows)));
         }
@@ -142,6 +146,12 @@ impl Sinks {
                 }
                 Ok(())
             }
+            Item::Light { laser, at, on } => {
+                if let Some(xy) = self.open.as_mut().and_then(|open| open.xy.as_mut()) {
+                    xy.light(laser, at, on);
+                }
+                Ok(())
+            }
             Item::Row(row) => self.open.as_mut().map_or(Ok(()), |open| open.row(&row)),
             Item::End { .. } => Ok(()),
         }
@@ -152,8 +162,9 @@ impl Sinks {
         let csv = self.csv.take().map(|file| CsvWriter::new(BufWriter::new(file), &header)).transpose()?;
         let vcd = self.vcd.take().map(|file| VcdWriter::new(BufWriter::new(file), &header, &levels)).transpose()?;
         let plot = self.plot.as_ref().map(|(_, options)| Plot::new(&header, options.clone())).transpose()?;
+        let xy = self.xy.as_ref().map(|(_, axes, options)| xy(&header, *axes, options)).transpose()?;
         let peaks = vec![0.0; header.axes.len()];
-        self.open = Some(Open { header, csv, vcd, plot, peaks, rows: 0 });
+        self.open = Some(Open { header, csv, vcd, plot, xy, peaks, rows: 0 });
         Ok(())
     }
 
@@ -197,8 +208,24 @@ impl Open {
         if let Some(plot) = &mut self.plot {
             plot.row(row);
         }
+        if let Some(xy) = &mut self.xy {
+            xy.row(row);
+        }
         Ok(())
     }
+}
+
+/// The picture of two axes: those asked for, or the first two.
+fn xy(header: &Header, axes: Option<(AxisName, AxisName)>, options: &PlotOptions) -> trace::Result<Xy> {
+    match (axes, header.axes.as_slice()) {
+        (Some(axes), _) => Xy::new(header, axes, options.clone()),
+        (None, &[x, y, ..]) => Xy::new(header, (x, y), options.clone()),
+        (None, _) => Err(TraceError::Plot("--xy shows two axes, and the job uses fewer".into())),
+    }
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Input(format!("{}: cannot be written: {error}", path.display()))
 }
 
 /// The plot's path must say what kind of picture it is, before the job runs.

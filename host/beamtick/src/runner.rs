@@ -16,6 +16,7 @@ use protocol::command::{AxisItem, AxisStatus, Request, SetDo, SetDoBit, Stop, Tr
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use trace::AxisName;
 use virtual_board::Shared;
 use zerocopy::FromBytes;
 
@@ -127,6 +128,9 @@ fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Out
             source.name
         )));
     }
+    if outputs.xy.is_some() {
+        check_xy(source, outputs.xy_axes)?;
+    }
     let family = match (source.job.lasers, version.family) {
         (0, _) => "",
         (_, 0) => ", family gus",
@@ -150,12 +154,27 @@ fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Out
         }
     };
     // What lasers do between rows is for pictures and signals only.
-    let edges = u8::from(lasers != 0 && (outputs.vcd.is_some() || outputs.plot.is_some()));
+    let edges = u8::from(lasers != 0 && outputs.shows_edges());
     if every > outputs.every {
         complain!("{}: the trace has a row every {every} ticks: this link does not carry more", client.name());
     }
     client.call(Trace { every: every.into(), axes: axes.into(), lasers, crds: 0, way, edges })?;
     Ok(recording)
+}
+
+/// Whether the job uses the axes that are to be drawn one over the other.
+fn check_xy(source: &Source, axes: Option<(AxisName, AxisName)>) -> Result<(), Failure> {
+    let name = |axis: &Axis| AxisName { core: axis.core as u8, axis: axis.axis as u8 };
+    let used: Vec<AxisName> = source.job.axes.iter().map(name).collect();
+    let missing = axes.and_then(|(x, y)| [x, y].into_iter().find(|axis| !used.contains(axis)));
+    let what = match missing {
+        Some(axis) => format!("--xy-axes names {axis}"),
+        None if axes.is_none() && used.len() < 2 => "--xy shows two axes".to_owned(),
+        None => return Ok(()),
+    };
+    let used: Vec<String> = used.iter().map(AxisName::to_string).collect();
+    let uses = if used.is_empty() { "no axis".to_owned() } else { used.join(", ") };
+    Err(Failure::Input(format!("{what}, and {} uses {uses}", source.name)))
 }
 
 /// Bits of the laser channels that a controller has.

@@ -6,7 +6,7 @@
 //! traced it. Fails with a [`TraceError`] that names the row.
 //!
 //! ```text
-//! bytes -> Reader -> Header, Rows -> CsvWriter | VcdWriter | Plot
+//! bytes -> Reader -> Header, Rows -> CsvWriter | VcdWriter | Plot | Xy
 //! ```
 mod csv_file;
 pub mod decimal;
@@ -17,7 +17,7 @@ mod vcd_file;
 
 pub use csv_file::CsvWriter;
 pub use plant::beam::Change;
-pub use plot::{Plot, PlotOptions};
+pub use plot::{Plot, PlotOptions, Xy};
 pub use reader::{Item, Reader};
 pub use row::{AxisName, AxisPoint, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
 pub use vcd_file::VcdWriter;

@@ -7,30 +7,27 @@
 //! The font is part of the program: a machine without fonts draws the same picture. Fails with
 //! [`TraceError::Plot`] and [`TraceError::Window`].
 mod activity;
+mod canvas;
 mod curve;
 mod panel;
+mod route;
 mod text;
 mod window;
+mod xy;
 
+use crate::Result;
 use crate::decimal::{position_f64, scaled_f64};
 use crate::row::{AxisName, Header, LaserName, LaserPoint, PowerUnit, Row};
-use crate::{Result, TraceError};
 use activity::Activity;
+use canvas::{HEAD, Picture};
 use curve::Curve;
 use panel::{Content, FOOT, Frame, Panel};
 use plant::beam::Change;
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
-use text::{FAINT, INK, as_plot, font, load_font, place};
 use window::Window;
-
-/// A PNG is drawn this many times as large and made smaller.
-const SMOOTH: u32 = 2;
-/// Height of the heading.
-const HEAD: u32 = 62;
+pub use xy::Xy;
 
 const POSITION: RGBColor = RGBColor(0x1f, 0x6f, 0xb4);
 const VELOCITY: RGBColor = RGBColor(0xc8, 0x52, 0x1a);
@@ -197,65 +194,16 @@ impl Plot {
 
     /// Size of the picture in pixels.
     pub fn size(&self) -> (u32, u32) {
-        let panels = self.panels();
-        let height = quantity_height(&panels);
-        let all: u32 = panels.iter().map(|panel| panel.height(height)).sum();
-        (self.options.width.max(480), HEAD + all + FOOT)
+        Picture::size(self)
     }
 
     /// Draws a PNG or an SVG, as the path's extension says.
     pub fn save(&self, path: &Path) -> Result<()> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-        if !matches!(extension.as_str(), "png" | "svg") {
-            return Err(TraceError::Plot(format!("{}: a plot's name ends in .png or .svg", path.display())));
-        }
+        canvas::check_name(path)?;
         if !self.drawn {
-            let (from, last) = (self.window.from as f64 * 1e-6, self.last_ns as f64 * 1e-6);
-            return Err(TraceError::Window(format!("from is {from} ms; the trace ends at {last} ms")));
+            return Err(self.window.is_empty(self.last_ns));
         }
-        match extension.as_str() {
-            "svg" => self.draw(&SVGBackend::new(path, self.size()).into_drawing_area(), 1),
-            _ => self.save_png(path),
-        }
-    }
-
-    /// Draws [`SMOOTH`] times as large and takes means, so that slanted lines are smooth.
-    fn save_png(&self, path: &Path) -> Result<()> {
-        let (width, height) = self.size();
-        let large = (width * SMOOTH, height * SMOOTH);
-        let mut pixels = vec![0; large.0 as usize * large.1 as usize * 3];
-        self.draw(&BitMapBackend::with_buffer(&mut pixels, large).into_drawing_area(), SMOOTH)?;
-        let small = shrink(&pixels, large.0 as usize, SMOOTH as usize);
-        let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let written = encoder.write_header().and_then(|mut writer| {
-            writer.write_image_data(&small)?;
-            writer.finish()
-        });
-        written.map_err(|e| TraceError::Plot(format!("{}: {e}", path.display())))
-    }
-
-    /// Draws everything, `scale` times as large.
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<()> {
-        load_font();
-        area.fill(&WHITE).map_err(as_plot)?;
-        let (head, rest) = area.split_vertically(HEAD * scale);
-        let lines = [(&self.options.title, 12, 22, INK), (&self.options.subtitle, 40, 14, FAINT)];
-        for (text, y, size, colour) in lines {
-            head.draw(&Text::new(text.clone(), place(24, y, scale), font(size, colour, scale))).map_err(as_plot)?;
-        }
-        let panels = self.panels();
-        let frame = Frame { span: self.time_range(), height: quantity_height(&panels), scale };
-        let mut below = rest;
-        for (index, panel) in panels.iter().enumerate() {
-            let last = index + 1 == panels.len();
-            let height = panel.height(frame.height) + if last { FOOT } else { 0 };
-            let (here, next) = below.split_vertically(height * scale);
-            panel.draw(&here, &frame, last)?;
-            below = next;
-        }
-        area.present().map_err(as_plot)
+        canvas::save(self, path)
     }
 
     /// The panels from top to bottom.
@@ -285,16 +233,16 @@ impl Plot {
                     content: Content::Digital(&laser.pulses),
                 });
             }
-            let units = [("duty (%)", 0), ("pulse rate (kHz)", 1), ("voltage (V)", 2)];
+            let units = [PowerUnit::Percent, PowerUnit::Kilohertz, PowerUnit::Volt];
             // A unit that was only the power-on one is not shown beside the one that was used.
             let was_used =
                 |curves: &Vec<Curve>| curves.iter().filter_map(Curve::extremes).any(|extremes| extremes != (0.0, 0.0));
             let any = laser.powers.iter().any(was_used);
-            for (what, unit) in units {
-                let curves = &laser.powers[unit];
-                if if any { was_used(curves) } else { laser.unit.is_some_and(|last| last as usize == unit) } {
+            for unit in units {
+                let curves = &laser.powers[unit as usize];
+                if if any { was_used(curves) } else { laser.unit == Some(unit) } {
                     panels.push(Panel {
-                        caption: format!("{name} power: {what}, per tick"),
+                        caption: format!("{name} power: {}, per tick", quantity(unit)),
                         colour: POWER,
                         from_zero: true,
                         content: Content::Quantity(curves),
@@ -309,6 +257,29 @@ impl Plot {
     fn time_range(&self) -> (f64, f64) {
         let (from, to) = (self.window.from, self.window.to.min(self.last_ns));
         (from as f64 * 1e-6, to.max(from + 1) as f64 * 1e-6)
+    }
+}
+
+impl Picture for Plot {
+    fn size(&self) -> (u32, u32) {
+        let panels = self.panels();
+        let height = quantity_height(&panels);
+        let all: u32 = panels.iter().map(|panel| panel.height(height)).sum();
+        (self.options.width.max(480), HEAD + all + FOOT)
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<()> {
+        let mut below = canvas::head(area, &self.options, scale)?;
+        let panels = self.panels();
+        let frame = Frame { span: self.time_range(), height: quantity_height(&panels), scale };
+        for (index, panel) in panels.iter().enumerate() {
+            let last = index + 1 == panels.len();
+            let height = panel.height(frame.height) + if last { FOOT } else { 0 };
+            let (here, next) = below.split_vertically(height * scale);
+            panel.draw(&here, &frame, last)?;
+            below = next;
+        }
+        Ok(())
     }
 }
 
@@ -332,25 +303,19 @@ fn quantity_height(panels: &[Panel<'_>]) -> u32 {
     }
 }
 
-/// Means of squares of `by` pixels.
-fn shrink(pixels: &[u8], width: usize, by: usize) -> Vec<u8> {
-    let mut small = Vec::with_capacity(pixels.len() / (by * by));
-    for rows in pixels.chunks_exact(width * 3 * by) {
-        for x in 0..width / by {
-            for channel in 0..3 {
-                let of = |row: usize, column: usize| rows[(row * width + x * by + column) * 3 + channel];
-                let sum: usize = (0..by * by).map(|i| usize::from(of(i / by, i % by))).sum();
-                small.push((sum / (by * by)) as u8);
-            }
-        }
-    }
-    small
-}
-
 /// What a person calls an axis.
 fn title(axis: AxisName) -> String {
     match axis.core {
         1 => format!("axis {}", axis.axis),
         core => format!("core {core} axis {}", axis.axis),
+    }
+}
+
+/// What a person calls a laser's power.
+fn quantity(unit: PowerUnit) -> &'static str {
+    match unit {
+        PowerUnit::Percent => "duty (%)",
+        PowerUnit::Kilohertz => "pulse rate (kHz)",
+        PowerUnit::Volt => "voltage (V)",
     }
 }

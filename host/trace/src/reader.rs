@@ -24,6 +24,15 @@ pub enum Item {
         /// What.
         change: Change,
     },
+    /// Light of a laser begins or ends before the row that comes next, if its edges are traced.
+    Light {
+        /// Its place among the lasers of the header.
+        laser: usize,
+        /// When, ns since the job's start.
+        at: u64,
+        /// It begins.
+        on: bool,
+    },
     /// A row.
     Row(Row),
     /// The trace is over, after this many rows.
@@ -46,6 +55,8 @@ struct Made {
     header: Header,
     rows: u32,
     stages: Vec<Stage>,
+    /// What light is told to do: laser, instant, on; for each laser in the order of time.
+    lights: Vec<(usize, u64, bool)>,
 }
 
 impl Reader {
@@ -84,6 +95,7 @@ impl Made {
                 self.stages = vec![Stage::new(); lasers.len()];
                 self.header = Header { axes, lasers, period_ns: head.period_ns.into(), every: head.every };
                 self.rows = 0;
+                self.lights.clear();
                 sink(Item::Header(self.header.clone()))
             }
             Event::Row(index, axes, lasers) => {
@@ -91,6 +103,9 @@ impl Made {
                 let t_ns = u64::from(index) * self.header.row_ns();
                 for (laser, stage) in self.stages.iter_mut().enumerate() {
                     passed(|mut sink| stage.run_to(t_ns, &mut sink), laser, sink)?;
+                }
+                for (laser, at, on) in self.lights.extract_if(.., |(_, at, _)| *at < t_ns) {
+                    sink(Item::Light { laser, at, on })?;
                 }
                 let (axes, lasers) = (axes.iter().map(axis_point).collect(), lasers.iter().map(laser_point).collect());
                 sink(Item::Row(Row { index, t_ns, axes, lasers }))
@@ -114,7 +129,11 @@ impl Made {
         let now = tick.saturating_sub(1) * self.header.period_ns;
         passed(|mut sink| stage.run_to(now, &mut sink), laser, sink)?;
         let action = match told.kind {
-            kind::REST => return passed(|mut sink| stage.rest(now, &mut sink), laser, sink),
+            kind::REST => {
+                self.lights.retain(|(of, at, _)| *of != laser || *at < now);
+                self.lights.push((laser, now, false));
+                return passed(|mut sink| stage.rest(now, &mut sink), laser, sink);
+            }
             kind::SWITCH => Action::Switch(value != 0),
             kind::LIGHT => Action::Light(train),
             kind::CHANGE => Action::Change(train),
@@ -122,7 +141,13 @@ impl Made {
             kind::VOLTS => Action::Volts(value),
             _ => return Err(unknown),
         };
-        stage.push(tick * self.header.period_ns + u64::from(told.at.get()), action);
+        let at = tick * self.header.period_ns + u64::from(told.at.get());
+        match action {
+            Action::Light(_) => self.lights.push((laser, at, true)),
+            Action::Dark { .. } => self.lights.push((laser, at, false)),
+            _ => {}
+        }
+        stage.push(at, action);
         Ok(())
     }
 }

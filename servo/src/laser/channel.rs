@@ -286,8 +286,9 @@ impl Channel {
 
     /// What the outputs carry, as actions that bring outputs at rest there.
     pub(super) fn carried(&self) -> [Action; 3] {
-        let Outputs { switch, train, volts, .. } = self.out;
-        [Action::Switch(switch), Action::Light(train), Action::Volts(volts.unwrap_or(0))]
+        let Outputs { switch, train, volts, light } = self.out;
+        let energy = if light { Action::Light(train) } else { Action::Dark { standby: train, cut: true } };
+        [Action::Switch(switch), energy, Action::Volts(volts.unwrap_or(0))]
     }
 
     /// A cause has appeared: dark at once.

@@ -217,7 +217,8 @@ impl Lasers {
     /// What a channel's outputs carry at the end of the interval that was planned last, as actions that bring
     /// outputs at rest there.
     pub(crate) fn carried(&self, channel: u8) -> [Action; 3] {
-        let rest = [Action::Switch(false), Action::Light(Train::NONE), Action::Volts(0)];
+        let dark = Action::Dark { standby: Train::NONE, cut: true };
+        let rest = [Action::Switch(false), dark, Action::Volts(0)];
         self.channels.get(channel as usize).map_or(rest, Channel::carried)
     }
 

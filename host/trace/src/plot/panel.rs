@@ -2,21 +2,22 @@
 //!
 //! In: what is to be shown, and where. Out: drawing. Fails with [`TraceError::Plot`].
 use super::activity::Activity;
+use super::canvas::line;
 use super::curve::{Curve, Point};
 use super::text::{FAINT, INK, as_plot, font, place, tick_step, tick_text};
 use crate::Result;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-const GRID: RGBColor = RGBColor(0xe4, 0xe8, 0xec);
-const FRAME: RGBColor = RGBColor(0xb4, 0xbb, 0xc2);
+pub(super) const GRID: RGBColor = RGBColor(0xe4, 0xe8, 0xec);
+pub(super) const FRAME: RGBColor = RGBColor(0xb4, 0xbb, 0xc2);
 
 /// Width of the value labels.
-const LEFT: u32 = 88;
+pub(super) const LEFT: u32 = 88;
 /// What is free on the right.
-const RIGHT: u32 = 28;
+pub(super) const RIGHT: u32 = 28;
 /// Height of a panel's caption.
-const CAPTION: u32 = 26;
+pub(super) const CAPTION: u32 = 26;
 /// Height of the time axis' labels.
 pub(super) const FOOT: u32 = 58;
 /// Pulses that begin closer to each other than this many pixels are not drawn one by one.
@@ -140,15 +141,13 @@ impl Panel<'_> {
         let stroke = self.colour.stroke_width(2 * scale);
         if let Content::Quantity(curves) = self.content {
             for curve in curves {
-                let line = curve.points().map(|(t, v)| (t * factor, v));
-                chart.draw_series(LineSeries::new(line, stroke)).map_err(as_plot)?;
+                line(&mut chart, curve.points().map(|(t, v)| (t * factor, v)), stroke)?;
             }
         }
         match drawing {
             None => {}
             Some(Drawing::Edges(points)) => {
-                let line = points.into_iter().map(|(t, v)| (t * factor, v));
-                chart.draw_series(LineSeries::new(line, stroke)).map_err(as_plot)?;
+                line(&mut chart, points.into_iter().map(|(t, v)| (t * factor, v)), stroke)?;
             }
             Some(Drawing::Shares(cells)) => {
                 // Pale: it goes both ways. Strong: its share of time.

@@ -1,0 +1,139 @@
+//! Pictures as files.
+//!
+//! In: what draws itself. Out: a PNG or an SVG, as the name says. Fails with [`TraceError::Plot`].
+use super::PlotOptions;
+use super::text::{FAINT, INK, as_plot, font, load_font, place};
+use crate::{Result, TraceError};
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+/// A PNG is drawn this many times as large and made smaller.
+const SMOOTH: u32 = 2;
+/// Height of the heading.
+pub(super) const HEAD: u32 = 62;
+
+/// A diagram of two quantities.
+pub(super) type Chart<'a, B> = ChartContext<'a, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// What draws itself.
+pub(super) trait Picture {
+    /// Size in pixels.
+    fn size(&self) -> (u32, u32);
+
+    /// Draws everything, `scale` times as large.
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<()>;
+}
+
+/// Whether a picture of this name can be drawn.
+pub(super) fn check_name(path: &Path) -> Result<()> {
+    match extension(path).as_str() {
+        "png" | "svg" => Ok(()),
+        _ => Err(TraceError::Plot(format!("{}: a plot's name ends in .png or .svg", path.display()))),
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
+}
+
+/// Draws a PNG or an SVG, as the path's extension says.
+pub(super) fn save(picture: &impl Picture, path: &Path) -> Result<()> {
+    check_name(path)?;
+    load_font();
+    match extension(path).as_str() {
+        "svg" => {
+            let area = SVGBackend::new(path, picture.size()).into_drawing_area();
+            area.fill(&WHITE).map_err(as_plot)?;
+            picture.draw(&area, 1)?;
+            area.present().map_err(as_plot)
+        }
+        _ => save_png(picture, path),
+    }
+}
+
+/// Draws [`SMOOTH`] times as large and takes means, so that slanted lines are smooth.
+fn save_png(picture: &impl Picture, path: &Path) -> Result<()> {
+    let (width, height) = picture.size();
+    let large = (width * SMOOTH, height * SMOOTH);
+    let mut pixels = vec![0; large.0 as usize * large.1 as usize * 3];
+    {
+        let area = BitMapBackend::with_buffer(&mut pixels, large).into_drawing_area();
+        area.fill(&WHITE).map_err(as_plot)?;
+        picture.draw(&area, SMOOTH)?;
+        area.present().map_err(as_plot)?;
+    }
+    let small = shrink(&pixels, large.0 as usize, SMOOTH as usize);
+    let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(&small)?;
+        writer.finish()
+    });
+    written.map_err(|e| TraceError::Plot(format!("{}: {e}", path.display())))
+}
+
+/// Title and subtitle; what is below them is returned.
+pub(super) fn head<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    options: &PlotOptions,
+    scale: u32,
+) -> Result<DrawingArea<B, Shift>> {
+    let (head, rest) = area.split_vertically(HEAD * scale);
+    for (text, y, size, colour) in [(&options.title, 12, 22, INK), (&options.subtitle, 40, 14, FAINT)] {
+        head.draw(&Text::new(text.clone(), place(24, y, scale), font(size, colour, scale))).map_err(as_plot)?;
+    }
+    Ok(rest)
+}
+
+/// Draws a line through points. It is broken where it turns by more than a right angle: the bitmap's joins run
+/// far beyond a sharp corner between short pieces.
+pub(super) fn line<B: DrawingBackend>(
+    chart: &mut Chart<'_, B>,
+    points: impl IntoIterator<Item = (f64, f64)>,
+    stroke: ShapeStyle,
+) -> Result<()> {
+    let mut piece: Vec<(f64, f64)> = Vec::new();
+    // The last place in pixels, and the way there.
+    let mut last: Option<((i32, i32), (i64, i64))> = None;
+    for point in points {
+        let here = chart.backend_coord(&point);
+        let Some((before, way)) = last else {
+            last = Some((here, (0, 0)));
+            piece.push(point);
+            continue;
+        };
+        let on = (i64::from(here.0 - before.0), i64::from(here.1 - before.1));
+        if on == (0, 0) {
+            continue;
+        }
+        let sharp = way != (0, 0) && way.0 * on.0 + way.1 * on.1 < 0;
+        if sharp && let Some(&corner) = piece.last() {
+            chart.draw_series(LineSeries::new(std::mem::take(&mut piece), stroke)).map_err(as_plot)?;
+            piece.push(corner);
+        }
+        piece.push(point);
+        last = Some((here, on));
+    }
+    chart.draw_series(LineSeries::new(piece, stroke)).map_err(as_plot)?;
+    Ok(())
+}
+
+/// Means of squares of `by` pixels.
+fn shrink(pixels: &[u8], width: usize, by: usize) -> Vec<u8> {
+    let mut small = Vec::with_capacity(pixels.len() / (by * by));
+    for rows in pixels.chunks_exact(width * 3 * by) {
+        for x in 0..width / by {
+            for channel in 0..3 {
+                let of = |row: usize, column: usize| rows[(row * width + x * by + column) * 3 + channel];
+                let sum: usize = (0..by * by).map(|i| usize::from(of(i / by, i % by))).sum();
+                small.push((sum / (by * by)) as u8);
+            }
+        }
+    }
+    small
+}

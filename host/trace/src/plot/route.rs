@@ -1,0 +1,83 @@
+//! Where two axes went, and what light there was on the way.
+//!
+//! In: points in the order of time, and whether light is on from each of them on. Out: the same, without what
+//! nobody could see. Owns at most [`MOST`] nodes: where there would be more, points closer together than a share
+//! of the extent become one, and a mark shorter than that is lost.
+use crate::row::PowerUnit;
+
+/// Most nodes.
+const MOST: usize = 1 << 17;
+/// Nodes closer together than this share of the extent may become one.
+const SHARE: f64 = 1.0 / 8192.0;
+
+/// Light, and how much.
+pub(super) type Power = (PowerUnit, f64);
+
+/// A place that was passed, or rested at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Node {
+    pub x: f64,
+    pub y: f64,
+    /// It is reached at this time, ns.
+    pub from: u64,
+    /// It is left at this time.
+    pub until: u64,
+    /// Light from here to the next one.
+    pub light: Option<Power>,
+}
+
+/// See the module text.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Route {
+    nodes: Vec<Node>,
+    /// What is closer together than this (pulses, in x and in y) is one place.
+    apart: f64,
+}
+
+impl Route {
+    /// At `t` it was here, and from here on there is this light.
+    pub fn push(&mut self, t: u64, (x, y): (f64, f64), light: Option<Power>) {
+        add(&mut self.nodes, self.apart, Node { x, y, from: t, until: t, light }, false);
+        if self.nodes.len() == MOST {
+            self.thin();
+        }
+    }
+
+    /// Half of the nodes at most are left.
+    fn thin(&mut self) {
+        let Some(((left, right), (low, high))) = self.extent() else { return };
+        let least = (right - left).max(high - low) * SHARE;
+        while self.nodes.len() > MOST / 2 {
+            self.apart = (self.apart * 2.0).max(least);
+            for node in std::mem::take(&mut self.nodes) {
+                add(&mut self.nodes, self.apart, node, true);
+            }
+        }
+    }
+
+    /// The way.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// Least and greatest x, least and greatest y.
+    pub fn extent(&self) -> Option<((f64, f64), (f64, f64))> {
+        self.nodes
+            .iter()
+            .map(|n| ((n.x, n.x), (n.y, n.y)))
+            .reduce(|(x, y), (u, v)| ((x.0.min(u.0), x.1.max(u.1)), (y.0.min(v.0), y.1.max(v.1))))
+    }
+}
+
+/// Adds a node, or lets the last one last longer. A light that changes keeps a place of its own, unless `coarse`.
+fn add(nodes: &mut Vec<Node>, apart: f64, node: Node, coarse: bool) {
+    if let Some(last) = nodes.last_mut()
+        && (node.x - last.x).abs().max((node.y - last.y).abs()) <= apart
+        && (coarse || last.light.is_some() == node.light.is_some() || last.from == node.from)
+    {
+        last.until = node.until;
+        last.light = node.light;
+        return;
+    }
+    nodes.push(node);
+}

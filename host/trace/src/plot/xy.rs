@@ -1,0 +1,440 @@
+//! One axis over another: the path, its direction and time, and the light on it.
+//!
+//! In: rows, and when lasers gave light. Out: a PNG or an SVG with the same scale in both directions. What is lit has
+//! the colour of its power, which a bar explains. Owns a [`Route`] for each laser. Fails with
+//! [`TraceError::Plot`] and [`TraceError::Window`].
+use super::canvas::{self, Chart, HEAD, Picture};
+use super::panel::{CAPTION, FOOT, FRAME, GRID, LEFT, RIGHT};
+use super::route::{Node, Power, Route};
+use super::text::{FAINT, INK, as_plot, font, place, tick_step, tick_text};
+use super::window::Window;
+use super::{POSITION, PlotOptions, quantity, title};
+use crate::decimal::{position_f64, scaled_f64};
+use crate::row::{AxisName, Header, LaserName, PowerUnit, Row};
+use crate::{Result, TraceError};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use std::path::Path;
+
+/// Width of the bar that explains colours, with its labels.
+const BAR: u32 = 132;
+/// Greatest height of the diagram itself.
+const TALL: u32 = 860;
+/// Least height of it, and least width.
+const LOW: u32 = 240;
+const NARROW: u32 = 520;
+/// Share of the extent that is free around the path.
+const AIR: f64 = 0.05;
+/// Pixels from one arrow to the next, and from a label to its neighbours.
+const ARROWS: f64 = 130.0;
+const LABELS: f64 = 46.0;
+/// Most arrows.
+const MOST_ARROWS: f64 = 60.0;
+/// A direction is that of this many pixels.
+const BACK: f64 = 4.0;
+/// Colours from the least to the greatest power.
+const COLOURS: [RGBColor; 5] = [
+    RGBColor(0x25, 0x3c, 0x9e),
+    RGBColor(0x7b, 0x3f, 0xa6),
+    RGBColor(0xc4, 0x2f, 0x6b),
+    RGBColor(0xe0, 0x5a, 0x1f),
+    RGBColor(0xf2, 0xa9, 0x00),
+];
+/// Colours that are told apart.
+const SHADES: usize = 64;
+/// The way without light.
+const DARK: RGBColor = RGBColor(0x9a, 0xa4, 0xae);
+
+/// Collects rows and draws one axis over another.
+#[derive(Debug, Clone)]
+pub struct Xy {
+    options: PlotOptions,
+    window: Window,
+    /// Places of x and y in a row.
+    places: (usize, usize),
+    axes: (AxisName, AxisName),
+    lasers: Vec<Beam>,
+    before: Option<Row>,
+    drawn: bool,
+    last_ns: u64,
+}
+
+/// A laser and the way as it lit it; without lasers there is one without a name.
+#[derive(Debug, Clone, Default)]
+struct Beam {
+    name: Option<LaserName>,
+    light: bool,
+    /// Light that began or ended since the last row.
+    edges: Vec<(u64, bool)>,
+    /// What was put out in the light seen last.
+    power: Option<Power>,
+    route: Route,
+}
+
+impl Xy {
+    /// An empty picture for a trace of this header: the second axis over the first.
+    ///
+    /// # Errors
+    /// An axis is not traced; the times of the options are no window.
+    pub fn new(header: &Header, axes: (AxisName, AxisName), options: PlotOptions) -> Result<Self> {
+        let find = |axis: AxisName| {
+            let place = header.axes.iter().position(|name| *name == axis);
+            place.ok_or_else(|| TraceError::Plot(format!("{} is not in the trace", title(axis))))
+        };
+        let places = (find(axes.0)?, find(axes.1)?);
+        let beam = |name: &LaserName| Beam { name: Some(*name), ..Beam::default() };
+        let lasers: Vec<Beam> = header.lasers.iter().map(beam).collect();
+        Ok(Xy {
+            window: Window::new(options.from_ms, options.to_ms)?,
+            options,
+            places,
+            axes,
+            lasers: if lasers.is_empty() { vec![Beam::default()] } else { lasers },
+            before: None,
+            drawn: false,
+            last_ns: 0,
+        })
+    }
+
+    /// Takes a laser's light that began or ended before the row that comes next.
+    pub fn light(&mut self, laser: usize, at: u64, on: bool) {
+        if let Some(beam) = self.lasers.get_mut(laser) {
+            beam.edges.push((at, on));
+        }
+    }
+
+    /// Takes a row.
+    pub fn row(&mut self, row: &Row) {
+        let Window { from, to } = self.window;
+        self.last_ns = row.t_ns;
+        let here = self.point(row);
+        let (begin, start) = self.before.as_ref().map_or((row.t_ns, here), |before| (before.t_ns, self.point(before)));
+        let at = |t: u64| {
+            let part = if row.t_ns > begin { (t - begin) as f64 / (row.t_ns - begin) as f64 } else { 1.0 };
+            (start.0 + (here.0 - start.0) * part, start.1 + (here.1 - start.1) * part)
+        };
+        for (place, beam) in self.lasers.iter_mut().enumerate() {
+            let power_of = |row: &Row| row.lasers.get(place).map(|laser| (laser.unit, scaled_f64(laser.power)));
+            let (first, next) = (self.before.as_ref().and_then(power_of), power_of(row));
+            let mut put = |beam: &mut Beam, t: u64| {
+                if (from..=to).contains(&t) {
+                    self.drawn = true;
+                    let light = beam.power.filter(|_| beam.light);
+                    beam.route.push(t, at(t), light);
+                }
+            };
+            let was_lit = beam.light;
+            if was_lit {
+                beam.power = first;
+            }
+            if begin < from && from < row.t_ns {
+                put(beam, from);
+            }
+            for (at, on) in std::mem::take(&mut beam.edges) {
+                beam.light = on;
+                if !was_lit && on {
+                    // Nothing was put out at the row before.
+                    beam.power = next;
+                }
+                put(beam, at.clamp(begin, row.t_ns));
+            }
+            if begin < to && to < row.t_ns {
+                put(beam, to);
+            }
+            if beam.light {
+                beam.power = next;
+            }
+            put(beam, row.t_ns);
+        }
+        self.before = Some(row.clone());
+    }
+
+    fn point(&self, row: &Row) -> (f64, f64) {
+        let value = |place: usize| row.axes.get(place).map_or(0.0, |point| position_f64(point.pos));
+        (value(self.places.0), value(self.places.1))
+    }
+
+    /// Draws a PNG or an SVG, as the path's extension says.
+    ///
+    /// # Errors
+    /// Another extension; nothing to draw; the file.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        canvas::check_name(path)?;
+        if !self.drawn {
+            return Err(self.window.is_empty(self.last_ns));
+        }
+        canvas::save(self, path)
+    }
+
+    /// The first laser that gave light, else the first.
+    fn beam(&self) -> Option<&Beam> {
+        self.lasers.iter().find(|beam| beam.is_lit()).or(self.lasers.first())
+    }
+
+    fn bar_width(&self) -> u32 {
+        if self.beam().is_some_and(Beam::is_lit) { BAR } else { 0 }
+    }
+
+    /// Width and height of the diagram in pixels, and the ranges that it shows: as many pulses a pixel in x as in y.
+    fn layout(&self) -> ((u32, u32), [(f64, f64); 2]) {
+        let most_wide = f64::from(self.options.width.max(480) - LEFT - RIGHT - self.bar_width());
+        let extent = self.beam().and_then(|beam| beam.route.extent()).unwrap_or_default();
+        let (dx, dy) = (extent.0.1 - extent.0.0, extent.1.1 - extent.1.0);
+        let most = dx.max(dy);
+        let least = if most > 0.0 { most * 0.02 } else { 1.0 };
+        let wide = |(low, high): (f64, f64)| (high - low).max(least) * (1.0 + 2.0 * AIR);
+        let (dx, dy) = (wide(extent.0), wide(extent.1));
+        let width = (f64::from(TALL) * dx / dy).clamp(f64::from(NARROW).min(most_wide), most_wide).round();
+        let height = (width * dy / dx).clamp(LOW.into(), TALL.into()).round();
+        let per_pixel = (dx / width).max(dy / height);
+        let range = |(low, high): (f64, f64), pixels: f64| {
+            let (middle, half) = (f64::midpoint(low, high), pixels * per_pixel / 2.0);
+            (middle - half, middle + half)
+        };
+        ((width as u32, height as u32), [range(extent.0, width), range(extent.1, height)])
+    }
+}
+
+impl Beam {
+    fn is_lit(&self) -> bool {
+        self.route.nodes().iter().any(|node| node.light.is_some())
+    }
+
+    /// The unit that the bar shows, and its range from 0 on.
+    fn scale(&self) -> Option<(PowerUnit, f64)> {
+        let unit = self.route.nodes().iter().find_map(|node| node.light)?.0;
+        let powers = self.route.nodes().iter().filter_map(|node| node.light).filter(|power| power.0 == unit);
+        Some((unit, powers.map(|power| power.1.abs()).fold(0.0, f64::max)))
+    }
+}
+
+/// The colour of a share of the greatest power.
+fn colour(share: f64) -> RGBColor {
+    let place = share.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
+    let left = (place as usize).min(COLOURS.len() - 2);
+    let part = place - left as f64;
+    let (a, b) = (COLOURS[left], COLOURS[left + 1]);
+    let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * part).round() as u8;
+    RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+}
+
+/// The shade of a power; light of another unit has none.
+fn shade(light: Power, (unit, most): (PowerUnit, f64)) -> Option<usize> {
+    let share = if most > 0.0 { light.1.abs() / most } else { 0.0 };
+    (light.0 == unit).then_some((share * (SHADES - 1) as f64).round() as usize)
+}
+
+impl Picture for Xy {
+    fn size(&self) -> (u32, u32) {
+        let (width, height) = self.layout().0;
+        (LEFT + width + RIGHT + self.bar_width(), HEAD + CAPTION + height + FOOT)
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<()> {
+        let Some(beam) = self.beam() else { return Ok(()) };
+        let rest = canvas::head(area, &self.options, scale)?;
+        let ((width, _), [x, y]) = self.layout();
+        let bar = beam.scale();
+        let (left, right) = rest.split_horizontally((LEFT + width + if bar.is_some() { 0 } else { RIGHT }) * scale);
+        let caption = |text: String, at: u32, colour| Text::new(text, place(at, 7, scale), font(14, colour, scale));
+        left.draw(&caption(format!("{} position (pulse)", title(self.axes.1)), LEFT, POSITION)).map_err(as_plot)?;
+        if let Some(bar) = bar {
+            let name = beam.name.map_or(0, |name| name.0);
+            let text = format!("light of laser {name}, {}", quantity(bar.0));
+            let wide = font(14, INK, 1).font.box_size(&text).map_or(240, |size| size.0);
+            let at = (LEFT + width + BAR).saturating_sub(wide + 8);
+            rest.draw(&caption(text, at, INK)).map_err(as_plot)?;
+            draw_bar(&right, bar, scale)?;
+        }
+        let mut chart = ChartBuilder::on(&left)
+            .margin_top(CAPTION * scale)
+            .margin_right(if bar.is_some() { 0 } else { RIGHT * scale })
+            .set_label_area_size(LabelAreaPosition::Left, LEFT * scale)
+            .set_label_area_size(LabelAreaPosition::Bottom, FOOT * scale)
+            .build_cartesian_2d(x.0..x.1, y.0..y.1)
+            .map_err(as_plot)?;
+        let (step_x, step_y) = (tick_step(x.1 - x.0), tick_step(y.1 - y.0));
+        chart
+            .configure_mesh()
+            .axis_style(FRAME.stroke_width(scale))
+            .bold_line_style(GRID.stroke_width(scale))
+            .light_line_style(TRANSPARENT)
+            .set_all_tick_mark_size(5 * scale)
+            .x_labels(12)
+            .y_labels(10)
+            .label_style(font(14, INK, scale))
+            .axis_desc_style(font(14, FAINT, scale))
+            .x_label_formatter(&|x| tick_text(*x, step_x))
+            .y_label_formatter(&|y| tick_text(*y, step_y))
+            .x_desc(format!("{} position (pulse)", title(self.axes.0)))
+            .draw()
+            .map_err(as_plot)?;
+        draw_way(&mut chart, beam, scale)?;
+        draw_signs(&chart, beam.route.nodes(), scale)
+    }
+}
+
+/// The bar that tells which colour is which power.
+fn draw_bar<B: DrawingBackend>(area: &DrawingArea<B, Shift>, (_, most): (PowerUnit, f64), scale: u32) -> Result<()> {
+    let most = if most > 0.0 { most } else { 1.0 };
+    let mut chart = ChartBuilder::on(area)
+        .margin_top(CAPTION * scale)
+        .margin_left(28 * scale)
+        .margin_right(RIGHT * scale)
+        .margin_bottom(FOOT * scale)
+        .set_label_area_size(LabelAreaPosition::Right, 58 * scale)
+        .build_cartesian_2d(0.0..1.0, 0.0..most)
+        .map_err(as_plot)?;
+    let step = tick_step(most);
+    let band = |index: usize| {
+        let (low, high) = (index as f64 / SHADES as f64, (index + 1) as f64 / SHADES as f64);
+        Rectangle::new([(0.0, low * most), (1.0, high * most)], colour((low + high) / 2.0).filled())
+    };
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .axis_style(FRAME.stroke_width(scale))
+        .y_labels(8)
+        .set_all_tick_mark_size(5 * scale)
+        .label_style(font(14, INK, scale))
+        .y_label_formatter(&|y| tick_text(*y, step))
+        .draw()
+        .map_err(as_plot)?;
+    chart.draw_series((0..SHADES).map(band)).map_err(as_plot)?;
+    Ok(())
+}
+
+/// The way, first what is dark.
+fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32) -> Result<()> {
+    let bar = beam.scale();
+    let plain = match (bar, beam.name) {
+        (None, None) => POSITION.stroke_width(2 * scale),
+        _ => DARK.stroke_width(scale + scale / 2),
+    };
+    let shaded = |light: Option<Power>| light.map(|light| bar.and_then(|bar| shade(light, bar)));
+    for lit in [false, true] {
+        let mut ways = beam.route.nodes();
+        while let Some((first, behind)) = ways.split_first() {
+            let shade = shaded(first.light);
+            let same = behind.iter().take_while(|node| shaded(node.light) == shade).count();
+            // The node where another shade begins is the end of this one.
+            let way = ways.get(..(same + 2).min(ways.len())).unwrap_or(ways);
+            ways = behind.get(same..).unwrap_or(&[]);
+            let stroke = match shade {
+                None => plain,
+                Some(None) => INK.stroke_width(3 * scale),
+                Some(Some(shade)) => colour(shade as f64 / (SHADES - 1) as f64).stroke_width(3 * scale),
+            };
+            if lit != shade.is_some() {
+                continue;
+            }
+            canvas::line(chart, way.iter().map(|node| (node.x, node.y)), stroke)?;
+            // Light at rest.
+            let rests = way.windows(2).filter(|pair| (pair[0].x, pair[0].y) == (pair[1].x, pair[1].y));
+            let dots = rests.filter(|pair| lit && pair[1].from > pair[0].from);
+            let dot = |pair: &[Node]| Circle::new((pair[0].x, pair[0].y), 4 * scale, stroke.color.filled());
+            chart.draw_series(dots.map(dot)).map_err(as_plot)?;
+        }
+    }
+    Ok(())
+}
+
+/// Arrows along the way, dots at even times, its beginning and its end.
+fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node], scale: u32) -> Result<()> {
+    let (Some(first), Some(last)) = (nodes.first(), nodes.last()) else { return Ok(()) };
+    let pixel = |x: f64, y: f64| chart.backend_coord(&(x, y));
+    let area = chart.plotting_area().strip_coord_spec();
+    let origin = area.get_base_pixel();
+    let unit = f64::from(scale);
+    let near = |(x, y): (f64, f64)| ((x * unit) as i32, (y * unit) as i32);
+
+    // Places in pixels of the picture, from the diagram's corner.
+    let spot = |x: f64, y: f64| {
+        let (x, y) = pixel(x, y);
+        (f64::from(x - origin.0) / unit, f64::from(y - origin.1) / unit)
+    };
+    let spots: Vec<(f64, f64)> = nodes.iter().map(|node| spot(node.x, node.y)).collect();
+    let length: f64 = spots.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+    let apart = ARROWS.max(length / MOST_ARROWS);
+    let mut due = apart / 2.0;
+    let mut gone = 0.0;
+    let mut back = spots.first().copied().unwrap_or_default();
+    for pair in spots.windows(2) {
+        let piece = distance(pair[0], pair[1]);
+        while gone + piece >= due && piece > 0.0 {
+            let part = (due - gone) / piece;
+            let tip = (pair[0].0 + (pair[1].0 - pair[0].0) * part, pair[0].1 + (pair[1].1 - pair[0].1) * part);
+            let from = if part * piece >= BACK { pair[0] } else { back };
+            if distance(from, tip) > 0.0 {
+                area.draw(&Polygon::new(arrow(from, tip).map(near), INK.filled())).map_err(as_plot)?;
+            }
+            due += apart;
+        }
+        gone += piece;
+        if distance(back, pair[1]) >= BACK {
+            back = pair[0];
+        }
+    }
+
+    let mut labels: Vec<(f64, f64)> = Vec::new();
+    let size = area.dim_in_pixel();
+    let (wide, tall) = (f64::from(size.0) / unit, f64::from(size.1) / unit);
+    // On the side on which a way that goes from here to there is not.
+    let mut label = |at: (f64, f64), (from, to): (&Node, &Node), text: String| -> Result<()> {
+        let rises = (to.x - from.x) * (to.y - from.y) > 0.0;
+        let up = at.1 + if rises { 4.0 } else { -19.0 };
+        let corner = ((at.0 + 8.0).min(wide - 8.0 * text.len() as f64), up.clamp(0.0, tall - 16.0));
+        if labels.iter().any(|other| (other.0 - corner.0).abs() < LABELS * 1.6 && (other.1 - corner.1).abs() < 16.0) {
+            return Ok(());
+        }
+        labels.push(corner);
+        area.draw(&Text::new(text, near(corner), font(12, INK, scale))).map_err(as_plot)
+    };
+    let (begin, end) = (first.from as f64 * 1e-6, last.until as f64 * 1e-6);
+    let (factor, name) = if end - begin >= 10_000.0 { (1e-3, "s") } else { (1.0, "ms") };
+    let step = round_step((end - begin) / 14.0);
+    let text = |t: f64| format!("{} {name}", tick_text(t * factor, (end - begin) * factor * 1e-4));
+    let ring = |at, size: i32| Circle::new(near(at), size * scale as i32, INK.stroke_width(2 * scale));
+    let spot_first = spot(first.x, first.y);
+    area.draw(&ring(spot_first, 7)).map_err(as_plot)?;
+    label(spot_first, (first, nodes.get(1).unwrap_or(first)), text(begin))?;
+    let spot_last = spot(last.x, last.y);
+    area.draw(&Circle::new(near(spot_last), 6 * scale as i32, INK.filled())).map_err(as_plot)?;
+    let before_last = nodes.len().checked_sub(2).and_then(|place| nodes.get(place)).unwrap_or(last);
+    label(spot_last, (before_last, last), text(end))?;
+    let mut index = 0;
+    let mut k = (begin / step).ceil();
+    while k * step <= end && step > 0.0 {
+        let t = k * step * 1e6;
+        while nodes.get(index + 1).is_some_and(|next| next.from as f64 <= t) {
+            index += 1;
+        }
+        let (node, next) = (nodes[index], nodes.get(index + 1).copied().unwrap_or(*last));
+        let span = (next.from as f64 - node.until as f64).max(1.0);
+        let part = ((t - node.until as f64) / span).clamp(0.0, 1.0);
+        let at = spot(node.x + (next.x - node.x) * part, node.y + (next.y - node.y) * part);
+        area.draw(&Circle::new(near(at), 3 * scale as i32, INK.filled())).map_err(as_plot)?;
+        label(at, (&node, &next), text(k * step))?;
+        k += 1.0;
+    }
+    Ok(())
+}
+
+fn distance(a: (f64, f64), b: (f64, f64)) -> f64 {
+    (a.0 - b.0).hypot(a.1 - b.1)
+}
+
+/// A small arrow whose tip is at `tip`, as coming from `from`.
+fn arrow(from: (f64, f64), tip: (f64, f64)) -> [(f64, f64); 3] {
+    let long = distance(from, tip);
+    let (x, y) = ((tip.0 - from.0) / long, (tip.1 - from.1) / long);
+    let (back, half) = (11.0, 4.5);
+    let foot = (tip.0 - x * back, tip.1 - y * back);
+    [tip, (foot.0 - y * half, foot.1 + x * half), (foot.0 + y * half, foot.1 - x * half)]
+}
+
+/// 1, 2 or 5 times a power of ten, not below `least`.
+fn round_step(least: f64) -> f64 {
+    let ten = 10f64.powf(least.max(1e-6).log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|n| n * ten).find(|step| *step >= least).unwrap_or(ten * 10.0)
+}
