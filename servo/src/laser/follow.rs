@@ -7,10 +7,10 @@
 //! that interval: under constant acceleration that is the mean, and the energy of each interval is the ratio times its
 //! way, at any period. The speed at its beginning would lag by half a tick.
 use super::power::Refused;
-use crate::piece::{Motion, Piece, Scaled};
+use crate::piece::{Motion, Piece, Recip};
 use crate::real::Real;
-use crate::units::Ns;
-use crate::wide::{umul, umulhi};
+use crate::units::{Exact, Ns};
+use crate::wide::{mulhi_su, umul, umulhi};
 
 /// Which speed a follow follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -42,27 +42,32 @@ impl PathSpeed {
         PathSpeed(raw)
     }
 
-    /// The speed in the middle of the interval of `period` that begins where `motion` stands; the piece is taken to
-    /// last that long.
+    /// The speed in the middle of the interval of `period` that begins where the motion of a path stands, one of
+    /// constant acceleration over a power of two of ns; it is taken to go on that long, but not backwards.
     pub fn ahead(motion: &Motion, period: Ns) -> PathSpeed {
-        let half = period.0 >> 1;
-        let far = half.leading_zeros() <= motion.recip.shift;
-        let t = half.wrapping_shl(motion.recip.shift);
-        let (share, over) = t.overflowing_add(umulhi(t, motion.recip.m));
-        let tau = motion.tau.wrapping_add(share >> 1);
-        let tau = if far && motion.recip.shift != 0 || over || tau > Piece::END { Piece::END } else { tau };
-        PathSpeed::of(Motion { tau, ..*motion }.velocity())
+        let Motion { tau, c: [speed, change, _], recip: Recip { shift, .. }, frac } = *motion;
+        // The piece lasts 2^(64 - shift) ns; tau and half a period are in 2^-63 of it.
+        let share = period.0.wrapping_shl(shift) >> 2;
+        let tau = tau.wrapping_add(share).min(Piece::END);
+        let speed = speed.wrapping_add(mulhi_su(change, tau << 1)).max(0) as u64;
+        // In 2^-frac pulse per piece; 10^6 ns are a ms.
+        let per_ms = umulhi(speed, 1_000_000 << 44);
+        let down = frac.wrapping_add(64 - 20 - PathSpeed::FRAC_BITS as i32).wrapping_sub(shift as i32);
+        match down {
+            1..=63 => PathSpeed((per_ms >> (down - 1)).wrapping_add(1) >> 1),
+            -18..=0 => PathSpeed(per_ms << -down as u32),
+            _ => PathSpeed::REST,
+        }
     }
 
-    /// A velocity along the path; backwards is at rest.
-    fn of(Scaled { m, e }: Scaled) -> PathSpeed {
-        let m = m.max(0) as u64;
-        match e as i32 - PathSpeed::FRAC_BITS as i32 {
-            shift @ 1..=63 => PathSpeed((m >> (shift - 1)).wrapping_add(1) >> 1),
-            64.. => PathSpeed::REST,
-            shift if m.leading_zeros() as i32 >= -shift => PathSpeed(m << (-shift) as u32),
-            _ => PathSpeed(u64::MAX),
-        }
+    /// Of a way that was or will be gone in `period`.
+    pub(crate) fn mean(way: Exact, period: Ns) -> PathSpeed {
+        PathSpeed::per_ms(Real::from_exact(way), period)
+    }
+
+    fn per_ms(way: Real, period: Ns) -> PathSpeed {
+        let speed = way.mul(Real::new(false, 1_000_000, 0)).div(Real::new(false, period.0, 0));
+        PathSpeed(speed.to_fixed(PathSpeed::FRAC_BITS as i32).clamp(0, u64::MAX as i128) as u64)
     }
 
     /// Of encoders that have counted so many pulses in the last interval of `period`: the norm of their velocities.
@@ -72,9 +77,7 @@ impl PathSpeed {
             by.wrapping_mul(by)
         });
         let sum = squares.iter().fold(0u64, |sum, square| sum.saturating_add(*square));
-        let way = Real::from_fixed(sum as u128, 0).sqrt();
-        let speed = way.mul(Real::new(false, 1_000_000, 0)).div(Real::new(false, period.0, 0));
-        PathSpeed(speed.to_fixed(PathSpeed::FRAC_BITS as i32).clamp(0, u64::MAX as i128) as u64)
+        PathSpeed::per_ms(Real::from_fixed(sum as u128, 0).sqrt(), period)
     }
 }
 

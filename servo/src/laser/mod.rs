@@ -244,9 +244,14 @@ impl Lasers {
     #[allow(dead_code, reason = "the sink of paths is not there yet")]
     pub(crate) fn crd_rests(&mut self, crd: Crd, at: Ns, rest: Rest) {
         for channel in &mut self.channels {
-            match rest {
-                Rest::Underrun if channel.is_mapped(crd) => channel.expect(at, Event::Trip(Cause::Underrun)),
-                _ => channel.expect(at, Event::Rest(crd, rest == Rest::Stopped)),
+            let fault = match rest {
+                Rest::Underrun => Some(Cause::Underrun),
+                Rest::Obstructed => Some(Cause::Limit),
+                Rest::Never | Rest::Completed | Rest::Stopped => None,
+            };
+            match fault.filter(|_| channel.is_mapped(crd)) {
+                Some(cause) => channel.expect(at, Event::Trip(cause)),
+                None => channel.expect(at, Event::Rest(crd, rest == Rest::Stopped)),
             }
         }
     }
@@ -286,7 +291,7 @@ impl Lasers {
         Wants { planned: wanted(Source::Planned), encoder: wanted(Source::Encoder) }
     }
 
-    /// How fast a path goes in the interval that is planned next ([`PathSpeed::ahead`]), and how fast its encoders
+    /// How fast a path goes in the interval that is planned next ([`crate::path::Path::mean`]), and how fast its encoders
     /// went in the last one ([`PathSpeed::measured`]). What is not fed is at rest.
     #[allow(dead_code, reason = "the sink of paths is not there yet")]
     pub(crate) fn feed(&mut self, crd: Crd, planned: PathSpeed, encoder: PathSpeed) {

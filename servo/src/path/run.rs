@@ -14,6 +14,7 @@ use super::plan::Plan;
 use super::shape::{Along as Geared, Bend, Shape};
 use super::store::Entries;
 use super::{DIMENSIONS, Fine};
+use crate::laser::PathSpeed;
 use crate::piece::{Motion, Piece, Scaled};
 use crate::ramp::Accel;
 use crate::real::Real;
@@ -209,6 +210,10 @@ pub struct Path {
     way: Exact,
     /// The leg as a piece, once it is needed.
     piece: Option<Piece>,
+    /// The way along the motion in force when it was looked at last; since then, the way to the end of the last leg
+    /// that has ended, if one has.
+    seen: Pos,
+    swept: Option<Exact>,
     /// The end of the FIFO, if nothing stood behind the motion when it was planned.
     open: Option<u32>,
     /// The whole ns in which the leg or the wait in force is over.
@@ -252,6 +257,8 @@ impl Path {
         began: 0,
         way: Exact(0),
         piece: None,
+        seen: Pos(0),
+        swept: None,
         open: None,
         due: 0,
         ahead: None,
@@ -412,6 +419,7 @@ impl Path {
     #[inline(always)]
     fn look(&mut self, next: Ns, sink: &mut impl Effects) -> Step {
         let (fifo, done) = (self.fifo, self.done(self.fifo));
+        (self.seen, self.swept) = (Pos(0), None);
         if let Stage::Move = self.stage
             && let Some(leg) = self.plan.leg(self.leg)
         {
@@ -421,6 +429,7 @@ impl Path {
             };
             let (way, tau) = piece.at(piece.held(next));
             let motion = piece.motion(tau);
+            self.seen = way;
             let cursor = self.cursor_of(self.fifo);
             for gear in cursor.gears.iter().take(cursor.geared) {
                 sink.gear(gear.axis, gear.along.at(way), gear.along.ratio());
@@ -449,6 +458,20 @@ impl Path {
         self.look(next, sink)
     }
 
+    /// The mean speed of the interval of `period` from `next` on, of which `step` was told: what the laser's power
+    /// follows.
+    pub fn mean(&self, step: &Step, next: Ns, period: Ns) -> PathSpeed {
+        let Some(swept) = self.swept else { return PathSpeed::ahead(&step.motion, period) };
+        let mut way = swept.0;
+        if let Stage::Move = self.stage
+            && let Some(leg) = self.plan.leg(self.leg)
+        {
+            let until = (next.0.wrapping_add(period.0) as Fine) << 32;
+            way = way.wrapping_add(leg.way(until.saturating_sub(self.began)).0);
+        }
+        PathSpeed::mean(Exact(way), period)
+    }
+
     /// It waits where it is.
     fn wait(&mut self, until: Fine) {
         (self.stage, self.due) = (Stage::Wait { until }, (until >> 32) as u64);
@@ -470,6 +493,7 @@ impl Path {
                         return;
                     }
                     self.time = until;
+                    self.swept = self.swept.or(Some(Exact(0)));
                     self.go_on(budget, feed, source, sink);
                 }
                 Stage::Move => match self.plan.leg(self.leg) {
@@ -478,7 +502,12 @@ impl Path {
                         if over >= limit {
                             return;
                         }
-                        self.way = Exact(self.way.0.wrapping_add(leg.length().0));
+                        let length = leg.length().0;
+                        self.way = Exact(self.way.0.wrapping_add(length));
+                        self.swept = Some(Exact(match self.swept {
+                            Some(swept) => swept.0.wrapping_add(length),
+                            None => self.way.0.wrapping_sub(Exact::from(self.seen).0),
+                        }));
                         (self.began, self.time) = (over, over);
                         (self.leg, self.piece) = (self.leg.wrapping_add(1), None);
                         self.set_due();

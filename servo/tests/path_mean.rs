@@ -1,0 +1,105 @@
+//! The mean speed of an interval, which a laser's power follows: times the period it is the way that is gone, whatever
+//! happens within the interval.
+mod chance;
+mod paths;
+use chance::Chance;
+use paths::{Heard, Script, speeds};
+use servo::laser::PathSpeed;
+use servo::path::{Entry, Feed, Path};
+use servo::piece::Motion;
+use servo::units::Ns;
+
+const BEGIN: u64 = 1_000_000;
+/// Rounding of a position, twice, and of what is beside it.
+const TOLERANCE: f64 = 1.01 / (1u64 << 22) as f64;
+
+fn per_ms(speed: PathSpeed) -> f64 {
+    speed.raw() as f64 / (1u64 << PathSpeed::FRAC_BITS) as f64
+}
+
+/// Lines along X, some entered at speed, some after rest or a wait.
+fn lines(chance: &mut Chance) -> Vec<Entry> {
+    let mut to = 0;
+    let mut entries = vec![];
+    for _ in 0..chance.below(12) + 2 {
+        let vel = [0.4, 3.0, 50.0, 700.0][chance.below(4) as usize];
+        let acc = [0.3, 2.0, 90.0][chance.below(3) as usize];
+        let longest = [5, 300, 20_000][chance.below(3) as usize];
+        to += 1 + chance.below(longest) as i32;
+        let end = if chance.below(2) == 0 { 0.0 } else { vel };
+        entries.push(Entry::planar([to, 0], speeds(vel, acc, end)));
+        if chance.below(3) == 0 {
+            entries.push(Entry::delay(chance.below(3) as u16));
+        }
+    }
+    entries
+}
+
+/// Runs entries and compares each mean with the way of its interval; where `stop` is given, a Stop comes there.
+fn run(entries: Vec<Entry>, period: u64, stop: Option<u64>) -> u64 {
+    let feed = Feed { ends: [entries.len() as u32, 0] };
+    let (script, mut heard, mut path) = (Script(entries), Heard::default(), Path::IDLE);
+    path.start(Ns(BEGIN), 0, feed, &script);
+    let (mut now, mut before) = (BEGIN, None);
+    loop {
+        if stop.is_some_and(|at| now >= at) && !path.stops() {
+            path.stop(Ns(now), false, feed, &script, &mut heard);
+        }
+        let step = path.step(Ns(now), Ns(period), feed, &script, &mut heard);
+        let x = step.place[0].0 as f64 / (1u64 << 22) as f64;
+        if let Some((from, mean)) = before {
+            let way: f64 = x - from;
+            let off: f64 = mean * period as f64 / 1e6 - way;
+            // Beside the rounding: of the speed over the period, and of the mean itself.
+            assert!(
+                off.abs() <= TOLERANCE + way * 1e-9,
+                "{period} ns at {}: {mean} over {way}, off {off:e}",
+                now - BEGIN
+            );
+        }
+        before = Some((x, per_ms(path.mean(&step, Ns(now), Ns(period)))));
+        if !step.runs {
+            return now;
+        }
+        now += period;
+    }
+}
+
+#[test]
+fn the_mean_speed_is_the_way_of_the_interval() {
+    let mut chance = Chance::new(5);
+    for _ in 0..12 {
+        let entries = lines(&mut chance);
+        for period in [10_000, 50_000, 250_000, 1_000_000] {
+            run(entries.clone(), period, None);
+        }
+    }
+}
+
+#[test]
+fn a_stop_is_followed_too() {
+    let entries =
+        vec![Entry::planar([400_000, 0], speeds(50.0, 2.0, 0.0)), Entry::planar([400_500, 0], speeds(3.0, 2.0, 0.0))];
+    let over = run(entries.clone(), 250_000, Some(BEGIN + 60_000_000));
+    // 50 pulse/ms are braked at 1 pulse/ms².
+    assert_eq!(over, BEGIN + 110_000_000);
+}
+
+#[test]
+fn at_rest_there_is_no_speed() {
+    assert_eq!(PathSpeed::ahead(&Motion::REST, Ns(1_000_000)), PathSpeed::REST);
+    assert_eq!(PathSpeed::measured([0; 4], Ns(10_000)), PathSpeed::REST);
+}
+
+#[test]
+fn encoders_are_the_norm_of_their_velocities() {
+    let one = 1u64 << PathSpeed::FRAC_BITS;
+    assert_eq!(PathSpeed::measured([3, -4, 0, 0], Ns(1_000_000)).raw(), 5 * one);
+    assert_eq!(PathSpeed::measured([1, 1, -1, 1], Ns(250_000)).raw(), 8 * one);
+    assert_eq!(PathSpeed::measured([0, 7, 0, 0], Ns(10_000)).raw(), 700 * one);
+    // sqrt(2)·20 to the nearest 2^-30.
+    let diagonal = PathSpeed::measured([1, 0, 0, 1], Ns(50_000)).raw();
+    assert_eq!(diagonal, (20.0 * 2f64.sqrt() * one as f64).round() as u64);
+    // Far beyond what an axis can do it saturates.
+    assert_eq!(PathSpeed::measured([i64::MIN; 4], Ns(10_000)).raw(), u64::MAX);
+}
