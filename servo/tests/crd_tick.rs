@@ -1,8 +1,8 @@
 //! Coordinate systems in the tick: where mapped axes are, what stops them, what starts.
-use servo::op::Mode;
-use servo::path::{Along, Entry, Rest};
+use servo::op::{DoGroup, Guarded, Lane, Mode, Op};
+use servo::path::{Along, Entry, Plane, Rate, Rest, Sweep};
 use servo::status;
-use servo::units::Pos;
+use servo::units::{AxisMask, CrdMask, Ns, Pos};
 use servo::view::{Event, StopReason, View};
 
 mod tick_bench;
@@ -81,4 +81,512 @@ fn a_line_moves_both_axes_by_their_share() {
         matches!(bench.event(), Some(Event::CrdStopped { crd: of, reason: StopReason::Completed, .. }) if of == crd(0))
     );
     assert!(bench.event().is_none());
+}
+
+/// Ticks until the path rests.
+fn finish(bench: &mut Bench, index: usize) -> View<AXES> {
+    loop {
+        let view = bench.tick();
+        if !view.crds[index].runs {
+            return view;
+        }
+        assert!(view.now.0 < 60_000 * MS, "it does not come to rest");
+    }
+}
+
+fn stopped_crd(event: Option<Event>) -> (usize, StopReason) {
+    match event {
+        Some(Event::CrdStopped { crd, reason, .. }) => (crd.index(), reason),
+        other => panic!("no stop but {other:?}"),
+    }
+}
+
+fn stop(bench: &mut Bench, axes: &[usize], abrupt: &[usize]) {
+    bench.now(Op::Stop { axes: all(axes), abrupt: all(abrupt) });
+}
+
+/// Every coordinate drives the axis that it is mapped to, from the origin, in lines, arcs and circles of each plane.
+#[test]
+fn any_axes_in_any_order_with_any_origin() {
+    for (axes, origin) in [
+        ([0, 1, 2, 3], Some([0; 4])),
+        ([7, 3, 5, 1], Some([1000, -2000, 60_000, 4])),
+        ([3, 2, 1, 0], None),
+        ([6, 0, 7, 4], Some([-1, 1, -1, 1])),
+    ] {
+        let mut bench = Bench::ready(1000, Mode::Trap);
+        for (k, index) in axes.into_iter().enumerate() {
+            bench.now(Op::SetPosition { axis: axis(index), pos: Pos::pulses(10 * k as i32 + 5) });
+        }
+        bench.frame(1, &axes, origin);
+        let view = bench.tick();
+        let zero = origin.unwrap_or([5, 15, 25, 35]);
+        assert_eq!(view.crds[1].origin, zero.map(Pos::pulses));
+        let along = speeds(1000.0, 100.0, 0.0);
+        let sweep = Sweep::admit(0.25f64.to_bits(), false, true).unwrap();
+        let entries = [
+            (Entry::line([10, 20, 30, 40], along), [10, 20, 30, 40]),
+            (Entry::arc(Plane::Yz, [0, 50], sweep, along), [10, 0, 50, 40]),
+            (Entry::circle(Plane::Zx, [100 << 30, 50 << 30], false, along).unwrap(), [10, 0, 50, 40]),
+            (Entry::planar([-300, 300], along), [-300, 300, 50, 40]),
+        ];
+        for (entry, expected) in entries {
+            bench.path(1, 0, &[entry]);
+            bench.start_path(&[1]);
+            let view = finish(&mut bench, 1);
+            assert_eq!(view.crds[1].place, expected.map(Pos::pulses));
+            for ((index, at), zero) in axes.into_iter().zip(expected).zip(zero) {
+                let pos = (i64::from(at) + i64::from(zero)) << Pos::FRAC_BITS;
+                assert_eq!((view.axes[index].pos, view.axes[index].mode), (Pos(pos), Mode::Crd));
+            }
+        }
+    }
+}
+
+/// Velocity and acceleration of an axis on an arc: R·ω·sin and R·ω²·cos, and what the path's own acceleration adds.
+#[test]
+fn axes_on_an_arc_have_their_own_velocity_and_acceleration() {
+    let (r, v, a) = (500.0, 20.0, 0.5);
+    let centre = [500i64 << 30, 0];
+    for ccw in [false, true] {
+        let mut bench = ready(250, &[]);
+        bench.frame(0, &[2, 5], None);
+        bench.tick();
+        bench.path(0, 0, &[Entry::circle(Plane::Xy, centre, ccw, speeds(v, a, 0.0)).unwrap()]);
+        bench.start_path(&[0]);
+        let zero = bench.tick().now.0;
+        for ms in [3u64, 25, 60, 100, 140] {
+            let view = bench.until(zero + ms * MS);
+            let t = ms as f64;
+            // It speeds up for 40 ms, 400 pulses; 3141.59 in all.
+            let (s, speed, acc) = if t < 40.0 { (a * t * t / 2.0, a * t, a) } else { (400.0 + v * (t - 40.0), v, 0.0) };
+            let side = if ccw { -1.0 } else { 1.0 };
+            let angle = s / r;
+            // From the left of the centre; clockwise is up first.
+            let expected = [
+                (r - r * angle.cos(), speed * angle.sin(), acc * angle.sin() + speed * speed / r * angle.cos()),
+                (r * angle.sin(), speed * angle.cos(), acc * angle.cos() - speed * speed / r * angle.sin()),
+            ];
+            for (index, (pos, vel, acc), side) in [(2, expected[0], 1.0), (5, expected[1], side)] {
+                let motion = view.motion(&view.axes[index]);
+                assert!((pulses(view.axes[index].pos) - side * pos).abs() < 1e-3);
+                assert!((real(motion.velocity()) - side * vel).abs() < 1e-5, "{index} {ms}");
+                assert!((real(motion.acceleration()) - side * acc).abs() < 1e-5, "{index} {ms}");
+            }
+        }
+    }
+}
+
+/// A start does nothing at all where one of its coordinate systems must not start.
+#[test]
+fn a_start_is_all_or_nothing() {
+    let entries = [line(200, 450)];
+    type Break = fn(&mut Bench);
+    let breaks: [(&str, Break); 7] = [
+        ("servo off", |bench| {
+            bench.now(Op::Servo { axis: axis(5), on: false });
+        }),
+        ("alarm", |bench| bench.machine.inputs[2].alarm = true),
+        ("limit", |bench| bench.machine.inputs[2].limit_positive = true),
+        ("nothing in it", |bench| bench.clear_path(0, 0)),
+        ("another mode", |bench| {
+            bench.now(Op::SetMode { axis: axis(2), mode: Mode::Trap });
+        }),
+        ("another crd's", |bench| bench.frame(2, &[2], None)),
+        ("no frame", |bench| {
+            bench.now(Op::Reset { axes: all(&[5]) });
+            bench.now(Op::Servo { axis: axis(5), on: true });
+        }),
+    ];
+    for (what, act) in breaks {
+        let mut bench = ready(250, &entries);
+        bench.frame(1, &[0, 1], None);
+        bench.tick();
+        bench.path(1, 0, &entries);
+        act(&mut bench);
+        bench.ticks(2);
+        while bench.event().is_some() {}
+        let before = bench.tick();
+        let seq = bench.now(Op::CrdStart { crds: crd_mask(&[0, 1]), fifo1: CrdMask(0) });
+        let after = bench.ticks(40);
+        for (crd, other) in before.crds.iter().zip(&after.crds) {
+            assert_eq!((crd.place, crd.runs, crd.moves), (other.place, other.runs, other.moves), "{what}");
+        }
+        assert!(after.axes.iter().all(|axis| axis.status & status::RUNNING == 0), "{what}");
+        match bench.event() {
+            Some(Event::Refused { lane: Lane::Immediate, seq: of, axis, .. }) => {
+                assert!(of == seq && matches!(what, "servo off" | "alarm" | "limit"), "{what}");
+                assert_eq!(axis.index(), if what == "servo off" { 5 } else { 2 });
+            }
+            Some(Event::CrdRefused { lane: Lane::Immediate, seq: of, crd }) => {
+                assert!(of == seq && crd.index() == 0 && !matches!(what, "servo off" | "alarm" | "limit"), "{what}");
+            }
+            other => panic!("{what}: {other:?}"),
+        }
+        assert!(bench.event().is_none());
+    }
+    // One that runs refuses too, and runs on.
+    let mut bench = ready(250, &entries);
+    bench.start_path(&[0]);
+    bench.ticks(10);
+    bench.start_path(&[0]);
+    assert!(bench.tick().crds[0].runs);
+    assert!(matches!(bench.event(), Some(Event::CrdRefused { .. })));
+    assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
+}
+
+/// A smooth stop by an axis bit brakes along the path; a start goes on from there to the same end.
+#[test]
+fn a_stop_brakes_along_the_path_and_a_start_goes_on() {
+    for period in [10, 250, 1000] {
+        let mut bench = ready(period, &[line(200, 450)]);
+        bench.now(Op::CrdStopDec { crd: crd(0), dec: accel(2.0) });
+        bench.start_path(&[0]);
+        let zero = bench.tick().now.0;
+        bench.until(zero + 20 * MS - period as u64 * 1000);
+        stop(&mut bench, &[5], &[]);
+        let view = finish(&mut bench, 0);
+        // 150 pulses in 20 ms, 25 of braking.
+        let [x, y] = place(&view, [2, 5]);
+        assert!((x - 105.0).abs() < 1e-6 && (y - 140.0).abs() < 1e-6, "{x} {y}");
+        assert_eq!(view.now.0 - zero, 25 * MS);
+        let shown = view.crds[0];
+        assert_eq!((shown.stop, shown.rest, shown.done), (StopReason::StopSmooth, Rest::Stopped, [0, 0]));
+        assert_eq!((view.axes[2].stop, view.axes[5].stop), (StopReason::StopSmooth, StopReason::StopSmooth));
+        assert_eq!(stopped_crd(bench.event()), (0, StopReason::StopSmooth));
+        bench.start_path(&[0]);
+        assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
+        assert_eq!(stopped_crd(bench.event()), (0, StopReason::Completed));
+        assert!(bench.event().is_none());
+    }
+}
+
+#[test]
+fn an_abrupt_stop_has_no_velocity_on_its_tick() {
+    for by_crd in [false, true] {
+        let mut bench = ready(250, &[line(200, 450)]);
+        bench.start_path(&[0]);
+        let zero = bench.tick().now.0;
+        bench.until(zero + 20 * MS - 250_000);
+        if by_crd {
+            bench.now(Op::CrdStop { crds: CrdMask(1), abrupt: CrdMask(1) });
+        } else {
+            stop(&mut bench, &[2, 5], &[5]);
+        }
+        let view = bench.tick();
+        assert!(!view.crds[0].runs && view.crds[0].stop == StopReason::StopAbrupt);
+        let [x, y] = place(&view, [2, 5]);
+        assert!((x - 90.0).abs() < 1e-6 && (y - 120.0).abs() < 1e-6, "{x} {y}");
+        assert_eq!(real(view.motion(&view.axes[2]).velocity()), 0.0);
+        bench.start_path(&[0]);
+        assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
+    }
+}
+
+/// What a mapped axis must not do stops the path; its axes rest together, on the path, and the reason is latched.
+#[test]
+fn faults_and_limits_of_one_axis_stop_all() {
+    type Break = fn(&mut Bench);
+    let breaks: [(StopReason, u32, Break); 5] = [
+        (StopReason::Alarm, status::ALARM, |bench| bench.machine.inputs[5].alarm = true),
+        (StopReason::LimitPositive, status::LIMIT_POSITIVE, |bench| bench.machine.inputs[5].limit_positive = true),
+        (StopReason::FollowingError, status::FOLLOWING_ERROR, |bench| bench.machine.slip[5] = 100),
+        (StopReason::ServoOff, 0, |bench| {
+            bench.now(Op::Servo { axis: axis(5), on: false });
+        }),
+        (StopReason::SoftPositive, status::LIMIT_POSITIVE, |bench| {
+            bench.now(Op::SoftLimit { axis: axis(5), positive: Some(100), negative: None });
+        }),
+    ];
+    for (reason, bits, act) in breaks {
+        let mut bench = ready(250, &[line(200, 450)]);
+        bench.now(Op::PositionError { axis: axis(5), limit: Some(50) });
+        bench.start_path(&[0]);
+        let zero = bench.tick().now.0;
+        bench.until(zero + 15 * MS);
+        act(&mut bench);
+        let view = finish(&mut bench, 0);
+        let shown = view.crds[0];
+        assert_eq!((shown.stop, view.axes[2].stop, view.axes[5].stop), (reason, reason, reason));
+        assert_eq!(stopped_crd(bench.event()), (0, reason));
+        assert!(bench.event().is_none());
+        let [x, y] = place(&view, [2, 5]);
+        assert!((y - x * 4.0 / 3.0).abs() < 1e-5, "{reason:?}: {x} {y} is off the path");
+        if reason == StopReason::SoftPositive {
+            assert!((99.99..=100.0).contains(&y), "{y}");
+        } else {
+            // 100 pulses along at 15 ms, 2.5 in a tick, one of which it may still go.
+            assert!((79.9..=84.1).contains(&y), "{reason:?} {y}");
+        }
+        assert!(has(&view.axes[5], bits) && view.axes[2].status & status::LATCHED == 0);
+        // It is blocked while the reason stands.
+        bench.start_path(&[0]);
+        bench.tick();
+        assert!(matches!(bench.event(), Some(Event::Refused { .. })), "{reason:?}");
+        assert!(!bench.tick().crds[0].runs);
+        // Once it is gone it goes on to the end.
+        bench.machine.inputs[5] = Default::default();
+        bench.machine.slip[5] = 0;
+        bench.now(Op::SoftLimit { axis: axis(5), positive: None, negative: None });
+        bench.now(Op::Servo { axis: axis(5), on: true });
+        bench.ticks(2);
+        bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+        bench.tick();
+        bench.start_path(&[0]);
+        assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0], "{reason:?}");
+    }
+}
+
+/// A switch that is active lets an axis move away, and stops the path only when it comes to move against it.
+#[test]
+fn a_path_may_leave_an_active_limit_switch() {
+    let mut bench = ready(250, &[Entry::planar([-200, -150], speeds(10.0, 1.0, 0.0)), line(-200, 0)]);
+    bench.machine.inputs[5].limit_positive = true;
+    bench.tick();
+    bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+    bench.tick();
+    bench.start_path(&[0]);
+    let view = finish(&mut bench, 0);
+    assert_eq!(view.crds[0].stop, StopReason::LimitPositive);
+    let [x, y] = place(&view, [2, 5]);
+    assert!(x == -100.0 && (-200.0..-199.9).contains(&y), "{x} {y}");
+    assert_eq!(view.crds[0].done[0], 1);
+}
+
+/// No planned position goes beyond a soft limit, wherever the path crosses it and however long a tick is.
+#[test]
+fn soft_limits_hold_lines_and_arcs() {
+    let along = speeds(97.0, 3.0, 97.0);
+    let sweep = Sweep::admit(0.5f64.to_bits(), false, true).unwrap();
+    for period in [10, 250, 1000] {
+        for limit in [150, 260, 399, 401] {
+            let entries = [
+                Entry::planar([200, 0], along),
+                Entry::arc(Plane::Xy, [200, 200], sweep, along),
+                Entry::planar([600, 210], along),
+            ];
+            let mut bench = Bench::ready(period, Mode::Trap);
+            bench.frame(0, &[0, 1], None);
+            bench.now(Op::SoftLimit { axis: axis(0), positive: Some(limit), negative: None });
+            bench.tick();
+            bench.path(0, 0, &entries);
+            bench.start_path(&[0]);
+            let view = loop {
+                let view = bench.tick();
+                assert!(pulses(view.axes[0].pos) <= f64::from(limit));
+                if !view.crds[0].runs {
+                    break view;
+                }
+            };
+            assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::SoftPositive, Rest::Obstructed));
+            assert!(pulses(view.axes[0].pos) > f64::from(limit) - 0.01, "{}", pulses(view.axes[0].pos));
+            assert!(has(&view.axes[0], status::LIMIT_POSITIVE));
+        }
+    }
+}
+
+#[test]
+fn running_out_at_speed_is_an_underrun_and_needs_no_clearing() {
+    let mut bench = ready(250, &[Entry::planar([-95, 50], speeds(10.0, 1.0, 0.0)), line(-92, 50)]);
+    // 5 pulses are too short to come to rest from what the first may end with.
+    bench.clear_path(0, 0);
+    bench.tick();
+    let fast = speeds(10.0, 1.0, 10.0);
+    bench.path(0, 0, &[Entry::planar([0, 50], fast), Entry::planar([5, 50], fast)]);
+    bench.start_path(&[0]);
+    let view = finish(&mut bench, 0);
+    assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::Underrun, Rest::Underrun));
+    assert_eq!(place(&view, [2, 5]), [105.0, 0.0]);
+    bench.path(0, 0, &[line(0, 0)]);
+    bench.start_path(&[0]);
+    assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [100.0, -50.0]);
+}
+
+#[test]
+fn fifo_1_interrupts_fifo_0_and_returns() {
+    let mut bench = ready(250, &[line(200, 450)]);
+    bench.path(0, 1, &[line(0, 0)]);
+    bench.start_path(&[0]);
+    bench.ticks(100);
+    bench.now(Op::CrdStop { crds: CrdMask(1), abrupt: CrdMask(0) });
+    let left = finish(&mut bench, 0);
+    bench.now(Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(1) });
+    let there = finish(&mut bench, 0);
+    assert_eq!((place(&there, [2, 5]), there.crds[0].fifo), ([100.0, -50.0], 1));
+    // Not where FIFO 0 was left.
+    bench.start_path(&[0]);
+    bench.tick();
+    while !matches!(bench.event().unwrap(), Event::CrdRefused { .. }) {}
+    let [x, y] = left.crds[0].place.map(pulses)[..2].try_into().unwrap();
+    bench.path(0, 1, &[line(x.round() as i32, y.round() as i32)]);
+    bench.now(Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(1) });
+    assert_eq!(finish(&mut bench, 0).crds[0].place, left.crds[0].place);
+    bench.start_path(&[0]);
+    let end = finish(&mut bench, 0);
+    assert_eq!((place(&end, [2, 5]), end.crds[0].done, end.crds[0].released), ([300.0, 400.0], [1, 2], [1, 2]));
+}
+
+/// A clearing makes the FIFO empty, its counts 0, and what was meant for it before void.
+#[test]
+fn clearing_is_counted_and_old_commits_are_void() {
+    let mut bench = ready(250, &[line(200, 450), line(0, 0)]);
+    let old = bench.path_data(0, 0, &[line(5, 5)]);
+    bench.start_path(&[0]);
+    bench.ticks(300);
+    bench.now(Op::CrdClear { crd: crd(0), fifo: 0 });
+    let running = bench.tick();
+    assert!(running.crds[0].runs && running.crds[0].cleared == [1, 1], "it runs on");
+    let end = finish(&mut bench, 0);
+    assert_eq!((end.crds[0].done, end.crds[0].released, end.crds[0].ends), ([2, 0], [2, 0], [2, 0]));
+    bench.clear_path(0, 0);
+    bench.now(old);
+    let clear = bench.tick();
+    assert_eq!((clear.crds[0].done, clear.crds[0].released, clear.crds[0].ends), ([0; 2], [0; 2], [0; 2]));
+    assert_eq!(clear.crds[0].cleared, [2, 1]);
+    bench.path(0, 0, &[line(10, 10)]);
+    bench.start_path(&[0]);
+    assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [110.0, -40.0]);
+}
+
+#[test]
+fn an_override_acts_on_the_way() {
+    let mut bench = ready(250, &[line(200, 450)]);
+    bench.now(Op::CrdRate { crd: crd(0), rate: Rate::admit(0.5f64.to_bits()).unwrap() });
+    bench.start_path(&[0]);
+    let zero = bench.tick().now.0;
+    let speed = |view: &View<AXES>| real(view.crds[0].motion.velocity());
+    assert!((speed(&bench.until(zero + 20 * MS)) - 5.0).abs() < 1e-9);
+    bench.now(Op::CrdRate { crd: crd(0), rate: Rate::admit(1.0f64.to_bits()).unwrap() });
+    assert!((speed(&bench.until(zero + 22 * MS + 250_000)) - 7.0).abs() < 1e-9);
+    assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
+}
+
+/// SetPrfPos and ZeroPos give the place of the path another name; a path that was left there cannot go on.
+#[test]
+fn naming_a_position_moves_the_coordinates_with_it() {
+    let mut bench = ready(250, &[line(200, 450)]);
+    bench.now(Op::SetPosition { axis: axis(2), pos: Pos::pulses(350) });
+    let set_point = bench.machine.set_points[2];
+    let view = bench.tick();
+    assert_eq!((view.crds[0].place[0], bench.machine.set_points[2]), (Pos::pulses(250), set_point));
+    bench.start_path(&[0]);
+    bench.ticks(50);
+    stop(&mut bench, &[2], &[]);
+    finish(&mut bench, 0);
+    bench.now(Op::Zero { axes: all(&[2, 5]) });
+    let view = bench.tick();
+    assert_eq!(view.crds[0].place[..2], [Pos::pulses(-100), Pos::pulses(50)]);
+    while bench.event().is_some() {}
+    bench.start_path(&[0]);
+    bench.tick();
+    assert!(matches!(bench.event(), Some(Event::CrdRefused { .. })));
+    bench.clear_path(0, 0);
+    bench.tick();
+    bench.path(0, 0, &[line(0, 0)]);
+    bench.start_path(&[0]);
+    assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [100.0, -50.0]);
+}
+
+/// An axis that goes into another mode leaves its coordinate system; setting that again takes it back.
+#[test]
+fn an_axis_may_leave_and_come_back() {
+    let mut bench = ready(250, &[line(200, 450)]);
+    bench.now(Op::SetMode { axis: axis(2), mode: Mode::Jog });
+    bench.jog(2, 5.0, 1.0);
+    bench.ticks(100);
+    stop(&mut bench, &[2], &[]);
+    let view = bench.rest();
+    assert!(view.axes[2].mode == Mode::Jog && pulses(view.axes[2].pos) > 20.0);
+    bench.frame(0, &[2, 5], Some([0; 4]));
+    let view = bench.tick();
+    assert_eq!((view.axes[2].mode, view.crds[0].place[0]), (Mode::Crd, view.axes[2].pos));
+    bench.path(0, 0, &[line(-7, 9)]);
+    bench.start_path(&[0]);
+    assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [-7.0, 9.0]);
+    // Other axes: the old ones are in Trap mode again.
+    bench.frame(0, &[1, 2], Some([0; 4]));
+    let view = bench.tick();
+    assert_eq!([1, 2, 5].map(|index: usize| view.axes[index].mode), [Mode::Crd, Mode::Crd, Mode::Trap]);
+}
+
+#[test]
+fn a_reset_of_one_axis_leaves_no_frame() {
+    let mut bench = ready(250, &[line(200, 450)]);
+    bench.start_path(&[0]);
+    bench.ticks(100);
+    let set_points = bench.machine.set_points;
+    bench.now(Op::Reset { axes: all(&[5]) });
+    let view = bench.tick();
+    assert!(view.crds[0].frame.is_none() && !view.crds[0].runs && view.crds[0].ends == [0; 2]);
+    assert_eq!((view.axes[2].mode, view.axes[5].mode, view.axes[5].pos), (Mode::Trap, Mode::Trap, Pos(0)));
+    assert!(view.axes[2].status & status::RUNNING == 0 && view.axes[2].stop == StopReason::Reset);
+    let after = bench.machine.set_points;
+    assert!((after[5].0 - set_points[5].0).abs() < 3 << Pos::FRAC_BITS);
+    bench.ticks(10);
+    assert_eq!(bench.machine.set_points, after);
+}
+
+#[test]
+fn a_lost_link_stops_paths_smoothly_and_they_go_on() {
+    let mut bench = ready(250, &[line(200, 450)]);
+    bench.start_path(&[0]);
+    let zero = bench.tick().now.0;
+    bench.until(zero + 20 * MS - 250_000);
+    bench.now(Op::Link { lost: true });
+    let view = finish(&mut bench, 0);
+    assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::LinkLoss, Rest::Stopped));
+    // 1 pulse/ms² from 10 pulse/ms.
+    assert_eq!(view.now.0 - zero, 30 * MS);
+    bench.now(Op::Link { lost: false });
+    bench.start_path(&[0]);
+    assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
+}
+
+/// A program waits for a path, and its trace has the path's speed.
+#[test]
+fn a_program_waits_for_a_path_and_traces_it() {
+    let mut bench = ready(250, &[line(200, 450)]);
+    bench.now(Op::Trace { every: 4, axes: all(&[5]), crds: CrdMask(1), lasers: 0, edges: false });
+    bench.now(Op::ProgramRun);
+    bench.then(0, Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(0) });
+    bench.then(0, Op::WaitRest { axes: AxisMask(0), crds: CrdMask(1) });
+    bench.then(0, Op::Output { group: DoGroup::General, mask: 1, value: 1 });
+    bench.then(0, Op::ProgramEnd);
+    let zero = bench.tick().now.0 - 250_000;
+    while bench.tick().general_outputs & 1 == 0 {}
+    // It begins with row 1's tick, is at rest 60 ms later; the output is on with the tick after.
+    let Ns(now) = bench.tick().now;
+    assert_eq!(now - 250_000, zero + 250_000 + 60 * MS + 250_000);
+    let mut rows = 0;
+    while let Some(sample) = bench.sample() {
+        match sample.of {
+            servo::view::Traced::Axis { axis, .. } => assert!(axis.index() == 5 && sample.row == rows),
+            servo::view::Traced::Crd { crd, motion } => {
+                assert!(crd.index() == 0 && sample.row == rows);
+                let t = f64::from(rows) - 0.25;
+                let v = if t < 10.0 {
+                    t.max(0.0)
+                } else if t > 50.0 {
+                    (60.0 - t).max(0.0)
+                } else {
+                    10.0
+                };
+                assert!((real(motion.velocity()) - v).abs() < 1e-9, "row {rows}");
+                rows += 1;
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(rows > 55);
+}
+
+/// A guarded input that is switched off stops nothing.
+#[test]
+fn guards_may_be_off() {
+    let mut bench = ready(250, &[line(200, 450)]);
+    bench.now(Op::Guard { axis: axis(5), input: Guarded::LimitPositive, on: false });
+    bench.start_path(&[0]);
+    bench.ticks(20);
+    bench.machine.inputs[5].limit_positive = true;
+    assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
 }
