@@ -103,7 +103,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::Laser { channel, change } => self.lasers.change(channel, next, &change),
             Op::FollowEnd { crds } => self.lasers.end_follow(crds),
             Op::Link { lost } => {
-                self.lasers.link(lost, self.script.runs);
+                self.lasers.link(lost, self.script.runs || self.crds.running.0 != 0);
                 if lost {
                     self.stop_crds(self.crds.running, false, StopReason::LinkLoss, next, lanes);
                 }
@@ -251,6 +251,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     pub(crate) fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         if !on {
+            self.darken(axes);
             self.halt(axes, StopReason::ServoOff, next, lanes);
         }
         self.enable = if on { self.enable | self.in_use(axes).0 } else { self.enable & !axes.0 };

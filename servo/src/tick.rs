@@ -187,8 +187,12 @@ impl<const AXES: usize> Tick<AXES> {
         let next = Ns(now.0.wrapping_add(self.period.0));
         let mut period = self.period;
 
+        let mut caused = false;
         for (axis, state) in Axis::all().zip(self.axes.get_mut(..self.used).unwrap_or_default()) {
-            state.sample(now, port.inputs(axis), port.encoder(axis));
+            caused |= state.sample(now, port.inputs(axis), port.encoder(axis));
+        }
+        if caused {
+            self.see_causes();
         }
         if !lanes.immediate.is_empty() || self.script.runs {
             self.execute_due(next, &mut period, port, lanes);

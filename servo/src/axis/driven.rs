@@ -17,7 +17,7 @@ impl AxisState {
     /// It belongs to a coordinate system from now on, at rest.
     pub(crate) fn map(&mut self, crd: Crd) {
         self.set_mode(Mode::Crd);
-        self.crd = Some(crd);
+        (self.crd, self.fresh) = (Some(crd), 0);
         self.touch();
     }
 

@@ -11,9 +11,9 @@ use crate::view::StopReason;
 
 impl AxisState {
     /// Takes the inputs of the tick in force at `now`. An axis at rest of which nothing changed costs
-    /// two comparisons, and one that runs little more.
+    /// two comparisons, and one that runs little more. Whether causes of latched bits have changed.
     #[inline(always)]
-    pub(crate) fn sample(&mut self, now: Ns, raw: AxisInputs, count: i64) {
+    pub(crate) fn sample(&mut self, now: Ns, raw: AxisInputs, count: i64) -> bool {
         let levels = raw.bits();
         if levels == self.levels {
             match self.calm {
@@ -21,17 +21,18 @@ impl AxisState {
                     self.count = count;
                     self.shown.encoder_before = self.shown.encoder;
                     self.shown.encoder = self.inputs.encoder(count);
-                    return;
+                    return false;
                 }
-                Calm::Settled if count == self.count => return,
+                Calm::Settled if count == self.count => return false,
                 Calm::Settled | Calm::None => {}
             }
         }
-        self.take(now, raw, levels, count);
+        self.take(now, raw, levels, count)
     }
 
     #[inline(never)]
-    fn take(&mut self, now: Ns, raw: AxisInputs, levels: u8, count: i64) {
+    fn take(&mut self, now: Ns, raw: AxisInputs, levels: u8, count: i64) -> bool {
+        let before = self.causes;
         let mut settled = true;
         let encoder = self.inputs.encoder(count);
         if encoder != self.shown.encoder_before || encoder != self.shown.encoder {
@@ -81,6 +82,12 @@ impl AxisState {
             (false, true) => Calm::Settled,
             _ => Calm::None,
         };
+        self.causes != before
+    }
+
+    /// Causes of latched bits that are present, and those that have come since they were asked for.
+    pub(crate) fn take_causes(&mut self) -> (u32, u32) {
+        (self.causes, core::mem::take(&mut self.fresh))
     }
 
     /// Where the planned position may go without a closer look. A switch that is active has a direction,
@@ -102,6 +109,7 @@ impl AxisState {
     #[inline(never)]
     fn latch(&mut self, causes: u32) {
         let blocked = self.shown.blocked | causes & (!self.causes | status::FAULTS);
+        self.fresh |= causes & !self.causes;
         self.causes = causes;
         self.latched |= causes;
         self.block(blocked);

@@ -99,6 +99,8 @@ pub(crate) struct AxisState {
     /// Switches active now, as status bits.
     switches: u32,
     latched: u32,
+    /// Causes that have appeared since a coordinate system looked.
+    fresh: u32,
     pub(crate) stop_dec: Accel,
     pub(crate) jog: Jog,
     /// Trap; its target and its speed (Jog's too) are those of SetPos and SetVel.
@@ -146,6 +148,7 @@ impl AxisState {
         switches: 0,
         causes: 0,
         latched: 0,
+        fresh: 0,
         in_position: false,
         servo_on: false,
         stop_dec: STOP_DEC,

@@ -5,7 +5,9 @@
 use super::Frame;
 use crate::axis::AxisState;
 use crate::execute::Reach;
+use crate::laser::{Cause, PathSpeed, Wants};
 use crate::path::{Rest, Step};
+use crate::piece::Motion;
 use crate::tick::{Tick, tell};
 use crate::units::{Axis, AxisMask, Crd, Exact, Ns, Pos};
 use crate::view::{Event, StopReason};
@@ -86,11 +88,34 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
         }
+        let wants = self.lasers.wants(crd);
+        if wants.planned || wants.encoder {
+            self.feed_lasers(crd, &step.motion, wants);
+        }
         if !step.runs {
             self.come_to_rest(crd, obstacle, next, lanes);
         } else if unable.is_some() {
             self.stop_crds(crd.mask(), true, StopReason::OtherAxis, next, lanes);
         }
+    }
+
+    /// Channels follow the speed of the path.
+    #[inline(never)]
+    fn feed_lasers(&mut self, crd: Crd, motion: &Motion, wants: Wants) {
+        let period = self.period;
+        let (mut planned, mut encoder) = (PathSpeed::REST, PathSpeed::REST);
+        if wants.planned {
+            planned = PathSpeed::ahead(motion, period);
+        }
+        if wants.encoder {
+            let mapped = self.crds.get(crd).and_then(|state| state.shown.frame).map_or([None; 4], |frame| frame.axes());
+            let gone = mapped.map(|axis| {
+                let shown = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.shown);
+                shown.map_or(0, |shown| shown.encoder.wrapping_sub(shown.encoder_before))
+            });
+            encoder = PathSpeed::measured(gone, period);
+        }
+        self.lasers.feed(crd, planned, encoder);
     }
 
     /// The mapped axes are where the path is.
@@ -136,7 +161,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The path is at rest.
     #[inline(never)]
     fn come_to_rest(&mut self, crd: Crd, obstacle: Option<(Axis, Pos)>, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
-        let Tick { crds, axes, .. } = self;
+        let Tick { crds, axes, lasers, .. } = self;
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
         let reason = match state.shown.rest {
             Rest::Never => StopReason::None,
@@ -147,6 +172,14 @@ impl<const AXES: usize> Tick<AXES> {
                 .and_then(|(axis, to)| axes.get_mut(axis.index())?.latch_barrier(to))
                 .unwrap_or(StopReason::OtherAxis),
         };
+        match reason {
+            StopReason::LimitPositive
+            | StopReason::LimitNegative
+            | StopReason::SoftPositive
+            | StopReason::SoftNegative => lasers.crd_fault(crd, Cause::Limit),
+            StopReason::Travel | StopReason::OtherAxis => lasers.crd_fault(crd, Cause::Fault),
+            _ => {}
+        }
         (state.shown.runs, state.shown.stop, state.rest_since) = (false, reason, next);
         state.touch();
         for axis in state.shown.frame.iter().flat_map(Frame::axes).flatten() {

@@ -6,16 +6,34 @@
 use super::sink::Sink;
 use super::{CrdState, Frame};
 use crate::execute::Reach;
+use crate::laser::Cause;
 use crate::op::Lane;
-use crate::path::{DIMENSIONS, EntryStore, Feed, Path, Rate, Rules};
+use crate::path::{DIMENSIONS, EntryStore, Feed, Path, Rate, Rest, Rules};
 use crate::piece::Scaled;
 use crate::ramp::Accel;
+use crate::status;
 use crate::tick::{Tick, tell};
 use crate::units::{AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, Drive, Event, StopReason};
 
 /// How far from its zero, on every axis, a path may begin: as far as targets go.
 const REACH: u64 = 1 << (31 + Pos::FRAC_BITS);
+
+/// What fresh causes of latched bits mean for light.
+fn cause_of(fresh: u32) -> Option<Cause> {
+    match fresh {
+        0 => None,
+        _ if fresh & status::ALARM != 0 => Some(Cause::Alarm),
+        _ if fresh & status::LIMITS != 0 => Some(Cause::Limit),
+        _ => Some(Cause::Fault),
+    }
+}
+
+/// Whether what stopped a path is a fault (SPEC 9), and not an order.
+pub(super) fn is_fault(reason: StopReason) -> bool {
+    use StopReason::{Completed, LinkLoss, None, Reset, StopAbrupt, StopSmooth};
+    !matches!(reason, None | Completed | StopSmooth | StopAbrupt | LinkLoss | Reset)
+}
 
 impl<const AXES: usize> Tick<AXES> {
     /// SetCrdPrm, at rest.
@@ -45,6 +63,7 @@ impl<const AXES: usize> Tick<AXES> {
             (state.shown.frame, state.shown.origin) = (Some(frame), origin);
         }
         self.rename_crds();
+        self.see_causes();
     }
 
     /// A coordinate system that drives nothing any more; its axes are in Trap mode.
@@ -148,6 +167,8 @@ impl<const AXES: usize> Tick<AXES> {
                 continue;
             };
             let feed = state.feed();
+            let goes_on = state.path.goes_on(fifo) && state.shown.rest == Rest::Stopped;
+            self.lasers.crd_starts(crd, next, goes_on);
             state.path.start(next, fifo, feed, source);
             (state.ending, state.shown.runs, state.awaited) = (StopReason::StopSmooth, true, None);
             state.touch();
@@ -197,6 +218,34 @@ impl<const AXES: usize> Tick<AXES> {
         if far || paths.refuses_start(fifo, state.feed()) { refused } else { None }
     }
 
+    /// Causes of latched bits have changed, of axes that may be mapped: channels that are, too, hear of it.
+    #[inline(never)]
+    pub(crate) fn see_causes(&mut self) {
+        let mut alarms = CrdMask(0);
+        for (crd, state) in Crd::all().zip(&self.crds.states) {
+            for axis in state.shown.frame.iter().flat_map(Frame::axes).flatten() {
+                let Some(axis) = self.axes.get_mut(axis.index()).filter(|axis| axis.is_mapped(crd)) else { continue };
+                let (causes, fresh) = axis.take_causes();
+                if causes & status::ALARM != 0 {
+                    alarms.0 |= crd.mask().0;
+                }
+                if let Some(cause) = cause_of(fresh) {
+                    self.lasers.crd_fault(crd, cause);
+                }
+            }
+        }
+        self.lasers.crd_alarms(alarms);
+    }
+
+    /// Servos go off: channels that are mapped to what they belong to go dark.
+    pub(crate) fn darken(&mut self, axes: AxisMask) {
+        for axis in axes.axes().filter_map(|axis| self.axes.get(axis.index())) {
+            if let Some(crd) = axis.crd.filter(|crd| axis.servo_on && axis.is_mapped(*crd)) {
+                self.lasers.crd_fault(crd, Cause::ServoOff);
+            }
+        }
+    }
+
     /// The coordinate systems that drive some of these axes.
     pub(crate) fn drivers(&self, axes: AxisMask) -> CrdMask {
         if self.crds.running.0 == 0 {
@@ -219,7 +268,7 @@ impl<const AXES: usize> Tick<AXES> {
         for crd in running.crds() {
             self.with_path(crd, next, lanes, |path, ending, feed, source, sink| {
                 if abrupt || *ending == StopReason::StopSmooth && !path.stops() {
-                    *ending = reason;
+                    (*ending, sink.fault) = (reason, is_fault(reason));
                     path.stop(next, abrupt, feed, source, sink);
                 }
             });
@@ -249,7 +298,7 @@ impl<const AXES: usize> Tick<AXES> {
         lanes: &Reach<'_, '_, AXES>,
         act: impl FnOnce(&mut Path, &mut StopReason, Feed, &[EntryStore; 2], &mut Sink<'_>),
     ) {
-        let Tick { crds, axes, edges, .. } = self;
+        let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
         };
@@ -262,6 +311,8 @@ impl<const AXES: usize> Tick<AXES> {
             origin: state.shown.origin,
             axes,
             edges,
+            lasers,
+            fault: false,
             segments: lanes.segments,
             tables: lanes.tables,
             told: AxisMask(0),

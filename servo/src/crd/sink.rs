@@ -6,6 +6,7 @@
 use super::Frame;
 use crate::axis::AxisState;
 use crate::edges::{Change as Edge, Edges};
+use crate::laser::Lasers;
 use crate::path::{Change, DIMENSIONS, Effects, Fine, Rest};
 use crate::piece::Scaled;
 use crate::pvt::TableStores;
@@ -23,12 +24,15 @@ pub(crate) struct Sink<'a> {
     pub(crate) origin: [Pos; DIMENSIONS],
     pub(crate) axes: &'a mut [AxisState],
     pub(crate) edges: &'a mut Edges,
+    pub(crate) lasers: &'a mut Lasers,
     pub(crate) segments: &'a [SegmentStore],
     pub(crate) tables: TableStores<'a>,
     /// Axes that were told in this tick where they are along a motion.
     pub(crate) told: AxisMask,
     /// All axes that go along.
     pub(crate) geared: AxisMask,
+    /// It is a fault that stops the path: its light does not come back.
+    pub(crate) fault: bool,
     /// The path came to rest.
     pub(crate) rest: Option<Rest>,
     /// An axis that cannot do what an entry wants.
@@ -102,13 +106,16 @@ impl Effects for Sink<'_> {
             Change::Move { axis, target, speed, acc, modal } => {
                 return self.send(at, axis, target, (speed, acc), modal);
             }
-            Change::Laser { .. } => {}
+            Change::Laser { channel, code, words } => {
+                self.lasers.buffered(self.crd, channel, self.ns(at), code, &words);
+            }
         }
         0
     }
 
-    fn rest(&mut self, _: Fine, rest: Rest) {
+    fn rest(&mut self, at: Fine, rest: Rest) {
         self.rest = Some(rest);
+        self.lasers.crd_rests(self.crd, self.ns(at), if self.fault { Rest::Obstructed } else { rest });
     }
 
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled) {

@@ -232,7 +232,6 @@ impl Lasers {
 
     /// An entry of a path takes effect at an instant of the interval that is planned next: that of
     /// `path::Change::Laser`, its fraction of a ns cut off.
-    #[allow(dead_code, reason = "the sink of paths is not there yet")]
     pub(crate) fn buffered(&mut self, crd: Crd, channel: u8, at: Ns, code: u8, words: &[u32; LASER_WORDS]) {
         if let (Some(channel), Some(change)) = (self.channels.get_mut(channel as usize), Buffered::unpack(code, words))
         {
@@ -241,7 +240,6 @@ impl Lasers {
     }
 
     /// A path comes to rest at an instant of the interval that is planned next.
-    #[allow(dead_code, reason = "the sink of paths is not there yet")]
     pub(crate) fn crd_rests(&mut self, crd: Crd, at: Ns, rest: Rest) {
         for channel in &mut self.channels {
             let fault = match rest {
@@ -258,7 +256,6 @@ impl Lasers {
 
     /// A path starts at an instant of the interval that is planned next; `resumes`: it goes on where a Stop
     /// brought it to rest.
-    #[allow(dead_code, reason = "the sink of paths is not there yet")]
     pub(crate) fn crd_starts(&mut self, crd: Crd, at: Ns, resumes: bool) {
         for channel in &mut self.channels {
             channel.expect(at, Event::Start(crd, resumes));
@@ -267,14 +264,12 @@ impl Lasers {
 
     /// A fault of a coordinate system (SPEC 9), which is over as soon as it is told: every channel whose map
     /// holds it goes dark at the call.
-    #[allow(dead_code, reason = "the sink of paths is not there yet")]
     pub(crate) fn crd_fault(&mut self, crd: Crd, cause: Cause) {
         self.channels.iter_mut().filter(|channel| channel.is_mapped(crd)).for_each(|channel| channel.trip(cause));
     }
 
     /// Which coordinate systems have an axis whose alarm input is active, in each tick in which that changes: the
     /// fault of a channel whose map holds one cannot be cleared.
-    #[allow(dead_code, reason = "the sink of paths is not there yet")]
     pub(crate) fn crd_alarms(&mut self, crds: CrdMask) {
         self.channels.iter_mut().for_each(|channel| channel.alarms(crds));
     }
@@ -285,7 +280,6 @@ impl Lasers {
     }
 
     /// Which speeds of a path are to be fed, once the path has taken its step.
-    #[allow(dead_code, reason = "the sink of paths is not there yet")]
     pub(crate) fn wants(&self, crd: Crd) -> Wants {
         let wanted = |source| self.channels.iter().any(|channel| channel.wants(crd, source));
         Wants { planned: wanted(Source::Planned), encoder: wanted(Source::Encoder) }
@@ -293,7 +287,6 @@ impl Lasers {
 
     /// How fast a path goes in the interval that is planned next ([`crate::path::Path::mean`]), and how fast its encoders
     /// went in the last one ([`PathSpeed::measured`]). What is not fed is at rest.
-    #[allow(dead_code, reason = "the sink of paths is not there yet")]
     pub(crate) fn feed(&mut self, crd: Crd, planned: PathSpeed, encoder: PathSpeed) {
         if let (Some(to), Some(too)) =
             (self.speeds.planned.get_mut(crd.index()), self.speeds.encoder.get_mut(crd.index()))
