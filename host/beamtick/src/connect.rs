@@ -4,11 +4,7 @@ use crate::command_line::{FamilyName, Settings, Way};
 use crate::profile;
 use client::{Client, Family, Link, Options, Profile};
 use protocol::reason::Reason;
-use std::path::{Path, PathBuf};
 use virtual_board::{Board, Config, Shared, VirtualLink, share};
-
-/// Where the image lies in the build folder.
-const IMAGE: &str = "target/thumbv7em-none-eabihf/image/beamtick-mps2";
 
 /// Servo tick of the virtual controller where none is asked for: the compatible value of SPEC 1.
 pub const TICK_US: u32 = 250;
@@ -41,7 +37,10 @@ pub fn simulated(settings: &Settings, wanted: Option<Profile>) -> Result<(Client
 pub fn linked(name: &str, way: &Way, settings: &Settings, wanted: Option<Profile>) -> Result<Client, Failure> {
     let options = options(settings, wanted)?;
     let link: Box<dyn Link> = match name {
-        "qemu" => client::link::open(&format!("qemu:{}", image(way)?.display()))?,
+        "qemu" => {
+            let image = client::qemu::image(way.image.clone()).map_err(|error| Failure::Input(error.reason))?;
+            client::link::open(&format!("qemu:{}", image.display()))?
+        }
         name => client::link::open(name)?,
     };
     let profile = options.profile;
@@ -55,19 +54,5 @@ pub fn linked(name: &str, way: &Way, settings: &Settings, wanted: Option<Profile
             )),
             None => error.into(),
         }
-    })
-}
-
-/// The image that QEMU runs.
-fn image(way: &Way) -> Result<PathBuf, Failure> {
-    if let Some(image) = &way.image {
-        return Ok(image.clone());
-    }
-    let here = std::env::current_dir().unwrap_or_default();
-    here.ancestors().map(|folder| folder.join(IMAGE)).find(|image: &PathBuf| Path::is_file(image)).ok_or_else(|| {
-        Failure::Input(format!(
-            "there is no image for QEMU: {IMAGE} is not here nor in a folder above.\n\
-             `cargo demo` installs what is missing and builds it; --image FILE or BEAMTICK_IMAGE names another."
-        ))
     })
 }

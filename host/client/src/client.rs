@@ -8,6 +8,7 @@ use crate::session::{Reply, Session};
 use protocol::command::{Choose, Request, VersionReply};
 use protocol::link::{Counters, Identity};
 use protocol::record::Lane;
+use std::collections::VecDeque;
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -194,6 +195,31 @@ impl Client {
             let turn = inner.turn;
             inner.pump(turn)?;
             self.check_heard(&mut inner, || format!("in {}", crate::call::name(call.opcode)))?;
+        }
+    }
+
+    /// Makes packed calls in one go: they travel together and are executed in their order, each whatever
+    /// became of those before it.
+    pub fn call_all(&self, calls: &[Call]) -> Result<Vec<Result<Vec<u8>>>> {
+        let mut tags = VecDeque::with_capacity(calls.len());
+        let mut inner = self.lock();
+        for call in calls {
+            tags.push_back((inner.session.post(Lane::Immediate, call)?, call.opcode));
+        }
+        let mut replies = Vec::with_capacity(calls.len());
+        loop {
+            while let Some(&(tag, opcode)) = tags.front()
+                && let Some(Reply { code, payload, .. }) = inner.session.take(tag)
+            {
+                tags.pop_front();
+                replies.push(if code == 0 { Ok(payload) } else { Err(crate::call::refused(opcode, code, &payload)) });
+            }
+            let Some(&(_, opcode)) = tags.front() else { return Ok(replies) };
+            let turn = inner.turn;
+            inner.pump(turn)?;
+            self.check_heard(&mut inner, || format!("in {}", crate::call::name(opcode)))?;
+            drop(inner);
+            inner = self.lock();
         }
     }
 

@@ -44,6 +44,30 @@ impl Machine {
     }
 }
 
+/// Where the image lies in the build folder.
+const IMAGE: &str = "target/thumbv7em-none-eabihf/image/beamtick-mps2";
+
+/// The image to run: the one given, else the environment's `BEAMTICK_IMAGE`, else the one of the build folder here or in a
+/// folder above.
+///
+/// # Errors
+/// −6 if there is none.
+pub fn image(given: Option<PathBuf>) -> Result<PathBuf> {
+    if let Some(image) = given.or_else(|| std::env::var_os("BEAMTICK_IMAGE").map(PathBuf::from)) {
+        return Ok(image);
+    }
+    let here = std::env::current_dir().unwrap_or_default();
+    here.ancestors().map(|folder| folder.join(IMAGE)).find(|image| image.is_file()).ok_or_else(|| {
+        Error::new(
+            error::CANNOT_OPEN,
+            format!(
+                "there is no image for QEMU: {IMAGE} is not here nor in a folder above.\n\
+                 `cargo demo` installs what is missing and builds it; --image FILE or BEAMTICK_IMAGE names another."
+            ),
+        )
+    })
+}
+
 /// More trace than this is not held: the reader waits, and with it the emulated UART.
 const TRACE_HELD: usize = 8 << 20;
 

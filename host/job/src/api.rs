@@ -5,7 +5,7 @@
 //! the two differ, [`Shape`] says how. A function whose request has no layout is listed by its name
 //! alone, so that a script that calls it is told so.
 
-use crate::value::Type;
+pub use crate::value::Type;
 use protocol::command::{self as c, Request};
 
 /// What a parameter is.

@@ -7,15 +7,18 @@
 //!
 //! * [`Board`]: the controller in virtual time.
 //! * [`VirtualLink`]: a client's link to it; time passes only while the client waits.
+//! * [`PacedLink`]: the same in step with the wall clock.
 //! * [`serve`]: the controller in real time behind TCP.
 mod board;
 mod link;
 mod machine;
+mod paced;
 mod serve;
 
 pub use board::{Board, Config};
 pub use link::{Shared, VirtualLink, share};
 pub use machine::{Beam, Edge, Inputs, Output, Outputs};
+pub use paced::{Pace, PacedLink};
 pub use serve::{Served, serve};
 
 #[cfg(test)]

@@ -24,6 +24,16 @@ impl VirtualLink {
     pub fn new(board: Shared) -> Self {
         VirtualLink { board, received: Vec::new(), taken: 0 }
     }
+
+    /// Lets `time` pass; what comes meanwhile is kept.
+    pub fn run(&mut self, time: Duration) {
+        let mut board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
+        let end = board.now().saturating_add(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+        while board.now() < end {
+            let left = end - board.now();
+            board.advance(left, &mut self.received);
+        }
+    }
 }
 
 impl Link for VirtualLink {

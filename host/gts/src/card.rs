@@ -1,0 +1,417 @@
+//! An opened controller, and the places for seventeen of them: the one of `GT_`/`GTN_`, and cards 0 to 15.
+//!
+//! Owns the client, the queue of PT data, the files of a trace, and where time has to be driven or a queue sent, a
+//! thread for it. A place is locked for the whole of a call: calls of several threads follow each other.
+
+use crate::recorder::Recorder;
+use crate::settings::{Road, Settings};
+use crate::stream::Stream;
+use client::error::{CANNOT_OPEN, NO_ANSWER};
+use client::{Call, Client, Error, Options, Profile, Result};
+use protocol::command::{GetSts, Trace, opcode};
+use std::ffi::{CString, c_char, c_short};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, Once, PoisonError, TryLockError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use virtual_board::{Board, Config, Pace, PacedLink, VirtualLink, share};
+
+/// Servo tick of the virtual controller: the compatible value of SPEC 1.
+const TICK_US: u32 = 250;
+/// Time between two looks of the thread.
+const LOOK: Duration = Duration::from_millis(1);
+/// Bit 10 of the status word: the profile runs.
+const RUNNING: i32 = 1 << 10;
+
+/// A place for a controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Slot(usize);
+
+/// Cards that the family for several has, and the one of the other two.
+const SLOTS: usize = 17;
+static STATES: [Mutex<State>; SLOTS] = [const { Mutex::new(State { card: None, version: None }) }; SLOTS];
+
+/// All places.
+pub fn all() -> impl Iterator<Item = Slot> {
+    (0..SLOTS).map(Slot)
+}
+
+impl Slot {
+    /// The one card of `GT_` and `GTN_`.
+    pub const ONE: Slot = Slot(0);
+
+    /// A card of several.
+    pub fn card(number: c_short) -> Option<Slot> {
+        usize::try_from(number).ok().map(|number| Slot(number + 1)).filter(|slot| slot.0 < SLOTS)
+    }
+
+    /// Its number among several.
+    pub fn number(self) -> Option<usize> {
+        self.0.checked_sub(1)
+    }
+
+    /// The place for this thread alone.
+    pub fn lock(self) -> MutexGuard<'static, State> {
+        STATES[self.0].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn try_lock(self) -> Option<MutexGuard<'static, State>> {
+        match STATES[self.0].try_lock() {
+            Ok(state) => Some(state),
+            Err(TryLockError::Poisoned(state)) => Some(state.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
+    }
+}
+
+/// What is to be opened.
+#[derive(Debug, Clone, Copy)]
+pub struct Opening {
+    /// Where.
+    pub slot: Slot,
+    /// It was GTN_Open.
+    pub gtn: bool,
+    /// Its second argument: 2 is a GSN controller, 1 any other.
+    pub param: i64,
+}
+
+/// A place.
+pub struct State {
+    card: Option<Card>,
+    /// What GetVersion shows; it stays until the next Open.
+    version: Option<CString>,
+}
+
+impl State {
+    /// Whether a controller is open here.
+    pub fn is_open(&self) -> bool {
+        self.card.is_some()
+    }
+
+    /// The controller; −7 if none is open.
+    pub fn card(&mut self, function: &str) -> Result<&mut Card> {
+        self.card.as_mut().ok_or_else(|| {
+            Error::new(NO_ANSWER, format!("{function}: no controller is open; call GT_Open or GTN_Open first"))
+        })
+    }
+
+    /// The text of GetVersion.
+    pub fn version(&self) -> *const c_char {
+        self.version.as_ref().map_or(std::ptr::null(), |text| text.as_ptr())
+    }
+
+    /// Opens a controller; −6 if one is open here.
+    pub fn open(&mut self, opening: Opening) -> Result<()> {
+        if self.is_open() {
+            return Err(Error::new(CANNOT_OPEN, "Open: the controller is open already; call Close first"));
+        }
+        let settings = Settings::read(opening.slot, |name| std::env::var(name).ok())?;
+        let card = Card::open(opening, settings)?;
+        let text = card.describe();
+        self.version = CString::new(text).ok();
+        self.card = Some(card);
+        static AT_EXIT: Once = Once::new();
+        AT_EXIT.call_once(|| {
+            // SAFETY: `finish` takes no arguments, never unwinds into C and may run at any time.
+            unsafe { atexit(finish) };
+        });
+        Ok(())
+    }
+
+    /// Closes it; nothing to do if none is open.
+    pub fn close(&mut self) -> Result<()> {
+        self.card.take().map_or(Ok(()), Card::close)
+    }
+}
+
+unsafe extern "C" {
+    fn atexit(finish: extern "C" fn()) -> std::ffi::c_int;
+}
+
+/// At the end of the process: what programs leave open is closed, so that traces are complete.
+extern "C" fn finish() {
+    let _ = std::panic::catch_unwind(|| {
+        for slot in all() {
+            if let Some(mut state) = slot.try_lock() {
+                let _ = state.close();
+            }
+        }
+    });
+}
+
+/// How the controller's time passes.
+#[derive(Clone)]
+pub enum Time {
+    /// By itself.
+    Own,
+    /// With the wall clock, by this library.
+    Paced(Pace),
+    /// In calls and sleeps only.
+    Calls,
+}
+
+/// See the module text.
+pub struct Card {
+    client: Arc<Client>,
+    time: Time,
+    stream: Stream,
+    recorder: Option<Arc<Mutex<Recorder>>>,
+    keeper: Option<Keeper>,
+    /// Something was set in motion.
+    pub started: bool,
+    /// Keys of `compat`.
+    pub keys: crate::compat::Keys,
+}
+
+impl Card {
+    fn open(opening: Opening, settings: Settings) -> Result<Card> {
+        let mut options = Options { profile: settings.profile, family: settings.family, ..Options::default() };
+        let mut board = None;
+        let (client, time) = match &settings.road {
+            Road::Virtual(factor) => {
+                let profile = *options.profile.get_or_insert(match opening {
+                    Opening { gtn: false, .. } => Profile::Gus,
+                    Opening { param: 2, .. } => Profile::Gsn024,
+                    Opening { .. } => Profile::Gtn016,
+                });
+                options.family.get_or_insert_default();
+                let shared = share(Board::new(Config { tick_us: TICK_US, profile: profile as u8 }));
+                board = Some(shared.clone());
+                match factor {
+                    Some(factor) => {
+                        let (link, pace) = PacedLink::new(shared, *factor);
+                        (Client::open(Box::new(link), options)?, Time::Paced(pace))
+                    }
+                    None => (Client::open(Box::new(VirtualLink::new(shared)), options)?, Time::Calls),
+                }
+            }
+            Road::Qemu => {
+                let image = client::qemu::image(None)?;
+                let link = client::link::open(&format!("qemu:{}", image.display()))?;
+                (Client::open(link, options)?, Time::Own)
+            }
+            Road::Link(name) => (Client::open(client::link::open(name)?, options)?, Time::Own),
+        };
+        let recorder = match board.filter(|_| settings.is_traced()) {
+            Some(board) => Some(Recorder::start(&client, &settings, board)?),
+            None => None,
+        };
+        let client = Arc::new(client);
+        let keeper = match &time {
+            Time::Calls => None,
+            time => Some(Keeper::start(opening.slot, Arc::clone(&client), time.clone())),
+        };
+        let keys = crate::compat::Keys::read(client.now());
+        Ok(Card { client, time, stream: Stream::default(), recorder, keeper, started: false, keys })
+    }
+
+    fn close(mut self) -> Result<()> {
+        drop(self.keeper.take());
+        let flushed = self.flush();
+        let recorded = match self.recorder.take() {
+            Some(recorder) => crate::recorder::finish(&self.client, &recorder),
+            None => Ok(()),
+        };
+        flushed.and(recorded)
+    }
+
+    fn describe(&self) -> String {
+        let version = self.client.version();
+        let profile = Profile::numbered(version.profile).map_or("unknown", Profile::name);
+        let family = if version.family == 0 { "gus" } else { "lsr" };
+        format!(
+            "Beamtick {}.{}.{}, board {}, profile {profile}, family {family}",
+            version.major,
+            version.minor,
+            version.patch,
+            self.client.board()
+        )
+    }
+
+    /// The client, for what needs no order among calls.
+    pub fn client(&self) -> (Arc<Client>, Time) {
+        (Arc::clone(&self.client), self.time.clone())
+    }
+
+    /// Sends the calls of one function in one go, behind what is queued; the first refusal is the function's.
+    /// Nothing comes back for PT data that was queued.
+    pub fn send(&mut self, reads: bool, calls: &[Call]) -> Result<Option<Vec<Vec<u8>>>> {
+        if let Some(error) = self.stream.failed() {
+            return Err(error);
+        }
+        let [call] = calls else {
+            self.flush()?;
+            self.stream.forget();
+            return self.client.call_all(calls)?.into_iter().collect::<Result<_>>().map(Some);
+        };
+        if let Some(answer) = self.stream.answer(call) {
+            return Ok(Some(vec![answer]));
+        }
+        if self.stream.take(call) {
+            if self.stream.is_full() {
+                self.flush()?;
+            } else if let Some(keeper) = &self.keeper {
+                keeper.wake();
+            }
+            return Ok(None);
+        }
+        let replies = match self.stream.batch() {
+            // A read travels with the data before it.
+            Some(batch) if reads => {
+                let mut replies = self.client.call_all(&[batch, call.clone()])?;
+                let read = replies.pop();
+                if let Some(Err(error)) = replies.pop() {
+                    self.stream.forget();
+                    return Err(late(error));
+                }
+                read.into_iter().collect::<Result<_>>()?
+            }
+            Some(batch) => {
+                self.settle(&batch)?;
+                vec![self.client.call_raw(call)?]
+            }
+            None => {
+                let reply = self.client.call_raw(call);
+                if reply.is_err() && call.opcode == opcode::PtData {
+                    self.stream.forget();
+                }
+                vec![reply?]
+            }
+        };
+        if let Some(reply) = replies.first() {
+            self.stream.note(call, reads, reply);
+        }
+        Ok(Some(replies))
+    }
+
+    /// Sends queued PT data.
+    pub fn flush(&mut self) -> Result<()> {
+        self.stream.batch().map_or(Ok(()), |batch| self.settle(&batch))
+    }
+
+    fn settle(&mut self, batch: &Call) -> Result<()> {
+        match self.client.call_raw(batch) {
+            Ok(reply) => {
+                self.stream.settled(&reply);
+                Ok(())
+            }
+            Err(error) => {
+                self.stream.forget();
+                Err(late(error))
+            }
+        }
+    }
+
+    /// A call is done; where time passes in calls only, a read lasts for a tick, so that loops of reads end.
+    pub fn passed(&mut self, reads: bool) -> Result<()> {
+        match self.time {
+            Time::Calls if reads => {
+                self.client.sleep(Duration::from_micros(self.client.version().tick_us.get().into()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether any axis moves.
+    pub fn is_moving(&self) -> Result<bool> {
+        let version = self.client.version();
+        for core in 1..=i16::from(version.cores) {
+            let all = GetSts { core: core.into(), axis: 1.into(), count: i16::from(version.axes_per_core).into() };
+            let (_, status) = self.client.call_items(all, &[])?;
+            if status.iter().any(|axis| axis.value.get() & RUNNING != 0) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}
+
+/// An error of data that an earlier call had queued.
+fn late(error: Error) -> Error {
+    Error { reason: format!("of PtData called before this: {}", error.reason), ..error }
+}
+
+/// Sends the queue of a card and drives its time.
+struct Keeper {
+    shared: Arc<(Mutex<bool>, Condvar, AtomicBool)>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Keeper {
+    fn start(slot: Slot, client: Arc<Client>, time: Time) -> Keeper {
+        let shared = Arc::new((Mutex::new(false), Condvar::new(), AtomicBool::new(false)));
+        let theirs = Arc::clone(&shared);
+        let thread = std::thread::spawn(move || {
+            let (ends, bell, queued) = &*theirs;
+            loop {
+                let end = ends.lock().unwrap_or_else(PoisonError::into_inner);
+                let idle = matches!(time, Time::Own) && !queued.load(Ordering::Relaxed);
+                let end = if idle {
+                    bell.wait_while(end, |end| !*end && !queued.load(Ordering::Relaxed))
+                        .unwrap_or_else(PoisonError::into_inner)
+                } else {
+                    bell.wait_timeout_while(end, LOOK, |end| !*end).unwrap_or_else(PoisonError::into_inner).0
+                };
+                if *end {
+                    return;
+                }
+                drop(end);
+                if let Time::Paced(pace) = &time {
+                    let now = client.now().as_nanos() as u64;
+                    let behind = pace.due(now).saturating_sub(now);
+                    // A failure is kept and told by the next call.
+                    let _ = client.sleep(Duration::from_nanos(behind));
+                }
+                if queued.load(Ordering::Relaxed)
+                    && let Some(mut state) = slot.try_lock()
+                    && let Ok(card) = state.card("")
+                {
+                    queued.store(false, Ordering::Relaxed);
+                    card.flush_later();
+                }
+            }
+        });
+        Keeper { shared, thread: Some(thread) }
+    }
+
+    /// There is something in the queue.
+    fn wake(&self) {
+        if !self.shared.2.swap(true, Ordering::Relaxed) {
+            let _end = self.shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+            self.shared.1.notify_all();
+        }
+    }
+}
+
+impl Drop for Keeper {
+    fn drop(&mut self) {
+        *self.shared.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.shared.1.notify_all();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Card {
+    /// Sends queued data in the background; what fails is told by the next call.
+    pub fn flush_later(&mut self) {
+        if let Err(error) = self.flush() {
+            self.stream.fail(error);
+        }
+    }
+}
+
+/// What a trace records: everything that the profile has.
+pub fn everything(client: &Client) -> Trace {
+    let version = client.version();
+    let axes = u32::from(version.cores) * u32::from(version.axes_per_core);
+    Trace {
+        every: 1.into(),
+        axes: 1u64.checked_shl(axes).unwrap_or(0).wrapping_sub(1).into(),
+        lasers: 1u8.checked_shl(version.lasers.into()).unwrap_or(0).wrapping_sub(1),
+        crds: 0,
+        way: 0,
+        edges: 1,
+    }
+}

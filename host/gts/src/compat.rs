@@ -1,0 +1,95 @@
+//! What the headers of `compat/` call: `Sleep`, `kbhit` and `getch` on Linux, in the controller's time.
+//!
+//! A sleep lasts for so many milliseconds of controller time, so that a program does the same at any speed of the virtual
+//! controller. Keys: a terminal's are read by the header itself. Without a terminal they are pressed at the
+//! controller times (ms from Open) that `BEAMTICK_KEYS` lists (`1500,4000`); behind the last of them, or without the
+//! variable, a key is down whenever something was set in motion and nothing moves any more.
+
+use crate::card::{Card, Time};
+use crate::engine::any_card;
+use std::collections::VecDeque;
+use std::ffi::{c_int, c_ulong};
+use std::time::Duration;
+
+/// Times at which keys are pressed.
+#[derive(Debug, Clone, Default)]
+pub struct Keys {
+    times: VecDeque<Duration>,
+}
+
+impl Keys {
+    /// From the environment; `now` is the controller's time at Open.
+    pub fn read(now: Duration) -> Keys {
+        let text = std::env::var("BEAMTICK_KEYS").unwrap_or_default();
+        let times = text.split(',').filter_map(|word| word.trim().parse().ok()).map(Duration::from_millis);
+        Keys { times: times.map(|time| now + time).collect() }
+    }
+}
+
+/// Waits for so many milliseconds of the open controller's time; of the wall clock's, if none is open.
+///
+/// With `virtual:max` time passes here and in calls only, exactly as long as asked.
+#[unsafe(no_mangle)]
+pub extern "system" fn beamtick_sleep(milliseconds: c_ulong) {
+    #[allow(clippy::useless_conversion)] // It has 32 bits on Windows.
+    let time = Duration::from_millis(milliseconds.into());
+    let open = any_card().and_then(|slot| {
+        let mut state = slot.lock();
+        let card = state.card("Sleep").ok()?;
+        // The data of a loop that ends here is to be there.
+        card.flush_later();
+        Some(card.client())
+    });
+    match open {
+        Some((client, Time::Calls)) => {
+            let _ = client.sleep(time);
+        }
+        Some((client, Time::Paced(pace))) => {
+            let end = pace.due(client.now().as_nanos() as u64) + time.as_nanos() as u64;
+            loop {
+                let left = end.saturating_sub(pace.due(client.now().as_nanos() as u64));
+                if left == 0 {
+                    return;
+                }
+                std::thread::sleep(pace.wall(left));
+            }
+        }
+        _ => std::thread::sleep(time),
+    }
+}
+
+/// Whether a key is down; see the module text.
+#[unsafe(no_mangle)]
+pub extern "system" fn beamtick_kbhit() -> c_int {
+    let Some(slot) = any_card() else { return 1 };
+    let mut state = slot.lock();
+    let Ok(card) = state.card("kbhit") else { return 1 };
+    // A loop that only asks for keys must end too.
+    if card.passed(true).is_err() {
+        return 1;
+    }
+    c_int::from(is_pressed(card))
+}
+
+fn is_pressed(card: &mut Card) -> bool {
+    match card.keys.times.front() {
+        Some(time) => card.client().0.now() >= *time,
+        None => card.started && !card.is_moving().unwrap_or(false),
+    }
+}
+
+/// Takes the key that is down, or waits for the next one that `BEAMTICK_KEYS` lists.
+#[unsafe(no_mangle)]
+pub extern "system" fn beamtick_getch() -> c_int {
+    let Some(slot) = any_card() else { return '\n' as c_int };
+    let wait = {
+        let mut state = slot.lock();
+        let Ok(card) = state.card("getch") else { return '\n' as c_int };
+        let now = card.client().0.now();
+        card.keys.times.pop_front().map(|time| time.saturating_sub(now))
+    };
+    if let Some(wait) = wait {
+        beamtick_sleep(wait.as_millis() as c_ulong);
+    }
+    '\n' as c_int
+}

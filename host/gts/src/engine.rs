@@ -1,0 +1,418 @@
+//! A call from its arguments to its return value.
+//!
+//! In: a function's row, `core`, the arguments. Out: one request or several, sent; the reply's fields stored where
+//! the arguments point. Nothing is sent before every address and every range that C can get wrong is checked; what
+//! the controller refuses is refused by it, in its words.
+
+use crate::boundary::Arg;
+use crate::card::{self, Card, Opening, Slot};
+use crate::prototype::{self, Form, Kind, Prototype, Scalar};
+use crate::reason;
+use crate::request::{self, Number, fields, put, size};
+use client::{Call, Error, Result};
+use job::api::{Pass, Shape, Type};
+use protocol::command::{CommandInfo, opcode};
+use protocol::reason::Reason;
+use std::ffi::{CStr, c_char, c_short};
+
+/// Bytes of items in a message.
+const ITEM_BYTES: usize = 960;
+/// Points of a PVT table (GXN chapter 4).
+const POINTS: (i64, i64) = (2, 1024);
+/// Values in any other array.
+const VALUES: (i64, i64) = (1, 32);
+
+/// A function made ready for calls.
+pub struct Prepared {
+    prototype: Prototype,
+    command: Option<&'static CommandInfo>,
+    /// Where the reply's items or fixed part hold each `Out` argument: argument, its type, place of the field.
+    outs: Vec<(usize, Scalar, usize)>,
+    /// The argument that the reply's clock goes to.
+    clock: Option<usize>,
+    /// The argument `count`.
+    count: Option<usize>,
+}
+
+/// A value that goes into the request: its name and the value.
+type Given = (&'static str, Arg);
+
+impl Prepared {
+    /// The function `name` of a family; every exported name is in the table.
+    pub fn new(name: &str, form: Form) -> Prepared {
+        let Some(function) = job::api::function(name) else { unreachable!("exports come from the table") };
+        let prototype = prototype::prototype(function, form);
+        let mut places = prototype::outs(function).into_iter();
+        let (mut outs, mut clock) = (Vec::new(), None);
+        for (index, argument) in prototype.arguments.iter().enumerate() {
+            if let Kind::Out(of) = argument.kind {
+                match places.next().flatten() {
+                    Some(place) => outs.push((index, of, place)),
+                    None => clock = Some(index),
+                }
+            }
+        }
+        let count = prototype.arguments.iter().position(|argument| argument.name == "count");
+        Prepared { command: prototype::command(function), prototype, outs, clock, count }
+    }
+
+    /// Its name without a prefix, as reasons have it.
+    pub fn name(&self) -> &'static str {
+        self.prototype.function.name
+    }
+
+    /// Whether it changes nothing.
+    pub fn reads(&self) -> bool {
+        self.prototype.function.reads
+    }
+
+    fn wrong_count(&self, got: i64, (low, high): (i64, i64)) -> Error {
+        reason::wrong(self.name(), "count", Reason::OutOfRange, got as f64, low as f64, high as f64)
+    }
+
+    /// `count` within its range: arrays are read by it.
+    fn array_length(&self, args: &[Arg]) -> Result<usize> {
+        let bounds = if self.prototype.function.shape == Shape::Points { POINTS } else { VALUES };
+        match self.count.and_then(|count| args.get(count)) {
+            Some(Arg::Int(count)) if (bounds.0..=bounds.1).contains(count) => Ok(*count as usize),
+            Some(Arg::Int(count)) => Err(self.wrong_count(*count, bounds)),
+            _ => Ok(1),
+        }
+    }
+
+    /// The first address that must be there and is not.
+    fn check_addresses(&self, args: &[Arg]) -> Result<()> {
+        for (argument, arg) in self.prototype.arguments.iter().zip(args) {
+            let optional = argument.default.is_some() || argument.kind == Kind::Working;
+            if let Arg::Address(address) = arg
+                && address.is_null()
+                && !optional
+            {
+                return Err(reason::null(self.name(), argument.name));
+            }
+        }
+        Ok(())
+    }
+
+    /// The values of the request, in order, and those of each array.
+    ///
+    /// # Safety
+    /// As for [`call`].
+    unsafe fn given(&self, args: &[Arg]) -> Result<(Vec<Given>, Vec<Vec<Arg>>)> {
+        let (mut values, mut lists) = (Vec::new(), Vec::new());
+        for (argument, arg) in self.prototype.arguments.iter().zip(args) {
+            match (argument.kind, arg) {
+                (Kind::Value(_), arg) => values.push((argument.name, *arg)),
+                (Kind::Array(of), Arg::Address(address)) => {
+                    let length = self.array_length(args)?;
+                    // SAFETY: the caller's array holds `count` values.
+                    let list = (0..length).map(|n| unsafe { request::load(address.byte_add(n * size(of)), of) });
+                    lists.push(list.collect());
+                }
+                (Kind::Struct(of), Arg::Address(address)) => {
+                    for (name, scalar, offset) in layout(of) {
+                        // SAFETY: the caller's struct has this field.
+                        values.push((name, unsafe { request::load(address.byte_add(offset), scalar) }));
+                    }
+                }
+                _ => {}
+            }
+        }
+        // A parameter that this form has not goes with its default.
+        for (place, param) in self.prototype.function.params.iter().enumerate() {
+            if let (Pass::In(_), Some(default)) = (param.pass, param.default)
+                && !self.prototype.arguments.iter().any(|argument| argument.name == param.name)
+            {
+                values.insert(place.min(values.len()), (param.name, Arg::Int(default.into())));
+            }
+        }
+        Ok((values, lists))
+    }
+
+    /// The request's bytes with its first items, and the rest of them in requests of their own.
+    fn pack(&self, core: c_short, values: &[Given], items: &[u8], item: usize) -> Result<Vec<Call>> {
+        let Some(command) = self.command else { return Ok(Vec::new()) };
+        let each = if item == 0 { 1 } else { (ITEM_BYTES / item).max(1) };
+        let parts: Vec<&[u8]> = if items.is_empty() { vec![&[]] } else { items.chunks(each * item).collect() };
+        let mut calls = Vec::with_capacity(parts.len());
+        for (part, bytes) in parts.into_iter().enumerate() {
+            let mut payload = Vec::with_capacity(64 + bytes.len());
+            let mut values = values.iter();
+            for (field, wire) in command.fields {
+                let (name, value) = match *field {
+                    "core" => ("core", Arg::Int(core.into())),
+                    "form" => ("form", Arg::Int((self.prototype.form != Form::Gtn).into())),
+                    "first" => ("first", Arg::Int((part * each) as i64)),
+                    _ => *values.next().unwrap_or(&("", Arg::Int(0))),
+                };
+                put(&mut payload, wire, value, self.name(), name)?;
+            }
+            payload.extend_from_slice(bytes);
+            calls.push(Call { opcode: command.opcode, payload, may_fail: false });
+        }
+        Ok(calls)
+    }
+
+    /// The requests of a call.
+    ///
+    /// # Safety
+    /// As for [`call`].
+    unsafe fn requests(&self, core: c_short, args: &[Arg]) -> Result<Vec<Call>> {
+        // SAFETY: as the caller says.
+        let (mut values, lists) = unsafe { self.given(args)? };
+        let mut items = Vec::new();
+        let mut item = 0;
+        let layout = self.command.map_or(&[][..], |command| command.items);
+        match self.prototype.function.shape {
+            Shape::StartList => values = masks(self.name(), &lists)?,
+            _ => {
+                for n in 0..lists.first().map_or(0, Vec::len) {
+                    for (list, (_, wire)) in lists.iter().zip(layout) {
+                        if let Some(value) = list.get(n) {
+                            put(&mut items, wire, *value, self.name(), "value")?;
+                        }
+                    }
+                    item = items.len() / (n + 1);
+                }
+            }
+        }
+        self.pack(core, &values, &items, item)
+    }
+
+    /// Stores what one reply brings; `before` values of arrays came with replies before it.
+    ///
+    /// # Safety
+    /// As for [`call`].
+    unsafe fn store(&self, args: &[Arg], mut reply: &[u8], before: usize) -> Result<usize> {
+        let Some(command) = self.command else { return Ok(0) };
+        let short = || Error::new(client::error::LINK_PROTOCOL, format!("{}: the reply is too short", self.name()));
+        let fixed = fields(command.reply, &mut reply).ok_or_else(short)?;
+        let put = |argument: usize, of: Scalar, index: usize, number: Option<&Number>| {
+            if let (Some(Arg::Address(address)), Some(number)) = (args.get(argument), number)
+                && !address.is_null()
+            {
+                // SAFETY: the caller's address is that of as many values as it asked for.
+                unsafe { request::store(address.byte_add(index * size(of)), of, *number) };
+            }
+        };
+        if let Some(clock) = self.clock {
+            let place = command.reply.iter().position(|(name, _)| *name == "clock_ms");
+            put(clock, Scalar::ULong, 0, place.and_then(|place| fixed.get(place)));
+        }
+        if command.reply_items.is_empty() {
+            for (argument, of, place) in &self.outs {
+                put(*argument, *of, 0, fixed.get(*place));
+            }
+            for (argument, arg) in self.prototype.arguments.iter().zip(args) {
+                if let (Kind::OutStruct(of), Arg::Address(address)) = (argument.kind, arg) {
+                    for ((_, scalar, offset), number) in layout(of).zip(&fixed) {
+                        // SAFETY: the caller's struct has this field.
+                        unsafe { request::store(address.byte_add(offset), scalar, *number) };
+                    }
+                }
+            }
+            return Ok(0);
+        }
+        let most = match self.count.and_then(|count| args.get(count)) {
+            Some(Arg::Int(count)) => usize::try_from(*count).unwrap_or(0),
+            _ => 1,
+        };
+        let mut index = before;
+        while !reply.is_empty() && index < most {
+            let item = fields(command.reply_items, &mut reply).ok_or_else(short)?;
+            for (argument, of, place) in &self.outs {
+                // The clock of a reply that has one in each item is that of the first.
+                let clock = self.prototype.arguments.get(*argument).is_some_and(|argument| argument.name == "clock");
+                if !clock || index == 0 {
+                    put(*argument, *of, index, item.get(*place));
+                }
+            }
+            index += 1;
+        }
+        Ok(index)
+    }
+}
+
+/// Two lists of axes and FIFOs as the masks of PtStart.
+fn masks(function: &str, lists: &[Vec<Arg>]) -> Result<Vec<Given>> {
+    let [axes, options] = lists else { return Ok(Vec::new()) };
+    let (mut mask, mut option) = (0u32, 0u32);
+    for (axis, fifo) in axes.iter().zip(options) {
+        match (axis, fifo) {
+            (Arg::Int(axis @ 1..=32), Arg::Int(fifo @ 0..=1)) => {
+                mask |= 1 << (axis - 1);
+                option |= (*fifo as u32) << (axis - 1);
+            }
+            (Arg::Int(axis), Arg::Int(0..=1)) => {
+                return Err(reason::wrong(function, "axis", Reason::OutOfRange, *axis as f64, 1.0, 32.0));
+            }
+            (_, Arg::Int(fifo)) => {
+                return Err(reason::wrong(function, "option", Reason::OutOfRange, *fifo as f64, 0.0, 1.0));
+            }
+            _ => {}
+        }
+    }
+    Ok(vec![("mask", Arg::Int(mask.into())), ("option", Arg::Int(option.into()))])
+}
+
+/// The fields of a struct of the API, an element at a time: name, type, offset, as this platform's C lays them out.
+pub fn layout(of: Type) -> impl Iterator<Item = (&'static str, Scalar, usize)> {
+    let mut end = 0usize;
+    of.fields()
+        .iter()
+        .flat_map(|(name, field, count)| {
+            let scalar = match field {
+                Type::Short => Scalar::Short,
+                Type::Long => Scalar::Long,
+                _ => Scalar::Double,
+            };
+            (0..*count).map(move |_| (*name, scalar))
+        })
+        .map(move |(name, scalar)| {
+            let offset = end.next_multiple_of(size(scalar));
+            end = offset + size(scalar);
+            (name, scalar, offset)
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+}
+
+/// Does a call. On success there may be a note for `GT_GetLastReason`.
+///
+/// # Safety
+/// The addresses among `args` are NULL or those of as many values as the function reads and fills, which for
+/// readers of several axes is `count`.
+pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg]) -> Result<Option<String>> {
+    let core = if prepared.prototype.form == Form::Gtn { lead } else { 1 };
+    if prepared.name() == "GetLastReason" {
+        prepared.check_addresses(args)?;
+        // SAFETY: the caller's text has `size` bytes.
+        return unsafe { last_reason(slot, prepared, args) }.map(|()| None);
+    }
+    let mut state = slot.lock();
+    if prepared.prototype.function.shape == Shape::Host {
+        return match prepared.name() {
+            "Open" => {
+                let param = match args.get(1) {
+                    Some(Arg::Int(param)) => *param,
+                    _ => 1,
+                };
+                let gtn = prepared.prototype.form == Form::Gtn;
+                state.open(Opening { slot, gtn, param }).map(|()| None)
+            }
+            _ => state.close().map(|()| None),
+        };
+    }
+    let version = state.version();
+    let card = state.card(prepared.name())?;
+    prepared.check_addresses(args)?;
+    let note = match prepared.name() {
+        "LoadConfig" => {
+            // SAFETY: the caller's text ends with a 0.
+            return unsafe { load_config(card, core, args) };
+        }
+        "GetVersion" => {
+            if let Some(Arg::Address(address)) = args.first() {
+                // SAFETY: the caller's address is that of an address.
+                unsafe { address.cast::<*const c_char>().write_unaligned(version) };
+            }
+            return card.passed(true).map(|()| None);
+        }
+        _ => {
+            // SAFETY: as the caller says.
+            let calls = unsafe { prepared.requests(core, args)? };
+            let Some(replies) = card.send(prepared.reads(), &calls)? else {
+                return Ok(None);
+            };
+            let mut before = 0;
+            for reply in &replies {
+                // SAFETY: as the caller says.
+                before = unsafe { prepared.store(args, reply, before)? };
+            }
+            if is_start(prepared) {
+                card.started = true;
+            }
+            replies.last().and_then(|reply| held(prepared, reply))
+        }
+    };
+    card.passed(prepared.reads())?;
+    Ok(note)
+}
+
+/// Whether the call sets axes in motion.
+fn is_start(prepared: &Prepared) -> bool {
+    matches!(
+        prepared.command.map(|command| command.opcode),
+        Some(opcode::Update | opcode::PtStart | opcode::PvtStart | opcode::FollowStart | opcode::FollowStartEx)
+    ) || prepared.name() == "CrdStart"
+}
+
+/// What a laser command did not take as it was given (LSR: the nearest bound), from its reply's `held`.
+fn held(prepared: &Prepared, mut reply: &[u8]) -> Option<String> {
+    let command = prepared.command?;
+    if command.reply.last().is_none_or(|(name, _)| *name != "held") || prepared.reads() {
+        return None;
+    }
+    let values = fields(command.reply, &mut reply)?;
+    let Some(Number::Int(bits @ 1..)) = values.last() else { return None };
+    let mut texts = Vec::new();
+    for (place, ((name, _), value)) in command.reply.iter().zip(&values).enumerate() {
+        if bits >> place & 1 == 1 {
+            let (Number::Int(taken), real) = (*value, 0.0) else {
+                let Number::Real(real) = *value else { continue };
+                let name = if *name == "value" { "the value" } else { name };
+                texts.push(format!("{name} is out of range; {real} is taken"));
+                continue;
+            };
+            let _: f64 = real;
+            texts.push(format!("{name} is out of range; {taken} is taken"));
+        }
+    }
+    if bits >> 7 & 1 == 1 {
+        texts.push("the pulse width reaches the period; it is limited to just under it".to_owned());
+    }
+    Some(format!("{}: {}", prepared.name(), texts.join("; ")))
+}
+
+/// # Safety
+/// The text has `size` bytes.
+unsafe fn last_reason(slot: Slot, prepared: &Prepared, args: &[Arg]) -> Result<()> {
+    let [Arg::Address(text), Arg::Int(room)] = args else { return Ok(()) };
+    let Some(room) = usize::try_from(*room).ok().filter(|room| *room > 0) else {
+        return Err(reason::wrong(prepared.name(), "size", Reason::OutOfRange, *room as f64, 1.0, f64::from(i16::MAX)));
+    };
+    let last = reason::last(slot);
+    let mut end = last.len().min(room - 1);
+    while !last.is_char_boundary(end) {
+        end -= 1;
+    }
+    // SAFETY: `end` is less than `size`, and the text is NUL-terminated within it.
+    unsafe {
+        text.cast::<u8>().copy_from_nonoverlapping(last.as_ptr(), end);
+        text.cast::<u8>().add(end).write(0);
+    }
+    Ok(())
+}
+
+/// # Safety
+/// The file's name ends with a 0.
+unsafe fn load_config(card: &mut Card, core: c_short, args: &[Arg]) -> Result<Option<String>> {
+    let Some(Arg::Address(text)) = args.first() else { return Ok(None) };
+    // SAFETY: as the caller says.
+    let path = unsafe { CStr::from_ptr(text.cast::<c_char>()) }.to_string_lossy().into_owned();
+    let bytes = std::fs::read(path.replace('\\', std::path::MAIN_SEPARATOR_STR));
+    let bytes = bytes.map_err(|error| Error::new(7, format!("LoadConfig: {path} cannot be read: {error}")))?;
+    let found = job::config::read(&path, &String::from_utf8_lossy(&bytes))
+        .map_err(|error| Error::new(7, format!("LoadConfig: {error}")))?;
+    for items in found.items.chunks(ITEM_BYTES / size_of::<protocol::command::ConfigItem>()) {
+        let request = protocol::command::LoadConfig { core: core.into(), count: (items.len() as u16).into() };
+        card.send(false, &[Call::with_items(request, items)])?;
+    }
+    card.passed(false)?;
+    Ok((!found.warnings.is_empty()).then(|| format!("LoadConfig: {}", found.warnings.join("; "))))
+}
+
+/// The card that a compat function is for: the single one, else the first that is open.
+pub fn any_card() -> Option<Slot> {
+    card::all().find(|slot| slot.lock().is_open())
+}

@@ -1,0 +1,171 @@
+//! The generated files: `include/gts.h`, `include/gts_cards.h` and `src/exports.rs`, as texts.
+//!
+//! `cargo test -p beamtick-gts --test generated` compares them with what is checked in;
+//! `cargo xtask c-api` writes them.
+
+use crate::prototype::{Form, Kind, Prototype, all};
+use job::api::{CONSTANTS, Type};
+use std::fmt::Write;
+
+/// Above each group of functions, by the first function of the group.
+const GROUPS: &[(&str, &str)] = &[
+    ("Open", "Session"),
+    ("AxisOn", "Axes"),
+    ("PrfTrap", "Trap and Jog"),
+    ("GetDi", "Digital and analog inputs and outputs"),
+    ("SetAxisMode", "Laser"),
+    ("BufLaserOn", "Buffered laser commands"),
+    ("SetLaserDisMode", "Laser power by distance"),
+    ("SetCrdPrm", "Coordinate systems"),
+    ("PrfPt", "PT"),
+    ("PrfPvt", "PVT"),
+    ("PrfFollow", "Follow"),
+    ("PrfFollowEx", "FollowEx"),
+];
+
+/// Structs of the API.
+const STRUCTS: [Type; 3] = [Type::Trap, Type::Jog, Type::Crd];
+
+/// One declaration; `default` says whether defaults are shown.
+pub fn declaration(prototype: &Prototype, symbol: &str) -> String {
+    let parameters: Vec<String> = prototype
+        .parameters()
+        .iter()
+        .map(|argument| match argument.default {
+            Some(_) if argument.is_address() => format!("{} GT_DEFAULT(NULL)", argument.c()),
+            Some(default) => format!("{} GT_DEFAULT({default})", argument.c()),
+            None => argument.c(),
+        })
+        .collect();
+    let list = if parameters.is_empty() { "void".to_owned() } else { parameters.join(", ") };
+    format!("GT_API {symbol}({list});")
+}
+
+/// What both headers begin with.
+fn preamble(guard: &str, other: &str, text: &str) -> String {
+    let mut out = format!(
+        "/* {text}\n * Generated from the table of functions by `cargo xtask c-api`: change that, not this.\n \
+         * docs/c.md says what the library does; return values are those of the manuals. */\n\
+         #ifndef {guard}\n#define {guard}\n\n\
+         #ifdef {other}\n#error \"gts.h and gts_cards.h declare the same names: include one of them\"\n#endif\n\n\
+         #include <stddef.h>\n\n\
+         #ifdef __cplusplus\n#define GT_DEFAULT(value) = value\n#define GT_EXTERN extern \"C\"\n#else\n\
+         #define GT_DEFAULT(value)\n#define GT_EXTERN extern\n#endif\n\n\
+         #ifdef _WIN32\n#define GT_API GT_EXTERN short __stdcall\n#else\n#define GT_API GT_EXTERN short\n#endif\n\n\
+         #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n"
+    );
+    for of in STRUCTS {
+        let _ = writeln!(out, "typedef struct {} {{", of.name());
+        for (name, field, count) in of.fields() {
+            let many = if *count == 1 { String::new() } else { format!("[{count}]") };
+            let _ = writeln!(out, "    {} {name}{many};", field.name());
+        }
+        let _ = writeln!(out, "}} {};\n", of.name());
+    }
+    out += "#ifdef __cplusplus\n}\n#endif\n\n";
+    for (name, value) in CONSTANTS {
+        let _ = if *value < 0 {
+            writeln!(out, "#define {name} ({value})")
+        } else {
+            writeln!(out, "#define {name} {value}")
+        };
+    }
+    out
+}
+
+fn declarations(form: Form, prefix: &str) -> String {
+    let mut out = String::new();
+    for prototype in all(form) {
+        let name = prototype.function.name;
+        if let Some((_, group)) = GROUPS.iter().find(|(first, _)| *first == name) {
+            let _ = writeln!(out, "\n/* {group} */");
+        }
+        let _ = writeln!(out, "{}", declaration(&prototype, &format!("{prefix}{name}")));
+    }
+    out
+}
+
+/// The text of `gts.h`.
+pub fn gts() -> String {
+    let mut out = preamble(
+        "BEAMTICK_GTS_H",
+        "BEAMTICK_GTS_CARDS_H",
+        "gts.h: one card, as GT_x(...) for its first core and GTN_x(core, ...).",
+    );
+    out += "\n/* ---- GT_: the first core of the card ------------------------------------------------------ */\n";
+    out += &declarations(Form::Gt, Form::Gt.prefix());
+    out += "\n/* ---- GTN_: the core comes first ----------------------------------------------------------- */\n";
+    out += &declarations(Form::Gtn, Form::Gtn.prefix());
+    out += "\n#endif\n";
+    out
+}
+
+/// The text of `gts_cards.h`.
+pub fn cards() -> String {
+    let mut out = preamble(
+        "BEAMTICK_GTS_CARDS_H",
+        "BEAMTICK_GTS_H",
+        "gts_cards.h: several cards, as GT_x(cardNum, ...) for the first core of each.",
+    );
+    out += "\n/* The functions have symbols of their own, so that one library serves both headers. */\n";
+    for prototype in all(Form::Cards) {
+        let name = prototype.function.name;
+        let _ = writeln!(out, "#define GT_{name} {}", prototype.symbol());
+    }
+    out += &declarations(Form::Cards, Form::Gt.prefix());
+    out += "\n#endif\n";
+    out
+}
+
+/// The text of `src/exports.rs`.
+pub fn exports() -> String {
+    let mut out = String::from(
+        "//! The exported functions, three for each row of the table. Generated by `cargo xtask c-api`: change the table\n\
+         //! (`job::api`), not this.\n\nuse crate::boundary::{cards, gt, gtn, open_gtn};\n\
+         use std::ffi::{c_char, c_double, c_long, c_short, c_ulong, c_ushort, c_void};\n\n",
+    );
+    for form in Form::ALL {
+        for prototype in all(form) {
+            let call = match (form, prototype.leads) {
+                (Form::Gt, _) => "gt",
+                (Form::Gtn, true) => "gtn",
+                (Form::Gtn, false) => "open_gtn",
+                (Form::Cards, _) => "cards",
+            };
+            let parameters: Vec<String> = prototype
+                .arguments
+                .iter()
+                .map(|argument| format!("{}: {}", rust_name(argument.name), argument.rust()))
+                .collect();
+            let _ = writeln!(
+                out,
+                "{call}!({} {:?} ({}));",
+                prototype.symbol(),
+                prototype.function.name,
+                parameters.join(", ")
+            );
+        }
+        out.push('\n');
+    }
+    out.truncate(out.trim_end().len());
+    out.push('\n');
+    out
+}
+
+fn rust_name(name: &str) -> String {
+    match name {
+        "type" | "loop" => format!("r#{name}"),
+        name => name.to_owned(),
+    }
+}
+
+/// Whether a C++ compiler takes the defaults: none stands before a parameter without one.
+pub fn defaults_close(prototype: &Prototype) -> bool {
+    let first = prototype.arguments.iter().position(|argument| argument.default.is_some());
+    first.is_none_or(|first| prototype.arguments.iter().skip(first).all(|argument| argument.default.is_some()))
+}
+
+/// Whether this parameter of the API is the address of one of its structs.
+pub fn is_struct(kind: Kind) -> bool {
+    matches!(kind, Kind::Struct(_) | Kind::OutStruct(_))
+}

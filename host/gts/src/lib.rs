@@ -1,0 +1,25 @@
+//! The C library `libgts`: programs written for the manuals' `gts.h`, on the Rust client.
+//!
+//! In: calls of three families, `GT_x(…)`, `GTN_x(core, …)` and `GT_x(cardNum, …)`, from any thread. Out: return
+//! values of SPEC 3, and for each failure a reason (`GT_GetLastReason`). Owns one controller for the first two
+//! families and sixteen for the third, chosen by environment variables (`docs/c.md`). Fails with the codes of the
+//! client; a wrong pointer or a number that does not fit is 7, with nothing sent.
+//!
+//! `prototype` derives every C prototype from the table of functions that job scripts use too; `header` makes the headers
+//! and `exports` of it; `boundary` is where C comes in, `engine` makes requests of arguments and arguments of replies,
+//! `card` is an opened controller, `stream` the batching of PT data, `recorder` its trace files, `compat` what the
+//! replacements of Windows headers call.
+
+mod boundary;
+mod card;
+mod compat;
+mod engine;
+mod exports;
+mod reason;
+mod recorder;
+mod request;
+mod settings;
+mod stream;
+
+pub mod header;
+pub mod prototype;

@@ -1,0 +1,163 @@
+//! The trace of a virtual controller to CSV and VCD, from Open to Close.
+//!
+//! In: the stream's bytes as they come. Out: files with every axis and laser of the profile. The first error ends
+//! the recording; Close tells it.
+
+use crate::card::everything;
+use crate::settings::Settings;
+use client::error::CANNOT_OPEN;
+use client::{Client, Error, Result};
+use protocol::command::Trace;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use trace::{CsvWriter, Header, Item, OutputEdge, Reader, TraceError, VcdWriter};
+use virtual_board::{Output, Shared};
+
+/// General outputs that a VCD shows.
+const OUTPUTS: u8 = 16;
+/// Servo tick of the controller at power-on.
+const TICK_NS: u64 = 250_000;
+/// A trace's end comes within this controller time.
+const END: Duration = Duration::from_secs(1);
+
+/// See the module text.
+pub struct Recorder {
+    reader: Reader,
+    csv: Sink<CsvWriter<BufWriter<File>>>,
+    vcd: Sink<VcdWriter<BufWriter<File>>>,
+    board: Shared,
+    zero: Option<u64>,
+    failed: Option<TraceError>,
+}
+
+/// A file before and after its header.
+enum Sink<W> {
+    None,
+    Waiting(File),
+    Open(W),
+}
+
+impl<W> Sink<W> {
+    fn create(path: Option<&PathBuf>) -> Result<Self> {
+        let Some(path) = path else { return Ok(Sink::None) };
+        let file = File::create(path)
+            .map_err(|error| Error::new(CANNOT_OPEN, format!("{} cannot be written: {error}", path.display())))?;
+        Ok(Sink::Waiting(file))
+    }
+
+    fn begin(&mut self, make: impl FnOnce(BufWriter<File>) -> trace::Result<W>) -> trace::Result<()> {
+        if let Sink::Waiting(file) = std::mem::replace(self, Sink::None) {
+            *self = Sink::Open(make(BufWriter::new(file))?);
+        }
+        Ok(())
+    }
+
+    fn writer(&mut self) -> Option<&mut W> {
+        match self {
+            Sink::Open(writer) => Some(writer),
+            _ => None,
+        }
+    }
+}
+
+impl Recorder {
+    /// Creates the files and begins the trace.
+    pub fn start(client: &Client, settings: &Settings, board: Shared) -> Result<Arc<Mutex<Recorder>>> {
+        let recorder = Recorder {
+            reader: Reader::new(),
+            csv: Sink::create(settings.trace.as_ref())?,
+            vcd: Sink::create(settings.vcd.as_ref())?,
+            board,
+            zero: None,
+            failed: None,
+        };
+        let shared = Arc::new(Mutex::new(recorder));
+        let sink = Arc::clone(&shared);
+        client.trace_to(move |bytes| sink.lock().unwrap_or_else(PoisonError::into_inner).feed(bytes));
+        client.call(everything(client))?;
+        Ok(shared)
+    }
+
+    fn feed(&mut self, bytes: &[u8]) {
+        if self.failed.is_some() {
+            return;
+        }
+        let Recorder { reader, csv, vcd, board, zero, failed } = self;
+        take_edges(board, *zero, vcd);
+        let now = board.lock().unwrap_or_else(PoisonError::into_inner).now();
+        let mut take = |item: Item| -> trace::Result<()> {
+            match item {
+                Item::Header(header) => begin(csv, vcd, &header),
+                Item::Laser { laser, change } => {
+                    if let Some(vcd) = vcd.writer() {
+                        vcd.change(laser, &change);
+                    }
+                    Ok(())
+                }
+                Item::Row(row) => {
+                    // The first bytes come with the reply to the call that began the trace, one tick behind row 0.
+                    zero.get_or_insert(now.saturating_sub(row.t_ns + TICK_NS));
+                    if let Some(csv) = csv.writer() {
+                        csv.row(&row)?;
+                    }
+                    vcd.writer().map_or(Ok(()), |vcd| vcd.row(&row))
+                }
+                Item::End { .. } => Ok(()),
+            }
+        };
+        if let Err(error) = reader.feed(bytes, &mut take) {
+            *failed = Some(error);
+        }
+    }
+}
+
+/// The controller's output edges, ahead of the rows that come after them.
+fn take_edges(board: &Shared, zero: Option<u64>, vcd: &mut Sink<VcdWriter<BufWriter<File>>>) {
+    let (Some(zero), Some(vcd)) = (zero, vcd.writer()) else { return };
+    for edge in board.lock().unwrap_or_else(PoisonError::into_inner).take_edges() {
+        if let (Output::General(number), Some(t_ns)) = (edge.output, edge.at_ns.checked_sub(zero)) {
+            vcd.edge(OutputEdge { t_ns, output: number + 1, level: edge.level });
+        }
+    }
+}
+
+fn begin(
+    csv: &mut Sink<CsvWriter<BufWriter<File>>>,
+    vcd: &mut Sink<VcdWriter<BufWriter<File>>>,
+    header: &Header,
+) -> trace::Result<()> {
+    csv.begin(|file| CsvWriter::new(file, header))?;
+    let outputs: Vec<(u8, bool)> = (1..=OUTPUTS).map(|output| (output, false)).collect();
+    vcd.begin(|file| VcdWriter::new(file, header, &outputs))
+}
+
+/// Ends the trace and closes the files; 1 if it has failed.
+pub fn finish(client: &Client, recorder: &Mutex<Recorder>) -> Result<()> {
+    client.call(Trace::default())?;
+    let end = client.now() + END;
+    let over = |recorder: &Recorder| recorder.failed.is_some() || recorder.reader.ended();
+    while !over(&recorder.lock().unwrap_or_else(PoisonError::into_inner)) && client.now() < end {
+        client.sleep(Duration::from_millis(1))?;
+    }
+    let mut recorder = recorder.lock().unwrap_or_else(PoisonError::into_inner);
+    let outcome = recorder.close();
+    outcome.map_err(|error| Error::new(1, format!("Close: trace: {error}")))
+}
+
+impl Recorder {
+    fn close(&mut self) -> trace::Result<()> {
+        if let Some(error) = self.failed.take() {
+            return Err(error);
+        }
+        if let Sink::Open(csv) = std::mem::replace(&mut self.csv, Sink::None) {
+            csv.finish()?;
+        }
+        if let Sink::Open(vcd) = std::mem::replace(&mut self.vcd, Sink::None) {
+            vcd.finish()?;
+        }
+        Ok(())
+    }
+}

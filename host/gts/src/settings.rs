@@ -1,0 +1,141 @@
+//! What the environment says about the controller that Open opens.
+//!
+//! In: `BEAMTICK_LINK`, `BEAMTICK_PROFILE`, `BEAMTICK_FAMILY`, `BEAMTICK_TRACE`, `BEAMTICK_VCD`, each for a card of
+//! its own too (`BEAMTICK_LINK_3`). Fails with −6 and the variable's name.
+
+use crate::card::Slot;
+use client::error::CANNOT_OPEN;
+use client::{Error, Family, Profile, Result};
+use std::path::PathBuf;
+
+/// Which way to the controller.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Road {
+    /// The controller in this process, so many times faster than the wall clock; `None` as fast as it can.
+    Virtual(Option<f64>),
+    /// The emulated board.
+    Qemu,
+    /// A link by its name.
+    Link(String),
+}
+
+/// See the module text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// The link.
+    pub road: Road,
+    /// The profile; where none is given, the virtual controller shows what the call family suggests.
+    pub profile: Option<Profile>,
+    /// The family.
+    pub family: Option<Family>,
+    /// Where a trace goes as CSV.
+    pub trace: Option<PathBuf>,
+    /// Where a trace goes as VCD.
+    pub vcd: Option<PathBuf>,
+}
+
+impl Settings {
+    /// The settings for a card. `variable` looks an environment variable up.
+    pub fn read(slot: Slot, variable: impl Fn(&str) -> Option<String>) -> Result<Settings> {
+        let value = |name: &str| {
+            let own = slot.number().and_then(|card| variable(&format!("{name}_{card}")));
+            own.or_else(|| variable(name)).filter(|text| !text.is_empty())
+        };
+        let wrong =
+            |name: &str, text: &str, known: &str| Error::new(CANNOT_OPEN, format!("{name} is `{text}`; it is {known}"));
+        let link = value("BEAMTICK_LINK").unwrap_or_else(|| "virtual".to_owned());
+        let road = match link.split_once(':') {
+            None if link == "virtual" => Road::Virtual(Some(1.0)),
+            None if link == "qemu" => Road::Qemu,
+            Some(("virtual", "max")) => Road::Virtual(None),
+            Some(("virtual", factor)) => match factor.parse::<f64>() {
+                Ok(factor) if (1e-3..=1e6).contains(&factor) => Road::Virtual(Some(factor)),
+                _ => {
+                    return Err(wrong(
+                        "BEAMTICK_LINK",
+                        &link,
+                        "virtual:SPEED with a factor from 0.001 to 1000000, or virtual:max",
+                    ));
+                }
+            },
+            Some(("tcp" | "serial" | "qemu", _)) => Road::Link(link),
+            _ => {
+                let known = "virtual[:SPEED|:max], qemu[:IMAGE], tcp:HOST:PORT or serial:PATH[:BAUD]";
+                return Err(wrong("BEAMTICK_LINK", &link, known));
+            }
+        };
+        let profile = match value("BEAMTICK_PROFILE") {
+            None => None,
+            Some(name) => {
+                let all: Vec<&str> = Profile::ALL.iter().map(|(_, name)| *name).collect();
+                Some(Profile::named(&name).ok_or_else(|| wrong("BEAMTICK_PROFILE", &name, &all.join(", ")))?)
+            }
+        };
+        let family = match value("BEAMTICK_FAMILY") {
+            None => None,
+            Some(name) => Some(Family::named(&name).ok_or_else(|| wrong("BEAMTICK_FAMILY", &name, "gus or lsr"))?),
+        };
+        let settings = Settings {
+            road,
+            profile,
+            family,
+            trace: value("BEAMTICK_TRACE").map(PathBuf::from),
+            vcd: value("BEAMTICK_VCD").map(PathBuf::from),
+        };
+        if settings.is_traced() && !matches!(settings.road, Road::Virtual(_)) {
+            return Err(Error::new(CANNOT_OPEN, "BEAMTICK_TRACE and BEAMTICK_VCD are for BEAMTICK_LINK=virtual"));
+        }
+        Ok(settings)
+    }
+
+    /// Whether a trace is recorded.
+    pub fn is_traced(&self) -> bool {
+        self.trace.is_some() || self.vcd.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(pairs: &[(&str, &str)], slot: Slot) -> Result<Settings> {
+        Settings::read(slot, |name| pairs.iter().find(|(key, _)| *key == name).map(|(_, value)| (*value).to_owned()))
+    }
+
+    #[test]
+    fn links_by_name() {
+        for (text, road) in [
+            ("virtual", Road::Virtual(Some(1.0))),
+            ("virtual:50", Road::Virtual(Some(50.0))),
+            ("virtual:0.5", Road::Virtual(Some(0.5))),
+            ("virtual:max", Road::Virtual(None)),
+            ("qemu", Road::Qemu),
+            ("tcp:1.2.3.4:5", Road::Link("tcp:1.2.3.4:5".into())),
+            ("serial:COM3:115200", Road::Link("serial:COM3:115200".into())),
+        ] {
+            assert_eq!(with(&[("BEAMTICK_LINK", text)], Slot::ONE).unwrap().road, road, "{text}");
+        }
+        assert_eq!(with(&[], Slot::ONE).unwrap().road, Road::Virtual(Some(1.0)));
+        for text in ["virtual:0", "virtual:fast", "virtual:nan", "usb", "udp:1"] {
+            let error = with(&[("BEAMTICK_LINK", text)], Slot::ONE).unwrap_err();
+            assert_eq!(error.code, -6, "{text}");
+            assert!(error.reason.contains(text), "{}", error.reason);
+        }
+    }
+
+    #[test]
+    fn a_card_has_variables_of_its_own() {
+        let pairs = [("BEAMTICK_LINK", "virtual:max"), ("BEAMTICK_LINK_3", "tcp:a:1"), ("BEAMTICK_FAMILY", "lsr")];
+        assert_eq!(with(&pairs, Slot::card(3).unwrap()).unwrap().road, Road::Link("tcp:a:1".into()));
+        assert_eq!(with(&pairs, Slot::card(2).unwrap()).unwrap().road, Road::Virtual(None));
+        assert_eq!(with(&pairs, Slot::ONE).unwrap().family, Some(Family::Lsr));
+    }
+
+    #[test]
+    fn what_no_controller_has_is_named() {
+        assert!(with(&[("BEAMTICK_PROFILE", "gtx")], Slot::ONE).unwrap_err().reason.contains("gsn-048"));
+        assert!(with(&[("BEAMTICK_FAMILY", "x")], Slot::ONE).unwrap_err().reason.contains("gus or lsr"));
+        let error = with(&[("BEAMTICK_LINK", "tcp:a:1"), ("BEAMTICK_TRACE", "t.csv")], Slot::ONE).unwrap_err();
+        assert!(error.reason.contains("BEAMTICK_TRACE"));
+    }
+}
