@@ -25,6 +25,7 @@ cargo xtask COMMAND
   ticks --check   counts them and compares with the table
   probes          the programs that must link, must not link, must not compile
   traces          example jobs in the virtual controller and in the image: equal, byte for byte
+  c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
 ";
 
@@ -39,6 +40,9 @@ fn main() -> ExitCode {
         ["ticks", "--check"] => ticks::check(),
         ["probes"] => probes::run(),
         ["traces"] => traces::run(),
+        ["c-api"] => shell::run(
+            shell::cargo().env("BEAMTICK_WRITE", "1").args(["test", "-p", "beamtick-gts", "--test", "generated"]),
+        ),
         ["check-all"] => checks::run(),
         ["help" | "--help"] => {
             print!("{HELP}");

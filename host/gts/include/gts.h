@@ -51,9 +51,29 @@ typedef struct TCrdPrm {
     long originPos[8];
 } TCrdPrm;
 
+typedef struct TCrdData {
+    short motionType;
+    short circlePlat;
+    long pos[8];
+    double radius;
+    short circleDir;
+    double center[3];
+    double vel;
+    double acc;
+    short velEndZero;
+    short operation[7];
+    double cos[8];
+    double velEnd;
+    double velEndAdjust;
+    double r;
+} TCrdData;
+
 #ifdef __cplusplus
 }
 #endif
+
+/* A power or a bound that is left out, where that differs from 0. */
+#define GT_NOT_GIVEN (-1.7976931348623157e308)
 
 #define PT_MODE_STATIC 0
 #define PT_MODE_DYNAMIC 1
@@ -107,6 +127,11 @@ typedef struct TCrdPrm {
 #define LASER_CTRL_MODE_PWM2 3
 #define CIRCLE_DIR_CW 0
 #define CIRCLE_DIR_CCW 1
+#define INTERPOLATION_CIRCLE_DIR_CW 0
+#define INTERPOLATION_CIRCLE_DIR_CCW 1
+#define CRD_MAX 2
+#define CRD_FIFO_MAX 4096
+#define INTERPOLATION_AXIS_MAX 8
 
 /* ---- GT_: the first core of the card ------------------------------------------------------ */
 
@@ -200,6 +225,63 @@ GT_API GT_GetLaserCrdMap(short channel, short *map);
 GT_API GT_GetLaserPower(short channel, double *power);
 GT_API GT_GetLaserFault(short channel, short *cause);
 GT_API GT_ClrLaserFault(short channel);
+
+/* Coordinate systems */
+GT_API GT_SetCrdPrm(short crd, TCrdPrm *crdPrm);
+GT_API GT_GetCrdPrm(short crd, TCrdPrm *crdPrm);
+GT_API GT_CrdClear(short crd, short fifo GT_DEFAULT(0));
+GT_API GT_CrdSpace(short crd, long *space, short fifo GT_DEFAULT(0));
+GT_API GT_CrdStart(short mask, short option GT_DEFAULT(0));
+GT_API GT_CrdStop(long mask, long option GT_DEFAULT(0));
+GT_API GT_CrdStatus(short crd, short *run, long *segment, short fifo GT_DEFAULT(0));
+GT_API GT_GetCrdPos(short crd, double *pos);
+GT_API GT_GetCrdVel(short crd, double *synVel);
+GT_API GT_GetRemainderSegNum(short crd, long *segment, short fifo GT_DEFAULT(0));
+GT_API GT_SetCrdStopDec(short crd, double decSmoothStop, double decAbruptStop);
+GT_API GT_SetOverride(short crd, double synVelRatio);
+GT_API GT_InitLookAhead(short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
+GT_API GT_SetCrdLimit(short crd, short coordinate, double velMax, double accMax);
+GT_API GT_GetCrdLimit(short crd, short coordinate, double *velMax, double *accMax);
+GT_API GT_CrdData(short crd, TCrdData *crdData, short fifo GT_DEFAULT(0));
+GT_API GT_LnXY(short crd, long x, long y, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_LnXYZ(short crd, long x, long y, long z, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_LnXYZA(short crd, long x, long y, long z, long a, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_LnXYG0(short crd, long x, long y, double synVel, double synAcc, short fifo GT_DEFAULT(0));
+GT_API GT_ArcXYR(short crd, long x, long y, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcXYC(short crd, long x, long y, double xCenter, double yCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcYZR(short crd, long y, long z, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcYZC(short crd, long y, long z, double yCenter, double zCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcZXR(short crd, long z, long x, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcZXC(short crd, long z, long x, double zCenter, double xCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_BufDelay(short crd, unsigned short delayTime, short fifo GT_DEFAULT(0));
+GT_API GT_BufIO(short crd, unsigned short doType, unsigned short doMask, unsigned short doValue, short fifo GT_DEFAULT(0));
+GT_API GT_BufDoBit(short crd, unsigned short doType, unsigned short index, short value, short fifo GT_DEFAULT(0));
+GT_API GT_BufDA(short crd, short chn, short daValue, short fifo GT_DEFAULT(0));
+GT_API GT_BufMove(short crd, short moveAxis, long pos, double vel, double acc, short modal, short fifo GT_DEFAULT(0));
+GT_API GT_BufGear(short crd, short gearAxis, long pos, short fifo GT_DEFAULT(0));
+
+/* Buffered laser commands */
+GT_API GT_BufLaserOn(short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserOff(short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserPrfCmd(short crd, double laserPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserPrfFollow(short crd, double ratio, long minPower, long maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserFollowMode(short crd, short source GT_DEFAULT(0), short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0), double startPower GT_DEFAULT(GT_NOT_GIVEN));
+GT_API GT_BufLaserFollowRatio(short crd, double ratio, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserFollowTable(short crd, short tableId, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserFollowOff(short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_SetLaserFollowTable(short tableId, long count, double *vel, double *power, short channel GT_DEFAULT(0));
+
+/* Laser power by distance */
+GT_API GT_SetLaserDisMode(short mode, short source, long *pos GT_DEFAULT(NULL), double *scale GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+GT_API GT_SetLaserDisRatio(double *ratio, double minPower, double maxPower, short channel GT_DEFAULT(0));
+#ifdef __cplusplus
+static inline short GT_SetLaserDisRatio(double *ratio, short channel = 0)
+{
+    return GT_SetLaserDisRatio(ratio, GT_NOT_GIVEN, GT_NOT_GIVEN, channel);
+}
+#endif
+GT_API GT_SetLaserDisTable1D(short count, double *ratio, long *pos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+GT_API GT_SetLaserDisTable2D(short *axisIndex, short *count, double *ratio, long *xPos, long *yPos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
 
 /* PT */
 GT_API GT_PrfPt(short profile, short mode GT_DEFAULT(0));
@@ -360,6 +442,63 @@ GT_API GTN_GetLaserCrdMap(short core, short channel, short *map);
 GT_API GTN_GetLaserPower(short core, short channel, double *power);
 GT_API GTN_GetLaserFault(short core, short channel, short *cause);
 GT_API GTN_ClrLaserFault(short core, short channel);
+
+/* Coordinate systems */
+GT_API GTN_SetCrdPrm(short core, short crd, TCrdPrm *crdPrm);
+GT_API GTN_GetCrdPrm(short core, short crd, TCrdPrm *crdPrm);
+GT_API GTN_CrdClear(short core, short crd, short fifo GT_DEFAULT(0));
+GT_API GTN_CrdSpace(short core, short crd, long *space, short fifo GT_DEFAULT(0));
+GT_API GTN_CrdStart(short core, short mask, short option GT_DEFAULT(0));
+GT_API GTN_CrdStop(short core, long mask, long option GT_DEFAULT(0));
+GT_API GTN_CrdStatus(short core, short crd, short *run, long *segment, short fifo GT_DEFAULT(0));
+GT_API GTN_GetCrdPos(short core, short crd, double *pos);
+GT_API GTN_GetCrdVel(short core, short crd, double *synVel);
+GT_API GTN_GetRemainderSegNum(short core, short crd, long *segment, short fifo GT_DEFAULT(0));
+GT_API GTN_SetCrdStopDec(short core, short crd, double decSmoothStop, double decAbruptStop);
+GT_API GTN_SetOverride(short core, short crd, double synVelRatio);
+GT_API GTN_InitLookAhead(short core, short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
+GT_API GTN_SetCrdLimit(short core, short crd, short coordinate, double velMax, double accMax);
+GT_API GTN_GetCrdLimit(short core, short crd, short coordinate, double *velMax, double *accMax);
+GT_API GTN_CrdData(short core, short crd, TCrdData *crdData, short fifo GT_DEFAULT(0));
+GT_API GTN_LnXY(short core, short crd, long x, long y, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GTN_LnXYZ(short core, short crd, long x, long y, long z, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GTN_LnXYZA(short core, short crd, long x, long y, long z, long a, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GTN_LnXYG0(short core, short crd, long x, long y, double synVel, double synAcc, short fifo GT_DEFAULT(0));
+GT_API GTN_ArcXYR(short core, short crd, long x, long y, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GTN_ArcXYC(short core, short crd, long x, long y, double xCenter, double yCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GTN_ArcYZR(short core, short crd, long y, long z, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GTN_ArcYZC(short core, short crd, long y, long z, double yCenter, double zCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GTN_ArcZXR(short core, short crd, long z, long x, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GTN_ArcZXC(short core, short crd, long z, long x, double zCenter, double xCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GTN_BufDelay(short core, short crd, unsigned short delayTime, short fifo GT_DEFAULT(0));
+GT_API GTN_BufIO(short core, short crd, unsigned short doType, unsigned short doMask, unsigned short doValue, short fifo GT_DEFAULT(0));
+GT_API GTN_BufDoBit(short core, short crd, unsigned short doType, unsigned short index, short value, short fifo GT_DEFAULT(0));
+GT_API GTN_BufDA(short core, short crd, short chn, short daValue, short fifo GT_DEFAULT(0));
+GT_API GTN_BufMove(short core, short crd, short moveAxis, long pos, double vel, double acc, short modal, short fifo GT_DEFAULT(0));
+GT_API GTN_BufGear(short core, short crd, short gearAxis, long pos, short fifo GT_DEFAULT(0));
+
+/* Buffered laser commands */
+GT_API GTN_BufLaserOn(short core, short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GTN_BufLaserOff(short core, short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GTN_BufLaserPrfCmd(short core, short crd, double laserPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GTN_BufLaserPrfFollow(short core, short crd, double ratio, long minPower, long maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GTN_BufLaserFollowMode(short core, short crd, short source GT_DEFAULT(0), short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0), double startPower GT_DEFAULT(GT_NOT_GIVEN));
+GT_API GTN_BufLaserFollowRatio(short core, short crd, double ratio, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GTN_BufLaserFollowTable(short core, short crd, short tableId, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GTN_BufLaserFollowOff(short core, short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GTN_SetLaserFollowTable(short core, short tableId, long count, double *vel, double *power, short channel GT_DEFAULT(0));
+
+/* Laser power by distance */
+GT_API GTN_SetLaserDisMode(short core, short mode, short source, long *pos GT_DEFAULT(NULL), double *scale GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+GT_API GTN_SetLaserDisRatio(short core, double *ratio, double minPower, double maxPower, short channel GT_DEFAULT(0));
+#ifdef __cplusplus
+static inline short GTN_SetLaserDisRatio(short core, double *ratio, short channel = 0)
+{
+    return GTN_SetLaserDisRatio(core, ratio, GT_NOT_GIVEN, GT_NOT_GIVEN, channel);
+}
+#endif
+GT_API GTN_SetLaserDisTable1D(short core, short count, double *ratio, long *pos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+GT_API GTN_SetLaserDisTable2D(short core, short *axisIndex, short *count, double *ratio, long *xPos, long *yPos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
 
 /* PT */
 GT_API GTN_PrfPt(short core, short profile, short mode GT_DEFAULT(0));

@@ -51,9 +51,29 @@ typedef struct TCrdPrm {
     long originPos[8];
 } TCrdPrm;
 
+typedef struct TCrdData {
+    short motionType;
+    short circlePlat;
+    long pos[8];
+    double radius;
+    short circleDir;
+    double center[3];
+    double vel;
+    double acc;
+    short velEndZero;
+    short operation[7];
+    double cos[8];
+    double velEnd;
+    double velEndAdjust;
+    double r;
+} TCrdData;
+
 #ifdef __cplusplus
 }
 #endif
+
+/* A power or a bound that is left out, where that differs from 0. */
+#define GT_NOT_GIVEN (-1.7976931348623157e308)
 
 #define PT_MODE_STATIC 0
 #define PT_MODE_DYNAMIC 1
@@ -107,6 +127,11 @@ typedef struct TCrdPrm {
 #define LASER_CTRL_MODE_PWM2 3
 #define CIRCLE_DIR_CW 0
 #define CIRCLE_DIR_CCW 1
+#define INTERPOLATION_CIRCLE_DIR_CW 0
+#define INTERPOLATION_CIRCLE_DIR_CCW 1
+#define CRD_MAX 2
+#define CRD_FIFO_MAX 4096
+#define INTERPOLATION_AXIS_MAX 8
 
 /* The functions have symbols of their own, so that one library serves both headers. */
 #define GT_Open GTM_Open
@@ -190,6 +215,51 @@ typedef struct TCrdPrm {
 #define GT_GetLaserPower GTM_GetLaserPower
 #define GT_GetLaserFault GTM_GetLaserFault
 #define GT_ClrLaserFault GTM_ClrLaserFault
+#define GT_SetCrdPrm GTM_SetCrdPrm
+#define GT_GetCrdPrm GTM_GetCrdPrm
+#define GT_CrdClear GTM_CrdClear
+#define GT_CrdSpace GTM_CrdSpace
+#define GT_CrdStart GTM_CrdStart
+#define GT_CrdStop GTM_CrdStop
+#define GT_CrdStatus GTM_CrdStatus
+#define GT_GetCrdPos GTM_GetCrdPos
+#define GT_GetCrdVel GTM_GetCrdVel
+#define GT_GetRemainderSegNum GTM_GetRemainderSegNum
+#define GT_SetCrdStopDec GTM_SetCrdStopDec
+#define GT_SetOverride GTM_SetOverride
+#define GT_InitLookAhead GTM_InitLookAhead
+#define GT_SetCrdLimit GTM_SetCrdLimit
+#define GT_GetCrdLimit GTM_GetCrdLimit
+#define GT_CrdData GTM_CrdData
+#define GT_LnXY GTM_LnXY
+#define GT_LnXYZ GTM_LnXYZ
+#define GT_LnXYZA GTM_LnXYZA
+#define GT_LnXYG0 GTM_LnXYG0
+#define GT_ArcXYR GTM_ArcXYR
+#define GT_ArcXYC GTM_ArcXYC
+#define GT_ArcYZR GTM_ArcYZR
+#define GT_ArcYZC GTM_ArcYZC
+#define GT_ArcZXR GTM_ArcZXR
+#define GT_ArcZXC GTM_ArcZXC
+#define GT_BufDelay GTM_BufDelay
+#define GT_BufIO GTM_BufIO
+#define GT_BufDoBit GTM_BufDoBit
+#define GT_BufDA GTM_BufDA
+#define GT_BufMove GTM_BufMove
+#define GT_BufGear GTM_BufGear
+#define GT_BufLaserOn GTM_BufLaserOn
+#define GT_BufLaserOff GTM_BufLaserOff
+#define GT_BufLaserPrfCmd GTM_BufLaserPrfCmd
+#define GT_BufLaserPrfFollow GTM_BufLaserPrfFollow
+#define GT_BufLaserFollowMode GTM_BufLaserFollowMode
+#define GT_BufLaserFollowRatio GTM_BufLaserFollowRatio
+#define GT_BufLaserFollowTable GTM_BufLaserFollowTable
+#define GT_BufLaserFollowOff GTM_BufLaserFollowOff
+#define GT_SetLaserFollowTable GTM_SetLaserFollowTable
+#define GT_SetLaserDisMode GTM_SetLaserDisMode
+#define GT_SetLaserDisRatio GTM_SetLaserDisRatio
+#define GT_SetLaserDisTable1D GTM_SetLaserDisTable1D
+#define GT_SetLaserDisTable2D GTM_SetLaserDisTable2D
 #define GT_PrfPt GTM_PrfPt
 #define GT_PtSpace GTM_PtSpace
 #define GT_PtData GTM_PtData
@@ -340,6 +410,63 @@ GT_API GT_GetLaserCrdMap(short cardNum, short channel, short *map);
 GT_API GT_GetLaserPower(short cardNum, short channel, double *power);
 GT_API GT_GetLaserFault(short cardNum, short channel, short *cause);
 GT_API GT_ClrLaserFault(short cardNum, short channel);
+
+/* Coordinate systems */
+GT_API GT_SetCrdPrm(short cardNum, short crd, TCrdPrm *crdPrm);
+GT_API GT_GetCrdPrm(short cardNum, short crd, TCrdPrm *crdPrm);
+GT_API GT_CrdClear(short cardNum, short crd, short fifo GT_DEFAULT(0));
+GT_API GT_CrdSpace(short cardNum, short crd, long *space, short fifo GT_DEFAULT(0));
+GT_API GT_CrdStart(short cardNum, short mask, short option GT_DEFAULT(0));
+GT_API GT_CrdStop(short cardNum, long mask, long option GT_DEFAULT(0));
+GT_API GT_CrdStatus(short cardNum, short crd, short *run, long *segment, short fifo GT_DEFAULT(0));
+GT_API GT_GetCrdPos(short cardNum, short crd, double *pos);
+GT_API GT_GetCrdVel(short cardNum, short crd, double *synVel);
+GT_API GT_GetRemainderSegNum(short cardNum, short crd, long *segment, short fifo GT_DEFAULT(0));
+GT_API GT_SetCrdStopDec(short cardNum, short crd, double decSmoothStop, double decAbruptStop);
+GT_API GT_SetOverride(short cardNum, short crd, double synVelRatio);
+GT_API GT_InitLookAhead(short cardNum, short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
+GT_API GT_SetCrdLimit(short cardNum, short crd, short coordinate, double velMax, double accMax);
+GT_API GT_GetCrdLimit(short cardNum, short crd, short coordinate, double *velMax, double *accMax);
+GT_API GT_CrdData(short cardNum, short crd, TCrdData *crdData, short fifo GT_DEFAULT(0));
+GT_API GT_LnXY(short cardNum, short crd, long x, long y, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_LnXYZ(short cardNum, short crd, long x, long y, long z, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_LnXYZA(short cardNum, short crd, long x, long y, long z, long a, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_LnXYG0(short cardNum, short crd, long x, long y, double synVel, double synAcc, short fifo GT_DEFAULT(0));
+GT_API GT_ArcXYR(short cardNum, short crd, long x, long y, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcXYC(short cardNum, short crd, long x, long y, double xCenter, double yCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcYZR(short cardNum, short crd, long y, long z, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcYZC(short cardNum, short crd, long y, long z, double yCenter, double zCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcZXR(short cardNum, short crd, long z, long x, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_ArcZXC(short cardNum, short crd, long z, long x, double zCenter, double xCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+GT_API GT_BufDelay(short cardNum, short crd, unsigned short delayTime, short fifo GT_DEFAULT(0));
+GT_API GT_BufIO(short cardNum, short crd, unsigned short doType, unsigned short doMask, unsigned short doValue, short fifo GT_DEFAULT(0));
+GT_API GT_BufDoBit(short cardNum, short crd, unsigned short doType, unsigned short index, short value, short fifo GT_DEFAULT(0));
+GT_API GT_BufDA(short cardNum, short crd, short chn, short daValue, short fifo GT_DEFAULT(0));
+GT_API GT_BufMove(short cardNum, short crd, short moveAxis, long pos, double vel, double acc, short modal, short fifo GT_DEFAULT(0));
+GT_API GT_BufGear(short cardNum, short crd, short gearAxis, long pos, short fifo GT_DEFAULT(0));
+
+/* Buffered laser commands */
+GT_API GT_BufLaserOn(short cardNum, short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserOff(short cardNum, short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserPrfCmd(short cardNum, short crd, double laserPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserPrfFollow(short cardNum, short crd, double ratio, long minPower, long maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserFollowMode(short cardNum, short crd, short source GT_DEFAULT(0), short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0), double startPower GT_DEFAULT(GT_NOT_GIVEN));
+GT_API GT_BufLaserFollowRatio(short cardNum, short crd, double ratio, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserFollowTable(short cardNum, short crd, short tableId, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_BufLaserFollowOff(short cardNum, short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+GT_API GT_SetLaserFollowTable(short cardNum, short tableId, long count, double *vel, double *power, short channel GT_DEFAULT(0));
+
+/* Laser power by distance */
+GT_API GT_SetLaserDisMode(short cardNum, short mode, short source, long *pos GT_DEFAULT(NULL), double *scale GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+GT_API GT_SetLaserDisRatio(short cardNum, double *ratio, double minPower, double maxPower, short channel GT_DEFAULT(0));
+#ifdef __cplusplus
+static inline short GT_SetLaserDisRatio(short cardNum, double *ratio, short channel = 0)
+{
+    return GT_SetLaserDisRatio(cardNum, ratio, GT_NOT_GIVEN, GT_NOT_GIVEN, channel);
+}
+#endif
+GT_API GT_SetLaserDisTable1D(short cardNum, short count, double *ratio, long *pos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+GT_API GT_SetLaserDisTable2D(short cardNum, short *axisIndex, short *count, double *ratio, long *xPos, long *yPos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
 
 /* PT */
 GT_API GT_PrfPt(short cardNum, short profile, short mode GT_DEFAULT(0));

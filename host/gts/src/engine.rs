@@ -10,17 +10,21 @@ use crate::prototype::{self, Form, Kind, Prototype, Scalar};
 use crate::reason;
 use crate::request::{self, Number, fields, put, size};
 use client::{Call, Error, Result};
-use job::api::{Pass, Shape, Type};
+use job::api::{Pass, Shape, Size, Type};
 use protocol::command::{CommandInfo, opcode};
 use protocol::reason::Reason;
-use std::ffi::{CStr, c_char, c_short};
+use std::ffi::{CStr, c_char, c_short, c_void};
 
 /// Bytes of items in a message.
 const ITEM_BYTES: usize = 960;
 /// Points of a PVT table (GXN chapter 4).
 const POINTS: (i64, i64) = (2, 1024);
-/// Values in any other array.
+/// Values of SetDac and axes of PtStartPro.
 const VALUES: (i64, i64) = (1, 32);
+/// No array is longer in one direction.
+const MOST: i64 = 1024;
+/// What stands for a parameter that was left out (`GT_NOT_GIVEN` of the header).
+const NOT_GIVEN: f64 = f64::MIN;
 
 /// A function made ready for calls.
 pub struct Prepared {
@@ -34,8 +38,8 @@ pub struct Prepared {
     count: Option<usize>,
 }
 
-/// A value that goes into the request: its name and the value.
-type Given = (&'static str, Arg);
+/// What goes into a field of the request: its name and its elements.
+type Given = (&'static str, Vec<Arg>);
 
 impl Prepared {
     /// The function `name` of a family; every exported name is in the table.
@@ -70,23 +74,47 @@ impl Prepared {
         reason::wrong(self.name(), "count", Reason::OutOfRange, got as f64, low as f64, high as f64)
     }
 
-    /// `count` within its range: arrays are read by it.
-    fn array_length(&self, args: &[Arg]) -> Result<usize> {
-        let bounds = if self.prototype.function.shape == Shape::Points { POINTS } else { VALUES };
-        match self.count.and_then(|count| args.get(count)) {
-            Some(Arg::Int(count)) if (bounds.0..=bounds.1).contains(count) => Ok(*count as usize),
-            Some(Arg::Int(count)) => Err(self.wrong_count(*count, bounds)),
-            _ => Ok(1),
+    /// How many values an array holds. A count that no controller takes is refused there, before anything is read.
+    fn array_length(&self, args: &[Arg], lasts: Size, values: &[Given]) -> Result<usize> {
+        let count = match self.count.and_then(|count| args.get(count)) {
+            Some(Arg::Int(count)) => *count,
+            _ => 1,
+        };
+        let nth = |n: usize| {
+            let counts = values.iter().find(|(name, _)| *name == "count");
+            match counts.and_then(|(_, counts)| counts.get(n)) {
+                Some(Arg::Int(count @ 0..=MOST)) => *count as usize,
+                _ => 0,
+            }
+        };
+        let within = usize::try_from(count).ok().filter(|count| *count <= MOST as usize).unwrap_or(0);
+        match lasts {
+            Size::Count => match self.bounds() {
+                Some(bounds) if !(bounds.0..=bounds.1).contains(&count) => Err(self.wrong_count(count, bounds)),
+                _ => Ok(within),
+            },
+            Size::Each(times) => Ok(within * times),
+            Size::Columns => Ok(nth(0)),
+            Size::Rows => Ok(nth(1)),
+            Size::Grid => Ok(nth(0) * nth(1)),
+        }
+    }
+
+    /// The range of `count` where it is known here.
+    fn bounds(&self) -> Option<(i64, i64)> {
+        match self.name() {
+            "SetDac" | "PtStartPro" => Some(VALUES),
+            name if name.starts_with("Pvt") => Some(POINTS),
+            _ => None,
         }
     }
 
     /// The first address that must be there and is not.
     fn check_addresses(&self, args: &[Arg]) -> Result<()> {
         for (argument, arg) in self.prototype.arguments.iter().zip(args) {
-            let optional = argument.default.is_some() || argument.kind == Kind::Working;
             if let Arg::Address(address) = arg
                 && address.is_null()
-                && !optional
+                && !argument.optional
             {
                 return Err(reason::null(self.name(), argument.name));
             }
@@ -98,22 +126,30 @@ impl Prepared {
     ///
     /// # Safety
     /// As for [`call`].
-    unsafe fn given(&self, args: &[Arg]) -> Result<(Vec<Given>, Vec<Vec<Arg>>)> {
+    unsafe fn given(&self, args: &[Arg]) -> Result<(Vec<Given>, Vec<Given>)> {
         let (mut values, mut lists) = (Vec::new(), Vec::new());
         for (argument, arg) in self.prototype.arguments.iter().zip(args) {
             match (argument.kind, arg) {
-                (Kind::Value(_), arg) => values.push((argument.name, *arg)),
-                (Kind::Array(of), Arg::Address(address)) => {
-                    let length = self.array_length(args)?;
+                (Kind::Value(_), arg) => values.push((argument.name, vec![*arg])),
+                (Kind::Fixed(of, length), Arg::Address(address)) => {
+                    let element = |n: usize| match address.is_null() {
+                        true => Arg::Int(0),
+                        // SAFETY: the caller's array holds as many values.
+                        false => unsafe { request::load(address.byte_add(n * size(of)), of) },
+                    };
+                    values.push((argument.name, (0..length).map(element).collect()));
+                }
+                (Kind::Array(of, lasts), Arg::Address(address)) => {
+                    let length = self.array_length(args, lasts, &values)?;
                     // SAFETY: the caller's array holds `count` values.
                     let list = (0..length).map(|n| unsafe { request::load(address.byte_add(n * size(of)), of) });
-                    lists.push(list.collect());
+                    lists.push((argument.name, list.collect()));
                 }
-                (Kind::Struct(of), Arg::Address(address)) => {
-                    for (name, scalar, offset) in layout(of) {
-                        // SAFETY: the caller's struct has this field.
-                        values.push((name, unsafe { request::load(address.byte_add(offset), scalar) }));
-                    }
+                (Kind::Struct(of), Arg::Address(address)) if !address.is_null() => {
+                    // SAFETY: the caller's struct has these members.
+                    let members = of.fields().iter().map(|(name, ..)| (*name, unsafe { member(*address, of, name) }));
+                    let point = self.prototype.function.shape == Shape::Point;
+                    if point { &mut lists } else { &mut values }.extend(members);
                 }
                 _ => {}
             }
@@ -123,14 +159,20 @@ impl Prepared {
             if let (Pass::In(_), Some(default)) = (param.pass, param.default)
                 && !self.prototype.arguments.iter().any(|argument| argument.name == param.name)
             {
-                values.insert(place.min(values.len()), (param.name, Arg::Int(default.into())));
+                values.insert(place.min(values.len()), (param.name, vec![Arg::Int(default.into())]));
             }
         }
         Ok((values, lists))
     }
 
+    /// Appends a field: as many elements as it has places.
+    fn put_field(&self, body: &mut Vec<u8>, wire: &str, (name, elements): &Given) -> Result<()> {
+        let (of, length) = request::elements(wire);
+        elements.iter().take(length).try_for_each(|value| put(body, of, *value, self.name(), name))
+    }
+
     /// The request's bytes with its first items, and the rest of them in requests of their own.
-    fn pack(&self, core: c_short, values: &[Given], items: &[u8], item: usize) -> Result<Vec<Call>> {
+    fn pack(&self, core: c_short, told: bool, values: &[Given], items: &[u8], item: usize) -> Result<Vec<Call>> {
         let Some(command) = self.command else { return Ok(Vec::new()) };
         let each = if item == 0 { 1 } else { (ITEM_BYTES / item).max(1) };
         let parts: Vec<&[u8]> = if items.is_empty() { vec![&[]] } else { items.chunks(each * item).collect() };
@@ -139,18 +181,47 @@ impl Prepared {
             let mut payload = Vec::with_capacity(64 + bytes.len());
             let mut values = values.iter();
             for (field, wire) in command.fields {
-                let (name, value) = match *field {
-                    "core" => ("core", Arg::Int(core.into())),
-                    "form" => ("form", Arg::Int((self.prototype.form != Form::Gtn).into())),
-                    "first" => ("first", Arg::Int((part * each) as i64)),
-                    _ => *values.next().unwrap_or(&("", Arg::Int(0))),
-                };
-                put(&mut payload, wire, value, self.name(), name)?;
+                match *field {
+                    "core" => put(&mut payload, wire, Arg::Int(core.into()), self.name(), "core")?,
+                    "form" => put(
+                        &mut payload,
+                        wire,
+                        Arg::Int((self.prototype.form != Form::Gtn).into()),
+                        self.name(),
+                        "form",
+                    )?,
+                    "first" => put(&mut payload, wire, Arg::Int((part * each) as i64), self.name(), "first")?,
+                    name if name.ends_with("_given") => payload.push(told.into()),
+                    _ => {
+                        if let Some(given) = values.next() {
+                            self.put_field(&mut payload, wire, given)?;
+                        }
+                    }
+                }
             }
             payload.extend_from_slice(bytes);
             calls.push(Call { opcode: command.opcode, payload, may_fail: false });
         }
         Ok(calls)
+    }
+
+    /// Whether the parameter that the request tells of was given; what stands for one left out becomes 0.
+    fn take_told(&self, args: &[Arg], values: &mut [Given]) -> bool {
+        let Some(told) = self.prototype.function.told else { return false };
+        for (_, elements) in values.iter_mut() {
+            for element in elements.iter_mut().filter(|element| **element == Arg::Real(NOT_GIVEN)) {
+                *element = Arg::Real(0.0);
+            }
+        }
+        let mut arguments = self.prototype.arguments.iter().zip(args);
+        arguments.any(|(argument, arg)| {
+            argument.name == told
+                && match arg {
+                    Arg::Real(value) => *value != NOT_GIVEN,
+                    Arg::Address(address) => !address.is_null(),
+                    Arg::Int(_) => true,
+                }
+        })
     }
 
     /// The requests of a call.
@@ -160,23 +231,39 @@ impl Prepared {
     unsafe fn requests(&self, core: c_short, args: &[Arg]) -> Result<Vec<Call>> {
         // SAFETY: as the caller says.
         let (mut values, lists) = unsafe { self.given(args)? };
+        let told = self.take_told(args, &mut values);
         let mut items = Vec::new();
         let mut item = 0;
         let layout = self.command.map_or(&[][..], |command| command.items);
         match self.prototype.function.shape {
             Shape::StartList => values = masks(self.name(), &lists)?,
+            Shape::Grid => {
+                // The values at the points come behind the points.
+                for (name, list) in lists.iter().skip(1).chain(lists.first()) {
+                    for value in list {
+                        put(&mut items, layout.first().map_or("F64", |(_, wire)| wire), *value, self.name(), name)?;
+                    }
+                }
+                item = size_of::<f64>();
+            }
+            Shape::Point => {
+                for (given, (_, wire)) in lists.iter().zip(layout) {
+                    self.put_field(&mut items, wire, given)?;
+                }
+                item = items.len();
+            }
             _ => {
-                for n in 0..lists.first().map_or(0, Vec::len) {
-                    for (list, (_, wire)) in lists.iter().zip(layout) {
+                for n in 0..lists.first().map_or(0, |(_, list)| list.len()) {
+                    for ((name, list), (_, wire)) in lists.iter().zip(layout) {
                         if let Some(value) = list.get(n) {
-                            put(&mut items, wire, *value, self.name(), "value")?;
+                            put(&mut items, wire, *value, self.name(), name)?;
                         }
                     }
                     item = items.len() / (n + 1);
                 }
             }
         }
-        self.pack(core, &values, &items, item)
+        self.pack(core, told, &values, &items, item)
     }
 
     /// Stores what one reply brings; `before` values of arrays came with replies before it.
@@ -197,17 +284,20 @@ impl Prepared {
         };
         if let Some(clock) = self.clock {
             let place = command.reply.iter().position(|(name, _)| *name == "clock_ms");
-            put(clock, Scalar::ULong, 0, place.and_then(|place| fixed.get(place)));
+            put(clock, Scalar::ULong, 0, place.and_then(|place| fixed.get(place)?.first()));
         }
         if command.reply_items.is_empty() {
             for (argument, of, place) in &self.outs {
-                put(*argument, *of, 0, fixed.get(*place));
+                put(*argument, *of, 0, fixed.get(*place).and_then(|field| field.first()));
             }
             for (argument, arg) in self.prototype.arguments.iter().zip(args) {
                 if let (Kind::OutStruct(of), Arg::Address(address)) = (argument.kind, arg) {
-                    for ((_, scalar, offset), number) in layout(of).zip(&fixed) {
-                        // SAFETY: the caller's struct has this field.
-                        unsafe { request::store(address.byte_add(offset), scalar, *number) };
+                    for ((name, ..), numbers) in of.fields().iter().zip(&fixed) {
+                        let (scalar, offset) = place(of, name);
+                        for (n, number) in numbers.iter().enumerate() {
+                            // SAFETY: the caller's struct has this member.
+                            unsafe { request::store(address.byte_add(offset + n * size(scalar)), scalar, *number) };
+                        }
                     }
                 }
             }
@@ -215,7 +305,8 @@ impl Prepared {
         }
         let most = match self.count.and_then(|count| args.get(count)) {
             Some(Arg::Int(count)) => usize::try_from(*count).unwrap_or(0),
-            _ => 1,
+            // One for each coordinate.
+            _ => usize::MAX,
         };
         let mut index = before;
         while !reply.is_empty() && index < most {
@@ -224,7 +315,7 @@ impl Prepared {
                 // The clock of a reply that has one in each item is that of the first.
                 let clock = self.prototype.arguments.get(*argument).is_some_and(|argument| argument.name == "clock");
                 if !clock || index == 0 {
-                    put(*argument, *of, index, item.get(*place));
+                    put(*argument, *of, index, item.get(*place).and_then(|field| field.first()));
                 }
             }
             index += 1;
@@ -234,8 +325,8 @@ impl Prepared {
 }
 
 /// Two lists of axes and FIFOs as the masks of PtStart.
-fn masks(function: &str, lists: &[Vec<Arg>]) -> Result<Vec<Given>> {
-    let [axes, options] = lists else { return Ok(Vec::new()) };
+fn masks(function: &str, lists: &[Given]) -> Result<Vec<Given>> {
+    let [(_, axes), (_, options)] = lists else { return Ok(Vec::new()) };
     let (mut mask, mut option) = (0u32, 0u32);
     for (axis, fifo) in axes.iter().zip(options) {
         match (axis, fifo) {
@@ -252,29 +343,31 @@ fn masks(function: &str, lists: &[Vec<Arg>]) -> Result<Vec<Given>> {
             _ => {}
         }
     }
-    Ok(vec![("mask", Arg::Int(mask.into())), ("option", Arg::Int(option.into()))])
+    Ok(vec![("mask", vec![Arg::Int(mask.into())]), ("option", vec![Arg::Int(option.into())])])
 }
 
-/// The fields of a struct of the API, an element at a time: name, type, offset, as this platform's C lays them out.
-pub fn layout(of: Type) -> impl Iterator<Item = (&'static str, Scalar, usize)> {
+/// Type and offset of a member of a struct, as this platform's C lays it out.
+fn place(of: Type, wanted: &str) -> (Scalar, usize) {
     let mut end = 0usize;
-    of.fields()
-        .iter()
-        .flat_map(|(name, field, count)| {
-            let scalar = match field {
-                Type::Short => Scalar::Short,
-                Type::Long => Scalar::Long,
-                _ => Scalar::Double,
-            };
-            (0..*count).map(move |_| (*name, scalar))
-        })
-        .map(move |(name, scalar)| {
-            let offset = end.next_multiple_of(size(scalar));
-            end = offset + size(scalar);
-            (name, scalar, offset)
-        })
-        .collect::<Vec<_>>()
-        .into_iter()
+    for (name, scalar, count) in prototype::members(of) {
+        let offset = end.next_multiple_of(size(scalar));
+        if name == wanted {
+            return (scalar, offset);
+        }
+        end = offset + count * size(scalar);
+    }
+    (Scalar::Short, 0)
+}
+
+/// The elements of a member.
+///
+/// # Safety
+/// There is a struct of this type at `address`.
+unsafe fn member(address: *mut c_void, of: Type, name: &str) -> Vec<Arg> {
+    let (scalar, offset) = place(of, name);
+    let count = of.fields().iter().find(|(field, ..)| *field == name).map_or(0, |(.., count)| *count);
+    // SAFETY: the struct has this member.
+    (0..count).map(|n| unsafe { request::load(address.byte_add(offset + n * size(scalar)), scalar) }).collect()
 }
 
 /// Does a call. On success there may be a note for `GT_GetLastReason`.
@@ -332,7 +425,7 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
             if is_start(prepared) {
                 card.started = true;
             }
-            replies.last().and_then(|reply| held(prepared, reply))
+            replies.iter().find_map(|reply| held(prepared, reply))
         }
     };
     card.passed(prepared.reads())?;
@@ -354,18 +447,21 @@ fn held(prepared: &Prepared, mut reply: &[u8]) -> Option<String> {
         return None;
     }
     let values = fields(command.reply, &mut reply)?;
-    let Some(Number::Int(bits @ 1..)) = values.last() else { return None };
+    let Some([Number::Int(bits @ 1..)]) = values.last().map(Vec::as_slice) else { return None };
+    if let [(_, "U16")] = command.reply {
+        return Some(format!("{}: {bits} values are out of range; the nearest bounds are taken", prepared.name()));
+    }
     let mut texts = Vec::new();
     for (place, ((name, _), value)) in command.reply.iter().zip(&values).enumerate() {
-        if bits >> place & 1 == 1 {
-            let (Number::Int(taken), real) = (*value, 0.0) else {
-                let Number::Real(real) = *value else { continue };
-                let name = if *name == "value" { "the value" } else { name };
-                texts.push(format!("{name} is out of range; {real} is taken"));
-                continue;
-            };
-            let _: f64 = real;
-            texts.push(format!("{name} is out of range; {taken} is taken"));
+        let name = if *name == "value" { "the value" } else { name };
+        match value.first() {
+            Some(Number::Int(taken)) if bits >> place & 1 == 1 => {
+                texts.push(format!("{name} is out of range; {taken} is taken"));
+            }
+            Some(Number::Real(taken)) if bits >> place & 1 == 1 => {
+                texts.push(format!("{name} is out of range; {taken} is taken"));
+            }
+            _ => {}
         }
     }
     if bits >> 7 & 1 == 1 {

@@ -3,7 +3,7 @@
 //! `cargo test -p beamtick-gts --test generated` compares them with what is checked in;
 //! `cargo xtask c-api` writes them.
 
-use crate::prototype::{Form, Kind, Prototype, all};
+use crate::prototype::{Form, Prototype, all, members};
 use job::api::{CONSTANTS, Type};
 use std::fmt::Write;
 
@@ -24,7 +24,7 @@ const GROUPS: &[(&str, &str)] = &[
 ];
 
 /// Structs of the API.
-const STRUCTS: [Type; 3] = [Type::Trap, Type::Jog, Type::Crd];
+const STRUCTS: [Type; 4] = [Type::Trap, Type::Jog, Type::Crd, Type::CrdData];
 
 /// One declaration; `default` says whether defaults are shown.
 pub fn declaration(prototype: &Prototype, symbol: &str) -> String {
@@ -33,6 +33,9 @@ pub fn declaration(prototype: &Prototype, symbol: &str) -> String {
         .iter()
         .map(|argument| match argument.default {
             Some(_) if argument.is_address() => format!("{} GT_DEFAULT(NULL)", argument.c()),
+            Some(_) if prototype.function.told == Some(argument.name) => {
+                format!("{} GT_DEFAULT(GT_NOT_GIVEN)", argument.c())
+            }
             Some(default) => format!("{} GT_DEFAULT({default})", argument.c()),
             None => argument.c(),
         })
@@ -56,13 +59,14 @@ fn preamble(guard: &str, other: &str, text: &str) -> String {
     );
     for of in STRUCTS {
         let _ = writeln!(out, "typedef struct {} {{", of.name());
-        for (name, field, count) in of.fields() {
-            let many = if *count == 1 { String::new() } else { format!("[{count}]") };
+        for (name, field, count) in members(of) {
+            let many = if count == 1 { String::new() } else { format!("[{count}]") };
             let _ = writeln!(out, "    {} {name}{many};", field.name());
         }
         let _ = writeln!(out, "}} {};\n", of.name());
     }
     out += "#ifdef __cplusplus\n}\n#endif\n\n";
+    out += "/* A power or a bound that is left out, where that differs from 0. */\n#define GT_NOT_GIVEN (-1.7976931348623157e308)\n\n";
     for (name, value) in CONSTANTS {
         let _ = if *value < 0 {
             writeln!(out, "#define {name} ({value})")
@@ -73,6 +77,19 @@ fn preamble(guard: &str, other: &str, text: &str) -> String {
     out
 }
 
+/// The short form of SetLaserDisRatio (LSR: no bounds), which C++ tells apart.
+fn overload(prototype: &Prototype, symbol: &str) -> Option<String> {
+    let lead = prototype.parameters().first().filter(|_| prototype.leads).map(|argument| argument.name);
+    (prototype.function.name == "SetLaserDisRatio").then(|| {
+        let (declared, given) =
+            lead.map_or((String::new(), String::new()), |lead| (format!("short {lead}, "), format!("{lead}, ")));
+        format!(
+            "#ifdef __cplusplus\nstatic inline short {symbol}({declared}double *ratio, short channel = 0)\n{{\n    \
+             return {symbol}({given}ratio, GT_NOT_GIVEN, GT_NOT_GIVEN, channel);\n}}\n#endif"
+        )
+    })
+}
+
 fn declarations(form: Form, prefix: &str) -> String {
     let mut out = String::new();
     for prototype in all(form) {
@@ -80,7 +97,11 @@ fn declarations(form: Form, prefix: &str) -> String {
         if let Some((_, group)) = GROUPS.iter().find(|(first, _)| *first == name) {
             let _ = writeln!(out, "\n/* {group} */");
         }
-        let _ = writeln!(out, "{}", declaration(&prototype, &format!("{prefix}{name}")));
+        let symbol = format!("{prefix}{name}");
+        let _ = writeln!(out, "{}", declaration(&prototype, &symbol));
+        if let Some(text) = overload(&prototype, &symbol) {
+            let _ = writeln!(out, "{text}");
+        }
     }
     out
 }
@@ -163,9 +184,4 @@ fn rust_name(name: &str) -> String {
 pub fn defaults_close(prototype: &Prototype) -> bool {
     let first = prototype.arguments.iter().position(|argument| argument.default.is_some());
     first.is_none_or(|first| prototype.arguments.iter().skip(first).all(|argument| argument.default.is_some()))
-}
-
-/// Whether this parameter of the API is the address of one of its structs.
-pub fn is_struct(kind: Kind) -> bool {
-    matches!(kind, Kind::Struct(_) | Kind::OutStruct(_))
 }

@@ -3,7 +3,7 @@
 //!
 //! What the two tables cannot know stands in [`FORMS`]: where API.md gives a form a type of its own.
 
-use job::api::{FUNCTIONS, Function, Param, Pass, Shape, Type};
+use job::api::{FUNCTIONS, Function, Param, Pass, Shape, Size, Type};
 
 use protocol::command::{COMMANDS, CommandInfo};
 
@@ -97,8 +97,10 @@ impl Scalar {
 pub enum Kind {
     /// A value.
     Value(Scalar),
-    /// An array that is read.
-    Array(Scalar),
+    /// An array that is read, and how long it is.
+    Array(Scalar, Size),
+    /// An array of fixed length that is read.
+    Fixed(Scalar, usize),
     /// The address of what the reply fills.
     Out(Scalar),
     /// A struct that is read.
@@ -124,11 +126,18 @@ pub struct Argument {
     pub kind: Kind,
     /// Its default in C++; of an address, NULL.
     pub default: Option<i32>,
+    /// An address that may be NULL.
+    pub optional: bool,
+}
+
+/// Whether an address may be NULL.
+fn optional(param: &Param) -> bool {
+    param.default.is_some() || matches!(param.pass, Pass::StructOrNull(_) | Pass::Working)
 }
 
 impl Argument {
     const fn short(name: &'static str) -> Self {
-        Argument { name, kind: Kind::Value(Scalar::Short), default: None }
+        Argument { name, kind: Kind::Value(Scalar::Short), default: None, optional: false }
     }
 
     /// As C declares it.
@@ -136,8 +145,9 @@ impl Argument {
         let name = self.name;
         match self.kind {
             Kind::Value(of) => format!("{} {name}", of.name()),
-            Kind::Array(of) | Kind::Out(of) => format!("{} *{name}", of.name()),
+            Kind::Array(of, _) | Kind::Fixed(of, _) | Kind::Out(of) => format!("{} *{name}", of.name()),
             Kind::Struct(of) | Kind::OutStruct(of) => format!("{} *{name}", of.name()),
+            Kind::Working if name == "lookAheadBuf" => format!("{} *{name}", Type::CrdData.name()),
             Kind::Working => format!("double *{name}"),
             Kind::Text => format!("const char *{name}"),
             Kind::Room => format!("char *{name}"),
@@ -149,9 +159,9 @@ impl Argument {
     pub fn rust(&self) -> String {
         match self.kind {
             Kind::Value(of) => of.rust().to_owned(),
-            Kind::Array(of) | Kind::Out(of) => format!("*mut {}", of.rust()),
+            Kind::Array(of, _) | Kind::Fixed(of, _) | Kind::Out(of) => format!("*mut {}", of.rust()),
             Kind::Struct(_) | Kind::OutStruct(_) => "*mut c_void".to_owned(),
-            Kind::Working => "*mut c_double".to_owned(),
+            Kind::Working => "*mut c_void".to_owned(),
             Kind::Text => "*const c_char".to_owned(),
             Kind::Room => "*mut c_char".to_owned(),
             Kind::TextAddress => "*mut *const c_char".to_owned(),
@@ -162,6 +172,30 @@ impl Argument {
     pub const fn is_address(&self) -> bool {
         !matches!(self.kind, Kind::Value(_))
     }
+}
+
+/// The members of a struct as C has them: name, type, number of elements. TCrdData has what the manuals' library keeps
+/// there for itself, too.
+pub fn members(of: Type) -> Vec<(&'static str, Scalar, usize)> {
+    if of == Type::CrdData {
+        return vec![
+            ("motionType", Scalar::Short, 1),
+            ("circlePlat", Scalar::Short, 1),
+            ("pos", Scalar::Long, 8),
+            ("radius", Scalar::Double, 1),
+            ("circleDir", Scalar::Short, 1),
+            ("center", Scalar::Double, 3),
+            ("vel", Scalar::Double, 1),
+            ("acc", Scalar::Double, 1),
+            ("velEndZero", Scalar::Short, 1),
+            ("operation", Scalar::Short, 7),
+            ("cos", Scalar::Double, 8),
+            ("velEnd", Scalar::Double, 1),
+            ("velEndAdjust", Scalar::Double, 1),
+            ("r", Scalar::Double, 1),
+        ];
+    }
+    of.fields().iter().map(|(name, field, count)| (*name, Scalar::of(*field), *count)).collect()
 }
 
 /// A function of one family.
@@ -187,6 +221,9 @@ const FORMS: &[(&str, &str, Scalar, Scalar)] = &[
     ("EnaFPK", "laserOffDelay", Scalar::UShort, Scalar::UShort),
     ("GetHSIOOpt", "value", Scalar::UShort, Scalar::UShort),
 ];
+
+/// Parameters that only scripts may leave out; in C++ an overload has none of them.
+const NO_DEFAULT: &[(&str, &str)] = &[("SetLaserDisRatio", "minPower"), ("SetLaserDisRatio", "maxPower")];
 
 /// Parameters that the `GTN_` form has not.
 const NOT_IN_GTN: &[(&str, &str)] = &[("LaserPowerMode", "delaymode")];
@@ -235,8 +272,9 @@ pub fn prototype(function: &'static Function, form: Form) -> Prototype {
     for param in function.params {
         let kind = match param.pass {
             Pass::In(of) => Kind::Value(Scalar::of(of)),
-            Pass::Many(of) => Kind::Array(Scalar::of(of)),
-            Pass::Struct(of) => Kind::Struct(of),
+            Pass::Many(of, size) => Kind::Array(Scalar::of(of), size),
+            Pass::Fixed(of, length) => Kind::Fixed(Scalar::of(of), length),
+            Pass::Struct(of) | Pass::StructOrNull(of) => Kind::Struct(of),
             Pass::OutStruct(of) => Kind::OutStruct(of),
             Pass::Working => Kind::Working,
             Pass::Text => Kind::Text,
@@ -249,6 +287,11 @@ pub fn prototype(function: &'static Function, form: Form) -> Prototype {
                 }
             }
         };
+        let default = match param.pass {
+            Pass::StructOrNull(_) => None,
+            _ if NO_DEFAULT.contains(&(function.name, param.name)) => None,
+            _ => param.default,
+        };
         if form == Form::Gtn && NOT_IN_GTN.contains(&(function.name, param.name)) {
             continue;
         }
@@ -258,7 +301,7 @@ pub fn prototype(function: &'static Function, form: Form) -> Prototype {
             (Some((_, _, gt, gtn)), Kind::Out(_)) => Kind::Out(if form == Form::Gtn { *gtn } else { *gt }),
             (_, kind) => kind,
         };
-        arguments.push(Argument { name: param.name, kind, default: param.default });
+        arguments.push(Argument { name: param.name, kind, default, optional: optional(param) });
     }
     let leads = match form {
         Form::Gt => false,

@@ -18,8 +18,6 @@ use virtual_board::{Output, Shared};
 
 /// General outputs that a VCD shows.
 const OUTPUTS: u8 = 16;
-/// Servo tick of the controller at power-on.
-const TICK_NS: u64 = 250_000;
 /// A trace's end comes within this controller time.
 const END: Duration = Duration::from_secs(1);
 
@@ -29,7 +27,6 @@ pub struct Recorder {
     csv: Sink<CsvWriter<BufWriter<File>>>,
     vcd: Sink<VcdWriter<BufWriter<File>>>,
     board: Shared,
-    zero: Option<u64>,
     failed: Option<TraceError>,
 }
 
@@ -71,13 +68,17 @@ impl Recorder {
             csv: Sink::create(settings.trace.as_ref())?,
             vcd: Sink::create(settings.vcd.as_ref())?,
             board,
-            zero: None,
             failed: None,
         };
         let shared = Arc::new(Mutex::new(recorder));
         let sink = Arc::clone(&shared);
         client.trace_to(move |bytes| sink.lock().unwrap_or_else(PoisonError::into_inner).feed(bytes));
-        client.call(everything(client))?;
+        // A trace begins with a program: an empty one, whose script clock is then the trace's.
+        let mut program = client.program();
+        program.push(everything(client));
+        if let Some(failed) = program.run(false, &mut client::Quiet)?.failed {
+            return Err(failed.error.unwrap_or_else(|| Error::new(failed.code, "Open: the trace was refused")));
+        }
         Ok(shared)
     }
 
@@ -85,9 +86,8 @@ impl Recorder {
         if self.failed.is_some() {
             return;
         }
-        let Recorder { reader, csv, vcd, board, zero, failed } = self;
-        take_edges(board, *zero, vcd);
-        let now = board.lock().unwrap_or_else(PoisonError::into_inner).now();
+        let Recorder { reader, csv, vcd, board, failed } = self;
+        take_edges(board, vcd);
         let mut take = |item: Item| -> trace::Result<()> {
             match item {
                 Item::Header(header) => begin(csv, vcd, &header),
@@ -98,8 +98,6 @@ impl Recorder {
                     Ok(())
                 }
                 Item::Row(row) => {
-                    // The first bytes come with the reply to the call that began the trace, one tick behind row 0.
-                    zero.get_or_insert(now.saturating_sub(row.t_ns + TICK_NS));
                     if let Some(csv) = csv.writer() {
                         csv.row(&row)?;
                     }
@@ -115,9 +113,11 @@ impl Recorder {
 }
 
 /// The controller's output edges, ahead of the rows that come after them.
-fn take_edges(board: &Shared, zero: Option<u64>, vcd: &mut Sink<VcdWriter<BufWriter<File>>>) {
-    let (Some(zero), Some(vcd)) = (zero, vcd.writer()) else { return };
-    for edge in board.lock().unwrap_or_else(PoisonError::into_inner).take_edges() {
+fn take_edges(board: &Shared, vcd: &mut Sink<VcdWriter<BufWriter<File>>>) {
+    let Some(vcd) = vcd.writer() else { return };
+    let mut board = board.lock().unwrap_or_else(PoisonError::into_inner);
+    let zero = board.program_zero_ns();
+    for edge in board.take_edges() {
         if let (Output::General(number), Some(t_ns)) = (edge.output, edge.at_ns.checked_sub(zero)) {
             vcd.edge(OutputEdge { t_ns, output: number + 1, level: edge.level });
         }

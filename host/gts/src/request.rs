@@ -62,9 +62,19 @@ pub fn put(body: &mut Vec<u8>, wire: &str, value: Arg, function: &str, name: &st
     Ok(())
 }
 
-/// Takes the fields of one layout from the front of `bytes`; nothing if it is too short.
-pub fn fields(layout: &[(&str, &str)], bytes: &mut &[u8]) -> Option<Vec<Number>> {
-    layout.iter().map(|(_, wire)| number(wire, bytes)).collect()
+/// The element and the length of a wire type: `[I16; 8]` is eight `I16`.
+pub fn elements(wire: &str) -> (&str, usize) {
+    let array = wire.strip_prefix('[').and_then(|wire| wire.strip_suffix(']')).and_then(|wire| wire.split_once("; "));
+    array.map_or((wire, 1), |(of, length)| (of, length.parse().unwrap_or(0)))
+}
+
+/// Takes the fields of one layout from the front of `bytes`, each with its elements; nothing if it is too short.
+pub fn fields(layout: &[(&str, &str)], bytes: &mut &[u8]) -> Option<Vec<Vec<Number>>> {
+    let field = |(_, wire): &(&str, &str)| {
+        let (of, length) = elements(wire);
+        (0..length).map(|_| number(of, bytes)).collect::<Option<Vec<Number>>>()
+    };
+    layout.iter().map(field).collect()
 }
 
 fn number(wire: &str, bytes: &mut &[u8]) -> Option<Number> {
@@ -162,7 +172,9 @@ mod tests {
     fn replies_that_are_too_short_have_no_fields() {
         let layout = [("a", "I16"), ("b", "F64")];
         let mut bytes = &[1, 0, 0, 0, 0, 0, 0, 0, 0xf0, 0x3f][..];
-        assert_eq!(fields(&layout, &mut bytes).unwrap(), [Number::Int(1), Number::Real(1.0)]);
+        assert_eq!(fields(&layout, &mut bytes).unwrap(), [[Number::Int(1)], [Number::Real(1.0)]]);
         assert!(fields(&layout, &mut &[1, 0, 0][..]).is_none());
+        let found = fields(&[("a", "[u8; 3]"), ("b", "u8")], &mut &[1, 2, 3, 4][..]).unwrap();
+        assert_eq!(found.iter().map(Vec::len).collect::<Vec<_>>(), [3, 1]);
     }
 }
