@@ -40,9 +40,13 @@ fn main() -> ExitCode {
         ["ticks", "--check"] => ticks::check(),
         ["probes"] => probes::run(),
         ["traces"] => traces::run(),
-        ["c-api"] => shell::run(
-            shell::cargo().env("BEAMTICK_WRITE", "1").args(["test", "-p", "beamtick-gts", "--test", "generated"]),
-        ),
+        ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
+            "test",
+            "-p",
+            "beamtick-gts",
+            "--test",
+            "generated",
+        ])),
         ["check-all"] => checks::run(),
         ["help" | "--help"] => {
             print!("{HELP}");

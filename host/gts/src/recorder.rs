@@ -103,7 +103,7 @@ impl Recorder {
                     }
                     vcd.writer().map_or(Ok(()), |vcd| vcd.row(&row))
                 }
-                Item::End { .. } => Ok(()),
+                Item::Light { .. } | Item::End { .. } => Ok(()),
             }
         };
         if let Err(error) = reader.feed(bytes, &mut take) {
