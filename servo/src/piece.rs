@@ -4,7 +4,7 @@
 //! acceleration. The parameter τ = (now − begin)/length is computed afresh from the time each
 //! tick, nothing is accumulated inside a piece; between pieces, knots are [`Exact`].
 //!
-//! Nearly all pieces are *near*: shorter than 2³² ns, coefficients below 2²⁸ pulses. What their
+//! Nearly all pieces are *near*: shorter than 4.29 s, coefficients below 2²⁸ pulses. What their
 //! evaluation needs is shifted to its place when the piece is made, so that a tick multiplies and adds
 //! without a variable shift: error 2⁻²³ for rounding to a [`Pos`] and less than 2⁻²⁹ for the rest. Others
 //! take exact products: 2⁻²³ for the start, 2⁻²³ for rounding, 4 units of the coefficients' last bit
@@ -94,8 +94,8 @@ pub struct Piece {
     pub motion: Motion,
     /// Position at τ = 0, rounded once.
     pub start: Pos,
-    /// Whether the exact products are needed; else the rest is at hand.
-    wide: bool,
+    /// The span, if the piece is near and the rest is at hand; else 0, and the exact products are needed.
+    near: u32,
     /// 2⁹⁵/length: t times it is τ in 2⁻⁹⁵.
     rate: [u32; 3],
     /// What takes the value of the cubic to units of [`Pos`]: a power of two in 2⁻⁶⁴.
@@ -111,6 +111,9 @@ impl Default for Piece {
     }
 }
 
+/// Near pieces are so much shorter than 2³² ns that the tick behind their end does not look like one inside.
+const NEAR: u64 = (1 << 32) - (1 << 21);
+
 /// Added to what is multiplied, so that no factor is negative.
 const BIAS: u64 = 1 << 62;
 
@@ -120,17 +123,7 @@ impl Piece {
 
     /// At rest for `span` from `begin` on.
     pub const fn rest(begin: Ns, span: u64, start: Pos) -> Piece {
-        Piece {
-            begin,
-            span,
-            motion: Motion::REST,
-            start,
-            wide: true,
-            rate: [0; 3],
-            scale: [0; 2],
-            base: 0,
-            fraction: 0,
-        }
+        Piece { begin, span, motion: Motion::REST, start, near: 0, rate: [0; 3], scale: [0; 2], base: 0, fraction: 0 }
     }
 
     /// A cubic from `start` at τ = 0.
@@ -139,7 +132,7 @@ impl Piece {
         // The cubic's value is in 2^-(frac − 1).
         let shift = motion.frac.wrapping_sub(1 + Pos::FRAC_BITS as i32) as u32;
         let Recip { m, shift: zeros } = motion.recip;
-        let wide = span >> 32 != 0 || zeros < 32 || !(10..=59).contains(&shift);
+        let near = span < NEAR && zeros >= 32 && (10..=59).contains(&shift);
         let half = start.0.wrapping_add(1 << (CUT - 1));
         let rounded = (half >> CUT) as i64;
         let (m0, m1) = ((m >> 1) as u32, (m >> 33) as u32 | 1 << 31);
@@ -152,7 +145,7 @@ impl Piece {
             span,
             motion,
             start: Pos(rounded),
-            wide,
+            near: if near { span as u32 } else { 0 },
             rate,
             scale: if shift > 32 { [power, 0] } else { [0, power] },
             base: rounded.wrapping_sub(BIAS.wrapping_shr(shift) as i64),
@@ -186,12 +179,19 @@ impl Piece {
     /// Position and τ at `t` < `span` after `begin`.
     #[inline(always)]
     pub fn at(&self, t: u64) -> (Pos, u64) {
-        if self.wide { self.at_wide(t) } else { self.at_near(t as u32) }
+        if self.near == 0 { self.at_wide(t) } else { self.at_near(t as u32) }
+    }
+
+    /// Time since `begin`, of a near piece that holds `now`; for one who asks in every tick from its begin on.
+    #[inline(always)]
+    pub(crate) fn near_time(&self, now: Ns) -> Option<u32> {
+        let t = (now.0 as u32).wrapping_sub(self.begin.0 as u32);
+        (t < self.near).then_some(t)
     }
 
     /// 32 × 32 bit products alone; no factor has a sign, and no sum of products a carry.
     #[inline(always)]
-    fn at_near(&self, t: u32) -> (Pos, u64) {
+    pub(crate) fn at_near(&self, t: u32) -> (Pos, u64) {
         let [r0, r1, r2] = self.rate;
         let p1 = product(t, r1).wrapping_add(product(t, r0) >> 32);
         let p2 = t.wrapping_mul(r2).wrapping_add((p1 >> 32) as u32);

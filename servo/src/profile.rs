@@ -105,8 +105,8 @@ enum Other {
 #[repr(C)]
 pub struct Profile {
     pieces: [Piece; 2],
-    /// Which of them is in force.
-    at: u8,
+    /// Whether the second of them is in force.
+    second: bool,
     other: Other,
     /// The piece made last begins a pass.
     new_pass: bool,
@@ -117,7 +117,7 @@ impl Profile {
     /// At rest at 0 since power-on.
     pub const REST: Profile = Profile {
         pieces: [Piece::rest(Ns(0), u64::MAX, Pos(0)); 2],
-        at: 0,
+        second: false,
         other: Other::BeforeLast,
         new_pass: false,
         supply: Supply::Ramp(RampRun::IDLE),
@@ -131,18 +131,17 @@ impl Profile {
     /// The piece in force, as far as the last turn saw.
     #[inline(always)]
     pub fn piece(&self) -> &Piece {
-        // The mask is the bound: the check folds away.
-        &self.pieces[(self.at & 1) as usize]
+        &self.pieces[self.second as usize]
     }
 
     #[inline(always)]
     fn piece_mut(&mut self) -> &mut Piece {
-        &mut self.pieces[(self.at & 1) as usize]
+        &mut self.pieces[self.second as usize]
     }
 
     #[inline(always)]
     fn other(&self) -> &Piece {
-        &self.pieces[(!self.at & 1) as usize]
+        &self.pieces[!self.second as usize]
     }
 
     /// Once the step of a tick is taken: the piece that was in force until `piece().begin`, if that is
@@ -205,7 +204,7 @@ impl Profile {
     /// The motion is over at `now`: it rests at `pos`.
     pub fn rest(&mut self, now: Ns, pos: Pos) {
         self.cut(now);
-        (self.at, self.other) = (self.at ^ 1, Other::BeforeLast);
+        (self.second, self.other) = (!self.second, Other::BeforeLast);
         *self.piece_mut() = Piece::rest(now, u64::MAX, pos);
     }
 
@@ -246,7 +245,7 @@ impl Profile {
     /// Makes the piece that holds `now`, if it is not there yet; the one in force is over by then.
     #[inline]
     fn reach(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
-        let piece = &mut self.pieces[(!self.at & 1) as usize];
+        let piece = &mut self.pieces[!self.second as usize];
         if self.other == Other::Ahead && piece.elapsed(now) < piece.span {
             return State::Running;
         }
@@ -278,12 +277,23 @@ impl Profile {
     /// nearly always happens, and it only changes which of two pieces is in force.
     #[inline(always)]
     pub fn accept(&mut self, now: Ns) -> bool {
-        let next = self.other();
-        let holds = self.other == Other::Ahead && next.elapsed(now) < next.span;
+        let holds = self.ahead().is_some_and(|next| next.elapsed(now) < next.span);
         if holds {
-            (self.at, self.other) = (self.at ^ 1, Other::Before);
+            self.enter();
         }
         holds
+    }
+
+    /// The piece made ahead.
+    #[inline(always)]
+    pub(crate) fn ahead(&self) -> Option<&Piece> {
+        (self.other == Other::Ahead).then(|| self.other())
+    }
+
+    /// The piece made ahead comes into force.
+    #[inline(always)]
+    pub(crate) fn enter(&mut self) {
+        (self.second, self.other) = (!self.second, Other::Before);
     }
 
     /// The piece in force is over at `now`: on to the one that holds it, or to the end.
@@ -291,7 +301,7 @@ impl Profile {
     pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
         let state = self.reach(now, feed, source);
         if state == State::Running {
-            (self.at, self.other) = (self.at ^ 1, Other::Before);
+            (self.second, self.other) = (!self.second, Other::Before);
         } else {
             self.other = Other::BeforeLast;
         }

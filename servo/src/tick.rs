@@ -7,7 +7,7 @@
 //!
 //! Order within a tick: inputs are sampled, then entries act, then every axis takes its step under its
 //! guards. So a limit seen now stops the set-point of the next tick.
-use crate::axis::{AxisState, Turn};
+use crate::axis::{AxisState, Glide};
 use crate::crd::Crds;
 use crate::edges::{Edges, Levels};
 use crate::execute::Reach;
@@ -237,29 +237,49 @@ impl<const AXES: usize> Tick<AXES> {
     /// Every axis takes its step; where there are slaves, they wait for their masters.
     #[inline(always)]
     fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
-        // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
-        let turn = self.ticks & 7;
-        let mut left = self.made_ahead();
+        let (mut left, mut slaves) = (self.made_ahead(), self.order.slaves.0);
         let View { axes: shown, inputs, .. } = lanes.view.buffer();
         let states = self.axes.get_mut(..self.used).unwrap_or_default();
         for ((((axis, state), store), shown), inputs) in
             Axis::all().zip(states).zip(lanes.segments).zip(shown).zip(inputs)
         {
-            if FOLLOW && self.order.slaves.has(axis) {
+            let slave = slaves & 1 == 1;
+            slaves >>= 1;
+            if FOLLOW && slave {
                 continue;
             }
             // Each of the three buffers catches up when its turn comes.
             if !state.is_settled() || shown.moves != state.shown.moves {
-                if shown.changes != state.shown.changes {
-                    *inputs = state.raw;
-                }
-                let source = Source { segments: store, tables: lanes.tables };
-                let turn = Turn { prepared: &mut left, phase: axis.index() as u32 ^ turn };
-                if let Some(reason) = state.run(next, turn, &source, shown) {
-                    tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+                let glide = state.glide_on(next, left, shown);
+                if glide != Glide::Shown {
+                    if shown.changes != state.shown.changes {
+                        *inputs = state.raw;
+                    }
+                    if glide == Glide::Stale {
+                        state.show(shown);
+                    } else {
+                        let source = Source { segments: store, tables: lanes.tables };
+                        let none = &mut 0;
+                        let left = if glide == Glide::Barred { none } else { &mut left };
+                        if let Some(reason) = state.run(next, left, &source, shown) {
+                            tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+                        }
+                    }
                 }
             }
             port.set_point(axis, state.set_point());
+        }
+        // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
+        let shown = &mut lanes.view.buffer().axes;
+        let mut index = (self.ticks & 7) as usize;
+        while let (Some(state), Some(store), Some(shown)) =
+            (self.axes.get_mut(index), lanes.segments.get(index), shown.get_mut(index))
+        {
+            if state.runs() {
+                let source = Source { segments: store, tables: lanes.tables };
+                state.look_ahead(next, &source, shown);
+            }
+            index = index.wrapping_add(8);
         }
     }
 

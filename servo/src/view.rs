@@ -17,6 +17,17 @@ pub struct AxisView {
     /// Counts changes of anything here and of the axis's input levels; what did not change need not be
     /// looked at again.
     pub moves: u32,
+    /// Counts ticks in which more changed than `moves`, the position, the encoder and the parameter of the motion.
+    pub turns: u32,
+    /// Planned position in force at the view's time.
+    pub pos: Pos,
+    /// Encoder position in pulses, sampled in the tick that computed this.
+    pub encoder: i64,
+    /// Encoder position one tick earlier, for the velocity.
+    pub encoder_before: i64,
+    /// The piece being run and the place in it: velocity and acceleration are derived by the reader. While it
+    /// follows (`lead`) the piece is over the master's progress, see [`View::motion`].
+    pub motion: Motion,
     /// PT: end time (ms from the start of pass or stream) of what was committed, minus now; rounded down.
     /// Brought up to date every eighth tick.
     pub dry_ms: u32,
@@ -24,17 +35,10 @@ pub struct AxisView {
     pub released: u32,
     /// PT, PVT, Follow: passes completed.
     pub passes: u32,
-    /// Planned position in force at the view's time.
-    pub pos: Pos,
-    /// Encoder position in pulses, sampled in the tick that computed this.
-    pub encoder: i64,
-    /// Encoder position one tick earlier, for the velocity.
-    pub encoder_before: i64,
+    /// PVT: instant at which the time of the table in force was 0 (in later passes: would have been).
+    pub table_zero: Ns,
     /// Follow: how far its master went in the tick, in units of Pos.
     pub lead_way: i64,
-    /// The piece being run and the place in it: velocity and acceleration are derived by the reader. While it
-    /// follows (`lead`) the piece is over the master's progress, see [`View::motion`].
-    pub motion: Motion,
     /// Counts changes of what follows.
     pub changes: u32,
     /// Status word of `GetSts` (SPEC 4).
@@ -59,9 +63,7 @@ pub struct AxisView {
     pub table: u8,
     /// PVT: table that takes over at the end of the pass.
     pub pending: Option<u8>,
-    /// PVT: instant at which the time of that table was 0 (in later passes: would have been).
-    pub table_zero: Ns,
-    /// PVT: until when it was in force; `u64::MAX` while it is.
+    /// PVT: until when that table was in force; `u64::MAX` while it is.
     pub table_until: Ns,
     /// Follow: the FIFO that runs, or ran last.
     pub fifo: u8,
@@ -79,6 +81,7 @@ impl AxisView {
     pub const POWER_ON: AxisView = AxisView {
         changes: 0,
         moves: 0,
+        turns: 0,
         pos: Pos(0),
         encoder: 0,
         encoder_before: 0,
@@ -111,9 +114,17 @@ impl AxisView {
         if self.changes != now.changes {
             self.follow_changes(now);
         }
-        (self.moves, self.dry_ms, self.released, self.passes) = (now.moves, now.dry_ms, now.released, now.passes);
-        (self.pos, self.encoder, self.encoder_before) = (now.pos, now.encoder, now.encoder_before);
-        (self.lead_way, self.motion) = (now.lead_way, now.motion);
+        (self.moves, self.pos) = (now.moves, now.pos);
+        (self.encoder, self.encoder_before) = (now.encoder, now.encoder_before);
+        self.follow_turn(now);
+    }
+
+    /// The same of what `turns` counts.
+    #[inline(always)]
+    pub(crate) fn follow_turn(&mut self, now: &AxisView) {
+        (self.turns, self.motion) = (now.turns, now.motion);
+        (self.dry_ms, self.released, self.passes) = (now.dry_ms, now.released, now.passes);
+        (self.table_zero, self.lead_way) = (now.table_zero, now.lead_way);
     }
 
     /// Field by field, which costs a third of what a call of memcpy does.
@@ -121,7 +132,7 @@ impl AxisView {
     fn follow_changes(&mut self, now: &AxisView) {
         let AxisView { changes, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
         (self.table, self.pending) = (now.table, now.pending);
-        (self.table_zero, self.table_until) = (now.table_zero, now.table_until);
+        self.table_until = now.table_until;
         let [first, second] = now.cleared;
         (self.lead, self.drive) = (now.lead, now.drive);
         (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, [first, second]);

@@ -8,6 +8,7 @@ use crate::profile::Supply;
 use crate::pt::{Feed, Place, PtRun, Segments};
 use crate::pvt::{Header, PvtRun, Tables};
 use crate::units::Ns;
+use crate::view::AxisView;
 
 impl AxisState {
     /// Whether PT must not start.
@@ -94,10 +95,13 @@ impl AxisState {
         }
     }
 
+    /// Looks how long the data of a stream or a pass lasts; a look every eighth tick is enough.
     #[inline(never)]
-    pub(super) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + Tables)) {
+    pub(crate) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + Tables), shown: &mut AxisView) {
         if let Supply::Pt(run) = self.profile.supply() {
             self.shown.dry_ms = run.dry_ms(next, self.feed(), source, self.profile.is_ahead());
+            self.shown.turns = self.shown.turns.wrapping_add(1);
+            shown.follow(&self.shown);
         }
     }
 

@@ -17,7 +17,7 @@ impl AxisState {
         let levels = raw.bits();
         if levels == self.levels {
             match self.calm {
-                Calm::Runs => {
+                Calm::Runs | Calm::Steady => {
                     self.count = count;
                     self.shown.encoder_before = self.shown.encoder;
                     self.shown.encoder = self.inputs.encoder(count);
@@ -102,6 +102,9 @@ impl AxisState {
         if self.switches & status::LIMIT_NEGATIVE != 0 {
             self.lower = Pos(i64::MAX);
         }
+        let from = (self.lower.0 >> 32).saturating_add(1);
+        let count = (self.upper.0 >> 32).saturating_sub(from).max(0);
+        self.inside = (from as i32, count as u32);
     }
 
     /// A limit blocks starts from when it becomes active until ClearStatus, a fault as long as its

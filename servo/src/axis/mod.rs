@@ -10,7 +10,7 @@ mod guard;
 mod motion;
 mod place;
 
-pub(crate) use motion::Turn;
+pub(crate) use motion::Glide;
 
 use crate::follow as following;
 use crate::inputs::Inputs;
@@ -55,6 +55,8 @@ enum Calm {
     None,
     /// It runs: for changes of level, and the encoder is taken.
     Runs,
+    /// The same, and there is nothing to tell but its motion.
+    Steady,
     /// At rest, for changes alone: nothing here changes until an input, the encoder or an operation does.
     Settled,
 }
@@ -87,6 +89,8 @@ pub(crate) struct AxisState {
     /// While the planned position stays between these two, nothing stands in its way.
     lower: Pos,
     upper: Pos,
+    /// Well between them: so many high words of positions from this one on.
+    inside: (i32, u32),
     pub(crate) inputs: Inputs,
     /// Its motion; at rest, a piece that rests.
     profile: Profile,
@@ -145,6 +149,7 @@ impl AxisState {
         news: true,
         lower: NEGATIVE_EDGE,
         upper: Pos::TRAVEL,
+        inside: (0, 0),
         switches: 0,
         causes: 0,
         latched: 0,
@@ -205,6 +210,9 @@ impl AxisState {
             if self.calm == Calm::Settled {
                 self.calm = Calm::None;
             }
+        }
+        if self.calm == Calm::Runs {
+            self.calm = Calm::Steady;
         }
     }
 

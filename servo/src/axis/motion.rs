@@ -3,9 +3,9 @@
 //! In: the instant of the next tick. Out: the planned position there, or the reason for which it has
 //! come to rest. Owns nothing beyond the axis's [`Profile`](crate::profile::Profile).
 use super::Jog;
-use super::{AxisState, exact, pt_state};
+use super::{AxisState, Calm, exact, pt_state};
 use crate::op::Mode;
-use crate::piece::{Motion, Scaled};
+use crate::piece::{Motion, Piece, Scaled};
 use crate::profile::{State, Supply};
 use crate::pt::Segments;
 use crate::pvt::Tables;
@@ -14,12 +14,17 @@ use crate::status;
 use crate::units::{Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 
-/// What a tick allows an axis beyond its step.
-pub(crate) struct Turn<'a> {
-    /// How many pieces may still be made ahead.
-    pub(crate) prepared: &'a mut u32,
-    /// Every eighth tick an axis looks how long its data lasts, when this is a multiple of 8.
-    pub(crate) phase: u32,
+/// What came of [`AxisState::glide_on`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Glide {
+    /// There is more to do than that: nothing has happened.
+    No,
+    /// Something may stand in the way; and this is not a tick to make a piece ahead in.
+    Barred,
+    /// The axis and its view are at the next tick.
+    Shown,
+    /// The axis is; of the view more has to catch up than it looked at.
+    Stale,
 }
 
 impl AxisState {
@@ -124,31 +129,98 @@ impl AxisState {
         self.touch();
     }
 
-    /// A tick of the axis: its motion at `next`, its status, what it shows. The reason if it came to rest.
+    /// What nearly every tick of an axis that runs is: its place in the piece in force, or in the one made ahead.
+    /// `left` counts the pieces that may still be made ahead in this tick.
     ///
     /// A function of its own, so that nothing but the axis takes up registers.
+    #[inline(never)]
+    pub(crate) fn glide_on(&mut self, next: Ns, left: u32, shown: &mut AxisView) -> Glide {
+        if self.calm != Calm::Steady || self.profile.is_open() && left != 0 {
+            return Glide::No;
+        }
+        let mut t = self.profile.piece().near_time(next);
+        if t.is_none()
+            && let Some(ahead) = self.profile.ahead()
+        {
+            t = ahead.near_time(next);
+            if t.is_some() {
+                self.enter();
+            }
+        }
+        let Some(t) = t else { return self.glide_far(next, shown) };
+        let place = self.profile.piece().at_near(t);
+        self.go_on(place, shown)
+    }
+
+    /// The same in pieces that are not near.
+    #[inline(never)]
+    fn glide_far(&mut self, next: Ns, shown: &mut AxisView) -> Glide {
+        let holds = |piece: &Piece| piece.elapsed(next) < piece.span;
+        if !self.runs {
+            return Glide::No;
+        }
+        if !holds(self.profile.piece()) {
+            if !self.profile.ahead().is_some_and(holds) {
+                return Glide::No;
+            }
+            self.enter();
+        }
+        let piece = self.profile.piece();
+        let place = piece.at(piece.elapsed(next));
+        self.go_on(place, shown)
+    }
+
+    /// The piece made ahead comes into force.
+    #[inline(always)]
+    fn enter(&mut self) {
+        self.profile.enter();
+        self.shown.turns = self.shown.turns.wrapping_add(1);
+        self.show_piece(true);
+    }
+
+    /// On to a place, if nothing can stand before it.
+    #[inline(always)]
+    fn go_on(&mut self, (pos, tau): (Pos, u64), shown: &mut AxisView) -> Glide {
+        let (from, count) = self.inside;
+        if ((pos.0 >> 32) as i32).wrapping_sub(from) as u32 >= count {
+            return Glide::Barred;
+        }
+        let now = &mut self.shown;
+        now.moves = now.moves.wrapping_add(1);
+        (now.pos, now.motion.tau) = (pos, tau);
+        (shown.moves, shown.pos, shown.motion.tau) = (now.moves, pos, tau);
+        (shown.encoder, shown.encoder_before) = (now.encoder, now.encoder_before);
+        if shown.turns != now.turns {
+            if shown.changes != now.changes {
+                return Glide::Stale;
+            }
+            shown.follow_turn(now);
+        }
+        Glide::Shown
+    }
+
+    /// A tick of the axis: its motion at `next`, its status, what it shows. The reason if it came to rest.
+    /// `left` counts the pieces that may still be made ahead in this tick.
     #[inline(never)]
     pub(crate) fn run(
         &mut self,
         next: Ns,
-        turn: Turn<'_>,
+        left: &mut u32,
         source: &(impl Segments + Tables),
         shown: &mut AxisView,
     ) -> Option<StopReason> {
         let mut stopped = None;
         if self.runs {
             // What is entered in this tick is not followed by making the next in the same one.
-            if self.profile.is_open() && *turn.prepared != 0 && self.prepare(source) {
-                *turn.prepared = turn.prepared.wrapping_sub(1);
+            if self.profile.is_open() && *left != 0 && self.prepare(source) {
+                *left = left.wrapping_sub(1);
             }
             stopped = self.step(next, source);
-            if turn.phase & 7 == 0 && stopped.is_none() {
-                self.look_ahead(next, source);
-            }
         }
         if self.news {
             self.settle();
         }
+        self.shown.turns = self.shown.turns.wrapping_add(1);
         shown.follow(&self.shown);
         stopped
     }
@@ -217,9 +289,12 @@ impl AxisState {
             }
             Supply::Pvt(run) => {
                 let (passes, table) = (run.passes(false), run.table(false));
-                if passes != shown.passes || table != shown.table {
-                    (shown.passes, shown.table, shown.pending) = (passes, table, run.pending(false));
-                    shown.table_zero = run.zero(false);
+                let switched = table != shown.table;
+                if passes != shown.passes || switched {
+                    (shown.passes, shown.table_zero) = (passes, run.zero(false));
+                }
+                if switched {
+                    (shown.table, shown.pending) = (table, run.pending(false));
                     self.changed();
                 }
             }
