@@ -7,7 +7,6 @@ use crate::axis::AxisState;
 use crate::execute::Reach;
 use crate::laser::{Cause, PathSpeed, Wants};
 use crate::path::{Rest, Step};
-use crate::piece::Motion;
 use crate::tick::{Tick, tell};
 use crate::units::{Axis, AxisMask, Crd, Exact, Ns, Pos};
 use crate::view::{Event, StopReason};
@@ -90,7 +89,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
         let wants = self.lasers.wants(crd);
         if wants.planned || wants.encoder {
-            self.feed_lasers(crd, &step.motion, wants);
+            self.feed_lasers(crd, &step, next, wants);
         }
         if !step.runs {
             self.come_to_rest(crd, obstacle, next, lanes);
@@ -101,14 +100,15 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Channels follow the speed of the path.
     #[inline(never)]
-    fn feed_lasers(&mut self, crd: Crd, motion: &Motion, wants: Wants) {
+    fn feed_lasers(&mut self, crd: Crd, step: &Step, next: Ns, wants: Wants) {
         let period = self.period;
+        let Some(state) = self.crds.get(crd) else { return };
         let (mut planned, mut encoder) = (PathSpeed::REST, PathSpeed::REST);
         if wants.planned {
-            planned = PathSpeed::ahead(motion, period);
+            planned = state.path.mean(step, next, period);
         }
         if wants.encoder {
-            let mapped = self.crds.get(crd).and_then(|state| state.shown.frame).map_or([None; 4], |frame| frame.axes());
+            let mapped = state.shown.frame.map_or([None; 4], |frame| frame.axes());
             let gone = mapped.map(|axis| {
                 let shown = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.shown);
                 shown.map_or(0, |shown| shown.encoder.wrapping_sub(shown.encoder_before))

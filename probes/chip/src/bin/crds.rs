@@ -1,0 +1,401 @@
+#![no_std]
+#![no_main]
+//! Counts the instructions of ticks in which coordinate systems run, in QEMU with `-icount shift=6` or more.
+//!
+//! Out, by semihosting: one line a tick, `CASE MARK COUNT`, as `ticks.rs` prints them. CASE is the number of coordinate
+//! systems, on a tick of twelve axes: eight for PVT, two for each. MARK says what the tick did: `crd-idle` (they are
+//! set and at rest), `crd-line`, `crd-arc` (each stayed in its motion; the worst made something of the next), `crd-turn`
+//! (each entered one), `crd-enter` (the tick behind that), `crd-start`; `crd-worst` is the tick of SPEC 11: eight axes
+//! enter segments of their tables, two coordinate systems enter motions, two lasers follow speed and distance;
+//! `crd-worst-inside` is any other tick of that.
+use core::hint::black_box;
+use core::panic::PanicInfo;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_semihosting::{debug, hprintln};
+use dispatcher::tables::{Draft, Fields, Kind, Scratch};
+use hal as _; // the vector table
+use ring::{Consumer, Latest, Producer, Reader, Ring};
+use servo::crd::Frame;
+use servo::laser::{
+    self, Bounds, Buffered, Carrier, Change, Clock, Distance, Plan, Power, Ratio, Ratios, Source, Tables,
+};
+use servo::op::{Entry, Mode, Op};
+use servo::path::{self, Along, EntryStore, Plane, Sweep};
+use servo::port::{AxisInputs, Port};
+use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
+use servo::view::{Event, Sample, View};
+
+const AXES: usize = 12;
+const PERIOD_NS: u32 = 250_000;
+/// Motions of a run, and segments of a pass of a table; each of the steady ones takes 16 ticks.
+const MOTIONS: u32 = 60;
+const SEGMENTS: u32 = 24;
+
+static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
+static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
+static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
+static NEWS: Ring<Event, EVENTS> = Ring::new();
+static TRACE: Ring<Sample, SAMPLES> = Ring::new();
+static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
+static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
+static HEADERS: HeaderStore = HeaderStore::new();
+static LASERS: Tables = Tables::new();
+static PATHS: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
+const TABLE_STORES: TableStores<'static> = TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASERS };
+
+#[panic_handler]
+fn panicked(info: &PanicInfo<'_>) -> ! {
+    hprintln!("{}", info);
+    debug::exit(debug::EXIT_FAILURE);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Stores what it is told and reads its set-points back as encoders.
+struct Sink {
+    set_points: [Pos; AXES],
+    outputs: (u64, u64, u32),
+    analog: [i16; 8],
+}
+
+impl Port for Sink {
+    fn inputs(&mut self, _: Axis) -> AxisInputs {
+        AxisInputs::default()
+    }
+    fn encoder(&mut self, axis: Axis) -> i64 {
+        self.set_points.get(axis.index()).map_or(0, |pos| pos.0 >> Pos::FRAC_BITS)
+    }
+    fn general_inputs(&mut self) -> u32 {
+        0
+    }
+    fn analog(&mut self, _: usize) -> i16 {
+        0
+    }
+    fn set_point(&mut self, axis: Axis, pos: Pos) {
+        if let Some(place) = self.set_points.get_mut(axis.index()) {
+            *place = pos;
+        }
+    }
+    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: u32) {
+        self.outputs = (enable, clear, general);
+    }
+    fn analog_out(&mut self, _: u32, channel: usize, value: i16) {
+        if let Some(place) = self.analog.get_mut(channel) {
+            *place = value;
+        }
+    }
+    fn interlock(&mut self) -> bool {
+        false
+    }
+    fn laser(&mut self, _: usize, _: &Plan) {}
+}
+
+/// Tick, machine, hand-overs and the clock that counts.
+struct Bench {
+    tick: Tick<AXES>,
+    machine: Sink,
+    lanes: Lanes<'static, AXES>,
+    immediate: Producer<'static, Entry, IMMEDIATE>,
+    view: Reader<'static, View<AXES>>,
+    events: Consumer<'static, Event, EVENTS>,
+    seq: u32,
+    pushed: [u32; 2],
+    /// Periods that reading the counter twice takes by itself.
+    reading: u32,
+}
+
+/// Not inlined, so that each tick is the same code as in the image.
+#[inline(never)]
+fn tick(tick: &mut Tick<AXES>, machine: &mut Sink, lanes: &mut Lanes<'static, AXES>) {
+    tick.run(machine, lanes);
+}
+
+#[inline(never)]
+fn nothing(_: &mut Tick<AXES>, _: &mut Sink, _: &mut Lanes<'static, AXES>) {}
+
+fn axis(index: usize) -> Axis {
+    let Some(axis) = Axis::new(index) else { panic!("no axis") };
+    axis
+}
+
+fn crd(index: usize) -> Crd {
+    let Some(crd) = Crd::new(index) else { panic!("no coordinate system") };
+    crd
+}
+
+fn percent(value: u32) -> Power {
+    Power::admit(f64::from(value).to_bits()).unwrap_or_default()
+}
+
+fn along(vel: f64, acc: f64, end: f64) -> Along {
+    let Ok(along) = Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()) else { panic!("refused") };
+    along
+}
+
+impl Bench {
+    fn new() -> Option<Bench> {
+        let (immediate, immediate_out) = IMMEDIATE_LANE.split_once()?;
+        let (_, program) = PROGRAM_LANE.split_once()?;
+        let (view_in, view) = VIEW.split_once()?;
+        let (events_in, events) = NEWS.split_once()?;
+        let (samples, _) = TRACE.split_once()?;
+        let config = TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8, laser_clock: Clock::GHZ };
+        Some(Bench {
+            tick: Tick::new(config),
+            machine: Sink { set_points: [Pos(0); AXES], outputs: (0, 0, 0), analog: [0; 8] },
+            lanes: Lanes {
+                immediate: immediate_out,
+                program,
+                view: view_in,
+                events: events_in,
+                samples,
+                segments: &STORES,
+                tables: TABLE_STORES,
+                paths: &PATHS,
+            },
+            immediate,
+            view,
+            events,
+            seq: 0,
+            pushed: [0; 2],
+            reading: 0,
+        })
+    }
+
+    /// Counter periods between two readings around a call.
+    fn count(&mut self, call: fn(&mut Tick<AXES>, &mut Sink, &mut Lanes<'static, AXES>)) -> u32 {
+        let call = black_box(call);
+        let before = SYST::get_current();
+        call(&mut self.tick, &mut self.machine, &mut self.lanes);
+        let after = SYST::get_current();
+        // A down counter of 24 bits.
+        before.wrapping_sub(after) & 0xff_ffff
+    }
+
+    fn push(&mut self, op: Op) {
+        self.seq += 1;
+        assert!(self.immediate.push(Entry { seq: self.seq, delay: Ns(0), op }).is_ok(), "the lane is full");
+    }
+
+    /// A tick that is not counted.
+    fn pass(&mut self) {
+        tick(&mut self.tick, &mut self.machine, &mut self.lanes);
+        while self.events.pop().is_some() {}
+    }
+
+    /// One counted tick; its count.
+    fn counted(&mut self) -> u32 {
+        let count = self.count(tick).saturating_sub(self.reading);
+        while self.events.pop().is_some() {}
+        count
+    }
+
+    /// Motions that each of the first coordinate systems has completed.
+    fn done(&mut self) -> [u32; 2] {
+        let view = self.view.read();
+        [view.crds[0].released[0], view.crds[1].released[0]]
+    }
+
+    fn runs(&mut self) -> bool {
+        self.view.read().crds.iter().any(|crd| crd.runs)
+    }
+
+    fn put(&mut self, index: usize, entry: path::Entry) {
+        PATHS[index][0].write(self.pushed[index], entry);
+        self.pushed[index] += 1;
+    }
+
+    fn commit(&mut self, index: usize) {
+        let cleared = self.view.read().crds[index].cleared[0];
+        self.push(Op::CrdCommit { crd: crd(index), fifo: 0, end: self.pushed[index], cleared });
+    }
+
+    /// Coordinate systems on two axes each, from 8 on.
+    fn set(&mut self, count: usize) -> CrdMask {
+        for index in 0..count {
+            let mapped = [Some(axis(8 + 2 * index)), Some(axis(9 + 2 * index)), None, None];
+            for axis in mapped.into_iter().flatten() {
+                self.push(Op::Servo { axis, on: true });
+            }
+            let Ok(frame) = Frame::admit(mapped, Some([0; 4]), 0) else { panic!("refused") };
+            self.push(Op::CrdFrame { crd: crd(index), frame });
+            self.pushed[index] = 0;
+        }
+        self.pass();
+        CrdMask((1 << count) - 1)
+    }
+
+    fn reset(&mut self) {
+        self.push(Op::Reset { axes: AxisMask(0xfff) });
+        self.pass();
+        self.pass();
+    }
+
+    /// Lines, or arcs, that all coordinate systems enter on the same ticks.
+    fn run(&mut self, case: &str, count: usize, arcs: bool) {
+        let crds = self.set(count);
+        for _ in 0..8 {
+            hprintln!("{} crd-idle {}", case, self.counted());
+        }
+        for index in 0..count {
+            for k in 1..=MOTIONS {
+                let v = if k == MOTIONS { 0.0 } else { 7.1 };
+                let sweep = Sweep::admit((0.1 + f64::from(k) / 200.0).to_bits(), k % 3 == 0, k % 2 == 0);
+                let Ok(sweep) = sweep else { panic!("refused") };
+                let (x, y) = (k as i32 * 37, (k as i32 * 37) % 23);
+                self.put(
+                    index,
+                    if arcs {
+                        path::Entry::arc(Plane::Xy, [x, y], sweep, along(7.1, 3.7, v))
+                    } else {
+                        path::Entry::planar([x, y], along(7.1, 3.7, v))
+                    },
+                );
+            }
+            self.commit(index);
+        }
+        self.pass();
+        self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
+        hprintln!("{} crd-start {}", case, self.counted());
+        assert!(self.runs(), "it does not run");
+        let mut entered = true;
+        while self.runs() {
+            let before = self.done();
+            let count = self.counted();
+            let turned = self.done() != before;
+            let mark = match (turned, entered) {
+                (true, _) => "crd-turn",
+                (false, true) => "crd-enter",
+                _ if arcs => "crd-arc",
+                _ => "crd-line",
+            };
+            hprintln!("{} {} {}", case, mark, count);
+            entered = turned;
+        }
+        self.reset();
+    }
+
+    /// A table of segments of 16 ticks for an axis.
+    fn load_table(&mut self, axis: Axis, scratch: &mut Scratch) {
+        let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
+        let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, true, scratch);
+        let Ok(mut draft) = draft else { panic!("the table is refused") };
+        for k in 0..=SEGMENTS {
+            let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
+            let point = [f64::from(k * 4), f64::from(place) + 0.37, f64::from(k % 7) - 3.1];
+            assert!(draft.point(&point, scratch).is_ok(), "point {k} is refused");
+        }
+        let Some(Ok(sealed)) = draft.finish(scratch) else { panic!("the table is refused") };
+        for index in 0..sealed.places() {
+            TABLE_STORES.write_place(table, index, sealed.place(scratch, index).unwrap_or_default());
+        }
+        TABLE_STORES.write_header(table, sealed.header().admit().unwrap_or_default());
+    }
+
+    /// Light of both channels that follows the speed of a path each, and the distance of four axes.
+    fn set_lasers(&mut self) {
+        let Ok(carrier) = Carrier::admit(percent(333), Clock::GHZ) else { panic!("the carrier is refused") };
+        for channel in 0..2 {
+            self.push(Op::Laser { channel, change: Change::Carrier { carrier, fine: None } });
+            self.push(Op::Laser { channel, change: Change::CrdMap { map: 1 << channel } });
+            let half = [0.001f64; 4].map(f64::to_bits);
+            let distance = Distance::admit(
+                Source::Planned,
+                [0, 1, 2, 3].map(axis),
+                [0; 4],
+                [1000f64; 4].map(f64::to_bits),
+                half,
+                Ratios::Fixed,
+                None,
+            );
+            let Ok(distance) = distance else { panic!("refused") };
+            self.push(Op::Laser { channel, change: Change::Distance(Some(distance)) });
+        }
+        self.pass();
+    }
+
+    /// SPEC 11: eight axes in PVT, two coordinate systems, two lasers with both follows; segments and motions of all of
+    /// them begin together, every 16 ticks.
+    fn run_worst(&mut self, scratch: &mut Scratch) {
+        self.set_lasers();
+        let crds = self.set(2);
+        let mut axes = AxisMask(0);
+        for axis in (0..8).map(axis) {
+            self.load_table(axis, scratch);
+            axes.0 |= axis.mask().0;
+            self.push(Op::Servo { axis, on: true });
+            self.push(Op::SetMode { axis, mode: Mode::Pvt });
+            self.push(Op::PvtLoop { axis, passes: 0 });
+            self.push(Op::PvtSelect { axis, table: axis.index() as u8 });
+        }
+        self.pass();
+        let bounds = Bounds::admit(laser::Mode::Duty, percent(100), percent(0));
+        let (Ok(ratio), Ok(bounds)) = (Ratio::admit(3.7f64.to_bits()), bounds) else { panic!("refused") };
+        for index in 0..2 {
+            for change in [Buffered::PrfFollow { ratio, bounds }, Buffered::Gate { on: true }] {
+                let (code, words) = change.pack();
+                self.put(index, path::Entry::laser(index as u8, code, words));
+            }
+            for k in 1..=MOTIONS as i32 {
+                // 1 ms to reach 10 pulse/ms, 4 ms a motion; speeds a little apart, as look-ahead plans them.
+                let (x, y) = (40 * k - 5, 0);
+                let end = if k as u32 == MOTIONS { 0.0 } else { 10.0 };
+                let to = if index == 0 { [x, y] } else { [y, x] };
+                self.put(index, path::Entry::planar(to, along(10.0, 10.0, end)));
+            }
+            self.commit(index);
+        }
+        self.pass();
+        self.push(Op::PvtStart { axes });
+        self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
+        self.pass();
+        let mut seen = self.done();
+        for k in 1..50 * 16 {
+            let before = self.view.read().axes[0].motion.c;
+            let count = self.counted();
+            let (after, done) = (self.view.read().axes[0].motion.c, self.done());
+            // The path is a period ahead: it has entered a motion in the tick before that of the segments, or on it.
+            let mark = match (before != after, seen != done) {
+                (true, true) => "crd-worst",
+                (false, true) => "crd-worst-motions",
+                (true, false) => "crd-worst-segments",
+                (false, false) => "crd-worst-inside",
+            };
+            if k > 20 {
+                hprintln!("2 {} {}", mark, count);
+            }
+            seen = done;
+        }
+        let view = self.view.read();
+        assert!(view.crds[0].runs && view.crds[1].runs, "they do not run");
+        assert!(view.lasers.iter().all(|laser: &servo::view::LaserView| laser.gate), "no light");
+        self.reset();
+    }
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    if let Some(mut core) = cortex_m::Peripherals::take() {
+        core.SYST.set_clock_source(SystClkSource::Core);
+        core.SYST.set_reload(0xff_ffff);
+        core.SYST.clear_current();
+        core.SYST.enable_counter();
+    }
+    let Some(mut bench) = Bench::new() else { panic!("once") };
+    bench.reading = bench.count(nothing);
+    for (case, count) in [("1", 1), ("2", 2)] {
+        for arcs in [false, true] {
+            bench.run(case, count, arcs);
+        }
+    }
+    let mut scratch = Scratch::new();
+    bench.run_worst(&mut scratch);
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
