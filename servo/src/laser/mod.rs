@@ -34,6 +34,8 @@ mod plan;
 mod power;
 mod safety;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod whose;
 
 pub use buffered::Buffered;

@@ -6,8 +6,8 @@
 //!
 //! A table is written at admission, and nobody may follow it meanwhile: an operation that names it comes after
 //! [`Tables::finish`]. Ratios come in two banks a channel, so that one can be written while the other is in force.
-//! With a point its slope to the next one is stored, so that the tick never divides: m·2⁻ˢ with 55 bits of m, which
-//! makes an error of 2⁻⁵³ of the step between the two, and one unit.
+//! With a point its slope to the next one is stored, so that the tick never divides: m·2⁻ˢ with 54 bits of m, which
+//! makes an error of 2⁻⁵³ of the step between the two, and half a unit.
 use super::follow::PathSpeed;
 use super::power::{Power, Refused};
 use super::{CHANNELS, double};
@@ -93,7 +93,8 @@ impl Point {
         let rise = (next.y as i128).wrapping_sub(self.y as i128);
         let run = (next.x as i128).wrapping_sub(self.x as i128).max(1);
         let slope = Real::from_fixed(rise.unsigned_abs(), 0).div(Real::from_fixed(run as u128, 0));
-        let s = (55 - slope.width()).clamp(0, 255);
+        // Rounded up it may be a power of two.
+        let s = (54 - slope.width()).clamp(1, 255);
         let m = slope.to_fixed(s) as i64;
         let m = if rise < 0 { -m } else { m };
         Point { slope: m << 8 | s as i64, ..self }
@@ -104,11 +105,12 @@ impl Point {
     fn at(self, x: i64) -> i64 {
         let by = x.wrapping_sub(self.x) as i128;
         let product = by.wrapping_mul((self.slope >> 8) as i128);
-        let s = (self.slope & 0xff) as u32;
+        // The shift less one; a border has no slope and no shift.
+        let s = ((self.slope & 0xff) as u32).wrapping_sub(1);
         if s > 120 {
             return self.y;
         }
-        self.y.wrapping_add((product >> s) as i64)
+        self.y.wrapping_add(((product >> s).wrapping_add(1) >> 1) as i64)
     }
 }
 
