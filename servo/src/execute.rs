@@ -113,7 +113,10 @@ impl<const AXES: usize> Tick<AXES> {
                     self.emit(row, chosen, lanes.samples);
                 }
             }
-            Op::ClearStatus { axes } => self.all(axes, AxisState::clear_status),
+            Op::ClearStatus { axes } => {
+                self.all(axes, AxisState::clear_status);
+                self.lasers.crd_cleared(self.holders(axes));
+            }
             Op::Zero { axes } => self.renamed(axes, AxisState::zero_position),
             Op::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
             Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.set_position(pos)),

@@ -246,6 +246,15 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
+    /// The coordinate systems that some of these axes are mapped to.
+    pub(crate) fn holders(&self, axes: AxisMask) -> CrdMask {
+        let crds = axes.axes().filter_map(|axis| {
+            let axis = self.axes.get(axis.index())?;
+            axis.crd.filter(|crd| axis.is_mapped(*crd))
+        });
+        CrdMask(crds.fold(0, |mask, crd| mask | crd.mask().0))
+    }
+
     /// The coordinate systems that drive some of these axes.
     pub(crate) fn drivers(&self, axes: AxisMask) -> CrdMask {
         if self.crds.running.0 == 0 {

@@ -77,6 +77,9 @@ pub(super) struct Channel {
     pulse: Ns,
     /// The light that the outputs carry is of another mode: it is cut.
     cut: bool,
+    /// A cause within the interval puts out everything.
+    ends: bool,
+    alarms: CrdMask,
     on_time: OnTime,
     /// Light planned in the interval that is in force until the next tick, ns.
     planned: u32,
@@ -114,6 +117,8 @@ impl Channel {
             tail: 0,
             pulse: NEVER,
             cut: false,
+            ends: false,
+            alarms: CrdMask(0),
             on_time: OnTime::ZERO,
             planned: 0,
             out: Outputs::REST,
@@ -126,16 +131,18 @@ impl Channel {
 
     /// Carries out a change; `at` lies in the interval that is planned next.
     pub(super) fn change(&mut self, at: Ns, change: &Change) {
+        // What paths did at this instant before it comes first.
+        self.attend(at);
         self.news |= match change {
             Change::Gate { .. } => news::MOVED,
-            Change::Direct { .. } => news::POWER,
+            Change::Direct { .. } if self.law.follows().is_none() => news::POWER,
             _ => news::CHANGED,
         };
         match change {
             Change::Gate { on } => self.command(at, *on, None),
             Change::Mode { mode, bounds, delayed, fine } => {
                 if *mode != self.energy.mode {
-                    self.extinguish();
+                    self.withdraw();
                     self.energy.mode = *mode;
                     self.law.leave_mode();
                 }
@@ -159,10 +166,13 @@ impl Channel {
             Change::PreVoltage(volts) => self.energy.pre_voltage = volts.unwrap_or(Power::ZERO),
             Change::ZeroOnTime => (self.on_time, self.planned) = (OnTime::ZERO, 0),
             Change::ClearFault => self.safety.clear(),
-            Change::CrdMap { map } => self.shown.crd_map = *map,
+            Change::CrdMap { map } => {
+                self.shown.crd_map = *map;
+                self.see_alarms();
+            }
             Change::Connector { laser } => {
                 if !*laser && self.energy.mode != Mode::Analog {
-                    self.extinguish();
+                    self.withdraw();
                 }
                 self.energy.connector = *laser;
             }
@@ -205,8 +215,8 @@ impl Channel {
         self.wake = self.wake.min(at);
     }
 
-    /// What was expected takes place; whether it puts out everything.
-    fn happen(&mut self, at: Ns, event: Event) -> bool {
+    /// What was expected takes place.
+    fn happen(&mut self, at: Ns, event: Event) {
         match event {
             Event::Change(crd, Buffered::Gate { on }) => {
                 self.news |= news::MOVED;
@@ -230,11 +240,11 @@ impl Channel {
             }
             Event::Trip(cause) => {
                 self.whose = Whose::NOBODY;
+                self.news |= news::CHANGED;
+                self.ends |= !self.safety.is_dark();
                 self.safety.trip_within(cause);
-                return true;
             }
         }
-        false
     }
 
     /// Whether the channel is mapped to a coordinate system.
@@ -255,8 +265,21 @@ impl Channel {
 
     /// Which coordinate systems have an alarm now.
     pub(super) fn alarms(&mut self, crds: CrdMask) {
-        self.safety.alarm(crds.0 & self.shown.crd_map != 0);
+        self.alarms = crds;
+        self.see_alarms();
         self.news |= news::CHANGED;
+    }
+
+    fn see_alarms(&mut self) {
+        self.safety.alarm(self.alarms.0 & self.shown.crd_map != 0);
+    }
+
+    /// Some coordinate systems had a fault that is cleared (ClrSts).
+    pub(super) fn clear(&mut self, crds: CrdMask) {
+        if crds.0 & self.shown.crd_map != 0 {
+            self.safety.clear();
+            self.news |= news::CHANGED;
+        }
     }
 
     /// A refused on command puts the channel out: a mark would be missing.
@@ -266,10 +289,15 @@ impl Channel {
         }
     }
 
+    /// The same, and no path brings it back.
+    fn withdraw(&mut self) {
+        self.whose = Whose::NOBODY;
+        self.extinguish();
+    }
+
     /// Light and FPK pulse are over without delays, the on command is withdrawn.
     fn extinguish(&mut self) {
         self.commanded = false;
-        self.whose = Whose::NOBODY;
         self.gate.clear();
         self.light.clear();
         self.pulse = NEVER;
@@ -278,7 +306,7 @@ impl Channel {
 
     /// Power-on state. What the outputs carry, and a fault, outlive it.
     fn reset(&mut self, family: Family) {
-        self.extinguish();
+        self.withdraw();
         (self.law, self.energy) = (Law::power_on(self.law.channel(), family), Energy::POWER_ON);
         (self.delays, self.delayed, self.fpk) = (Delays::default(), true, None);
         (self.shown.crd_map, self.on_time, self.planned) = (CRD_MAP, OnTime::ZERO, 0);
@@ -350,7 +378,7 @@ impl Channel {
     /// Plans an interval in which something may happen.
     #[inline(never)]
     fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
-        if self.safety.is_dark() {
+        if self.safety.is_dark() && !self.ends {
             if self.safety.is_spared() {
                 self.pass();
             }
@@ -358,7 +386,7 @@ impl Channel {
             self.miss(end);
         }
         self.pass();
-        let ends = self.attend(next);
+        self.attend(next);
         let news = core::mem::take(&mut self.news);
         if news & news::POWER != 0 {
             self.find_power(around);
@@ -378,7 +406,7 @@ impl Channel {
             // What is shown is of the interval's beginning.
             self.show(news & news::SETTINGS != 0);
         }
-        if ends {
+        if self.ends {
             self.end_within(0, end, plan);
         }
         self.wake = self.soonest();
@@ -405,7 +433,8 @@ impl Channel {
             left = left.wrapping_sub(1);
             let now = self.wake;
             let at = now.0.wrapping_sub(next.0) as u32;
-            if self.attend(now) {
+            self.attend(now);
+            if self.ends {
                 return self.end_within(at, end, plan);
             }
             let anew = self.news & news::POWER != 0;
@@ -422,13 +451,11 @@ impl Channel {
         }
     }
 
-    /// What is due takes place; whether it puts out everything.
-    fn attend(&mut self, now: Ns) -> bool {
-        let mut ends = false;
+    /// What is due takes place.
+    fn attend(&mut self, now: Ns) {
         while let Some(event) = self.agenda.take(now) {
-            ends |= self.happen(now, event);
+            self.happen(now, event);
         }
-        ends
     }
 
     /// What takes place in an interval in the dark.
@@ -453,6 +480,7 @@ impl Channel {
             plan.push(at, Action::Volts(0));
         }
         let planned = self.planned;
+        self.ends = false;
         self.go_dark();
         self.planned = planned;
         self.miss(end);

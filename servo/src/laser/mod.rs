@@ -276,6 +276,11 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.alarms(crds));
     }
 
+    /// ClrSts of an axis of these: the faults of channels whose map holds one are cleared, if their causes are gone.
+    pub(crate) fn crd_cleared(&mut self, crds: CrdMask) {
+        self.channels.iter_mut().for_each(|channel| channel.clear(crds));
+    }
+
     /// Ends the velocity follows that these began (Stop, bits 10 and 11).
     pub(crate) fn end_follow(&mut self, crds: CrdMask) {
         self.channels.iter_mut().for_each(|channel| channel.end_follow(crds));

@@ -2,17 +2,21 @@
 //! outputs did is there to the ns.
 #![allow(dead_code)] // each test file uses its part
 use ring::{Latest, Producer, Reader, Ring};
+use servo::crd::Frame;
 use servo::laser::{
-    Action, Bounds, CHANNELS, Carrier, Change, Clock, FINISH_NS, Fine, Mode, Pattern, Plan, Power, Train,
+    Action, Bounds, Buffered, CHANNELS, Carrier, Change, Clock, FINISH_NS, Fine, Mode, Pattern, Plan, Power, Train,
 };
 use servo::op::{Entry, Op};
+use servo::path::{self, EntryStore};
 use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, Ns, Pos};
+use servo::units::{Axis, Crd, CrdMask, Ns, Pos};
 use servo::view::{LaserView, View};
 use std::collections::VecDeque;
 
+/// Axes of the machine; those of two coordinate systems at most.
+pub const AXES: usize = 4;
 pub const US: u64 = 1000;
 pub const MS: u64 = 1_000_000;
 
@@ -192,17 +196,20 @@ pub struct Machine {
     now: u64,
     next: u64,
     pub interlock: bool,
+    /// Levels and counts of the axes.
+    pub inputs: [AxisInputs; AXES],
+    pub encoders: [i64; AXES],
     pub outputs: [Output; CHANNELS],
     /// Plans are carried out; else only counted.
     pub runs: bool,
 }
 
 impl Port for Machine {
-    fn inputs(&mut self, _: Axis) -> AxisInputs {
-        AxisInputs::default()
+    fn inputs(&mut self, axis: Axis) -> AxisInputs {
+        self.inputs[axis.index()]
     }
-    fn encoder(&mut self, _: Axis) -> i64 {
-        0
+    fn encoder(&mut self, axis: Axis) -> i64 {
+        self.encoders[axis.index()]
     }
     fn general_inputs(&mut self) -> u32 {
         0
@@ -224,17 +231,40 @@ impl Port for Machine {
 }
 
 pub struct Bench {
-    pub tick: Tick<1>,
+    pub tick: Tick<AXES>,
     pub machine: Machine,
-    lanes: Lanes<'static, 1>,
+    lanes: Lanes<'static, AXES>,
     immediate: Producer<'static, Entry, IMMEDIATE>,
-    view: Reader<'static, View<1>>,
+    view: Reader<'static, View<AXES>>,
     seq: u32,
     /// As the thread knows them, for its plans.
     known: (Mode, Power, Option<Carrier>),
     clock: Clock,
     /// Whether the thread plans repetitions.
     pub fine: bool,
+    /// Entries of each FIFO.
+    pushed: [[u32; 2]; 2],
+}
+
+pub fn axis(index: usize) -> Axis {
+    Axis::new(index).unwrap()
+}
+pub fn crd(index: usize) -> Crd {
+    Crd::new(index).unwrap()
+}
+
+/// An entry that changes channel 0.
+pub fn buffered(change: Buffered) -> path::Entry {
+    let (code, words) = change.pack();
+    path::Entry::laser(0, code, words)
+}
+/// BufLaserOn, BufLaserOff.
+pub fn light(on: bool) -> path::Entry {
+    buffered(Buffered::Gate { on })
+}
+/// LnXY.
+pub fn line(to: [i32; 2], vel: f64, acc: f64, end: f64) -> path::Entry {
+    path::Entry::planar(to, path::Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap())
 }
 
 fn leak<T>(value: T) -> &'static mut T {
@@ -268,14 +298,41 @@ impl Bench {
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::Tables::new()),
         };
-        let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
-        let config = TickConfig { period_ns: period_us * 1000, axes: 1, analog_inputs: 0, laser_clock: clock };
-        let machine =
-            Machine { now: 0, next: 0, interlock: false, outputs: Default::default(), runs: clock == Clock::GHZ };
-        let lanes =
-            Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables, paths: &[] };
+        let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
+        let config = TickConfig { period_ns: period_us * 1000, axes: AXES as u8, analog_inputs: 0, laser_clock: clock };
+        let machine = Machine {
+            now: 0,
+            next: 0,
+            interlock: false,
+            inputs: Default::default(),
+            encoders: [0; AXES],
+            outputs: Default::default(),
+            runs: clock == Clock::GHZ,
+        };
+        let paths: Box<[[EntryStore; 2]]> = (0..2).map(|_| Default::default()).collect();
+        let lanes = Lanes {
+            immediate: immediate_out,
+            program,
+            view: view_in,
+            events,
+            samples,
+            segments,
+            tables,
+            paths: Box::leak(paths),
+        };
         let known = (Mode::Duty, Power::ZERO, None);
-        Bench { tick: Tick::new(config), machine, lanes, immediate, view, seq: 0, known, clock, fine: true }
+        Bench {
+            tick: Tick::new(config),
+            machine,
+            lanes,
+            immediate,
+            view,
+            seq: 0,
+            known,
+            clock,
+            fine: true,
+            pushed: [[0; 2]; 2],
+        }
     }
 
     pub fn op(&mut self, op: Op) {
@@ -343,6 +400,50 @@ impl Bench {
         self.view.read().lasers[0]
     }
 
+    /// SetCrdPrm of a coordinate system on these axes.
+    pub fn frame(&mut self, index: usize, axes: &[usize]) {
+        let mut mapped = [None; 4];
+        for (place, index) in mapped.iter_mut().zip(axes) {
+            *place = Some(axis(*index));
+        }
+        self.op(Op::CrdFrame { crd: crd(index), frame: Frame::admit(mapped, None, 0).unwrap() });
+        self.tick();
+    }
+
+    /// Entries of FIFO 0.
+    pub fn path(&mut self, index: usize, entries: &[path::Entry]) {
+        let count = &mut self.pushed[index][0];
+        for entry in entries {
+            self.lanes.paths[index][0].write(*count, *entry);
+            *count += 1;
+        }
+        let cleared = self.view.read().crds[index].cleared[0];
+        let end = *count;
+        self.op(Op::CrdCommit { crd: crd(index), fifo: 0, end, cleared });
+    }
+
+    /// CrdClear of FIFO 0.
+    pub fn clear_path(&mut self, index: usize) {
+        self.op(Op::CrdClear { crd: crd(index), fifo: 0 });
+        self.pushed[index][0] = 0;
+    }
+
+    /// CrdStart; its motion begins at the instant that is told.
+    pub fn start(&mut self, crds: u8) -> u64 {
+        self.op(Op::CrdStart { crds: CrdMask(crds), fifo1: CrdMask(0) });
+        self.tick.now().0 + self.tick.period().0
+    }
+
+    /// CrdStop.
+    pub fn stop(&mut self, crds: u8, abrupt: bool) {
+        let crds = CrdMask(crds);
+        self.op(Op::CrdStop { crds, abrupt: if abrupt { crds } else { CrdMask(0) } });
+    }
+
+    pub fn view(&mut self) -> View<AXES> {
+        *self.view.read()
+    }
+
     pub fn tick_unread(&mut self) {
         self.machine.now = self.tick.now().0;
         self.machine.next = self.machine.now + self.tick.period().0;
@@ -358,6 +459,13 @@ impl Bench {
             if self.tick.now().0 == ns {
                 return view;
             }
+        }
+    }
+
+    /// Ticks until that instant is past, or there.
+    pub fn until_ms(&mut self, ms: u64) {
+        while self.tick.now().0 < ms * MS {
+            self.tick();
         }
     }
 

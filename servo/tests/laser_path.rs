@@ -1,0 +1,515 @@
+//! Light and power that entries of paths change: every edge to the ns, worked out by hand from SPEC 6.
+//!
+//! All paths here go along X with 1 pulse/ms², so that a speed is reached after as many ms and half its square in pulses.
+mod laser_bench;
+use laser_bench::*;
+use servo::laser::{Bounds, Buffered, Cause, Change, Distance, Family, Mode, Power, Ratio, Ratios, Source};
+use servo::op::{DoGroup, Op};
+use servo::path::Entry;
+use servo::units::{AxisMask, CrdMask};
+
+const PERIODS: [u32; 5] = [10, 50, 73, 250, 1000];
+
+/// Two coordinate systems, X and Y of each; a carrier of 10 kHz, 100 %, so that light is one pulse.
+fn ready(period_us: u32) -> Bench {
+    let mut bench = Bench::new(period_us);
+    bench.change(Change::Reset { family: Family::Gus });
+    bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
+    bench.frame(0, &[0, 1]);
+    bench.frame(1, &[2, 3]);
+    bench.carrier(10.0);
+    bench.direct(100.0);
+    bench
+}
+
+fn lsr(bench: &mut Bench) {
+    bench.change(Change::Reset { family: Family::Lsr });
+    bench.carrier(10.0);
+    bench.direct(0.0);
+}
+
+/// Ticks until ns after a zero, rounded up to a tick.
+fn until(bench: &mut Bench, ns: u64) {
+    while bench.tick.now().0 < ns {
+        bench.tick();
+    }
+}
+
+/// Edges of the switch in ns after a zero.
+fn edges(bench: &mut Bench, zero: u64) -> Vec<(i64, bool)> {
+    bench.switch().iter().map(|(at, on)| (*at as i64 - zero as i64, *on)).collect()
+}
+
+fn follow(ratio: f64, min: f64, max: f64) -> Entry {
+    let bounds = Bounds::admit_follow(Mode::Duty, power(max), power(min)).unwrap();
+    buffered(Buffered::PrfFollow { ratio: Ratio::admit(ratio.to_bits()).unwrap(), bounds })
+}
+fn direct(value: f64) -> Entry {
+    buffered(Buffered::Direct { power: power(value) })
+}
+fn number(power: Power) -> f64 {
+    power.raw() as f64 / (1u64 << Power::FRAC_BITS) as f64
+}
+
+/// 50 pulses to 10 pulse/ms in 10 ms, 50 more in 5 ms: the corner is 15 ms after the start.
+fn corner() -> [Entry; 2] {
+    [line([100, 0], 10.0, 1.0, 10.0), line([400, 0], 10.0, 1.0, 0.0)]
+}
+
+#[test]
+fn the_gate_moves_at_the_instant_of_its_place_with_its_delays() {
+    for period in PERIODS {
+        let mut bench = ready(period);
+        bench.delays(123, 77);
+        let [first, second] = corner();
+        bench.path(0, &[light(true), first, light(false), second]);
+        let zero = bench.start(1);
+        until(&mut bench, zero + 60 * MS);
+        assert_eq!(edges(&mut bench, zero), [(77_000, true), (15_123_000, false)], "{period}");
+        assert!(!bench.view().lasers[0].commanded && !bench.view().crds[0].runs);
+    }
+}
+
+/// 50 % on the first line, 30 % on the second, from the corner on: the pulse in progress is finished.
+#[test]
+fn direct_power_changes_at_the_corner() {
+    for period in PERIODS {
+        let mut bench = ready(period);
+        bench.delays(0, 30);
+        let [first, second] = corner();
+        bench.path(0, &[light(true), direct(50.0), first, direct(30.0), second]);
+        let zero = bench.start(1);
+        until(&mut bench, zero + 20 * MS);
+        // Periods of 100 µs begin at 30 µs; the corner is within that of 14 930 µs.
+        for (k, pulse) in (0..).zip(bench.pulses().iter().take(190)) {
+            let begin = zero + 30 * US + k * 100 * US;
+            let width = if begin < zero + 15 * MS { 50 } else { 30 };
+            assert_eq!(*pulse, (begin, begin + width * US), "{period}: pulse {k}");
+        }
+    }
+}
+
+/// A follow begins and ends at the instants of its entries, between two ticks.
+#[test]
+fn a_follow_begins_and_ends_at_its_place() {
+    let mut bench = ready(1000);
+    bench.delays(0, 0);
+    bench.carrier(100.0);
+    bench.direct(20.0);
+    // 0.4 ms after a tick the speed of 10 pulse/ms has been there for 5.4 ms.
+    let entries = [
+        light(true),
+        line([104, 0], 10.0, 1.0, 10.0),
+        follow(3.0, 10.0, 100.0),
+        line([131, 0], 10.0, 1.0, 10.0),
+        direct(50.0),
+        line([500, 0], 10.0, 1.0, 0.0),
+    ];
+    bench.path(0, &entries);
+    let zero = bench.start(1);
+    until(&mut bench, zero + 25 * MS);
+    for pulse in bench.pulses().iter().filter(|pulse| pulse.0 < zero + 22 * MS) {
+        // 20 %, 3·10 + 10 % from 15.4 ms on, 50 % from 18.1 ms on, of 10 µs.
+        let at = pulse.0 - zero;
+        let width = if at < 15_400_000 {
+            2000
+        } else if at < 18_100_000 {
+            4000
+        } else {
+            5000
+        };
+        assert_eq!(pulse.1 - pulse.0, width, "at {at}");
+    }
+}
+
+/// x = 0.1·v + 10, held in 10 to 14, along a trapezoid: each tick has the speed in the middle of its interval.
+#[test]
+fn the_power_follows_the_middle_of_the_interval() {
+    for period in [50, 250, 1000] {
+        let mut bench = ready(period);
+        bench.path(0, &[follow(0.1, 10.0, 14.0), light(true), line([4000, 0], 50.0, 1.0, 0.0)]);
+        let zero = bench.start(1);
+        // 1250 pulses up in 50 ms, 1500 in 30 ms, 50 ms down.
+        let mut ticks = 0;
+        while bench.tick.now().0 < zero + 129 * MS {
+            let shown = bench.tick();
+            let at = (bench.tick.now().0 - zero) as f64 / 1e6 + f64::from(period) / 2e3;
+            let v = at.min(50.0).min(130.0 - at);
+            let want = (0.1 * v + 10.0).clamp(10.0, 14.0);
+            assert!((number(shown.power) - want).abs() < 1e-7, "{period} at {at}: {} {want}", number(shown.power));
+            ticks += 1;
+        }
+        assert!(ticks > 100);
+    }
+}
+
+/// With a minimum of 0 the energy of every stretch is the ratio times its length, at 1:100 of speeds.
+#[test]
+fn energy_per_way_is_the_ratio() {
+    for period in [10, 50, 250, 1000] {
+        let mut bench = ready(period);
+        bench.carrier(1000.0);
+        bench.path(0, &[follow(2.0, 0.0, 100.0), light(true), line([4000, 0], 50.0, 1.0, 0.0)]);
+        let zero = bench.start(1);
+        let mut stretches = vec![];
+        let (mut from, mut energy) = (0.0, 0u64);
+        until(&mut bench, zero);
+        bench.forget();
+        while bench.tick.now().0 < zero + 130 * MS {
+            bench.tick();
+            energy += bench.pulses().iter().map(|(begin, end)| end - begin).sum::<u64>();
+            bench.forget();
+            let x = bench.view().axes[0].pos.0 as f64 / (1 << 22) as f64;
+            // A stretch is a tenth of the way so far, and 100 pulses at most.
+            if x - from >= (0.1 * from).clamp(0.125, 100.0) {
+                let per_pulse = energy as f64 / 1e6 * 100.0 / (x - from);
+                stretches.push((x, per_pulse));
+                (from, energy) = (x, 0);
+            }
+        }
+        let seen = stretches.iter().filter(|(x, _)| *x < 3999.5);
+        for (x, per_pulse) in seen.clone() {
+            // 0.5 pulse/ms is reached at 0.125 pulse.
+            assert!((per_pulse / 2.0 - 1.0).abs() < 1e-3, "{period} at {x}: {per_pulse}");
+        }
+        assert!(seen.count() > 30, "{period}");
+    }
+}
+
+/// At a corner and in a BufDelay the speed is 0: the minimum, not darkness.
+#[test]
+fn speed_0_is_the_minimum() {
+    let mut bench = ready(250);
+    let entries = [
+        follow(1.0, 5.0, 100.0),
+        light(true),
+        line([100, 0], 10.0, 1.0, 0.0),
+        Entry::delay(7),
+        line([200, 0], 10.0, 1.0, 0.0),
+    ];
+    bench.path(0, &entries);
+    let zero = bench.start(1);
+    // 10 ms up, 10 ms down, 7 ms of rest.
+    until(&mut bench, zero + 23 * MS);
+    let shown = bench.view().lasers[0];
+    assert_eq!((shown.light, number(shown.power)), (true, 5.0));
+    until(&mut bench, zero + 32 * MS);
+    assert!((number(bench.view().lasers[0].power) - 10.125).abs() < 1e-7);
+    until(&mut bench, zero + 60 * MS);
+    // The entries have run out 47 ms after the start: off, without a BufLaserOff.
+    assert_eq!(edges(&mut bench, zero), [(0, true), (47_000_000, false)]);
+}
+
+/// A Stop puts light out when the path is at rest, and CrdStart lights it again, both with their delays.
+#[test]
+fn a_stop_keeps_light_dark_until_the_path_goes_on() {
+    for period in PERIODS {
+        let mut bench = ready(period);
+        let step = u64::from(period) * US;
+        bench.delays(123, 77);
+        bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
+        let zero = bench.start(1);
+        until(&mut bench, zero + 20 * MS);
+        bench.stop(1, false);
+        let stopped = bench.tick.now().0 + step;
+        until(&mut bench, zero + 50 * MS);
+        // It brakes from 10 pulse/ms with 1 pulse/ms² from the tick on.
+        let rest = (stopped - zero + 10 * MS) as i64;
+        assert_eq!(edges(&mut bench, zero), [(77_000, true), (rest + 123_000, false)], "{period}");
+        assert!(!bench.view().lasers[0].commanded);
+        let again = (bench.start(1) - zero) as i64;
+        until(&mut bench, zero + 250 * MS);
+        let edges = edges(&mut bench, zero);
+        assert_eq!(edges[2], (again + 77_000, true), "{period}");
+        assert_eq!((edges.len(), edges[3].1, bench.view().crds[0].runs), (4, false, false));
+    }
+}
+
+/// What a Stop puts out, and what brings it back.
+#[test]
+fn whose_light_goes_off_and_comes_back() {
+    // Stopped within its path, with light of an entry; what is done then; whether light is there after a CrdStart.
+    let case = |before: &dyn Fn(&mut Bench), meanwhile: &dyn Fn(&mut Bench)| {
+        let mut bench = ready(250);
+        bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
+        bench.start(1);
+        bench.until(20 * MS);
+        before(&mut bench);
+        bench.tick();
+        bench.stop(1, false);
+        bench.until(40 * MS);
+        let dark = bench.view().lasers[0].light;
+        meanwhile(&mut bench);
+        bench.tick();
+        bench.start(1);
+        bench.until(50 * MS);
+        assert!(bench.view().crds[0].runs);
+        (dark, bench.view().lasers[0].light)
+    };
+    let nothing = |_: &mut Bench| {};
+    assert_eq!(case(&nothing, &nothing), (false, true));
+    // An immediate command takes the light over: no rest puts it out.
+    assert_eq!(case(&|bench| bench.gate(true), &nothing), (true, true));
+    // Off is off.
+    assert_eq!(case(&nothing, &|bench| bench.gate(false)), (false, false));
+    // CrdClear ends what might go on.
+    let anew = |bench: &mut Bench| {
+        bench.clear_path(0);
+        bench.tick();
+        bench.path(0, &[line([2000, 0], 10.0, 1.0, 0.0)]);
+    };
+    assert_eq!(case(&nothing, &anew), (false, false));
+    // A channel that is mapped to another coordinate system alone does not care.
+    assert_eq!(case(&|bench| bench.change(Change::CrdMap { map: 0b10 }), &nothing), (true, true));
+    // Another mode withdraws the command.
+    let mode = |bench: &mut Bench| bench.mode(Mode::Frequency, 100.0, 0.0, true);
+    assert_eq!(case(&nothing, &mode), (false, false));
+    // Ending a follow lights nothing by itself; it does not forbid that the light comes back.
+    let ending = |bench: &mut Bench| {
+        bench.op(Op::FollowEnd { crds: CrdMask(1) });
+        bench.tick();
+        assert!(!bench.view().lasers[0].light);
+    };
+    assert_eq!(case(&nothing, &ending), (false, true));
+    // A fault while it rests: it stays off.
+    let fault = |bench: &mut Bench| {
+        bench.machine.interlock = true;
+        bench.tick();
+        bench.machine.interlock = false;
+        bench.tick();
+        bench.change(Change::ClearFault);
+    };
+    assert_eq!(case(&nothing, &fault), (false, false));
+}
+
+/// Operations of one instant act in their order, also those of a path and of a channel.
+#[test]
+fn a_start_and_an_off_command_of_one_instant_keep_their_order() {
+    let stopped = || {
+        let mut bench = ready(250);
+        bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
+        bench.start(1);
+        bench.until(20 * MS);
+        bench.stop(1, true);
+        bench.until(40 * MS);
+        bench
+    };
+    let mut bench = stopped();
+    bench.start(1);
+    bench.gate(false);
+    bench.until(50 * MS);
+    assert!(!bench.view().lasers[0].light);
+    let mut bench = stopped();
+    bench.gate(true);
+    bench.start(1);
+    bench.until(50 * MS);
+    assert!(bench.view().lasers[0].light);
+}
+
+/// 10 pulse/ms after 10 ms; 18 pulses are too short to brake from there: 8 pulse/ms after 12 ms.
+fn underrun(first: Entry) -> [Entry; 3] {
+    [first, line([50, 0], 10.0, 1.0, 10.0), line([68, 0], 10.0, 1.0, 0.0)]
+}
+
+/// Out of entries at speed: dark there, to the ns, in every output; it stays so until it is cleared.
+#[test]
+fn an_underrun_is_dark_at_its_instant() {
+    for period in PERIODS {
+        let mut bench = ready(period);
+        bench.delays(5000, 0);
+        bench.standby(Some((20.0, 50.0)));
+        bench.path(0, &underrun(light(true)));
+        let zero = bench.start(1);
+        until(&mut bench, zero + 40 * MS);
+        assert_eq!(edges(&mut bench, zero), [(0, true), (12_000_000, false)], "{period}");
+        assert_eq!(bench.pulses().last(), Some(&(zero, zero + 12_000_000)), "{period}");
+        let shown = bench.view().lasers[0];
+        assert_eq!((shown.fault, shown.on_time), (Cause::Underrun, 48), "{period}");
+        assert_eq!(bench.view().lasers[1].fault, Cause::Underrun);
+        bench.gate(true);
+        bench.until_ms(60);
+        assert!(!bench.view().lasers[0].light);
+        bench.change(Change::ClearFault);
+        bench.tick();
+        bench.gate(true);
+        bench.tick();
+        assert!(bench.view().lasers[0].light);
+    }
+}
+
+/// In analog mode an underrun takes the DAC to 0 V there, pre-voltage or not.
+#[test]
+fn an_underrun_takes_the_dac_to_0() {
+    let mut bench = ready(250);
+    bench.mode(Mode::Analog, 10.0, 0.0, true);
+    bench.change(Change::PreVoltage(Some(power(2.0))));
+    bench.path(0, &underrun(direct(5.0)));
+    bench.gate(true);
+    let zero = bench.start(1);
+    bench.until_ms(40);
+    let volts = bench.volts();
+    let [.., on, off] = volts[..] else { panic!("{volts:?}") };
+    assert_eq!([on, off], [(zero, 16384), (zero + 12_000_000, 0)]);
+}
+
+/// A fault of an axis puts out the channels that are mapped to its coordinate system, in the tick that sees it, and
+/// ClrSts of such an axis clears, once the cause is gone.
+#[test]
+fn a_fault_of_an_axis_puts_out_what_its_coordinate_system_gates() {
+    let lit = |map| {
+        let mut bench = ready(250);
+        bench.change(Change::CrdMap { map });
+        bench.op(Op::Laser { channel: 1, change: Change::CrdMap { map: 0b10 } });
+        bench.gate(true);
+        bench.op(Op::Laser { channel: 1, change: Change::Gate { on: true } });
+        bench.until(5 * MS);
+        bench
+    };
+    let faults = |bench: &mut Bench| bench.view().lasers.map(|shown| shown.fault);
+    // An alarm.
+    let mut bench = lit(0b01);
+    bench.machine.inputs[1].alarm = true;
+    bench.tick();
+    assert_eq!(faults(&mut bench), [Cause::Alarm, Cause::None]);
+    let clear = |bench: &mut Bench, index: usize| {
+        bench.op(Op::ClearStatus { axes: AxisMask(1 << index) });
+        bench.tick();
+        bench.tick();
+    };
+    bench.tick();
+    clear(&mut bench, 1);
+    assert_eq!(faults(&mut bench), [Cause::Alarm, Cause::None]);
+    bench.machine.inputs[1].alarm = false;
+    bench.tick();
+    clear(&mut bench, 2);
+    assert_eq!(faults(&mut bench), [Cause::Alarm, Cause::None]);
+    clear(&mut bench, 0);
+    assert_eq!(faults(&mut bench), [Cause::None; 2]);
+    assert!(!bench.view().lasers[0].light && bench.view().lasers[1].light);
+    // A limit.
+    let mut bench = lit(0b11);
+    bench.machine.inputs[3].limit_negative = true;
+    bench.tick();
+    assert_eq!(faults(&mut bench), [Cause::Limit; 2]);
+    bench.tick();
+    clear(&mut bench, 3);
+    assert_eq!(faults(&mut bench), [Cause::None; 2]);
+    // Servo off.
+    let mut bench = lit(0b01);
+    bench.op(Op::Servo { axis: axis(1), on: false });
+    bench.tick();
+    assert_eq!(faults(&mut bench), [Cause::ServoOff, Cause::None]);
+}
+
+/// A lost link stops paths in the dark; with the fault cleared their light comes back as they go on.
+#[test]
+fn light_comes_back_after_a_lost_link() {
+    let lost = |entries: &[Entry]| {
+        let mut bench = ready(250);
+        bench.path(0, entries);
+        let zero = bench.start(1);
+        until(&mut bench, zero + 20 * MS);
+        let at = bench.tick.now().0;
+        bench.op(Op::Link { lost: true });
+        until(&mut bench, zero + 50 * MS);
+        assert_eq!(bench.switch(), [(zero, true), (at, false)]);
+        assert_eq!((bench.view().lasers[0].fault, bench.view().crds[0].runs), (Cause::LinkLost, false));
+        bench.op(Op::Link { lost: false });
+        bench.tick();
+        bench.change(Change::ClearFault);
+        bench.until_ms(80);
+        assert!(!bench.view().lasers[0].light);
+        bench.start(1);
+        bench.until_ms(90);
+        assert!(bench.view().crds[0].runs);
+        bench.view().lasers[0].light
+    };
+    assert!(lost(&[light(true), line([1000, 0], 10.0, 1.0, 0.0)]));
+    // Braking, it passes entries that count for what comes back: off within 25 ms, and on again.
+    let far = line([1000, 0], 10.0, 1.0, 0.0);
+    assert!(!lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), far]));
+    assert!(lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), light(true), far]));
+}
+
+/// Two paths change one channel within one interval: in the order of time.
+#[test]
+fn changes_of_two_paths_come_in_the_order_of_time() {
+    let mut bench = ready(1000);
+    // Boundaries 15.5 ms after the start and 15.9 ms; 15.7 ms.
+    let long = |from: i32| line([from + 300, 0], 10.0, 1.0, 0.0);
+    let at = |x: i32| line([x, 0], 10.0, 1.0, 10.0);
+    bench.path(1, &[at(105), light(true), at(109), light(true), long(109)]);
+    bench.path(0, &[at(107), light(false), long(107)]);
+    let zero = bench.start(0b11);
+    bench.until_ms(40);
+    assert_eq!(edges(&mut bench, zero), [(15_500_000, true), (15_700_000, false), (15_900_000, true)]);
+}
+
+/// Direct power, velocity and distance follow together, by the laws of both families.
+#[test]
+fn both_follows_add_up() {
+    for family in [Family::Gus, Family::Lsr] {
+        let mut bench = ready(1000);
+        if family == Family::Lsr {
+            lsr(&mut bench);
+        }
+        let bounds = Some(Bounds::admit(Mode::Duty, power(60.0), power(0.0)).unwrap());
+        let (scales, ratios) = ([1000.0f64; 4].map(f64::to_bits), [50.0, 0.0, 0.0, 0.0f64].map(f64::to_bits));
+        let axes = [0, 1, 2, 3].map(axis);
+        let source = Source::Planned;
+        let distance = Distance::admit(source, axes, [100, 0, 0, 0], scales, ratios, Ratios::Fixed, bounds).unwrap();
+        bench.change(Change::Distance(Some(distance)));
+        // A line at 10 pulse/ms: 10 to 800 pulses after 10.5 ms to 89 ms.
+        bench.path(
+            0,
+            &[
+                follow(2.0, 5.0, 22.0),
+                direct(7.0),
+                follow(2.0, 5.0, 22.0),
+                light(true),
+                line([2000, 0], 10.0, 1.0, 0.0),
+            ],
+        );
+        let zero = bench.start(1);
+        bench.until(zero + 30 * MS);
+        // At 250 pulses: 0.05·150 = 7.5; the velocity part 25 → 22 in GUS; in LSR 25 + 7 + 7.5 held in 5 to 22.
+        let want = if family == Family::Gus { 29.5 } else { 22.0 };
+        let shown = bench.view().lasers[0];
+        assert_eq!((number(shown.power), shown.light), (want, true), "{family:?}");
+        // At 1250 pulses, GUS: 22 + 57.5, held in the distance's 60.
+        bench.until(zero + 130 * MS);
+        let want = if family == Family::Gus { 60.0 } else { 22.0 };
+        assert_eq!(number(bench.view().lasers[0].power), want);
+        // A direct power ends the follow in GUS: 1 + 57.5 at 1250.1 pulses.
+        bench.direct(1.0);
+        bench.tick();
+        let want = if family == Family::Gus { 1.0 + 0.05 * 1160.0 } else { 22.0 };
+        assert!((number(bench.view().lasers[0].power) - want).abs() < 1e-9);
+        assert_eq!(bench.view().lasers[0].follows.is_some(), family == Family::Lsr);
+    }
+}
+
+/// The encoders' path speed, of the interval before.
+#[test]
+fn the_encoders_of_a_path_may_be_followed() {
+    let mut bench = ready(1000);
+    let mode = Buffered::FollowMode { source: Source::Encoder, start: None };
+    let bounds = Bounds::admit_follow(Mode::Duty, power(100.0), power(1.0)).unwrap();
+    let ratio = Ratio::admit(2f64.to_bits()).unwrap();
+    bench.path(
+        0,
+        &[
+            buffered(mode),
+            buffered(Buffered::FollowRatio { ratio, bounds }),
+            light(true),
+            line([900, 0], 10.0, 1.0, 0.0),
+        ],
+    );
+    bench.start(1);
+    for k in 0..20 {
+        bench.machine.encoders = [3 * k, -4 * k, 77 * k, 0];
+        bench.tick();
+        let want = if k < 1 { 1.0 } else { 2.0 * 5.0 + 1.0 };
+        assert_eq!(number(bench.view().lasers[0].power), want, "{k}");
+    }
+}
