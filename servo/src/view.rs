@@ -259,6 +259,8 @@ pub struct CrdView {
     pub moves: u32,
     /// Counts changes of what is not a place on the path: `frame`, `cleared`, `rest`, `stop`, `ends`.
     pub changes: u32,
+    /// Counts changes of `bend` and of `motion` but for the place in it.
+    pub turns: u32,
     /// Coordinates: the planned positions of its axes less the origin.
     pub place: [Pos; DIMENSIONS],
     /// Direction of motion, a unit vector in 2⁻³⁰; zeros where it does not move.
@@ -300,14 +302,18 @@ impl CrdView {
             *self = *now;
             return;
         }
-        (self.moves, self.place, self.heading, self.bend) = (now.moves, now.place, now.heading, now.bend);
-        (self.motion, self.fifo, self.released, self.done) = (now.motion, now.fifo, now.released, now.done);
+        if self.turns != now.turns {
+            (self.turns, self.bend, self.motion) = (now.turns, now.bend, now.motion);
+        }
+        (self.moves, self.place, self.heading, self.motion.tau) = (now.moves, now.place, now.heading, now.motion.tau);
+        (self.fifo, self.released, self.done) = (now.fifo, now.released, now.done);
     }
 
     /// At power-on.
     pub const POWER_ON: CrdView = CrdView {
         moves: 0,
         changes: 0,
+        turns: 0,
         place: [Pos(0); DIMENSIONS],
         heading: [0; DIMENSIONS],
         bend: Bend::STRAIGHT,

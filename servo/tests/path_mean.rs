@@ -57,7 +57,7 @@ fn run(entries: Vec<Entry>, period: u64, stop: Option<u64>) -> u64 {
                 now - BEGIN
             );
         }
-        before = Some((x, per_ms(path.mean(&step, Ns(now), Ns(period)))));
+        before = Some((x, per_ms(path.mean(&step.motion, Ns(now), Ns(period)))));
         if !step.runs {
             return now;
         }

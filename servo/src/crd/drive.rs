@@ -3,13 +3,14 @@
 //! In: the axes as the tick in force left them, entries. Out: where the mapped axes are at the tick computed, what
 //! entries do until the one after. Owns nothing. Cannot fail: what must not go on stops, and the reason is latched.
 use super::Frame;
+use super::sink::Sink;
 use crate::axis::AxisState;
 use crate::execute::Reach;
 use crate::laser::{Cause, PathSpeed, Wants};
-use crate::path::{Rest, Step};
+use crate::path::{Feed, Rest, Sight};
 use crate::tick::{Tick, tell};
 use crate::units::{Axis, AxisMask, Crd, Exact, Ns, Pos};
-use crate::view::{Event, StopReason};
+use crate::view::{CrdView, Event, StopReason};
 
 impl<const AXES: usize> Tick<AXES> {
     /// Every coordinate system that runs takes its step.
@@ -57,41 +58,64 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(always)]
     fn step_crd(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         let period = self.period;
-        let mut step = None;
-        let (mut unable, mut obstacle, mut awaited) = (None, None, None);
-        let (mut geared, mut told) = (AxisMask(0), AxisMask(0));
-        self.with_path(crd, next, lanes, |path, _, feed, source, sink| {
-            step = Some((path.step(next, period, feed, source, sink), path.waits()));
-            (unable, obstacle, awaited, geared, told) =
-                (sink.unable, sink.obstacle, sink.awaited, sink.geared, sink.told);
-        });
-        let Some((step, waits)) = step else { return };
-        if let Some(state) = self.crds.get_mut(crd) {
-            state.geared = geared;
-            state.awaited = awaited.filter(|_| waits);
-        }
-        self.place(crd, &step);
-        let left = AxisMask(geared.0 & !told.0);
-        if left.0 != 0 || !step.runs {
-            self.let_go(crd, left, step.runs, next);
-        }
-        if let Some(state) = self.crds.states.get_mut(crd.index()) {
-            let shown = &mut state.shown;
-            shown.moves = shown.moves.wrapping_add(1);
-            (shown.place, shown.heading, shown.bend, shown.motion) = (step.place, step.heading, step.bend, step.motion);
-            shown.fifo = step.fifo;
-            shown.released = [state.path.released(0), state.path.released(1)];
-            for (fifo, done) in (0..).zip(&mut shown.done) {
-                if fifo == step.fifo {
-                    *done = step.done;
-                }
+        let Tick { crds, axes, edges, lasers, .. } = self;
+        let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
+            return;
+        };
+        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, ends, .. } = &mut state.shown
+        else {
+            return;
+        };
+        let feed = Feed { ends: *ends };
+        let mut sink = Sink {
+            crd,
+            next,
+            frame,
+            origin,
+            axes,
+            lasers,
+            edges,
+            segments: lanes.segments,
+            tables: lanes.tables,
+            told: AxisMask(0),
+            geared: state.geared,
+            fault: false,
+            rest: None,
+            unable: None,
+            awaited: state.awaited,
+            obstacle: None,
+        };
+        let mut sight = Sight { place, heading, bend, motion, turns };
+        let told = state.path.advance(next, period, feed, source, &mut sink, &mut sight);
+        let Sink { told: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
+        for ((axis, at), origin) in frame.axes_ref().iter().zip(place).zip(origin) {
+            if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
+                axis.drive(Pos(at.0.wrapping_add(origin.0)));
             }
         }
+        state.geared = geared;
+        if awaited.is_some() {
+            state.awaited = awaited.filter(|_| state.path.waits());
+        }
+        let shown = &mut state.shown;
+        shown.moves = shown.moves.wrapping_add(1);
+        crds.moves = crds.moves.wrapping_add(1);
+        if let Some(rest) = rest {
+            shown.rest = rest;
+        }
+        shown.fifo = told.fifo;
+        shown.released = [state.path.released(0), state.path.released(1)];
+        let [first, second] = &mut shown.done;
+        *(if told.fifo == 0 { first } else { second }) = told.done;
         let wants = self.lasers.wants(crd);
         if wants.planned || wants.encoder {
-            self.feed_lasers(crd, &step, next, wants);
+            self.feed_lasers(crd, next, wants);
         }
-        if !step.runs {
+        let left = AxisMask(geared.0 & !gone.0);
+        if left.0 != 0 || !told.runs {
+            self.let_go(crd, left, told.runs, next);
+        }
+        if !told.runs {
             self.come_to_rest(crd, obstacle, next, lanes);
         } else if unable.is_some() {
             self.stop_crds(crd.mask(), true, StopReason::OtherAxis, next, lanes);
@@ -100,12 +124,12 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Channels follow the speed of the path.
     #[inline(never)]
-    fn feed_lasers(&mut self, crd: Crd, step: &Step, next: Ns, wants: Wants) {
+    fn feed_lasers(&mut self, crd: Crd, next: Ns, wants: Wants) {
         let period = self.period;
         let Some(state) = self.crds.get(crd) else { return };
         let (mut planned, mut encoder) = (PathSpeed::REST, PathSpeed::REST);
         if wants.planned {
-            planned = state.path.mean(step, next, period);
+            planned = state.path.mean(&state.shown.motion, next, period);
         }
         if wants.encoder {
             let mapped = state.shown.frame.map_or([None; 4], |frame| frame.axes());
@@ -116,19 +140,6 @@ impl<const AXES: usize> Tick<AXES> {
             encoder = PathSpeed::measured(gone, period);
         }
         self.lasers.feed(crd, planned, encoder);
-    }
-
-    /// The mapped axes are where the path is.
-    #[inline(always)]
-    fn place(&mut self, crd: Crd, step: &Step) {
-        let Tick { crds, axes, .. } = self;
-        let Some(state) = crds.get(crd) else { return };
-        let mapped = state.shown.frame.map_or([None; 4], |frame| frame.axes());
-        for ((axis, at), origin) in mapped.iter().zip(&step.place).zip(&state.shown.origin) {
-            if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
-                axis.drive(Pos(at.0.wrapping_add(origin.0)));
-            }
-        }
     }
 
     /// Axes that go along no more: those that went to the end of their motion, and at rest all of them.

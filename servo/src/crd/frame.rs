@@ -44,6 +44,12 @@ impl Frame {
         self.axes
     }
 
+    /// The same where they lie.
+    #[inline(always)]
+    pub(crate) fn axes_ref(&self) -> &[Option<Axis>; DIMENSIONS] {
+        &self.axes
+    }
+
     /// The same as a set.
     pub fn mask(&self) -> AxisMask {
         AxisMask(self.axes.iter().flatten().fold(0, |mask, axis| mask | axis.mask().0))

@@ -311,13 +311,13 @@ impl<const AXES: usize> Tick<AXES> {
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
         };
-        let Some(frame) = state.shown.frame else { return };
         let feed = state.feed();
+        let Some(frame) = &state.shown.frame else { return };
         let mut sink = Sink {
             crd,
             next,
             frame,
-            origin: state.shown.origin,
+            origin: &state.shown.origin,
             axes,
             edges,
             lasers,

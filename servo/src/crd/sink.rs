@@ -20,8 +20,8 @@ pub(crate) struct Sink<'a> {
     pub(crate) crd: Crd,
     /// The tick computed.
     pub(crate) next: Ns,
-    pub(crate) frame: Frame,
-    pub(crate) origin: [Pos; DIMENSIONS],
+    pub(crate) frame: &'a Frame,
+    pub(crate) origin: &'a [Pos; DIMENSIONS],
     pub(crate) axes: &'a mut [AxisState],
     pub(crate) edges: &'a mut Edges,
     pub(crate) lasers: &'a mut Lasers,
@@ -133,7 +133,7 @@ impl Effects for Sink<'_> {
     }
 
     fn admits(&mut self, place: &[Pos; DIMENSIONS]) -> bool {
-        for ((axis, at), origin) in self.frame.axes().iter().zip(place).zip(&self.origin) {
+        for ((axis, at), origin) in self.frame.axes_ref().iter().zip(place).zip(self.origin) {
             let Some(axis) = axis else { continue };
             let to = Pos(at.0.wrapping_add(origin.0));
             if self.axes.get(axis.index()).is_some_and(|state| !state.admits(to)) {

@@ -149,6 +149,12 @@ impl Agenda {
     pub(super) const EMPTY: Agenda =
         Agenda { next: NEVER, first: 0, len: 0, events: [(NEVER, Event::Trip(Cause::None)); EVENTS] };
 
+    /// Whether there is none.
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.first == self.len
+    }
+
     /// Whether one of them may begin a follow or choose its speed.
     pub(super) fn follows(&self) -> bool {
         let mut events = self.events.get(self.first..self.len).unwrap_or_default().iter();

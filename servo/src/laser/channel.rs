@@ -252,9 +252,12 @@ impl Channel {
         CrdMask(self.shown.crd_map).has(crd)
     }
 
-    /// Whether it follows this speed, or may from within the coming interval on.
-    pub(super) fn wants(&self, crd: Crd, source: Source) -> bool {
-        self.law.follows() == Some(crd) && self.law.source() == source || self.agenda.follows()
+    /// Whether it follows the planned speed, or that of encoders, or may from within the coming interval on.
+    #[inline(always)]
+    pub(super) fn wants(&self, crd: Crd) -> (bool, bool) {
+        let (follows, planned) = (self.law.follows() == Some(crd), self.law.source() == Source::Planned);
+        let may = !self.agenda.is_empty() && self.agenda.follows();
+        (follows && planned || may, follows && !planned || may)
     }
 
     /// Ends a follow that one of these began.

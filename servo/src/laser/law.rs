@@ -136,7 +136,7 @@ impl Law {
 
     /// Whose path it follows.
     pub(super) fn follows(&self) -> Option<Crd> {
-        self.follow.map(|follow| follow.crd)
+        self.follow.as_ref().map(|follow| follow.crd)
     }
 
     /// Which speed a follow follows.

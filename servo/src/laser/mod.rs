@@ -288,8 +288,12 @@ impl Lasers {
 
     /// Which speeds of a path are to be fed, once the path has taken its step.
     pub(crate) fn wants(&self, crd: Crd) -> Wants {
-        let wanted = |source| self.channels.iter().any(|channel| channel.wants(crd, source));
-        Wants { planned: wanted(Source::Planned), encoder: wanted(Source::Encoder) }
+        let mut wants = Wants { planned: false, encoder: false };
+        for channel in &self.channels {
+            let (planned, encoder) = channel.wants(crd);
+            (wants.planned, wants.encoder) = (wants.planned | planned, wants.encoder | encoder);
+        }
+        wants
     }
 
     /// How fast a path goes in the interval that is planned next ([`crate::path::Path::mean`]), and how fast its encoders

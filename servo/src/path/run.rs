@@ -117,6 +117,31 @@ pub struct Step {
     pub done: u32,
 }
 
+/// Where a path shows where it is; what has not changed is not written again.
+pub struct Sight<'a> {
+    /// Coordinates.
+    pub place: &'a mut [Pos; DIMENSIONS],
+    /// Direction.
+    pub heading: &'a mut [i32; DIMENSIONS],
+    /// How it turns.
+    pub bend: &'a mut Bend,
+    /// The way along the motion in force.
+    pub motion: &'a mut Motion,
+    /// Counts changes of bend and motion but for the place in it.
+    pub turns: &'a mut u32,
+}
+
+/// What else a step tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Told {
+    /// Whether it runs; it also does while it waits.
+    pub runs: bool,
+    /// FIFO in force.
+    pub fifo: u8,
+    /// Motions of it completed since it was cleared.
+    pub done: u32,
+}
+
 /// What goes along with a motion.
 #[derive(Debug, Clone, Copy)]
 struct Gear {
@@ -210,6 +235,8 @@ pub struct Path {
     way: Exact,
     /// The leg as a piece, once it is needed.
     piece: Option<Piece>,
+    /// What is shown has to be written as a whole.
+    fresh: bool,
     /// The way along the motion in force when it was looked at last; since then, the way to the end of the last leg
     /// that has ended, if one has.
     seen: Pos,
@@ -257,6 +284,7 @@ impl Path {
         began: 0,
         way: Exact(0),
         piece: None,
+        fresh: true,
         seen: Pos(0),
         swept: None,
         open: None,
@@ -277,7 +305,7 @@ impl Path {
 
     /// At rest, it is here: its axes are called something else now.
     pub fn rename(&mut self, here: [Pos; DIMENSIONS]) {
-        self.here = here;
+        (self.here, self.fresh) = (here, true);
     }
 
     /// Where it is while it does not move.
@@ -389,6 +417,26 @@ impl Path {
 
     /// The path at `next`; then all boundaries before `next + period`.
     pub fn step(&mut self, next: Ns, period: Ns, feed: Feed, source: &impl Entries, sink: &mut impl Effects) -> Step {
+        let (heading, bend, motion) = ([0; DIMENSIONS], Bend::STRAIGHT, Motion::REST);
+        let mut step = Step { place: ORIGIN, heading, bend, motion, runs: false, fifo: 0, done: 0 };
+        let Step { place, heading, bend, motion, .. } = &mut step;
+        self.fresh = true;
+        let mut sight = Sight { place, heading, bend, motion, turns: &mut 0 };
+        let told = self.advance(next, period, feed, source, sink, &mut sight);
+        Step { runs: told.runs, fifo: told.fifo, done: told.done, ..step }
+    }
+
+    /// The same, shown where it was shown in the step before.
+    #[inline(always)]
+    pub fn advance(
+        &mut self,
+        next: Ns,
+        period: Ns,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+        sight: &mut Sight<'_>,
+    ) -> Told {
         let now = (next.0 as Fine) << 32;
         let until = now.wrapping_add((period.0 as Fine) << 32);
         let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
@@ -403,47 +451,60 @@ impl Path {
         }
         // A tick that makes a piece does not make anything ahead.
         let has_time = self.piece.is_some() && !self.is_prepared();
-        let shown = self.look(next, sink);
-        if shown.motion != Motion::REST && !sink.admits(&shown.place) {
-            return self.hold(next, sink, feed);
+        let (fifo, done) = (self.fifo, self.done(self.fifo));
+        let moves = self.look(next, sink, sight);
+        if moves && !sink.admits(sight.place) {
+            self.hold(next, sink, feed, sight);
+            return Told { runs: false, fifo, done };
         }
+        let runs = self.runs();
         if self.due < next.0.wrapping_add(period.0) {
             self.walk(until, &mut budget, feed, source, sink);
         } else if has_time {
             self.prepare(feed, source);
         }
-        shown
+        Told { runs, fifo, done }
     }
 
-    /// Where it is at `next`, which lies in the leg in force.
+    /// Where it is at `next`, which lies in the leg in force; whether it moves.
     #[inline(always)]
-    fn look(&mut self, next: Ns, sink: &mut impl Effects) -> Step {
-        let (fifo, done) = (self.fifo, self.done(self.fifo));
+    fn look(&mut self, next: Ns, sink: &mut impl Effects, sight: &mut Sight<'_>) -> bool {
         (self.seen, self.swept) = (Pos(0), None);
         if let Stage::Move = self.stage
             && let Some(leg) = self.plan.leg(self.leg)
         {
+            let fresh = self.fresh || self.piece.is_none();
             let piece = match &mut self.piece {
                 Some(piece) => piece,
                 none => none.insert(leg.piece(self.began, self.way)),
             };
+            if fresh {
+                self.fresh = false;
+                *sight.motion = piece.motion;
+                *sight.turns = sight.turns.wrapping_add(1);
+                self.shape.show(sight.place, sight.heading, sight.bend);
+            }
             let (way, tau) = piece.at(piece.held(next));
-            let motion = piece.motion(tau);
-            self.seen = way;
+            (self.seen, sight.motion.tau) = (way, tau);
             let cursor = self.cursor_of(self.fifo);
             for gear in cursor.gears.iter().take(cursor.geared) {
                 sink.gear(gear.axis, gear.along.at(way), gear.along.ratio());
             }
-            let (place, heading) = self.shape.at(way);
-            return Step { place, heading, bend: self.shape.bend(), motion, runs: true, fifo, done };
+            self.shape.follow(way, sight.place, sight.heading);
+            return true;
         }
-        let (heading, bend, motion) = ([0; DIMENSIONS], Bend::STRAIGHT, Motion::REST);
-        Step { place: self.here, heading, bend, motion, runs: self.runs(), fifo, done }
+        if self.fresh {
+            self.fresh = false;
+            *sight.turns = sight.turns.wrapping_add(1);
+            (*sight.place, *sight.heading) = (self.here, [0; DIMENSIONS]);
+            (*sight.bend, *sight.motion) = (Bend::STRAIGHT, Motion::REST);
+        }
+        false
     }
 
     /// The place of the motion in force at `next` is not admitted: it comes to rest on the way there.
     #[inline(never)]
-    fn hold(&mut self, next: Ns, sink: &mut impl Effects, feed: Feed) -> Step {
+    fn hold(&mut self, next: Ns, sink: &mut impl Effects, feed: Feed, sight: &mut Sight<'_>) {
         let at = (next.0 as Fine) << 32;
         let from = self.way;
         self.catch_up(at);
@@ -451,17 +512,17 @@ impl Path {
         let (mut low, mut high) = (from, self.way);
         for _ in 0..16 {
             let middle = Exact(low.0.wrapping_add(high.0) >> 1);
-            if sink.admits(&self.shape.at(middle.round()).0) { low = middle } else { high = middle }
+            if sink.admits(&self.shape.at(middle.round())) { low = middle } else { high = middle }
         }
         self.way = low;
         self.halt(at, Rest::Obstructed, feed, sink);
-        self.look(next, sink)
+        self.look(next, sink, sight);
     }
 
-    /// The mean speed of the interval of `period` from `next` on, of which `step` was told: what the laser's power
+    /// The mean speed of the interval of `period` from `next` on, of which `motion` was shown: what the laser's power
     /// follows.
-    pub fn mean(&self, step: &Step, next: Ns, period: Ns) -> PathSpeed {
-        let Some(swept) = self.swept else { return PathSpeed::ahead(&step.motion, period) };
+    pub fn mean(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
+        let Some(swept) = self.swept else { return PathSpeed::ahead(motion, period) };
         let mut way = swept.0;
         if let Stage::Move = self.stage
             && let Some(leg) = self.plan.leg(self.leg)
@@ -474,7 +535,7 @@ impl Path {
 
     /// It waits where it is.
     fn wait(&mut self, until: Fine) {
-        (self.stage, self.due) = (Stage::Wait { until }, (until >> 32) as u64);
+        (self.stage, self.due, self.fresh) = (Stage::Wait { until }, (until >> 32) as u64, true);
     }
 
     /// The leg in force ends then; what has no leg left is over now.
@@ -615,7 +676,7 @@ impl Path {
 
     /// Comes to rest within a motion.
     fn halt(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
-        (self.here, _) = self.shape.at(self.way.round());
+        self.here = self.shape.at(self.way.round());
         let way = self.way;
         self.cursor(self.fifo).way = way;
         self.rest(at, rest, feed, sink);
@@ -624,7 +685,7 @@ impl Path {
     /// Comes to rest here.
     fn rest(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
         (self.stage, self.speed, self.stopping, self.open) = (Stage::Rest, Real::ZERO, false, None);
-        self.due = u64::MAX;
+        (self.due, self.fresh) = (u64::MAX, true);
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);
         cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;

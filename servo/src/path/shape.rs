@@ -79,8 +79,8 @@ impl Bend {
 
 #[derive(Debug, Clone, Copy)]
 enum Figure {
-    /// Unit vector in 2⁻⁶².
-    Line { unit: [i64; DIMENSIONS] },
+    /// Unit vector in 2⁻⁶²; all but the first `coordinates` of it are 0.
+    Line { unit: [i64; DIMENSIONS], coordinates: u8 },
     /// V in 2⁻³⁰ pulse, V/R in 2⁻³⁰; turns per pulse in 2^-(64 + shift).
     Arc { plane: Plane, ccw: bool, vector: [i64; 2], radial: [i32; 2], rate: u64, shift: i32 },
 }
@@ -124,7 +124,7 @@ impl Shape {
         start: [Pos(0); DIMENSIONS],
         end: [Pos(0); DIMENSIONS],
         length: Real::ZERO,
-        figure: Figure::Line { unit: [0; DIMENSIONS] },
+        figure: Figure::Line { unit: [0; DIMENSIONS], coordinates: 0 },
     };
 
     /// A motion from `start`. `exact` replaces the target of a line where it is the pulse nearest to it.
@@ -158,7 +158,8 @@ impl Shape {
         let length = Real::from_fixed(norm(&way), 2 * Pos::FRAC_BITS as i32).sqrt();
         let inverse = length.recip();
         let unit = way.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(61) << 1 });
-        Shape { start, end, length, figure: Figure::Line { unit } }
+        let coordinates = way.iter().rposition(|x| *x != 0).map_or(0, |last| last as u8 + 1);
+        Shape { start, end, length, figure: Figure::Line { unit, coordinates } }
     }
 
     #[inline(never)]
@@ -212,16 +213,26 @@ impl Shape {
         }
     }
 
-    /// The position after `way` of it, within 2⁻²¹ pulse, and the direction there, a unit vector in 2⁻³⁰.
-    #[inline]
-    pub(super) fn at(&self, way: Pos) -> ([Pos; DIMENSIONS], [i32; DIMENSIONS]) {
+    /// What of its place, direction and bend is the same all along it.
+    #[inline(always)]
+    pub(super) fn show(&self, place: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS], bend: &mut Bend) {
+        (*place, *heading, *bend) = (self.start, [0; DIMENSIONS], self.bend());
+        if let Figure::Line { unit, .. } = &self.figure {
+            for (heading, unit) in heading.iter_mut().zip(unit) {
+                *heading = (unit >> 32) as i32;
+            }
+        }
+    }
+
+    /// The position after `way` of it, within 2⁻²¹ pulse, and the direction there, a unit vector in 2⁻³⁰, in what has
+    /// been shown.
+    #[inline(always)]
+    pub(super) fn follow(&self, way: Pos, place: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS]) {
         let way = long(way);
-        let mut place = self.start;
-        let mut heading = [0; DIMENSIONS];
         match &self.figure {
-            Figure::Line { unit } => {
-                for ((place, heading), unit) in place.iter_mut().zip(&mut heading).zip(unit) {
-                    (*place, *heading) = (moved(*place, mulhi_su(*unit, way)), (unit >> 32) as i32);
+            Figure::Line { unit, coordinates } => {
+                for ((place, start), unit) in place.iter_mut().zip(&self.start).zip(unit).take(*coordinates as usize) {
+                    *place = moved(*start, mulhi_su(*unit, way));
                 }
             }
             Figure::Arc { plane, ccw, vector: [a, b], radial: [p, q], rate, shift } => {
@@ -244,13 +255,21 @@ impl Shape {
                     (by, [far(*q) - near(*p), -(near(*q) + far(*p))])
                 };
                 for ((index, by), to) in plane.coordinates().into_iter().zip(by).zip(to) {
-                    if let (Some(place), Some(heading)) = (place.get_mut(index), heading.get_mut(index)) {
-                        (*place, *heading) = (moved(*place, by), to);
+                    if let (Some(place), Some(start), Some(heading)) =
+                        (place.get_mut(index), self.start.get(index), heading.get_mut(index))
+                    {
+                        (*place, *heading) = (moved(*start, by), to);
                     }
                 }
             }
         }
-        (place, heading)
+    }
+
+    /// The position after `way` of it.
+    pub(super) fn at(&self, way: Pos) -> [Pos; DIMENSIONS] {
+        let mut place = self.start;
+        self.follow(way, &mut place, &mut [0; DIMENSIONS]);
+        place
     }
 }
 
