@@ -1,7 +1,7 @@
 //! Replies that wait for the tick, and what became of a record.
 use crate::case::Answer;
 use protocol::record::Full;
-use servo::units::Axis;
+use servo::units::{Axis, Crd};
 
 /// A reply that waits for its entry's execution.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +39,18 @@ impl Awaiting {
 }
 
 /// A start that the tick refused.
-pub type TickRefusal = (u32, Axis, u32);
+pub type TickRefusal = (u32, Refuser);
+
+/// Because of whom.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refuser {
+    /// Nobody: the entry was late and the program is strict.
+    Nobody,
+    /// An axis with this status.
+    Axis(Axis, u32),
+    /// A coordinate system.
+    Crd(Crd),
+}
 
 /// What became of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

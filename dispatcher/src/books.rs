@@ -6,16 +6,18 @@
 //! discarded, *ahead* is set back to *now*, so that what was never executed leaves no trace.
 mod axis;
 mod channel;
+mod crd;
 mod follow;
 
 pub use axis::{AxisBook, FifoBook};
 pub use channel::{LaserBook, LaserChange};
+pub use crd::{CAPACITY, CrdBook, CrdChange, Frame, Look, PathBook, PathData, place_of};
 pub use follow::Fifo;
 use protocol::command::{JogPrm, TrapPrm};
 use servo::laser::CHANNELS;
 use servo::op::{Mode, Op};
 use servo::pvt::TABLES;
-use servo::units::{Axis, AxisMask};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Pos};
 use servo::view::View;
 
 /// Set in the numbers of the program lane, so that a number tells its lane.
@@ -45,6 +47,10 @@ pub enum Change {
     Reset { axes: AxisMask, tables: u64 },
     /// Servo on or off.
     Servo { axis: Axis, on: bool },
+    /// The axes, and what drives them, are told to stop.
+    Stopped { axes: AxisMask },
+    /// The planned positions are set; none where only the tick knows them.
+    Placed { axes: AxisMask, pos: Option<Pos> },
     /// Latched bits are cleared.
     Cleared { axes: AxisMask },
     /// The axes start.
@@ -57,8 +63,8 @@ pub enum Change {
     TablePasses { axis: Axis, passes: i32 },
     /// A PVT table is there.
     TableFilled { table: u8 },
-    /// The axes are at rest for what follows.
-    Rest { axes: AxisMask },
+    /// They are at rest for what follows.
+    Rest { axes: AxisMask, crds: CrdMask },
     /// A mode, with empty FIFOs.
     Mode { axis: Axis, mode: Mode },
     /// A memory size.
@@ -101,6 +107,12 @@ pub enum Change {
     Analog { channel: u8, value: i16 },
     /// A laser channel, from 0.
     Laser { channel: u8, change: LaserChange },
+    /// A coordinate system.
+    Crd { crd: Crd, change: CrdChange },
+    /// Coordinate systems are told to stop.
+    CrdStopped { crds: CrdMask },
+    /// Coordinate systems start.
+    CrdStarted { crds: CrdMask, fifo1: CrdMask },
     /// Resolution of the lasers' frequencies (LSR): high (SetLaserMode 1) or low.
     LaserFine(bool),
 }
@@ -110,6 +122,8 @@ pub enum Change {
 pub struct Books<const AXES: usize> {
     /// The axes.
     pub axes: [AxisBook; AXES],
+    /// The coordinate systems.
+    pub crds: [CrdBook; Crd::MAX],
     /// The analog outputs.
     pub analog: [i16; 8],
     /// The laser channels.
@@ -127,6 +141,7 @@ impl<const AXES: usize> Books<AXES> {
     pub fn new() -> Self {
         Books {
             axes: [AxisBook::default(); AXES],
+            crds: [CrdBook::default(); Crd::MAX],
             analog: [0; 8],
             lasers: [LaserBook::power_on(true, false); CHANNELS],
             laser_fine: true,
@@ -165,8 +180,41 @@ impl<const AXES: usize> Books<AXES> {
         }
     }
 
-    /// What empties one of the FIFOs that were overwritten, of the first axis that has some.
+    /// Book of one coordinate system.
+    pub fn crd(&self, crd: Crd) -> &CrdBook {
+        let [first, ..] = &self.crds;
+        self.crds.get(crd.index()).unwrap_or(first)
+    }
+
+    /// What a FIFO of a coordinate system holds is not what was executed: it is to be emptied.
+    pub fn spoil_path(&mut self, crd: Crd, fifo: u8) {
+        if let Some(path) = self.crds.get_mut(crd.index()).and_then(|book| book.fifos.get_mut(usize::from(fifo))) {
+            path.spoiled = true;
+        }
+    }
+
+    /// The coordinate systems that drive one of these axes.
+    pub fn drivers(&self, axes: AxisMask) -> CrdMask {
+        let drives = |crd: &Crd| self.crd(*crd).frame.is_some_and(|frame| frame.mask().0 & axes.0 != 0);
+        CrdMask(Crd::all().filter(drives).fold(0, |mask, crd| mask | crd.mask().0))
+    }
+
+    fn with_crds(&mut self, crds: CrdMask, change: &CrdChange, seq: u32) {
+        for crd in crds.crds() {
+            if let Some(book) = self.crds.get_mut(crd.index()) {
+                book.enter(change, seq);
+            }
+        }
+    }
+
+    /// What empties one of the FIFOs that were overwritten, of the first coordinate system or axis that has some.
     pub fn unspoil(&self) -> Option<(Op, Change)> {
+        for crd in Crd::all() {
+            if let Some(fifo) = (0..2u8).find(|fifo| self.crd(crd).path(*fifo).spoiled) {
+                let change = CrdChange::Emptied { fifo };
+                return Some((Op::CrdClear { crd, fifo }, Change::Crd { crd, change }));
+            }
+        }
         let (index, book) = self.axes.iter().enumerate().find(|(_, book)| book.spoiled != 0)?;
         let (axis, fifo) = (Axis::new(index)?, book.spoiled.trailing_zeros() as u8);
         Some(if book.is_follow() {
@@ -185,6 +233,11 @@ impl<const AXES: usize> Books<AXES> {
         if let Some(named) = table.and_then(|table| self.named.get_mut(usize::from(table))) {
             *named = Some(seq);
         }
+    }
+
+    /// The axes of a coordinate system.
+    pub fn driven(&self, crd: Crd) -> AxisMask {
+        self.crd(crd).frame.map_or(AxisMask(0), |frame| frame.mask())
     }
 
     fn with(&mut self, axes: AxisMask, change: impl Fn(Axis, &mut AxisBook)) {
@@ -206,6 +259,13 @@ impl<const AXES: usize> Books<AXES> {
             Change::None => {}
             Change::Reset { axes, tables } => {
                 self.filled &= !tables;
+                for crd in self.drivers(axes).crds() {
+                    let driven = self.driven(crd);
+                    self.with(driven, |_, book| book.mode = Mode::Trap);
+                    if let Some(book) = self.crds.get_mut(crd.index()) {
+                        book.renew(None, None, seq);
+                    }
+                }
                 self.with(axes, |_, book| {
                     // The start is kept: the axis runs until the Reset has been executed.
                     let AxisBook { epoch, started, busy, mut follow, .. } = *book;
@@ -217,12 +277,28 @@ impl<const AXES: usize> Books<AXES> {
                         follow,
                         cleared: Some(seq),
                         servo: Some((seq, false)),
+                        placed: Some((seq, Some(Pos(0)))),
                         ..AxisBook::default()
                     };
                     book.empty(seq, 3);
                 });
             }
-            Change::Servo { axis, on } => one(axis, &|book| book.servo = Some((seq, on))),
+            Change::Servo { axis, on } => {
+                one(axis, &|book| book.servo = Some((seq, on)));
+                if !on {
+                    let crds = self.drivers(axis.mask());
+                    self.with_crds(crds, &CrdChange::Stopped, seq);
+                }
+            }
+            Change::Stopped { axes } => {
+                let crds = self.drivers(axes);
+                self.with_crds(crds, &CrdChange::Stopped, seq);
+            }
+            Change::Placed { axes, pos } => {
+                self.with(axes, |_, book| book.placed = Some((seq, pos)));
+                let crds = self.drivers(axes);
+                self.with_crds(crds, &CrdChange::Placed, seq);
+            }
             Change::Cleared { axes } => self.with(axes, |_, book| book.cleared = Some(seq)),
             Change::Started { axes, fifo1 } => self.with(axes, |axis, book| {
                 book.started = Some(seq);
@@ -246,7 +322,12 @@ impl<const AXES: usize> Books<AXES> {
             }
             Change::TablePasses { axis, passes } => one(axis, &|book| book.table_passes = passes),
             Change::TableFilled { table } => self.filled |= 1u64.checked_shl(table.into()).unwrap_or(0),
-            Change::Rest { axes } => self.with(axes, |_, book| book.started = None),
+            Change::Rest { axes, crds } => {
+                let crds = CrdMask(crds.0 | self.drivers(axes).0);
+                let driven = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
+                self.with(AxisMask(axes.0 | driven), |_, book| book.started = None);
+                self.with_crds(crds, &CrdChange::Rest, seq);
+            }
             Change::Mode { axis, mode } => one(axis, &|book| {
                 book.mode = mode;
                 book.follow.forget(seq);
@@ -305,6 +386,34 @@ impl<const AXES: usize> Books<AXES> {
                 if let Some(laser) = self.lasers.get_mut(usize::from(channel)) {
                     laser.enter(change, seq);
                 }
+            }
+            Change::Crd { crd, change } => {
+                let before = self.driven(crd);
+                self.with_crds(crd.mask(), &change, seq);
+                if let CrdChange::Frame { .. } = change {
+                    self.with(before, |_, book| {
+                        if book.mode == Mode::Crd && book.crd == crd {
+                            book.mode = Mode::Trap;
+                        }
+                    });
+                    let axes = self.driven(crd);
+                    self.with(axes, |_, book| {
+                        (book.mode, book.crd) = (Mode::Crd, crd);
+                        book.follow.forget(seq);
+                        book.fifos = [FifoBook::default(); 2];
+                        book.empty(seq, 3);
+                    });
+                }
+            }
+            Change::CrdStopped { crds } => self.with_crds(crds, &CrdChange::Stopped, seq),
+            Change::CrdStarted { crds, fifo1 } => {
+                self.with_crds(CrdMask(crds.0 & !fifo1.0), &CrdChange::Started { fifo: 0 }, seq);
+                self.with_crds(fifo1, &CrdChange::Started { fifo: 1 }, seq);
+                let axes = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
+                self.with(AxisMask(axes), |_, book| {
+                    book.started = Some(seq);
+                    book.busy = Some(seq);
+                });
             }
             Change::LaserFine(fine) => self.laser_fine = fine,
             Change::Analog { channel, value } => {

@@ -3,7 +3,7 @@
 //! In: the newest view, the books of what was admitted, the counts of the profile. Out: checked axes,
 //! spans and masks, staged operations. An admission changes nothing itself: it stages, and its caller
 //! pushes when the whole command is known to be right.
-use crate::books::{AxisBook, Books, Change, executed};
+use crate::books::{AxisBook, Books, Change, CrdBook, Frame, executed};
 use crate::lane::Staged;
 use crate::profile::{PROFILES, Profile};
 use crate::refuse::{Admitted, Refused, choice};
@@ -12,8 +12,8 @@ use crate::trace_out::Columns;
 use protocol::reason::Reason;
 use servo::op::Op;
 use servo::status::SERVO_ON;
-use servo::units::{Axis, AxisMask};
-use servo::view::{AxisView, View};
+use servo::units::{Axis, AxisMask, Crd, CrdMask};
+use servo::view::{AxisView, CrdView, View};
 
 /// What the client chose on opening.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +37,10 @@ impl Site {
     }
     fn per_core(&self) -> usize {
         usize::from(self.profile.axes_per_core)
+    }
+    /// A coordinate system's number in its core, as the user knows it.
+    pub fn crd_number(&self, crd: Crd) -> i16 {
+        (crd.index() % usize::from(self.profile.crds_per_core).max(1)) as i16 + 1
     }
     /// The axis's number in its core, as the user knows it.
     pub fn number_of(&self, axis: Axis) -> i16 {
@@ -64,6 +68,10 @@ pub enum Answer {
     Space(i16),
     /// PtTaken for so many segments of this axis and FIFO.
     Taken { axis: Axis, fifo: u8, count: u16 },
+    /// CrdTaken for so many entries of this FIFO of a coordinate system.
+    Path { crd: Crd, fifo: u8, count: u16, lasts_ms: u32 },
+    /// A number that only the books have.
+    Long(i32),
     /// Places free in a FIFO of Follow, and for FollowDataPercent2Ex the share of the first half, percent.
     Entered { axis: Axis, fifo: u8, percent1: i16 },
     /// A number that was computed at admission.
@@ -112,6 +120,10 @@ pub struct Case<'x, const AXES: usize> {
     /// The view shows the state in which the command acts: everything admitted before it has been executed, and
     /// its instant has come.
     pub decided: bool,
+    /// Its instant is near: a look-ahead may take what is given to a path that runs.
+    pub near: bool,
+    /// Coordinate systems that the board holds.
+    pub crds: usize,
     /// Where the operations go.
     pub staged: &'x mut Staged,
     /// What else happens when the command is taken.
@@ -198,6 +210,53 @@ impl<'x, const AXES: usize> Case<'x, AXES> {
     /// The axes of a set, one by one.
     pub fn each(&self, axes: AxisMask) -> impl Iterator<Item = Axis> + use<AXES> {
         (0..AXES).filter_map(Axis::new).filter(move |&axis| axes.has(axis))
+    }
+    /// A coordinate system of a core.
+    pub fn crd(&self, core: i16, crd: i16) -> Admitted<Crd> {
+        let core = self.core(core)?;
+        let per_core = self.site.profile.crds_per_core;
+        let index = choice(1, crd, 1, i16::from(per_core))?.unsigned_abs() as usize - 1;
+        Crd::new(core * usize::from(per_core) + index)
+            .filter(|crd| crd.index() < self.crds)
+            .ok_or_else(|| Refused::new(Reason::CrdNotOnBoard).axis(crd).limits(0.0, self.crds as f64))
+    }
+    /// The coordinate systems of a core that the bits name.
+    pub fn crd_mask(&self, core: i16, bits: i32, field: u8) -> Admitted<CrdMask> {
+        let core = self.core(core)?;
+        let per_core = u32::from(self.site.profile.crds_per_core);
+        let (bits, all) = (bits.cast_unsigned(), (1u32 << per_core) - 1);
+        if bits & !all != 0 {
+            return Err(Refused::new(Reason::OutOfRange).field(field).got(bits.into()).limits(0.0, all.into()));
+        }
+        let mask = bits << (core as u32 * per_core);
+        if mask >> self.crds != 0 {
+            return Err(Refused::new(Reason::CrdNotOnBoard).limits(0.0, self.crds as f64));
+        }
+        Ok(CrdMask(mask as u8))
+    }
+    /// A refusal that names this coordinate system.
+    pub fn no_crd(&self, reason: Reason, crd: Crd) -> Refused {
+        Refused::new(reason).axis(self.site.crd_number(crd))
+    }
+    /// Its part of the view.
+    pub fn crd_seen(&self, crd: Crd) -> &'x CrdView {
+        &self.view.crds[crd.index().min(Crd::MAX - 1)]
+    }
+    /// Its book.
+    pub fn crd_book(&self, crd: Crd) -> &'x CrdBook {
+        self.books.crd(crd)
+    }
+    /// Its parameters.
+    pub fn frame(&self, crd: Crd) -> Admitted<&'x Frame> {
+        self.crd_book(crd).frame.as_ref().ok_or_else(|| self.no_crd(Reason::CrdNotSet, crd))
+    }
+    /// Whether it may be running when this command acts.
+    pub fn crd_may_run(&self, crd: Crd) -> bool {
+        self.crd_book(crd).may_run(self.view, self.crd_seen(crd))
+    }
+    /// Refuses if it may be running.
+    pub fn crd_at_rest(&self, crd: Crd) -> Admitted<()> {
+        if self.crd_may_run(crd) { Err(self.no_crd(Reason::CrdRuns, crd)) } else { Ok(()) }
     }
     /// A refusal that names this axis.
     pub fn no(&self, reason: Reason, axis: Axis) -> Refused {

@@ -5,12 +5,14 @@
 //!
 //! A command is answered when the tick has executed it, so that the client's next read sees it. A read
 //! or a refusal waits until everything before it has been executed, and is then decided on that state.
+use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{Loading, Road, road};
-use crate::admit::{admit, config_item, data, is_read, many, power_on};
-use crate::awaiting::{Awaiting, Step, TickRefusal};
+use crate::admit::{admit, config_item, crd, is_read, many, one, power_on};
+use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
 use crate::books::{Books, Change, PROGRAM_FLAG, executed};
 use crate::case::{Answer, Case, Effect, Site};
 use crate::lane::{Deque, Lane, STAGED, Staged};
+use crate::path_queue::{LASTS_MS, PathQueue};
 use crate::program::Program;
 use crate::read::{Reading, took_reply, values_reply};
 use crate::refuse::{Admitted, Refused};
@@ -22,10 +24,11 @@ use protocol::record::{Full, ReplyWriter, RequestRecord};
 use ring::Producer;
 use servo::laser::CHANNELS;
 use servo::op::{Entry, Mode, Op};
+use servo::path::EntryStore;
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
 use servo::status::{RUNNING, SERVO_ON};
-use servo::units::{Axis, AxisMask};
+use servo::units::{Axis, AxisMask, Crd, CrdMask};
 use servo::view::View;
 use zerocopy::FromBytes;
 
@@ -43,6 +46,12 @@ pub struct Desk<'a, const AXES: usize> {
     pub site: Site,
     /// PT segments.
     pub stores: &'a [SegmentStore; AXES],
+    /// FIFOs of coordinate systems.
+    pub entries: &'a [[EntryStore; 2]],
+    /// What leads to them.
+    pub queues: &'a mut [[PathQueue; 2]],
+    /// When a path that runs wants to be looked at, controller time in ns.
+    pub feed_due: Option<u64>,
     /// PVT tables.
     pub tables: TableStores<'a>,
     /// The one that is being sent.
@@ -80,6 +89,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     pub fn new(
         board: Board,
         stores: &'a [SegmentStore; AXES],
+        paths: (&'a [[EntryStore; 2]], &'a mut [[PathQueue; 2]]),
         tables: TableStores<'a>,
         ring: Producer<'a, Entry, IMMEDIATE>,
     ) -> Self {
@@ -87,6 +97,9 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             site: Site::new(board.profile, 0),
             board,
             stores,
+            entries: paths.0,
+            queues: paths.1,
+            feed_due: None,
             tables,
             loading: Loading::new(),
             now: Books::new(),
@@ -94,7 +107,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             staged: Staged::new(),
             lane: Lane::new(ring, 0),
             awaiting: Deque::new(Awaiting::BLANK),
-            refused: Deque::new((0, Axis::default(), 0)),
+            refused: Deque::new((0, Refuser::Nobody)),
             taken: Deque::new(0.0),
             config: None,
             link_loss: (LINK_LOSS_MS, false),
@@ -119,9 +132,16 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             site: &self.site,
             board: &self.board,
             decided,
+            near: decided,
+            crds: self.entries.len(),
             staged: &mut self.staged,
             effect: Effect::None,
         };
+        if number == opcode::CrdStart {
+            let request = one(body)?;
+            let answer = crd::start(&mut case, self.queues, self.entries, &request)?;
+            return Ok((answer, Effect::None));
+        }
         if road(number) == Some(Road::Table) {
             if let Some(table) = self.loading.table(&case, self.tables, number, body)? {
                 case.stage_with(Op::Mark, Change::TableFilled { table });
@@ -138,6 +158,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         &mut self,
         view: &View<AXES>,
         decided: bool,
+        near: bool,
         number: u16,
         body: &[u8],
     ) -> Admitted<data::Written> {
@@ -147,14 +168,19 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             site: &self.site,
             board: &self.board,
             decided,
+            near,
+            crds: self.entries.len(),
             staged: &mut self.staged,
             effect: Effect::None,
         };
-        let (written, end) = data::data(&case, self.stores, number, body)?;
-        if self.ahead.overwrites(view, written.axis, written.fifo) {
-            let (now, ahead) = (self.now.axis(written.axis), self.ahead.axis(written.axis));
+        let stores = data::Stores { segments: self.stores, entries: self.entries, queues: &mut *self.queues };
+        let (written, end) = data::data(&case, stores, number, body)?;
+        if let Of::Axis(axis) = written.of
+            && self.ahead.overwrites(view, axis, written.fifo)
+        {
+            let (now, ahead) = (self.now.axis(axis), self.ahead.axis(axis));
             let all = now.mode != ahead.mode || ahead.is_dynamic();
-            self.now.spoil_fifos(written.axis, if all { 3 } else { 1 << (written.fifo & 1) });
+            self.now.spoil_fifos(axis, if all { 3 } else { 1 << (written.fifo & 1) });
         }
         data::enter(&mut self.ahead, &written, end);
         Ok(written)
@@ -175,6 +201,8 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             site: &self.site,
             board: &self.board,
             decided: false,
+            near: false,
+            crds: self.entries.len(),
             staged: &mut self.staged,
             effect: Effect::None,
         };
@@ -192,6 +220,8 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             site: &self.site,
             board: &self.board,
             decided: false,
+            near: false,
+            crds: self.entries.len(),
             staged: &mut self.staged,
             effect: Effect::None,
         };
@@ -226,6 +256,96 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             now.follow(view, seen);
             ahead.follow(view, seen);
         }
+        for ((now, ahead), seen) in self.now.crds.iter_mut().zip(&mut self.ahead.crds).zip(&view.crds) {
+            now.follow(view, seen);
+            ahead.follow(view, seen);
+        }
+    }
+
+    /// The commit of all that has left a look-ahead, or never went there.
+    pub fn commit_path(&mut self, crd: Crd, fifo: u8) -> (Op, Change) {
+        let mut end = 0;
+        let index = usize::from(fifo & 1);
+        if let (Some(queues), Some(stores)) = (self.queues.get_mut(crd.index()), self.entries.get(crd.index())) {
+            queues[index].settle(&stores[index]);
+            end = queues[index].end();
+        }
+        data::commit_path(&self.ahead, crd, fifo, end)
+    }
+
+    /// The same by the immediate lane. The caller has seen that there is room.
+    pub fn commit_path_now(&mut self, crd: Crd, fifo: u8) {
+        let (op, change) = self.commit_path(crd, fifo);
+        self.lane.push(op, change, 0, &mut self.ahead);
+    }
+
+    /// Paths that run and whose entries do not last long enough any more get more from their look-aheads.
+    pub fn feed_paths(&mut self, view: &View<AXES>) {
+        self.feed_due = None;
+        for crd in Crd::all().take(self.entries.len()) {
+            let (seen, book) = (&view.crds[crd.index()], self.ahead.crd(crd));
+            // What a WaitStop has closed is not fed from what comes behind it.
+            let started = book.started.is_some_and(|seq| executed(view, seq));
+            let (fifo, index) = (seen.fifo, usize::from(seen.fifo & 1));
+            let Some(queues) = self.queues.get_mut(crd.index()).filter(|_| seen.runs && started) else { continue };
+            let queue = &mut queues[index];
+            queue.follow(book.path(fifo).cleared);
+            let Some(stores) = self.entries.get(crd.index()).filter(|_| queue.held() > 0) else { continue };
+            if self.lane.room() > STAGED && queue.feed(stores, seen, fifo) {
+                self.commit_path_now(crd, fifo);
+            }
+            let Some(queue) = self.queues.get_mut(crd.index()).map(|queues| &mut queues[index]) else { continue };
+            let spare = (queue.lasts(stores, seen, fifo) - LASTS_MS).max(0.0) * 1e6;
+            let due = view.now.0.saturating_add(spare as u64);
+            if queue.held() > 0 && self.feed_due.is_none_or(|before| due < before) {
+                self.feed_due = Some(due);
+            }
+        }
+    }
+
+    /// Everything that waits in a look-ahead goes to a path that runs, before a WaitStop of it. False if that cannot be
+    /// now.
+    pub fn flush_path(&mut self, view: &View<AXES>, crd: Crd, near: bool) -> bool {
+        let book = self.ahead.crd(crd);
+        let (fifo, index) = (book.fifo, usize::from(book.fifo & 1));
+        if !book.may_run(view, &view.crds[crd.index()]) {
+            return true;
+        }
+        let cleared = book.path(fifo).cleared;
+        let Some((queues, stores)) = self.queues.get_mut(crd.index()).zip(self.entries.get(crd.index())) else {
+            return true;
+        };
+        queues[index].follow(cleared);
+        if queues[index].held() == 0 {
+            return true;
+        }
+        if !near || self.lane.room() <= STAGED {
+            return false;
+        }
+        queues[index].flush(&stores[index]);
+        self.commit_path_now(crd, fifo);
+        true
+    }
+
+    /// A program has been dropped: what it had given to FIFOs and is not executed is forgotten. A FIFO at rest that was
+    /// given some of it is emptied, for a look-ahead cannot tell any more what was there before.
+    pub fn forget_paths(&mut self, view: &View<AXES>) {
+        for crd in Crd::all().take(self.entries.len()) {
+            for fifo in 0..2u8 {
+                let ahead = self.ahead.crd(crd).path(fifo);
+                let pending = ahead.last.is_some_and(|seq| seq & PROGRAM_FLAG != 0 && !executed(view, seq));
+                if !pending && !ahead.loose {
+                    continue;
+                }
+                let runs = view.crds[crd.index()].runs;
+                if let Some(queues) = self.queues.get_mut(crd.index()) {
+                    queues[usize::from(fifo)].forget();
+                }
+                if !runs && self.now.crd(crd).path(fifo).data.given != 0 {
+                    self.now.spoil_path(crd, fifo);
+                }
+            }
+        }
     }
 
     /// The tick refused a start of the immediate lane.
@@ -246,6 +366,10 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         match &item.answer {
             Answer::Done => out.push_raw(item.opcode, item.tag, 0, &[]),
             Answer::Read(query) => reading.reply(item.tag, query, out),
+            Answer::Long(value) => reading.long(item.opcode, item.tag, *value, out),
+            Answer::Path { crd, fifo, count, lasts_ms } => {
+                reading.path_taken(item.opcode, item.tag, (*crd, *fifo), (*count, *lasts_ms), out)
+            }
             Answer::Space(space) => reading.space(item.opcode, item.tag, *space, out),
             Answer::Number(value) => reading.number(item.opcode, item.tag, *value, out),
             Answer::Entered { axis, fifo, percent1 } => {
@@ -259,9 +383,35 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     }
 
     /// What to tell of a start that the tick refused.
-    pub fn explain(&self, axis: Axis, status: u32) -> Refused {
+    pub fn explain(&self, view: &View<AXES>, refuser: Refuser) -> Refused {
+        let (axis, status) = match refuser {
+            Refuser::Axis(axis, status) => (axis, status),
+            Refuser::Crd(crd) => return self.explain_crd(view, crd),
+            Refuser::Nobody => return Refused::new(Reason::Late),
+        };
         let reason = if status & SERVO_ON == 0 { Reason::ServoOff } else { Reason::AxisFault };
         Refused::new(reason).axis(self.site.number_of(axis)).got(status.into())
+    }
+
+    /// A coordinate system that could not start.
+    fn explain_crd(&self, view: &View<AXES>, crd: Crd) -> Refused {
+        let (seen, book) = (&view.crds[crd.index()], self.now.crd(crd));
+        let number = self.site.crd_number(crd);
+        let path = book.path(book.fifo);
+        let left = |axis: &Axis| view.axes.get(axis.index()).is_some_and(|axis| axis.mode != Mode::Crd);
+        let reason = match seen.frame {
+            None => Reason::CrdNotSet,
+            Some(_) if seen.runs => Reason::CrdRuns,
+            Some(frame) => match frame.mask().axes().find(left) {
+                Some(axis) => {
+                    let refused = Refused::new(Reason::AxisLeftCrd).axis(self.site.number_of(axis));
+                    return refused.got(number.into());
+                }
+                None if !path.data.open => Reason::CrdEmpty,
+                None => Reason::CrdElsewhere,
+            },
+        };
+        Refused::new(reason).axis(number).got(book.fifo.into())
     }
 
     /// Answers what was executed. True if anything was answered.
@@ -273,7 +423,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             }
             let refusal = self.refused.front().copied().filter(|&(seq, ..)| item.own && Some(seq) == item.seq);
             let written = match refusal {
-                Some((_, axis, status)) => out.refused(item.opcode, item.tag, &self.explain(axis, status).wire),
+                Some((_, refuser)) => out.refused(item.opcode, item.tag, &self.explain(view, refuser).wire),
                 None => self.reply(view, program, &item, self.taken.iter().copied(), out),
             };
             if written.is_err() {
@@ -364,7 +514,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }
         if data::is_data(record.opcode, record.body) {
-            return match self.admit_data(view, self.is_quiet(), record.opcode, record.body) {
+            return match self.admit_data(view, self.is_quiet(), true, record.opcode, record.body) {
                 Ok(written) => self.take_data(record, &written),
                 Err(refused) => self.refuse(record, refused, out),
             };
@@ -428,7 +578,10 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     }
 
     fn take_data(&mut self, record: &RequestRecord, written: &data::Written) -> Step {
-        let (op, change) = data::commit(&self.ahead, written.axis, written.fifo);
+        let (op, change) = match written.of {
+            Of::Axis(axis) => data::commit(&self.ahead, axis, written.fifo),
+            Of::Crd(crd) => self.commit_path(crd, written.fifo),
+        };
         self.lane.push(op, change, 0, &mut self.ahead);
         self.await_last(record, written.answer, true)
     }
@@ -453,7 +606,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         self.lane.push(Op::Link { lost }, Change::None, 0, &mut self.ahead)
     }
 
-    /// Link loss: Jog axes, or all, stop smoothly. The caller has seen that the lane has room.
+    /// Link loss: coordinate systems and Jog axes, or all axes, stop smoothly. The caller has seen that the lane has room.
     pub fn stop_for_link_loss(&mut self, view: &View<AXES>) {
         let all = self.link_loss.1;
         let mut axes = AxisMask(0);
@@ -465,8 +618,19 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                 axes.0 |= axis.mask().0;
             }
         }
+        let mut crds = CrdMask(0);
+        for (crd, seen) in Crd::all().zip(&view.crds) {
+            let book = self.ahead.crd(crd);
+            if seen.runs || book.started.is_some_and(|seq| seq & PROGRAM_FLAG == 0) {
+                crds.0 |= crd.mask().0;
+            }
+        }
+        if crds.0 != 0 {
+            let op = Op::CrdStop { crds, abrupt: CrdMask(0) };
+            self.lane.push(op, Change::CrdStopped { crds }, 0, &mut self.ahead);
+        }
         if axes.0 != 0 {
-            self.lane.push(Op::Stop { axes, abrupt: AxisMask(0) }, Change::None, 0, &mut self.ahead);
+            self.lane.push(Op::Stop { axes, abrupt: AxisMask(0) }, Change::Stopped { axes }, 0, &mut self.ahead);
         }
     }
 }

@@ -18,6 +18,7 @@ pub mod figure;
 mod lane;
 pub mod lookahead;
 mod lopsided;
+mod path_queue;
 mod profile;
 mod program;
 mod read;
@@ -27,6 +28,7 @@ pub mod tables;
 mod trace_out;
 
 pub use bytes::{QUEUE_BYTES, RECORD_BYTES};
+pub use path_queue::{LOOK_AHEAD, PathQueue};
 pub use profile::{FAMILIES, PROFILES, Profile, largest_that_fits};
 pub use refuse::Refused;
 pub use server::{

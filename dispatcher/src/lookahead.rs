@@ -68,7 +68,9 @@ struct Tail {
     vel: f64,
 }
 
+/// Its layout is fixed, so that memory of zeros holds empty ones.
 #[derive(Debug, Clone, Copy)]
+#[repr(u8)]
 enum Slot {
     Empty,
     Motion(Motion),
@@ -97,10 +99,10 @@ pub struct LookAhead<const N: usize> {
     begin: f64,
     /// The last motion, what stands behind it so far.
     last: Option<Tail>,
-    rests: bool,
+    moves: bool,
     effects: u32,
-    /// Speeds are planned for what is there.
-    planned: bool,
+    /// Speeds are not planned for all that is there.
+    stale: bool,
 }
 
 impl<const N: usize> LookAhead<N> {
@@ -114,9 +116,9 @@ impl<const N: usize> LookAhead<N> {
             end: 0,
             begin: 0.0,
             last: None,
-            rests: true,
+            moves: false,
             effects: 0,
-            planned: true,
+            stale: false,
         }
     }
 
@@ -151,15 +153,20 @@ impl<const N: usize> LookAhead<N> {
             return false;
         }
         let mut motion = self.motion(figure, vel, acc);
-        let rests = self.rests || self.effects > EFFECTS;
+        let rests = !self.moves || self.effects > EFFECTS;
         match &self.last {
             Some(before) if !rests => self.junction(before, &mut motion, &figure.tangents[0]),
             _ => motion.cap = 0.0,
         }
         self.last = Some(Tail { tangent: figure.tangents[1], length: motion.length, vel: motion.vel });
-        (self.rests, self.effects) = (false, 0);
+        (self.moves, self.effects) = (true, 0);
         self.push(Slot::Motion(motion));
         true
+    }
+
+    /// The path stands where the last motion ends.
+    pub fn rest(&mut self) {
+        self.moves = false;
     }
 
     /// Anything else in its place. False if it is full.
@@ -167,7 +174,7 @@ impl<const N: usize> LookAhead<N> {
         if self.is_full() {
             return false;
         }
-        self.rests |= entry.is_wait();
+        self.moves &= !entry.is_wait();
         self.effects = self.effects.saturating_add(1);
         self.push(Slot::Other(entry, entry.is_wait()));
         true
@@ -178,7 +185,7 @@ impl<const N: usize> LookAhead<N> {
             *place = slot;
         }
         self.end = self.end.wrapping_add(1);
-        self.planned = false;
+        self.stale = true;
     }
 
     fn slot(&self, counter: usize) -> Slot {
@@ -269,10 +276,10 @@ impl<const N: usize> LookAhead<N> {
 
     /// Backwards from a stop at the end, as far as anything changes.
     fn plan(&mut self) {
-        if self.planned {
+        if !self.stale {
             return;
         }
-        self.planned = true;
+        self.stale = false;
         let (mut after, mut settled, mut bend) = (0.0, false, [0.0; 4]);
         let mut counter = self.end;
         while counter != self.first {

@@ -2,6 +2,7 @@
 //!
 //! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from the
 //! axis's [`servo::piece::Motion`]; nothing is computed for them in the tick.
+mod crd;
 mod follow;
 
 use crate::admit::pvt_table::CHUNK;
@@ -290,6 +291,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let head = command::Count { count: (axes.len() as u16).into() };
                 out.done::<command::PvtStatus>(tag, &head, &items[..axes.len()])
             }
+            _ if crd::is_crd(query.opcode) => self.crd_reply(tag, query, out),
             _ if is_follow(query.opcode) => self.follow(tag, query, book, seen, out),
             // A request without fields in its reply.
             other => out.push_raw(other, tag, 0, &[]),

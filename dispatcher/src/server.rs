@@ -5,13 +5,15 @@
 //! the program queue (lane 1). Budget: a poll deals with at most a window of messages.
 //! Fails: what is not a record is refused with `Length`; a link that falls silent stops Jog axes and
 //! drops the rest of a program (SPEC 9).
-use crate::awaiting::Step;
+use crate::awaiting::{Refuser, Step};
 use crate::desk::Desk;
+use crate::path_queue::PathQueue;
 use crate::program::Program;
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
 use ring::{Consumer, Producer, Reader};
 use servo::op::{Entry, Lane as TickLane};
+use servo::path::EntryStore;
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
@@ -27,7 +29,7 @@ const ROUNDS: u32 = 16;
 /// Rows wait this long for more of them, before they go over the link in a message that is not full.
 const TRACE_FLUSH_NS: u64 = 20_000_000;
 /// Entries of the immediate lane that the loss of the link takes.
-const LINK_LOSS_ENTRIES: usize = 3;
+const LINK_LOSS_ENTRIES: usize = 4;
 /// The head of a record of trace.
 const TRACE_HEAD: usize = size_of::<ReplyHead>();
 
@@ -87,6 +89,10 @@ pub struct Channels<'a, const AXES: usize> {
     pub samples: Consumer<'a, Sample, SAMPLES>,
     /// PT segments of every axis.
     pub stores: &'a [SegmentStore; AXES],
+    /// FIFOs of coordinate systems, as the tick has them.
+    pub paths: &'a [[EntryStore; 2]],
+    /// What leads to them, as many.
+    pub queues: &'a mut [[PathQueue; 2]],
     /// PVT tables.
     pub tables: TableStores<'a>,
 }
@@ -119,7 +125,13 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     pub fn new(board: Board, channels: Channels<'a, AXES>) -> Self {
         Server {
             link: Endpoint::new(Role::Controller, Identity::OURS),
-            desk: Desk::new(board, channels.stores, channels.tables, channels.immediate),
+            desk: Desk::new(
+                board,
+                channels.stores,
+                (channels.paths, channels.queues),
+                channels.tables,
+                channels.immediate,
+            ),
             program: Program::new(channels.program),
             view: channels.view,
             events: channels.events,
@@ -151,12 +163,18 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         while let Some(event) = self.events.pop() {
             match event {
                 Event::Refused { lane: TickLane::Immediate, seq, axis, status } => {
-                    self.desk.tick_refused((seq, axis, status))
+                    self.desk.tick_refused((seq, Refuser::Axis(axis, status)))
                 }
                 Event::Refused { lane: TickLane::Program, seq, axis, status } => {
-                    self.program.tick_refused((seq, axis, status))
+                    self.program.tick_refused((seq, Refuser::Axis(axis, status)))
                 }
-                Event::Stopped { .. } | Event::CrdStopped { .. } | Event::CrdRefused { .. } => {}
+                Event::CrdRefused { lane: TickLane::Immediate, seq, crd } => {
+                    self.desk.tick_refused((seq, Refuser::Crd(crd)))
+                }
+                Event::CrdRefused { lane: TickLane::Program, seq, crd } => {
+                    self.program.tick_refused((seq, Refuser::Crd(crd)))
+                }
+                Event::Stopped { .. } | Event::CrdStopped { .. } => {}
             }
         }
         self.desk.follow(view);
@@ -208,6 +226,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 break;
             }
         }
+        self.desk.feed_paths(view);
         self.desk.trace.drain(&mut self.samples, view, &self.desk.site);
         self.send_trace();
     }
@@ -314,7 +333,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             .map(|heard| heard.saturating_add(u64::from(self.desk.link_loss.0) * 1_000_000).saturating_add(1));
         let next_tick = self.program.is_urgent().then(|| self.time.0.saturating_add(1));
         let flush = self.program.flush_due(self.view.last()).map(|due| due.0);
-        self.link.next_deadline().into_iter().chain(loss).chain(next_tick).chain(flush).min().map(Ns)
+        let feed = self.desk.feed_due;
+        self.link.next_deadline().into_iter().chain(loss).chain(next_tick).chain(flush).chain(feed).min().map(Ns)
     }
 
     /// The newest view, for displays and tests.

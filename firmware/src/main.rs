@@ -21,8 +21,8 @@ use interrupts::{Receiver, Servo};
 use servo::pvt::TableStores;
 use servo::tick::{Lanes, Tick, TickConfig};
 use statics::{
-    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PATHS, PENDED, PLACES, PROGRAM_LANE, RECEIVER,
-    RECEIVING, REPORT, SERVER, SERVO, STORES, TRACE, VIEW,
+    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PATHS, PENDED, PLACES, PROGRAM_LANE, QUEUES,
+    RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TRACE, VIEW,
 };
 use tasks::LinkParts;
 
@@ -105,6 +105,8 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
         events,
         samples,
         stores: &STORES,
+        paths: &PATHS,
+        queues: QUEUES.try_take()?,
         tables: TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
     };
     let server = SERVER.init(Server::new(

@@ -3,7 +3,7 @@ use crate::bell::Bell;
 use crate::fault::Report;
 use crate::interrupts::{Given, Receiver, Servo};
 use core::sync::atomic::AtomicBool;
-use dispatcher::Server;
+use dispatcher::{PathQueue, Server};
 use embassy_executor::raw;
 use ring::{Latest, Ring};
 use servo::laser::Tables;
@@ -13,7 +13,7 @@ use servo::pvt::{HeaderStore, PlaceStore, TABLES};
 use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore};
 use servo::units::Crd;
 use servo::view::{Event, Sample, View};
-use static_cell::StaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 
 /// Axes that this image holds: every profile of SPEC 2.
 pub const AXES: usize = 48;
@@ -41,6 +41,9 @@ pub static HEADERS: HeaderStore = HeaderStore::new();
 pub static PATHS: [[EntryStore; 2]; Crd::MAX] = [const { [const { EntryStore::new() }; 2] }; Crd::MAX];
 /// Thread to tick: tables of laser channels.
 pub static LASER_TABLES: Tables = Tables::new();
+/// What leads to them: look-aheads.
+pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; Crd::MAX]> =
+    ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; Crd::MAX]);
 /// Link interrupt to task: bytes received.
 pub static BYTES: Ring<u8, RECEIVED> = Ring::new();
 

@@ -129,6 +129,7 @@ reasons! {
     128 RadiusTooLarge Range "{field}: the radius is {got}; it must be below {high}";
     129 GearsFull State "coordinate system {axis}: {high} axes go along with the next motion, which is the most";
     130 AxisGoesAlong State "axis {axis} goes along with the next motion already";
+    131 CrdNotOnBoard Mismatch "this board has memory for {high} coordinate systems";
 }
 
 /// The payload of a refusing reply.

@@ -33,7 +33,6 @@ fn servo<const AXES: usize>(case: &mut Case<AXES>, core: i16, axis: i16, on: boo
 }
 
 /// `form` 0 is GTN (bits 0–31 are axes 1–32), 1 is GT (bits 0–7 axes, 8–9 crds, 10–11 their follow).
-/// No crd can run in this build's commands, so their bits find nothing to stop.
 pub fn stop<const AXES: usize>(case: &mut Case<AXES>, r: &Stop) -> Admitted<Answer> {
     let gt = choice(3, i16::from(r.form), 0, 1)? == 1;
     let (mask, option) = (r.mask.get(), r.option.get());
@@ -44,7 +43,10 @@ pub fn stop<const AXES: usize>(case: &mut Case<AXES>, r: &Stop) -> Admitted<Answ
     if axes.0 != 0 {
         // Only option bits of named axes mean anything.
         let abrupt = case.mask(r.core.get(), option & if gt { mask & 0xff } else { mask }, 2)?;
-        case.stage(Op::Stop { axes, abrupt });
+        case.stage_with(Op::Stop { axes, abrupt }, Change::Stopped { axes });
+    }
+    if gt {
+        super::crd::stage_stop(case, r.core.get(), mask >> 8 & 3, option >> 8 & 3)?;
     }
     Ok(Answer::Done)
 }
@@ -52,14 +54,15 @@ pub fn stop<const AXES: usize>(case: &mut Case<AXES>, r: &Stop) -> Admitted<Answ
 pub fn zero<const AXES: usize>(case: &mut Case<AXES>, r: &ZeroPos) -> Admitted<Answer> {
     let axes = case.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
     case.all_at_rest(axes, Reason::Moving)?;
-    case.stage(Op::Zero { axes });
+    case.stage_with(Op::Zero { axes }, Change::Placed { axes, pos: Some(Pos(0)) });
     Ok(Answer::Done)
 }
 
 pub fn set_position<const AXES: usize>(case: &mut Case<AXES>, r: &SetPrfPos) -> Admitted<Answer> {
     let axis = case.axis(r.core.get(), r.profile.get())?;
     case.at_rest(axis)?;
-    case.stage(Op::SetPosition { axis, pos: Pos::pulses(r.pos.get()) });
+    let pos = Pos::pulses(r.pos.get());
+    case.stage_with(Op::SetPosition { axis, pos }, Change::Placed { axes: axis.mask(), pos: Some(pos) });
     Ok(Answer::Done)
 }
 
@@ -67,7 +70,7 @@ pub fn synchronise<const AXES: usize>(case: &mut Case<AXES>, r: &SynchAxisPos) -
     let axes = case.mask(r.core.get(), r.mask.get(), 1)?;
     case.all_at_rest(axes, Reason::Moving)?;
     if axes.0 != 0 {
-        case.stage(Op::Synchronise { axes });
+        case.stage_with(Op::Synchronise { axes }, Change::Placed { axes, pos: None });
     }
     Ok(Answer::Done)
 }

@@ -1,26 +1,39 @@
-//! Data of FIFOs: PT segments, and entries of Follow. It is written to the axis's store at admission, behind what
-//! the tick knows of, and becomes visible by a commit at its instant.
+//! Data of FIFOs: PT segments, entries of Follow, entries of paths. It is written to its store at admission, behind
+//! what the tick knows of, and becomes visible by a commit at its instant.
 //!
 //! In: a data command. Out: what was [`Written`]; then, once it is entered into the *ahead* books, the commit that
-//! shows all that an axis has in a FIFO. Fails: with a refusal, and then nothing has changed.
-use super::{follow_data, one, pt};
-use crate::books::{Books, Change, Fifo, FifoBook};
+//! shows all that a FIFO has. Fails: with a refusal, and then nothing has changed.
+use super::{crd_data, follow_data, one, pt};
+use crate::books::{Books, Change, CrdChange, Fifo, FifoBook, PathData};
 use crate::case::{Answer, Case};
+use crate::path_queue::PathQueue;
 use crate::refuse::Admitted;
 use protocol::command::{FollowSwitchNowEx, opcode};
 use servo::op::Op;
+use servo::path::EntryStore;
 use servo::pt::SegmentStore;
-use servo::units::Axis;
+use servo::units::{Axis, Crd};
+
+/// Whose FIFO.
+#[derive(Debug, Clone, Copy)]
+pub enum Of {
+    /// Of an axis.
+    Axis(Axis),
+    /// Of a coordinate system.
+    Crd(Crd),
+}
 
 /// Data that was written to a store and is not yet visible to the tick.
 #[derive(Debug, Clone, Copy)]
 pub struct Written {
     /// Whose.
-    pub axis: Axis,
+    pub of: Of,
     /// Which FIFO.
     pub fifo: u8,
     /// What to answer.
     pub answer: Answer,
+    /// Its commit goes by the immediate lane.
+    pub at_once: bool,
 }
 
 /// Where a FIFO ends with what was written.
@@ -30,6 +43,18 @@ pub enum End {
     Pt(FifoBook),
     /// Of entries of Follow.
     Follow(Fifo),
+    /// Of entries of a path.
+    Path(PathData),
+}
+
+/// The memory that data is written to.
+pub struct Stores<'x, const AXES: usize> {
+    /// PT and Follow, a store an axis.
+    pub segments: &'x [SegmentStore; AXES],
+    /// Both FIFOs of each coordinate system.
+    pub entries: &'x [[EntryStore; 2]],
+    /// What leads to them.
+    pub queues: &'x mut [[PathQueue; 2]],
 }
 
 /// Whether a command is data.
@@ -45,38 +70,46 @@ pub fn is_data(number: u16, body: &[u8]) -> bool {
         | opcode::FollowDiBitEx => true,
         // A switch that is queued.
         opcode::FollowSwitchNowEx => one::<FollowSwitchNowEx>(body).is_ok_and(|r| r.buffer.get() != 0),
-        _ => false,
+        _ => crd_data::is_path(number),
     }
 }
 
 /// Admits a data command: all of it, or nothing.
 pub fn data<const AXES: usize>(
     case: &Case<AXES>,
-    stores: &[SegmentStore; AXES],
+    stores: Stores<'_, AXES>,
     number: u16,
     body: &[u8],
 ) -> Admitted<(Written, End)> {
     if matches!(number, opcode::PtData | opcode::PtDataMany) {
-        pt::data(case, stores, number, body)
+        pt::data(case, stores.segments, number, body)
+    } else if crd_data::is_path(number) {
+        crd_data::data(case, stores.queues, stores.entries, number, body)
     } else {
-        follow_data::data(case, stores, number, body)
+        follow_data::data(case, stores.segments, number, body)
     }
 }
 
 /// Enters written data into the *ahead* books before its commit is pushed.
 pub fn enter<const AXES: usize>(books: &mut Books<AXES>, written: &Written, end: End) {
-    let Written { axis, fifo, .. } = *written;
-    let book = books.axis(axis);
-    let change = match end {
-        End::Pt(data) => Change::Data { axis, fifo, epoch: book.epoch, book: data },
-        End::Follow(data) => {
-            Change::FollowData { axis, fifo, cleared: book.follow.cleared[usize::from(fifo & 1)], book: data }
+    let fifo = written.fifo;
+    let change = match (written.of, end) {
+        (Of::Axis(axis), End::Pt(data)) => Change::Data { axis, fifo, epoch: books.axis(axis).epoch, book: data },
+        (Of::Axis(axis), End::Follow(data)) => {
+            let cleared = books.axis(axis).follow.cleared[usize::from(fifo & 1)];
+            Change::FollowData { axis, fifo, cleared, book: data }
         }
+        (Of::Crd(crd), End::Path(data)) => {
+            let cleared = books.crd(crd).path(fifo).cleared;
+            Change::Crd { crd, change: CrdChange::Data { fifo, cleared, data } }
+        }
+        // Data is of what it was written to.
+        _ => Change::None,
     };
     books.enter(&change, 0);
 }
 
-/// The commit of what these books have in a FIFO.
+/// The commit of what these books have in a FIFO of an axis.
 pub fn commit<const AXES: usize>(books: &Books<AXES>, axis: Axis, fifo: u8) -> (Op, Change) {
     let book = books.axis(axis);
     let place = usize::from(fifo & 1);
@@ -88,4 +121,12 @@ pub fn commit<const AXES: usize>(books: &Books<AXES>, axis: Axis, fifo: u8) -> (
         let (epoch, data) = (book.epoch, book.fifos[place]);
         (Op::PtCommit { axis, fifo, end: data.end, epoch }, Change::Data { axis, fifo, epoch, book: data })
     }
+}
+
+/// The commit of a FIFO of a coordinate system up to an entry.
+pub fn commit_path<const AXES: usize>(books: &Books<AXES>, crd: Crd, fifo: u8, end: u32) -> (Op, Change) {
+    let path = books.crd(crd).path(fifo);
+    let (cleared, data) = (path.cleared, path.data);
+    let change = CrdChange::Data { fifo, cleared, data };
+    (Op::CrdCommit { crd, fifo, end, cleared }, Change::Crd { crd, change })
 }

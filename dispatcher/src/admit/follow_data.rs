@@ -2,7 +2,7 @@
 //!
 //! In: a data command. Out: entries in the store, and what the books are to say of the FIFO. Fails: with the
 //! parameter and the limit; what was written by then lies behind the end of the FIFO, where nobody looks.
-use super::data::{End, Written};
+use super::data::{End, Of, Written};
 use super::follow::{following, known, method, mode_of};
 use super::{io, one};
 use crate::books::Fifo;
@@ -178,7 +178,10 @@ pub fn data<const AXES: usize>(
     let mut filling = open(case, stores, axis, fifo.get(), field)?;
     filling.add(given).map_err(|refused| refused.axis(case.site.number_of(axis)))?;
     let fifo = filling.fifo;
-    Ok((Written { axis, fifo, answer: Answer::Entered { axis, fifo, percent1: 0 } }, End::Follow(filling.book)))
+    Ok((
+        Written { of: Of::Axis(axis), fifo, answer: Answer::Entered { axis, fifo, percent1: 0 }, at_once: false },
+        End::Follow(filling.book),
+    ))
 }
 
 /// FollowDataPercent2Ex: up to three places, for the growing, the held and the falling slope of the ratio.
@@ -234,7 +237,10 @@ fn lopsided_data<const AXES: usize>(
     }
     let fifo = filling.fifo;
     let percent1 = (x * 100.0 + 0.5) as i16;
-    Ok((Written { axis, fifo, answer: Answer::Entered { axis, fifo, percent1 } }, End::Follow(filling.book)))
+    Ok((
+        Written { of: Of::Axis(axis), fifo, answer: Answer::Entered { axis, fifo, percent1 }, at_once: false },
+        End::Follow(filling.book),
+    ))
 }
 
 /// The FIFO, if it is known what it holds and its places are free for data.

@@ -41,7 +41,12 @@ pub fn outputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDo) -> Admitted<
 }
 
 /// The group, the place of its bit 0, and how many bits a core has of it. `field` names the type.
-fn group<const AXES: usize>(case: &Case<AXES>, core: i16, field: u8, which: i16) -> Admitted<(DoGroup, usize, usize)> {
+pub fn group<const AXES: usize>(
+    case: &Case<AXES>,
+    core: i16,
+    field: u8,
+    which: i16,
+) -> Admitted<(DoGroup, usize, usize)> {
     let axes = usize::from(case.site.profile.axes_per_core);
     let first = case.core(core)? * axes;
     Ok(match choice(field, which, kind::ENABLE, kind::GPO)? {
@@ -110,18 +115,33 @@ fn channels(first: i16, count: i16, have: u8) -> Admitted<(u8, u8)> {
     Ok((first as u8 - 1, count as u8))
 }
 
+/// An analog output, from 0, that no laser channel has.
+pub fn analog<const AXES: usize>(case: &Case<AXES>, field: u8, channel: i16) -> Admitted<u8> {
+    let channel = choice(field, channel, 1, i16::from(case.board.analog_outputs.min(8)))? as u8 - 1;
+    free_analog(case, field, channel, 1)?;
+    Ok(channel)
+}
+
+/// AO0 and AO1 carry the power of a laser channel in analog mode (LSR 2).
+fn free_analog<const AXES: usize>(case: &Case<AXES>, field: u8, first: u8, count: usize) -> Admitted<()> {
+    for (channel, laser) in (0u8..).zip(&case.books.lasers).skip(first.into()).take(count) {
+        if laser.mode == Mode::Analog {
+            let output = f64::from(channel) + 1.0;
+            return Err(Refused::new(Reason::AnalogInUse)
+                .field(field)
+                .got(output)
+                .limits(channel.into(), channel.into()));
+        }
+    }
+    Ok(())
+}
+
 pub fn set_analog<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admitted<Answer> {
     let (request, values) = many::<SetDac>(body, |r| r.count.get())?;
     case.core(request.core.get())?;
     let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
     let (first, _) = channels(request.dac.get(), count, case.board.analog_outputs)?;
-    // AO0 and AO1 carry the power of a laser channel in analog mode (LSR 2).
-    for ((channel, laser), _) in (0u8..).zip(&case.books.lasers).skip(first.into()).zip(values) {
-        if laser.mode == Mode::Analog {
-            let output = f64::from(channel) + 1.0;
-            return Err(Refused::new(Reason::AnalogInUse).field(1).got(output).limits(channel.into(), channel.into()));
-        }
-    }
+    free_analog(case, 1, first, values.len())?;
     for (channel, value) in (first..).zip(values) {
         let value = value.value.get();
         case.stage_with(Op::Analog { channel, value }, Change::Analog { channel, value });

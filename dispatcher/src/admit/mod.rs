@@ -3,6 +3,8 @@
 //! In: a record. Out: what to answer once it is executed, with the operations staged; or a refusal,
 //! and then nothing has changed. The only place where the user's doubles become the tick's numbers.
 mod axis;
+pub mod crd;
+pub mod crd_data;
 pub mod data;
 mod follow;
 mod follow_data;
@@ -32,7 +34,7 @@ const STATUS_ITEMS_MAX: u8 = 31;
 const _: () = assert!(14 + STATUS_ITEMS_MAX as usize * size_of::<command::AxisItem>() <= protocol::MAX_PAYLOAD);
 
 /// A command of one struct.
-fn one<R: Request<Item = Nothing>>(body: &[u8]) -> Admitted<R> {
+pub fn one<R: Request<Item = Nothing>>(body: &[u8]) -> Admitted<R> {
     R::read_from_bytes(body).map_err(|_| length(body.len(), size_of::<R>()))
 }
 
@@ -189,6 +191,21 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::SetHSIOOpt => to!(SetHSIOOpt, laser::switch),
         opcode::GetHSIOOpt => to!(laser GetHSIOOpt),
         opcode::LaserStatus => to!(laser LaserStatus),
+        opcode::SetCrdPrm => to!(SetCrdPrm, crd::set),
+        opcode::CrdClear => to!(CrdClear, crd::clear),
+        opcode::CrdSpace => to!(CrdSpace, crd::space),
+        opcode::CrdStop => to!(CrdStop, crd::stop),
+        opcode::SetCrdStopDec => to!(SetCrdStopDec, crd::stop_dec),
+        opcode::SetOverride => to!(SetOverride, crd::set_override),
+        opcode::InitLookAhead => to!(InitLookAhead, crd::look_ahead),
+        opcode::SetCrdLimit => to!(SetCrdLimit, crd::limit),
+        opcode::GetCrdPrm
+        | opcode::CrdStatus
+        | opcode::GetCrdPos
+        | opcode::GetCrdVel
+        | opcode::GetRemainderSegNum
+        | opcode::GetCrdLimit
+        | opcode::CrdInfo => crd::read(case, number, body),
         _ if follow::is_follow(number) => follow::admit(case, number, body),
         _ => Err(Refused::new(Reason::UnknownCommand).got(number.into())),
     }
@@ -234,6 +251,14 @@ pub fn is_read(number: u16) -> bool {
             | opcode::LaserOnStatus
             | opcode::GetHSIOOpt
             | opcode::LaserStatus
+            | opcode::GetCrdPrm
+            | opcode::CrdSpace
+            | opcode::CrdStatus
+            | opcode::GetCrdPos
+            | opcode::GetCrdVel
+            | opcode::GetRemainderSegNum
+            | opcode::GetCrdLimit
+            | opcode::CrdInfo
             | opcode::PtSpace
             | opcode::GetPtLoop
             | opcode::GetPtMemory

@@ -1,6 +1,6 @@
 //! PT commands (GXN chapter 2), and the road of PT data from bytes to the axis's store.
 use super::axis::all_startable;
-use super::data::{End, Written};
+use super::data::{End, Of, Written};
 use super::{many, one, query};
 use crate::books::{Change, FifoBook};
 use crate::case::{Answer, Case, Query};
@@ -193,7 +193,7 @@ fn push<const AXES: usize>(
     }
     let book = FifoBook { end: data.end.wrapping_add(items.len() as u32), chain };
     let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    Ok((Written { axis, fifo, answer }, End::Pt(book)))
+    Ok((Written { of: Of::Axis(axis), fifo, answer, at_once: false }, End::Pt(book)))
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.

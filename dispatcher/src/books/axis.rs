@@ -5,6 +5,7 @@ use protocol::command::{JogPrm, TrapPrm};
 use servo::op::Mode;
 use servo::pt::Chain;
 use servo::status::RUNNING;
+use servo::units::{Crd, Pos};
 use servo::view::{AxisView, View};
 
 /// One FIFO of PT data.
@@ -33,6 +34,10 @@ pub struct AxisBook {
     pub started: Option<u32>,
     /// The last start, until the axis has been seen at rest.
     pub busy: Option<u32>,
+    /// The last entry that set the planned position, and to what, until it is executed.
+    pub placed: Option<(u32, Option<Pos>)>,
+    /// In `Mode::Crd`: the coordinate system that drives it.
+    pub crd: Crd,
     /// The last AxisOn or AxisOff, until it is executed.
     pub servo: Option<(u32, bool)>,
     /// The last ClrSts or Reset, until it is executed.
@@ -78,6 +83,8 @@ impl Default for AxisBook {
             epoch: 0,
             started: None,
             busy: None,
+            placed: None,
+            crd: Crd::default(),
             servo: None,
             cleared: None,
             emptied: None,
@@ -129,6 +136,14 @@ impl AxisBook {
     /// Whether a PT or ramp motion may be running when the next entry acts.
     pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
         self.started.is_some_and(|seq| !executed(view, seq) || axis.status & RUNNING != 0)
+    }
+    /// The planned position at which the next entry finds the axis; none while only the tick knows.
+    pub fn position<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> Option<Pos> {
+        match self.placed {
+            _ if self.is_busy(view, axis) => None,
+            Some((seq, pos)) if !executed(view, seq) => pos,
+            _ => Some(axis.pos),
+        }
     }
     /// Whether the tick itself may still be working through data of an earlier start.
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {

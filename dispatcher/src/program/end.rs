@@ -5,14 +5,13 @@
 //! What was dropped leaves no trace: the *ahead* books go back to the *now* books. A FIFO whose places were
 //! overwritten already is emptied: neither its old data nor the new is there.
 use super::{Program, State};
-use crate::awaiting::TickRefusal;
-use crate::books::{Change, executed};
+use crate::awaiting::{Refuser, TickRefusal};
+use crate::books::{Change, PROGRAM_FLAG, executed};
 use crate::desk::Desk;
 use crate::refuse::Refused;
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
-use servo::units::Axis;
 use servo::view::View;
 
 impl Program<'_> {
@@ -85,6 +84,7 @@ impl Program<'_> {
     /// The tick has dropped the rest.
     pub(super) fn finish_drop<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) {
         self.lane.forget();
+        desk.forget_paths(view);
         desk.ahead = desk.now;
         desk.lane.replay(&mut desk.ahead);
         if !desk.empty_spoiled() {
@@ -92,18 +92,20 @@ impl Program<'_> {
         }
         self.dropping = None;
         self.awaiting.amend_back(|item| {
-            item.discarded |= item.open || item.seq.is_some_and(|seq| !executed(view, seq));
+            // What went by the immediate lane is executed.
+            let dropped = |seq: u32| seq & PROGRAM_FLAG != 0 && !executed(view, seq);
+            item.discarded |= item.open || item.seq.is_some_and(dropped);
             item.open = false;
             true
         });
-        (self.delay, self.instant, self.open) = (0, 0, [0; 2]);
+        (self.delay, self.instant, self.open, self.open_paths) = (0, 0, [0; 2], [0; 2]);
         (self.run, self.end, self.config) = (None, None, None);
     }
 
     /// A strict program was late: what follows is not executed. The next entry says why.
     pub(super) fn late(&mut self) {
         self.cut(State::Failed);
-        self.refused.push((0, Axis::default(), 0));
+        self.refused.push((0, Refuser::Nobody));
     }
 
     /// Answers what was executed or dropped, in order.
@@ -125,7 +127,7 @@ impl Program<'_> {
                 .filter(|&(seq, ..)| if seq == 0 { item.discarded } else { item.own && item.seq == Some(seq) });
             let written = match refusal {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
-                Some((_, axis, status)) => out.refused(item.opcode, item.tag, &desk.explain(axis, status).wire),
+                Some((_, refuser)) => out.refused(item.opcode, item.tag, &desk.explain(view, refuser).wire),
                 None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(Reason::Discarded).wire),
                 None => desk.reply(view, self, &item, self.values.iter().copied(), out),
             };
@@ -181,13 +183,31 @@ impl Program<'_> {
 /// could, and that has been admitted.
 fn is_final(reason: Reason) -> bool {
     use Reason::{
-        AboveLow, AnalogInUse, BelowMinimum, BeyondTravel, FifoEmpty, LaserConnector, Length, NoAcceleration,
-        NotFinite, NotForProgram, NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, Selector,
-        ServoOff, TooMany, UnknownCommand, WrongMode,
+        AboveLow, AnalogInUse, AxisGoesAlong, AxisInCrd, AxisLeftCrd, BelowMinimum, Between, BeyondTravel, CentreOff,
+        CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty, GearsFull,
+        LaserConnector, Length, NoAcceleration, NoCoordinate, NoLength, NotFinite, NotForProgram, NotInDynamic,
+        NotInFamily, NotInProgram, NotInitialised, OutOfRange, RadiusTooLarge, RadiusTooSmall, Selector, ServoOff,
+        TooMany, UnknownCommand, WrongMode,
     };
     matches!(
         reason,
         AboveLow
+            | AxisGoesAlong
+            | AxisInCrd
+            | AxisLeftCrd
+            | Between
+            | CentreOff
+            | CentreOnStart
+            | CoordinateMissing
+            | CoordinateTwice
+            | CrdEmpty
+            | CrdNotOnBoard
+            | CrdNotSet
+            | GearsFull
+            | NoCoordinate
+            | NoLength
+            | RadiusTooLarge
+            | RadiusTooSmall
             | BelowMinimum
             | LaserConnector
             | NotInFamily

@@ -9,7 +9,7 @@
 //! the script clock moves on, or their instant comes near. So data before a start takes no room in the
 //! lane however it arrives, and a stream that is short of data still gets each record in time.
 use super::{Program, State, length};
-use crate::admit::data;
+use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{CHUNK, Road, road};
 use crate::awaiting::{Awaiting, Step};
 use crate::books::Change;
@@ -21,15 +21,17 @@ use protocol::command::{Sleep, WaitStop, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
-use servo::units::{Axis, CrdMask, Ns};
+use servo::units::{Axis, Crd, CrdMask, Ns};
 use servo::view::View;
 use zerocopy::FromBytes;
 
+/// Most commits of coordinate systems at one instant.
+const COMMITS: usize = 2 * Crd::MAX;
 /// Records admitted in one go, so that the work of a poll is bounded.
 const RECORDS_PER_POLL: u32 = 256;
 /// Commits go into the ring this long before their instant: longer than the thread is ever away, short
 /// enough that what is pushed piece by piece meanwhile does not fill the ring.
-const NEAR_NS: u64 = 10_000_000;
+pub(super) const NEAR_NS: u64 = 10_000_000;
 
 impl Program<'_> {
     /// Admits records until one has to wait. True if at least one was dealt with.
@@ -66,7 +68,7 @@ impl Program<'_> {
 
     /// Room for a command and, before it, the commits of all axes.
     fn has_room<const AXES: usize>(&self) -> bool {
-        self.lane.room() >= STAGED + 2 * AXES && !self.awaiting.is_full() && self.values.room() >= TAKEN_MAX
+        self.lane.room() >= STAGED + COMMITS + 2 * AXES && !self.awaiting.is_full() && self.values.room() >= TAKEN_MAX
     }
 
     /// Whether a record from the wire may be admitted where it lies: it is data, and no record waits.
@@ -90,7 +92,7 @@ impl Program<'_> {
 
     /// Whether there is data that the tick does not know of yet.
     pub(super) fn gathers(&self) -> bool {
-        self.open[0] | self.open[1] != 0
+        self.open[0] | self.open[1] != 0 || self.open_paths[0] | self.open_paths[1] != 0
     }
 
     /// When the commits that gather have to be in the ring, controller time; none while the program is
@@ -114,7 +116,8 @@ impl Program<'_> {
     ) -> bool {
         let runs = self.runs(view);
         let quiet = !self.lane.in_flight() && !self.gathers();
-        self.urgent = runs && (refused.reason != Reason::FifoFull || quiet);
+        let full = matches!(refused.reason, Reason::FifoFull | Reason::CrdFull);
+        self.urgent = runs && (!full || quiet);
         let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
         if !runs || self.lane.in_flight() || !self.awaiting.is_empty() || view.now.0 <= instant {
             return false;
@@ -131,7 +134,7 @@ impl Program<'_> {
 
     /// Admits the record in hand and pushes what it becomes.
     fn take_record<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) -> Admitted<Step> {
-        let decided = self.is_reached(view);
+        let (decided, near) = (self.is_reached(view), self.is_near(view));
         let Some((head, body)) = self.records.front() else { return Ok(Step::Wait) };
         let (answer, effect, own) = match head.opcode {
             opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus | opcode::SetTick | opcode::Choose => {
@@ -147,8 +150,8 @@ impl Program<'_> {
                 return Ok(Step::Taken);
             }
             number if data::is_data(number, body) => {
-                let written = desk.admit_data(view, decided, head.opcode, body)?;
-                self.take_data(head.opcode, head.tag, &written);
+                let written = desk.admit_data(view, decided, near, head.opcode, body)?;
+                self.take_data(desk, head.opcode, head.tag, &written);
                 return Ok(Step::Taken);
             }
             number if road(number) == Some(Road::Calculate) => {
@@ -165,7 +168,10 @@ impl Program<'_> {
             }
             opcode::WaitStop => {
                 let wait = WaitStop::read_from_bytes(body).map_err(|_| length::<WaitStop>(body))?;
-                wait_stop(desk, view, &wait)?;
+                if !wait_stop(desk, view, near, &wait)? {
+                    self.urgent = self.runs(view);
+                    return Ok(Step::Wait);
+                }
                 (Answer::Done, Effect::None, true)
             }
             opcode::ProgramEnd => {
@@ -241,15 +247,31 @@ impl Program<'_> {
     }
 
     /// Data is in the store; one commit will show all that belongs to this instant.
-    pub(super) fn take_data(&mut self, opcode: u16, tag: u16, written: &data::Written) {
-        self.open[usize::from(written.fifo) & 1] |= written.axis.mask().0;
+    pub(super) fn take_data<const AXES: usize>(
+        &mut self,
+        desk: &mut Desk<'_, AXES>,
+        opcode: u16,
+        tag: u16,
+        written: &data::Written,
+    ) {
+        let fifo = usize::from(written.fifo) & 1;
+        match written.of {
+            Of::Axis(axis) => self.open[fifo] |= axis.mask().0,
+            Of::Crd(crd) if written.at_once => {
+                desk.commit_path_now(crd, written.fifo);
+                let (seq, answer) = (Some(desk.lane.last()), written.answer);
+                self.awaiting.push(Awaiting { opcode, tag, seq, own: true, answer, ..Awaiting::BLANK });
+                return;
+            }
+            Of::Crd(crd) => self.open_paths[fifo] |= crd.mask().0,
+        }
         self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, answer: written.answer, ..Awaiting::BLANK });
     }
 
     /// Pushes the commits of the data that gathered. There is room for them: no record is admitted
     /// without it, and data itself takes none.
     pub(super) fn flush<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
-        if !self.gathers() || self.lane.room() < 2 * AXES {
+        if !self.gathers() || self.lane.room() < COMMITS + 2 * AXES {
             return;
         }
         for fifo in 0..2u8 {
@@ -260,7 +282,13 @@ impl Program<'_> {
                 self.push(desk, op, change);
             }
         }
-        self.open = [0; 2];
+        for fifo in 0..2u8 {
+            for crd in CrdMask(self.open_paths[usize::from(fifo)]).crds() {
+                let (op, change) = desk.commit_path(crd, fifo);
+                self.push(desk, op, change);
+            }
+        }
+        (self.open, self.open_paths) = ([0; 2], [0; 2]);
         let last = self.lane.last();
         self.awaiting.amend_back(|item| {
             let open = item.open;
@@ -296,8 +324,14 @@ impl Program<'_> {
     }
 }
 
-/// Stages a WaitStop. No crd can run in this build's commands, so their bits wait for nothing.
-fn wait_stop<const AXES: usize>(desk: &mut Desk<'_, AXES>, view: &View<AXES>, wait: &WaitStop) -> Admitted<()> {
+/// Stages a WaitStop; false if it cannot be now. What a coordinate system waits for ends with what it was given so far,
+/// so that all of it leaves the look-ahead.
+fn wait_stop<const AXES: usize>(
+    desk: &mut Desk<'_, AXES>,
+    view: &View<AXES>,
+    near: bool,
+    wait: &WaitStop,
+) -> Admitted<bool> {
     desk.staged.clear();
     let mut staged = Staged::new();
     let case = Case {
@@ -306,17 +340,19 @@ fn wait_stop<const AXES: usize>(desk: &mut Desk<'_, AXES>, view: &View<AXES>, wa
         site: &desk.site,
         board: &desk.board,
         decided: false,
+        near,
+        crds: desk.entries.len(),
         staged: &mut staged,
         effect: Effect::None,
     };
     let axes = case.mask(wait.core.get(), wait.axes.get(), 1)?;
-    let crds = u32::from(desk.site.profile.crds_per_core);
-    let (given, all) = (wait.crds.get().cast_unsigned(), (1u32 << crds) - 1);
-    if given & !all != 0 {
-        return Err(Refused::new(Reason::OutOfRange).field(2).got(given.into()).limits(0.0, all.into()));
+    let crds = case.crd_mask(wait.core.get(), wait.crds.get(), 2)?;
+    let all = CrdMask(crds.0 | desk.ahead.drivers(axes).0);
+    if !all.crds().all(|crd| desk.flush_path(view, crd, near)) {
+        return Ok(false);
     }
-    if axes.0 != 0 {
-        desk.staged.add(Op::WaitRest { axes, crds: CrdMask(0) }, Change::Rest { axes });
+    if axes.0 != 0 || crds.0 != 0 {
+        desk.staged.add(Op::WaitRest { axes, crds }, Change::Rest { axes, crds });
     }
-    Ok(())
+    Ok(true)
 }

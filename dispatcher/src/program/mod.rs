@@ -16,7 +16,7 @@
 mod end;
 mod intake;
 
-use crate::awaiting::{Awaiting, Step, TickRefusal};
+use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
 use crate::books::{Change, PROGRAM_FLAG, executed};
 use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
 use crate::case::Answer;
@@ -29,7 +29,6 @@ use protocol::reason::Reason;
 use protocol::record::{Full, Lane as Road, ReplyWriter, RequestRecord};
 use ring::Producer;
 use servo::op::{Entry, Op};
-use servo::units::Axis;
 use servo::view::View;
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -70,6 +69,8 @@ pub struct Program<'a> {
     instant: u64,
     /// Axes with data in FIFO 0, FIFO 1 that the tick does not know of yet.
     open: [u64; 2],
+    /// Coordinate systems, the same.
+    open_paths: [u8; 2],
     /// The ProgramRun of this program.
     run: Option<u32>,
     /// The ProgramEnd of this program, once admitted.
@@ -100,12 +101,13 @@ impl<'a> Program<'a> {
             lane: Lane::new(ring, PROGRAM_FLAG),
             records: Records::new(),
             awaiting: Deque::new(Awaiting::BLANK),
-            refused: Deque::new((0, Axis::default(), 0)),
+            refused: Deque::new((0, Refuser::Nobody)),
             values: Deque::new(0.0),
             state: State::Empty,
             delay: 0,
             instant: 0,
             open: [0; 2],
+            open_paths: [0; 2],
             run: None,
             end: None,
             drop_due: false,
@@ -140,6 +142,13 @@ impl<'a> Program<'a> {
         self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0)
     }
 
+    /// Whether the record in hand acts soon, and nothing is on its way before it.
+    fn is_near<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        let instant = view.script_zero.0.saturating_add(self.instant).saturating_add(self.delay);
+        let quiet = !self.lane.in_flight() && !self.gathers();
+        self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::NEAR_NS)
+    }
+
     /// Whether it is held or runs.
     pub fn is_active(&self) -> bool {
         matches!(self.state, State::Held | State::Running)
@@ -165,9 +174,10 @@ impl<'a> Program<'a> {
     ) -> Step {
         if self.takes_at_once::<AXES>(record.opcode, record.body) {
             // Where it is refused it waits in the queue, and is refused from there.
-            if let Ok(written) = desk.admit_data(view, self.is_reached(view), record.opcode, record.body) {
+            let (reached, near) = (self.is_reached(view), self.is_near(view));
+            if let Ok(written) = desk.admit_data(view, reached, near, record.opcode, record.body) {
                 self.accepted = self.accepted.wrapping_add(1);
-                self.take_data(record.opcode, record.tag, &written);
+                self.take_data(desk, record.opcode, record.tag, &written);
                 return Step::Taken;
             }
         }

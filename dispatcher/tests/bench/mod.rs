@@ -1,9 +1,10 @@
 //! A whole controller on a bench: server and tick in one process, a client's end of the link, and a
 //! machine whose encoders follow at once.
 #![allow(dead_code)]
+pub mod crd;
 pub mod follow;
 
-use dispatcher::{Board, Channels, Fault, Server};
+use dispatcher::{Board, Channels, Fault, PathQueue, Server};
 use protocol::command::*;
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::reason::{Reason, Refusal};
@@ -135,6 +136,8 @@ impl<const AXES: usize> Bench<AXES> {
         let stores: Box<[SegmentStore]> = (0..AXES).map(|_| SegmentStore::new()).collect();
         let stores: Box<[SegmentStore; AXES]> = stores.try_into().ok().unwrap();
         let stores: &'static [SegmentStore; AXES] = Box::leak(stores);
+        let queues: Vec<[PathQueue; 2]> = (0..Crd::MAX).map(|_| Default::default()).collect();
+        let queues: &'static mut [[PathQueue; 2]] = queues.leak();
         let paths: &'static [[EntryStore; 2]] = leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]);
         let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
@@ -153,7 +156,10 @@ impl<const AXES: usize> Bench<AXES> {
             fault,
         };
         let mut bench = Bench {
-            server: Server::new(board, Channels { immediate, program, view, events, samples, stores, tables }),
+            server: Server::new(
+                board,
+                Channels { immediate, program, view, events, samples, stores, paths, queues, tables },
+            ),
             tick: Tick::new(TickConfig {
                 period_ns: tick_us * 1000,
                 axes: AXES as u8,

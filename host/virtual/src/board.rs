@@ -7,7 +7,7 @@
 //! stopped an axis, a time of the thread's own is reached, or [`THREAD_TICKS`] have passed. Between these
 //! it would find nothing but a newer view.
 use crate::machine::{Beam, Edge, Inputs, Machine, Outputs};
-use dispatcher::{Channels, Server};
+use dispatcher::{Channels, PathQueue, Server};
 use plant::beam::Levels;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
@@ -214,6 +214,7 @@ impl<const AXES: usize> Whole<AXES> {
             general_outputs: 16,
             fault: None,
         };
+        let queues: Vec<[PathQueue; 2]> = (0..Crd::MAX).map(|_| Default::default()).collect();
         let channels = Channels {
             immediate: immediate_in,
             program: program_in,
@@ -221,6 +222,8 @@ impl<const AXES: usize> Whole<AXES> {
             events: events_out,
             samples: samples_out,
             stores,
+            paths,
+            queues: queues.leak(),
             tables,
         };
         let lanes = Lanes {

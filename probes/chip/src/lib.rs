@@ -4,6 +4,7 @@
 //!
 //! In: nothing. Out: both halves of everything, once. Owns the statics. Fails with `None` when asked
 //! twice.
+use dispatcher::PathQueue;
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::Clock;
 use servo::laser::Tables;
@@ -12,6 +13,7 @@ use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::view::{Event, Sample, View};
+use static_cell::ConstStaticCell;
 
 /// Axes of the probes: what SPEC 11 counts with.
 pub const AXES: usize = 8;
@@ -32,6 +34,9 @@ pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Entries of coordinate systems.
 pub static PATHS: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
+/// What leads to them.
+pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; 2]> =
+    ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; 2]);
 /// Tables of laser channels.
 pub static LASER_TABLES: Tables = Tables::new();
 /// All of them.

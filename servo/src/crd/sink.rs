@@ -98,10 +98,7 @@ impl Sink<'_> {
 impl Effects for Sink<'_> {
     fn change(&mut self, at: Fine, change: &Change) -> Fine {
         match *change {
-            Change::Output { group, mask, value } => {
-                let (mask, value) = (mask as u64, value as u64);
-                self.edge(at, Edge::Digital { group, mask, value });
-            }
+            Change::Output { group, mask, value } => self.edge(at, Edge::Digital { group, mask, value }),
             Change::Analog { channel, value } => self.edge(at, Edge::Analog { channel, value }),
             Change::Move { axis, target, speed, acc, modal } => {
                 return self.send(at, axis, target, (speed, acc), modal);

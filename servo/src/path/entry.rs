@@ -106,6 +106,11 @@ impl Along {
         Ok(Along { vel: within(vel, LOWEST)?, acc: within(acc, LOWEST)?, end: within(end, LOWEST_END)? })
     }
 
+    /// Speed, pulse/ms, as the bits of a double.
+    pub fn vel_bits(self) -> u64 {
+        self.vel
+    }
+
     /// Speed, pulse/ms.
     pub(super) fn vel(self) -> Real {
         real(self.vel)
@@ -194,9 +199,9 @@ pub enum Change {
         /// Which outputs.
         group: DoGroup,
         /// Those that change.
-        mask: u32,
+        mask: u64,
         /// To these levels.
-        value: u32,
+        value: u64,
     },
     /// BufDA.
     Analog {
@@ -374,8 +379,8 @@ impl Entry {
     }
 
     /// Sets the masked outputs of a group.
-    pub fn output(group: DoGroup, mask: u32, value: u32) -> Entry {
-        other(kind::OUTPUT, [group as u32, mask, value, 0, 0, 0, 0])
+    pub fn output(group: DoGroup, mask: u64, value: u64) -> Entry {
+        other(kind::OUTPUT, [group as u32, low(mask), high(mask), low(value), high(value), 0, 0])
     }
 
     /// Sets an analog output.
@@ -467,7 +472,7 @@ impl Entry {
                     1 => DoGroup::Clear,
                     _ => DoGroup::General,
                 };
-                Item::Change(Change::Output { group, mask: b, value: c })
+                Item::Change(Change::Output { group, mask: wide(b, c), value: wide(d, e) })
             }
             kind::ANALOG => Item::Change(Change::Analog { channel: a as u8, value: b as i16 }),
             kind::MOVE => match (Speed::admit(wide(b, c)), Accel::admit(wide(d, e))) {

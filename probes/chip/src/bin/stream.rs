@@ -16,7 +16,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{debug, hprintln};
 use dispatcher::{Board, Channels, Server};
 use hal as _; // the vector table
-use probes::{AXES, STORES, TABLE_STORES};
+use probes::{AXES, PATHS, QUEUES, STORES, TABLE_STORES};
 use protocol::command::{PrfPt, ProgramStart, PtDataMany, PtItem, Request, SetPtMemory};
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::record::{Lane, RequestWriter, replies};
@@ -211,6 +211,8 @@ fn main() -> ! {
         events: thread.events,
         samples: thread.samples,
         stores: &STORES,
+        paths: &PATHS,
+        queues: QUEUES.take(),
         tables: TABLE_STORES,
     };
     let mut bench = Bench {

@@ -1,0 +1,579 @@
+//! What FIFOs of coordinate systems are given: motions, and entries between them.
+//!
+//! In: a data command. Out: entries in the look-ahead or the store, and what the books are to say of the FIFO. Fails:
+//! with the parameter and the limit, and then nothing has changed: all is checked before the first entry is put in.
+//!
+//! Every command becomes a [`Given`]; [`put`] does the rest. A command of another chapter that goes into a FIFO (a
+//! buffered laser change) makes a `Given` of its own, with [`What::Entry`].
+use super::data::{End, Of, Written};
+use super::{io, many, one};
+use crate::books::{CAPACITY, CrdBook, Frame, PathBook, PathData};
+use crate::case::{Answer, Case, ones};
+use crate::figure::{self, Figure, OFF_CENTRE, Place};
+use crate::lookahead::Limits;
+use crate::path_queue::PathQueue;
+use crate::refuse::{Admitted, Refused, choice, real};
+use protocol::command::{
+    ArcXYC, ArcXYR, ArcYZC, ArcYZR, ArcZXC, ArcZXR, BufDA, BufDelay, BufDoBit, BufGear, BufIO, BufMove, CrdData,
+    CrdPoint, LnXY, LnXYG0, LnXYMany, LnXYZ, LnXYZA, LnXYZMany, Wire, opcode,
+};
+use protocol::reason::Reason;
+use servo::op::Mode;
+use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
+use servo::units::{Axis, Crd};
+
+/// The lowest speed and acceleration of a motion.
+const LEAST: f64 = 1.0 / 1048576.0;
+/// The lowest distance of a centre, pulses.
+const CENTRE: f64 = 1.0 / 512.0;
+/// Radii are below this, pulses.
+const RADIUS: f64 = 2_147_483_648.0;
+/// Axes that go along with one motion.
+const GEARS: u32 = 4;
+
+/// Which FIFO a command is for; `fifo_field` is the place of `fifo` among the fields of its request.
+#[derive(Debug, Clone, Copy)]
+pub struct Target {
+    pub core: i16,
+    pub crd: i16,
+    pub fifo: i16,
+    pub fifo_field: u8,
+}
+
+/// Speeds of a motion as they were given; `field` is the place of synVel, synAcc and velEnd are behind it.
+#[derive(Debug, Clone, Copy)]
+pub struct Speeds {
+    pub vel: f64,
+    pub acc: f64,
+    pub end: f64,
+    pub field: u8,
+    /// The path stands at its end, also with look-ahead.
+    pub rests: bool,
+}
+
+/// Where a motion goes. Fields are the places of what is named first.
+#[derive(Debug, Clone, Copy)]
+pub enum Way {
+    /// A line: the first so many coordinates; `planar` keeps all digits of the speeds.
+    Line { to: [i32; DIMENSIONS], count: usize, field: u8 },
+    /// An arc by its radius (`field` + 2).
+    Radius { plane: Plane, to: [i32; 2], radius: f64, dir: i16, field: u8 },
+    /// An arc by its centre (`field` + 2 and 3), from where it begins.
+    Centre { plane: Plane, to: [i32; 2], centre: [f64; 2], dir: i16, field: u8 },
+}
+
+/// What goes into the FIFO.
+#[derive(Debug, Clone, Copy)]
+pub enum What {
+    /// A motion.
+    Motion(Way, Speeds),
+    /// An entry that is none, and how long the path stands there, ms.
+    Entry(Entry, f64),
+    /// An axis goes along with the next motion.
+    Gear(Entry, Axis),
+    /// Nothing more follows for now: everything that waits in the look-ahead goes to the tick.
+    Flush,
+}
+
+/// A data command.
+pub type Given = (Target, What);
+
+/// Whether a command puts something into a FIFO of a coordinate system.
+pub fn is_path(number: u16) -> bool {
+    matches!(number, opcode::CrdData..=opcode::BufGear | opcode::LnXYMany | opcode::LnXYZMany)
+}
+
+/// The commands of one entry.
+fn given<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> Admitted<Given> {
+    macro_rules! target {
+        ($r:ident, $field:expr) => {
+            Target { core: $r.core.get(), crd: $r.crd.get(), fifo: $r.fifo.get(), fifo_field: $field }
+        };
+    }
+    macro_rules! speeds {
+        ($r:ident, $field:literal) => {
+            Speeds { vel: $r.syn_vel.get(), acc: $r.syn_acc.get(), end: $r.vel_end.get(), field: $field, rests: false }
+        };
+    }
+    macro_rules! line {
+        ($name:ident, $field:literal, $($axis:ident),*) => {{
+            let r = one::<$name>(body)?;
+            let given = [$(r.$axis.get()),*];
+            let mut to = [0; DIMENSIONS];
+            to.iter_mut().zip(given).for_each(|(to, given)| *to = given);
+            let way = Way::Line { to, count: given.len(), field: 2 };
+            Ok((target!(r, $field + 3), What::Motion(way, speeds!(r, $field))))
+        }};
+    }
+    macro_rules! radius {
+        ($name:ident, $plane:ident, $a:ident, $b:ident) => {{
+            let r = one::<$name>(body)?;
+            let (to, radius, dir) = ([r.$a.get(), r.$b.get()], r.radius.get(), r.circle_dir.get());
+            let way = Way::Radius { plane: Plane::$plane, to, radius, dir, field: 2 };
+            Ok((target!(r, 9), What::Motion(way, speeds!(r, 6))))
+        }};
+    }
+    macro_rules! centre {
+        ($name:ident, $plane:ident, $a:ident, $b:ident, $ca:ident, $cb:ident) => {{
+            let r = one::<$name>(body)?;
+            let (to, centre) = ([r.$a.get(), r.$b.get()], [r.$ca.get(), r.$cb.get()]);
+            let way = Way::Centre { plane: Plane::$plane, to, centre, dir: r.circle_dir.get(), field: 2 };
+            Ok((target!(r, 10), What::Motion(way, speeds!(r, 7))))
+        }};
+    }
+    match number {
+        opcode::LnXY => line!(LnXY, 4, x, y),
+        opcode::LnXYZ => line!(LnXYZ, 5, x, y, z),
+        opcode::LnXYZA => line!(LnXYZA, 6, x, y, z, a),
+        opcode::LnXYG0 => {
+            let r = one::<LnXYG0>(body)?;
+            let way = Way::Line { to: [r.x.get(), r.y.get(), 0, 0], count: 2, field: 2 };
+            let speeds = Speeds { vel: r.syn_vel.get(), acc: r.syn_acc.get(), end: 0.0, field: 4, rests: true };
+            Ok((target!(r, 6), What::Motion(way, speeds)))
+        }
+        opcode::ArcXYR => radius!(ArcXYR, Xy, x, y),
+        opcode::ArcYZR => radius!(ArcYZR, Yz, y, z),
+        opcode::ArcZXR => radius!(ArcZXR, Zx, z, x),
+        opcode::ArcXYC => centre!(ArcXYC, Xy, x, y, x_center, y_center),
+        opcode::ArcYZC => centre!(ArcYZC, Yz, y, z, y_center, z_center),
+        opcode::ArcZXC => centre!(ArcZXC, Zx, z, x, z_center, x_center),
+        opcode::CrdData => point(body),
+        opcode::BufDelay => {
+            let r = one::<BufDelay>(body)?;
+            let ms = r.delay_ms.get();
+            Ok((target!(r, 3), What::Entry(Entry::delay(ms), ms.into())))
+        }
+        opcode::BufIO => {
+            let r = one::<BufIO>(body)?;
+            let (group, first, count) = io::group(case, r.core.get(), 2, selector(r.do_type.get()))?;
+            let all = ones(count.min(16));
+            let mask = u64::from(r.do_mask.get());
+            if mask & !all != 0 {
+                return Err(Refused::new(Reason::OutOfRange).field(3).got(mask as f64).limits(0.0, all as f64));
+            }
+            let value = u64::from(r.do_value.get()) & mask;
+            let entry = Entry::output(group, mask << first, value << first);
+            Ok((target!(r, 5), What::Entry(entry, 0.0)))
+        }
+        opcode::BufDoBit => {
+            let r = one::<BufDoBit>(body)?;
+            let output = (selector(r.do_type.get()), selector(r.index.get()), r.value.get());
+            let (group, bit, high) = io::output(case, r.core.get(), 2, output)?;
+            let entry = Entry::output(group, 1 << bit, u64::from(high) << bit);
+            Ok((target!(r, 5), What::Entry(entry, 0.0)))
+        }
+        opcode::BufDA => {
+            let r = one::<BufDA>(body)?;
+            let channel = io::analog(case, 2, r.channel.get())?;
+            Ok((target!(r, 4), What::Entry(Entry::analog(channel, r.value.get()), 0.0)))
+        }
+        opcode::BufMove => {
+            let r = one::<BufMove>(body)?;
+            let axis = beside(case, r.core.get(), r.axis.get())?;
+            let (vel, acc) = (r.vel.get(), r.acc.get());
+            real(4, vel, LEAST, super::crd::MOST)?;
+            real(5, acc, LEAST, super::crd::MOST)?;
+            let modal = choice(6, r.modal.get(), 0, 1)? == 1;
+            let entry = Entry::travel(axis, r.pos.get(), vel.to_bits(), acc.to_bits(), modal)
+                .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(LEAST, super::crd::MOST))?;
+            Ok((target!(r, 7), What::Entry(entry, 0.0)))
+        }
+        _ => {
+            let r = one::<BufGear>(body)?;
+            let axis = beside(case, r.core.get(), r.axis.get())?;
+            Ok((target!(r, 4), What::Gear(Entry::gear(axis, r.pos.get()), axis)))
+        }
+    }
+}
+
+/// A 16-bit selector without a sign, for checks that take one with it.
+fn selector(given: u16) -> i16 {
+    i16::try_from(given).unwrap_or(i16::MAX)
+}
+
+/// An axis that no coordinate system drives, in Trap mode.
+fn beside<const AXES: usize>(case: &Case<AXES>, core: i16, axis: i16) -> Admitted<Axis> {
+    let axis = case.axis(core, axis).map_err(|refused| refused.field(2))?;
+    let book = case.book(axis);
+    if book.mode == Mode::Crd {
+        return Err(case.no(Reason::AxisInCrd, axis).field(2).got(case.site.crd_number(book.crd).into()));
+    }
+    case.in_mode(axis, book.mode == Mode::Trap)?;
+    Ok(axis)
+}
+
+/// CrdData: a flush without a point, else a motion as TCrdData gives it.
+fn point(body: &[u8]) -> Admitted<Given> {
+    let items = body.len().saturating_sub(size_of::<CrdData>()) / size_of::<CrdPoint>();
+    let (r, points) = many::<CrdData>(body, |_| items as u16)?;
+    let target = Target { core: r.core.get(), crd: r.crd.get(), fifo: r.fifo.get(), fifo_field: 2 };
+    let Some(point) = points.first().filter(|_| items == 1) else {
+        if items > 1 {
+            return Err(Refused::new(Reason::TooMany).got(items as f64).limits(0.0, 1.0));
+        }
+        return Ok((target, What::Flush));
+    };
+    // Fields of an item are counted behind those of the request.
+    const AT: u8 = CrdData::FIELDS.len() as u8;
+    let rests = choice(AT + 9, point.vel_end_zero.get(), 0, 1)? == 1;
+    let end = if rests { 0.0 } else { point.vel_end.get() };
+    let speeds = Speeds { vel: point.vel.get(), acc: point.acc.get(), end, field: AT + 6, rests };
+    let to = point.pos.map(|pos| pos.get());
+    if choice(AT, point.motion_type.get(), 0, 1)? == 0 {
+        return Ok((target, What::Motion(Way::Line { to, count: DIMENSIONS, field: AT + 2 }, speeds)));
+    }
+    let plane = match choice(AT + 1, point.plane.get(), 0, 2)? {
+        0 => Plane::Xy,
+        1 => Plane::Yz,
+        _ => Plane::Zx,
+    };
+    let [i, j] = plane.coordinates();
+    let (to, dir, centre) = ([to[i], to[j]], point.dir.get(), point.center.map(|part| part.get()));
+    let way = if centre == [0.0; 2] {
+        Way::Radius { plane, to, radius: point.radius.get(), dir, field: AT + 2 }
+    } else {
+        Way::Centre { plane, to, centre, dir, field: AT + 2 }
+    };
+    Ok((target, What::Motion(way, speeds)))
+}
+
+/// A FIFO that is being filled.
+struct Filling<'x> {
+    crd: Crd,
+    fifo: u8,
+    number: i16,
+    book: &'x CrdBook,
+    frame: &'x Frame,
+    path: &'x PathBook,
+    /// Where the next motion begins, if that is known.
+    begin: Option<Place>,
+    space: u32,
+    /// The path may run, and has a look-ahead: what leaves it is for the tick at once.
+    at_once: bool,
+    field: u8,
+}
+
+/// The FIFO, if it is known what it holds and its places are free.
+fn open<'x, const AXES: usize>(case: &Case<'x, AXES>, target: &Target) -> Admitted<Filling<'x>> {
+    let crd = case.crd(target.core, target.crd)?;
+    let frame = case.frame(crd)?;
+    let fifo = super::crd::fifo(target.fifo_field, target.fifo)?;
+    let (book, seen) = (case.crd_book(crd), case.crd_seen(crd));
+    let path = book.path(fifo);
+    let in_use = || case.no_crd(Reason::CrdFifoInUse, crd).field(target.fifo_field).got(fifo.into());
+    let pending = |seq: Option<u32>| seq.is_some_and(|seq| !crate::books::executed(case.view, seq));
+    // The places of what is over in the program are free only when the tick is through with them.
+    if pending(path.emptied) && book.is_busy(case.view, seen) {
+        return Err(in_use());
+    }
+    let at_once = path.look.is_some() && case.crd_may_run(crd);
+    // The look-ahead of a path that runs looks no further ahead than the host that feeds it.
+    if at_once && (!case.near || path.loose || pending(path.last)) {
+        return Err(in_use());
+    }
+    let space = book.space(seen, fifo);
+    let begin = book.begin(case.view, seen, fifo);
+    let number = case.site.crd_number(crd);
+    Ok(Filling { crd, fifo, number, book, frame, path, begin, space, at_once, field: target.fifo_field })
+}
+
+impl Filling<'_> {
+    fn no(&self, reason: Reason) -> Refused {
+        Refused::new(reason).axis(self.number)
+    }
+
+    /// Whether so many entries fit.
+    fn has_room(&self, count: usize) -> Admitted<()> {
+        if count as u64 <= u64::from(self.space) {
+            return Ok(());
+        }
+        Err(self.no(Reason::CrdFull).field(self.field).got(self.space.into()).limits(0.0, CAPACITY.into()))
+    }
+
+    fn begin(&self) -> Admitted<Place> {
+        self.begin.ok_or_else(|| self.no(Reason::CrdPlaceUnknown))
+    }
+
+    /// A coordinate that no axis drives stays 0.
+    fn driven(&self, coordinate: usize, to: i32, field: u8) -> Admitted<()> {
+        if to == 0 || coordinate < usize::from(self.frame.dimension) {
+            return Ok(());
+        }
+        Err(self.no(Reason::NoCoordinate).field(field).got(to.into()))
+    }
+
+    /// Speed, acceleration and end speed as they hold: all are held to the maxima.
+    fn speeds(&self, given: &Speeds) -> Admitted<(f64, f64, Along)> {
+        let Speeds { vel, acc, end, field, .. } = *given;
+        let (vel_max, acc_max) = (self.frame.vel_max, self.frame.acc_max);
+        real(field, vel, LEAST, f64::MAX)?;
+        real(field + 1, acc, LEAST, f64::MAX)?;
+        real(field + 2, end, 0.0, f64::MAX)?;
+        let (vel, acc) = (vel.min(vel_max), acc.min(acc_max));
+        let along = Along::admit(vel.to_bits(), acc.to_bits(), end.min(vel).to_bits())
+            .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(vel).limits(LEAST, vel_max))?;
+        Ok((vel, acc, along))
+    }
+
+    /// The motion from where the FIFO ends.
+    fn figure(&self, way: &Way) -> Admitted<Figure> {
+        let begin = self.begin()?;
+        let ccw = |dir: i16, field: u8| Ok(choice(field, dir, 0, 1)? == 1);
+        let plane_of = |plane: Plane, to: [i32; 2], field: u8| {
+            for ((coordinate, to), field) in plane.coordinates().into_iter().zip(to).zip(field..) {
+                self.driven(coordinate, to, field)?;
+                if coordinate >= usize::from(self.frame.dimension) {
+                    return Err(self.no(Reason::NoCoordinate).field(field).got(to.into()));
+                }
+            }
+            Ok(())
+        };
+        let (figure, field) = match *way {
+            Way::Line { to, count, field } => {
+                for ((coordinate, to), field) in to.iter().enumerate().zip(field..) {
+                    self.driven(coordinate, *to, if count == DIMENSIONS { field } else { field.min(count as u8 + 1) })?;
+                }
+                if count == 2 {
+                    let [x, y, ..] = to;
+                    (Figure::planar(&begin, [x, y]), field)
+                } else {
+                    // Coordinates behind those that are named stay.
+                    let mut target = to;
+                    let rest = target.iter_mut().zip(begin).enumerate().skip(count);
+                    for (_, (to, begin)) in rest {
+                        *to = begin as i32;
+                    }
+                    (Figure::line(&begin, target), field)
+                }
+            }
+            Way::Radius { plane, to, radius, dir, field } => {
+                plane_of(plane, to, field)?;
+                (Figure::arc_radius(&begin, plane, to, radius, ccw(dir, field + 3)?), field)
+            }
+            Way::Centre { plane, to, centre, dir, field } => {
+                plane_of(plane, to, field)?;
+                (Figure::arc_centre(&begin, plane, to, centre, ccw(dir, field + 4)?), field)
+            }
+        };
+        figure.map_err(|refused| explain(refused, way, field))
+    }
+
+    fn limits(&self, corner: f64, acc: f64) -> Limits {
+        let of = |own: f64, else_: f64| if own > 0.0 { own } else { else_ };
+        Limits {
+            vel: self.book.limits.map(|(vel, _)| of(vel, f64::INFINITY)),
+            acc: self.book.limits.map(|(_, own)| of(own, acc)),
+            corner,
+        }
+    }
+
+    /// What is written from here on goes this way.
+    fn prepare(&self, queue: &mut PathQueue) {
+        queue.follow(self.path.cleared);
+        if let Some(look) = self.path.look {
+            queue.set_look(&self.limits(look.corner, look.acc), look.count);
+        }
+    }
+
+    /// Puts a motion in; it has been checked.
+    fn put_motion(
+        &self,
+        (queue, store): (&mut PathQueue, &EntryStore),
+        (figure, rests): (&Figure, bool),
+        (vel, acc, along): (f64, f64, Along),
+        data: &mut PathData,
+    ) {
+        if self.path.look.is_some() {
+            queue.motion(store, (figure, vel, acc), rests);
+        } else if let Some(entry) = figure.entry(along) {
+            queue.other(store, entry, figure.length / vel);
+        }
+        data.given = data.given.wrapping_add(1);
+        data.motions = data.motions.wrapping_add(1);
+        (data.open, data.place, data.gears.0) = (true, figure.end, 0);
+    }
+
+    fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
+        let (crd, fifo) = (self.crd, self.fifo);
+        let answer = Answer::Path { crd, fifo, count: count as u16, lasts_ms: lasts as u32 };
+        (Written { of: Of::Crd(crd), fifo, answer, at_once: self.at_once }, End::Path(data))
+    }
+}
+
+#[cold]
+fn explain(refused: figure::Refused, way: &Way, field: u8) -> Refused {
+    let (radius, centre) = match *way {
+        Way::Radius { radius, .. } => (radius, [0.0; 2]),
+        Way::Centre { centre, .. } => (libm::hypot(centre[0], centre[1]), centre),
+        Way::Line { .. } => (0.0, [0.0; 2]),
+    };
+    match refused {
+        figure::Refused::NotFinite => {
+            let second = centre[0].is_finite() && !centre[1].is_finite();
+            Refused::new(Reason::NotFinite).field(field + 2 + u8::from(second)).got(radius)
+        }
+        figure::Refused::NoLength => Refused::new(Reason::NoLength).field(field),
+        figure::Refused::RadiusTooSmall { least } => {
+            Refused::new(Reason::RadiusTooSmall).field(field + 2).got(radius).limits(least, RADIUS)
+        }
+        figure::Refused::CentreOff { by } => {
+            Refused::new(Reason::CentreOff).field(field + 2).got(by).limits(0.0, OFF_CENTRE)
+        }
+        figure::Refused::CentreOnStart => {
+            Refused::new(Reason::CentreOnStart).field(field + 2).got(radius).limits(CENTRE, RADIUS)
+        }
+        figure::Refused::RadiusTooLarge => {
+            Refused::new(Reason::RadiusTooLarge).field(field + 2).got(radius).limits(0.0, RADIUS)
+        }
+    }
+}
+
+/// Admits a data command of a path.
+pub fn data<const AXES: usize>(
+    case: &Case<AXES>,
+    queues: &mut [[PathQueue; 2]],
+    stores: &[[EntryStore; 2]],
+    number: u16,
+    body: &[u8],
+) -> Admitted<(Written, End)> {
+    match number {
+        opcode::LnXYMany => lines::<LnXYMany, 2, AXES>(case, queues, stores, body),
+        opcode::LnXYZMany => lines::<LnXYZMany, 3, AXES>(case, queues, stores, body),
+        _ => {
+            let given = given(case, number, body)?;
+            put(case, queues, stores, &given)
+        }
+    }
+}
+
+/// Puts one thing into a FIFO, in the order of the calls, through the look-ahead if there is one.
+pub fn put<const AXES: usize>(
+    case: &Case<AXES>,
+    queues: &mut [[PathQueue; 2]],
+    stores: &[[EntryStore; 2]],
+    (target, what): &Given,
+) -> Admitted<(Written, End)> {
+    let filling = open(case, target)?;
+    let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
+    let none = || filling.no(Reason::CrdNotOnBoard);
+    let (queues, stores) = queues.get_mut(crd).zip(stores.get(crd)).ok_or_else(none)?;
+    let (queue, store) = (&mut queues[fifo & 1], &stores[fifo & 1]);
+    let mut data = filling.path.data;
+    let mut count = 1;
+    match what {
+        What::Motion(way, given) => {
+            let speeds = filling.speeds(given)?;
+            let figure = filling.figure(way)?;
+            filling.has_room(1)?;
+            filling.prepare(queue);
+            filling.put_motion((queue, store), (&figure, given.rests), speeds, &mut data);
+        }
+        What::Entry(..) | What::Gear(..) => {
+            let (entry, ms) = match *what {
+                What::Gear(entry, axis) => {
+                    if data.gears.has(axis) {
+                        return Err(case.no(Reason::AxisGoesAlong, axis));
+                    }
+                    if data.gears.0.count_ones() >= GEARS {
+                        return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS.into()));
+                    }
+                    data.gears.0 |= axis.mask().0;
+                    (entry, 0.0)
+                }
+                What::Entry(entry, ms) => (entry, ms),
+                _ => (Entry::delay(0), 0.0),
+            };
+            filling.has_room(1)?;
+            // What stands first in a FIFO is done where the path is; a motion behind it begins there.
+            if !data.open {
+                data.place = filling.begin()?;
+            }
+            filling.prepare(queue);
+            queue.other(store, entry, ms);
+            (data.given, data.open) = (data.given.wrapping_add(1), true);
+        }
+        What::Flush => {
+            filling.prepare(queue);
+            queue.flush(store);
+            count = 0;
+        }
+    }
+    let lasts = queue.lasts(stores, case.crd_seen(filling.crd), filling.fifo);
+    Ok(filling.written(count, lasts, data))
+}
+
+/// LnXYMany and LnXYZMany: all lines or none.
+fn lines<R, const N: usize, const AXES: usize>(
+    case: &Case<AXES>,
+    queues: &mut [[PathQueue; 2]],
+    stores: &[[EntryStore; 2]],
+    body: &[u8],
+) -> Admitted<(Written, End)>
+where
+    R: Lines<N>,
+{
+    let (r, items) = many::<R>(body, |r| r.head().1)?;
+    let (target, count, speeds) = r.head();
+    let _ = count;
+    let filling = open(case, &target)?;
+    let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
+    let none = || filling.no(Reason::CrdNotOnBoard);
+    let (queues, stores) = queues.get_mut(crd).zip(stores.get(crd)).ok_or_else(none)?;
+    let (queue, store) = (&mut queues[fifo & 1], &stores[fifo & 1]);
+    let admitted = filling.speeds(&speeds)?;
+    filling.has_room(items.len())?;
+    let fields = R::FIELDS.len() as u8;
+    let mut before = filling.begin()?;
+    for (index, item) in items.iter().enumerate() {
+        let to = R::to(item);
+        for ((coordinate, to), field) in to.iter().enumerate().zip(fields..) {
+            filling.driven(coordinate, *to, field).map_err(|refused| refused.item(index))?;
+        }
+        let to = to.map(f64::from);
+        if before.iter().zip(&to).all(|(before, to)| before == to) {
+            return Err(Refused::new(Reason::NoLength).field(fields).item(index));
+        }
+        before.iter_mut().zip(to).for_each(|(before, to)| *before = to);
+    }
+    filling.prepare(queue);
+    let mut data = filling.path.data;
+    let mut at = filling.begin()?;
+    for (index, item) in items.iter().enumerate() {
+        let to = R::to(item);
+        let mut target = at.map(|place| place as i32);
+        target.iter_mut().zip(to).for_each(|(target, to)| *target = to);
+        let [x, y, ..] = target;
+        let figure = if N == 2 { Figure::planar(&at, [x, y]) } else { Figure::line(&at, target) };
+        let Ok(figure) = figure else { return Err(Refused::new(Reason::NoLength).field(fields).item(index)) };
+        filling.put_motion((queue, store), (&figure, false), admitted, &mut data);
+        at = figure.end;
+    }
+    let lasts = queue.lasts(stores, case.crd_seen(filling.crd), filling.fifo);
+    Ok(filling.written(items.len(), lasts, data))
+}
+
+/// A command with many lines of common speeds.
+trait Lines<const N: usize>: protocol::command::Request {
+    /// Its FIFO, the number of its items, their speeds.
+    fn head(&self) -> (Target, u16, Speeds);
+    /// A target.
+    fn to(item: &Self::Item) -> [i32; N];
+}
+
+macro_rules! many_lines {
+    ($name:ident, $n:literal, $($axis:ident),*) => {
+        impl Lines<$n> for $name {
+            fn head(&self) -> (Target, u16, Speeds) {
+                let (core, crd, fifo) = (self.core.get(), self.crd.get(), self.fifo.get());
+                let (vel, acc, end) = (self.syn_vel.get(), self.syn_acc.get(), self.vel_end.get());
+                let target = Target { core, crd, fifo, fifo_field: 2 };
+                (target, self.count.get(), Speeds { vel, acc, end, field: 4, rests: false })
+            }
+            fn to(item: &Self::Item) -> [i32; $n] {
+                [$(item.$axis.get()),*]
+            }
+        }
+    };
+}
+many_lines!(LnXYMany, 2, x, y);
+many_lines!(LnXYZMany, 3, x, y, z);

@@ -1,0 +1,311 @@
+//! What the thread knows of one coordinate system: its parameters, both FIFOs, where a motion that comes next begins.
+use super::executed;
+use crate::figure::Place;
+use protocol::command::CrdPrm;
+use servo::path::DIMENSIONS;
+use servo::units::{Axis, AxisMask, Pos};
+use servo::view::{CrdView, View};
+
+/// Parameters of a coordinate system as SetCrdPrm gave them.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    /// Coordinates in use, 1 to 4.
+    pub dimension: u8,
+    /// The coordinate that each axis of the core drives, from 1; 0 none.
+    pub profile: [u8; 8],
+    /// Index of the core's first axis.
+    pub first: u8,
+    /// Highest speed, pulse/ms.
+    pub vel_max: f64,
+    /// Highest acceleration, pulse/ms².
+    pub acc_max: f64,
+    /// Least time at constant speed, ms.
+    pub even_ms: u16,
+    /// Whether the origin was given.
+    pub set_origin: bool,
+    /// The origin, by axis.
+    pub origin: [i32; 8],
+}
+
+impl Frame {
+    /// Axis of each coordinate.
+    pub fn axes(&self) -> [Option<Axis>; DIMENSIONS] {
+        let mut axes = [None; DIMENSIONS];
+        for (number, coordinate) in self.profile.iter().enumerate() {
+            if let Some(place) = usize::from(*coordinate).checked_sub(1).and_then(|index| axes.get_mut(index)) {
+                *place = Axis::new(usize::from(self.first) + number);
+            }
+        }
+        axes
+    }
+    /// The same as a set.
+    pub fn mask(&self) -> AxisMask {
+        AxisMask(self.axes().iter().flatten().fold(0, |mask, axis| mask | axis.mask().0))
+    }
+    /// As GetCrdPrm tells it.
+    pub fn wire(&self) -> CrdPrm {
+        CrdPrm {
+            dimension: i16::from(self.dimension).into(),
+            profile: self.profile.map(|coordinate| i16::from(coordinate).into()),
+            syn_vel_max: self.vel_max.into(),
+            syn_acc_max: self.acc_max.into(),
+            even_time_ms: (self.even_ms as i16).into(),
+            set_origin_flag: i16::from(self.set_origin).into(),
+            origin_pos: self.origin.map(Into::into),
+        }
+    }
+}
+
+/// Look-ahead of a FIFO.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    /// Corner time, ms.
+    pub corner: f64,
+    /// Acceleration of every coordinate that has no limit of its own, pulse/ms².
+    pub acc: f64,
+    /// Entries that wait at most.
+    pub count: u16,
+}
+
+/// What a FIFO was given since it was cleared.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PathData {
+    /// Entries, with those that wait in the look-ahead.
+    pub given: u32,
+    /// Motions among them.
+    pub motions: u32,
+    /// It holds what is not known to be over; else the next motion begins where the path is.
+    pub open: bool,
+    /// Where the last motion ends.
+    pub place: Place,
+    /// Axes that go along with the next motion.
+    pub gears: AxisMask,
+}
+
+/// One FIFO.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PathBook {
+    /// What it was given.
+    pub data: PathData,
+    /// Times it was cleared, as the tick shows it once this data is there.
+    pub cleared: u32,
+    /// Its look-ahead.
+    pub look: Option<Look>,
+    /// The last entry that emptied it, until it is executed.
+    pub emptied: Option<u32>,
+    /// The last entry that said something of it.
+    pub last: Option<u32>,
+    /// It was given something that no entry has told yet.
+    pub loose: bool,
+    /// Its places were overwritten by what was dropped.
+    pub spoiled: bool,
+}
+
+/// One coordinate system.
+#[derive(Debug, Clone, Copy)]
+pub struct CrdBook {
+    /// Its parameters.
+    pub frame: Option<Frame>,
+    /// Limits of each coordinate for look-ahead: pulse/ms, pulse/ms²; 0 is none of its own.
+    pub limits: [(f64, f64); DIMENSIONS],
+    /// FIFO of the last start.
+    pub fifo: u8,
+    /// The last start, until it is seen at rest or waited for.
+    pub started: Option<u32>,
+    /// The last start, until the tick is through with it.
+    pub busy: Option<u32>,
+    /// It was told to stop since.
+    pub stopped: bool,
+    /// Where it is, if that is known ahead of the tick.
+    pub here: Option<Place>,
+    /// The last entry that concerns it.
+    pub last: Option<u32>,
+    /// Stop decelerations as given, pulse/ms².
+    pub dec: (f64, f64),
+    /// Override.
+    pub rate: f64,
+    /// The FIFOs.
+    pub fifos: [PathBook; 2],
+}
+
+impl Default for CrdBook {
+    /// Power-on.
+    fn default() -> Self {
+        CrdBook {
+            frame: None,
+            limits: [(0.0, 0.0); DIMENSIONS],
+            fifo: 0,
+            started: None,
+            busy: None,
+            stopped: false,
+            here: None,
+            last: None,
+            dec: (0.0, 0.0),
+            rate: 1.0,
+            fifos: [PathBook::default(); 2],
+        }
+    }
+}
+
+/// Entries of a FIFO, with those that wait in its look-ahead.
+pub const CAPACITY: u32 = servo::path::ENTRIES as u32;
+
+/// Coordinates in pulses.
+pub fn place_of(place: &[Pos; DIMENSIONS]) -> Place {
+    place.map(|pos| pos.0 as f64 / (1u64 << Pos::FRAC_BITS) as f64)
+}
+
+impl CrdBook {
+    /// One FIFO.
+    pub fn path(&self, fifo: u8) -> &PathBook {
+        let [first, second] = &self.fifos;
+        if fifo == 0 { first } else { second }
+    }
+    fn path_mut(&mut self, fifo: u8) -> &mut PathBook {
+        let [first, second] = &mut self.fifos;
+        if fifo == 0 { first } else { second }
+    }
+    /// Whether it may be running when the next entry acts.
+    pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, seen: &CrdView) -> bool {
+        self.started.is_some_and(|seq| !executed(view, seq) || seen.runs)
+    }
+    /// Whether the tick itself may still be at work for an earlier start.
+    pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, seen: &CrdView) -> bool {
+        seen.runs || self.busy.is_some_and(|seq| !executed(view, seq))
+    }
+    /// Entries of a FIFO that are over, as far as the tick has told of what it holds now.
+    fn released(&self, seen: &CrdView, fifo: u8) -> u32 {
+        let index = usize::from(fifo & 1);
+        if seen.cleared[index] == self.path(fifo).cleared { seen.released[index] } else { 0 }
+    }
+    /// Places free in a FIFO.
+    pub fn space(&self, seen: &CrdView, fifo: u8) -> u32 {
+        let used = self.path(fifo).data.given.wrapping_sub(self.released(seen, fifo));
+        CAPACITY.saturating_sub(used)
+    }
+    /// Motions of a FIFO that are done, and left.
+    pub fn segments(&self, seen: &CrdView, fifo: u8) -> (u32, u32) {
+        let index = usize::from(fifo & 1);
+        let done = if seen.cleared[index] == self.path(fifo).cleared { seen.done[index] } else { 0 };
+        (done, self.path(fifo).data.motions.wrapping_sub(done))
+    }
+    /// Where a motion that comes next in a FIFO begins; none while only the tick knows.
+    pub fn begin<const AXES: usize>(&self, view: &View<AXES>, seen: &CrdView, fifo: u8) -> Option<Place> {
+        let data = &self.path(fifo).data;
+        if data.open {
+            return Some(data.place);
+        }
+        let known = !self.is_busy(view, seen) && self.last.is_none_or(|seq| executed(view, seq));
+        self.here.or_else(|| known.then(|| place_of(&seen.place)))
+    }
+
+    /// All that belongs to an earlier frame is over.
+    pub(super) fn renew(&mut self, frame: Option<Frame>, here: Option<Place>, seq: u32) {
+        let CrdBook { started, busy, fifos, .. } = *self;
+        let dec = frame.map_or((0.0, 0.0), |frame| (frame.acc_max, frame.acc_max));
+        *self = CrdBook { frame, here, dec, started, busy, last: Some(seq), ..CrdBook::default() };
+        for (path, before) in self.fifos.iter_mut().zip(fifos) {
+            let cleared = before.cleared.wrapping_add(1);
+            *path = PathBook { cleared, emptied: Some(seq), last: Some(seq), ..PathBook::default() };
+        }
+    }
+
+    /// Enters a change that goes with entry `seq`.
+    pub(super) fn enter(&mut self, change: &CrdChange, seq: u32) {
+        if seq != 0 {
+            self.last = Some(seq);
+        }
+        match *change {
+            CrdChange::Frame { frame, here } => self.renew(Some(frame), here, seq),
+            CrdChange::Emptied { fifo } => {
+                let path = self.path_mut(fifo);
+                let (cleared, look) = (path.cleared.wrapping_add(1), path.look);
+                *path = PathBook { cleared, look, emptied: Some(seq), last: Some(seq), ..PathBook::default() };
+            }
+            CrdChange::Data { fifo, cleared, data } => {
+                let path = self.path_mut(fifo);
+                // What is told later of the same FIFO may act before what was told earlier.
+                let newer = data.given.wrapping_sub(path.data.given).cast_signed() >= 0;
+                if path.cleared == cleared && newer {
+                    path.data = data;
+                    path.loose = seq == 0;
+                    if seq != 0 {
+                        path.last = Some(seq);
+                    }
+                }
+            }
+            CrdChange::Look { fifo, look } => self.path_mut(fifo).look = look,
+            CrdChange::Limit { coordinate, limit } => {
+                if let Some(place) = self.limits.get_mut(usize::from(coordinate)) {
+                    *place = limit;
+                }
+            }
+            CrdChange::Dec(dec) => self.dec = dec,
+            CrdChange::Rate(rate) => self.rate = rate,
+            CrdChange::Started { fifo } => {
+                (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
+                (self.stopped, self.here) = (false, None);
+            }
+            CrdChange::Placed => self.here = None,
+            CrdChange::Stopped => self.stopped = true,
+            CrdChange::Rest => {
+                let ended = self.started.is_some() && !self.stopped;
+                self.started = None;
+                if ended {
+                    let path = self.path_mut(self.fifo);
+                    path.data.open = false;
+                    self.here = Some(path.data.place);
+                }
+            }
+        }
+    }
+
+    /// Follows the tick: what has come to rest is at rest, and where it is is what the tick shows.
+    pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, seen: &CrdView) {
+        let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || seen.runs);
+        self.started = over(self.started);
+        self.busy = over(self.busy);
+        let quiet = self.busy.is_none() && !seen.runs && self.last.is_none_or(|seq| executed(view, seq));
+        if !quiet {
+            return;
+        }
+        (self.here, self.last) = (None, None);
+        for ((path, cleared), released) in self.fifos.iter_mut().zip(seen.cleared).zip(seen.released) {
+            path.emptied = path.emptied.filter(|&seq| !executed(view, seq));
+            if path.cleared != cleared {
+                // The tick has cleared it otherwise, or has not done what it was told.
+                let look = path.look;
+                *path = PathBook { cleared, look, ..PathBook::default() };
+            } else if !path.loose {
+                path.data.open = path.data.given != released;
+            }
+        }
+    }
+}
+
+/// What an operation changes in the book of its coordinate system.
+#[derive(Debug, Clone, Copy)]
+pub enum CrdChange {
+    /// SetCrdPrm; where it is, if that is known.
+    Frame { frame: Frame, here: Option<Place> },
+    /// A FIFO is emptied.
+    Emptied { fifo: u8 },
+    /// What a FIFO was given, if it was cleared so many times.
+    Data { fifo: u8, cleared: u32, data: PathData },
+    /// Look-ahead of a FIFO.
+    Look { fifo: u8, look: Option<Look> },
+    /// Limits of a coordinate.
+    Limit { coordinate: u8, limit: (f64, f64) },
+    /// Stop decelerations.
+    Dec((f64, f64)),
+    /// Override.
+    Rate(f64),
+    /// Where it is is what only the tick knows.
+    Placed,
+    /// It starts.
+    Started { fifo: u8 },
+    /// It is told to stop.
+    Stopped,
+    /// It is at rest for what follows.
+    Rest,
+}

@@ -1,0 +1,122 @@
+//! Reads of coordinate systems.
+use super::{Reading, number};
+use crate::books::{CrdBook, place_of};
+use crate::case::Query;
+use protocol::command::{self, opcode};
+use protocol::record::{Full, ReplyWriter};
+use servo::path::{DIMENSIONS, Rest};
+use servo::units::Crd;
+use servo::view::CrdView;
+use zerocopy::IntoBytes;
+
+/// Whether a command reads a coordinate system.
+pub fn is_crd(number: u16) -> bool {
+    matches!(
+        number,
+        opcode::GetCrdPrm
+            | opcode::CrdSpace
+            | opcode::CrdStatus
+            | opcode::GetCrdPos
+            | opcode::GetCrdVel
+            | opcode::GetRemainderSegNum
+            | opcode::GetCrdLimit
+            | opcode::CrdInfo
+    )
+}
+
+fn whole(count: u32) -> i32 {
+    i32::try_from(count).unwrap_or(i32::MAX)
+}
+
+impl<const AXES: usize> Reading<'_, AXES> {
+    fn crd(&self, crd: Crd) -> (&CrdBook, &CrdView) {
+        let [first, ..] = &self.view.crds;
+        (self.now.crd(crd), self.view.crds.get(crd.index()).unwrap_or(first))
+    }
+
+    /// A read of the coordinate system `first`; `which` is the FIFO, or the coordinate.
+    pub(super) fn crd_reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let crd = Crd::new(usize::from(query.first)).unwrap_or_default();
+        let (book, seen) = self.crd(crd);
+        let fifo = query.which;
+        match query.opcode {
+            opcode::GetCrdPrm => {
+                let reply = book.frame.map_or_else(Default::default, |frame| frame.wire());
+                out.done::<command::GetCrdPrm>(tag, &reply, &[])
+            }
+            opcode::CrdStatus => {
+                let reply = command::CrdStatusReply {
+                    run: i16::from(seen.runs).into(),
+                    segment: whole(book.segments(seen, fifo).0).into(),
+                };
+                out.done::<command::CrdStatus>(tag, &reply, &[])
+            }
+            opcode::GetCrdPos => {
+                let count = book.frame.map_or(0, |frame| usize::from(frame.dimension)).min(DIMENSIONS);
+                let items = place_of(&seen.place).map(|value| command::Real { value: value.into() });
+                let head = command::Count { count: (count as u16).into() };
+                out.done::<command::GetCrdPos>(tag, &head, items.get(..count).unwrap_or(&[]))
+            }
+            opcode::GetCrdVel => {
+                let value = number(seen.motion.velocity()).into();
+                out.done::<command::GetCrdVel>(tag, &command::Real { value }, &[])
+            }
+            opcode::GetCrdLimit => {
+                let (vel, acc) = book.limits.get(usize::from(fifo)).copied().unwrap_or_default();
+                let reply = command::CrdLimit { vel_max: vel.into(), acc_max: acc.into() };
+                out.done::<command::GetCrdLimit>(tag, &reply, &[])
+            }
+            opcode::CrdInfo => {
+                let both = |of: &dyn Fn(u8) -> u32| [0, 1].map(|fifo| whole(of(fifo)).into());
+                let axes = book.frame.map_or([None; DIMENSIONS], |frame| frame.axes());
+                let reply = command::CrdState {
+                    run: seen.runs.into(),
+                    fifo: seen.fifo,
+                    rest: rest(seen.rest),
+                    reason: (seen.stop as u16).into(),
+                    axes: axes.map(|axis| axis.map_or(0, |axis| self.site.number_of(axis)).into()),
+                    pos: place_of(&seen.place).map(Into::into),
+                    vel: number(seen.motion.velocity()).into(),
+                    segments: both(&|fifo| book.segments(seen, fifo).0),
+                    remainder: both(&|fifo| book.segments(seen, fifo).1),
+                    space: both(&|fifo| book.space(seen, fifo)),
+                };
+                out.done::<command::CrdInfo>(tag, &reply, &[])
+            }
+            opcode::GetRemainderSegNum => self.long(query.opcode, tag, whole(book.segments(seen, fifo).1), out),
+            // CrdSpace.
+            other => self.long(other, tag, whole(book.space(seen, fifo)), out),
+        }
+    }
+
+    /// The reply with one whole number.
+    pub fn long(&self, opcode: u16, tag: u16, value: i32, out: &mut ReplyWriter) -> Result<(), Full> {
+        out.push_raw(opcode, tag, 0, &[command::Long { value: value.into() }.as_bytes()])
+    }
+
+    /// The reply to data of a path.
+    pub fn path_taken(
+        &self,
+        opcode: u16,
+        tag: u16,
+        (crd, fifo): (Crd, u8),
+        (count, lasts_ms): (u16, u32),
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
+        let (book, seen) = self.crd(crd);
+        let space = (book.space(seen, fifo) as u16).into();
+        let reply = command::CrdTaken { taken: count.into(), space, lasts_ms: lasts_ms.into() };
+        out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+    }
+}
+
+/// As CrdInfo tells it.
+fn rest(rest: Rest) -> u8 {
+    match rest {
+        Rest::Never => 0,
+        Rest::Completed => 1,
+        Rest::Underrun => 2,
+        Rest::Stopped => 3,
+        Rest::Obstructed => 4,
+    }
+}
