@@ -72,7 +72,7 @@ fn campaign(
     // A run of very many tables takes short ones, now and then a long one; PVT_SEED splits it into parts.
     let wanted = |name: &str| std::env::var(name).map_or(0, |n| n.parse().unwrap());
     let (tables, part) = (wanted("PVT_TABLES"), wanted("PVT_SEED"));
-    let (segments, often, few) = if tables == 0 { (segments, 4, 20) } else { (0, 2000, 6) };
+    let (segments, often, few) = if tables == 0 { (segments, 4, 20) } else { (0, 2000, 4) };
     let mut chance = Chance::new(seed + 1000 * part);
     let mut tally = Tally { segments: 0, tables: 0, refused: 0, worst: 0.0, worst_vel: 0.0, worst_short: 0.0 };
     while tally.segments < segments || tally.tables < tables as usize {

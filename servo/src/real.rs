@@ -51,8 +51,17 @@ impl Real {
         Real::new(x.m < 0, x.m.unsigned_abs(), -(x.e as i32))
     }
 
+    /// As a block float, of numbers that came from one.
+    pub fn to_scaled(self) -> Scaled {
+        let m = (self.m >> 1) as i64;
+        if m == 0 {
+            return Scaled::default();
+        }
+        Scaled { m: if self.neg == 1 { -m } else { m }, e: (-1 - self.e) as i16 }
+    }
+
     /// From a wide magnitude times 2^e, to 64 bits.
-    #[inline(never)]
+    #[inline]
     fn from_wide(neg: bool, x: u128, e: i32) -> Real {
         let (high, low) = ((x >> 64) as u64, x as u64);
         if high == 0 {
@@ -73,7 +82,7 @@ impl Real {
     }
 
     /// As a whole number of 2^-f, to nearest, the magnitude held below 2¹²⁶.
-    #[inline(never)]
+    #[inline]
     pub fn to_fixed(self, f: i32) -> i128 {
         let e = self.e + f;
         let magnitude = if self.m == 0 || e < -64 {
@@ -141,7 +150,7 @@ impl Real {
     }
 
     /// Product, rounded down.
-    #[inline(never)]
+    #[inline]
     pub fn mul(self, other: Real) -> Real {
         let (high, low) = umul(self.m, other.m);
         // Two top bits make the top bit, or the one below it; 0 stays 0.
@@ -167,7 +176,7 @@ impl Real {
     }
 
     /// Sum with a smaller number.
-    #[inline(never)]
+    #[inline]
     fn with(self, small: Real) -> Real {
         let big = self;
         let gap = (big.e - small.e) as u32;

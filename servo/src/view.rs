@@ -108,6 +108,46 @@ impl AxisView {
         captured: None,
     };
 
+    /// As at power-on, but for what counts, and for why the axis stopped.
+    pub(crate) fn reset(&mut self) {
+        let AxisView {
+            moves: _,
+            turns: _,
+            pos,
+            encoder,
+            encoder_before,
+            motion,
+            dry_ms,
+            released,
+            passes,
+            table_zero,
+            lead_way,
+            changes: _,
+            status,
+            blocked,
+            stop: _,
+            mode,
+            lead,
+            drive,
+            epoch: _,
+            pt_state,
+            table,
+            pending,
+            table_until,
+            fifo,
+            switching,
+            cleared: _,
+            captured,
+        } = self;
+        let on = AxisView::POWER_ON;
+        *motion = on.motion;
+        (*pos, *encoder, *encoder_before, *dry_ms) = (on.pos, on.encoder, on.encoder_before, on.dry_ms);
+        (*released, *passes, *table_zero, *lead_way) = (on.released, on.passes, on.table_zero, on.lead_way);
+        (*status, *blocked, *mode, *lead) = (on.status, on.blocked, on.mode, on.lead);
+        (*drive, *pt_state, *table, *pending) = (on.drive, on.pt_state, on.table, on.pending);
+        (*table_until, *fifo, *switching, *captured) = (on.table_until, on.fifo, on.switching, on.captured);
+    }
+
     /// Becomes a copy of `now`, of which only what its counters tell is taken.
     #[inline(always)]
     pub(crate) fn follow(&mut self, now: &AxisView) {

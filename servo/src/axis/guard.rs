@@ -47,8 +47,11 @@ impl AxisState {
         self.count = count;
         self.shown.encoder_before = self.shown.encoder;
         self.shown.encoder = encoder;
-        self.switches = self.inputs.switches(levels);
-        self.set_bounds();
+        let switches = self.inputs.switches(levels);
+        if switches != self.switches {
+            self.switches = switches;
+            self.set_bounds();
+        }
         let runs = self.runs();
         let mut causes = self.switches;
         if self.servo_on {

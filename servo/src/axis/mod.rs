@@ -15,7 +15,6 @@ pub(crate) use motion::Glide;
 use crate::follow as following;
 use crate::inputs::Inputs;
 use crate::op::Mode;
-use crate::piece::Scaled;
 use crate::port::AxisInputs;
 use crate::profile::Profile;
 use crate::ramp::{Accel, Speed, Trapezoid};
@@ -29,8 +28,6 @@ const FIFO: u32 = 1024;
 const RING_MASK: u32 = 2 * FIFO - 1;
 /// The negative edge of travel.
 const NEGATIVE_EDGE: Pos = Pos(-Pos::TRAVEL.0);
-/// Power-on deceleration of a smooth stop, 1 pulse/ms².
-const STOP_DEC: Accel = Accel { value: Scaled { m: 1, e: 0 }, recip: Scaled { m: 1, e: 0 } };
 
 /// `GetPtState` (see [`AxisView::pt_state`]).
 mod pt_state {
@@ -127,9 +124,6 @@ pub(crate) struct AxisState {
 /// [`AxisView::table_until`] while a table is in force.
 const IN_FORCE: Ns = Ns(u64::MAX);
 
-const NO_ACCEL: Accel = Accel { value: Scaled { m: 0, e: 0 }, recip: Scaled { m: 0, e: 0 } };
-const NO_SPEED: Speed = Speed(Scaled { m: 0, e: 0 });
-
 impl AxisState {
     pub(crate) const POWER_ON: AxisState = AxisState {
         shown: AxisView::POWER_ON,
@@ -149,21 +143,21 @@ impl AxisState {
         news: true,
         lower: NEGATIVE_EDGE,
         upper: Pos::TRAVEL,
-        inside: (0, 0),
+        inside: (1 - (1 << 30), (1 << 31) - 1),
         switches: 0,
         causes: 0,
         latched: 0,
         fresh: 0,
         in_position: false,
         servo_on: false,
-        stop_dec: STOP_DEC,
-        jog: Jog { acc: NO_ACCEL, dec: NO_ACCEL, smooth: 0 },
+        stop_dec: Accel::ONE,
+        jog: Jog { acc: Accel::NONE, dec: Accel::NONE, smooth: 0 },
         trap: Trapezoid {
             target: 0,
-            speed: NO_SPEED,
-            acc: NO_ACCEL,
-            dec: NO_ACCEL,
-            vel_start: NO_SPEED,
+            speed: Speed::NONE,
+            acc: Accel::NONE,
+            dec: Accel::NONE,
+            vel_start: Speed::NONE,
             smooth: Ns(0),
         },
         ends: [0; 2],
@@ -250,22 +244,56 @@ impl AxisState {
 
     /// Power-on state, at rest. The machine does not move; where it stands is 0 from now on.
     pub(crate) fn reset(&mut self) {
-        *self = AxisState {
-            zero: Pos(self.set_point().0.wrapping_neg()),
-            raw: self.raw,
-            levels: self.levels,
-            count: self.count,
-            rest_since: self.rest_since,
-            shown: AxisView {
-                changes: self.shown.changes,
-                moves: self.shown.moves,
-                epoch: self.shown.epoch,
-                cleared: self.shown.cleared,
-                stop: self.shown.stop,
-                ..AxisView::POWER_ON
-            },
-            ..AxisState::POWER_ON
-        };
+        let zero = Pos(self.set_point().0.wrapping_neg());
+        self.profile.rename(Pos(0));
+        // In place, field by field: a whole state is too large to be moved about eight times in a tick. What the
+        // pattern leaves out is known by name: it stays.
+        let AxisState {
+            shown,
+            calm,
+            news,
+            runs,
+            driven,
+            levels: _,
+            servo_on,
+            in_position,
+            raw: _,
+            causes,
+            count: _,
+            zero: named,
+            lower,
+            upper,
+            inside,
+            inputs,
+            profile: _,
+            ending,
+            rest_since: _,
+            exact,
+            switches,
+            latched,
+            fresh,
+            stop_dec,
+            jog,
+            trap,
+            ends,
+            fifo,
+            passes,
+            table,
+            table_passes,
+            follow,
+            crd,
+        } = self;
+        shown.reset();
+        let on = AxisState::POWER_ON;
+        (*calm, *news, *runs, *driven) = (on.calm, on.news, on.runs, on.driven);
+        (*servo_on, *in_position, *causes) = (on.servo_on, on.in_position, on.causes);
+        (*named, *lower, *upper, *inside) = (zero, on.lower, on.upper, on.inside);
+        (*inputs, *ending, *exact) = (on.inputs, on.ending, on.exact);
+        (*switches, *latched, *fresh) = (on.switches, on.latched, on.fresh);
+        (*stop_dec, *jog, *trap) = (on.stop_dec, on.jog, on.trap);
+        (*ends, *fifo, *passes) = (on.ends, on.fifo, on.passes);
+        (*table, *table_passes, *crd) = (on.table, on.table_passes, on.crd);
+        follow.reset();
         self.inputs.set_encoder(self.count, 0);
     }
 }

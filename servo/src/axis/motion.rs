@@ -31,7 +31,7 @@ impl AxisState {
     /// Whether Jog or Trap must not begin or change: also towards an active limit.
     pub(crate) fn refuses_update(&self) -> bool {
         let way = match self.shown.mode {
-            Mode::Jog => self.trap.speed.0.m.signum(),
+            Mode::Jog => self.trap.speed.signum(),
             Mode::Trap => Pos::pulses(self.trap.target).0.saturating_sub(self.shown.pos.0).signum(),
             _ => return true,
         };
@@ -48,13 +48,13 @@ impl AxisState {
     /// Jog or Trap begins or changes; its time is 0 at `next`.
     pub(crate) fn update(&mut self, next: Ns, source: &(impl Segments + Tables)) {
         let (from, _) = self.moving(next, source);
-        let (jog, to) = (self.shown.mode == Mode::Jog, self.trap);
-        let Jog { acc, dec, smooth } = self.jog;
-        self.profile.begin_ramp(next, |run| {
-            if jog {
-                run.begin_jog(next, from, to.speed, acc, dec, smooth);
+        let AxisState { profile, shown, trap, jog, .. } = self;
+        profile.begin_ramp(next, |run| {
+            if shown.mode == Mode::Jog {
+                let Jog { acc, dec, smooth } = *jog;
+                run.begin_jog(next, from, trap.speed, acc, dec, smooth);
             } else {
-                run.begin_trap(next, from, &to);
+                run.begin_trap(next, from, trap);
             }
         });
         self.set_off(StopReason::Completed);

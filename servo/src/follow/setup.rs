@@ -65,12 +65,23 @@ impl Setup {
 
     /// Both FIFOs are empty.
     pub fn clear_all(&mut self) {
-        self.fifos = [Fifo::EMPTY; 2];
+        self.clear(0);
+        self.clear(1);
     }
 
     /// A FIFO is empty.
     pub fn clear(&mut self, fifo: u8) {
-        *self.fifo_mut(fifo) = Fifo::EMPTY;
+        // Stops beyond their count are nothing.
+        let Fifo { end, tail, count, stops: _ } = self.fifo_mut(fifo);
+        (*end, *tail, *count) = (0, Fifo::EMPTY.tail, 0);
+    }
+
+    /// As at power-on.
+    pub(crate) fn reset(&mut self) {
+        let Setup { direction, master, event, passes, fifos: _ } = self;
+        let on = Setup::POWER_ON;
+        (*direction, *master, *event, *passes) = (on.direction, on.master, on.event, on.passes);
+        self.clear_all();
     }
 
     /// Its entries below `end` count from now on. The new ones that are no segments are found by their links.

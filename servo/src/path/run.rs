@@ -88,7 +88,7 @@ impl Rules {
 
     /// Deceleration of a smooth Stop.
     pub fn set_stop(&mut self, dec: Accel) {
-        self.stop = Real::from_scaled(dec.value());
+        self.stop = dec.magnitude();
     }
 
     /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not, but held to these.

@@ -6,19 +6,14 @@ use crate::piece::Scaled;
 use crate::real::Real;
 use crate::wide::recip64;
 
-/// A velocity in pulse/ms. Default is 0.
+/// A velocity in pulse/ms, as the planner takes it. Default is 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Speed(pub(crate) Scaled);
+pub struct Speed(Real);
 
 /// An acceleration in pulse/ms² with its reciprocal, so that the tick never divides.
 /// Default (0) is "not set".
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Accel {
-    /// The magnitude.
-    pub(crate) value: Scaled,
-    /// 1/magnitude.
-    pub(crate) recip: Scaled,
-}
+pub struct Accel(Rate);
 
 /// Why a speed or an acceleration is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,22 +44,41 @@ fn decode(bits: u64) -> Result<Scaled, Refused> {
 }
 
 impl Speed {
+    /// 0.
+    pub(crate) const NONE: Speed = Speed(Real::ZERO);
+
     /// From the bits of a double in pulse/ms, |v| ≤ 2³².
     pub fn admit(bits: u64) -> Result<Speed, Refused> {
-        decode(bits).map(Speed)
+        decode(bits).map(|value| Speed(Real::from_scaled(value)))
     }
 
     /// The number, pulse/ms.
     pub fn value(self) -> Scaled {
-        self.0
+        self.0.to_scaled()
+    }
+
+    /// −1, 0 or 1.
+    pub(crate) fn signum(self) -> i64 {
+        if self.0.is_zero() {
+            0
+        } else if self.0.is_negative() {
+            -1
+        } else {
+            1
+        }
     }
 
     pub(super) fn real(self) -> Real {
-        Real::from_scaled(self.0)
+        self.0
     }
 }
 
 impl Accel {
+    /// Not set.
+    pub(crate) const NONE: Accel = Accel(Rate::NONE);
+    /// 1 pulse/ms².
+    pub(crate) const ONE: Accel = Accel(Rate { value: Real::ONE, inverse: Real::ONE });
+
     /// From the bits of a double in pulse/ms², 0 < a ≤ 2³².
     pub fn admit(bits: u64) -> Result<Accel, Refused> {
         let value = decode(bits)?;
@@ -75,32 +89,37 @@ impl Accel {
         let shift = value.m.leading_zeros();
         let v = recip64((value.m as u64) << shift);
         let recip = Scaled { m: (1 << 62 | v >> 2) as i64, e: 126 - shift as i16 - value.e };
-        Ok(Accel { value, recip })
+        Ok(Accel(Rate { value: Real::from_scaled(value), inverse: Real::from_scaled(recip) }))
     }
 
     /// The number, pulse/ms².
     pub fn value(self) -> Scaled {
-        self.value
+        self.0.value.to_scaled()
+    }
+
+    /// The same, as planners take it.
+    pub(crate) fn magnitude(self) -> Real {
+        self.0.value
     }
 
     /// Its reciprocal, ms²/pulse, to 2⁻⁶⁰ of itself.
     pub fn reciprocal(self) -> Scaled {
-        self.recip
+        self.0.inverse.to_scaled()
     }
 
     /// Whether it was never set.
     pub fn is_zero(self) -> bool {
-        self.value.m == 0
+        self.0.value.is_zero()
     }
 
     /// The rate as the planner takes it.
     pub(super) fn rate(self) -> Rate {
-        Rate { value: Real::from_scaled(self.value), inverse: Real::from_scaled(self.recip) }
+        self.0
     }
 }
 
 /// A rate of change of the velocity, pulse/ms².
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Rate {
     value: Real,
     /// 1/rate.
