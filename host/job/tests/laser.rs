@@ -200,7 +200,10 @@ fn distance_follow_takes_the_parameters_of_both_manuals() {
     // What is switched off needs no arrays.
     for text in ["GT_SetLaserDisMode(0,0,NULL,NULL,1);", "GTN_SetLaserDisMode(1,0,0,0,0,1);"] {
         let r: c::SetLaserDisMode = request(text);
-        assert_eq!((r.core.get(), r.mode.get(), { r.pos }[3].get(), { r.scale }[3].get(), r.channel.get()), (1, 0, 0, 0.0, 1));
+        assert_eq!(
+            (r.core.get(), r.mode.get(), { r.pos }[3].get(), { r.scale }[3].get(), r.channel.get()),
+            (1, 0, 0, 0.0, 1)
+        );
     }
     for (call, bounds, given, channel) in [
         // GUS: with bounds. LSR: without.

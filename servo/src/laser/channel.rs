@@ -1,4 +1,4 @@
-//! One channel: from commands to the actions of a tick.
+//! One channel: from commands to the actions of a tick; those are made in `interval`.
 //!
 //! In: changes at the instant of the tick that is computed, the interval to plan. Out: a [`Plan`], what is
 //! shown. Owns settings, gate, FPK pulse, light and what the outputs carry. Fails: towards the dark.
@@ -8,24 +8,22 @@
 //! the edges of their instant; a gate edge acts before the light's, which it may cancel.
 //!
 //! A tick in which nothing happens costs a comparison or two: `news` tells of changes, `wake` of edges.
+mod interval;
+
 use super::buffered::{Agenda, Buffered, Event};
 use super::energy::Energy;
 use super::follow::Source;
 use super::gate::{Edges, Full};
 use super::law::{Family, Law};
 use super::light::OnTime;
-use super::plan::{Action, PLACES, Plan, Train};
+use super::plan::{Action, Train};
 use super::power::Power;
 use super::safety::{Cause, Safety};
 use super::whose::Whose;
-use super::{Change, Delays, Fpk, Mode, NEVER, Surroundings};
+use super::{Change, Delays, Fpk, Mode, NEVER};
 use crate::units::{Crd, CrdMask, Ns};
 use crate::view::LaserView;
 
-/// What an instant may need in a plan: an end of light and a beginning, a switch edge, a voltage.
-const ROOM: usize = 4;
-/// Instants in a tick at which something happens, apart from its beginning.
-const EVENTS: u32 = PLACES as u32;
 /// Mapped crds at power-on: the first two.
 const CRD_MAP: u8 = 0b11;
 
@@ -215,6 +213,13 @@ impl Channel {
         self.wake = self.wake.min(at);
     }
 
+    /// What is due takes place.
+    fn attend(&mut self, now: Ns) {
+        while let Some(event) = self.agenda.take(now) {
+            self.happen(now, event);
+        }
+    }
+
     /// What was expected takes place.
     fn happen(&mut self, at: Ns, event: Event) {
         match event {
@@ -340,277 +345,6 @@ impl Channel {
         self.news |= news::CHANGED;
         if lost && (runs || self.gate.may_be_on() || self.light.may_be_on()) {
             self.trip(Cause::LinkLost);
-        }
-    }
-
-    /// Plans the interval of `period` from `next` on.
-    #[inline]
-    pub(super) fn step(&mut self, next: Ns, period: Ns, interlock: bool, around: &Surroundings<'_>, plan: &mut Plan) {
-        plan.clear();
-        if self.safety.interlock(interlock) {
-            self.news |= news::CHANGED;
-            if interlock {
-                self.trip(Cause::Interlock);
-            }
-        }
-        let end = Ns(next.0.wrapping_add(period.0));
-        if self.law.moves() {
-            self.news |= news::POWER;
-        }
-        if self.news != 0 || self.wake < end {
-            self.plan(next, end, around, plan);
-        } else if self.out.light {
-            self.pass();
-            self.planned = period.0 as u32;
-        } else {
-            self.pass();
-        }
-        self.safety.guard(plan);
-    }
-
-    /// The interval that was planned last has passed as planned.
-    #[inline(always)]
-    fn pass(&mut self) {
-        if self.planned != 0 {
-            self.on_time.add(self.planned);
-            self.planned = 0;
-            self.shown.on_time = self.on_time.units();
-        }
-    }
-
-    /// Plans an interval in which something may happen.
-    #[inline(never)]
-    fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
-        if self.safety.is_dark() && !self.ends {
-            if self.safety.is_spared() {
-                self.pass();
-            }
-            self.go_dark();
-            self.miss(end);
-        }
-        self.pass();
-        self.attend(next);
-        let news = core::mem::take(&mut self.news);
-        if news & news::POWER != 0 {
-            self.find_power(around);
-        }
-        if self.cut {
-            // What another mode put out is over before the edges of this instant, also a last pulse that is
-            // being finished.
-            self.cut = false;
-            self.darken(0, true, plan);
-        }
-        let due = self.soonest() <= next;
-        if due {
-            self.take(next);
-        }
-        if due || news != 0 {
-            self.settle(0, news & news::POWER != 0, plan);
-            // What is shown is of the interval's beginning.
-            self.show(news & news::SETTINGS != 0);
-        }
-        if self.ends {
-            self.end_within(0, end, plan);
-        }
-        self.wake = self.soonest();
-        let until = self.wake.min(end);
-        self.planned = if self.out.light { until.0.wrapping_sub(next.0) as u32 } else { 0 };
-        if until < end {
-            self.walk(next, end, around, plan);
-        }
-        if self.safety.is_dark() && !self.safety.is_spared() {
-            self.go_dark();
-            self.show(true);
-        }
-    }
-
-    /// The edges and events within the interval.
-    #[inline(never)]
-    fn walk(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
-        let mut left = EVENTS;
-        while self.wake < end {
-            self.news |= news::MOVED;
-            if left == 0 || !plan.has_room(ROOM) {
-                return self.trip(Cause::Edges);
-            }
-            left = left.wrapping_sub(1);
-            let now = self.wake;
-            let at = now.0.wrapping_sub(next.0) as u32;
-            self.attend(now);
-            if self.ends {
-                return self.end_within(at, end, plan);
-            }
-            let anew = self.news & news::POWER != 0;
-            if anew {
-                self.news &= !news::POWER;
-                self.find_power(around);
-            }
-            self.take(now);
-            self.settle(at, anew, plan);
-            self.wake = self.soonest();
-            if self.out.light {
-                self.planned = self.planned.wrapping_add(self.wake.min(end).0.wrapping_sub(now.0) as u32);
-            }
-        }
-    }
-
-    /// What is due takes place.
-    fn attend(&mut self, now: Ns) {
-        while let Some(event) = self.agenda.take(now) {
-            self.happen(now, event);
-        }
-    }
-
-    /// What takes place in an interval in the dark.
-    fn miss(&mut self, end: Ns) {
-        while self.agenda.next() < end
-            && let Some(event) = self.agenda.take(end)
-        {
-            self.happen(end, event);
-        }
-        self.gate.clear();
-    }
-
-    /// Everything comes to rest within the interval, to be dark from there on.
-    fn end_within(&mut self, at: u32, end: Ns, plan: &mut Plan) {
-        if self.out.light || !self.out.train.is_none() {
-            plan.push(at, Action::Dark { standby: Train::NONE, cut: true });
-        }
-        if self.out.switch {
-            plan.push(at, Action::Switch(false));
-        }
-        if self.out.volts.is_some() {
-            plan.push(at, Action::Volts(0));
-        }
-        let planned = self.planned;
-        self.ends = false;
-        self.go_dark();
-        self.planned = planned;
-        self.miss(end);
-        self.news = news::CHANGED;
-    }
-
-    /// The power in force, and its train.
-    fn find_power(&mut self, around: &Surroundings<'_>) {
-        self.power = self.law.power(around);
-        self.shown.limited = self.energy.light(self.power, around.clock, &mut self.train);
-    }
-
-    /// The next edge of any kind.
-    #[inline(always)]
-    fn soonest(&self) -> Ns {
-        self.gate.next().min(self.light.next()).min(self.pulse).min(self.agenda.next())
-    }
-
-    /// Takes the edges that are due.
-    fn take(&mut self, now: Ns) {
-        while self.gate.next() <= now {
-            self.edge(now);
-        }
-        if self.pulse <= now {
-            self.pulse = NEVER;
-        }
-        while self.light.next() <= now {
-            self.light.take();
-        }
-    }
-
-    /// The gate edge that is due.
-    fn edge(&mut self, now: Ns) {
-        let done = if self.gate.take() {
-            let (begin, end) = self.fpk.map_or((0, 0), |fpk| (fpk.begin, fpk.end));
-            self.tail = end;
-            if let Some(fpk) = self.fpk {
-                self.pulse = later(now, fpk.pulse.get());
-            }
-            self.light.command(later(now, begin), true)
-        } else {
-            self.light.command(later(now, self.tail), false)
-        };
-        self.hold(done);
-    }
-
-    /// A dark channel: nothing is on, nothing pends, and nothing of what was planned takes place.
-    #[inline(never)]
-    fn go_dark(&mut self) {
-        self.extinguish();
-        (self.cut, self.planned, self.out, self.wake) = (false, 0, Outputs::REST, NEVER);
-    }
-
-    /// Brings the outputs to what they should carry; `anew`: trains may be others.
-    #[inline(always)]
-    fn settle(&mut self, at: u32, anew: bool, plan: &mut Plan) {
-        let light = self.light.level();
-        if light != self.out.light {
-            if light {
-                (self.out.light, self.out.train) = (true, self.train);
-                plan.push(at, Action::Light(self.train));
-            } else {
-                self.darken(at, self.energy.mode == Mode::DutyOpen, plan);
-            }
-        } else if anew {
-            self.retrain(at, plan);
-        }
-        let gate = if self.fpk.is_some() { self.pulse != NEVER } else { self.gate.level() };
-        let switch = gate || self.energy.mode == Mode::DutyOpen;
-        if switch != self.out.switch {
-            self.out.switch = switch;
-            plan.push(at, Action::Switch(switch));
-        }
-        if self.energy.mode == Mode::Analog || self.out.volts.is_some() {
-            let volts = self.energy.volts(light, self.power);
-            if volts != self.out.volts {
-                self.out.volts = volts;
-                plan.push(at, Action::Volts(volts.unwrap_or(0)));
-            }
-        }
-    }
-
-    /// Light ends.
-    #[inline(never)]
-    fn darken(&mut self, at: u32, cut: bool, plan: &mut Plan) {
-        let standby = self.energy.standby().map_or(Train::NONE, |standby| *standby.train());
-        (self.out.light, self.out.train) = (false, standby);
-        plan.push(at, Action::Dark { standby, cut });
-    }
-
-    /// Light, or its absence, goes on, perhaps with another train.
-    #[inline(never)]
-    fn retrain(&mut self, at: u32, plan: &mut Plan) {
-        let standby = self.energy.standby().map_or(&Train::NONE, |standby| standby.train());
-        let train = *if self.out.light { &self.train } else { standby };
-        if train == self.out.train {
-            return;
-        }
-        self.out.train = train;
-        plan.push(at, Action::Change(train));
-    }
-
-    /// What the thread sees, of the interval's beginning.
-    #[inline(never)]
-    fn show(&mut self, changed: bool) {
-        let light = self.out.light;
-        let (power, khz) = match (self.safety.is_dark(), light) {
-            (true, _) => (Power::ZERO, Power::ZERO),
-            (_, true) => self.energy.told(self.power, &self.train),
-            (_, false) => self.energy.told_dark(),
-        };
-        let shown = &mut self.shown;
-        shown.moves = shown.moves.wrapping_add(1);
-        (shown.commanded, shown.gate) = (self.commanded, self.gate.level());
-        (shown.switch, shown.light) = (self.out.switch, light);
-        (shown.power, shown.khz, shown.direct) = (power, khz, self.law.direct);
-        shown.train = if khz == Power::ZERO { Train::NONE } else { self.out.train };
-        shown.on_time = self.on_time.units();
-        if changed {
-            shown.changes = shown.changes.wrapping_add(1);
-            let Energy { mode, connector, width, carrier, .. } = self.energy;
-            (shown.mode, shown.connector, shown.delayed) = (mode, connector, self.delayed);
-            (shown.fault, shown.cause_lasts) = (self.safety.cause(), self.safety.lasts());
-            shown.bounds = self.law.bounds;
-            (shown.follows, shown.source) = (self.law.follows(), self.law.source());
-            shown.bank = self.law.bank();
-            (shown.width_us, shown.carrier) = (width.map_or(0, |us| us.get()), carrier);
         }
     }
 }

@@ -7,7 +7,8 @@
 //! set and at rest), `crd-line`, `crd-arc` (each stayed in its motion; the worst made something of the next), `crd-turn`
 //! (each entered one), `crd-enter` (the tick behind that), `crd-start`; `crd-worst` is the tick of SPEC 11: eight axes
 //! enter segments of their tables, two coordinate systems enter motions, two lasers follow speed and distance;
-//! `crd-worst-inside` is any other tick of that.
+//! `crd-worst-inside` is any other tick of that. `laser-…`: CASE channels are in light while one coordinate system
+//! speeds up, with a power that follows nothing, its speed, places, tables of both, or speed and places.
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m::peripheral::SYST;
@@ -18,7 +19,7 @@ use hal as _; // the vector table
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::crd::Frame;
 use servo::laser::{
-    self, Bounds, Buffered, Carrier, Change, Clock, Distance, Plan, Power, Ratio, Ratios, Source, Tables,
+    self, Bounds, Buffered, Carrier, Change, Clock, Curve, Distance, POINTS, Plan, Power, Ratio, Ratios, Source, Tables,
 };
 use servo::op::{Entry, Mode, Op};
 use servo::path::{self, Along, EntryStore, Plane, Sweep};
@@ -318,6 +319,74 @@ impl Bench {
         self.pass();
     }
 
+    /// A distance follow of the first mapped axes; with `lines` by tables of ratios.
+    fn distance(&mut self, channels: u8, ratios: Ratios) {
+        let near = [0.001f64; 4].map(f64::to_bits);
+        let axes = [8, 9, 8, 9].map(axis);
+        let scales = [1000f64; 4].map(f64::to_bits);
+        let distance = Distance::admit(Source::Planned, axes, [0; 4], scales, near, ratios, None);
+        let Ok(distance) = distance else { panic!("refused") };
+        for channel in 0..channels {
+            self.push(Op::Laser { channel, change: Change::Distance(Some(distance)) });
+        }
+    }
+
+    /// Light whose power follows something, or nothing.
+    fn run_follow(&mut self, case: &str, channels: u8, mark: &str, follow: Option<Buffered>, ratios: Option<Ratios>) {
+        let crds = self.set(1);
+        let Ok(carrier) = Carrier::admit(percent(333), Clock::GHZ) else { panic!("the carrier is refused") };
+        for channel in 0..channels {
+            self.push(Op::Laser { channel, change: Change::Carrier { carrier, fine: None } });
+        }
+        if let Some(ratios) = ratios {
+            self.distance(channels, ratios);
+        }
+        for channel in 0..channels {
+            for change in follow.into_iter().chain([Buffered::Gate { on: true }]) {
+                let (code, words) = change.pack();
+                self.put(0, path::Entry::laser(channel, code, words));
+            }
+        }
+        self.put(0, path::Entry::planar([30_000, 20_000], along(200.0, 1.0, 0.0)));
+        self.commit(0);
+        self.pass();
+        self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
+        for _ in 0..8 {
+            self.pass();
+        }
+        for _ in 0..100 {
+            hprintln!("{} {} {}", case, mark, self.counted());
+        }
+        assert!(self.view.read().lasers[0].light, "no light");
+        for channel in 0..channels {
+            self.push(Op::Laser { channel, change: Change::Reset { family: laser::Family::Gus } });
+        }
+        self.reset();
+    }
+
+    fn run_follows(&mut self, case: &str, channels: u8) {
+        let bounds = Bounds::admit(laser::Mode::Duty, percent(100), percent(0));
+        let (Ok(ratio), Ok(bounds)) = (Ratio::admit(0.37f64.to_bits()), bounds) else { panic!("refused") };
+        let Some(table) = Curve::power(0, 0) else { panic!("no table") };
+        for k in 0..POINTS {
+            let put = LASERS.power_point(table, k, (k as f64 * 8.0).to_bits(), percent(k as u32));
+            assert!(put.is_ok(), "point {k} is refused");
+            for (channel, axis) in (0..channels).flat_map(|channel| (0..4).map(move |axis| (channel, axis))) {
+                let Some(line) = Curve::ratio(channel, 0, axis) else { panic!("no table") };
+                let put = LASERS.ratio_point(line, k, k as i32 * 1000, (k as f64 / 1000.0).to_bits());
+                assert!(put.is_ok(), "point {k} is refused");
+                LASERS.finish(line, k + 1);
+            }
+        }
+        LASERS.finish(table, POINTS);
+        let (by_ratio, by_table) = (Buffered::PrfFollow { ratio, bounds }, Buffered::FollowTable { table, bounds });
+        self.run_follow(case, channels, "laser-alone", None, None);
+        self.run_follow(case, channels, "laser-speed", Some(by_ratio), None);
+        self.run_follow(case, channels, "laser-place", None, Some(Ratios::Fixed));
+        self.run_follow(case, channels, "laser-tables", Some(by_table), Some(Ratios::Lines { bank: 0 }));
+        self.run_follow(case, channels, "laser-both", Some(by_ratio), Some(Ratios::Fixed));
+    }
+
     /// SPEC 11: eight axes in PVT, two coordinate systems, two lasers with both follows; segments and motions of all of
     /// them begin together, every 16 ticks.
     fn run_worst(&mut self, scratch: &mut Scratch) {
@@ -391,6 +460,9 @@ fn main() -> ! {
         for arcs in [false, true] {
             bench.run(case, count, arcs);
         }
+    }
+    for (case, channels) in [("1", 1), ("2", 2)] {
+        bench.run_follows(case, channels);
     }
     let mut scratch = Scratch::new();
     bench.run_worst(&mut scratch);
