@@ -398,15 +398,29 @@ fn a_fault_is_told_and_cleared_when_its_cause_is_gone() {
 
 #[test]
 fn clr_sts_and_reset_clear_faults_too() {
-    let clr_sts = ClrSts { core: 1.into(), axis: 3.into(), count: 1.into() };
+    let clr_sts = |axis: i16| ClrSts { core: 1.into(), axis: axis.into(), count: 1.into() };
     let mut bench = interlocked(GUS);
-    bench.done(clr_sts);
+    // Crd 2 drives axes 3 and 4.
+    bench.done(SetCrdPrm {
+        core: 1.into(),
+        crd: 2.into(),
+        dimension: 2.into(),
+        profile: [0, 0, 1, 2, 0, 0, 0, 0].map(Into::into),
+        syn_vel_max: 100.0.into(),
+        syn_acc_max: 1.0.into(),
+        even_time_ms: 0.into(),
+        set_origin_flag: 0.into(),
+        origin_pos: [0; 8].map(Into::into),
+    });
+    bench.done(clr_sts(3));
     assert_eq!(fault(&mut bench, 0), 1, "its cause is there");
     bench.machine.interlock = false;
     bench.run_ms(1);
-    // Only of channels that a crd of the core may gate.
-    bench.done(SetLaserCrdMap { core: 1.into(), channel: 1.into(), map: 0.into() });
-    bench.done(clr_sts);
+    // Only of channels whose map holds the crd of the axis.
+    bench.done(SetLaserCrdMap { core: 1.into(), channel: 1.into(), map: 1.into() });
+    bench.done(clr_sts(1));
+    assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (1, 1));
+    bench.done(clr_sts(4));
     assert_eq!((fault(&mut bench, 0), fault(&mut bench, 1)), (0, 1));
 
     let mut bench = interlocked(LSR);

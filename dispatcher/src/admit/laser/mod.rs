@@ -79,13 +79,13 @@ impl<const AXES: usize> Case<'_, AXES> {
         self.stage_with(Op::Mark, books::Change::LaserFine(true));
     }
 
-    /// A cleared status word clears the faults of the channels that a crd of its core gates. No crd has axes in
-    /// this build's commands, so every axis of the core counts.
+    /// A cleared status word clears the faults of the channels that the crd of its axis gates: only the tick knows
+    /// which, those of a core may be.
     pub fn clear_laser_faults(&mut self, core: usize) {
         let crds = self.crds_of(core);
         for channel in 0..CHANNELS as u8 {
             if self.laser(channel).map & crds != 0 {
-                self.change_with(channel, Change::ClearFault, LaserChange::Cleared);
+                self.stage_with(Op::Mark, books::Change::Laser { channel, change: LaserChange::Cleared });
             }
         }
     }
