@@ -15,7 +15,7 @@ fn speeds(vel: f64, acc: f64, end: f64) -> Along {
 }
 
 fn output(value: u32) -> Entry {
-    Entry::output(DoGroup::General, 0xff, value)
+    Entry::output(DoGroup::General, 0xff, u64::from(value))
 }
 
 /// Coordinate system 0 on axes 0 and 1, coordinate system 1 on axes 2 and 3, all at 0.
