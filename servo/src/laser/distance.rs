@@ -5,7 +5,8 @@
 //!
 //! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off by 2⁻⁵⁸ of the
 //! largest factor times the largest distance, and half a unit. With a table the ratio has 44 fraction bits, the
-//! distance over the scale 32 and at most ±2³¹.
+//! distance over the scale 32 and at most ±2²⁹.
+use super::double::{part, product};
 use super::follow::Source;
 use super::power::{Bounds, Refused};
 use super::tables::{Curve, DISTANCES, Stretch, Tables};
@@ -94,18 +95,18 @@ impl Distance {
         place: impl Fn(Axis, Source) -> Pos,
         tables: &Tables,
         stretches: &mut [Stretch; DISTANCES],
-    ) -> i128 {
+    ) -> i64 {
         if self.ratios != Ratios::Fixed {
             return self.tabled(channel, place, tables, stretches);
         }
         let mut sum = 0i128;
-        for ((axis, reference), factor) in self.axes.iter().zip(self.reference).zip(self.factors) {
-            if factor != 0 {
-                let by = place(*axis, self.source).0.wrapping_sub(Pos::pulses(reference).0);
-                sum = sum.wrapping_add((by as i128).wrapping_mul(factor as i128));
+        for ((axis, reference), factor) in self.axes.iter().zip(&self.reference).zip(&self.factors) {
+            if *factor != 0 {
+                let by = place(*axis, self.source).0.wrapping_sub(Pos::pulses(*reference).0);
+                sum = sum.wrapping_add(product(by, *factor));
             }
         }
-        rounded(sum, self.shift as u32)
+        part(sum, self.shift as u32)
     }
 
     #[inline(never)]
@@ -115,7 +116,7 @@ impl Distance {
         place: impl Fn(Axis, Source) -> Pos,
         tables: &Tables,
         stretches: &mut [Stretch; DISTANCES],
-    ) -> i128 {
+    ) -> i64 {
         let places = self.axes.map(|axis| place(axis, self.source).0);
         let along = |bank: u8, index: u8, x: i64, stretch: &mut Stretch| {
             Curve::ratio(channel, bank, index).map_or(0, |curve| tables.at(curve, x, stretch))
@@ -148,18 +149,11 @@ impl Distance {
         {
             let by = x.wrapping_sub(Pos::pulses(reference).0);
             // In 2^-32 instead of the power's 2^-44.
-            let over = rounded((by as i128).wrapping_mul(*factor as i128), (self.shift as u32).wrapping_add(12));
-            let over = over.clamp(i64::MIN as i128, i64::MAX as i128);
-            sum = sum.wrapping_add(over.wrapping_mul(ratio as i128));
+            let over = part(product(by, *factor), (self.shift as u32).wrapping_add(12));
+            sum = sum.wrapping_add(product(over, ratio));
         }
-        rounded(sum, 32)
+        part(sum, 32)
     }
-}
-
-/// x·2^-shift, to the nearest, for 0 < shift < 128.
-#[inline]
-fn rounded(x: i128, shift: u32) -> i128 {
-    (x.wrapping_shr(shift.wrapping_sub(1)).wrapping_add(1)) >> 1
 }
 
 const _: () = assert!(Power::FRAC_BITS == 44 && Pos::FRAC_BITS == 22, "the shifts above");

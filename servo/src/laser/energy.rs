@@ -53,6 +53,20 @@ impl Energy {
         }
     }
 
+    /// In the duty modes the width that a power has, if only that differs from what is put out: a train of the same
+    /// carrier with pulses, before and after.
+    #[inline(always)]
+    pub(super) fn width_of(&self, power: Power, out: &Train) -> Option<Count> {
+        let carrier = self.carrier.as_ref().filter(|_| self.connector)?;
+        let duty = matches!(self.mode, Mode::Duty | Mode::DutyOpen);
+        let planned = self.fine.as_ref().is_some_and(|fine| fine.is_of(carrier.khz(), power));
+        if !duty || planned || out.period != carrier.period() || out.is_silent() {
+            return None;
+        }
+        let width = carrier.share(power);
+        (width.whole != 0 || width.part != 0).then_some(width)
+    }
+
     /// Power as a part of the carrier's period.
     #[inline]
     fn duty(&self, power: Power, carrier: &Carrier, train: &mut Train) {

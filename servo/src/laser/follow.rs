@@ -6,11 +6,12 @@
 //! A power is in force for the whole interval that begins with the tick, so it follows the speed in the *middle* of
 //! that interval: under constant acceleration that is the mean, and the energy of each interval is the ratio times its
 //! way, at any period. The speed at its beginning would lag by half a tick.
+use super::double::MOST;
 use super::power::Refused;
 use crate::piece::{Motion, Piece, Recip};
 use crate::real::Real;
 use crate::units::{Exact, Ns};
-use crate::wide::{mulhi_su, umul, umulhi};
+use crate::wide::{mulhi_su, umulhi};
 
 /// Which speed a follow follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -105,18 +106,18 @@ impl Ratio {
         self.bits
     }
 
-    /// ratio·v in 2⁻⁴⁴, to the nearest.
+    /// ratio·v in 2⁻⁴⁴, to 2⁻⁶² of itself and half a unit; held at [`MOST`].
     #[inline]
-    pub(super) fn power(self, speed: PathSpeed) -> i128 {
+    pub(super) fn power(self, speed: PathSpeed) -> i64 {
         let exponent = (self.bits >> 52) as u32;
-        let m = self.bits & ((1 << 52) - 1) | 1 << 52;
-        let (high, low) = umul(speed.raw(), m);
-        let product = (high as u128) << 64 | low as u128;
-        // v·2^30 times m = ratio·2^(1075 - exponent), of which 2^44 are to stay; the exponent is at most 1055.
-        let shift = (1075 + PathSpeed::FRAC_BITS - super::Power::FRAC_BITS).wrapping_sub(exponent);
-        if shift > 120 {
-            return 0;
+        let zeros = speed.raw().leading_zeros();
+        // v·2^(30 + zeros) times ratio = m·2^(exponent - 1086), of which 2^44 are to stay.
+        let high = umulhi(speed.raw().wrapping_shl(zeros), self.bits << 11 | 1 << 63);
+        let shift = (1086 + PathSpeed::FRAC_BITS - 64 - super::Power::FRAC_BITS).wrapping_add(zeros);
+        match shift.checked_sub(exponent) {
+            Some(shift @ 3..=64) => ((high >> (shift - 1)).wrapping_add(1) >> 1) as i64,
+            Some(65..) => 0,
+            _ => MOST,
         }
-        (product.wrapping_shr(shift.wrapping_sub(1)).wrapping_add(1) >> 1) as i128
     }
 }

@@ -8,7 +8,7 @@
 //! | GUS | direct, or ratio·v + min held in the follow's bounds; + distance; held in the bounds of the distance and of the mode |
 //! | LSR | direct (+ ratio·v + min) + distance, held in the bounds of the follow and of the mode |
 //!
-//! Of several bounds the lower ones act first: where they exclude each other the lowest upper one is put out.
+//! Each part is held at ±2¹⁷ of the power's unit. Of several bounds the lower ones act first: where they exclude each other the lowest upper one is put out.
 use super::buffered::Buffered;
 use super::distance::Distance;
 use super::follow::{PathSpeed, Ratio, Source};
@@ -153,20 +153,20 @@ impl Law {
     /// The power in force from the tick that is computed.
     #[inline]
     pub(super) fn power(&mut self, around: &Surroundings<'_>) -> Power {
-        let direct = self.direct.raw() as i128;
-        let (mut low, mut high) = (self.bounds.min().raw() as i128, self.bounds.max().raw() as i128);
+        let direct = self.direct.raw();
+        let (mut low, mut high) = (self.bounds.min().raw(), self.bounds.max().raw());
         let mut sum = direct;
-        if let Some(Follow { crd, of, bounds }) = self.follow {
-            let speed = around.speed(crd, self.source);
-            let (min, max) = (bounds.min().raw() as i128, bounds.max().raw() as i128);
+        if let Some(Follow { crd, of, bounds }) = &self.follow {
+            let speed = around.speed(*crd, self.source);
+            let (min, max) = (bounds.min().raw(), bounds.max().raw());
             let part = match of {
                 Of::Ratio(ratio) => ratio.power(speed).wrapping_add(min),
                 Of::Table(curve) => {
                     let x = speed.raw().min(i64::MAX as u64) as i64;
-                    around.tables.at(curve, x, &mut self.stretch) as i128
+                    around.tables.at(*curve, x, &mut self.stretch)
                 }
             };
-            match (self.family, self.distance) {
+            match (self.family, &self.distance) {
                 (Family::Gus, Some(_)) => sum = part.max(min).min(max),
                 (family, _) => {
                     sum = if family == Family::Gus { part } else { part.wrapping_add(direct) };
@@ -177,13 +177,13 @@ impl Law {
         if let Some(distance) = &self.distance {
             let place = |axis, source| around.place(axis, source);
             sum = sum.wrapping_add(distance.power(self.channel, place, around.tables, &mut self.stretches));
-            if let Some(bounds) = distance.bounds
+            if let Some(bounds) = &distance.bounds
                 && self.family == Family::Gus
             {
-                (low, high) = (low.max(bounds.min().raw() as i128), high.min(bounds.max().raw() as i128));
+                (low, high) = (low.max(bounds.min().raw()), high.min(bounds.max().raw()));
             }
         }
-        Power::nearest(sum.max(low).min(high) as i64)
+        Power::nearest(sum.max(low).min(high))
     }
 }
 

@@ -8,11 +8,13 @@
 //! [`Tables::finish`]. Ratios come in two banks a channel, so that one can be written while the other is in force.
 //! With a point its slope to the next one is stored, so that the tick never divides: m·2⁻ˢ with 54 bits of m, which
 //! makes an error of 2⁻⁵³ of the step between the two, and half a unit.
+use super::double::product;
 use super::follow::PathSpeed;
 use super::power::{Power, Refused};
 use super::{CHANNELS, double};
 use crate::real::Real;
 use crate::units::Pos;
+use crate::wide::narrow;
 use ring::Store;
 
 /// Tables of powers of a channel.
@@ -94,7 +96,7 @@ impl Point {
         let run = (next.x as i128).wrapping_sub(self.x as i128).max(1);
         let slope = Real::from_fixed(rise.unsigned_abs(), 0).div(Real::from_fixed(run as u128, 0));
         // Rounded up it may be a power of two.
-        let s = (54 - slope.width()).clamp(1, 255);
+        let s = (54 - slope.width()).clamp(1, 126);
         let m = slope.to_fixed(s) as i64;
         let m = if rise < 0 { -m } else { m };
         Point { slope: m << 8 | s as i64, ..self }
@@ -103,14 +105,8 @@ impl Point {
     /// The value at x, of which this is the point before.
     #[inline]
     fn at(self, x: i64) -> i64 {
-        let by = x.wrapping_sub(self.x) as i128;
-        let product = by.wrapping_mul((self.slope >> 8) as i128);
-        // The shift less one; a border has no slope and no shift.
-        let s = ((self.slope & 0xff) as u32).wrapping_sub(1);
-        if s > 120 {
-            return self.y;
-        }
-        self.y.wrapping_add(((product >> s).wrapping_add(1) >> 1) as i64)
+        let by = product(x.wrapping_sub(self.x), self.slope >> 8);
+        self.y.wrapping_add(narrow(by, (self.slope & 0xff) as i32))
     }
 }
 
@@ -246,8 +242,8 @@ impl Tables {
             ((high as u64) << 32 | low as u64) as i64
         };
         let mix = |a: i64, b: i64, part: i64| {
-            let by = (b.wrapping_sub(a) as i128).wrapping_mul(part as i128);
-            a.wrapping_add((by >> Power::FRAC_BITS) as i64)
+            let by = product(b.wrapping_sub(a), part);
+            a.wrapping_add(narrow(by, Power::FRAC_BITS as i32))
         };
         let (fu, fv) = (u & PART, v & PART);
         let row = |iv: usize| {

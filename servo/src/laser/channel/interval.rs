@@ -56,6 +56,18 @@ impl Channel {
             return;
         }
         self.power = power;
+        if let Some(width) = self.energy.width_of(power, &self.out.train) {
+            // The carrier goes on: only its pulses are others.
+            self.train.width = width;
+            if width == self.out.train.width {
+                return;
+            }
+            self.out.train.width = width;
+            plan.push(0, Action::Change(self.out.train));
+            self.shown.moves = self.shown.moves.wrapping_add(1);
+            (self.shown.power, self.shown.train.width) = (power, width);
+            return;
+        }
         self.shown.limited = self.energy.light(power, around.clock, &mut self.train);
         if self.train != self.out.train {
             self.out.train = self.train;
