@@ -1,6 +1,6 @@
 //! One suite that every motion mode passes: knots exact, continuous where promised, ends where told, loops
-//! accumulate, stop and restart. Each mode is told the same curve in its own words. A master that moves 1 pulse in
-//! 1 ms makes progress the time.
+//! accumulate, stop and restart. Each mode is told the same curve in its own words; Complete, whose acceleration has
+//! no steps, another one through the same knots. A master that moves 1 pulse in 1 ms makes progress the time.
 mod motion;
 use client::Call;
 use motion::*;
@@ -21,16 +21,108 @@ enum Mode {
     PtStatic,
     PtDynamic,
     Pvt,
+    PvtEx,
+    PvtComplete,
     PvtPercent,
+    PvtContinuous,
     Follow,
     FollowEx,
+    /// Direction −1: a master that goes down makes progress.
+    FollowDown,
+    FollowExDown,
 }
-use Mode::{Follow, FollowEx, PtDynamic, PtStatic, Pvt, PvtPercent};
+use Mode::{
+    Follow, FollowDown, FollowEx, FollowExDown, PtDynamic, PtStatic, Pvt, PvtComplete, PvtContinuous, PvtEx, PvtPercent,
+};
 
-const ALL: [Mode; 6] = [PtStatic, PtDynamic, Pvt, PvtPercent, Follow, FollowEx];
+const ALL: [Mode; 11] = [
+    PtStatic,
+    PtDynamic,
+    Pvt,
+    PvtEx,
+    PvtComplete,
+    PvtPercent,
+    PvtContinuous,
+    Follow,
+    FollowEx,
+    FollowDown,
+    FollowExDown,
+];
 
-fn curve() -> Curve {
-    Curve::plain(&KNOTS.map(|(ms, pos)| (ms, pos, 0)), whole(0))
+/// Velocities at the knots, the first point's before them.
+const VELOCITIES: [i64; 5] = [0, 10, 10, -4, 0];
+
+/// A pass: cubics through the knots.
+struct Pass {
+    /// ms, pulses, pulse/ms.
+    knots: Vec<(Rational, Rational, Rational)>,
+}
+
+impl Pass {
+    /// What a mode makes of its data.
+    fn of(mode: Mode) -> Pass {
+        let points = std::iter::once((0, 0.0)).chain(KNOTS).map(|(ms, pos)| (whole(ms.into()), of(pos)));
+        let (t, p): (Vec<Rational>, Vec<Rational>) = points.unzip();
+        let velocities = if mode == PvtComplete { clamped(&t, &p) } else { VELOCITIES.map(whole).to_vec() };
+        Pass { knots: t.into_iter().zip(p).zip(velocities).map(|((t, p), v)| (t, p, v)).collect() }
+    }
+
+    /// Position, velocity and acceleration at `t` of a pass.
+    fn at(&self, t: Rational) -> [Rational; 3] {
+        let last = self.knots.len() - 2;
+        let i = (0..=last).rev().find(|i| self.knots[*i].0 <= t).unwrap_or(0);
+        let ((t0, p0, v0), (t1, p1, v1)) = (self.knots[i], self.knots[i + 1]);
+        let (length, x) = (t1 - t0, t - t0);
+        let mean = (p1 - p0) / length;
+        let c2 = (whole(3) * mean - whole(2) * v0 - v1) / length;
+        let c3 = (v0 + v1 - whole(2) * mean) / (length * length);
+        [
+            p0 + (v0 + (c2 + c3 * x) * x) * x,
+            v0 + (whole(2) * c2 + whole(3) * c3 * x) * x,
+            whole(2) * c2 + whole(6) * c3 * x,
+        ]
+    }
+
+    /// Position after `passes` of them at most.
+    fn looped(&self, t: Rational, passes: i64) -> Rational {
+        let (length, way, _) = self.knots[self.knots.len() - 1];
+        let done = (t / length).floor();
+        if done >= whole(passes) {
+            return way * whole(passes);
+        }
+        if t < whole(0) { whole(0) } else { way * done + self.at(t - done * length)[0] }
+    }
+
+    /// The largest acceleration, which is at a knot.
+    fn steepest(&self) -> Rational {
+        let just = Rational::new(1, 1 << 40);
+        let ends = self.knots.windows(2).flat_map(|k| [self.at(k[0].0)[2], self.at(k[1].0 - just)[2]]);
+        ends.map(|a| if a < whole(0) { -a } else { a }).max().unwrap()
+    }
+}
+
+/// Velocities of the cubic spline that begins and ends at rest: v(i−1)/h + 2·(1/h + 1/g)·v(i) + v(i+1)/g =
+/// 3·(d/h² + e/g²) for segments of lengths h, g and displacements d, e.
+fn clamped(t: &[Rational], p: &[Rational]) -> Vec<Rational> {
+    let mut rows = vec![(whole(0), whole(0))];
+    for i in 1..t.len() - 1 {
+        let (h, g) = (t[i] - t[i - 1], t[i + 1] - t[i]);
+        let right = whole(3) * ((p[i] - p[i - 1]) / (h * h) + (p[i + 1] - p[i]) / (g * g));
+        let (c, d) = rows[i - 1];
+        let pivot = whole(2) * (h.recip() + g.recip()) - c / h;
+        rows.push(((g * pivot).recip(), (right - d / h) / pivot));
+    }
+    let mut v = vec![whole(0)];
+    for (c, d) in rows.into_iter().skip(1).rev() {
+        v.push(d - c * v[v.len() - 1]);
+    }
+    v.push(whole(0));
+    v.reverse();
+    v
+}
+
+fn float(x: Rational) -> f64 {
+    *x.numer() as f64 / *x.denom() as f64
 }
 
 impl Mode {
@@ -52,14 +144,14 @@ impl Mode {
                 })
             })
         };
-        let master = || {
+        let master = |way: f64| {
             let profile = MASTER.into();
             vec![
                 Call::of(PrfPt { core, profile, mode: 0.into() }),
                 Call::of(PtData {
                     core,
                     profile,
-                    pos: 1e6.into(),
+                    pos: way.into(),
                     time_ms: 1_000_000.into(),
                     kind: 1.into(),
                     fifo: 0.into(),
@@ -76,15 +168,64 @@ impl Mode {
                 calls
             }
             Pvt => {
-                let velocities = [0.0, 10.0, 10.0, -4.0, 0.0];
                 let items: Vec<PvtPoint> = points
-                    .zip(velocities)
-                    .map(|((ms, pos), vel)| PvtPoint { time: f64::from(ms).into(), pos: pos.into(), vel: vel.into() })
+                    .zip(VELOCITIES)
+                    .map(|((ms, pos), vel)| PvtPoint {
+                        time: f64::from(ms).into(),
+                        pos: pos.into(),
+                        vel: (vel as f64).into(),
+                    })
                     .collect();
                 let (core, table, count, first) = table;
                 vec![
                     Call::of(PrfPvt { core, profile }),
                     Call::with_items(PvtTable { core, table, count, first }, &items),
+                ]
+            }
+            PvtEx => {
+                // Each point with the velocities at both ends of the segment that it begins.
+                let ends = VELOCITIES.iter().zip(VELOCITIES.iter().skip(1).chain([&0]));
+                let items: Vec<PvtExPoint> = points
+                    .zip(ends)
+                    .map(|((ms, pos), (begin, end))| PvtExPoint {
+                        time: f64::from(ms).into(),
+                        pos: pos.into(),
+                        vel_begin: (*begin as f64).into(),
+                        vel_end: (*end as f64).into(),
+                    })
+                    .collect();
+                let (core, table, count, first) = table;
+                vec![
+                    Call::of(PrfPvt { core, profile }),
+                    Call::with_items(PvtTableEx { core, table, count, first }, &items),
+                ]
+            }
+            PvtComplete => {
+                let items: Vec<PvtKnot> =
+                    points.map(|(ms, pos)| PvtKnot { time: f64::from(ms).into(), pos: pos.into() }).collect();
+                let (core, table, count, first) = table;
+                let head = PvtTableComplete { core, table, count, first, vel_begin: 0.0.into(), vel_end: 0.0.into() };
+                vec![Call::of(PrfPvt { core, profile }), Call::with_items(head, &items)]
+            }
+            PvtContinuous => {
+                // What takes each segment from one velocity to the next with nothing left to cruise, but for the second.
+                let rates = [(0.1, 0.1), (0.1, 0.1), (0.14, 0.14), (0.08, 0.08), (0.1, 0.1)];
+                let items: Vec<PvtContinuousPoint> = points
+                    .zip(VELOCITIES)
+                    .zip(rates)
+                    .map(|(((_, pos), vel), (acc, dec))| PvtContinuousPoint {
+                        pos: pos.into(),
+                        vel: (vel as f64).into(),
+                        percent: 0.0.into(),
+                        vel_max: 10.0.into(),
+                        acc: acc.into(),
+                        dec: dec.into(),
+                    })
+                    .collect();
+                let (core, table, count, first) = table;
+                vec![
+                    Call::of(PrfPvt { core, profile }),
+                    Call::with_items(PvtTableContinuous { core, table, count, first, time_begin: 0.0.into() }, &items),
                 ]
             }
             PvtPercent => {
@@ -101,13 +242,17 @@ impl Mode {
                     Call::with_items(PvtTablePercent { core, table, count, first, vel_begin: 0.0.into() }, &items),
                 ]
             }
-            Follow => {
-                let data = KNOTS.map(|(ms, pos)| (ms, pos, 0));
-                [follow(AXIS, MASTER, 0), follow_data(AXIS, 0, &data), master()].concat()
+            Follow | FollowDown => {
+                let sign = if self == FollowDown { -1 } else { 1 };
+                let data = KNOTS.map(|(ms, pos)| (sign * ms, pos, 0));
+                let direction = if self == FollowDown { -1 } else { 0 };
+                [follow(AXIS, MASTER, direction), follow_data(AXIS, 0, &data), master(1e6 * f64::from(sign))].concat()
             }
-            FollowEx => {
-                let data = KNOTS.map(|(ms, pos)| (f64::from(ms), pos, 0, 0));
-                [follow_ex(AXIS, MASTER, 1), shaped_data(AXIS, 0, &data), master()].concat()
+            FollowEx | FollowExDown => {
+                let sign = if self == FollowExDown { -1 } else { 1 };
+                let data = KNOTS.map(|(ms, pos)| (f64::from(sign * ms), pos, 0, 0));
+                [follow_ex(AXIS, MASTER, sign as i16), shaped_data(AXIS, 0, &data), master(1e6 * f64::from(sign))]
+                    .concat()
             }
         }
     }
@@ -118,9 +263,11 @@ impl Mode {
             PtStatic => Call::of(SetPtLoop { core, profile, loop_count }),
             // It says what it has.
             PtDynamic => Call::of(GetPtState { core, profile }),
-            Pvt | PvtPercent => Call::of(SetPvtLoop { core, profile, loop_count }),
-            Follow => Call::of(SetFollowLoop { core, profile, loop_count }),
-            FollowEx => Call::of(SetFollowLoopEx { core, profile, loop_count }),
+            Pvt | PvtEx | PvtComplete | PvtPercent | PvtContinuous => {
+                Call::of(SetPvtLoop { core, profile, loop_count })
+            }
+            Follow | FollowDown => Call::of(SetFollowLoop { core, profile, loop_count }),
+            FollowEx | FollowExDown => Call::of(SetFollowLoopEx { core, profile, loop_count }),
         }
     }
 
@@ -128,9 +275,9 @@ impl Mode {
         let (core, mask, option) = (1.into(), (1 << (AXIS - 1)).into(), 0.into());
         match self {
             PtStatic | PtDynamic => Call::of(PtStart { core, mask, option }),
-            Pvt | PvtPercent => Call::of(PvtStart { core, mask }),
-            Follow => Call::of(FollowStart { core, mask, option }),
-            FollowEx => Call::of(FollowStartEx { core, mask, option }),
+            Pvt | PvtEx | PvtComplete | PvtPercent | PvtContinuous => Call::of(PvtStart { core, mask }),
+            Follow | FollowDown => Call::of(FollowStart { core, mask, option }),
+            FollowEx | FollowExDown => Call::of(FollowStartEx { core, mask, option }),
         }
     }
 
@@ -139,9 +286,11 @@ impl Mode {
         match self {
             PtStatic => Some(run.replies::<GetPtLoop>().last()?.value.get()),
             PtDynamic => None,
-            Pvt | PvtPercent => Some(run.replies::<GetPvtLoop>().last()?.loop_count.get()),
-            Follow => Some(run.replies::<GetFollowLoop>().last()?.value.get()),
-            FollowEx => Some(run.replies::<GetFollowLoopEx>().last()?.value.get()),
+            Pvt | PvtEx | PvtComplete | PvtPercent | PvtContinuous => {
+                Some(run.replies::<GetPvtLoop>().last()?.loop_count.get())
+            }
+            Follow | FollowDown => Some(run.replies::<GetFollowLoop>().last()?.value.get()),
+            FollowEx | FollowExDown => Some(run.replies::<GetFollowLoopEx>().last()?.value.get()),
         }
     }
 
@@ -150,9 +299,9 @@ impl Mode {
         match self {
             PtStatic => Call::of(GetPtLoop { core, profile }),
             PtDynamic => Call::of(GetPtState { core, profile }),
-            Pvt | PvtPercent => Call::of(GetPvtLoop { core, profile }),
-            Follow => Call::of(GetFollowLoop { core, profile }),
-            FollowEx => Call::of(GetFollowLoopEx { core, profile }),
+            Pvt | PvtEx | PvtComplete | PvtPercent | PvtContinuous => Call::of(GetPvtLoop { core, profile }),
+            Follow | FollowDown => Call::of(GetFollowLoop { core, profile }),
+            FollowEx | FollowExDown => Call::of(GetFollowLoopEx { core, profile }),
         }
     }
 }
@@ -184,8 +333,8 @@ fn knots_passes_and_the_end() {
             }
             assert_eq!(run.end(0), Pos::pulses(2200 * PASSES), "{mode:?}: it ends where told");
             assert!(mode.passes(&run).is_none_or(|passes| passes == PASSES), "{mode:?} counts its passes");
-            let curve = curve();
-            run.is(0, &format!("{mode:?}, {tick_us} µs"), |t| curve.looped(t, PASSES.into()));
+            let pass = Pass::of(mode);
+            run.is(0, &format!("{mode:?}, {tick_us} µs"), |t| pass.looped(t, PASSES.into()));
             let bits: Vec<i32> = run.items::<GetSts>().iter().map(|status| status.value.get() & 0x400).collect();
             assert_eq!(bits, [0x400, 0], "{mode:?}: running, then not");
         }
@@ -196,18 +345,19 @@ fn knots_passes_and_the_end() {
 fn velocity_is_continuous_inside_a_pass_and_told_as_it_is() {
     for mode in ALL {
         let run = under_test(mode, 250, PASSES, vec![wait(1)]);
-        // No step of velocity is larger than the steepest slope, 14/100, allows in a tick; a pass ends at rest.
+        // No step of velocity is larger than the steepest slope allows in a tick; a pass ends at rest.
+        let pass = Pass::of(mode);
+        let most = float(pass.steepest()) * 0.25 + 1e-6;
         for ms in 0..4800 {
             let (now, next) = (run.vel(0, f64::from(ms) / 4.0), run.vel(0, f64::from(ms + 1) / 4.0));
-            assert!(
-                (next - now).abs() <= 0.14 * 0.25 + 1e-6,
-                "{mode:?} at {} ms: {now} to {next}",
-                f64::from(ms) / 4.0
-            );
+            assert!((next - now).abs() <= most, "{mode:?} at {} ms: {now} to {next}", f64::from(ms) / 4.0);
         }
-        for (ms, vel) in [(50, 5.0), (100, 10.0), (175, 10.0), (300, 3.0), (350, -4.0), (375, -2.0)] {
-            let found = run.vel(0, f64::from(ms + 400));
-            assert!((found - vel).abs() <= 10.0 / 65536.0, "{mode:?} at {ms} ms of the second pass: {found}");
+        for ms in [50, 100, 175, 300, 350, 375] {
+            let (found, vel) = (run.vel(0, f64::from(ms + 400)), float(pass.at(whole(ms.into()))[1]));
+            assert!(
+                (found - vel).abs() <= 10.0 / 65536.0,
+                "{mode:?} at {ms} ms of the second pass: {found}, not {vel}"
+            );
         }
     }
 }
@@ -215,7 +365,7 @@ fn velocity_is_continuous_inside_a_pass_and_told_as_it_is() {
 #[test]
 fn stop_and_restart() {
     for mode in ALL {
-        // In the middle of the second pass, at 10 pulse/ms: half of 10²/1 pulses further, 10 ms later.
+        // In the middle of the second pass: half of v²/1 pulses further, v ms later; that is 10 ms, or less than 12.
         let then = vec![sleep(575.0), stop(1, 0), wait(1), running(), sleep(3.0), mode.start(), wait(1)];
         let run = if mode == PtDynamic {
             // What is left of a stream is cleared, and the next one counts from 0.
@@ -233,7 +383,9 @@ fn stop_and_restart() {
         };
         let rest = run.pos(0, 587.0);
         let stopped = exact(rest) - exact(run.pos(0, 575.0));
-        assert!((stopped - whole(50)) * (stopped - whole(50)) < whole(4), "{mode:?}: braked over {stopped} pulses");
+        let speed = Pass::of(mode).at(whole(175))[1];
+        let off = stopped - speed * speed / whole(2);
+        assert!(off * off < whole(4), "{mode:?}: braked over {stopped} pulses");
         let from = run.rows.iter().rposition(|row| row.axes[0].pos == rest).unwrap();
         assert!(from > 587 * 4, "{mode:?}");
         // The whole curve once more, from where the axis stood.
