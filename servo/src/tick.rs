@@ -113,7 +113,7 @@ pub struct Tick<const AXES: usize> {
     pub(crate) clear: u64,
     pub(crate) general: u32,
     /// Ticks since power-on.
-    ticks: u32,
+    pub(crate) ticks: u32,
     done_immediate: u32,
     done_program: u32,
     pub(crate) events_lost: u32,

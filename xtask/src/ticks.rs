@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`: what taking a full frame costs, divided by its segments.
 const LANES: [&str; 2] = ["immediate", "program"];
 
-const MARKS: [(&str, &str); 33] = [
+const MARKS: [(&str, &str); 41] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -69,6 +69,17 @@ const MARKS: [(&str, &str); 33] = [
     ("path-enter", "first step of a path within a line or an arc"),
     ("path-turn", "step of a path that enters the next line or arc"),
     ("path-stop", "smooth Stop of a path"),
+    ("crd-idle", "coordinate systems set and at rest, on a tick of 12 axes, as in the rows below"),
+    ("crd-line", "coordinate systems within a line (worst: something of the next motion is made)"),
+    ("crd-arc", "coordinate systems within an arc (worst: likewise)"),
+    ("crd-turn", "coordinate systems, all enter the next line or arc"),
+    ("crd-enter", "coordinate systems, the tick behind that"),
+    ("crd-start", "coordinate systems, all start"),
+    (
+        "crd-worst",
+        "SPEC 11: 8 axes enter segments of PVT, 2 coordinate systems enter motions, 2 lasers follow speed and distance",
+    ),
+    ("crd-worst-inside", "the same, any other tick"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
 ];
@@ -77,6 +88,7 @@ fn count() -> Outcome<Table> {
     setup::run()?;
     let mut counted = table(&print("ticks")?)?;
     counted.append(&mut rows(&print("paths")?)?);
+    counted.append(&mut rows(&print("crds")?)?);
     counted.append(&mut segments(&print("stream")?)?);
     Ok(counted)
 }

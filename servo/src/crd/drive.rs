@@ -58,6 +58,8 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(always)]
     fn step_crd(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         let period = self.period;
+        // Of several that run, one in a tick makes something ahead.
+        let may_prepare = self.crds.running.0.is_power_of_two() || (self.ticks ^ crd.index() as u32) & 1 == 0;
         let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
@@ -86,7 +88,7 @@ impl<const AXES: usize> Tick<AXES> {
             obstacle: None,
         };
         let mut sight = Sight { place, heading, bend, motion, turns };
-        let told = state.path.advance(next, period, feed, source, &mut sink, &mut sight);
+        let told = state.path.advance(next, period, feed, source, &mut sink, &mut sight, may_prepare);
         let Sink { told: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
         for ((axis, at), origin) in frame.axes_ref().iter().zip(place).zip(origin) {
             if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {

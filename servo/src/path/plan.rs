@@ -76,18 +76,47 @@ pub(super) fn ms(time: Fine) -> Real {
 impl Plan {
     pub(super) const NONE: Plan = Plan { legs: [STILL; 3], count: 0, exit: Real::ZERO, halts: false };
 
-    /// Over `length` from speed `v`.
+    /// Makes some of it; whether that was the last.
     #[inline(never)]
-    pub(super) fn new(v: Real, length: Real, means: &Means) -> Plan {
-        let mut plan = Plan { exit: v, ..Plan::NONE };
-        if length.is_zero() || length.is_negative() {
-            return plan;
-        }
-        match means.stop {
-            None => plan.go(v, length, means),
-            Some(dec) => plan.brake(v, length, means, dec),
-        }
-        plan
+    pub(super) fn advance(&mut self, sketch: &mut Sketch) -> bool {
+        let Sketch { v, length, means, .. } = *sketch;
+        sketch.todo = match sketch.todo {
+            Todo::Bound => {
+                *self = Plan { exit: v, ..Plan::NONE };
+                if length.is_zero() || length.is_negative() {
+                    Todo::Nothing
+                } else if let Some(dec) = means.stop {
+                    self.brake(v, length, &means, dec);
+                    Todo::Nothing
+                } else {
+                    self.bound(sketch)
+                }
+            }
+            Todo::Peak => {
+                sketch.aim();
+                if sketch.is_uneven() {
+                    Todo::Even
+                } else {
+                    self.ramp(v, sketch.peak, means.acc, sketch.inverse);
+                    Todo::Rest
+                }
+            }
+            Todo::Even => {
+                sketch.even();
+                self.ramp(v, sketch.peak, means.acc, sketch.inverse);
+                Todo::Rest
+            }
+            Todo::Rest => {
+                let Sketch { cruise, peak, .. } = *sketch;
+                if !cruise.is_zero() && !cruise.is_negative() {
+                    self.push(cruise.div(peak), peak, Real::ZERO);
+                }
+                self.ramp(peak, means.end, means.acc, sketch.inverse);
+                Todo::Nothing
+            }
+            Todo::Nothing => Todo::Nothing,
+        };
+        matches!(sketch.todo, Todo::Nothing)
     }
 
     /// Leg `index`.
@@ -113,52 +142,28 @@ impl Plan {
         self.push(change.abs().mul(inverse), from, acc);
     }
 
-    fn go(&mut self, v: Real, length: Real, means: &Means) {
-        let Means { vel, acc, end, even, .. } = *means;
+    /// Whether the end can be reached at all.
+    fn bound(&mut self, sketch: &mut Sketch) -> Todo {
+        let Means { acc, end, .. } = sketch.means;
         let inverse = acc.recip();
-        let (from, to) = (v.mul(v), end.mul(end));
-        let swing = acc.mul(length).scale(1);
+        let (from, to) = (sketch.v.mul(sketch.v), end.mul(end));
+        let swing = acc.mul(sketch.length).scale(1);
         let (low, high) = (from.sub(swing), from.add(swing));
-        if reaches(low, to) || reaches(to, high) {
-            // Even this end cannot be reached, or just.
-            self.exit = if !reaches(low, to) {
-                high.sqrt()
-            } else if to.is_zero() && low.is_less(acc.scale(REST)) {
-                Real::ZERO
-            } else {
-                low.sqrt()
-            };
-            self.ramp(v, self.exit, acc, inverse);
-            return;
-        }
+        (sketch.inverse, sketch.from, sketch.to, sketch.swing) = (inverse, from, to, swing);
         self.exit = end;
-        let halved = inverse.scale(-1);
-        let mut peak = vel;
-        // What the ramps take of the way, and what is left at the peak; none of a triangle.
-        let mut cruise = if vel.is_less(v) {
-            length.sub(from.sub(to).mul(halved))
+        if !reaches(low, to) && !reaches(to, high) {
+            return Todo::Peak;
+        }
+        // Even this end cannot be reached, or just.
+        self.exit = if !reaches(low, to) {
+            high.sqrt()
+        } else if to.is_zero() && low.is_less(acc.scale(REST)) {
+            Real::ZERO
         } else {
-            let square = from.add(to).add(swing).scale(-1);
-            let limit = vel.mul(vel);
-            if limit.is_less(square) {
-                length.sub(limit.scale(1).sub(from).sub(to).mul(halved))
-            } else {
-                peak = square.sqrt();
-                Real::ZERO
-            }
+            low.sqrt()
         };
-        if !even.is_zero() && !vel.is_less(v) && cruise.is_less(peak.mul(even)) {
-            // peak²/acc + even·peak = way of both ramps and of the cruise
-            let way = length.add(from.add(to).mul(halved));
-            let root = even.mul(even).add(way.mul(inverse).scale(2)).sqrt();
-            peak = larger(larger(way.scale(1).div(even.add(root)), v), end);
-            cruise = length.sub(peak.mul(peak).scale(1).sub(from).sub(to).mul(halved));
-        }
-        self.ramp(v, peak, acc, inverse);
-        if !cruise.is_zero() && !cruise.is_negative() {
-            self.push(cruise.div(peak), peak, Real::ZERO);
-        }
-        self.ramp(peak, end, acc, inverse);
+        self.ramp(sketch.v, self.exit, acc, inverse);
+        Todo::Nothing
     }
 
     /// To rest, or as near to it as the motion is long, and never faster than its own end allows.
@@ -191,6 +196,95 @@ impl Plan {
         self.halts = left.is_zero() || left.is_negative();
         self.exit = if self.halts { Real::ZERO } else { left.sqrt() };
         self.ramp(v, self.exit, rate, rate.recip());
+    }
+}
+
+/// What is to be done next.
+#[derive(Debug, Clone, Copy)]
+enum Todo {
+    /// Which ends are within reach.
+    Bound,
+    /// The peak, and the ramp to it.
+    Peak,
+    /// A lower one, and the ramp to it.
+    Even,
+    /// What comes behind that.
+    Rest,
+    Nothing,
+}
+
+/// A plan that is being made, some hundred instructions at a time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sketch {
+    todo: Todo,
+    v: Real,
+    length: Real,
+    means: Means,
+    /// Squares of the speeds at both ends, and how much the motion may change them.
+    from: Real,
+    to: Real,
+    swing: Real,
+    /// 1/acceleration.
+    inverse: Real,
+    peak: Real,
+    /// What the ramps leave of the way at the peak; none of a triangle.
+    cruise: Real,
+}
+
+impl Sketch {
+    pub(super) const NONE: Sketch = Sketch {
+        todo: Todo::Nothing,
+        v: Real::ZERO,
+        length: Real::ZERO,
+        means: Means { vel: Real::ZERO, acc: Real::ZERO, end: Real::ZERO, even: Real::ZERO, stop: None },
+        from: Real::ZERO,
+        to: Real::ZERO,
+        swing: Real::ZERO,
+        inverse: Real::ZERO,
+        peak: Real::ZERO,
+        cruise: Real::ZERO,
+    };
+
+    /// Of a motion over `length` from speed `v`.
+    pub(super) fn begin(v: Real, length: Real, means: &Means) -> Sketch {
+        Sketch { todo: Todo::Bound, v, length, means: *means, ..Sketch::NONE }
+    }
+
+    /// The peak speed, and what is left of the way at it.
+    fn aim(&mut self) {
+        let Sketch { v, length, from, to, swing, .. } = *self;
+        let vel = self.means.vel;
+        let halved = self.inverse.scale(-1);
+        (self.peak, self.cruise) = (vel, Real::ZERO);
+        if vel.is_less(v) {
+            self.cruise = length.sub(from.sub(to).mul(halved));
+            return;
+        }
+        let square = from.add(to).add(swing).scale(-1);
+        let limit = vel.mul(vel);
+        if limit.is_less(square) {
+            self.cruise = length.sub(limit.scale(1).sub(from).sub(to).mul(halved));
+        } else {
+            self.peak = square.sqrt();
+        }
+    }
+
+    /// Whether the time at the peak is shorter than asked for.
+    fn is_uneven(&self) -> bool {
+        let Means { vel, even, .. } = self.means;
+        !even.is_zero() && !vel.is_less(self.v) && self.cruise.is_less(self.peak.mul(even))
+    }
+
+    /// A lower peak, for that: peak²/acc + even·peak = way of both ramps and of the cruise.
+    fn even(&mut self) {
+        let Sketch { v, length, from, to, inverse, .. } = *self;
+        let Means { end, even, .. } = self.means;
+        let halved = inverse.scale(-1);
+        let way = length.add(from.add(to).mul(halved));
+        let root = even.mul(even).add(way.mul(inverse).scale(2)).sqrt();
+        let peak = larger(larger(way.scale(1).div(even.add(root)), v), end);
+        self.peak = peak;
+        self.cruise = length.sub(peak.mul(peak).scale(1).sub(from).sub(to).mul(halved));
     }
 }
 

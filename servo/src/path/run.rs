@@ -10,8 +10,8 @@
 mod motions;
 
 use super::entry::{Along, Change, Entry, Item, Rate};
-use super::plan::Plan;
-use super::shape::{Along as Geared, Bend, Shape};
+use super::plan::{Plan, Sketch};
+use super::shape::{Along as Geared, Bend, Draft, Shape};
 use super::store::Entries;
 use super::{DIMENSIONS, Fine};
 use crate::laser::PathSpeed;
@@ -225,16 +225,25 @@ pub struct Path {
     time: Fine,
     speed: Real,
     stopping: bool,
-    /// The motion in force.
-    along: Along,
-    shape: Shape,
-    plan: Plan,
+    /// The motion in force, and the one behind it, made ahead in ticks that have time for it.
+    motions: [Made; 2],
+    /// Which of them is in force.
+    at: u8,
+    /// What is being made of the other.
+    draft: Draft,
+    sketch: Sketch,
     /// Which leg, when it began, and the way done there.
     leg: usize,
     began: Fine,
     way: Exact,
-    /// The leg as a piece, once it is needed.
-    piece: Option<Piece>,
+    /// The leg as a piece, once it is needed, and the one behind it, if it is made ahead.
+    pieces: [Piece; 2],
+    /// Which of them is in force.
+    piece: u8,
+    /// The piece in force is made.
+    pieced: bool,
+    /// When the piece behind it begins, if it is made.
+    follows: Option<Fine>,
     /// What is shown has to be written as a whole.
     fresh: bool,
     /// The way along the motion in force when it was looked at last; since then, the way to the end of the last leg
@@ -245,18 +254,45 @@ pub struct Path {
     open: Option<u32>,
     /// The whole ns in which the leg or the wait in force is over.
     due: u64,
-    /// The motion behind the one in force, made ahead in ticks that have time for it.
-    ahead: Option<Ahead>,
 }
 
-/// What is known of a motion before it is entered.
+/// A motion as far as it is made.
 #[derive(Debug, Clone, Copy)]
-struct Ahead {
+struct Made {
+    /// Counter of its entry.
     counter: u32,
+    state: State,
     along: Along,
     shape: Shape,
-    /// Its plan, and the end of the FIFO if nothing stood behind it.
-    plan: Option<(Plan, Option<u32>)>,
+    plan: Plan,
+    /// The end of the FIFO, if nothing stood behind it when its plan was begun.
+    open: Option<u32>,
+}
+
+/// How far a motion is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum State {
+    /// Nothing of it.
+    Nothing,
+    /// Some of its geometry.
+    Begun,
+    /// All of its geometry.
+    Shaped,
+    /// Some of its plan.
+    Sketched,
+    /// All of it, or all that one without length has.
+    Ready,
+}
+
+impl Made {
+    const NOTHING: Made = Made {
+        counter: 0,
+        state: State::Nothing,
+        along: Along::NONE,
+        shape: Shape::NONE,
+        plan: Plan::NONE,
+        open: None,
+    };
 }
 
 /// What a step may still do, and until when the path holds if that is not enough.
@@ -277,19 +313,22 @@ impl Path {
         time: 0,
         speed: Real::ZERO,
         stopping: false,
-        along: Along::NONE,
-        shape: Shape::NONE,
-        plan: Plan::NONE,
+        motions: [Made::NOTHING; 2],
+        at: 0,
+        draft: Draft::Nothing,
+        sketch: Sketch::NONE,
         leg: 0,
         began: 0,
         way: Exact(0),
-        piece: None,
+        pieces: [Piece::rest(Ns(0), 0, Pos(0)); 2],
+        piece: 0,
+        pieced: false,
+        follows: None,
         fresh: true,
         seen: Pos(0),
         swept: None,
         open: None,
         due: 0,
-        ahead: None,
     };
 
     /// At rest here, FIFOs empty (SetCrdPrm).
@@ -351,6 +390,28 @@ impl Path {
         self.cursor_of(fifo).done
     }
 
+    /// The motion in force. The mask is the bound: the check folds away.
+    #[inline(always)]
+    fn motion(&self) -> &Made {
+        &self.motions[(self.at & 1) as usize]
+    }
+
+    #[inline(always)]
+    fn motion_mut(&mut self) -> &mut Made {
+        &mut self.motions[(self.at & 1) as usize]
+    }
+
+    /// The one behind it.
+    #[inline(always)]
+    fn ahead(&self) -> &Made {
+        &self.motions[(!self.at & 1) as usize]
+    }
+
+    #[inline(always)]
+    fn ahead_mut(&mut self) -> &mut Made {
+        &mut self.motions[(!self.at & 1) as usize]
+    }
+
     fn cursor_of(&self, fifo: u8) -> &Cursor {
         let [first, second] = &self.cursors;
         if fifo == 0 { first } else { second }
@@ -371,7 +432,8 @@ impl Path {
 
     /// Begins, or goes on, at `next`.
     pub fn start(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
-        (self.fifo, self.stopping, self.speed, self.ahead) = (fifo, false, Real::ZERO, None);
+        (self.fifo, self.stopping, self.speed) = (fifo, false, Real::ZERO);
+        self.ahead_mut().state = State::Nothing;
         self.time = (next.0 as Fine) << 32;
         let cursor = self.cursor(fifo);
         cursor.kept = false;
@@ -422,12 +484,14 @@ impl Path {
         let Step { place, heading, bend, motion, .. } = &mut step;
         self.fresh = true;
         let mut sight = Sight { place, heading, bend, motion, turns: &mut 0 };
-        let told = self.advance(next, period, feed, source, sink, &mut sight);
+        let told = self.advance(next, period, feed, source, sink, &mut sight, true);
         Step { runs: told.runs, fifo: told.fifo, done: told.done, ..step }
     }
 
-    /// The same, shown where it was shown in the step before.
+    /// The same, shown where it was shown in the step before; something of what follows is made ahead only where
+    /// `may_prepare`.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "a step, and where it goes to")]
     pub fn advance(
         &mut self,
         next: Ns,
@@ -436,6 +500,7 @@ impl Path {
         source: &impl Entries,
         sink: &mut impl Effects,
         sight: &mut Sight<'_>,
+        may_prepare: bool,
     ) -> Told {
         let now = (next.0 as Fine) << 32;
         let until = now.wrapping_add((period.0 as Fine) << 32);
@@ -450,7 +515,7 @@ impl Path {
             self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
         }
         // A tick that makes a piece does not make anything ahead.
-        let has_time = self.piece.is_some() && !self.is_prepared();
+        let has_time = may_prepare && self.pieced;
         let (fifo, done) = (self.fifo, self.done(self.fifo));
         let moves = self.look(next, sink, sight);
         if moves && !sink.admits(sight.place) {
@@ -471,26 +536,27 @@ impl Path {
     fn look(&mut self, next: Ns, sink: &mut impl Effects, sight: &mut Sight<'_>) -> bool {
         (self.seen, self.swept) = (Pos(0), None);
         if let Stage::Move = self.stage
-            && let Some(leg) = self.plan.leg(self.leg)
+            && let Some(leg) = self.motions[(self.at & 1) as usize].plan.leg(self.leg)
         {
-            let fresh = self.fresh || self.piece.is_none();
-            let piece = match &mut self.piece {
-                Some(piece) => piece,
-                none => none.insert(leg.piece(self.began, self.way)),
-            };
-            if fresh {
+            let piece = &mut self.pieces[(self.piece & 1) as usize];
+            if !self.pieced {
+                (self.pieced, self.fresh) = (true, true);
+                *piece = leg.piece(self.began, self.way);
+            }
+            let shape = &self.motions[(self.at & 1) as usize].shape;
+            if self.fresh {
                 self.fresh = false;
                 *sight.motion = piece.motion;
                 *sight.turns = sight.turns.wrapping_add(1);
-                self.shape.show(sight.place, sight.heading, sight.bend);
+                shape.show(sight.place, sight.heading, sight.bend);
             }
             let (way, tau) = piece.at(piece.held(next));
             (self.seen, sight.motion.tau) = (way, tau);
+            shape.follow(way, sight.place, sight.heading);
             let cursor = self.cursor_of(self.fifo);
             for gear in cursor.gears.iter().take(cursor.geared) {
                 sink.gear(gear.axis, gear.along.at(way), gear.along.ratio());
             }
-            self.shape.follow(way, sight.place, sight.heading);
             return true;
         }
         if self.fresh {
@@ -512,7 +578,7 @@ impl Path {
         let (mut low, mut high) = (from, self.way);
         for _ in 0..16 {
             let middle = Exact(low.0.wrapping_add(high.0) >> 1);
-            if sink.admits(&self.shape.at(middle.round())) { low = middle } else { high = middle }
+            if sink.admits(&self.motion().shape.at(middle.round())) { low = middle } else { high = middle }
         }
         self.way = low;
         self.halt(at, Rest::Obstructed, feed, sink);
@@ -525,7 +591,7 @@ impl Path {
         let Some(swept) = self.swept else { return PathSpeed::ahead(motion, period) };
         let mut way = swept.0;
         if let Stage::Move = self.stage
-            && let Some(leg) = self.plan.leg(self.leg)
+            && let Some(leg) = self.motion().plan.leg(self.leg)
         {
             let until = (next.0.wrapping_add(period.0) as Fine) << 32;
             way = way.wrapping_add(leg.way(until.saturating_sub(self.began)).0);
@@ -540,7 +606,7 @@ impl Path {
 
     /// The leg in force ends then; what has no leg left is over now.
     fn set_due(&mut self) {
-        let left = self.plan.leg(self.leg).map_or(0, |leg| leg.time);
+        let left = self.motion().plan.leg(self.leg).map_or(0, |leg| leg.time);
         self.due = (self.began.wrapping_add(left) >> 32) as u64;
     }
 
@@ -557,7 +623,7 @@ impl Path {
                     self.swept = self.swept.or(Some(Exact(0)));
                     self.go_on(budget, feed, source, sink);
                 }
-                Stage::Move => match self.plan.leg(self.leg) {
+                Stage::Move => match self.motion().plan.leg(self.leg) {
                     Some(leg) => {
                         let over = self.began.wrapping_add(leg.time);
                         if over >= limit {
@@ -570,10 +636,11 @@ impl Path {
                             None => self.way.0.wrapping_sub(Exact::from(self.seen).0),
                         }));
                         (self.began, self.time) = (over, over);
-                        (self.leg, self.piece) = (self.leg.wrapping_add(1), None);
+                        self.leg = self.leg.wrapping_add(1);
+                        self.take_piece();
                         self.set_due();
                     }
-                    None if self.plan.halts => self.halt(self.time, Rest::Stopped, feed, sink),
+                    None if self.motion().plan.halts => self.halt(self.time, Rest::Stopped, feed, sink),
                     None => {
                         self.leave(sink);
                         self.go_on(budget, feed, source, sink);
@@ -585,7 +652,8 @@ impl Path {
 
     /// The motion in force is over.
     fn leave(&mut self, sink: &mut impl Effects) {
-        (self.here, self.speed, self.open) = (self.shape.end(), self.plan.exit, None);
+        let Made { shape, plan, .. } = self.motion();
+        (self.here, self.speed, self.open) = (shape.end(), plan.exit, None);
         let cursor = self.cursor(self.fifo);
         cursor.inside = false;
         cursor.done = cursor.done.wrapping_add(1);
@@ -622,7 +690,7 @@ impl Path {
                 return;
             }
             if entry.is_motion() {
-                if self.shape.length().is_zero() {
+                if self.motion().shape.length().is_zero() {
                     let speed = self.speed;
                     self.leave(sink);
                     self.speed = speed;
@@ -642,9 +710,7 @@ impl Path {
         source: &impl Entries,
         sink: &mut impl Effects,
     ) -> Option<Fine> {
-        if let Some(ahead) = &self.ahead
-            && ahead.counter == counter
-        {
+        if self.ahead().state != State::Nothing && self.ahead().counter == counter {
             self.enter_prepared(feed, source);
             return None;
         }
@@ -666,7 +732,7 @@ impl Path {
             item => {
                 self.enter(self.here, counter, item);
                 self.way = Exact(0);
-                if !self.shape.length().is_zero() {
+                if !self.motion().shape.length().is_zero() {
                     self.plan_rest(feed, source);
                 }
                 None
@@ -676,7 +742,7 @@ impl Path {
 
     /// Comes to rest within a motion.
     fn halt(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
-        self.here = self.shape.at(self.way.round());
+        self.here = self.motion().shape.at(self.way.round());
         let way = self.way;
         self.cursor(self.fifo).way = way;
         self.rest(at, rest, feed, sink);

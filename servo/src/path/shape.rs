@@ -94,6 +94,18 @@ impl Figure {
     }
 }
 
+/// What is to be made of a motion's geometry next.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Draft {
+    Nothing,
+    Line,
+    Unit { way: [i64; DIMENSIONS] },
+    Chord { plane: Plane, sweep: Sweep },
+    Angle { plane: Plane, sweep: Sweep, chord: Real },
+    Radius { plane: Plane, sweep: Sweep, radius: Real, cot: Real },
+    Round { plane: Plane, ccw: bool, vector: [i64; 2], radius: Real, turns: Real },
+}
+
 /// The geometry of one motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shape {
@@ -130,49 +142,84 @@ impl Shape {
     /// A motion from `start`. `exact` replaces the target of a line where it is the pulse nearest to it.
     #[inline(never)]
     pub(super) fn new(start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Shape {
+        let mut shape = Shape::NONE;
+        let mut draft = shape.begin(start, item, exact);
+        while !shape.advance(&mut draft) {}
+        shape
+    }
+
+    /// Where it starts and ends, and what else there is to be made of it.
+    pub(super) fn begin(&mut self, start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Draft {
+        *self = Shape { start, end: start, ..Shape::NONE };
         match *item {
             Item::Line { to, dimensions, .. } => {
                 let mut end = start;
                 for (end, to) in end.iter_mut().zip(to).take(dimensions) {
                     *end = Pos::pulses(to);
                 }
-                match exact {
-                    Some(exact) if exact.map(whole) == end.map(whole) => Shape::line(start, exact),
-                    _ => Shape::line(start, end),
-                }
+                self.end = exact.filter(|exact| exact.map(whole) == end.map(whole)).unwrap_or(end);
+                Draft::Line
             }
-            Item::Arc { plane, to, sweep, .. } => Shape::arc(start, plane, to, sweep),
+            Item::Arc { plane, to, sweep, .. } => {
+                for (place, to) in plane.coordinates().into_iter().zip(to) {
+                    if let Some(x) = self.end.get_mut(place) {
+                        *x = Pos::pulses(to);
+                    }
+                }
+                Draft::Chord { plane, sweep }
+            }
             Item::Circle { plane, centre, ccw, .. } => {
                 let radius = Real::from_fixed(norm(&centre), 60).sqrt();
-                let length = radius.mul(Real::TAU);
+                self.length = radius.mul(Real::TAU);
                 let [a, b] = centre;
-                let vector = [a.wrapping_neg(), b.wrapping_neg()];
-                Shape { start, end: start, length, figure: Figure::arc(plane, ccw, vector, radius, length.recip()) }
+                Draft::Round { plane, ccw, vector: [a.wrapping_neg(), b.wrapping_neg()], radius, turns: Real::ONE }
             }
-            _ => Shape { start, end: start, ..Shape::NONE },
+            _ => Draft::Nothing,
         }
     }
 
-    fn line(start: [Pos; DIMENSIONS], end: [Pos; DIMENSIONS]) -> Shape {
-        let way = [0, 1, 2, 3].map(|i: usize| difference(&start, &end, i));
-        let length = Real::from_fixed(norm(&way), 2 * Pos::FRAC_BITS as i32).sqrt();
-        let inverse = length.recip();
+    /// Makes some of it, a few hundred instructions; whether that was the last.
+    #[inline(never)]
+    pub(super) fn advance(&mut self, draft: &mut Draft) -> bool {
+        *draft = match *draft {
+            Draft::Nothing => Draft::Nothing,
+            Draft::Line => self.line(),
+            Draft::Unit { way } => self.unit(way),
+            Draft::Chord { plane, sweep } => self.chord(plane, sweep),
+            Draft::Angle { plane, sweep, chord } => self.angle(plane, sweep, chord),
+            Draft::Radius { plane, sweep, radius, cot } => self.radius(plane, sweep, radius, cot),
+            Draft::Round { plane, ccw, vector, radius, turns } => {
+                self.figure = Figure::arc(plane, ccw, vector, radius, turns.div(self.length));
+                Draft::Nothing
+            }
+        };
+        matches!(draft, Draft::Nothing)
+    }
+
+    fn line(&mut self) -> Draft {
+        let way = [0, 1, 2, 3].map(|i: usize| difference(&self.start, &self.end, i));
+        self.length = Real::from_fixed(norm(&way), 2 * Pos::FRAC_BITS as i32).sqrt();
+        Draft::Unit { way }
+    }
+
+    fn unit(&mut self, way: [i64; DIMENSIONS]) -> Draft {
+        let inverse = self.length.recip();
         let unit = way.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(61) << 1 });
         let coordinates = way.iter().rposition(|x| *x != 0).map_or(0, |last| last as u8 + 1);
-        Shape { start, end, length, figure: Figure::Line { unit, coordinates } }
+        self.figure = Figure::Line { unit, coordinates };
+        Draft::Nothing
     }
 
-    #[inline(never)]
-    fn arc(start: [Pos; DIMENSIONS], plane: Plane, to: [i32; 2], sweep: Sweep) -> Shape {
-        let [i, j] = plane.coordinates();
-        let mut end = start;
-        for (place, to) in [i, j].into_iter().zip(to) {
-            if let Some(x) = end.get_mut(place) {
-                *x = Pos::pulses(to);
-            }
-        }
-        let (a, b) = (difference(&start, &end, i), difference(&start, &end, j));
-        let chord = Real::from_fixed(norm(&[a, b]), 2 * Pos::FRAC_BITS as i32).sqrt();
+    fn across(&self, plane: Plane) -> [i64; 2] {
+        plane.coordinates().map(|i| difference(&self.start, &self.end, i))
+    }
+
+    fn chord(&mut self, plane: Plane, sweep: Sweep) -> Draft {
+        let chord = Real::from_fixed(norm(&self.across(plane)), 2 * Pos::FRAC_BITS as i32).sqrt();
+        Draft::Angle { plane, sweep, chord }
+    }
+
+    fn angle(&mut self, plane: Plane, sweep: Sweep, chord: Real) -> Draft {
         // sin(θ/2) = sin x with x = π·turns, in (0, π/2]
         let x = sweep.half().mul(Real::TAU);
         let sine = x.mul(Real::from_fixed(sinc(x.to_fixed(63) as u64) as u128, 63));
@@ -180,16 +227,21 @@ impl Shape {
         let inverse = sine.recip();
         let radius = chord.mul(inverse).scale(-1);
         if chord.is_zero() || radius.width() > 32 {
-            return Shape::line(start, end);
+            return Draft::Line;
         }
-        let length = radius.mul(Real::TAU).mul(sweep.turns());
         let cot = Real::new(false, cosine.max(0) as u64, -62).mul(inverse);
+        Draft::Radius { plane, sweep, radius, cot }
+    }
+
+    fn radius(&mut self, plane: Plane, sweep: Sweep, radius: Real, cot: Real) -> Draft {
+        let [a, b] = self.across(plane);
+        let turns = sweep.turns();
+        self.length = radius.mul(Real::TAU).mul(turns);
         // Left of the chord for a short counterclockwise arc.
         let right = sweep.is_ccw() == sweep.is_long();
         let tilt = if right { cot.negate() } else { cot };
         let vector = [half(b).mul(tilt).sub(half(a)).to_i64(30), half(a).mul(tilt).add(half(b)).negate().to_i64(30)];
-        let figure = Figure::arc(plane, sweep.is_ccw(), vector, radius, sweep.turns().div(length));
-        Shape { start, end, length, figure }
+        Draft::Round { plane, ccw: sweep.is_ccw(), vector, radius, turns }
     }
 
     /// Its length in pulses.

@@ -3,38 +3,43 @@
 //! In: the entry of a motion, where and how fast it begins, what stands behind it. Out: the motion in force with its
 //! plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is the one that would have been
 //! made on its boundary: the same functions of the same numbers.
-use super::{Ahead, Behind, EFFECTS, Feed, Path, Rules, Stage, end_of};
-use crate::path::entry::{Along, Item};
-use crate::path::plan::{Means, Plan};
+use super::{Behind, EFFECTS, Feed, Gear, Made, Path, Rules, Stage, State, end_of};
+use crate::path::entry::{Along, Entry, Item};
+use crate::path::plan::{Means, Plan, Sketch};
 use crate::path::shape::{Along as Geared, Shape};
 use crate::path::store::Entries;
 use crate::path::{DIMENSIONS, Fine};
 use crate::real::Real;
 use crate::units::{Exact, Pos};
 
+/// The speeds of a motion.
+fn along_of(item: &Item) -> Option<Along> {
+    match *item {
+        Item::Line { along, .. } | Item::Arc { along, .. } | Item::Circle { along, .. } => Some(along),
+        _ => None,
+    }
+}
+
 impl Path {
     /// Takes up a motion that begins, or began, at `from`.
     pub(super) fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) {
-        if let Some(Ahead { along, shape, .. }) = self.shaped(from, counter, item) {
-            (self.along, self.shape) = (along, shape);
+        if let Some(along) = along_of(item) {
+            let shape = Shape::new(from, item, self.exact());
+            let made = self.motion_mut();
+            (made.counter, made.along, made.shape) = (counter, along, shape);
             self.set_in(from);
         }
     }
 
-    /// The geometry of a motion, and nothing of its speed yet.
-    fn shaped(&self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) -> Option<Ahead> {
-        let (Item::Line { along, .. } | Item::Arc { along, .. } | Item::Circle { along, .. }) = *item else {
-            return None;
-        };
-        // FIFO 1 comes back to where it interrupted FIFO 0, which need not be a whole pulse.
+    /// FIFO 1 comes back to where it interrupted FIFO 0, which need not be a whole pulse.
+    fn exact(&self) -> Option<[Pos; DIMENSIONS]> {
         let [first, _] = &self.cursors;
-        let exact = (self.fifo != 0 && first.kept).then_some(first.place);
-        Some(Ahead { counter, along, shape: Shape::new(from, item, exact), plan: None })
+        (self.fifo != 0 && first.kept).then_some(first.place)
     }
 
     /// The motion in force has begun at `from`.
     fn set_in(&mut self, from: [Pos; DIMENSIONS]) {
-        let length = self.shape.length();
+        let length = self.motion().shape.length();
         let cursor = self.cursor(self.fifo);
         (cursor.inside, cursor.from) = (true, from);
         if cursor.geared == 0 {
@@ -42,43 +47,95 @@ impl Path {
         }
         let inverse = length.recip();
         for gear in cursor.gears.iter_mut().take(cursor.geared) {
-            gear.along = Geared::over(gear.pulses, inverse);
+            let Gear { pulses, along, .. } = gear;
+            *along = Geared::over(*pulses, inverse);
         }
     }
 
-    /// Takes up the motion that was made ahead.
+    /// Takes up the motion that was made ahead, and makes what is left of it.
     pub(super) fn enter_prepared(&mut self, feed: Feed, source: &impl Entries) {
-        let Some(Ahead { along, shape, plan, .. }) = self.ahead.take() else { return };
-        (self.along, self.shape, self.way) = (along, shape, Exact(0));
-        self.set_in(self.here);
-        match plan {
-            _ if self.shape.length().is_zero() => {}
-            // What has come since may stand behind it.
-            Some((plan, open)) if open.is_none_or(|seen| seen == end_of(feed, self.fifo)) => self.follow(plan, open),
-            _ => self.plan_rest(feed, source),
+        while self.ahead().state < State::Shaped {
+            self.shape_ahead();
         }
+        let Made { state, open, .. } = *self.ahead();
+        // What has come since may stand behind it.
+        let planned = state > State::Shaped && open.is_none_or(|seen| seen == end_of(feed, self.fifo));
+        if planned {
+            while self.ahead().state < State::Ready {
+                self.plan_ahead();
+            }
+        }
+        self.ahead_mut().state = State::Nothing;
+        self.at ^= 1;
+        self.way = Exact(0);
+        self.set_in(self.here);
+        if self.motion().shape.length().is_zero() {
+            return;
+        }
+        if planned { self.follow(open) } else { self.plan_rest(feed, source) }
     }
 
-    /// Nothing is left to be made ahead.
-    pub(super) fn is_prepared(&self) -> bool {
-        self.ahead.as_ref().is_some_and(|ahead| ahead.plan.is_some() || ahead.shape.length().is_zero())
-    }
-
-    /// Makes some of the motion behind the one in force: its geometry, and in another tick its plan.
+    /// Makes some of what follows: the piece behind the one in force, some of the motion behind the one in force.
     #[inline(never)]
     pub(super) fn prepare(&mut self, feed: Feed, source: &impl Entries) {
-        if self.stopping || self.plan.halts {
+        if self.follows.is_none() && self.piece_ahead() || self.stopping || self.motion().plan.halts {
             return;
         }
-        if let Some(ahead) = &self.ahead {
-            let behind = self.behind(ahead.counter.wrapping_add(1), feed, source);
-            let plan = self.planned(ahead.along, self.plan.exit, ahead.shape.length(), behind);
-            let open = (behind == Behind::Nothing).then_some(end_of(feed, self.fifo));
-            if let Some(ahead) = &mut self.ahead {
-                ahead.plan = Some((plan, open));
+        match self.ahead().state {
+            State::Nothing => self.begin_ahead(feed, source),
+            State::Begun => self.shape_ahead(),
+            State::Shaped if self.ahead().shape.length().is_zero() => {
+                let ahead = self.ahead_mut();
+                (ahead.plan, ahead.state) = (Plan::NONE, State::Ready);
             }
-            return;
+            State::Shaped => {
+                let Made { counter, along, shape, .. } = self.ahead();
+                let behind = self.behind(counter.wrapping_add(1), feed, source);
+                self.sketch = self.sketched(*along, self.motion().plan.exit, shape.length(), behind);
+                let open = (behind == Behind::Nothing).then_some(end_of(feed, self.fifo));
+                let ahead = self.ahead_mut();
+                (ahead.open, ahead.state) = (open, State::Sketched);
+            }
+            State::Sketched => self.plan_ahead(),
+            State::Ready => {}
         }
+    }
+
+    /// The piece behind the one in force, of the same motion or of the next, if that is known by now.
+    #[inline(always)]
+    fn piece_ahead(&mut self) -> bool {
+        let Some(leg) = self.motion().plan.leg(self.leg) else { return false };
+        let over = self.began.wrapping_add(leg.time);
+        let next = self.leg.wrapping_add(1);
+        let piece = if let Some(leg) = self.motion().plan.leg(next) {
+            let way = self.motion().plan.leg(self.leg).map_or(0, |leg| leg.length().0);
+            leg.piece(over, Exact(self.way.0.wrapping_add(way)))
+        } else if self.ahead().state == State::Ready
+            && !self.motion().plan.halts
+            && let Some(leg) = self.ahead().plan.leg(0)
+        {
+            leg.piece(over, Exact(0))
+        } else {
+            return false;
+        };
+        self.pieces[(!self.piece & 1) as usize] = piece;
+        self.follows = Some(over);
+        true
+    }
+
+    /// A leg begins: its piece is the one that was made ahead, if that is it.
+    #[inline(always)]
+    pub(super) fn take_piece(&mut self) {
+        let known = self.follows == Some(self.began);
+        if known {
+            self.piece ^= 1;
+            self.fresh = true;
+        }
+        (self.pieced, self.follows) = (known, None);
+    }
+
+    /// Begins the motion that comes next, if it comes without a wait.
+    fn begin_ahead(&mut self, feed: Feed, source: &impl Entries) {
         let end = end_of(feed, self.fifo);
         let mut counter = self.cursor_of(self.fifo).next;
         for _ in 0..=EFFECTS {
@@ -87,7 +144,7 @@ impl Path {
             }
             let entry = source.entry(self.fifo, counter);
             if entry.is_motion() {
-                self.ahead = self.shaped(self.shape.end(), counter, &entry.item());
+                self.draft_ahead(counter, &entry);
                 return;
             }
             if entry.is_wait() {
@@ -97,8 +154,37 @@ impl Path {
         }
     }
 
-    /// Plans a motion, or what is left of it.
-    fn planned(&self, along: Along, speed: Real, length: Real, behind: Behind) -> Plan {
+    #[inline(never)]
+    fn draft_ahead(&mut self, counter: u32, entry: &Entry) {
+        let item = entry.item();
+        let Some(along) = along_of(&item) else { return };
+        let (from, exact) = (self.motion().shape.end(), self.exact());
+        let ahead = self.ahead_mut();
+        (ahead.counter, ahead.along, ahead.state) = (counter, along, State::Begun);
+        self.draft = ahead.shape.begin(from, &item, exact);
+        if !matches!(item, Item::Circle { .. }) {
+            self.shape_ahead();
+        }
+    }
+
+    /// Makes some of the geometry of the motion that comes next.
+    fn shape_ahead(&mut self) {
+        let at = (!self.at & 1) as usize;
+        if self.motions[at].shape.advance(&mut self.draft) {
+            self.motions[at].state = State::Shaped;
+        }
+    }
+
+    /// Makes some of its plan.
+    fn plan_ahead(&mut self) {
+        let at = (!self.at & 1) as usize;
+        if self.motions[at].plan.advance(&mut self.sketch) {
+            self.motions[at].state = State::Ready;
+        }
+    }
+
+    /// How to plan a motion, or what is left of it.
+    fn sketched(&self, along: Along, speed: Real, length: Real, behind: Behind) -> Sketch {
         let Rules { even, stop, rate } = self.rules;
         let vel = along.vel().mul(rate);
         let end = match behind {
@@ -107,24 +193,29 @@ impl Path {
         };
         let end = if vel.is_less(end) { vel } else { end };
         let means = Means { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) };
-        Plan::new(speed, length, &means)
+        Sketch::begin(speed, length, &means)
     }
 
     /// Plans what is left of the motion in force from `time`, `way` and `speed`.
     pub(super) fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
         let behind = self.behind(self.cursor_of(self.fifo).next, feed, source);
-        let left = self.shape.length().sub(Real::from_exact(self.way));
-        let plan = self.planned(self.along, self.speed, left, behind);
-        self.follow(plan, (behind == Behind::Nothing).then_some(end_of(feed, self.fifo)));
+        let Made { along, shape, .. } = self.motion();
+        let left = shape.length().sub(Real::from_exact(self.way));
+        let mut sketch = self.sketched(*along, self.speed, left, behind);
+        let plan = &mut self.motion_mut().plan;
+        while !plan.advance(&mut sketch) {}
+        self.follows = None;
+        self.follow((behind == Behind::Nothing).then_some(end_of(feed, self.fifo)));
     }
 
-    /// Goes along the motion in force by a plan that begins now. The next motion will be entered at another speed.
-    fn follow(&mut self, plan: Plan, open: Option<u32>) {
-        (self.plan, self.open) = (plan, open);
-        (self.leg, self.began, self.piece, self.stage) = (0, self.time, None, Stage::Move);
+    /// Goes along the motion in force by its plan, which begins now. The next motion will be entered at another speed.
+    fn follow(&mut self, open: Option<u32>) {
+        (self.open, self.leg, self.began, self.stage) = (open, 0, self.time, Stage::Move);
+        self.take_piece();
         self.set_due();
-        if let Some(ahead) = &mut self.ahead {
-            ahead.plan = None;
+        let ahead = self.ahead_mut();
+        if ahead.state > State::Shaped {
+            ahead.state = State::Shaped;
         }
     }
 
@@ -160,7 +251,7 @@ impl Path {
 
     /// Time, way and speed are those of `now`, which lies in the leg in force or at its end.
     pub(super) fn catch_up(&mut self, now: Fine) {
-        let Some(leg) = self.plan.leg(self.leg) else { return };
+        let Some(leg) = self.motion().plan.leg(self.leg).copied() else { return };
         let since = now.saturating_sub(self.began).min(leg.time);
         self.way = Exact(self.way.0.wrapping_add(leg.way(since).0));
         (self.speed, self.time) = (leg.speed(since), self.began.wrapping_add(since));
