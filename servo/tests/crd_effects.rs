@@ -1,6 +1,6 @@
 //! What entries of a path do to the rest of the machine, through the whole tick: outputs at exact instants, other axes
 //! that are moved or go along, axes that follow a coordinate.
-use servo::follow::Value;
+use servo::follow::{Direction, Value};
 use servo::op::{DoGroup, Mode, Op};
 use servo::path::{Along, Entry, Plane};
 use servo::status;
@@ -303,6 +303,42 @@ fn an_axis_may_follow_a_coordinate() {
                     break;
                 }
             }
+        }
+    }
+}
+
+/// Where a coordinate turns round between two ticks, at a corner or on an arc, its slave sees how far it went.
+#[test]
+fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
+    let v = speeds(10.0, 1.0, 10.0);
+    let corner = [Entry::planar([103, 0], v), Entry::planar([0, 50], v)];
+    let arc = [Entry::circle(Plane::Xy, [40 << 30, 30 << 30], false, speeds(7.3, 1.0, 0.0)).unwrap()];
+    let both = [
+        Entry::planar([21, 0], v),
+        Entry::circle(Plane::Xy, [40 << 30, 30 << 30], true, v).unwrap(),
+        Entry::planar([-11, 3], v),
+    ];
+    for (entries, most, least) in [(&corner[..], 103.0, 0.0), (&arc, 90.0, -10.0), (&both, 111.0, -11.0)] {
+        for period in [50, 250, 1000] {
+            let mut bench = ready(period);
+            // The names of positions are nothing to a slave.
+            bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(1234) });
+            bench.frame(0, &[0, 1], None);
+            for (slave, direction) in [(6, Direction::Up), (7, Direction::Down)] {
+                bench.now(Op::SetMode { axis: axis(slave), mode: Mode::Follow });
+                bench.now(Op::FollowDirection { axis: axis(slave), direction });
+                bench.follows(slave, 0, Value::Planned);
+                bench.tick();
+                bench.follow_in(slave, 0, direction, &[Item::Data(100_000.0, 100_000.0, 1, 0)]);
+            }
+            bench.start_follow(&[6, 7]);
+            bench.tick();
+            bench.path(0, 0, entries);
+            bench.start_path(&[0]);
+            while bench.tick().crds[0].runs {}
+            let view = bench.tick();
+            let [up, down] = [6, 7].map(|slave: usize| pulses(view.axes[slave].pos));
+            assert!((up - most).abs() < 1e-5 && (down + least).abs() < 1e-5, "{period}: {up} {down} of {most} {least}");
         }
     }
 }

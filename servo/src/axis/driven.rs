@@ -3,8 +3,9 @@
 //! In: positions, a tick at a time, from the coordinate system, which steps before the axes. Out: as of any axis.
 //! Owns: nothing; while it is driven its own profile rests. Cannot fail: who drives asks before it goes somewhere.
 use super::{AxisState, exact};
+use crate::follow::{Path, Track};
 use crate::op::Mode;
-use crate::path::Fine;
+use crate::path::{Fine, Wake};
 use crate::profile::Supply;
 use crate::pt::Segments;
 use crate::pvt::Tables;
@@ -12,6 +13,7 @@ use crate::ramp::Trapezoid;
 use crate::status;
 use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{Drive, StopReason};
+use crate::wide::umulhi;
 
 impl AxisState {
     /// It belongs to a coordinate system from now on, at rest.
@@ -40,6 +42,7 @@ impl AxisState {
     /// It is driven from now on; what goes along does so from `base`.
     pub(crate) fn engage(&mut self, drive: Drive, base: Exact) {
         (self.driven, self.crd, self.exact) = (true, Some(drive.crd()), base);
+        self.tell_straight();
         self.shown.drive = Some(drive);
         self.touch();
     }
@@ -54,6 +57,42 @@ impl AxisState {
     pub(crate) fn drive(&mut self, to: Pos) {
         self.shown.pos = to;
         self.shown.moves = self.shown.moves.wrapping_add(1);
+    }
+
+    /// Its way through the tick, in positions of the machine, for those that follow it; it has been driven to its end.
+    #[inline(never)]
+    pub(crate) fn tell_way(&mut self, (now, period): (Ns, Ns), from: Pos, wake: &Wake, (index, origin): (usize, Pos)) {
+        let shift = origin.0.wrapping_sub(self.zero.0);
+        let whole = period.0 << 32;
+        let mut track = Track::begin(from);
+        let mut last = 0;
+        for (at, place) in wake.knots() {
+            last = (at.saturating_sub((now.0 as Fine) << 32) as u64).min(whole);
+            let place = place.get(index).copied().unwrap_or_default();
+            track.push(last, Pos(place.0.wrapping_add(shift)));
+        }
+        if let Some((share, place)) = wake.turn(index) {
+            let after = last.wrapping_add(umulhi(whole.wrapping_sub(last), share));
+            track.push(after, Pos(place.0.wrapping_add(shift)));
+        }
+        track.push(whole, self.set_point());
+        self.track = track;
+    }
+
+    /// The same where nothing lies between.
+    pub(crate) fn tell_straight(&mut self) {
+        self.track = Track::NONE;
+    }
+
+    /// How those that follow it see it go while it is driven.
+    pub(super) fn driven_path(&self) -> Path<'_> {
+        if self.goes_straight() { Path::Straight } else { Path::Track(&self.track) }
+    }
+
+    /// Whether it goes straight from tick to tick.
+    #[inline(always)]
+    pub(super) fn goes_straight(&self) -> bool {
+        self.track.is_straight()
     }
 
     /// Where it is before it goes along with a motion.

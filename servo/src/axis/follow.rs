@@ -107,7 +107,7 @@ impl AxisState {
             Value::PlannedFiltered | Value::EncoderFiltered => Path::Filtered,
             Value::Planned => match self.follower() {
                 Some(follower) => Path::Track(follower.track()),
-                None if self.driven => Path::Straight,
+                None if self.driven => self.driven_path(),
                 None => Path::Pieces {
                     before: self.profile.before(now),
                     piece: self.profile.piece(),
@@ -125,7 +125,7 @@ impl AxisState {
             Value::Encoder => Some(reading(self.count)),
             Value::Planned => {
                 let straight = match self.profile.supply() {
-                    _ if self.driven => true,
+                    _ if self.driven => self.goes_straight(),
                     Supply::Follow(own) if self.runs => own.track().is_straight(),
                     _ => follower.knows(self.profile.piece()),
                 };

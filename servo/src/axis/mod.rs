@@ -119,6 +119,8 @@ pub(crate) struct AxisState {
     pub(crate) follow: following::Setup,
     /// The coordinate system that it is mapped to, or that drives it.
     pub(crate) crd: Option<Crd>,
+    /// Its way through the tick while that drives it, if it is followed.
+    track: following::Track,
 }
 
 /// [`AxisView::table_until`] while a table is in force.
@@ -131,6 +133,7 @@ impl AxisState {
         runs: false,
         driven: false,
         crd: None,
+        track: following::Track::NONE,
         ending: StopReason::None,
         rest_since: Ns(0),
         exact: Exact(0),
@@ -282,6 +285,7 @@ impl AxisState {
             table_passes,
             follow,
             crd,
+            track: _,
         } = self;
         shown.reset();
         let on = AxisState::POWER_ON;

@@ -68,6 +68,8 @@ impl<const AXES: usize> Tick<AXES> {
         else {
             return;
         };
+        let led = self.order.masters.0 != 0 && self.order.masters.0 & frame.mask().0 != 0;
+        state.path.watch(led);
         let feed = Feed { ends: *ends };
         let mut sink = Sink {
             crd,
@@ -90,9 +92,13 @@ impl<const AXES: usize> Tick<AXES> {
         let mut sight = Sight { place, heading, bend, motion, turns };
         let told = state.path.advance(next, period, feed, source, &mut sink, &mut sight, may_prepare);
         let Sink { told: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
-        for ((axis, at), origin) in frame.axes_ref().iter().zip(place).zip(origin) {
+        for (index, ((axis, at), origin)) in frame.axes_ref().iter().zip(place).zip(origin).enumerate() {
             if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
+                let from = axis.set_point();
                 axis.drive(Pos(at.0.wrapping_add(origin.0)));
+                if led {
+                    axis.tell_way((self.now, period), from, state.path.wake(), (index, *origin));
+                }
             }
         }
         state.geared = geared;

@@ -13,10 +13,13 @@ pub(crate) struct Order<const AXES: usize> {
     pub(crate) slaves: AxisMask,
     /// Slaves that others follow.
     pub(crate) leaders: AxisMask,
+    /// All axes whose planned positions are followed.
+    pub(crate) masters: AxisMask,
 }
 
 impl<const AXES: usize> Order<AXES> {
-    pub(crate) const NONE: Order<AXES> = Order { axes: [0; AXES], count: 0, slaves: AxisMask(0), leaders: AxisMask(0) };
+    pub(crate) const NONE: Order<AXES> =
+        Order { axes: [0; AXES], count: 0, slaves: AxisMask(0), leaders: AxisMask(0), masters: AxisMask(0) };
 
     /// `master` tells whose planned position an axis follows: itself if it follows no such, none if it does not
     /// follow at all.
@@ -32,6 +35,7 @@ impl<const AXES: usize> Order<AXES> {
             }
         }
         (self.slaves, self.count) = (AxisMask(left), left.count_ones() as u8);
+        self.masters = self.leaders;
         self.leaders.0 &= left;
         let mut places = self.axes.iter_mut();
         while left != 0 {

@@ -55,13 +55,16 @@ pub struct Stretch<'a> {
 }
 
 impl Track {
+    /// Nowhere.
+    pub(crate) const NONE: Track = Track { spots: [Spot { after: 0, pos: Pos(0) }; SPOTS], count: 0 };
+
     /// A place.
-    pub(super) fn begin(from: Pos) -> Track {
+    pub(crate) fn begin(from: Pos) -> Track {
         Track { spots: [Spot { after: 0, pos: from }; SPOTS], count: 1 }
     }
 
     /// The next place; its index. Where no room is left, the last one moves there.
-    pub(super) fn push(&mut self, after: u64, pos: Pos) -> usize {
+    pub(crate) fn push(&mut self, after: u64, pos: Pos) -> usize {
         let index = (self.count as usize).min(SPOTS - 1);
         if let Some(place) = self.spots.get_mut(index) {
             *place = Spot { after, pos };

@@ -254,6 +254,46 @@ pub struct Path {
     open: Option<u32>,
     /// The whole ns in which the leg or the wait in force is over.
     due: u64,
+    /// Whether somebody follows a coordinate; then what happens between looks is kept: up to the last look, and since.
+    led: bool,
+    wake: Wake,
+    since: Wake,
+}
+
+/// What the coordinates did between two ticks, for those that follow one of them.
+#[derive(Debug, Clone, Copy)]
+pub struct Wake {
+    /// Boundaries that were passed, and where: the first ones and the last one.
+    knots: [(Fine, [Pos; DIMENSIONS]); KNOTS],
+    count: u8,
+    /// Of each coordinate: whether it turned round on an arc behind the last of them: the share of the time since, in
+    /// 2⁻⁶⁴, and where.
+    turns: [Option<(u64, Pos)>; DIMENSIONS],
+}
+
+/// Boundaries of an interval that a wake keeps.
+const KNOTS: usize = 3;
+
+impl Wake {
+    const NONE: Wake = Wake { knots: [(0, ORIGIN); KNOTS], count: 0, turns: [None; DIMENSIONS] };
+
+    fn pass(&mut self, at: Fine, place: [Pos; DIMENSIONS]) {
+        let index = (self.count as usize).min(KNOTS - 1);
+        if let Some(knot) = self.knots.get_mut(index) {
+            *knot = (at, place);
+        }
+        self.count = index as u8 + 1;
+    }
+
+    /// Boundaries in the order of time.
+    pub fn knots(&self) -> &[(Fine, [Pos; DIMENSIONS])] {
+        self.knots.get(..self.count as usize).unwrap_or_default()
+    }
+
+    /// Where a coordinate turned round behind them.
+    pub fn turn(&self, index: usize) -> Option<(u64, Pos)> {
+        self.turns.get(index).copied().flatten()
+    }
 }
 
 /// A motion as far as it is made.
@@ -329,6 +369,9 @@ impl Path {
         swept: None,
         open: None,
         due: 0,
+        led: false,
+        wake: Wake::NONE,
+        since: Wake::NONE,
     };
 
     /// At rest here, FIFOs empty (SetCrdPrm).
@@ -355,6 +398,20 @@ impl Path {
     /// Whether a start with this FIFO goes on where the FIFO was left.
     pub fn goes_on(&self, fifo: u8) -> bool {
         self.cursor_of(fifo).kept
+    }
+
+    /// Whether what the coordinates do between ticks is wanted from now on.
+    #[inline(always)]
+    pub fn watch(&mut self, led: bool) {
+        if led && !self.led {
+            self.since.count = 0;
+        }
+        self.led = led;
+    }
+
+    /// What they did up to the last look.
+    pub fn wake(&self) -> &Wake {
+        &self.wake
     }
 
     /// Whether it waits.
@@ -543,6 +600,7 @@ impl Path {
                 (self.pieced, self.fresh) = (true, true);
                 *piece = leg.piece(self.began, self.way);
             }
+            let before = *sight.heading;
             let shape = &self.motions[(self.at & 1) as usize].shape;
             if self.fresh {
                 self.fresh = false;
@@ -553,11 +611,17 @@ impl Path {
             let (way, tau) = piece.at(piece.held(next));
             (self.seen, sight.motion.tau) = (way, tau);
             shape.follow(way, sight.place, sight.heading);
+            if self.led {
+                self.leave_wake(before, sight.heading);
+            }
             let cursor = self.cursor_of(self.fifo);
             for gear in cursor.gears.iter().take(cursor.geared) {
                 sink.gear(gear.axis, gear.along.at(way), gear.along.ratio());
             }
             return true;
+        }
+        if self.led {
+            (self.wake, self.since.count) = (self.since, 0);
         }
         if self.fresh {
             self.fresh = false;
@@ -566,6 +630,24 @@ impl Path {
             (*sight.bend, *sight.motion) = (Bend::STRAIGHT, Motion::REST);
         }
         false
+    }
+
+    /// What the coordinates have done up to this look, at which they go in this direction.
+    #[inline(never)]
+    fn leave_wake(&mut self, before: [i32; DIMENSIONS], heading: &[i32; DIMENSIONS]) {
+        (self.wake, self.since.count) = (self.since, 0);
+        let shape = &self.motions[(self.at & 1) as usize].shape;
+        let still = before == [0; DIMENSIONS];
+        let before = if self.wake.count != 0 || still { shape.outset() } else { before };
+        for (index, ((turn, before), now)) in self.wake.turns.iter_mut().zip(before).zip(heading).enumerate() {
+            let turned = before > 0 && *now < 0 || before < 0 && *now > 0;
+            let (gone, left) = (before.unsigned_abs() as u64, now.unsigned_abs() as u64);
+            // Near its summit a coordinate's direction changes evenly with the way.
+            *turn = shape.summit(index, before > 0).filter(|_| turned).map(|summit| {
+                let whole = gone.wrapping_add(left);
+                (crate::wide::Recip::of(whole).ratio(gone.min(whole.wrapping_sub(1))), summit)
+            });
+        }
     }
 
     /// The place of the motion in force at `next` is not admitted: it comes to rest on the way there.
@@ -654,6 +736,9 @@ impl Path {
     fn leave(&mut self, sink: &mut impl Effects) {
         let Made { shape, plan, .. } = self.motion();
         (self.here, self.speed, self.open) = (shape.end(), plan.exit, None);
+        if self.led {
+            self.since.pass(self.time, self.here);
+        }
         let cursor = self.cursor(self.fifo);
         cursor.inside = false;
         cursor.done = cursor.done.wrapping_add(1);

@@ -81,8 +81,8 @@ impl Bend {
 enum Figure {
     /// Unit vector in 2⁻⁶²; all but the first `coordinates` of it are 0.
     Line { unit: [i64; DIMENSIONS], coordinates: u8 },
-    /// V in 2⁻³⁰ pulse, V/R in 2⁻³⁰; turns per pulse in 2^-(64 + shift).
-    Arc { plane: Plane, ccw: bool, vector: [i64; 2], radial: [i32; 2], rate: u64, shift: i32 },
+    /// V and R in 2⁻³⁰ pulse, V/R in 2⁻³⁰; turns per pulse in 2^-(64 + shift).
+    Arc { plane: Plane, ccw: bool, vector: [i64; 2], radius: i64, radial: [i32; 2], rate: u64, shift: i32 },
 }
 
 impl Figure {
@@ -90,7 +90,7 @@ impl Figure {
         let inverse = radius.recip();
         let radial = vector.map(|x| Real::new(x < 0, x.unsigned_abs(), -30).mul(inverse).to_i64(30) as i32);
         let (rate, shift) = rate(turns);
-        Figure::Arc { plane, ccw, vector, radial, rate, shift }
+        Figure::Arc { plane, ccw, vector, radius: radius.to_i64(30), radial, rate, shift }
     }
 }
 
@@ -287,7 +287,7 @@ impl Shape {
                     *place = moved(*start, mulhi_su(*unit, way));
                 }
             }
-            Figure::Arc { plane, ccw, vector: [a, b], radial: [p, q], rate, shift } => {
+            Figure::Arc { plane, ccw, vector: [a, b], radial: [p, q], rate, shift, .. } => {
                 let turn = umulhi(*rate, way).wrapping_shl(*shift as u32);
                 let (sin, cos) = sin_cos(turn);
                 let (near, far) = (short(sin), short(cos));
@@ -315,6 +315,24 @@ impl Shape {
                 }
             }
         }
+    }
+
+    /// The direction in which it begins.
+    pub(super) fn outset(&self) -> [i32; DIMENSIONS] {
+        let mut heading = [0; DIMENSIONS];
+        self.follow(Pos(0), &mut [Pos(0); DIMENSIONS], &mut heading);
+        if let Figure::Line { unit, .. } = &self.figure {
+            heading = unit.map(|unit| (unit >> 32) as i32);
+        }
+        heading
+    }
+
+    /// How far a coordinate goes upwards, or downwards, on the whole circle of an arc.
+    pub(super) fn summit(&self, index: usize, up: bool) -> Option<Pos> {
+        let Figure::Arc { plane, vector, radius, .. } = &self.figure else { return None };
+        let place = plane.coordinates().iter().position(|of| *of == index)?;
+        let radius = if up { *radius } else { radius.wrapping_neg() };
+        Some(moved(*self.start.get(index)?, radius.wrapping_sub(*vector.get(place)?) >> 2))
     }
 
     /// The position after `way` of it.

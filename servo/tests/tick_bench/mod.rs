@@ -319,11 +319,15 @@ impl Bench {
 
     /// Admits entries of Follow and pushes their commit into the immediate lane.
     pub fn follow(&mut self, index: usize, fifo: u8, items: &[Item]) {
+        self.follow_in(index, fifo, follow::Direction::Both, items);
+    }
+
+    /// The same for a direction.
+    pub fn follow_in(&mut self, index: usize, fifo: u8, direction: follow::Direction, items: &[Item]) {
         let chain = &mut self.entries[index][fifo as usize];
         for item in items {
             let admitted = match *item {
                 Item::Data(master, slave, kind, percent) => {
-                    let direction = follow::Direction::Both;
                     follow::Entry::segment(master.to_bits(), slave.to_bits(), kind, percent, direction, chain)
                 }
                 Item::Output(group, bit, high) => follow::Entry::output(group, bit, high, chain),
