@@ -357,10 +357,9 @@ impl Keeper {
                 }
                 drop(end);
                 if let Time::Paced(pace) = &time {
-                    let now = client.now().as_nanos() as u64;
-                    let behind = pace.due(now).saturating_sub(now);
+                    let now = || client.now().as_nanos() as u64;
                     // A failure is kept and told by the next call.
-                    let _ = client.sleep(Duration::from_nanos(behind));
+                    pace.catch_up(now, |ns| drop(client.sleep(Duration::from_nanos(ns))));
                 }
                 if queued.load(Ordering::Relaxed)
                     && let Some(mut state) = slot.try_lock()

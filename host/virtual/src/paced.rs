@@ -4,8 +4,8 @@
 //! controller may have come. Its time passes while somebody looks: in a wait for a reply, and when the
 //! owner lets the client go on to [`Pace::due`], which it has to do often enough for the link's keep-alives.
 //! Nothing is late by that: the controller catches up in its own time, tick by tick. When this machine
-//! does not keep up, or the process was held, what is beyond [`LAG`] is dropped: the controller's clock then
-//! lags behind the wall.
+//! does not keep up, or the process was held, what is beyond [`LAG`] or takes longer than [`EFFORT`] is dropped: the controller's
+//! clock then lags behind the wall, and calls are still answered.
 use crate::link::{Shared, VirtualLink};
 use client::Link;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,6 +13,10 @@ use std::time::{Duration, Instant};
 
 /// The most wall-clock time that is caught up.
 const LAG: Duration = Duration::from_millis(100);
+/// The most wall-clock time that catching up takes in one go.
+const EFFORT: Duration = Duration::from_millis(4);
+/// Controller time that is caught up between two looks at the wall clock.
+const STRIDE_NS: u64 = 5_000_000;
 /// The longest sleep between two looks.
 const NAP: Duration = Duration::from_micros(500);
 
@@ -38,6 +42,24 @@ impl Pace {
         let due = (due + passed).min(now as f64 + LAG.as_nanos() as f64 * self.factor);
         *state = (wall, due);
         due as u64
+    }
+
+    /// Lets a board catch up by way of `run`, which lets so many ns pass; `now` tells its time.
+    pub fn catch_up(&self, mut now: impl FnMut() -> u64, mut run: impl FnMut(u64)) {
+        let began = Instant::now();
+        loop {
+            let at = now();
+            let behind = self.due(at).saturating_sub(at);
+            if behind == 0 {
+                return;
+            }
+            if began.elapsed() > EFFORT {
+                let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+                state.1 = state.1.min(at as f64);
+                return;
+            }
+            run(behind.min(STRIDE_NS));
+        }
     }
 
     /// The wall-clock time in which so many ns of controller time pass.
@@ -69,11 +91,9 @@ impl Link for PacedLink {
 
     fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
         // What is sent now is for now, not for the tick at which somebody looked last.
-        let now = self.now();
-        let behind = self.pace.due(now).saturating_sub(now);
-        if behind > 0 {
-            self.inner.run(Duration::from_nanos(behind));
-        }
+        let PacedLink { inner, board, pace } = self;
+        let now = || board.lock().unwrap_or_else(PoisonError::into_inner).now();
+        pace.catch_up(now, |ns| inner.run(Duration::from_nanos(ns)));
         self.inner.send(bytes)
     }
 

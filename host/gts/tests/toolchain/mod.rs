@@ -4,6 +4,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Which compiler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +48,9 @@ pub fn build(language: Language, name: &str, text: &str) -> Option<PathBuf> {
 
 /// The same of a file.
 pub fn build_file(language: Language, name: &str, source: &Path, more: &[&str]) -> Option<PathBuf> {
-    let program = scratch().join(name);
+    // Tests of one process build the same program at once.
+    static NUMBER: AtomicU32 = AtomicU32::new(0);
+    let program = scratch().join(format!("{name}-{}", NUMBER.fetch_add(1, Ordering::Relaxed)));
     let host = root().join("host/gts");
     let libraries = libraries();
     let mut compiler = Command::new(if language == Language::C { "cc" } else { "c++" });
@@ -98,6 +101,7 @@ pub fn run(program: &Path, variables: &[(&str, &str)]) -> Output {
 pub fn output(program: &Path, variables: &[(&str, &str)]) -> String {
     let done = run(program, variables);
     let errors = String::from_utf8_lossy(&done.stderr).into_owned();
-    assert!(done.status.success(), "{}: {:?}\n{errors}", program.display(), done.status);
-    String::from_utf8_lossy(&done.stdout).into_owned()
+    let text = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(done.status.success(), "{}: {:?}\n{text}{errors}", program.display(), done.status);
+    text
 }

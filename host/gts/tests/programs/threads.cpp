@@ -1,0 +1,68 @@
+// Two threads at once, on one controller and on two: no call is refused for that, and each keeps its own reasons.
+#include "gts.h"
+#include "check.h"
+#include <atomic>
+#include <thread>
+
+static std::atomic<int> wrong(0);
+
+static void work(short axis, int turns)
+{
+    double pos;
+    char reason[256], named[32];
+    snprintf(named, sizeof named, "axis is %d", 100 + axis);
+    for (int n = 1; n <= turns; n++) {
+        wrong += GT_SetPrfPos(axis, n) != 0;
+        wrong += GT_GetPrfPos(axis, &pos) != 0 || pos != n;
+        wrong += GT_AxisOn((short)(100 + axis)) != 7;
+        wrong += GT_GetLastReason(reason, sizeof reason) != 0 || strstr(reason, named) == NULL;
+    }
+}
+
+static void stream(short axis)
+{
+    for (int n = 1; n <= 500; n++) {
+        wrong += GT_PtData(axis, n, n) != 0;
+    }
+}
+
+int main()
+{
+    DONE(GT_Open());
+    std::thread first(work, 1, 200), second(work, 2, 200);
+    first.join();
+    second.join();
+    TRUE(wrong == 0);
+    for (short axis = 1; axis <= 2; axis++) {
+        DONE(GT_PrfPt(axis));
+        DONE(GT_SetPtMemory(axis, 1));
+        DONE(GT_PtClear(axis));
+    }
+    std::thread third(stream, 1), fourth(stream, 2);
+    third.join();
+    fourth.join();
+    TRUE(wrong == 0);
+    short space;
+    for (short axis = 1; axis <= 2; axis++) {
+        DONE(GT_PtSpace(axis, &space));
+        TRUE(space == 524);
+    }
+    // Opened and closed while another thread calls: only the codes of both are seen.
+    std::atomic<bool> end(false);
+    std::thread fifth([&] {
+        while (!end) {
+            double pos;
+            short code = GT_GetPrfPos(1, &pos);
+            wrong += code != 0 && code != -7;
+        }
+    });
+    for (int n = 0; n < 20; n++) {
+        DONE(GT_Close());
+        DONE(GT_Open());
+    }
+    end = true;
+    fifth.join();
+    TRUE(wrong == 0);
+    DONE(GT_Close());
+    return verdict();
+}

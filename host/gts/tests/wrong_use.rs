@@ -1,0 +1,112 @@
+//! Wrong use of the library from C++: programs that check every return value and reason themselves.
+//!
+//! `BEAMTICK_VALGRIND=1` runs them under valgrind too, `BEAMTICK_ASAN=1` with the address sanitizer.
+
+mod toolchain;
+
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpListener;
+use std::path::PathBuf;
+use std::process::Stdio;
+use toolchain::{Language, build_file, command, root, skip};
+
+const FAST: (&str, &str) = ("BEAMTICK_LINK", "virtual:max");
+const PASSED: &str = "all checks passed\n";
+
+fn program(name: &str, more: &[&str]) -> Option<PathBuf> {
+    let source = root().join(format!("host/gts/tests/programs/{name}.cpp"));
+    let suffix: String = more.concat().chars().filter(char::is_ascii_alphanumeric).collect();
+    build_file(Language::Cpp, &format!("{name}{suffix}"), &source, &[more, &["-Wpedantic", "-pthread"]].concat())
+}
+
+/// Runs a program; with the tools that are asked for, too.
+fn passes(name: &str, variables: &[(&str, &str)]) {
+    let Some(built) = program(name, &[]) else { return };
+    assert_eq!(toolchain::output(&built, variables), PASSED, "{name}");
+    if std::env::var_os("BEAMTICK_VALGRIND").is_some() {
+        under_valgrind(&built, variables);
+    }
+    if std::env::var_os("BEAMTICK_ASAN").is_some() {
+        let built = program(name, &["-fsanitize=address,undefined"]).unwrap();
+        // The controller's memory lives as long as the program, as a real board's does.
+        let variables = [variables, &[("ASAN_OPTIONS", "detect_leaks=0")]].concat();
+        assert_eq!(toolchain::output(&built, &variables), PASSED, "{name} with the address sanitizer");
+    }
+}
+
+fn under_valgrind(built: &PathBuf, variables: &[(&str, &str)]) {
+    let mut valgrind = command(&PathBuf::from("valgrind"), variables);
+    let done = match valgrind.args(["--error-exitcode=9", "-q"]).arg(built).output() {
+        Ok(done) => done,
+        Err(error) => return skip(&format!("there is no valgrind: {error}")),
+    };
+    let errors = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.success(), "{}: {:?}\n{errors}", built.display(), done.status);
+    assert_eq!(String::from_utf8_lossy(&done.stdout), PASSED);
+}
+
+#[test]
+fn wrong_use_is_refused_with_a_reason() {
+    passes("wrong_use", &[FAST]);
+}
+
+#[test]
+fn batches_change_no_return_value() {
+    passes("pt_stream", &[FAST]);
+}
+
+#[test]
+fn batches_change_no_return_value_in_real_time() {
+    passes("pt_stream", &[("BEAMTICK_LINK", "virtual:20")]);
+}
+
+#[test]
+fn threads_do_not_disturb_each_other() {
+    passes("threads", &[FAST]);
+}
+
+#[test]
+fn threads_do_not_disturb_each_other_in_real_time() {
+    passes("threads", &[("BEAMTICK_LINK", "virtual:5")]);
+}
+
+#[test]
+fn cards_are_controllers_of_their_own() {
+    passes("cards", &[FAST, ("BEAMTICK_PROFILE_3", "r688c-024")]);
+}
+
+#[test]
+fn a_wrong_variable_is_named() {
+    let source = "#include \"gts.h\"\n#include <stdio.h>\nint main()\n{\n    char text[300];\n    short code = GT_Open();\n    \
+                  GT_GetLastReason(text, 300);\n    printf(\"%d %s\", code, text);\n    return 0;\n}\n";
+    let Some(built) = toolchain::build(Language::Cpp, "open", source) else { return };
+    for (name, value, part) in [
+        ("BEAMTICK_LINK", "virtual:fast", "BEAMTICK_LINK is `virtual:fast`"),
+        ("BEAMTICK_LINK", "tcp:127.0.0.1:1", "cannot open"),
+        ("BEAMTICK_PROFILE", "x", "BEAMTICK_PROFILE is `x`"),
+        ("BEAMTICK_TRACE", "/nowhere/t.csv", "/nowhere/t.csv cannot be written"),
+    ] {
+        let text = toolchain::output(&built, &[(name, value)]);
+        assert!(text.starts_with("-6 ") && text.contains(part), "{name}={value}: {text}");
+    }
+}
+
+#[test]
+fn a_link_that_dies_in_a_move_is_told_by_every_call() {
+    let Some(built) = program("dead_link", &[]) else { return };
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let served = virtual_board::serve(listener, None, virtual_board::Config::default()).unwrap();
+    let link = format!("tcp:{}", served.address());
+    let mut child =
+        command(&built, &[("BEAMTICK_LINK", &link)]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let mut line = String::new();
+    out.read_line(&mut line).unwrap();
+    assert_eq!(line, "moving\n");
+    drop(served);
+    child.stdin.take().unwrap().write_all(b"\n").unwrap();
+    let rest: Vec<String> = out.lines().map(Result::unwrap).collect();
+    assert!(rest.iter().any(|line| line.starts_with("dead -")), "{rest:?}");
+    assert_eq!(rest.last().map(String::as_str), Some(PASSED.trim_end()), "{rest:?}");
+    assert!(child.wait().unwrap().success());
+}
