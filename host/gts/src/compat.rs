@@ -2,7 +2,7 @@
 //!
 //! A sleep lasts for so many milliseconds of controller time, so that a program does the same at any speed of the virtual
 //! controller. Keys: a terminal's are read by the header itself. Without a terminal they are pressed at the
-//! controller times (ms from Open) that `BEAMTICK_KEYS` lists (`1500,4000`); behind the last of them, or without the
+//! controller times (ms from Open) that `BEAMTICK_KEYS` lists (`1500,4000A`: a letter, or else a line end); behind the last of them, or without the
 //! variable, a key is down whenever something was set in motion and nothing moves any more.
 
 use crate::card::{Card, Time};
@@ -14,15 +14,19 @@ use std::time::Duration;
 /// Times at which keys are pressed.
 #[derive(Debug, Clone, Default)]
 pub struct Keys {
-    times: VecDeque<Duration>,
+    times: VecDeque<(Duration, u8)>,
 }
 
 impl Keys {
     /// From the environment; `now` is the controller's time at Open.
     pub fn read(now: Duration) -> Keys {
         let text = std::env::var("BEAMTICK_KEYS").unwrap_or_default();
-        let times = text.split(',').filter_map(|word| word.trim().parse().ok()).map(Duration::from_millis);
-        Keys { times: times.map(|time| now + time).collect() }
+        let key = |word: &str| {
+            let digits = word.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
+            let letter = word.as_bytes().get(digits.len()).copied().unwrap_or(b'\n');
+            Some((now + Duration::from_millis(digits.parse().ok()?), letter))
+        };
+        Keys { times: text.split(',').filter_map(|word| key(word.trim())).collect() }
     }
 }
 
@@ -73,7 +77,7 @@ pub extern "system" fn beamtick_kbhit() -> c_int {
 
 fn is_pressed(card: &mut Card) -> bool {
     match card.keys.times.front() {
-        Some(time) => card.client().0.now() >= *time,
+        Some((time, _)) => card.client().0.now() >= *time,
         None => card.started && !card.is_moving().unwrap_or(false),
     }
 }
@@ -81,15 +85,16 @@ fn is_pressed(card: &mut Card) -> bool {
 /// Takes the key that is down, or waits for the next one that `BEAMTICK_KEYS` lists.
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_getch() -> c_int {
-    let Some(slot) = any_card() else { return '\n' as c_int };
-    let wait = {
+    let Some(slot) = any_card() else { return c_int::from(b'\n') };
+    let next = {
         let mut state = slot.lock();
-        let Ok(card) = state.card("getch") else { return '\n' as c_int };
+        let Ok(card) = state.card("getch") else { return c_int::from(b'\n') };
         let now = card.client().0.now();
-        card.keys.times.pop_front().map(|time| time.saturating_sub(now))
+        card.keys.times.pop_front().map(|(time, key)| (time.saturating_sub(now), key))
     };
-    if let Some(wait) = wait {
+    let Some((wait, key)) = next else { return c_int::from(b'\n') };
+    if !wait.is_zero() {
         beamtick_sleep(wait.as_millis() as c_ulong);
     }
-    '\n' as c_int
+    c_int::from(key)
 }

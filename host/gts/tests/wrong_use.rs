@@ -36,13 +36,10 @@ fn passes(name: &str, variables: &[(&str, &str)]) {
 
 fn under_valgrind(built: &PathBuf, variables: &[(&str, &str)]) {
     let mut valgrind = command(&PathBuf::from("valgrind"), variables);
-    let done = match valgrind.args(["--error-exitcode=9", "-q"]).arg(built).output() {
-        Ok(done) => done,
-        Err(error) => return skip(&format!("there is no valgrind: {error}")),
-    };
-    let errors = String::from_utf8_lossy(&done.stderr);
-    assert!(done.status.success(), "{}: {:?}\n{errors}", built.display(), done.status);
-    assert_eq!(String::from_utf8_lossy(&done.stdout), PASSED);
+    if std::process::Command::new("valgrind").arg("--version").output().is_err() {
+        return skip("there is no valgrind");
+    }
+    assert_eq!(toolchain::output_of(valgrind.args(["--error-exitcode=9", "-q"]).arg(built)), PASSED);
 }
 
 #[test]

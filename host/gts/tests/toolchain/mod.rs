@@ -1,10 +1,11 @@
 //! Compiles C and C++ programs against the library of this build and runs them.
 #![allow(dead_code)] // Each test binary uses a part of it.
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
 
 /// Which compiler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,20 +89,45 @@ pub fn command(program: &Path, variables: &[(&str, &str)]) -> Command {
     for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("BEAMTICK_")) {
         command.env_remove(name);
     }
+    // Cargo's path may lead to the library of an older build; the program knows its own.
+    command.env_remove("LD_LIBRARY_PATH");
     command.envs(variables.iter().copied()).current_dir(root().join("examples")).stdin(std::process::Stdio::null());
     command
 }
 
-/// Runs it to its end.
-pub fn run(program: &Path, variables: &[(&str, &str)]) -> Output {
-    command(program, variables).output().unwrap()
-}
-
 /// What it prints; it must end well.
 pub fn output(program: &Path, variables: &[(&str, &str)]) -> String {
-    let done = run(program, variables);
-    let errors = String::from_utf8_lossy(&done.stderr).into_owned();
-    let text = String::from_utf8_lossy(&done.stdout).into_owned();
-    assert!(done.status.success(), "{}: {:?}\n{text}{errors}", program.display(), done.status);
+    output_of(&mut command(program, variables))
+}
+
+/// What a command prints; it must end well, and within two minutes.
+pub fn output_of(command: &mut Command) -> String {
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut pipes = (child.stdout.take().unwrap(), child.stderr.take().unwrap());
+    let errors = std::thread::spawn(move || read(&mut pipes.1));
+    let text = std::thread::spawn(move || read(&mut pipes.0));
+    let began = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if began.elapsed() > LIMIT {
+            child.kill().unwrap();
+            let (text, errors) = (text.join().unwrap(), errors.join().unwrap());
+            panic!("{command:?} does not end: {text}{errors}");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    let (text, errors) = (text.join().unwrap(), errors.join().unwrap());
+    assert!(status.success(), "{command:?}: {status:?}\n{text}{errors}");
     text
+}
+
+/// The longest time of a program.
+const LIMIT: Duration = Duration::from_secs(120);
+
+fn read(pipe: &mut impl Read) -> String {
+    let mut bytes = Vec::new();
+    pipe.read_to_end(&mut bytes).unwrap();
+    String::from_utf8_lossy(&bytes).into_owned()
 }
