@@ -304,6 +304,71 @@ fn a_start_and_an_off_command_of_one_instant_keep_their_order() {
     bench.start(1);
     bench.until(50 * MS);
     assert!(bench.view().lasers[0].light);
+    // A Stop, then an on command: off there, and on after its delay.
+    let mut bench = ready(250);
+    bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
+    let zero = bench.start(1);
+    bench.until(20 * MS);
+    bench.delays(0, 77);
+    bench.stop(1, true);
+    bench.gate(true);
+    bench.until(30 * MS);
+    let at = (20 * MS + 250 * US - zero) as i64;
+    assert_eq!(edges(&mut bench, zero), [(0, true), (at, false), (at + 77_000, true)]);
+}
+
+/// Light that begins while a path speeds up begins with the power of its interval.
+#[test]
+fn light_begins_with_the_power_that_follows() {
+    let mut bench = ready(250);
+    bench.path(0, &[follow(2.0, 0.0, 100.0), line([4000, 0], 50.0, 1.0, 0.0)]);
+    let zero = bench.start(1);
+    let mut lit = 0;
+    until(&mut bench, zero);
+    while bench.tick.now().0 < zero + 40 * MS {
+        let tick = (bench.tick.now().0 - zero) / 250_000;
+        // Off and on within the ticks, by other delays each time.
+        bench.delays((tick % 7 * 50) as u16, (tick % 5 * 70) as u16);
+        bench.gate(tick % 3 != 0);
+        let shown = bench.tick();
+        let v = (bench.tick.now().0 - zero) as f64 / 1e6 + 0.125;
+        if shown.light {
+            lit += 1;
+            assert!((number(shown.power) - 2.0 * v).abs() < 1e-7, "at {v}: {}", number(shown.power));
+        }
+    }
+    assert!((40..140).contains(&lit), "{lit}");
+    // Each pulse of 100 µs has the power of the tick in which it begins.
+    for (begin, end) in bench.pulses() {
+        let tick = (begin - zero) / 250_000;
+        let most = 2.0 * (0.25 * tick as f64 + 0.125) * 1000.0;
+        assert!((end - begin) as f64 <= most + 1.0, "{begin}: {} {most}", end - begin);
+    }
+}
+
+/// Power 0 is no pulses, also in between, and is shown so; then the carrier is there again.
+#[test]
+fn a_follow_passes_0() {
+    let mut bench = ready(250);
+    let entries = [
+        follow(2.0, 0.0, 100.0),
+        light(true),
+        line([100, 0], 10.0, 1.0, 0.0),
+        Entry::delay(5),
+        line([200, 0], 10.0, 1.0, 0.0),
+    ];
+    bench.path(0, &entries);
+    let zero = bench.start(1);
+    let shown = |bench: &mut Bench, ms: u64| {
+        until(bench, zero + ms * MS);
+        let shown = bench.view().lasers[0];
+        (number(shown.power), number(shown.khz), shown.train.is_none())
+    };
+    assert_eq!(shown(&mut bench, 8), (16.25, 10.0, false));
+    assert_eq!(shown(&mut bench, 22), (0.0, 0.0, true));
+    assert_eq!(shown(&mut bench, 33), (16.25, 10.0, false));
+    let dark = (zero + 20 * MS + 100 * US)..(zero + 25 * MS);
+    assert!(bench.pulses().iter().all(|pulse| !dark.contains(&pulse.0)));
 }
 
 /// 10 pulse/ms after 10 ms; 18 pulses are too short to brake from there: 8 pulse/ms after 12 ms.
@@ -425,6 +490,19 @@ fn light_comes_back_after_a_lost_link() {
         bench.view().lasers[0].light
     };
     assert!(lost(&[light(true), line([1000, 0], 10.0, 1.0, 0.0)]));
+    // Not if the path goes on before the fault is cleared.
+    let mut bench = ready(250);
+    bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
+    bench.start(1);
+    bench.until_ms(20);
+    bench.op(Op::Link { lost: true });
+    bench.until_ms(50);
+    bench.op(Op::Link { lost: false });
+    bench.start(1);
+    bench.tick();
+    bench.change(Change::ClearFault);
+    bench.until_ms(60);
+    assert!(bench.view().crds[0].runs && !bench.view().lasers[0].light);
     // Braking, it passes entries that count for what comes back: off within 25 ms, and on again.
     let far = line([1000, 0], 10.0, 1.0, 0.0);
     assert!(!lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), far]));
