@@ -321,14 +321,14 @@ fn a_start_and_an_off_command_of_one_instant_keep_their_order() {
 #[test]
 fn light_begins_with_the_power_that_follows() {
     let mut bench = ready(250);
+    bench.delays(30, 130);
     bench.path(0, &[follow(2.0, 0.0, 100.0), line([4000, 0], 50.0, 1.0, 0.0)]);
     let zero = bench.start(1);
     let mut lit = 0;
     until(&mut bench, zero);
     while bench.tick.now().0 < zero + 40 * MS {
         let tick = (bench.tick.now().0 - zero) / 250_000;
-        // Off and on within the ticks, by other delays each time.
-        bench.delays((tick % 7 * 50) as u16, (tick % 5 * 70) as u16);
+        // Off and on within the ticks.
         bench.gate(tick % 3 != 0);
         let shown = bench.tick();
         let v = (bench.tick.now().0 - zero) as f64 / 1e6 + 0.125;
@@ -502,6 +502,12 @@ fn light_comes_back_after_a_lost_link() {
     bench.tick();
     bench.change(Change::ClearFault);
     bench.until_ms(60);
+    assert!(bench.view().crds[0].runs && !bench.view().lasers[0].light);
+    // Nor after another Stop.
+    bench.stop(1, true);
+    bench.until_ms(70);
+    bench.start(1);
+    bench.until_ms(80);
     assert!(bench.view().crds[0].runs && !bench.view().lasers[0].light);
     // Braking, it passes entries that count for what comes back: off within 25 ms, and on again.
     let far = line([1000, 0], 10.0, 1.0, 0.0);
