@@ -327,8 +327,8 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         true
     }
 
-    /// A program has been dropped: what it had given to FIFOs and is not executed is forgotten. A FIFO at rest that was
-    /// given some of it is emptied, for a look-ahead cannot tell any more what was there before.
+    /// A program has been dropped: what it had given to FIFOs and is not executed is forgotten. A FIFO is emptied if its
+    /// places were overwritten, and if some of what was executed waited in a look-ahead together with what was not.
     pub fn forget_paths(&mut self, view: &View<AXES>) {
         for crd in Crd::all().take(self.entries.len()) {
             for fifo in 0..2u8 {
@@ -337,12 +337,16 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                 if !pending && !ahead.loose {
                     continue;
                 }
-                let runs = view.crds[crd.index()].runs;
-                if let Some(queues) = self.queues.get_mut(crd.index()) {
-                    queues[usize::from(fifo)].forget();
-                }
-                if !runs && self.now.crd(crd).path(fifo).data.given != 0 {
+                let (now, seen) = (self.now.crd(crd).path(fifo), &view.crds[crd.index()]);
+                let overwritten = ahead.cleared != now.cleared && ahead.data.given != 0;
+                let mixed = ahead.look.is_some() && now.data.given != seen.ends[usize::from(fifo)];
+                let given = now.data.given;
+                if given != 0 && !seen.runs && (overwritten || mixed) {
                     self.now.spoil_path(crd, fifo);
+                } else if let Some(queues) = self.queues.get_mut(crd.index()) {
+                    let queue = &mut queues[usize::from(fifo)];
+                    queue.follow(now.cleared);
+                    queue.cut(given);
                 }
             }
         }

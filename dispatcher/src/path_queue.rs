@@ -51,9 +51,15 @@ impl PathQueue {
         }
     }
 
-    /// What waits in the look-ahead is forgotten.
-    pub fn forget(&mut self) {
+    /// What waits in the look-ahead, and entries from this one on, are forgotten.
+    pub fn cut(&mut self, end: u32) {
         self.look.clear();
+        while self.end != end && self.end != self.first {
+            self.end = self.end.wrapping_sub(1);
+            let time = self.times.get(self.end as usize % ENTRIES).copied().unwrap_or(0);
+            self.sum = self.sum.saturating_sub(time.into());
+        }
+        self.end = end;
     }
 
     /// Entries for the tick, counted since the FIFO was cleared.

@@ -126,7 +126,7 @@ reasons! {
     125 RadiusTooSmall Range "{field} is {got}; the target is reached with {low} at least";
     126 CentreOff Range "the centre is not equally far from begin and target: the path would leave the arc by {got} pulses, at most {high} are made up for";
     127 CentreOnStart Range "{field}: the centre is where the motion begins; it must be at least {low} pulses away";
-    128 RadiusTooLarge Range "{field}: the radius is {got}; it must be below {high}";
+    128 RadiusTooLarge Range "the radius is {got}; it must be below {high}";
     129 GearsFull State "coordinate system {axis}: {high} axes go along with the next motion, which is the most";
     130 AxisGoesAlong State "axis {axis} goes along with the next motion already";
     131 CrdNotOnBoard Mismatch "this board has memory for {high} coordinate systems";

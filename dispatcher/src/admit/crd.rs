@@ -269,7 +269,7 @@ pub fn space<const AXES: usize>(case: &mut Case<AXES>, r: &CrdSpace) -> Admitted
     if case.crd_may_run(crd) {
         return Ok(query(opcode::CrdSpace, crd, fifo));
     }
-    Ok(Answer::Long(case.crd_book(crd).space(case.crd_seen(crd), fifo).cast_signed()))
+    Ok(Answer::Long(case.crd_book(crd).space_ahead(case.crd_seen(crd), fifo).cast_signed()))
 }
 
 /// Reads that need no more than a coordinate system and a FIFO.

@@ -72,7 +72,9 @@ pub struct Look {
 pub struct PathData {
     /// Entries, with those that wait in the look-ahead.
     pub given: u32,
-    /// Motions among them.
+    /// Entries that are over at this place of the program, whether the tick is through with them or not.
+    pub over: u32,
+    /// Motions among all.
     pub motions: u32,
     /// It holds what is not known to be over; else the next motion begins where the path is.
     pub open: bool,
@@ -183,6 +185,11 @@ impl CrdBook {
         let used = self.path(fifo).data.given.wrapping_sub(self.released(seen, fifo));
         CAPACITY.saturating_sub(used)
     }
+    /// The same, as it will be when the next entry acts, of a coordinate system at rest.
+    pub fn space_ahead(&self, seen: &CrdView, fifo: u8) -> u32 {
+        let data = &self.path(fifo).data;
+        self.space(seen, fifo).max(CAPACITY.saturating_sub(data.given.wrapping_sub(data.over)))
+    }
     /// Motions of a FIFO that are done, and left.
     pub fn segments(&self, seen: &CrdView, fifo: u8) -> (u32, u32) {
         let index = usize::from(fifo & 1);
@@ -253,7 +260,7 @@ impl CrdBook {
                 self.started = None;
                 if ended {
                     let path = self.path_mut(self.fifo);
-                    path.data.open = false;
+                    (path.data.open, path.data.over) = (false, path.data.given);
                     self.here = Some(path.data.place);
                 }
             }

@@ -75,3 +75,40 @@ pub fn until_rest<const AXES: usize>(bench: &mut Bench<AXES>) -> f64 {
     }
     panic!("it runs for ever");
 }
+
+pub fn clear(fifo: i16) -> CrdClear {
+    CrdClear { core: 1.into(), crd: 1.into(), fifo: fifo.into() }
+}
+
+/// An arc in XY by its centre from where it begins, at 50 pulse/ms and 2 pulse/ms².
+pub fn arc(x: i32, y: i32, x_center: f64, y_center: f64, dir: i16) -> ArcXYC {
+    ArcXYC {
+        core: 1.into(),
+        crd: 1.into(),
+        x: x.into(),
+        y: y.into(),
+        x_center: x_center.into(),
+        y_center: y_center.into(),
+        circle_dir: dir.into(),
+        syn_vel: 50.0.into(),
+        syn_acc: 2.0.into(),
+        vel_end: 0.0.into(),
+        fifo: 0.into(),
+    }
+}
+
+/// Look-ahead of FIFO 0.
+pub fn ahead(time_ms: f64, acc: f64, count: i16) -> InitLookAhead {
+    InitLookAhead {
+        core: 1.into(),
+        crd: 1.into(),
+        fifo: 0.into(),
+        time_ms: time_ms.into(),
+        acc_max: acc.into(),
+        count: count.into(),
+    }
+}
+
+pub fn flush() -> CrdData {
+    CrdData { core: 1.into(), crd: 1.into(), fifo: 0.into() }
+}

@@ -1,0 +1,303 @@
+//! Look-ahead between the host and the tick: held data comes in time, is never late, and never slows the path without need.
+mod bench;
+
+use bench::crd::*;
+use bench::*;
+use dispatcher::figure::Figure;
+use dispatcher::lookahead::{Limits, LookAhead};
+use protocol::command::*;
+use protocol::reason::Reason;
+
+const VEL: f64 = 120.0;
+const ACC: f64 = 4.0;
+const CORNER: f64 = 4.0;
+
+/// A spiral of `count` lines of about 60 pulses.
+fn spiral(count: usize) -> Vec<[i32; 2]> {
+    let mut angle = 0.0f64;
+    (0..count)
+        .map(|k| {
+            let radius = 2000.0 + 1.5 * k as f64;
+            angle += 60.0 / radius;
+            [(radius * angle.cos()).round() as i32 - 2000, (radius * angle.sin()).round() as i32]
+        })
+        .collect()
+}
+
+/// The time of a path whose data is all there before its first entry is taken, ms.
+fn ideal([x, y]: [i32; 2], points: &[[i32; 2]]) -> f64 {
+    let limits = Limits { vel: [f64::INFINITY; 4], acc: [ACC; 4], corner: CORNER };
+    let mut look = Box::new(LookAhead::<4096>::new(limits));
+    let mut at = [x.into(), y.into(), 0.0, 0.0];
+    for to in points {
+        let figure = Figure::planar(&at, *to).unwrap();
+        assert!(look.push_motion(&figure, VEL, ACC));
+        at = figure.end;
+    }
+    let mut ms = 0.0;
+    while let Some(planned) = look.take(true) {
+        ms += planned.ms;
+    }
+    ms
+}
+
+fn lines(points: &[[i32; 2]]) -> (LnXYMany, Vec<PathXY>) {
+    let head = LnXYMany {
+        core: 1.into(),
+        crd: 1.into(),
+        fifo: 0.into(),
+        count: (points.len() as u16).into(),
+        syn_vel: VEL.into(),
+        syn_acc: ACC.into(),
+        vel_end: 0.0.into(),
+    };
+    (head, points.iter().map(|[x, y]| PathXY { x: (*x).into(), y: (*y).into() }).collect())
+}
+
+fn give(bench: &mut Bench<8>, points: &[[i32; 2]]) {
+    for part in points.chunks(60) {
+        let (head, items) = lines(part);
+        let taken = bench.call_items(head, &items).reply::<LnXYMany>();
+        assert_eq!(usize::from(taken.taken.get()), part.len());
+    }
+}
+
+/// When a running path came to rest, ms since `begun`.
+fn finish(bench: &mut Bench<8>, begun: u64) -> f64 {
+    until_rest(bench);
+    (bench.now().0 - begun) as f64 / 1e6
+}
+
+/// Nobody has to flush: what waits comes in time and the path rests at its end. A flush changes nothing.
+#[test]
+fn a_path_needs_no_flush() {
+    let points = spiral(200);
+    let mut took = Vec::new();
+    for flushes in [false, true] {
+        let mut bench = Bench::gus();
+        plane(&mut bench);
+        bench.done(ahead(CORNER, ACC, 200));
+        give(&mut bench, &points);
+        assert_eq!(space(&mut bench, 0), 1024 - 200, "places of the look-ahead count");
+        if flushes {
+            bench.done(flush());
+        }
+        bench.done(start_crd(1));
+        let begun = bench.now().0;
+        took.push(finish(&mut bench, begun));
+        let [x, y] = points[199].map(f64::from);
+        assert_eq!((crd_pos(&mut bench), status(&mut bench, 0)), (vec![x, y], (0, 200)));
+        let told = bench.done(CrdInfo { core: 1.into(), crd: 1.into() });
+        assert_eq!(({ told.rest }, { told.reason }.get()), (1, 1), "completed");
+    }
+    assert_eq!(took[0], took[1]);
+    let ideal = ideal([0, 0], &points);
+    assert!((took[0] - ideal).abs() < 1.0, "{took:?} {ideal}");
+}
+
+/// What waits behind a long motion is held back until it is needed: what is given meanwhile raises its end.
+#[test]
+fn what_comes_late_but_in_time_is_as_fast() {
+    let mut bench = Bench::gus();
+    plane(&mut bench);
+    bench.done(ahead(CORNER, ACC, 200));
+    bench.done(line(20_000, 0, 100.0, 4.0));
+    bench.done(line(40_000, 0, 100.0, 4.0));
+    bench.done(start_crd(1));
+    let begun = bench.now().0;
+    bench.run_ms(150);
+    // Straight on: no reason to slow down, if it is known in time.
+    bench.done(line(60_000, 0, 100.0, 4.0));
+    let took = finish(&mut bench, begun);
+    assert!((took - 625.0).abs() < 1.0, "{took}");
+}
+
+/// A host that is away for 50 ms now and then.
+#[test]
+fn a_host_that_stalls_slows_nothing() {
+    let points = spiral(3000);
+    let ideal = ideal([0, 0], &points);
+    let mut bench = Bench::gus();
+    plane(&mut bench);
+    bench.done(ahead(CORNER, ACC, 200));
+    let mut left = &points[..];
+    let mut give_some = |bench: &mut Bench<8>| {
+        while !left.is_empty() && space(bench, 0) >= 60 {
+            let (part, rest) = left.split_at(left.len().min(60));
+            give(bench, part);
+            left = rest;
+        }
+        left.is_empty()
+    };
+    give_some(&mut bench);
+    bench.done(start_crd(1));
+    let begun = bench.now().0;
+    let mut most = 0.0f64;
+    while !give_some(&mut bench) {
+        for _ in 0..200 {
+            bench.step();
+            let axis = bench.server.view().axes[0];
+            let speed = bench.server.view().motion(&axis).velocity();
+            most = most.max((speed.m as f64 * 2f64.powi(-i32::from(speed.e))).abs());
+        }
+    }
+    let took = finish(&mut bench, begun);
+    assert!((took - ideal).abs() < 1.0, "{took}, ideal {ideal}");
+    assert_eq!(status(&mut bench, 0).1, 3000);
+    assert!(most <= VEL * (1.0 + 1e-9) && most > 0.8 * VEL, "{most}");
+}
+
+/// A host that comes too late: the path rests at the end of what it has, without an underrun, and goes on.
+#[test]
+fn a_host_that_is_too_late_ends_no_path_at_speed() {
+    let points = spiral(300);
+    let mut bench = Bench::gus();
+    plane(&mut bench);
+    bench.done(ahead(CORNER, ACC, 200));
+    give(&mut bench, &points[..150]);
+    bench.done(start_crd(1));
+    until_rest(&mut bench);
+    assert_eq!(bench.done(CrdInfo { core: 1.into(), crd: 1.into() }).rest, 1);
+    assert_eq!(status(&mut bench, 0).1, 150);
+    give(&mut bench, &points[150..]);
+    bench.done(start_crd(1));
+    until_rest(&mut bench);
+    assert_eq!((status(&mut bench, 0).1, crd_pos(&mut bench)), (300, points[299].map(f64::from).to_vec()));
+}
+
+/// A program that streams: data behind the start, in time by its clock.
+#[test]
+fn a_program_streams_through_the_look_ahead() {
+    let points = spiral(2400);
+    let ideal = ideal([0, 0], &points);
+    let mut bench = Bench::gus();
+    bench.servo_on(1);
+    bench.servo_on(2);
+    let many = |part: &[[i32; 2]]| {
+        let (head, items) = lines(part);
+        (LnXYMany::OPCODE, protocol::record::Lane::Program, body::<LnXYMany>(head, &items))
+    };
+    let mut entries = vec![entry(prm()), entry(ahead(CORNER, ACC, 200))];
+    entries.extend(points[..600].chunks(60).map(many));
+    entries.push(entry(start_crd(1)));
+    for (round, part) in points[600..].chunks(300).enumerate() {
+        entries.push(entry(sleep(if round == 0 { 150 } else { 220 })));
+        entries.extend(part.chunks(60).map(many));
+    }
+    entries.push(entry(WaitStop { core: 1.into(), axes: 0.into(), crds: 1.into() }));
+    entries.push(entry(GetCrdPos { core: 1.into(), crd: 1.into() }));
+    entries.push(entry(ProgramEnd {}));
+    let mut tags = Vec::new();
+    let mut started = false;
+    for request in &entries {
+        // As a client does: no more than the queue takes.
+        loop {
+            let queue = bench.done(ProgramStatus {});
+            if queue.space_bytes.get() as usize > request.2.len() + 16 {
+                break;
+            }
+            if !started {
+                started = true;
+                bench.done(ProgramStart { strict: 1 });
+            }
+            bench.run_ms(1);
+        }
+        tags.extend(bench.post_all(std::slice::from_ref(request)));
+    }
+    if !started {
+        bench.done(ProgramStart { strict: 1 });
+    }
+    bench.wait(tags[tags.len() - 1]);
+    for (index, tag) in tags.iter().enumerate() {
+        let answer = &bench.answers[tag];
+        assert_eq!(answer.code, 0, "entry {index}: {:?} {:?}", answer.reason(), answer.refusal());
+    }
+    let pos: Vec<f64> =
+        bench.answers[&tags[tags.len() - 2]].items::<GetCrdPos>().iter().map(|item| item.value.get()).collect();
+    assert_eq!(pos, points[2399].map(f64::from));
+    let status = bench.done(ProgramStatus {});
+    let clock = status.clock_ns.get() as f64 / 1e6;
+    assert!((clock - ideal).abs() < 1.5, "{clock}, ideal {ideal}");
+    assert_eq!((status.late.get(), status.worst_late_us.get()), (0, 0));
+}
+
+/// A WaitStop closes what was given: the next run of the program begins at rest, with its own data.
+#[test]
+fn a_wait_closes_the_look_ahead() {
+    let points = spiral(100);
+    let mut bench = Bench::gus();
+    bench.servo_on(1);
+    bench.servo_on(2);
+    let many = |part: &[[i32; 2]]| {
+        let (head, items) = lines(part);
+        (LnXYMany::OPCODE, protocol::record::Lane::Program, body::<LnXYMany>(head, &items))
+    };
+    let mut entries = vec![entry(prm()), entry(ahead(CORNER, ACC, 200))];
+    for part in points.chunks(50) {
+        entries.push(many(part));
+        entries.push(entry(start_crd(1)));
+        entries.push(entry(WaitStop { core: 1.into(), axes: 0.into(), crds: 1.into() }));
+        entries.push(entry(GetCrdPos { core: 1.into(), crd: 1.into() }));
+    }
+    entries.push(entry(ProgramEnd {}));
+    let tags: Vec<u16> = entries.iter().flat_map(|request| bench.post_all(std::slice::from_ref(request))).collect();
+    bench.done(ProgramStart { strict: 1 });
+    assert_eq!(bench.wait(tags[10]).code, 0);
+    for (tag, point) in [(tags[5], points[49]), (tags[9], points[99])] {
+        let pos: Vec<f64> = bench.answers[&tag].items::<GetCrdPos>().iter().map(|item| item.value.get()).collect();
+        assert_eq!(pos, point.map(f64::from));
+    }
+    let clock = bench.done(ProgramStatus {}).clock_ns.get() as f64 / 1e6;
+    let apart = ideal([0, 0], &points[..50]) + ideal(points[49], &points[50..]);
+    assert!((clock - apart).abs() < 2.0, "{clock} {apart}");
+}
+
+/// LnXYG0 rests at its end, a limit of one coordinate holds, a look-ahead is set up on an empty FIFO.
+#[test]
+fn rests_limits_and_set_up() {
+    let mut bench = Bench::gus();
+    plane(&mut bench);
+    bench.done(ahead(CORNER, ACC, 200));
+    let limit = |coordinate: i16, vel: f64| SetCrdLimit {
+        core: 1.into(),
+        crd: 1.into(),
+        coordinate: coordinate.into(),
+        vel_max: vel.into(),
+        acc_max: 0.0.into(),
+    };
+    bench.done(limit(2, 30.0));
+    let told = bench.done(GetCrdLimit { core: 1.into(), crd: 1.into(), coordinate: 2.into() });
+    assert_eq!(({ told.vel_max }.get(), { told.acc_max }.get()), (30.0, 0.0));
+    // 3 in X to 4 in Y: Y has 0.8 of the path's speed.
+    bench.done(line(6000, 8000, 100.0, 4.0));
+    assert_eq!(bench.refused(ahead(CORNER, ACC, 100)).1, Reason::CrdHolds);
+    bench.done(start_crd(1));
+    let most = until_rest(&mut bench);
+    assert!((most - 37.5).abs() < 1e-6, "{most}");
+    // The whole of it has run: now it may be set up anew, or switched off.
+    bench.done(ahead(CORNER, ACC, 0));
+    bench.done(line(6000, 0, 100.0, 4.0));
+    bench.done(start_crd(1));
+    let most = until_rest(&mut bench);
+    assert!((most - 100.0).abs() < 1e-6, "without look-ahead a limit has no effect: {most}");
+    bench.done(ahead(CORNER, ACC, 10));
+    let g0 = LnXYG0 {
+        core: 1.into(),
+        crd: 1.into(),
+        x: 5000.into(),
+        y: 0.into(),
+        syn_vel: 100.0.into(),
+        syn_acc: 4.0.into(),
+        fifo: 0.into(),
+    };
+    bench.done(limit(2, 0.0));
+    bench.done(g0);
+    bench.done(line(4000, 0, 100.0, 4.0));
+    bench.done(line(3000, 0, 100.0, 4.0));
+    bench.done(flush());
+    bench.done(start_crd(1));
+    let begun = bench.now().0;
+    let took = finish(&mut bench, begun);
+    // 1000 pulses from rest to rest: 2·√(1000/4) = 31.62 ms; then 2000: 44.72 ms, no stop between them.
+    assert!((took - 76.34).abs() < 0.6, "{took}");
+}
