@@ -376,6 +376,23 @@ fn underrun(first: Entry) -> [Entry; 3] {
     [first, line([50, 0], 10.0, 1.0, 10.0), line([68, 0], 10.0, 1.0, 0.0)]
 }
 
+/// More starts and stops at one instant than a list holds are carried out in their order.
+#[test]
+fn any_number_of_starts_and_stops_at_one_instant() {
+    let mut bench = ready(250);
+    bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
+    let zero = bench.start(1);
+    until(&mut bench, zero + 20 * MS);
+    // 64 entries a tick.
+    for _ in 0..31 {
+        bench.stop(1, true);
+        bench.start(1);
+    }
+    bench.until_ms(30);
+    let shown = bench.view().lasers[0];
+    assert_eq!((shown.fault, shown.light, bench.view().crds[0].runs), (Cause::None, true, true));
+}
+
 /// Out of entries at speed: dark there, to the ns, in every output; it stays so until it is cleared.
 #[test]
 fn an_underrun_is_dark_at_its_instant() {

@@ -208,7 +208,11 @@ impl Channel {
     /// Something that a path does at an instant of the interval that is planned next.
     pub(super) fn expect(&mut self, at: Ns, event: Event) {
         if self.agenda.put(at, event).is_err() {
-            self.trip(Cause::Edges);
+            // What is due already has waited for nothing.
+            self.attend(at);
+            if self.agenda.put(at, event).is_err() {
+                self.trip(Cause::Edges);
+            }
         }
         self.wake = self.wake.min(at);
     }
