@@ -249,21 +249,25 @@ impl<const AXES: usize> Tick<AXES> {
                 continue;
             }
             // Each of the three buffers catches up when its turn comes.
-            if !state.is_settled() || shown.moves != state.shown.moves {
-                let glide = state.glide_on(next, left, shown);
-                if glide != Glide::Shown {
-                    if shown.changes != state.shown.changes {
-                        *inputs = state.raw;
-                    }
-                    if glide == Glide::Stale {
-                        state.show(shown);
-                    } else {
-                        let source = Source { segments: store, tables: lanes.tables };
-                        let none = &mut 0;
-                        let left = if glide == Glide::Barred { none } else { &mut left };
-                        if let Some(reason) = state.run(next, left, &source, shown) {
-                            tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
-                        }
+            let glide = if !state.is_settled() {
+                state.glide_on(next, left, shown)
+            } else if shown.moves == state.shown.moves {
+                Glide::Shown
+            } else {
+                Glide::Stale
+            };
+            if glide != Glide::Shown {
+                if shown.changes != state.shown.changes {
+                    *inputs = state.raw;
+                }
+                if glide == Glide::Stale {
+                    state.show(shown);
+                } else {
+                    let source = Source { segments: store, tables: lanes.tables };
+                    let none = &mut 0;
+                    let left = if glide == Glide::Barred { none } else { &mut left };
+                    if let Some(reason) = state.run(next, left, &source, shown) {
+                        tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
                     }
                 }
             }

@@ -17,7 +17,8 @@ pub struct AxisView {
     /// Counts changes of anything here and of the axis's input levels; what did not change need not be
     /// looked at again.
     pub moves: u32,
-    /// Counts ticks in which more changed than `moves`, the position, the encoder and the parameter of the motion.
+    /// Counts ticks of an axis that runs in which more changed than `moves`, the position, the encoder and the
+    /// parameter of the motion.
     pub turns: u32,
     /// Planned position in force at the view's time.
     pub pos: Pos,

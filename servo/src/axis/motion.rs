@@ -215,12 +215,12 @@ impl AxisState {
             if self.profile.is_open() && *left != 0 && self.prepare(source) {
                 *left = left.wrapping_sub(1);
             }
+            self.shown.turns = self.shown.turns.wrapping_add(1);
             stopped = self.step(next, source);
         }
         if self.news {
             self.settle();
         }
-        self.shown.turns = self.shown.turns.wrapping_add(1);
         shown.follow(&self.shown);
         stopped
     }

@@ -9,11 +9,11 @@ use servo::path::{self, EntryStore};
 use servo::piece::Scaled;
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
-use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::pvt::{Header, HeaderStore, Place, PlaceStore, TABLES, TableStores};
 use servo::ramp::{Accel, Speed};
 use servo::steps;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use servo::view::{AxisView, Event, Sample, StopReason, View};
 
 pub const AXES: usize = 8;
@@ -271,6 +271,29 @@ impl Bench {
         }
         let epoch = self.view.read().axes[index].epoch;
         Op::PtCommit { axis: axis(index), fifo, end: *count, epoch }
+    }
+
+    /// Writes a PVT table: ms, pulses and 2⁻¹⁶ pulse/ms from the first point, which comes `delay` ms after the start.
+    pub fn table(&mut self, table: u8, delay: u64, knots: &[(u64, i64, i64)]) {
+        let (last, way, _) = knots[knots.len() - 1];
+        let time_bits = (44 - (64 - (last * MS).leading_zeros() as i32)).min(32) as i8;
+        let duration = u128::from(last * MS) << 64;
+        let header = Header {
+            places: knots.len() as u16,
+            time_bits,
+            pos_bits: 20,
+            vel_bits: 16,
+            lift: 20,
+            delay: u128::from(delay * MS) << 64,
+            duration,
+            displacement: Exact((way as i128) << 64),
+            rate: (u128::MAX / duration) as u64,
+        };
+        for (index, &(time, pos, vel)) in knots.iter().enumerate() {
+            let place = Place { time: (time * MS) << time_bits, pos: pos << 20, vel };
+            self.lanes.tables.write_place(table, index as u32, place.admit().unwrap());
+        }
+        self.lanes.tables.write_header(table, header.admit().unwrap());
     }
 
     /// A coordinate system that drives these axes as X, Y and so on; its zero is at `origin`, or where they are.

@@ -1,0 +1,166 @@
+//! What a view tells does not depend on how often it is read: three buffers take turns, and each catches up with what
+//! has changed since its last turn. And it is what the trace tells in the same tick.
+mod chance;
+mod tick_bench;
+use chance::Chance;
+use servo::follow;
+use servo::op::{DoGroup, Guarded, Mode, Op};
+use servo::units::AxisMask;
+use servo::view::{Traced, View};
+use tick_bench::*;
+
+const MODES: [Mode; 8] =
+    [Mode::PtStatic, Mode::PtDynamic, Mode::Pvt, Mode::Jog, Mode::Trap, Mode::Trap, Mode::Follow, Mode::Pvt];
+
+fn begin(period_us: u32) -> Bench {
+    let mut bench = Bench::new(period_us);
+    bench.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
+    for (table, pos) in [(0, 900), (1, -300), (2, 40_000)] {
+        bench.table(table, 2, &[(0, 0, 0), (3, pos, 1 << 16), (4, pos + 2, 0), (9, pos * 2, -(1 << 15)), (11, pos, 0)]);
+    }
+    for (index, mode) in MODES.into_iter().enumerate() {
+        bench.now(Op::SetMode { axis: axis(index), mode });
+        bench.now(Op::StopDec { axis: axis(index), smooth: accel(0.7), abrupt: accel(1.0) });
+    }
+    bench.pt(0, 0, &[(10.5, 3, 0), (-2000.0, 9, 0), (7.0, 11, 2)]);
+    bench.follow(6, 0, &[Item::Data(30.0, 11.0, 0, 0), Item::Data(90.0, -400.0, 1, 0), Item::Data(100.0, 0.25, 2, 0)]);
+    bench.now(Op::Trace { every: 1, axes: AxisMask(0xff), crds: Default::default(), lasers: 0, edges: false });
+    bench.now(Op::ProgramRun);
+    bench.tick();
+    bench
+}
+
+/// One thing to do, the same in every bench that draws the same numbers.
+fn act(bench: &mut Bench, chance: &mut Chance, stream: &mut i32) {
+    let (index, far) = (chance.below(8) as usize, chance.unit() * 2.0 - 1.0);
+    let axis = axis(index);
+    let passes = chance.below(6) as u32;
+    match chance.below(16) {
+        0 => {
+            bench.now(Op::Stop { axes: AxisMask(chance.next() & 0xff), abrupt: AxisMask(chance.next() & 0xff) });
+        }
+        1 => {
+            bench.now(Op::SoftLimit {
+                axis,
+                positive: (far > 0.0).then_some((far * 5000.0) as i32),
+                negative: (far < -0.5).then_some((far * 5000.0) as i32),
+            });
+        }
+        2 => bench.machine.inputs[index].limit_positive ^= true,
+        3 => bench.machine.slip[index] += 3,
+        4 => {
+            bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+            bench.machine.inputs[index] = Default::default();
+        }
+        5 => {
+            bench.now(Op::PositionError { axis, limit: (far > 0.0).then_some(20) });
+        }
+        6 => {
+            bench.now(Op::Sense { axis, input: Guarded::Home, active_low: far > 0.0 });
+        }
+        7 => {
+            bench.now(Op::PvtSelect { axis, table: chance.below(3) as u8 });
+        }
+        8 => {
+            bench.now(Op::PvtLoop { axis, passes });
+            bench.now(Op::PtLoop { axis, passes });
+            bench.now(Op::FollowLoop { axis, passes });
+        }
+        9 => {
+            bench.now(Op::PvtStart { axes: all(&[2]) });
+            bench.now(Op::PvtStart { axes: all(&[7]) });
+        }
+        10 => {
+            bench.now(Op::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
+        }
+        11 => {
+            // Stopped or dry: the stream begins anew.
+            bench.forget(1);
+            bench.now(Op::PtClear { axis: tick_bench::axis(1), fifo: 0 });
+            bench.tick_unread();
+            *stream += 1;
+            bench.pt(1, 0, &[(far * 100.0, 2, 0), (0.0, 5, 1), (far, 9, 2)]);
+            bench.start(&[1]);
+        }
+        12 | 13 => {
+            bench.now(Op::TargetSpeed { axis, speed: speed(far * 50.0) });
+            bench.now(Op::JogPrm { axis, acc: accel(3.3), dec: accel(0.9), smooth: (passes * 9000) as u16 });
+            bench.now(Op::TrapPrm {
+                axis,
+                acc: accel(1.7),
+                dec: accel(2.2),
+                vel_start: speed(0.0),
+                smooth: servo::units::Ns(u64::from(passes) * MS),
+            });
+            bench.now(Op::TargetPosition { axis, pulses: (far * 3000.0) as i32 });
+            bench.now(Op::Update { axes: axis.mask() });
+        }
+        14 => {
+            bench.follows(6, if far > 0.0 { 3 } else { 4 }, follow::Value::Planned);
+            bench.start_follow(&[6]);
+        }
+        _ => {
+            bench.now(Op::Servo { axis, on: true });
+            if far > 0.8 {
+                bench.now(Op::Zero { axes: axis.mask() });
+            }
+            if far < -0.8 {
+                bench.now(Op::Reset { axes: axis.mask() });
+                bench.now(Op::Servo { axis, on: true });
+                bench.now(Op::SetMode { axis, mode: MODES[index] });
+                bench.now(Op::StopDec { axis, smooth: accel(0.7), abrupt: accel(1.0) });
+                if index == 0 {
+                    bench.now(Op::PtCommit { axis, fifo: 0, end: 3, epoch: 0 });
+                }
+            }
+        }
+    }
+}
+
+/// An axis as a view has it, and its inputs.
+fn told(view: &View<AXES>, index: usize) -> String {
+    format!("{:?} {:?}", view.axes[index], view.inputs[index])
+}
+
+#[test]
+fn a_view_tells_the_same_however_often_it_is_read() {
+    for (seed, period_us) in [(1, 250), (2, 1000), (3, 50)] {
+        let (mut eager, mut lazy) = (begin(period_us), begin(period_us));
+        let (mut one, mut other, mut reads) = (Chance::new(seed), Chance::new(seed), Chance::new(seed + 9));
+        let (mut streams, mut moved) = ((0, 0), 0u64);
+        let mut unread = 0;
+        for round in 0..12_000 {
+            if one.below(12) == 0 {
+                act(&mut eager, &mut one, &mut streams.0);
+            }
+            if other.below(12) == 0 {
+                act(&mut lazy, &mut other, &mut streams.1);
+            }
+            let view = eager.tick();
+            if unread > 0 {
+                unread -= 1;
+                lazy.tick_unread();
+            } else {
+                unread = reads.below(9);
+                let late = lazy.tick();
+                for index in 0..AXES {
+                    assert_eq!(told(&late, index), told(&view, index), "axis {index}, seed {seed}, round {round}");
+                }
+            }
+            while eager.event().is_some() || lazy.event().is_some() || lazy.sample().is_some() {}
+            let mut last = [None; AXES];
+            while let Some(sample) = eager.sample() {
+                if let Traced::Axis { axis, pos, motion } = sample.of {
+                    last[axis.index()] = Some((pos, motion));
+                }
+            }
+            for (index, sample) in last.into_iter().enumerate() {
+                let (pos, motion) = sample.unwrap();
+                let shown = &view.axes[index];
+                assert_eq!((shown.pos, view.motion(shown)), (pos, motion), "axis {index}, round {round}");
+                moved += u64::from(shown.status & servo::status::RUNNING != 0);
+            }
+        }
+        assert!(moved > 12_000 && streams.0 > 10, "{moved} axes and ticks, {streams:?}");
+    }
+}
