@@ -50,6 +50,12 @@ impl Site {
     pub fn all(&self) -> AxisMask {
         AxisMask(ones(self.profile.axes()))
     }
+
+    /// All coordinate systems of the profile.
+    pub fn all_crds(&self) -> CrdMask {
+        let count = usize::from(self.profile.cores) * usize::from(self.profile.crds_per_core);
+        CrdMask(ones(count.min(Crd::MAX)) as u8)
+    }
 }
 
 /// The lowest `count` bits.

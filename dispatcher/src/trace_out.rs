@@ -5,10 +5,10 @@
 //! reported in the stream's last frame; a row is never invented.
 use crate::books::executed;
 use crate::case::{Site, ones};
-use protocol::trace::{self, AxisId, Encoder, Full, Head, LaserId, LaserSample, kind};
+use protocol::trace::{self, AxisId, CrdId, CrdSample, Encoder, Full, Head, Ids, LaserId, LaserSample, Samples, kind};
 use ring::Consumer;
 use servo::laser::{Action, CHANNELS, Count, Train};
-use servo::units::AxisMask;
+use servo::units::{AxisMask, Crd, CrdMask};
 use servo::view::{Sample, Traced, View};
 
 /// What a trace is of.
@@ -18,10 +18,12 @@ pub struct Columns {
     pub axes: AxisMask,
     /// Laser channels, bit 0 the first.
     pub lasers: u8,
+    /// Coordinate systems.
+    pub crds: CrdMask,
 }
 
 impl Columns {
-    const NONE: Columns = Columns { axes: AxisMask(0), lasers: 0 };
+    const NONE: Columns = Columns { axes: AxisMask(0), lasers: 0, crds: CrdMask(0) };
 
     fn axes(self) -> usize {
         self.axes.0.count_ones() as usize
@@ -29,6 +31,10 @@ impl Columns {
 
     fn lasers(self) -> usize {
         self.lasers.count_ones() as usize
+    }
+
+    fn crds(self) -> usize {
+        self.crds.0.count_ones() as usize
     }
 }
 
@@ -60,6 +66,7 @@ pub struct TraceOut<const AXES: usize> {
     row: u32,
     axes: [trace::Sample; AXES],
     lasers: [LaserSample; CHANNELS],
+    crds: [CrdSample; Crd::MAX],
     gathered: usize,
     sent: u32,
     next: u32,
@@ -81,6 +88,7 @@ impl<const AXES: usize> TraceOut<AXES> {
             row: 0,
             axes: [trace::Sample::default(); AXES],
             lasers: [LaserSample::default(); CHANNELS],
+            crds: [CrdSample::default(); Crd::MAX],
             gathered: 0,
             sent: 0,
             next: 0,
@@ -115,7 +123,7 @@ impl<const AXES: usize> TraceOut<AXES> {
     }
 
     fn count(&self) -> usize {
-        self.columns.axes() + self.columns.lasers()
+        self.columns.axes() + self.columns.crds() + self.columns.lasers()
     }
 
     /// Turns samples into rows as far as the encoder has room.
@@ -160,17 +168,23 @@ impl<const AXES: usize> TraceOut<AXES> {
             // A part of the row was lost, and so the row is.
             self.gathered = 0;
         }
-        // Within a row, samples come in the order of axes and channels; what is missing in front spoils the row.
+        // Within a row, samples come in the order of axes, coordinate systems and channels; what is missing in front spoils the row.
         let place = match sample.of {
             Traced::Axis { axis, .. } => (self.columns.axes.0 & ones(axis.index())).count_ones() as usize,
-            // No command asks for one.
-            Traced::Crd { .. } => return true,
+            Traced::Crd { crd, .. } => {
+                let before = self.columns.crds.0 & ones(crd.index()) as u8;
+                self.columns.axes() + before.count_ones() as usize
+            }
             Traced::Laser { channel, .. } => {
                 let before = self.columns.lasers & ones(channel.into()) as u8;
-                self.columns.axes() + before.count_ones() as usize
+                self.columns.axes() + self.columns.crds() + before.count_ones() as usize
             }
             Traced::Action { channel, at, action } => return self.action(sample.row, channel, at, action).is_ok(),
             Traced::Rest { channel } => return self.rest(sample.row, channel).is_ok(),
+            Traced::Outputs { at, levels } => {
+                let outputs = trace::Outputs { tick: sample.row.into(), at: at.into(), levels: levels.into() };
+                return self.encoder.outputs(&outputs).is_ok();
+            }
         };
         if place != self.gathered {
             self.gathered = 0;
@@ -186,12 +200,18 @@ impl<const AXES: usize> TraceOut<AXES> {
                 }
             }
             Traced::Laser { mode, gate, power, khz, .. } => {
-                if let Some(to) = self.lasers.get_mut(place.wrapping_sub(self.columns.axes())) {
+                if let Some(to) = self.lasers.get_mut(place.wrapping_sub(self.columns.axes() + self.columns.crds())) {
                     let (power, khz) = (power.raw().into(), khz.raw().into());
                     *to = LaserSample { mode: mode as u8, gate: gate.into(), power, khz };
                 }
             }
-            Traced::Crd { .. } | Traced::Action { .. } | Traced::Rest { .. } => {}
+            Traced::Crd { motion, .. } => {
+                let velocity = motion.velocity();
+                if let Some(to) = self.crds.get_mut(place.wrapping_sub(self.columns.axes())) {
+                    *to = CrdSample { vel_mantissa: velocity.m.into(), vel_exponent: velocity.e.into() };
+                }
+            }
+            Traced::Action { .. } | Traced::Rest { .. } | Traced::Outputs { .. } => {}
         }
         self.row = sample.row;
         if place + 1 < self.count() {
@@ -200,7 +220,8 @@ impl<const AXES: usize> TraceOut<AXES> {
         }
         let axes = self.axes.get(..self.columns.axes()).unwrap_or(&[]);
         let lasers = self.lasers.get(..self.columns.lasers()).unwrap_or(&[]);
-        if self.encoder.row(sample.row, axes, lasers).is_err() {
+        let crds = self.crds.get(..self.columns.crds()).unwrap_or(&[]);
+        if self.encoder.row(sample.row, &Samples { axes, lasers, crds }).is_err() {
             return false;
         }
         self.gathered = 0;
@@ -241,11 +262,18 @@ impl<const AXES: usize> TraceOut<AXES> {
         for (id, channel) in channels.iter_mut().zip(list) {
             *id = LaserId { channel };
         }
+        let mut crds = [CrdId::default(); Crd::MAX];
+        let per_core = site.profile.crds_per_core.max(1);
+        for (id, crd) in crds.iter_mut().zip(self.columns.crds.crds()) {
+            let index = crd.index() as u8;
+            *id = CrdId { core: index / per_core, crd: index % per_core + 1 };
+        }
         let (period_ns, timer_mhz) = (view.period.0 as u32, view.timer_mhz);
         let head = Head { schema: protocol::SCHEMA, period_ns, every: self.every, timer_mhz };
-        let ids = ids.get(..self.columns.axes()).unwrap_or(&[]);
-        let channels = channels.get(..self.columns.lasers()).unwrap_or(&[]);
-        self.encoder.head(&head, ids, channels).is_ok()
+        let axes = ids.get(..self.columns.axes()).unwrap_or(&[]);
+        let lasers = channels.get(..self.columns.lasers()).unwrap_or(&[]);
+        let crds = crds.get(..self.columns.crds()).unwrap_or(&[]);
+        self.encoder.head(&head, &Ids { axes, lasers, crds }).is_ok()
     }
 
     fn finish(&mut self) -> bool {

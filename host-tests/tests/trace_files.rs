@@ -15,7 +15,7 @@ fn axis(axis: u8) -> AxisName {
 
 fn row(index: u32, row_ns: u64, points: &[(i64, Scaled)]) -> Row {
     let axes = points.iter().map(|&(pos, vel)| AxisPoint { pos: Pos(pos), vel }).collect();
-    Row { index, t_ns: u64::from(index) * row_ns, axes, lasers: Vec::new() }
+    Row { index, t_ns: u64::from(index) * row_ns, axes, lasers: Vec::new(), crds: Vec::new() }
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -29,6 +29,7 @@ fn csv_is_what_the_specification_shows() {
     let header = Header {
         axes: vec![axis(1), axis(3), AxisName { core: 2, axis: 1 }],
         lasers: vec![],
+        crds: vec![],
         period_ns: 250_000,
         every: 2,
     };
@@ -78,7 +79,7 @@ fn changes(vcd: &[u8], name: &str) -> Vec<(u64, bool)> {
 
 #[test]
 fn vcd_shows_every_step_once_and_evenly() {
-    let header = Header { axes: vec![axis(1), axis(2)], lasers: vec![], period_ns: 1_000_000, every: 1 };
+    let header = Header { axes: vec![axis(1), axis(2)], lasers: vec![], crds: vec![], period_ns: 1_000_000, every: 1 };
     let mut out = Vec::new();
     let mut vcd = VcdWriter::new(&mut out, &header, &[(1, true), (4, false)]).unwrap();
     let still = Scaled::default();
@@ -107,7 +108,7 @@ fn vcd_shows_every_step_once_and_evenly() {
 
 #[test]
 fn vcd_refuses_what_its_scale_cannot_show() {
-    let header = Header { axes: vec![axis(5)], lasers: vec![], period_ns: 10_000, every: 1 };
+    let header = Header { axes: vec![axis(5)], lasers: vec![], crds: vec![], period_ns: 10_000, every: 1 };
     let mut vcd = VcdWriter::new(Vec::new(), &header, &[]).unwrap();
     vcd.row(&row(0, 10_000, &[(0, Scaled::default())])).unwrap();
     vcd.row(&row(1, 10_000, &[(5_000 * PULSE, Scaled::default())])).unwrap();
@@ -118,7 +119,7 @@ fn vcd_refuses_what_its_scale_cannot_show() {
 
 /// Two rows of one axis as stream bytes, with an end that tells `rows` and `lost`.
 fn stream(rows: &[u32], sent: u32, lost: u32) -> Vec<u8> {
-    use protocol::trace::{AxisId, Encoder, Head, Sample};
+    use protocol::trace::{AxisId, Encoder, Head, Ids, Sample, Samples};
     let mut encoder = Encoder::new();
     let mut bytes = Vec::new();
     let mut flush = |encoder: &mut Encoder| {
@@ -127,11 +128,12 @@ fn stream(rows: &[u32], sent: u32, lost: u32) -> Vec<u8> {
         bytes.extend_from_slice(&part[..n]);
     };
     let head = Head { schema: protocol::SCHEMA, period_ns: 50_000, every: 4, timer_mhz: 0 };
-    encoder.head(&head, &[AxisId { core: 0, axis: 2 }], &[]).unwrap();
+    encoder.head(&head, &Ids { axes: &[AxisId { core: 0, axis: 2 }], ..Ids::default() }).unwrap();
     flush(&mut encoder);
     for &row in rows {
         let pos = i64::from(row) * PULSE;
-        encoder.row(row, &[Sample { pos: pos.into(), vel_mantissa: 5.into(), vel_exponent: 1.into() }], &[]).unwrap();
+        let sample = Sample { pos: pos.into(), vel_mantissa: 5.into(), vel_exponent: 1.into() };
+        encoder.row(row, &Samples { axes: &[sample], ..Samples::default() }).unwrap();
         flush(&mut encoder);
     }
     encoder.end(sent, lost).unwrap();
@@ -162,7 +164,10 @@ fn stream_gives_header_rows_and_end() {
         let (items, result) = read(&bytes, portion);
         result.unwrap();
         let vel = Scaled { m: 5, e: 1 };
-        assert_eq!(items[0], Item::Header(Header { axes: vec![axis(2)], lasers: vec![], period_ns: 50_000, every: 4 }));
+        assert_eq!(
+            items[0],
+            Item::Header(Header { axes: vec![axis(2)], lasers: vec![], crds: vec![], period_ns: 50_000, every: 4 })
+        );
         assert_eq!(items[3], Item::Row(row(2, 200_000, &[(2 * PULSE, vel)])));
         assert_eq!(items[4], Item::End { rows: 3 });
         assert_eq!(items.len(), 5);
@@ -197,7 +202,8 @@ fn scaled(v: f64) -> Scaled {
 }
 
 fn plot_of(axes: u8, options: PlotOptions) -> Plot {
-    let header = Header { axes: (1..=axes).map(axis).collect(), lasers: vec![], period_ns: 250_000, every: 1 };
+    let header =
+        Header { axes: (1..=axes).map(axis).collect(), lasers: vec![], crds: vec![], period_ns: 250_000, every: 1 };
     let mut plot = Plot::new(&header, options).unwrap();
     for index in 0..13_000u32 {
         let t_ms = f64::from(index) * 0.25;
@@ -288,7 +294,13 @@ fn xy_of_rectangle(options: PlotOptions) -> Xy {
         let power = if index < 250 { 100 } else { 50 };
         let at = |pulses: u32| AxisPoint { pos: Pos(i64::from(pulses) * PULSE), vel: Scaled::default() };
         let laser = LaserPoint { power: Scaled { m: power, e: 0 }, unit: PowerUnit::Percent, ..LaserPoint::default() };
-        xy.row(&Row { index, t_ns: u64::from(index) * 1_000_000, axes: vec![at(x), at(y)], lasers: vec![laser] });
+        xy.row(&Row {
+            index,
+            t_ns: u64::from(index) * 1_000_000,
+            axes: vec![at(x), at(y)],
+            lasers: vec![laser],
+            crds: vec![],
+        });
     }
     xy
 }
@@ -378,7 +390,7 @@ fn a_path_of_any_length_is_drawn() {
 /// A bitmap's line never leaves its panel: a triangle wave that falls to 0 in one row at its end.
 #[test]
 fn a_sharp_corner_leaves_no_line_behind() {
-    let header = Header { axes: vec![axis(1)], lasers: vec![], period_ns: 250_000, every: 1 };
+    let header = Header { axes: vec![axis(1)], lasers: vec![], crds: vec![], period_ns: 250_000, every: 1 };
     let mut plot = Plot::new(&header, PlotOptions::default()).unwrap();
     for index in 0..14_402u32 {
         let v = if index < 14_400 { f64::from(index % 2400) * 0.02 } else { 0.0 };

@@ -24,8 +24,14 @@ const LAYOUTS: &[(&str, Fields)] = &[
     ("Refusal", Refusal::FIELDS),
     ("TraceHead", trace::HeadLayout::FIELDS),
     ("TraceAxis", trace::AxisId::FIELDS),
+    ("TraceLaser", trace::LaserId::FIELDS),
+    ("TraceCrd", trace::CrdId::FIELDS),
     ("TraceRow", trace::RowLayout::FIELDS),
     ("TraceSample", trace::Sample::FIELDS),
+    ("TraceLaserSample", trace::LaserSample::FIELDS),
+    ("TraceCrdSample", trace::CrdSample::FIELDS),
+    ("TraceAction", trace::Action::FIELDS),
+    ("TraceOutputs", trace::Outputs::FIELDS),
     ("TraceEnd", trace::EndLayout::FIELDS),
 ];
 

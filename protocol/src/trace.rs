@@ -6,7 +6,8 @@
 //!
 //! A row carries positions in units of 2^-22 pulse, velocities as mantissa and exponent, and powers and
 //! frequencies of lasers in units of 2^-44, exactly as the servo holds them; whoever reads makes numbers of
-//! them. Between rows come, where they are asked for, the [`Action`]s that a laser channel was told to do.
+//! them. Between rows come, where they are asked for, the [`Action`]s that a laser channel was told to do, and the
+//! levels of the general [`Outputs`] when they change.
 
 use crate::command::{Wire, wire_structs};
 use crate::deframe::{Deframer, Outcome};
@@ -15,13 +16,15 @@ use zerocopy::little_endian::{I16, I64, U16, U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 /// Version of this stream.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 /// Most axes in a trace.
 pub const MAX_AXES: usize = 64;
 /// Most laser channels in a trace.
 pub const MAX_LASERS: usize = 8;
-/// Longest body of a frame: one row of all axes, or several shorter ones.
-pub const MAX_BODY: usize = 1312;
+/// Most coordinate systems in a trace.
+pub const MAX_CRDS: usize = 8;
+/// Longest body of a frame: one row of everything, or several shorter ones.
+pub const MAX_BODY: usize = 1384;
 const MAX_DECODED: usize = MAX_BODY + CRC_BYTES;
 const MAX_WIRE: usize = wire_length(MAX_DECODED);
 
@@ -31,15 +34,18 @@ const END: u8 = 0x83;
 /// In a frame of rows: what comes.
 const ROW: u8 = 1;
 const ACTION: u8 = 2;
+const OUTPUTS: u8 = 3;
 
 wire_structs! {
     /// The first frame, behind its kind: servo tick in ns, ticks from row to row, clock of the laser timers,
-    /// numbers of axes and lasers; the axes follow, then the lasers.
-    HeadLayout { version: u8, schema: U32, period_ns: U32, every: U32, timer_mhz: U16, axes: u8, lasers: u8 }
+    /// numbers of axes, lasers and coordinate systems; the axes follow, then the lasers, then the coordinate systems.
+    HeadLayout { version: u8, schema: U32, period_ns: U32, every: U32, timer_mhz: U16, axes: u8, lasers: u8, crds: u8 }
     /// One axis of the trace: core from 0, axis from 1.
     AxisId { core: u8, axis: u8 }
     /// One laser channel of the trace, from 0.
     LaserId { channel: u8 }
+    /// One coordinate system of the trace: core from 0, number of the core's from 1.
+    CrdId { core: u8, crd: u8 }
     /// Before the samples of a row: its number, from 0 without gaps.
     RowLayout { what: u8, row: U32 }
     /// One axis in a row: position in 2^-22 pulse; velocity is `vel_mantissa * 2^-vel_exponent` pulse/ms.
@@ -47,6 +53,10 @@ wire_structs! {
     /// One laser channel in one row: power mode (0 duty, 1 frequency, 2 analog, 3 duty with open switch), level of the
     /// switch output, power in 2^-44 of the mode's unit, frequency in 2^-44 kHz.
     LaserSample { mode: u8, gate: u8, power: I64, khz: I64 }
+    /// One coordinate system in one row: speed along its path, `vel_mantissa * 2^-vel_exponent` pulse/ms.
+    CrdSample { vel_mantissa: I64, vel_exponent: I16 }
+    /// General outputs, bit 0 the first: their levels from `at` ns after the tick `tick` (from row 0 on).
+    Outputs { tick: U32, at: U32, levels: U32 }
     /// A number of counts of the laser timers: whole + part/of, where 0 stands for 2^32.
     Count { whole: U64, part: U32, of: U32 }
     /// What a laser channel was told for the tick `tick` (from row 0 on), `at` ns after it. `kind`: see [`kind`].
@@ -71,9 +81,38 @@ pub mod kind {
     pub const VOLTS: u8 = 5;
 }
 
-const SAMPLES_MAX: usize = MAX_AXES * size_of::<Sample>() + MAX_LASERS * size_of::<LaserSample>();
+const SAMPLES_MAX: usize =
+    MAX_AXES * size_of::<Sample>() + MAX_LASERS * size_of::<LaserSample>() + MAX_CRDS * size_of::<CrdSample>();
 const _: () = assert!(1 + size_of::<RowLayout>() + SAMPLES_MAX <= MAX_BODY);
-const _: () = assert!(1 + size_of::<HeadLayout>() + MAX_AXES * size_of::<AxisId>() + MAX_LASERS <= MAX_BODY);
+const IDS_MAX: usize = (MAX_AXES + MAX_CRDS) * size_of::<AxisId>() + MAX_LASERS;
+const _: () = assert!(1 + size_of::<HeadLayout>() + IDS_MAX <= MAX_BODY);
+
+/// The columns of a trace, or one row of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Columns<A, L, C> {
+    /// Of axes.
+    pub axes: A,
+    /// Of laser channels.
+    pub lasers: L,
+    /// Of coordinate systems.
+    pub crds: C,
+}
+
+/// What the columns are of.
+pub type Ids<'a> = Columns<&'a [AxisId], &'a [LaserId], &'a [CrdId]>;
+/// A row.
+pub type Samples<'a> = Columns<&'a [Sample], &'a [LaserSample], &'a [CrdSample]>;
+
+impl<'a, A, L, C> Columns<&'a [A], &'a [L], &'a [C]> {
+    /// Without what is too much for a trace.
+    fn held(&self) -> Self {
+        Columns {
+            axes: self.axes.get(..MAX_AXES).unwrap_or(self.axes),
+            lasers: self.lasers.get(..MAX_LASERS).unwrap_or(self.lasers),
+            crds: self.crds.get(..MAX_CRDS).unwrap_or(self.crds),
+        }
+    }
+}
 
 /// What a trace is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,13 +153,13 @@ impl Encoder {
         Encoder { body: [0; MAX_BODY], len: 0, wire: [0; MAX_WIRE], wire_at: 0, wire_len: 0 }
     }
 
-    /// Begins a trace of at most [`MAX_AXES`] axes and [`MAX_LASERS`] laser channels (more are left out).
+    /// Begins a trace of at most [`MAX_AXES`] axes, [`MAX_LASERS`] laser channels and [`MAX_CRDS`] coordinate systems
+    /// (more are left out).
     ///
     /// # Errors
     /// [`Full`].
-    pub fn head(&mut self, head: &Head, axes: &[AxisId], lasers: &[LaserId]) -> Result<(), Full> {
-        let axes = axes.get(..axes.len().min(MAX_AXES)).unwrap_or(&[]);
-        let lasers = lasers.get(..lasers.len().min(MAX_LASERS)).unwrap_or(&[]);
+    pub fn head(&mut self, head: &Head, ids: &Ids<'_>) -> Result<(), Full> {
+        let Ids { axes, lasers, crds } = ids.held();
         let layout = HeadLayout {
             version: VERSION,
             schema: head.schema.into(),
@@ -129,19 +168,19 @@ impl Encoder {
             timer_mhz: head.timer_mhz.into(),
             axes: axes.len() as u8,
             lasers: lasers.len() as u8,
+            crds: crds.len() as u8,
         };
-        self.alone(&[&[HEAD], layout.as_bytes(), axes.as_bytes(), lasers.as_bytes()])
+        self.alone(&[&[HEAD], layout.as_bytes(), axes.as_bytes(), lasers.as_bytes(), crds.as_bytes()])
     }
 
-    /// Adds a row, with one sample for each axis and each laser of the head in its order.
+    /// Adds a row, with one sample for each column of the head in its order.
     ///
     /// # Errors
     /// [`Full`].
-    pub fn row(&mut self, row: u32, axes: &[Sample], lasers: &[LaserSample]) -> Result<(), Full> {
-        let axes = axes.get(..axes.len().min(MAX_AXES)).unwrap_or(&[]);
-        let lasers = lasers.get(..lasers.len().min(MAX_LASERS)).unwrap_or(&[]);
+    pub fn row(&mut self, row: u32, samples: &Samples<'_>) -> Result<(), Full> {
+        let Samples { axes, lasers, crds } = samples.held();
         let head = RowLayout { what: ROW, row: row.into() };
-        self.add(&[head.as_bytes(), axes.as_bytes(), lasers.as_bytes()])
+        self.add(&[head.as_bytes(), axes.as_bytes(), lasers.as_bytes(), crds.as_bytes()])
     }
 
     /// Adds what a laser channel was told to do, before the row of its tick.
@@ -150,6 +189,14 @@ impl Encoder {
     /// [`Full`].
     pub fn action(&mut self, action: &Action) -> Result<(), Full> {
         self.add(&[&[ACTION], action.as_bytes()])
+    }
+
+    /// Adds levels of the general outputs, before the row of their tick.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn outputs(&mut self, outputs: &Outputs) -> Result<(), Full> {
+        self.add(&[&[OUTPUTS], outputs.as_bytes()])
     }
 
     fn add(&mut self, parts: &[&[u8]]) -> Result<(), Full> {
@@ -233,11 +280,13 @@ impl Encoder {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event<'a> {
     /// It begins.
-    Head(Head, Row<'a, AxisId>, Row<'a, LaserId>),
-    /// A row and its samples, in the order of the head's axes and lasers.
-    Row(u32, Row<'a, Sample>, Row<'a, LaserSample>),
+    Head(Head, Lists<'a, AxisId, LaserId, CrdId>),
+    /// A row and its samples, in the order of the head.
+    Row(u32, Lists<'a, Sample, LaserSample, CrdSample>),
     /// What a laser channel was told to do.
     Action(Action),
+    /// The general outputs change.
+    Outputs(Outputs),
     /// It is over: rows sent, and rows that the controller could not send.
     End {
         /// Rows sent.
@@ -267,16 +316,19 @@ pub enum TraceError {
     Lost(u32),
 }
 
+/// Columns as they came.
+pub type Lists<'a, A, L, C> = Columns<List<'a, A>, List<'a, L>, List<'a, C>>;
+
 /// Structs of one layout, one behind the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row<'a, T> {
+pub struct List<'a, T> {
     bytes: &'a [u8],
     kind: core::marker::PhantomData<T>,
 }
 
-impl<'a, T: Wire> Row<'a, T> {
+impl<'a, T: Wire> List<'a, T> {
     const fn new(bytes: &'a [u8]) -> Self {
-        Row { bytes, kind: core::marker::PhantomData }
+        List { bytes, kind: core::marker::PhantomData }
     }
 
     /// How many.
@@ -295,12 +347,15 @@ impl<'a, T: Wire> Row<'a, T> {
     }
 }
 
+/// How many columns there are.
+type Counts = Columns<usize, usize, usize>;
+
 /// Takes a trace apart.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     deframer: Deframer<MAX_WIRE>,
-    /// Axes and lasers of the head; `None` before it.
-    columns: Option<(usize, usize)>,
+    /// Numbers of columns of the head; `None` before it.
+    columns: Option<Counts>,
     next_row: u32,
     ended: bool,
 }
@@ -347,18 +402,18 @@ impl Decoder {
 
 fn frame(
     body: &[u8],
-    columns: &mut Option<(usize, usize)>,
+    columns: &mut Option<Counts>,
     next_row: &mut u32,
     ended: &mut bool,
     sink: &mut impl FnMut(Result<Event<'_>, TraceError>),
 ) {
     match (body.split_first(), *columns) {
         (Some((&HEAD, rest)), _) => match head(rest) {
-            Ok((described, axes, lasers)) => {
-                *columns = Some((axes.len(), lasers.len()));
+            Ok((described, ids)) => {
+                *columns = Some(Columns { axes: ids.axes.len(), lasers: ids.lasers.len(), crds: ids.crds.len() });
                 *next_row = 0;
                 *ended = false;
-                sink(Ok(Event::Head(described, axes, lasers)));
+                sink(Ok(Event::Head(described, ids)));
             }
             Err(error) => sink(Err(error)),
         },
@@ -381,53 +436,61 @@ fn frame(
     }
 }
 
-fn head(bytes: &[u8]) -> Result<(Head, Row<'_, AxisId>, Row<'_, LaserId>), TraceError> {
+/// As many structs as told, and what is behind them.
+fn list<T: Wire>(bytes: &[u8], count: usize) -> Option<(List<'_, T>, &[u8])> {
+    let (list, rest) = bytes.split_at_checked(count.saturating_mul(size_of::<T>()))?;
+    Some((List::new(list), rest))
+}
+
+/// The columns, and what is behind them.
+fn lists<A: Wire, L: Wire, C: Wire>(bytes: &[u8], counts: Counts) -> Option<(Lists<'_, A, L, C>, &[u8])> {
+    let (axes, rest) = list(bytes, counts.axes)?;
+    let (lasers, rest) = list(rest, counts.lasers)?;
+    let (crds, rest) = list(rest, counts.crds)?;
+    Some((Columns { axes, lasers, crds }, rest))
+}
+
+fn head(bytes: &[u8]) -> Result<(Head, Lists<'_, AxisId, LaserId, CrdId>), TraceError> {
     match bytes.first() {
         Some(&VERSION) => {}
         Some(&other) => return Err(TraceError::Version(other)),
         None => return Err(TraceError::Unexpected),
     }
-    let (layout, list) = HeadLayout::read_from_prefix(bytes).map_err(|_| TraceError::Unexpected)?;
-    let (axes, lasers) = (usize::from(layout.axes), usize::from(layout.lasers));
-    let lists = list.split_at_checked(axes.saturating_mul(size_of::<AxisId>()));
-    let Some((axis_ids, laser_ids)) = lists.filter(|(_, laser_ids)| laser_ids.len() == lasers) else {
-        return Err(TraceError::Unexpected);
+    let (layout, rest) = HeadLayout::read_from_prefix(bytes).map_err(|_| TraceError::Unexpected)?;
+    let (axes, lasers, crds) = (layout.axes.into(), layout.lasers.into(), layout.crds.into());
+    let ids = match lists(rest, Columns { axes, lasers, crds }) {
+        Some((ids, [])) if axes <= MAX_AXES && lasers <= MAX_LASERS && crds <= MAX_CRDS => ids,
+        _ => return Err(TraceError::Unexpected),
     };
-    if axes > MAX_AXES || lasers > MAX_LASERS {
-        return Err(TraceError::Unexpected);
-    }
     let head = Head {
         schema: layout.schema.get(),
         period_ns: layout.period_ns.get(),
         every: layout.every.get(),
         timer_mhz: layout.timer_mhz.get(),
     };
-    Ok((head, Row::new(axis_ids), Row::new(laser_ids)))
+    Ok((head, ids))
 }
 
-fn rows(
-    bytes: &[u8],
-    (axes, lasers): (usize, usize),
-    next_row: &mut u32,
-    sink: &mut impl FnMut(Result<Event<'_>, TraceError>),
-) {
-    let (axes, lasers) = (axes.saturating_mul(size_of::<Sample>()), lasers.saturating_mul(size_of::<LaserSample>()));
+fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut(Result<Event<'_>, TraceError>)) {
     let mut rest = bytes;
     while let Some((&what, behind)) = rest.split_first() {
         let after = match what {
             ROW => RowLayout::read_from_prefix(rest).ok().and_then(|(head, after)| {
-                let (axes, after) = after.split_at_checked(axes)?;
-                let (lasers, after) = after.split_at_checked(lasers)?;
+                let (samples, after) = lists(after, columns)?;
                 let row = head.row.get();
                 if row != *next_row {
                     sink(Err(TraceError::Missing { expected: *next_row, came: row }));
                 }
                 *next_row = row.wrapping_add(1);
-                sink(Ok(Event::Row(row, Row::new(axes), Row::new(lasers))));
+                sink(Ok(Event::Row(row, samples)));
                 Some(after)
             }),
             ACTION => Action::read_from_prefix(behind).ok().map(|(action, after)| {
                 sink(Ok(Event::Action(action)));
+                after
+            }),
+            OUTPUTS => Outputs::read_from_prefix(behind).ok().map(|(outputs, after)| {
+                sink(Ok(Event::Outputs(outputs)));
                 after
             }),
             _ => None,

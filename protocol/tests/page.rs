@@ -348,6 +348,10 @@ fn a_trace_is_that_of_the_page() {
     let laser =
         |mode: u8, gate: u8, power: i64| trace::LaserSample { mode, gate, power: power.into(), khz: power.into() };
     let lasers = [[laser(0, 0, 0)], [laser(1, 1, 30 << 44)]];
+    let speed = |m: i64| trace::CrdSample { vel_mantissa: m.into(), vel_exponent: 2.into() };
+    let crds = [[speed(0)], [speed(7)]];
+    let samples = |row: usize| trace::Samples { axes: &rows[row], lasers: &lasers[row], crds: &crds[row] };
+    let outputs = trace::Outputs { tick: 1.into(), at: 125_000.into(), levels: 5.into() };
     let count = |whole: u64, of: u32| trace::Count { whole: whole.into(), part: 1.into(), of: of.into() };
     let action = trace::Action {
         tick: 1.into(),
@@ -361,15 +365,17 @@ fn a_trace_is_that_of_the_page() {
     let head = trace::Head { schema: 0x1234_5678, period_ns: 250_000, every: 1, timer_mhz: 1000 };
     let mut ours: Vec<u8> = Vec::new();
     let mut out = [0; 2000];
-    encoder.head(&head, &axes, &[trace::LaserId { channel: 0 }]).unwrap();
+    let (lasers_of, crds_of) = ([trace::LaserId { channel: 0 }], [trace::CrdId { core: 1, crd: 2 }]);
+    encoder.head(&head, &trace::Ids { axes: &axes, lasers: &lasers_of, crds: &crds_of }).unwrap();
     let mut drain = |encoder: &mut trace::Encoder| {
         let length = encoder.take(&mut out);
         ours.extend(&out[..length]);
     };
     drain(&mut encoder);
-    encoder.row(0, &rows[0], &lasers[0]).unwrap();
+    encoder.row(0, &samples(0)).unwrap();
     encoder.action(&action).unwrap();
-    encoder.row(1, &rows[1], &lasers[1]).unwrap();
+    encoder.outputs(&outputs).unwrap();
+    encoder.row(1, &samples(1)).unwrap();
     drain(&mut encoder);
     encoder.end(2, 0).unwrap();
     drain(&mut encoder);
@@ -380,20 +386,22 @@ fn a_trace_is_that_of_the_page() {
     for byte in wire {
         decoder.feed(&[byte], |event| {
             match event.unwrap() {
-                trace::Event::Head(got, list, channels) => {
-                    assert_eq!((got, channels.len()), (head, 1));
-                    assert!(list.iter().eq(axes));
+                trace::Event::Head(got, ids) => {
+                    assert_eq!((got, ids.lasers.len()), (head, 1));
+                    assert!(ids.axes.iter().eq(axes) && ids.crds.iter().eq(crds_of));
                 }
-                trace::Event::Row(row, samples, of_lasers) => {
-                    assert!(samples.iter().eq(rows[row as usize]));
-                    assert!(of_lasers.iter().eq(lasers[row as usize]));
+                trace::Event::Row(row, samples) => {
+                    assert!(samples.axes.iter().eq(rows[row as usize]));
+                    assert!(samples.lasers.iter().eq(lasers[row as usize]));
+                    assert!(samples.crds.iter().eq(crds[row as usize]));
                 }
                 trace::Event::Action(got) => assert_eq!(got, action),
+                trace::Event::Outputs(got) => assert_eq!(got, outputs),
                 trace::Event::End { rows, lost } => assert_eq!((rows, lost), (2, 0)),
             }
             came += 1;
         });
     }
-    assert_eq!(came, 5);
+    assert_eq!(came, 6);
     assert!(decoder.ended());
 }

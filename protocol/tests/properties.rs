@@ -154,7 +154,8 @@ proptest! {
         let mut decoder = trace::Decoder::new();
         let mut head = trace::Encoder::new();
         let described = trace::Head { schema: 0, period_ns: 1, every: 1, timer_mhz: 1 };
-        head.head(&described, &[trace::AxisId { core: 0, axis: 1 }], &[trace::LaserId { channel: 0 }]).unwrap();
+        let (axes, lasers) = (&[trace::AxisId { core: 0, axis: 1 }][..], &[trace::LaserId { channel: 0 }][..]);
+        head.head(&described, &trace::Ids { axes, lasers, crds: &[trace::CrdId { core: 0, crd: 1 }] }).unwrap();
         let mut wire = [0; 100];
         let length = head.take(&mut wire);
         decoder.feed(&wire[..length], |event| assert!(event.is_ok()));

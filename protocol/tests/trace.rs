@@ -1,8 +1,8 @@
 //! The trace stream: what is sent comes back, and what is missing is reported.
 
 use protocol::trace::{
-    Action, AxisId, Count, Decoder, Encoder, Event, Full, Head, LaserId, LaserSample, MAX_AXES, MAX_LASERS, Sample,
-    TraceError, kind,
+    Action, AxisId, Columns, Count, CrdId, CrdSample, Decoder, Encoder, Event, Full, Head, Ids, LaserId, LaserSample,
+    MAX_AXES, MAX_CRDS, MAX_LASERS, Outputs, Sample, Samples, TraceError, kind,
 };
 
 const HEAD: Head = Head { schema: 5, period_ns: 50_000, every: 2, timer_mhz: 1000 };
@@ -14,6 +14,14 @@ fn sample(row: u32, axis: usize) -> Sample {
 
 fn laser_sample(row: u32, laser: usize) -> LaserSample {
     LaserSample { mode: laser as u8 & 3, gate: row as u8 & 1, power: i64::from(row).into(), khz: (1 << 40).into() }
+}
+
+fn crd_sample(row: u32, crd: usize) -> CrdSample {
+    CrdSample { vel_mantissa: (i64::from(row) << 40).into(), vel_exponent: (crd as i16).into() }
+}
+
+fn levels(row: u32) -> Outputs {
+    Outputs { tick: (2 * row).into(), at: 12.into(), levels: (!row).into() }
 }
 
 fn laser_action(row: u32) -> Action {
@@ -31,18 +39,19 @@ fn laser_action(row: u32) -> Action {
 
 /// A trace of some rows of some axes, frame by frame.
 fn frames(rows: u32, axes: usize, lost: u32) -> Vec<Vec<u8>> {
-    frames_of(rows, (axes, 0), false, lost)
+    frames_of(rows, (axes, 0, 0), false, lost)
 }
 
-/// The same with lasers; `actions`: one before each row.
-fn frames_of(rows: u32, (axes, lasers): (usize, usize), actions: bool, lost: u32) -> Vec<Vec<u8>> {
+/// The same with lasers and coordinate systems; `between`: an action and levels before each row.
+fn frames_of(rows: u32, (axes, lasers, crds): (usize, usize, usize), between: bool, lost: u32) -> Vec<Vec<u8>> {
+    let systems: Vec<CrdId> = (0..crds).map(|crd| CrdId { core: (crd / 2) as u8, crd: (crd % 2 + 1) as u8 }).collect();
     let channels: Vec<LaserId> = (0..lasers).map(|channel| LaserId { channel: channel as u8 }).collect();
     let ids: Vec<AxisId> =
         (0..axes).map(|axis| AxisId { core: (axis / 32) as u8, axis: (axis % 32 + 1) as u8 }).collect();
     let mut encoder = Encoder::new();
     let mut wire = Vec::new();
     let mut out = [0; 100];
-    encoder.head(&HEAD, &ids, &channels).unwrap();
+    encoder.head(&HEAD, &Ids { axes: &ids, lasers: &channels, crds: &systems }).unwrap();
     let mut drain = |encoder: &mut Encoder| {
         while !encoder.is_empty() {
             let length = encoder.take(&mut out);
@@ -52,13 +61,19 @@ fn frames_of(rows: u32, (axes, lasers): (usize, usize), actions: bool, lost: u32
     for row in 0..rows {
         let samples: Vec<Sample> = (0..axes).map(|axis| sample(row, axis)).collect();
         let lasers: Vec<LaserSample> = (0..lasers).map(|laser| laser_sample(row, laser)).collect();
-        if actions && encoder.action(&laser_action(row)) == Err(Full) {
+        let crds: Vec<CrdSample> = (0..crds).map(|crd| crd_sample(row, crd)).collect();
+        if between && encoder.action(&laser_action(row)) == Err(Full) {
             drain(&mut encoder);
             encoder.action(&laser_action(row)).unwrap();
         }
-        if encoder.row(row, &samples, &lasers) == Err(Full) {
+        if between && encoder.outputs(&levels(row)) == Err(Full) {
             drain(&mut encoder);
-            encoder.row(row, &samples, &lasers).unwrap();
+            encoder.outputs(&levels(row)).unwrap();
+        }
+        let samples = Samples { axes: &samples, lasers: &lasers, crds: &crds };
+        if encoder.row(row, &samples) == Err(Full) {
+            drain(&mut encoder);
+            encoder.row(row, &samples).unwrap();
         }
     }
     while encoder.end(rows, lost) == Err(Full) {
@@ -70,35 +85,43 @@ fn frames_of(rows: u32, (axes, lasers): (usize, usize), actions: bool, lost: u32
 
 /// Rows that came whole, errors, and whether the end came.
 fn read(wire: &[u8], axes: usize) -> (u32, Vec<TraceError>, bool) {
-    let (rows, actions, errors, ended) = read_of(wire, (axes, 0));
-    assert_eq!(actions, 0);
+    let (rows, between, errors, ended) = read_of(wire, (axes, 0, 0));
+    assert_eq!(between, 0);
     (rows, errors, ended)
 }
 
-/// The same with lasers, and the actions that came.
-fn read_of(wire: &[u8], (axes, lasers): (usize, usize)) -> (u32, u32, Vec<TraceError>, bool) {
+/// The same with lasers and coordinate systems, and the actions and levels that came.
+fn read_of(wire: &[u8], (axes, lasers, crds): (usize, usize, usize)) -> (u32, u32, Vec<TraceError>, bool) {
     let mut decoder = Decoder::new();
-    let (mut rows, mut actions, mut errors) = (0, 0, Vec::new());
+    let (mut rows, mut between, mut errors) = (0, 0, Vec::new());
     for part in wire.chunks(13) {
         decoder.feed(part, |event| match event {
-            Ok(Event::Row(row, samples, of_lasers)) => {
-                assert!(samples.iter().eq((0..axes).map(|axis| sample(row, axis))));
-                assert!(of_lasers.iter().eq((0..lasers).map(|laser| laser_sample(row, laser))));
+            Ok(Event::Row(row, samples)) => {
+                assert!(samples.axes.iter().eq((0..axes).map(|axis| sample(row, axis))));
+                assert!(samples.lasers.iter().eq((0..lasers).map(|laser| laser_sample(row, laser))));
+                assert!(samples.crds.iter().eq((0..crds).map(|crd| crd_sample(row, crd))));
                 rows += 1;
             }
             Ok(Event::Action(action)) => {
-                assert_eq!(action, laser_action(actions));
-                actions += 1;
+                assert_eq!(action, laser_action(between / 2));
+                between += 1;
             }
-            Ok(Event::Head(head, list, channels)) => {
-                assert_eq!((head, list.len()), (HEAD, axes));
+            Ok(Event::Outputs(outputs)) => {
+                assert_eq!(outputs, levels(between / 2));
+                between += 1;
+            }
+            Ok(Event::Head(head, Columns { axes: list, lasers: channels, crds: systems })) => {
+                assert_eq!((head, list.len(), systems.len()), (HEAD, axes, crds));
                 assert!(channels.iter().map(|id| id.channel).eq(0..lasers as u8));
+                assert!(
+                    systems.iter().enumerate().all(|(n, id)| usize::from(id.core) * 2 + usize::from(id.crd) == n + 1)
+                );
             }
             Ok(Event::End { .. }) => {}
             Err(error) => errors.push(error),
         });
     }
-    (rows, actions, errors, decoder.ended())
+    (rows, between, errors, decoder.ended())
 }
 
 #[test]
@@ -109,37 +132,37 @@ fn rows_come_back_for_any_number_of_axes() {
 }
 
 #[test]
-fn lasers_come_behind_the_axes_and_actions_before_their_row() {
-    for columns in [(0, 1), (8, 2), (MAX_AXES, MAX_LASERS)] {
+fn lasers_and_paths_come_behind_the_axes_and_what_is_told_before_its_row() {
+    for columns in [(0, 1, 0), (8, 2, 4), (0, 0, 1), (MAX_AXES, MAX_LASERS, MAX_CRDS)] {
         let wire = frames_of(100, columns, true, 0).concat();
-        assert_eq!(read_of(&wire, columns), (100, 100, vec![], true), "{columns:?}");
+        assert_eq!(read_of(&wire, columns), (100, 200, vec![], true), "{columns:?}");
     }
 }
 
 #[test]
 fn several_rows_share_a_frame() {
-    // 23 bytes a row, 1311 a body behind its kind: 57 rows; head and end.
-    assert_eq!(frames(570, 1, 0).len(), 12);
+    // 23 bytes a row, 1383 a body behind its kind: 60 rows; head and end.
+    assert_eq!(frames(600, 1, 0).len(), 12);
 }
 
 #[test]
 fn a_missing_frame_is_an_error() {
-    let mut all = frames(570, 1, 0);
+    let mut all = frames(600, 1, 0);
     all.remove(3);
-    assert_eq!(read(&all.concat(), 1), (513, vec![TraceError::Missing { expected: 114, came: 171 }], true));
+    assert_eq!(read(&all.concat(), 1), (540, vec![TraceError::Missing { expected: 120, came: 180 }], true));
     // The last rows are missed at the end.
-    let mut all = frames(570, 1, 0);
+    let mut all = frames(600, 1, 0);
     all.remove(10);
-    assert_eq!(read(&all.concat(), 1), (513, vec![TraceError::Missing { expected: 513, came: 570 }], true));
+    assert_eq!(read(&all.concat(), 1), (540, vec![TraceError::Missing { expected: 540, came: 600 }], true));
 }
 
 #[test]
 fn a_damaged_frame_is_an_error() {
-    let mut all = frames(570, 1, 0);
+    let mut all = frames(600, 1, 0);
     all[3][20] ^= 0x40;
     let (rows, errors, ended) = read(&all.concat(), 1);
-    assert_eq!((rows, ended), (513, true));
-    assert_eq!(errors, [TraceError::BadFrame, TraceError::Missing { expected: 114, came: 171 }]);
+    assert_eq!((rows, ended), (540, true));
+    assert_eq!(errors, [TraceError::BadFrame, TraceError::Missing { expected: 120, came: 180 }]);
 }
 
 #[test]

@@ -60,10 +60,10 @@ impl Edges {
         }
     }
 
-    /// Hands them to the machine, whose outputs have these levels at the tick computed; the levels at the end, and
-    /// which enables went on and off.
+    /// Hands them to the machine, whose outputs have these levels at the tick computed, and the general outputs with
+    /// their instants to `told`; the levels at the end.
     #[inline(never)]
-    pub(crate) fn flush(&mut self, mut levels: Levels, port: &mut impl Port) -> Levels {
+    pub(crate) fn flush(&mut self, mut levels: Levels, port: &mut impl Port, mut told: impl FnMut(u32, u32)) -> Levels {
         for &(at, change) in self.list.iter().take(self.count) {
             match change {
                 Change::Digital { group, mask, value } => {
@@ -74,6 +74,7 @@ impl Edges {
                         DoGroup::General => levels.general = set(levels.general as u64) as u32,
                     }
                     port.outputs(at, levels.enable, levels.clear, levels.general);
+                    told(at, levels.general);
                 }
                 Change::Analog { channel, value } => port.analog_out(at, channel as usize, value),
             }

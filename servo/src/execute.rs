@@ -108,8 +108,9 @@ impl<const AXES: usize> Tick<AXES> {
                     self.stop_crds(self.crds.running, false, StopReason::LinkLoss, next, lanes);
                 }
             }
-            Op::Trace { every, axes, crds, lasers, edges } => {
-                if let Some((row, chosen)) = self.trace.begin(every, Chosen { axes, crds, lasers, edges }) {
+            Op::Trace { every, axes, crds, lasers, edges, outputs } => {
+                let chosen = Chosen { axes, crds, lasers, edges, outputs };
+                if let Some((row, chosen)) = self.trace.begin(every, chosen) {
                     self.emit(row, chosen, lanes.samples);
                 }
             }

@@ -178,8 +178,8 @@ pub enum Op {
     TickPeriod { ns: u32 },
     /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed and
     /// begins with `ProgramRun`; else it begins at once. Row 0 is the tick in force then. `edges`: with what the
-    /// laser channels are told between the rows.
-    Trace { every: u32, axes: AxisMask, crds: CrdMask, lasers: u8, edges: bool },
+    /// laser channels are told between the rows; `outputs`: with the general outputs when they change.
+    Trace { every: u32, axes: AxisMask, crds: CrdMask, lasers: u8, edges: bool, outputs: bool },
     /// SetCrdPrm, at rest: which axes it drives and from where; these are in `Mode::Crd` from now on. Both FIFOs are
     /// empty; stop deceleration and override are those of power-on (1 pulse/ms², 1).
     CrdFrame { crd: Crd, frame: crd::Frame },

@@ -215,8 +215,11 @@ impl<const AXES: usize> Tick<AXES> {
         let (trace, samples) = (&mut self.trace, &mut lanes.samples);
         let (tables, axes) = (lanes.tables.lasers, &self.axes);
         self.lasers.run(next, period, tables, axes, port, |channel, plan| trace.tell(channel, plan, samples));
-        if let Some((row, chosen)) = self.trace.advance() {
-            self.emit(row, chosen, &mut lanes.samples);
+        if self.trace.runs() {
+            self.trace.tell_outputs(0, self.general, &mut lanes.samples);
+            if let Some((row, chosen)) = self.trace.advance() {
+                self.emit(row, chosen, &mut lanes.samples);
+            }
         }
 
         self.now = next;
@@ -287,9 +290,12 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// One row of the trace, of axes and lasers as they stand.
+    /// One row of the trace, of axes, coordinate systems and lasers as they stand.
     #[inline(never)]
     pub(crate) fn emit(&mut self, row: u32, chosen: Chosen, samples: &mut Producer<'_, Sample, SAMPLES>) {
+        if row == 0 {
+            self.trace.tell_outputs_carried(self.general, samples);
+        }
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             let Some(axis) = Axis::new(index) else { break };
             if chosen.axes.has(axis) {
@@ -362,8 +368,8 @@ impl<const AXES: usize> Tick<AXES> {
                     program.clear();
                     self.script.runs = false;
                 }
-                Op::Trace { every, axes, crds, lasers, edges } if !self.script.runs && every != 0 => {
-                    self.trace.arm(every, Chosen { axes, crds, lasers, edges })
+                Op::Trace { every, axes, crds, lasers, edges, outputs } if !self.script.runs && every != 0 => {
+                    self.trace.arm(every, Chosen { axes, crds, lasers, edges, outputs })
                 }
                 _ => self.execute(Lane::Immediate, entry, next, period, port, &mut reach),
             }
@@ -398,7 +404,9 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     fn flush_edges(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let before = Levels { enable: self.enable, clear: self.clear, general: self.general };
-        let after = self.edges.flush(before, port);
+        let (trace, samples) = (&mut self.trace, &mut lanes.samples);
+        trace.tell_outputs(0, before.general, samples);
+        let after = self.edges.flush(before, port, |at, levels| trace.tell_outputs(at, levels, samples));
         (self.clear, self.general) = (after.clear, after.general);
         let (on, off) = (after.enable & !before.enable, before.enable & !after.enable);
         if on | off != 0 {

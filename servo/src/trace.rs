@@ -9,17 +9,19 @@ use crate::units::{AxisMask, CrdMask};
 use crate::view::{Sample, Traced};
 use ring::Producer;
 
-/// What is traced: axes, coordinate systems, laser channels (bit 0 the first), and whether what these are told between rows is too.
+/// What is traced: axes, coordinate systems, laser channels (bit 0 the first), whether what these are
+/// told between rows is too, and whether the general outputs are.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chosen {
     pub(crate) axes: AxisMask,
     pub(crate) crds: CrdMask,
     pub(crate) lasers: u8,
     pub(crate) edges: bool,
+    pub(crate) outputs: bool,
 }
 
 impl Chosen {
-    const NONE: Chosen = Chosen { axes: AxisMask(0), crds: CrdMask(0), lasers: 0, edges: false };
+    const NONE: Chosen = Chosen { axes: AxisMask(0), crds: CrdMask(0), lasers: 0, edges: false, outputs: false };
 }
 
 /// What is traced, and where in the rows it is.
@@ -34,6 +36,8 @@ pub(crate) struct Trace {
     tick: u32,
     /// Channels that rest, and were told of it.
     resting: u8,
+    /// General outputs as they were told last.
+    levels: u32,
     chosen: Chosen,
     /// Armed: begins with the program.
     armed: Option<(u32, Chosen)>,
@@ -43,7 +47,7 @@ pub(crate) struct Trace {
 
 impl Trace {
     pub(crate) const OFF: Trace =
-        Trace { every: 0, left: 0, row: 0, tick: 0, resting: 0, chosen: Chosen::NONE, armed: None, lost: 0 };
+        Trace { every: 0, left: 0, row: 0, tick: 0, resting: 0, levels: 0, chosen: Chosen::NONE, armed: None, lost: 0 };
 
     /// Waits for the program.
     pub(crate) fn arm(&mut self, every: u32, chosen: Chosen) {
@@ -52,7 +56,7 @@ impl Trace {
 
     /// Begins now: what row 0 is of, which is of the tick in force.
     pub(crate) fn begin(&mut self, every: u32, chosen: Chosen) -> Option<(u32, Chosen)> {
-        *self = Trace { every, left: every, row: 0, tick: 0, resting: 0, chosen, armed: None, lost: 0 };
+        *self = Trace { every, left: every, chosen, ..Trace::OFF };
         (every != 0).then_some((0, chosen))
     }
 
@@ -83,6 +87,23 @@ impl Trace {
         }
     }
 
+    /// The general outputs when the trace begins.
+    pub(crate) fn tell_outputs_carried(&mut self, levels: u32, samples: &mut Producer<'_, Sample, SAMPLES>) {
+        if self.chosen.outputs {
+            self.levels = levels;
+            self.put(Sample { row: 0, of: Traced::Outputs { at: 0, levels } }, samples);
+        }
+    }
+
+    /// The general outputs from `at` ns after the next tick on.
+    #[inline]
+    pub(crate) fn tell_outputs(&mut self, at: u32, levels: u32, samples: &mut Producer<'_, Sample, SAMPLES>) {
+        if self.chosen.outputs && levels != self.levels && self.every != 0 {
+            self.levels = levels;
+            self.put(Sample { row: self.tick.wrapping_add(1), of: Traced::Outputs { at, levels } }, samples);
+        }
+    }
+
     /// A channel's plan for the interval that begins with the next tick.
     #[inline]
     pub(crate) fn tell(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {
@@ -106,11 +127,14 @@ impl Trace {
         }
     }
 
-    /// The next tick is computed: its row, if it has one.
+    /// Whether there is one.
+    #[inline]
+    pub(crate) fn runs(&self) -> bool {
+        self.every != 0
+    }
+
+    /// The next tick of one is computed: its row, if it has one.
     pub(crate) fn advance(&mut self) -> Option<(u32, Chosen)> {
-        if self.every == 0 {
-            return None;
-        }
         self.tick = self.tick.wrapping_add(1);
         self.left = self.left.wrapping_sub(1);
         if self.left != 0 {

@@ -624,6 +624,13 @@ pub enum Traced {
         /// Which channel, from 0.
         channel: u8,
     },
+    /// The general outputs have these levels from here on: like an action, before the row of the tick `row`.
+    Outputs {
+        /// ns from the beginning of the interval.
+        at: u32,
+        /// Bit 0 is the first.
+        levels: u32,
+    },
 }
 
 /// News that must not be missed, from the tick to the thread.

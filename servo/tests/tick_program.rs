@@ -180,12 +180,15 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
         let mut bench = Bench::ready(250, Mode::PtStatic);
         bench.pt(0, 0, &LISTING_2_1);
         bench.now(Op::SetPosition { axis: axis(3), pos: Pos::pulses(9) });
-        bench.now(Op::Trace { every, axes: all(&[0, 3]), crds: CrdMask(0), lasers: 0, edges: false });
+        bench.now(Op::Trace { every, axes: all(&[0, 3]), crds: CrdMask(0), lasers: 0, edges: false, outputs: false });
         bench.ticks(7);
         assert!(bench.sample().is_none(), "armed only");
         bench.then(0, Op::PtStart { axes: all(&[0]), fifo1: AxisMask(0) });
         bench.then(0, Op::SetPosition { axis: axis(3), pos: Pos::pulses(10) });
-        bench.then(3100 * MS, Op::Trace { every: 0, axes: AxisMask(0), crds: CrdMask(0), lasers: 0, edges: false });
+        bench.then(
+            3100 * MS,
+            Op::Trace { every: 0, axes: AxisMask(0), crds: CrdMask(0), lasers: 0, edges: false, outputs: false },
+        );
         bench.now(Op::ProgramRun);
         let step = every as u64 * 250 * US;
         let mut rows = vec![];
@@ -222,7 +225,7 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
 #[test]
 fn a_trace_that_nobody_takes_counts_what_it_loses() {
     let mut bench = Bench::ready(250, Mode::PtStatic);
-    bench.now(Op::Trace { every: 1, axes: AxisMask(0xff), crds: CrdMask(0), lasers: 0, edges: false });
+    bench.now(Op::Trace { every: 1, axes: AxisMask(0xff), crds: CrdMask(0), lasers: 0, edges: false, outputs: false });
     bench.now(Op::ProgramRun);
     let view = bench.ticks(130);
     // 131 rows of 8; the ring holds 1024.

@@ -68,7 +68,7 @@ pub fn choose<const AXES: usize>(case: &mut Case<AXES>, r: &Choose) -> Admitted<
     Ok(plain(opcode::Choose))
 }
 
-/// Crds can be traced once they exist; until then their mask must be 0.
+/// The mask of coordinate systems is over all cores, as that of axes is.
 pub fn trace<const AXES: usize>(case: &mut Case<AXES>, r: &Trace) -> Admitted<Answer> {
     let (every, axes) = (r.every.get(), AxisMask(r.axes.get()));
     let all = case.site.all();
@@ -76,11 +76,11 @@ pub fn trace<const AXES: usize>(case: &mut Case<AXES>, r: &Trace) -> Admitted<An
         return Err(Refused::new(Reason::OutOfRange).field(1).got(axes.0 as f64).limits(0.0, all.0 as f64));
     }
     let lasers = within(2, r.lasers, 0, (1 << CHANNELS) - 1)?;
-    within(3, r.crds, 0, 0)?;
+    let crds = CrdMask(within(3, r.crds, 0, case.site.all_crds().0)?);
     let over_link = within(4, r.way, 0, 1)? == 1;
-    let edges = within(5, r.edges, 0, 1)? == 1;
-    case.stage(Op::Trace { every, axes, crds: CrdMask(0), lasers, edges });
-    case.effect = Effect::Trace { every, columns: Columns { axes, lasers }, over_link };
+    let edges = within(5, r.edges, 0, 3)?;
+    case.stage(Op::Trace { every, axes, crds, lasers, edges: edges & 1 != 0, outputs: edges & 2 != 0 });
+    case.effect = Effect::Trace { every, columns: Columns { axes, lasers, crds }, over_link };
     Ok(Answer::Done)
 }
 

@@ -4,7 +4,7 @@ use crate::command_line::{FamilyName, Settings, Way};
 use crate::profile;
 use client::{Client, Family, Link, Options, Profile};
 use protocol::reason::Reason;
-use virtual_board::{Board, Config, Shared, VirtualLink, share};
+use virtual_board::{Board, Config, VirtualLink, share};
 
 /// Servo tick of the virtual controller where none is asked for: the compatible value of SPEC 1.
 pub const TICK_US: u32 = 250;
@@ -23,14 +23,13 @@ fn options(settings: &Settings, wanted: Option<Profile>) -> Result<Options, Fail
     Ok(Options { profile, family, tick_us: settings.tick_us, ..Options::default() })
 }
 
-/// A virtual controller and its client.
-pub fn simulated(settings: &Settings, wanted: Option<Profile>) -> Result<(Client, Shared), Failure> {
+/// The client of a virtual controller.
+pub fn simulated(settings: &Settings, wanted: Option<Profile>) -> Result<Client, Failure> {
     let options = options(settings, wanted)?;
     let config =
         Config { tick_us: settings.tick_us.unwrap_or(TICK_US), profile: options.profile.unwrap_or(Profile::Gus) as u8 };
     let board = share(Board::new(config));
-    let client = Client::open(Box::new(VirtualLink::new(board.clone())), options)?;
-    Ok((client, board))
+    Ok(Client::open(Box::new(VirtualLink::new(board)), options)?)
 }
 
 /// A client over the link that the command line names.

@@ -10,7 +10,7 @@ use protocol::command::{GetClock, GetFault, LaserStatus};
 pub fn show(arguments: &Info) -> Result<(), Failure> {
     let client = match &arguments.link {
         Some(link) => linked(link, &arguments.way, &arguments.settings, None)?,
-        None => simulated(&arguments.settings, None)?.0,
+        None => simulated(&arguments.settings, None)?,
     };
     let clock = client.call(GetClock {})?;
     let version = client.version();

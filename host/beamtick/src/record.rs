@@ -1,17 +1,15 @@
 //! The trace stream to files: CSV, VCD, plots.
 //!
-//! In: the stream's bytes as they come. Out: files, and the peak velocity of each axis. The first error
+//! In: the stream's bytes as they come. Out: files, and the peak velocity of each axis and path. The first error
 //! ends the recording and is told at its end: a gap is never passed over.
 use crate::Failure;
 use crate::command_line::Outputs;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use std::sync::PoisonError;
 use trace::{
-    AxisName, Change, CsvWriter, Header, Item, OutputEdge, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter, Xy,
+    AxisName, Change, CsvWriter, Header, Item, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter, Xy,
 };
-use virtual_board::{Output, Shared};
 
 /// See the module text.
 pub struct Recording {
@@ -26,7 +24,6 @@ struct Sinks {
     plot: Option<(PathBuf, PlotOptions)>,
     xy: Option<(PathBuf, Option<(AxisName, AxisName)>, PlotOptions)>,
     outputs: Vec<u8>,
-    board: Option<Shared>,
     open: Option<Open>,
 }
 
@@ -38,6 +35,7 @@ struct Open {
     plot: Option<Plot>,
     xy: Option<Xy>,
     peaks: Vec<f64>,
+    speeds: Vec<f64>,
     rows: u32,
 }
 
@@ -47,21 +45,17 @@ pub struct Recorded {
     pub header: Header,
     /// Greatest speed of each axis of the header, pulse/ms.
     pub peaks: Vec<f64>,
+    /// Greatest path speed of each coordinate system of the header, pulse/ms.
+    pub speeds: Vec<f64>,
     /// Rows.
     pub rows: u32,
 }
 
 impl Recording {
-    /// Creates the files. `outputs` are the digital outputs that the job sets, from 1; `board` is the
-    /// virtual controller, whose output edges go into the VCD.
+    /// Creates the files. `digital` are the general outputs that the job sets, from 1, which go into the VCD.
     ///
     /// `title` and `subtitle` stand above the plot.
-    pub fn new(
-        outputs: &Outputs,
-        (title, subtitle): (&str, String),
-        digital: Vec<u8>,
-        board: Option<Shared>,
-    ) -> Result<Self, Failure> {
+    pub fn new(outputs: &Outputs, (title, subtitle): (&str, String), digital: Vec<u8>) -> Result<Self, Failure> {
         let create = |path: &PathBuf| File::create(path).map_err(|error| unwritable(path, &error));
         let options = PlotOptions {
             title: title.to_owned(),
@@ -85,7 +79,6 @@ impl Recording {
                 plot: outputs.plot.clone().map(|path| (path, options.clone())),
                 xy: outputs.xy.clone().map(|path| (path, outputs.xy_axes, options)),
                 outputs: digital,
-                board,
                 open: None,
             },
             failed: None,
@@ -98,7 +91,6 @@ impl Recording {
             return;
         }
         let Recording { reader, sinks, failed } = self;
-        sinks.take_edges();
         if let Err(error) = reader.feed(bytes, |item| sinks.take(item)) {
             *failed = Some(error);
         }
@@ -132,7 +124,7 @@ impl Recording {
         if !self.reader.ended() {
             return Err(Failure::Job(format!("trace: it breaks off after {} rows; the end did not come", open.rows)));
         }
-        Ok(Recorded { header: open.header, peaks: open.peaks, rows: open.rows })
+        Ok(Recorded { header: open.header, peaks: open.peaks, speeds: open.speeds, rows: open.rows })
     }
 }
 
@@ -152,6 +144,12 @@ impl Sinks {
                 }
                 Ok(())
             }
+            Item::Output(edge) => {
+                if let Some(vcd) = self.open.as_mut().and_then(|open| open.vcd.as_mut()) {
+                    vcd.edge(edge);
+                }
+                Ok(())
+            }
             Item::Row(row) => self.open.as_mut().map_or(Ok(()), |open| open.row(&row)),
             Item::End { .. } => Ok(()),
         }
@@ -163,24 +161,9 @@ impl Sinks {
         let vcd = self.vcd.take().map(|file| VcdWriter::new(BufWriter::new(file), &header, &levels)).transpose()?;
         let plot = self.plot.as_ref().map(|(_, options)| Plot::new(&header, options.clone())).transpose()?;
         let xy = self.xy.as_ref().map(|(_, axes, options)| xy(&header, *axes, options)).transpose()?;
-        let peaks = vec![0.0; header.axes.len()];
-        self.open = Some(Open { header, csv, vcd, plot, xy, peaks, rows: 0 });
+        let (peaks, speeds) = (vec![0.0; header.axes.len()], vec![0.0; header.crds.len()]);
+        self.open = Some(Open { header, csv, vcd, plot, xy, peaks, speeds, rows: 0 });
         Ok(())
-    }
-
-    /// The virtual controller's output edges, ahead of the rows that come after them.
-    fn take_edges(&mut self) {
-        let (Some(board), Some(Open { vcd: Some(vcd), .. })) = (&self.board, &mut self.open) else { return };
-        let mut board = board.lock().unwrap_or_else(PoisonError::into_inner);
-        let zero = board.program_zero_ns();
-        for edge in board.take_edges() {
-            if let (Output::General(number), Some(t_ns)) = (edge.output, edge.at_ns.checked_sub(zero)) {
-                let output = number + 1;
-                if self.outputs.contains(&output) {
-                    vcd.edge(OutputEdge { t_ns, output, level: edge.level });
-                }
-            }
-        }
     }
 }
 
@@ -198,6 +181,9 @@ impl Open {
         self.rows += 1;
         for (peak, point) in self.peaks.iter_mut().zip(&row.axes) {
             *peak = peak.max(trace::decimal::scaled_f64(point.vel).abs());
+        }
+        for (peak, speed) in self.speeds.iter_mut().zip(&row.crds) {
+            *peak = peak.max(trace::decimal::scaled_f64(*speed).abs());
         }
         if let Some(csv) = &mut self.csv {
             csv.row(row)?;

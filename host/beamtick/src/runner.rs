@@ -11,19 +11,18 @@ use crate::report::{INTERRUPTED, Report};
 use crate::source::Source;
 use crate::{profile, summary};
 use client::{Client, Progress};
-use job::{Action, Axis, Job, Severity};
-use protocol::command::{AxisItem, AxisStatus, Request, SetDo, SetDoBit, Stop, Trace};
+use job::{Action, Axis, Call, Job, Severity};
+use protocol::command::{AxisItem, AxisStatus, BufDoBit, BufIO, FollowDoBitEx, Request, SetDo, SetDoBit, Stop, Trace};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use trace::AxisName;
-use virtual_board::Shared;
 use zerocopy::FromBytes;
 
 /// Bit 10 of the status word: the profile runs.
 pub const RUNNING: u32 = 1 << 10;
 /// General outputs, as SetDo names them.
-const GENERAL: i16 = 12;
+const GENERAL: i32 = 12;
 /// A trace's end comes within this time of the program's, on the link's clock.
 const TRACE_END: Duration = Duration::from_secs(10);
 /// A smooth stop is awaited no longer than this, on the link's clock.
@@ -35,8 +34,8 @@ type Tape = Arc<Mutex<Option<Recording>>>;
 /// Runs a job in the virtual controller.
 pub fn sim(arguments: &Sim) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
-    let (client, board) = simulated(&arguments.settings, Some(profile::of_job(&source.job)))?;
-    execute(&source, &client, Some(board), &arguments.outputs)
+    let client = simulated(&arguments.settings, Some(profile::of_job(&source.job)))?;
+    execute(&source, &client, true, &arguments.outputs)
 }
 
 /// Runs a job on a board.
@@ -44,11 +43,10 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
     let profile = profile::of_job(&source.job);
     let client = linked(&arguments.link, &arguments.way, &arguments.settings, Some(profile))?;
-    execute(&source, &client, None, &arguments.outputs)
+    execute(&source, &client, false, &arguments.outputs)
 }
 
-fn execute(source: &Source, client: &Client, board: Option<Shared>, outputs: &Outputs) -> Result<(), Failure> {
-    let simulated = board.is_some();
+fn execute(source: &Source, client: &Client, simulated: bool, outputs: &Outputs) -> Result<(), Failure> {
     let version = *client.version();
     let job = &source.job;
     let interrupt = Arc::new(AtomicBool::new(false));
@@ -57,7 +55,7 @@ fn execute(source: &Source, client: &Client, board: Option<Shared>, outputs: &Ou
     let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
 
     let recording = match outputs.traces() {
-        true => Some(record(source, client, board, outputs)?),
+        true => Some(record(source, client, outputs)?),
         false => None,
     };
     let entries = entries(job, &version, recording.is_some());
@@ -113,7 +111,7 @@ fn drive(client: &Client, report: &mut Report<'_>, entries: &[Entry], strict: bo
 }
 
 /// Starts the trace and the files it goes to.
-fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Outputs) -> Result<Tape, Failure> {
+fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, Failure> {
     let version = client.version();
     let axes = source
         .job
@@ -122,6 +120,12 @@ fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Out
         .filter_map(|axis| bit(axis, version.cores, version.axes_per_core))
         .fold(0u64, |mask, bit| mask | bit);
     let lasers = source.job.lasers & channels(version.lasers);
+    let crds = source
+        .job
+        .crds
+        .iter()
+        .filter_map(|crd| place(crd.core, crd.crd, version.cores, version.crds_per_core))
+        .fold(0u8, |mask, place| mask | 1u8.checked_shl(place).unwrap_or(0));
     if axes == 0 && lasers == 0 {
         return Err(Failure::Input(format!(
             "{}: the job uses no axis and no laser of this profile; there is nothing to trace",
@@ -138,7 +142,8 @@ fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Out
     };
     let subtitle =
         format!("{}, profile {}{family}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
-    let recording = Recording::new(outputs, (&source.name, subtitle), digital(&source.job), board)?;
+    let digital = digital(&source.job);
+    let recording = Recording::new(outputs, (&source.name, subtitle), digital.clone())?;
     let recording = Arc::new(Mutex::new(Some(recording)));
     let sink = Arc::clone(&recording);
     client.trace_to(move |bytes| {
@@ -149,16 +154,17 @@ fn record(source: &Source, client: &Client, board: Option<Shared>, outputs: &Out
     let (way, every) = match client.trace_rate() {
         None => (0, outputs.every),
         Some(rate) => {
-            let row = row_bytes(axes.count_ones(), lasers.count_ones());
+            let row = row_bytes(axes.count_ones(), lasers.count_ones(), crds.count_ones());
             (1, outputs.every.max(least_every(rate, row, version.tick_us.get())))
         }
     };
-    // What lasers do between rows is for pictures and signals only.
-    let edges = u8::from(lasers != 0 && outputs.shows_edges());
+    // What lasers do between rows is for pictures and signals only; general outputs are signals.
+    let edges =
+        u8::from(lasers != 0 && outputs.shows_edges()) | u8::from(!digital.is_empty() && outputs.vcd.is_some()) << 1;
     if every > outputs.every {
         complain!("{}: the trace has a row every {every} ticks: this link does not carry more", client.name());
     }
-    client.call(Trace { every: every.into(), axes: axes.into(), lasers, crds: 0, way, edges })?;
+    client.call(Trace { every: every.into(), axes: axes.into(), lasers, crds, way, edges })?;
     Ok(recording)
 }
 
@@ -183,8 +189,8 @@ fn channels(lasers: u8) -> u8 {
 }
 
 /// Bytes of a row (docs/protocol.md section 7).
-fn row_bytes(axes: u32, lasers: u32) -> u32 {
-    5 + 18 * axes + 18 * lasers
+fn row_bytes(axes: u32, lasers: u32, crds: u32) -> u32 {
+    5 + 18 * axes + 18 * lasers + 10 * crds
 }
 
 /// Ticks from row to row that a link of `rate` bytes a second carries.
@@ -208,33 +214,47 @@ fn close(client: &Client, recording: &Tape) -> Result<Recorded, Failure> {
 
 /// The bit of an axis in masks over all cores.
 fn bit(axis: &Axis, cores: u8, per_core: u8) -> Option<u64> {
-    let (core, number) = (u8::try_from(axis.core).ok()?, u8::try_from(axis.axis).ok()?);
+    1u64.checked_shl(place(axis.core, axis.axis, cores, per_core)?)
+}
+
+/// Where an axis or a coordinate system is, counted over all cores, if the controller has it.
+fn place(core: i16, number: i16, cores: u8, per_core: u8) -> Option<u32> {
+    let (core, number) = (u8::try_from(core).ok()?, u8::try_from(number).ok()?);
     let known = (1..=cores).contains(&core) && (1..=per_core).contains(&number);
-    known.then(|| 1u64.checked_shl(u32::from(core - 1) * u32::from(per_core) + u32::from(number - 1))).flatten()
+    known.then(|| u32::from(core - 1) * u32::from(per_core) + u32::from(number - 1))
 }
 
 /// General outputs that the job sets, from 1.
 fn digital(job: &Job) -> Vec<u8> {
-    let mut outputs = Vec::new();
-    for step in &job.steps {
-        let Action::Call(call) = &step.action else { continue };
-        match call.opcode {
-            SetDoBit::OPCODE => {
-                if let Ok(set) = SetDoBit::read_from_bytes(&call.body)
-                    && set.do_type.get() == GENERAL
-                {
-                    outputs.extend(u8::try_from(set.index.get()).ok().filter(|index| (1..=32).contains(index)));
-                }
-            }
-            SetDo::OPCODE if SetDo::read_from_bytes(&call.body).is_ok_and(|set| set.do_type.get() == GENERAL) => {
-                outputs.extend(1..=16);
-            }
-            _ => {}
+    let mask = job.steps.iter().filter_map(|step| if let Action::Call(call) = &step.action { set(call) } else { None });
+    let mask = mask.filter(|(kind, _)| *kind == GENERAL).fold(0, |all, (_, mask)| all | mask);
+    (1..=32).filter(|output| mask >> (output - 1) & 1 == 1).collect()
+}
+
+/// The kind of outputs that a call sets, and which.
+fn set(call: &Call) -> Option<(i32, u32)> {
+    let bit = |index: i32| u32::try_from(index - 1).ok().and_then(|bit| 1u32.checked_shl(bit)).unwrap_or(0);
+    let body = &call.body[..];
+    Some(match call.opcode {
+        SetDo::OPCODE => (SetDo::read_from_bytes(body).ok()?.do_type.get().into(), 0xffff),
+        SetDoBit::OPCODE => {
+            let set = SetDoBit::read_from_bytes(body).ok()?;
+            (set.do_type.get().into(), bit(set.index.get().into()))
         }
-    }
-    outputs.sort_unstable();
-    outputs.dedup();
-    outputs
+        FollowDoBitEx::OPCODE => {
+            let set = FollowDoBitEx::read_from_bytes(body).ok()?;
+            (set.do_type.get().into(), bit(set.index.get().into()))
+        }
+        BufDoBit::OPCODE => {
+            let set = BufDoBit::read_from_bytes(body).ok()?;
+            (set.do_type.get().into(), bit(set.index.get().into()))
+        }
+        BufIO::OPCODE => {
+            let set = BufIO::read_from_bytes(body).ok()?;
+            (set.do_type.get().into(), set.do_mask.get().into())
+        }
+        _ => return None,
+    })
 }
 
 /// The state of each axis that the job used and the controller has.
@@ -276,14 +296,14 @@ mod tests {
     #[test]
     fn rows_are_as_many_as_the_link_carries() {
         // 8 axes at 250 us are 149 bytes a row, 596 kB/s and what frames add.
-        assert_eq!(least_every(1_000_000, row_bytes(8, 0), 250), 1);
-        assert_eq!(least_every(61_440, row_bytes(8, 0), 250), 11);
-        assert_eq!(least_every(61_440, row_bytes(8, 2), 250), 14);
-        assert_eq!(least_every(61_440, row_bytes(1, 0), 250), 2);
-        assert_eq!(least_every(7_680, row_bytes(48, 0), 10), 12_448);
+        assert_eq!(least_every(1_000_000, row_bytes(8, 0, 0), 250), 1);
+        assert_eq!(least_every(61_440, row_bytes(8, 0, 0), 250), 11);
+        assert_eq!(least_every(61_440, row_bytes(8, 2, 0), 250), 14);
+        assert_eq!(least_every(61_440, row_bytes(1, 0, 0), 250), 2);
+        assert_eq!(least_every(7_680, row_bytes(48, 0, 0), 10), 12_448);
         for (rate, axes, lasers, tick_us) in [(61_440, 8, 2, 250), (7_680, 1, 0, 50), (1_000_000, 48, 2, 50)] {
-            let every = least_every(rate, row_bytes(axes, lasers), tick_us);
-            let bytes_a_second = f64::from(5 + 18 * (axes + lasers)) * 1e6 / f64::from(tick_us * every);
+            let every = least_every(rate, row_bytes(axes, lasers, 2), tick_us);
+            let bytes_a_second = f64::from(25 + 18 * (axes + lasers)) * 1e6 / f64::from(tick_us * every);
             assert!(bytes_a_second * 1.1 <= f64::from(rate), "{rate} {axes} {tick_us}: {every}");
         }
     }

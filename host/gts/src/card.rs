@@ -166,7 +166,7 @@ pub struct Card {
 impl Card {
     fn open(opening: Opening, settings: Settings) -> Result<Card> {
         let mut options = Options { profile: settings.profile, family: settings.family, ..Options::default() };
-        let mut board = None;
+        let mut is_virtual = false;
         let (client, time) = match &settings.road {
             Road::Virtual(factor) => {
                 let profile = *options.profile.get_or_insert(match opening {
@@ -176,7 +176,7 @@ impl Card {
                 });
                 options.family.get_or_insert_default();
                 let shared = share(Board::new(Config { tick_us: TICK_US, profile: profile as u8 }));
-                board = Some(shared.clone());
+                is_virtual = true;
                 match factor {
                     Some(factor) => {
                         let (link, pace) = PacedLink::new(shared, *factor);
@@ -192,9 +192,9 @@ impl Card {
             }
             Road::Link(name) => (Client::open(client::link::open(name)?, options)?, Time::Own),
         };
-        let recorder = match board.filter(|_| settings.is_traced()) {
-            Some(board) => Some(Recorder::start(&client, &settings, board)?),
-            None => None,
+        let recorder = match is_virtual && settings.is_traced() {
+            true => Some(Recorder::start(&client, &settings)?),
+            false => None,
         };
         let client = Arc::new(client);
         let keeper = match &time {
@@ -405,12 +405,13 @@ impl Card {
 pub fn everything(client: &Client) -> Trace {
     let version = client.version();
     let axes = u32::from(version.cores) * u32::from(version.axes_per_core);
+    let crds = u32::from(version.cores) * u32::from(version.crds_per_core);
     Trace {
         every: 1.into(),
         axes: 1u64.checked_shl(axes).unwrap_or(0).wrapping_sub(1).into(),
         lasers: 1u8.checked_shl(version.lasers.into()).unwrap_or(0).wrapping_sub(1),
-        crds: 0,
+        crds: 1u8.checked_shl(crds).unwrap_or(0).wrapping_sub(1),
         way: 0,
-        edges: 1,
+        edges: 3,
     }
 }

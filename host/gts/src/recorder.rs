@@ -13,8 +13,7 @@ use std::io::BufWriter;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use trace::{CsvWriter, Header, Item, OutputEdge, Reader, TraceError, VcdWriter};
-use virtual_board::{Output, Shared};
+use trace::{CsvWriter, Header, Item, Reader, TraceError, VcdWriter};
 
 /// General outputs that a VCD shows.
 const OUTPUTS: u8 = 16;
@@ -26,7 +25,6 @@ pub struct Recorder {
     reader: Reader,
     csv: Sink<CsvWriter<BufWriter<File>>>,
     vcd: Sink<VcdWriter<BufWriter<File>>>,
-    board: Shared,
     failed: Option<TraceError>,
 }
 
@@ -62,12 +60,11 @@ impl<W> Sink<W> {
 
 impl Recorder {
     /// Creates the files and begins the trace.
-    pub fn start(client: &Client, settings: &Settings, board: Shared) -> Result<Arc<Mutex<Recorder>>> {
+    pub fn start(client: &Client, settings: &Settings) -> Result<Arc<Mutex<Recorder>>> {
         let recorder = Recorder {
             reader: Reader::new(),
             csv: Sink::create(settings.trace.as_ref())?,
             vcd: Sink::create(settings.vcd.as_ref())?,
-            board,
             failed: None,
         };
         let shared = Arc::new(Mutex::new(recorder));
@@ -86,14 +83,19 @@ impl Recorder {
         if self.failed.is_some() {
             return;
         }
-        let Recorder { reader, csv, vcd, board, failed } = self;
-        take_edges(board, vcd);
+        let Recorder { reader, csv, vcd, failed } = self;
         let mut take = |item: Item| -> trace::Result<()> {
             match item {
                 Item::Header(header) => begin(csv, vcd, &header),
                 Item::Laser { laser, change } => {
                     if let Some(vcd) = vcd.writer() {
                         vcd.change(laser, &change);
+                    }
+                    Ok(())
+                }
+                Item::Output(edge) => {
+                    if let Some(vcd) = vcd.writer() {
+                        vcd.edge(edge);
                     }
                     Ok(())
                 }
@@ -108,18 +110,6 @@ impl Recorder {
         };
         if let Err(error) = reader.feed(bytes, &mut take) {
             *failed = Some(error);
-        }
-    }
-}
-
-/// The controller's output edges, ahead of the rows that come after them.
-fn take_edges(board: &Shared, vcd: &mut Sink<VcdWriter<BufWriter<File>>>) {
-    let Some(vcd) = vcd.writer() else { return };
-    let mut board = board.lock().unwrap_or_else(PoisonError::into_inner);
-    let zero = board.program_zero_ns();
-    for edge in board.take_edges() {
-        if let (Output::General(number), Some(t_ns)) = (edge.output, edge.at_ns.checked_sub(zero)) {
-            vcd.edge(OutputEdge { t_ns, output: number + 1, level: edge.level });
         }
     }
 }

@@ -10,10 +10,12 @@ use crate::expr::nearest;
 use crate::read::{Fault, Reader};
 use crate::scan::{Kind, Token};
 use crate::value::{Type, Value};
-use crate::{Action, Axis, Call};
+use crate::{Action, Axis, Call, Crd};
 use protocol::reserved::RESERVED;
 use std::ops::Range;
 
+/// Profiles that a TCrdPrm can map.
+const MAPPED: usize = 8;
 /// A count beyond this names no more axes: no profile has them.
 const MOST_AXES: i64 = 64;
 
@@ -178,6 +180,21 @@ impl Reader<'_> {
             _ => 0,
         };
         self.axes.extend((first..first.saturating_add(used)).filter(|axis| *axis > 0).map(|axis| Axis { core, axis }));
+        match function.name {
+            "SetCrdPrm" => {
+                // Its dimension, then what each profile drives.
+                let mapped = (1..).zip(numbers.iter().skip(2).take(MAPPED)).filter(|(_, drives)| **drives != 0.0);
+                let mapped: Vec<Axis> = mapped.map(|(axis, _)| Axis { core, axis }).collect();
+                self.named.extend(&mapped);
+                self.axes.extend(mapped);
+                self.crds.extend((first > 0).then_some(Crd { core, crd: first }));
+            }
+            "BufMove" | "BufGear" => {
+                let axis = numbers.get(1).map_or(0, |axis| *axis as i16);
+                self.axes.extend((axis > 0).then_some(Axis { core, axis }));
+            }
+            _ => {}
+        }
         self.lasers |= lasers(function, bound);
         match function.name {
             "Reset" => {
@@ -205,7 +222,8 @@ impl Reader<'_> {
             let last = first.saturating_add(count.clamp(1, MOST_AXES)) - 1;
             self.named.extend((first..=last).filter_map(|axis| Some(Axis { core, axis: i16::try_from(axis).ok()? })));
         }
-        if let Some(mask) = value("mask") {
+        // Those of CrdStart and CrdStop name coordinate systems.
+        if let Some(mask) = value("mask").filter(|_| !function.name.starts_with("Crd")) {
             // In the GT form of Stop, bits from 8 on are coordinate systems.
             let axes = if function.name == "Stop" && !several_cores { mask & 0xff } else { mask };
             self.name_mask(core, axes as u32);

@@ -9,8 +9,11 @@ pub struct Job {
     pub steps: Vec<Step>,
     /// What was accepted although it is odd: misspelt names, stray braces, assumed values.
     pub warnings: Vec<Diagnostic>,
-    /// Axes that the job uses in the sense of SPEC section 8 (mode set or position set), ascending.
+    /// Axes that the job uses (it sets their mode or position, or maps them to a coordinate system, or a path moves
+    /// them), ascending.
     pub axes: Vec<Axis>,
+    /// Coordinate systems that the job sets up, ascending.
+    pub crds: Vec<Crd>,
     /// Laser channels that the job uses (a call sets something of them), bit k is channel k.
     pub lasers: u8,
     /// Every core and axis that a call or a configuration file names, ascending; axis 0 stands for the
@@ -25,6 +28,15 @@ pub struct Axis {
     pub core: i16,
     /// Axis of that core.
     pub axis: i16,
+}
+
+/// A coordinate system of a core, both counted from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Crd {
+    /// Logical core.
+    pub core: i16,
+    /// Coordinate system of that core.
+    pub crd: i16,
 }
 
 /// One entry of the program.

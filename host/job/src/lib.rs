@@ -28,7 +28,7 @@ mod value;
 mod wait;
 
 pub use diagnostic::{Diagnostic, Severity, render};
-pub use job::{Action, Axis, Call, Job, Out, Step};
+pub use job::{Action, Axis, Call, Crd, Job, Out, Step};
 
 use std::path::{Path, PathBuf};
 
@@ -73,6 +73,7 @@ pub fn compile(text: &str, files: &dyn Files) -> Result<Job, Vec<Diagnostic>> {
         steps: reader.steps,
         warnings: reader.warnings,
         axes: reader.axes.into_iter().collect(),
+        crds: reader.crds.into_iter().collect(),
         lasers: reader.lasers,
         named: reader.named.into_iter().collect(),
     })

@@ -7,7 +7,7 @@
 use crate::endless::Motions;
 use crate::scan::{self, Kind, Lines, Token, diagnostic};
 use crate::value::{Value, Variables};
-use crate::{Action, Axis, Diagnostic, Files, Severity, Step};
+use crate::{Action, Axis, Crd, Diagnostic, Files, Severity, Step};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -51,6 +51,7 @@ pub(crate) struct Reader<'a> {
     pub(crate) polling: bool,
     pub(crate) keep_going: bool,
     pub(crate) axes: BTreeSet<Axis>,
+    pub(crate) crds: BTreeSet<Crd>,
     /// Laser channels that calls set something of.
     pub(crate) lasers: u8,
     /// Cores (as axis 0) and axes that any call names.
@@ -82,6 +83,7 @@ impl<'a> Reader<'a> {
             polling: false,
             keep_going: false,
             axes: BTreeSet::new(),
+            crds: BTreeSet::new(),
             lasers: 0,
             named: BTreeSet::new(),
             motions: Motions::default(),

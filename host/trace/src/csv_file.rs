@@ -1,5 +1,5 @@
 //! Rows as CSV (SPEC 8): `t_ms`, position and velocity of each axis, then gate, power and frequency of
-//! each laser; numbers with six decimals.
+//! each laser, then the path speed of each coordinate system; numbers with six decimals.
 use crate::decimal::{milliseconds, position, scaled};
 use crate::row::{Header, Row};
 use crate::{Result, TraceError};
@@ -17,7 +17,8 @@ impl<W: Write> CsvWriter<W> {
         let names = header.axes.iter().flat_map(|n| [format!("{n}_pos"), format!("{n}_vel")]);
         let lasers =
             header.lasers.iter().flat_map(|k| [format!("{k}_gate"), format!("{k}_power"), format!("{k}_freq_khz")]);
-        out.write_record(std::iter::once("t_ms".to_owned()).chain(names).chain(lasers)).map_err(as_io)?;
+        let crds = header.crds.iter().map(|n| format!("{n}_vel"));
+        out.write_record(std::iter::once("t_ms".to_owned()).chain(names).chain(lasers).chain(crds)).map_err(as_io)?;
         Ok(CsvWriter { out })
     }
 
@@ -32,6 +33,9 @@ impl<W: Write> CsvWriter<W> {
             self.out.write_field(if point.gate { "1" } else { "0" }).map_err(as_io)?;
             self.out.write_field(scaled(point.power)).map_err(as_io)?;
             self.out.write_field(scaled(point.frequency)).map_err(as_io)?;
+        }
+        for speed in &row.crds {
+            self.out.write_field(scaled(*speed)).map_err(as_io)?;
         }
         self.out.write_record(None::<&[u8]>).map_err(as_io)
     }

@@ -1,5 +1,5 @@
-//! Rows as a picture: position and velocity of each axis, gate, pulses and power of each laser, one panel
-//! below the other, on one time axis.
+//! Rows as a picture: position and velocity of each axis, path speed of each coordinate system with the power of the
+//! laser beside it, gate, pulses and power of each laser, one panel below the other, on one time axis.
 //!
 //! In: rows, and what the lasers' outputs did between them. Out: a PNG or an SVG. It owns a bounded
 //! number of points for each curve, so that a trace of any length fits and no peak is lost. Digital
@@ -17,11 +17,11 @@ mod xy;
 
 use crate::Result;
 use crate::decimal::{position_f64, scaled_f64};
-use crate::row::{AxisName, Header, LaserName, LaserPoint, PowerUnit, Row};
+use crate::row::{AxisName, CrdName, Header, LaserName, LaserPoint, PowerUnit, Row};
 use activity::Activity;
 use canvas::{HEAD, Picture};
 use curve::Curve;
-use panel::{Content, FOOT, Frame, Panel};
+use panel::{Beside, Content, FOOT, Frame, Panel};
 use plant::beam::Change;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -72,6 +72,7 @@ struct Values {
     t_ns: u64,
     /// Position and velocity.
     axes: Vec<[f64; 2]>,
+    crds: Vec<f64>,
     lasers: Vec<LaserPoint>,
 }
 
@@ -95,6 +96,8 @@ pub struct Plot {
     axes: Vec<AxisName>,
     /// Position and velocity of each axis.
     curves: Vec<[Curve; 2]>,
+    /// Path speed of each coordinate system.
+    crds: Vec<(CrdName, Curve)>,
     lasers: Vec<Laser>,
     before: Option<Values>,
     drawn: bool,
@@ -122,6 +125,7 @@ impl Plot {
             window,
             axes: header.axes.clone(),
             curves: vec![Default::default(); header.axes.len()],
+            crds: header.crds.iter().map(|name| (*name, Curve::default())).collect(),
             lasers: header.lasers.iter().map(laser).collect(),
             before: None,
             drawn: false,
@@ -157,6 +161,7 @@ impl Plot {
         let values = Values {
             t_ns: row.t_ns,
             axes: row.axes.iter().map(|point| [position_f64(point.pos), scaled_f64(point.vel)]).collect(),
+            crds: row.crds.iter().map(|speed| scaled_f64(*speed)).collect(),
             lasers: row.lasers.clone(),
         };
         if let Some(before) = self.before.take() {
@@ -180,6 +185,9 @@ impl Plot {
             for (curve, value) in curves.iter_mut().zip(axis) {
                 curve.push((t, *value));
             }
+        }
+        for ((_, curve), speed) in self.crds.iter_mut().zip(&values.crds) {
+            curve.push((t, *speed));
         }
         for (laser, point) in self.lasers.iter_mut().zip(&values.lasers) {
             let curves = &mut laser.powers[point.unit as usize];
@@ -214,16 +222,33 @@ impl Plot {
                 curves.iter().zip([("position (pulse)", POSITION), ("velocity (pulse/ms)", VELOCITY)])
             {
                 let content = Content::Quantity(std::slice::from_ref(curve));
-                panels.push(Panel { caption: format!("{} {what}", title(*axis)), colour, from_zero: false, content });
+                let caption = format!("{} {what}", title(*axis));
+                panels.push(Panel { caption, colour, from_zero: false, content, beside: None });
             }
         }
+        // Light that follows the speed is seen beside it.
+        let power = self.lasers.iter().find_map(|laser| Some((laser, *laser.shown().first()?)));
+        for (crd, curve) in &self.crds {
+            panels.push(Panel {
+                caption: format!("{} path speed (pulse/ms)", crd_title(*crd)),
+                colour: VELOCITY,
+                from_zero: true,
+                content: Content::Quantity(std::slice::from_ref(curve)),
+                beside: power.map(|(laser, unit)| Beside {
+                    caption: laser.caption(unit),
+                    colour: POWER,
+                    curves: &laser.powers[unit as usize],
+                }),
+            });
+        }
         for laser in &self.lasers {
-            let name = format!("laser {}", laser.name.0);
+            let name = laser.title();
             panels.push(Panel {
                 caption: format!("{name} gate"),
                 colour: GATE,
                 from_zero: false,
                 content: Content::Digital(&laser.gate),
+                beside: None,
             });
             if laser.has_pulses {
                 panels.push(Panel {
@@ -231,23 +256,17 @@ impl Plot {
                     colour: PULSES,
                     from_zero: false,
                     content: Content::Digital(&laser.pulses),
+                    beside: None,
                 });
             }
-            let units = [PowerUnit::Percent, PowerUnit::Kilohertz, PowerUnit::Volt];
-            // A unit that was only the power-on one is not shown beside the one that was used.
-            let was_used =
-                |curves: &Vec<Curve>| curves.iter().filter_map(Curve::extremes).any(|extremes| extremes != (0.0, 0.0));
-            let any = laser.powers.iter().any(was_used);
-            for unit in units {
-                let curves = &laser.powers[unit as usize];
-                if if any { was_used(curves) } else { laser.unit == Some(unit) } {
-                    panels.push(Panel {
-                        caption: format!("{name} power: {}, per tick", quantity(unit)),
-                        colour: POWER,
-                        from_zero: true,
-                        content: Content::Quantity(curves),
-                    });
-                }
+            for unit in laser.shown() {
+                panels.push(Panel {
+                    caption: format!("{}, per tick", laser.caption(unit)),
+                    colour: POWER,
+                    from_zero: true,
+                    content: Content::Quantity(&laser.powers[unit as usize]),
+                    beside: None,
+                });
             }
         }
         panels
@@ -271,7 +290,8 @@ impl Picture for Plot {
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<()> {
         let mut below = canvas::head(area, &self.options, scale)?;
         let panels = self.panels();
-        let frame = Frame { span: self.time_range(), height: quantity_height(&panels), scale };
+        let beside = panels.iter().any(|panel| panel.beside.is_some());
+        let frame = Frame { span: self.time_range(), height: quantity_height(&panels), beside, scale };
         for (index, panel) in panels.iter().enumerate() {
             let last = index + 1 == panels.len();
             let height = panel.height(frame.height) + if last { FOOT } else { 0 };
@@ -283,13 +303,35 @@ impl Picture for Plot {
     }
 }
 
+impl Laser {
+    fn title(&self) -> String {
+        format!("laser {}", self.name.0)
+    }
+
+    fn caption(&self, unit: PowerUnit) -> String {
+        format!("{} power: {}", self.title(), quantity(unit))
+    }
+
+    /// The units in which its power is drawn: one that was only the power-on one is not, beside one that was used.
+    fn shown(&self) -> Vec<PowerUnit> {
+        let was_used = |unit: &PowerUnit| {
+            let mut extremes = self.powers[*unit as usize].iter().filter_map(Curve::extremes);
+            extremes.any(|extremes| extremes != (0.0, 0.0))
+        };
+        let units = [PowerUnit::Percent, PowerUnit::Kilohertz, PowerUnit::Volt];
+        let used: Vec<PowerUnit> = units.into_iter().filter(was_used).collect();
+        if used.is_empty() { self.unit.into_iter().collect() } else { used }
+    }
+}
+
 impl Values {
     /// Between this row and the next: motion goes straight, lasers stay.
     fn towards(&self, next: &Values, t_ns: u64) -> Values {
         let part = (t_ns - self.t_ns) as f64 / (next.t_ns - self.t_ns) as f64;
         let between = |(a, b): (&[f64; 2], &[f64; 2])| [a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part];
         let axes = self.axes.iter().zip(&next.axes).map(between).collect();
-        Values { t_ns, axes, lasers: self.lasers.clone() }
+        let crds = self.crds.iter().zip(&next.crds).map(|(a, b)| a + (b - a) * part).collect();
+        Values { t_ns, axes, crds, lasers: self.lasers.clone() }
     }
 }
 
@@ -308,6 +350,14 @@ fn title(axis: AxisName) -> String {
     match axis.core {
         1 => format!("axis {}", axis.axis),
         core => format!("core {core} axis {}", axis.axis),
+    }
+}
+
+/// What a person calls a coordinate system.
+fn crd_title(crd: CrdName) -> String {
+    match crd.core {
+        1 => format!("crd {}", crd.crd),
+        core => format!("core {core} crd {}", crd.crd),
     }
 }
 

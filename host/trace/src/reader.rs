@@ -3,10 +3,10 @@
 //! In: bytes in any portions. Out: [`Item`]s in order. Owns the decoder, the last header, and an output stage
 //! for each laser, which makes edges of what the channel was told. The first error is the last thing that
 //! comes out: a gap is never passed over.
-use crate::row::{AxisName, AxisPoint, Header, LaserName, LaserPoint, PowerUnit, Row};
+use crate::row::{AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
 use crate::{Result, TraceError};
 use plant::beam::{Change, Stage};
-use protocol::trace::{self, Decoder, Event, TraceError as Fault, kind};
+use protocol::trace::{self, Columns, Decoder, Event, TraceError as Fault, kind};
 use servo::laser::{Action, Clock, Count, Power, Train};
 use servo::piece::Scaled;
 use servo::units::Pos;
@@ -33,6 +33,8 @@ pub enum Item {
         /// It begins.
         on: bool,
     },
+    /// A general output changed, if they are traced. It comes before the row of its tick, in the order of time.
+    Output(OutputEdge),
     /// A row.
     Row(Row),
     /// The trace is over, after this many rows.
@@ -57,6 +59,8 @@ struct Made {
     stages: Vec<Stage>,
     /// What light is told to do: laser, instant, on; for each laser in the order of time.
     lights: Vec<(usize, u64, bool)>,
+    /// Levels of the general outputs.
+    levels: u32,
 }
 
 impl Reader {
@@ -86,19 +90,20 @@ impl Reader {
 impl Made {
     fn take(&mut self, event: Event<'_>, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
         match event {
-            Event::Head(head, axes, lasers) => {
+            Event::Head(head, Columns { axes, lasers, crds }) => {
                 if !lasers.is_empty() && head.timer_mhz != Clock::GHZ.mhz() {
                     return Err(TraceError::Clock { mhz: head.timer_mhz });
                 }
                 let axes = axes.iter().map(|a| AxisName { core: a.core.saturating_add(1), axis: a.axis }).collect();
                 let lasers: Vec<LaserName> = lasers.iter().map(|laser| LaserName(laser.channel)).collect();
+                let crds = crds.iter().map(|c| CrdName { core: c.core.saturating_add(1), crd: c.crd }).collect();
                 self.stages = vec![Stage::new(); lasers.len()];
-                self.header = Header { axes, lasers, period_ns: head.period_ns.into(), every: head.every };
-                self.rows = 0;
+                self.header = Header { axes, lasers, crds, period_ns: head.period_ns.into(), every: head.every };
+                (self.rows, self.levels) = (0, 0);
                 self.lights.clear();
                 sink(Item::Header(self.header.clone()))
             }
-            Event::Row(index, axes, lasers) => {
+            Event::Row(index, samples) => {
                 self.rows = index.wrapping_add(1);
                 let t_ns = u64::from(index) * self.header.row_ns();
                 for (laser, stage) in self.stages.iter_mut().enumerate() {
@@ -107,10 +112,22 @@ impl Made {
                 for (laser, at, on) in self.lights.extract_if(.., |(_, at, _)| *at < t_ns) {
                     sink(Item::Light { laser, at, on })?;
                 }
-                let (axes, lasers) = (axes.iter().map(axis_point).collect(), lasers.iter().map(laser_point).collect());
-                sink(Item::Row(Row { index, t_ns, axes, lasers }))
+                let axes = samples.axes.iter().map(axis_point).collect();
+                let lasers = samples.lasers.iter().map(laser_point).collect();
+                let speed = |sample: trace::CrdSample| velocity(sample.vel_mantissa.get(), sample.vel_exponent.get());
+                let crds = samples.crds.iter().map(speed).collect();
+                sink(Item::Row(Row { index, t_ns, axes, lasers, crds }))
             }
             Event::Action(action) => self.action(&action, sink),
+            Event::Outputs(outputs) => {
+                let t_ns = u64::from(outputs.tick.get()) * self.header.period_ns + u64::from(outputs.at.get());
+                let (before, after) = (self.levels, outputs.levels.get());
+                self.levels = after;
+                for bit in (0..32u8).filter(|bit| (before ^ after) >> bit & 1 == 1) {
+                    sink(Item::Output(OutputEdge { t_ns, output: bit + 1, level: after >> bit & 1 == 1 }))?;
+                }
+                Ok(())
+            }
             Event::End { rows, .. } => sink(Item::End { rows }),
         }
     }
@@ -168,7 +185,11 @@ fn passed(
 }
 
 fn axis_point(sample: trace::Sample) -> AxisPoint {
-    AxisPoint { pos: Pos(sample.pos.get()), vel: Scaled { m: sample.vel_mantissa.get(), e: sample.vel_exponent.get() } }
+    AxisPoint { pos: Pos(sample.pos.get()), vel: velocity(sample.vel_mantissa.get(), sample.vel_exponent.get()) }
+}
+
+fn velocity(m: i64, e: i16) -> Scaled {
+    Scaled { m, e }
 }
 
 fn laser_point(sample: trace::LaserSample) -> LaserPoint {

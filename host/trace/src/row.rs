@@ -32,6 +32,25 @@ impl std::fmt::Display for LaserName {
     }
 }
 
+/// A traced coordinate system: core and coordinate system of the core, both from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct CrdName {
+    /// Logical core, from 1.
+    pub core: u8,
+    /// Coordinate system of the core, from 1.
+    pub crd: u8,
+}
+
+impl std::fmt::Display for CrdName {
+    /// `crdN` on the first core, `coreM_crdN` on the others.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.core {
+            1 => write!(f, "crd{}", self.crd),
+            core => write!(f, "core{core}_crd{}", self.crd),
+        }
+    }
+}
+
 /// What the rows of a trace have in common.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Header {
@@ -39,6 +58,8 @@ pub struct Header {
     pub axes: Vec<AxisName>,
     /// Traced laser channels, ascending.
     pub lasers: Vec<LaserName>,
+    /// Traced coordinate systems, ascending.
+    pub crds: Vec<CrdName>,
     /// Servo tick in ns.
     pub period_ns: u64,
     /// Ticks from one row to the next, at least 1.
@@ -97,9 +118,11 @@ pub struct Row {
     pub axes: Vec<AxisPoint>,
     /// One point for each laser of the header, in its order.
     pub lasers: Vec<LaserPoint>,
+    /// Speed along the path of each coordinate system of the header, in its order, pulse/ms.
+    pub crds: Vec<Scaled>,
 }
 
-/// A digital output that changed, for the VCD.
+/// A general output that changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OutputEdge {
     /// Time since the job's start.

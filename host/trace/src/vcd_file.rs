@@ -103,7 +103,7 @@ impl<W: Write> VcdWriter<W> {
         Ok(VcdWriter { out, signals, axes, outputs: places, lasers, changes: Vec::new(), row: None, time: 0 })
     }
 
-    /// Takes a digital output's edge; it is written with the row after it.
+    /// Takes a general output's edge; it is written with the row after it.
     pub fn edge(&mut self, edge: OutputEdge) {
         if let Some((_, signal)) = self.outputs.iter().find(|(n, _)| *n == edge.output) {
             self.changes.push((edge.t_ns, *signal, Shown::Level(edge.level)));

@@ -16,6 +16,8 @@ pub(super) const FRAME: RGBColor = RGBColor(0xb4, 0xbb, 0xc2);
 pub(super) const LEFT: u32 = 88;
 /// What is free on the right.
 pub(super) const RIGHT: u32 = 28;
+/// Width of value labels on the right, where a panel has some.
+const BESIDE: u32 = 64;
 /// Height of a panel's caption.
 pub(super) const CAPTION: u32 = 26;
 /// Height of the time axis' labels.
@@ -41,6 +43,15 @@ pub(super) struct Panel<'a> {
     /// The values' axis begins at 0, whatever is shown.
     pub from_zero: bool,
     pub content: Content<'a>,
+    /// A second quantity, with values on the right.
+    pub beside: Option<Beside<'a>>,
+}
+
+/// A second quantity in a panel; its values begin at 0.
+pub(super) struct Beside<'a> {
+    pub caption: String,
+    pub colour: RGBColor,
+    pub curves: &'a [Curve],
 }
 
 /// Time axis and size, the same for all panels.
@@ -49,6 +60,8 @@ pub(super) struct Frame {
     pub span: (f64, f64),
     /// Height of a quantity.
     pub height: u32,
+    /// Some panel has values on the right.
+    pub beside: bool,
     pub scale: u32,
 }
 
@@ -83,7 +96,8 @@ impl Panel<'_> {
     /// Draws it; the last one carries the time axis.
     pub fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, frame: &Frame, last: bool) -> Result<()> {
         let scale = frame.scale;
-        let width = (area.dim_in_pixel().0 / scale).saturating_sub(LEFT + RIGHT).max(1);
+        let right = RIGHT + if frame.beside { BESIDE } else { 0 };
+        let width = (area.dim_in_pixel().0 / scale).saturating_sub(LEFT + right).max(1);
         let drawing = match self.content {
             Content::Quantity(_) => None,
             Content::Digital(activity) => Some(drawing(activity, frame.span, width)),
@@ -103,9 +117,16 @@ impl Panel<'_> {
             Content::Quantity(curves) => range(curves, self.from_zero),
             Content::Digital(_) => (-10.0, 110.0),
         };
+        if let Some(beside) = &self.beside {
+            let text = font(14, beside.colour, scale);
+            let wide = text.font.box_size(&beside.caption).map_or(200, |size| size.0 / scale);
+            let at = (LEFT + width).saturating_sub(wide);
+            area.draw(&Text::new(beside.caption.clone(), place(at, 7, scale), text)).map_err(as_plot)?;
+        }
         let mut chart = ChartBuilder::on(area)
             .margin_top(CAPTION * scale)
-            .margin_right(RIGHT * scale)
+            .margin_right(if self.beside.is_some() { RIGHT } else { right } * scale)
+            .set_label_area_size(LabelAreaPosition::Right, if self.beside.is_some() { BESIDE * scale } else { 0 })
             .set_label_area_size(LabelAreaPosition::Left, LEFT * scale)
             .set_label_area_size(LabelAreaPosition::Bottom, if last { FOOT * scale } else { 0 })
             .build_cartesian_2d(start * factor..end * factor, low..high)
@@ -142,6 +163,32 @@ impl Panel<'_> {
         if let Content::Quantity(curves) = self.content {
             for curve in curves {
                 line(&mut chart, curve.points().map(|(t, v)| (t * factor, v)), stroke)?;
+            }
+        }
+        if let Some(Beside { colour, curves, .. }) = &self.beside {
+            let (least, most) = range(curves, true);
+            let step = tick_step(most - least);
+            // The other quantity has its own scale in the same place, drawn as a chart of its own.
+            let mut second = ChartBuilder::on(area)
+                .margin_top(CAPTION * scale)
+                .margin_left(LEFT * scale)
+                .margin_right(RIGHT * scale)
+                .margin_bottom(if last { FOOT * scale } else { 0 })
+                .set_label_area_size(LabelAreaPosition::Right, BESIDE * scale)
+                .build_cartesian_2d(start * factor..end * factor, least..most)
+                .map_err(as_plot)?;
+            second
+                .configure_mesh()
+                .disable_mesh()
+                .axis_style(FRAME.stroke_width(scale))
+                .set_all_tick_mark_size(5 * scale)
+                .y_labels((frame.height / 24).clamp(5, 10) as usize)
+                .label_style(font(14, *colour, scale))
+                .y_label_formatter(&|y| tick_text(*y, step))
+                .draw()
+                .map_err(as_plot)?;
+            for curve in *curves {
+                line(&mut second, curve.points().map(|(t, v)| (t * factor, v)), colour.stroke_width(2 * scale))?;
             }
         }
         match drawing {
