@@ -3,8 +3,8 @@ use servo::piece::Scaled;
 use servo::units::Pos;
 use std::path::PathBuf;
 use trace::{
-    AxisName, AxisPoint, CsvWriter, Header, Item, LaserName, LaserPoint, OutputEdge, Plot, PlotOptions, PowerUnit,
-    Reader, Row, TraceError, VcdWriter, Xy,
+    AxisName, AxisPoint, CrdName, CsvWriter, Header, Item, LaserName, LaserPoint, OutputEdge, Plot, PlotOptions,
+    PowerUnit, Reader, Row, TraceError, VcdWriter, Xy,
 };
 
 const PULSE: i64 = 1 << 22;
@@ -54,6 +54,63 @@ fn csv_is_what_the_specification_shows() {
          0.000000,0.000000,0.000000,-1.000000,0.000000,0.000000,0.000000\n\
          0.500000,0.250000,0.500000,-1.000000,-0.750000,4096.000000,2.000000\n"
     );
+}
+
+#[test]
+fn path_speeds_are_the_last_columns() {
+    let header = Header {
+        axes: vec![axis(2)],
+        lasers: vec![LaserName(1)],
+        crds: vec![CrdName { core: 1, crd: 2 }, CrdName { core: 2, crd: 1 }],
+        period_ns: 1_000_000,
+        every: 1,
+    };
+    let mut out = Vec::new();
+    let mut csv = CsvWriter::new(&mut out, &header).unwrap();
+    let speeds = vec![Scaled { m: 5, e: 2 }, Scaled { m: 3, e: 0 }];
+    let mut row = row(1, header.row_ns(), &[(PULSE, Scaled::default())]);
+    (row.lasers, row.crds) = (vec![LaserPoint { gate: true, ..LaserPoint::default() }], speeds);
+    csv.row(&row).unwrap();
+    csv.finish().unwrap();
+    assert_eq!(
+        String::from_utf8(out).unwrap(),
+        "t_ms,axis2_pos,axis2_vel,laser1_gate,laser1_power,laser1_freq_khz,crd2_vel,core2_crd1_vel\n\
+         1.000000,1.000000,0.000000,1,0.000000,0.000000,1.250000,3.000000\n"
+    );
+}
+
+#[test]
+fn a_path_speed_has_its_panel_with_the_power_beside_it() {
+    let header = Header {
+        lasers: vec![LaserName(0)],
+        crds: vec![CrdName { core: 1, crd: 1 }],
+        period_ns: 1_000_000,
+        every: 1,
+        ..Header::default()
+    };
+    let mut plot = Plot::new(&header, PlotOptions::default()).unwrap();
+    for index in 0..=100u32 {
+        // Speed 0 to 50 and power 10 to 60 %, each in its own scale.
+        let laser = LaserPoint { power: Scaled { m: 20 + i64::from(index), e: 1 }, ..LaserPoint::default() };
+        let crds = vec![Scaled { m: index.into(), e: 1 }];
+        plot.row(&Row { index, t_ns: u64::from(index) * 1_000_000, axes: vec![], lasers: vec![laser], crds });
+    }
+    let path = folder("plots").join("speed.svg");
+    plot.save(&path).unwrap();
+    plot.save(&path.with_extension("png")).unwrap();
+    let svg = std::fs::read_to_string(path).unwrap();
+    assert!(svg.contains("crd 1 path speed (pulse/ms)") && svg.contains("laser 0 power: duty (%)"));
+    // The speed's line, then the power's beside it and that in the power's own panel.
+    let (speed, power) = (lines(&svg, "#C8521A"), lines(&svg, "#7B3FA6"));
+    assert_eq!((speed.len(), power.len()), (1, 2));
+    let ends = |line: &[(i32, i32)]| (line[0], *line.last().unwrap());
+    let ((left, speed_low), (right, speed_high)) = ends(&speed[0]);
+    let ((power_left, power_low), (power_right, power_high)) = ends(&power[0]);
+    assert_eq!((left, right), (power_left, power_right), "one time axis");
+    // Both scales have 8 % of air: 0 to 50 and 0 to 60.
+    let full = f64::from(speed_low - speed_high);
+    let high = |y: i32| f64::from(speed_low - y) / full;
+    assert!((high(power_low) - 10.0 / 60.0).abs() < 0.02 && (high(power_high) - 1.0).abs() < 0.02);
 }
 
 /// Changes of one wire: time and value.
@@ -275,7 +332,13 @@ fn a_zoomed_plot_shows_only_its_time() {
 /// Twice round a rectangle of 2000 by 1000 pulses in 600 ms, a row each ms; from its second side on there is light
 /// of 100 %, from the fourth on of 50 %, from the middle of the second round's first side on there is none.
 fn xy_of_rectangle(options: PlotOptions) -> Xy {
-    let header = Header { axes: vec![axis(1), axis(2)], lasers: vec![LaserName(0)], period_ns: 1_000_000, every: 1 };
+    let header = Header {
+        axes: vec![axis(1), axis(2)],
+        lasers: vec![LaserName(0)],
+        crds: vec![],
+        period_ns: 1_000_000,
+        every: 1,
+    };
     let mut xy = Xy::new(&header, (axis(1), axis(2)), options).unwrap();
     for index in 0..=600u32 {
         let t = index % 300;

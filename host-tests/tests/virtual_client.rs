@@ -5,7 +5,7 @@ use protocol::link::Identity;
 use std::net::TcpListener;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use trace::{Item, Reader, Row};
+use trace::{Item, OutputEdge, Reader, Row};
 use virtual_board::{Board, Config, Edge, Output, Shared, VirtualLink, share};
 
 fn open_with(config: Config, options: Options) -> (Client, Shared) {
@@ -287,18 +287,44 @@ fn inputs_reach_the_controller_and_outputs_are_recorded() {
     assert_eq!({ gpi.value }.get() & 0xff, 0b1010);
     let home = client.call(GetDi { core: 1.into(), di_type: 3.into() }).unwrap();
     assert_eq!({ home.value }.get() & 0xff, 0b100);
-    let bit = |value: i16| SetDoBit { core: 1.into(), do_type: 12.into(), index: 3.into(), value: value.into() };
+    let set = |index: i16, value: i16| SetDoBit {
+        core: 1.into(),
+        do_type: 12.into(),
+        index: index.into(),
+        value: value.into(),
+    };
+    let traced: Arc<Mutex<Vec<OutputEdge>>> = Arc::default();
+    let (kept, mut reader) = (Arc::clone(&traced), Reader::new());
+    client.trace_to(move |bytes| {
+        let fed = reader.feed(bytes, |item| {
+            if let Item::Output(edge) = item {
+                kept.lock().unwrap().push(edge);
+            }
+            Ok(())
+        });
+        fed.unwrap();
+    });
+    client.call(set(7, 1)).unwrap();
+    client.sleep(Duration::from_millis(1)).unwrap();
+    let trace = |every: u32| Trace { every: every.into(), axes: 1.into(), lasers: 0, crds: 0, way: 0, edges: 2 };
+    client.call(trace(4)).unwrap();
     let mut program = client.program();
-    program.push(bit(1));
+    program.push(set(3, 1));
     program.push(Sleep { ns: 10_000_000.into() });
-    program.push(bit(0));
+    program.push(set(3, 0));
+    program.push(Sleep { ns: 1_000_000.into() });
+    program.push(trace(0));
     assert_eq!(program.run(true, &mut Quiet).unwrap().failed, None);
+    client.sleep(Duration::from_millis(2)).unwrap();
+    let edge = |t_ns: u64, output: u8, level: bool| OutputEdge { t_ns, output, level };
+    let expected = [edge(0, 7, true), edge(250_000, 3, true), edge(10_250_000, 3, false)];
+    assert_eq!(*traced.lock().unwrap(), expected, "the trace tells the same");
     let mut board = board.lock().unwrap();
     let zero = board.program_zero_ns();
     let edges: Vec<Edge> = board.take_edges();
     let general: Vec<_> = edges
         .iter()
-        .filter_map(|e| matches!(e.output, Output::General(2)).then_some((e.at_ns - zero, e.level)))
+        .filter_map(|e| matches!(e.output, Output::General(2)).then(|| (e.at_ns - zero, e.level)))
         .collect();
     assert_eq!(general, [(250_000, true), (10_250_000, false)], "on the first tick after 0 and 10 ms: {edges:?}");
     assert!(board.take_edges().is_empty());

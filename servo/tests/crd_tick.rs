@@ -546,7 +546,7 @@ fn a_lost_link_stops_paths_smoothly_and_they_go_on() {
 #[test]
 fn a_program_waits_for_a_path_and_traces_it() {
     let mut bench = ready(250, &[line(200, 450)]);
-    bench.now(Op::Trace { every: 4, axes: all(&[5]), crds: CrdMask(1), lasers: 0, edges: false });
+    bench.now(Op::Trace { every: 4, axes: all(&[5]), crds: CrdMask(1), lasers: 0, edges: false, outputs: false });
     bench.now(Op::ProgramRun);
     bench.then(0, Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(0) });
     bench.then(0, Op::WaitRest { axes: AxisMask(0), crds: CrdMask(1) });
