@@ -16,6 +16,7 @@ fn header(lasers: &[u8]) -> Header {
     Header {
         axes: vec![AxisName { core: 1, axis: 1 }],
         lasers: lasers.iter().map(|k| LaserName(*k)).collect(),
+        crds: vec![],
         period_ns: TICK,
         every: 1,
     }
@@ -23,7 +24,7 @@ fn header(lasers: &[u8]) -> Header {
 
 fn row(index: u32, pulses: f64, lasers: Vec<LaserPoint>) -> Row {
     let axis = AxisPoint { pos: Pos((pulses * f64::from(1 << 22)) as i64), vel: Scaled::default() };
-    Row { index, t_ns: u64::from(index) * TICK, axes: vec![axis], lasers }
+    Row { index, t_ns: u64::from(index) * TICK, axes: vec![axis], lasers, crds: vec![] }
 }
 
 fn point(gate: bool, power: f64, unit: PowerUnit, khz: f64) -> LaserPoint {

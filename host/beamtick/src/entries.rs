@@ -66,6 +66,11 @@ pub fn all_axes(version: &VersionReply) -> u32 {
     1u32.checked_shl(version.axes_per_core.into()).unwrap_or(0).wrapping_sub(1)
 }
 
+/// All coordinate systems of a core as a mask.
+pub fn all_crds(version: &VersionReply) -> u32 {
+    1u32.checked_shl(version.crds_per_core.into()).unwrap_or(0).wrapping_sub(1)
+}
+
 /// Laser channels that the job used and the controller has.
 pub fn lasers(job: &Job, version: &VersionReply) -> impl Iterator<Item = u8> {
     let used = job.lasers;
@@ -145,7 +150,8 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
             Action::WaitStop { core, axes, crds } => entries.push(Entry { call: wait(*core, *axes, *crds), from }),
             Action::WaitAll => {
                 for core in 1..=i16::from(version.cores) {
-                    entries.push(Entry { call: wait(core, all_axes(version), 0), from: from.clone() });
+                    let everything = wait(core, all_axes(version), all_crds(version));
+                    entries.push(Entry { call: everything, from: from.clone() });
                 }
             }
             Action::Call(call) => {
@@ -195,7 +201,7 @@ fn leave(entries: &mut Vec<Entry>, job: &Job, version: &VersionReply) {
         }
         let stop = Stop { core: core.into(), mask: all_axes(version).cast_signed().into(), option: 0.into(), form: 0 };
         entries.push(Entry { call: Call::of(stop), from: From::End });
-        entries.push(Entry { call: wait(core, all_axes(version), 0), from: From::End });
+        entries.push(Entry { call: wait(core, all_axes(version), all_crds(version)), from: From::End });
     }
 }
 
@@ -255,7 +261,14 @@ mod tests {
     }
 
     fn version() -> VersionReply {
-        VersionReply { cores: 1, axes_per_core: 8, lasers: 2, tick_us: 50.into(), ..VersionReply::default() }
+        VersionReply {
+            cores: 1,
+            axes_per_core: 8,
+            lasers: 2,
+            crds_per_core: 2,
+            tick_us: 50.into(),
+            ..VersionReply::default()
+        }
     }
 
     fn of(text: &str) -> Vec<Entry> {
@@ -282,11 +295,11 @@ mod tests {
     #[test]
     fn what_a_job_leaves_is_stopped_on_the_cores_it_used() {
         let found = of("GT_PrfTrap(2); while(!kbhit());");
-        assert_eq!(found[1].call, wait(1, 0xff, 0));
+        assert_eq!(found[1].call, wait(1, 0xff, 3));
         assert_eq!(found[2].from, From::Left { core: 1, axis: 2 });
         let stop = Stop::read_from_bytes(&found[3].call.payload).unwrap();
         assert_eq!((stop.mask.get(), stop.option.get(), stop.form), (0xff, 0, 0));
-        assert_eq!(found[4].call, wait(1, 0xff, 0));
+        assert_eq!(found[4].call, wait(1, 0xff, 3));
         assert_eq!(of("Sleep(1);").len(), 1);
         // What is on is read, and a tick later switched off.
         let found = of("GT_LaserOn(1); GT_LaserOn(5);");

@@ -7,9 +7,7 @@ use crate::command_line::Outputs;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use trace::{
-    AxisName, Change, CsvWriter, Header, Item, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter, Xy,
-};
+use trace::{AxisName, Change, CsvWriter, Header, Item, Plot, PlotOptions, Reader, Row, TraceError, VcdWriter, Xy};
 
 /// See the module text.
 pub struct Recording {

@@ -218,7 +218,7 @@ fn bit(axis: &Axis, cores: u8, per_core: u8) -> Option<u64> {
 }
 
 /// Where an axis or a coordinate system is, counted over all cores, if the controller has it.
-fn place(core: i16, number: i16, cores: u8, per_core: u8) -> Option<u32> {
+pub fn place(core: i16, number: i16, cores: u8, per_core: u8) -> Option<u32> {
     let (core, number) = (u8::try_from(core).ok()?, u8::try_from(number).ok()?);
     let known = (1..=cores).contains(&core) && (1..=per_core).contains(&number);
     known.then(|| u32::from(core - 1) * u32::from(per_core) + u32::from(number - 1))

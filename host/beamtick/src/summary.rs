@@ -4,11 +4,11 @@ use crate::entries::lasers;
 use crate::profile;
 use crate::record::Recorded;
 use crate::report::Report;
-use crate::runner::{RUNNING, states};
+use crate::runner::{RUNNING, place, states};
 use crate::source::Source;
 use client::{Client, Counters, Progress, laser_cause};
-use job::Axis;
-use protocol::command::{AxisItem, GetPtState, LaserState, LaserStatus};
+use job::{Axis, Crd};
+use protocol::command::{AxisItem, CrdInfo, CrdState, GetPtState, LaserState, LaserStatus};
 use std::time::Duration;
 
 /// Profile mode PT.
@@ -73,6 +73,14 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
             say!("    PT: {}, {} passes, {} places free", pt_state(state.state), state.loops, state.space0);
         }
     }
+    for crd in &run.source.job.crds {
+        if place(crd.core, crd.crd, version.cores, version.crds_per_core).is_none() {
+            continue;
+        }
+        let state = client.call(CrdInfo { core: crd.core.into(), crd: crd.crd.into() })?;
+        let speed = speed(run.recorded, crd);
+        say!("  {}: {}{speed}; {}", crd_name(crd), path(&state), path_end(&state));
+    }
     for channel in lasers(&run.source.job, version) {
         let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
         let end = if run.report.lit.contains(&channel) { "; was on when the script ended: switched off" } else { "" };
@@ -129,6 +137,39 @@ pub fn laser(state: &LaserState) -> String {
 /// What a person calls an axis.
 fn name(axis: &Axis) -> String {
     if axis.core == 1 { format!("axis {}", axis.axis) } else { format!("core {} axis {}", axis.core, axis.axis) }
+}
+
+/// What a person calls a coordinate system.
+fn crd_name(crd: &Crd) -> String {
+    if crd.core == 1 { format!("crd {}", crd.crd) } else { format!("core {} crd {}", crd.core, crd.crd) }
+}
+
+/// Segments done and left of a coordinate system.
+fn path(state: &CrdState) -> String {
+    let (done, left) = (state.segments, state.remainder);
+    let done: i64 = done.iter().map(|count| i64::from(count.get())).sum();
+    let left: i64 = left.iter().map(|count| i64::from(count.get())).sum();
+    if left == 0 { format!("{done} segments") } else { format!("{done} segments, {left} left") }
+}
+
+/// How a coordinate system came to rest.
+fn path_end(state: &CrdState) -> String {
+    match (state.run, state.rest) {
+        (0, 0) => "never moved".to_owned(),
+        (0, 1) => "its entries ran out".to_owned(),
+        (0, 2) => "UNDERRUN: its entries ran out at speed".to_owned(),
+        (0, _) => format!("{}; CrdStart goes on", reason(state.reason.get())),
+        _ => "moving".to_owned(),
+    }
+}
+
+/// The greatest speed along a path in the trace.
+fn speed(recorded: Option<&Recorded>, crd: &Crd) -> String {
+    let speed = recorded.and_then(|recorded| {
+        let here = |name: &trace::CrdName| (i16::from(name.core), i16::from(name.crd)) == (crd.core, crd.crd);
+        recorded.speeds.get(recorded.header.crds.iter().position(here)?)
+    });
+    speed.map_or(String::new(), |speed| format!(", peak path speed {speed:.6} pulse/ms"))
 }
 
 /// The greatest speed in the trace.
