@@ -299,7 +299,8 @@ impl<const AXES: usize> Tick<AXES> {
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             let Some(axis) = Axis::new(index) else { break };
             if chosen.axes.has(axis) {
-                let motion = if state.shown.lead.is_some() { self.motion(axis) } else { state.shown.motion };
+                let is_led = state.shown.lead.is_some() || state.shown.drive.is_some();
+                let motion = if is_led { self.motion(axis) } else { state.shown.motion };
                 let of = Traced::Axis { axis, pos: state.shown.pos, motion };
                 self.trace.put(Sample { row, of }, samples);
             }
