@@ -24,7 +24,14 @@ fn begin(period_us: u32) -> Bench {
     }
     bench.pt(0, 0, &[(10.5, 3, 0), (-2000.0, 9, 0), (7.0, 11, 2)]);
     bench.follow(6, 0, &[Item::Data(30.0, 11.0, 0, 0), Item::Data(90.0, -400.0, 1, 0), Item::Data(100.0, 0.25, 2, 0)]);
-    bench.now(Op::Trace { every: 1, axes: AxisMask(0xff), crds: Default::default(), lasers: 0, edges: false });
+    bench.now(Op::Trace {
+        every: 1,
+        axes: AxisMask(0xff),
+        crds: Default::default(),
+        lasers: 0,
+        edges: false,
+        outputs: false,
+    });
     bench.now(Op::ProgramRun);
     bench.tick();
     bench
