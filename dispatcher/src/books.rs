@@ -10,7 +10,7 @@ mod crd;
 mod follow;
 
 pub use axis::{AxisBook, FifoBook};
-pub use channel::{LaserBook, LaserChange};
+pub use channel::{DistanceBook, LaserBook, LaserChange};
 pub use crd::{CAPACITY, CrdBook, CrdChange, Frame, Look, PathBook, PathData, place_of};
 pub use follow::Fifo;
 use protocol::command::{JogPrm, TrapPrm};
@@ -164,6 +164,13 @@ impl<const AXES: usize> Books<AXES> {
     /// belongs to nothing executed.
     pub fn spoil(&mut self, table: u8) {
         self.filled &= !1u64.checked_shl(table.into()).unwrap_or(0);
+    }
+
+    /// The same of a follow table of a laser channel.
+    pub fn spoil_follow_table(&mut self, channel: u8, table: u8) {
+        if let Some(laser) = self.lasers.get_mut(usize::from(channel)) {
+            laser.spoil(table);
+        }
     }
 
     /// Whether data that is written to a FIFO now takes the place of what the tick has not emptied yet.

@@ -136,6 +136,9 @@ pub struct Case<'x, const AXES: usize> {
     pub effect: Effect,
 }
 
+/// Most numbers that a laser command takes.
+pub const TAKEN_MAX: usize = 4;
+
 /// What a command does in the thread beside its operations.
 #[derive(Debug, Clone, Copy)]
 pub enum Effect {
@@ -148,7 +151,7 @@ pub enum Effect {
     /// A trace of these axes, in a stream of its own or over the link.
     Trace { every: u32, columns: Columns, over_link: bool },
     /// The numbers of [`Answer::Took`] that its lane keeps until then.
-    Took([f64; 3]),
+    Took([f64; TAKEN_MAX]),
     /// The items of this LoadConfig are pushed one by one.
     Config,
 }

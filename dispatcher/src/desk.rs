@@ -7,10 +7,10 @@
 //! or a refusal waits until everything before it has been executed, and is then decided on that state.
 use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{Loading, Road, road};
-use crate::admit::{admit, config_item, crd, is_read, many, one, power_on};
+use crate::admit::{admit, config_item, crd, is_read, many, one, power_on, tables};
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
 use crate::books::{Books, Change, PROGRAM_FLAG, executed};
-use crate::case::{Answer, Case, Effect, Site};
+use crate::case::{Answer, Case, Effect, Site, TAKEN_MAX};
 use crate::lane::{Deque, Lane, STAGED, Staged};
 use crate::path_queue::{LASTS_MS, PathQueue};
 use crate::program::Program;
@@ -56,6 +56,8 @@ pub struct Desk<'a, const AXES: usize> {
     pub tables: TableStores<'a>,
     /// The one that is being sent.
     pub loading: Loading,
+    /// That of a laser channel.
+    pub laser_loading: tables::Loading,
     /// Books after everything executed.
     pub now: Books<AXES>,
     /// Books after everything admitted.
@@ -78,8 +80,6 @@ pub struct Desk<'a, const AXES: usize> {
 
 /// Numbers that laser commands took and whose replies wait.
 const TAKEN: usize = 64;
-/// Most of one command.
-pub const TAKEN_MAX: usize = 3;
 
 /// Power-on link-loss time (SPEC 9).
 const LINK_LOSS_MS: u32 = 500;
@@ -102,6 +102,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             feed_due: None,
             tables,
             loading: Loading::new(),
+            laser_loading: tables::Loading::new(),
             now: Books::new(),
             ahead: Books::new(),
             staged: Staged::new(),
@@ -148,6 +149,14 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                 self.now.spoil(table);
             }
             return Ok((Answer::Done, Effect::None));
+        }
+        if tables::is_table(number) {
+            let (answer, filled) = self.laser_loading.chunk(&mut case, self.tables.lasers, number, body)?;
+            let effect = case.effect;
+            if let Some((channel, table)) = filled {
+                self.now.spoil_follow_table(channel, table);
+            }
+            return Ok((answer, effect));
         }
         let answer = admit(&mut case, number, body)?;
         Ok((answer, case.effect))
@@ -453,6 +462,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         self.awaiting.clear();
         self.taken.clear();
         self.loading.abandon();
+        self.laser_loading.abandon();
         self.config = None;
         self.trace.abandon();
     }

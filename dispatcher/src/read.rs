@@ -88,7 +88,21 @@ pub fn took_reply(
 ) -> Result<(), Full> {
     let mut next = || taken.next().unwrap_or(0.0);
     match opcode {
-        opcode::LaserPowerMode => {
+        opcode::SetLaserFollowTable => {
+            let reply = command::LaserTableTaken { held: (next() as u16).into() };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::SetLaserDisMode => {
+            let reply = command::LaserScales { scale: core::array::from_fn(|_| next().into()), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::LaserPowerMode
+        | opcode::BufLaserPrfFollow
+        | opcode::BufLaserFollowRatio
+        | opcode::BufLaserFollowTable
+        | opcode::SetLaserDisRatio
+        | opcode::SetLaserDisTable1D
+        | opcode::SetLaserDisTable2D => {
             let (max, min) = (next(), next());
             let reply = command::LaserBounds { max: max.into(), min: min.into(), held };
             out.push_raw(opcode, tag, 0, &[reply.as_bytes()])

@@ -108,6 +108,9 @@ reasons! {
     104 LaserConnector State "laser channel {got}: axis connector {high} carries step pulses; call SetAxisMode({high}, 1) first";
     105 AnalogInUse State "analog output {got} belongs to laser channel {low}, which is in analog mode";
     106 NotInFamily Unknown "the laser connectors of this family are fixed: it has no such call";
+    107 FollowTableInUse State "follow table {got} of laser channel {low} is named by an entry of a path or by the follow in force; it can be replaced when neither is there";
+    108 FollowTableEmpty State "follow table {got} of laser channel {low} is empty; call SetLaserFollowTable first";
+    109 DistanceOff State "laser channel {got}: distance follow is off; call SetLaserDisMode(1, ...) first";
     110 CrdNotSet State "coordinate system {axis} drives no axis; call SetCrdPrm first";
     111 CrdRuns State "coordinate system {axis} is running; stop it first";
     112 CrdFull State "coordinate system {axis}: the FIFO is full; {high} entries fit, {got} are free";
@@ -130,6 +133,12 @@ reasons! {
     129 GearsFull State "coordinate system {axis}: {high} axes go along with the next motion, which is the most";
     130 AxisGoesAlong State "axis {axis} goes along with the next motion already";
     131 CrdNotOnBoard Mismatch "this board has memory for {high} coordinate systems";
+    140 NotAboveMinimum Range "{field} is {got}; it must be above the minimum, {low}";
+    141 PointOfAxis Range "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
+    142 PlaneAxis Range "{field} names axis {got} twice; a plane has two";
+    143 PlaneX Range "a position of X is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
+    144 PlaneY Range "a position of Y is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
+    145 RatiosBusy State "laser channel {got}: a change of its ratios has not acted yet; this one comes behind it";
 }
 
 /// The payload of a refusing reply.

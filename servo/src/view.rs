@@ -415,6 +415,8 @@ pub struct LaserView {
     pub follows: Option<Crd>,
     /// Which of its speeds.
     pub source: laser::Source,
+    /// The table of powers that it reads, if it does.
+    pub table: Option<laser::Curve>,
     /// The bank of ratios that a distance follow reads.
     pub bank: Option<u8>,
     /// Pulse width of the frequency mode, µs; 0 is none set.
@@ -444,6 +446,7 @@ impl LaserView {
         crd_map: 0,
         follows: None,
         source: laser::Source::Planned,
+        table: None,
         bank: None,
         width_us: 0,
         bounds: Bounds::ZERO,

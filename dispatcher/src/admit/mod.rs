@@ -14,7 +14,7 @@ pub use io::kind;
 pub use pvt::number_of;
 mod jog_trap;
 mod laser;
-pub use laser::power_on;
+pub use laser::{power_on, tables};
 pub mod pt;
 mod pvt;
 pub mod pvt_table;
@@ -206,6 +206,8 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         | opcode::GetRemainderSegNum
         | opcode::GetCrdLimit
         | opcode::CrdInfo => crd::read(case, number, body),
+        opcode::SetLaserDisMode => to!(SetLaserDisMode, laser::distance::mode),
+        opcode::SetLaserDisRatio => to!(SetLaserDisRatio, laser::distance::ratios),
         _ if follow::is_follow(number) => follow::admit(case, number, body),
         _ => Err(Refused::new(Reason::UnknownCommand).got(number.into())),
     }

@@ -31,7 +31,7 @@ pub fn reset<const AXES: usize>(case: &mut Case<AXES>, r: &Reset) -> Admitted<An
 pub fn clear_status<const AXES: usize>(case: &mut Case<AXES>, r: &ClrSts) -> Admitted<Answer> {
     let axes = case.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
     case.stage_with(Op::ClearStatus { axes }, Change::Cleared { axes });
-    case.clear_laser_faults(case.core(r.core.get())?);
+    case.clear_laser_faults(axes);
     Ok(Answer::Done)
 }
 

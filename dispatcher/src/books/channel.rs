@@ -1,5 +1,36 @@
 //! What the thread knows of one laser channel.
-use servo::laser::{self, Bounds, Carrier, Power};
+use super::executed;
+use servo::laser::{self, BANKS, Bounds, Carrier, DISTANCES, POWER_TABLES, Power, Ratios, Source};
+use servo::view::View;
+
+/// Distance follow as it was given.
+#[derive(Debug, Clone, Copy)]
+pub struct DistanceBook {
+    /// Index of the first of its four axes.
+    pub first: u8,
+    /// Whose positions count.
+    pub source: Source,
+    /// Reference positions, pulses.
+    pub reference: [i32; DISTANCES],
+    /// Pulses a unit of distance.
+    pub scale: [f64; DISTANCES],
+    /// Ratios where no table has them.
+    pub ratio: [f64; DISTANCES],
+    /// Where the ratios come from.
+    pub from: Ratios,
+    /// Bounds of its own.
+    pub bounds: Option<Bounds>,
+}
+
+impl DistanceBook {
+    /// The bank of ratios that it reads.
+    pub fn bank(&self) -> Option<u8> {
+        match self.from {
+            Ratios::Fixed => None,
+            Ratios::Lines { bank } | Ratios::Plane { bank, .. } => Some(bank),
+        }
+    }
+}
 
 /// One laser channel.
 #[derive(Debug, Clone, Copy)]
@@ -24,6 +55,14 @@ pub struct LaserBook {
     pub map: u8,
     /// The last entry that clears the channel's fault, until it is executed.
     pub cleared: Option<u32>,
+    /// Distance follow; none is off.
+    pub distance: Option<DistanceBook>,
+    /// The last entry that named each bank of ratios.
+    banks: [Option<u32>; BANKS],
+    /// Follow tables that hold points, a bit each.
+    pub tables: u8,
+    /// For each follow table the FIFOs that were given an entry that names it: bit 2·crd + FIFO.
+    pub named: [u8; POWER_TABLES],
 }
 
 impl LaserBook {
@@ -40,7 +79,32 @@ impl LaserBook {
             connector,
             map: u8::MAX,
             cleared: None,
+            distance: None,
+            banks: [None; BANKS],
+            tables: 0,
+            named: [0; POWER_TABLES],
         }
+    }
+
+    /// Whether a follow table holds points.
+    pub fn is_filled(&self, table: u8) -> bool {
+        self.tables >> (table & 7) & 1 == 1
+    }
+
+    /// A follow table is being overwritten: until the entry that goes with it has been executed, what it holds
+    /// belongs to nothing executed.
+    pub fn spoil(&mut self, table: u8) {
+        self.tables &= !(1 << (table & 7));
+    }
+
+    /// A bank of ratios that nothing reads or will read; `read` is the one in force.
+    pub fn free_bank<const AXES: usize>(&self, view: &View<AXES>, read: Option<u8>) -> Option<u8> {
+        let ahead = self.distance.and_then(|distance| distance.bank());
+        let named = |bank: u8| self.banks.get(usize::from(bank)).copied().flatten();
+        (0..BANKS as u8).find(|bank| {
+            let waits = named(*bank).is_some_and(|seq| !executed(view, seq));
+            Some(*bank) != read && Some(*bank) != ahead && !waits
+        })
     }
 
     /// Another mode sets the power to 0; the same one changes only what is given with it.
@@ -54,7 +118,9 @@ impl LaserBook {
     pub(super) fn enter(&mut self, change: LaserChange, seq: u32) {
         match change {
             LaserChange::PowerOn { delayed, connector } => {
-                *self = LaserBook { cleared: Some(seq), ..LaserBook::power_on(delayed, connector) };
+                // What paths and the tick still name stays named.
+                let (banks, named) = (self.banks, self.named);
+                *self = LaserBook { cleared: Some(seq), banks, named, ..LaserBook::power_on(delayed, connector) };
             }
             LaserChange::Mode { mode, bounds, delayed } => self.set_mode(mode, bounds, delayed),
             LaserChange::Power(power) => self.power = power,
@@ -64,6 +130,14 @@ impl LaserBook {
             LaserChange::Connector(laser) => self.connector = laser,
             LaserChange::Map(map) => self.map = map,
             LaserChange::Cleared => self.cleared = Some(seq),
+            LaserChange::Distance(distance) => {
+                self.distance = distance;
+                let bank = distance.and_then(|distance| distance.bank());
+                if let Some(place) = bank.and_then(|bank| self.banks.get_mut(usize::from(bank))) {
+                    *place = Some(seq);
+                }
+            }
+            LaserChange::TableFilled(table) => self.tables |= 1 << (table & 7),
         }
     }
 }
@@ -89,4 +163,8 @@ pub enum LaserChange {
     Map(u8),
     /// The fault is cleared.
     Cleared,
+    /// Distance follow as a whole.
+    Distance(Option<DistanceBook>),
+    /// A follow table is there.
+    TableFilled(u8),
 }

@@ -144,13 +144,16 @@ impl Distance {
                 }
             }
         }
+        let bank = self.bank().unwrap_or(0);
         let mut sum = 0i128;
-        for ((x, reference), (factor, ratio)) in places.iter().zip(self.reference).zip(self.factors.iter().zip(ratios))
-        {
+        let axes = places.iter().zip(self.reference).zip(self.factors.iter().zip(ratios));
+        for (axis, ((x, reference), (factor, ratio))) in (0..).zip(axes) {
             let by = x.wrapping_sub(Pos::pulses(reference).0);
             // In 2^-32 instead of the power's 2^-44.
             let over = part(product(by, *factor), (self.shift as u32).wrapping_add(12));
-            sum = sum.wrapping_add(product(over, ratio));
+            let share = product(over, ratio);
+            let most = tables.most(channel, bank, axis).map(|most| (most as i128).wrapping_shl(32));
+            sum = sum.wrapping_add(most.map_or(share, |most| share.max(most.wrapping_neg()).min(most)));
         }
         part(sum, 32)
     }

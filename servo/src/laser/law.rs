@@ -83,6 +83,14 @@ impl Law {
         self.distance.and_then(|distance| distance.bank())
     }
 
+    /// The table of powers that the velocity follow reads.
+    pub(super) fn table(&self) -> Option<Curve> {
+        match self.follow?.of {
+            Of::Table(curve) => Some(curve),
+            Of::Ratio(_) => None,
+        }
+    }
+
     /// Direct power by a command.
     pub(super) fn set_direct(&mut self, power: Power) {
         self.direct = power;

@@ -128,12 +128,14 @@ pub struct Tables {
     points: Store<WORDS, { CURVES * POINTS }>,
     counts: Store<1, CURVES>,
     nodes: Store<2, { CHANNELS * BANKS * NODES }>,
+    /// How much power each axis may add or take away, and 1; 0 is no limit.
+    limits: Store<2, { CHANNELS * BANKS * DISTANCES }>,
 }
 
 impl Tables {
     /// All tables empty.
     pub const fn new() -> Tables {
-        Tables { points: Store::new(), counts: Store::new(), nodes: Store::new() }
+        Tables { points: Store::new(), counts: Store::new(), nodes: Store::new(), limits: Store::new() }
     }
 
     /// Point `index` of a table of powers: a velocity from the bits of a double, 0 to 2³² pulse/ms, above that of the
@@ -166,6 +168,20 @@ impl Tables {
         let slot = node(channel, bank, index).ok_or(Refused::Count)?;
         self.nodes.write(slot, [y as u32, (y >> 32) as u32]);
         Ok(())
+    }
+
+    /// The most that the distance of an axis may add to the power, or take away, with the ratios of this bank.
+    pub fn limit(&self, channel: u8, bank: u8, axis: u8, most: Option<Power>) {
+        if let Some(slot) = limit(channel, bank, axis) {
+            let most = most.map_or(0, |most| most.raw() as u64 + 1);
+            self.limits.write(slot, [most as u32, (most >> 32) as u32]);
+        }
+    }
+
+    /// The same in 2⁻⁴⁴.
+    pub(super) fn most(&self, channel: u8, bank: u8, axis: u8) -> Option<u64> {
+        let [low, high] = limit(channel, bank, axis).map_or([0; 2], |slot| self.limits.read(slot));
+        ((high as u64) << 32 | low as u64).checked_sub(1)
     }
 
     fn point(&self, curve: Curve, index: usize, x: i64, y: i64, gap: i64) -> Result<(), Refused> {
@@ -259,6 +275,12 @@ impl Default for Tables {
     fn default() -> Tables {
         Tables::new()
     }
+}
+
+/// Slot of an axis's limit.
+fn limit(channel: u8, bank: u8, axis: u8) -> Option<u32> {
+    let fits = (channel as usize) < CHANNELS && (bank as usize) < BANKS && (axis as usize) < DISTANCES;
+    fits.then(|| ((channel as usize * BANKS + bank as usize) * DISTANCES + axis as usize) as u32)
 }
 
 /// Slot of a node.

@@ -16,6 +16,7 @@ use protocol::command::{
 use protocol::reason::Reason;
 use servo::laser::{Bounds, CHANNELS, Carrier, Change, Clock, Count, Fine, Mode, Power, Standby, Train};
 use servo::op::Op;
+use servo::units::CrdMask;
 
 /// Duties, %.
 const DUTY: Range = Range::new(0.0, 100.0);
@@ -42,7 +43,7 @@ fn carriers(lsr: bool, fine: bool) -> Range {
 }
 
 /// What a power may be in a mode.
-fn powers(mode: Mode, lsr: bool, fine: bool) -> Range {
+pub fn powers(mode: Mode, lsr: bool, fine: bool) -> Range {
     match mode {
         Mode::Duty | Mode::DutyOpen => DUTY,
         Mode::Frequency => Range::new(0.0, frequencies(lsr, fine).0),
@@ -51,9 +52,15 @@ fn powers(mode: Mode, lsr: bool, fine: bool) -> Range {
 }
 
 /// A checked number as the tick has it. The checks allow nothing that it refuses.
-fn power(field: u8, value: f64) -> Admitted<Power> {
+pub fn power(field: u8, value: f64) -> Admitted<Power> {
     Power::admit(value.to_bits())
         .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(value).limits(0.0, GUS_KHZ))
+}
+
+/// Checked bounds as the tick has them, each with its field.
+pub fn own_bounds(mode: Mode, min: (u8, f64), max: (u8, f64)) -> Admitted<Bounds> {
+    Bounds::admit(mode, power(max.0, max.1)?, power(min.0, min.1)?)
+        .map_err(|_| Refused::new(Reason::BelowMinimum).field(max.0).got(max.1).limits(min.1, min.1))
 }
 
 fn carrier(field: u8, khz: f64, clock: Clock) -> Admitted<Carrier> {
@@ -95,9 +102,11 @@ impl LaserBook {
     }
 }
 
-/// Only at rest: where crds exist, one of the core that runs refuses it (1). None can run in this build's commands.
+/// Only while no crd of the core runs (SPEC 6).
 pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPowerMode) -> Admitted<Answer> {
     let channel = case.channel(r.core.get(), 4, r.channel.get())?;
+    let crds = CrdMask(case.crds_of(case.core(r.core.get())?));
+    crds.crds().try_for_each(|crd| case.crd_at_rest(crd))?;
     let lsr = case.is_lsr();
     let mode = match choice(1, r.mode.get(), 0, 3)? {
         1 => Mode::Frequency,
@@ -114,8 +123,7 @@ pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPowerMode) -> Adm
     let range = powers(mode, lsr, case.books.laser_fine);
     let mut taking = Taking::new(lsr);
     let (max, min) = (taking.take(2, 0, max, range)?, taking.take(3, 1, min, range)?);
-    let bounds = Bounds::admit(mode, power(2, max)?, power(3, min)?)
-        .map_err(|_| Refused::new(Reason::BelowMinimum).field(2).got(max).limits(min, min))?;
+    let bounds = own_bounds(mode, (3, min), (2, max))?;
     let mut book = *case.laser(channel);
     book.set_mode(mode, bounds, delayed);
     let fine = book.fine(case.clock()?);

@@ -1,5 +1,12 @@
-//! Laser commands: gate, delays, first-pulse killer, on-time, crd map, faults, connectors; `energy` has those
-//! of the power.
+//! Laser commands: gate, delays, first-pulse killer, on-time, crd map, faults, connectors.
+//!
+//! | file | what it is |
+//! | --- | --- |
+//! | `energy` | modes and bounds, power, carrier, width, standby, pre-voltage |
+//! | `buffered` | changes that entries of paths carry: gate, power, velocity follow |
+//! | `distance` | distance follow |
+//! | `tables` | tables of powers and of ratios, in chunks |
+//! | `range` | what is refused or held |
 //!
 //! In: requests and the books of the channels. Out: staged changes. What is out of range is refused or held
 //! by `range`; the reply tells what was taken. A controller has its channels once, whatever its cores are:
@@ -7,11 +14,14 @@
 //!
 //! The commands are those of GUS chapter 2 and LSR chapter 2, each in both families; SPEC 2 says where the
 //! families differ, SPEC 6 what a channel does.
+pub mod buffered;
+pub mod distance;
 pub mod energy;
 mod range;
+pub mod tables;
 
 use crate::books::{self, LaserBook, LaserChange, executed};
-use crate::case::{Answer, Case, Effect, Query};
+use crate::case::{Answer, Case, Effect, Query, TAKEN_MAX};
 use crate::refuse::{Admitted, Refused, choice};
 use core::num::NonZeroU16;
 use protocol::command::{
@@ -22,6 +32,7 @@ use protocol::reason::Reason;
 use range::Taking;
 use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Family, Fpk, Mode};
 use servo::op::Op;
+use servo::units::{AxisMask, Crd};
 
 /// The family that holds what is out of range and whose connectors are fixed (SPEC 2).
 pub const LSR: u8 = 1;
@@ -32,7 +43,7 @@ const TIME_MAX_US: u16 = u16::MAX;
 
 /// What is taken, for the reply: its numbers and which of them were held.
 fn took<const AXES: usize>(case: &mut Case<AXES>, values: &[f64], held: u8) -> Answer {
-    let mut all = [0.0; 3];
+    let mut all = [0.0; TAKEN_MAX];
     for (place, value) in all.iter_mut().zip(values) {
         *place = *value;
     }
@@ -65,6 +76,11 @@ impl<const AXES: usize> Case<'_, AXES> {
         self.stage(Op::Laser { channel, change });
     }
 
+    /// A change of the book alone.
+    fn enter(&mut self, channel: u8, entered: LaserChange) {
+        self.stage_with(Op::Mark, books::Change::Laser { channel, change: entered });
+    }
+
     fn change_with(&mut self, channel: u8, change: Change, entered: LaserChange) {
         self.stage_with(Op::Laser { channel, change }, books::Change::Laser { channel, change: entered });
     }
@@ -79,10 +95,11 @@ impl<const AXES: usize> Case<'_, AXES> {
         self.stage_with(Op::Mark, books::Change::LaserFine(true));
     }
 
-    /// A cleared status word clears the faults of the channels that the crd of its axis gates: only the tick knows
-    /// which, those of a core may be.
-    pub fn clear_laser_faults(&mut self, core: usize) {
-        let crds = self.crds_of(core);
+    /// A cleared status word clears the faults of the channels that a crd of one of these axes gates (SPEC 9): the tick does
+    /// it, by the crds that drive the axes then.
+    pub fn clear_laser_faults(&mut self, axes: AxisMask) {
+        let gates = |crd: &Crd| self.crd_book(*crd).frame.is_some_and(|frame| frame.mask().0 & axes.0 != 0);
+        let crds = Crd::all().filter(gates).fold(0, |crds, crd| crds | crd.mask().0);
         for channel in 0..CHANNELS as u8 {
             if self.laser(channel).map & crds != 0 {
                 self.stage_with(Op::Mark, books::Change::Laser { channel, change: LaserChange::Cleared });

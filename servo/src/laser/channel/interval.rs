@@ -327,7 +327,7 @@ impl Channel {
             (shown.fault, shown.cause_lasts) = (self.safety.cause(), self.safety.lasts());
             shown.bounds = self.law.bounds;
             (shown.follows, shown.source) = (self.law.follows(), self.law.source());
-            shown.bank = self.law.bank();
+            (shown.bank, shown.table) = (self.law.bank(), self.law.table());
             (shown.width_us, shown.carrier) = (width.map_or(0, |us| us.get()), carrier);
         }
     }

@@ -1,0 +1,159 @@
+//! Buffered laser commands: changes that entries of a path carry (GUS chapter 4, LSR chapter 3; SPEC 4 and 6).
+//!
+//! In: requests with the user's doubles, the books of the channel. Out: where the entry goes, the entry, what is
+//! answered. The FIFO's own checks are those of every entry of a path (`admit::crd_data`). Fails: as every laser
+//! command does; ranges are those of the power mode at the call, and the tick holds what a later mode narrows.
+use super::distance::source;
+use super::energy::{own_bounds, power, powers};
+use super::range::Taking;
+use super::tables::table;
+use super::{Case, FIRST_CONNECTOR};
+use crate::admit::one;
+use crate::case::TAKEN_MAX;
+use crate::refuse::{Admitted, Refused};
+use protocol::command::{
+    BufLaserFollowMode, BufLaserFollowOff, BufLaserFollowRatio, BufLaserFollowTable, BufLaserOff, BufLaserOn,
+    BufLaserPrfCmd, BufLaserPrfFollow, opcode,
+};
+use protocol::reason::Reason;
+use servo::laser::{Bounds, Buffered, Curve, Mode, Power, Ratio};
+use servo::path::Entry;
+
+/// Velocity ratios may be this large: 2³².
+const RATIO_MAX: f64 = 4_294_967_296.0;
+
+/// An entry with a laser change, and where it goes.
+#[derive(Debug, Clone, Copy)]
+pub struct Change {
+    /// Logical core, from 1.
+    pub core: i16,
+    /// Coordinate system, from 1.
+    pub crd: i16,
+    /// FIFO, and its field in the request.
+    pub fifo: (u8, i16),
+    /// The entry.
+    pub entry: Entry,
+    /// Channel and follow table that it names.
+    pub named: Option<(u8, u8)>,
+    /// What is told of its numbers: values, how many, which of them were held. None: CrdTaken.
+    pub took: Option<Took>,
+}
+
+/// Whether a command is one of these.
+pub fn is_buffered(number: u16) -> bool {
+    (opcode::BufLaserOn..=opcode::BufLaserFollowOff).contains(&number)
+}
+
+/// Values that were taken, how many, which of them were held.
+type Took = ([f64; TAKEN_MAX], u8, u8);
+
+/// The entry of a buffered laser command.
+pub fn admit<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> Admitted<Change> {
+    /// `$fifo` and `$channel` are fields.
+    macro_rules! to {
+        ($name:ident, $fifo:literal, $channel:literal, |$r:ident, $of:ident| $change:expr) => {{
+            let $r = &one::<$name>(body)?;
+            let $of = case.channel($r.core.get(), $channel, $r.channel.get())?;
+            let (change, took): (Buffered, Option<Took>) = $change;
+            let (code, words) = change.pack();
+            let entry = Entry::laser($of, code, words);
+            Change { core: $r.core.get(), crd: $r.crd.get(), fifo: ($fifo, $r.fifo.get()), entry, named: None, took }
+        }};
+    }
+    Ok(match number {
+        opcode::BufLaserOn => to!(BufLaserOn, 2, 3, |r, channel| {
+            connected(case, channel)?;
+            (Buffered::Gate { on: true }, None)
+        }),
+        opcode::BufLaserOff => to!(BufLaserOff, 2, 3, |r, _channel| (Buffered::Gate { on: false }, None)),
+        opcode::BufLaserPrfCmd => to!(BufLaserPrfCmd, 3, 4, |r, channel| {
+            let (power, took) = direct(case, channel, (2, r.power.get()))?;
+            (Buffered::Direct { power }, Some(took))
+        }),
+        opcode::BufLaserPrfFollow => to!(BufLaserPrfFollow, 5, 6, |r, channel| {
+            let ratio = ratio(2, r.ratio.get())?;
+            let (bounds, took) = bounds(case, channel, (3, r.min.get().into()), (4, r.max.get().into()))?;
+            (Buffered::PrfFollow { ratio, bounds }, Some(took))
+        }),
+        opcode::BufLaserFollowMode => to!(BufLaserFollowMode, 3, 4, |r, channel| {
+            let source = source(2, r.source.get())?;
+            let given = r.start_given != 0;
+            let start = given.then(|| direct(case, channel, (5, r.start_power.get()))).transpose()?;
+            let took = start.map_or(([0.0; TAKEN_MAX], 1, 0), |(_, took)| took);
+            (Buffered::FollowMode { source, start: start.map(|(power, _)| power) }, Some(took))
+        }),
+        opcode::BufLaserFollowRatio => to!(BufLaserFollowRatio, 5, 6, |r, channel| {
+            let ratio = ratio(2, r.ratio.get())?;
+            let (bounds, took) = bounds(case, channel, (3, r.min.get()), (4, r.max.get()))?;
+            (Buffered::FollowRatio { ratio, bounds }, Some(took))
+        }),
+        opcode::BufLaserFollowTable => {
+            let mut named = None;
+            let change = to!(BufLaserFollowTable, 5, 6, |r, channel| {
+                let table = table(2, r.table.get())?;
+                let (bounds, took) = bounds(case, channel, (3, r.min.get()), (4, r.max.get()))?;
+                let empty = Refused::new(Reason::FollowTableEmpty).got(r.table.get().into());
+                let empty = empty.limits(channel.into(), 0.0);
+                let curve = Curve::power(channel, table).filter(|_| case.laser(channel).is_filled(table));
+                named = Some((channel, table));
+                (Buffered::FollowTable { table: curve.ok_or(empty)?, bounds }, Some(took))
+            });
+            Change { named, ..change }
+        }
+        _ => to!(BufLaserFollowOff, 2, 3, |r, _channel| (Buffered::FollowOff, None)),
+    })
+}
+
+/// Light without its connector is a mistake that would show in the work piece only.
+fn connected<const AXES: usize>(case: &Case<AXES>, channel: u8) -> Admitted<()> {
+    let book = case.laser(channel);
+    if book.connector || book.mode == Mode::Analog {
+        return Ok(());
+    }
+    let connector = f64::from(FIRST_CONNECTOR) + f64::from(channel);
+    Err(Refused::new(Reason::LaserConnector).got(channel.into()).limits(0.0, connector))
+}
+
+/// A direct power, with its field.
+fn direct<const AXES: usize>(case: &Case<AXES>, channel: u8, (field, got): (u8, f64)) -> Admitted<(Power, Took)> {
+    let range = powers(case.laser(channel).mode, case.is_lsr(), case.books.laser_fine);
+    let mut taking = Taking::new(case.is_lsr());
+    let value = taking.take(field, 0, got, range)?;
+    Ok((power(field, value)?, took(&[value], taking.held)))
+}
+
+/// How much power a speed makes: above 0 in both families.
+fn ratio(field: u8, got: f64) -> Admitted<Ratio> {
+    if !got.is_finite() {
+        return Err(Refused::new(Reason::NotFinite).field(field).got(got));
+    }
+    let refused = Refused::new(Reason::AboveLow).field(field).got(got).limits(0.0, RATIO_MAX);
+    Ratio::admit(got.to_bits()).map_err(|_| refused)
+}
+
+/// Bounds of a velocity follow: the maximum is above the minimum (LSR, BufLaserFollowRatio), as they are given; what LSR
+/// holds at a bound may be equal then.
+fn bounds<const AXES: usize>(
+    case: &Case<AXES>,
+    channel: u8,
+    min: (u8, f64),
+    max: (u8, f64),
+) -> Admitted<(Bounds, Took)> {
+    let mode = case.laser(channel).mode;
+    let range = powers(mode, case.is_lsr(), case.books.laser_fine);
+    if max.1 <= min.1 {
+        return Err(Refused::new(Reason::NotAboveMinimum).field(max.0).got(max.1).limits(min.1, range.nearest(f64::MAX)));
+    }
+    let mut taking = Taking::new(case.is_lsr());
+    let (low, high) = (taking.take(min.0, 1, min.1, range)?, taking.take(max.0, 0, max.1, range)?);
+    let bounds = own_bounds(mode, (min.0, low), (max.0, high))?;
+    Ok((bounds, took(&[high, low], taking.held)))
+}
+
+fn took(values: &[f64], held: u8) -> Took {
+    let mut all = [0.0; TAKEN_MAX];
+    for (place, value) in all.iter_mut().zip(values) {
+        *place = *value;
+    }
+    (all, values.len() as u8, held)
+}

@@ -1,0 +1,387 @@
+//! Tables of laser channels: powers against velocity, ratios against position.
+//!
+//! In: chunks of points, each a record of its own; `first` is the index of the chunk's first item. Out: points in the
+//! tables' memory, and when the last one is there the staged operation that shows them. Owns: the table that is being
+//! sent; a chunk with `first` 0 begins a new one. Fails: as the points do, each named; nothing of a table is seen
+//! before its last chunk, and a chunk that is offered again, because it was refused before its time, is refused the
+//! same way.
+//!
+//! Powers wait in scratch memory, since their table may hold what an earlier call put there. Ratios go straight into
+//! the bank that nothing reads (`servo::laser::Tables`).
+use super::distance::{bounds, ratio, running, stage, told};
+use super::energy::{power, powers};
+use super::range::{Range, Taking};
+use super::{Case, took};
+use crate::admit::length;
+use crate::books::{CAPACITY, DistanceBook, LaserChange};
+use crate::case::Answer;
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use protocol::command::{
+    LaserDisPoint, LaserDisValue, LaserFollowPoint, SetLaserDisTable1D, SetLaserDisTable2D, SetLaserFollowTable, Wire,
+    opcode,
+};
+use protocol::reason::Reason;
+use servo::laser::{Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Power, Ratios, Tables};
+use servo::op::Op;
+use servo::units::Crd;
+use zerocopy::IntoBytes;
+
+/// Velocities may be this high: 2³² pulse/ms.
+const VEL_MAX: f64 = 4_294_967_296.0;
+/// Bytes of the longest head.
+const HEAD: usize = size_of::<SetLaserDisTable1D>();
+const _: () = assert!(size_of::<SetLaserDisTable2D>() <= HEAD && size_of::<SetLaserFollowTable>() <= HEAD);
+
+/// Whether a command carries points of a table.
+pub fn is_table(number: u16) -> bool {
+    matches!(number, opcode::SetLaserFollowTable | opcode::SetLaserDisTable1D | opcode::SetLaserDisTable2D)
+}
+
+/// What the chunks of one table have in common: all of the head but `first`, which comes last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Key {
+    opcode: u16,
+    head: [u8; HEAD],
+}
+
+impl Key {
+    fn of<R: Wire>(opcode: u16, request: &R) -> Key {
+        let mut head = [0; HEAD];
+        let bytes = request.as_bytes();
+        let kept = bytes.len().saturating_sub(size_of::<u16>());
+        for (to, byte) in head.iter_mut().zip(bytes.iter().take(kept)) {
+            *to = *byte;
+        }
+        Key { opcode, head }
+    }
+}
+
+/// How far the sending of a table is.
+#[derive(Debug, Clone, Copy)]
+enum State {
+    Idle,
+    /// The item that comes next, and the bank of ratios.
+    Open(Key, u16, u8),
+    /// The chunk that begins with this item was refused.
+    Refused(Key, u16, Refused),
+}
+
+/// The table that is being sent; see the module text.
+pub struct Loading {
+    state: State,
+    /// Velocity and power.
+    points: [(f64, Power); POINTS],
+    /// The position before, for the order of the next one.
+    last: i32,
+}
+
+/// A chunk on its way: its items, the index of the first, and how many items the table has.
+struct Chunk<'b, T> {
+    key: Key,
+    first: u16,
+    items: &'b [T],
+    total: usize,
+    /// Field of `first`.
+    field: u8,
+}
+
+impl<T> Chunk<'_, T> {
+    fn is_last(&self) -> bool {
+        usize::from(self.first) + self.items.len() == self.total
+    }
+
+    /// The items with their index in the table.
+    fn indexed(&self) -> impl Iterator<Item = (usize, &T)> {
+        self.items.iter().enumerate().map(|(index, item)| (usize::from(self.first) + index, item))
+    }
+}
+
+/// Items behind a head: at least one, and no more than the table still needs.
+fn items<T: Wire>(rest: &[u8], head: usize, left: usize) -> Admitted<&[T]> {
+    let count = rest.len() / size_of::<T>();
+    let wanted = count.clamp(1, left.max(1));
+    match <[T]>::ref_from_bytes(rest) {
+        Ok(items) if count == wanted => Ok(items),
+        _ => Err(length(head + rest.len(), head + wanted * size_of::<T>())),
+    }
+}
+
+fn split<R: Wire>(body: &[u8]) -> Admitted<(R, &[u8])> {
+    R::read_from_prefix(body).map_err(|_| length(body.len(), size_of::<R>()))
+}
+
+impl Loading {
+    /// Nothing is being sent.
+    pub const fn new() -> Self {
+        Loading { state: State::Idle, points: [(0.0, Power::ZERO); POINTS], last: 0 }
+    }
+
+    /// A new session: what was begun is dropped.
+    pub fn abandon(&mut self) {
+        self.state = State::Idle;
+    }
+
+    /// Admits a chunk. Also told: channel and number of a follow table that was overwritten.
+    pub fn chunk<const AXES: usize>(
+        &mut self,
+        case: &mut Case<AXES>,
+        tables: &Tables,
+        number: u16,
+        body: &[u8],
+    ) -> Admitted<(Answer, Option<(u8, u8)>)> {
+        match number {
+            opcode::SetLaserFollowTable => self.powers(case, tables, body),
+            opcode::SetLaserDisTable1D => self.lines(case, tables, body).map(|answer| (answer, None)),
+            _ => self.plane(case, tables, body).map(|answer| (answer, None)),
+        }
+    }
+
+    /// Whether the chunk goes on where the one before ended; the bank, for one that begins `fresh` decides.
+    fn place<T>(&mut self, chunk: &Chunk<'_, T>, fresh: impl FnOnce() -> Admitted<u8>) -> Admitted<u8> {
+        let out_of_order = |next: u16| {
+            let refused = Refused::new(Reason::OutOfRange).field(chunk.field).got(chunk.first.into());
+            Err(refused.limits(0.0, next.into()))
+        };
+        match self.state {
+            _ if chunk.first == 0 => {
+                self.state = State::Idle;
+                fresh()
+            }
+            State::Open(key, next, bank) if key == chunk.key && next == chunk.first => Ok(bank),
+            State::Refused(key, first, refused) if key == chunk.key && first == chunk.first => Err(refused),
+            State::Open(key, next, _) if key == chunk.key => out_of_order(next),
+            _ => out_of_order(0),
+        }
+    }
+
+    /// What has become of a chunk.
+    fn keep<T>(&mut self, chunk: &Chunk<'_, T>, bank: u8, done: Admitted<()>) -> Admitted<()> {
+        let next = chunk.first.saturating_add(chunk.items.len() as u16);
+        self.state = match done {
+            Ok(()) if chunk.is_last() => State::Idle,
+            Ok(()) => State::Open(chunk.key, next, bank),
+            Err(refused) => State::Refused(chunk.key, chunk.first, refused),
+        };
+        done
+    }
+
+    fn powers<const AXES: usize>(
+        &mut self,
+        case: &mut Case<AXES>,
+        tables: &Tables,
+        body: &[u8],
+    ) -> Admitted<(Answer, Option<(u8, u8)>)> {
+        let (r, rest) = split::<SetLaserFollowTable>(body)?;
+        let channel = case.channel(r.core.get(), 3, r.channel.get())?;
+        let table = table(1, r.table.get())?;
+        let total = within(2, r.count.get(), 1, POINTS as i32)?.unsigned_abs() as usize;
+        let left = total.saturating_sub(r.first.get().into());
+        let items = items::<LaserFollowPoint>(rest, size_of_val(&r), left)?;
+        let key = Key::of(opcode::SetLaserFollowTable, &r);
+        let chunk = Chunk { key, first: r.first.get(), items, total, field: 4 };
+        let bank = self.place(&chunk, || Ok(0))?;
+        if chunk.is_last() {
+            // Looked at first: a chunk that has to wait has changed nothing.
+            not_in_use(case, channel, table)?;
+        }
+        let range = powers(case.laser(channel).mode, case.is_lsr(), case.books.laser_fine);
+        let mut held = 0;
+        let done = chunk.indexed().try_for_each(|(index, item)| {
+            let (vel, given) = (item.vel.get(), item.power.get());
+            let mut taking = Taking::new(case.is_lsr());
+            let vel = real(5, vel, 0.0, VEL_MAX).map_err(|refused| refused.item(index))?;
+            let before = index.checked_sub(1).and_then(|before| self.points.get(before));
+            if let Some((before, _)) = before.filter(|(before, _)| vel - *before < LEAST_STEP) {
+                let refused = Refused::new(Reason::PointTime).field(5).item(index).got(vel);
+                return Err(refused.limits(*before, VEL_MAX));
+            }
+            let value = taking.take(6, 0, given, range).map_err(|refused| refused.item(index))?;
+            held += u16::from(taking.held != 0);
+            if let Some(place) = self.points.get_mut(index) {
+                *place = (vel, power(6, value)?);
+            }
+            Ok(())
+        });
+        self.keep(&chunk, bank, done)?;
+        if !chunk.is_last() {
+            case.stage(Op::Mark);
+            return Ok((took(case, &[held.into()], 0), None));
+        }
+        if let Some(curve) = Curve::power(channel, table) {
+            for (index, (vel, power)) in self.points.iter().take(total).enumerate() {
+                // The checks let nothing through that it refuses.
+                let _ = tables.power_point(curve, index, vel.to_bits(), *power);
+            }
+            tables.finish(curve, total);
+        }
+        case.enter(channel, LaserChange::TableFilled(table));
+        Ok((took(case, &[held.into()], 0), Some((channel, table))))
+    }
+
+    fn lines<const AXES: usize>(&mut self, case: &mut Case<AXES>, tables: &Tables, body: &[u8]) -> Admitted<Answer> {
+        let (r, rest) = split::<SetLaserDisTable1D>(body)?;
+        let channel = case.channel(r.core.get(), 5, r.channel.get())?;
+        let mut book = running(case, channel)?;
+        let count = within(1, r.count.get(), 1, POINTS as i16)?.unsigned_abs() as usize;
+        let total = DISTANCES * count;
+        let limits = (4, &r.limit[..], r.limits_given != 0);
+        let (limits, held) = own(case, channel, &mut book, (2, r.min.get(), r.max.get()), limits)?;
+        let left = total.saturating_sub(r.first.get().into());
+        let items = items::<LaserDisPoint>(rest, size_of_val(&r), left)?;
+        let key = Key::of(opcode::SetLaserDisTable1D, &r);
+        let chunk = Chunk { key, first: r.first.get(), items, total, field: 7 };
+        let bank = self.place(&chunk, || free_bank(case, channel))?;
+        let done = chunk.indexed().try_for_each(|(index, item)| {
+            let (axis, point) = (index / count, index % count);
+            let value = ratio(8, point, item.ratio.get()).map_err(|refused| refused.axis(axis as i16 + 1))?;
+            let pos = item.pos.get();
+            if point > 0 && pos <= self.last {
+                let refused = Refused::new(Reason::PointOfAxis).field(9).item(point).axis(axis as i16 + 1);
+                return Err(refused.got(pos.into()).limits(self.last.into(), i32::MAX.into()));
+            }
+            self.last = pos;
+            if let Some(curve) = Curve::ratio(channel, bank, axis as u8) {
+                let _ = tables.ratio_point(curve, point, pos, value.to_bits());
+            }
+            Ok(())
+        });
+        self.keep(&chunk, bank, done)?;
+        if chunk.is_last() {
+            for (axis, limit) in limits.into_iter().enumerate() {
+                tables.limit(channel, bank, axis as u8, limit);
+                if let Some(curve) = Curve::ratio(channel, bank, axis as u8) {
+                    tables.finish(curve, count);
+                }
+            }
+            book.from = Ratios::Lines { bank };
+            stage(case, channel, book)?;
+        } else {
+            case.stage(Op::Mark);
+        }
+        Ok(told(case, channel, &book, held))
+    }
+
+    fn plane<const AXES: usize>(&mut self, case: &mut Case<AXES>, tables: &Tables, body: &[u8]) -> Admitted<Answer> {
+        let (r, rest) = split::<SetLaserDisTable2D>(body)?;
+        let channel = case.channel(r.core.get(), 6, r.channel.get())?;
+        let mut book = running(case, channel)?;
+        let [x, y] = r.axis.map(|axis| axis.get());
+        for (index, axis) in [x, y].into_iter().enumerate() {
+            choice(1, axis, 1, DISTANCES as i16).map_err(|refused| refused.item(index))?;
+        }
+        if x == y {
+            return Err(Refused::new(Reason::PlaneAxis).field(1).got(x.into()));
+        }
+        let axes = [x, y].map(|axis| axis as u8 - 1);
+        let mut counts = [0; 2];
+        for (index, (to, given)) in counts.iter_mut().zip(r.count).enumerate() {
+            let count = within(2, given.get(), 1, POINTS as i16).map_err(|refused| refused.item(index))?;
+            *to = usize::from(count.unsigned_abs());
+        }
+        let [columns, rows] = counts;
+        if columns * rows > NODES {
+            let refused = Refused::new(Reason::TooMany).field(9).got((columns * rows) as f64);
+            return Err(refused.limits(1.0, NODES as f64));
+        }
+        let limits = (5, &r.limit[..], r.limits_given != 0);
+        let (limits, held) = own(case, channel, &mut book, (3, r.min.get(), r.max.get()), limits)?;
+        let total = columns + rows + columns * rows;
+        let left = total.saturating_sub(r.first.get().into());
+        let items = items::<LaserDisValue>(rest, size_of_val(&r), left)?;
+        let key = Key::of(opcode::SetLaserDisTable2D, &r);
+        let chunk = Chunk { key, first: r.first.get(), items, total, field: 8 };
+        let bank = self.place(&chunk, || free_bank(case, channel))?;
+        let done = chunk.indexed().try_for_each(|(index, item)| {
+            let value = item.value.get();
+            let node = index.checked_sub(columns + rows);
+            if let Some(node) = node {
+                let value = ratio(9, node, value)?;
+                let _ = tables.plane_node(channel, bank, node, value.to_bits());
+                return Ok(());
+            }
+            let (direction, line, reason) =
+                if index < columns { (0, index, Reason::PlaneX) } else { (1, index - columns, Reason::PlaneY) };
+            let whole = value as i32;
+            if f64::from(whole) != value || line > 0 && whole <= self.last {
+                let low = if line > 0 { self.last } else { i32::MIN };
+                return Err(Refused::new(reason).field(9).item(line).got(value).limits(low.into(), i32::MAX.into()));
+            }
+            self.last = whole;
+            if let Some(curve) = Curve::ratio(channel, bank, direction) {
+                let _ = tables.plane_line(curve, line, whole);
+            }
+            Ok(())
+        });
+        self.keep(&chunk, bank, done)?;
+        if chunk.is_last() {
+            for (direction, count) in (0..).zip(counts) {
+                if let Some(curve) = Curve::ratio(channel, bank, direction) {
+                    tables.finish(curve, count);
+                }
+            }
+            for axis in 0..DISTANCES as u8 {
+                let place = axes.iter().position(|of| *of == axis);
+                tables.limit(channel, bank, axis, place.and_then(|place| limits.get(place).copied().flatten()));
+            }
+            book.from = Ratios::Plane { bank, axes };
+            stage(case, channel, book)?;
+        } else {
+            case.stage(Op::Mark);
+        }
+        Ok(told(case, channel, &book, held))
+    }
+}
+
+/// The least step of velocity from point to point: 2⁻²⁸ pulse/ms, and what rounding may take.
+const LEAST_STEP: f64 = 1.5 / 268_435_456.0;
+
+/// A table of powers, from 1.
+pub fn table(field: u8, got: i16) -> Admitted<u8> {
+    Ok(choice(field, got, 1, POWER_TABLES as i16)? as u8 - 1)
+}
+
+/// A bank that can be written.
+fn free_bank<const AXES: usize>(case: &Case<AXES>, channel: u8) -> Admitted<u8> {
+    let read = case.view.lasers.get(usize::from(channel)).and_then(|seen| seen.bank);
+    let busy = || Refused::new(Reason::RatiosBusy).got(channel.into());
+    case.laser(channel).free_bank(case.view, read).ok_or_else(busy)
+}
+
+/// Bounds of the follow's own, and what each axis may add or take away at most; which of them were held.
+fn own<const AXES: usize>(
+    case: &Case<AXES>,
+    channel: u8,
+    book: &mut DistanceBook,
+    (field, min, max): (u8, f64, f64),
+    (place, given, are_given): (u8, &[zerocopy::little_endian::F64], bool),
+) -> Admitted<([Option<Power>; DISTANCES], u8)> {
+    let mut taking = Taking::new(case.is_lsr());
+    book.bounds = bounds(case, channel, &mut taking, field, (min, max))?;
+    let mode = case.laser(channel).mode;
+    let range = Range::new(0.0, crate::read::units(mode.full_scale()));
+    let mut limits = [None; DISTANCES];
+    if are_given {
+        for (index, (to, given)) in limits.iter_mut().zip(given).enumerate() {
+            let most = taking.take(place, 2, given.get(), range).map_err(|refused| refused.item(index))?;
+            *to = Some(power(place, most)?);
+        }
+    }
+    Ok((limits, taking.held))
+}
+
+/// A follow table may not be replaced while an entry of a path names it or a follow reads it.
+fn not_in_use<const AXES: usize>(case: &Case<AXES>, channel: u8, table: u8) -> Admitted<()> {
+    let named = case.laser(channel).named.get(usize::from(table)).copied().unwrap_or(0);
+    let reads = case.view.lasers.get(usize::from(channel)).and_then(|seen| seen.table);
+    let holds = Crd::all().any(|crd| {
+        (0..2).any(|fifo| {
+            let is_named = named >> (2 * crd.index() as u8 + fifo) & 1 == 1;
+            is_named && case.crd_book(crd).space(case.crd_seen(crd), fifo) != CAPACITY
+        })
+    });
+    if holds || reads.is_some() && reads == Curve::power(channel, table) {
+        let refused = Refused::new(Reason::FollowTableInUse).got(f64::from(table) + 1.0);
+        return Err(refused.limits(channel.into(), 0.0));
+    }
+    Ok(())
+}
