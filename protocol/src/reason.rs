@@ -207,6 +207,11 @@ pub const fn laser_cause(number: i16) -> &'static str {
         3 => "a servo tick began late",
         4 => "the run before was ended by a fault or the watchdog",
         5 => "there were more gate edges than the channel can place",
+        6 => "an axis of a coordinate system that gates it has a drive alarm",
+        7 => "the servo of an axis of a coordinate system that gates it was switched off",
+        8 => "an axis of a coordinate system that gates it hit a limit",
+        9 => "a coordinate system that gates it ran out of entries at speed",
+        10 => "a coordinate system that gates it had a fault",
         _ => "one that this client does not know",
     }
 }
