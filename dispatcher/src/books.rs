@@ -173,6 +173,25 @@ impl<const AXES: usize> Books<AXES> {
         }
     }
 
+    /// A FIFO of a coordinate system was given an entry that names a follow table.
+    pub fn name_follow_table(&mut self, channel: u8, table: u8, crd: Crd, fifo: u8) {
+        let laser = self.lasers.get_mut(usize::from(channel));
+        if let Some(named) = laser.and_then(|laser| laser.named.get_mut(usize::from(table))) {
+            *named |= 1 << (2 * crd.index() + usize::from(fifo & 1));
+        }
+    }
+
+    /// FIFOs that may hold an entry that names a follow table: bit 2·crd + FIFO.
+    pub fn naming(&self) -> u8 {
+        self.lasers.iter().flat_map(|laser| laser.named).fold(0, |all, named| all | named)
+    }
+
+    /// A FIFO that holds nothing names no follow table.
+    pub fn forget_follow_tables(&mut self, crd: Crd, fifo: u8) {
+        let bit = 1 << (2 * crd.index() + usize::from(fifo & 1));
+        self.lasers.iter_mut().flat_map(|laser| &mut laser.named).for_each(|named| *named &= !bit);
+    }
+
     /// Whether data that is written to a FIFO now takes the place of what the tick has not emptied yet.
     pub fn overwrites(&self, view: &View<AXES>, axis: Axis, fifo: u8) -> bool {
         let book = self.axis(axis);

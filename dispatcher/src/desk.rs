@@ -9,7 +9,7 @@ use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{Loading, Road, road};
 use crate::admit::{admit, config_item, crd, is_read, many, one, power_on, tables};
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
-use crate::books::{Books, Change, PROGRAM_FLAG, executed};
+use crate::books::{Books, CAPACITY, Change, PROGRAM_FLAG, executed};
 use crate::case::{Answer, Case, Effect, Site, TAKEN_MAX};
 use crate::lane::{Deque, Lane, STAGED, Staged};
 use crate::path_queue::{LASTS_MS, PathQueue};
@@ -192,6 +192,12 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             self.now.spoil_fifos(axis, if all { 3 } else { 1 << (written.fifo & 1) });
         }
         data::enter(&mut self.ahead, &written, end);
+        if let (Of::Crd(crd), Some((channel, table))) = (written.of, written.named) {
+            // Also where the program is dropped before its commit: it says too much then, until the FIFO is empty.
+            for books in [&mut self.now, &mut self.ahead] {
+                books.name_follow_table(channel, table, crd, written.fifo);
+            }
+        }
         Ok(written)
     }
 
@@ -268,6 +274,21 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         for ((now, ahead), seen) in self.now.crds.iter_mut().zip(&mut self.ahead.crds).zip(&view.crds) {
             now.follow(view, seen);
             ahead.follow(view, seen);
+        }
+        if self.now.naming() | self.ahead.naming() != 0 {
+            self.forget_follow_tables(view);
+        }
+    }
+
+    /// FIFOs that hold nothing by either set of books name no follow table.
+    fn forget_follow_tables(&mut self, view: &View<AXES>) {
+        for (crd, seen) in Crd::all().zip(&view.crds) {
+            for fifo in 0..2 {
+                if [&self.now, &self.ahead].iter().all(|books| books.crd(crd).space(seen, fifo) == CAPACITY) {
+                    self.now.forget_follow_tables(crd, fifo);
+                    self.ahead.forget_follow_tables(crd, fifo);
+                }
+            }
         }
     }
 
@@ -564,7 +585,9 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                 self.refuse(record, Refused::new(Reason::ProgramRuns), out)
             }
             Ok((answer, effect)) => {
-                if record.opcode == opcode::Stop && !self.staged.ops().is_empty() {
+                // The end of a laser's follow stops nothing.
+                let stops = |(op, _): &(Op, Change)| !matches!(op, Op::FollowEnd { .. });
+                if record.opcode == opcode::Stop && self.staged.ops().iter().any(stops) {
                     program.stop(self);
                 }
                 self.push_staged();
@@ -597,6 +620,9 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             Of::Crd(crd) => self.commit_path(crd, written.fifo),
         };
         self.lane.push(op, change, 0, &mut self.ahead);
+        for value in written.waiting() {
+            self.taken.push(value);
+        }
         self.await_last(record, written.answer, true)
     }
 

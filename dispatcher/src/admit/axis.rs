@@ -47,6 +47,10 @@ pub fn stop<const AXES: usize>(case: &mut Case<AXES>, r: &Stop) -> Admitted<Answ
     }
     if gt {
         super::crd::stage_stop(case, r.core.get(), mask >> 8 & 3, option >> 8 & 3)?;
+        let crds = case.crd_mask(r.core.get(), mask >> 10 & 3, 1)?;
+        if crds.0 != 0 {
+            case.stage(Op::FollowEnd { crds });
+        }
     }
     Ok(Answer::Done)
 }

@@ -6,7 +6,7 @@
 //! Every command becomes a [`Given`]; [`put`] does the rest. A command of another chapter that goes into a FIFO (a
 //! buffered laser change) makes a `Given` of its own, with [`What::Entry`].
 use super::data::{End, Of, Written};
-use super::{io, many, one};
+use super::{buffered, io, many, one};
 use crate::books::{CAPACITY, CrdBook, Frame, PathBook, PathData};
 use crate::case::{Answer, Case, ones};
 use crate::figure::{self, Figure, OFF_CENTRE, Place};
@@ -81,6 +81,7 @@ pub type Given = (Target, What);
 /// Whether a command puts something into a FIFO of a coordinate system.
 pub fn is_path(number: u16) -> bool {
     matches!(number, opcode::CrdData..=opcode::BufGear | opcode::LnXYMany | opcode::LnXYZMany)
+        || buffered::is_buffered(number)
 }
 
 /// The commands of one entry.
@@ -396,7 +397,7 @@ impl Filling<'_> {
     fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
         let (crd, fifo) = (self.crd, self.fifo);
         let answer = Answer::Path { crd, fifo, count: count as u16, lasts_ms: lasts as u32 };
-        (Written { of: Of::Crd(crd), fifo, answer, at_once: self.at_once }, End::Path(data))
+        (Written { at_once: self.at_once, ..Written::new(Of::Crd(crd), fifo, answer) }, End::Path(data))
     }
 }
 
@@ -439,11 +440,31 @@ pub fn data<const AXES: usize>(
     match number {
         opcode::LnXYMany => lines::<LnXYMany, 2, AXES>(case, queues, stores, body),
         opcode::LnXYZMany => lines::<LnXYZMany, 3, AXES>(case, queues, stores, body),
+        _ if buffered::is_buffered(number) => light(case, queues, stores, number, body),
         _ => {
             let given = given(case, number, body)?;
             put(case, queues, stores, &given)
         }
     }
+}
+
+/// A buffered laser command: what it took is told where there is something, else its place.
+fn light<const AXES: usize>(
+    case: &Case<AXES>,
+    queues: &mut [[PathQueue; 2]],
+    stores: &[[EntryStore; 2]],
+    number: u16,
+    body: &[u8],
+) -> Admitted<(Written, End)> {
+    let change = buffered::admit(case, number, body)?;
+    let (fifo_field, fifo) = change.fifo;
+    let target = Target { core: change.core, crd: change.crd, fifo, fifo_field };
+    let (mut written, end) = put(case, queues, stores, &(target, What::Entry(change.entry, 0.0)))?;
+    written.named = change.named;
+    if let Some((took, count, held)) = change.took {
+        (written.took, written.answer) = (took, Answer::Took { count, held });
+    }
+    Ok((written, end))
 }
 
 /// Puts one thing into a FIFO, in the order of the calls, through the look-ahead if there is one.

@@ -5,7 +5,7 @@
 //! shows all that a FIFO has. Fails: with a refusal, and then nothing has changed.
 use super::{crd_data, follow_data, one, pt};
 use crate::books::{Books, Change, CrdChange, Fifo, FifoBook, PathData};
-use crate::case::{Answer, Case};
+use crate::case::{Answer, Case, TAKEN_MAX};
 use crate::path_queue::PathQueue;
 use crate::refuse::Admitted;
 use protocol::command::{FollowSwitchNowEx, opcode};
@@ -34,6 +34,22 @@ pub struct Written {
     pub answer: Answer,
     /// Its commit goes by the immediate lane.
     pub at_once: bool,
+    /// The numbers that the answer waits for: what a buffered laser command took.
+    pub took: [f64; TAKEN_MAX],
+    /// Laser channel and follow table that an entry of a path names.
+    pub named: Option<(u8, u8)>,
+}
+
+impl Written {
+    /// Data of a FIFO whose commit comes with the rest of its instant.
+    pub fn new(of: Of, fifo: u8, answer: Answer) -> Written {
+        Written { of, fifo, answer, at_once: false, took: [0.0; TAKEN_MAX], named: None }
+    }
+
+    /// The numbers that its answer waits for.
+    pub fn waiting(&self) -> impl Iterator<Item = f64> {
+        self.took.into_iter().take(self.answer.waiting().into())
+    }
 }
 
 /// Where a FIFO ends with what was written.

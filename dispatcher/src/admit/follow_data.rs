@@ -178,10 +178,7 @@ pub fn data<const AXES: usize>(
     let mut filling = open(case, stores, axis, fifo.get(), field)?;
     filling.add(given).map_err(|refused| refused.axis(case.site.number_of(axis)))?;
     let fifo = filling.fifo;
-    Ok((
-        Written { of: Of::Axis(axis), fifo, answer: Answer::Entered { axis, fifo, percent1: 0 }, at_once: false },
-        End::Follow(filling.book),
-    ))
+    Ok((Written::new(Of::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1: 0 }), End::Follow(filling.book)))
 }
 
 /// FollowDataPercent2Ex: up to three places, for the growing, the held and the falling slope of the ratio.
@@ -237,10 +234,7 @@ fn lopsided_data<const AXES: usize>(
     }
     let fifo = filling.fifo;
     let percent1 = (x * 100.0 + 0.5) as i16;
-    Ok((
-        Written { of: Of::Axis(axis), fifo, answer: Answer::Entered { axis, fifo, percent1 }, at_once: false },
-        End::Follow(filling.book),
-    ))
+    Ok((Written::new(Of::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1 }), End::Follow(filling.book)))
 }
 
 /// The FIFO, if it is known what it holds and its places are free for data.

@@ -14,6 +14,7 @@ pub use io::kind;
 pub use pvt::number_of;
 mod jog_trap;
 mod laser;
+use laser::buffered;
 pub use laser::{power_on, tables};
 pub mod pt;
 mod pvt;

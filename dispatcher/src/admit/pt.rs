@@ -193,7 +193,7 @@ fn push<const AXES: usize>(
     }
     let book = FifoBook { end: data.end.wrapping_add(items.len() as u32), chain };
     let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    Ok((Written { of: Of::Axis(axis), fifo, answer, at_once: false }, End::Pt(book)))
+    Ok((Written::new(Of::Axis(axis), fifo, answer), End::Pt(book)))
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.

@@ -255,6 +255,9 @@ impl Program<'_> {
         written: &data::Written,
     ) {
         let fifo = usize::from(written.fifo) & 1;
+        for value in written.waiting() {
+            self.values.push(value);
+        }
         match written.of {
             Of::Axis(axis) => self.open[fifo] |= axis.mask().0,
             Of::Crd(crd) if written.at_once => {

@@ -88,7 +88,7 @@ pub fn admit<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
             (Buffered::FollowRatio { ratio, bounds }, Some(took))
         }),
         opcode::BufLaserFollowTable => {
-            let mut named = None;
+            let named;
             let change = to!(BufLaserFollowTable, 5, 6, |r, channel| {
                 let table = table(2, r.table.get())?;
                 let (bounds, took) = bounds(case, channel, (3, r.min.get()), (4, r.max.get()))?;
@@ -142,7 +142,10 @@ fn bounds<const AXES: usize>(
     let mode = case.laser(channel).mode;
     let range = powers(mode, case.is_lsr(), case.books.laser_fine);
     if max.1 <= min.1 {
-        return Err(Refused::new(Reason::NotAboveMinimum).field(max.0).got(max.1).limits(min.1, range.nearest(f64::MAX)));
+        return Err(Refused::new(Reason::NotAboveMinimum)
+            .field(max.0)
+            .got(max.1)
+            .limits(min.1, range.nearest(f64::MAX)));
     }
     let mut taking = Taking::new(case.is_lsr());
     let (low, high) = (taking.take(min.0, 1, min.1, range)?, taking.take(max.0, 0, max.1, range)?);

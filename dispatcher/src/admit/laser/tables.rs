@@ -24,7 +24,7 @@ use protocol::reason::Reason;
 use servo::laser::{Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Power, Ratios, Tables};
 use servo::op::Op;
 use servo::units::Crd;
-use zerocopy::IntoBytes;
+use zerocopy::FromBytes;
 
 /// Velocities may be this high: 2³² pulse/ms.
 const VEL_MAX: f64 = 4_294_967_296.0;
