@@ -105,7 +105,7 @@ impl Ran {
 }
 
 /// Coordinate system 1 on axes 1 and 2, and the laser on its connector.
-const SET_UP: &str = "short rtn; TCrdPrm crd;
+const SET_UP: &str = "short rtn; TCrdPrm crd = {0};
 rtn = GT_AxisOn(1); rtn = GT_AxisOn(2);
 crd.dimension = 2; crd.profile[0] = 1; crd.profile[1] = 2; crd.synVelMax = 500; crd.synAccMax = 10;
 crd.evenTime = 0; crd.setOriginFlag = 1;
