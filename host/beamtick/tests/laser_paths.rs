@@ -145,9 +145,14 @@ fn path(t: f64) -> (f64, [f64; 2]) {
     (speed(BACK, t - 2025.0), [100_000.0 * (1.0 - part), 10_000.0 * part])
 }
 
-/// A power is in force for the interval that begins with the tick, and follows the speed in its middle.
+/// Way of the listings' path.
+fn along(t: f64) -> f64 {
+    if t <= 2025.0 { way(100_000.0, t) } else { 100_000.0 + way(BACK, t - 2025.0) }
+}
+
+/// A power is in force for the interval that begins with the tick, and follows the mean speed in it.
 fn followed(t: f64) -> f64 {
-    path(t + 0.125).0
+    (along(t + 0.25) - along(t)) / 0.25
 }
 
 /// Rows while the path of a listing runs, t ms after its start: all but the ones around the corner and the ends.
@@ -191,7 +196,7 @@ fn the_power_changes_at_the_instant_of_the_corner() {
         assert!(level == "0" && off.abs_diff(end) <= 5, "{name}: {off}, not {end}");
     }
     let ran = run(&example("laser_path_power.gts"), "gus", 250).good();
-    assert_eq!(ran.reads(), ["50", "30", "run 0, segment 2", "16239"]);
+    assert_eq!(ran.reads(), ["50", "30", "run 0 segment 2", "16239"]);
     let ran = run(&example("laser_lsr_path_power.gts"), "lsr", 250).good();
     assert_eq!(ran.reads(), ["30", "20"]);
 }
@@ -472,36 +477,40 @@ fn the_contour_runs() {
     assert_eq!(most, 90.0);
 }
 
-/// A listing of a manual with what its text needs: a coordinate system where dots stand for it; what is left of a comment
-/// whose line was broken is none; `T_LnXY` lacks its first letter.
-fn pasted(manual: &str, from: &str, to: &str, family: &str) -> String {
+/// A listing of a manual with what its text needs: a coordinate system where dots stand for it; what is left of a
+/// comment whose line was broken is none; `T_LnXY` lacks its first letter.
+fn pasted(manual: &str, from: &str, to: &str) -> String {
     let part = &manual[manual.find(from).unwrap_or_else(|| panic!("{from}"))..];
-    let part = &part[..part.find(to).unwrap_or_else(|| panic!("{to}"))];
-    let lines = part.lines().skip_while(|line| !(line.starts_with("…… ……") || line.starts_with(".....")));
-    let code = |line: &&str| {
+    let end = if to.is_empty() { part.len() } else { part.find(to).unwrap_or_else(|| panic!("{to}")) };
+    let lines = part[..end].lines().skip_while(|line| !(line.starts_with("…… ……") || line.starts_with(".....")));
+    let is_code = |line: &&str| {
         let first = line.trim_start().chars().next();
         first.is_none_or(|first| first.is_ascii() || first == '…') && !line.contains("<|") && !line.contains("```")
     };
-    let text: String = lines.filter(code).map(|line| line.replace("= T_LnXY", "= GT_LnXY") + "\n").collect();
-    let _ = family;
-    format!("{SET_UP}{text}\nWaitStop(1, 0, 1);\n")
+    let text: String = lines.filter(is_code).map(|line| line.replace("= T_LnXY", "= GT_LnXY") + "\n").collect();
+    format!("{SET_UP}{text}\nWaitStop(1, 0, 1);\nSleep(1);\n")
 }
 
 #[test]
 fn the_manuals_listings_run_as_pasted() {
     let (Some(gus), Some(lsr)) = (manual("000"), manual("003")) else { return skipped() };
-    // Power of channel 0 at two instants: on the first line, and 975 ms into the second.
-    for (manual, family, from, to, first, second) in [
-        (&gus, "gus", "4.2 例程\n\n能量直接", "能量跟随模式：\n\n同样", 50.0, 30.0),
-        (&gus, "gus", "能量跟随模式：\n\n同样", "5 激光能量跟随距离功能\n\n能量", 15.0, 15.0),
-        (&gus, "gus", "5.2 例程\n\n能量", "", 10.0, 15.0),
-        (&lsr, "lsr", "\n例程 4 ", "\n例程 5 ", 50.0, 30.0),
-        (&lsr, "lsr", "\n例程 5 ", "四、激光能量跟随距离功能 \n\n在", 15.0, 15.0),
+    // By the way and the speed of the path, 975 ms into the second line.
+    let [x, y] = path(3000.0).1;
+    let far = 5.0 + 0.1 * (x + y) / 1000.0;
+    // Power of channel 0 at two instants: on the first line, and on the second. LSR 6 names channel 1 for what gives
+    // power and channel 0 for the light, which so has none.
+    for (manual, family, from, to, [first, second], close) in [
+        (&gus, "gus", "4.2 例程\n\n能量直接", "能量跟随模式：\n\n同样", [50.0, 30.0], 1e-6),
+        (&gus, "gus", "能量跟随模式：\n\n同样", "\n5 激光能量跟随距离功能", [15.0, 15.0], 1e-6),
+        (&gus, "gus", "5.2 例程\n\n能量", "", [10.0, far], 1e-5),
+        (&lsr, "lsr", "\n例程 4 ", "\n例程 5 ", [50.0, 30.0], 1e-6),
+        (&lsr, "lsr", "\n例程 5 ", "\n四、激光能量跟随距离功能", [15.0, 15.0], 0.4),
+        (&lsr, "lsr", "\n例程 6 ", "\n五、指令详细说明", [0.0, 0.0], 1e-6),
     ] {
-        let text = pasted(manual, from, to, family);
-        let ran = run(&text, family, 250).good();
+        let ran = run(&pasted(manual, from, to), family, 250).good();
         let seen = (ran.at("laser0_power", 1000.25), ran.at("laser0_power", 3000.25));
-        let _ = (first, second);
-        println!("{family} {from:?}: {seen:?}");
+        let near = (seen.0 - first).abs() <= close && (seen.1 - second).abs() <= close;
+        assert!(near, "{family} {from:?}: {seen:?}, not {first} and {second}");
+        assert_eq!((ran.at("laser0_gate", 1000.25), ran.at("laser0_gate", 4060.75)), (1.0, 0.0), "{family} {from:?}");
     }
 }
