@@ -17,8 +17,8 @@ use crate::books::{CAPACITY, DistanceBook, LaserChange};
 use crate::case::Answer;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use protocol::command::{
-    LaserDisPoint, LaserDisValue, LaserFollowPoint, SetLaserDisTable1D, SetLaserDisTable2D, SetLaserFollowTable, Wire,
-    opcode,
+    LaserDisPoint, LaserDisValue, LaserFollowPoint, Request, SetLaserDisTable1D, SetLaserDisTable2D,
+    SetLaserFollowTable, Wire, opcode,
 };
 use protocol::reason::Reason;
 use servo::laser::{Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Power, Ratios, Tables};
@@ -106,8 +106,13 @@ fn items<T: Wire>(rest: &[u8], head: usize, left: usize) -> Admitted<&[T]> {
     }
 }
 
-fn split<R: Wire>(body: &[u8]) -> Admitted<(R, &[u8])> {
-    R::read_from_prefix(body).map_err(|_| length(body.len(), size_of::<R>()))
+/// Head and items of a chunk; the items are whole.
+fn split<R: Request>(body: &[u8]) -> Admitted<(R, &[u8])> {
+    let (head, rest) = R::read_from_prefix(body).map_err(|_| length(body.len(), size_of::<R>()))?;
+    match rest.len() % size_of::<R::Item>() {
+        0 => Ok((head, rest)),
+        more => Err(length(body.len(), body.len() - more)),
+    }
 }
 
 impl Loading {
