@@ -49,6 +49,8 @@ fn unknown_commands_and_wrong_lengths() {
                 // That is its length.
                 continue;
             }
+            // That is a chunk of twelve points.
+            let len = if info.opcode == opcode::SetLaserDisTable1D && len == 201 { 202 } else { len };
             let tag = bench.post_raw(info.opcode, Lane::Immediate, &vec![0x55; len]);
             let answer = bench.wait(tag);
             let in_program = [opcode::Sleep, opcode::WaitStop, opcode::ProgramEnd].contains(&info.opcode);
