@@ -3,6 +3,7 @@
 #ifndef BEAMTICK_STDAFX_H
 #define BEAMTICK_STDAFX_H
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -174,7 +174,7 @@ impl Prepared {
     /// The request's bytes with its first items, and the rest of them in requests of their own.
     fn pack(&self, core: c_short, told: bool, values: &[Given], items: &[u8], item: usize) -> Result<Vec<Call>> {
         let Some(command) = self.command else { return Ok(Vec::new()) };
-        let each = if item == 0 { 1 } else { (ITEM_BYTES / item).max(1) };
+        let each = ITEM_BYTES.checked_div(item).unwrap_or(1).max(1);
         let parts: Vec<&[u8]> = if items.is_empty() { vec![&[]] } else { items.chunks(each * item).collect() };
         let mut calls = Vec::with_capacity(parts.len());
         for (part, bytes) in parts.into_iter().enumerate() {

@@ -1,4 +1,5 @@
 //! A trace file as columns.
+#![allow(dead_code)] // Each test binary uses a part of it.
 
 use std::collections::HashMap;
 use std::ops::Range;
