@@ -16,7 +16,7 @@ mod store;
 
 pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Rate, Refused, Sweep};
 pub(crate) use run::EFFECTS;
-pub use run::{Effects, Feed, Path, Rest, Rules, Sight, Step, Told, Wake};
+pub use run::{Effects, Feed, GEARS, Path, Rest, Rules, Sight, Step, Told, Wake};
 pub use shape::Bend;
 pub use store::{ENTRIES, Entries, EntryStore};
 

@@ -263,6 +263,25 @@ fn a_gear_goes_along_with_the_next_motion() {
     }
 }
 
+/// Gears of one axis add up; one more than a path takes along stops it.
+#[test]
+fn gears_add_up_and_too_many_stop_the_path() {
+    let mut bench = ready(250);
+    let way = Entry::planar([300, 400], speeds(10.0, 1.0, 0.0));
+    bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::gear(axis(4), -30), way]);
+    bench.start_path(&[0]);
+    bench.tick();
+    assert_eq!(pulses(bench.rest().axes[4].pos), 70.0);
+    let mut entries: Vec<_> = (3..8).map(|index| Entry::gear(axis(index), 10)).collect();
+    entries.push(Entry::planar([0, 0], speeds(10.0, 1.0, 0.0)));
+    bench.frame(1, &[2], None);
+    bench.path(0, 0, &entries);
+    bench.start_path(&[0]);
+    bench.tick();
+    let view = bench.rest();
+    assert_eq!((view.crds[0].stop, view.crds[0].done[0]), (StopReason::OtherAxis, 1));
+}
+
 #[test]
 fn a_gear_of_an_axis_that_moves_stops_the_path() {
     let mut bench = ready(250);

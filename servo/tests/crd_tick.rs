@@ -385,6 +385,54 @@ fn soft_limits_hold_lines_and_arcs() {
     }
 }
 
+/// The same where a motion ends behind the limit between two ticks, at rest, before a wait, or at speed.
+#[test]
+fn soft_limits_hold_ends_of_motions() {
+    let to = |x: i32, end: f64| Entry::planar([x, 0], speeds(97.0, 3.0, end));
+    let after = [vec![to(200, 0.0)], vec![to(200, 0.0), Entry::delay(30)], vec![to(200, 97.0), to(0, 0.0)]];
+    for entries in after {
+        for period in [10, 250, 333, 1000] {
+            let mut bench = Bench::ready(period, Mode::Trap);
+            bench.frame(0, &[0, 1], None);
+            bench.now(Op::SoftLimit { axis: axis(0), positive: Some(199), negative: None });
+            bench.tick();
+            bench.path(0, 0, &entries);
+            bench.start_path(&[0]);
+            let view = loop {
+                let view = bench.tick();
+                assert!(pulses(view.axes[0].pos) <= 199.0, "{}", pulses(view.axes[0].pos));
+                if !view.crds[0].runs {
+                    break view;
+                }
+            };
+            assert_eq!((view.crds[0].stop, view.crds[0].done[0]), (StopReason::SoftPositive, 0));
+            assert!(pulses(view.axes[0].pos) > 198.99, "{period} {}", pulses(view.axes[0].pos));
+            // Once there is room it goes on to the end.
+            bench.now(Op::SoftLimit { axis: axis(0), positive: None, negative: None });
+            bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+            bench.tick();
+            bench.start_path(&[0]);
+            let motions = entries.iter().filter(|entry| entry.is_motion()).count();
+            assert_eq!(finish(&mut bench, 0).crds[0].done[0] as usize, motions);
+        }
+    }
+}
+
+/// A limit switch on a long way: the axis stays where it is, to a thousandth of the way of a tick.
+#[test]
+fn a_stop_by_a_switch_goes_neither_on_nor_back() {
+    let mut bench = ready(1000, &[Entry::planar([1 << 30, 1 << 30], speeds(1000.0, 100.0, 0.0))]);
+    bench.start_path(&[0]);
+    let before = bench.ticks(5000);
+    bench.machine.inputs[2].limit_positive = true;
+    let after = bench.tick();
+    assert_eq!((after.crds[0].runs, after.crds[0].stop), (false, StopReason::LimitPositive));
+    for axis in [2, 5] {
+        let by = pulses(after.axes[axis].pos) - pulses(before.axes[axis].pos);
+        assert!((0.0..=1.0).contains(&by), "{by}");
+    }
+}
+
 #[test]
 fn running_out_at_speed_is_an_underrun_and_needs_no_clearing() {
     let mut bench = ready(250, &[Entry::planar([-95, 50], speeds(10.0, 1.0, 0.0)), line(-92, 50)]);

@@ -110,6 +110,7 @@ impl<const AXES: usize> Tick<AXES> {
         crds.moves = crds.moves.wrapping_add(1);
         if let Some(rest) = rest {
             shown.rest = rest;
+            state.obstacle = obstacle;
         }
         shown.fifo = told.fifo;
         shown.released = [state.path.released(0), state.path.released(1)];
@@ -124,7 +125,7 @@ impl<const AXES: usize> Tick<AXES> {
             self.let_go(crd, left, told.runs, next);
         }
         if !told.runs {
-            self.come_to_rest(crd, obstacle, next, lanes);
+            self.come_to_rest(crd, next, lanes);
         } else if unable.is_some() {
             self.stop_crds(crd.mask(), true, StopReason::OtherAxis, next, lanes);
         }
@@ -179,7 +180,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// The path is at rest.
     #[inline(never)]
-    fn come_to_rest(&mut self, crd: Crd, obstacle: Option<(Axis, Pos)>, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    fn come_to_rest(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         let Tick { crds, axes, lasers, .. } = self;
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
         let reason = match state.shown.rest {
@@ -187,7 +188,8 @@ impl<const AXES: usize> Tick<AXES> {
             Rest::Completed => StopReason::Completed,
             Rest::Underrun => StopReason::Underrun,
             Rest::Stopped => state.ending,
-            Rest::Obstructed => obstacle
+            Rest::Obstructed => state
+                .obstacle
                 .and_then(|(axis, to)| axes.get_mut(axis.index())?.latch_barrier(to))
                 .unwrap_or(StopReason::OtherAxis),
         };

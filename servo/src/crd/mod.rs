@@ -21,7 +21,7 @@ pub use frame::{Frame, Refused};
 pub(crate) use share::share;
 
 use crate::path::{Feed, Path};
-use crate::units::{Axis, AxisMask, CrdMask, Ns};
+use crate::units::{Axis, AxisMask, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};
 
 /// One coordinate system.
@@ -38,6 +38,8 @@ pub(crate) struct CrdState {
     geared: AxisMask,
     /// The axis that a modal move has sent away.
     awaited: Option<Axis>,
+    /// What stopped it: an axis, and a place where it must not go.
+    obstacle: Option<(Axis, Pos)>,
 }
 
 impl CrdState {
@@ -48,6 +50,7 @@ impl CrdState {
         rest_since: Ns(0),
         geared: AxisMask(0),
         awaited: None,
+        obstacle: None,
     };
 
     fn feed(&self) -> Feed {

@@ -129,6 +129,10 @@ impl Effects for Sink<'_> {
         }
     }
 
+    fn surplus(&mut self, axis: Axis) {
+        self.unable = self.unable.or(Some(axis));
+    }
+
     fn admits(&mut self, place: &[Pos; DIMENSIONS]) -> bool {
         for ((axis, at), origin) in self.frame.axes_ref().iter().zip(place).zip(self.origin) {
             let Some(axis) = axis else { continue };

@@ -26,7 +26,7 @@ pub(crate) const EFFECTS: u32 = 8;
 /// Motions entered in a tick; the same holds.
 const MOTIONS: u32 = 32;
 /// Axes that go along with one motion.
-const GEARS: usize = 4;
+pub const GEARS: usize = 4;
 
 /// What a path does to the rest of the machine. Instants come in order; all lie before the end of the interval that
 /// the step is for, and after everything told in earlier steps.
@@ -40,6 +40,8 @@ pub trait Effects {
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled);
     /// An axis has gone along to the end of a motion, which moved it by this much.
     fn geared(&mut self, axis: Axis, pulses: i32);
+    /// More axes than a path can take along with one motion; this one stays.
+    fn surplus(&mut self, _axis: Axis) {}
     /// Whether the path may be at this place; else it comes to rest before it.
     fn admits(&mut self, _place: &[Pos; DIMENSIONS]) -> bool {
         true
@@ -250,6 +252,8 @@ pub struct Path {
     /// that has ended, if one has.
     seen: Pos,
     swept: Option<Exact>,
+    /// The way along the motion in force at which it was looked at last, or 0 if it was entered since.
+    floor: Exact,
     /// The end of the FIFO, if nothing stood behind the motion when it was planned.
     open: Option<u32>,
     /// The whole ns in which the leg or the wait in force is over.
@@ -367,6 +371,7 @@ impl Path {
         fresh: true,
         seen: Pos(0),
         swept: None,
+        floor: Exact(0),
         open: None,
         due: 0,
         led: false,
@@ -500,7 +505,7 @@ impl Path {
         if inside {
             let counter = counter.wrapping_sub(1);
             self.enter(from, counter, &source.entry(fifo, counter).item());
-            self.way = way;
+            (self.way, self.floor) = (way, way);
             self.plan_rest(feed, source);
         }
     }
@@ -576,10 +581,12 @@ impl Path {
         let (fifo, done) = (self.fifo, self.done(self.fifo));
         let moves = self.look(next, sink, sight);
         if moves && !sink.admits(sight.place) {
-            self.hold(next, sink, feed, sight);
+            self.hold(now, Exact::from(self.seen), sink, feed);
+            self.look(next, sink, sight);
             return Told { runs: false, fifo, done };
         }
         let runs = self.runs();
+        self.floor = Exact::from(self.seen);
         if self.due < next.0.wrapping_add(period.0) {
             self.walk(until, &mut budget, feed, source, sink);
         } else if has_time {
@@ -650,21 +657,17 @@ impl Path {
         }
     }
 
-    /// The place of the motion in force at `next` is not admitted: it comes to rest on the way there.
+    /// The motion in force must not go as far as `way`, where it is or would be at `at`: it comes to rest before.
     #[inline(never)]
-    fn hold(&mut self, next: Ns, sink: &mut impl Effects, feed: Feed, sight: &mut Sight<'_>) {
-        let at = (next.0 as Fine) << 32;
-        let from = self.way;
-        self.catch_up(at);
-        // The furthest place of the leg that is, to 2⁻¹⁶ of the way; its beginning if none is.
-        let (mut low, mut high) = (from, self.way);
+    fn hold(&mut self, at: Fine, way: Exact, sink: &mut impl Effects, feed: Feed) {
+        // The furthest place since the last look that is admitted, to 2⁻¹⁶ of that way; where it was then if none is.
+        let (mut low, mut high) = (self.floor, way);
         for _ in 0..16 {
             let middle = Exact(low.0.wrapping_add(high.0) >> 1);
             if sink.admits(&self.motion().shape.at(middle.round())) { low = middle } else { high = middle }
         }
         self.way = low;
         self.halt(at, Rest::Obstructed, feed, sink);
-        self.look(next, sink, sight);
     }
 
     /// The mean speed of the interval of `period` from `next` on, of which `motion` was shown: what the laser's power
@@ -723,6 +726,10 @@ impl Path {
                         self.set_due();
                     }
                     None if self.motion().plan.halts => self.halt(self.time, Rest::Stopped, feed, sink),
+                    None if !sink.admits(&self.motion().shape.end()) => {
+                        let way = self.motion().shape.length().to_exact();
+                        self.hold(self.time, way, sink, feed);
+                    }
                     None => {
                         self.leave(sink);
                         self.go_on(budget, feed, source, sink);
@@ -808,15 +815,19 @@ impl Path {
             }
             Item::Gear { axis, pulses } => {
                 let cursor = self.cursor(self.fifo);
-                if let Some(gear) = cursor.gears.get_mut(cursor.geared) {
+                if let Some(gear) = cursor.gears.iter_mut().take(cursor.geared).find(|gear| gear.axis == *axis) {
+                    gear.pulses = gear.pulses.saturating_add(*pulses);
+                } else if let Some(gear) = cursor.gears.get_mut(cursor.geared) {
                     *gear = Gear { axis: *axis, pulses: *pulses, along: Geared::NONE };
                     cursor.geared = cursor.geared.wrapping_add(1);
+                } else {
+                    sink.surplus(*axis);
                 }
                 None
             }
             item => {
                 self.enter(self.here, counter, item);
-                self.way = Exact(0);
+                (self.way, self.floor) = (Exact(0), Exact(0));
                 if !self.motion().shape.length().is_zero() {
                     self.plan_rest(feed, source);
                 }

@@ -67,7 +67,7 @@ impl Path {
         }
         self.ahead_mut().state = State::Nothing;
         self.at ^= 1;
-        self.way = Exact(0);
+        (self.way, self.floor) = (Exact(0), Exact(0));
         self.set_in(self.here);
         if self.motion().shape.length().is_zero() {
             return;
