@@ -329,7 +329,7 @@ fn light_begins_with_the_power_that_follows() {
     while bench.tick.now().0 < zero + 40 * MS {
         let tick = (bench.tick.now().0 - zero) / 250_000;
         // Off and on within the ticks.
-        bench.gate(tick % 3 != 0);
+        bench.gate(!tick.is_multiple_of(3));
         let shown = bench.tick();
         let v = (bench.tick.now().0 - zero) as f64 / 1e6 + 0.125;
         if shown.light {
