@@ -377,6 +377,8 @@ impl CrdView {
 pub struct LaserView {
     /// Counts changes of anything here but `on_time`.
     pub moves: u32,
+    /// Counts changes of anything but the power in light and the width of its pulses.
+    pub turns: u32,
     /// Counts changes of anything but the outputs: the fields from `commanded` to `train`.
     pub changes: u32,
     /// The command: on or off.
@@ -432,6 +434,7 @@ pub struct LaserView {
 impl LaserView {
     pub(crate) const BEFORE: LaserView = LaserView {
         moves: 0,
+        turns: 0,
         changes: 0,
         mode: laser::Mode::Duty,
         commanded: false,
@@ -463,7 +466,10 @@ impl LaserView {
     pub(crate) fn follow(&mut self, now: &LaserView) {
         self.on_time = now.on_time;
         if self.moves != now.moves {
-            self.follow_moves(now);
+            if self.turns != now.turns {
+                self.follow_moves(now);
+            }
+            (self.moves, self.power, self.train.width) = (now.moves, now.power, now.train.width);
         }
     }
 
@@ -473,10 +479,10 @@ impl LaserView {
             *self = *now;
             return;
         }
-        self.moves = now.moves;
+        self.turns = now.turns;
         (self.commanded, self.gate, self.switch) = (now.commanded, now.gate, now.switch);
         (self.light, self.limited) = (now.light, now.limited);
-        (self.direct, self.power, self.khz, self.train) = (now.direct, now.power, now.khz, now.train);
+        (self.direct, self.khz, self.train) = (now.direct, now.khz, now.train);
     }
 }
 

@@ -33,8 +33,7 @@ fn run(text: &str, family: &str, tick_us: u32) -> Ran {
     let (path, csv, vcd) = (file("job.gts"), file("t.csv"), file("t.vcd"));
     fs::write(&path, text).unwrap();
     let tick = tick_us.to_string();
-    let arguments =
-        ["sim", &path, "--family", family, "--tick-us", &tick, "--trace", &csv, "--vcd", &vcd, "--strict"];
+    let arguments = ["sim", &path, "--family", family, "--tick-us", &tick, "--trace", &csv, "--vcd", &vcd, "--strict"];
     let output = Command::cargo_bin("beamtick").unwrap().env_remove("BEAMTICK_IMAGE").args(arguments).output().unwrap();
     let string = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     let (out, errors) = (string(output.stdout), string(output.stderr));
@@ -218,11 +217,8 @@ Sleep(1);";
     for tick_us in [10u32, 50, 250, 1000] {
         let ran = run(&text, "gus", tick_us).good();
         let start = u64::from(tick_us) * 1000;
-        let volts: Vec<(u64, f64)> = ran
-            .edges("laser0_dac_mv")
-            .into_iter()
-            .map(|(at, value)| (at, value.parse::<f64>().unwrap()))
-            .collect();
+        let volts: Vec<(u64, f64)> =
+            ran.edges("laser0_dac_mv").into_iter().map(|(at, value)| (at, value.parse::<f64>().unwrap())).collect();
         let instants: Vec<u64> = volts.iter().map(|(at, _)| *at).collect();
         let expected = [0, start, start + 225_140_000, start + 290_140_000];
         assert_eq!(instants, expected, "{tick_us} us: {volts:?}");
@@ -452,8 +448,11 @@ fn the_encoders_speed_is_followed_too() {
         }
     }
     let mean = |from: f64, to: f64| {
-        let rows: Vec<f64> =
-            rows(&ran, "laser0_power").iter().filter(|(t, _)| (from..to).contains(t)).map(|(_, power)| *power).collect();
+        let rows: Vec<f64> = rows(&ran, "laser0_power")
+            .iter()
+            .filter(|(t, _)| (from..to).contains(t))
+            .map(|(_, power)| *power)
+            .collect();
         rows.iter().sum::<f64>() / rows.len() as f64
     };
     assert!((mean(100.0, 900.0) - 15.0).abs() < 0.01 && (mean(1100.0, 1900.0) - 35.0).abs() < 0.01);

@@ -38,7 +38,8 @@ pub enum Ratios {
 pub struct Distance {
     pub(super) source: Source,
     axes: [Axis; DISTANCES],
-    reference: [i32; DISTANCES],
+    /// In units of Pos.
+    reference: [i64; DISTANCES],
     /// ratio/scale, with tables 1/scale, in 2^-(`shift` + 22).
     factors: [i64; DISTANCES],
     shift: u8,
@@ -76,6 +77,7 @@ impl Distance {
         let width = reals.iter().fold(-60, |width: i32, real| width.max(real.width()));
         let shift = 60 - width - 22;
         let factors = reals.map(|real| real.to_fixed(shift + 22) as i64);
+        let reference = reference.map(|pulses| Pos::pulses(pulses).0);
         Ok(Distance { source, axes, reference, factors, shift: shift as u8, ratios: from, bounds })
     }
 
@@ -102,7 +104,7 @@ impl Distance {
         let mut sum = 0i128;
         for ((axis, reference), factor) in self.axes.iter().zip(&self.reference).zip(&self.factors) {
             if *factor != 0 {
-                let by = place(*axis, self.source).0.wrapping_sub(Pos::pulses(*reference).0);
+                let by = place(*axis, self.source).0.wrapping_sub(*reference);
                 sum = sum.wrapping_add(product(by, *factor));
             }
         }
@@ -148,7 +150,7 @@ impl Distance {
         let mut sum = 0i128;
         let axes = places.iter().zip(self.reference).zip(self.factors.iter().zip(ratios));
         for (axis, ((x, reference), (factor, ratio))) in (0..).zip(axes) {
-            let by = x.wrapping_sub(Pos::pulses(reference).0);
+            let by = x.wrapping_sub(reference);
             // In 2^-32 instead of the power's 2^-44.
             let over = part(product(by, *factor), (self.shift as u32).wrapping_add(12));
             let share = product(over, ratio);

@@ -6,7 +6,7 @@ use super::Mode;
 use super::dither::{Carrier, Clock, Fine, Standby};
 use super::plan::{Count, Train};
 use super::power::Power;
-use crate::wide::umul;
+use crate::wide::{umul, umulhi};
 use core::num::NonZeroU16;
 
 /// Settings of the energy output.
@@ -139,8 +139,13 @@ impl Carrier {
         // raw·2^13 is power/128 in 2^-64, and 1.28 of it power/100.
         const POINT_28: u64 = (28u128 * (1 << 64) / 100) as u64;
         let of_128 = (power.raw() as u64) << 13;
-        let part = of_128.wrapping_add(umul(of_128, POINT_28).0);
+        let part = of_128.wrapping_add(umulhi(of_128, POINT_28));
         let Count { whole, .. } = self.period();
+        if whole >> 32 == 0 {
+            let (high, low) = umul(whole << 32 | self.fraction() as u64, part);
+            let width = high.wrapping_add(low >> 63);
+            return Count { whole: width >> 32, part: width as u32, of: 0 };
+        }
         let (high, low) = umul(whole, part);
         let (sum, carry) = low.overflowing_add(umul((self.fraction() as u64) << 32, part).0);
         let (sum, up) = sum.overflowing_add(1 << 31);

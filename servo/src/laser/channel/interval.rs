@@ -307,7 +307,7 @@ impl Channel {
             (_, false) => self.energy.told_dark(),
         };
         let shown = &mut self.shown;
-        shown.moves = shown.moves.wrapping_add(1);
+        (shown.moves, shown.turns) = (shown.moves.wrapping_add(1), shown.turns.wrapping_add(1));
         (shown.power, shown.khz) = (power, khz);
         shown.train = if khz == Power::ZERO { Train::NONE } else { self.out.train };
     }
