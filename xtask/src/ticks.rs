@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`: what taking a full frame costs, divided by its segments.
 const LANES: [&str; 2] = ["immediate", "program"];
 
-const MARKS: [(&str, &str); 41] = [
+const MARKS: [(&str, &str); 46] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -75,6 +75,11 @@ const MARKS: [(&str, &str); 41] = [
     ("crd-turn", "coordinate systems, all enter the next line or arc"),
     ("crd-enter", "coordinate systems, the tick behind that"),
     ("crd-start", "coordinate systems, all start"),
+    ("laser-alone", "laser channels in light while a coordinate system speeds up, on a tick of 12 axes"),
+    ("laser-speed", "laser channels, likewise, whose power follows its speed"),
+    ("laser-place", "laser channels, likewise, whose power follows places of four axes"),
+    ("laser-both", "laser channels, likewise, both"),
+    ("laser-tables", "laser channels, likewise, both by tables, one for each axis"),
     (
         "crd-worst",
         "SPEC 11: 8 axes enter segments of PVT, 2 coordinate systems enter motions, 2 lasers follow speed and distance",
