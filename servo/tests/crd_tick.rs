@@ -474,6 +474,39 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     assert_eq!((place(&end, [2, 5]), end.crds[0].done, end.crds[0].released), ([300.0, 400.0], [1, 2], [1, 2]));
 }
 
+/// What was made ahead is made anew where data, an override or a Stop has changed it: the motion is the one that it would
+/// have been, in every tick.
+#[test]
+fn what_is_made_ahead_does_not_outlive_a_change() {
+    let v = speeds(10.0, 1.0, 10.0);
+    let first = [Entry::planar([200, 50], v), Entry::planar([400, 50], v)];
+    let more = [Entry::planar([400, 250], v), Entry::planar([0, 0], speeds(10.0, 1.0, 0.0))];
+    for period in [250, 1000] {
+        // Data that comes at once, or after so many ticks, until the second motion has begun to brake.
+        let mut seen: Vec<Vec<[Pos; 2]>> = Vec::new();
+        for late in [0u64, 3, 20, 28] {
+            let mut bench = ready(period, &first);
+            bench.start_path(&[0]);
+            let mut places = Vec::new();
+            let ticks = late * 1000 / u64::from(period);
+            for tick in 0.. {
+                if tick == ticks {
+                    bench.path(0, 0, &more);
+                }
+                let view = bench.tick();
+                places.push([2, 5].map(|axis: usize| view.axes[axis].pos));
+                if !view.crds[0].runs {
+                    break;
+                }
+            }
+            seen.push(places);
+        }
+        for (k, places) in seen.iter().enumerate() {
+            assert!(places == &seen[0], "{period} {k}: {} and {} ticks", places.len(), seen[0].len());
+        }
+    }
+}
+
 /// A clearing makes the FIFO empty, its counts 0, and what was meant for it before void.
 #[test]
 fn clearing_is_counted_and_old_commits_are_void() {

@@ -722,7 +722,9 @@ impl Path {
                         }));
                         (self.began, self.time) = (over, over);
                         self.leg = self.leg.wrapping_add(1);
-                        self.take_piece();
+                        if self.motion().plan.leg(self.leg).is_some() {
+                            self.take_piece();
+                        }
                         self.set_due();
                     }
                     None if self.motion().plan.halts => self.halt(self.time, Rest::Stopped, feed, sink),
