@@ -419,6 +419,29 @@ fn an_underrun_is_dark_at_its_instant() {
     }
 }
 
+/// Behind an underrun nothing more is planned, in any mode: no standby, no pre-voltage, no open switch.
+#[test]
+fn nothing_is_planned_behind_an_underrun() {
+    for (mode, period) in [Mode::Duty, Mode::Frequency, Mode::Analog, Mode::DutyOpen].into_iter().zip(PERIODS) {
+        let mut bench = ready(period);
+        bench.mode(mode, 10.0, 0.0, true);
+        bench.width(5);
+        bench.standby(Some((20.0, 50.0)));
+        bench.change(Change::PreVoltage(Some(power(2.0))));
+        bench.path(0, &[direct(5.0), light(true)]);
+        bench.path(0, &underrun(follow(1.0, 1.0, 9.0)));
+        let zero = bench.start(1);
+        until(&mut bench, zero + 40 * MS);
+        let last = bench.machine.outputs[0].last;
+        let end = zero + 12 * MS;
+        assert!(last <= end && end < last + u64::from(period) * US, "{mode:?}: {last} {end}");
+        // What was planned brings all outputs to rest there.
+        assert!(bench.switch().last().is_none_or(|edge| *edge == (end, false)), "{mode:?}");
+        assert!(bench.pulses().last().is_none_or(|pulse| pulse.1 <= end), "{mode:?}");
+        assert!(bench.volts().last().is_none_or(|volts| *volts == (end, 0)), "{mode:?}");
+    }
+}
+
 /// In analog mode an underrun takes the DAC to 0 V there, pre-voltage or not.
 #[test]
 fn an_underrun_takes_the_dac_to_0() {

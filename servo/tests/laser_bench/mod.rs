@@ -131,6 +131,8 @@ pub struct Output {
     kept: usize,
     /// The most actions of a plan.
     pub most: usize,
+    /// Beginning of the last interval in which there were any.
+    pub last: u64,
 }
 
 impl Output {
@@ -171,6 +173,9 @@ impl Output {
     fn take(&mut self, now: u64, next: u64, plan: &Plan) {
         self.carry_out(now);
         self.most = self.most.max(plan.actions().len());
+        if !plan.actions().is_empty() {
+            self.last = next;
+        }
         if plan.rest {
             assert!(plan.actions().is_empty());
             self.queue.clear();

@@ -93,11 +93,7 @@ impl Channel {
     #[inline(never)]
     fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
         if self.safety.is_dark() && !self.ends {
-            if self.safety.is_spared() {
-                self.pass();
-            }
-            self.go_dark();
-            self.miss(end);
+            return self.stay_dark(end);
         }
         self.pass();
         self.attend(next);
@@ -136,6 +132,18 @@ impl Channel {
             self.go_dark();
             self.show(true);
         }
+    }
+
+    /// An interval in which nothing is put out.
+    #[inline(never)]
+    fn stay_dark(&mut self, end: Ns) {
+        if self.safety.is_spared() {
+            self.pass();
+        }
+        self.go_dark();
+        self.miss(end);
+        self.news = 0;
+        self.show(true);
     }
 
     /// The edges and events within the interval.
