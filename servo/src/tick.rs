@@ -5,8 +5,9 @@
 //! time, the script clock. Budget: at most [`ENTRIES_PER_TICK`] of them and a step an axis, no loop whose
 //! length depends on data. Fails: never; a full ring back to the thread is counted in the view.
 //!
-//! Order within a tick: inputs are sampled, then entries act, then every axis takes its step under its
-//! guards. So a limit seen now stops the set-point of the next tick.
+//! Order within a tick: inputs are sampled, then entries act, then every coordinate system that runs takes its step,
+//! then every axis under its guards, slaves behind their masters, then the lasers. So a limit seen now stops the
+//! set-point of the next tick.
 use crate::axis::{AxisState, Glide};
 use crate::crd::Crds;
 use crate::edges::{Edges, Levels};

@@ -73,6 +73,9 @@ fn a_line_moves_both_axes_by_their_share() {
     let end = bench.until(zero + t(60.0) + 250_000);
     assert_eq!(place(&end, [2, 5]), [300.0, 400.0]);
     assert!(!end.crds[0].runs && end.axes[2].status & status::RUNNING == 0);
+    let later = bench.ticks(3);
+    assert!(has(&later.axes[2], status::IN_POSITION) && later.axes[2].encoder == 300);
+    assert!(begin.axes[2].status & status::IN_POSITION == 0 && later.axes[2].stop == StopReason::Completed);
     assert_eq!(
         (end.crds[0].stop, end.crds[0].rest, end.crds[0].done),
         (StopReason::Completed, Rest::Completed, [1, 0])

@@ -138,6 +138,27 @@ fn speed_goes_through_a_corner_and_to_zero_where_nothing_or_a_wait_follows() {
     assert_eq!(bench.heard.rests[0].1, Rest::Completed);
 }
 
+/// A motion too short to brake before a wait: what comes behind the wait begins at rest, however long there is for it
+/// to be made ahead.
+#[test]
+fn a_motion_behind_a_wait_begins_at_rest() {
+    let fast = speeds(10.0, 1.0, 10.0);
+    let entries = vec![
+        Entry::planar([1000, 0], fast),
+        Entry::planar([1010, 0], fast),
+        Entry::delay(50),
+        mark(1),
+        Entry::planar([1510, 0], speeds(10.0, 1.0, 0.0)),
+        mark(2),
+    ];
+    let mut bench = Bench::new(entries, 100_000);
+    bench.start(0);
+    bench.finish();
+    let [(begin, 1), (end, 2)] = bench.marks()[..] else { panic!() };
+    // 500 pulses: 10 ms to 10 pulse/ms, 40 ms, 10 ms.
+    assert!(near(end - begin, 60.0), "{begin} {end}");
+}
+
 #[test]
 fn a_path_too_short_to_brake_ends_in_an_underrun_on_its_target() {
     let entries = vec![

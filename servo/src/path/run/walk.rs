@@ -1,0 +1,196 @@
+//! From boundary to boundary: legs, motions, waits, effects, rest.
+//!
+//! In: an instant up to which boundaries are passed, entries. Out: what entries do, to an [`Effects`]. Owns nothing
+//! beyond the [`Path`]. Fails: entries that run out at speed are an underrun.
+use super::told::{Effects, Feed, Rest};
+use super::{Budget, Gear, Geared, Made, Path, Stage, State, end_of};
+use crate::path::Fine;
+use crate::path::entry::{Entry, Item};
+use crate::path::store::Entries;
+use crate::real::Real;
+use crate::units::Exact;
+
+impl Path {
+    /// It waits where it is.
+    pub(super) fn wait(&mut self, until: Fine) {
+        (self.stage, self.due, self.fresh) = (Stage::Wait { until }, (until >> 32) as u64, true);
+    }
+
+    /// The leg in force ends then; what has no leg left is over now.
+    pub(super) fn set_due(&mut self) {
+        let left = self.motion().plan.leg(self.leg).map_or(0, |leg| leg.time);
+        self.due = (self.began.wrapping_add(left) >> 32) as u64;
+    }
+
+    /// Passes all boundaries before `limit`.
+    pub(super) fn walk(
+        &mut self,
+        limit: Fine,
+        budget: &mut Budget,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+    ) {
+        loop {
+            match self.stage {
+                Stage::Rest => return,
+                Stage::Wait { until } => {
+                    if until >= limit {
+                        return;
+                    }
+                    self.time = until;
+                    self.swept = self.swept.or(Some(Exact(0)));
+                    self.go_on(budget, feed, source, sink);
+                }
+                Stage::Move => match self.motion().plan.leg(self.leg) {
+                    Some(leg) => {
+                        let over = self.began.wrapping_add(leg.time);
+                        if over >= limit {
+                            return;
+                        }
+                        let length = leg.length().0;
+                        self.way = Exact(self.way.0.wrapping_add(length));
+                        self.swept = Some(Exact(match self.swept {
+                            Some(swept) => swept.0.wrapping_add(length),
+                            None => self.way.0.wrapping_sub(Exact::from(self.seen).0),
+                        }));
+                        (self.began, self.time) = (over, over);
+                        self.leg = self.leg.wrapping_add(1);
+                        if self.motion().plan.leg(self.leg).is_some() {
+                            self.take_piece();
+                        } else {
+                            // The piece behind it is for what begins there.
+                            self.pieced = false;
+                        }
+                        self.set_due();
+                    }
+                    None if self.motion().plan.halts => self.halt(self.time, Rest::Stopped, feed, sink),
+                    None if !sink.admits(&self.motion().shape.end()) => {
+                        let way = self.motion().shape.length().to_exact();
+                        self.hold(self.time, way, sink, feed);
+                    }
+                    None => {
+                        self.leave(sink);
+                        self.go_on(budget, feed, source, sink);
+                    }
+                },
+            }
+        }
+    }
+
+    /// The motion in force is over.
+    pub(super) fn leave(&mut self, sink: &mut impl Effects) {
+        let Made { shape, plan, .. } = self.motion();
+        (self.here, self.speed, self.open) = (shape.end(), plan.exit, None);
+        if self.led {
+            self.since.pass(self.time, self.here);
+        }
+        let cursor = self.cursor(self.fifo);
+        cursor.inside = false;
+        cursor.done = cursor.done.wrapping_add(1);
+        for gear in cursor.gears.iter().take(cursor.geared) {
+            sink.geared(gear.axis, gear.pulses);
+        }
+        cursor.geared = 0;
+    }
+
+    /// At a boundary: on to the next motion, wait or rest.
+    pub(super) fn go_on(&mut self, budget: &mut Budget, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
+        loop {
+            let counter = self.cursor(self.fifo).next;
+            if counter == end_of(feed, self.fifo) {
+                let rest = if self.speed.is_zero() { Rest::Completed } else { Rest::Underrun };
+                self.rest(self.time, rest, feed, sink);
+                return;
+            }
+            if self.stopping && self.speed.is_zero() {
+                self.rest(self.time, Rest::Stopped, feed, sink);
+                return;
+            }
+            let entry = source.entry(self.fifo, counter);
+            let left = if entry.is_motion() { &mut budget.motions } else { &mut budget.effects };
+            if *left == 0 {
+                self.wait(budget.hold);
+                return;
+            }
+            *left = left.wrapping_sub(1);
+            self.cursor(self.fifo).next = counter.wrapping_add(1);
+            if let Some(until) = self.take(counter, &entry, feed, source, sink) {
+                self.wait(until);
+                self.speed = Real::ZERO;
+                return;
+            }
+            if entry.is_motion() {
+                if self.motion().shape.length().is_zero() {
+                    let speed = self.speed;
+                    self.leave(sink);
+                    self.speed = speed;
+                } else {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Carries out an entry; the instant until which the path waits for it.
+    pub(super) fn take(
+        &mut self,
+        counter: u32,
+        entry: &Entry,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+    ) -> Option<Fine> {
+        if self.ahead().state != State::Nothing && self.ahead().counter == counter {
+            self.enter_prepared(feed, source);
+            return None;
+        }
+        match &entry.item() {
+            Item::Nothing => None,
+            Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
+            Item::Change(change) => {
+                let wait = sink.change(self.time, change);
+                (wait != 0).then(|| self.time.wrapping_add(wait))
+            }
+            Item::Gear { axis, pulses } => {
+                let cursor = self.cursor(self.fifo);
+                if let Some(gear) = cursor.gears.iter_mut().take(cursor.geared).find(|gear| gear.axis == *axis) {
+                    gear.pulses = gear.pulses.saturating_add(*pulses);
+                } else if let Some(gear) = cursor.gears.get_mut(cursor.geared) {
+                    *gear = Gear { axis: *axis, pulses: *pulses, along: Geared::NONE };
+                    cursor.geared = cursor.geared.wrapping_add(1);
+                } else {
+                    sink.surplus(*axis);
+                }
+                None
+            }
+            item => {
+                self.enter(self.here, counter, item);
+                (self.way, self.floor) = (Exact(0), Exact(0));
+                if !self.motion().shape.length().is_zero() {
+                    self.plan_rest(feed, source);
+                }
+                None
+            }
+        }
+    }
+
+    /// Comes to rest within a motion.
+    pub(super) fn halt(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
+        self.here = self.motion().shape.at(self.way.round());
+        let way = self.way;
+        self.cursor(self.fifo).way = way;
+        self.rest(at, rest, feed, sink);
+    }
+
+    /// Comes to rest here.
+    pub(super) fn rest(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
+        (self.stage, self.speed, self.stopping, self.open) = (Stage::Rest, Real::ZERO, false, None);
+        (self.due, self.fresh) = (u64::MAX, true);
+        let (here, end) = (self.here, end_of(feed, self.fifo));
+        let cursor = self.cursor(self.fifo);
+        cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;
+        cursor.place = here;
+        sink.rest(at, rest);
+    }
+}

@@ -1,0 +1,113 @@
+//! What the tick tells of a coordinate system.
+use super::StopReason;
+use crate::crd::Frame;
+use crate::path::{Bend, DIMENSIONS, Rest};
+use crate::piece::{Motion, Scaled};
+use crate::units::{Crd, Pos};
+
+/// One coordinate system in one tick.
+#[derive(Debug, Clone, Copy)]
+pub struct CrdView {
+    /// Counts changes of anything here; what did not change need not be looked at again.
+    pub moves: u32,
+    /// Counts changes of what is not a place on the path: `frame`, `cleared`, `rest`, `stop`, `ends`.
+    pub changes: u32,
+    /// Counts changes of `bend` and of `motion` but for the place in it.
+    pub turns: u32,
+    /// Coordinates: the planned positions of its axes less the origin.
+    pub place: [Pos; DIMENSIONS],
+    /// Direction of motion, a unit vector in 2⁻³⁰; zeros where it does not move.
+    pub heading: [i32; DIMENSIONS],
+    /// How the direction turns.
+    pub bend: Bend,
+    /// The way along the motion in force as a piece: its velocity is the path's.
+    pub motion: Motion,
+    /// It has been started and is not at rest; it also runs while it waits, or stands at a corner.
+    pub runs: bool,
+    /// FIFO in force, or that was last.
+    pub fifo: u8,
+    /// Entries of each FIFO that are over, counted since it was cleared; their places are free.
+    pub released: [u32; 2],
+    /// Motions of each FIFO completed since it was cleared.
+    pub done: [u32; 2],
+    /// Entries of each FIFO that are committed, counted since it was cleared.
+    pub ends: [u32; 2],
+    /// Times that each FIFO was cleared (CrdFrame, CrdClear, Reset).
+    pub cleared: [u32; 2],
+    /// Which axes it drives, and from where; none before SetCrdPrm.
+    pub frame: Option<Frame>,
+    /// The planned positions of its axes at its zero.
+    pub origin: [Pos; DIMENSIONS],
+    /// How the path came to rest last; `Stopped`: CrdStart goes on with the same FIFO.
+    pub rest: Rest,
+    /// Why.
+    pub stop: StopReason,
+}
+
+impl CrdView {
+    /// Becomes a copy of `now`, of which only what its counters tell is taken.
+    #[inline(always)]
+    pub(crate) fn follow(&mut self, now: &CrdView) {
+        if self.moves == now.moves {
+            return;
+        }
+        if self.changes != now.changes {
+            *self = *now;
+            return;
+        }
+        if self.turns != now.turns {
+            (self.turns, self.bend, self.motion) = (now.turns, now.bend, now.motion);
+        }
+        (self.moves, self.place, self.heading, self.motion.tau) = (now.moves, now.place, now.heading, now.motion.tau);
+        (self.fifo, self.released, self.done) = (now.fifo, now.released, now.done);
+    }
+
+    /// At power-on.
+    pub const POWER_ON: CrdView = CrdView {
+        moves: 0,
+        changes: 0,
+        turns: 0,
+        place: [Pos(0); DIMENSIONS],
+        heading: [0; DIMENSIONS],
+        bend: Bend::STRAIGHT,
+        motion: Motion::REST,
+        runs: false,
+        fifo: 0,
+        released: [0; 2],
+        done: [0; 2],
+        ends: [0; 2],
+        cleared: [0; 2],
+        frame: None,
+        origin: [Pos(0); DIMENSIONS],
+        rest: Rest::Never,
+        stop: StopReason::None,
+    };
+}
+
+/// How a coordinate system moves an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drive {
+    /// The axis is one of its coordinates.
+    Coordinate {
+        /// Whose.
+        crd: Crd,
+        /// Which, X is 0.
+        index: u8,
+    },
+    /// BufGear: the axis goes along with the path.
+    Gear {
+        /// Whose.
+        crd: Crd,
+        /// Its way per way of the path.
+        ratio: Scaled,
+    },
+}
+
+impl Drive {
+    /// The coordinate system.
+    pub fn crd(self) -> Crd {
+        match self {
+            Drive::Coordinate { crd, .. } | Drive::Gear { crd, .. } => crd,
+        }
+    }
+}
