@@ -136,143 +136,267 @@ typedef struct TCrdData {
 /* ---- GT_: the first core of the card ------------------------------------------------------ */
 
 /* Session */
+/* Opens the controller that the environment names. */
 GT_API GT_Open(short channel GT_DEFAULT(0), short param GT_DEFAULT(1));
+/* Closes the controller. */
 GT_API GT_Close(void);
+/* The text of the calling thread's last failure, cut to size. */
 GT_API GT_GetLastReason(char *text, short size);
+/* Puts the axes, tables and lasers of the core into power-on state. */
 GT_API GT_Reset(void);
+/* Reads limits, alarms, stop decelerations and bands from a file. */
 GT_API GT_LoadConfig(const char *file);
+/* Clears latched status bits of count axes, and faults of lasers that they gate. */
 GT_API GT_ClrSts(short axis, short count GT_DEFAULT(1));
+/* The controller's version, board, profile and family as a text. */
 GT_API GT_GetVersion(char **version);
+/* Controller time in ms, and servo ticks since power-on. */
 GT_API GT_GetClock(unsigned long *clock, unsigned long *loop GT_DEFAULT(NULL));
+/* Sets the servo tick in us, at rest. */
 GT_API GT_SetTick(long tickUs);
+/* After how many ms without the host the link counts as lost, and whether all motion stops then. */
 GT_API GT_SetLinkLoss(long timeMs, short stopAll);
 
 /* Axes */
+/* Switches the servo on. */
 GT_API GT_AxisOn(short axis);
+/* Switches the servo off; an axis in motion stops abruptly. */
 GT_API GT_AxisOff(short axis);
+/* Stops axes and coordinate systems, smoothly or (option) abruptly. */
 GT_API GT_Stop(long mask, long option);
+/* Sets the positions of count axes at rest to 0. */
 GT_API GT_ZeroPos(short axis, short count GT_DEFAULT(1));
+/* Sets the planned position, pulses. */
 GT_API GT_SetPrfPos(short profile, long pos);
+/* Makes the axes' positions those of profile and encoder. */
 GT_API GT_SynchAxisPos(long mask);
+/* Sets the decelerations of smooth and abrupt stops, pulse/ms^2. */
 GT_API GT_SetStopDec(short profile, double decSmoothStop, double decAbruptStop);
+/* The decelerations of smooth and abrupt stops, pulse/ms^2. */
 GT_API GT_GetStopDec(short profile, double *decSmoothStop, double *decAbruptStop);
+/* Sets the in-position band in pulses, and its time in 250 us units. */
 GT_API GT_SetAxisBand(short axis, long band, long time);
+/* The in-position band in pulses, and its time in 250 us units. */
 GT_API GT_GetAxisBand(short axis, long *band, long *time);
+/* Status words of count axes, of one tick. */
 GT_API GT_GetSts(short axis, long *sts, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Planned positions of count axes in pulses, of one tick. */
 GT_API GT_GetPrfPos(short profile, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Planned velocities of count axes in pulse/ms, of one tick. */
 GT_API GT_GetPrfVel(short profile, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Planned accelerations of count axes in pulse/ms^2, of one tick. */
 GT_API GT_GetPrfAcc(short profile, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Modes of count axes: 0 Trap, 1 Jog, 2 PT, 4 Follow, 5 Crd, 6 PVT, 10 FollowEx. */
 GT_API GT_GetPrfMode(short profile, long *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Encoder positions of count axes in pulses, of one tick. */
 GT_API GT_GetEncPos(short encoder, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Encoder velocities of count axes in pulse/ms, of one tick. */
 GT_API GT_GetEncVel(short encoder, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Sets an encoder's position, pulses. */
 GT_API GT_SetEncPos(short encoder, long pos);
+/* Sets software limits in pulses; 0x7fffffff and 0x80000000 are off. */
 GT_API GT_SetSoftLimit(short axis, long positive, long negative);
+/* The software limits in pulses. */
 GT_API GT_GetSoftLimit(short axis, long *positive, long *negative);
+/* Enables limit switches: 0 positive, 1 negative, -1 both. */
 GT_API GT_LmtsOn(short axis, short limitType GT_DEFAULT(-1));
+/* Disables limit switches: 0 positive, 1 negative, -1 both. */
 GT_API GT_LmtsOff(short axis, short limitType GT_DEFAULT(-1));
+/* Sets the active level of limit switches, two bits an axis. */
 GT_API GT_LmtSns(unsigned short sense);
+/* Enables the drive alarm. */
 GT_API GT_AlarmOn(short axis);
+/* Disables the drive alarm. */
 GT_API GT_AlarmOff(short axis);
+/* Sets the following-error limit, pulses. */
 GT_API GT_SetPosErr(short control, long error);
+/* The following-error limit, pulses. */
 GT_API GT_GetPosErr(short control, long *error);
+/* Arms a capture of home (1) or index (2). */
 GT_API GT_SetCaptureMode(short encoder, short mode);
+/* Whether captures of count encoders have come, and where. */
 GT_API GT_GetCaptureStatus(short encoder, short *status, long *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
 
 /* Trap and Jog */
+/* Puts an axis into Trap mode (point to point). */
 GT_API GT_PrfTrap(short profile);
+/* Sets acceleration, deceleration, start velocity and smoothing of Trap. */
 GT_API GT_SetTrapPrm(short profile, TTrapPrm *prm);
+/* Acceleration, deceleration, start velocity and smoothing of Trap. */
 GT_API GT_GetTrapPrm(short profile, TTrapPrm *prm);
+/* Puts an axis into Jog mode (steady velocity). */
 GT_API GT_PrfJog(short profile);
+/* Sets acceleration, deceleration and smoothing of Jog. */
 GT_API GT_SetJogPrm(short profile, TJogPrm *prm);
+/* Acceleration, deceleration and smoothing of Jog. */
 GT_API GT_GetJogPrm(short profile, TJogPrm *prm);
+/* Sets the target of Trap, pulses. */
 GT_API GT_SetPos(short profile, long pos);
+/* The target of Trap, pulses. */
 GT_API GT_GetPos(short profile, long *pos);
+/* Sets the velocity of Trap or Jog, pulse/ms. */
 GT_API GT_SetVel(short profile, double vel);
+/* The velocity of Trap or Jog, pulse/ms. */
 GT_API GT_GetVel(short profile, double *vel);
+/* Starts axes in Trap or Jog, or gives them their new targets, all on one tick. */
 GT_API GT_Update(long mask);
 
 /* Digital and analog inputs and outputs */
+/* Digital inputs of a type as bits. */
 GT_API GT_GetDi(short diType, long *value);
+/* Sets all digital outputs of a type. */
 GT_API GT_SetDo(short doType, long value);
+/* Digital outputs of a type as bits. */
 GT_API GT_GetDo(short doType, long *value);
+/* Sets one digital output, counted from 1. */
 GT_API GT_SetDoBit(short doType, short index, short value);
+/* Sets count analog outputs, -32768 to 32767 for -10 to 10 V. */
 GT_API GT_SetDac(short dac, short *value, short count GT_DEFAULT(1));
+/* Values of count analog outputs. */
 GT_API GT_GetDac(short dac, short *value, short count GT_DEFAULT(1));
+/* Voltages of count analog inputs. */
 GT_API GT_GetAdc(short adc, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
 
 /* Laser */
+/* Gives axis connector 7 or 8 to step pulses (0) or to a laser (1); GUS family. */
 GT_API GT_SetAxisMode(short axis, short mode);
+/* Switches a laser on. */
 GT_API GT_LaserOn(short channel GT_DEFAULT(0));
+/* Switches a laser off. */
 GT_API GT_LaserOff(short channel GT_DEFAULT(0));
+/* Whether a laser is switched on. */
 GT_API GT_LaserOnStatus(short *value, short channel GT_DEFAULT(0));
+/* Switches a laser on (1) or off (0). */
 GT_API GT_SetHSIOOpt(unsigned short value, short channel GT_DEFAULT(0));
+/* Whether a laser is switched on. */
 GT_API GT_GetHSIOOpt(unsigned short *value, short channel GT_DEFAULT(0));
+/* How power is put out: 0 duty, 1 frequency, 2 voltage, 3 duty with the switch held; and its bounds. */
 GT_API GT_LaserPowerMode(short laserPowerMode, double maxValue, double minValue, short channel GT_DEFAULT(0), short delaymode GT_DEFAULT(0));
+/* Sets the direct power, in the mode's unit. */
 GT_API GT_LaserPrfCmd(double outputCmd, short channel GT_DEFAULT(0));
+/* Sets the carrier of the duty modes, kHz. */
 GT_API GT_LaserOutFrq(double outFrq, short channel GT_DEFAULT(0));
+/* Sets the pulse width of the frequency mode, us. */
 GT_API GT_SetPulseWidth(unsigned long width, short channel GT_DEFAULT(0));
+/* Sets standby pulses of one channel: on or off, kHz, %. */
 GT_API GT_SetWaitPulse(unsigned short mode, double waitPulseFrq, double waitPulseDuty, short channel GT_DEFAULT(0));
+/* Sets standby pulses of both channels: on or off, kHz, %. */
 GT_API GT_SetWaitPulseEx(unsigned short mode, double waitPulseFrq, double waitPulseDuty);
+/* Sets the voltage of the analog mode while there is no light. */
 GT_API GT_SetPreVltg(unsigned short mode, double voltageValue, short channel GT_DEFAULT(0));
+/* Sets the delays of switching off and on, us. */
 GT_API GT_SetLevelDelay(unsigned short offDelay, unsigned short onDelay, short channel GT_DEFAULT(0));
+/* Enables first-pulse suppression with its three times, us. */
 GT_API GT_EnaFPK(unsigned short time1, unsigned short time2, unsigned short laserOffDelay, short channel GT_DEFAULT(0));
+/* Disables first-pulse suppression. */
 GT_API GT_DisFPK(short channel GT_DEFAULT(0));
+/* Chooses the frequency range: 1 to 24 kHz, 0 to 96 kHz; LSR family. */
 GT_API GT_SetLaserMode(short mode);
+/* Sets a channel's on-time to 0. */
 GT_API GT_ZeroLaserOnTime(short channel);
+/* A channel's on-time in 250 us units. */
 GT_API GT_GetLaserOnTime(short channel, unsigned long *time);
+/* Sets which coordinate systems put a channel out when they fail, as bits. */
 GT_API GT_SetLaserCrdMap(short channel, short map);
+/* Which coordinate systems put a channel out when they fail. */
 GT_API GT_GetLaserCrdMap(short channel, short *map);
+/* The power that is put out now, in the mode's unit. */
 GT_API GT_GetLaserPower(short channel, double *power);
+/* Why a channel is kept dark, 0 if it is not. */
 GT_API GT_GetLaserFault(short channel, short *cause);
+/* Clears a channel's fault whose cause is over. */
 GT_API GT_ClrLaserFault(short channel);
 
 /* Coordinate systems */
+/* Sets up a coordinate system: axes, origin, greatest speed and acceleration. */
 GT_API GT_SetCrdPrm(short crd, TCrdPrm *crdPrm);
+/* The parameters of a coordinate system. */
 GT_API GT_GetCrdPrm(short crd, TCrdPrm *crdPrm);
+/* Clears a FIFO of a coordinate system. */
 GT_API GT_CrdClear(short crd, short fifo GT_DEFAULT(0));
+/* Free places of a FIFO of a coordinate system. */
 GT_API GT_CrdSpace(short crd, long *space, short fifo GT_DEFAULT(0));
+/* Starts coordinate systems (mask), with FIFO 0 or 1 (option). */
 GT_API GT_CrdStart(short mask, short option GT_DEFAULT(0));
+/* Stops coordinate systems, smoothly or (option) abruptly. */
 GT_API GT_CrdStop(long mask, long option GT_DEFAULT(0));
+/* Whether a coordinate system runs, and how many segments are done. */
 GT_API GT_CrdStatus(short crd, short *run, long *segment, short fifo GT_DEFAULT(0));
+/* Coordinates, pulses: one for each dimension. */
 GT_API GT_GetCrdPos(short crd, double *pos);
+/* Speed along the path, pulse/ms. */
 GT_API GT_GetCrdVel(short crd, double *synVel);
+/* Segments of a FIFO that are not done. */
 GT_API GT_GetRemainderSegNum(short crd, long *segment, short fifo GT_DEFAULT(0));
+/* Sets the decelerations of smooth and abrupt stops along the path, pulse/ms^2. */
 GT_API GT_SetCrdStopDec(short crd, double decSmoothStop, double decAbruptStop);
+/* Sets the share of the programmed speed that is run, above 0 to 1. */
 GT_API GT_SetOverride(short crd, double synVelRatio);
+/* Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments. */
 GT_API GT_InitLookAhead(short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
+/* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2. */
 GT_API GT_SetCrdLimit(short crd, short coordinate, double velMax, double accMax);
+/* The limits of one coordinate for look-ahead. */
 GT_API GT_GetCrdLimit(short crd, short coordinate, double *velMax, double *accMax);
+/* In a path: one motion as a struct; NULL sends what the look-ahead holds. */
 GT_API GT_CrdData(short crd, TCrdData *crdData, short fifo GT_DEFAULT(0));
+/* In a path: a line in X and Y. */
 GT_API GT_LnXY(short crd, long x, long y, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: a line in X, Y and Z. */
 GT_API GT_LnXYZ(short crd, long x, long y, long z, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: a line in X, Y, Z and A. */
 GT_API GT_LnXYZA(short crd, long x, long y, long z, long a, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: a line in X and Y that ends at rest. */
 GT_API GT_LnXYG0(short crd, long x, long y, double synVel, double synAcc, short fifo GT_DEFAULT(0));
+/* In a path: an arc in XY by its radius; circleDir 0 clockwise, 1 counter-clockwise. */
 GT_API GT_ArcXYR(short crd, long x, long y, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in XY by its centre, counted from its start; end on start is a full circle. */
 GT_API GT_ArcXYC(short crd, long x, long y, double xCenter, double yCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in YZ by its radius. */
 GT_API GT_ArcYZR(short crd, long y, long z, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in YZ by its centre, counted from its start. */
 GT_API GT_ArcYZC(short crd, long y, long z, double yCenter, double zCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in ZX by its radius. */
 GT_API GT_ArcZXR(short crd, long z, long x, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in ZX by its centre, counted from its start. */
 GT_API GT_ArcZXC(short crd, long z, long x, double zCenter, double xCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: waits at rest, ms. */
 GT_API GT_BufDelay(short crd, unsigned short delayTime, short fifo GT_DEFAULT(0));
+/* In a path: sets digital outputs of a mask. */
 GT_API GT_BufIO(short crd, unsigned short doType, unsigned short doMask, unsigned short doValue, short fifo GT_DEFAULT(0));
+/* In a path: sets one digital output. */
 GT_API GT_BufDoBit(short crd, unsigned short doType, unsigned short index, short value, short fifo GT_DEFAULT(0));
+/* In a path: sets an analog output. */
 GT_API GT_BufDA(short crd, short chn, short daValue, short fifo GT_DEFAULT(0));
+/* In a path: moves another axis; modal 1 waits for its end. */
 GT_API GT_BufMove(short crd, short moveAxis, long pos, double vel, double acc, short modal, short fifo GT_DEFAULT(0));
+/* In a path: the next segment takes another axis along by so many pulses. */
 GT_API GT_BufGear(short crd, short gearAxis, long pos, short fifo GT_DEFAULT(0));
 
 /* Buffered laser commands */
+/* In a path: switches a laser on. */
 GT_API GT_BufLaserOn(short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: switches a laser off. */
 GT_API GT_BufLaserOff(short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: sets the direct power. */
 GT_API GT_BufLaserPrfCmd(short crd, double laserPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: from here the power follows the planned path speed, ratio times it, within its bounds. */
 GT_API GT_BufLaserPrfFollow(short crd, double ratio, long minPower, long maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: whether the power follows planned (0) or encoder (1) speed, and the power at the start. */
 GT_API GT_BufLaserFollowMode(short crd, short source GT_DEFAULT(0), short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0), double startPower GT_DEFAULT(GT_NOT_GIVEN));
+/* In a path: from here the power follows the path speed, ratio times it, within its bounds. */
 GT_API GT_BufLaserFollowRatio(short crd, double ratio, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: from here the power follows the path speed by a table. */
 GT_API GT_BufLaserFollowTable(short crd, short tableId, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: the power follows the speed no more. */
 GT_API GT_BufLaserFollowOff(short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* Sets a table of power against path speed. */
 GT_API GT_SetLaserFollowTable(short tableId, long count, double *vel, double *power, short channel GT_DEFAULT(0));
 
 /* Laser power by distance */
+/* Switches power by distance on or off, with reference positions and scales of axes 1 to 4. */
 GT_API GT_SetLaserDisMode(short mode, short source, long *pos GT_DEFAULT(NULL), double *scale GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+/* Sets the ratios of power by distance, and its bounds. */
 GT_API GT_SetLaserDisRatio(double *ratio, double minPower, double maxPower, short channel GT_DEFAULT(0));
 #ifdef __cplusplus
 static inline short GT_SetLaserDisRatio(double *ratio, short channel = 0)
@@ -280,216 +404,401 @@ static inline short GT_SetLaserDisRatio(double *ratio, short channel = 0)
     return GT_SetLaserDisRatio(ratio, GT_NOT_GIVEN, GT_NOT_GIVEN, channel);
 }
 #endif
+/* Sets ratios by position for each of axes 1 to 4. */
 GT_API GT_SetLaserDisTable1D(short count, double *ratio, long *pos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+/* Sets ratios by the positions of two axes. */
 GT_API GT_SetLaserDisTable2D(short *axisIndex, short *count, double *ratio, long *xPos, long *yPos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
 
 /* PT */
+/* Puts an axis into PT mode: static or dynamic FIFO. */
 GT_API GT_PrfPt(short profile, short mode GT_DEFAULT(0));
+/* Free places of a PT FIFO. */
 GT_API GT_PtSpace(short profile, short *space, short fifo GT_DEFAULT(0));
+/* A PT segment: end position in pulses, end time in ms, type. */
 GT_API GT_PtData(short profile, double pos, long time, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* Clears a PT FIFO. */
 GT_API GT_PtClear(short profile, short fifo GT_DEFAULT(0));
+/* Sets how many passes run; 0 for ever. */
 GT_API GT_SetPtLoop(short profile, long loop);
+/* Passes that were completed. */
 GT_API GT_GetPtLoop(short profile, long *loop);
+/* Sets the size of PT FIFOs: 0 for 32 segments, 1 for 1024. */
 GT_API GT_SetPtMemory(short profile, short memory);
+/* The size of PT FIFOs. */
 GT_API GT_GetPtMemory(short profile, short *memory);
+/* Starts axes in PT, all on one tick; option bits take FIFO 1. */
 GT_API GT_PtStart(long mask, long option GT_DEFAULT(0));
+/* Starts axes in PT by lists of axes and FIFOs. */
 GT_API GT_PtStartPro(short *axis, short *option, short count);
 
 /* PVT */
+/* Puts an axis into PVT mode. */
 GT_API GT_PrfPvt(short profile);
+/* Sets how many passes run; 0 for ever. */
 GT_API GT_SetPvtLoop(short profile, long loop);
+/* Passes that were completed, and to run. */
 GT_API GT_GetPvtLoop(short profile, long *loopCount, long *loop);
+/* Tables in force of count axes, and times in them. */
 GT_API GT_PvtStatus(short profile, short *tableId, double *time, short count GT_DEFAULT(1));
+/* Starts axes in PVT, all on one tick. */
 GT_API GT_PvtStart(long mask);
+/* Chooses an axis's table; while it runs, from the next pass on. */
 GT_API GT_PvtTableSelect(short profile, short tableId);
+/* Fills a table with times, positions and velocities. */
 GT_API GT_PvtTable(short tableId, long count, double *time, double *pos, double *vel);
+/* Fills a table with velocities at the begin and the end of each segment. */
 GT_API GT_PvtTableEx(short tableId, long count, double *time, double *pos, double *velBegin, double *velEnd);
+/* Fills a table whose acceleration is continuous. */
 GT_API GT_PvtTableComplete(short tableId, long count, double *time, double *pos, double *a, double *b, double *c, double velBegin GT_DEFAULT(0), double velEnd GT_DEFAULT(0));
+/* Fills a table with percentages of S-shape. */
 GT_API GT_PvtTablePercent(short tableId, long count, double *time, double *pos, double *percent, double velBegin GT_DEFAULT(0));
+/* The velocities of a Percent table. */
 GT_API GT_PvtPercentCalculate(long count, double *time, double *pos, double *percent, double velBegin, double *vel);
+/* Fills a table by positions, velocities and limits; the controller finds the times. */
 GT_API GT_PvtTableContinuous(short tableId, long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double timeBegin);
+/* The times of a Continuous table. */
 GT_API GT_PvtContinuousCalculate(long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double *time);
 
 /* Follow */
+/* Puts an axis into Follow mode: direction of the master 0 both, 1, -1. */
 GT_API GT_PrfFollow(short profile, short dir GT_DEFAULT(0));
+/* Sets an axis's master: its number, type and item. */
 GT_API GT_SetFollowMaster(short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* An axis's master: its number, type and item. */
 GT_API GT_GetFollowMaster(short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Sets how many passes run; 0 for ever. */
 GT_API GT_SetFollowLoop(short profile, long loop);
+/* Passes that were completed. */
 GT_API GT_GetFollowLoop(short profile, long *loop);
+/* Sets when following begins: at once, or when the master passes a position. */
 GT_API GT_SetFollowEvent(short profile, short event, short masterDir, long pos GT_DEFAULT(0));
+/* When following begins. */
 GT_API GT_GetFollowEvent(short profile, short *event, short *masterDir, long *pos);
+/* Free places of a Follow FIFO. */
 GT_API GT_FollowSpace(short profile, short *space, short fifo GT_DEFAULT(0));
+/* A Follow segment: way of the master, way of the slave, type. */
 GT_API GT_FollowData(short profile, long masterSegment, double slaveSegment, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* Clears a Follow FIFO. */
 GT_API GT_FollowClear(short profile, short fifo GT_DEFAULT(0));
+/* Starts axes in Follow; option bits take FIFO 1. */
 GT_API GT_FollowStart(long mask, long option GT_DEFAULT(0));
+/* Goes over to the other FIFO when the pass has ended. */
 GT_API GT_FollowSwitch(long mask);
+/* Sets the size of Follow FIFOs: 0 for 16 segments, 1 for 512. */
 GT_API GT_SetFollowMemory(short profile, short memory);
+/* The size of Follow FIFOs. */
 GT_API GT_GetFollowMemory(short profile, short *memory);
+/* The FIFO in force, and whether a switch waits. */
 GT_API GT_GetFollowStatus(short profile, short *fifoNum, short *switchStatus);
 
 /* FollowEx */
+/* Puts an axis into FollowEx mode: direction of the master 0 both, 1, -1. */
 GT_API GT_PrfFollowEx(short profile, short dir GT_DEFAULT(0));
+/* Sets an axis's master: its number, type and item. */
 GT_API GT_SetFollowMasterEx(short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* An axis's master: its number, type and item. */
 GT_API GT_GetFollowMasterEx(short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Sets how many passes run; 0 for ever. */
 GT_API GT_SetFollowLoopEx(short profile, long loop);
+/* Passes that were completed. */
 GT_API GT_GetFollowLoopEx(short profile, long *loop);
+/* Sets when following begins: at once, or when the master passes a position. */
 GT_API GT_SetFollowEventEx(short profile, short event, short masterDir, long pos GT_DEFAULT(0));
+/* When following begins. */
 GT_API GT_GetFollowEventEx(short profile, short *event, short *masterDir, long *pos);
+/* Free places of a FollowEx FIFO. */
 GT_API GT_FollowSpaceEx(short profile, short *space, short fifo GT_DEFAULT(0));
+/* A FollowEx segment with a percentage of S-shape. */
 GT_API GT_FollowDataPercentEx(short profile, double masterSegment, double slaveSegment, short type GT_DEFAULT(0), short percent GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* Clears a FollowEx FIFO. */
 GT_API GT_FollowClearEx(short profile, short fifo GT_DEFAULT(0));
+/* Starts axes in FollowEx; option bits take FIFO 1. */
 GT_API GT_FollowStartEx(long mask, long option GT_DEFAULT(0));
+/* Goes over to the other FIFO when the pass has ended. */
 GT_API GT_FollowSwitchEx(long mask);
+/* Sets the size of FollowEx FIFOs: 0 for 16 segments, 1 for 512. */
 GT_API GT_SetFollowMemoryEx(short profile, short memory);
+/* The size of FollowEx FIFOs. */
 GT_API GT_GetFollowMemoryEx(short profile, short *memory);
+/* The FIFO in force, and whether a switch waits. */
 GT_API GT_GetFollowStatusEx(short profile, short *fifoNum, short *switchStatus);
+/* Goes over at once, by segment or by table; or as an entry of a FIFO. */
 GT_API GT_FollowSwitchNowEx(short profile, short method, short buffer GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a FollowEx FIFO: sets a digital output. */
 GT_API GT_FollowDoBitEx(short profile, short doType, short index, short value, short fifo GT_DEFAULT(0));
+/* In a FollowEx FIFO: the slave rests for so many 250 us. */
 GT_API GT_FollowDelayEx(short profile, unsigned long delayTime, short fifo GT_DEFAULT(0));
+/* In a FollowEx FIFO: the slave rests until an input has a level, or a time in ms is over. */
 GT_API GT_FollowDiBitEx(short profile, short diType, short index, short value, unsigned long time GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* A FollowEx segment with velocity ratios at begin and end. */
 GT_API GT_FollowDataPercent2Ex(short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));
+/* The slave's position inside such a segment. */
 GT_API GT_GetFollowDataPercent2Ex(double masterPos, double v1, double v2, double p, double p1, double *slavePos);
 
 /* ---- GTN_: the core comes first ----------------------------------------------------------- */
 
 /* Session */
+/* Opens the controller that the environment names. */
 GT_API GTN_Open(short channel GT_DEFAULT(0), short param GT_DEFAULT(1));
+/* Closes the controller. */
 GT_API GTN_Close(void);
+/* The text of the calling thread's last failure, cut to size. */
 GT_API GTN_GetLastReason(short core, char *text, short size);
+/* Puts the axes, tables and lasers of the core into power-on state. */
 GT_API GTN_Reset(short core);
+/* Reads limits, alarms, stop decelerations and bands from a file. */
 GT_API GTN_LoadConfig(short core, const char *file);
+/* Clears latched status bits of count axes, and faults of lasers that they gate. */
 GT_API GTN_ClrSts(short core, short axis, short count GT_DEFAULT(1));
+/* The controller's version, board, profile and family as a text. */
 GT_API GTN_GetVersion(short core, char **version);
+/* Controller time in ms, and servo ticks since power-on. */
 GT_API GTN_GetClock(short core, unsigned long *clock, unsigned long *loop GT_DEFAULT(NULL));
+/* Sets the servo tick in us, at rest. */
 GT_API GTN_SetTick(short core, long tickUs);
+/* After how many ms without the host the link counts as lost, and whether all motion stops then. */
 GT_API GTN_SetLinkLoss(short core, long timeMs, short stopAll);
 
 /* Axes */
+/* Switches the servo on. */
 GT_API GTN_AxisOn(short core, short axis);
+/* Switches the servo off; an axis in motion stops abruptly. */
 GT_API GTN_AxisOff(short core, short axis);
+/* Stops axes and coordinate systems, smoothly or (option) abruptly. */
 GT_API GTN_Stop(short core, long mask, long option);
+/* Sets the positions of count axes at rest to 0. */
 GT_API GTN_ZeroPos(short core, short axis, short count GT_DEFAULT(1));
+/* Sets the planned position, pulses. */
 GT_API GTN_SetPrfPos(short core, short profile, long pos);
+/* Makes the axes' positions those of profile and encoder. */
 GT_API GTN_SynchAxisPos(short core, long mask);
+/* Sets the decelerations of smooth and abrupt stops, pulse/ms^2. */
 GT_API GTN_SetStopDec(short core, short profile, double decSmoothStop, double decAbruptStop);
+/* The decelerations of smooth and abrupt stops, pulse/ms^2. */
 GT_API GTN_GetStopDec(short core, short profile, double *decSmoothStop, double *decAbruptStop);
+/* Sets the in-position band in pulses, and its time in 250 us units. */
 GT_API GTN_SetAxisBand(short core, short axis, long band, long time);
+/* The in-position band in pulses, and its time in 250 us units. */
 GT_API GTN_GetAxisBand(short core, short axis, long *band, long *time);
+/* Status words of count axes, of one tick. */
 GT_API GTN_GetSts(short core, short axis, long *sts, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Planned positions of count axes in pulses, of one tick. */
 GT_API GTN_GetPrfPos(short core, short profile, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Planned velocities of count axes in pulse/ms, of one tick. */
 GT_API GTN_GetPrfVel(short core, short profile, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Planned accelerations of count axes in pulse/ms^2, of one tick. */
 GT_API GTN_GetPrfAcc(short core, short profile, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Modes of count axes: 0 Trap, 1 Jog, 2 PT, 4 Follow, 5 Crd, 6 PVT, 10 FollowEx. */
 GT_API GTN_GetPrfMode(short core, short profile, long *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Encoder positions of count axes in pulses, of one tick. */
 GT_API GTN_GetEncPos(short core, short encoder, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Encoder velocities of count axes in pulse/ms, of one tick. */
 GT_API GTN_GetEncVel(short core, short encoder, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Sets an encoder's position, pulses. */
 GT_API GTN_SetEncPos(short core, short encoder, long pos);
+/* Sets software limits in pulses; 0x7fffffff and 0x80000000 are off. */
 GT_API GTN_SetSoftLimit(short core, short axis, long positive, long negative);
+/* The software limits in pulses. */
 GT_API GTN_GetSoftLimit(short core, short axis, long *positive, long *negative);
+/* Enables limit switches: 0 positive, 1 negative, -1 both. */
 GT_API GTN_LmtsOn(short core, short axis, short limitType GT_DEFAULT(-1));
+/* Disables limit switches: 0 positive, 1 negative, -1 both. */
 GT_API GTN_LmtsOff(short core, short axis, short limitType GT_DEFAULT(-1));
+/* Sets the active level of limit switches, two bits an axis. */
 GT_API GTN_LmtSns(short core, unsigned short sense);
+/* Enables the drive alarm. */
 GT_API GTN_AlarmOn(short core, short axis);
+/* Disables the drive alarm. */
 GT_API GTN_AlarmOff(short core, short axis);
+/* Sets the following-error limit, pulses. */
 GT_API GTN_SetPosErr(short core, short control, long error);
+/* The following-error limit, pulses. */
 GT_API GTN_GetPosErr(short core, short control, long *error);
+/* Arms a capture of home (1) or index (2). */
 GT_API GTN_SetCaptureMode(short core, short encoder, short mode);
+/* Whether captures of count encoders have come, and where. */
 GT_API GTN_GetCaptureStatus(short core, short encoder, short *status, long *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
 
 /* Trap and Jog */
+/* Puts an axis into Trap mode (point to point). */
 GT_API GTN_PrfTrap(short core, short profile);
+/* Sets acceleration, deceleration, start velocity and smoothing of Trap. */
 GT_API GTN_SetTrapPrm(short core, short profile, TTrapPrm *prm);
+/* Acceleration, deceleration, start velocity and smoothing of Trap. */
 GT_API GTN_GetTrapPrm(short core, short profile, TTrapPrm *prm);
+/* Puts an axis into Jog mode (steady velocity). */
 GT_API GTN_PrfJog(short core, short profile);
+/* Sets acceleration, deceleration and smoothing of Jog. */
 GT_API GTN_SetJogPrm(short core, short profile, TJogPrm *prm);
+/* Acceleration, deceleration and smoothing of Jog. */
 GT_API GTN_GetJogPrm(short core, short profile, TJogPrm *prm);
+/* Sets the target of Trap, pulses. */
 GT_API GTN_SetPos(short core, short profile, long pos);
+/* The target of Trap, pulses. */
 GT_API GTN_GetPos(short core, short profile, long *pos);
+/* Sets the velocity of Trap or Jog, pulse/ms. */
 GT_API GTN_SetVel(short core, short profile, double vel);
+/* The velocity of Trap or Jog, pulse/ms. */
 GT_API GTN_GetVel(short core, short profile, double *vel);
+/* Starts axes in Trap or Jog, or gives them their new targets, all on one tick. */
 GT_API GTN_Update(short core, long mask);
 
 /* Digital and analog inputs and outputs */
+/* Digital inputs of a type as bits. */
 GT_API GTN_GetDi(short core, short diType, long *value);
+/* Sets all digital outputs of a type. */
 GT_API GTN_SetDo(short core, short doType, long value);
+/* Digital outputs of a type as bits. */
 GT_API GTN_GetDo(short core, short doType, long *value);
+/* Sets one digital output, counted from 1. */
 GT_API GTN_SetDoBit(short core, short doType, short index, short value);
+/* Sets count analog outputs, -32768 to 32767 for -10 to 10 V. */
 GT_API GTN_SetDac(short core, short dac, short *value, short count GT_DEFAULT(1));
+/* Values of count analog outputs. */
 GT_API GTN_GetDac(short core, short dac, short *value, short count GT_DEFAULT(1));
+/* Voltages of count analog inputs. */
 GT_API GTN_GetAdc(short core, short adc, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
 
 /* Laser */
+/* Gives axis connector 7 or 8 to step pulses (0) or to a laser (1); GUS family. */
 GT_API GTN_SetAxisMode(short core, short axis, short mode);
+/* Switches a laser on. */
 GT_API GTN_LaserOn(short core, short channel GT_DEFAULT(0));
+/* Switches a laser off. */
 GT_API GTN_LaserOff(short core, short channel GT_DEFAULT(0));
+/* Whether a laser is switched on. */
 GT_API GTN_LaserOnStatus(short core, short *value, short channel GT_DEFAULT(0));
+/* Switches a laser on (1) or off (0). */
 GT_API GTN_SetHSIOOpt(short core, unsigned short value, short channel GT_DEFAULT(0));
+/* Whether a laser is switched on. */
 GT_API GTN_GetHSIOOpt(short core, unsigned short *value, short channel GT_DEFAULT(0));
+/* How power is put out: 0 duty, 1 frequency, 2 voltage, 3 duty with the switch held; and its bounds. */
 GT_API GTN_LaserPowerMode(short core, short laserPowerMode, double maxValue, double minValue, short channel GT_DEFAULT(0));
+/* Sets the direct power, in the mode's unit. */
 GT_API GTN_LaserPrfCmd(short core, double outputCmd, short channel GT_DEFAULT(0));
+/* Sets the carrier of the duty modes, kHz. */
 GT_API GTN_LaserOutFrq(short core, double outFrq, short channel GT_DEFAULT(0));
+/* Sets the pulse width of the frequency mode, us. */
 GT_API GTN_SetPulseWidth(short core, unsigned short width, short channel GT_DEFAULT(0));
+/* Sets standby pulses of one channel: on or off, kHz, %. */
 GT_API GTN_SetWaitPulse(short core, unsigned short mode, double waitPulseFrq, double waitPulseDuty, short channel GT_DEFAULT(0));
+/* Sets standby pulses of both channels: on or off, kHz, %. */
 GT_API GTN_SetWaitPulseEx(short core, unsigned short mode, double waitPulseFrq, double waitPulseDuty);
+/* Sets the voltage of the analog mode while there is no light. */
 GT_API GTN_SetPreVltg(short core, unsigned short mode, double voltageValue, short channel GT_DEFAULT(0));
+/* Sets the delays of switching off and on, us. */
 GT_API GTN_SetLevelDelay(short core, unsigned long offDelay, unsigned long onDelay, short channel GT_DEFAULT(0));
+/* Enables first-pulse suppression with its three times, us. */
 GT_API GTN_EnaFPK(short core, unsigned short time1, unsigned short time2, unsigned short laserOffDelay, short channel GT_DEFAULT(0));
+/* Disables first-pulse suppression. */
 GT_API GTN_DisFPK(short core, short channel GT_DEFAULT(0));
+/* Chooses the frequency range: 1 to 24 kHz, 0 to 96 kHz; LSR family. */
 GT_API GTN_SetLaserMode(short core, short mode);
+/* Sets a channel's on-time to 0. */
 GT_API GTN_ZeroLaserOnTime(short core, short channel);
+/* A channel's on-time in 250 us units. */
 GT_API GTN_GetLaserOnTime(short core, short channel, unsigned long *time);
+/* Sets which coordinate systems put a channel out when they fail, as bits. */
 GT_API GTN_SetLaserCrdMap(short core, short channel, short map);
+/* Which coordinate systems put a channel out when they fail. */
 GT_API GTN_GetLaserCrdMap(short core, short channel, short *map);
+/* The power that is put out now, in the mode's unit. */
 GT_API GTN_GetLaserPower(short core, short channel, double *power);
+/* Why a channel is kept dark, 0 if it is not. */
 GT_API GTN_GetLaserFault(short core, short channel, short *cause);
+/* Clears a channel's fault whose cause is over. */
 GT_API GTN_ClrLaserFault(short core, short channel);
 
 /* Coordinate systems */
+/* Sets up a coordinate system: axes, origin, greatest speed and acceleration. */
 GT_API GTN_SetCrdPrm(short core, short crd, TCrdPrm *crdPrm);
+/* The parameters of a coordinate system. */
 GT_API GTN_GetCrdPrm(short core, short crd, TCrdPrm *crdPrm);
+/* Clears a FIFO of a coordinate system. */
 GT_API GTN_CrdClear(short core, short crd, short fifo GT_DEFAULT(0));
+/* Free places of a FIFO of a coordinate system. */
 GT_API GTN_CrdSpace(short core, short crd, long *space, short fifo GT_DEFAULT(0));
+/* Starts coordinate systems (mask), with FIFO 0 or 1 (option). */
 GT_API GTN_CrdStart(short core, short mask, short option GT_DEFAULT(0));
+/* Stops coordinate systems, smoothly or (option) abruptly. */
 GT_API GTN_CrdStop(short core, long mask, long option GT_DEFAULT(0));
+/* Whether a coordinate system runs, and how many segments are done. */
 GT_API GTN_CrdStatus(short core, short crd, short *run, long *segment, short fifo GT_DEFAULT(0));
+/* Coordinates, pulses: one for each dimension. */
 GT_API GTN_GetCrdPos(short core, short crd, double *pos);
+/* Speed along the path, pulse/ms. */
 GT_API GTN_GetCrdVel(short core, short crd, double *synVel);
+/* Segments of a FIFO that are not done. */
 GT_API GTN_GetRemainderSegNum(short core, short crd, long *segment, short fifo GT_DEFAULT(0));
+/* Sets the decelerations of smooth and abrupt stops along the path, pulse/ms^2. */
 GT_API GTN_SetCrdStopDec(short core, short crd, double decSmoothStop, double decAbruptStop);
+/* Sets the share of the programmed speed that is run, above 0 to 1. */
 GT_API GTN_SetOverride(short core, short crd, double synVelRatio);
+/* Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments. */
 GT_API GTN_InitLookAhead(short core, short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
+/* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2. */
 GT_API GTN_SetCrdLimit(short core, short crd, short coordinate, double velMax, double accMax);
+/* The limits of one coordinate for look-ahead. */
 GT_API GTN_GetCrdLimit(short core, short crd, short coordinate, double *velMax, double *accMax);
+/* In a path: one motion as a struct; NULL sends what the look-ahead holds. */
 GT_API GTN_CrdData(short core, short crd, TCrdData *crdData, short fifo GT_DEFAULT(0));
+/* In a path: a line in X and Y. */
 GT_API GTN_LnXY(short core, short crd, long x, long y, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: a line in X, Y and Z. */
 GT_API GTN_LnXYZ(short core, short crd, long x, long y, long z, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: a line in X, Y, Z and A. */
 GT_API GTN_LnXYZA(short core, short crd, long x, long y, long z, long a, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: a line in X and Y that ends at rest. */
 GT_API GTN_LnXYG0(short core, short crd, long x, long y, double synVel, double synAcc, short fifo GT_DEFAULT(0));
+/* In a path: an arc in XY by its radius; circleDir 0 clockwise, 1 counter-clockwise. */
 GT_API GTN_ArcXYR(short core, short crd, long x, long y, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in XY by its centre, counted from its start; end on start is a full circle. */
 GT_API GTN_ArcXYC(short core, short crd, long x, long y, double xCenter, double yCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in YZ by its radius. */
 GT_API GTN_ArcYZR(short core, short crd, long y, long z, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in YZ by its centre, counted from its start. */
 GT_API GTN_ArcYZC(short core, short crd, long y, long z, double yCenter, double zCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in ZX by its radius. */
 GT_API GTN_ArcZXR(short core, short crd, long z, long x, double radius, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: an arc in ZX by its centre, counted from its start. */
 GT_API GTN_ArcZXC(short core, short crd, long z, long x, double zCenter, double xCenter, short circleDir, double synVel, double synAcc, double velEnd GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a path: waits at rest, ms. */
 GT_API GTN_BufDelay(short core, short crd, unsigned short delayTime, short fifo GT_DEFAULT(0));
+/* In a path: sets digital outputs of a mask. */
 GT_API GTN_BufIO(short core, short crd, unsigned short doType, unsigned short doMask, unsigned short doValue, short fifo GT_DEFAULT(0));
+/* In a path: sets one digital output. */
 GT_API GTN_BufDoBit(short core, short crd, unsigned short doType, unsigned short index, short value, short fifo GT_DEFAULT(0));
+/* In a path: sets an analog output. */
 GT_API GTN_BufDA(short core, short crd, short chn, short daValue, short fifo GT_DEFAULT(0));
+/* In a path: moves another axis; modal 1 waits for its end. */
 GT_API GTN_BufMove(short core, short crd, short moveAxis, long pos, double vel, double acc, short modal, short fifo GT_DEFAULT(0));
+/* In a path: the next segment takes another axis along by so many pulses. */
 GT_API GTN_BufGear(short core, short crd, short gearAxis, long pos, short fifo GT_DEFAULT(0));
 
 /* Buffered laser commands */
+/* In a path: switches a laser on. */
 GT_API GTN_BufLaserOn(short core, short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: switches a laser off. */
 GT_API GTN_BufLaserOff(short core, short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: sets the direct power. */
 GT_API GTN_BufLaserPrfCmd(short core, short crd, double laserPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: from here the power follows the planned path speed, ratio times it, within its bounds. */
 GT_API GTN_BufLaserPrfFollow(short core, short crd, double ratio, long minPower, long maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: whether the power follows planned (0) or encoder (1) speed, and the power at the start. */
 GT_API GTN_BufLaserFollowMode(short core, short crd, short source GT_DEFAULT(0), short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0), double startPower GT_DEFAULT(GT_NOT_GIVEN));
+/* In a path: from here the power follows the path speed, ratio times it, within its bounds. */
 GT_API GTN_BufLaserFollowRatio(short core, short crd, double ratio, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: from here the power follows the path speed by a table. */
 GT_API GTN_BufLaserFollowTable(short core, short crd, short tableId, double minPower, double maxPower, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* In a path: the power follows the speed no more. */
 GT_API GTN_BufLaserFollowOff(short core, short crd, short fifo GT_DEFAULT(0), short channel GT_DEFAULT(0));
+/* Sets a table of power against path speed. */
 GT_API GTN_SetLaserFollowTable(short core, short tableId, long count, double *vel, double *power, short channel GT_DEFAULT(0));
 
 /* Laser power by distance */
+/* Switches power by distance on or off, with reference positions and scales of axes 1 to 4. */
 GT_API GTN_SetLaserDisMode(short core, short mode, short source, long *pos GT_DEFAULT(NULL), double *scale GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+/* Sets the ratios of power by distance, and its bounds. */
 GT_API GTN_SetLaserDisRatio(short core, double *ratio, double minPower, double maxPower, short channel GT_DEFAULT(0));
 #ifdef __cplusplus
 static inline short GTN_SetLaserDisRatio(short core, double *ratio, short channel = 0)
@@ -497,74 +806,135 @@ static inline short GTN_SetLaserDisRatio(short core, double *ratio, short channe
     return GTN_SetLaserDisRatio(core, ratio, GT_NOT_GIVEN, GT_NOT_GIVEN, channel);
 }
 #endif
+/* Sets ratios by position for each of axes 1 to 4. */
 GT_API GTN_SetLaserDisTable1D(short core, short count, double *ratio, long *pos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
+/* Sets ratios by the positions of two axes. */
 GT_API GTN_SetLaserDisTable2D(short core, short *axisIndex, short *count, double *ratio, long *xPos, long *yPos, double minPower, double maxPower, double *limitPower GT_DEFAULT(NULL), short channel GT_DEFAULT(0));
 
 /* PT */
+/* Puts an axis into PT mode: static or dynamic FIFO. */
 GT_API GTN_PrfPt(short core, short profile, short mode GT_DEFAULT(0));
+/* Free places of a PT FIFO. */
 GT_API GTN_PtSpace(short core, short profile, short *space, short fifo GT_DEFAULT(0));
+/* A PT segment: end position in pulses, end time in ms, type. */
 GT_API GTN_PtData(short core, short profile, double pos, long time, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* Clears a PT FIFO. */
 GT_API GTN_PtClear(short core, short profile, short fifo GT_DEFAULT(0));
+/* Sets how many passes run; 0 for ever. */
 GT_API GTN_SetPtLoop(short core, short profile, long loop);
+/* Passes that were completed. */
 GT_API GTN_GetPtLoop(short core, short profile, long *loop);
+/* Sets the size of PT FIFOs: 0 for 32 segments, 1 for 1024. */
 GT_API GTN_SetPtMemory(short core, short profile, short memory);
+/* The size of PT FIFOs. */
 GT_API GTN_GetPtMemory(short core, short profile, short *memory);
+/* Starts axes in PT, all on one tick; option bits take FIFO 1. */
 GT_API GTN_PtStart(short core, long mask, long option GT_DEFAULT(0));
+/* Starts axes in PT by lists of axes and FIFOs. */
 GT_API GTN_PtStartPro(short core, short *axis, short *option, short count);
 
 /* PVT */
+/* Puts an axis into PVT mode. */
 GT_API GTN_PrfPvt(short core, short profile);
+/* Sets how many passes run; 0 for ever. */
 GT_API GTN_SetPvtLoop(short core, short profile, long loop);
+/* Passes that were completed, and to run. */
 GT_API GTN_GetPvtLoop(short core, short profile, long *loopCount, long *loop);
+/* Tables in force of count axes, and times in them. */
 GT_API GTN_PvtStatus(short core, short profile, short *tableId, double *time, short count GT_DEFAULT(1));
+/* Starts axes in PVT, all on one tick. */
 GT_API GTN_PvtStart(short core, long mask);
+/* Chooses an axis's table; while it runs, from the next pass on. */
 GT_API GTN_PvtTableSelect(short core, short profile, short tableId);
+/* Fills a table with times, positions and velocities. */
 GT_API GTN_PvtTable(short core, short tableId, long count, double *time, double *pos, double *vel);
+/* Fills a table with velocities at the begin and the end of each segment. */
 GT_API GTN_PvtTableEx(short core, short tableId, long count, double *time, double *pos, double *velBegin, double *velEnd);
+/* Fills a table whose acceleration is continuous. */
 GT_API GTN_PvtTableComplete(short core, short tableId, long count, double *time, double *pos, double *a, double *b, double *c, double velBegin GT_DEFAULT(0), double velEnd GT_DEFAULT(0));
+/* Fills a table with percentages of S-shape. */
 GT_API GTN_PvtTablePercent(short core, short tableId, long count, double *time, double *pos, double *percent, double velBegin GT_DEFAULT(0));
+/* The velocities of a Percent table. */
 GT_API GTN_PvtPercentCalculate(short core, long count, double *time, double *pos, double *percent, double velBegin, double *vel);
+/* Fills a table by positions, velocities and limits; the controller finds the times. */
 GT_API GTN_PvtTableContinuous(short core, short tableId, long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double timeBegin);
+/* The times of a Continuous table. */
 GT_API GTN_PvtContinuousCalculate(short core, long count, double *pos, double *vel, double *percent, double *velMax, double *acc, double *dec, double *time);
 
 /* Follow */
+/* Puts an axis into Follow mode: direction of the master 0 both, 1, -1. */
 GT_API GTN_PrfFollow(short core, short profile, short dir GT_DEFAULT(0));
+/* Sets an axis's master: its number, type and item. */
 GT_API GTN_SetFollowMaster(short core, short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* An axis's master: its number, type and item. */
 GT_API GTN_GetFollowMaster(short core, short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Sets how many passes run; 0 for ever. */
 GT_API GTN_SetFollowLoop(short core, short profile, long loop);
+/* Passes that were completed. */
 GT_API GTN_GetFollowLoop(short core, short profile, long *loop);
+/* Sets when following begins: at once, or when the master passes a position. */
 GT_API GTN_SetFollowEvent(short core, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
+/* When following begins. */
 GT_API GTN_GetFollowEvent(short core, short profile, short *event, short *masterDir, long *pos);
+/* Free places of a Follow FIFO. */
 GT_API GTN_FollowSpace(short core, short profile, short *space, short fifo GT_DEFAULT(0));
+/* A Follow segment: way of the master, way of the slave, type. */
 GT_API GTN_FollowData(short core, short profile, long masterSegment, double slaveSegment, short type GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* Clears a Follow FIFO. */
 GT_API GTN_FollowClear(short core, short profile, short fifo GT_DEFAULT(0));
+/* Starts axes in Follow; option bits take FIFO 1. */
 GT_API GTN_FollowStart(short core, long mask, long option GT_DEFAULT(0));
+/* Goes over to the other FIFO when the pass has ended. */
 GT_API GTN_FollowSwitch(short core, long mask);
+/* Sets the size of Follow FIFOs: 0 for 16 segments, 1 for 512. */
 GT_API GTN_SetFollowMemory(short core, short profile, short memory);
+/* The size of Follow FIFOs. */
 GT_API GTN_GetFollowMemory(short core, short profile, short *memory);
+/* The FIFO in force, and whether a switch waits. */
 GT_API GTN_GetFollowStatus(short core, short profile, short *fifoNum, short *switchStatus);
 
 /* FollowEx */
+/* Puts an axis into FollowEx mode: direction of the master 0 both, 1, -1. */
 GT_API GTN_PrfFollowEx(short core, short profile, short dir GT_DEFAULT(0));
+/* Sets an axis's master: its number, type and item. */
 GT_API GTN_SetFollowMasterEx(short core, short profile, short masterIndex, short masterType GT_DEFAULT(2), short masterItem GT_DEFAULT(0));
+/* An axis's master: its number, type and item. */
 GT_API GTN_GetFollowMasterEx(short core, short profile, short *masterIndex, short *masterType GT_DEFAULT(NULL), short *masterItem GT_DEFAULT(NULL));
+/* Sets how many passes run; 0 for ever. */
 GT_API GTN_SetFollowLoopEx(short core, short profile, long loop);
+/* Passes that were completed. */
 GT_API GTN_GetFollowLoopEx(short core, short profile, long *loop);
+/* Sets when following begins: at once, or when the master passes a position. */
 GT_API GTN_SetFollowEventEx(short core, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
+/* When following begins. */
 GT_API GTN_GetFollowEventEx(short core, short profile, short *event, short *masterDir, long *pos);
+/* Free places of a FollowEx FIFO. */
 GT_API GTN_FollowSpaceEx(short core, short profile, short *space, short fifo GT_DEFAULT(0));
+/* A FollowEx segment with a percentage of S-shape. */
 GT_API GTN_FollowDataPercentEx(short core, short profile, double masterSegment, double slaveSegment, short type GT_DEFAULT(0), short percent GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* Clears a FollowEx FIFO. */
 GT_API GTN_FollowClearEx(short core, short profile, short fifo GT_DEFAULT(0));
+/* Starts axes in FollowEx; option bits take FIFO 1. */
 GT_API GTN_FollowStartEx(short core, long mask, long option GT_DEFAULT(0));
+/* Goes over to the other FIFO when the pass has ended. */
 GT_API GTN_FollowSwitchEx(short core, long mask);
+/* Sets the size of FollowEx FIFOs: 0 for 16 segments, 1 for 512. */
 GT_API GTN_SetFollowMemoryEx(short core, short profile, short memory);
+/* The size of FollowEx FIFOs. */
 GT_API GTN_GetFollowMemoryEx(short core, short profile, short *memory);
+/* The FIFO in force, and whether a switch waits. */
 GT_API GTN_GetFollowStatusEx(short core, short profile, short *fifoNum, short *switchStatus);
+/* Goes over at once, by segment or by table; or as an entry of a FIFO. */
 GT_API GTN_FollowSwitchNowEx(short core, short profile, short method, short buffer GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* In a FollowEx FIFO: sets a digital output. */
 GT_API GTN_FollowDoBitEx(short core, short profile, short doType, short index, short value, short fifo GT_DEFAULT(0));
+/* In a FollowEx FIFO: the slave rests for so many 250 us. */
 GT_API GTN_FollowDelayEx(short core, short profile, unsigned long delayTime, short fifo GT_DEFAULT(0));
+/* In a FollowEx FIFO: the slave rests until an input has a level, or a time in ms is over. */
 GT_API GTN_FollowDiBitEx(short core, short profile, short diType, short index, short value, unsigned long time GT_DEFAULT(0), short fifo GT_DEFAULT(0));
+/* A FollowEx segment with velocity ratios at begin and end. */
 GT_API GTN_FollowDataPercent2Ex(short core, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));
+/* The slave's position inside such a segment. */
 GT_API GTN_GetFollowDataPercent2Ex(short core, double masterPos, double v1, double v2, double p, double p1, double *slavePos);
 
 #endif

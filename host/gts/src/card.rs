@@ -202,7 +202,7 @@ impl Card {
             time => Some(Keeper::start(opening.slot, Arc::clone(&client), time.clone())),
         };
         let keys = crate::compat::Keys::read(client.now());
-        Ok(Card { client, time, stream: Stream::default(), recorder, keeper, started: false, keys })
+        Ok(Card { client, time, stream: Stream::new(settings.batches), recorder, keeper, started: false, keys })
     }
 
     fn close(mut self) -> Result<()> {

@@ -3,6 +3,7 @@
 //! `cargo test -p beamtick-gts --test generated` compares them with what is checked in;
 //! `cargo xtask c-api` writes them.
 
+use crate::about::about;
 use crate::prototype::{Form, Prototype, all, members};
 use job::api::{CONSTANTS, Type};
 use std::fmt::Write;
@@ -98,7 +99,7 @@ fn declarations(form: Form, prefix: &str) -> String {
             let _ = writeln!(out, "\n/* {group} */");
         }
         let symbol = format!("{prefix}{name}");
-        let _ = writeln!(out, "{}", declaration(&prototype, &symbol));
+        let _ = writeln!(out, "/* {} */\n{}", about(name), declaration(&prototype, &symbol));
         if let Some(text) = overload(&prototype, &symbol) {
             let _ = writeln!(out, "{text}");
         }

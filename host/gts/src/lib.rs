@@ -6,7 +6,7 @@
 //! client; a wrong pointer or a number that does not fit is 7, with nothing sent.
 //!
 //! `prototype` derives every C prototype from the table of functions that job scripts use too; `header` makes the headers
-//! and `exports` of it; `boundary` is where C comes in, `engine` makes requests of arguments and arguments of replies,
+//! and `exports` of it, `python` the table of the Python package, with the sentences of `about`; `boundary` is where C comes in, `engine` makes requests of arguments and arguments of replies,
 //! `card` is an opened controller, `stream` the batching of PT data, `recorder` its trace files, `compat` what the
 //! replacements of Windows headers call.
 
@@ -21,5 +21,7 @@ mod request;
 mod settings;
 mod stream;
 
+pub mod about;
 pub mod header;
 pub mod prototype;
+pub mod python;

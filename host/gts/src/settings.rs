@@ -1,6 +1,6 @@
 //! What the environment says about the controller that Open opens.
 //!
-//! In: `BEAMTICK_LINK`, `BEAMTICK_PROFILE`, `BEAMTICK_FAMILY`, `BEAMTICK_TRACE`, `BEAMTICK_VCD`, each for a card of
+//! In: `BEAMTICK_LINK`, `BEAMTICK_PROFILE`, `BEAMTICK_FAMILY`, `BEAMTICK_TRACE`, `BEAMTICK_VCD`, `BEAMTICK_BATCHES`, each for a card of
 //! its own too (`BEAMTICK_LINK_3`). Fails with −6 and the variable's name.
 
 use crate::card::Slot;
@@ -32,6 +32,8 @@ pub struct Settings {
     pub trace: Option<PathBuf>,
     /// Where a trace goes as VCD.
     pub vcd: Option<PathBuf>,
+    /// Whether PT data may travel in batches.
+    pub batches: bool,
 }
 
 impl Settings {
@@ -81,6 +83,7 @@ impl Settings {
             family,
             trace: value("BEAMTICK_TRACE").map(PathBuf::from),
             vcd: value("BEAMTICK_VCD").map(PathBuf::from),
+            batches: value("BEAMTICK_BATCHES").as_deref() != Some("off"),
         };
         if settings.is_traced() && !matches!(settings.road, Road::Virtual(_)) {
             return Err(Error::new(CANNOT_OPEN, "BEAMTICK_TRACE and BEAMTICK_VCD are for BEAMTICK_LINK=virtual"));

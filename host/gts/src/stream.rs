@@ -35,6 +35,8 @@ struct Lease {
 /// See the module text.
 #[derive(Default)]
 pub struct Stream {
+    /// Nothing is queued.
+    off: bool,
     /// Ends of FIFOs that are known.
     chains: HashMap<Fifo, Chain>,
     lease: Option<Lease>,
@@ -43,6 +45,11 @@ pub struct Stream {
 }
 
 impl Stream {
+    /// Nothing is known yet. Without batches everything is sent at once.
+    pub fn new(batches: bool) -> Stream {
+        Stream { off: !batches, ..Stream::default() }
+    }
+
     /// Queues PT data if the controller is certain to take it.
     pub fn take(&mut self, call: &Call) -> bool {
         let Some(data) = data(call) else { return false };
@@ -119,11 +126,11 @@ impl Stream {
         // In dynamic mode both numbers mean the same FIFO: what is known of the other one may be wrong.
         self.chains.remove(&(fifo.0, fifo.1, 1 - fifo.2.clamp(0, 1)));
         match self.chains.get(&fifo).and_then(|chain| follows(&data, chain)) {
-            Some(next) => {
+            Some(next) if !self.off => {
                 self.chains.insert(fifo, next);
                 self.lease = Some(Lease { fifo, free: taken.space.get().into(), told: Instant::now() });
             }
-            None => {
+            _ => {
                 self.chains.remove(&fifo);
             }
         }

@@ -12,6 +12,7 @@ fn headers_and_exports_are_those_of_the_table() {
         ("include/gts.h", header::gts()),
         ("include/gts_cards.h", header::cards()),
         ("src/exports.rs", header::exports()),
+        ("../python/beamtick/table.py", gts::python::table()),
     ] {
         let path = folder.join(name);
         if write {

@@ -249,6 +249,25 @@ fn laser_listings_of_the_gus_manual() {
     let trace = laser("gus-3", "gus", &part("\n3. 模拟量输出模式例程", "激光开关光延时")).unwrap();
     let (gate, power, _) = lit(&trace, 0);
     assert_eq!((gate, power), (1.0, 2.5));
+    let trace = laser("gus-4", "gus", &part("\n以占空比控制方式为例，首先", "\n能量跟随模式：")).unwrap();
+    along(&trace, 0, [50.0, 30.0], 1e-6);
+    let trace = laser("gus-5", "gus", &part("\n同样以占空比控制方式为例，首先", "\n5 激光能量跟随距离功能")).unwrap();
+    along(&trace, 0, [15.0, 15.0], 1e-3);
+    let trace = laser("gus-6", "gus", &between(&format!("{manual}\u{0}"), "\n以占空比控制方式为例，例程如下", "\u{0}"))
+        .unwrap();
+    along(&trace, 0, [12.5, 12.75], 0.01);
+}
+
+/// Power of a laser along the two lines of the listings, where X comes by 75000 pulses, out and back.
+fn along(trace: &Trace, laser: u32, wanted: [f64; 2], within: f64) {
+    let x = trace.column("axis1_pos");
+    let rows = [x.iter().position(|x| *x >= 75_000.0), x.iter().rposition(|x| *x >= 75_000.0)];
+    for (row, wanted) in rows.into_iter().zip(wanted) {
+        let row = row.expect("the path is run");
+        assert_eq!(trace.column(&format!("laser{laser}_gate"))[row], 1.0);
+        near(trace.column(&format!("laser{laser}_power"))[row], wanted, within, "power");
+    }
+    assert_eq!(trace.last(&format!("laser{laser}_gate")), 0.0, "dark at the end");
 }
 
 #[test]
@@ -265,4 +284,10 @@ fn laser_listings_of_the_lsr_manual() {
     let trace = laser("lsr-3", "lsr", &part("\n例程 3 ", "\n三、插补过程中的激光操作")).unwrap();
     let (gate, power, _) = lit(&trace, 0);
     assert_eq!((gate, power), (1.0, 2.5));
+    let trace = laser("lsr-4", "lsr", &part("\n例程 4 ", "\n例程 5 ")).unwrap();
+    along(&trace, 0, [50.0, 30.0], 1e-6);
+    let trace = laser("lsr-5", "lsr", &part("\n例程 5 ", "\n四、")).unwrap();
+    along(&trace, 0, [15.0, 15.0], 0.5);
+    let trace = laser("lsr-6", "lsr", &part("\n例程 6 ", "\n五、指令详细说明")).unwrap();
+    along(&trace, 0, [10.0, 10.0], 1e-6);
 }

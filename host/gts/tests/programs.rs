@@ -200,6 +200,38 @@ fn laser_powers() {
     }
 }
 
+/// Gate and power of the first laser when X comes by 75000 pulses, on the way out and back.
+fn powers(trace: &Trace) -> [(f64, f64); 2] {
+    let x = trace.column("axis1_pos");
+    let out = x.iter().position(|x| *x >= 75_000.0).expect("the way out");
+    let back = x.iter().rposition(|x| *x >= 75_000.0).expect("the way back");
+    [out, back].map(|row| (trace.column("laser0_gate")[row], trace.column("laser0_power")[row]))
+}
+
+#[test]
+fn laser_along_a_path() {
+    // What the two laws of SPEC 2 and the bounds of SPEC 6 give at 50 pulse/ms, 75000 pulses away (the way back is at y = 2500).
+    let cases = [
+        ("laser_path_power", "gus", [50.0, 30.0], 1e-6),
+        ("laser_path_power", "lsr", [50.0, 30.0], 1e-6),
+        ("laser_path_follow", "gus", [15.0, 15.0], 1e-3),
+        // The encoders' speed comes in whole pulses a tick.
+        ("laser_path_follow", "lsr", [15.0, 15.0], 0.5),
+        ("laser_path_distance", "gus", [12.5, 12.75], 0.01),
+        ("laser_path_distance", "lsr", [10.0, 10.0], 1e-6),
+    ];
+    for (name, family, wanted, within) in cases {
+        let Some((text, trace)) = traced(name, &[("BEAMTICK_FAMILY", family)], &[&family[..1]]) else { return };
+        assert_eq!(text, "2 segments\n", "{name} {family}");
+        for ((gate, power), wanted) in powers(&trace).into_iter().zip(wanted) {
+            assert_eq!(gate, 1.0, "{name} {family}");
+            near(power, wanted, within, &format!("{name} {family}"));
+        }
+        assert_eq!(trace.last("laser0_gate"), 0.0, "{name} {family}: dark at the end");
+        assert_eq!((trace.last("axis1_pos"), trace.last("axis2_pos")), (0.0, 10_000.0), "{name} {family}");
+    }
+}
+
 /// Every example of the folder has a test here.
 #[test]
 fn no_example_is_left_out() {

@@ -1,0 +1,404 @@
+// Every function, called as it is meant: it returns 0, and what it reads back is what was set.
+#include "gts.h"
+#include "check.h"
+
+static void wait_for(short axis)
+{
+    long status;
+    do {
+        DONE(GT_GetSts(axis, &status));
+    } while (status & 0x400);
+}
+
+static bool is_lsr()
+{
+    char *version;
+    DONE(GT_GetVersion(&version));
+    return strstr(version, "family lsr") != NULL;
+}
+
+static void session()
+{
+    unsigned long clock = 0, loop = 0;
+    char reason[64];
+    DONE(GT_Reset());
+    DONE(GT_LoadConfig("test.cfg"));
+    DONE(GT_ClrSts(1, 8));
+    DONE(GT_GetClock(&clock, &loop));
+    TRUE(loop > 0);
+    DONE(GT_SetTick(250));
+    DONE(GT_SetLinkLoss(500, 0));
+    DONE(GT_GetLastReason(reason, sizeof reason));
+}
+
+static void axes()
+{
+    double value[8], smooth, abrupt;
+    long status[8], mode[8], positive, negative, band, time, error;
+    unsigned long clock = 0;
+    short captured[8];
+    for (short axis = 1; axis <= 8; axis++) {
+        DONE(GT_AxisOn(axis));
+    }
+    DONE(GT_AxisOff(8));
+    DONE(GT_ZeroPos(1, 8));
+    DONE(GT_SetPrfPos(7, 1234));
+    DONE(GT_SetEncPos(7, 1234));
+    DONE(GT_SynchAxisPos(1 << 6));
+    DONE(GT_GetPrfPos(7, value));
+    TRUE(value[0] == 1234);
+    DONE(GT_GetEncPos(1, value, 8, &clock));
+    DONE(GT_GetPrfVel(1, value, 8));
+    TRUE(value[0] == 0);
+    DONE(GT_GetPrfAcc(1, value, 8));
+    DONE(GT_GetEncVel(1, value, 8));
+    DONE(GT_GetSts(1, status, 8, &clock));
+    TRUE((status[0] & 0x200) && !(status[7] & 0x200) && clock > 0);
+    DONE(GT_GetPrfMode(1, mode, 8));
+    TRUE(mode[0] == 0);
+    DONE(GT_SetStopDec(1, 2, 500));
+    DONE(GT_GetStopDec(1, &smooth, &abrupt));
+    TRUE(smooth == 2 && abrupt == 500);
+    DONE(GT_SetAxisBand(1, 5, 4));
+    DONE(GT_GetAxisBand(1, &band, &time));
+    TRUE(band == 5 && time == 4);
+    DONE(GT_SetSoftLimit(1, 1000000, -1000000));
+    DONE(GT_GetSoftLimit(1, &positive, &negative));
+    TRUE(positive == 1000000 && negative == -1000000);
+    DONE(GT_LmtsOn(1));
+    DONE(GT_LmtsOff(1));
+    DONE(GT_LmtSns(0));
+    DONE(GT_AlarmOn(1));
+    DONE(GT_AlarmOff(1));
+    DONE(GT_SetPosErr(1, 30000));
+    DONE(GT_GetPosErr(1, &error));
+    TRUE(error == 30000);
+    DONE(GT_SetCaptureMode(1, CAPTURE_HOME));
+    DONE(GT_GetCaptureStatus(1, captured, status, 2, &clock));
+    TRUE(captured[0] == 0);
+    DONE(GT_Stop(3, 0));
+}
+
+static void trap_and_jog()
+{
+    TTrapPrm trap = {1, 2, 0, 10}, trap_read;
+    TJogPrm jog = {1, 2, 0.5}, jog_read;
+    long pos;
+    double vel, value;
+    DONE(GT_PrfTrap(1));
+    DONE(GT_SetTrapPrm(1, &trap));
+    DONE(GT_GetTrapPrm(1, &trap_read));
+    TRUE(trap_read.dec == 2 && trap_read.smoothTime == 10);
+    DONE(GT_SetPos(1, 1000));
+    DONE(GT_GetPos(1, &pos));
+    TRUE(pos == 1000);
+    DONE(GT_SetVel(1, 20));
+    DONE(GT_GetVel(1, &vel));
+    TRUE(vel == 20);
+    DONE(GT_PrfJog(2));
+    DONE(GT_SetJogPrm(2, &jog));
+    DONE(GT_GetJogPrm(2, &jog_read));
+    TRUE(jog_read.smooth == 0.5);
+    DONE(GT_SetVel(2, 5));
+    DONE(GT_Update(3));
+    wait_for(1);
+    DONE(GT_GetPrfPos(1, &value));
+    TRUE(value == 1000);
+    DONE(GT_Stop(2, 0));
+    wait_for(2);
+}
+
+static void inputs_and_outputs()
+{
+    long bits;
+    short dac[2] = {16384, -16384}, dac_read[2];
+    double adc[2];
+    DONE(GT_GetDi(MC_GPI, &bits));
+    DONE(GT_SetDo(MC_GPO, 0x5));
+    DONE(GT_GetDo(MC_GPO, &bits));
+    TRUE((bits & 0xf) == 0x5);
+    DONE(GT_SetDoBit(MC_GPO, 2, 1));
+    DONE(GT_GetDo(MC_GPO, &bits));
+    TRUE((bits & 0xf) == 0x7);
+    DONE(GT_SetDac(3, dac, 2));
+    DONE(GT_GetDac(3, dac_read, 2));
+    TRUE(dac_read[0] == 16384 && dac_read[1] == -16384);
+    DONE(GT_GetAdc(1, adc, 2));
+}
+
+static void pt()
+{
+    short space, memory, list[2] = {3, 4}, options[2] = {0, 0};
+    long loops;
+    for (short axis = 3; axis <= 4; axis++) {
+        DONE(GT_PrfPt(axis));
+        DONE(GT_SetPtMemory(axis, 1));
+        DONE(GT_GetPtMemory(axis, &memory));
+        TRUE(memory == 1);
+        DONE(GT_PtClear(axis));
+        DONE(GT_PtData(axis, 10, 10));
+        DONE(GT_PtData(axis, 20, 20, PT_SEGMENT_STOP));
+        DONE(GT_PtSpace(axis, &space));
+        TRUE(space == 1022);
+        DONE(GT_SetPtLoop(axis, 2));
+    }
+    DONE(GT_PtStart(1 << 2));
+    wait_for(3);
+    DONE(GT_GetPtLoop(3, &loops));
+    TRUE(loops == 2);
+    DONE(GT_PtStartPro(list, options, 2));
+    wait_for(3);
+    wait_for(4);
+}
+
+static void pvt()
+{
+    double time[3] = {0, 100, 200}, pos[3] = {0, 100, 200}, vel[3] = {0, 1.5, 0}, percent[3] = {0, 0, 0}, found[3], at[1];
+    double a[3], b[3], c[3], most[2] = {2, 2}, acc[2] = {0.1, 0.1}, ends[2] = {0, 100}, rest[2] = {0, 0}, none[2] = {0, 0};
+    long count, loop;
+    short table[1];
+    DONE(GT_PrfPvt(5));
+    DONE(GT_PvtTable(1, 3, time, pos, vel));
+    DONE(GT_PvtTableEx(2, 3, time, pos, vel, vel));
+    DONE(GT_PvtTableComplete(3, 3, time, pos, a, b, c));
+    DONE(GT_PvtTablePercent(4, 3, time, pos, percent));
+    DONE(GT_PvtPercentCalculate(3, time, pos, percent, 0, found));
+    TRUE(found[1] == 2 && found[2] == 0);
+    DONE(GT_PvtContinuousCalculate(2, ends, rest, none, most, acc, acc, at));
+    DONE(GT_PvtTableContinuous(5, 2, ends, rest, none, most, acc, acc, 0));
+    DONE(GT_PvtTableSelect(5, 1));
+    DONE(GT_SetPvtLoop(5, 1));
+    DONE(GT_PvtStart(1 << 4));
+    DONE(GT_PvtStatus(5, table, at));
+    TRUE(table[0] == 1);
+    wait_for(5);
+    DONE(GT_GetPvtLoop(5, &count, &loop));
+    TRUE(count == 1 && loop == 1);
+}
+
+static void follow()
+{
+    short space, memory, index, type, item, event, dir, fifo, waits;
+    long loop, pos;
+    DONE(GT_PrfFollow(6));
+    DONE(GT_SetFollowMaster(6, 2));
+    DONE(GT_GetFollowMaster(6, &index, &type, &item));
+    TRUE(index == 2 && type == FOLLOW_MASTER_PROFILE && item == 0);
+    DONE(GT_SetFollowMemory(6, 1));
+    DONE(GT_GetFollowMemory(6, &memory));
+    TRUE(memory == 1);
+    DONE(GT_FollowClear(6));
+    DONE(GT_FollowClear(6, 1));
+    DONE(GT_FollowData(6, 100, 100));
+    DONE(GT_FollowData(6, 200, 200, FOLLOW_SEGMENT_EVEN, 1));
+    DONE(GT_FollowSpace(6, &space));
+    TRUE(space == 511);
+    DONE(GT_SetFollowLoop(6, 0));
+    DONE(GT_SetFollowEvent(6, FOLLOW_EVENT_PASS, 1, 1000000));
+    DONE(GT_GetFollowEvent(6, &event, &dir, &pos));
+    TRUE(event == FOLLOW_EVENT_PASS && dir == 1 && pos == 1000000);
+    DONE(GT_FollowStart(1 << 5));
+    DONE(GT_FollowSwitch(1 << 5));
+    DONE(GT_GetFollowLoop(6, &loop));
+    DONE(GT_GetFollowStatus(6, &fifo, &waits));
+    DONE(GT_Stop(1 << 5, 1 << 5));
+    wait_for(6);
+}
+
+static void follow_ex()
+{
+    short space, memory, index, event, dir, fifo, waits, first;
+    long loop, pos;
+    double slave;
+    DONE(GT_PrfFollowEx(6));
+    DONE(GT_SetFollowMasterEx(6, 2));
+    DONE(GT_GetFollowMasterEx(6, &index));
+    TRUE(index == 2);
+    DONE(GT_SetFollowMemoryEx(6, 0));
+    DONE(GT_GetFollowMemoryEx(6, &memory));
+    TRUE(memory == 0);
+    DONE(GT_FollowClearEx(6));
+    DONE(GT_FollowDataPercentEx(6, 100, 50));
+    DONE(GT_FollowDataPercent2Ex(6, 200, 150, 1, 1, 100, &first));
+    DONE(GT_GetFollowDataPercent2Ex(50, 1, 1, 100, 50, &slave));
+    DONE(GT_FollowDoBitEx(6, MC_GPO, 1, 0));
+    DONE(GT_FollowDelayEx(6, 4));
+    DONE(GT_FollowDiBitEx(6, MC_GPI, 1, 0, 10));
+    DONE(GT_FollowSpaceEx(6, &space));
+    TRUE(space < 16);
+    DONE(GT_FollowClearEx(6, 1));
+    DONE(GT_FollowDataPercentEx(6, 100, 100, FOLLOW_SEGMENT_EVEN, 0, 1));
+    DONE(GT_SetFollowLoopEx(6, 0));
+    DONE(GT_SetFollowEventEx(6, FOLLOW_EVENT_PASS, 1, 1000000));
+    DONE(GT_GetFollowEventEx(6, &event, &dir, &pos));
+    TRUE(pos == 1000000);
+    DONE(GT_FollowStartEx(1 << 5));
+    DONE(GT_FollowSwitchEx(1 << 5));
+    DONE(GT_FollowSwitchNowEx(6, FOLLOW_SWITCH_TABLE));
+    DONE(GT_GetFollowLoopEx(6, &loop));
+    DONE(GT_GetFollowStatusEx(6, &fifo, &waits));
+    DONE(GT_Stop(1 << 5, 1 << 5));
+    wait_for(6);
+}
+
+static void lasers(bool lsr)
+{
+    unsigned short on = 9;
+    unsigned long time;
+    short value, map, cause;
+    double power;
+    if (lsr) {
+        DONE(GT_SetLaserMode(0));
+        REFUSED(8, "", GT_SetAxisMode(AXIS_LASER, 1));
+    } else {
+        DONE(GT_SetAxisMode(AXIS_LASER, 1));
+    }
+    DONE(GT_LaserPowerMode(LASER_CTRL_MODE_PWM1, 100, 0));
+    DONE(GT_LaserOutFrq(10));
+    DONE(GT_SetPulseWidth(10));
+    DONE(GT_SetWaitPulse(1, 5, 2));
+    DONE(GT_SetWaitPulseEx(0, 5, 2));
+    DONE(GT_SetPreVltg(0, 1));
+    DONE(GT_SetLevelDelay(20, 10));
+    DONE(GT_EnaFPK(10, 5, 0));
+    DONE(GT_DisFPK());
+    DONE(GT_SetLaserCrdMap(0, 1));
+    DONE(GT_GetLaserCrdMap(0, &map));
+    TRUE(map == 1);
+    DONE(GT_ZeroLaserOnTime(0));
+    DONE(GT_LaserPrfCmd(30));
+    DONE(GT_LaserOn());
+    DONE(GT_LaserOnStatus(&value));
+    TRUE(value == 1);
+    DONE(GT_GetHSIOOpt(&on));
+    TRUE(on == 1);
+    DONE(GT_GetLaserPower(0, &power));
+    DONE(GT_SetHSIOOpt(0));
+    DONE(GT_LaserOff());
+    DONE(GT_GetLaserOnTime(0, &time));
+    DONE(GT_GetLaserFault(0, &cause));
+    TRUE(cause == 0);
+    DONE(GT_ClrLaserFault(0));
+}
+
+static void paths(bool lsr)
+{
+    TCrdPrm crd, crd_read;
+    TCrdData data, ahead[16];
+    short runs;
+    long segment, space, left;
+    double pos[8], vel, vels[2] = {0, 100}, powers[2] = {10, 50};
+    double ratio[4] = {0.1, 0, 0, 0}, scale[4] = {1000, 1000, 1000, 1000};
+    long places[4] = {0, 0, 0, 0};
+    memset(&crd, 0, sizeof crd);
+    crd.dimension = 4;
+    for (short n = 0; n < 4; n++) {
+        crd.profile[n] = (short)(n + 1);
+    }
+    crd.synVelMax = 100;
+    crd.synAccMax = 1;
+    crd.setOriginFlag = 1;
+    crd.originPos[1] = 50;
+    DONE(GT_SetCrdPrm(1, &crd));
+    DONE(GT_GetCrdPrm(1, &crd_read));
+    TRUE(crd_read.dimension == 4 && crd_read.profile[3] == 4 && crd_read.originPos[1] == 50);
+    DONE(GT_SetCrdStopDec(1, 1, 10));
+    DONE(GT_SetOverride(1, 1));
+    DONE(GT_SetCrdLimit(1, 1, 100, 1));
+    DONE(GT_GetCrdLimit(1, 1, &vel, pos));
+    TRUE(vel == 100);
+    DONE(GT_CrdClear(1, 0));
+    DONE(GT_CrdClear(1, 1));
+    DONE(GT_SetLaserFollowTable(1, 2, vels, powers, 0));
+    DONE(GT_SetLaserDisMode(1, 0, places, scale));
+    DONE(GT_SetLaserDisRatio(ratio, 0, 100));
+    DONE(GT_SetLaserDisRatio(ratio));
+
+    DONE(GT_LnXY(1, 1000, 0, 50, 1));
+    DONE(GT_LnXYZ(1, 1000, 1000, 100, 50, 1));
+    DONE(GT_LnXYZA(1, 0, 0, 0, 100, 50, 1));
+    DONE(GT_LnXYG0(1, 100, 0, 50, 1));
+    DONE(GT_ArcXYC(1, 100, 0, 100, 0, CIRCLE_DIR_CW, 20, 1));
+    DONE(GT_ArcXYR(1, 300, 0, 100, CIRCLE_DIR_CW, 20, 1));
+    DONE(GT_ArcYZC(1, 0, 0, 50, 0, CIRCLE_DIR_CCW, 20, 1));
+    DONE(GT_ArcYZR(1, 100, 0, 50, CIRCLE_DIR_CCW, 20, 1));
+    DONE(GT_ArcZXC(1, 0, 300, 0, 50, CIRCLE_DIR_CCW, 20, 1));
+    DONE(GT_ArcZXR(1, 0, 400, 50, CIRCLE_DIR_CCW, 20, 1));
+    DONE(GT_BufDelay(1, 5));
+    DONE(GT_BufIO(1, MC_GPO, 3, 1));
+    DONE(GT_BufDoBit(1, MC_GPO, 2, 1));
+    DONE(GT_BufDA(1, 3, 1000));
+    DONE(GT_PrfTrap(5));
+    DONE(GT_BufMove(1, 5, 500, 10, 1, 1));
+    DONE(GT_BufGear(1, 7, 100));
+    DONE(GT_BufLaserFollowMode(1));
+    DONE(GT_BufLaserFollowRatio(1, 0.1, 0, 50));
+    DONE(GT_BufLaserOn(1));
+    DONE(GT_LnXY(1, 500, 100, 50, 1));
+    DONE(GT_BufLaserFollowTable(1, 1, 0, 50));
+    DONE(GT_BufLaserFollowOff(1));
+    DONE(GT_BufLaserPrfFollow(1, 0.1, 0, 50));
+    DONE(GT_BufLaserPrfCmd(1, 20));
+    DONE(GT_BufLaserOff(1));
+    DONE(GT_CrdSpace(1, &space));
+    TRUE(space > 900 && space < 1024);
+    DONE(GT_GetRemainderSegNum(1, &left));
+    TRUE(left == 11);
+    DONE(GT_CrdStart(1, 0));
+    DONE(GT_GetCrdVel(1, &vel));
+    DONE(GT_CrdStop(1, 0));
+    do {
+        DONE(GT_CrdStatus(1, &runs, &segment));
+    } while (runs);
+    DONE(GT_CrdStart(1, 0));
+    do {
+        DONE(GT_CrdStatus(1, &runs, &segment));
+    } while (runs);
+    TRUE(segment == 11);
+    DONE(GT_GetCrdPos(1, pos));
+    TRUE(pos[0] == 500 && pos[1] == 100 && pos[3] == 100);
+
+    DONE(GT_CrdClear(1, 1));
+    DONE(GT_InitLookAhead(1, 1, 5, 1, 16, ahead));
+    memset(&data, 0, sizeof data);
+    data.pos[0] = 600;
+    data.vel = 50;
+    data.acc = 1;
+    DONE(GT_CrdData(1, &data, 1));
+    DONE(GT_LnXY(1, 700, 0, 50, 1, 0, 1));
+    DONE(GT_CrdData(1, NULL, 1));
+    DONE(GT_CrdStart(1, 1));
+    do {
+        DONE(GT_CrdStatus(1, &runs, &segment, 1));
+    } while (runs);
+    TRUE(segment == 2);
+
+    double table[8] = {0, 1, 0, 0, 0, 0, 0, 0};
+    long points[8] = {0, 100, 0, 100, 0, 100, 0, 100};
+    double limits[4] = {100, 100, 100, 100};
+    DONE(GT_SetLaserDisTable1D(2, table, points, 0, 100, limits));
+    short which[2] = {1, 2}, counts[2] = {2, 2};
+    double grid[4] = {0, 1, 1, 0};
+    long xs[2] = {0, 100}, ys[2] = {0, 100};
+    DONE(GT_SetLaserDisTable2D(which, counts, grid, xs, ys, 0, 100, limits));
+    DONE(GT_SetLaserDisMode(0, 0, NULL, NULL));
+    (void)lsr;
+}
+
+int main()
+{
+    DONE(GT_Open());
+    const bool lsr = is_lsr();
+    session();
+    axes();
+    trap_and_jog();
+    inputs_and_outputs();
+    pt();
+    pvt();
+    follow();
+    follow_ex();
+    lasers(lsr);
+    paths(lsr);
+    DONE(GT_Close());
+    return verdict();
+}

@@ -1,0 +1,205 @@
+"""The functions of libgts in Python, with the names that they have in C.
+
+    import beamtick as gts
+
+    gts.GT_Open()
+    gts.GT_AxisOn(1)
+    print(gts.GT_GetPrfPos(1), gts.GT_GetPrfPos(1, count=8))
+    gts.GT_Close()
+
+What a function fills in C it returns here: one value as itself, several as a tuple, those of ``count`` axes (above 1) as a
+list; the reader's clock is left out. Its other parameters stand in the order of C, with C++'s defaults, and may be named. Arrays are
+sequences, structs are the classes of this module (``TJogPrm(acc=1, dec=1)``) or mappings. A call that fails raises
+:class:`GtsError` with the return value and the reason.
+
+The library is looked for where ``BEAMTICK_LIBRARY`` says, beside this file, in the build folder ``target`` of the checkout,
+and where the system looks. Which controller is opened the environment says (docs/c.md).
+"""
+
+import ctypes
+import ctypes.util
+import inspect
+import os
+import pathlib
+import sys
+
+from . import table
+
+__all__ = ["GtsError", "sleep", *table.STRUCTS, *table.FUNCTIONS, *table.CONSTANTS]
+
+_NUMBERS = {
+    "short": ctypes.c_short,
+    "unsigned short": ctypes.c_ushort,
+    "long": ctypes.c_long,
+    "unsigned long": ctypes.c_ulong,
+    "double": ctypes.c_double,
+}
+#: Stands for a power or a bound that is left out.
+NOT_GIVEN = -sys.float_info.max
+
+
+class GtsError(Exception):
+    """A call that failed: ``function``, ``code`` (a return value of the manuals) and ``reason``."""
+
+    def __init__(self, function, code, reason):
+        super().__init__(f"{function} = {code}: {reason}")
+        self.function, self.code, self.reason = function, code, reason
+
+
+def _library():
+    names = {"win32": ["gts.dll"], "darwin": ["libgts.dylib"]}.get(sys.platform, ["libgts.so"])
+    here = pathlib.Path(__file__).resolve().parent
+    folders = [here]
+    for folder in here.parents:
+        folders += [folder / "target" / "release", folder / "target" / "debug"]
+    candidates = [os.environ.get("BEAMTICK_LIBRARY"), *(str(f / n) for f in folders for n in names if (f / n).is_file())]
+    candidates.append(ctypes.util.find_library("gts"))
+    for path in filter(None, candidates):
+        return ctypes.CDLL(path)
+    raise OSError("libgts is not found: build it (cargo build --release -p beamtick-gts) or set BEAMTICK_LIBRARY")
+
+
+_lib = _library()
+
+
+def _fields(members):
+    return [(name, _NUMBERS[kind] * count if count > 1 else _NUMBERS[kind]) for name, kind, count in members]
+
+
+for _name, _members in table.STRUCTS.items():
+    globals()[_name] = type(_name, (ctypes.Structure,), {"_fields_": _fields(_members), "__doc__": f"{_name} of gts.h."})
+globals().update(table.CONSTANTS)
+
+
+def _reason():
+    text = ctypes.create_string_buffer(1024)
+    _lib.GT_GetLastReason(text, ctypes.c_short(len(text)))
+    return text.value.decode("utf-8", "replace")
+
+
+def _whole(function, name, kind, value):
+    """An integer that the C type holds; ctypes would cut it in silence."""
+    number = int(value)
+    if number != value or _NUMBERS[kind](number).value != number:
+        bits = 8 * ctypes.sizeof(_NUMBERS[kind])
+        raise GtsError(function, 7, f"{function}: {name} is {value}; it does not fit a {kind} of {bits} bits")
+    return number
+
+
+def _length(words, given):
+    """Elements that an array must have."""
+    count = given.get("count", 1)
+    first, second = (count[0], count[1]) if isinstance(count, (list, tuple)) else (count, count)
+    lengths = {"count": first, "columns": first, "rows": second, "grid": first * second}
+    if words in lengths:
+        return lengths[words]
+    times, _, of = words.partition(" ")
+    return int(times) * (first if of else 1)
+
+
+def _array(function, name, kind, values, given):
+    of, _, words = kind[:-1].partition("[")
+    values = list(values)
+    if len(values) < _length(words, given):
+        raise GtsError(function, 7, f"{function}: {name} has {len(values)} values, {_length(words, given)} are needed")
+    if of != "double":
+        values = [_whole(function, name, of, value) for value in values]
+    return (_NUMBERS[of] * len(values))(*values)
+
+
+def _struct(function, name, of, value):
+    made = globals()[of]
+    if isinstance(value, made):
+        return value
+    struct = made()
+    for member, given in dict(value).items():
+        if not hasattr(struct, member):
+            raise TypeError(f"{function}: {of} has no {member}")
+        if isinstance(given, (list, tuple)):
+            array = getattr(struct, member)
+            for place, element in enumerate(given):
+                array[place] = element
+        else:
+            setattr(struct, member, given)
+    return struct
+
+
+def _function(symbol, about, parameters):
+    call = getattr(_lib, symbol)
+    call.restype = ctypes.c_short
+    inputs = [p for p in parameters if not p[1].startswith("out ") and p[1] not in ("clock", "working")]
+    kinds = inspect.Parameter
+    defaults = {"NULL": None, "NOT GIVEN": NOT_GIVEN}
+    signature = inspect.Signature(
+        [
+            kinds(n, kinds.POSITIONAL_OR_KEYWORD, default=kinds.empty if d is None else defaults.get(d, d))
+            for n, _, d in inputs
+        ]
+        if all(d is not None for _, _, d in inputs[next((i for i, p in enumerate(inputs) if p[2] is not None), len(inputs)):])
+        else [kinds(n, kinds.POSITIONAL_OR_KEYWORD) for n, _, _ in inputs]
+    )
+
+    def wrapper(*args, **named):
+        bound = signature.bind(*args, **named)
+        bound.apply_defaults()
+        given = bound.arguments
+        passed, results = [], []
+        for name, kind, _ in parameters:
+            if kind in ("clock", "working"):
+                passed.append(None)
+            elif kind == "text":
+                passed.append(ctypes.c_char_p(os.fsencode(given[name])))
+            elif kind == "out text":
+                text = ctypes.create_string_buffer(max(1, min(int(given["size"]), 32767)))
+                results.append(lambda text=text: text.value.decode("utf-8", "replace"))
+                passed.append(text)
+            elif kind == "out address":
+                pointer = ctypes.c_char_p()
+                results.append(lambda pointer=pointer: pointer.value.decode("utf-8", "replace"))
+                passed.append(ctypes.byref(pointer))
+            elif kind.startswith("out struct "):
+                struct = globals()[kind[11:]]()
+                results.append(lambda struct=struct: struct)
+                passed.append(ctypes.byref(struct))
+            elif kind.startswith("struct "):
+                value = given[name]
+                passed.append(None if value is None else ctypes.byref(_struct(symbol, name, kind[7:], value)))
+            elif kind.startswith("out "):
+                of, _, words = kind[4:].partition("[")
+                if words:
+                    # What no controller takes is refused there; here it only makes room.
+                    room = max(1, min(_length(words[:-1], given), 4096))
+                    array = (_NUMBERS[of] * room)()
+                    single = words == "count]" and room == 1
+                    results.append(lambda array=array, single=single: array[0] if single else list(array))
+                    passed.append(array)
+                else:
+                    number = _NUMBERS[of]()
+                    results.append(lambda number=number: number.value)
+                    passed.append(ctypes.byref(number))
+            elif "[" in kind:
+                value = given[name]
+                passed.append(None if value is None else _array(symbol, name, kind, value, given))
+            elif kind == "double":
+                passed.append(ctypes.c_double(given[name]))
+            else:
+                passed.append(_NUMBERS[kind](_whole(symbol, name, kind, given[name])))
+        code = call(*passed)
+        if code != 0:
+            raise GtsError(symbol, code, _reason())
+        values = tuple(result() for result in results)
+        return values[0] if len(values) == 1 else values or None
+
+    wrapper.__name__ = wrapper.__qualname__ = symbol
+    wrapper.__doc__ = about
+    wrapper.__signature__ = signature
+    return wrapper
+
+
+for _name, (_about, _parameters) in table.FUNCTIONS.items():
+    globals()[_name] = _function(_name, _about, _parameters)
+
+
+def sleep(milliseconds):
+    """Waits for so many ms of the open controller's time (docs/c.md), of the wall clock's if none is open."""
+    _lib.beamtick_sleep(ctypes.c_ulong(int(milliseconds)))

@@ -1,0 +1,103 @@
+"""Tests of the Python package: `python3 -m unittest` in host/python, with BEAMTICK_LINK=virtual:max."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import unittest
+
+os.environ["BEAMTICK_LINK"] = "virtual:max"
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+import beamtick as gts  # noqa: E402
+
+
+class Controller(unittest.TestCase):
+    def setUp(self):
+        gts.GT_Open()
+        self.addCleanup(gts.GT_Close)
+
+    def test_values_come_back(self):
+        gts.GT_SetPrfPos(2, 500)
+        self.assertEqual(gts.GT_GetPrfPos(2), 500.0)
+        self.assertEqual(gts.GT_GetPrfPos(1, count=3), [0.0, 500.0, 0.0])
+        self.assertEqual(gts.GTN_GetPrfPos(1, 2), 500.0)
+        gts.GT_SetStopDec(1, 2, 300)
+        self.assertEqual(gts.GT_GetStopDec(1), (2.0, 300.0))
+        self.assertIn("profile gus", gts.GT_GetVersion())
+        clock, ticks = gts.GT_GetClock()
+        self.assertEqual(ticks // 4, clock)
+
+    def test_structs(self):
+        gts.GT_PrfJog(1)
+        gts.GT_SetJogPrm(1, gts.TJogPrm(acc=2, dec=1, smooth=0.5))
+        self.assertEqual(gts.GT_GetJogPrm(1).smooth, 0.5)
+        gts.GT_PrfTrap(2)
+        gts.GT_SetTrapPrm(2, {"acc": 1, "dec": 2, "velStart": 0, "smoothTime": 5})
+        found = gts.GT_GetTrapPrm(2)
+        self.assertEqual((found.acc, found.dec, found.smoothTime), (1.0, 2.0, 5))
+        gts.GT_SetCrdPrm(1, {"dimension": 2, "profile": [1, 2], "synVelMax": 100, "synAccMax": 1})
+        self.assertEqual(list(gts.GT_GetCrdPrm(1).profile)[:3], [1, 2, 0])
+        self.assertEqual(gts.GT_GetCrdPos(1)[:2], [0.0, 0.0])
+        with self.assertRaises(TypeError):
+            gts.GT_SetJogPrm(1, {"speed": 1})
+
+    def test_a_failure_has_code_and_reason(self):
+        with self.assertRaises(gts.GtsError) as caught:
+            gts.GT_AxisOn(99)
+        self.assertEqual(caught.exception.code, 7)
+        self.assertIn("axis is 99", caught.exception.reason)
+        for call in (
+            lambda: gts.GT_SetPos(1, 1 << 40),
+            lambda: gts.GT_AxisOn(1 << 20),
+            lambda: gts.GT_AxisOn(1.5),
+            lambda: gts.GT_PvtTable(1, 3, [0, 1], [0, 1, 2], [0, 0, 0]),
+            lambda: gts.GT_GetSts(1, count=1000),
+        ):
+            with self.assertRaises(gts.GtsError) as caught:
+                call()
+            self.assertEqual(caught.exception.code, 7)
+
+    def test_a_motion(self):
+        gts.GT_AxisOn(1)
+        gts.GT_PrfPt(1)
+        gts.GT_PtClear(1)
+        for n in range(1, 11):
+            gts.GT_PtData(1, 100 * n, 10 * n, type=gts.PT_SEGMENT_EVEN)
+        self.assertEqual(gts.GT_PtSpace(1), 22)
+        gts.GT_PtStart(1)
+        gts.sleep(50)
+        self.assertAlmostEqual(gts.GT_GetPrfPos(1), 500, delta=20)
+        while gts.GT_GetSts(1) & 0x400:
+            pass
+        self.assertEqual(gts.GT_GetPrfPos(1), 1000.0)
+
+    def test_calculated_arrays(self):
+        vel = gts.GT_PvtPercentCalculate(3, [0, 1000, 2000], [0, 5000, 15000], [60, 0, 60], 0)
+        self.assertEqual(vel, [0.0, 10.0, 10.0])
+
+
+class Package(unittest.TestCase):
+    def test_closed(self):
+        with self.assertRaises(gts.GtsError) as caught:
+            gts.GT_GetPrfPos(1)
+        self.assertEqual(caught.exception.code, -7)
+
+    def test_every_function_has_a_doc_string(self):
+        for name in gts.table.FUNCTIONS:
+            self.assertTrue(getattr(gts, name).__doc__, name)
+        self.assertEqual(gts.FOLLOW_MASTER_PROFILE, 2)
+
+    def test_the_example(self):
+        example = pathlib.Path(__file__).resolve().parents[1] / "examples" / "plot_job.py"
+        done = subprocess.run([sys.executable, str(example), "--no-show"], capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("4096.0 pulses", done.stdout)
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.assertIn("matplotlib is not here", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
