@@ -1,6 +1,6 @@
 //! The trace of a virtual controller to CSV and VCD, from Open to Close.
 //!
-//! In: the stream's bytes as they come. Out: files with every axis and laser of the profile. The first error ends
+//! In: the stream's bytes as they come. Out: files with every axis, laser and coordinate system of the profile. The first error ends
 //! the recording; Close tells it.
 
 use crate::card::everything;

@@ -227,6 +227,8 @@ fn laser_along_a_path() {
             assert_eq!(gate, 1.0, "{name} {family}");
             near(power, wanted, within, &format!("{name} {family}"));
         }
+        let fastest = trace.column("crd1_vel").iter().copied().fold(0.0, f64::max);
+        near(fastest, 50.0, 1e-3, "speed along the path");
         assert_eq!(trace.last("laser0_gate"), 0.0, "{name} {family}: dark at the end");
         assert_eq!((trace.last("axis1_pos"), trace.last("axis2_pos")), (0.0, 10_000.0), "{name} {family}");
     }
