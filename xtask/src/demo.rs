@@ -15,11 +15,16 @@ struct Shown {
     closely: Option<[&'static str; 2]>,
 }
 
-const JOBS: [Shown; 3] = [
+const JOBS: [Shown; 4] = [
     Shown {
         job: "examples/laser_flying_shear.gts",
         what: "a laser head that goes with the belt while it fires; closely, a burst of 40 pulses between the gate's edges",
         closely: Some(["310", "314"]),
+    },
+    Shown {
+        job: "examples/laser_contour.gts",
+        what: "a contour with look-ahead: the power follows the speed of the path, down at the sharp corners, full through the round ones; closely, a corner",
+        closely: Some(["180", "240"]),
     },
     Shown {
         job: "examples/pt_static.gts",

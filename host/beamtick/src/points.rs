@@ -1,31 +1,31 @@
-//! Points of PVT tables in records: a call has all of them, a message holds a few dozen.
+//! Points of tables in records: a call has all of them, a message holds a few dozen.
 //!
 //! In: a call. Out: calls that follow each other, each with the index of its first point. Calls of other
 //! commands stay as they are.
 use client::Call;
-use protocol::command::{
-    PvtContinuousCalculate, PvtContinuousPoint, PvtExPoint, PvtKnot, PvtPercentCalculate, PvtPercentPoint, PvtPoint,
-    PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx, PvtTablePercent, opcode,
-};
+use protocol::command::info;
 
 /// Bytes of points in a record.
 const POINTS: usize = 960;
 
-/// Head, point, and place of `first` of a command that carries points.
+/// Bytes of a field.
+fn size(of: &str) -> usize {
+    let array = of.strip_prefix('[').and_then(|of| of.strip_suffix(']')).and_then(|of| of.split_once("; "));
+    match (array, of) {
+        (Some((of, count)), _) => size(of) * count.parse::<usize>().unwrap_or(0),
+        (None, "F64" | "U64") => 8,
+        (None, "I32" | "U32") => 4,
+        (None, "I16" | "U16") => 2,
+        _ => 1,
+    }
+}
+
+/// Head, point, and place of `first` of a command that carries points: it has such a field.
 fn layout(number: u16) -> Option<(usize, usize, usize)> {
-    let (table, calculate) = (8, 6);
-    Some(match number {
-        opcode::PvtTable => (size_of::<PvtTable>(), size_of::<PvtPoint>(), table),
-        opcode::PvtTableEx => (size_of::<PvtTableEx>(), size_of::<PvtExPoint>(), table),
-        opcode::PvtTableComplete => (size_of::<PvtTableComplete>(), size_of::<PvtKnot>(), table),
-        opcode::PvtTablePercent => (size_of::<PvtTablePercent>(), size_of::<PvtPercentPoint>(), table),
-        opcode::PvtTableContinuous => (size_of::<PvtTableContinuous>(), size_of::<PvtContinuousPoint>(), table),
-        opcode::PvtPercentCalculate => (size_of::<PvtPercentCalculate>(), size_of::<PvtPercentPoint>(), calculate),
-        opcode::PvtContinuousCalculate => {
-            (size_of::<PvtContinuousCalculate>(), size_of::<PvtContinuousPoint>(), calculate)
-        }
-        _ => return None,
-    })
+    let command = info(number)?;
+    let place = command.fields.iter().position(|(name, _)| *name == "first")?;
+    let bytes = |fields: &[(&str, &str)]| fields.iter().map(|(_, of)| size(of)).sum();
+    Some((bytes(command.fields), bytes(command.items), bytes(command.fields.get(..place)?)))
 }
 
 /// The records of a call.
@@ -48,7 +48,18 @@ pub fn records(call: Call) -> Vec<Call> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protocol::command::{
+        LaserDisValue, PvtContinuousCalculate, PvtContinuousPoint, PvtPoint, PvtTable, Request, SetLaserDisTable2D,
+    };
     use zerocopy::FromBytes;
+
+    #[test]
+    fn every_layout_is_that_of_its_structs() {
+        let continuous = (size_of::<PvtContinuousCalculate>(), size_of::<PvtContinuousPoint>(), 6);
+        assert_eq!(layout(PvtContinuousCalculate::OPCODE), Some(continuous));
+        let plane = (size_of::<SetLaserDisTable2D>(), size_of::<LaserDisValue>(), 45);
+        assert_eq!(layout(SetLaserDisTable2D::OPCODE), Some(plane));
+    }
 
     #[test]
     fn a_long_table_travels_in_records_that_begin_where_the_one_before_ended() {

@@ -1,5 +1,5 @@
 //! Packed requests and replies as text, by the protocol's own table.
-use protocol::command::COMMANDS;
+use protocol::command::{COMMANDS, Request, SetLaserDisTable1D, SetLaserDisTable2D};
 
 /// Fields of `bytes`, as far as they reach.
 fn fields(layout: &[(&'static str, &'static str)], bytes: &mut &[u8]) -> Vec<(&'static str, String)> {
@@ -20,11 +20,17 @@ fn field(of: &str, bytes: &mut &[u8]) -> Option<String> {
                     *bytes = rest;
                     Some(String::from_utf8_lossy(head).trim_end_matches('\0').to_owned())
                 }
-                _ => None,
+                _ => elements(of, bytes).map(|elements| elements.join("/")),
             }
         };
     }
     number!("F64" f64, "I16" i16, "I32" i32, "U16" u16, "U32" u32, "U64" u64, "u8" u8)
+}
+
+/// The elements of an array.
+fn elements(of: &str, bytes: &mut &[u8]) -> Option<Vec<String>> {
+    let (of, count) = of.strip_prefix('[')?.strip_suffix(']')?.split_once("; ")?;
+    (0..count.parse::<usize>().ok()?).map(|_| field(of, bytes)).collect()
 }
 
 /// A request's fields as `name value`, without its items.
@@ -72,13 +78,35 @@ pub fn held(opcode: u16, mut body: &[u8]) -> Vec<String> {
     if info.reply.last().is_none_or(|(name, _)| *name != "held") {
         return Vec::new();
     }
-    let mut values = fields(info.reply, &mut body);
-    let bits: u8 = values.pop().and_then(|(_, bits)| bits.parse().ok()).unwrap_or(0);
+    let mut values: Vec<(String, String)> = Vec::new();
+    for (name, of) in info.reply {
+        // Of an array, each element has a bit.
+        match elements(of, &mut body) {
+            Some(parts) => values.extend(parts.into_iter().zip(1..).map(|(part, k)| (format!("{name} {k}"), part))),
+            None => values.extend(field(of, &mut body).map(|value| ((*name).to_owned(), value))),
+        }
+    }
+    let bits: u16 = values.pop().and_then(|(_, bits)| bits.parse().ok()).unwrap_or(0);
+    if values.is_empty() {
+        // Of a table, it is how many points.
+        let text = match bits {
+            0 => return Vec::new(),
+            1 => "a power is out of range; its nearest bound is taken".to_owned(),
+            points => format!("{points} powers are out of range; their nearest bounds are taken"),
+        };
+        return vec![text];
+    }
     let mut texts: Vec<String> = Vec::new();
     for (place, (name, value)) in values.iter().enumerate() {
         if bits >> place & 1 == 1 {
-            let name = if *name == "value" { "the value" } else { name };
+            let name = if name == "value" { "the value" } else { name };
             texts.push(format!("{name} is out of range; {value} is taken"));
+        }
+    }
+    if opcode == SetLaserDisTable1D::OPCODE || opcode == SetLaserDisTable2D::OPCODE {
+        // Bounds come back, limits do not.
+        if bits >> values.len() & 1 == 1 {
+            texts.push("limitPower is out of range; its nearest bound is taken".into());
         }
     }
     if bits >> 7 == 1 {
@@ -90,7 +118,7 @@ pub fn held(opcode: u16, mut body: &[u8]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use protocol::command::{GetJogPrm, GetPrfPos, GetSts, JogPrm, Long, PtData, PtSpace, Real, Reals, Request, Short};
+    use protocol::command::{GetJogPrm, GetPrfPos, GetSts, JogPrm, Long, PtData, PtSpace, Real, Reals, Short};
     use protocol::command::{LaserBounds, LaserPowerMode, LaserState, LaserStatus, LaserValue, SetPulseWidth};
     use zerocopy::IntoBytes;
 

@@ -237,6 +237,10 @@ fn the_power_follows_the_trapezoid() {
         let expected = 0.1 * followed(t) + 10.0;
         assert!((power - expected).abs() < 2e-6, "{t} ms: {power}, not {expected}");
     }
+    // The speed that the trace shows is that of the tick.
+    for (t, vel) in rows(&ran, "crd1_vel") {
+        assert!((vel - path(t).0).abs() < 2e-6, "{t} ms: {vel}, not {}", path(t).0);
+    }
 }
 
 #[test]
@@ -462,8 +466,13 @@ fn the_encoders_speed_is_followed_too() {
 fn the_contour_runs() {
     let ran = run(&example("laser_contour.gts"), "gus", 250).good();
     assert!(ran.reads()[0].contains("segment 10"), "{}", ran.out);
+    // 4·v + 10 held at 90, wherever the tick lies in one motion.
+    let vel = ran.column("crd1_vel");
     let power = ran.column("laser0_power");
-    let most = power.iter().map(|(_, power)| *power).fold(0.0, f64::max);
+    let lit: Vec<(f64, f64)> = vel.iter().zip(&power).map(|(v, p)| (v.1, p.1)).filter(|(v, _)| *v > 0.0).collect();
+    let near = lit.iter().filter(|(v, p)| (p - (4.0 * v + 10.0).min(90.0)).abs() < 0.6).count();
+    assert!(near as f64 > 0.98 * lit.len() as f64, "{near} of {}", lit.len());
+    let most = lit.iter().map(|(_, p)| *p).fold(0.0, f64::max);
     assert_eq!(most, 90.0);
 }
 

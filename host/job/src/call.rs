@@ -153,7 +153,7 @@ impl Reader<'_> {
             Some((number, _)) => Err(Fault::new(
                 name.span.clone(),
                 format!("{} is not in this version of the firmware (command number {number:#06x})", name.text),
-                "this version has the session, axis, input/output, Trap, Jog, PT, PVT, Follow and immediate laser commands; see docs/jobs.md",
+                "this version has the session, axis, input/output, Trap, Jog, PT, PVT, Follow, coordinate-system and laser commands; see docs/jobs.md",
             )),
             None => Err(unknown(name)),
         }
