@@ -24,7 +24,7 @@ const JOBS: [Shown; 4] = [
     Shown {
         job: "examples/laser_contour.gts",
         what: "a contour with look-ahead: the power follows the speed of the path, down at the sharp corners, full through the round ones; closely, a corner",
-        closely: Some(["180", "240"]),
+        closely: Some(["325", "345"]),
     },
     Shown {
         job: "examples/pt_static.gts",
