@@ -322,10 +322,8 @@ fn inputs_reach_the_controller_and_outputs_are_recorded() {
     let mut board = board.lock().unwrap();
     let zero = board.program_zero_ns();
     let edges: Vec<Edge> = board.take_edges();
-    let general: Vec<_> = edges
-        .iter()
-        .filter_map(|e| matches!(e.output, Output::General(2)).then(|| (e.at_ns - zero, e.level)))
-        .collect();
+    let general: Vec<_> =
+        edges.iter().filter(|e| matches!(e.output, Output::General(2))).map(|e| (e.at_ns - zero, e.level)).collect();
     assert_eq!(general, [(250_000, true), (10_250_000, false)], "on the first tick after 0 and 10 ms: {edges:?}");
     assert!(board.take_edges().is_empty());
 }

@@ -442,8 +442,11 @@ fn list<T: Wire>(bytes: &[u8], count: usize) -> Option<(List<'_, T>, &[u8])> {
     Some((List::new(list), rest))
 }
 
+/// Something, and the bytes behind it.
+type Before<'a, T> = (T, &'a [u8]);
+
 /// The columns, and what is behind them.
-fn lists<A: Wire, L: Wire, C: Wire>(bytes: &[u8], counts: Counts) -> Option<(Lists<'_, A, L, C>, &[u8])> {
+fn lists<A: Wire, L: Wire, C: Wire>(bytes: &[u8], counts: Counts) -> Option<Before<'_, Lists<'_, A, L, C>>> {
     let (axes, rest) = list(bytes, counts.axes)?;
     let (lasers, rest) = list(rest, counts.lasers)?;
     let (crds, rest) = list(rest, counts.crds)?;

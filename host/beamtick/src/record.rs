@@ -16,11 +16,14 @@ pub struct Recording {
     failed: Option<TraceError>,
 }
 
+/// Where to, of which axes, of what part.
+type XyPlot = (PathBuf, Option<(AxisName, AxisName)>, PlotOptions);
+
 struct Sinks {
     csv: Option<File>,
     vcd: Option<File>,
     plot: Option<(PathBuf, PlotOptions)>,
-    xy: Option<(PathBuf, Option<(AxisName, AxisName)>, PlotOptions)>,
+    xy: Option<XyPlot>,
     outputs: Vec<u8>,
     open: Option<Open>,
 }

@@ -146,10 +146,10 @@ impl Observer for Report<'_> {
                     self.left.push((*core, *axis));
                 }
             }
-            Some(From::Light { channel }) => {
-                if answer.reply::<LaserStatus>().is_some_and(|(state, _)| state.commanded != 0) {
-                    self.lit.push(*channel);
-                }
+            Some(From::Light { channel })
+                if answer.reply::<LaserStatus>().is_some_and(|(state, _)| state.commanded != 0) =>
+            {
+                self.lit.push(*channel);
             }
             Some(From::Step(_)) => {
                 self.read(&answer);

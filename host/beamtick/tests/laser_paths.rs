@@ -256,7 +256,7 @@ rtn = GT_LnXY(1, 10000, 0, 50, 2); rtn = GT_CrdStart(1, 0); WaitStop(1, 0, 1); S
         );
         let ran = run(&text, family, 250).good();
         for (t, power) in ran.column("laser0_power").into_iter().map(|(t, power)| (t - 0.25, power)) {
-            if t >= 0.0 && t < 224.7 {
+            if (0.0..224.7).contains(&t) {
                 let expected = (3.0 * speed(10_000.0, t + 0.125) + 20.0).clamp(25.0, 80.0);
                 assert!((power - expected).abs() < 1e-4, "{family} {most}: {t} ms: {power}, not {expected}");
             }
@@ -300,7 +300,7 @@ rtn = GT_BufLaserOn(1); rtn = GT_LnXY(1, 10000, 0, 50, 2); rtn = GT_CrdStart(1, 
         let text = format!("double limit[4] = {{12, 0, 0, 0}};\n{}", text.replace("LIMITS", limits));
         let ran = run(&text, "lsr", 250).good();
         for (t, power) in ran.column("laser0_power").into_iter().map(|(t, power)| (t - 0.25, power)) {
-            if t >= 0.0 && t < 224.7 {
+            if (0.0..224.7).contains(&t) {
                 let expected = (10.0 + distance(way(10_000.0, t)).clamp(-most, most)).clamp(0.0, 100.0);
                 assert!((power - expected).abs() < 1e-4, "{limits}: {t} ms: {power}, not {expected}");
             }
@@ -347,7 +347,7 @@ rtn = GT_BufLaserFollowTable(1, 1, 0, 70); rtn = GT_BufLaserOn(1);
 rtn = GT_LnXY(1, 10000, 0, 50, 2); rtn = GT_CrdStart(1, 0); WaitStop(1, 0, 1); Sleep(1);";
     let ran = run(&text, "gus", 250).good();
     for (t, power) in ran.column("laser0_power").into_iter().map(|(t, power)| (t - 0.25, power)) {
-        if t >= 0.0 && t < 224.7 {
+        if (0.0..224.7).contains(&t) {
             let v = speed(10_000.0, t + 0.125);
             let expected = if v < 10.0 { 5.0 + 1.5 * v } else { (2.0 * v).min(70.0) };
             assert!((power - expected).abs() < 1e-4, "{t} ms: {power}, not {expected}");
