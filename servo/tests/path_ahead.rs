@@ -1,0 +1,147 @@
+//! What a path makes ahead is what it would have made on the spot: two paths, one of which makes nothing ahead, through
+//! random motions, waits, gears and marks, data that comes late, Stops, overrides, and ticks in which there is no time.
+//! Every place, speed, instant and gear is the same to the bit.
+use servo::path::{Bend, Entry, Feed, Path, Plane, Rate, Sight, Step, Sweep, Told};
+use servo::piece::Motion;
+use servo::ramp::Accel;
+use servo::units::{Axis, Ns, Pos};
+
+mod chance;
+mod paths;
+use chance::Chance;
+use paths::{Heard, Script, mark, speeds};
+
+/// A path, what it shows, what it told.
+struct Seen {
+    path: Path,
+    step: Step,
+    turns: u32,
+    heard: Heard,
+}
+
+impl Seen {
+    fn new(path: Path) -> Seen {
+        let (heading, bend, motion) = ([0; 4], Bend::STRAIGHT, Motion::REST);
+        let step = Step { place: [Pos(0); 4], heading, bend, motion, runs: false, fifo: 0, done: 0 };
+        Seen { path, step, turns: 0, heard: Heard::default() }
+    }
+
+    fn tick(&mut self, now: u64, period: u64, feed: Feed, script: &Script, ahead: bool) {
+        let Step { place, heading, bend, motion, .. } = &mut self.step;
+        let mut sight = Sight { place, heading, bend, motion, turns: &mut self.turns };
+        let Told { runs, fifo, done } =
+            self.path.advance(Ns(now), Ns(period), feed, script, &mut self.heard, &mut sight, ahead);
+        (self.step.runs, self.step.fifo, self.step.done) = (runs, fifo, done);
+    }
+}
+
+fn entry(chance: &mut Chance, k: u8, place: &mut [i32; 4]) -> Entry {
+    let vel = chance.log(1.0, 60.0);
+    let along = speeds(vel, vel / chance.log(0.3, 9.0), vel * chance.unit() * (chance.below(4) > 0) as u8 as f64);
+    let mut step = |x: &mut i32| *x += (chance.sign() * chance.log(1.0, 400.0)) as i32;
+    match k % 12 {
+        0 => mark(k),
+        1 => Entry::gear(Axis::new(3).unwrap(), 17),
+        2 => Entry::delay(3),
+        3 => {
+            let (mut a, mut b) = (place[0] + 3, place[1]);
+            step(&mut a);
+            step(&mut b);
+            (place[0], place[1]) = (a, b);
+            let turns = 0.001 + chance.unit() * 0.49;
+            let sweep = Sweep::admit(turns.to_bits(), chance.below(2) == 0, chance.below(2) == 0).unwrap();
+            Entry::arc(Plane::Xy, [place[0], place[1]], sweep, along)
+        }
+        4 => Entry::circle(Plane::Zx, [40 << 30, 7 << 30], k & 1 == 0, along).unwrap(),
+        // A line without length.
+        5 => Entry::line(*place, along),
+        6..9 => {
+            place.iter_mut().for_each(&mut step);
+            Entry::line(*place, along)
+        }
+        _ => {
+            place.iter_mut().take(2).for_each(&mut step);
+            Entry::planar([place[0], place[1]], along)
+        }
+    }
+}
+
+#[test]
+fn what_is_made_ahead_is_what_would_have_been_made() {
+    let mut chance = Chance::new(31);
+    let cases = std::env::var("BEAMTICK_PATHS_AHEAD").map_or(300, |text| text.parse().unwrap());
+    let (mut ticks, mut stops) = (0u64, 0);
+    for case in 0..cases {
+        let mut place = [0; 4];
+        let count = 4 + chance.below(24);
+        let script = Script(
+            (0..count)
+                .map(|_| {
+                    let k = chance.below(240) as u8;
+                    entry(&mut chance, k, &mut place)
+                })
+                .collect(),
+        );
+        let mut end = if chance.below(2) == 0 { count } else { 1 + chance.below(count) } as u32;
+        let period = [10_000, 50_000, 250_000, 1_000_000][chance.below(4) as usize];
+        // How often there is time to make something ahead.
+        let often = chance.below(4);
+        let mut path = Path::IDLE;
+        path.rules.set_even(if chance.below(3) == 0 { chance.below(4) as u16 } else { 0 });
+        path.rules.set_stop(Accel::admit(chance.log(0.3, 30.0).to_bits()).unwrap());
+        let mut both = [Seen::new(path), Seen::new(path)];
+        let mut now = 1_000_000;
+        for both in &mut both {
+            both.path.start(Ns(now), 0, Feed { ends: [end, 0] }, &script);
+        }
+        let mut left = 3;
+        loop {
+            let feed = Feed { ends: [end, 0] };
+            let act = chance.below(400_000_000 / period);
+            for seen in &mut both {
+                match act {
+                    0 if left > 0 => seen.path.stop(Ns(now), false, feed, &script, &mut seen.heard),
+                    1 if left > 0 => {
+                        let rate = Rate::admit((1.0 / (1 + now / period % 3) as f64).to_bits()).unwrap();
+                        seen.path.rules.set_rate(rate);
+                        seen.path.replan(Ns(now), feed, &script);
+                    }
+                    _ => {}
+                }
+            }
+            stops += (act == 0 && left > 0) as u32;
+            left -= (act < 2 && left > 0) as u32;
+            if act > 2 && act < 40 && end < count as u32 {
+                end += 1;
+            }
+            let feed = Feed { ends: [end, 0] };
+            let ahead = chance.below(4) >= often;
+            let [with, without] = &mut both;
+            with.tick(now, period, feed, &script, ahead);
+            without.tick(now, period, feed, &script, false);
+            assert_eq!(with.step, without.step, "case {case} at {now}");
+            ticks += 1;
+            now += period;
+            if !with.step.runs {
+                if with.path.refuses_start(0, feed) && end == count as u32 {
+                    break;
+                }
+                end = count as u32;
+                let feed = Feed { ends: [end, 0] };
+                if with.path.refuses_start(0, feed) {
+                    break;
+                }
+                for seen in &mut both {
+                    seen.path.start(Ns(now), 0, feed, &script);
+                }
+            }
+            assert!(now < 1 << 40, "case {case} does not end");
+        }
+        let [with, without] = both;
+        assert_eq!(with.heard.marks, without.heard.marks, "case {case}");
+        assert_eq!(with.heard.rests, without.heard.rests, "case {case}");
+        assert_eq!((with.heard.gears, with.heard.geared), (without.heard.gears, without.heard.geared), "case {case}");
+    }
+    println!("{ticks} ticks, {stops} Stops");
+    assert!(ticks > 20 * cases && stops > 0);
+}
