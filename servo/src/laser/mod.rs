@@ -7,7 +7,7 @@
 //! | file | what it is |
 //! | --- | --- |
 //! | `gate` | commands and delays: pending edges under the cancel rule |
-//! | `channel` | one channel: gate, FPK, light, what is output; makes the plan |
+//! | `channel` | one channel: what changes it; `channel/interval` makes its plan |
 //! | `buffered` | changes that entries of a path carry, at their instants |
 //! | `whose` | whose light it is, and what rest keeps dark |
 //! | `power` | powers and bounds |
@@ -15,6 +15,7 @@
 //! | `follow` | speeds of paths, and the power that they mean |
 //! | `distance` | what places of axes add to the power |
 //! | `tables` | powers against velocity, ratios against position |
+//! | `double` | doubles by their bits, products of fixed point |
 //! | `energy` | what a power is in each mode: pulses, voltage |
 //! | `dither` | frequencies and duties in counts of a timer |
 //! | `light` | the time that light was on |

@@ -8,8 +8,10 @@
 //! | live: plans pass | dark, for this cause | live | live until it is seen, then dark |
 //! | dark: everything rests | dark, for the first cause | live | dark |
 //! | dark, but no plan has rested yet | dark, for the first cause | dark | dark |
+//! | dark from within a plan on | dark at once | dark | dark |
 //!
-//! So a clear that acts on the very tick that sees a cause, and cannot have meant it, does not hide it.
+//! A cause within the interval that is being planned (an underrun) lets that plan pass, which goes dark there, and the empty
+//! one that is handed over before that instant. A clear that acts on the very tick that sees a cause, and cannot have meant it, does not hide it.
 use super::plan::Plan;
 
 /// Why a channel is dark until it is cleared. The numbers are those that `GetLaserFault` tells.
