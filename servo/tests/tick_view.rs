@@ -5,6 +5,7 @@ mod tick_bench;
 use chance::Chance;
 use servo::follow;
 use servo::op::{DoGroup, Guarded, Mode, Op};
+use servo::path::{self, Along};
 use servo::units::AxisMask;
 use servo::view::{Traced, View};
 use tick_bench::*;
@@ -170,4 +171,54 @@ fn a_view_tells_the_same_however_often_it_is_read() {
         }
         assert!(moved > 12_000 && streams.0 > 10, "{moved} axes and ticks, {streams:?}");
     }
+}
+
+/// The same of axes that a coordinate system drives, lets go and drives again.
+#[test]
+fn a_view_of_driven_axes_does_not_depend_on_who_reads_it() {
+    let make = || {
+        let mut bench = Bench::ready(250, Mode::Trap);
+        bench.frame(0, &[2, 5], Some([100, -50, 0, 0]));
+        bench.tick();
+        bench
+    };
+    let (mut eager, mut lazy, mut chance) = (make(), make(), Chance::new(5));
+    let (mut unread, mut drove) = (0, 0);
+    let line = |x, y| {
+        let along = Along::admit(10f64.to_bits(), 1f64.to_bits(), 0f64.to_bits()).unwrap();
+        path::Entry::planar([x, y], along)
+    };
+    for round in 0..6000 {
+        let (draw, x, y) = (chance.below(60), chance.below(300) as i32, chance.below(300) as i32);
+        for bench in [&mut eager, &mut lazy] {
+            match draw {
+                0 | 1 => bench.path(0, 0, &[line(x, y)]),
+                2 | 3 => {
+                    bench.start_path(&[0]);
+                }
+                4 => {
+                    bench.now(Op::Stop { axes: all(&[2]), abrupt: AxisMask(x as u64 & 4) });
+                }
+                5 => bench.machine.slip[5] += 1,
+                6 => {
+                    bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+                }
+                _ => {}
+            }
+        }
+        let view = eager.tick();
+        drove += u32::from(view.axes[5].drive.is_some());
+        if unread > 0 {
+            unread -= 1;
+            lazy.tick_unread();
+        } else {
+            unread = chance.below(9);
+            let late = lazy.tick();
+            for index in 0..AXES {
+                assert_eq!(told(&late, index), told(&view, index), "axis {index}, round {round}");
+            }
+        }
+        while eager.event().is_some() || lazy.event().is_some() {}
+    }
+    assert!(drove > 1000, "driven in {drove} ticks");
 }

@@ -152,12 +152,14 @@ impl AxisState {
         self.go_on(place, shown)
     }
 
-    /// The same in pieces that are not near.
+    /// The same in pieces that are not near, and of an axis that a coordinate system has brought to its place.
     #[inline(never)]
     fn glide_far(&mut self, next: Ns, shown: &mut AxisView) -> Glide {
         let holds = |piece: &Piece| piece.elapsed(next) < piece.span;
         if !self.runs {
-            return Glide::No;
+            // Its view changes in nothing else without being told so.
+            let told = shown.changes == self.shown.changes;
+            return if self.driven && told { self.tell_place(shown) } else { Glide::No };
         }
         if !holds(self.profile.piece()) {
             if !self.profile.ahead().is_some_and(holds) {
@@ -188,7 +190,14 @@ impl AxisState {
         let now = &mut self.shown;
         now.moves = now.moves.wrapping_add(1);
         (now.pos, now.motion.tau) = (pos, tau);
-        (shown.moves, shown.pos, shown.motion.tau) = (now.moves, pos, tau);
+        self.tell_place(shown)
+    }
+
+    /// The view has the place of the axis.
+    #[inline(always)]
+    fn tell_place(&self, shown: &mut AxisView) -> Glide {
+        let now = &self.shown;
+        (shown.moves, shown.pos, shown.motion.tau) = (now.moves, now.pos, now.motion.tau);
         (shown.encoder, shown.encoder_before) = (now.encoder, now.encoder_before);
         if shown.turns != now.turns {
             if shown.changes != now.changes {
