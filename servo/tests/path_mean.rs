@@ -6,7 +6,7 @@ use chance::Chance;
 use paths::{Heard, Script, speeds};
 use servo::laser::PathSpeed;
 use servo::path::{Entry, Feed, Path};
-use servo::piece::Motion;
+use servo::piece::{Motion, Recip};
 use servo::units::Ns;
 
 const BEGIN: u64 = 1_000_000;
@@ -89,6 +89,18 @@ fn a_stop_is_followed_too() {
 fn at_rest_there_is_no_speed() {
     assert_eq!(PathSpeed::ahead(&Motion::REST, Ns(1_000_000)), PathSpeed::REST);
     assert_eq!(PathSpeed::measured([0; 4], Ns(10_000)), PathSpeed::REST);
+}
+
+/// A piece of 2¹⁷ ns that speeds up from 1 to 3 pulse/ms: what is asked for beyond it is its end.
+#[test]
+fn a_piece_is_not_left() {
+    // Over 2^17 ns at 1 pulse/ms it is 0.131072 pulses; so much more at the end is twice that.
+    let by = (0.131072 * 2f64.powi(50)) as i64;
+    let motion = Motion { tau: 0, c: [by, 2 * by, 0], recip: Recip { m: 0, shift: 47 }, frac: 50 };
+    let at = |period: u64| per_ms(PathSpeed::ahead(&motion, Ns(period)));
+    for (period, speed) in [(0, 1.0), (1 << 16, 1.5), (1 << 17, 2.0), (1 << 18, 3.0), (1 << 20, 3.0), (1 << 40, 3.0)] {
+        assert!((at(period) - speed).abs() < 1e-8, "{period}: {}", at(period));
+    }
 }
 
 #[test]

@@ -48,7 +48,8 @@ impl PathSpeed {
     pub fn ahead(motion: &Motion, period: Ns) -> PathSpeed {
         let Motion { tau, c: [speed, change, _], recip: Recip { shift, .. }, frac } = *motion;
         // The piece lasts 2^(64 - shift) ns; tau and half a period are in 2^-63 of it.
-        let share = period.0.wrapping_shl(shift) >> 2;
+        let half = period.0 >> 1;
+        let share = if half.leading_zeros() >= shift { half.wrapping_shl(shift) >> 1 } else { Piece::END };
         let tau = tau.wrapping_add(share).min(Piece::END);
         let speed = speed.wrapping_add(mulhi_su(change, tau << 1)).max(0) as u64;
         // In 2^-frac pulse per piece; 10^6 ns are a ms.
