@@ -46,6 +46,10 @@ impl Site {
     pub fn number_of(&self, axis: Axis) -> i16 {
         (axis.index() % self.per_core().max(1)) as i16 + 1
     }
+    /// The axis's core, as the user knows it.
+    pub fn core_of(&self, axis: Axis) -> i16 {
+        (axis.index() / self.per_core().max(1)) as i16 + 1
+    }
     /// All axes of the profile.
     pub fn all(&self) -> AxisMask {
         AxisMask(ones(self.profile.axes()))

@@ -92,7 +92,7 @@ reasons! {
     68 TableShort Range "a pass of {got} ms is too short; it lasts {low} ms at least";
     80 NoMaster State "axis {axis}: it has no master; call SetFollowMaster first";
     81 OwnMaster Range "{field} is {got}, the axis itself; an axis cannot follow itself";
-    82 MasterCycle State "axis {axis} would follow itself by way of axis {got}";
+    82 MasterCycle State "axis {axis} would follow itself by way of axis {got} of core {low}";
     83 MasterType Range "{field} is {got}; allowed are 1, 2, 3, and in a profile of two cores 101 and 103";
     84 DirectionDiffers State "axis {axis} is in this mode with direction {got}; set another mode first";
     85 NotRunning State "axis {axis} is not running; a switch is for an axis that follows";

@@ -142,7 +142,8 @@ fn set_master<const AXES: usize>(case: &mut Case<AXES>, mode: Mode, r: &SetFollo
         let book = case.book(next);
         let Some((after, _)) = book.follow.master.filter(|_| book.is_follow()) else { break };
         if after == axis {
-            return Err(case.no(Reason::MasterCycle, axis).field(2).got(case.site.number_of(next).into()));
+            let (number, core) = (f64::from(case.site.number_of(next)), f64::from(case.site.core_of(next)));
+            return Err(case.no(Reason::MasterCycle, axis).field(2).got(number).limits(core, core));
         }
         next = after;
     }

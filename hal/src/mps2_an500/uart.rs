@@ -59,10 +59,10 @@ const CTRL_WAITING: u32 = CTRL_QUIET | CTRL_TX_INTERRUPT;
 impl Tx {
     /// Sends a byte if the UART can take it now. If not, the transmit interrupt will tell when it can.
     pub fn send(&mut self, byte: u8) -> bool {
-        if self.is_full() {
+        if is_full(self.0) {
             write(self.0, CTRL, CTRL_WAITING);
             // It may have got free before the interrupt was on, and then no interrupt comes.
-            if self.is_full() {
+            if is_full(self.0) {
                 return false;
             }
         }
@@ -70,9 +70,6 @@ impl Tx {
         true
     }
 
-    fn is_full(&self) -> bool {
-        read(self.0, STATE) & STATE_TX_FULL != 0
-    }
 }
 
 impl Rx {
@@ -101,6 +98,11 @@ fn read(place: Place, register: usize) -> u32 {
 fn write(place: Place, register: usize, value: u32) {
     // SAFETY: a register of one of this board's UARTs.
     unsafe { write_volatile((place as usize + register) as *mut u32, value) };
+}
+
+/// Whether a byte waits to be sent.
+pub fn is_full(place: Place) -> bool {
+    read(place, STATE) & STATE_TX_FULL != 0
 }
 
 /// Whether a byte waits to be fetched.
