@@ -11,19 +11,25 @@ use std::time::Instant;
 /// Tick periods at which the jobs are compared, µs.
 const TICKS_US: [u32; 3] = [50, 250, 1000];
 
-/// Jobs that take the emulator minutes at short ticks, or whose trace (five axes) is more there than the link carries,
-/// and the periods that are left for them.
-const LONG: [(&str, &[u32]); 6] = [
+/// Jobs that take the emulator long, and the periods that are left for them. The listings of lasers along a path take four
+/// seconds each; `laser_path_mixed` has more on its path in a tenth of that, and is compared at all.
+const LONG: [(&str, &[u32]); 11] = [
     ("eight_axes_stream", &[250]),
-    ("follow_masters", &[250, 1000]),
+    ("laser_distance", &[1000]),
+    ("laser_lsr_distance", &[250]),
+    ("laser_lsr_path_follow", &[1000]),
+    ("laser_lsr_path_power", &[1000]),
+    ("laser_path_follow", &[250]),
+    ("laser_path_power", &[1000]),
     ("pvt_complete", &[250]),
     ("pvt_percent", &[250]),
     ("ten_minutes", &[]),
     ("ten_minutes_lasers", &[]),
 ];
 
-/// Jobs with lasers.
+/// Jobs with lasers, and one with outputs: their signals are compared too.
 const LASER: &str = "laser_";
+const OUTPUTS: &str = "follow_ex";
 /// Jobs of the LSR manual say so in their names; the others are of the GUS family, which is the default.
 const LSR: &str = "laser_lsr_";
 
@@ -85,11 +91,11 @@ pub fn name(job: &Path) -> String {
     job.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Traces are compared, and of lasers every edge.
+/// Traces are compared, and every edge of lasers and outputs.
 fn compare(runner: &Runner, job: &Path, tick_us: u32, folder: &Path) -> Outcome<usize> {
     let job_text = job.to_string_lossy();
     let tick = tick_us.to_string();
-    let has_lasers = name(job).starts_with(LASER);
+    let has_signals = name(job).starts_with(LASER) || name(job) == OUTPUTS;
     let file = |way: &str, extension: &str| folder.join(format!("{}-{tick_us}-{way}.{extension}", name(job)));
     let family = if name(job).starts_with(LSR) { "lsr" } else { "gus" };
     let common = ["--quiet", "--family", family, "--tick-us", tick.as_str()];
@@ -99,7 +105,7 @@ fn compare(runner: &Runner, job: &Path, tick_us: u32, folder: &Path) -> Outcome<
         let (csv, vcd) = (file(way, "csv"), file(way, "vcd"));
         let (csv_text, vcd_text) = (csv.to_string_lossy().into_owned(), vcd.to_string_lossy().into_owned());
         let mut words = [&[way, &*job_text], more, &common[..], &["--trace", &csv_text]].concat();
-        if has_lasers {
+        if has_signals {
             words.extend(["--vcd", &vcd_text]);
         }
         quietly(runner.call(&words))?;
@@ -107,7 +113,7 @@ fn compare(runner: &Runner, job: &Path, tick_us: u32, folder: &Path) -> Outcome<
     }
     if let [(csv, vcd), (other_csv, other_vcd)] = files.as_slice() {
         rows = equal(csv, other_csv)?;
-        if has_lasers {
+        if has_signals {
             equal(vcd, other_vcd)?;
         }
     }

@@ -125,8 +125,7 @@ impl Panel<'_> {
         }
         let mut chart = ChartBuilder::on(area)
             .margin_top(CAPTION * scale)
-            .margin_right(if self.beside.is_some() { RIGHT } else { right } * scale)
-            .set_label_area_size(LabelAreaPosition::Right, if self.beside.is_some() { BESIDE * scale } else { 0 })
+            .margin_right(right * scale)
             .set_label_area_size(LabelAreaPosition::Left, LEFT * scale)
             .set_label_area_size(LabelAreaPosition::Bottom, if last { FOOT * scale } else { 0 })
             .build_cartesian_2d(start * factor..end * factor, low..high)

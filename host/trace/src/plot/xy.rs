@@ -40,6 +40,8 @@ const COLOURS: [RGBColor; 5] = [
     RGBColor(0xe0, 0x5a, 0x1f),
     RGBColor(0xf2, 0xa9, 0x00),
 ];
+/// Pixels from one drawn place to the next.
+const SPACED: i32 = 2;
 /// Colours that are told apart.
 const SHADES: usize = 64;
 /// The way without light.
@@ -328,7 +330,8 @@ fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32
             if lit != shade.is_some() {
                 continue;
             }
-            canvas::line(chart, way.iter().map(|node| (node.x, node.y)), stroke)?;
+            let places = spaced(chart, way, SPACED * scale as i32);
+            canvas::line(chart, places, stroke)?;
             // Light at rest.
             let rests = way.windows(2).filter(|pair| (pair[0].x, pair[0].y) == (pair[1].x, pair[1].y));
             let dots = rests.filter(|pair| lit && pair[1].from > pair[0].from);
@@ -337,6 +340,22 @@ fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32
         }
     }
     Ok(())
+}
+
+/// The places of a way without those that are this near (pixels) to the one before: whole pixels would make them crooked.
+fn spaced<B: DrawingBackend>(chart: &Chart<'_, B>, way: &[Node], near: i32) -> Vec<(f64, f64)> {
+    let Some((last, before)) = way.split_last() else { return Vec::new() };
+    let mut kept: Option<(i32, i32)> = None;
+    let mut places: Vec<(f64, f64)> = Vec::new();
+    for node in before {
+        let here = chart.backend_coord(&(node.x, node.y));
+        if kept.is_none_or(|kept| (here.0 - kept.0).abs().max((here.1 - kept.1).abs()) >= near) {
+            kept = Some(here);
+            places.push((node.x, node.y));
+        }
+    }
+    places.push((last.x, last.y));
+    places
 }
 
 /// Arrows along the way, dots at even times, its beginning and its end.
