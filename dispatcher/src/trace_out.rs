@@ -160,6 +160,8 @@ impl<const AXES: usize> TraceOut<AXES> {
                 if !self.head(view, site) {
                     return false;
                 }
+                // What the one before lost may still have been in the view.
+                self.samples_lost = 0;
                 self.state = State::Rows;
             }
             State::Rows => {}

@@ -56,7 +56,9 @@ impl Trace {
 
     /// Begins now: what row 0 is of, which is of the tick in force.
     pub(crate) fn begin(&mut self, every: u32, chosen: Chosen) -> Option<(u32, Chosen)> {
-        *self = Trace { every, left: every, chosen, ..Trace::OFF };
+        // What one that ends has lost is still to be told.
+        let lost = if every == 0 { self.lost } else { 0 };
+        *self = Trace { every, left: every, chosen, lost, ..Trace::OFF };
         (every != 0).then_some((0, chosen))
     }
 

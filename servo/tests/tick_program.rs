@@ -235,6 +235,12 @@ fn a_trace_that_nobody_takes_counts_what_it_loses() {
     }
     bench.tick();
     assert_eq!(bench.sample().unwrap().row, 131, "the row number tells that some are missing");
+    let end = |every| Op::Trace { every, axes: AxisMask(1), crds: CrdMask(0), lasers: 0, edges: false, outputs: false };
+    bench.now(end(0));
+    let lost = bench.tick().trace_lost;
+    assert!(lost >= 131 * 8 - 1024, "it is still told when the trace has ended");
+    bench.now(end(1));
+    assert_eq!(bench.tick().trace_lost, 0, "another one has lost nothing");
 }
 
 #[test]
