@@ -88,7 +88,14 @@ fn fifo_1_interrupts_and_returns() {
     let (code, reason, refusal) = bench.refused(start_crd(1));
     assert_eq!((code, reason, refusal.got.get()), (1, Reason::CrdElsewhere, 0.0));
     assert_eq!(crd_pos(&mut bench), [0.0, 5000.0]);
-    // Back to the place, which is no whole pulse: it is reached by stopping at one.
+    // Back to the nearest whole pulse, and on.
+    bench.done(LnXY { fifo: 1.into(), ..line(x, 0, 50.0, 2.0) });
+    bench.done(CrdStart { option: 1.into(), ..start_crd(1) });
+    until_rest(&mut bench);
+    bench.done(start_crd(1));
+    until_rest(&mut bench);
+    assert_eq!((crd_pos(&mut bench), status(&mut bench, 0).1), (vec![10_000.0, 10_000.0], 2));
+    // Or something else, when it is cleared.
     bench.done(clear(0));
     bench.done(line(100, 5000, 50.0, 2.0));
     bench.done(start_crd(1));

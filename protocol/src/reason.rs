@@ -115,7 +115,7 @@ reasons! {
     111 CrdRuns State "coordinate system {axis} is running; stop it first";
     112 CrdFull State "coordinate system {axis}: the FIFO is full; {high} entries fit, {got} are free";
     113 CrdEmpty State "coordinate system {axis}: FIFO {got} holds nothing to do";
-    114 CrdElsewhere State "coordinate system {axis} is not where FIFO {got} was left; move back there first, or call CrdClear";
+    114 CrdElsewhere State "coordinate system {axis} is more than a pulse from where FIFO {got} was left; move back there first, or call CrdClear";
     115 CrdFifoInUse State "coordinate system {axis}: FIFO {got} is in use; it can be cleared at rest";
     116 CrdHolds State "coordinate system {axis}: FIFO {got} holds entries; run them or call CrdClear first";
     117 CrdPlaceUnknown State "coordinate system {axis}: where the motion begins is known once everything is at rest";

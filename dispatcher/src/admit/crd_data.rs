@@ -246,8 +246,8 @@ struct Filling<'x> {
     book: &'x CrdBook,
     frame: &'x Frame,
     path: &'x PathBook,
-    /// Where the next motion begins, if that is known.
-    begin: Option<Place>,
+    /// Where the next motion begins; NaN for a coordinate of which only the tick knows.
+    begin: Place,
     space: u32,
     /// The path may run, and has a look-ahead: what leaves it is for the tick at once.
     at_once: bool,
@@ -273,7 +273,7 @@ fn open<'x, const AXES: usize>(case: &Case<'x, AXES>, target: &Target) -> Admitt
         return Err(in_use());
     }
     let space = book.space(seen, fifo);
-    let begin = book.begin(case.view, seen, fifo);
+    let begin = book.begin(case.view, seen, fifo).unwrap_or([f64::NAN; DIMENSIONS]);
     let number = case.site.crd_number(crd);
     Ok(Filling { crd, fifo, number, book, frame, path, begin, space, at_once, field: target.fifo_field })
 }
@@ -291,8 +291,12 @@ impl Filling<'_> {
         Err(self.no(Reason::CrdFull).field(self.field).got(self.space.into()).limits(0.0, CAPACITY.into()))
     }
 
-    fn begin(&self) -> Admitted<Place> {
-        self.begin.ok_or_else(|| self.no(Reason::CrdPlaceUnknown))
+    /// Refuses for now what needs to know these coordinates of its begin. With look-ahead that is everything.
+    fn needs(&self, coordinates: impl IntoIterator<Item = usize>) -> Admitted<()> {
+        let dimension = usize::from(self.frame.dimension);
+        let unknown = |index: usize| index < dimension && self.begin.get(index).is_some_and(|at| at.is_nan());
+        let ahead = self.path.look.is_some() && (0..DIMENSIONS).any(unknown);
+        if ahead || coordinates.into_iter().any(unknown) { Err(self.no(Reason::CrdPlaceUnknown)) } else { Ok(()) }
     }
 
     /// A coordinate that no axis drives stays 0.
@@ -318,9 +322,10 @@ impl Filling<'_> {
 
     /// The motion from where the FIFO ends.
     fn figure(&self, way: &Way) -> Admitted<Figure> {
-        let begin = self.begin()?;
+        let begin = self.begin;
         let ccw = |dir: i16, field: u8| Ok(choice(field, dir, 0, 1)? == 1);
         let plane_of = |plane: Plane, to: [i32; 2], field: u8| {
+            self.needs(plane.coordinates())?;
             for ((coordinate, to), field) in plane.coordinates().into_iter().zip(to).zip(field..) {
                 self.driven(coordinate, to, field)?;
                 if coordinate >= usize::from(self.frame.dimension) {
@@ -334,6 +339,7 @@ impl Filling<'_> {
                 for ((coordinate, to), field) in to.iter().enumerate().zip(field..) {
                     self.driven(coordinate, *to, if count == DIMENSIONS { field } else { field.min(count as u8 + 1) })?;
                 }
+                self.needs(if count == 2 { DIMENSIONS } else { count }..DIMENSIONS)?;
                 if count == 2 {
                     let [x, y, ..] = to;
                     (Figure::planar(&begin, [x, y]), field)
@@ -507,7 +513,7 @@ pub fn put<const AXES: usize>(
             filling.has_room(1)?;
             // What stands first in a FIFO is done where the path is; a motion behind it begins there.
             if !data.open {
-                data.place = filling.begin()?;
+                data.place = filling.begin;
             }
             filling.prepare(queue);
             queue.other(store, entry, ms);
@@ -544,7 +550,8 @@ where
     let admitted = filling.speeds(&speeds)?;
     filling.has_room(items.len())?;
     let fields = R::FIELDS.len() as u8;
-    let mut before = filling.begin()?;
+    filling.needs(if N == 2 { DIMENSIONS } else { N }..DIMENSIONS)?;
+    let mut before = filling.begin;
     for (index, item) in items.iter().enumerate() {
         let to = R::to(item);
         for ((coordinate, to), field) in to.iter().enumerate().zip(fields..) {
@@ -558,7 +565,7 @@ where
     }
     filling.prepare(queue);
     let mut data = filling.path.data;
-    let mut at = filling.begin()?;
+    let mut at = filling.begin;
     for (index, item) in items.iter().enumerate() {
         let to = R::to(item);
         let mut target = at.map(|place| place as i32);

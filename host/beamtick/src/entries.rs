@@ -7,13 +7,13 @@ use crate::points::records;
 use client::Call;
 use job::{Action, Job};
 use protocol::command::{
-    AxisStatus, BufLaserOn, EnaFPK, LaserOff, LaserOn, LaserStatus, PtData, PtDataMany, PtItem, Request, Reset,
-    SetHSIOOpt, SetLevelDelay, Sleep, Stop, Trace, VersionReply, WaitStop,
+    AxisStatus, BufLaserOn, EnaFPK, LaserOff, LaserOn, LaserStatus, LnXY, LnXYMany, LnXYZ, LnXYZMany, PathXY, PathXYZ,
+    PtData, PtDataMany, PtItem, Request, Reset, SetHSIOOpt, SetLevelDelay, Sleep, Stop, Trace, VersionReply, WaitStop,
 };
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, IntoBytes};
 
-/// Segments in one record, at most: two records fit in a frame.
-const MERGED: usize = 32;
+/// Bytes of items in one record, at most: two records fit in a frame.
+const MERGED: usize = 32 * size_of::<PtItem>();
 
 /// The longest delay that a channel takes, µs.
 const DELAY_MAX_US: u32 = 65_535;
@@ -133,17 +133,17 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
     let mut entries = Vec::with_capacity(job.steps.len() + 16);
     let mut run: Option<Run> = None;
     for (number, step) in job.steps.iter().enumerate() {
-        if let Some(data) = datum(&step.action) {
-            let full = run.as_ref().is_some_and(|run| run.items.len() >= MERGED || run.key != key(&data));
+        if let Some((key, item)) = datum(&step.action) {
+            let full = run.as_ref().is_some_and(|run| run.items.len() + item.len() > MERGED || run.key != key);
             if full {
-                finish(&mut entries, &mut run);
+                finish(&mut entries, &mut run, job);
             }
-            let open = run.get_or_insert_with(|| Run { key: key(&data), items: Vec::new(), steps: Vec::new() });
-            open.items.push(PtItem { pos: data.pos, time_ms: data.time_ms, kind: data.kind.get() as u8 });
+            let open = run.get_or_insert_with(|| Run { key, items: Vec::new(), steps: Vec::new() });
+            open.items.extend(item);
             open.steps.push(number);
             continue;
         }
-        finish(&mut entries, &mut run);
+        finish(&mut entries, &mut run, job);
         let from = From::Step(number);
         match &step.action {
             Action::Sleep { ns } => entries.push(Entry { call: Call::of(Sleep { ns: (*ns).into() }), from }),
@@ -160,7 +160,7 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
             }
         }
     }
-    finish(&mut entries, &mut run);
+    finish(&mut entries, &mut run, job);
     let tick_ns = u64::from(version.tick_us.get()) * 1000;
     let sleep = |ns: u64| Entry { call: Call::of(Sleep { ns: ns.into() }), from: From::End };
     let left: Vec<u8> = lasers(job, version).filter(|channel| may_leave_on(job, *channel)).collect();
@@ -207,46 +207,77 @@ fn leave(entries: &mut Vec<Entry>, job: &Job, version: &VersionReply) {
 
 /// Data of one FIFO, not sent yet.
 struct Run {
-    key: (i16, i16, i16),
-    items: Vec<PtItem>,
+    key: Key,
+    items: Vec<u8>,
     steps: Vec<usize>,
 }
 
-fn key(data: &PtData) -> (i16, i16, i16) {
-    (data.core.get(), data.profile.get(), data.fifo.get())
+/// What data has in common that travels together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Key {
+    /// Of PT: core, axis, FIFO.
+    Pt([i16; 3]),
+    /// Lines in X and Y, or X, Y and Z: core, coordinate system, FIFO; synVel, synAcc and velEnd.
+    Lines { number: u16, of: [i16; 3], speeds: [u64; 3] },
 }
 
-/// A PtData that may travel with others: what an item cannot hold, or what may fail, goes alone.
-fn datum(action: &Action) -> Option<PtData> {
+/// Data that may travel with others, as an item: what an item cannot hold, or what may fail, goes alone.
+fn datum(action: &Action) -> Option<(Key, Vec<u8>)> {
     let Action::Call(call) = action else { return None };
-    let alone = call.opcode != PtData::OPCODE || call.may_fail;
-    let data = (!alone).then(|| PtData::read_from_bytes(&call.body).ok()).flatten()?;
-    u8::try_from(data.kind.get()).is_ok().then_some(data)
+    if call.may_fail {
+        return None;
+    }
+    let lines = |number, of: [i16; 3], speeds: [f64; 3]| Key::Lines { number, of, speeds: speeds.map(f64::to_bits) };
+    match call.opcode {
+        PtData::OPCODE => {
+            let data = PtData::read_from_bytes(&call.body).ok()?;
+            let kind = u8::try_from(data.kind.get()).ok()?;
+            let item = PtItem { pos: data.pos, time_ms: data.time_ms, kind };
+            Some((Key::Pt([data.core.get(), data.profile.get(), data.fifo.get()]), item.as_bytes().to_vec()))
+        }
+        LnXY::OPCODE => {
+            let line = LnXY::read_from_bytes(&call.body).ok()?;
+            let of = [line.core.get(), line.crd.get(), line.fifo.get()];
+            let key = lines(LnXYMany::OPCODE, of, [line.syn_vel.get(), line.syn_acc.get(), line.vel_end.get()]);
+            Some((key, PathXY { x: line.x, y: line.y }.as_bytes().to_vec()))
+        }
+        LnXYZ::OPCODE => {
+            let line = LnXYZ::read_from_bytes(&call.body).ok()?;
+            let of = [line.core.get(), line.crd.get(), line.fifo.get()];
+            let key = lines(LnXYZMany::OPCODE, of, [line.syn_vel.get(), line.syn_acc.get(), line.vel_end.get()]);
+            Some((key, PathXYZ { x: line.x, y: line.y, z: line.z }.as_bytes().to_vec()))
+        }
+        _ => None,
+    }
 }
 
-fn finish(entries: &mut Vec<Entry>, run: &mut Option<Run>) {
-    let Some(run) = run.take() else { return };
-    let (core, profile, fifo) = run.key;
-    if let ([item], [step]) = (&run.items[..], &run.steps[..]) {
-        let data = PtData {
-            core: core.into(),
-            profile: profile.into(),
-            pos: item.pos,
-            time_ms: item.time_ms,
-            kind: i16::from(item.kind).into(),
-            fifo: fifo.into(),
-        };
-        entries.push(Entry { call: Call::of(data), from: From::Step(*step) });
+fn finish(entries: &mut Vec<Entry>, run: &mut Option<Run>, job: &Job) {
+    let Some(Run { key, items, steps }) = run.take() else { return };
+    if let [step] = steps[..] {
+        if let Some(Action::Call(call)) = job.steps.get(step).map(|step| &step.action) {
+            let call = Call { opcode: call.opcode, payload: call.body.clone(), may_fail: false };
+            entries.push(Entry { call, from: From::Step(step) });
+        }
         return;
     }
-    let many = PtDataMany {
-        core: core.into(),
-        profile: profile.into(),
-        fifo: fifo.into(),
-        count: (run.items.len() as u16).into(),
+    let count = (steps.len() as u16).into();
+    let (opcode, mut payload) = match key {
+        Key::Pt(of) => {
+            let [core, profile, fifo] = of.map(Into::into);
+            (PtDataMany::OPCODE, PtDataMany { core, profile, fifo, count }.as_bytes().to_vec())
+        }
+        Key::Lines { number, of, speeds } => {
+            let [core, crd, fifo] = of.map(Into::into);
+            let [syn_vel, syn_acc, vel_end] = speeds.map(|bits| f64::from_bits(bits).into());
+            // Both heads are alike.
+            (number, LnXYMany { core, crd, fifo, count, syn_vel, syn_acc, vel_end }.as_bytes().to_vec())
+        }
     };
-    entries.push(Entry { call: Call::with_items(many, &run.items), from: From::Items(run.steps) });
+    payload.extend(items);
+    entries.push(Entry { call: Call { opcode, payload, may_fail: false }, from: From::Items(steps) });
 }
+
+const _: () = assert!(size_of::<LnXYMany>() == size_of::<LnXYZMany>());
 
 #[cfg(test)]
 mod tests {
@@ -290,6 +321,23 @@ mod tests {
         assert_eq!((single.pos.get(), single.time_ms.get(), single.kind.get()), (5.0, 6, 2));
         // A type that an item cannot hold is sent as it is, for the controller to refuse.
         assert_eq!(PtData::read_from_bytes(&found[4].call.payload).unwrap().kind.get(), 300);
+    }
+
+    #[test]
+    fn runs_of_lines_travel_together() {
+        let lines: String = (1..=60).map(|n| format!("GT_LnXY(1, {n}, 0, 50, 2, 0, 0);\n")).collect();
+        let other = "GT_LnXY(1, 9, 0, 60, 2, 0, 0);\nGT_LnXYZ(1, 1, 2, 3, 50, 2);\nGT_LnXYZ(1, 4, 5, 6, 50, 2);\n";
+        let found = of(&format!("{lines}{other}"));
+        let sizes: Vec<usize> =
+            found.iter().map(|entry| if let From::Items(steps) = &entry.from { steps.len() } else { 1 }).collect();
+        assert_eq!(sizes, [52, 8, 1, 2]);
+        assert_eq!(found[1].step(7), Some(59));
+        let (head, items) = LnXYMany::read_from_prefix(&found[0].call.payload).unwrap();
+        assert_eq!((head.count.get(), { head.syn_vel }.get(), items.len()), (52, 50.0, 52 * 8));
+        assert_eq!(found[2].call.opcode, LnXY::OPCODE);
+        let (head, items) = LnXYZMany::read_from_prefix(&found[3].call.payload).unwrap();
+        let item = PathXYZ::read_from_bytes(&items[12..]).unwrap();
+        assert_eq!((head.count.get(), item.x.get(), item.z.get()), (2, 4, 6));
     }
 
     #[test]

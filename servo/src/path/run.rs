@@ -336,11 +336,12 @@ impl Path {
     }
 
     /// Whether it cannot start: it runs, there is nothing to do, or a FIFO that was left is to go on from a place
-    /// where the path is not.
+    /// more than a pulse from where the path is: targets are whole pulses, so nobody can come back nearer.
     pub fn refuses_start(&self, fifo: u8, feed: Feed) -> bool {
         let cursor = self.cursor_of(fifo);
         let empty = !cursor.inside && cursor.left == 0 && cursor.next == end_of(feed, fifo);
-        self.runs() || empty || cursor.kept && cursor.place != self.here
+        let far = |(left, here): (&Pos, &Pos)| left.0.abs_diff(here.0) > 1 << Pos::FRAC_BITS;
+        self.runs() || empty || cursor.kept && cursor.place.iter().zip(&self.here).any(far)
     }
 
     /// Begins, or goes on, at `next`.

@@ -1,7 +1,7 @@
 #![no_std]
 #![no_main]
-//! Counts the instructions of PT streaming, from bytes of the host to segments in the ring, in QEMU with
-//! `-icount shift=6` or more.
+//! Counts the instructions of streaming, from bytes of the host to segments of PT in the ring, and to entries of a path
+//! in its store, in QEMU with `-icount shift=6` or more.
 //!
 //! Out, by semihosting: one line a message, `LANE feed SEGMENTS COUNT` for `Server::feed` of a whole
 //! frame and the `Server::poll` that takes it, and `LANE answer SEGMENTS COUNT` for the poll behind the
@@ -17,7 +17,10 @@ use cortex_m_semihosting::{debug, hprintln};
 use dispatcher::{Board, Channels, Server};
 use hal as _; // the vector table
 use probes::{AXES, PATHS, QUEUES, STORES, TABLE_STORES};
-use protocol::command::{PrfPt, ProgramStart, PtDataMany, PtItem, Request, SetPtMemory};
+use protocol::command::{
+    CrdClear, InitLookAhead, LnXY, LnXYMany, PathXY, PrfPt, ProgramStart, PtDataMany, PtItem, Request, SetCrdPrm,
+    SetPtMemory,
+};
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::record::{Lane, RequestWriter, replies};
 use servo::laser::Plan;
@@ -30,6 +33,9 @@ use zerocopy::IntoBytes;
 const MESSAGES: usize = 64;
 /// Segments of a message: as many as fit.
 const SEGMENTS: usize = 77;
+/// The same of lines, in one record and in records of their own.
+const LINES: usize = 122;
+const SINGLE: usize = 22;
 
 #[panic_handler]
 fn panicked(info: &PanicInfo<'_>) -> ! {
@@ -154,6 +160,76 @@ impl Bench {
         }
     }
 
+    /// Sends a message of records; returns what taking it takes.
+    fn post_lines(&mut self, lines: &[LnXY]) -> u32 {
+        let mut buffer = [0; protocol::MAX_PAYLOAD];
+        let mut writer = RequestWriter::new(&mut buffer);
+        for line in lines {
+            self.tag += 1;
+            let written = writer.push_raw(LnXY::OPCODE, Lane::Immediate, self.tag, &[line.as_bytes()]);
+            assert!(written.is_ok(), "a message holds them");
+        }
+        let len = writer.len();
+        assert!(self.client.send(buffer.get(..len).unwrap_or(&[])).is_ok(), "the window is open");
+        self.exchange()
+    }
+
+    /// Lines of coordinate system 1: by single calls, many to a record, and these through the look-ahead.
+    fn lines(&mut self) {
+        let mut profile = [0.into(); 8];
+        (profile[0], profile[1]) = (1.into(), 2.into());
+        let (core, crd, fifo) = (1.into(), 1.into(), 0.into());
+        self.done(SetCrdPrm {
+            core,
+            crd,
+            dimension: 2.into(),
+            profile,
+            syn_vel_max: 500.0.into(),
+            syn_acc_max: 10.0.into(),
+            ..SetCrdPrm::default()
+        });
+        let (syn_vel, syn_acc, vel_end) = (80.0.into(), 2.5.into(), 40.0.into());
+        // A way that turns a little with each line, as a planner gives it.
+        let place = |k: u32| ((k * 91).cast_signed(), (k * k % 1013).cast_signed());
+        for name in ["lnxy", "lines", "ahead"] {
+            if name == "ahead" {
+                let (time_ms, acc_max) = (5.0.into(), 2.0.into());
+                self.done(InitLookAhead { core, crd, fifo, time_ms, acc_max, count: 256.into() });
+            }
+            for message in 0..MESSAGES as u32 {
+                if message % 8 == 0 {
+                    self.done(CrdClear { core, crd, fifo });
+                }
+                let first = message % 8 * LINES as u32;
+                let line = |k: usize| {
+                    let (x, y) = place(first + k as u32 + 1);
+                    LnXY { core, crd, x: x.into(), y: y.into(), syn_vel, syn_acc, vel_end, fifo }
+                };
+                let (count, feed) = if name == "lnxy" {
+                    let mut lines = [LnXY::default(); SINGLE];
+                    lines.iter_mut().enumerate().for_each(|(k, place)| *place = line(k));
+                    (SINGLE, self.post_lines(&lines))
+                } else {
+                    let mut items = [PathXY::default(); LINES];
+                    for (k, item) in items.iter_mut().enumerate() {
+                        let LnXY { x, y, .. } = line(k);
+                        *item = PathXY { x, y };
+                    }
+                    let count = (LINES as u16).into();
+                    let many = LnXYMany { core, crd, fifo, count, syn_vel, syn_acc, vel_end };
+                    (LINES, self.post(Lane::Immediate, many, &items))
+                };
+                let answer = self.step();
+                hprintln!("{} feed {} {}", name, count, feed);
+                hprintln!("{} answer {} {}", name, count, answer);
+                while self.answered < self.tag {
+                    self.step();
+                    self.exchange();
+                }
+            }
+        }
+    }
+
     fn run(&mut self, name: &str, lane: Lane) {
         for axis in 1..=AXES as i16 {
             self.done(PrfPt { core: 1.into(), profile: axis.into(), mode: 1.into() });
@@ -230,6 +306,7 @@ fn main() -> ! {
         bench.step();
         bench.exchange();
     }
+    bench.lines();
     bench.run("immediate", Lane::Immediate);
     bench.run("program", Lane::Program);
     debug::exit(debug::EXIT_SUCCESS);
