@@ -431,7 +431,8 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     fn explain_crd(&self, view: &View<AXES>, crd: Crd) -> Refused {
         let (seen, book) = (&view.crds[crd.index()], self.now.crd(crd));
         let number = self.site.crd_number(crd);
-        let path = book.path(book.fifo);
+        let index = usize::from(book.fifo & 1);
+        let empty = seen.ends[index] == seen.released[index];
         let left = |axis: &Axis| view.axes.get(axis.index()).is_some_and(|axis| axis.mode != Mode::Crd);
         let reason = match seen.frame {
             None => Reason::CrdNotSet,
@@ -441,7 +442,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                     let refused = Refused::new(Reason::AxisLeftCrd).axis(self.site.number_of(axis));
                     return refused.got(number.into());
                 }
-                None if !path.data.open => Reason::CrdEmpty,
+                None if empty => Reason::CrdEmpty,
                 None => Reason::CrdElsewhere,
             },
         };

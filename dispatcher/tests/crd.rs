@@ -417,3 +417,41 @@ fn nothing_is_given_beside_a_program() {
     let tag = bench.post(Lane::Immediate, line(1, 1, 1.0, 1.0), &[]);
     assert_eq!(bench.wait(tag).code, 0);
 }
+
+/// The same in a program, which gives FIFO 1 its lines right behind the WaitStop: nothing is late.
+#[test]
+fn a_program_interrupts_and_returns() {
+    let mut bench = Bench::gus();
+    plane(&mut bench);
+    let wait = || entry(WaitStop { core: 1.into(), axes: 0.into(), crds: 1.into() });
+    let on_1 = |x, y| entry(LnXY { fifo: 1.into(), ..line(x, y, 50.0, 2.0) });
+    let read = |fifo: i16| entry(CrdStatus { core: 1.into(), crd: 1.into(), fifo: fifo.into() });
+    let requests = [
+        entry(line(10_000, 0, 50.0, 2.0)),
+        entry(line(10_000, 6000, 50.0, 2.0)),
+        entry(start_crd(1)),
+        entry(sleep(100)),
+        entry(Stop { core: 1.into(), mask: 0x100.into(), option: 0.into(), form: 1 }),
+        wait(),
+        on_1(4500, -3000),
+        on_1(4500, 0),
+        entry(CrdStart { option: 1.into(), ..start_crd(1) }),
+        wait(),
+        entry(start_crd(1)),
+        wait(),
+        read(0),
+        read(1),
+        entry(ProgramEnd {}),
+    ];
+    let tags = bench.post_all(&requests);
+    bench.done(ProgramStart { strict: 1 });
+    bench.wait(tags[14]);
+    for (index, tag) in tags.iter().enumerate() {
+        let answer = &bench.answers[tag];
+        assert_eq!(answer.code, 0, "entry {index}: {:?}", answer.reason());
+    }
+    let segment = |tag: u16| bench.answers[&tag].reply::<CrdStatus>().segment.get();
+    assert_eq!((segment(tags[12]), segment(tags[13])), (2, 2));
+    assert_eq!(bench.done(ProgramStatus {}).late.get(), 0);
+    assert_eq!(crd_pos(&mut bench), [10_000.0, 6000.0]);
+}
