@@ -96,7 +96,8 @@ fn clippy_chip() -> Outcome {
 fn emulated() -> (Count, Outcome) {
     match image::build() {
         Ok(image) => {
-            let words = ["test", "--package", "beamtick-host-tests", "--test", "emulated_board"];
+            let packages = ["--package", "beamtick-host-tests", "--package", "beamtick-gts"];
+            let words = ["test"].iter().chain(&packages).chain(&["--test", "emulated_board"]);
             tests(cargo().args(words).env("BEAMTICK_IMAGE", image))
         }
         Err(reason) => alone(Err(reason)),
