@@ -337,6 +337,57 @@ rtn = GT_BufLaserOn(1); rtn = GT_LnXY(1, 12000, 6000, 50, 2); rtn = GT_CrdStart(
 }
 
 #[test]
+fn a_table_of_many_points_arrives_whole() {
+    // 16 × 16 points a thousand pulses apart, the ratio 0.1·(i + j): three records. The path is the diagonal.
+    let list =
+        |values: &mut dyn Iterator<Item = f64>| values.map(|value| value.to_string()).collect::<Vec<_>>().join(",");
+    let lines = list(&mut (0..16).map(|i| f64::from(i) * 1000.0));
+    let ratios = list(&mut (0..256).map(|n| f64::from(n % 16 + n / 16) / 10.0));
+    let text = set_up("lsr")
+        + &format!(
+            "long pos[4] = {{0,0,0,0}}; double scale[4] = {{1000,1000,1,1}}; short axis[2] = {{1,2}}; short count[2] = {{16,16}};
+long x[16] = {{{lines}}}; long y[16] = {{{lines}}}; double ratio[256] = {{{ratios}}};
+rtn = GT_LaserPowerMode(0, 100, 0, 0, 0); rtn = GT_LaserOutFrq(10, 0);
+rtn = GT_SetLaserDisMode(1, 0, pos, scale, 0);
+rtn = GT_SetLaserDisTable2D(axis, count, ratio, x, y, 0, 100, NULL, 0);
+rtn = GT_BufLaserOn(1); rtn = GT_LnXY(1, 12000, 12000, 50, 2); rtn = GT_CrdStart(1, 0); WaitStop(1, 0, 1); Sleep(1);"
+        );
+    let length = 12_000f64.hypot(12_000.0);
+    let ran = run(&text, "lsr", 250).good();
+    for (t, power) in ran.column("laser0_power").into_iter().map(|(t, power)| (t - 0.25, power)) {
+        let u = 12.0 * way(length, t) / length;
+        if t >= 0.0 && t < length / 50.0 + 24.7 {
+            // Both axes have the ratio 0.2·u at the distance u.
+            let expected = (2.0 * u * 0.2 * u).min(100.0);
+            assert!((power - expected).abs() < 1e-4, "{t} ms: {power}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn what_is_held_of_a_follow_is_shown_at_its_line() {
+    let text = set_up("lsr")
+        + "double vel[2] = {0, 10}; double power[2] = {-5, 120};
+long pos[4] = {0,0,0,0}; double scale[4] = {0, 1000, 70000, 1};
+rtn = GT_SetLaserFollowTable(1, 2, vel, power, 0);
+rtn = GT_BufLaserFollowRatio(1, 0.1, -1, 150);
+rtn = GT_SetLaserDisMode(1, 0, pos, scale, 0);
+rtn = GT_LaserPrfCmd(5);";
+    let ran = run(&text, "lsr", 250).good();
+    for part in [
+        "GT_SetLaserFollowTable: 2 powers are out of range; their nearest bounds are taken",
+        "GT_BufLaserFollowRatio: max is out of range; 100 is taken, min is out of range; 0 is taken",
+        "GT_SetLaserDisMode: scale 1 is out of range; 1 is taken, scale 3 is out of range; 65536 is taken",
+    ] {
+        assert!(ran.errors.contains(part), "{part:?} is not in\n{}", ran.errors);
+    }
+    // The other family refuses the first of them.
+    let ran = run(&text.replace(SET_UP, &set_up("gus")), "gus", 250);
+    let text = "GT_SetLaserFollowTable returned 7: power is -5; it must be from 0 to 100";
+    assert!(ran.code != 0 && ran.errors.contains(text), "{}", ran.errors);
+}
+
+#[test]
 fn powers_come_from_a_table_over_the_speed() {
     // 5 % at rest, 20 % at 10, 80 % at 40 pulse/ms and above; held at 70.
     let text = set_up("gus")
