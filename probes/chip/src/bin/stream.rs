@@ -193,6 +193,8 @@ impl Bench {
         let place = |k: u32| ((k * 91).cast_signed(), (k * k % 1013).cast_signed());
         for name in ["lnxy", "lines", "ahead"] {
             if name == "ahead" {
+                // A look-ahead takes over an empty FIFO.
+                self.done(CrdClear { core, crd, fifo });
                 let (time_ms, acc_max) = (5.0.into(), 2.0.into());
                 self.done(InitLookAhead { core, crd, fifo, time_ms, acc_max, count: 256.into() });
             }
