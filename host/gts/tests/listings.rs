@@ -253,8 +253,8 @@ fn laser_listings_of_the_gus_manual() {
     along(&trace, 0, [50.0, 30.0], 1e-6);
     let trace = laser("gus-5", "gus", &part("\n同样以占空比控制方式为例，首先", "\n5 激光能量跟随距离功能")).unwrap();
     along(&trace, 0, [15.0, 15.0], 1e-3);
-    let trace = laser("gus-6", "gus", &between(&format!("{manual}\u{0}"), "\n以占空比控制方式为例，例程如下", "\u{0}"))
-        .unwrap();
+    let trace =
+        laser("gus-6", "gus", between(&format!("{manual}\u{0}"), "\n以占空比控制方式为例，例程如下", "\u{0}")).unwrap();
     along(&trace, 0, [12.5, 12.75], 0.01);
 }
 
