@@ -34,10 +34,10 @@ struct Row {
 /// Rows in the order of the table: what runs, then what the tick does.
 type Table = BTreeMap<(u32, &'static str), Row>;
 
-/// The lanes of `stream.rs`: what taking a full frame costs, divided by its segments.
-const LANES: [&str; 2] = ["immediate", "program"];
+/// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
+const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 46] = [
+const MARKS: [(&str, &str); 49] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -87,6 +87,9 @@ const MARKS: [(&str, &str); 46] = [
     ("crd-worst-inside", "the same, any other tick"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
+    ("lnxy", "host byte to store per line of a path, a call each"),
+    ("lines", "host byte to store per line of a path, batched"),
+    ("ahead", "host byte to store per line of a path, batched, through the look-ahead"),
 ];
 
 fn count() -> Outcome<Table> {

@@ -571,6 +571,20 @@ where
         let mut target = at.map(|place| place as i32);
         target.iter_mut().zip(to).for_each(|(target, to)| *target = to);
         let [x, y, ..] = target;
+        if filling.path.look.is_none() {
+            // Nobody asks for its directions.
+            let (vel, _, along) = admitted;
+            let entry = if N == 2 { Entry::planar([x, y], along) } else { Entry::line(target, along) };
+            let way = at.iter().zip(target).take(N).fold(0.0f32, |sum, (at, to)| {
+                let part = (f64::from(to) - at) as f32;
+                sum + part * part
+            });
+            queue.other(store, entry, f64::from(libm::sqrtf(way) / vel as f32));
+            (data.given, data.motions) = (data.given.wrapping_add(1), data.motions.wrapping_add(1));
+            at.iter_mut().zip(to).for_each(|(at, to)| *at = to.into());
+            (data.open, data.place, data.gears.0) = (true, at, 0);
+            continue;
+        }
         let figure = if N == 2 { Figure::planar(&at, [x, y]) } else { Figure::line(&at, target) };
         let Ok(figure) = figure else { return Err(Refused::new(Reason::NoLength).field(fields).item(index)) };
         filling.put_motion((queue, store), (&figure, false), admitted, &mut data);
