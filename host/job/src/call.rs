@@ -191,7 +191,9 @@ impl Reader<'_> {
             }
             "BufMove" | "BufGear" => {
                 let axis = numbers.get(1).map_or(0, |axis| *axis as i16);
-                self.axes.extend((axis > 0).then_some(Axis { core, axis }));
+                let moved = (axis > 0).then_some(Axis { core, axis });
+                self.named.extend(moved);
+                self.axes.extend(moved);
             }
             _ => {}
         }

@@ -529,3 +529,16 @@ fn a_diagnostic_shows_file_place_and_source() {
         assert!(shown.contains(part), "{part:?} is not in\n{shown}");
     }
 }
+
+#[test]
+fn what_a_path_moves_is_used() {
+    let job = good(
+        "TCrdPrm crd = {0}; crd.dimension = 2; crd.profile[1] = 1; crd.profile[4] = 2; crd.synVelMax = 1; crd.synAccMax = 1;\n\
+         GT_SetCrdPrm(2, &crd); GT_BufMove(2, 7, 100, 1, 1, 0); GT_BufGear(2, 3, 50); GT_CrdStart(2, 0);",
+    );
+    let axes: Vec<(i16, i16)> = job.axes.iter().map(|axis| (axis.core, axis.axis)).collect();
+    assert_eq!(axes, [(1, 2), (1, 3), (1, 5), (1, 7)], "mapped ones, a moved one and a geared one");
+    assert_eq!(job.crds, [job::Crd { core: 1, crd: 2 }]);
+    let named: Vec<i16> = job.named.iter().map(|axis| axis.axis).collect();
+    assert_eq!(named, [0, 2, 3, 5, 7], "the mask of CrdStart names no axes");
+}
