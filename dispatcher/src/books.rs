@@ -237,7 +237,7 @@ impl<const AXES: usize> Books<AXES> {
     pub fn unspoil(&self) -> Option<(Op, Change)> {
         for crd in Crd::all() {
             if let Some(fifo) = (0..2u8).find(|fifo| self.crd(crd).path(*fifo).spoiled) {
-                let change = CrdChange::Emptied { fifo };
+                let change = CrdChange::Emptied { fifo, here: None };
                 return Some((Op::CrdClear { crd, fifo }, Change::Crd { crd, change }));
             }
         }

@@ -21,6 +21,15 @@ pub struct Limits {
     pub corner: f64,
 }
 
+/// How a turn and a change of the speed share the acceleration of a coordinate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turn {
+    /// Their amounts are added, whichever way they point: the rule that the look-ahead states.
+    Adds,
+    /// They may cancel: nothing but the limits holds.
+    Cancels,
+}
+
 /// `a` times the acceleration and `z` times the square of the speed are at most `most`.
 #[derive(Debug, Clone, Copy)]
 struct Constraint {
@@ -55,7 +64,7 @@ fn greatest(constraints: &[Constraint]) -> f64 {
 }
 
 /// The speed at each point of the polyline, and the time, ms.
-pub fn plan(points: &[Point], limits: &Limits) -> (Vec<f64>, f64) {
+pub fn plan(points: &[Point], limits: &Limits, turns: Turn) -> (Vec<f64>, f64) {
     let way = |from: &Point, to: &Point| {
         let (x, y) = (to[0] - from[0], to[1] - from[1]);
         let length = x.hypot(y);
@@ -84,6 +93,10 @@ pub fn plan(points: &[Point], limits: &Limits) -> (Vec<f64>, f64) {
             let most = limits.axis_acc[axis];
             constraints.push(Constraint { a: mean, z: bend, most });
             constraints.push(Constraint { a: -mean, z: -bend, most });
+            if turns == Turn::Adds {
+                constraints.push(Constraint { a: -mean, z: bend, most });
+                constraints.push(Constraint { a: mean, z: -bend, most });
+            }
             if turn != 0.0 {
                 constraints.push(Constraint { a: 0.0, z: 1.0, most: (most * limits.corner / turn).powi(2) });
             }
@@ -125,10 +138,10 @@ mod tests {
     fn lines_and_circles() {
         let line: Vec<Point> = (0..=500).map(|x| [f64::from(x), 0.0]).collect();
         // 5 ms up, 45 ms, 5 ms down.
-        near(plan(&line, &FREE).1, 55.0, 1e-3);
+        near(plan(&line, &FREE, Turn::Adds).1, 55.0, 1e-3);
         // The axis allows less: 8 pulse/ms with 1 pulse/ms²: 8 ms up over 32, 436/8, 8 ms down.
         let slow = Limits { axis_speed: [8.0; 2], axis_acc: [1.0; 2], ..FREE };
-        near(plan(&line, &slow).1, 16.0 + 54.5, 1e-3);
+        near(plan(&line, &slow, Turn::Adds).1, 16.0 + 54.5, 1e-3);
         // Ten times round a circle of 1000 pulses: v² = 1000 where an axis turns by itself, less nowhere else.
         let circle: Vec<Point> = (0..=12_000)
             .map(|step| {
@@ -137,12 +150,14 @@ mod tests {
             })
             .collect();
         let round = Limits { speed: 1e3, acc: 1.0, axis_acc: [1.0; 2], ..FREE };
-        near(plan(&circle, &round).1, 20_000.0 * std::f64::consts::PI / 1000f64.sqrt(), 0.02);
+        for turns in [Turn::Adds, Turn::Cancels] {
+            near(plan(&circle, &round, turns).1, 20_000.0 * std::f64::consts::PI / 1000f64.sqrt(), 0.02);
+        }
         // A right angle: v·1 ≤ 2·0.5 in the corner, from which 5 ms and 0.5 ms less a ramp each.
         let corner = Limits { axis_acc: [2.0; 2], corner: 0.5, ..FREE };
         let mut angle = line.clone();
         angle.extend((1..=500).map(|y| [500.0, f64::from(y)]));
-        let (speeds, ms) = plan(&angle, &corner);
+        let (speeds, ms) = plan(&angle, &corner, Turn::Adds);
         near(speeds[500], 1.0, 1e-6);
         near(ms, 2.0 * (5.0 + 4.5 + (500.0 - 25.0 - 24.75) / 10.0), 2e-3);
     }

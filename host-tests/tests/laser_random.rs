@@ -4,6 +4,8 @@
 mod bench;
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
+#[path = "laser/dark.rs"]
+mod dark;
 #[path = "laser/player.rs"]
 mod player;
 #[path = "laser/random.rs"]
@@ -11,6 +13,7 @@ mod random;
 
 use bench::{Bench, Recorded};
 use chance::Chance;
+use dark::in_the_dark;
 use host_tests::laser_model::{Command, Edge, Exact, Family, Job, Mode, Ns, Outcome, level_at, outcome};
 use random::{Setup, job, jobs, table};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -42,7 +45,7 @@ fn difference(model: &Outcome, tick: &Recorded, horizon: Ns, wild: bool) -> Resu
         return Err(format!("the boards' output stage makes {:?} of {:?}", tick.stage, tick.outputs));
     }
     first("switch", &model.switch, &tick.outputs.switch)?;
-    in_the_dark(model, &tick.outputs.energy, horizon)?;
+    in_the_dark(model, &tick.outputs.energy, horizon, 0)?;
     // What is dithered is only near the model's exact numbers: see `a_dithered_mark_is_as_near_as_it_must_be`.
     if !wild {
         first("energy", &model.energy, &tick.outputs.energy)?;
@@ -66,42 +69,6 @@ fn difference(model: &Outcome, tick: &Recorded, horizon: Ns, wild: bool) -> Resu
         let theirs = (view.commanded, view.gate, view.switch, view.light, view.on_time);
         if mine != theirs {
             return Err(format!("view at {at} (command, gate, switch, light, on-time): {mine:?}, the tick {theirs:?}"));
-        }
-    }
-    Ok(())
-}
-
-/// Outside light, with dither too: no pulse but those of standby, and the last one is over when it must be.
-fn in_the_dark(model: &Outcome, energy: &[Edge<bool>], horizon: Ns) -> Result<(), String> {
-    let pulses: Vec<(Ns, Ns)> =
-        energy.chunks(2).map(|edges| (edges[0].0, edges.get(1).map_or(horizon, |edge| edge.0))).collect();
-    for dark in &model.dark {
-        let (from, to) = (dark.span.begin, dark.span.end);
-        // What docs/laser.md promises of dither: a count, 1 ppm of a period and 0.001 % of duty.
-        let (mut period, mut width) = ((0, Ns::MAX), (0, 0));
-        if let Some(train) = dark.standby {
-            let (p, w) = (train.period.to_integer() as Ns, train.width.to_integer() as Ns);
-            // Pulses without a gap between them are one.
-            width =
-                if w + 2 + p / 100_000 >= p { (0, Ns::MAX / 4) } else { (w - 1 - p / 100_000, w + 2 + p / 100_000) };
-            // Pulses of less than a count are left out.
-            period = (p - 1 - p / 1_000_000, if width.0 > 0 && width.1 < p { p + 2 + p / 1_000_000 } else { Ns::MAX });
-        }
-        let first = pulses.partition_point(|&(_, end)| end <= from);
-        let mut before: Option<Ns> = None;
-        for &(begin, end) in pulses[first..].iter().take_while(|&&(begin, _)| begin < to) {
-            let good = if begin < from {
-                end.min(to) <= from + dark.left + width.1
-            } else {
-                let apart = before.replace(begin).is_none_or(|last| (period.0..=period.1).contains(&(begin - last)));
-                dark.standby.is_some()
-                    && apart
-                    && end.min(to) - begin <= width.1
-                    && (end >= to || end - begin >= width.0)
-            };
-            if !good {
-                return Err(format!("energy from {begin} to {end} in {dark:?}"));
-            }
         }
     }
     Ok(())

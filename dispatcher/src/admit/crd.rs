@@ -137,7 +137,9 @@ pub fn clear<const AXES: usize>(case: &mut Case<AXES>, r: &CrdClear) -> Admitted
     let crd = known(case, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
     case.crd_at_rest(crd)?;
-    case.stage_with(Op::CrdClear { crd, fifo }, Change::Crd { crd, change: CrdChange::Emptied { fifo } });
+    // Nothing moves by it.
+    let here = case.crd_book(crd).place_at_rest(case.view, case.crd_seen(crd));
+    case.stage_with(Op::CrdClear { crd, fifo }, Change::Crd { crd, change: CrdChange::Emptied { fifo, here } });
     Ok(Answer::Done)
 }
 

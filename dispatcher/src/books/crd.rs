@@ -2,7 +2,7 @@
 use super::executed;
 use crate::figure::Place;
 use protocol::command::CrdPrm;
-use servo::path::DIMENSIONS;
+use servo::path::{DIMENSIONS, Rest};
 use servo::units::{Axis, AxisMask, Pos};
 use servo::view::{CrdView, View};
 
@@ -202,6 +202,11 @@ impl CrdBook {
         if data.open {
             return Some(data.place);
         }
+        self.place_at_rest(view, seen)
+    }
+
+    /// Where the coordinate system rests for what follows, if that is known.
+    pub fn place_at_rest<const AXES: usize>(&self, view: &View<AXES>, seen: &CrdView) -> Option<Place> {
         let known = !self.is_busy(view, seen) && self.last.is_none_or(|seq| executed(view, seq));
         self.here.or_else(|| known.then(|| place_of(&seen.place)))
     }
@@ -224,7 +229,8 @@ impl CrdBook {
         }
         match *change {
             CrdChange::Frame { frame, here } => self.renew(Some(frame), here, seq),
-            CrdChange::Emptied { fifo } => {
+            CrdChange::Emptied { fifo, here } => {
+                self.here = here;
                 let path = self.path_mut(fifo);
                 let (cleared, look) = (path.cleared.wrapping_add(1), path.look);
                 *path = PathBook { cleared, look, emptied: Some(seq), last: Some(seq), ..PathBook::default() };
@@ -277,14 +283,17 @@ impl CrdBook {
             return;
         }
         (self.here, self.last) = (None, None);
-        for ((path, cleared), released) in self.fifos.iter_mut().zip(seen.cleared).zip(seen.released) {
+        for (((path, cleared), released), fifo) in self.fifos.iter_mut().zip(seen.cleared).zip(seen.released).zip(0u8..)
+        {
             path.emptied = path.emptied.filter(|&seq| !executed(view, seq));
             if path.cleared != cleared {
                 // The tick has cleared it otherwise, or has not done what it was told.
                 let look = path.look;
                 *path = PathBook { cleared, look, ..PathBook::default() };
             } else if !path.loose {
-                path.data.open = path.data.given != released;
+                // A wait that a Stop has broken off is over for the tick, but not for the path.
+                let waits = seen.rest == Rest::Stopped && seen.fifo == fifo && path.data.given != 0;
+                path.data.open = path.data.given != released || waits;
             }
         }
     }
@@ -295,8 +304,8 @@ impl CrdBook {
 pub enum CrdChange {
     /// SetCrdPrm; where it is, if that is known.
     Frame { frame: Frame, here: Option<Place> },
-    /// A FIFO is emptied.
-    Emptied { fifo: u8 },
+    /// A FIFO is emptied; where it is, if that is known.
+    Emptied { fifo: u8, here: Option<Place> },
     /// What a FIFO was given, if it was cleared so many times.
     Data { fifo: u8, cleared: u32, data: PathData },
     /// Look-ahead of a FIFO.

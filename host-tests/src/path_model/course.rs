@@ -77,9 +77,26 @@ impl Course {
         self.pieces[..after].last().filter(|piece| at < piece.begin + piece.ms)
     }
 
+    /// Whether it runs: from a start to its rest.
+    pub fn runs(&self, at: f64) -> bool {
+        let last = |instants: &mut dyn Iterator<Item = f64>| instants.filter(|instant| *instant <= at).last();
+        let start = last(&mut self.starts.iter().map(|start| start.0));
+        let rest = last(&mut self.rests.iter().map(|rest| rest.at));
+        start.is_some_and(|start| rest.is_none_or(|rest| rest < start))
+    }
+
     /// Path speed, pulse/ms.
     pub fn speed(&self, at: f64) -> f64 {
         self.piece(at).map_or(0.0, |piece| (piece.speed + piece.acc * (at - piece.begin)).max(0.0))
+    }
+
+    /// Pulses along the path up to an instant.
+    pub fn way(&self, at: f64) -> f64 {
+        let begun = self.pieces.iter().take_while(|piece| piece.begin < at);
+        begun.fold(0.0, |sum, piece| {
+            let t = (at - piece.begin).min(piece.ms);
+            sum + piece.speed * t + piece.acc * t * t / 2.0
+        })
     }
 
     /// Where it is, if it has ever moved.
@@ -149,7 +166,8 @@ impl Run<'_> {
 
     /// Until an instant, or until it rests.
     fn run(&mut self, until: f64) {
-        while self.runs {
+        // What comes from outside at an instant acts before what the path reaches there.
+        while self.runs && self.now < until {
             match self.entries.get(self.entry) {
                 None => {
                     let why = if self.speed > 0.0 { Why::Underrun } else { Why::Done };

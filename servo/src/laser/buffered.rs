@@ -55,6 +55,11 @@ fn power(low: u32, high: u32) -> Power {
 }
 
 impl Buffered {
+    /// Whether it begins a velocity follow.
+    pub(super) fn begins_follow(self) -> bool {
+        matches!(self, Buffered::FollowRatio { .. } | Buffered::PrfFollow { .. } | Buffered::FollowTable { .. })
+    }
+
     /// As an entry of a path carries it: its code and its words (`path::Entry::laser`).
     pub fn pack(self) -> (u8, [u32; LASER_WORDS]) {
         let long = |first: u64, bounds: Bounds| {

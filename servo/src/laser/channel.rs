@@ -148,8 +148,10 @@ impl Channel {
                 self.energy.fine = *fine;
             }
             Change::Direct { power, fine } => {
+                let followed = self.law.follows().is_some();
                 self.law.set_direct(*power);
                 self.energy.fine = *fine;
+                self.see_follow_end(followed);
             }
             Change::Carrier { carrier, fine } => (self.energy.carrier, self.energy.fine) = (Some(*carrier), *fine),
             Change::PulseWidth { us } => self.energy.width = Some(*us),
@@ -233,7 +235,12 @@ impl Channel {
             }
             Event::Change(crd, change) => {
                 self.news |= news::CHANGED;
+                let followed = self.law.follows().is_some();
                 self.law.change(crd, &change);
+                if followed && change.begins_follow() {
+                    self.whose.forget();
+                }
+                self.see_follow_end(followed);
             }
             Event::Rest(crd, goes_on) => {
                 if self.is_mapped(crd) && self.whose.rest(crd, goes_on) {
@@ -271,8 +278,17 @@ impl Channel {
 
     /// Ends a follow that one of these began.
     pub(super) fn end_follow(&mut self, crds: CrdMask) {
+        let followed = self.law.follows().is_some();
         self.law.end_follow(crds);
         self.news |= news::CHANGED;
+        self.see_follow_end(followed);
+    }
+
+    /// Where there was a follow that has ended: light that rest keeps dark counts as switched off.
+    fn see_follow_end(&mut self, followed: bool) {
+        if followed && self.law.follows().is_none() {
+            self.whose.forget();
+        }
     }
 
     /// Which coordinate systems have an alarm now.

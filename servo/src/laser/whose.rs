@@ -3,11 +3,11 @@
 //! In: on and off commands and who gave them, starts and rests of paths. Out: gate commands that follow from them.
 //! Owns: who gave the last on command, and whose light waits for its path to go on. Cannot fail.
 //!
-//! | state | on by x | off | path k rests by Stop | rests otherwise | k goes on | k begins anew |
-//! | --- | --- | --- | --- | --- | --- | --- |
-//! | off | x's | off | – | – | – | – |
-//! | x's | x's | off | k's: off, kept for k | k's: off | – | – |
-//! | kept for k | x's | forgotten | – | k: forgotten | on, k's | forgotten |
+//! | state | on by x | off | path k rests by Stop | rests otherwise | k goes on | k begins anew | a follow ends |
+//! | --- | --- | --- | --- | --- | --- | --- | --- |
+//! | off | x's | off | – | – | – | – | – |
+//! | x's | x's | off | k's: off, kept for k | k's: off | – | – | – |
+//! | kept for k | x's | forgotten | – | k: forgotten | on, k's | forgotten | forgotten |
 use crate::units::Crd;
 
 /// Who lit, and for whom light is kept.
@@ -30,6 +30,11 @@ impl Whose {
     /// An on command of a path that finds the channel dark: it counts if the path may go on after a Stop of it.
     pub(super) fn command_unseen(&mut self, on: bool, by: Crd) {
         self.kept = Some(by).filter(|_| on);
+    }
+
+    /// A follow ended or another one took its place: light that is kept stays dark.
+    pub(super) fn forget(&mut self) {
+        self.kept = None;
     }
 
     /// A path comes to rest; `goes_on`: by a Stop. Whether its light goes off.

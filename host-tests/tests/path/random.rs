@@ -1,0 +1,200 @@
+//! Random paths, as calls and as the model takes them.
+#![allow(dead_code, reason = "each test file takes what it needs")]
+use super::chance::Chance;
+use host_tests::path_model::figure::Place;
+use host_tests::path_model::{Command, Course, Entry, Figure, Frame, Plane, Rates, course};
+use std::fmt::Write;
+
+/// What an entry that takes no time does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Effect {
+    /// BufLaserOn, BufLaserOff of channel 0.
+    Gate(bool),
+    /// BufLaserPrfCmd of channel 0, in mV: the channel is in analog mode.
+    Power(u32),
+    /// BufIO of general output 1.
+    Output(bool),
+}
+
+/// A path.
+#[derive(Debug, Clone)]
+pub struct Random {
+    pub frame: Frame,
+    pub dimensions: usize,
+    pub entries: Vec<Entry>,
+    pub effects: Vec<Effect>,
+    /// The calls of its entries.
+    pub text: String,
+    /// Where it ends.
+    pub end: Place,
+}
+
+/// The number as a script may write it.
+fn real(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// The way that a motion takes of the speed scale, ms.
+const MS: (f64, f64) = (0.02, 4.0);
+
+/// Speeds about this.
+struct Scale {
+    speed: f64,
+    acc: f64,
+}
+
+fn rates(chance: &mut Chance, scale: &Scale) -> Rates {
+    let speed = scale.speed * (0.3 + 1.2 * chance.unit());
+    let end = if chance.below(3) == 0 { 0.0 } else { scale.speed * 1.3 * chance.unit() };
+    Rates { speed, acc: scale.acc * (0.5 + 1.5 * chance.unit()), end }
+}
+
+fn tail(rates: &Rates) -> String {
+    format!("{},{},{},0", real(rates.speed), real(rates.acc), real(rates.end))
+}
+
+/// The calls of a coordinate system over axes 1 to 4 with its origin at 0.
+pub fn set_up(frame: &Frame, dimensions: usize) -> String {
+    let mut text = format!("crd.dimension = {dimensions};\n");
+    for axis in 0..4 {
+        writeln!(text, "crd.profile[{axis}] = {};", if axis < dimensions { axis + 1 } else { 0 }).unwrap();
+    }
+    writeln!(text, "crd.synVelMax = {};\ncrd.synAccMax = {};", real(frame.speed), real(frame.acc)).unwrap();
+    writeln!(text, "crd.evenTime = {};\ncrd.setOriginFlag = 1;\nGT_SetCrdPrm(1,&crd);", frame.even_ms).unwrap();
+    text
+}
+
+fn line(chance: &mut Chance, from: &mut Place, dimensions: usize, length: f64, scale: &Scale) -> (Entry, String) {
+    let begin = *from;
+    while *from == begin {
+        let way: [f64; 4] = std::array::from_fn(|_| chance.unit() - 0.5);
+        let norm = way[..dimensions].iter().map(|x| x * x).sum::<f64>().sqrt();
+        for axis in 0..dimensions {
+            // Often along an axis.
+            let part = if chance.below(6) == 0 { 0.0 } else { way[axis] / norm };
+            from[axis] = begin[axis] + (part * length.max(2.0)).round();
+        }
+    }
+    let rates = rates(chance, scale);
+    let name = ["XY", "XYZ", "XYZA"][dimensions - 2];
+    let to: String = from[..dimensions].iter().map(|x| format!("{x},")).collect();
+    (Entry::Motion(Figure::line(begin, *from), rates), format!("GT_Ln{name}(1,{to}{});\n", tail(&rates)))
+}
+
+fn arc(chance: &mut Chance, from: &mut Place, dimensions: usize, length: f64, scale: &Scale) -> (Entry, String) {
+    let planes = [(Plane::XY, "XY"), (Plane::YZ, "YZ"), (Plane::ZX, "ZX")];
+    let (plane, name) = planes[if dimensions == 2 { 0 } else { chance.below(3) as usize }];
+    let (first, second) = plane.axes();
+    let begin = *from;
+    let ccw = chance.below(2) == 0;
+    let sweep = chance.log(0.05, 6.2);
+    let radius = (length / sweep).max(4.0);
+    let turn = chance.unit() * std::f64::consts::TAU;
+    let rates = rates(chance, scale);
+    let direction = u8::from(ccw);
+    // From the start to the centre.
+    let arm = (radius * turn.cos(), radius * turn.sin());
+    let kind = chance.below(4);
+    if kind == 0 {
+        let figure = Figure::arc_by_centre(begin, plane, (begin[first], begin[second]), arm, ccw).unwrap();
+        let centre = format!("{},{}", real(arm.0), real(arm.1));
+        let text =
+            format!("GT_Arc{name}C(1,{},{},{centre},{direction},{});\n", begin[first], begin[second], tail(&rates));
+        return (Entry::Motion(figure, rates), text);
+    }
+    let (sin, cos) = (if ccw { sweep } else { -sweep }).sin_cos();
+    let back = (-arm.0 * cos + arm.1 * sin, -arm.0 * sin - arm.1 * cos);
+    let to = ((begin[first] + arm.0 + back.0).round(), (begin[second] + arm.1 + back.1).round());
+    if to == (begin[first], begin[second]) {
+        return line(chance, from, dimensions, length, scale);
+    }
+    (from[first], from[second]) = to;
+    let half = (to.0 - begin[first]).hypot(to.1 - begin[second]) / 2.0;
+    let reach = radius.max(half * 1.000_001);
+    let radius = if sweep > std::f64::consts::PI { -reach } else { reach };
+    if kind == 1 {
+        let figure = Figure::arc_by_radius(begin, plane, to, radius, ccw).unwrap();
+        let text = format!("GT_Arc{name}R(1,{},{},{},{direction},{});\n", to.0, to.1, real(radius), tail(&rates));
+        return (Entry::Motion(figure, rates), text);
+    }
+    // The rounded target moves the centre along the chord; so much that the path leaves the arc is refused.
+    let chord = (to.0 - begin[first], to.1 - begin[second]);
+    let off = half - (arm.0 * chord.0 + arm.1 * chord.1) / (2.0 * half);
+    if off.abs() > 0.7 {
+        *from = begin;
+        return line(chance, from, dimensions, length, scale);
+    }
+    let figure = Figure::arc_by_centre(begin, plane, to, arm, ccw).unwrap();
+    let centre = format!("{},{}", real(arm.0), real(arm.1));
+    let text = format!("GT_Arc{name}C(1,{},{},{centre},{direction},{});\n", to.0, to.1, tail(&rates));
+    (Entry::Motion(figure, rates), text)
+}
+
+fn effect(chance: &mut Chance) -> (Effect, String) {
+    match chance.below(8) {
+        0..3 => (Effect::Gate(true), "GT_BufLaserOn(1,0,0);\n".into()),
+        3..5 => (Effect::Gate(false), "GT_BufLaserOff(1,0,0);\n".into()),
+        5..7 => {
+            let mv = chance.below(9) as u32 * 1000 + 500;
+            (Effect::Power(mv), format!("GT_BufLaserPrfCmd(1,{},0,0);\n", real(f64::from(mv) / 1000.0)))
+        }
+        _ => {
+            let on = chance.below(2) == 0;
+            (Effect::Output(on), format!("GT_BufIO(1,12,1,{},0);\n", u8::from(on)))
+        }
+    }
+}
+
+/// Up to so many entries from a place on.
+pub fn random(chance: &mut Chance, from: Place, most: u64) -> Random {
+    let speed = chance.log(0.5, 200.0);
+    let scale = Scale { speed, acc: speed / chance.log(0.3, 15.0) };
+    let frame = Frame {
+        speed: speed * (0.8 + chance.unit()),
+        acc: scale.acc * (0.8 + 1.5 * chance.unit()),
+        even_ms: if chance.below(4) == 0 { 1.0 + chance.below(3) as f64 } else { 0.0 },
+    };
+    let dimensions = 2 + chance.below(3) as usize;
+    let mut made =
+        Random { frame, dimensions, entries: Vec::new(), effects: Vec::new(), text: String::new(), end: from };
+    // At most 6 effects may fall into a ms.
+    let often = chance.below(5);
+    for _ in 0..1 + chance.below(most) {
+        if chance.below(5) < often {
+            let (effect, text) = effect(chance);
+            made.entries.push(Entry::Effect(made.effects.len()));
+            made.effects.push(effect);
+            made.text += &text;
+        }
+        let length = scale.speed * chance.log(MS.0, MS.1);
+        let (entry, text) = match chance.below(12) {
+            0 => {
+                let ms = 1 + chance.below(3) as u16;
+                (Entry::Delay(ms), format!("GT_BufDelay(1,{ms},0);\n"))
+            }
+            1..5 => arc(chance, &mut made.end, dimensions, length, &scale),
+            _ => line(chance, &mut made.end, dimensions, length, &scale),
+        };
+        made.entries.push(entry);
+        made.text += &text;
+    }
+    made
+}
+
+/// Whether no more effects than a tick runs fall into any ms from the start on, and no more motions end in it than this.
+pub fn fits(course: &Course, start: f64, motions: usize) -> bool {
+    let fits = |instants: Vec<f64>, most: usize| {
+        let mut counts = std::collections::HashMap::new();
+        instants.iter().all(|at| {
+            let count = counts.entry((at - start + 1e-9).floor() as i64).or_insert(0);
+            *count += 1;
+            *count <= most
+        })
+    };
+    fits(course.effects.iter().map(|(at, _)| *at).collect(), 6) && fits(course.ends.clone(), motions)
+}
+
+/// The course of a path that is started at 0 and left alone.
+pub fn undisturbed(path: &Random) -> Course {
+    course(&path.frame, &path.entries, &[(0.0, Command::Start)], 1e9)
+}
