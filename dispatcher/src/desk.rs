@@ -264,9 +264,11 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         true
     }
 
-    /// Follows the tick: what it has executed, where axes came to rest, streams that ended.
-    pub fn follow(&mut self, view: &View<AXES>) {
+    /// Follows the tick: what it has executed of both lanes, where axes came to rest, streams that ended.
+    pub fn follow(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
         self.lane.retire(view, &mut self.now);
+        // What the view shows of it would else look as if the tick had done it by itself.
+        program.retire(view, &mut self.now);
         for ((now, ahead), seen) in self.now.axes.iter_mut().zip(&mut self.ahead.axes).zip(&view.axes) {
             now.follow(view, seen);
             ahead.follow(view, seen);

@@ -177,7 +177,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 Event::Stopped { .. } | Event::CrdStopped { .. } => {}
             }
         }
-        self.desk.follow(view);
+        self.desk.follow(&mut self.program, view);
         if self.link.session() != self.session {
             self.session = self.link.session();
             if self.session.is_some() {

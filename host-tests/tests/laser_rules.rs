@@ -90,7 +90,9 @@ fn the_tick_holds_every_rule() {
 fn the_tests_that_the_page_names_are_there() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut sources = String::new();
-    for folder in ["host-tests/tests", "host-tests/tests/path", "servo/tests", "dispatcher/tests"] {
+    for folder in
+        ["host-tests/tests", "host-tests/tests/path", "host/beamtick/tests", "servo/tests", "dispatcher/tests"]
+    {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|extension| extension == "rs") {
@@ -106,7 +108,8 @@ fn the_tests_that_the_page_names_are_there() {
     assert!(names.len() > 50, "{}", names.len());
     for name in names {
         let is_test = sources.contains(&format!("fn {name}(")) || sources.contains(&format!("name: \"{name}\""));
-        assert!(rules.contains(&name) || is_test, "{name}");
+        let is_example = root.join(format!("examples/{name}.gts")).exists();
+        assert!(rules.contains(&name) || is_test || is_example, "{name}");
     }
     for rule in rules {
         assert!(page.contains(&format!("`{rule}`")), "the page does not name {rule}");

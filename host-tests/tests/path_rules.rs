@@ -120,7 +120,7 @@ fn an_underrun_is_dark_and_latched_on_every_mapped_channel() {
     let rule = Rule {
         name: "underrun",
         family: Family::Gus,
-        body: "GT_SetHSIOOpt(1,1);GT_BufLaserOn(1);GT_LnXY(1,100,0,10,1,10);GT_LnXY(1,101,0,10,1,10);GO Sleep(20);short c;GT_GetLaserFault(0,&c);GT_GetLaserFault(1,&c);GT_BufLaserOn(1);GT_LnXY(1,200,0,10,2);Sleep(5);GT_CrdStart(1);Sleep(35);GT_ClrLaserFault(0);GT_BufLaserOn(1);GT_LnXY(1,300,0,10,2);Sleep(5);GT_CrdStart(1);Sleep(1);GT_GetLaserFault(0,&c);GT_GetLaserFault(1,&c);",
+        body: "GT_SetAxisMode(8,1);GT_SetHSIOOpt(1,1);GT_BufLaserOn(1);GT_LnXY(1,100,0,10,1,10);GT_LnXY(1,101,0,10,1,10);GO Sleep(20);short c;GT_GetLaserFault(0,&c);GT_GetLaserFault(1,&c);GT_BufLaserOn(1);GT_LnXY(1,200,0,10,2);Sleep(5);GT_CrdStart(1);Sleep(35);GT_ClrLaserFault(0);GT_BufLaserOn(1);GT_LnXY(1,300,0,10,2);Sleep(5);GT_CrdStart(1);Sleep(1);GT_GetLaserFault(0,&c);GT_GetLaserFault(1,&c);",
         light: &[],
         places: &[],
         power: &[],
@@ -153,7 +153,7 @@ fn status_is_that_of_the_path() {
     let rule = Rule {
         name: "status",
         family: Family::Gus,
-        body: "short r;long n;double p[8];long m;long st;GT_CrdSpace(1,&n);GT_BufDelay(1,1);GT_LnXY(1,500,0,10,2);GT_BufLaserOff(1);GT_LnXY(1,500,500,10,2);GT_CrdSpace(1,&n);GT_CrdStatus(1,&r,&n);GO Sleep(1);GT_CrdStatus(1,&r,&n);GT_GetPrfMode(1,&m);GT_GetSts(1,&st);Sleep(60);GT_CrdStatus(1,&r,&n);GT_GetRemainderSegNum(1,&n);GT_GetCrdPos(1,p);GT_GetCrdVel(1,p);Sleep(60);GT_CrdStatus(1,&r,&n);GT_GetRemainderSegNum(1,&n);GT_GetSts(1,&st);GT_CrdSpace(1,&n);GT_CrdClear(1,0);GT_CrdStatus(1,&r,&n);",
+        body: "short r;long n;double p[8];long m;long st;GT_CrdSpace(1,&n);GT_BufDelay(1,1);GT_LnXY(1,500,0,10,2);GT_BufLaserOff(1);GT_LnXY(1,500,500,10,2);GT_CrdSpace(1,&n);GT_CrdStatus(1,&r,&n);GO Sleep(1);GT_CrdStatus(1,&r,&n);GT_GetPrfMode(1,&m);GT_GetSts(1,&st);Sleep(60);GT_CrdStatus(1,&r,&n);GT_GetRemainderSegNum(1,&n);GT_GetCrdPos(1,p);GT_GetCrdVel(1,p);Sleep(60);GT_CrdStatus(1,&r,&n);GT_GetRemainderSegNum(1,&n);GT_GetSts(1,&st);GT_CrdSpace(1,&n);Sleep(5);GT_CrdClear(1,0);GT_CrdStatus(1,&r,&n);",
         light: &[],
         places: &[],
         power: &[],

@@ -17,7 +17,7 @@ mod end;
 mod intake;
 
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
-use crate::books::{Change, PROGRAM_FLAG, executed};
+use crate::books::{Books, Change, PROGRAM_FLAG, executed};
 use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
 use crate::case::Answer;
 use crate::desk::Desk;
@@ -277,6 +277,11 @@ impl<'a> Program<'a> {
         out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
     }
 
+    /// Enters into `now` what the tick has executed.
+    pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Books<AXES>) {
+        self.lane.retire(view, now);
+    }
+
     /// Everything the queue can do now. True if something was done.
     pub fn advance<const AXES: usize>(
         &mut self,
@@ -284,7 +289,6 @@ impl<'a> Program<'a> {
         view: &View<AXES>,
         out: &mut ReplyWriter,
     ) -> bool {
-        self.lane.retire(view, &mut desk.now);
         self.urgent = false;
         if self.runs(view) {
             self.clock = view.now.0.saturating_sub(view.script_zero.0);
