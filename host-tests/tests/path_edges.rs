@@ -1,5 +1,5 @@
 //! Edges at the boundaries of segments, through the whole machine: random paths against the model, at ticks of 10 µs,
-//! 250 µs and 1 ms. `PATHS` sets how many.
+//! 250 µs and 1 ms. `PATHS` sets how many, `PATH_TICKS` another list of ticks in µs.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 #[path = "path/machine.rs"]
@@ -160,14 +160,19 @@ fn check(machine: &Machine, number: u64) -> (f64, usize) {
 #[test]
 fn edges_at_boundaries_are_where_the_model_has_them() {
     let paths: u64 = std::env::var("PATHS").map_or(600, |text| text.parse().expect("a number"));
+    let ticks: Vec<Ns> = std::env::var("PATH_TICKS")
+        .unwrap_or("10,250,1000".into())
+        .split(',')
+        .map(|us| us.parse::<Ns>().expect("a number of µs") * 1000)
+        .collect();
     let groups = paths.div_ceil(GROUP);
     let next = AtomicU64::new(0);
     let found = std::sync::Mutex::new((0.0f64, 0));
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
-                let ticks = [10_000, 250_000, 1_000_000];
-                let machines = [Family::Gus, Family::Lsr].map(|family| ticks.map(|tick| Machine::new(family, tick)));
+                let machine = |family: Family| ticks.iter().map(|tick| Machine::new(family, *tick)).collect::<Vec<_>>();
+                let machines = [Family::Gus, Family::Lsr].map(machine);
                 loop {
                     let number = next.fetch_add(1, Relaxed);
                     if number >= groups {
@@ -183,6 +188,6 @@ fn edges_at_boundaries_are_where_the_model_has_them() {
         }
     });
     let (worst, edges) = *found.lock().unwrap();
-    println!("{} paths at 3 ticks: {edges} edges, at most {worst:.3} ns off", groups * GROUP);
+    println!("{} paths at ticks of {ticks:?} ns: {edges} edges, at most {worst:.3} ns off", groups * GROUP);
     assert!(edges as u64 > paths * 10);
 }
