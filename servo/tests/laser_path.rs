@@ -264,13 +264,24 @@ fn whose_light_goes_off_and_comes_back() {
     // Another mode withdraws the command.
     let mode = |bench: &mut Bench| bench.mode(Mode::Frequency, 100.0, 0.0, true);
     assert_eq!(case(&nothing, &mode), (false, false));
-    // Ending a follow lights nothing by itself; it does not forbid that the light comes back.
+    // Ending what is no follow changes nothing.
     let ending = |bench: &mut Bench| {
         bench.op(Op::FollowEnd { crds: CrdMask(1) });
         bench.tick();
         assert!(!bench.view().lasers[0].light);
     };
     assert_eq!(case(&nothing, &ending), (false, true));
+    // Ending a follow lights nothing, and what rest kept dark is off.
+    let mut bench = ready(250);
+    bench.path(0, &[follow(1.0, 1.0, 50.0), light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
+    bench.start(1);
+    bench.until(20 * MS);
+    bench.stop(1, false);
+    bench.until(40 * MS);
+    ending(&mut bench);
+    bench.start(1);
+    bench.until(50 * MS);
+    assert!(bench.view().crds[0].runs && !bench.view().lasers[0].light);
     // A fault while it rests: it stays off.
     let fault = |bench: &mut Bench| {
         bench.machine.interlock = true;
@@ -530,6 +541,9 @@ fn light_comes_back_after_a_lost_link() {
         bench.view().lasers[0].light
     };
     assert!(lost(&[light(true), line([1000, 0], 10.0, 1.0, 0.0)]));
+    let far = line([1000, 0], 10.0, 1.0, 0.0);
+    // So does another follow, which begins on the way: the light is not kept by rest.
+    assert!(lost(&[follow(1.0, 1.0, 50.0), light(true), line([170, 0], 10.0, 1.0, 10.0), follow(2.0, 1.0, 50.0), far]));
     // Not if the path goes on before the fault is cleared.
     let mut bench = ready(250);
     bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
@@ -550,7 +564,6 @@ fn light_comes_back_after_a_lost_link() {
     bench.until_ms(80);
     assert!(bench.view().crds[0].runs && !bench.view().lasers[0].light);
     // Braking, it passes entries that count for what comes back: off within 25 ms, and on again.
-    let far = line([1000, 0], 10.0, 1.0, 0.0);
     assert!(!lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), far]));
     assert!(lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), light(true), far]));
 }

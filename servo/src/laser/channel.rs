@@ -151,7 +151,7 @@ impl Channel {
                 let followed = self.law.follows().is_some();
                 self.law.set_direct(*power);
                 self.energy.fine = *fine;
-                self.see_follow_end(followed);
+                self.see_follow_end(followed, None);
             }
             Change::Carrier { carrier, fine } => (self.energy.carrier, self.energy.fine) = (Some(*carrier), *fine),
             Change::PulseWidth { us } => self.energy.width = Some(*us),
@@ -238,9 +238,9 @@ impl Channel {
                 let followed = self.law.follows().is_some();
                 self.law.change(crd, &change);
                 if followed && change.begins_follow() {
-                    self.whose.forget();
+                    self.whose.forget(Some(crd));
                 }
-                self.see_follow_end(followed);
+                self.see_follow_end(followed, Some(crd));
             }
             Event::Rest(crd, goes_on) => {
                 if self.is_mapped(crd) && self.whose.rest(crd, goes_on) {
@@ -281,13 +281,13 @@ impl Channel {
         let followed = self.law.follows().is_some();
         self.law.end_follow(crds);
         self.news |= news::CHANGED;
-        self.see_follow_end(followed);
+        self.see_follow_end(followed, None);
     }
 
-    /// Where there was a follow that has ended: light that rest keeps dark counts as switched off.
-    fn see_follow_end(&mut self, followed: bool) {
+    /// Where there was a follow that has ended, perhaps by an entry: light that rest keeps dark counts as switched off.
+    fn see_follow_end(&mut self, followed: bool, by: Option<Crd>) {
         if followed && self.law.follows().is_none() {
-            self.whose.forget();
+            self.whose.forget(by);
         }
     }
 

@@ -33,8 +33,10 @@ impl Whose {
     }
 
     /// A follow ended or another one took its place: light that is kept stays dark.
-    pub(super) fn forget(&mut self) {
-        self.kept = None;
+    ///
+    /// Not where an entry of that very path did so (`by`): it runs, and what keeps its light dark is no rest.
+    pub(super) fn forget(&mut self, by: Option<Crd>) {
+        self.kept = self.kept.filter(|kept| by == Some(*kept));
     }
 
     /// A path comes to rest; `goes_on`: by a Stop. Whether its light goes off.
