@@ -69,7 +69,6 @@ impl Tx {
         write(self.0, DATA, u32::from(byte));
         true
     }
-
 }
 
 impl Rx {
