@@ -215,7 +215,7 @@ wire_structs! {
     /// Whether a coordinate system runs, and the path segments of a FIFO completed since it was cleared.
     CrdStatusReply { run: I16, segment: I32 }
     /// One coordinate system in one tick: whether it runs; the FIFO in force; how it came to rest last (0 never moved,
-    /// 1 its entries ran out, 2 they ran out at speed, 3 stopped: it can go on), and the reason of its axes' stop
+    /// 1 its entries ran out, 2 they ran out at speed, 3 stopped, 4 before a place that an axis must not go to: it can go on), and the reason of its axes' stop
     /// (AxisItem); the axis of each coordinate, 0 none; coordinates in pulses, speed in pulse/ms; of each FIFO segments
     /// completed, segments left and free places.
     CrdState {
