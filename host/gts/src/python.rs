@@ -64,7 +64,8 @@ pub fn table() -> String {
                 .iter()
                 .map(|argument| {
                     let default = match argument.default {
-                        None if argument.optional => "\"NULL\"".to_owned(),
+                        None if argument.optional && argument.is_address() => "\"NULL\"".to_owned(),
+                        None if argument.optional => "\"NOT GIVEN\"".to_owned(),
                         None => "None".to_owned(),
                         Some(_) if argument.is_address() => "\"NULL\"".to_owned(),
                         Some(_) if told == Some(argument.name) => "\"NOT GIVEN\"".to_owned(),

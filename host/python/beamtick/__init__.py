@@ -62,12 +62,45 @@ def _library():
 _lib = _library()
 
 
-def _fields(members):
-    return [(name, _NUMBERS[kind] * count if count > 1 else _NUMBERS[kind]) for name, kind, count in members]
+def _array_type(kind, count):
+    """An array of a struct, whose elements are checked as arguments are."""
+
+    def set_element(self, place, value):
+        if kind != "double":
+            numbers = value if isinstance(place, slice) else [value]
+            checked = [_whole(None, f"element {place}", kind, number) for number in numbers]
+            value = checked if isinstance(place, slice) else checked[0]
+        ctypes.Array.__setitem__(self, place, value)
+
+    return type("Array", (ctypes.Array,), {"_type_": _NUMBERS[kind], "_length_": count, "__setitem__": set_element})
+
+
+def _struct_type(name, members):
+    """A struct of gts.h. A member that is set is checked as an argument is; one that is an array takes a sequence."""
+    kinds = {member: (kind, count) for member, kind, count in members}
+
+    def set_member(self, member, value):
+        kind, count = kinds.get(member, (None, 0))
+        if kind is None:
+            raise TypeError(f"{name} has no {member}")
+        if count > 1 and isinstance(value, (list, tuple)):
+            if len(value) > count:
+                raise GtsError(name, 7, f"{name}: {member} has {len(value)} values; it takes {count}")
+            if kind != "double":
+                value = [_whole(name, member, kind, element) for element in value]
+            value = (type(getattr(self, member)))(*value)
+        elif count == 1 and kind != "double":
+            value = _whole(name, member, kind, value)
+        ctypes.Structure.__setattr__(self, member, value)
+
+    fields = [(member, _array_type(kind, count) if count > 1 else _NUMBERS[kind]) for member, kind, count in members]
+    return type(
+        name, (ctypes.Structure,), {"_fields_": fields, "__doc__": f"{name} of gts.h.", "__setattr__": set_member}
+    )
 
 
 for _name, _members in table.STRUCTS.items():
-    globals()[_name] = type(_name, (ctypes.Structure,), {"_fields_": _fields(_members), "__doc__": f"{_name} of gts.h."})
+    globals()[_name] = _struct_type(_name, _members)
 globals().update(table.CONSTANTS)
 
 
@@ -82,7 +115,8 @@ def _whole(function, name, kind, value):
     number = int(value)
     if number != value or _NUMBERS[kind](number).value != number:
         bits = 8 * ctypes.sizeof(_NUMBERS[kind])
-        raise GtsError(function, 7, f"{function}: {name} is {value}; it does not fit a {kind} of {bits} bits")
+        where = f"{function}: {name}" if function else name
+        raise GtsError(function, 7, f"{where} is {value}; it does not fit a {kind} of {bits} bits")
     return number
 
 
@@ -107,21 +141,14 @@ def _array(function, name, kind, values, given):
     return (_NUMBERS[of] * len(values))(*values)
 
 
-def _struct(function, name, of, value):
+def _struct(function, of, value):
     made = globals()[of]
     if isinstance(value, made):
         return value
-    struct = made()
-    for member, given in dict(value).items():
-        if not hasattr(struct, member):
-            raise TypeError(f"{function}: {of} has no {member}")
-        if isinstance(given, (list, tuple)):
-            array = getattr(struct, member)
-            for place, element in enumerate(given):
-                array[place] = element
-        else:
-            setattr(struct, member, given)
-    return struct
+    try:
+        return made(**value)
+    except GtsError as error:
+        raise GtsError(function, error.code, f"{function}: {error.reason}") from None
 
 
 def _function(symbol, about, parameters):
@@ -163,7 +190,7 @@ def _function(symbol, about, parameters):
                 passed.append(ctypes.byref(struct))
             elif kind.startswith("struct "):
                 value = given[name]
-                passed.append(None if value is None else ctypes.byref(_struct(symbol, name, kind[7:], value)))
+                passed.append(None if value is None else ctypes.byref(_struct(symbol, kind[7:], value)))
             elif kind.startswith("out "):
                 of, _, words = kind[4:].partition("[")
                 if words:

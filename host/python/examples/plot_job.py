@@ -34,11 +34,14 @@ print(f"{gts.GT_GetPrfPos(AXIS)} pulses after {times[-1]} ms, at most {max(veloc
 gts.GT_AxisOff(AXIS)
 gts.GT_Close()
 
-# %% Plot it
+# %% Plot it: in a window, or with `--save FILE` into a picture
+saved = pathlib.Path(sys.argv[sys.argv.index("--save") + 1]) if "--save" in sys.argv else None
 try:
     import matplotlib
-
-    if "--no-show" in sys.argv:
+except ImportError:
+    print("matplotlib is not here: nothing is plotted")
+else:
+    if saved:
         matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
@@ -48,9 +51,7 @@ try:
     below.plot(times, velocities)
     below.set_ylabel("velocity / (pulse/ms)")
     below.set_xlabel("time / ms")
-    if "--no-show" in sys.argv:
-        figure.savefig(os.devnull, format="png")
+    if saved:
+        figure.savefig(saved, format="png")
     else:
         plt.show()
-except ImportError:
-    print("matplotlib is not here: nothing is plotted")

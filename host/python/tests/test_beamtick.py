@@ -1,9 +1,11 @@
 """Tests of the Python package: `python3 -m unittest` in host/python, with BEAMTICK_LINK=virtual:max."""
 
+import importlib.util
 import os
 import pathlib
 import subprocess
 import sys
+import tempfile
 import unittest
 
 os.environ["BEAMTICK_LINK"] = "virtual:max"
@@ -41,6 +43,46 @@ class Controller(unittest.TestCase):
         self.assertEqual(gts.GT_GetCrdPos(1)[:2], [0.0, 0.0])
         with self.assertRaises(TypeError):
             gts.GT_SetJogPrm(1, {"speed": 1})
+
+    def test_struct_members_are_not_cut(self):
+        gts.GT_PrfTrap(2)
+        trap = gts.TTrapPrm(acc=1, dec=2, smoothTime=5)
+        crd = gts.TCrdPrm(dimension=2)
+        for number in (65541, -32769, 1.5):
+            for call in (
+                lambda number=number: gts.GT_SetTrapPrm(2, {"acc": 1, "dec": 2, "smoothTime": number}),
+                lambda number=number: gts.TTrapPrm(smoothTime=number),
+                lambda number=number: setattr(trap, "smoothTime", number),
+                lambda number=number: gts.TCrdPrm(profile=[1, number]),
+                lambda number=number: crd.profile.__setitem__(1, number),
+                lambda number=number: crd.profile.__setitem__(slice(0, 2), [1, number]),
+            ):
+                with self.assertRaises(gts.GtsError) as caught:
+                    call()
+                self.assertEqual(caught.exception.code, 7)
+                self.assertIn(f" is {number}; it does not fit a short", caught.exception.reason)
+        self.assertEqual((trap.smoothTime, list(crd.profile)), (5, [0] * 8))
+        with self.assertRaises(gts.GtsError):
+            crd.profile = [1] * 9
+        with self.assertRaises(TypeError):
+            trap.speed = 1
+        crd.profile[0] = 3
+        crd.originPos = (1, 2)
+        self.assertEqual((crd.profile[0], list(crd.originPos)[:3]), (3, [1, 2, 0]))
+
+    def test_ratios_without_bounds(self):
+        gts.GT_SetLaserDisMode(1, 0, [0, 0, 0, 0], [1000, 1000, 1000, 1000])
+        ratio = [0.1, 0, 0, 0]
+        for call in (
+            lambda: gts.GT_SetLaserDisRatio(ratio),
+            lambda: gts.GT_SetLaserDisRatio(ratio, channel=0),
+            lambda: gts.GT_SetLaserDisRatio(ratio, 0, 100),
+            lambda: gts.GTN_SetLaserDisRatio(1, ratio),
+        ):
+            self.assertIsNone(call())
+        with self.assertRaises(gts.GtsError) as caught:
+            gts.GT_SetLaserDisRatio(ratio, channel=9)
+        self.assertIn("channel is 9", caught.exception.reason)
 
     def test_a_failure_has_code_and_reason(self):
         with self.assertRaises(gts.GtsError) as caught:
@@ -90,13 +132,20 @@ class Package(unittest.TestCase):
 
     def test_the_example(self):
         example = pathlib.Path(__file__).resolve().parents[1] / "examples" / "plot_job.py"
-        done = subprocess.run([sys.executable, str(example), "--no-show"], capture_output=True, text=True, timeout=120)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("4096.0 pulses", done.stdout)
-        try:
-            import matplotlib  # noqa: F401
-        except ImportError:
-            self.assertIn("matplotlib is not here", done.stdout)
+        with tempfile.TemporaryDirectory() as folder:
+            picture = pathlib.Path(folder) / "job.png"
+            done = subprocess.run(
+                [sys.executable, str(example), "--save", str(picture)], capture_output=True, text=True, timeout=120
+            )
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("4096.0 pulses", done.stdout)
+            if importlib.util.find_spec("matplotlib") is None:
+                self.assertIn("matplotlib is not here", done.stdout)
+                self.assertFalse(picture.exists())
+                self.skipTest("there is no matplotlib: no plot is drawn")
+            self.assertNotIn("matplotlib is not here", done.stdout)
+            self.assertEqual(picture.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+            self.assertGreater(picture.stat().st_size, 5000)
 
 
 if __name__ == "__main__":
