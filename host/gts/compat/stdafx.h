@@ -11,7 +11,8 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-short GT_GetLastReason(char *text, short size);
+/* The reason of the calling thread's last failure, whichever card it was on. */
+void beamtick_last_reason(char *text, short size);
 #ifdef __cplusplus
 }
 #endif
@@ -21,7 +22,7 @@ static inline void commandhandler(const char *command, short error)
 {
     if (error != 0) {
         char reason[512] = "";
-        GT_GetLastReason(reason, (short)sizeof reason);
+        beamtick_last_reason(reason, (short)sizeof reason);
         fprintf(stderr, "%s = %d: %s\n", command, error, reason);
     }
 }
