@@ -157,6 +157,8 @@ pub struct Card {
     stream: Stream,
     recorder: Option<Arc<Mutex<Recorder>>>,
     keeper: Option<Keeper>,
+    /// Close has been called: nobody drives the time any more.
+    closed: Arc<AtomicBool>,
     /// Something was set in motion.
     pub started: bool,
     /// Keys of `compat`.
@@ -202,10 +204,13 @@ impl Card {
             time => Some(Keeper::start(opening.slot, Arc::clone(&client), time.clone())),
         };
         let keys = crate::compat::Keys::read(client.now());
-        Ok(Card { client, time, stream: Stream::new(settings.batches), recorder, keeper, started: false, keys })
+        let stream = Stream::new(settings.batches);
+        let closed = Arc::default();
+        Ok(Card { client, time, stream, recorder, keeper, closed, started: false, keys })
     }
 
     fn close(mut self) -> Result<()> {
+        self.closed.store(true, Ordering::Relaxed);
         drop(self.keeper.take());
         let flushed = self.flush();
         let recorded = match self.recorder.take() {
@@ -231,6 +236,11 @@ impl Card {
     /// The client, for what needs no order among calls.
     pub fn client(&self) -> (Arc<Client>, Time) {
         (Arc::clone(&self.client), self.time.clone())
+    }
+
+    /// Whether it has been closed; told to those who wait meanwhile.
+    pub fn closed(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.closed)
     }
 
     /// Sends the calls of one function in one go, behind what is queued; the first refusal is the function's.

@@ -9,6 +9,7 @@ use crate::card::{Card, Time};
 use crate::engine::any_card;
 use std::collections::VecDeque;
 use std::ffi::{c_int, c_ulong};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 /// Times at which keys are pressed.
@@ -32,7 +33,8 @@ impl Keys {
 
 /// Waits for so many milliseconds of the open controller's time; of the wall clock's, if none is open.
 ///
-/// With `virtual:max` time passes here and in calls only, exactly as long as asked.
+/// With `virtual:max` time passes here and in calls only, exactly as long as asked. When another thread closes the
+/// controller meanwhile, the rest lasts as long on the wall clock as it would have lasted with the controller.
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_sleep(milliseconds: c_ulong) {
     #[allow(clippy::useless_conversion)] // It has 32 bits on Windows.
@@ -42,13 +44,14 @@ pub extern "system" fn beamtick_sleep(milliseconds: c_ulong) {
         let card = state.card("Sleep").ok()?;
         // The data of a loop that ends here is to be there.
         card.flush_later();
-        Some(card.client())
+        let (client, time) = card.client();
+        Some((client, time, card.closed()))
     });
     match open {
-        Some((client, Time::Calls)) => {
+        Some((client, Time::Calls, _)) => {
             let _ = client.sleep(time);
         }
-        Some((client, Time::Paced(pace))) => {
+        Some((client, Time::Paced(pace), closed)) => {
             let end = pace.due(client.now().as_nanos() as u64) + time.as_nanos() as u64;
             loop {
                 let left = end.saturating_sub(pace.due(client.now().as_nanos() as u64));
@@ -56,6 +59,10 @@ pub extern "system" fn beamtick_sleep(milliseconds: c_ulong) {
                     return;
                 }
                 std::thread::sleep(pace.wall(left));
+                // Its time stands still then, and never comes to the end.
+                if closed.load(Ordering::Relaxed) {
+                    return;
+                }
             }
         }
         _ => std::thread::sleep(time),

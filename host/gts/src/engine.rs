@@ -11,18 +11,21 @@ use crate::reason;
 use crate::request::{self, Number, fields, put, size};
 use client::{Call, Error, Result};
 use job::api::{Pass, Shape, Size, Type};
-use protocol::command::{CommandInfo, opcode};
-use protocol::reason::Reason;
+use protocol::command::{CommandInfo, ConfigItem, LoadConfig, opcode};
+use protocol::reason::{Reason, describe_opcode};
+use servo::laser::NODES;
 use std::ffi::{CStr, c_char, c_short, c_void};
 
 /// Bytes of items in a message.
 const ITEM_BYTES: usize = 960;
+/// Axes of a configuration in a message, with place for one more.
+const CONFIG_ITEMS: usize = ITEM_BYTES / size_of::<ConfigItem>() - 1;
 /// Points of a PVT table (GXN chapter 4).
-const POINTS: (i64, i64) = (2, 1024);
+const POINTS: (i64, i64) = (2, servo::pvt::PLACES as i64);
+/// Points of a laser's table; lines of its plane in each direction.
+const LINES: (i64, i64) = (1, servo::laser::POINTS as i64);
 /// Values of SetDac and axes of PtStartPro.
 const VALUES: (i64, i64) = (1, 32);
-/// No array is longer in one direction.
-const MOST: i64 = 1024;
 /// What stands for a parameter that was left out (`GT_NOT_GIVEN` of the header).
 const NOT_GIVEN: f64 = f64::MIN;
 
@@ -70,42 +73,47 @@ impl Prepared {
         self.prototype.function.reads
     }
 
-    fn wrong_count(&self, got: i64, (low, high): (i64, i64)) -> Error {
-        reason::wrong(self.name(), "count", Reason::OutOfRange, got as f64, low as f64, high as f64)
+    fn within(&self, got: i64, (low, high): (i64, i64)) -> Result<usize> {
+        match usize::try_from(got) {
+            Ok(count) if (low..=high).contains(&got) => Ok(count),
+            _ => Err(reason::wrong(self.name(), "count", Reason::OutOfRange, got as f64, low as f64, high as f64)),
+        }
     }
 
-    /// How many values an array holds. A count that no controller takes is refused there, before anything is read.
+    /// How many values an array holds. A count that no controller takes is refused here, before anything is read.
     fn array_length(&self, args: &[Arg], lasts: Size, values: &[Given]) -> Result<usize> {
-        let count = match self.count.and_then(|count| args.get(count)) {
-            Some(Arg::Int(count)) => *count,
-            _ => 1,
+        let bounds = self.bounds();
+        let count = || match self.count.and_then(|count| args.get(count)) {
+            Some(Arg::Int(count)) => self.within(*count, bounds),
+            _ => self.within(1, bounds),
         };
         let nth = |n: usize| {
             let counts = values.iter().find(|(name, _)| *name == "count");
             match counts.and_then(|(_, counts)| counts.get(n)) {
-                Some(Arg::Int(count @ 0..=MOST)) => *count as usize,
-                _ => 0,
+                Some(Arg::Int(count)) => self.within(*count, bounds),
+                _ => self.within(0, bounds),
             }
         };
-        let within = usize::try_from(count).ok().filter(|count| *count <= MOST as usize).unwrap_or(0);
         match lasts {
-            Size::Count => match self.bounds() {
-                Some(bounds) if !(bounds.0..=bounds.1).contains(&count) => Err(self.wrong_count(count, bounds)),
-                _ => Ok(within),
+            Size::Count => count(),
+            Size::Each(times) => Ok(count()? * times),
+            Size::Columns => nth(0),
+            Size::Rows => nth(1),
+            Size::Grid => match nth(0)? * nth(1)? {
+                nodes @ 0..=NODES => Ok(nodes),
+                more => Err(reason::wrong(self.name(), "count", Reason::TooMany, more as f64, 1.0, NODES as f64)),
             },
-            Size::Each(times) => Ok(within * times),
-            Size::Columns => Ok(nth(0)),
-            Size::Rows => Ok(nth(1)),
-            Size::Grid => Ok(nth(0) * nth(1)),
         }
     }
 
-    /// The range of `count` where it is known here.
-    fn bounds(&self) -> Option<(i64, i64)> {
+    /// The range of `count` of a function that reads arrays.
+    fn bounds(&self) -> (i64, i64) {
         match self.name() {
-            "SetDac" | "PtStartPro" => Some(VALUES),
-            name if name.starts_with("Pvt") => Some(POINTS),
-            _ => None,
+            "SetDac" | "PtStartPro" => VALUES,
+            "SetLaserFollowTable" | "SetLaserDisTable1D" | "SetLaserDisTable2D" => LINES,
+            name if name.starts_with("Pvt") => POINTS,
+            // One that is not known here reads nothing; a test looks at all.
+            _ => (0, 0),
         }
     }
 
@@ -331,8 +339,13 @@ fn masks(function: &str, lists: &[Given]) -> Result<Vec<Given>> {
     for (axis, fifo) in axes.iter().zip(options) {
         match (axis, fifo) {
             (Arg::Int(axis @ 1..=32), Arg::Int(fifo @ 0..=1)) => {
-                mask |= 1 << (axis - 1);
-                option |= (*fifo as u32) << (axis - 1);
+                let (bit, fifo) = (1 << (axis - 1), (*fifo as u32) << (axis - 1));
+                if mask & bit != 0 && option & bit != fifo {
+                    let reason = format!("{function}: axis {axis} is listed twice, with different FIFOs");
+                    return Err(Error::new(7, reason));
+                }
+                mask |= bit;
+                option |= fifo;
             }
             (Arg::Int(axis), Arg::Int(0..=1)) => {
                 return Err(reason::wrong(function, "axis", Reason::OutOfRange, *axis as f64, 1.0, 32.0));
@@ -500,15 +513,61 @@ unsafe fn load_config(card: &mut Card, core: c_short, args: &[Arg]) -> Result<Op
     let bytes = bytes.map_err(|error| Error::new(7, format!("LoadConfig: {path} cannot be read: {error}")))?;
     let found = job::config::read(&path, &String::from_utf8_lossy(&bytes))
         .map_err(|error| Error::new(7, format!("LoadConfig: {error}")))?;
-    for items in found.items.chunks(ITEM_BYTES / size_of::<protocol::command::ConfigItem>()) {
-        let request = protocol::command::LoadConfig { core: core.into(), count: (items.len() as u16).into() };
-        card.send(false, &[Call::with_items(request, items)])?;
+    let parts = found.items.chunks(CONFIG_ITEMS);
+    if parts.len() > 1 {
+        // A message is refused whole, a file of several would not be. A last item that every controller refuses has
+        // the others looked at and nothing done.
+        for (part, items) in parts.clone().enumerate() {
+            let Err(error) = configure(card, core, &[items, &[ConfigItem::default()]].concat()) else {
+                return Err(Error::new(client::error::LINK_PROTOCOL, "LoadConfig: the controller took an axis 0"));
+            };
+            if error.refusal.is_none_or(|refusal| usize::from(refusal.item.get()) != items.len()) {
+                return Err(of_file(error, &path, &found.items, part * CONFIG_ITEMS));
+            }
+        }
+    }
+    for (part, items) in parts.enumerate() {
+        configure(card, core, items).map_err(|error| of_file(error, &path, &found.items, part * CONFIG_ITEMS))?;
     }
     card.passed(false)?;
     Ok((!found.warnings.is_empty()).then(|| format!("LoadConfig: {}", found.warnings.join("; "))))
 }
 
+fn configure(card: &mut Card, core: c_short, items: &[ConfigItem]) -> Result<()> {
+    let request = LoadConfig { core: core.into(), count: (items.len() as u16).into() };
+    card.send(false, &[Call::with_items(request, items)]).map(drop)
+}
+
+/// A refusal of an item, counted and named as in the whole file; `before` items went before its message.
+fn of_file(mut error: Error, path: &str, items: &[ConfigItem], before: usize) -> Error {
+    if let Some(refusal) = &mut error.refusal
+        && let Some(item) = items.get(before + usize::from(refusal.item.get()))
+    {
+        refusal.item = ((before as u16) + refusal.item.get()).into();
+        error.reason = format!("{}: axis {} in {path}", describe_opcode(opcode::LoadConfig, *refusal), item.axis);
+    }
+    error
+}
+
 /// The card that a compat function is for: the single one, else the first that is open.
 pub fn any_card() -> Option<Slot> {
     card::all().find(|slot| slot.lock().is_open())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_function_that_reads_arrays_has_a_range_of_counts() {
+        let mut seen = 0;
+        for prototype in prototype::all(Form::Gtn) {
+            if prototype.arguments.iter().any(|argument| matches!(argument.kind, Kind::Array(..))) {
+                let prepared = Prepared::new(prototype.function.name, Form::Gtn);
+                assert!(prepared.bounds().1 > 0, "{}", prepared.name());
+                seen += 1;
+            }
+        }
+        assert!(seen >= 10, "{seen}");
+    }
 }

@@ -2,7 +2,10 @@
 #include "gts.h"
 #include "check.h"
 #include <atomic>
+#include <chrono>
+#include <conio.h>
 #include <thread>
+#include <windows.h>
 
 static std::atomic<int> wrong(0);
 
@@ -24,6 +27,43 @@ static void stream(short axis)
     for (int n = 1; n <= 500; n++) {
         wrong += GT_PtData(axis, n, n) != 0;
     }
+}
+
+// What waits in the controller's time gets to its end though the controller is closed, and opened again, meanwhile.
+static void close_while(const char *what, void (*wait)())
+{
+    using namespace std::chrono;
+    DONE(GT_Open());
+    std::atomic<bool> over(false);
+    std::thread waiting([&] {
+        wait();
+        over = true;
+    });
+    std::this_thread::sleep_for(milliseconds(50));
+    DONE(GT_Close());
+    DONE(GT_Open());
+    std::this_thread::sleep_for(milliseconds(50));
+    DONE(GT_Close());
+    auto end = steady_clock::now() + seconds(10);
+    while (!over && steady_clock::now() < end) {
+        std::this_thread::sleep_for(milliseconds(1));
+    }
+    if (!over) {
+        printf("%s does not return\n", what);
+        fflush(stdout);
+        _Exit(1);
+    }
+    waiting.join();
+}
+
+static void sleep_long()
+{
+    Sleep(2000);
+}
+
+static void wait_for_a_key()
+{
+    beamtick_getch();
 }
 
 int main()
@@ -64,5 +104,8 @@ int main()
     fifth.join();
     TRUE(wrong == 0);
     DONE(GT_Close());
+    close_while("Sleep", sleep_long);
+    setenv("BEAMTICK_KEYS", "2000", 1);
+    close_while("getch", wait_for_a_key);
     return verdict();
 }

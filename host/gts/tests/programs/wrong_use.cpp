@@ -2,6 +2,34 @@
 #include "gts.h"
 #include "check.h"
 #include <math.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+// 32 values that end where no memory is: what reads on behind them dies.
+static void *last_values(size_t size)
+{
+    size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    char *pages = (char *)mmap(NULL, 2 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (pages == MAP_FAILED || mprotect(pages + page, page, PROT_NONE) != 0) {
+        abort();
+    }
+    return pages + page - 32 * size;
+}
+
+// A configuration of so many axes, the last with a deceleration of its own; taken or refused as a whole.
+static short load(int axes, const char *last)
+{
+    char name[] = "/tmp/beamtick-XXXXXX";
+    FILE *file = fdopen(mkstemp(name), "w");
+    for (int axis = 1; axis <= axes; axis++) {
+        fprintf(file, "[profile%d]\ndecSmoothStop=%s\n[control%d]\nerrorLimit=%d\n", axis, axis < axes ? "3" : last, axis,
+            1000 + axis);
+    }
+    fclose(file);
+    short code = GTN_LoadConfig(1, name);
+    unlink(name);
+    return code;
+}
 
 int main()
 {
@@ -78,6 +106,28 @@ int main()
     REFUSED(7, "count", GTN_GetAdc(1, 1, value, 1000));
     REFUSED(7, "count", GTN_GetDac(1, 1, shorts, 0));
 
+    // The same with arrays that are no longer than what is taken at most.
+    {
+        double *reals = (double *)last_values(sizeof(double));
+        long *longs = (long *)last_values(sizeof(long));
+        short *words = (short *)last_values(sizeof(short));
+        short plane[2] = {1, 2}, wide[2] = {1000, 2}, high[2] = {2, 1000}, big[2] = {32, 32}, none[2] = {0, 2};
+        REFUSED(7, "count is 1000; it must be from 1 to 32", GTN_SetDac(1, 1, words, 1000));
+        REFUSED(7, "count is 33; it must be from 1 to 32", GTN_PtStartPro(1, words, words, 33));
+        REFUSED(7, "count is 1025; it must be from 2 to 1024", GTN_PvtTable(1, 1, 1025, reals, reals, reals));
+        REFUSED(7, "count is 1000; it must be from 1 to 32", GT_SetLaserFollowTable(1, 1000, reals, reals));
+        REFUSED(7, "count is 33; it must be from 1 to 32", GT_SetLaserFollowTable(1, 33, reals, reals));
+        REFUSED(7, "count is 0; it must be from 1 to 32", GT_SetLaserFollowTable(1, 0, reals, reals));
+        REFUSED(7, "count is 1000; it must be from 1 to 32", GT_SetLaserDisTable1D(1000, reals, longs, 0, 100));
+        REFUSED(7, "count is -1; it must be from 1 to 32", GT_SetLaserDisTable1D(-1, reals, longs, 0, 100));
+        REFUSED(7, "count is 1000; it must be from 1 to 32",
+            GT_SetLaserDisTable2D(plane, wide, reals, longs, longs, 0, 100));
+        REFUSED(7, "count is 1000; it must be from 1 to 32",
+            GT_SetLaserDisTable2D(plane, high, reals, longs, longs, 0, 100));
+        REFUSED(7, "count is 0; it must be from 1 to 32", GT_SetLaserDisTable2D(plane, none, reals, longs, longs, 0, 100));
+        REFUSED(7, "256", GT_SetLaserDisTable2D(plane, big, reals, longs, longs, 0, 100));
+    }
+
     // Numbers that name nothing, and numbers that are none.
     REFUSED(7, "core is 3", GTN_AxisOn(3, 1));
     REFUSED(7, "core is 0", GTN_GetSts(0, 1, numbers));
@@ -93,6 +143,9 @@ int main()
     axes[1] = 2;
     options[1] = 2;
     REFUSED(7, "option is 2", GTN_PtStartPro(1, axes, options, 2));
+    axes[1] = 1;
+    options[1] = 1;
+    REFUSED(7, "axis 1 is listed twice", GTN_PtStartPro(1, axes, options, 2));
 
     // A long of 64 bits.
     if (sizeof(long) > 4) {
@@ -140,5 +193,31 @@ int main()
     DONE(GTN_Close());
     DONE(GT_Open());
     DONE(GT_Close());
+
+    // A file of more axes than a message holds: 24 are there.
+    double smooth, abrupt, smooth_before, abrupt_before;
+    long error, error_before;
+    setenv("BEAMTICK_PROFILE", "gsn-048", 1);
+    DONE(GTN_Open(5, 2));
+    DONE(GTN_GetStopDec(1, 1, &smooth_before, &abrupt_before));
+    DONE(GTN_GetPosErr(1, 1, &error_before));
+    TRUE(smooth_before != 3 && error_before != 1001);
+    REFUSED(7, "axis is 25; allowed are 1 to 24 (item 25): axis 25 in /tmp/beamtick-", load(25, "3"));
+    REFUSED(7, "dec_smooth", load(24, "1e30"));
+    REFUSED(7, "(item 24): axis 24 in /tmp/beamtick-", load(24, "1e30"));
+    REFUSED(7, "(item 3): axis 3 in /tmp/beamtick-", load(3, "1e30"));
+    for (short axis = 1; axis <= 24; axis++) {
+        DONE(GTN_GetStopDec(1, axis, &smooth, &abrupt));
+        DONE(GTN_GetPosErr(1, axis, &error));
+        TRUE(smooth == smooth_before && abrupt == abrupt_before && error == error_before);
+    }
+    DONE(load(24, "5"));
+    for (short axis = 1; axis <= 24; axis++) {
+        DONE(GTN_GetStopDec(1, axis, &smooth, &abrupt));
+        DONE(GTN_GetPosErr(1, axis, &error));
+        TRUE(smooth == (axis < 24 ? 3 : 5) && error == 1000 + axis);
+    }
+    DONE(GTN_Close());
+    unsetenv("BEAMTICK_PROFILE");
     return verdict();
 }
