@@ -3,7 +3,7 @@
 //! Owns the client, the queue of PT data, the files of a trace, and where time has to be driven or a queue sent, a
 //! thread for it. A place is locked for the whole of a call: calls of several threads follow each other.
 
-use crate::recorder::Recorder;
+use crate::recorder::{Claim, Recorder};
 use crate::settings::{Road, Settings};
 use crate::stream::Stream;
 use client::error::{CANNOT_OPEN, NO_ANSWER};
@@ -156,6 +156,7 @@ pub struct Card {
     time: Time,
     stream: Stream,
     recorder: Option<Arc<Mutex<Recorder>>>,
+    _files: Claim,
     keeper: Option<Keeper>,
     /// Close has been called: nobody drives the time any more.
     closed: Arc<AtomicBool>,
@@ -167,6 +168,7 @@ pub struct Card {
 
 impl Card {
     fn open(opening: Opening, settings: Settings) -> Result<Card> {
+        let files = Claim::of(opening.slot, &settings)?;
         let mut options = Options { profile: settings.profile, family: settings.family, ..Options::default() };
         let mut is_virtual = false;
         let (client, time) = match &settings.road {
@@ -206,7 +208,7 @@ impl Card {
         let keys = crate::compat::Keys::read(client.now());
         let stream = Stream::new(settings.batches);
         let closed = Arc::default();
-        Ok(Card { client, time, stream, recorder, keeper, closed, started: false, keys })
+        Ok(Card { client, time, stream, recorder, _files: files, keeper, closed, started: false, keys })
     }
 
     fn close(mut self) -> Result<()> {

@@ -3,7 +3,7 @@
 //! In: the stream's bytes as they come. Out: files with every axis, laser and coordinate system of the profile. The first error ends
 //! the recording; Close tells it.
 
-use crate::card::everything;
+use crate::card::{Slot, everything};
 use crate::settings::Settings;
 use client::error::CANNOT_OPEN;
 use client::{Client, Error, Result};
@@ -11,7 +11,7 @@ use protocol::command::Trace;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use trace::{CsvWriter, Header, Item, Reader, TraceError, VcdWriter};
 
@@ -26,6 +26,46 @@ pub struct Recorder {
     csv: Sink<CsvWriter<BufWriter<File>>>,
     vcd: Sink<VcdWriter<BufWriter<File>>>,
     failed: Option<TraceError>,
+}
+
+/// Files that are being written.
+static IN_USE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn in_use() -> MutexGuard<'static, Vec<PathBuf>> {
+    IN_USE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The files of a controller, for it alone until this is dropped.
+pub struct Claim(Vec<PathBuf>);
+
+impl Claim {
+    /// −6 if one of them is being written: two controllers would overwrite each other's rows.
+    pub fn of(slot: Slot, settings: &Settings) -> Result<Claim> {
+        let mut claim = Claim(Vec::new());
+        for path in [&settings.trace, &settings.vcd].into_iter().flatten() {
+            let place = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+            let mut used = in_use();
+            if used.contains(&place) {
+                drop(used);
+                let card = slot.number().map(|number| format!("_{number}")).unwrap_or_default();
+                let reason = format!(
+                    "{} is being written already, for another controller or as the other trace; each needs a file of its own \
+                     (BEAMTICK_TRACE{card}, BEAMTICK_VCD{card})",
+                    path.display()
+                );
+                return Err(Error::new(CANNOT_OPEN, reason));
+            }
+            used.push(place.clone());
+            claim.0.push(place);
+        }
+        Ok(claim)
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        in_use().retain(|used| !self.0.contains(used));
+    }
 }
 
 /// A file before and after its header.
