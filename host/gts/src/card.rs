@@ -111,10 +111,7 @@ impl State {
         self.version = CString::new(text).ok();
         self.card = Some(card);
         static AT_EXIT: Once = Once::new();
-        AT_EXIT.call_once(|| {
-            // SAFETY: `finish` takes no arguments, never unwinds into C and may run at any time.
-            unsafe { atexit(finish) };
-        });
+        AT_EXIT.call_once(|| crate::at_exit::run(finish));
         Ok(())
     }
 
@@ -122,10 +119,6 @@ impl State {
     pub fn close(&mut self) -> Result<()> {
         self.card.take().map_or(Ok(()), Card::close)
     }
-}
-
-unsafe extern "C" {
-    fn atexit(finish: extern "C" fn()) -> std::ffi::c_int;
 }
 
 /// At the end of the process: what programs leave open is closed, so that traces are complete.

@@ -8,8 +8,9 @@
 //! `prototype` derives every C prototype from the table of functions that job scripts use too; `header` makes the headers
 //! and `exports` of it, `python` the table of the Python package, with the sentences of `about`; `boundary` is where C comes in, `engine` makes requests of arguments and arguments of replies,
 //! `card` is an opened controller, `stream` the batching of PT data, `recorder` its trace files, `compat` what the
-//! replacements of Windows headers call.
+//! replacements of Windows headers call, `at_exit` the end of the process.
 
+mod at_exit;
 mod boundary;
 mod card;
 mod compat;
