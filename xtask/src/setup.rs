@@ -1,4 +1,5 @@
-//! Set-up: a fresh machine with Rust lacks two things, the Cortex-M7 target of the compiler and QEMU.
+//! Set-up: a fresh machine with Rust lacks two things, the Cortex-M7 target of the compiler and QEMU; and valgrind, without
+//! which the tests that use it say that they are skipped.
 //!
 //! In: the machine as it is. Out: what was missing is installed and named. On Debian and Ubuntu apt
 //! installs it; elsewhere this says what to install and how. Where rustup cannot fetch the target,
@@ -52,6 +53,7 @@ impl Compiler {
 /// Installs what is missing.
 pub fn run() -> Outcome {
     compiler()?;
+    valgrind();
     qemu()
 }
 
@@ -110,6 +112,17 @@ fn qemu() -> Outcome {
         "install QEMU with its Arm system emulator: `brew install qemu` on macOS, `dnf install \
          qemu-system-arm` on Fedora, `pacman -S qemu-system-arm` on Arch, or the installer of qemu.org on Windows",
     )
+}
+
+/// Nothing needs it to pass, so a machine without it is none to refuse.
+fn valgrind() {
+    if works(program("valgrind").arg("--version")) {
+        return;
+    }
+    println!("set-up: installing valgrind");
+    if let Err(reason) = install(&["valgrind"], "install valgrind if there is one for it") {
+        println!("set-up: tests under valgrind will be skipped: {reason}");
+    }
 }
 
 /// Installs Debian packages, or says what to do where there is no apt.

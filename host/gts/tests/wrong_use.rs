@@ -1,13 +1,14 @@
 //! Wrong use of the library from C++: programs that check every return value and reason themselves.
 //!
-//! `BEAMTICK_VALGRIND=1` runs them under valgrind too, `BEAMTICK_ASAN=1` with the address sanitizer.
+//! `wrong_use` and `wrong_state` run under valgrind and with the address sanitizer too, where these are;
+//! `BEAMTICK_VALGRIND=1` and `BEAMTICK_ASAN=1` do so with the others.
 
 mod toolchain;
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
 use std::path::PathBuf;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use toolchain::{Language, build_file, command, root, skip};
 
 const FAST: (&str, &str) = ("BEAMTICK_LINK", "virtual:max");
@@ -21,30 +22,56 @@ fn program(name: &str, more: &[&str]) -> Option<PathBuf> {
 
 /// Runs a program; with the tools that are asked for, too.
 fn passes(name: &str, variables: &[(&str, &str)]) {
+    let asked = |variable: &str| std::env::var_os(variable).is_some();
     let Some(built) = program(name, &[]) else { return };
     assert_eq!(toolchain::output(&built, variables), PASSED, "{name}");
-    if std::env::var_os("BEAMTICK_VALGRIND").is_some() {
+    if asked("BEAMTICK_VALGRIND") {
         under_valgrind(&built, variables);
     }
-    if std::env::var_os("BEAMTICK_ASAN").is_some() {
-        let built = program(name, &["-fsanitize=address,undefined"]).unwrap();
-        // The controller's memory lives as long as the program, as a real board's does.
-        let variables = [variables, &[("ASAN_OPTIONS", "detect_leaks=0")]].concat();
-        assert_eq!(toolchain::output(&built, &variables), PASSED, "{name} with the address sanitizer");
+    if asked("BEAMTICK_ASAN") {
+        with_sanitizer(name, variables);
     }
 }
 
+/// Runs a program alone and with every tool that is here.
+fn passes_with_tools(name: &str, variables: &[(&str, &str)]) {
+    let Some(built) = program(name, &[]) else { return };
+    assert_eq!(toolchain::output(&built, variables), PASSED, "{name}");
+    under_valgrind(&built, variables);
+    with_sanitizer(name, variables);
+}
+
 fn under_valgrind(built: &PathBuf, variables: &[(&str, &str)]) {
-    let mut valgrind = command(&PathBuf::from("valgrind"), variables);
-    if std::process::Command::new("valgrind").arg("--version").output().is_err() {
+    if Command::new("valgrind").arg("--version").output().is_err() {
         return skip("there is no valgrind");
     }
-    assert_eq!(toolchain::output_of(valgrind.args(["--error-exitcode=9", "-q"]).arg(built)), PASSED);
+    let mut valgrind = command(&PathBuf::from("valgrind"), variables);
+    assert_eq!(toolchain::output_of(valgrind.args(["--error-exitcode=9", "-q"]).arg(built)), PASSED, "{built:?}");
+}
+
+fn with_sanitizer(name: &str, variables: &[(&str, &str)]) {
+    const FLAGS: &str = "-fsanitize=address,undefined";
+    // Some compilers come without the sanitizer's library.
+    let probe = toolchain::scratch().join("sanitizer.cpp");
+    std::fs::write(&probe, "int main() { return 0; }\n").unwrap();
+    let linked = Command::new("c++").arg(FLAGS).arg(&probe).arg("-o").arg(probe.with_extension("out")).output();
+    if !linked.is_ok_and(|linked| linked.status.success()) {
+        return skip("the compiler has no address sanitizer");
+    }
+    let Some(built) = program(name, &[FLAGS]) else { return };
+    // The controller's memory lives as long as the program, as a real board's does.
+    let variables = [variables, &[("ASAN_OPTIONS", "detect_leaks=0")]].concat();
+    assert_eq!(toolchain::output(&built, &variables), PASSED, "{name} with the address sanitizer");
 }
 
 #[test]
 fn wrong_use_is_refused_with_a_reason() {
-    passes("wrong_use", &[FAST]);
+    passes_with_tools("wrong_use", &[FAST]);
+}
+
+#[test]
+fn calls_in_the_wrong_state_are_refused_with_a_reason() {
+    passes_with_tools("wrong_state", &[FAST]);
 }
 
 #[test]
