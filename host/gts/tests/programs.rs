@@ -83,6 +83,45 @@ fn follow_single() {
 }
 
 #[test]
+fn follow_shear() {
+    let Some((text, trace)) = traced("follow_shear", &[], &[]) else { return };
+    assert!(text.starts_with("FIFO 1, 3 cuts after the first\nbelt "), "{text}");
+    let (belt, knife) = (trace.column("axis1_pos"), trace.column("axis2_pos"));
+    let ratios: Vec<f64> =
+        trace.column("axis2_vel").iter().zip(trace.column("axis1_vel")).map(|(knife, belt)| knife / belt).collect();
+    // Place and ratio of the knife where the belt is at this position, between two ticks.
+    let when = |at: f64| {
+        let row = belt.iter().position(|pos| *pos >= at).unwrap_or_else(|| panic!("the belt never reaches {at}"));
+        let part = (at - belt[row - 1]) / (belt[row] - belt[row - 1]);
+        (knife[row - 1] + part * (knife[row] - knife[row - 1]), ratios[row])
+    };
+    let (to_first, ratio) = when(5000.0);
+    near(to_first, 2500.0, 0.5, "table 3-2");
+    near(ratio, 1.0, 0.01, "the ratio at the first cut");
+    for cut in 0..3 {
+        let (first_belt, first_knife) = (5000.0 + 10_000.0 * f64::from(cut), 2500.0 + 8000.0 * f64::from(cut));
+        for (way, wanted, ratio) in [
+            (500.0, 500.0, 1.0),
+            (1000.0, 1000.0, 1.0),
+            (4000.0, 3400.0, 0.6),
+            (5000.0, 4000.0, 0.6),
+            (6000.0, 4600.0, 0.6),
+            (9000.0, 7000.0, 1.0),
+            (9500.0, 7500.0, 1.0),
+            (10_000.0, 8000.0, 1.0),
+        ] {
+            let (place, found) = when(first_belt + way);
+            near(place, first_knife + wanted, 0.5, &format!("table 3-3, cut {cut}, {way}"));
+            near(found, ratio, 0.01, &format!("the ratio of cut {cut} at {way}"));
+        }
+    }
+    // Both are at rest in the end, the knife where the curve has it.
+    let (end, speeds) = (trace.last("axis1_pos"), (trace.last("axis1_vel"), trace.last("axis2_vel")));
+    assert_eq!(speeds, (0.0, 0.0));
+    assert!(text.contains(&format!("belt {end:.1}, knife {:.1}\n", trace.last("axis2_pos"))), "{text}");
+}
+
+#[test]
 fn follow_switch() {
     let Some((text, trace)) = traced("follow_switch", &[("BEAMTICK_KEYS", "1800,5800")], &[]) else { return };
     assert!(text.starts_with("master 50.00, slave "), "{text}");
