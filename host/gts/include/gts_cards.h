@@ -101,6 +101,7 @@ typedef struct TCrdData {
 #define MC_HOME 3
 #define MC_GPI 4
 #define MC_ARRIVE 5
+#define MC_MPG 6
 #define MC_ENABLE 10
 #define MC_CLEAR 11
 #define MC_GPO 12
@@ -129,9 +130,23 @@ typedef struct TCrdData {
 #define CIRCLE_DIR_CCW 1
 #define INTERPOLATION_CIRCLE_DIR_CW 0
 #define INTERPOLATION_CIRCLE_DIR_CCW 1
+#define CRD_OPERATION_TYPE_LASER_ON 2
+#define CRD_OPERATION_TYPE_LASER_OFF 3
+#define CRD_OPERATION_TYPE_LASER_CMD 5
+#define CRD_OPERATION_TYPE_LASER_FOLLOW_RATIO 6
+#define CRD_OPERATION_TYPE_LASER_FOLLOW_MODE 25
+#define CRD_OPERATION_TYPE_LASER_FOLLOW_OFF 26
+#define CRD_OPERATION_TYPE_LASER_FOLLOW_SPLINE 28
 #define CRD_MAX 2
 #define CRD_FIFO_MAX 4096
 #define INTERPOLATION_AXIS_MAX 8
+#define CHANNEL_HOST 0
+#define CHANNEL_UART 1
+#define CHANNEL_SIM 2
+#define CHANNEL_ETHER 3
+#define CHANNEL_RS232 4
+#define CHANNEL_PCIE 5
+#define CHANNEL_RINGNET 6
 
 /* The functions have symbols of their own, so that one library serves both headers. */
 #define GT_Open GTM_Open

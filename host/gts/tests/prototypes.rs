@@ -4,7 +4,7 @@ mod toolchain;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use toolchain::{Language, build, output};
+use toolchain::{Language, build, output, root};
 
 /// A parameter's type, and whether it has a default.
 type Parameter = (String, bool);
@@ -195,4 +195,66 @@ int main(void)
     let text = output(&built, &[]);
     let layout = "32 24 24 16\n2 24 40 42 4 8\n200\n1\n";
     assert_eq!(text, format!("{layout}{closed}"));
+}
+
+/// A member of a struct and where it begins.
+type Offset = (&'static str, usize);
+
+#[test]
+fn a_long_of_32_bits_gives_the_manuals_layouts() {
+    // The structs of the header, with int where this machine's long has 64 bits.
+    let header = std::fs::read_to_string(root().join("host/gts/include/gts.h")).unwrap();
+    let (begin, end) = (header.find("typedef struct TTrapPrm").unwrap(), header.find("} TCrdData;").unwrap());
+    let structs = header[begin..end].replace(" long ", " int ");
+    let mut source = format!("#include <stddef.h>\n#include <stdio.h>\n{structs}}} TCrdData;\nint main(void)\n{{\n");
+    // By hand, after the manuals' header: size, then offsets in the order of the members.
+    let layouts: [(&str, usize, &[Offset]); 4] = [
+        ("TTrapPrm", 32, &[("acc", 0), ("dec", 8), ("velStart", 16), ("smoothTime", 24)]),
+        ("TJogPrm", 24, &[("acc", 0), ("dec", 8), ("smooth", 16)]),
+        (
+            "TCrdPrm",
+            80,
+            &[
+                ("dimension", 0),
+                ("profile", 2),
+                ("synVelMax", 24),
+                ("synAccMax", 32),
+                ("evenTime", 40),
+                ("setOriginFlag", 42),
+                ("originPos", 44),
+            ],
+        ),
+        (
+            "TCrdData",
+            200,
+            &[
+                ("motionType", 0),
+                ("circlePlat", 2),
+                ("pos", 4),
+                ("radius", 40),
+                ("circleDir", 48),
+                ("center", 56),
+                ("vel", 80),
+                ("acc", 88),
+                ("velEndZero", 96),
+                ("operation", 98),
+                ("cos", 112),
+                ("velEnd", 176),
+                ("velEndAdjust", 184),
+                ("r", 192),
+            ],
+        ),
+    ];
+    let mut wanted = String::new();
+    for (name, size, members) in layouts {
+        let _ = writeln!(source, "    printf(\"{name} %d\\n\", (int)sizeof({name}));");
+        let _ = writeln!(wanted, "{name} {size}");
+        for (member, offset) in members {
+            let _ = writeln!(source, "    printf(\"{name}.{member} %d\\n\", (int)offsetof({name}, {member}));");
+            let _ = writeln!(wanted, "{name}.{member} {offset}");
+        }
+    }
+    source += "    return 0;\n}\n";
+    let Some(built) = build(Language::C, "layouts", &source) else { return };
+    assert_eq!(output(&built, &[]), wanted);
 }
