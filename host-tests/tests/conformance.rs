@@ -70,7 +70,11 @@ impl Pass {
     /// Position, velocity and acceleration at `t` of a pass.
     fn at(&self, t: Rational) -> [Rational; 3] {
         let last = self.knots.len() - 2;
-        let i = (0..=last).rev().find(|i| self.knots[*i].0 <= t).unwrap_or(0);
+        self.within((0..=last).rev().find(|i| self.knots[*i].0 <= t).unwrap_or(0), t)
+    }
+
+    /// The same by the cubic of segment `i`.
+    fn within(&self, i: usize, t: Rational) -> [Rational; 3] {
         let ((t0, p0, v0), (t1, p1, v1)) = (self.knots[i], self.knots[i + 1]);
         let (length, x) = (t1 - t0, t - t0);
         let mean = (p1 - p0) / length;
@@ -95,8 +99,8 @@ impl Pass {
 
     /// The largest acceleration, which is at a knot.
     fn steepest(&self) -> Rational {
-        let just = Rational::new(1, 1 << 40);
-        let ends = self.knots.windows(2).flat_map(|k| [self.at(k[0].0)[2], self.at(k[1].0 - just)[2]]);
+        let segments = 0..self.knots.len() - 1;
+        let ends = segments.flat_map(|i| [i, i + 1].map(|end| self.within(i, self.knots[end].0)[2]));
         ends.map(|a| if a < whole(0) { -a } else { a }).max().unwrap()
     }
 }
