@@ -129,7 +129,9 @@ impl<const N: usize> LookAhead<N> {
 
     /// Forgets everything: what comes next begins at rest.
     pub fn clear(&mut self) {
-        *self = LookAhead::new(self.limits);
+        // What the slots hold is over; a new value would pass over the stack, 36 KB of it.
+        (self.first, self.end, self.begin, self.last) = (0, 0, 0.0, None);
+        (self.moves, self.effects, self.stale) = (false, 0, false);
     }
 
     /// What waits.

@@ -100,10 +100,45 @@ fn panicked(info: &PanicInfo<'_>) -> ! {
     restart(FaultKind::Panic, format_args!("{info}"))
 }
 
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+unsafe extern "C" {
+    /// The lowest word of the stack (linker script).
+    static _stack_end: u32;
+    /// Behind its highest word.
+    static _stack_start: u32;
+}
+
+/// A fault of the core. If the stack is what failed, this begins on an empty one: what was on it does not go on.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+extern "C" fn HardFault() -> ! {
+    core::arch::naked_asm!(
+        "mov r0, sp",
+        "ldr r1, ={end}",
+        "cmp r0, r1",
+        "bhs 1f",
+        "ldr r1, ={start}",
+        "mov sp, r1",
+        "1: b {body}",
+        end = sym _stack_end,
+        start = sym _stack_start,
+        body = sym faulted,
+    )
+}
+
+/// `stack` is where the core has put its frame, or would have.
+extern "C" fn faulted(stack: usize) -> ! {
     // SAFETY: reading status registers of the core.
     let (cfsr, hfsr) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).hfsr.read()) };
+    let (end, start) = (&raw const _stack_end as usize, &raw const _stack_start as usize);
+    if stack < end {
+        let over = end - stack;
+        restart(
+            FaultKind::Core,
+            format_args!("stack overflow: {over} bytes over {}, CFSR {cfsr:#010x}, HFSR {hfsr:#010x}", start - end),
+        )
+    }
+    // SAFETY: inside the stack, where the core has put it.
+    let frame = unsafe { &*(stack as *const ExceptionFrame) };
     restart(
         FaultKind::Core,
         format_args!(

@@ -21,7 +21,7 @@ pub struct Servo {
     /// The axes' machine.
     pub machine: Machine<AXES>,
     /// The tick itself.
-    pub tick: Tick<AXES>,
+    pub tick: &'static mut Tick<AXES>,
     /// Its halves of the hand-overs.
     pub lanes: Lanes<'static, AXES>,
 }

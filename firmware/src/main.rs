@@ -19,10 +19,10 @@ use fault::Report;
 use hal::mps2_an500::{self as board, idle::Idle, machine::Machine};
 use interrupts::{Receiver, Servo};
 use servo::pvt::TableStores;
-use servo::tick::{Lanes, Tick, TickConfig};
+use servo::tick::Lanes;
 use statics::{
     AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PATHS, PENDED, PLACES, PROGRAM_LANE, QUEUES,
-    RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TRACE, VIEW,
+    RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW,
 };
 use tasks::LinkParts;
 
@@ -57,7 +57,9 @@ fn pend(_: *mut ()) {
     PENDED.store(true, Ordering::Release);
 }
 
-/// Splits the hand-overs and gives every context its half.
+/// Splits the hand-overs and gives every context its half. Its values are made on the stack, which is free again
+/// when it returns: hence never a part of `main`, which does not return.
+#[inline(never)]
 fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
     let board::Board { timer, link: (link, rx), trace, switchboard } = board::take()?;
     let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
@@ -70,12 +72,7 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
     let mut servo = Servo {
         timer,
         machine: Machine::new(board::TICK_NS, switchboard),
-        tick: Tick::new(TickConfig {
-            period_ns: board::TICK_NS,
-            axes: AXES as u8,
-            analog_inputs: board::ANALOG_INPUTS,
-            laser_clock: board::LASER_CLOCK,
-        }),
+        tick: TICK.try_take()?,
         lanes: Lanes {
             immediate,
             program,
@@ -109,17 +106,24 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
         queues: QUEUES.try_take()?,
         tables: TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
     };
-    let server = SERVER.init(Server::new(
-        dispatcher::Board {
-            name: board::NAME,
-            profile: dispatcher::largest_that_fits(AXES),
-            tick_us: board::TICK_US,
-            analog_outputs: board::ANALOG_OUTPUTS,
-            analog_inputs: board::ANALOG_INPUTS,
-            general_outputs: board::GENERAL_OUTPUTS,
-            fault: last.map(|report| dispatcher::Fault { kind: report.kind(), text: report.text() }),
-        },
-        channels,
-    ));
-    Some(LinkParts { server, bytes, link, trace })
+    Some(LinkParts { server: server(last, channels), bytes, link, trace })
+}
+
+/// The thread's side. On its own for the same reason as `compose`.
+#[inline(never)]
+fn server(last: Option<&'static Report>, channels: Channels<'static, AXES>) -> &'static mut Server<'static, AXES> {
+    SERVER.init_with(|| {
+        Server::new(
+            dispatcher::Board {
+                name: board::NAME,
+                profile: dispatcher::largest_that_fits(AXES),
+                tick_us: board::TICK_US,
+                analog_outputs: board::ANALOG_OUTPUTS,
+                analog_inputs: board::ANALOG_INPUTS,
+                general_outputs: board::GENERAL_OUTPUTS,
+                fault: last.map(|report| dispatcher::Fault { kind: report.kind(), text: report.text() }),
+            },
+            channels,
+        )
+    })
 }

@@ -5,12 +5,13 @@ use crate::interrupts::{Given, Receiver, Servo};
 use core::sync::atomic::AtomicBool;
 use dispatcher::{PathQueue, Server};
 use embassy_executor::raw;
+use hal::mps2_an500 as board;
 use ring::{Latest, Ring};
 use servo::laser::Tables;
 use servo::op::Entry;
 use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES};
-use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore};
+use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::Crd;
 use servo::view::{Event, Sample, View};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -47,6 +48,13 @@ pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; Crd::MAX]> =
 /// Link interrupt to task: bytes received.
 pub static BYTES: Ring<u8, RECEIVED> = Ring::new();
 
+/// The servo tick.
+pub static TICK: ConstStaticCell<Tick<AXES>> = ConstStaticCell::new(Tick::new(TickConfig {
+    period_ns: board::TICK_NS,
+    axes: AXES as u8,
+    analog_inputs: board::ANALOG_INPUTS,
+    laser_clock: board::LASER_CLOCK,
+}));
 /// What the tick's interrupt owns.
 pub static SERVO: Given<Servo> = Given::nothing();
 /// What the link's receive interrupt owns.

@@ -5,6 +5,7 @@
 //! Owns every `unsafe` register access, the [`priority`] table and the one [`mask`] by which the
 //! thread keeps interrupts out. Fails never after bring-up; a peripheral that does not answer is
 //! the board's page's matter (`docs/board-*.md`).
+pub mod guard;
 pub mod mask;
 pub mod mps2_an500;
 pub mod priority;

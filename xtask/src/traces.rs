@@ -17,21 +17,17 @@ const TICKS_US: [u32; 3] = [50, 250, 1000];
 ///
 /// A tick makes the velocities of a chain of slaves for its trace, one link by the other: at 50 µs that leaves the thread too
 /// little time for `follow_chain` and `follow_masters`, whose traces then lose rows (and say so).
-const LONG: [(&str, &[u32]); 16] = [
+const LONG: [(&str, &[u32]); 14] = [
     ("eight_axes_stream", &[250]),
     ("follow_chain", &[250, 1000]),
     ("follow_masters", &[250, 1000]),
-    // The emulated board stops in the middle of this one and of others that have no period here: a known fault, for which
-    // they are not compared.
-    ("interrupt", &[]),
-    ("laser_contour", &[]),
-    ("laser_distance", &[]),
-    ("laser_lsr_distance", &[]),
-    ("laser_lsr_path_follow", &[]),
+    ("laser_contour", &[250, 1000]),
+    ("laser_distance", &[1000]),
+    ("laser_lsr_distance", &[250]),
+    ("laser_lsr_path_follow", &[1000]),
     ("laser_lsr_path_power", &[1000]),
     ("laser_path_follow", &[250]),
     ("laser_path_power", &[1000]),
-    ("override", &[]),
     ("pvt_complete", &[250]),
     ("pvt_percent", &[250]),
     ("ten_minutes", &[]),

@@ -2,7 +2,7 @@
 //!
 //! In: the tick's set-points and outputs, bytes to send. Out: ticks, encoders, bytes received.
 //! Owns the board's timer, UARTs and interrupt controller.
-use crate::priority;
+use crate::{guard, priority};
 use cortex_m::peripheral::scb::SystemHandler;
 use cortex_m::peripheral::{NVIC, SCB};
 use interrupt::Interrupt;
@@ -31,6 +31,9 @@ pub const LASER_CLOCK: servo::laser::Clock = servo::laser::Clock::GHZ;
 /// Analog outputs of the board.
 pub const ANALOG_OUTPUTS: u8 = outputs::ANALOG as u8;
 
+/// Where the stack ends: the lowest address of RAM (`memory.x`).
+const STACK: u32 = 0x2000_0000;
+
 /// General outputs of the board.
 pub const GENERAL_OUTPUTS: u8 = 32;
 
@@ -51,6 +54,7 @@ pub struct Board {
 /// call on.
 pub fn take() -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
+    guard::below(&mut core.MPU, STACK);
     // SAFETY: before `listen` nothing runs at these priorities, so no critical section is open.
     unsafe {
         core.NVIC.set_priority(Interrupt::TIMER0, priority::TICK);
