@@ -61,12 +61,13 @@ pub fn run() -> Outcome {
             "--plot",
             &text(&png),
         ]))?;
-        println!("-- in the virtual controller");
-        let mut beside = runner.call(&["sim", job, "--quiet", "--trace", &text(&sim)]);
         if let Some([from, to]) = closely {
-            beside.args(["--plot", &text(&close), "--from", from, "--to", to]);
+            println!("-- in the image again, for a closer look");
+            let closer = ["--quiet", "--plot", &text(&close), "--from", from, "--to", to];
+            shell::quietly(&mut runner.call(&[&["run", job, "--link", "qemu"], &closer[..]].concat()))?;
         }
-        shell::run(&mut beside)?;
+        println!("-- in the virtual controller");
+        shell::run(&mut runner.call(&["sim", job, "--quiet", "--trace", &text(&sim)]))?;
         println!("{}", seen(&csv)?);
         println!("both traces: {} rows, equal byte for byte", equal(&csv, &sim)?);
         made.extend([csv, vcd, png]);

@@ -67,6 +67,16 @@ pub fn read(command: &mut Command) -> Outcome<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
+/// Runs it and shows what it prints only if it fails.
+pub fn quietly(command: &mut Command) -> Outcome {
+    let output = command.output().map_err(|e| format!("`{}` did not start: {e}", line(command)))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    Err(format!("`{}` failed ({}):\n{said}", line(command), output.status))
+}
+
 /// Whether it ends well; what it prints is dropped.
 pub fn works(command: &mut Command) -> bool {
     let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());

@@ -4,8 +4,11 @@
 use crate::image;
 use crate::setup;
 use crate::shell::{self, Outcome, cargo, program, root, target};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// Tick periods at which the jobs are compared, µs.
@@ -76,21 +79,36 @@ fn jobs() -> Outcome<Vec<PathBuf>> {
     if jobs.is_empty() { Err("examples/ holds no job".into()) } else { Ok(jobs) }
 }
 
-/// Every example at every period, but for the long ones.
+/// Every example at every period, but for the long ones; as many at a time as there are cores.
 pub fn run() -> Outcome {
     let runner = Runner::build()?;
     let folder = target().join("traces");
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut cases = Vec::new();
     for job in jobs()? {
         let long = LONG.iter().find(|(long, _)| *long == name(&job));
-        for &tick_us in long.map_or(&TICKS_US[..], |(_, periods)| periods) {
-            let began = Instant::now();
-            let rows = compare(&runner, &job, tick_us, &folder)?;
-            let name = name(&job);
-            println!("{name} at {tick_us} µs: {rows} rows, equal ({:.1} s)", began.elapsed().as_secs_f64());
-        }
+        cases.extend(long.map_or(&TICKS_US[..], |(_, periods)| periods).iter().map(|&tick_us| (job.clone(), tick_us)));
     }
-    Ok(())
+    let (next, failed) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || {
+        while let Some((job, tick_us)) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let began = Instant::now();
+            match compare(&runner, job, *tick_us, &folder) {
+                Ok(rows) => {
+                    println!(
+                        "{} at {tick_us} µs: {rows} rows, equal ({:.1} s)",
+                        name(job),
+                        began.elapsed().as_secs_f64()
+                    )
+                }
+                Err(error) => failed.lock().unwrap_or_else(PoisonError::into_inner).push(error),
+            }
+        }
+    };
+    let workers = std::thread::available_parallelism().map_or(1, NonZero::get);
+    std::thread::scope(|scope| (0..workers).for_each(|_| drop(scope.spawn(work))));
+    let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if failed.is_empty() { Ok(()) } else { Err(failed.join("\n")) }
 }
 
 /// The job's name without folder and extension.
@@ -115,7 +133,7 @@ fn compare(runner: &Runner, job: &Path, tick_us: u32, folder: &Path) -> Outcome<
         if has_signals {
             words.extend(["--vcd", &vcd_text]);
         }
-        quietly(runner.call(&words))?;
+        shell::quietly(&mut runner.call(&words))?;
         files.push((csv, vcd));
     }
     if let [(csv, vcd), (other_csv, other_vcd)] = files.as_slice() {
@@ -125,17 +143,6 @@ fn compare(runner: &Runner, job: &Path, tick_us: u32, folder: &Path) -> Outcome<
         }
     }
     Ok(rows)
-}
-
-/// Runs it and shows what it prints only if it fails.
-fn quietly(mut command: Command) -> Outcome {
-    let line = crate::shell::line(&command);
-    let output = command.output().map_err(|e| format!("`{line}` did not start: {e}"))?;
-    if output.status.success() {
-        return Ok(());
-    }
-    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    Err(format!("`{line}` failed ({}):\n{said}", output.status))
 }
 
 /// The number of rows of two files that are the same to the byte, or where they part.
