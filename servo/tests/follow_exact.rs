@@ -152,6 +152,38 @@ impl Truth {
     }
 }
 
+/// The largest |ratio|: ratios go one way inside a segment, so the ends know it.
+fn peak(table: &[Truth]) -> BigInt {
+    table.iter().flat_map(|t| [t.ratio(&t.m0).abs(), t.ratio(&t.m1).abs()]).max().unwrap()
+}
+
+/// By how much the ratio in each segment may be off: decision 8. The ends of pieces, which may be as short as a 200th of
+/// their segment, are off by a few 2⁻⁶⁴ pulse, those of segments by one; so may be a ratio that was given, and
+/// what a segment ends with the next one starts with.
+fn bounds(data: &[Datum], table: &[Truth]) -> Vec<BigInt> {
+    let peak = peak(table);
+    let one = BigInt::from(1) << BITS;
+    // (1 + peak)·2^-bits/M
+    let off = |t: &Truth, bits: u32| (((&one + &peak) << BITS) / (&t.m1 - &t.m0)) >> bits;
+    let mut carried = BigInt::zero();
+    let mut out = Vec::new();
+    for (d, t) in data.iter().zip(table) {
+        if d.begin.is_some() {
+            carried = &one >> 64;
+        }
+        let at_end = match d.kind {
+            1 | 2 => BigInt::zero(),
+            10 => &carried * 2,
+            12 => &carried / 2,
+            _ => carried.clone(),
+        };
+        let inside = if d.kind == 1 || d.kind == 2 { BigInt::zero() } else { carried.clone().max(at_end.clone()) };
+        out.push((&peak >> 44) + off(t, 54) + inside);
+        carried = at_end + off(t, 61);
+    }
+    out
+}
+
 /// Admits random data; what is refused is drawn again.
 fn draw(chance: &mut Chance, count: usize, negative: bool) -> (Vec<Datum>, SegmentStore, Chain) {
     let store = SegmentStore::new();
@@ -263,7 +295,8 @@ fn random_tables_both_ways() {
     let tables: u32 = std::env::var("FOLLOW_TABLES").map_or(1500, |n| n.parse().unwrap());
     let seed: u64 = std::env::var("FOLLOW_SEED").map_or(1, |n| n.parse().unwrap());
     let mut chance = Chance::new(seed);
-    let (mut worst, mut bent, mut knots, mut points) = (0f64, 0f64, 0u64, 0u64);
+    let (mut worst, mut bent, mut used, mut slow) = (0f64, 0f64, 0f64, 0u64);
+    let (mut knots, mut points) = (0u64, 0u64);
     for _ in 0..tables {
         let count = 1 + chance.below(24) as usize;
         let negative = chance.below(2) == 0;
@@ -277,24 +310,29 @@ fn random_tables_both_ways() {
         bench.glides = chance.below(2) == 0;
         let last = table.last().unwrap();
         let (length, way) = (last.m1.clone(), &last.s0 + &last.p);
-        // Ratios go one way inside a segment, so the ends know the peak.
-        let peak = table.iter().flat_map(|t| [t.ratio(&t.m0).abs(), t.ratio(&t.m1).abs()]).max().unwrap();
+        let (peak, bounds) = (peak(&table), bounds(&data, &table));
         let mut check = |bench: &mut Bench, progress: i64, knot: bool| {
             assert_eq!(bench.go(start + sign * progress), State::Running);
             let x = big_pos(progress);
             let pass = if x < BigInt::zero() { BigInt::zero() } else { &x / &length };
             let local = &x - &pass * &length;
-            let segment = table.iter().find(|t| local < t.m1).unwrap();
+            let index = table.iter().position(|t| local < t.m1).unwrap();
+            let (segment, bound) = (&table[index], &bounds[index]);
             let slave = if local < BigInt::zero() { BigInt::zero() } else { segment.at(&local) };
             let truth = (BigInt::from(origin.0) << (BITS - 64)) + &pass * &way + slave;
             let error = to_f64(&(&truth - big_pos(bench.pos())).abs());
             assert!(error <= 2f64.powi(-16), "{error:e} at {progress} {data:?}");
             if local >= BigInt::zero() {
                 let gap = (bench.ratio() - segment.ratio(&local)).abs();
-                // Where the peak is 0, only 0 is right.
-                assert!(gap <= &peak >> 16, "ratio at {progress} {data:?}");
-                let error = if gap.is_zero() { 0.0 } else { to_f64(&((gap << BITS) / &peak)) };
-                bent = bent.max(error);
+                assert!(&gap <= bound, "ratio at {progress} {data:?}");
+                assert!(!peak.is_zero() || gap.is_zero(), "a ratio without any at {progress} {data:?}");
+                used = used.max(to_f64(&((&gap << BITS) / bound)));
+                // SPEC 11 asks for 2^-16 of the peak.
+                if bound <= &(&peak >> 16) {
+                    bent = bent.max(to_f64(&((gap << BITS) / &peak)));
+                } else {
+                    slow += 1;
+                }
             }
             if knot {
                 assert!(error <= 2f64.powi(-23) * 1.0001, "knot {error:e} at {progress} {data:?}");
@@ -333,10 +371,53 @@ fn random_tables_both_ways() {
         assert!(error <= BigInt::from(passes) << (BITS - 65));
     }
     println!(
-        "{tables} tables, {points} points, {knots} of them knots: worst {worst:e} pulse, {} of the bound; ratio {bent:e} of the peak",
+        "{tables} tables, {points} points, {knots} of them knots: worst {worst:e} pulse, {} of the bound; ratio {bent:e} of the peak, {used} of its bound, which SPEC 11's is not above at {slow} points",
         worst * 65536.0
     );
     assert!(knots > 100);
+}
+
+#[test]
+fn the_pieces_of_a_shaped_segment_meet() {
+    // Lengths with an odd last bit too.
+    let mut chance = Chance::new(7);
+    let (mut checked, mut used) = (0, 0f64);
+    for _ in 0..3000 {
+        let percent = [100, 100, 99, 1, 1 + chance.below(100) as i16][chance.below(5) as usize];
+        let mut way = || (1 + (chance.next() >> (14 + chance.below(50)))) as f64 * 2f64.powi(-20);
+        let (first, length) = (way(), way());
+        let kind = [0, 2][chance.below(2) as usize];
+        let data = [
+            Datum { master: first, slave: first, kind: 1, percent: 0, begin: None },
+            Datum { master: first + length, slave: first + length * 3.0 * chance.unit(), kind, percent, begin: None },
+        ];
+        let (store, mut chain) = (SegmentStore::new(), Chain::default());
+        for (i, d) in data.iter().enumerate() {
+            let (m, s) = (d.master.to_bits(), d.slave.to_bits());
+            let (entry, next) = Entry::segment(m, s, d.kind, d.percent, Direction::Both, &chain).unwrap();
+            store.write_entry(0, i as u32, entry);
+            chain = next;
+        }
+        let (table, _) = truth(&data, &BigInt::zero());
+        let (shaped, bound) = (&table[1], &bounds(&data, &table)[1]);
+        let mut bench = Bench::new(&store, &chain, 1, Exact(0), 0);
+        for share in [percent as i64, 200 - percent as i64] {
+            let meeting = ceil(&(&shaped.m0 + (&shaped.m1 - &shaped.m0) * share / 200));
+            for progress in [meeting - 1, meeting, meeting + 1] {
+                let x = big_pos(progress);
+                if x < shaped.m0 || x >= shaped.m1 {
+                    continue;
+                }
+                assert_eq!(bench.go(progress), State::Running);
+                let gap = (bench.ratio() - shaped.ratio(&x)).abs();
+                assert!(&gap <= bound, "{} of the bound at {progress} {data:?}", to_f64(&((gap << BITS) / bound)));
+                used = used.max(to_f64(&((gap << BITS) / bound)));
+                checked += 1;
+            }
+        }
+    }
+    println!("{checked} points: {used} of the bound");
+    assert!(checked > 10_000, "{checked}");
 }
 
 #[test]

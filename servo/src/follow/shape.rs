@@ -91,7 +91,8 @@ impl Segment {
             };
             return cubic(from, length, start, [r0, second, third]);
         }
-        let k = TWO_HUNDREDTH.wrapping_mul(self.percent as u64);
+        let full = self.percent == 100;
+        let k = if full { 1 << 63 } else { TWO_HUNDREDTH.wrapping_mul(self.percent as u64) };
         let edge = times(length, k);
         let gain = GAIN.get(self.percent as usize).copied().unwrap_or(1 << 62);
         // a, a·k, a·k²
@@ -103,7 +104,8 @@ impl Segment {
         if y < edge {
             return cubic(from, edge, start, [times(r0, k), 0, sixth]);
         }
-        let to_end = length.wrapping_sub(edge);
+        // A full S has two pieces: what its odd last bit would leave between them has no ratio of its own.
+        let to_end = if full { edge } else { length.wrapping_sub(edge) };
         if y < to_end {
             let ratio = r0.wrapping_add(once >> 1);
             let c1 = ratio.wrapping_sub(times(ratio, k) << 1);
@@ -114,7 +116,12 @@ impl Segment {
         let r1 = (way << 1).wrapping_sub(r0);
         let ratio = r1.wrapping_sub(once >> 1);
         let start = origin.wrapping_add(self.end).wrapping_sub(times(r1, k)).wrapping_add(sixth);
-        cubic(from.wrapping_add(to_end), edge, start, [times(ratio, k), twice >> 1, sixth.wrapping_neg()])
+        cubic(
+            from.wrapping_add(to_end),
+            length.wrapping_sub(to_end),
+            start,
+            [times(ratio, k), twice >> 1, sixth.wrapping_neg()],
+        )
     }
 }
 
