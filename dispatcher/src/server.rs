@@ -70,6 +70,8 @@ pub enum FaultKind {
     Core = 2,
     /// An interrupt came that nobody claims.
     Interrupt = 3,
+    /// The watchdog: the servo tick or the link task stood still.
+    Watchdog = 4,
 }
 
 /// Bytes of a fault's text that a reply carries.

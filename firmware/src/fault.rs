@@ -1,9 +1,10 @@
 //! The fault path: outputs at rest first, then the reason to memory that survives the reset, then
 //! the reset.
 //!
-//! In: a panic, a fault of the core, an interrupt that nobody claims. Out: a board at rest and, after
+//! In: a panic, a fault of the core, an interrupt that nobody claims, the watchdog. Out: a board at rest and, after
 //! the restart, the [`Report`] of what happened, for the log and for `GetFault` over the link. Owns the record in RAM that start-up does not clear.
 //! It must not fail itself: it takes no lock, formats into a fixed buffer and cuts what is longer.
+use crate::watch;
 use core::cell::UnsafeCell;
 use core::fmt::{self, Write};
 use core::mem::MaybeUninit;
@@ -31,7 +32,7 @@ pub struct Report {
 impl Report {
     /// Of which kind it was.
     pub fn kind(&self) -> FaultKind {
-        [FaultKind::Core, FaultKind::Interrupt]
+        [FaultKind::Core, FaultKind::Interrupt, FaultKind::Watchdog]
             .into_iter()
             .find(|kind| *kind as u32 == self.kind)
             .unwrap_or(FaultKind::Panic)
@@ -152,4 +153,13 @@ extern "C" fn faulted(stack: usize) -> ! {
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     restart(FaultKind::Interrupt, format_args!("interrupt {number} that nobody claims"))
+}
+
+/// The watchdog was not fed. It comes once without a reason where the emulator's clock has jumped.
+#[exception]
+unsafe fn NonMaskableInt() {
+    match watch::stuck() {
+        Some(what) => restart(FaultKind::Watchdog, format_args!("{what}")),
+        None => hal::mps2_an500::watchdog::feed(),
+    }
 }

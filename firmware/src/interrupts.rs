@@ -3,6 +3,7 @@
 //! In: interrupts of the board. Out: ticks, bytes for the task, rings of the bell. Budget: the tick's
 //! is held by `cargo xtask ticks`; the others move a byte or a flag.
 use crate::statics::{AXES, LINK_BELL, RECEIVED, RECEIVER, RECEIVING, SERVO};
+use crate::watch;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -77,6 +78,7 @@ impl<T> Given<T> {
 /// The servo tick.
 #[unsafe(no_mangle)]
 extern "C" fn TIMER0() {
+    watch::tick_begins();
     // SAFETY: the tick's handler.
     let Some(servo) = (unsafe { SERVO.taken() }) else { return };
     // Whole microseconds up to 1 ms, so it fits.
@@ -90,6 +92,7 @@ extern "C" fn TIMER0() {
         servo.tick.overrun();
     }
     ring_bell();
+    watch::tick_ends(servo.tick.now());
 }
 
 /// A byte of the link arrived. At the end of a frame, or when half the room is used, the task is told;

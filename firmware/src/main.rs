@@ -9,6 +9,7 @@ mod fault;
 mod interrupts;
 mod statics;
 mod tasks;
+mod watch;
 
 use core::sync::atomic::Ordering;
 use cortex_m_rt::entry;

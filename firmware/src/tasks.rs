@@ -5,6 +5,7 @@
 //! its own bytes only; the other stream and the commands go on.
 use crate::fault::Report;
 use crate::statics::{AXES, LINK_BELL, RECEIVED};
+use crate::watch;
 use dispatcher::Server;
 use hal::mps2_an500::resume_link;
 use hal::mps2_an500::uart::Tx;
@@ -72,6 +73,7 @@ pub async fn serve(parts: LinkParts) {
     let mut overruns = 0;
     loop {
         LINK_BELL.wait().await;
+        watch::turn();
         let view = server.view();
         let now = view.now;
         if view.overruns != overruns {

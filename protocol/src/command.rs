@@ -176,7 +176,7 @@ wire_structs! {
         clock_ns: U64,
     }
     /// What ended the run before this one: 0 nothing but power-off or a reset from outside, 1 a panic,
-    /// 2 a fault of the core, 3 an interrupt that nobody claims; and how many bytes of text follow (UTF-8).
+    /// 2 a fault of the core, 3 an interrupt that nobody claims, 4 the watchdog; and how many bytes of text follow (UTF-8).
     FaultReply { kind: u8, length: U16 }
     /// Home or index capture.
     CaptureReply { status: I16, value: I32, clock_ms: U32 }

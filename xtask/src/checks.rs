@@ -32,7 +32,7 @@ const STEPS: [Step; 10] = [
     ("image and probes", || alone(image::report().and_then(|()| probes::cannot_panic()))),
     ("instructions per tick", || alone(ticks::check())),
     ("traces of image and virtual controller", || alone(traces::run())),
-    ("inputs of the emulated board", emulated),
+    ("inputs and faults of the emulated board", emulated),
 ];
 
 /// Runs all steps.
@@ -97,7 +97,8 @@ fn emulated() -> (Count, Outcome) {
     match image::build() {
         Ok(image) => {
             let packages = ["--package", "beamtick-host-tests", "--package", "beamtick-gts"];
-            let words = ["test"].iter().chain(&packages).chain(&["--test", "emulated_board"]);
+            let words =
+                ["test"].iter().chain(&packages).chain(&["--test", "emulated_board", "--test", "emulated_faults"]);
             tests(cargo().args(words).env("BEAMTICK_IMAGE", image))
         }
         Err(reason) => alone(Err(reason)),

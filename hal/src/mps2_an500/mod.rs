@@ -13,6 +13,7 @@ pub mod machine;
 pub mod outputs;
 pub mod timer;
 pub mod uart;
+pub mod watchdog;
 
 /// Name of the board as the link tells it.
 pub const NAME: &str = "mps2-an500";
@@ -75,7 +76,7 @@ pub fn take() -> Option<Board> {
     }
 }
 
-/// Lets the interrupts in.
+/// Lets the interrupts in, and the watchdog go.
 ///
 /// # Safety
 /// What the handlers use must be in place.
@@ -84,6 +85,7 @@ pub unsafe fn listen() {
         // SAFETY: the caller's promise.
         unsafe { NVIC::unmask(interrupt) };
     }
+    watchdog::start();
 }
 
 /// The link's bytes wait in the UART until [`resume_link`]: nobody has room for them.
@@ -110,6 +112,8 @@ pub fn rest() {
     cortex_m::asm::dsb();
     cortex_m::asm::isb();
     outputs::rest();
+    // What is left to do is not disturbed by its NMI.
+    watchdog::feed();
     for interrupt in [Interrupt::UART0_RX, Interrupt::UART0_TX, Interrupt::UART1_TX] {
         NVIC::mask(interrupt);
     }

@@ -12,11 +12,15 @@ use servo::laser::{Action, CHANNELS, Plan, Train};
 /// Analog channels of the board, each way.
 pub const ANALOG: usize = 8;
 
-// Relaxed throughout: registers that only the tick writes, until the fault path has stopped it.
+// Relaxed throughout: registers that only the tick writes, until the fault path has stopped it. `used`: no code of the
+// image reads them, a debugger does.
+#[used]
 static ENABLE: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static CLEAR: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
+#[used]
 static GENERAL: AtomicU32 = AtomicU32::new(0);
 static DAC: [AtomicI16; ANALOG] = [const { AtomicI16::new(0) }; ANALOG];
+#[used]
 static LASERS: [Laser; CHANNELS] = [const { Laser::at_rest() }; CHANNELS];
 
 /// Registers of a laser channel.

@@ -34,7 +34,8 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         0 => say!("last fault  none"),
         1 => say!("last fault  panic: {text}"),
         2 => say!("last fault  core fault: {text}"),
-        _ => say!("last fault  interrupt that nobody serves: {text}"),
+        3 => say!("last fault  interrupt that nobody serves: {text}"),
+        _ => say!("last fault  watchdog: {text}"),
     }
     for channel in 0..version.lasers {
         let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
