@@ -12,6 +12,7 @@ use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
 use crate::books::{Books, CAPACITY, Change, PROGRAM_FLAG, executed};
 use crate::case::{Answer, Case, Effect, Site, TAKEN_MAX};
 use crate::lane::{Deque, Lane, STAGED, Staged};
+use crate::log::Log;
 use crate::path_queue::{LASTS_MS, PathQueue};
 use crate::program::Program;
 use crate::read::{Reading, took_reply, values_reply};
@@ -76,6 +77,8 @@ pub struct Desk<'a, const AXES: usize> {
     pub link_loss: (u32, bool),
     /// The trace.
     pub trace: TraceOut<AXES>,
+    /// What happened by itself.
+    pub log: Log,
 }
 
 /// Numbers that laser commands took and whose replies wait.
@@ -113,6 +116,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             config: None,
             link_loss: (LINK_LOSS_MS, false),
             trace: TraceOut::new(),
+            log: Log::new(),
         };
         // The tick does not know families.
         for channel in 0..CHANNELS as u8 {
@@ -398,7 +402,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         taken: impl Iterator<Item = f64>,
         out: &mut ReplyWriter,
     ) -> Result<(), Full> {
-        let reading = Reading { view, now: &self.now, site: &self.site, board: &self.board };
+        let reading = Reading { view, now: &self.now, site: &self.site, board: &self.board, log: &self.log };
         match &item.answer {
             Answer::Done => out.push_raw(item.opcode, item.tag, 0, &[]),
             Answer::Read(query) => reading.reply(item.tag, query, out),
@@ -579,7 +583,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                 if !self.is_quiet() {
                     return Step::Wait;
                 }
-                let reading = Reading { view, now: &self.now, site: &self.site, board: &self.board };
+                let reading = Reading { view, now: &self.now, site: &self.site, board: &self.board, log: &self.log };
                 Step::of(reading.reply(record.tag, &query, out))
             }
             Ok((_, Effect::Choose(site)))

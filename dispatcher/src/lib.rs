@@ -16,6 +16,7 @@ mod case;
 mod desk;
 pub mod figure;
 mod lane;
+mod log;
 pub mod lookahead;
 mod lopsided;
 mod path_queue;

@@ -9,6 +9,7 @@ use crate::admit::pvt_table::CHUNK;
 use crate::admit::{is_follow, kind, number_of};
 use crate::books::Books;
 use crate::case::{Query, Site, mode_number, ones};
+use crate::log::{HELD, Log};
 use crate::server::{Board, FAULT_TEXT_MAX};
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};
@@ -29,6 +30,8 @@ pub struct Reading<'x, const AXES: usize> {
     pub site: &'x Site,
     /// Constants of the board.
     pub board: &'x Board,
+    /// What happened.
+    pub log: &'x Log,
 }
 
 /// 2^exponent, exactly, for exponents of normal numbers; beyond them 0 or infinity.
@@ -203,6 +206,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 out.done::<command::GetClock>(tag, &reply, &[])
             }
             opcode::GetFault => self.fault(tag, out),
+            opcode::GetEvents => self.events(tag, out),
             opcode::GetStopDec => {
                 let reply = command::StopDec { smooth: book.dec.0.into(), abrupt: book.dec.1.into() };
                 out.done::<command::GetStopDec>(tag, &reply, &[])
@@ -393,6 +397,17 @@ impl<const AXES: usize> Reading<'_, AXES> {
             return seen.dry_ms;
         }
         self.now.axis(axis).fifos.get(fifo).map_or(0, |fifo| fifo.chain.time_ms().max(0).unsigned_abs())
+    }
+
+    fn events(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+        let mut items = [command::EventItem::default(); HELD];
+        let mut count = 0;
+        for (place, item) in items.iter_mut().zip(self.log.items()) {
+            *place = *item;
+            count += 1;
+        }
+        let head = command::EventsReply { total: self.log.total().into(), count: (count as u16).into() };
+        out.done::<command::GetEvents>(tag, &head, &items[..count])
     }
 
     /// The text is cut between characters.

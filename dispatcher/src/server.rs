@@ -7,6 +7,7 @@
 //! drops the rest of a program (SPEC 9).
 use crate::awaiting::{Refuser, Step};
 use crate::desk::Desk;
+use crate::log::Kind;
 use crate::path_queue::PathQueue;
 use crate::program::Program;
 use protocol::link::{Endpoint, Identity, Role};
@@ -176,9 +177,15 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 Event::CrdRefused { lane: TickLane::Program, seq, crd } => {
                     self.program.tick_refused((seq, Refuser::Crd(crd)))
                 }
-                Event::Stopped { .. } | Event::CrdStopped { .. } => {}
+                Event::Stopped { axis, reason, now } => {
+                    self.desk.log.stopped(now, Kind::AxisStopped, axis.index(), reason)
+                }
+                Event::CrdStopped { crd, reason, now } => {
+                    self.desk.log.stopped(now, Kind::CrdStopped, crd.index(), reason)
+                }
             }
         }
+        self.desk.log.see(view);
         self.desk.follow(&mut self.program, view);
         if self.link.session() != self.session {
             self.session = self.link.session();
@@ -302,8 +309,12 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             *lost = desk.tell_link(true);
             program.stop(desk);
             desk.stop_for_link_loss(view);
+            desk.log.put(now, Kind::Link, 0, 1);
         } else if !silent && *lost {
             *lost = !desk.tell_link(false);
+            if !*lost {
+                desk.log.put(now, Kind::Link, 0, 0);
+            }
         }
     }
 

@@ -520,6 +520,56 @@ fn a_lost_link_puts_out_light() {
     }
 }
 
+/// What happened by itself, by time, kind, number and reason; what was told before is left out.
+fn events(bench: &mut Bench<8>, told: &mut u32) -> Vec<(u64, u8, u8, u16)> {
+    let answer = bench.call(GetEvents {});
+    let reply = answer.reply::<GetEvents>();
+    let items = answer.items::<GetEvents>();
+    assert_eq!((items.len(), items.len() <= 32), (usize::from(reply.count.get()), true));
+    let new = reply.total.get() - core::mem::replace(told, reply.total.get());
+    let skip = items.len().saturating_sub(new as usize);
+    items.iter().skip(skip).map(|e| (e.time_ns.get(), e.kind, e.of, e.reason.get())).collect()
+}
+
+#[test]
+fn what_happened_is_told_with_time_and_reason() {
+    let mut bench = bench(LSR);
+    let mut told = 0;
+    assert_eq!(events(&mut bench, &mut told), []);
+    // The link is lost while there is light, and comes back.
+    ready(&mut bench, LSR, 0);
+    bench.done(switch(1, 0));
+    bench.run_ms(1);
+    let cut_at = bench.now().0;
+    bench.cut = true;
+    bench.run_ms(600);
+    bench.cut = false;
+    bench.run_ms(20);
+    let new = events(&mut bench, &mut told);
+    assert_eq!(new.iter().map(|e| (e.1, e.2, e.3)).collect::<Vec<_>>(), [(4, 0, 1), (3, 0, 2), (4, 0, 0)]);
+    for (at, kind, ..) in &new[..2] {
+        assert!((495 * MS..=503 * MS).contains(&(at - cut_at)), "{kind}: {at}");
+    }
+    assert!(new[2].0 > cut_at + 600 * MS);
+    bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });
+    bench.run_ms(1);
+    // A tick that took too long: both channels, although they are dark.
+    bench.tick.overrun();
+    bench.run_ms(1);
+    let new: Vec<_> = events(&mut bench, &mut told).iter().map(|e| (e.1, e.2, e.3)).collect();
+    assert_eq!(new, [(3, 0, 0), (3, 0, 3), (3, 1, 3), (5, 0, 1)]);
+    // More than are held: the last ones.
+    for _ in 0..20 {
+        bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });
+        bench.run_ms(1);
+        bench.tick.overrun();
+        bench.run_ms(1);
+    }
+    let new = events(&mut bench, &mut told);
+    assert_eq!((told, new.len()), (7 + 3 * 20, 32));
+    assert_eq!((new[31].1, new[31].3), (5, 1));
+}
+
 #[test]
 fn a_lost_link_puts_out_what_a_running_program_may_light() {
     let mut bench = bench(LSR);

@@ -178,6 +178,12 @@ wire_structs! {
     /// What ended the run before this one: 0 nothing but power-off or a reset from outside, 1 a panic,
     /// 2 a fault of the core, 3 an interrupt that nobody claims, 4 the watchdog; and how many bytes of text follow (UTF-8).
     FaultReply { kind: u8, length: U16 }
+    /// Events since power-on, and how many of the last ones follow.
+    EventsReply { total: U32, count: U16 }
+    /// What happened by itself: when, what (1 an axis and 2 a coordinate system came to rest, 3 a laser went dark or was
+    /// cleared, 4 the link was lost or came back, 5 servo ticks took too long, 6 events were lost), to which (axes and
+    /// coordinate systems over all cores from 1, lasers from 0), and why.
+    EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
     /// Home or index capture.
     CaptureReply { status: I16, value: I32, clock_ms: U32 }
     /// Raw bytes.
@@ -265,6 +271,7 @@ commands! {
     0x0008 KeepAlive {} [Nothing] -> Nothing [Nothing];
     0x0009 Choose { profile: u8, family: u8 } [Nothing] -> VersionReply [Nothing];
     0x000A GetFault {} [Nothing] -> FaultReply [Byte];
+    0x000B GetEvents {} [Nothing] -> EventsReply [EventItem];
     // -- the program queue (SPEC 7) ----------------------------------------------------------
     0x0010 Sleep { ns: U64 } [Nothing] -> Nothing [Nothing];
     0x0011 WaitStop { core: I16, axes: I32, crds: I32 } [Nothing] -> Nothing [Nothing];

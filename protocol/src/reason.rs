@@ -198,6 +198,30 @@ impl Refusal {
     }
 }
 
+/// Why an axis or a coordinate system came to rest, by the number that an event carries.
+pub const fn stop_reason(number: u16) -> &'static str {
+    match number {
+        1 => "it has ended",
+        2 => "a smooth Stop",
+        3 => "an abrupt Stop",
+        4 => "the positive limit switch",
+        5 => "the negative limit switch",
+        6 => "the positive soft limit",
+        7 => "the negative soft limit",
+        8 => "the drive's alarm",
+        9 => "the following error",
+        10 => "an underrun",
+        11 => "the edge of travel",
+        12 => "its servo went off",
+        13 => "the host link was lost",
+        14 => "a Reset",
+        15 => "an input did not come in time",
+        16 => "the step limit",
+        17 => "another axis could not go along",
+        _ => "an unknown reason",
+    }
+}
+
 /// Why a laser channel is dark until it is cleared, by the number that GetLaserFault tells (SPEC 9).
 pub const fn laser_cause(number: i16) -> &'static str {
     match number {

@@ -568,6 +568,30 @@ fn light_comes_back_after_a_lost_link() {
     assert!(lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), light(true), far]));
 }
 
+/// A start that goes on, and the loss of the link behind it in the same tick: the light waits for the next start.
+#[test]
+fn a_start_in_the_tick_that_loses_the_link_keeps_its_light_for_the_next() {
+    let mut bench = ready(250);
+    bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
+    bench.start(1);
+    bench.until_ms(20);
+    bench.stop(1, false);
+    bench.until_ms(50);
+    assert!(!bench.view().crds[0].runs && !bench.view().lasers[0].light);
+    bench.op(Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(0) });
+    bench.op(Op::Link { lost: true });
+    bench.until_ms(80);
+    assert_eq!((bench.view().lasers[0].fault, bench.view().crds[0].runs), (Cause::LinkLost, false));
+    bench.op(Op::Link { lost: false });
+    bench.tick();
+    bench.change(Change::ClearFault);
+    bench.until_ms(90);
+    assert!(!bench.view().lasers[0].light, "not by clearing");
+    bench.start(1);
+    bench.until_ms(100);
+    assert!(bench.view().crds[0].runs && bench.view().lasers[0].light);
+}
+
 /// Two paths change one channel within one interval: in the order of time.
 #[test]
 fn changes_of_two_paths_come_in_the_order_of_time() {

@@ -1,6 +1,7 @@
 //! The image: builds it and says how large it is.
 use crate::setup::{TARGET, compiler};
 use crate::shell::{Outcome, run, target};
+use crate::supply;
 use object::{Object, ObjectSection, SectionFlags};
 use std::path::{Path, PathBuf};
 
@@ -56,5 +57,6 @@ pub fn report() -> Outcome {
     let path = build()?;
     let Size { flash, ram } = size(&path)?;
     println!("{}: {flash} bytes of code and constants, {ram} bytes of RAM without the stack", path.display());
+    println!("{}: what it is made of", supply::bill("beamtick-firmware", &path)?.display());
     Ok(())
 }

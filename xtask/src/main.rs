@@ -9,6 +9,7 @@ mod image;
 mod probes;
 mod setup;
 mod shell;
+mod supply;
 mod ticks;
 mod traces;
 
@@ -19,12 +20,13 @@ const HELP: &str = "\
 cargo xtask COMMAND
 
   setup           installs what is missing: the compiler's Cortex-M7 target and QEMU
-  image           builds the image for the emulated board and shows its size
+  image           builds the image for the emulated board, shows its size, writes its bill of materials
   demo            builds the image, boots it, runs the examples, writes traces and plots to out/
   ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
   ticks --check   counts them and compares with the table
   probes          the programs that must link, must not link, must not compile
   traces          example jobs in the virtual controller and in the image: equal, byte for byte
+  supply          licences, duplicates, sources and advisories of the dependencies (deny.toml)
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
 ";
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
         ["ticks", "--check"] => ticks::check(),
         ["probes"] => probes::run(),
         ["traces"] => traces::run(),
+        ["supply"] => supply::check(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",
             "-p",

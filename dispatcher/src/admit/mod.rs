@@ -86,6 +86,7 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::Version => one::<command::Version>(body).map(|_| plain(number)),
         opcode::GetClock => one::<command::GetClock>(body).map(|_| plain(number)),
         opcode::GetFault => one::<command::GetFault>(body).map(|_| plain(number)),
+        opcode::GetEvents => one::<command::GetEvents>(body).map(|_| plain(number)),
         opcode::KeepAlive => one::<command::KeepAlive>(body).map(|_| Answer::Done),
         opcode::Reset => to!(Reset, session::reset),
         opcode::ClrSts => to!(ClrSts, session::clear_status),
@@ -226,6 +227,7 @@ pub fn is_read(number: u16) -> bool {
             | opcode::GetClock
             | opcode::KeepAlive
             | opcode::GetFault
+            | opcode::GetEvents
             | opcode::GetStopDec
             | opcode::GetAxisBand
             | opcode::GetSts

@@ -4,7 +4,8 @@ use crate::command_line::Info;
 use crate::connect::{linked, simulated};
 use crate::profile;
 use crate::summary::laser;
-use protocol::command::{GetClock, GetFault, LaserStatus};
+use protocol::command::{EventItem, GetClock, GetEvents, GetFault, LaserStatus};
+use protocol::reason::{laser_cause, stop_reason};
 
 /// Prints version, board, profile, counts and limits.
 pub fn show(arguments: &Info) -> Result<(), Failure> {
@@ -41,6 +42,14 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
         say!("laser {channel}     {}", laser(&state));
     }
+    let (events, items) = client.call_items(GetEvents {}, &[])?;
+    match (events.total.get(), items.len()) {
+        (0, _) => say!("events      none"),
+        (total, shown) => say!("events      {total} since power-on, the last {shown}:"),
+    }
+    for item in &items {
+        say!("  {:>12.3} ms  {}", item.time_ns.get() as f64 / 1e6, event(item));
+    }
     say!("limits      travel ±2^40 pulses, velocity below 2^32 pulse/ms, PT FIFO 2 x 32 or 2 x 1024 segments");
     say!(
         "trace       {}",
@@ -50,4 +59,33 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         }
     );
     Ok(())
+}
+
+/// What happened, to whom, why.
+fn event(item: &EventItem) -> String {
+    let (of, reason) = (item.of, item.reason.get());
+    match (item.kind, reason) {
+        (1, _) => format!("axis {of} stopped: {}", stop_reason(reason)),
+        (2, _) => format!("coordinate system {of} stopped: {}", stop_reason(reason)),
+        (3, 0) => format!("laser {of} cleared"),
+        (3, _) => format!("laser {of} dark: {}", laser_cause(reason as i16)),
+        (4, 0) => "the host link is there again".to_owned(),
+        (4, _) => "the host link was lost".to_owned(),
+        (5, _) => format!("{reason} servo ticks took longer than a period"),
+        _ => format!("{reason} events were lost"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_are_told_in_words() {
+        let text = |kind, of, reason: u16| event(&EventItem { time_ns: 0.into(), kind, of, reason: reason.into() });
+        assert_eq!(text(1, 3, 10), "axis 3 stopped: an underrun");
+        assert_eq!(text(3, 1, 3), format!("laser 1 dark: {}", laser_cause(3)));
+        assert_eq!(text(3, 0, 0), "laser 0 cleared");
+        assert_eq!(text(4, 0, 1), "the host link was lost");
+    }
 }

@@ -202,6 +202,7 @@ fn every_function_packs_as_long_as_its_request() {
         "GetPtState",
         "Version",
         "GetFault",
+        "GetEvents",
         "LaserStatus",
         "LnXYMany",
         "LnXYZMany",

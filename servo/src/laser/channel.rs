@@ -248,6 +248,8 @@ impl Channel {
                     self.switch(at, false);
                 }
             }
+            // A start in the very tick that the link is lost in brakes at once: its light waits for the next one.
+            Event::Start(crd, goes_on) if goes_on && self.is_mapped(crd) && self.safety.loses_link() => {}
             Event::Start(crd, goes_on) => {
                 if self.whose.start(crd, goes_on && self.is_mapped(crd) && !self.safety.is_dark()) {
                     self.news |= news::MOVED;

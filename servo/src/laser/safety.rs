@@ -74,6 +74,11 @@ impl Safety {
         self.dark != Cause::None
     }
 
+    /// Whether it goes dark with the plan that is being made, for a lost link.
+    pub(super) fn loses_link(&self) -> bool {
+        self.dark == Cause::LinkLost && !self.rested
+    }
+
     /// Whether a cause is present that does not pass by itself.
     #[inline]
     pub(super) fn lasts(&self) -> bool {

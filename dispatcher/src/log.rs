@@ -1,0 +1,99 @@
+//! The log of what happened by itself, for the host: when, to whom, why.
+//!
+//! In: news of the tick, its views, the link's state. Out: the last [`HELD`] of them, and how many there were. Owns those.
+//! Fails never: older ones go. Times are of the tick for stops, and else of the view that told first, which is the same
+//! but where the link task came late.
+use protocol::command::EventItem;
+use servo::laser::CHANNELS;
+use servo::units::Ns;
+use servo::view::{StopReason, View};
+
+/// Events that are held.
+pub const HELD: usize = 32;
+
+/// What happened; the numbers are those of `EventItem`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// An axis came to rest, for a `StopReason`.
+    AxisStopped = 1,
+    /// A coordinate system did.
+    CrdStopped = 2,
+    /// A laser channel went dark, for a `Cause`, or was cleared, for none.
+    Laser = 3,
+    /// The host link is lost (1), or is there again (0).
+    Link = 4,
+    /// Ticks took too long, so many.
+    Overrun = 5,
+    /// News of the tick were lost, so many.
+    Lost = 6,
+}
+
+/// The log.
+pub struct Log {
+    /// Item k of all lies at k modulo `HELD`.
+    items: [EventItem; HELD],
+    total: u32,
+    faults: [u16; CHANNELS],
+    overruns: u32,
+    lost: u32,
+}
+
+impl Log {
+    /// Nothing has happened.
+    pub const fn new() -> Log {
+        const NONE: EventItem = EventItem {
+            time_ns: zerocopy::little_endian::U64::ZERO,
+            kind: 0,
+            of: 0,
+            reason: zerocopy::little_endian::U16::ZERO,
+        };
+        Log { items: [NONE; HELD], total: 0, faults: [0; CHANNELS], overruns: 0, lost: 0 }
+    }
+
+    /// Something happened.
+    pub fn put(&mut self, at: Ns, kind: Kind, of: u8, reason: u16) {
+        if let Some(place) = self.items.get_mut(self.total as usize % HELD) {
+            *place = EventItem { time_ns: at.0.into(), kind: kind as u8, of, reason: reason.into() };
+            self.total = self.total.wrapping_add(1);
+        }
+    }
+
+    /// Something came to rest; what ended as it should is no event.
+    pub fn stopped(&mut self, at: Ns, kind: Kind, index: usize, reason: StopReason) {
+        if reason != StopReason::Completed {
+            self.put(at, kind, (index as u8).saturating_add(1), reason as u16);
+        }
+    }
+
+    /// What the newest view tells.
+    pub fn see<const AXES: usize>(&mut self, view: &View<AXES>) {
+        for (channel, shown) in (0..).zip(&view.lasers) {
+            let fault = shown.fault as u16;
+            if let Some(before) = self.faults.get_mut(usize::from(channel))
+                && *before != fault
+            {
+                *before = fault;
+                self.put(view.now, Kind::Laser, channel, fault);
+            }
+        }
+        let more = |now: u32, before: &mut u32| now.wrapping_sub(core::mem::replace(before, now)).min(0xffff) as u16;
+        let (overruns, lost) = (more(view.overruns, &mut self.overruns), more(view.events_lost, &mut self.lost));
+        if overruns != 0 {
+            self.put(view.now, Kind::Overrun, 0, overruns);
+        }
+        if lost != 0 {
+            self.put(view.now, Kind::Lost, 0, lost);
+        }
+    }
+
+    /// How many there were.
+    pub fn total(&self) -> u32 {
+        self.total
+    }
+
+    /// Those that are held, the oldest first.
+    pub fn items(&self) -> impl Iterator<Item = &EventItem> {
+        let held = (self.total as usize).min(HELD);
+        (0..held).filter_map(move |k| self.items.get((self.total as usize - held + k) % HELD))
+    }
+}
