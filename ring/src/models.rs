@@ -73,6 +73,76 @@ fn latest() {
     assert_eq!(*rx.read(), [3, 3]);
 }
 
+/// As the tick takes a lane: it looks at values where they lie, passes over them, drops all; what comes behind is whole.
+fn lane() {
+    let ring: &'static Ring<[u32; 2], 2> = Box::leak(Box::new(Ring::new()));
+    let (mut tx, mut rx) = ring.split_once().unwrap();
+    let thread = loom::thread::spawn(move || (1..=3).take_while(|&n| tx.push([n, n + 7]).is_ok()).count() as u32);
+    let mut before = 0;
+    let mut look = |rx: &mut crate::Consumer<'_, [u32; 2], 2>| {
+        if let Some(&[n, m]) = rx.peek() {
+            assert!(m == n + 7 && n > before);
+            before = n;
+            rx.skip();
+        }
+    };
+    look(&mut rx);
+    rx.clear();
+    look(&mut rx);
+    let pushed = thread.join().unwrap();
+    look(&mut rx);
+    look(&mut rx);
+    assert!(rx.is_empty() && before <= pushed);
+}
+
+/// As the tick tells news: an event, then the view that goes with it. Whoever sees the view finds the event.
+fn news() {
+    let ring: &'static Ring<u32, 2> = Box::leak(Box::new(Ring::new()));
+    let latest: &'static Latest<u32> = Box::leak(Box::new(Latest::new(0)));
+    let ((mut tx, mut rx), (mut view_in, mut view)) = (ring.split_once().unwrap(), latest.split_once().unwrap());
+    let thread = loom::thread::spawn(move || {
+        for n in 1..=2 {
+            tx.push(n).unwrap();
+            *view_in.buffer() = n;
+            view_in.publish();
+        }
+    });
+    let mut heard = 0;
+    for _ in 0..2 {
+        let seen = *view.read();
+        while let Some(n) = rx.pop() {
+            assert_eq!(n, heard + 1);
+            heard = n;
+        }
+        assert!(heard >= seen);
+    }
+    thread.join().unwrap();
+}
+
+#[test]
+fn lane_holds_in_every_execution() {
+    let executions = explore(Weak::Nothing, lane).expect("the lane's model fails");
+    std::println!("lane: {executions} executions");
+    assert!(executions > 10, "only {executions} executions");
+}
+
+#[test]
+fn lane_needs_its_release() {
+    assert_eq!(explore(Weak::Publish, lane), None);
+}
+
+#[test]
+fn news_hold_in_every_execution() {
+    let executions = explore(Weak::Nothing, news).expect("the model of news fails");
+    std::println!("news: {executions} executions");
+    assert!(executions > 10, "only {executions} executions");
+}
+
+#[test]
+fn news_need_the_exchange() {
+    assert_eq!(explore(Weak::Exchange, news), None);
+}
+
 #[test]
 fn ring_holds_in_every_execution() {
     let executions = explore(Weak::Nothing, ring).expect("the ring's model fails");

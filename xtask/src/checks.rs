@@ -4,7 +4,7 @@
 //! checks passed and failed. A step that fails does not hide those after it.
 use crate::setup::{self, compiler};
 use crate::shell::{self, Outcome, cargo, line, target};
-use crate::{image, probes, ticks, traces};
+use crate::{image, probes, supply, ticks, traces};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -22,13 +22,15 @@ struct Count {
 /// A step: its name, and what it does.
 type Step = (&'static str, fn() -> (Count, Outcome));
 
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 12] = [
     ("set-up", || alone(setup::run())),
     ("format", || alone(shell::run(cargo().args(["fmt", "--all", "--check"])))),
     ("clippy, host", || alone(shell::run(host(["clippy"]).args(["--all-targets", "--", "-D", "warnings"])))),
     ("clippy, Cortex-M7", || alone(clippy_chip())),
     ("tests", || tests(host(["test"]).arg("--no-fail-fast"))),
     ("orderings of the rings, every interleaving (loom)", || tests(&mut loom())),
+    ("unsafe of the rings (Miri)", miri),
+    ("what it is made of (cargo-deny)", || alone(supply::check())),
     ("image and probes", || alone(image::report().and_then(|()| probes::cannot_panic()))),
     ("instructions per tick", || alone(ticks::check())),
     ("traces of image and virtual controller", || alone(traces::run())),
@@ -113,6 +115,23 @@ fn loom() -> Command {
         .env("RUSTFLAGS", "--cfg loom")
         .env("CARGO_TARGET_DIR", target().join("loom"));
     command
+}
+
+/// In a folder of its own too. It needs a nightly compiler with Miri, which may be missing.
+fn miri() -> (Count, Outcome) {
+    let nightly = |words: &[&str]| {
+        let mut command = shell::program("rustup");
+        command.args(["run", "nightly", "cargo", "miri"]).args(words);
+        command.env("CARGO_TARGET_DIR", target().join("miri")).stdin(Stdio::null());
+        command
+    };
+    if !shell::works(&mut nightly(&["setup"])) {
+        println!(
+            "left out: there is no nightly compiler with Miri (`rustup toolchain install nightly -c miri,rust-src`)"
+        );
+        return alone(Ok(()));
+    }
+    tests(&mut nightly(&["test", "--package", "beamtick-ring", "--lib"]))
 }
 
 /// Runs a test command, shows what it prints, and counts.
