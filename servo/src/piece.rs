@@ -182,6 +182,12 @@ impl Piece {
         if self.near == 0 { self.at_wide(t) } else { self.at_near(t as u32) }
     }
 
+    /// Whether it is near.
+    #[inline(always)]
+    pub(crate) fn is_near(&self) -> bool {
+        self.near != 0
+    }
+
     /// Time since `begin`, of a near piece that holds `now`; for one who asks in every tick from its begin on.
     #[inline(always)]
     pub(crate) fn near_time(&self, now: Ns) -> Option<u32> {

@@ -206,3 +206,20 @@ fn a_mode_that_is_set_again_keeps_its_data() {
     bench.start(&[0]);
     assert!(!has(&bench.tick().axes[0], status::RUNNING), "another FIFO use clears the data");
 }
+
+/// Near pieces are told apart by 32 bits of time. Behind one that lasts longer than these tell, such a piece is not
+/// entered before its time.
+#[test]
+fn a_long_segment_lasts_to_its_end() {
+    for (first, second) in [(6000, 2000), (9000, 4000), (5000, 50)] {
+        let mut bench = Bench::ready(250, Mode::PtStatic);
+        bench.pt(0, 0, &[(f64::from(first), first, 1), (f64::from(first), first + second, 1)]);
+        bench.start(&[0]);
+        bench.tick();
+        for tick in 0..(first + second) as u32 * 4 {
+            let pos = pulses(bench.tick().axes[0].pos);
+            let due = (f64::from(tick + 1) / 4.0).min(f64::from(first));
+            assert!((pos - due).abs() < 1e-4, "{pos} instead of {due} in tick {tick}");
+        }
+    }
+}

@@ -139,7 +139,9 @@ impl AxisState {
             return Glide::No;
         }
         let mut t = self.profile.piece().near_time(next);
+        // A piece that is not near may have longer to go than near times tell apart.
         if t.is_none()
+            && self.profile.piece().is_near()
             && let Some(ahead) = self.profile.ahead()
         {
             t = ahead.near_time(next);
