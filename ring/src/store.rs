@@ -38,6 +38,12 @@ impl<const WORDS: usize, const SLOTS: usize> Store<WORDS, SLOTS> {
         }
     }
 
+    /// One word of slot `slot` modulo `SLOTS`; 0 of one that it does not have.
+    pub fn word(&self, slot: u32, index: usize) -> u32 {
+        // Relaxed: as in `read`.
+        self.words[(slot & Self::MASK) as usize].get(index).map_or(0, |word| word.load(Ordering::Relaxed))
+    }
+
     /// What slot `slot` modulo `SLOTS` holds.
     pub fn read(&self, slot: u32) -> [u32; WORDS] {
         let mut words = [0; WORDS];

@@ -77,6 +77,28 @@ impl Supply {
         }
     }
 
+    /// A ramp, which begins where its state lies: it is too large to be moved about.
+    #[inline]
+    pub(crate) fn begin_ramp(&mut self, begin: impl FnOnce(&mut RampRun)) {
+        if !matches!(self, Supply::Ramp(_)) {
+            *self = Supply::Ramp(RampRun::IDLE);
+        }
+        if let Supply::Ramp(run) = self {
+            begin(run);
+        }
+    }
+
+    /// The motion was made ready for time 0, and begins at `now`.
+    #[inline]
+    fn shift(&mut self, now: Ns) {
+        match self {
+            Supply::Pt(run) => run.shift(now),
+            Supply::Pvt(run) => run.shift(now),
+            Supply::Ramp(run) => run.shift(now),
+            Supply::Follow(_) => {}
+        }
+    }
+
     /// As if the last piece had not been made.
     #[inline]
     fn retract(&mut self) {
@@ -98,6 +120,8 @@ enum Other {
     BeforeLast,
     /// The one that follows.
     Ahead,
+    /// At rest, the first one of a motion that has not begun: made as if it began at 0.
+    Ready,
 }
 
 /// A motion, and where it stands.
@@ -189,16 +213,54 @@ impl Profile {
         self.supply = supply;
     }
 
-    /// A ramp takes over at `now`. It begins where its state lies: it is too large to be moved about.
+    /// A ramp takes over at `now`.
     #[inline]
     pub fn begin_ramp(&mut self, now: Ns, begin: impl FnOnce(&mut RampRun)) {
         self.cut(now);
-        if !matches!(self.supply, Supply::Ramp(_)) {
-            self.supply = Supply::Ramp(RampRun::IDLE);
+        self.supply.begin_ramp(begin);
+    }
+
+    /// At rest, and not in the tick in which it came to rest: makes the first piece of a motion ahead of its start,
+    /// which `begin` is to begin at 0.
+    #[inline]
+    pub(crate) fn make_ready(
+        &mut self,
+        feed: Feed,
+        source: &(impl Segments + Tables),
+        begin: impl FnOnce(&mut Supply),
+    ) {
+        begin(&mut self.supply);
+        let piece = &mut self.pieces[!self.second as usize];
+        let state = self.supply.advance(Ns(0), feed, source, piece);
+        self.other = if state == State::Running && piece.span != 0 { Other::Ready } else { Other::BeforeLast };
+    }
+
+    /// Something has changed that the motion made ready depends on.
+    #[inline(always)]
+    pub(crate) fn unready(&mut self) {
+        if self.other == Other::Ready {
+            self.other = Other::BeforeLast;
         }
-        if let Supply::Ramp(run) = &mut self.supply {
-            begin(run);
+    }
+
+    /// What was made ready, if anything.
+    #[inline(always)]
+    pub(crate) fn ready(&self) -> Option<&Supply> {
+        (self.other == Other::Ready).then_some(&self.supply)
+    }
+
+    /// What was made ready begins at `now`; false if nothing was.
+    #[inline]
+    pub(crate) fn begin_ready(&mut self, now: Ns) -> bool {
+        if self.other != Other::Ready {
+            return false;
         }
+        self.cut(now);
+        self.supply.shift(now);
+        let piece = &mut self.pieces[!self.second as usize];
+        piece.begin = Ns(piece.begin.0.wrapping_add(now.0));
+        (self.other, self.new_pass) = (Other::Ahead, false);
+        true
     }
 
     /// The motion is over at `now`: it rests at `pos`.
@@ -211,6 +273,7 @@ impl Profile {
     /// At rest, the position is called `pos`.
     pub fn rename(&mut self, pos: Pos) {
         self.piece_mut().start = pos;
+        self.unready();
     }
 
     /// The piece in force ends at `now`, and what was to follow does not.

@@ -28,6 +28,15 @@ pub trait Tables {
     fn place(&self, table: u8, index: u32) -> [u32; PLACE_WORDS];
     /// The words of a header; a table that does not exist reads as zeros.
     fn header(&self, table: u8) -> [u32; HEADER_WORDS];
+    /// How often its header was written, which is done behind its places.
+    fn version(&self, table: u8) -> u32 {
+        let [.., version] = self.header(table);
+        version
+    }
+    /// Whether it holds nothing.
+    fn is_empty(&self, table: u8) -> bool {
+        Header::from_words(self.header(table)).places == 0
+    }
 }
 
 /// Where a run stands behind the last piece it made. In two parts, each of which is copied in a few words at
@@ -76,6 +85,8 @@ pub struct PvtRun {
     back: Track,
     /// Headers of the tables of both.
     headers: [Header; 2],
+    /// Version of the table that it began with.
+    version: u32,
 }
 
 /// 2⁸³/10⁶ to nearest: ns to ms, top bit set.
@@ -90,7 +101,22 @@ impl PvtRun {
         let knot = Knot { until: began, after: Place::default(), next: 0, segments: 0 };
         let pass = Pass { origin, began, passes: 0, table, header: 0, pending: None, ended: false };
         let track = Track { knot, pass };
-        PvtRun { track, back: track, headers: [header; 2] }
+        PvtRun { track, back: track, headers: [header; 2], version: source.version(table) }
+    }
+
+    /// A motion made ready for time 0 begins at `now`.
+    pub(crate) fn shift(&mut self, now: Ns) {
+        let by = (now.0 as u128) << 64;
+        for track in [&mut self.track, &mut self.back] {
+            track.pass.began = track.pass.began.wrapping_add(by);
+            track.knot.until = track.knot.until.wrapping_add(by);
+        }
+    }
+
+    /// Whether the table that it began with is still the same.
+    #[inline]
+    pub(crate) fn is_current(&self, source: &impl Tables) -> bool {
+        self.version == source.version(self.track.pass.table)
     }
 
     /// `table` takes over when the present pass ends; the one in force now means no change.

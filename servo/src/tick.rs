@@ -99,6 +99,14 @@ impl Tables for Source<'_> {
     fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
         self.tables.header(table)
     }
+    #[inline]
+    fn version(&self, table: u8) -> u32 {
+        self.tables.version(table)
+    }
+    #[inline]
+    fn is_empty(&self, table: u8) -> bool {
+        self.tables.is_empty(table)
+    }
 }
 
 /// The state of the tick. `AXES` is the capacity of the build. What a view tells of it stands in the view's
@@ -277,15 +285,19 @@ impl<const AXES: usize> Tick<AXES> {
             }
             port.set_point(axis, state.set_point());
         }
-        // Every eighth tick an axis looks how long its data lasts; each in a tick of its own.
+        // Every eighth tick an axis looks how long its data lasts, or makes its next start ready, of all of them one in
+        // a tick; each in a tick of its own.
         let shown = &mut lanes.view.buffer().axes;
-        let mut index = (self.ticks & 7) as usize;
+        let (mut index, mut made) = ((self.ticks & 7) as usize, false);
         while let (Some(state), Some(store), Some(shown)) =
             (self.axes.get_mut(index), lanes.segments.get(index), shown.get_mut(index))
         {
             if state.runs() {
                 let source = Source { segments: store, tables: lanes.tables };
                 state.look_ahead(next, &source, shown);
+            } else if state.is_unready() && !made {
+                let source = Source { segments: store, tables: lanes.tables };
+                made = state.get_ready(&source);
             }
             index = index.wrapping_add(8);
         }

@@ -37,14 +37,16 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 49] = [
+const MARKS: [(&str, &str); 53] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
     ("pvt-inside", "PVT, no segment change"),
     ("pvt-change", "PVT, every axis enters another segment"),
     ("start", "all axes start"),
+    ("start-ready", "all axes start, made ready while they rested"),
     ("pvt-start", "PVT, all axes start"),
+    ("pvt-ready", "PVT, all axes start, made ready while they rested"),
     ("follow-inside", "Follow, no segment change (8: seven behind the eighth, which jogs)"),
     ("follow-change", "Follow, every slave enters another segment"),
     ("follow-start", "Follow, all slaves start"),
@@ -52,8 +54,10 @@ const MARKS: [(&str, &str); 49] = [
     ("shaped-change", "FollowEx, every slave enters another piece of its shaped segments"),
     ("shaped-start", "FollowEx, all slaves start"),
     ("trap", "all axes start Trap"),
+    ("trap-ready", "all axes start Trap, made ready while they rested"),
     ("trap-inside", "Trap, pieces of ramps begin and end"),
     ("smooth", "all axes start smoothed Trap"),
+    ("smooth-ready", "all axes start smoothed Trap, made ready while they rested"),
     ("smooth-inside", "smoothed Trap, pieces of ramps begin and end"),
     ("stop", "smooth Stop of all axes"),
     ("set", "servo on, mode, loop and commit for every axis"),

@@ -1,12 +1,14 @@
 //! What PT, PVT and Follow run from: FIFOs, streams, tables, passes.
 //!
 //! In: what the thread committed and selected. Out: the [`Feed`] of a run, and what the view tells of it.
-use super::{AxisState, FIFO, IN_FORCE, RING_MASK, pt_state};
+use super::{AxisState, FIFO, IN_FORCE, Jog, RING_MASK, pt_state};
 use crate::follow;
 use crate::op::Mode;
+use crate::piece::Scaled;
 use crate::profile::Supply;
 use crate::pt::{Feed, Place, PtRun, Segments};
-use crate::pvt::{Header, PvtRun, Tables};
+use crate::pvt::{PvtRun, Tables};
+use crate::ramp::Moving;
 use crate::units::Ns;
 use crate::view::AxisView;
 
@@ -31,24 +33,30 @@ impl AxisState {
         Feed { end: self.end(self.fifo), passes }
     }
 
+    /// Where the segments of a FIFO lie, and how many passes of them there are.
+    fn place(&self, fifo: u8) -> Place {
+        if self.shown.mode == Mode::PtStatic {
+            Place::Static { base: if fifo == 1 { FIFO } else { 0 } }
+        } else {
+            Place::Dynamic { mask: RING_MASK, first: 0 }
+        }
+    }
+
     /// PT begins; its time is 0 at `next`.
     pub(crate) fn start_pt(&mut self, next: Ns, fifo1: bool) {
-        let place = if self.shown.mode == Mode::PtStatic {
-            self.fifo = fifo1 as u8;
-            Place::Static { base: if fifo1 { FIFO } else { 0 } }
-        } else {
-            self.fifo = 0;
-            Place::Dynamic { mask: RING_MASK, first: 0 }
-        };
+        let fifo = if self.shown.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
         self.shown.pt_state = pt_state::RUNNING;
         self.shown.passes = 0;
-        self.begin(next, Supply::Pt(PtRun::begin(next, self.exact, place)));
+        if self.fifo == fifo && self.begin_ready(next) {
+            return;
+        }
+        self.fifo = fifo;
+        self.begin(next, Supply::Pt(PtRun::begin(next, self.exact, self.place(fifo))));
     }
 
     /// Whether PVT must not start.
     pub(crate) fn refuses_pvt(&self, tables: &impl Tables) -> bool {
-        let empty = Header::from_words(tables.header(self.table)).places == 0;
-        self.refuses_start() || self.runs() || self.shown.mode != Mode::Pvt || empty
+        self.refuses_start() || self.runs() || self.shown.mode != Mode::Pvt || tables.is_empty(self.table)
     }
 
     /// PVT begins; its time is 0 at `next`.
@@ -56,7 +64,47 @@ impl AxisState {
         let shown = &mut self.shown;
         (shown.passes, shown.table, shown.pending) = (0, self.table, None);
         (shown.table_zero, shown.table_until) = (next, IN_FORCE);
+        let current = matches!(self.profile.ready(), Some(Supply::Pvt(run)) if run.is_current(tables));
+        if current && self.begin_ready(next) {
+            return;
+        }
         self.begin(next, Supply::Pvt(PvtRun::begin(next, self.exact, self.table, tables)));
+    }
+
+    /// At rest, makes the first piece of what a start would begin, as things stand: of the FIFO committed last, of
+    /// the table selected, of the Jog or the Trap that is set. Whether it took any time.
+    #[inline(never)]
+    pub(crate) fn get_ready(&mut self, source: &(impl Segments + Tables)) -> bool {
+        self.unready = self.unready.saturating_sub(1);
+        if self.unready != 0 {
+            return false;
+        }
+        let feed = self.feed();
+        let (at, place, set) =
+            (self.exact, self.place(self.fifo), !self.trap.acc.is_zero() && !self.trap.dec.is_zero());
+        let AxisState { profile, shown, table, jog, trap, .. } = self;
+        let from = Moving { pos: at, velocity: Scaled::default() };
+        match shown.mode {
+            Mode::PtStatic | Mode::PtDynamic if feed.end != 0 => {
+                profile.make_ready(feed, source, |supply| *supply = Supply::Pt(PtRun::begin(Ns(0), at, place)));
+            }
+            Mode::Pvt if !source.is_empty(*table) => {
+                profile.make_ready(feed, source, |supply| {
+                    *supply = Supply::Pvt(PvtRun::begin(Ns(0), at, *table, source));
+                });
+            }
+            Mode::Trap if set => {
+                profile.make_ready(feed, source, |supply| supply.begin_ramp(|run| run.begin_trap(Ns(0), from, trap)));
+            }
+            Mode::Jog if !jog.acc.is_zero() => {
+                let Jog { acc, dec, smooth } = *jog;
+                profile.make_ready(feed, source, |supply| {
+                    supply.begin_ramp(|run| run.begin_jog(Ns(0), from, trap.speed, acc, dec, smooth));
+                });
+            }
+            _ => return false,
+        }
+        true
     }
 
     /// The table of the next start, or the one that takes over when the present pass ends.
@@ -118,6 +166,9 @@ impl AxisState {
         }
         let [first, second] = &mut self.ends;
         *(if fifo == 0 { first } else { second }) = end;
+        if !self.runs() {
+            self.fifo = if self.shown.mode == Mode::PtStatic { fifo } else { 0 };
+        }
         self.profile.revise();
     }
 

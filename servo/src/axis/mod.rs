@@ -22,6 +22,8 @@ use crate::status;
 use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 
+/// An axis to which something was done waits for the second look: in the meantime, what belongs together is there.
+const UNREADY: u8 = 2;
 /// Segments of one static FIFO.
 const FIFO: u32 = 1024;
 /// Slots of the dynamic ring, less one.
@@ -69,6 +71,8 @@ pub(crate) struct AxisState {
     pub(crate) news: bool,
     /// By its own profile.
     runs: bool,
+    /// Looks until its next start is made ready, 0 if it is or if there is nothing to do.
+    unready: u8,
     /// By a coordinate system.
     driven: bool,
     /// Input levels, sampled, as bits.
@@ -144,6 +148,7 @@ impl AxisState {
         count: 0,
         calm: Calm::None,
         news: true,
+        unready: 0,
         lower: NEGATIVE_EDGE,
         upper: Pos::TRAVEL,
         inside: (1 - (1 << 30), (1 << 31) - 1),
@@ -187,7 +192,14 @@ impl AxisState {
     #[inline]
     pub(crate) fn touch(&mut self) {
         self.changed();
-        (self.calm, self.news) = (Calm::None, true);
+        (self.calm, self.news, self.unready) = (Calm::None, true, UNREADY);
+        self.profile.unready();
+    }
+
+    /// Whether its next start is to be made ready.
+    #[inline(always)]
+    pub(crate) fn is_unready(&self) -> bool {
+        self.unready != 0
     }
 
     #[inline(always)]
@@ -234,6 +246,7 @@ impl AxisState {
             return;
         }
         (self.shown.mode, self.crd) = (mode, None);
+        self.profile.unready();
         self.shown.pt_state = 0;
         self.shown.passes = 0;
         self.clear_data();
@@ -256,6 +269,7 @@ impl AxisState {
             calm,
             news,
             runs,
+            unready: _,
             driven,
             levels: _,
             servo_on,

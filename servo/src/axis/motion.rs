@@ -47,6 +47,9 @@ impl AxisState {
 
     /// Jog or Trap begins or changes; its time is 0 at `next`.
     pub(crate) fn update(&mut self, next: Ns, source: &(impl Segments + Tables)) {
+        if self.begin_ready(next) {
+            return;
+        }
         let (from, _) = self.moving(next, source);
         let AxisState { profile, shown, trap, jog, .. } = self;
         profile.begin_ramp(next, |run| {
@@ -58,6 +61,15 @@ impl AxisState {
             }
         });
         self.set_off(StopReason::Completed);
+    }
+
+    /// What was made ready at rest begins; false if nothing was.
+    pub(super) fn begin_ready(&mut self, next: Ns) -> bool {
+        let begins = self.profile.begin_ready(next);
+        if begins {
+            self.set_off(StopReason::Completed);
+        }
+        begins
     }
 
     pub(super) fn begin(&mut self, next: Ns, supply: Supply) {

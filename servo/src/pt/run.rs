@@ -99,6 +99,13 @@ impl PtRun {
         PtRun { track, back: track, place, duration: 0, divisor: Divisor::new(1), recip: Recip::default() }
     }
 
+    /// A motion made ready for time 0 begins at `now`.
+    pub(crate) fn shift(&mut self, now: Ns) {
+        for track in [&mut self.track, &mut self.back] {
+            track.pass.begin = Ns(track.pass.begin.0.wrapping_add(now.0));
+        }
+    }
+
     /// Where it stands with the piece in force: `ahead` tells whether the last one made is yet to come.
     #[inline(always)]
     fn standing(&self, ahead: bool) -> &Track {

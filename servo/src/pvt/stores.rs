@@ -4,6 +4,7 @@
 //! is the board's; who may write when is
 //! agreed as for [`ring::Store`]: before the operation that first names the table. Cannot fail: what
 //! does not exist reads as zeros and takes nothing.
+use super::table::VERSION;
 use super::{HEADER_WORDS, PLACE_WORDS, PLACES, Tables};
 use ring::Store;
 
@@ -34,9 +35,12 @@ impl TableStores<'_> {
         }
     }
 
-    /// Writes the header of a table.
-    pub fn write_header(&self, table: u8, words: [u32; HEADER_WORDS]) {
+    /// Writes the header of a table, behind its places: who has read any of them before finds another version.
+    pub fn write_header(&self, table: u8, mut words: [u32; HEADER_WORDS]) {
         if (table as usize) < TABLES {
+            if let Some(version) = words.get_mut(VERSION) {
+                *version = self.version(table).wrapping_add(1);
+            }
             self.headers.write(table as u32, words);
         }
     }
@@ -51,5 +55,15 @@ impl Tables for TableStores<'_> {
     #[inline]
     fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
         if (table as usize) < TABLES { self.headers.read(table as u32) } else { [0; HEADER_WORDS] }
+    }
+
+    #[inline]
+    fn version(&self, table: u8) -> u32 {
+        if (table as usize) < TABLES { self.headers.word(table as u32, VERSION) } else { 0 }
+    }
+
+    #[inline]
+    fn is_empty(&self, table: u8) -> bool {
+        (table as usize) >= TABLES || self.headers.word(table as u32, 0) as u16 == 0
     }
 }

@@ -14,8 +14,10 @@ use crate::wide::umulhi;
 pub const PLACES: usize = 1024;
 /// Words of a place.
 pub const PLACE_WORDS: usize = 4;
-/// Words of a header.
-pub const HEADER_WORDS: usize = 16;
+/// Words of a header; the last one counts how often it was written.
+pub const HEADER_WORDS: usize = 17;
+/// The word that counts how often a header was written.
+pub(super) const VERSION: usize = HEADER_WORDS - 1;
 /// Bits of a place's time.
 pub const TIME_BITS: u32 = 44;
 /// Bits of a place's position with its sign.

@@ -229,6 +229,13 @@ impl RampRun {
         run
     }
 
+    /// A motion made ready for time 0 begins at `now`.
+    pub(crate) fn shift(&mut self, now: Ns) {
+        let by = (now.0 as Fine) << 32;
+        self.time = self.time.wrapping_add(by);
+        self.stretch.begin = self.stretch.begin.wrapping_add(by);
+    }
+
     /// When the motion will have ended, 2⁻³² ns; a Jog never does.
     pub fn end(&self) -> Fine {
         let mut run = *self;

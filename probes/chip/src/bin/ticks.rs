@@ -7,7 +7,8 @@
 //! reading itself taken off. MARK says what the tick did: `start` (it executed the commands), `change`
 //! (every running axis entered another segment), `inside` (none did), `idle`; with `pvt-` before it in PVT;
 //! of Follow
-//! `follow-` and of FollowEx `shaped-` (in case 8 seven axes follow the eighth); of Traps `trap` and `smooth` (they start), `…-inside` (they run), `stop` (they begin to stop).
+//! `follow-` and of FollowEx `shaped-` (in case 8 seven axes follow the eighth); `…-ready`: a start for which there
+//! were ticks to make it ready in; of Traps `trap` and `smooth` (they start), `…-inside` (they run), `stop` (they begin to stop).
 //!
 //! The machine under the tick only stores what it is told: what is counted is the tick alone.
 use core::hint::black_box;
@@ -166,7 +167,18 @@ impl Bench {
         TABLE_STORES.write_header(table, sealed.header().admit().unwrap_or_default());
     }
 
-    fn run_tables(&mut self, case: &str, running: usize, scratch: &mut Scratch) {
+    /// Ticks in which the next start of every axis is made ready; `first` says what a start is called without them.
+    fn get_ready(&mut self, case: &str, ready: bool, [first, then]: [&'static str; 2]) -> &'static str {
+        if !ready {
+            return first;
+        }
+        for _ in 0..2 * AXES {
+            self.step(case, Some("getting-ready"));
+        }
+        then
+    }
+
+    fn run_tables(&mut self, case: &str, running: usize, ready: bool, scratch: &mut Scratch) {
         let mut axes = AxisMask(0);
         for axis in (0..running).filter_map(Axis::new) {
             self.load_table(axis, scratch);
@@ -177,11 +189,12 @@ impl Bench {
             self.push(Op::PvtSelect { axis, table: axis.index() as u8 });
         }
         self.step(case, Some("pvt-set"));
+        let mark = self.get_ready(case, ready, ["pvt-start", "pvt-ready"]);
         self.push(Op::PvtStart { axes });
-        self.step(case, Some("pvt-start"));
+        self.step(case, Some(mark));
         let now = *self.thread.view.read();
         assert!(now.axes.iter().take(running).all(|a| a.table_until.0 == u64::MAX), "an axis does not run");
-        for _ in 0..TICKS {
+        for _ in 0..if ready { 0 } else { TICKS } {
             self.step_of(case, None, ["pvt-change", "pvt-inside"]);
         }
         self.push(Op::Reset { axes });
@@ -241,7 +254,7 @@ impl Bench {
     }
 
     /// A Trap of every axis, smoothed or not, begun on one tick and stopped smoothly on another.
-    fn run_ramps(&mut self, case: &str, running: usize, smooth: Ns, [start, inside]: [&str; 2]) {
+    fn run_ramps(&mut self, case: &str, running: usize, smooth: Ns, ready: bool, [start, inside]: [&'static str; 2]) {
         let rate = |x: f64| Accel::admit(x.to_bits()).unwrap_or_default();
         let speed = |x: f64| Speed::admit(x.to_bits()).unwrap_or_default();
         let mut axes = AxisMask(0);
@@ -257,13 +270,14 @@ impl Bench {
             self.push(Op::StopDec { axis, smooth: rate(0.9 + k / 11.0), abrupt: rate(1000.0) });
         }
         self.step(case, Some("set-ramp"));
+        let mark = self.get_ready(case, ready, [start; 2]);
         self.push(Op::Update { axes });
-        self.step(case, Some(start));
+        self.step(case, Some(mark));
         for _ in 0..TICKS {
             self.step(case, Some(inside));
         }
         self.push(Op::Stop { axes, abrupt: AxisMask(0) });
-        self.step(case, Some(if smooth.0 == 0 { "stop" } else { "stopped" }));
+        self.step(case, Some(if smooth.0 == 0 && !ready { "stop" } else { "stopped" }));
         for _ in 0..TICKS {
             self.step(case, Some("stopping"));
         }
@@ -310,7 +324,7 @@ impl Bench {
         self.step(case, Some("reset"));
     }
 
-    fn run(&mut self, case: &str, running: usize) {
+    fn run(&mut self, case: &str, running: usize, ready: bool) {
         for _ in 0..8 {
             self.step(case, Some("idle"));
         }
@@ -325,12 +339,13 @@ impl Bench {
         }
         self.step(case, Some("set"));
         if running > 0 {
+            let mark = self.get_ready(case, ready, ["start", "start-ready"]);
             self.push(Op::PtStart { axes, fifo1: AxisMask(0) });
-            self.step(case, Some("start"));
+            self.step(case, Some(mark));
             let now = *self.thread.view.read();
             assert!(now.axes.iter().take(running).all(|a| a.pt_state == 1), "an axis does not run");
         }
-        for _ in 0..TICKS {
+        for _ in 0..if ready { 0 } else { TICKS } {
             self.step(case, if running == 0 { Some("idle") } else { None });
         }
         self.push(Op::Reset { axes });
@@ -350,15 +365,20 @@ fn main() -> ! {
     let mut bench = Bench { tick, machine, lanes, thread, seq: 0, reading: 0 };
     bench.reading = bench.count(nothing);
     for (case, running) in [("0", 0), ("1", 1), ("8", 8)] {
-        bench.run(case, running);
+        bench.run(case, running, false);
     }
+    bench.run("1", 1, true);
+    bench.run("8", 8, true);
     let mut scratch = Scratch::new();
     for (case, running) in [("1", 1), ("8", 8)] {
-        bench.run_tables(case, running, &mut scratch);
+        bench.run_tables(case, running, false, &mut scratch);
+        bench.run_tables(case, running, true, &mut scratch);
     }
     for (case, running) in [("1", 1), ("8", 8)] {
-        bench.run_ramps(case, running, Ns(0), ["trap", "trap-inside"]);
-        bench.run_ramps(case, running, Ns(12_000_000), ["smooth", "smooth-inside"]);
+        bench.run_ramps(case, running, Ns(0), false, ["trap", "trap-inside"]);
+        bench.run_ramps(case, running, Ns(12_000_000), false, ["smooth", "smooth-inside"]);
+        bench.run_ramps(case, running, Ns(0), true, ["trap-ready", "trap-after"]);
+        bench.run_ramps(case, running, Ns(12_000_000), true, ["smooth-ready", "smooth-after"]);
     }
     for (case, channels) in [("1", 1), ("2", 2)] {
         bench.run_lasers(case, channels);
