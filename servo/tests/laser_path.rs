@@ -502,6 +502,17 @@ fn a_fault_of_an_axis_puts_out_what_its_coordinate_system_gates() {
     clear(&mut bench, 0);
     assert_eq!(faults(&mut bench), [Cause::None; 2]);
     assert!(!bench.view().lasers[0].light && bench.view().lasers[1].light);
+    // One that was there before the map named its coordinate system.
+    let mut bench = lit(0b01);
+    bench.op(Op::Laser { channel: 0, change: Change::CrdMap { map: 0b10 } });
+    bench.tick();
+    bench.machine.inputs[1].alarm = true;
+    bench.tick();
+    assert_eq!(faults(&mut bench), [Cause::None; 2]);
+    bench.op(Op::Laser { channel: 0, change: Change::CrdMap { map: 0b11 } });
+    bench.tick();
+    assert_eq!(faults(&mut bench), [Cause::Alarm, Cause::None]);
+    assert!(!bench.view().lasers[0].light);
     // A limit.
     let mut bench = lit(0b11);
     bench.machine.inputs[3].limit_negative = true;

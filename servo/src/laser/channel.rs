@@ -300,8 +300,11 @@ impl Channel {
         self.news |= news::CHANGED;
     }
 
+    /// An alarm may begin for the channel by what it is mapped to, too.
     fn see_alarms(&mut self) {
-        self.safety.alarm(self.alarms.0 & self.shown.crd_map != 0);
+        if self.safety.alarm(self.alarms.0 & self.shown.crd_map != 0) {
+            self.trip(Cause::Alarm);
+        }
     }
 
     /// Some coordinate systems had a fault that is cleared (ClrSts).

@@ -98,9 +98,11 @@ impl Safety {
         self.link_lost = lost;
     }
 
-    /// Whether a mapped coordinate system has an alarm now.
-    pub(super) fn alarm(&mut self, active: bool) {
+    /// Whether a mapped coordinate system has an alarm now; true if it had none before.
+    pub(super) fn alarm(&mut self, active: bool) -> bool {
+        let begins = active && !self.alarm;
         self.alarm = active;
+        begins
     }
 
     /// A cause has appeared. The first one is kept.
