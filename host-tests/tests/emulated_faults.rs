@@ -198,6 +198,17 @@ fn a_tick_that_takes_too_long_puts_out_the_light() {
     assert_dark_until_cleared(&client, 3);
 }
 
+#[test]
+fn an_idle_client_keeps_the_link_alive_by_itself() {
+    let Some(image) = image() else { return };
+    let map = Map::of(&image);
+    let board = Board::start(image, false);
+    let client = board.open();
+    shine(&client);
+    map.pass(&board, 1500);
+    assert_eq!((state(&client, 0).light, fault(&client, 0)), (1, 0));
+}
+
 /// The commands of a small job, whatever becomes of each. True if the second to last, the on command, was answered.
 fn job(client: &Client) -> bool {
     let (core, channel) = (1.into(), 0.into());

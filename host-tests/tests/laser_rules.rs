@@ -85,14 +85,20 @@ fn the_tick_holds_every_rule() {
     }
 }
 
-/// Every test and every rule that docs/laser.md names is there.
+/// Every test and every rule that the pages name is there.
 #[test]
-fn the_tests_that_the_page_names_are_there() {
+fn the_tests_that_the_pages_name_are_there() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut sources = String::new();
-    for folder in
-        ["host-tests/tests", "host-tests/tests/path", "host/beamtick/tests", "servo/tests", "dispatcher/tests"]
-    {
+    for folder in [
+        "host-tests/tests",
+        "host-tests/tests/path",
+        "host/beamtick/tests",
+        "servo/tests",
+        "dispatcher/tests",
+        "probes/rules/tests",
+        "ring/src",
+    ] {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|extension| extension == "rs") {
@@ -101,16 +107,20 @@ fn the_tests_that_the_page_names_are_there() {
         }
     }
     let rules: Vec<&str> = cases().iter().map(|case| case.name).collect();
-    let page = std::fs::read_to_string(root.join("docs/laser.md")).unwrap();
     let is_name =
         |text: &&str| text.matches('_').count() > 2 && !text.contains(|c: char| !(c.is_ascii_lowercase() || c == '_'));
-    let names: Vec<&str> = page.split('`').skip(1).step_by(2).filter(is_name).collect();
-    assert!(names.len() > 50, "{}", names.len());
-    for name in names {
-        let is_test = sources.contains(&format!("fn {name}(")) || sources.contains(&format!("name: \"{name}\""));
-        let is_example = root.join(format!("examples/{name}.gts")).exists();
-        assert!(rules.contains(&name) || is_test || is_example, "{name}");
+    let read = |page: &str| std::fs::read_to_string(root.join(page)).unwrap();
+    for (page, least) in [("docs/laser.md", 50), ("docs/safety.md", 45)] {
+        let text = read(page);
+        let names: Vec<&str> = text.split('`').skip(1).step_by(2).filter(is_name).collect();
+        assert!(names.len() > least, "{page}: {}", names.len());
+        for name in names {
+            let is_test = sources.contains(&format!("fn {name}(")) || sources.contains(&format!("name: \"{name}\""));
+            let is_example = root.join(format!("examples/{name}.gts")).exists();
+            assert!(rules.contains(&name) || is_test || is_example, "{page}: {name}");
+        }
     }
+    let page = read("docs/laser.md");
     for rule in rules {
         assert!(page.contains(&format!("`{rule}`")), "the page does not name {rule}");
     }
