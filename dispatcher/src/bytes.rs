@@ -3,8 +3,7 @@
 //! In: records as they came. Out: the same, in order, each in one piece. A record takes its body and
 //! [`RECORD_BYTES`]; what does not fit is not taken.
 
-/// Bytes of the queue.
-pub const QUEUE_BYTES: usize = 8192;
+pub use crate::capacity::QUEUE_BYTES;
 /// What a record takes beside its body: as much as its head in a message.
 pub const RECORD_BYTES: usize = 7;
 /// Longest body.

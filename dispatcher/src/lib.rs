@@ -12,6 +12,7 @@ mod admit;
 mod awaiting;
 mod books;
 mod bytes;
+mod capacity;
 mod case;
 mod desk;
 pub mod figure;

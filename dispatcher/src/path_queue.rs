@@ -13,8 +13,7 @@ use crate::lookahead::{Limits, LookAhead};
 use servo::path::{ENTRIES, Entries, Entry, EntryStore, Item};
 use servo::view::CrdView;
 
-/// Entries that a look-ahead holds.
-pub const LOOK_AHEAD: usize = 256;
+pub use crate::capacity::LOOK_AHEAD;
 
 /// What the tick has of a running path lasts at least this long, if there is more: longer than the thread is ever
 /// away, ms.
@@ -22,11 +21,31 @@ pub const LASTS_MS: f64 = 10.0;
 /// Units of a time that is kept in a millisecond.
 const UNITS: f64 = 1024.0;
 
+/// How long an entry lasts, to 1 in 2048 and up to two minutes, rounded down.
+#[derive(Debug, Clone, Copy)]
+struct Lasting(u16);
+
+impl Lasting {
+    const NONE: Lasting = Lasting(0);
+    /// Bits of the mantissa; those above it shift it to the left.
+    const BITS: u32 = 12;
+
+    fn of(ms: f64) -> Lasting {
+        let units = (ms * UNITS).clamp(0.0, f64::from(((1u32 << Self::BITS) - 1) << 15)) as u32;
+        let shift = (u32::BITS - units.leading_zeros()).saturating_sub(Self::BITS);
+        Lasting((units >> shift) as u16 | (shift as u16) << Self::BITS)
+    }
+
+    fn units(self) -> u64 {
+        u64::from(self.0 & ((1 << Self::BITS) - 1)) << (self.0 >> Self::BITS)
+    }
+}
+
 /// One FIFO's data on its way. All its bytes are zero at the beginning.
 pub struct PathQueue {
     look: LookAhead<LOOK_AHEAD>,
     /// How long each entry lasts, by its counter.
-    times: [u32; ENTRIES],
+    times: [Lasting; ENTRIES],
     /// The sum of those that are not over.
     sum: u64,
     first: u32,
@@ -40,7 +59,15 @@ impl PathQueue {
     /// Nothing was given.
     pub const fn new() -> PathQueue {
         let limits = Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 };
-        PathQueue { look: LookAhead::new(limits), times: [0; ENTRIES], sum: 0, first: 0, end: 0, cleared: 0, count: 0 }
+        PathQueue {
+            look: LookAhead::new(limits),
+            times: [Lasting::NONE; ENTRIES],
+            sum: 0,
+            first: 0,
+            end: 0,
+            cleared: 0,
+            count: 0,
+        }
     }
 
     /// Everything that was given before the FIFO was cleared for this time is forgotten.
@@ -56,8 +83,8 @@ impl PathQueue {
         self.look.clear();
         while self.end != end && self.end != self.first {
             self.end = self.end.wrapping_sub(1);
-            let time = self.times.get(self.end as usize % ENTRIES).copied().unwrap_or(0);
-            self.sum = self.sum.saturating_sub(time.into());
+            let time = self.times.get(self.end as usize % ENTRIES).map_or(0, |time| time.units());
+            self.sum = self.sum.saturating_sub(time);
         }
         self.end = end;
     }
@@ -109,11 +136,11 @@ impl PathQueue {
     }
 
     fn write(&mut self, store: &EntryStore, entry: Entry, ms: f64) {
-        let units = (ms * UNITS).clamp(0.0, f64::from(u32::MAX)) as u32;
+        let lasting = Lasting::of(ms);
         if let Some(place) = self.times.get_mut(self.end as usize % ENTRIES) {
-            *place = units;
+            *place = lasting;
         }
-        self.sum = self.sum.saturating_add(units.into());
+        self.sum = self.sum.saturating_add(lasting.units());
         store.write(self.end, entry);
         self.end = self.end.wrapping_add(1);
     }
@@ -145,8 +172,8 @@ impl PathQueue {
             return;
         }
         for _ in 0..over {
-            let time = self.times.get(self.first as usize % ENTRIES).copied().unwrap_or(0);
-            self.sum = self.sum.saturating_sub(time.into());
+            let time = self.times.get(self.first as usize % ENTRIES).map_or(0, |time| time.units());
+            self.sum = self.sum.saturating_sub(time);
             self.first = self.first.wrapping_add(1);
         }
     }
@@ -162,8 +189,8 @@ impl PathQueue {
         if !(seen.runs && seen.fifo == fifo) || self.first == self.end {
             return self.sum as f64 / UNITS;
         }
-        let time = self.times.get(self.first as usize % ENTRIES).copied().unwrap_or(0);
-        let behind = self.sum.saturating_sub(time.into()) as f64 / UNITS;
+        let time = self.times.get(self.first as usize % ENTRIES).map_or(0, |time| time.units());
+        let behind = self.sum.saturating_sub(time) as f64 / UNITS;
         behind + left(store.entry(fifo, self.first), seen)
     }
 
@@ -210,4 +237,19 @@ fn left(entry: Entry, seen: &CrdView) -> f64 {
         _ => return 0.0,
     };
     libm::sqrt(way) / f64::from_bits(along.vel_bits()).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_entrys_time_is_kept_to_1_in_2048() {
+        for ms in [0.0, 1.0 / 1024.0, 0.5, 3.9, 4.0, 10.0, 63.99, 64.0, 1000.1, 60_000.0, 131_000.0] {
+            let kept = Lasting::of(ms).units() as f64 / UNITS;
+            assert!(kept <= ms && kept > ms * (1.0 - 1.0 / 2048.0) - 1.0 / 1024.0, "{ms}: {kept}");
+        }
+        assert_eq!(Lasting::of(1e9).units(), 4095 << 15);
+        assert_eq!(Lasting::of(f64::NAN).units(), 0);
+    }
 }

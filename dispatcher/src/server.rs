@@ -22,8 +22,7 @@ use servo::units::Ns;
 use servo::view::{Event, Sample, View};
 use zerocopy::IntoBytes;
 
-/// Messages under way each way.
-pub const LINK_WINDOW: usize = 8;
+pub use crate::capacity::LINK_WINDOW;
 /// Rounds of a poll: each moves the program, the message in hand and the replies as far as they go.
 const ROUNDS: u32 = 16;
 

@@ -6,6 +6,7 @@
 //! Out: set-points to the port, a [`view::View`] for the thread, samples for a trace.
 //! Nothing here divides by a variable, uses floating point, waits, logs or panics.
 mod axis;
+mod capacity;
 pub mod crd;
 mod edges;
 mod execute;

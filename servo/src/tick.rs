@@ -9,6 +9,7 @@
 //! then every axis under its guards, slaves behind their masters, then the lasers. So a limit seen now stops the
 //! set-point of the next tick.
 use crate::axis::{AxisState, Glide};
+pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
 use crate::crd::Crds;
 use crate::edges::{Edges, Levels};
 use crate::execute::Reach;
@@ -27,14 +28,8 @@ use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns};
 use crate::view::{Event, LaserView, Sample, Traced, View};
 use ring::{Consumer, Producer, Writer};
 
-/// Entries of the immediate lane's ring.
-pub const IMMEDIATE: usize = 128;
-/// Entries of the program lane's ring.
-pub const PROGRAM: usize = 256;
 /// Events between two looks of the thread.
 pub const EVENTS: usize = 64;
-/// Trace samples between two looks of the thread.
-pub const SAMPLES: usize = 1024;
 /// Entries that act in one tick, both lanes together: so many in the shortest, and in a longer one an entry for
 /// each 512 ns, as far as the larger ring goes. One takes about 100 instructions, but for starts.
 pub const ENTRIES_PER_TICK: core::ops::RangeInclusive<u32> = 64..=PROGRAM as u32;

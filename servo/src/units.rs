@@ -86,8 +86,8 @@ impl AxisMask {
 pub struct Crd(u8);
 
 impl Crd {
-    /// The largest number of any profile, over all cores.
-    pub const MAX: usize = 4;
+    /// The largest number of any profile that the build holds, over all cores.
+    pub const MAX: usize = crate::capacity::CRDS;
     /// Coordinate system `index` from 0, if there may be one.
     pub const fn new(index: usize) -> Option<Crd> {
         if index < Self::MAX { Some(Crd(index as u8)) } else { None }

@@ -19,6 +19,7 @@ mod intake;
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
 use crate::books::{Books, Change, PROGRAM_FLAG, executed};
 use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
+use crate::capacity::{AWAITING, VALUES};
 use crate::case::Answer;
 use crate::desk::Desk;
 use crate::lane::{Deque, Lane};
@@ -31,12 +32,6 @@ use ring::Producer;
 use servo::op::{Entry, Op};
 use servo::view::View;
 use zerocopy::{FromBytes, IntoBytes};
-
-/// Replies that wait for the execution of their entries. As many records of data may stand before the
-/// start of their stream.
-const AWAITING: usize = 1024;
-/// Values of Calculate commands that wait with them: two full tables.
-const VALUES: usize = 2048;
 
 /// Where the program is; the numbers are those of `ProgramReply`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

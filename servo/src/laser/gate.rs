@@ -8,8 +8,7 @@
 use super::NEVER;
 use crate::units::Ns;
 
-/// Edges that may be pending: 128 marks inside the longest delay (65 ms).
-pub(super) const EDGES: usize = 256;
+pub(super) use crate::capacity::EDGES;
 
 /// The places are used up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,8 +8,7 @@ use super::table::VERSION;
 use super::{HEADER_WORDS, PLACE_WORDS, PLACES, Tables};
 use ring::Store;
 
-/// Tables of a controller: 32 for each of two cores.
-pub const TABLES: usize = 64;
+pub use crate::capacity::TABLES;
 
 /// Places of one table, 16 KiB.
 pub type PlaceStore = Store<PLACE_WORDS, PLACES>;
