@@ -13,6 +13,7 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use dispatcher::{FAULT_TEXT_MAX, FaultKind};
+use hal::board::{self, Cause};
 
 /// Bytes of text kept: as many as the link tells.
 const TEXT: usize = FAULT_TEXT_MAX;
@@ -67,26 +68,35 @@ struct Kept(UnsafeCell<MaybeUninit<Report>>);
 // SAFETY: read once before interrupts are on, written once on the way into a reset.
 unsafe impl Sync for Kept {}
 
-#[unsafe(link_section = ".uninit.fault")]
+// Where nothing caches it, if the board has a cache: a reset would drop it.
+#[cfg_attr(feature = "mps2_an500", unsafe(link_section = ".uninit.fault"))]
+#[cfg_attr(not(feature = "mps2_an500"), unsafe(link_section = ".kept.fault"))]
 static KEPT: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
-/// What ended the last run, once: the record is cleared.
-pub fn last() -> Option<Report> {
-    // SAFETY: every bit pattern is a Report (integers only), RAM holds one at all times, and this
-    // runs before any interrupt; volatile, since the value comes from before the reset.
-    let report = unsafe { KEPT.0.get().cast::<Report>().read_volatile() };
-    if report.mark != WRITTEN {
-        return None;
-    }
-    let cleared = Report { mark: 0, kind: 0, length: 0, text: [0; TEXT] };
+/// What ended the last run, once: the record is cleared. After a power-on it is not read at all: RAM with a checksum
+/// of its own may refuse what was never written.
+pub fn last(cause: Cause) -> Option<Report> {
+    let kept = KEPT.0.get().cast::<Report>();
+    let report = match cause {
+        Cause::Power => None,
+        Cause::Watchdog => {
+            let mut report = Report { mark: WRITTEN, kind: FaultKind::Watchdog as u32, length: 0, text: [0; TEXT] };
+            // Writing into a Report never fails.
+            let _ = report.write_str("watchdog: the tick or the thread stood still");
+            Some(report)
+        }
+        // SAFETY: every bit pattern is a Report (integers only), RAM holds one at all times, and this
+        // runs before any interrupt; volatile, since the value comes from before the reset.
+        Cause::Asked => Some(unsafe { kept.read_volatile() }).filter(|report| report.mark == WRITTEN),
+    };
     // SAFETY: as above.
-    unsafe { KEPT.0.get().cast::<Report>().write_volatile(cleared) };
-    Some(report)
+    unsafe { kept.write_volatile(Report { mark: 0, kind: 0, length: 0, text: [0; TEXT] }) };
+    report
 }
 
 /// Rests the outputs, keeps `reason`, starts over.
 fn restart(kind: FaultKind, reason: fmt::Arguments<'_>) -> ! {
-    hal::mps2_an500::rest();
+    board::rest();
     let mut report = Report { mark: WRITTEN, kind: kind as u32, length: 0, text: [0; TEXT] };
     // Writing into a Report never fails.
     let _ = report.write_fmt(reason);
@@ -116,9 +126,13 @@ extern "C" fn HardFault() -> ! {
         "mov r0, sp",
         "ldr r1, ={end}",
         "cmp r0, r1",
-        "bhs 1f",
         "ldr r1, ={start}",
-        "mov sp, r1",
+        "blo 2f",
+        // Below address 0 it is above everything.
+        "lsr r2, r0, #28",
+        "cmp r2, #15",
+        "bne 1f",
+        "2: mov sp, r1",
         "1: b {body}",
         end = sym _stack_end,
         start = sym _stack_start,
@@ -131,8 +145,8 @@ extern "C" fn faulted(stack: usize) -> ! {
     // SAFETY: reading status registers of the core.
     let (cfsr, hfsr) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).hfsr.read()) };
     let (end, start) = (&raw const _stack_end as usize, &raw const _stack_start as usize);
-    if stack < end {
-        let over = end - stack;
+    if stack < end || stack >> 28 == 15 {
+        let over = end.wrapping_sub(stack);
         restart(
             FaultKind::Core,
             format_args!("stack overflow: {over} bytes over {}, CFSR {cfsr:#010x}, HFSR {hfsr:#010x}", start - end),
@@ -160,6 +174,7 @@ unsafe fn DefaultHandler(number: i16) {
 unsafe fn NonMaskableInt() {
     match watch::stuck() {
         Some(what) => restart(FaultKind::Watchdog, format_args!("{what}")),
-        None => hal::mps2_an500::watchdog::feed(),
+        None if board::watchdog::RUNS_ALONE => board::watchdog::feed(),
+        None => restart(FaultKind::Interrupt, format_args!("an NMI that nobody claims")),
     }
 }

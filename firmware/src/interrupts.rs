@@ -1,26 +1,32 @@
-//! The interrupt bodies, and what each of them owns.
+//! The interrupt bodies, and what each of them owns; which interrupt runs which is the board's (`vectors.rs`).
 //!
 //! In: interrupts of the board. Out: ticks, bytes for the task, rings of the bell. Budget: the tick's
 //! is held by `cargo xtask ticks`; the others move a byte or a flag.
-use crate::statics::{AXES, LINK_BELL, RECEIVED, RECEIVER, RECEIVING, SERVO};
+use crate::statics::{LINK_BELL, RECEIVED, RECEIVER, RECEIVING, SERVO};
 use crate::watch;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m_rt::exception;
-use hal::mps2_an500::machine::Machine;
-use hal::mps2_an500::timer::TickTimer;
-use hal::mps2_an500::uart::{self, Place, Rx};
-use hal::mps2_an500::{hold_link, ring_bell};
+use hal::board::AXES;
+use hal::board::timer::TickTimer;
+use hal::board::uart::Rx;
+use hal::board::{hold_link, ring_bell};
 use ring::Producer;
 use servo::tick::{Lanes, Tick};
+
+/// The machine of the board.
+#[cfg(feature = "mps2_an500")]
+type Machine = hal::board::machine::Machine<AXES>;
+#[cfg(not(feature = "mps2_an500"))]
+type Machine = hal::board::machine::Machine;
 
 /// What the servo tick owns.
 pub struct Servo {
     /// Makes the ticks.
     pub timer: TickTimer,
     /// The axes' machine.
-    pub machine: Machine<AXES>,
+    pub machine: Machine,
     /// The tick itself.
     pub tick: &'static mut Tick<AXES>,
     /// Its halves of the hand-overs.
@@ -76,8 +82,8 @@ impl<T> Given<T> {
 }
 
 /// The servo tick.
-#[unsafe(no_mangle)]
-extern "C" fn TIMER0() {
+#[inline(always)]
+pub fn tick() {
     watch::tick_begins();
     // SAFETY: the tick's handler.
     let Some(servo) = (unsafe { SERVO.taken() }) else { return };
@@ -95,18 +101,18 @@ extern "C" fn TIMER0() {
     watch::tick_ends(servo.tick.now());
 }
 
-/// A byte of the link arrived. At the end of a frame, or when half the room is used, the task is told;
-/// when all of it is used, the sender is held.
-#[unsafe(no_mangle)]
-extern "C" fn UART0_RX() {
+/// A byte of the link may have arrived; true if it had. At the end of a frame, or when half the room is used, the task
+/// is told; when all of it is used, the sender is held.
+#[inline(always)]
+pub fn received() -> bool {
     // SAFETY: the receive interrupt's handler.
-    let Some(receiver) = (unsafe { RECEIVER.taken() }) else { return };
+    let Some(receiver) = (unsafe { RECEIVER.taken() }) else { return false };
     if receiver.bytes.free() == 0 {
         hold_link();
         LINK_BELL.ring();
-        return;
+        return false;
     }
-    let Some(byte) = receiver.rx.receive() else { return };
+    let Some(byte) = receiver.rx.receive() else { return false };
     RECEIVING.store(true, Ordering::Relaxed);
     // There is room: the consumer only makes more.
     let _ = receiver.bytes.push(byte);
@@ -114,19 +120,11 @@ extern "C" fn UART0_RX() {
     if byte == FRAME_END || receiver.bytes.free() < RECEIVED / 2 {
         LINK_BELL.ring();
     }
+    true
 }
 
-/// The link can take bytes again.
-#[unsafe(no_mangle)]
-extern "C" fn UART0_TX() {
-    uart::acknowledge_sent(Place::Link);
-    LINK_BELL.ring();
-}
-
-/// The trace can take bytes again.
-#[unsafe(no_mangle)]
-extern "C" fn UART1_TX() {
-    uart::acknowledge_sent(Place::Trace);
+/// The link or the trace can take bytes again.
+pub fn sent() {
     LINK_BELL.ring();
 }
 

@@ -1,11 +1,12 @@
-//! Every static of the image, in one place. All are zero or constant at start.
+//! Every static of the image, in one place. All are zero or constant at start. The sections are those of a board with
+//! more than one RAM (its `memory.x`).
 use crate::bell::Bell;
 use crate::fault::Report;
 use crate::interrupts::{Given, Receiver, Servo};
 use core::sync::atomic::AtomicBool;
 use dispatcher::{PathQueue, Server};
 use embassy_executor::raw;
-use hal::mps2_an500 as board;
+use hal::board::{self, AXES};
 use ring::{Latest, Ring};
 use servo::laser::Tables;
 use servo::op::Entry;
@@ -16,29 +17,34 @@ use servo::units::Crd;
 use servo::view::{Event, Sample, View};
 use static_cell::{ConstStaticCell, StaticCell};
 
-/// Axes that this image holds: every profile of SPEC 2.
-pub const AXES: usize = 48;
-
 /// Bytes from the link that wait for the task. More than that wait in the UART.
-pub const RECEIVED: usize = 4096;
+pub const RECEIVED: usize = if AXES > 8 { 4096 } else { 1024 };
 
 /// Thread to tick: operations for the next tick.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
 /// Thread to tick: timed operations of a program.
 pub static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
 /// Tick to thread: the newest view.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".itcm"))]
 pub static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
 /// Tick to thread: news.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static NEWS: Ring<Event, EVENTS> = Ring::new();
 /// Tick to thread: trace samples.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static TRACE: Ring<Sample, SAMPLES> = Ring::new();
 /// Thread to tick: PT segments, a store an axis.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".stores"))]
 pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 /// Thread to tick: places of PVT tables, a store a table.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".tables"))]
 pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 /// Thread to tick: their headers.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Thread to tick: entries of coordinate systems, a pair of FIFOs each.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".paths"))]
 pub static PATHS: [[EntryStore; 2]; Crd::MAX] = [const { [const { EntryStore::new() }; 2] }; Crd::MAX];
 /// Thread to tick: tables of laser channels.
 pub static LASER_TABLES: Tables = Tables::new();
@@ -46,9 +52,11 @@ pub static LASER_TABLES: Tables = Tables::new();
 pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; Crd::MAX]> =
     ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; Crd::MAX]);
 /// Link interrupt to task: bytes received.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static BYTES: Ring<u8, RECEIVED> = Ring::new();
 
 /// The servo tick.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".itcm"))]
 pub static TICK: ConstStaticCell<Tick<AXES>> = ConstStaticCell::new(Tick::new(TickConfig {
     period_ns: board::TICK_NS,
     axes: AXES as u8,
@@ -70,4 +78,5 @@ pub static REPORT: StaticCell<Report> = StaticCell::new();
 /// The thread's executor.
 pub static EXECUTOR: StaticCell<raw::Executor> = StaticCell::new();
 /// What the link task serves with; too large to be handed over on the stack.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static SERVER: StaticCell<Server<'static, AXES>> = StaticCell::new();

@@ -4,11 +4,11 @@
 //! Owns the dispatcher's server and the sending halves of the UARTs. A UART that is full holds back
 //! its own bytes only; the other stream and the commands go on.
 use crate::fault::Report;
-use crate::statics::{AXES, LINK_BELL, RECEIVED};
+use crate::statics::{LINK_BELL, RECEIVED};
 use crate::watch;
 use dispatcher::Server;
-use hal::mps2_an500::resume_link;
-use hal::mps2_an500::uart::Tx;
+use hal::board::uart::Tx;
+use hal::board::{AXES, NAME, resume_link};
 use ring::Consumer;
 
 /// Trace bytes sent before the link is looked at again.
@@ -60,8 +60,8 @@ pub struct LinkParts {
     pub bytes: Consumer<'static, u8, RECEIVED>,
     /// To the host.
     pub link: Tx,
-    /// The trace.
-    pub trace: Tx,
+    /// The trace, where it has a stream of its own.
+    pub trace: Option<Tx>,
 }
 
 /// Serves the link and the trace.
@@ -69,7 +69,7 @@ pub struct LinkParts {
 pub async fn serve(parts: LinkParts) {
     let LinkParts { server, mut bytes, link, trace } = parts;
     let mut link = Outflow::<512>::new(link);
-    let mut trace = Outflow::<1024>::new(trace);
+    let mut trace = trace.map(Outflow::<1024>::new);
     let mut overruns = 0;
     loop {
         LINK_BELL.wait().await;
@@ -96,17 +96,19 @@ pub async fn serve(parts: LinkParts) {
         resume_link();
         server.poll(now);
         link.pump(usize::MAX, |out| server.take_tx(out));
-        if trace.pump(TRACE_AT_ONCE, |out| server.take_trace(out)) {
+        if let Some(trace) = &mut trace
+            && trace.pump(TRACE_AT_ONCE, |out| server.take_trace(out))
+        {
             LINK_BELL.ring();
         }
     }
 }
 
-/// Writes what the last run left, then the board's name. The log leaves by semihosting, which stops
+/// Writes what the last run left, then the board's name. By semihosting it stops
 /// the core while the host writes: only here, in a task, and seldom.
 #[embassy_executor::task]
 pub async fn announce(last: Option<&'static Report>) {
-    defmt::info!("Beamtick on {=str}, {=usize} axes", hal::mps2_an500::NAME, AXES);
+    defmt::info!("Beamtick on {=str}, {=usize} axes", NAME, AXES);
     if let Some(report) = last {
         defmt::error!("the last run ended: {=str}", report.text());
     }

@@ -2,9 +2,10 @@
 //!
 //! In: what both say of themselves. Out: food for the watchdog while both get on, and what stands still when it was
 //! not fed. Owns three words. A tick that never ends, ticks that do not come (interrupts that stay masked, a timer that
-//! stands still) and a link task that does not come round all end as an NMI, which nothing masks.
+//! stands still) and a link task that does not come round all end as an NMI, which nothing masks, or, where the watchdog
+//! has none, as a reset.
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
-use hal::mps2_an500::watchdog;
+use hal::board::watchdog;
 use servo::units::Ns;
 
 /// What is counted here: 2²⁰ ns of the controller's time, some ms. 2³² of them are 52 days; only differences count.

@@ -4,8 +4,18 @@
 //! In: register accesses of one board. Out: [`servo::port::Port`], byte streams, the tick's timer.
 //! Owns every `unsafe` register access, the [`priority`] table and the one [`mask`] by which the
 //! thread keeps interrupts out. Fails never after bring-up; a peripheral that does not answer is
-//! the board's page's matter (`docs/board-*.md`).
+//! the board's page's matter (`docs/board-*.md`). A feature chooses the board.
 pub mod guard;
 pub mod mask;
+#[cfg(feature = "mps2_an500")]
 pub mod mps2_an500;
 pub mod priority;
+#[cfg(feature = "stm32h743")]
+mod spare;
+#[cfg(feature = "stm32h743")]
+pub mod stm32h743;
+
+#[cfg(feature = "mps2_an500")]
+pub use mps2_an500 as board;
+#[cfg(all(feature = "stm32h743", not(feature = "mps2_an500")))]
+pub use stm32h743 as board;

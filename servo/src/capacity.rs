@@ -27,7 +27,7 @@ mod sizes {
     /// Entries of the program lane's ring.
     pub const PROGRAM: usize = 64;
     /// Trace samples between two looks of the thread.
-    pub const SAMPLES: usize = 64;
+    pub const SAMPLES: usize = 32;
     /// PVT tables of a controller: 32 for its core.
     pub const TABLES: usize = 32;
     /// Coordinate systems.

@@ -18,6 +18,9 @@ pub mod watchdog;
 /// Name of the board as the link tells it.
 pub const NAME: &str = "mps2-an500";
 
+/// Axes that the image for this board holds: every profile of SPEC 2.
+pub const AXES: usize = 48;
+
 /// Tick period at power-on: the controllers' own cycle, with which the manuals count.
 pub const TICK_NS: u32 = 250_000;
 
@@ -38,6 +41,22 @@ const STACK: u32 = 0x2000_0000;
 /// General outputs of the board.
 pub const GENERAL_OUTPUTS: u8 = 32;
 
+/// Why the board started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// The supply came: what RAM holds is chance.
+    Power,
+    /// A watchdog has reset the board.
+    Watchdog,
+    /// The image or a debugger.
+    Asked,
+}
+
+/// Why the board started: it does not tell, and QEMU's RAM holds zeros at power-on.
+pub fn cause() -> Cause {
+    Cause::Asked
+}
+
 /// Everything of the board that is handed out once.
 #[derive(Debug)]
 pub struct Board {
@@ -46,9 +65,9 @@ pub struct Board {
     /// Host link.
     pub link: (uart::Tx, uart::Rx),
     /// Trace.
-    pub trace: uart::Tx,
-    /// Levels of inputs, on the trace's UART.
-    pub switchboard: uart::Rx,
+    pub trace: Option<uart::Tx>,
+    /// The machine of the axes, which is told the levels of inputs on the trace's UART.
+    pub machine: machine::Machine<AXES>,
 }
 
 /// Brings the board up: priorities set, UARTs open, all interrupts still off. `None` from the second
@@ -70,10 +89,18 @@ pub fn take() -> Option<Board> {
         Some(Board {
             timer: timer::TickTimer::take(core.SYST),
             link: uart::open(uart::Place::Link),
-            trace,
-            switchboard,
+            trace: Some(trace),
+            machine: machine::Machine::new(TICK_NS, switchboard),
         })
     }
+}
+
+/// Runs start-up's `body`, on the one stack there is.
+///
+/// # Safety
+/// None is needed here; other boards ask for some.
+pub unsafe fn start_up(context: *mut (), body: extern "C" fn(*mut ())) {
+    body(context);
 }
 
 /// Lets the interrupts in, and the watchdog go.

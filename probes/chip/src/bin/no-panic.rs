@@ -6,7 +6,7 @@
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use hal::mps2_an500::machine::Machine;
-use probes::{AXES, PERIOD_NS};
+use probes::AXES;
 use servo::path::{Change, Effects, EntryStore, Feed, Fine, Path, Rest};
 use servo::piece::Scaled;
 use servo::tick::{Lanes, Tick};
@@ -24,7 +24,7 @@ fn panicked(_: &PanicInfo<'_>) -> ! {
 
 /// What the timer's interrupt does, on arguments of which the optimiser knows nothing.
 #[inline(never)]
-fn tick(tick: &mut Tick<AXES>, machine: &mut Machine<AXES>, lanes: &mut Lanes<'static, AXES>) {
+fn tick(tick: &mut Tick<AXES>, machine: &mut Machine<{ hal::mps2_an500::AXES }>, lanes: &mut Lanes<'static, AXES>) {
     machine.advance(tick.period().0 as u32);
     tick.run(machine, lanes);
     tick.overrun();
@@ -61,7 +61,7 @@ fn path(path: &mut Path, next: Ns, feed: Feed, fifo: u8) {
 #[cortex_m_rt::entry]
 fn main() -> ! {
     if let (Some((mut state, mut lanes, thread)), Some(board)) = (probes::bench(), hal::mps2_an500::take()) {
-        let mut machine = Machine::new(PERIOD_NS, board.switchboard);
+        let mut machine = board.machine;
         black_box(&thread);
         let mut crd = Path::IDLE;
         loop {

@@ -1,6 +1,6 @@
 #![no_std]
-#![no_main]
-//! The image for the emulated board: it puts the rooms together and adds nothing of its own.
+//! The image of a board: it puts the rooms together and adds nothing of its own. A feature chooses the board; the
+//! programs in `bin/` are this library with a name and a place for the log.
 //!
 //! Start: what the last run left is read, the hand-overs are split into their halves, the servo tick
 //! and the link's interrupt get theirs, the tasks get the rest, the interrupts are let in.
@@ -9,29 +9,28 @@ mod fault;
 mod interrupts;
 mod statics;
 mod tasks;
+mod vectors;
 mod watch;
 
 use core::sync::atomic::Ordering;
-use cortex_m_rt::entry;
-use defmt_semihosting as _;
 use dispatcher::{Channels, Server};
 use embassy_executor::raw;
 use fault::Report;
-use hal::mps2_an500::{self as board, idle::Idle, machine::Machine};
+use hal::board::{self, AXES, idle::Idle};
 use interrupts::{Receiver, Servo};
 use servo::pvt::TableStores;
 use servo::tick::Lanes;
 use statics::{
-    AXES, BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PATHS, PENDED, PLACES, PROGRAM_LANE, QUEUES,
+    BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PATHS, PENDED, PLACES, PROGRAM_LANE, QUEUES,
     RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW,
 };
 use tasks::LinkParts;
 
-#[entry]
-fn main() -> ! {
-    let last = fault::last().map(|report| &*REPORT.init(report));
+/// Start-up, then the thread for ever.
+pub fn main() -> ! {
+    let last = fault::last(board::cause()).map(|report| &*REPORT.init(report));
     // The only panic of the start: a second call of this function, which the runtime never makes.
-    let parts = compose(last).expect("the board and every static are taken once");
+    let parts = start_up(last).expect("the board and every static are taken once");
     let executor = EXECUTOR.init(raw::Executor::new(core::ptr::null_mut()));
     let spawner = executor.spawner();
     spawner.spawn(tasks::announce(last).expect("one announcement"));
@@ -52,6 +51,25 @@ fn main() -> ! {
     }
 }
 
+/// What start-up is given and gives.
+struct Start {
+    last: Option<&'static Report>,
+    parts: Option<LinkParts>,
+}
+
+/// Composes where the board has room for it.
+fn start_up(last: Option<&'static Report>) -> Option<LinkParts> {
+    extern "C" fn run(start: *mut ()) {
+        // SAFETY: the `Start` below, which nobody else has.
+        let start = unsafe { &mut *start.cast::<Start>() };
+        start.parts = compose(start.last);
+    }
+    let mut start = Start { last, parts: None };
+    // SAFETY: nothing has been composed yet that could use anything.
+    unsafe { board::start_up((&raw mut start).cast(), run) };
+    start.parts
+}
+
 /// Called by the executor when a task is woken.
 #[unsafe(export_name = "__pender")]
 fn pend(_: *mut ()) {
@@ -62,7 +80,7 @@ fn pend(_: *mut ()) {
 /// when it returns: hence never a part of `main`, which does not return.
 #[inline(never)]
 fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
-    let board::Board { timer, link: (link, rx), trace, switchboard } = board::take()?;
+    let board::Board { timer, link: (link, rx), trace, machine } = board::take()?;
     let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
     let (program_in, program) = PROGRAM_LANE.split_once()?;
     let (view_in, view) = VIEW.split_once()?;
@@ -72,7 +90,7 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
 
     let mut servo = Servo {
         timer,
-        machine: Machine::new(board::TICK_NS, switchboard),
+        machine,
         tick: TICK.try_take()?,
         lanes: Lanes {
             immediate,

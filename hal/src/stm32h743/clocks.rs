@@ -1,0 +1,87 @@
+//! Clocks: 480 MHz from the ST-LINK's 8 MHz (RM0433 6.6, 8.5; docs/board-h743.md).
+//!
+//! In: the chip on its own 64 MHz. Out: [`CORE_HZ`] and what follows from it. Owns PWR, the flash's wait states and
+//! RCC's tree. Fails: an oscillator that does not come in time is for the watchdog, which runs by then and resets.
+use stm32_metapac::rcc::vals::{Hpre, Plldiv, Pllm, Plln, Pllrge, Pllsrc, Pllvcosel, Ppre, Sw};
+use stm32_metapac::{FLASH, PWR, RCC, SYSCFG, pwr};
+
+/// The core.
+pub const CORE_HZ: u32 = 480_000_000;
+/// APB 1 to 4.
+pub const BUS_HZ: u32 = CORE_HZ / 4;
+/// Timers on APB 1 and 2.
+pub const TIMER_MHZ: u16 = 240;
+
+/// Waits as long as it takes; the watchdog bites if that is too long.
+fn wait(mut is_ready: impl FnMut() -> bool) {
+    while !is_ready() {}
+}
+
+/// Everything at full speed.
+pub fn raise() {
+    supply();
+    RCC.cr().modify(|w| w.set_hsebyp(true));
+    RCC.cr().modify(|w| w.set_hseon(true));
+    wait(|| RCC.cr().read().hserdy());
+    multiply();
+    // Wait states before the clock that needs them (RM0433 4.3.8, table 17: VOS0, up to 240 MHz on AXI).
+    FLASH.acr().write(|w| {
+        w.set_latency(4);
+        w.set_wrhighfreq(2);
+    });
+    wait(|| FLASH.acr().read().latency() == 4);
+    // Buses are divided before the core is faster than they may be.
+    RCC.d1cfgr().write(|w| {
+        w.set_d1cpre(Hpre::DIV1);
+        w.set_hpre(Hpre::DIV2);
+        w.set_d1ppre(Ppre::DIV2);
+    });
+    RCC.d2cfgr().write(|w| {
+        w.set_d2ppre1(Ppre::DIV2);
+        w.set_d2ppre2(Ppre::DIV2);
+    });
+    RCC.d3cfgr().write(|w| w.set_d3ppre(Ppre::DIV2));
+    RCC.cfgr().modify(|w| w.set_sw(Sw::PLL1_P));
+    wait(|| RCC.cfgr().read().sws() == Sw::PLL1_P);
+}
+
+/// LDO, and VOS0 by way of VOS1 (RM0433 6.6.2).
+fn supply() {
+    PWR.cr3().modify(|w| {
+        w.set_bypass(false);
+        w.set_ldoen(true);
+        w.set_scuen(false);
+    });
+    wait(|| PWR.csr1().read().actvosrdy());
+    PWR.d3cr().modify(|w| w.set_vos(pwr::vals::Vos::SCALE1));
+    wait(|| PWR.d3cr().read().vosrdy());
+    RCC.apb4enr().modify(|w| w.set_syscfgen(true));
+    // Read back, so that the clock is there (RM0433 8.5.8).
+    RCC.apb4enr().read();
+    SYSCFG.pwrcr().write(|w| w.set_oden(1));
+    wait(|| PWR.d3cr().read().vosrdy());
+}
+
+/// PLL1: 8 MHz / 1 · 120 / 2.
+fn multiply() {
+    RCC.pllckselr().modify(|w| {
+        w.set_pllsrc(Pllsrc::HSE);
+        w.set_divm(0, Pllm::DIV1);
+    });
+    RCC.pllcfgr().modify(|w| {
+        w.set_pllrge(0, Pllrge::RANGE8);
+        w.set_pllvcosel(0, Pllvcosel::WIDE_VCO);
+        w.set_pllfracen(0, false);
+        w.set_divpen(0, true);
+        w.set_divqen(0, false);
+        w.set_divren(0, false);
+    });
+    RCC.plldivr(0).write(|w| {
+        w.set_plln(Plln::MUL120);
+        w.set_pllp(Plldiv::DIV2);
+        w.set_pllq(Plldiv::DIV2);
+        w.set_pllr(Plldiv::DIV2);
+    });
+    RCC.cr().modify(|w| w.set_pllon(0, true));
+    wait(|| RCC.cr().read().pllrdy(0));
+}

@@ -1,0 +1,85 @@
+//! What the tick reads and drives on this board: inputs, servo enables and general outputs.
+//!
+//! In: set-points and outputs of the tick. Out: the levels of the pins, read together once a tick. Owns the tick's share of
+//! [`pins`]. Steps, lasers and analog outputs have no driver yet: their pins stay at rest (docs/board-h743.md), and the
+//! encoder of an axis is the pulse at which a step output would stand. Fails never.
+use super::pins::{self, AXES, Levels};
+use servo::laser::Plan;
+use servo::port::{AxisInputs, Port};
+use servo::steps;
+use servo::units::{Axis, Pos};
+
+/// The machine.
+#[derive(Debug)]
+pub struct Machine {
+    levels: Levels,
+    /// Whole pulses of the set-points in force, and of those that the next tick puts in force.
+    stands: [i64; AXES],
+    goes_to: [i64; AXES],
+    /// Servo enables and general outputs that are driven, and those that the next tick drives.
+    driven: (u64, u32),
+    drives: (u64, u32),
+}
+
+impl Machine {
+    /// At rest at zero.
+    pub const fn new() -> Self {
+        Machine { levels: Levels::LOW, stands: [0; AXES], goes_to: [0; AXES], driven: (0, 0), drives: (0, 0) }
+    }
+
+    /// A tick begins, which lasts so many ns: what was planned for it is in force.
+    pub fn advance(&mut self, _: u32) {
+        if self.driven != self.drives {
+            self.driven = self.drives;
+            pins::set(self.drives.0, self.drives.1);
+        }
+        self.levels = Levels::read();
+        self.stands = self.goes_to;
+    }
+}
+
+impl Port for Machine {
+    fn inputs(&mut self, axis: Axis) -> AxisInputs {
+        let (levels, axis) = (&self.levels, axis.index());
+        AxisInputs {
+            limit_positive: levels.limit_positive(axis),
+            limit_negative: levels.limit_negative(axis),
+            alarm: levels.alarm(axis),
+            home: levels.home(axis),
+            arrive: false,
+        }
+    }
+
+    fn encoder(&mut self, axis: Axis) -> i64 {
+        self.stands.get(axis.index()).copied().unwrap_or(0)
+    }
+
+    fn general_inputs(&mut self) -> u32 {
+        self.levels.general()
+    }
+
+    fn analog(&mut self, _: usize) -> i16 {
+        0
+    }
+
+    fn set_point(&mut self, axis: Axis, pos: Pos) {
+        if let Some(place) = self.goes_to.get_mut(axis.index()) {
+            *place = steps::whole(pos);
+        }
+    }
+
+    fn outputs(&mut self, at: u32, enable: u64, _: u64, general: u32) {
+        // What changes between two ticks is in what the tick behind it drives from its beginning.
+        if at == 0 {
+            self.drives = (enable, general);
+        }
+    }
+
+    fn analog_out(&mut self, _: u32, _: usize, _: i16) {}
+
+    fn interlock(&mut self) -> bool {
+        self.levels.interlock()
+    }
+
+    fn laser(&mut self, _: usize, _: &Plan) {}
+}

@@ -1,0 +1,137 @@
+//! NUCLEO-H743ZI2 (`docs/board-h743.md`; sections are those of RM0433, the chip's reference manual).
+//!
+//! In: the tick's set-points and outputs, bytes to send. Out: ticks, levels of inputs, bytes received.
+//! Owns the chip's clocks, watchdog, timer, UART and interrupt controller.
+use crate::{guard, priority, spare};
+use cortex_m::peripheral::scb::SystemHandler;
+use cortex_m::peripheral::{NVIC, SCB};
+use stm32_metapac::Interrupt;
+
+pub mod clocks;
+pub mod idle;
+pub mod machine;
+pub mod pins;
+mod start;
+pub mod timer;
+pub mod uart;
+pub mod watchdog;
+
+pub use watchdog::{Cause, cause};
+
+/// Name of the board as the link tells it.
+pub const NAME: &str = "nucleo-h743zi2";
+
+/// Axes that the image for this board holds.
+pub const AXES: usize = pins::AXES;
+
+/// Tick period at power-on.
+pub const TICK_NS: u32 = 50_000;
+
+/// Tick periods that the board can run, in µs.
+pub const TICK_US: core::ops::RangeInclusive<u32> = 10..=250;
+
+/// Analog inputs of the board.
+pub const ANALOG_INPUTS: u8 = 0;
+
+/// The clock in which laser plans are counted: that of the timers.
+pub const LASER_CLOCK: servo::laser::Clock = match servo::laser::Clock::from_mhz(clocks::TIMER_MHZ) {
+    Some(clock) => clock,
+    None => panic!("within the range of a laser clock"),
+};
+
+/// Analog outputs of the board.
+pub const ANALOG_OUTPUTS: u8 = 0;
+
+/// General outputs of the board.
+pub const GENERAL_OUTPUTS: u8 = pins::GENERAL_OUTPUTS as u8;
+
+/// Everything of the board that is handed out once.
+#[derive(Debug)]
+pub struct Board {
+    /// Makes the ticks; stands still.
+    pub timer: timer::TickTimer,
+    /// Host link.
+    pub link: (uart::Tx, uart::Rx),
+    /// The trace goes over the link.
+    pub trace: Option<uart::Tx>,
+    /// The machine of the axes.
+    pub machine: machine::Machine,
+}
+
+/// Brings the board up: watchdog, guards, caches, clocks, pins, priorities, UART; all interrupts still off. `None` from
+/// the second call on.
+pub fn take() -> Option<Board> {
+    let mut core = cortex_m::Peripherals::take()?;
+    watchdog::start();
+    guard::null(&mut core.MPU);
+    core.SCB.enable_icache();
+    core.SCB.enable_dcache(&mut core.CPUID);
+    clocks::raise();
+    // SAFETY: before `listen` nothing runs at these priorities, so no critical section is open.
+    unsafe {
+        core.NVIC.set_priority(Interrupt::TIM2, priority::TICK);
+        core.NVIC.set_priority(Interrupt::USART3, priority::LINK);
+        core.SCB.set_priority(SystemHandler::PendSV, priority::BELL);
+    }
+    // SAFETY: this function gets here once, since the core's peripherals are handed out once.
+    unsafe {
+        pins::open();
+        Some(Board {
+            timer: timer::TickTimer::take(),
+            link: uart::open(),
+            trace: None,
+            machine: machine::Machine::new(),
+        })
+    }
+}
+
+/// Behind the last byte of AXI SRAM.
+const TABLES_END: usize = 0x2408_0000;
+
+/// Runs start-up's `body` where the PVT tables will lie: it takes more stack than there is later. What a table without
+/// a header holds does not matter.
+///
+/// # Safety
+/// Before anybody uses the tables.
+pub unsafe fn start_up(context: *mut (), body: extern "C" fn(*mut ())) {
+    // SAFETY: the caller's promise; 512 KiB are more than enough.
+    unsafe { spare::run_on(context, body, TABLES_END) };
+}
+
+/// Lets the interrupts in.
+///
+/// # Safety
+/// What the handlers use must be in place.
+pub unsafe fn listen() {
+    for interrupt in [Interrupt::TIM2, Interrupt::USART3] {
+        // SAFETY: the caller's promise.
+        unsafe { NVIC::unmask(interrupt) };
+    }
+}
+
+/// The link's bytes wait in the UART, as far as it holds them, until [`resume_link`]: nobody has room for them.
+pub fn hold_link() {
+    uart::listen(false);
+}
+
+/// There is room again.
+pub fn resume_link() {
+    uart::listen(true);
+}
+
+/// Rings the bell from the tick down to the thread.
+pub fn ring_bell() {
+    SCB::set_pendsv();
+}
+
+/// Puts every output at rest and stops the ticks and the board's other interrupts: the first thing
+/// on the way into a reset.
+pub fn rest() {
+    // The tick first: it would write the outputs again.
+    NVIC::mask(Interrupt::TIM2);
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
+    pins::rest();
+    timer::stop();
+    NVIC::mask(Interrupt::USART3);
+}

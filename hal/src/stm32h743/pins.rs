@@ -1,0 +1,163 @@
+//! Pins: which is what (docs/board-h743.md), and their levels.
+//!
+//! In: levels of outputs. Out: levels of inputs. Owns the GPIO ports. Until [`open`] every pin is analog, as the reset has
+//! left it; afterwards every pin that is not named here still is. [`rest`] makes the outputs analog again.
+use stm32_metapac::gpio::Gpio;
+use stm32_metapac::gpio::vals::{Moder, Ospeedr, Pupdr};
+use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG, RCC};
+
+/// Axes that the board has pins for.
+pub const AXES: usize = 8;
+
+/// A pin.
+type Pin = (Gpio, usize);
+
+const LIMIT_POSITIVE: [Pin; AXES] =
+    [(GPIOE, 0), (GPIOE, 2), (GPIOE, 6), (GPIOE, 7), (GPIOE, 10), (GPIOE, 11), (GPIOE, 12), (GPIOE, 13)];
+const LIMIT_NEGATIVE: [Pin; AXES] =
+    [(GPIOB, 2), (GPIOB, 3), (GPIOB, 6), (GPIOB, 7), (GPIOB, 8), (GPIOB, 9), (GPIOB, 11), (GPIOB, 12)];
+const HOME: [Pin; AXES] =
+    [(GPIOF, 8), (GPIOF, 9), (GPIOF, 10), (GPIOF, 11), (GPIOF, 12), (GPIOF, 13), (GPIOF, 14), (GPIOF, 15)];
+const ALARM: [Pin; AXES] =
+    [(GPIOA, 0), (GPIOA, 3), (GPIOA, 6), (GPIOA, 15), (GPIOC, 0), (GPIOC, 6), (GPIOD, 14), (GPIOD, 15)];
+const GENERAL_IN: [Pin; 3] = [(GPIOC, 13), (GPIOE, 14), (GPIOC, 9)];
+/// Break inputs of TIM1, TIM15 and TIM8, wired together.
+const INTERLOCK: [Pin; 3] = [(GPIOE, 15), (GPIOE, 3), (GPIOG, 2)];
+
+const ENABLE: [Pin; AXES] =
+    [(GPIOG, 0), (GPIOG, 1), (GPIOG, 3), (GPIOG, 4), (GPIOG, 5), (GPIOG, 6), (GPIOG, 8), (GPIOG, 9)];
+/// LD2, LD3, and four more.
+const GENERAL_OUT: [Pin; 6] = [(GPIOE, 1), (GPIOB, 14), (GPIOG, 10), (GPIOG, 12), (GPIOG, 14), (GPIOG, 15)];
+
+/// General outputs.
+pub const GENERAL_OUTPUTS: usize = GENERAL_OUT.len();
+
+const LINK: [Pin; 2] = [(GPIOD, 8), (GPIOD, 9)];
+/// USART3 on these.
+const LINK_FUNCTION: u8 = 7;
+
+/// Ports that have outputs.
+const OUT: [Gpio; 3] = [GPIOB, GPIOE, GPIOG];
+
+/// Inputs are read, outputs driven low, the link's pins given to USART3.
+///
+/// # Safety
+/// Once, before anybody else writes a port.
+pub unsafe fn open() {
+    RCC.ahb4enr().modify(|w| {
+        w.set_gpioaen(true);
+        w.set_gpioben(true);
+        w.set_gpiocen(true);
+        w.set_gpioden(true);
+        w.set_gpioeen(true);
+        w.set_gpiofen(true);
+        w.set_gpiogen(true);
+    });
+    // Read back, so that the clock is there (RM0433 8.5.8).
+    RCC.ahb4enr().read();
+    let low = LIMIT_POSITIVE.iter().chain(&LIMIT_NEGATIVE).chain(&HOME).chain(&ALARM).chain(&GENERAL_IN);
+    for pin in low {
+        input(*pin, Pupdr::PULL_DOWN);
+    }
+    for pin in INTERLOCK {
+        // A broken wire reads as a wish for rest.
+        input(pin, Pupdr::PULL_UP);
+    }
+    set(0, 0);
+    for (port, pin) in ENABLE.into_iter().chain(GENERAL_OUT) {
+        port.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::LOW_SPEED));
+        port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
+    }
+    for (port, pin) in LINK {
+        port.afr(pin / 8).modify(|w| w.set_afr(pin % 8, LINK_FUNCTION));
+        port.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::HIGH_SPEED));
+        port.pupdr().modify(|w| w.set_pupdr(pin, Pupdr::PULL_UP));
+        port.moder().modify(|w| w.set_moder(pin, Moder::ALTERNATE));
+    }
+}
+
+fn input((port, pin): Pin, pull: Pupdr) {
+    port.pupdr().modify(|w| w.set_pupdr(pin, pull));
+    port.moder().modify(|w| w.set_moder(pin, Moder::INPUT));
+}
+
+/// Every output high-impedance again.
+pub fn rest() {
+    for port in OUT {
+        for (owner, pin) in ENABLE.into_iter().chain(GENERAL_OUT) {
+            if owner == port {
+                port.moder().modify(|w| w.set_moder(pin, Moder::ANALOG));
+            }
+        }
+    }
+}
+
+/// Servo-enable lines, a bit an axis, and general outputs; all of a port change at once.
+pub fn set(enable: u64, general: u32) {
+    for port in OUT {
+        let mut word = 0;
+        let outputs = ENABLE.iter().zip(0..).map(|(pin, bit)| (pin, enable >> bit & 1 == 1));
+        let general = GENERAL_OUT.iter().zip(0..).map(|(pin, bit)| (pin, general >> bit & 1 == 1));
+        for (&(owner, pin), level) in outputs.chain(general) {
+            if owner == port {
+                word |= 1u32 << (pin + if level { 0 } else { 16 });
+            }
+        }
+        port.bsrr().write(|w| w.0 = word);
+    }
+}
+
+/// Levels of all inputs at one instant, as near as the ports are read one after the other.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Levels {
+    ports: [u16; 7],
+}
+
+impl Levels {
+    /// Nothing is high.
+    pub const LOW: Levels = Levels { ports: [0; 7] };
+
+    /// As they are now.
+    pub fn read() -> Levels {
+        Levels { ports: [GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG].map(|port| port.idr().read().0 as u16) }
+    }
+
+    fn at(&self, (port, pin): Pin) -> bool {
+        const PORTS: [Gpio; 7] = [GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG];
+        PORTS.iter().zip(self.ports).any(|(owner, levels)| *owner == port && levels >> pin & 1 == 1)
+    }
+
+    fn of<const N: usize>(&self, pins: &[Pin; N], index: usize) -> bool {
+        pins.get(index).is_some_and(|pin| self.at(*pin))
+    }
+
+    /// Positive limit of an axis, from 0.
+    pub fn limit_positive(&self, axis: usize) -> bool {
+        self.of(&LIMIT_POSITIVE, axis)
+    }
+
+    /// Negative limit of an axis, from 0.
+    pub fn limit_negative(&self, axis: usize) -> bool {
+        self.of(&LIMIT_NEGATIVE, axis)
+    }
+
+    /// Home switch of an axis, from 0.
+    pub fn home(&self, axis: usize) -> bool {
+        self.of(&HOME, axis)
+    }
+
+    /// Drive alarm of an axis, from 0.
+    pub fn alarm(&self, axis: usize) -> bool {
+        self.of(&ALARM, axis)
+    }
+
+    /// General inputs, bit 0 the first.
+    pub fn general(&self) -> u32 {
+        GENERAL_IN.iter().zip(0..).fold(0, |bits, (pin, bit)| bits | u32::from(self.at(*pin)) << bit)
+    }
+
+    /// Whether any of the interlock's inputs is high.
+    pub fn interlock(&self) -> bool {
+        INTERLOCK.iter().any(|pin| self.at(*pin))
+    }
+}

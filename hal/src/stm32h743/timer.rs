@@ -1,0 +1,72 @@
+//! TIM2 makes the servo tick (RM0433 39): 32 bits at 240 MHz, reloaded by itself, so that ticks are evenly spaced however
+//! late one of them is served.
+//!
+//! In: a tick period. Out: an interrupt a period, and whether the tick took longer. Owns TIM2.
+use super::clocks::TIMER_MHZ;
+use stm32_metapac::timer::vals::Urs;
+use stm32_metapac::{RCC, TIM2};
+
+/// TIM2, which makes the servo tick.
+#[derive(Debug)]
+pub struct TickTimer {
+    period_ns: u32,
+}
+
+impl TickTimer {
+    /// Takes the timer, which stands still until the first [`TickTimer::run_at`].
+    ///
+    /// # Safety
+    /// At most one may exist.
+    pub unsafe fn take() -> Self {
+        RCC.apb1lenr().modify(|w| w.set_tim2en(true));
+        // Read back, so that the clock is there (RM0433 8.5.8).
+        RCC.apb1lenr().read();
+        TIM2.psc().write_value(0);
+        // Only an overflow interrupts.
+        TIM2.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
+        TIM2.dier().write(|w| w.set_uie(true));
+        TickTimer { period_ns: 0 }
+    }
+
+    /// The tick that has just begun lasts this long (whole µs), and all after it; at the running period nothing is
+    /// touched.
+    pub fn run_at(&mut self, period_ns: u32) {
+        if period_ns == self.period_ns {
+            return;
+        }
+        let first = self.period_ns == 0;
+        self.period_ns = period_ns;
+        let last = (period_ns / 1000).max(1) * u32::from(TIMER_MHZ) - 1;
+        // Not preloaded: it counts for the interval in progress.
+        TIM2.arr().write_value(last);
+        if TIM2.cnt().read() > last {
+            // It is over already: the next tick is due.
+            TIM2.cnt().write_value(last);
+        }
+        if first {
+            TIM2.egr().write(|w| w.set_ug(true));
+            TIM2.cr1().modify(|w| w.set_cen(true));
+        }
+    }
+
+    /// Acknowledges the tick that begins.
+    pub fn begin(&mut self) {
+        // Zeros clear, ones leave (RM0433 39.4.5); a write is enough, nothing is read back.
+        TIM2.sr().write(|w| {
+            w.0 = !0;
+            w.set_uif(false);
+        });
+        cortex_m::asm::dsb();
+    }
+
+    /// Whether the next tick is due already.
+    pub fn has_overrun(&self) -> bool {
+        TIM2.sr().read().uif()
+    }
+}
+
+/// No more ticks.
+pub fn stop() {
+    TIM2.dier().write(|_| {});
+    TIM2.cr1().write(|_| {});
+}
