@@ -4,7 +4,7 @@
 //! checks passed and failed. A step that fails does not hide those after it.
 use crate::setup::{self, compiler};
 use crate::shell::{self, Outcome, cargo, line, target};
-use crate::{image, probes, supply, ticks, traces};
+use crate::{board, image, probes, supply, ticks, traces};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -31,7 +31,7 @@ const STEPS: [Step; 12] = [
     ("orderings of the rings, every interleaving (loom)", || tests(&mut loom())),
     ("unsafe of the rings (Miri)", miri),
     ("what it is made of (cargo-deny)", || alone(supply::check())),
-    ("image and probes", || alone(image::report().and_then(|()| probes::cannot_panic()))),
+    ("image and probes", || alone(image::report().and_then(|()| board::image()).and_then(|()| probes::cannot_panic()))),
     ("instructions per tick", || alone(ticks::check())),
     ("traces of image and virtual controller", || alone(traces::run())),
     ("inputs and faults of the emulated board", emulated),
@@ -91,7 +91,10 @@ fn clippy_chip() -> Outcome {
     for package in CHIP {
         command.args(["--package", package]);
     }
-    shell::run(command.args(["--", "-D", "warnings"]))
+    shell::run(command.args(["--", "-D", "warnings"]))?;
+    let mut command = compiler.cargo();
+    command.args(["clippy", "--profile", "image", "--package", "beamtick-firmware"]).args(board::FEATURES);
+    shell::run(command.args(compiler.arguments()).args(["--", "-D", "warnings"]))
 }
 
 /// Tests that need the image in QEMU; without it they say that they are skipped.

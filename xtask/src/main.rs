@@ -3,6 +3,7 @@
 //!
 //! In: a command's name. Out: what it builds, runs and finds, as text; exit code 0 only if all of it
 //! went well. Owns no state: everything is done anew by cargo, QEMU and the system's package manager.
+mod board;
 mod checks;
 mod demo;
 mod image;
@@ -20,7 +21,9 @@ const HELP: &str = "\
 cargo xtask COMMAND
 
   setup           installs what is missing: the compiler's Cortex-M7 target and QEMU
-  image           builds the image for the emulated board, shows its size, writes its bill of materials
+  image           builds the images; shows their size, writes a bill of materials; the reference board's as ELF, BIN and HEX in out/
+  size            what the reference board's image takes of each memory of the chip
+  flash-board     builds that image and writes it to the board (cargo flash-board; needs probe-rs)
   demo            builds the image, boots it, runs the examples, writes traces and plots to out/
   ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
   ticks --check   counts them and compares with the table
@@ -36,7 +39,9 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome: Outcome = match words.as_slice() {
         ["setup"] => setup::run(),
-        ["image"] => setup::run().and_then(|()| image::report()),
+        ["image"] => setup::run().and_then(|()| image::report()).and_then(|()| board::image()),
+        ["size"] => board::size(),
+        ["flash-board"] => board::flash(),
         ["demo"] => demo::run(),
         ["ticks"] => ticks::write(),
         ["ticks", "--check"] => ticks::check(),

@@ -1,0 +1,238 @@
+//! The reference board's image: its files, what it takes of the chip's memories, and the way onto the board.
+//!
+//! In: the workspace. Out: ELF, BIN and Intel HEX in `out/`, named with the version, with their checksums; a table of
+//! regions; a flashed board. Fails: with a sentence that says what is missing.
+use crate::setup::compiler;
+use crate::shell::{self, Outcome, program, root, run, target, works};
+use object::Endianness;
+use object::read::elf::{ElfFile32, ProgramHeader};
+use object::{Object, ObjectSection, SectionFlags};
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What probe-rs calls the chip.
+const CHIP: &str = "STM32H743ZITx";
+const BIN: &str = "beamtick-h743";
+/// The board's map of memories.
+const MEMORY: &str = "hal/src/stm32h743/memory.x";
+
+/// How cargo is told of the board.
+pub const FEATURES: [&str; 3] = ["--no-default-features", "--features", "stm32h743"];
+
+/// Builds the image and tells where it is.
+pub fn build() -> Outcome<PathBuf> {
+    let compiler = compiler()?;
+    let mut cargo = compiler.cargo();
+    cargo.args(["build", "--package", "beamtick-firmware", "--bin", BIN, "--profile", "image"]).args(FEATURES);
+    run(cargo.args(compiler.arguments()))?;
+    Ok(target().join(crate::setup::TARGET).join("image").join(BIN))
+}
+
+/// Builds it, writes its files and prints what it takes.
+pub fn image() -> Outcome {
+    let elf = build()?;
+    let bytes = read(&elf)?;
+    let loaded = loaded(&bytes)?;
+    let folder = root().join("out");
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let name = format!("{BIN}-{}", env!("CARGO_PKG_VERSION"));
+    let hex = hex(&loaded);
+    for (ending, content) in [("elf", &bytes), ("bin", &loaded.bytes), ("hex", &hex.into_bytes())] {
+        let path = folder.join(format!("{name}.{ending}"));
+        fs::write(&path, content).map_err(|e| format!("{}: {e}", path.display()))?;
+        println!("{}: {} bytes, CRC-32 {:08x}", path.display(), content.len(), crc32(content));
+    }
+    regions(&bytes, &loaded)
+}
+
+/// Prints what the image takes of each region; the linker has refused what does not fit.
+pub fn size() -> Outcome {
+    let bytes = read(&build()?)?;
+    regions(&bytes, &loaded(&bytes)?)
+}
+
+/// Flashes the board that is connected.
+pub fn flash() -> Outcome {
+    if !works(program("probe-rs").arg("--version")) {
+        return Err(
+            "probe-rs is missing: `cargo install probe-rs-tools --locked` (https://probe.rs); or copy the BIN that \
+                    `cargo xtask image` writes onto the board's drive"
+                .into(),
+        );
+    }
+    let found = shell::read(program("probe-rs").arg("list"))?;
+    if !found.to_ascii_lowercase().contains("stlink") && !found.to_ascii_lowercase().contains("st-link") {
+        return Err(format!("no ST-LINK is connected; probe-rs says: {}", found.trim()));
+    }
+    let elf = build()?;
+    run(program("probe-rs").args(["download", "--verify", "--chip", CHIP]).arg(&elf))?;
+    run(program("probe-rs").args(["reset", "--chip", CHIP]))
+}
+
+fn read(path: &Path) -> Outcome<Vec<u8>> {
+    fs::read(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// What lies in flash, from its first byte to its last.
+struct Loaded {
+    base: u32,
+    bytes: Vec<u8>,
+}
+
+fn loaded(elf: &[u8]) -> Outcome<Loaded> {
+    let failed = |e: object::Error| format!("the image: {e}");
+    let file = ElfFile32::<Endianness>::parse(elf).map_err(failed)?;
+    let endian = file.endian();
+    let mut parts = Vec::new();
+    for segment in file.elf_program_headers() {
+        if segment.p_type(endian) == object::elf::PT_LOAD && segment.p_filesz(endian) > 0 {
+            let data =
+                segment.data(endian, elf).map_err(|()| "the image: a segment lies outside the file".to_owned())?;
+            parts.push((segment.p_paddr(endian), data));
+        }
+    }
+    parts.sort_by_key(|(at, _)| *at);
+    let base = parts.first().ok_or("the image loads nothing")?.0;
+    let mut bytes = Vec::new();
+    for (at, data) in parts {
+        let at = (at - base) as usize;
+        if at < bytes.len() {
+            return Err(format!("the image: segments overlap at {:#010x}", base as usize + at));
+        }
+        // Flash that nothing is written to reads as ones.
+        bytes.resize(at, 0xff);
+        bytes.extend_from_slice(data);
+    }
+    Ok(Loaded { base, bytes })
+}
+
+/// Intel HEX: 16 bytes a line, an address line for each 64 KiB.
+fn hex(loaded: &Loaded) -> String {
+    let mut text = String::new();
+    let mut upper = None;
+    for (index, chunk) in loaded.bytes.chunks(16).enumerate() {
+        let at = loaded.base + index as u32 * 16;
+        if upper != Some(at >> 16) {
+            upper = Some(at >> 16);
+            line(&mut text, 0, 4, &((at >> 16) as u16).to_be_bytes());
+        }
+        line(&mut text, at as u16, 0, chunk);
+    }
+    line(&mut text, 0, 1, &[]);
+    text
+}
+
+fn line(text: &mut String, at: u16, kind: u8, data: &[u8]) {
+    let head = [data.len() as u8, (at >> 8) as u8, at as u8, kind];
+    let sum = head.iter().chain(data).fold(0u8, |sum, byte| sum.wrapping_add(*byte));
+    text.push(':');
+    for byte in head.iter().chain(data).chain([&sum.wrapping_neg()]) {
+        // Writing into a String never fails.
+        let _ = write!(text, "{byte:02X}");
+    }
+    text.push('\n');
+}
+
+/// The CRC-32 of zip and Ethernet.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
+    })
+}
+
+/// A region of the map.
+#[derive(Debug, PartialEq, Eq)]
+struct Region {
+    name: String,
+    origin: u64,
+    length: u64,
+}
+
+/// The regions that a linker script's MEMORY names.
+fn map(script: &str) -> Vec<Region> {
+    let of = |line: &str| {
+        let (name, rest) = line.split_once(':')?;
+        let (origin, length) = rest.split_once(',')?;
+        Some(Region {
+            name: name.trim().to_owned(),
+            origin: number(origin.split_once("ORIGIN =")?.1)?,
+            length: number(length.split_once("LENGTH =")?.1)?,
+        })
+    };
+    script.lines().filter_map(of).collect()
+}
+
+/// `0x400`, `64K`, `64K - 19K`.
+fn number(text: &str) -> Option<u64> {
+    text.split('-')
+        .map(|term| {
+            let term = term.trim();
+            if let Some(hex) = term.strip_prefix("0x") {
+                return u64::from_str_radix(hex, 16).ok();
+            }
+            let (digits, factor) = match (term.strip_suffix('K'), term.strip_suffix('M')) {
+                (Some(digits), _) => (digits, 1 << 10),
+                (_, Some(digits)) => (digits, 1 << 20),
+                _ => (term, 1),
+            };
+            Some(digits.trim().parse::<u64>().ok()? * factor)
+        })
+        .reduce(|left, right| Some(left? - right?))?
+}
+
+fn regions(elf: &[u8], loaded: &Loaded) -> Outcome {
+    const ALLOC: u64 = 2;
+    let script = fs::read_to_string(root().join(MEMORY)).map_err(|e| format!("{MEMORY}: {e}"))?;
+    let file = object::File::parse(elf).map_err(|e| format!("the image: {e}"))?;
+    println!("{:<8}{:>12}{:>10}{:>10}{:>8}", "region", "from", "bytes", "used", "free");
+    for Region { name, origin, length } in map(&script) {
+        let inside = |at: u64| (origin..origin + length).contains(&at);
+        let mut used = if inside(loaded.base.into()) { loaded.bytes.len() as u64 } else { 0 };
+        for section in file.sections() {
+            let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
+            if used < length && sh_flags & ALLOC != 0 && inside(section.address()) && !inside(loaded.base.into()) {
+                used += section.size();
+            }
+        }
+        if name == "STACK" {
+            used = length;
+        }
+        let free = length.checked_sub(used).ok_or_else(|| format!("{name} holds {used} bytes of {length}"))?;
+        println!("{name:<8}{origin:>#12x}{length:>10}{used:>10}{free:>8}");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_map_is_read() {
+        let script =
+            "MEMORY\n{\n  A : ORIGIN = 0x00000400, LENGTH = 18K\n  B  : ORIGIN = 0x4c00, LENGTH = 64K - 19K\n}";
+        let region = |name: &str, origin, length| Region { name: name.into(), origin, length };
+        assert_eq!(map(script), [region("A", 0x400, 18432), region("B", 0x4c00, 46080)]);
+    }
+
+    /// The example of Intel's specification, and the check value that CRC-32 is published with.
+    #[test]
+    fn hex_and_checksum_are_the_published_ones() {
+        let mut text = String::new();
+        line(
+            &mut text,
+            0x0100,
+            0,
+            &[0x21, 0x46, 0x01, 0x36, 0x01, 0x21, 0x47, 0x01, 0x36, 0x00, 0x7e, 0xfe, 0x09, 0xd2, 0x19, 0x01],
+        );
+        assert_eq!(text, ":10010000214601360121470136007EFE09D2190140\n");
+        let loaded = Loaded { base: 0x0801_fff0, bytes: vec![0; 32] };
+        let hex = hex(&loaded);
+        let lines: Vec<&str> = hex.lines().collect();
+        assert_eq!(lines[0], ":020000040801F1");
+        assert_eq!(lines[2], ":020000040802F0");
+        assert_eq!(lines.last(), Some(&":00000001FF"));
+        assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
+    }
+}
