@@ -23,9 +23,8 @@ pub struct Machine {
 
 impl Machine {
     /// At rest at zero.
-    pub const fn new() -> Self {
-        Machine { levels: Levels::LOW, stands: [0; AXES], goes_to: [0; AXES], driven: (0, 0), drives: (0, 0) }
-    }
+    pub const AT_REST: Machine =
+        Machine { levels: Levels::LOW, stands: [0; AXES], goes_to: [0; AXES], driven: (0, 0), drives: (0, 0) };
 
     /// A tick begins, which lasts so many ns: what was planned for it is in force.
     pub fn advance(&mut self, _: u32) {

@@ -80,7 +80,7 @@ pub fn take() -> Option<Board> {
             timer: timer::TickTimer::take(),
             link: uart::open(),
             trace: None,
-            machine: machine::Machine::new(),
+            machine: machine::Machine::AT_REST,
         })
     }
 }
@@ -117,6 +117,10 @@ pub fn hold_link() {
 /// There is room again.
 pub fn resume_link() {
     uart::listen(true);
+    if uart::has_byte() {
+        // What it would have told of while it was held, it does not tell again.
+        NVIC::pend(Interrupt::USART3);
+    }
 }
 
 /// Rings the bell from the tick down to the thread.

@@ -81,6 +81,11 @@ pub fn acknowledge() -> bool {
     goes_on
 }
 
+/// Whether a byte waits to be fetched.
+pub fn has_byte() -> bool {
+    USART3.isr().read().rxne()
+}
+
 /// Whether the receiving side interrupts.
 pub fn listen(listens: bool) {
     with(|_| {
