@@ -1,0 +1,300 @@
+//! The peripherals at their addresses (RM0433 2.3.2), and what they do to each other.
+//!
+//! In: reads, writes, time. Out: values, the lines of interrupts, resets. Owns every model and goes from event to event.
+//! An access that no model answers, and one to a peripheral without a clock, is noted ([`Bus::complaints`]): a test that finds
+//! a note has found a fault of the image or a gap of the emulation.
+use crate::clocks::{AHB2ENR, Clocks, Rcc};
+use crate::device::{Cause, Device, Signal};
+use crate::exceptions::Exceptions;
+use crate::gpio::{Gpio, Pin};
+use crate::supply::{Flash, Pwr, Syscfg};
+use crate::time::{NEVER, Time};
+use crate::timer::{KINDS, Timer};
+use crate::usart::Usart;
+use crate::watchdog::Watchdog;
+
+const AHB4ENR: u32 = 0xe0;
+const APB1LENR: u32 = 0xe8;
+const APB2ENR: u32 = 0xf0;
+const APB4ENR: u32 = 0xf4;
+
+/// Where a peripheral is, and which bit of which enable register gives it a clock.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    base: u32,
+    size: u32,
+    clock: Option<(u32, u32)>,
+}
+
+/// Each peripheral, in the order of [`Bus::device`].
+const PLACES: [Place; 7 + KINDS.len()] = [
+    Place { base: 0x5802_4400, size: 0x400, clock: None },
+    Place { base: 0x5802_4800, size: 0x400, clock: None },
+    Place { base: 0x5200_2000, size: 0x400, clock: None },
+    Place { base: 0x5800_0400, size: 0x400, clock: Some((APB4ENR, 1)) },
+    Place { base: 0x5802_0000, size: 0x2c00, clock: Some((AHB4ENR, 0)) },
+    Place { base: 0x4000_4800, size: 0x400, clock: Some((APB1LENR, 18)) },
+    Place { base: 0x5800_4800, size: 0x400, clock: None },
+    Place { base: 0x4001_0000, size: 0x400, clock: Some((APB2ENR, 0)) },
+    Place { base: 0x4000_0000, size: 0x400, clock: Some((APB1LENR, 0)) },
+    Place { base: 0x4000_0400, size: 0x400, clock: Some((APB1LENR, 1)) },
+    Place { base: 0x4000_0800, size: 0x400, clock: Some((APB1LENR, 2)) },
+    Place { base: 0x4000_0c00, size: 0x400, clock: Some((APB1LENR, 3)) },
+    Place { base: 0x4000_1000, size: 0x400, clock: Some((APB1LENR, 4)) },
+    Place { base: 0x4000_1400, size: 0x400, clock: Some((APB1LENR, 5)) },
+    Place { base: 0x4001_0400, size: 0x400, clock: Some((APB2ENR, 1)) },
+    Place { base: 0x4001_4000, size: 0x400, clock: Some((APB2ENR, 16)) },
+    Place { base: 0x4001_4400, size: 0x400, clock: Some((APB2ENR, 17)) },
+    Place { base: 0x4001_4800, size: 0x400, clock: Some((APB2ENR, 18)) },
+];
+const RCC: usize = 0;
+const PWR: usize = 1;
+const FLASH: usize = 2;
+const SYSCFG: usize = 3;
+const GPIO: usize = 4;
+const USART3: usize = 5;
+const TIMERS: usize = 7;
+
+/// The interrupt of USART3 (RM0433 table 148).
+const USART3_LINE: usize = 39;
+
+/// Break inputs: the timer, the pin, its alternate function (docs/board-h743.md).
+const BREAKS: [(u8, &str, u32); 3] = [(1, "PE15", 1), (15, "PE3", 4), (8, "PG2", 3)];
+
+/// See the module text.
+#[derive(Debug, Clone)]
+pub struct Bus {
+    /// Clocks.
+    pub rcc: Rcc,
+    /// Supply.
+    pub pwr: Pwr,
+    /// Flash interface.
+    pub flash: Flash,
+    /// System configuration.
+    pub syscfg: Syscfg,
+    /// Pins.
+    pub gpio: Gpio,
+    /// The link.
+    pub usart: Usart,
+    /// The watchdog.
+    pub watchdog: Watchdog,
+    /// Timers, in the order of [`KINDS`].
+    pub timers: [Timer; KINDS.len()],
+    clocks: Clocks,
+    next: Time,
+    /// A reset that a peripheral asks for.
+    pub reset: Option<Cause>,
+    /// What the image did that no model covers, or that the manual forbids, each once.
+    pub complaints: Vec<String>,
+    signals: Vec<Signal>,
+}
+
+impl Default for Bus {
+    fn default() -> Self {
+        Bus {
+            rcc: Rcc::default(),
+            pwr: Pwr::default(),
+            flash: Flash::default(),
+            syscfg: Syscfg::default(),
+            gpio: Gpio::default(),
+            usart: Usart::new(USART3_LINE),
+            watchdog: Watchdog::default(),
+            timers: KINDS.map(Timer::new),
+            clocks: Clocks::RESET,
+            next: NEVER,
+            reset: None,
+            complaints: Vec::new(),
+            signals: Vec::new(),
+        }
+    }
+}
+
+impl Bus {
+    fn device(&mut self, n: usize) -> &mut dyn Device {
+        match n {
+            RCC => &mut self.rcc,
+            PWR => &mut self.pwr,
+            FLASH => &mut self.flash,
+            SYSCFG => &mut self.syscfg,
+            GPIO => &mut self.gpio,
+            USART3 => &mut self.usart,
+            6 => &mut self.watchdog,
+            _ => &mut self.timers[n - TIMERS],
+        }
+    }
+
+    /// A timer by its number.
+    pub fn timer(&mut self, number: u8) -> Option<&mut Timer> {
+        self.timers.iter_mut().find(|timer| timer.kind.number == number)
+    }
+
+    /// The clocks in force.
+    pub fn clocks(&self) -> Clocks {
+        self.clocks
+    }
+
+    /// When a peripheral does something by itself next.
+    pub fn next(&self) -> Time {
+        self.next
+    }
+
+    /// Whether a memory of this clock bit has its clock.
+    pub fn has_memory(&self, bit: u32) -> bool {
+        self.rcc.is_on(AHB2ENR, bit)
+    }
+
+    fn note(&mut self, complaint: String) {
+        if !self.complaints.contains(&complaint) {
+            self.complaints.push(complaint);
+        }
+    }
+
+    /// Which peripheral an address belongs to, with the offset in it; notes what has no clock.
+    fn find(&mut self, address: u32) -> Option<(usize, u32)> {
+        let n = PLACES.iter().position(|place| (place.base..place.base + place.size).contains(&address))?;
+        let place = PLACES[n];
+        let offset = address - place.base;
+        // Each port has a bit of its own.
+        let port = if n == GPIO { offset / 0x400 } else { 0 };
+        if let Some((register, bit)) = place.clock
+            && !self.rcc.is_on(register, bit + port)
+        {
+            self.note(format!("{address:#010x} is touched before its peripheral has a clock"));
+            return None;
+        }
+        Some((n, offset))
+    }
+
+    /// A read of a register.
+    pub fn read(&mut self, address: u32, at: Time, exceptions: &mut Exceptions) -> Option<u32> {
+        self.settle(at, exceptions);
+        let (n, offset) = self.find(address)?;
+        let mut signals = std::mem::take(&mut self.signals);
+        let value = self.device(n).read(offset, at, &mut signals);
+        self.signals = signals;
+        self.after(at, exceptions);
+        value
+    }
+
+    /// A write of the bits of `mask`.
+    pub fn write(&mut self, address: u32, value: u32, mask: u32, at: Time, exceptions: &mut Exceptions) -> Option<()> {
+        self.settle(at, exceptions);
+        let (n, offset) = self.find(address)?;
+        let mut signals = std::mem::take(&mut self.signals);
+        let done = self.device(n).write(offset, value, mask, at, &mut signals);
+        self.signals = signals;
+        match n {
+            RCC => self.reclock(offset, at),
+            SYSCFG => {
+                let overdrive = self.syscfg.pwrcr & 1 != 0;
+                self.pwr.set_overdrive(overdrive, at);
+            }
+            GPIO => self.look_at_breaks(at),
+            _ => {}
+        }
+        self.after(at, exceptions);
+        done
+    }
+
+    /// What a write to RCC does to the others.
+    fn reclock(&mut self, offset: u32, at: Time) {
+        let clocks = self.rcc.now();
+        if clocks != self.clocks {
+            self.clocks = clocks;
+            (0..PLACES.len()).for_each(|n| self.device(n).clocks(&clocks, at));
+            if clocks.bus < self.flash.fastest_bus() {
+                self.note(format!(
+                    "flash has {} wait states at a bus of {} MHz",
+                    self.flash.wait_states(),
+                    960 / clocks.bus.max(1)
+                ));
+            }
+        }
+        if offset < AHB2ENR {
+            for (n, place) in PLACES.iter().enumerate() {
+                if place.clock.is_some_and(|(register, bit)| n != GPIO && self.rcc.is_reset(register, bit)) {
+                    let mut signals = std::mem::take(&mut self.signals);
+                    self.device(n).reset(at, &mut signals);
+                    self.signals = signals;
+                }
+            }
+        }
+    }
+
+    /// The world drives a pin, or lets it go.
+    pub fn drive(&mut self, pin: Pin, level: Option<bool>, at: Time, exceptions: &mut Exceptions) {
+        self.settle(at, exceptions);
+        self.gpio.drive(pin, level);
+        self.look_at_breaks(at);
+        self.after(at, exceptions);
+    }
+
+    /// Break inputs follow their pins.
+    fn look_at_breaks(&mut self, at: Time) {
+        let mut signals = std::mem::take(&mut self.signals);
+        for (number, name, function) in BREAKS {
+            let Some(pin) = Pin::named(name) else { continue };
+            let connected = self.gpio.alternate(pin) == Some(function);
+            let high = connected && self.gpio.reads(pin);
+            if let Some(timer) = self.timer(number) {
+                timer.break_input(high, &mut signals, at);
+            }
+        }
+        self.signals = signals;
+    }
+
+    /// Lets everything happen that is due until `to`.
+    pub fn settle(&mut self, to: Time, exceptions: &mut Exceptions) {
+        while self.next <= to {
+            let at = self.next;
+            for n in 0..PLACES.len() {
+                if self.device(n).next() <= at {
+                    let mut signals = std::mem::take(&mut self.signals);
+                    self.device(n).advance(at, &mut signals);
+                    self.signals = signals;
+                }
+            }
+            self.after(at, exceptions);
+        }
+    }
+
+    /// Carries out what peripherals have told, and looks when the next one has something to do.
+    fn after(&mut self, at: Time, exceptions: &mut Exceptions) {
+        let mut n = 0;
+        while let Some(&signal) = self.signals.get(n) {
+            n += 1;
+            match signal {
+                Signal::Line(interrupt, high) => {
+                    exceptions.set_line(interrupt, high);
+                }
+                Signal::Output(source, level) => self.gpio.show(source, level, at),
+                Signal::Reset(cause) => self.reset = Some(cause),
+                Signal::Request(number) => self.note(format!("DMA request {number} goes nowhere: no DMA is modelled")),
+            }
+        }
+        self.signals.clear();
+        self.rcc.fastest = self.pwr.fastest();
+        let told = [self.rcc.complaint.take(), self.usart.complaint.take()];
+        let of_timers: Vec<_> = self.timers.iter_mut().filter_map(|timer| timer.complaint.take()).collect();
+        told.into_iter().flatten().chain(of_timers).for_each(|complaint| self.note(complaint));
+        self.next = (0..PLACES.len()).map(|n| self.device(n).next()).min().unwrap_or(NEVER);
+    }
+
+    /// Everything is as after a reset, but the record of what caused it, the pins' record and the wires.
+    pub fn reset_all(&mut self, cause: Cause, at: Time, exceptions: &mut Exceptions) {
+        self.reset = None;
+        let mut signals = Vec::new();
+        (0..PLACES.len()).for_each(|n| self.device(n).reset(at, &mut signals));
+        self.rcc.restarted(cause);
+        self.clocks = Clocks::RESET;
+        let clocks = self.clocks;
+        (0..PLACES.len()).for_each(|n| self.device(n).clocks(&clocks, at));
+        self.signals = signals;
+        self.after(at, exceptions);
+    }
+
+    /// Something outside of a peripheral has changed what it has to do (the host sent bytes).
+    pub fn stir(&mut self, at: Time, exceptions: &mut Exceptions) {
+        self.after(at, exceptions);
+    }
+}

@@ -1,0 +1,317 @@
+//! Reset and clock control, RCC (RM0433 8): which clock runs how fast, and what has one.
+//!
+//! In: register writes. Out: [`Clocks`], which peripherals have a clock, why the last reset came. Ready flags follow their
+//! switches after a time of the order of the data sheet's. Settings that the manual forbids are refused with a sentence
+//! ([`Rcc::complaint`]): a VCO outside of its range, a core faster than the supply allows.
+use crate::device::{Cause, Device, Signal};
+use crate::time::{MICROSECOND, NEVER, Time};
+
+/// Time that a cycle of each clock takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Clocks {
+    /// The core.
+    pub core: Time,
+    /// AXI and AHB.
+    pub bus: Time,
+    /// APB 1.
+    pub apb1: Time,
+    /// APB 2.
+    pub apb2: Time,
+    /// Timers on APB 1.
+    pub timers1: Time,
+    /// Timers on APB 2.
+    pub timers2: Time,
+}
+
+/// 64 MHz, as the chip starts.
+const HSI: Time = 15;
+/// 8 MHz from the ST-LINK.
+const HSE: Time = 120;
+/// 4 MHz.
+const CSI: Time = 240;
+
+impl Clocks {
+    /// Of a chip that has just started.
+    pub const RESET: Clocks = Clocks { core: HSI, bus: HSI, apb1: HSI, apb2: HSI, timers1: HSI, timers2: HSI };
+}
+
+const CR: u32 = 0x00;
+const CFGR: u32 = 0x10;
+const D1CFGR: u32 = 0x18;
+const D2CFGR: u32 = 0x1c;
+const PLLCKSELR: u32 = 0x28;
+const PLLCFGR: u32 = 0x2c;
+const PLL1DIVR: u32 = 0x30;
+const CSR: u32 = 0x74;
+const RSR: u32 = 0xd0;
+/// AHB2ENR, where the memories of domain D2 have their clocks.
+pub const AHB2ENR: u32 = 0xdc;
+/// Enable registers, AHB3 to APB4.
+const ENABLES: std::ops::RangeInclusive<u32> = 0xd4..=0xf4;
+/// Reset registers lie this much before the enable registers.
+pub const RESET_BEFORE_ENABLE: u32 = 0x58;
+
+const HSI_ON: u32 = 1 << 0;
+const HSI_READY: u32 = 1 << 2;
+/// The switches of CR and their ready flags, with the time that they take.
+const SOURCES: [(u32, u32, Time); 6] = [
+    (HSI_ON, HSI_READY, 4 * MICROSECOND),
+    (1 << 7, 1 << 8, 4 * MICROSECOND),
+    (1 << 12, 1 << 13, 10 * MICROSECOND),
+    (1 << 16, 1 << 17, 100 * MICROSECOND),
+    (1 << 24, 1 << 25, 100 * MICROSECOND),
+    (1 << 26, 1 << 27, 100 * MICROSECOND),
+];
+const PLL1_READY: u32 = 1 << 25;
+
+/// See the module text.
+#[derive(Debug, Clone)]
+pub struct Rcc {
+    registers: [u32; 0x60],
+    /// When each source becomes ready.
+    ready: [Time; SOURCES.len()],
+    lsi_ready: Time,
+    clocks: Clocks,
+    /// The fastest core that the supply allows, as time a cycle; set by the machine from PWR.
+    pub fastest: Time,
+    /// What was set against the manual.
+    pub complaint: Option<String>,
+}
+
+impl Default for Rcc {
+    fn default() -> Self {
+        let mut rcc = Rcc {
+            registers: [0; 0x60],
+            ready: [NEVER; SOURCES.len()],
+            lsi_ready: NEVER,
+            clocks: Clocks::RESET,
+            fastest: 0,
+            complaint: None,
+        };
+        rcc.initial();
+        rcc.restarted(Cause::Power);
+        rcc
+    }
+}
+
+impl Rcc {
+    fn initial(&mut self) {
+        let kept = self.at(RSR);
+        self.registers = [0; 0x60];
+        *self.place(RSR) = kept;
+        *self.place(CR) = HSI_ON | HSI_READY;
+        // HSICFGR, CSICFGR, PLLCKSELR, PLLCFGR and the dividers (RM0433 8.7).
+        *self.place(0x04) = 0x4000_0000;
+        *self.place(0x0c) = 0x2000_0000;
+        *self.place(PLLCKSELR) = 0x0202_0200;
+        *self.place(PLLCFGR) = 0x01ff_0000;
+        for divider in [PLL1DIVR, 0x38, 0x40] {
+            *self.place(divider) = 0x0101_0280;
+        }
+        *self.place(0xd4) = 0;
+        self.ready = [NEVER; SOURCES.len()];
+        self.lsi_ready = NEVER;
+        self.clocks = Clocks::RESET;
+    }
+
+    /// Notes a reset (RM0433 table 55).
+    pub fn restarted(&mut self, cause: Cause) {
+        // CPURST and PINRST come with each of them.
+        let flags = match cause {
+            Cause::Power => 0x00fa_0000,
+            Cause::Pin => 1 << 22 | 1 << 17,
+            Cause::Software => 1 << 24 | 1 << 22 | 1 << 17,
+            Cause::Watchdog => 1 << 26 | 1 << 22 | 1 << 17,
+        };
+        *self.place(RSR) |= flags;
+    }
+
+    fn at(&self, offset: u32) -> u32 {
+        self.registers.get(offset as usize / 4).copied().unwrap_or(0)
+    }
+
+    fn place(&mut self, offset: u32) -> &mut u32 {
+        &mut self.registers[offset as usize / 4]
+    }
+
+    /// The clocks in force.
+    pub fn now(&self) -> Clocks {
+        self.clocks
+    }
+
+    /// Whether the bit of an enable register is set.
+    pub fn is_on(&self, enable: u32, bit: u32) -> bool {
+        self.at(enable) & 1 << bit != 0
+    }
+
+    /// Whether the bit of the matching reset register is set.
+    pub fn is_reset(&self, enable: u32, bit: u32) -> bool {
+        self.at(enable - RESET_BEFORE_ENABLE) & 1 << bit != 0
+    }
+
+    fn complain(&mut self, what: String) {
+        self.complaint.get_or_insert(what);
+    }
+
+    /// Time a cycle of PLL1's P output takes.
+    fn pll1(&mut self) -> Option<Time> {
+        let (source, configuration, dividers) = (self.at(PLLCKSELR), self.at(PLLCFGR), self.at(PLL1DIVR));
+        let input = match source & 3 {
+            0 => HSI << (self.at(CR) >> 3 & 3),
+            1 => CSI,
+            2 => HSE,
+            _ => return None,
+        };
+        let m = u64::from(source >> 4 & 0x3f);
+        let reference = input * m;
+        let n = u64::from(dividers & 0x1ff) + 1;
+        let p = u64::from(dividers >> 9 & 0x7f) + 1;
+        // In kHz: reference and VCO, and the ranges that are set for them.
+        let reference_khz = 960_000u64.checked_div(reference)?;
+        let vco_khz = reference_khz * n;
+        let range = [1_000..=2_000, 2_000..=4_000, 4_000..=8_000, 8_000..=16_000][(configuration >> 2 & 3) as usize].clone();
+        if !range.contains(&reference_khz) {
+            self.complain(format!("PLL1's reference of {reference_khz} kHz is outside of PLL1RGE ({range:?} kHz)"));
+        }
+        let vco = if configuration & 2 == 0 { 192_000..=960_000 } else { 150_000..=420_000 };
+        if !vco.contains(&vco_khz) {
+            self.complain(format!("PLL1's VCO would run at {vco_khz} kHz, outside of {vco:?}"));
+        }
+        if configuration & 1 << 16 == 0 {
+            self.complain("the core takes PLL1 P, which is off (DIVP1EN)".into());
+        }
+        let (top, cycle) = (reference * p, reference * p / n);
+        if cycle * n != top {
+            self.complain(format!("{vco_khz} kHz / {p} is no clock that the emulation can count"));
+        }
+        Some(cycle.max(1))
+    }
+
+    /// Works out the clocks anew. Sources that do not run leave them as they were.
+    fn derive(&mut self) {
+        let system = match self.at(CFGR) & 7 {
+            0 => Some(HSI << (self.at(CR) >> 3 & 3)),
+            1 => Some(CSI),
+            2 => Some(HSE),
+            3 if self.at(CR) & PLL1_READY != 0 => self.pll1(),
+            _ => None,
+        };
+        let Some(system) = system else {
+            self.complain("the core was switched to a clock that is not ready".into());
+            return;
+        };
+        let (d1, d2) = (self.at(D1CFGR), self.at(D2CFGR));
+        let core = system * prescaler(d1 >> 8);
+        let bus = core * prescaler(d1);
+        let apb = |field: u32| if field & 4 == 0 { 1 } else { 2 << (field & 3) };
+        let (apb1, apb2) = (apb(d2 >> 4), apb(d2 >> 8));
+        // RM0433 table 56: up to /2, timers run at the bus; slower buses give half of it, or a quarter with TIMPRE.
+        let timpre = self.at(CFGR) & 1 << 15 != 0;
+        let timers = |divider: u64| bus * if timpre { (divider / 4).max(1) } else { (divider / 2).max(1) };
+        self.clocks = Clocks {
+            core,
+            bus,
+            apb1: bus * apb1,
+            apb2: bus * apb2,
+            timers1: timers(apb1),
+            timers2: timers(apb2),
+        };
+        if core < self.fastest {
+            self.complain(format!("the core runs at {} MHz, which its supply does not allow", 960 / core));
+        }
+        if bus < 4 || self.clocks.apb1 < 8 || self.clocks.apb2 < 8 {
+            self.complain("a bus runs faster than 240 MHz, or a peripheral bus faster than 120 MHz".into());
+        }
+    }
+}
+
+/// D1CPRE and HPRE.
+fn prescaler(field: u32) -> u64 {
+    match field & 0xf {
+        low if low < 8 => 1,
+        field @ 8..=11 => 2 << (field - 8),
+        field => 64 << (field - 12),
+    }
+}
+
+impl Device for Rcc {
+    fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
+        // The second set, RCC_C1, shows the same registers.
+        let offset = if offset >= 0x130 { offset - 0x60 } else { offset };
+        (offset < 0x180).then(|| self.at(offset))
+    }
+
+    fn write(&mut self, offset: u32, value: u32, mask: u32, at: Time, _: &mut Vec<Signal>) -> Option<()> {
+        let offset = if offset >= 0x130 { offset - 0x60 } else { offset };
+        if offset >= 0x180 {
+            return None;
+        }
+        let before = self.at(offset);
+        let value = before & !mask | value & mask;
+        match offset {
+            CR => {
+                let mut flags = before;
+                for (n, (on, ready, time)) in SOURCES.into_iter().enumerate() {
+                    flags = flags & !on | value & on;
+                    if value & on == 0 {
+                        flags &= !ready;
+                        self.ready[n] = NEVER;
+                    } else if before & on == 0 {
+                        self.ready[n] = at + time;
+                    }
+                }
+                let flagged = SOURCES.iter().fold(0, |all, (on, ready, _)| all | on | ready);
+                // HSI's divider: its flag says at once that it is there.
+                *self.place(CR) = flags & flagged | value & !flagged | 1 << 5;
+                self.derive();
+            }
+            CFGR => {
+                *self.place(CFGR) = value & !(7 << 3) | (value & 7) << 3;
+                self.derive();
+            }
+            D1CFGR | D2CFGR => {
+                *self.place(offset) = value;
+                self.derive();
+            }
+            PLLCKSELR | PLLCFGR | PLL1DIVR => {
+                if self.at(CR) & 1 << 24 != 0 && value != before && offset != PLLCFGR {
+                    self.complain("PLL1 was changed while it runs".into());
+                }
+                *self.place(offset) = value;
+            }
+            CSR => {
+                self.lsi_ready = if value & 1 == 0 { NEVER } else { at + 80 * MICROSECOND };
+                *self.place(CSR) = value & 1;
+            }
+            RSR => {
+                if value & 1 << 16 != 0 {
+                    *self.place(RSR) = 0;
+                }
+            }
+            offset if ENABLES.contains(&offset) => *self.place(offset) = value,
+            _ => *self.place(offset) = value,
+        }
+        Some(())
+    }
+
+    fn next(&self) -> Time {
+        self.ready.iter().copied().min().unwrap_or(NEVER).min(self.lsi_ready)
+    }
+
+    fn advance(&mut self, to: Time, _: &mut Vec<Signal>) {
+        for (n, (_, ready, _)) in SOURCES.into_iter().enumerate() {
+            if self.ready[n] <= to {
+                self.ready[n] = NEVER;
+                *self.place(CR) |= ready;
+            }
+        }
+        if self.lsi_ready <= to {
+            self.lsi_ready = NEVER;
+            *self.place(CSR) |= 1 << 1;
+        }
+    }
+
+    fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
+        self.initial();
+    }
+}

@@ -1,0 +1,155 @@
+//! Which exception comes next (Armv7-M Architecture Reference Manual, B1.5 and B3.4).
+//!
+//! In: what is pending, enabled, active, at which priority, and the core's masks. Out: the exception to take, if one is more
+//! urgent than what runs. Owns these four sets. Of a priority the STM32H743 has four bits (PM0253 4.2.7).
+
+/// Exceptions: 16 of the core, 150 of the chip (RM0433 table 148).
+pub const COUNT: usize = 16 + 150;
+
+/// Numbers of the core's own.
+pub const NMI: usize = 2;
+/// Everything that nobody else takes.
+pub const HARD_FAULT: usize = 3;
+/// A right of the MPU is missing.
+pub const MEMORY_FAULT: usize = 4;
+/// Nothing answers at an address.
+pub const BUS_FAULT: usize = 5;
+/// An instruction that cannot be.
+pub const USAGE_FAULT: usize = 6;
+/// SVC.
+pub const SUPERVISOR_CALL: usize = 11;
+/// The bell that software rings.
+pub const PEND_SV: usize = 14;
+/// The core's timer.
+pub const SYS_TICK: usize = 15;
+
+/// Priority of code that no exception runs.
+pub const THREAD: i16 = 256;
+
+/// The masks, as the core's registers hold them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Masks {
+    /// PRIMASK.
+    pub primask: bool,
+    /// FAULTMASK.
+    pub faultmask: bool,
+    /// BASEPRI.
+    pub basepri: u8,
+}
+
+/// See the module text.
+#[derive(Debug, Clone)]
+pub struct Exceptions {
+    /// Is waiting.
+    pub pending: [bool; COUNT],
+    /// Runs, or was interrupted.
+    pub active: [bool; COUNT],
+    /// May be taken.
+    pub enabled: [bool; COUNT],
+    /// Priority registers.
+    pub priority: [u8; COUNT],
+    /// The line of an interrupt is high.
+    line: [bool; COUNT],
+    /// AIRCR.PRIGROUP.
+    pub group: u32,
+}
+
+impl Default for Exceptions {
+    fn default() -> Self {
+        let mut enabled = [false; COUNT];
+        for always in [NMI, HARD_FAULT, SUPERVISOR_CALL, PEND_SV, SYS_TICK] {
+            enabled[always] = true;
+        }
+        Exceptions {
+            pending: [false; COUNT],
+            active: [false; COUNT],
+            enabled,
+            priority: [0; COUNT],
+            line: [false; COUNT],
+            group: 0,
+        }
+    }
+}
+
+impl Exceptions {
+    /// Sets a priority register; the chip has the top four bits of it.
+    pub fn set_priority(&mut self, exception: usize, value: u8) {
+        self.priority[exception] = value & 0xf0;
+    }
+
+    /// How urgent an exception is, the bits that only order equals included.
+    fn full_priority(&self, exception: usize) -> i16 {
+        match exception {
+            0 | 1 => -3,
+            NMI => -2,
+            HARD_FAULT => -1,
+            _ => self.priority[exception].into(),
+        }
+    }
+
+    /// The part of a priority that preempts (B1.5.4).
+    fn preempting(&self, priority: i16) -> i16 {
+        if priority < 0 { priority } else { priority >> (self.group + 1) << (self.group + 1) }
+    }
+
+    /// How urgent an exception is when it comes to preempting.
+    pub fn urgency(&self, exception: usize) -> i16 {
+        self.preempting(self.full_priority(exception))
+    }
+
+    /// How urgent what runs is, with the masks.
+    pub fn execution(&self, masks: Masks) -> i16 {
+        let active = (0..COUNT).filter(|&n| self.active[n]).map(|n| self.urgency(n)).min().unwrap_or(THREAD);
+        let base = if masks.basepri == 0 { THREAD } else { self.preempting(i16::from(masks.basepri & 0xf0)) };
+        let prime = if masks.primask { 0 } else { THREAD };
+        let fault = if masks.faultmask { -1 } else { THREAD };
+        active.min(base).min(prime).min(fault)
+    }
+
+    /// The most urgent that waits and is enabled; of equals the lowest number.
+    fn first(&self) -> Option<usize> {
+        (NMI..COUNT).filter(|&n| self.pending[n] && self.enabled[n]).min_by_key(|&n| (self.full_priority(n), n))
+    }
+
+    /// Whether anything waits that is enabled.
+    pub fn is_any_pending(&self) -> bool {
+        (NMI..COUNT).any(|n| self.pending[n] && self.enabled[n])
+    }
+
+    /// What is to be taken now.
+    pub fn next(&self, masks: Masks) -> Option<usize> {
+        self.first().filter(|&n| self.urgency(n) < self.execution(masks))
+    }
+
+    /// Whether WFI ends: as for [`Exceptions::next`], but PRIMASK does not count (B1.5.19).
+    pub fn wakes(&self, masks: Masks) -> bool {
+        self.next(Masks { primask: false, ..masks }).is_some()
+    }
+
+    /// An exception begins.
+    pub fn begin(&mut self, exception: usize) {
+        self.pending[exception] = false;
+        self.active[exception] = true;
+    }
+
+    /// An exception has ended; an interrupt whose line is still high waits again.
+    pub fn end(&mut self, exception: usize) {
+        self.active[exception] = false;
+        self.pending[exception] |= self.line[exception];
+    }
+
+    /// The line of an interrupt; a rising line makes it pending. True if it is pending now and was not.
+    pub fn set_line(&mut self, interrupt: usize, high: bool) -> bool {
+        let exception = 16 + interrupt;
+        let rises = high && !self.line[exception];
+        self.line[exception] = high;
+        let new = rises && !self.pending[exception];
+        self.pending[exception] |= rises;
+        new
+    }
+
+    /// Takes back what is pending; where the line is high it comes at once again, if it does not run.
+    pub fn clear_pending(&mut self, exception: usize) {
+        self.pending[exception] = self.line[exception] && !self.active[exception];
+    }
+}

@@ -1,0 +1,77 @@
+//! The client's link to the emulated board: in lockstep, time passes only while the client waits, as with the virtual controller.
+use crate::machine::Machine;
+use crate::time::{MICROSECOND, Time, from_nanoseconds, nanoseconds};
+use client::Link;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// A machine that a link and its user share.
+pub type Shared = Arc<Mutex<Machine>>;
+
+/// The machine, whoever panicked with it.
+pub fn lock(machine: &Shared) -> MutexGuard<'_, Machine> {
+    machine.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// How long the board runs between two looks at what it has sent.
+const SLICE: Time = 50 * MICROSECOND;
+
+/// See the module text.
+pub struct EmulatedLink {
+    machine: Shared,
+    received: Vec<u8>,
+    taken: usize,
+}
+
+impl EmulatedLink {
+    /// A link to this board.
+    pub fn new(machine: Shared) -> Self {
+        EmulatedLink { machine, received: Vec::new(), taken: 0 }
+    }
+}
+
+impl Link for EmulatedLink {
+    fn name(&self) -> &str {
+        "h743"
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
+        lock(&self.machine).send(bytes);
+        Ok(())
+    }
+
+    fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
+        if self.taken == self.received.len() {
+            self.received.clear();
+            self.taken = 0;
+            let mut machine = lock(&self.machine);
+            let end = machine.chip.now + from_nanoseconds(wait.as_nanos() as u64);
+            loop {
+                self.received.extend(machine.take_sent().into_iter().map(|(_, byte)| byte));
+                let left = end.saturating_sub(machine.chip.now);
+                if !self.received.is_empty() || left == 0 {
+                    break;
+                }
+                machine.run(left.min(SLICE));
+            }
+        }
+        let left = &self.received[self.taken..];
+        let n = left.len().min(buf.len());
+        buf[..n].copy_from_slice(&left[..n]);
+        self.taken += n;
+        Ok(n)
+    }
+
+    fn now(&mut self) -> u64 {
+        nanoseconds(lock(&self.machine).chip.now)
+    }
+
+    fn real_time(&self) -> bool {
+        false
+    }
+
+    fn trace_rate(&self) -> u32 {
+        // Half of what the wire carries in ten bits a byte; the rest is for calls and their answers.
+        (crate::usart::Usart::HOST_BAUD / 20) as u32
+    }
+}

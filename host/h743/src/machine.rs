@@ -1,0 +1,467 @@
+//! The board: core, memories and peripherals together, and the loop that runs them.
+//!
+//! In: an image, time to pass, bytes of the host, levels at pins. Out: what the pins did, bytes of the board, how each run ended.
+//! An instruction takes one cycle of the core's clock, entering and leaving an exception [`ENTRY`] and [`EXIT`] cycles; a core
+//! that waits for an interrupt takes no time of the host's. So instants are those of an ideal core with no cache misses:
+//! exact for what timers do, an estimate for what instructions do.
+use crate::bus::Bus;
+use crate::device::Cause;
+use crate::engine::{Engine, Exit, Guest, Register};
+use crate::exceptions::{BUS_FAULT, HARD_FAULT, MEMORY_FAULT, Masks, SUPERVISOR_CALL, USAGE_FAULT};
+use crate::gpio::Pin;
+use crate::memory::{Memory, PAGE};
+use crate::scs::Scs;
+use crate::time::{NEVER, Time};
+use std::sync::Arc;
+
+/// Cycles from an exception to its first instruction, and back (Cortex-M7 TRM: 12 without stalls).
+pub const ENTRY: Time = 12;
+/// See [`ENTRY`].
+pub const EXIT: Time = 12;
+
+/// The private peripheral bus begins here; the system control space is its part at +0xE000.
+const PRIVATE: u32 = 0xe000_0000;
+const SCS: u32 = 0xe000_e000;
+
+/// What surrounds the core, while it runs.
+pub struct Chip {
+    /// Memories.
+    pub memory: Arc<Memory>,
+    /// The core's system block.
+    pub scs: Scs,
+    /// Peripherals.
+    pub bus: Bus,
+    /// Time.
+    pub now: Time,
+    /// Instructions executed.
+    pub instructions: u64,
+    cycle: Time,
+    limit: Time,
+    /// The machine has to look before the next instruction.
+    attention: bool,
+    waits: bool,
+    /// An IT block: the core does not stop inside it.
+    block: std::ops::Range<u32>,
+    /// The address of the instruction that runs.
+    at: u32,
+    /// The exception that runs.
+    running: usize,
+    /// Spans that the MPU forbids to everybody: first address and bytes.
+    forbidden: Vec<(u32, u32)>,
+    /// The instruction that runs touched what is forbidden in the first page.
+    failed: bool,
+}
+
+impl Chip {
+    fn settle(&mut self) {
+        if self.scs.next() <= self.now {
+            self.scs.advance(self.now);
+            self.attention = true;
+        }
+        if self.bus.next() <= self.now {
+            self.bus.settle(self.now, &mut self.scs.exceptions);
+            self.attention = true;
+        }
+    }
+
+    /// Marks what the machine has to look at after an access.
+    fn after_access(&mut self) {
+        self.cycle = self.bus.clocks().core;
+        self.attention |= self.bus.reset.is_some() || self.scs.wants_reset || self.scs.exceptions.is_any_pending();
+    }
+
+    /// Looks at an instruction that the engine does not tell about.
+    fn decode(&mut self, address: u32) {
+        match self.memory.code(address) {
+            // WFI; WFE ends at once, as after an event.
+            0xbf30 => {
+                self.waits = true;
+            }
+            0xbf00 | 0xbf10 | 0xbf20 | 0xbf40 => {}
+            it @ 0xbf00..=0xbfff => {
+                let count = 4 - (it & 0xf).trailing_zeros();
+                let mut end = address + 2;
+                for _ in 0..count {
+                    end += if self.memory.code(end) >= 0xe800 { 4 } else { 2 };
+                }
+                self.block = address + 1..end;
+            }
+            // CPS and MSR may let an exception in.
+            0xb660..=0xb67f | 0xf380..=0xf38f => self.attention |= self.scs.exceptions.is_any_pending(),
+            _ => {}
+        }
+    }
+
+    fn is_forbidden(&self, address: u32, length: u32) -> bool {
+        let (first, end) = (u64::from(address), u64::from(address) + u64::from(length));
+        let meets = |&(base, size): &(u32, u32)| u64::from(base) < end && first < u64::from(base) + u64::from(size);
+        self.forbidden.iter().any(meets)
+    }
+
+    /// Whether an access to the first page is forbidden; then the fault comes before the next instruction.
+    fn fails(&mut self, address: u32, size: u32) -> bool {
+        let fails = self.is_forbidden(address, size);
+        self.failed |= fails;
+        self.attention |= fails;
+        fails
+    }
+
+    fn note(&mut self, complaint: String) {
+        if !self.bus.complaints.contains(&complaint) {
+            self.bus.complaints.push(complaint);
+        }
+    }
+}
+
+impl Guest for Chip {
+    fn before(&mut self, address: u32) -> bool {
+        if !self.block.contains(&address) {
+            if self.now >= self.bus.next().min(self.scs.next()) {
+                self.settle();
+            }
+            if self.attention || self.waits || self.now >= self.limit {
+                return true;
+            }
+        }
+        self.at = address;
+        self.now += self.cycle;
+        self.instructions += 1;
+        self.decode(address);
+        false
+    }
+
+    fn read(&mut self, address: u32, size: u32) -> u32 {
+        if address < PAGE as u32 {
+            return if self.fails(address, size) { 0 } else { self.memory.number(address, size).unwrap_or(0) };
+        }
+        let aligned = address & !3;
+        let value = if aligned & 0xffff_f000 == SCS {
+            self.settle();
+            self.scs.read(aligned - SCS, self.running, self.now, self.cycle)
+        } else if aligned >= PRIVATE {
+            None
+        } else {
+            self.bus.read(aligned, self.now, &mut self.scs.exceptions)
+        };
+        self.after_access();
+        let Some(value) = value else {
+            self.note(format!("{address:#010x} is read at {:#010x}: not modelled", self.at));
+            return 0;
+        };
+        let value = value >> (8 * (address & 3));
+        if size < 4 { value & ((1 << (8 * size)) - 1) } else { value }
+    }
+
+    fn write(&mut self, address: u32, size: u32, value: u32) {
+        if address < PAGE as u32 {
+            if !self.fails(address, size) {
+                self.memory.load(address, &value.to_le_bytes()[..size.min(4) as usize]);
+            }
+            return;
+        }
+        let (aligned, shift) = (address & !3, 8 * (address & 3));
+        let mask = if size < 4 { ((1 << (8 * size)) - 1) << shift } else { u32::MAX };
+        let value = value << shift;
+        let done = if aligned & 0xffff_f000 == SCS {
+            self.settle();
+            self.scs.write(aligned - SCS, value, mask, self.now, self.cycle)
+        } else if aligned >= PRIVATE {
+            None
+        } else {
+            self.bus.write(aligned, value, mask, self.now, &mut self.scs.exceptions)
+        };
+        if done.is_none() {
+            self.note(format!("{address:#010x} is written at {:#010x}: not modelled", self.at));
+        }
+        self.after_access();
+    }
+}
+
+/// Why [`Machine::run`] came back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// The time is over.
+    Time,
+    /// The chip was reset, and has not begun anew yet.
+    Reset(Cause),
+    /// BKPT at this address.
+    Breakpoint(u32),
+    /// A fault while a fault was handled: the core stands still for ever.
+    Lockup,
+}
+
+/// See the module text.
+pub struct Machine {
+    engine: Engine<Chip>,
+    /// Everything but the core's registers.
+    pub chip: Chip,
+    mapped: Vec<u32>,
+    mpu_seen: u32,
+    /// Resets since power-on, with their instants.
+    pub resets: Vec<(Time, Cause)>,
+}
+
+impl Machine {
+    /// A board without an image.
+    pub fn new() -> Result<Machine, String> {
+        let memory = Arc::new(Memory::new());
+        let engine = Engine::new(memory.clone())?;
+        let chip = Chip {
+            memory,
+            scs: Scs::default(),
+            bus: Bus::default(),
+            now: 0,
+            instructions: 0,
+            cycle: crate::clocks::Clocks::RESET.core,
+            limit: NEVER,
+            attention: false,
+            waits: false,
+            block: 0..0,
+            at: 0,
+            running: 0,
+            forbidden: Vec::new(),
+            failed: false,
+        };
+        let mut machine = Machine { engine, chip, mapped: Vec::new(), mpu_seen: 0, resets: Vec::new() };
+        machine.begin();
+        Ok(machine)
+    }
+
+    /// The core fetches stack and entry from the vector table, at the address that the boot option gives (RM0433 2.6: flash).
+    fn begin(&mut self) {
+        let chip = &mut self.chip;
+        (chip.attention, chip.waits, chip.block, chip.running, chip.failed) = (false, false, 0..0, 0, false);
+        let base = chip.scs.vectors;
+        let stack = chip.memory.word(base).unwrap_or(0);
+        let entry = chip.memory.word(base + 4).unwrap_or(0);
+        for (register, value) in [
+            (Register::Xpsr, 1 << 24),
+            (Register::Control, 0),
+            (Register::Primask, 0),
+            (Register::Faultmask, 0),
+            (Register::Basepri, 0),
+            (Register::Msp, stack),
+            (Register::Sp, stack),
+            (Register::Lr, u32::MAX),
+            (Register::Pc, entry),
+        ] {
+            self.engine.set(register, value);
+        }
+    }
+
+    /// Loads an image and starts it, as after power has come.
+    pub fn boot(&mut self, elf: &[u8]) -> Result<(), String> {
+        crate::image::load(elf, &self.chip.memory)?;
+        self.begin();
+        Ok(())
+    }
+
+    /// Resets the chip; memories keep what they hold.
+    pub fn reset(&mut self, cause: Cause) {
+        let chip = &mut self.chip;
+        self.resets.push((chip.now, cause));
+        chip.scs = Scs::default();
+        chip.bus.reset_all(cause, chip.now, &mut chip.scs.exceptions);
+        chip.cycle = chip.bus.clocks().core;
+        self.mpu_seen = u32::MAX;
+        self.arrange();
+        self.begin();
+    }
+
+    /// Memories without a clock are not there; regions of the MPU without a right neither.
+    fn arrange(&mut self) {
+        for region in self.chip.memory.regions() {
+            let Some(bit) = region.clock else { continue };
+            let (is, shall) = (self.mapped.contains(&region.base), self.chip.bus.has_memory(bit));
+            if is != shall && self.engine.map(region.base, shall).is_ok() {
+                if shall { self.mapped.push(region.base) } else { self.mapped.retain(|&base| base != region.base) }
+            }
+        }
+        if self.chip.scs.mpu_writes != self.mpu_seen {
+            self.mpu_seen = self.chip.scs.mpu_writes;
+            for (base, size) in std::mem::take(&mut self.chip.forbidden) {
+                // A memory that has lost its clock meanwhile has nothing to give back.
+                let _ = self.engine.forbid(base, size, false);
+            }
+            if self.chip.scs.mpu_control & 1 == 0 {
+                return;
+            }
+            let memories = self.chip.memory.clone();
+            let spans: Vec<_> = self.chip.scs.mpu.iter().filter_map(|region| region.forbidden()).collect();
+            for (base, size) in spans {
+                for memory in memories.regions().iter().filter(|memory| memory.writable) {
+                    let first = u64::from(base).max(memory.base.into());
+                    let end = (u64::from(base) + size).min(u64::from(memory.base) + u64::from(memory.size));
+                    if first < end {
+                        let (first, size) = (first as u32, (end - first) as u32);
+                        // The engine guards whole pages; the first one is guarded by the chip itself.
+                        if self.engine.forbid(first, size, true).is_err() && end > PAGE as u64 {
+                            self.chip.note(format!("the MPU's guard of {size} bytes at {first:#010x} is no whole page"));
+                        }
+                        self.chip.forbidden.push((first, size));
+                    }
+                }
+            }
+        }
+    }
+
+    fn masks(&self) -> Masks {
+        Masks {
+            primask: self.engine.register(Register::Primask) & 1 != 0,
+            faultmask: self.engine.register(Register::Faultmask) & 1 != 0,
+            basepri: self.engine.register(Register::Basepri) as u8,
+        }
+    }
+
+    /// A register of the core.
+    pub fn register(&self, register: Register) -> u32 {
+        self.engine.register(register)
+    }
+
+    /// Lets `time` pass.
+    pub fn run(&mut self, time: Time) -> Stop {
+        let end = self.chip.now.saturating_add(time);
+        loop {
+            self.chip.settle();
+            self.arrange();
+            if let Some(cause) = self.asked_reset() {
+                self.reset(cause);
+                return Stop::Reset(cause);
+            }
+            self.chip.attention = false;
+            let masks = self.masks();
+            if self.chip.waits {
+                if self.chip.scs.exceptions.wakes(masks) {
+                    self.chip.waits = false;
+                } else if self.chip.now >= end {
+                    return Stop::Time;
+                } else {
+                    let next = self.chip.bus.next().min(self.chip.scs.next());
+                    self.chip.now = next.min(end).max(self.chip.now);
+                    continue;
+                }
+            }
+            if let Some(exception) = self.chip.scs.exceptions.next(masks) {
+                if let Err(stop) = self.enter(exception) {
+                    return stop;
+                }
+                continue;
+            }
+            if self.chip.now >= end {
+                return Stop::Time;
+            }
+            self.chip.limit = end;
+            let pc = self.engine.register(Register::Pc);
+            let exit = self.engine.run(&mut self.chip, pc);
+            if let Err(stop) = self.leave(exit) {
+                return stop;
+            }
+        }
+    }
+
+    fn asked_reset(&mut self) -> Option<Cause> {
+        if self.chip.scs.wants_reset { Some(Cause::Software) } else { self.chip.bus.reset }
+    }
+
+    /// What to do after the core has stopped.
+    fn leave(&mut self, exit: Exit) -> Result<(), Stop> {
+        if std::mem::take(&mut self.chip.failed) {
+            // The access has been made already as far as registers go; what counts is where it was.
+            let at = self.chip.at;
+            self.engine.set(Register::Pc, at | 1);
+            // DACCVIOL.
+            return self.fault(MEMORY_FAULT, 1 << 1);
+        }
+        let pc = self.engine.register(Register::Pc);
+        match exit {
+            Exit::Asked => Ok(()),
+            Exit::Call => {
+                self.chip.scs.exceptions.pending[SUPERVISOR_CALL] = true;
+                Ok(())
+            }
+            Exit::Breakpoint => Err(Stop::Breakpoint(pc)),
+            Exit::Return => self.return_from(pc),
+            _ if self.chip.running != 0 && is_return(pc) => self.return_from(pc),
+            // UNDEFINSTR, INVSTATE.
+            Exit::Undefined => self.fault(USAGE_FAULT, 1 << 16),
+            // PRECISERR; what the MPU forbids looks the same here.
+            Exit::Data => self.fault(BUS_FAULT, 1 << 9),
+            Exit::Fetch => self.fault(BUS_FAULT, 1 << 8),
+            Exit::Other(_) => self.fault(USAGE_FAULT, 1 << 17),
+        }
+    }
+
+    /// A fault of the instruction at the program counter (B1.5.14): its own exception, or HardFault.
+    fn fault(&mut self, exception: usize, flags: u32) -> Result<(), Stop> {
+        let scs = &mut self.chip.scs;
+        scs.cfsr |= flags;
+        let masks = self.masks();
+        let exceptions = &mut self.chip.scs.exceptions;
+        let execution = exceptions.execution(masks);
+        let taken = if exceptions.enabled[exception] && exceptions.urgency(exception) < execution {
+            exception
+        } else {
+            self.chip.scs.hfsr |= 1 << 30;
+            HARD_FAULT
+        };
+        if taken == HARD_FAULT && execution <= -1 {
+            return Err(Stop::Lockup);
+        }
+        self.enter(taken)
+    }
+
+    /// The exception that runs.
+    pub fn running(&self) -> usize {
+        self.chip.running
+    }
+}
+
+/// EXC_RETURN.
+pub(crate) fn is_return(address: u32) -> bool {
+    address >= 0xffff_ff00
+}
+
+/// The parts of the machine that exceptions need (`frames`).
+impl Machine {
+    pub(crate) fn engine(&mut self) -> &mut Engine<Chip> {
+        &mut self.engine
+    }
+
+    pub(crate) fn set_running(&mut self, exception: usize) {
+        self.chip.running = exception;
+    }
+
+    pub(crate) fn spend(&mut self, cycles: Time) {
+        self.chip.now += cycles * self.chip.cycle;
+    }
+
+    /// Whether the core may write there now.
+    pub(crate) fn may_write(&self, address: u32, length: u32) -> bool {
+        let end = u64::from(address) + u64::from(length);
+        let memory = &self.chip.memory;
+        memory.regions().iter().any(|region| {
+            region.writable
+                && (region.clock.is_none() || self.mapped.contains(&region.base))
+                && region.base <= address
+                && end <= u64::from(region.base) + u64::from(region.size)
+        }) && !self.chip.is_forbidden(address, length)
+    }
+
+    /// The host sends bytes over the link.
+    pub fn send(&mut self, bytes: &[u8]) {
+        let chip = &mut self.chip;
+        chip.bus.usart.host_sends(bytes, chip.now);
+        chip.bus.stir(chip.now, &mut chip.scs.exceptions);
+    }
+
+    /// Takes the bytes that the board has sent, with their instants.
+    pub fn take_sent(&mut self) -> Vec<(Time, u8)> {
+        std::mem::take(&mut self.chip.bus.usart.sent)
+    }
+
+    /// The world drives a pin, or lets it go.
+    pub fn drive(&mut self, pin: Pin, level: Option<bool>) {
+        let chip = &mut self.chip;
+        chip.bus.drive(pin, level, chip.now, &mut chip.scs.exceptions);
+    }
+}

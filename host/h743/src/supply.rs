@@ -1,0 +1,207 @@
+//! What lets the core run fast: PWR (RM0433 6), SYSCFG's over-drive (12.3.6) and FLASH's wait states (4.9.1).
+//!
+//! In: register writes. Out: ready flags after their time, and the fastest core that supply and flash allow.
+use crate::device::{Device, Signal};
+use crate::time::{MICROSECOND, NEVER, Time};
+
+const CSR1: u32 = 0x04;
+const CR3: u32 = 0x0c;
+const D3CR: u32 = 0x18;
+const VOSRDY: u32 = 1 << 13;
+const ACTVOSRDY: u32 = 1 << 13;
+
+/// Time until a new core voltage stands.
+const VOLTAGE: Time = 20 * MICROSECOND;
+
+/// PWR, with the over-drive bit that SYSCFG holds.
+#[derive(Debug, Clone)]
+pub struct Pwr {
+    cr1: u32,
+    cr2: u32,
+    cr3: u32,
+    cpucr: u32,
+    d3cr: u32,
+    supply_chosen: bool,
+    ready: Time,
+    /// SYSCFG_PWRCR.ODEN.
+    pub overdrive: bool,
+}
+
+impl Default for Pwr {
+    fn default() -> Self {
+        Pwr {
+            cr1: 0xf000_c000,
+            cr2: 0,
+            cr3: 0x46,
+            cpucr: 0,
+            d3cr: 0x4000,
+            supply_chosen: false,
+            // The voltage may be changed only once CR3 has been written (RM0433 6.8.4).
+            ready: NEVER,
+            overdrive: false,
+        }
+    }
+}
+
+impl Pwr {
+    /// The fastest core in time a cycle (RM0433 table 60; data sheet, general operating conditions).
+    pub fn fastest(&self) -> Time {
+        let ready = self.d3cr & VOSRDY != 0;
+        match self.d3cr >> 14 & 3 {
+            3 if self.overdrive && ready => 2,
+            // 400 MHz and 300 MHz, rounded up to what can be counted.
+            3 if ready => 3,
+            2 if ready => 4,
+            _ => 5,
+        }
+    }
+
+    /// SYSCFG has switched the over-drive.
+    pub fn set_overdrive(&mut self, on: bool, at: Time) {
+        if on != self.overdrive {
+            self.overdrive = on;
+            self.d3cr &= !VOSRDY;
+            self.ready = at + VOLTAGE;
+        }
+    }
+}
+
+impl Device for Pwr {
+    fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
+        Some(match offset {
+            0x00 => self.cr1,
+            CSR1 => (self.d3cr & 3 << 14) | if self.supply_chosen { ACTVOSRDY } else { 0 },
+            0x08 => self.cr2,
+            CR3 => self.cr3,
+            0x10 => self.cpucr,
+            D3CR => self.d3cr,
+            _ => return None,
+        })
+    }
+
+    fn write(&mut self, offset: u32, value: u32, mask: u32, at: Time, _: &mut Vec<Signal>) -> Option<()> {
+        let new = |before: u32| before & !mask | value & mask;
+        match offset {
+            0x00 => self.cr1 = new(self.cr1),
+            0x08 => self.cr2 = new(self.cr2),
+            CR3 => {
+                // Write-once: only what is written first counts (RM0433 6.8.4).
+                if !self.supply_chosen {
+                    self.cr3 = new(self.cr3);
+                    self.supply_chosen = true;
+                    self.ready = at + VOLTAGE;
+                }
+            }
+            0x10 => self.cpucr = new(self.cpucr),
+            D3CR => {
+                self.d3cr = new(self.d3cr) & 3 << 14;
+                if self.supply_chosen {
+                    self.ready = at + VOLTAGE;
+                }
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+
+    fn next(&self) -> Time {
+        self.ready
+    }
+
+    fn advance(&mut self, to: Time, _: &mut Vec<Signal>) {
+        if self.ready <= to {
+            self.ready = NEVER;
+            self.d3cr |= VOSRDY;
+        }
+    }
+
+    fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
+        *self = Pwr::default();
+    }
+}
+
+/// FLASH, as far as wait states go.
+#[derive(Debug, Clone)]
+pub struct Flash {
+    acr: u32,
+}
+
+impl Default for Flash {
+    fn default() -> Self {
+        Flash { acr: 0x37 }
+    }
+}
+
+impl Flash {
+    /// Wait states (LATENCY).
+    pub fn wait_states(&self) -> u32 {
+        self.acr & 0xf
+    }
+
+    /// The fastest AXI clock that the wait states allow at the voltage of VOS0 and VOS1 (RM0433 table 17), as time a cycle.
+    pub fn fastest_bus(&self) -> Time {
+        match (self.wait_states(), self.acr >> 4 & 3) {
+            (0, _) => 14,
+            (1, _) => 7,
+            (2, _) => 6,
+            (3, delay) if delay >= 2 => 5,
+            (4.., delay) if delay >= 2 => 4,
+            _ => 6,
+        }
+    }
+}
+
+impl Device for Flash {
+    fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
+        (offset == 0).then_some(self.acr)
+    }
+
+    fn write(&mut self, offset: u32, value: u32, mask: u32, _: Time, _: &mut Vec<Signal>) -> Option<()> {
+        (offset == 0).then(|| self.acr = self.acr & !mask | value & mask & 0x3f)
+    }
+
+    fn next(&self) -> Time {
+        NEVER
+    }
+
+    fn advance(&mut self, _: Time, _: &mut Vec<Signal>) {}
+
+    fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
+        *self = Flash::default();
+    }
+}
+
+/// SYSCFG: the over-drive and the I/O compensation cell.
+#[derive(Debug, Clone, Default)]
+pub struct Syscfg {
+    /// PWRCR.
+    pub pwrcr: u32,
+    others: [u32; 12],
+}
+
+impl Device for Syscfg {
+    fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
+        match offset {
+            0x2c => Some(self.pwrcr),
+            // CCCSR: the cell is ready where it is on.
+            0x20 => Some(self.others[8] & 0x101 | (self.others[8] & 1) << 8),
+            _ => self.others.get(offset as usize / 4).copied(),
+        }
+    }
+
+    fn write(&mut self, offset: u32, value: u32, mask: u32, _: Time, _: &mut Vec<Signal>) -> Option<()> {
+        let place = if offset == 0x2c { &mut self.pwrcr } else { self.others.get_mut(offset as usize / 4)? };
+        *place = *place & !mask | value & mask;
+        Some(())
+    }
+
+    fn next(&self) -> Time {
+        NEVER
+    }
+
+    fn advance(&mut self, _: Time, _: &mut Vec<Signal>) {}
+
+    fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
+        *self = Syscfg::default();
+    }
+}

@@ -1,0 +1,531 @@
+//! Timers TIM1 to TIM8 and TIM15 to TIM17 (RM0433 38 to 41): up-counting, output compare, complementary outputs with break,
+//! repetition, preload, DMA requests; of the slave modes the encoder's.
+//!
+//! In: registers, instants, the break input, steps of an encoder. Out: the levels of outputs at exact instants, interrupts, DMA
+//! requests. The counter is not stepped: what it holds follows from when it was 0, so a period costs its events only.
+//! What is not modelled (down-counting, triggers, capture, dead time) is a complaint.
+mod output;
+
+use crate::clocks::Clocks;
+use crate::device::{Device, Signal, Source};
+use crate::time::{NEVER, Time};
+use output::{Break, Channel};
+
+const CR1: u32 = 0x00;
+const CR2: u32 = 0x04;
+const SMCR: u32 = 0x08;
+const DIER: u32 = 0x0c;
+const SR: u32 = 0x10;
+const EGR: u32 = 0x14;
+const CCMR1: u32 = 0x18;
+const CCMR2: u32 = 0x1c;
+const CCER: u32 = 0x20;
+const CNT: u32 = 0x24;
+const PSC: u32 = 0x28;
+const ARR: u32 = 0x2c;
+const RCR: u32 = 0x30;
+const CCR1: u32 = 0x34;
+const CCR4: u32 = 0x40;
+const BDTR: u32 = 0x44;
+const DCR: u32 = 0x48;
+const DMAR: u32 = 0x4c;
+const AF1: u32 = 0x60;
+const TISEL: u32 = 0x68;
+
+const CEN: u32 = 1 << 0;
+const UDIS: u32 = 1 << 1;
+const URS: u32 = 1 << 2;
+const OPM: u32 = 1 << 3;
+const ARPE: u32 = 1 << 7;
+/// Down-counting, centre alignment: not modelled.
+const CR1_OTHER: u32 = 1 << 4 | 3 << 5;
+const UIF: u32 = 1 << 0;
+const BIF: u32 = 1 << 7;
+
+/// What of a timer differs from the others.
+#[derive(Debug, Clone, Copy)]
+pub struct Kind {
+    /// Its number.
+    pub number: u8,
+    /// Interrupts: update, compare, break. One line may serve several.
+    pub lines: [usize; 3],
+    /// DMAMUX requests: channels 1 to 4, update; 0 where there is none.
+    pub requests: [u8; 5],
+    /// Whether it has BDTR and RCR.
+    pub advanced: bool,
+    /// Whether it counts in 32 bits.
+    pub wide: bool,
+    /// Whether it is clocked by APB 2.
+    pub fast: bool,
+}
+
+/// The timers (RM0433 tables 148 and 121).
+pub const KINDS: [Kind; 11] = {
+    const fn kind(number: u8, lines: [usize; 3], requests: [u8; 5]) -> Kind {
+        let advanced = matches!(number, 1 | 8 | 15..);
+        Kind { number, lines, requests, advanced, wide: matches!(number, 2 | 5), fast: advanced }
+    }
+    [
+        kind(1, [25, 27, 24], [11, 12, 13, 14, 15]),
+        kind(2, [28; 3], [18, 19, 20, 21, 22]),
+        kind(3, [29; 3], [23, 24, 25, 26, 27]),
+        kind(4, [30; 3], [29, 30, 31, 0, 32]),
+        kind(5, [50; 3], [55, 56, 57, 58, 59]),
+        kind(6, [54; 3], [0, 0, 0, 0, 69]),
+        kind(7, [55; 3], [0, 0, 0, 0, 70]),
+        kind(8, [44, 46, 43], [47, 48, 49, 50, 51]),
+        kind(15, [116; 3], [105, 0, 0, 0, 106]),
+        kind(16, [117; 3], [109, 0, 0, 0, 110]),
+        kind(17, [118; 3], [111, 0, 0, 0, 112]),
+    ]
+};
+
+/// See the module text.
+#[derive(Debug, Clone)]
+pub struct Timer {
+    /// Which one it is.
+    pub kind: Kind,
+    cr1: u32,
+    cr2: u32,
+    smcr: u32,
+    dier: u32,
+    sr: u32,
+    psc: u32,
+    arr: u32,
+    rcr: u32,
+    dcr: u32,
+    others: [u32; 3],
+    /// In force: prescaler, reload value, repetitions left.
+    divider: u32,
+    top: u32,
+    repeat: u32,
+    channels: [Channel; 4],
+    brake: Break,
+    kernel: Time,
+    /// While it counts: when it was 0.
+    epoch: i64,
+    /// While it does not: what it holds. While it counts: where it was when it was last set, or 0 in a new round.
+    held: u32,
+    /// The transfer of a burst through DMAR that comes next.
+    burst: u32,
+    levels: [[Option<bool>; 2]; 4],
+    /// What was set that is not modelled.
+    pub complaint: Option<String>,
+}
+
+impl Timer {
+    /// As after a reset.
+    pub fn new(kind: Kind) -> Timer {
+        let top = if kind.wide { u32::MAX } else { 0xffff };
+        Timer {
+            kind,
+            cr1: 0,
+            cr2: 0,
+            smcr: 0,
+            dier: 0,
+            sr: 0,
+            psc: 0,
+            arr: top,
+            rcr: 0,
+            dcr: 0,
+            others: [1, 1, 0],
+            divider: 0,
+            top,
+            repeat: 0,
+            channels: [Channel::default(); 4],
+            brake: Break::default(),
+            kernel: 15,
+            epoch: 0,
+            held: 0,
+            burst: 0,
+            levels: [[None; 2]; 4],
+            complaint: None,
+        }
+    }
+
+    fn counts(&self) -> bool {
+        self.cr1 & CEN != 0 && !self.is_encoder()
+    }
+
+    fn is_encoder(&self) -> bool {
+        matches!(self.smcr & 7, 1..=3)
+    }
+
+    fn widest(&self) -> u32 {
+        if self.kind.wide { u32::MAX } else { 0xffff }
+    }
+
+    /// Time a count takes.
+    fn step(&self) -> Time {
+        self.kernel * (Time::from(self.divider) + 1)
+    }
+
+    /// The counter.
+    pub fn count(&self, at: Time) -> u32 {
+        if self.counts() { ((at as i64 - self.epoch) / self.step() as i64) as u32 } else { self.held }
+    }
+
+    /// When the counter goes back to 0: behind the reload value, or behind the widest it can hold where it is past that.
+    fn wrap(&self, at: Time) -> Time {
+        let top = if self.count(at) > self.top { self.widest() } else { self.top };
+        self.after(Time::from(top) + 1)
+    }
+
+    /// The instant so many counts after the counter was 0.
+    fn after(&self, counts: Time) -> Time {
+        (self.epoch + (counts * self.step()) as i64) as Time
+    }
+
+    fn hold(&mut self, count: u32, at: Time) {
+        self.held = count;
+        // In whole counts from now on.
+        self.epoch = at as i64 - (Time::from(count) * self.step()) as i64;
+        for channel in &mut self.channels {
+            channel.matched = count > channel.compare;
+        }
+    }
+
+    /// The encoder moved by so many counts.
+    pub fn turn(&mut self, steps: i64) {
+        if self.cr1 & CEN != 0 && self.is_encoder() {
+            let span = i64::from(self.top) + 1;
+            self.held = (i64::from(self.held) + steps).rem_euclid(span) as u32;
+        }
+    }
+
+    /// The break input's pin has this level.
+    pub fn break_input(&mut self, high: bool, out: &mut Vec<Signal>, at: Time) {
+        self.brake.input = high;
+        self.look_at_break(out, at);
+    }
+
+    fn look_at_break(&mut self, out: &mut Vec<Signal>, at: Time) {
+        if self.brake.is_broken(self.others[0]) {
+            self.sr |= BIF;
+            self.brake.bdtr &= !Break::MOE;
+        }
+        self.show(at, out);
+        self.tell(out);
+    }
+
+    /// Works out the outputs and tells what changed.
+    fn show(&mut self, at: Time, out: &mut Vec<Signal>) {
+        let count = self.count(at);
+        for (n, channel) in self.channels.iter_mut().enumerate() {
+            channel.look(count);
+            let levels = self.brake.levels(channel, self.kind.advanced, self.cr2 >> (8 + 2 * n));
+            for (level, complementary) in levels.into_iter().zip([false, true]) {
+                let place = &mut self.levels[n][usize::from(complementary)];
+                if *place != level {
+                    *place = level;
+                    out.push(Signal::Output(Source::Timer(self.kind.number, n as u8 + 1, complementary), level));
+                }
+            }
+        }
+    }
+
+    /// The lines of the interrupts.
+    fn tell(&self, out: &mut Vec<Signal>) {
+        let active = self.sr & self.dier;
+        let [update, compare, brake] = self.kind.lines;
+        if update == compare {
+            out.push(Signal::Line(update, active & 0xff != 0));
+        } else {
+            out.push(Signal::Line(update, active & UIF != 0));
+            out.push(Signal::Line(compare, active & 0x1e != 0));
+            out.push(Signal::Line(brake, active & BIF != 0));
+        }
+    }
+
+    fn request(&self, number: u8, out: &mut Vec<Signal>) {
+        if number != 0 {
+            out.push(Signal::Request(number));
+        }
+    }
+
+    /// Takes over everything preloaded (an update event).
+    fn take_over(&mut self) {
+        self.divider = self.psc;
+        self.top = self.arr;
+        self.repeat = self.rcr;
+        for channel in &mut self.channels {
+            channel.compare = channel.preload;
+        }
+    }
+
+    /// The counter has gone round.
+    fn overflow(&mut self, at: Time, out: &mut Vec<Signal>) {
+        self.epoch = at as i64;
+        for channel in &mut self.channels {
+            channel.matched = false;
+        }
+        if self.repeat > 0 {
+            self.repeat -= 1;
+        } else if self.cr1 & UDIS == 0 {
+            self.take_over();
+            self.sr |= UIF;
+            if self.dier & 1 << 8 != 0 {
+                self.request(self.kind.requests[4], out);
+            }
+            if self.cr2 & 1 << 3 != 0 {
+                for n in 0..4 {
+                    if self.dier & 1 << (9 + n) != 0 {
+                        self.request(self.kind.requests[n], out);
+                    }
+                }
+            }
+            // AOE: outputs come back by themselves at an update, if the break is over.
+            if self.brake.bdtr & 1 << 14 != 0 && !self.brake.is_active(self.others[0]) {
+                self.brake.bdtr |= Break::MOE;
+            }
+            if self.cr1 & OPM != 0 {
+                self.cr1 &= !CEN;
+                self.hold(0, at);
+            }
+        }
+    }
+
+    /// The counter has come to a channel's compare value.
+    fn compare(&mut self, n: usize, out: &mut Vec<Signal>) {
+        let flag = 2 << n;
+        self.channels[n].matched = true;
+        self.channels[n].meet();
+        self.sr |= flag;
+        if self.dier & 1 << (9 + n) != 0 && self.cr2 & 1 << 3 == 0 {
+            self.request(self.kind.requests[n], out);
+        }
+    }
+
+    /// When a channel meets the counter, in this round.
+    fn meeting(&self, n: usize) -> Time {
+        let channel = &self.channels[n];
+        if channel.matched || channel.compare > self.top {
+            return NEVER;
+        }
+        self.after(Time::from(channel.compare))
+    }
+
+    /// The register that a burst reaches next through DMAR.
+    fn burst_target(&mut self) -> u32 {
+        let (first, length) = (self.dcr & 0x1f, self.dcr >> 8 & 0x1f);
+        let target = 4 * (first + self.burst);
+        self.burst = if self.burst >= length { 0 } else { self.burst + 1 };
+        target
+    }
+
+    fn generate(&mut self, value: u32, at: Time, out: &mut Vec<Signal>) {
+        if value & 1 != 0 {
+            self.take_over();
+            self.hold(0, at);
+            if self.cr1 & URS == 0 {
+                self.sr |= UIF;
+                if self.dier & 1 << 8 != 0 {
+                    self.request(self.kind.requests[4], out);
+                }
+            }
+        }
+        for n in 0..4 {
+            if value & 2 << n != 0 {
+                self.compare(n, out);
+            }
+        }
+        if value & BIF != 0 {
+            self.sr |= BIF;
+            self.brake.bdtr &= !Break::MOE;
+        }
+    }
+
+    fn complain(&mut self, what: &str) {
+        let number = self.kind.number;
+        self.complaint.get_or_insert_with(|| format!("TIM{number}: {what} is not modelled"));
+    }
+
+    fn set_control(&mut self, value: u32, at: Time) {
+        let count = self.count(at);
+        let counted = self.counts();
+        self.cr1 = value;
+        if value & CR1_OTHER != 0 {
+            self.complain("down-counting");
+        }
+        if counted != self.counts() {
+            self.hold(count, at);
+        }
+    }
+}
+
+impl Device for Timer {
+    fn read(&mut self, offset: u32, at: Time, _: &mut Vec<Signal>) -> Option<u32> {
+        Some(match offset {
+            CR1 => self.cr1,
+            CR2 => self.cr2,
+            SMCR => self.smcr,
+            DIER => self.dier,
+            SR => self.sr,
+            EGR => 0,
+            CCMR1 | CCMR2 => {
+                let first = if offset == CCMR1 { 0 } else { 2 };
+                self.channels[first].mode_bits() | self.channels[first + 1].mode_bits() << 8
+            }
+            CCER => (0..4).fold(0, |all, n| all | self.channels[n].enables << (4 * n)),
+            // UIFCPY.
+            CNT if self.cr1 & 1 << 11 != 0 => self.count(at) & 0x7fff_ffff | (self.sr & UIF) << 31,
+            CNT => self.count(at),
+            PSC => self.psc,
+            ARR => self.arr,
+            RCR => self.rcr,
+            CCR1..=CCR4 => self.channels[(offset - CCR1) as usize / 4].preload,
+            BDTR => self.brake.bdtr,
+            DCR => self.dcr,
+            DMAR => {
+                let target = self.burst_target();
+                return self.read(target, at, &mut Vec::new());
+            }
+            AF1..=TISEL => self.others[(offset - AF1) as usize / 4],
+            _ => return None,
+        })
+    }
+
+    fn write(&mut self, offset: u32, value: u32, mask: u32, at: Time, out: &mut Vec<Signal>) -> Option<()> {
+        let before = match offset {
+            SR | EGR | DMAR | CNT => 0,
+            _ => self.read(offset, at, out)?,
+        };
+        let value = before & !mask | value & mask;
+        match offset {
+            CR1 => self.set_control(value, at),
+            CR2 => {
+                if value & 1 != 0 {
+                    self.complain("preload of the channels' control (CCPC)");
+                }
+                self.cr2 = value;
+            }
+            SMCR => {
+                let (count, counted) = (self.count(at), self.counts());
+                self.smcr = value;
+                if value & (7 | 1 << 16) != 0 && !self.is_encoder() || value & 1 << 14 != 0 {
+                    self.complain("a slave mode but the encoder's");
+                }
+                if counted != self.counts() {
+                    self.hold(count, at);
+                }
+            }
+            DIER => self.dier = value,
+            // Flags are cleared by writing 0 to them.
+            SR => self.sr &= value | !mask,
+            EGR => self.generate(value, at, out),
+            CCMR1 | CCMR2 => {
+                let first = if offset == CCMR1 { 0 } else { 2 };
+                for n in 0..2 {
+                    if !self.channels[first + n].set_mode(value >> (8 * n)) && !self.is_encoder() {
+                        self.complain("capture");
+                    }
+                }
+            }
+            CCER => (0..4).for_each(|n| self.channels[n].enables = value >> (4 * n) & 0xf),
+            CNT => self.hold(value & self.widest(), at),
+            PSC => self.psc = value & 0xffff,
+            ARR => {
+                self.arr = value & self.widest();
+                if self.cr1 & ARPE == 0 {
+                    self.held = self.count(at);
+                    self.top = self.arr;
+                }
+            }
+            RCR => self.rcr = value & 0xffff,
+            CCR1..=CCR4 => {
+                let widest = self.widest();
+                let count = self.count(at);
+                let channel = &mut self.channels[(offset - CCR1) as usize / 4];
+                channel.preload = value & widest;
+                if !channel.is_preloaded() {
+                    channel.compare = channel.preload;
+                    channel.matched = count > channel.compare;
+                }
+            }
+            BDTR if self.kind.advanced => {
+                if value & 0xff != 0 {
+                    self.complain("dead time");
+                }
+                self.brake.bdtr = value;
+                // MOE cannot be set while the break is active.
+                if value & 1 << 12 != 0 && self.brake.is_active(self.others[0]) && before & Break::MOE == 0 {
+                    self.brake.bdtr &= !Break::MOE;
+                }
+            }
+            BDTR => {}
+            DCR => {
+                self.dcr = value;
+                self.burst = 0;
+            }
+            DMAR => {
+                let target = self.burst_target();
+                return self.write(target, value, mask, at, out);
+            }
+            AF1..=TISEL => self.others[(offset - AF1) as usize / 4] = value,
+            _ => return None,
+        }
+        if self.brake.is_broken(self.others[0]) {
+            self.look_at_break(out, at);
+        }
+        self.show(at, out);
+        self.tell(out);
+        Some(())
+    }
+
+    fn next(&self) -> Time {
+        if !self.counts() {
+            return NEVER;
+        }
+        // The count at the epoch is enough: past the top it is only where a write left it so.
+        let top = if self.held > self.top { self.widest() } else { self.top };
+        let wrap = self.after(Time::from(top) + 1);
+        (0..4).map(|n| self.meeting(n)).min().unwrap_or(NEVER).min(wrap)
+    }
+
+    fn advance(&mut self, to: Time, out: &mut Vec<Signal>) {
+        loop {
+            let due = self.next();
+            if due > to {
+                break;
+            }
+            for n in 0..4 {
+                if self.meeting(n) == due {
+                    self.compare(n, out);
+                }
+            }
+            if self.counts() && self.wrap(due - 1) == due {
+                self.held = 0;
+                self.overflow(due, out);
+                // A channel at 0 meets the counter as it begins.
+                for n in 0..4 {
+                    if self.counts() && self.meeting(n) == due {
+                        self.compare(n, out);
+                    }
+                }
+            }
+            self.show(due, out);
+            self.tell(out);
+        }
+    }
+
+    fn reset(&mut self, at: Time, out: &mut Vec<Signal>) {
+        let (input, kernel, levels) = (self.brake.input, self.kernel, self.levels);
+        let complaint = self.complaint.take();
+        *self = Timer::new(self.kind);
+        self.brake.input = input;
+        self.kernel = kernel;
+        self.levels = levels;
+        self.complaint = complaint;
+        self.show(at, out);
+        self.tell(out);
+    }
+
+    fn clocks(&mut self, clocks: &Clocks, at: Time) {
+        let kernel = if self.kind.fast { clocks.timers2 } else { clocks.timers1 };
+        if kernel != self.kernel {
+            let count = self.count(at);
+            self.kernel = kernel;
+            self.hold(count, at);
+        }
+    }
+}

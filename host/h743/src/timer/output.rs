@@ -1,0 +1,115 @@
+//! A channel's reference, and what becomes of it at the pins (RM0433 38.3.10 to 38.3.17, tables 329 and 330).
+//!
+//! In: the counter, mode and enable bits, the main output enable. Out: the levels of output and complementary output; `None`
+//! where the timer does not drive the pin.
+
+/// An output-compare channel.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Channel {
+    /// CCR as written.
+    pub preload: u32,
+    /// CCR in force.
+    pub compare: u32,
+    /// CCxE, CCxP, CCxNE, CCxNP.
+    pub enables: u32,
+    /// It has met the counter in this round.
+    pub matched: bool,
+    /// OCxREF.
+    reference: bool,
+    /// CCMR's byte for this channel, and the fourth bit of its mode above it.
+    bits: u32,
+}
+
+impl Channel {
+    /// Its part of CCMR; the mode's fourth bit lies 16 above its byte.
+    pub fn mode_bits(&self) -> u32 {
+        self.bits
+    }
+
+    /// False if it is set to capture.
+    pub fn set_mode(&mut self, bits: u32) -> bool {
+        self.bits = bits & 0x1_00ff;
+        self.bits & 3 == 0
+    }
+
+    /// OCxPE.
+    pub fn is_preloaded(&self) -> bool {
+        self.bits & 1 << 3 != 0
+    }
+
+    fn mode(&self) -> u32 {
+        self.bits >> 4 & 7 | self.bits >> 13 & 8
+    }
+
+    /// What follows from the counter alone.
+    pub fn look(&mut self, count: u32) {
+        match self.mode() {
+            4 => self.reference = false,
+            5 => self.reference = true,
+            6 => self.reference = count < self.compare,
+            7 => self.reference = count >= self.compare,
+            _ => {}
+        }
+    }
+
+    /// The counter has met it.
+    pub fn meet(&mut self) {
+        match self.mode() {
+            1 => self.reference = true,
+            2 => self.reference = false,
+            3 => self.reference = !self.reference,
+            _ => {}
+        }
+    }
+}
+
+/// BDTR and the break input.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Break {
+    /// The register.
+    pub bdtr: u32,
+    /// The input pin's level.
+    pub input: bool,
+}
+
+impl Break {
+    /// Main output enable.
+    pub const MOE: u32 = 1 << 15;
+
+    /// Whether the input is at its active level: BKP, and BKINP of AF1.
+    pub fn is_active(&self, af1: u32) -> bool {
+        let connected = af1 & 1 != 0;
+        let high = self.input != (af1 & 1 << 9 != 0);
+        connected && high == (self.bdtr & 1 << 13 != 0)
+    }
+
+    /// Whether outputs are on that the break ends.
+    pub fn is_broken(&self, af1: u32) -> bool {
+        self.bdtr & 1 << 12 != 0 && self.is_active(af1) && self.bdtr & Break::MOE != 0
+    }
+
+    /// Levels of output and complementary output. `idle` holds OISx and OISxN.
+    pub fn levels(&self, channel: &Channel, advanced: bool, idle: u32) -> [Option<bool>; 2] {
+        let bit = |n: u32| channel.enables & 1 << n != 0;
+        let (on, low, on_n, low_n) = (bit(0), bit(1), bit(2), bit(3));
+        let reference = channel.reference;
+        if !advanced {
+            return [on.then_some(reference != low), None];
+        }
+        let off_state = |register: u32| self.bdtr & 1 << register != 0;
+        if self.bdtr & Break::MOE == 0 {
+            // OSSI: driven at the idle state, if anything of the channel is on.
+            if !off_state(10) || !(on || on_n) {
+                return [None, None];
+            }
+            return [Some(idle & 1 != 0), Some(idle & 2 != 0)];
+        }
+        match (on, on_n) {
+            (false, false) => [None, None],
+            // OSSR: the one that is off is driven inactive.
+            (true, false) => [Some(reference != low), off_state(11).then_some(low_n)],
+            (false, true) => [off_state(11).then_some(low), Some(reference != low_n)],
+            (true, true) => [Some(reference != low), Some(!reference != low_n)],
+        }
+    }
+}
