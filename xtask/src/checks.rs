@@ -10,7 +10,10 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// Packages that only the Cortex-M7 can run.
-const CHIP: [&str; 3] = ["beamtick-firmware", "beamtick-hal", "beamtick-probes"];
+const CHIP: [&str; 4] = ["beamtick-firmware", "beamtick-hal", "beamtick-probes", "beamtick-probes-h743"];
+
+/// Needs the emulator's library to link, which has a step of its own.
+const EMULATION: &str = "beamtick-h743";
 
 /// How many tests a step ran, beyond itself.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -22,7 +25,7 @@ struct Count {
 /// A step: its name, and what it does.
 type Step = (&'static str, fn() -> (Count, Outcome));
 
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 13] = [
     ("set-up", || alone(setup::run())),
     ("format", || alone(shell::run(cargo().args(["fmt", "--all", "--check"])))),
     ("clippy, host", || alone(shell::run(host(["clippy"]).args(["--all-targets", "--", "-D", "warnings"])))),
@@ -35,6 +38,7 @@ const STEPS: [Step; 12] = [
     ("instructions per tick", || alone(ticks::check())),
     ("traces of image and virtual controller", || alone(traces::run())),
     ("inputs and faults of the emulated board", emulated),
+    ("the STM32H743 in emulation", h743),
 ];
 
 /// Runs all steps.
@@ -78,7 +82,7 @@ fn alone(outcome: Outcome) -> (Count, Outcome) {
 fn host<const N: usize>(words: [&str; N]) -> Command {
     let mut command = cargo();
     command.args(words).arg("--workspace");
-    for package in CHIP {
+    for package in CHIP.iter().chain(&[EMULATION]) {
         command.args(["--exclude", package]);
     }
     command
@@ -95,6 +99,16 @@ fn clippy_chip() -> Outcome {
     let mut command = compiler.cargo();
     command.args(["clippy", "--profile", "image", "--package", "beamtick-firmware"]).args(board::FEATURES);
     shell::run(command.args(compiler.arguments()).args(["--", "-D", "warnings"]))
+}
+
+/// The models of the STM32H743's peripherals, and its core by a program that tries it.
+fn h743() -> (Count, Outcome) {
+    let lint = ["clippy", "--package", EMULATION, "--all-targets", "--", "-D", "warnings"];
+    let ready = setup::unicorn().and_then(|()| shell::run(cargo().args(lint)));
+    match ready.and_then(|()| image::build_bin("beamtick-probes-h743", "h743-core")) {
+        Ok(probe) => tests(cargo().args(["test", "--package", EMULATION]).env("BEAMTICK_H743_PROBE", probe)),
+        Err(reason) => alone(Err(reason)),
+    }
 }
 
 /// Tests that need the image in QEMU; without it they say that they are skipped.

@@ -125,6 +125,17 @@ fn valgrind() {
     }
 }
 
+/// Unicorn, in which the image for the STM32H743 is tested.
+pub fn unicorn() -> Outcome {
+    if Path::new("/usr/include/unicorn/unicorn.h").exists()
+        || works(program("pkg-config").args(["--exists", "unicorn"]))
+    {
+        return Ok(());
+    }
+    println!("set-up: installing libunicorn-dev");
+    install(&["libunicorn-dev"], "install Unicorn 2, the emulator's library, with its headers")
+}
+
 /// Installs Debian packages, or says what to do where there is no apt.
 fn install(packages: &[&str], elsewhere: &str) -> Outcome {
     if !works(program("apt-get").arg("--version")) {

@@ -169,7 +169,8 @@ impl Rcc {
         // In kHz: reference and VCO, and the ranges that are set for them.
         let reference_khz = 960_000u64.checked_div(reference)?;
         let vco_khz = reference_khz * n;
-        let range = [1_000..=2_000, 2_000..=4_000, 4_000..=8_000, 8_000..=16_000][(configuration >> 2 & 3) as usize].clone();
+        let range =
+            [1_000..=2_000, 2_000..=4_000, 4_000..=8_000, 8_000..=16_000][(configuration >> 2 & 3) as usize].clone();
         if !range.contains(&reference_khz) {
             self.complain(format!("PLL1's reference of {reference_khz} kHz is outside of PLL1RGE ({range:?} kHz)"));
         }
@@ -208,14 +209,8 @@ impl Rcc {
         // RM0433 table 56: up to /2, timers run at the bus; slower buses give half of it, or a quarter with TIMPRE.
         let timpre = self.at(CFGR) & 1 << 15 != 0;
         let timers = |divider: u64| bus * if timpre { (divider / 4).max(1) } else { (divider / 2).max(1) };
-        self.clocks = Clocks {
-            core,
-            bus,
-            apb1: bus * apb1,
-            apb2: bus * apb2,
-            timers1: timers(apb1),
-            timers2: timers(apb2),
-        };
+        self.clocks =
+            Clocks { core, bus, apb1: bus * apb1, apb2: bus * apb2, timers1: timers(apb1), timers2: timers(apb2) };
         if core < self.fastest {
             self.complain(format!("the core runs at {} MHz, which its supply does not allow", 960 / core));
         }

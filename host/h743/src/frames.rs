@@ -45,7 +45,13 @@ impl Machine {
         let engine = self.engine();
         engine.set(Register::Control, control & !(FPCA | SPSEL));
         engine.set(if process { Register::Psp } else { Register::Sp }, frame);
-        let kind = if before != 0 { 0x1 } else if process { 0xd } else { 0x9 };
+        let kind = if before != 0 {
+            0x1
+        } else if process {
+            0xd
+        } else {
+            0x9
+        };
         let lr = 0xffff_ffe0 | u32::from(!floating) << 4 | kind;
         let taken = if stored { exception } else { self.unstacked(exception)? };
         let vector = self.chip.scs.vectors + 4 * taken as u32;

@@ -296,7 +296,8 @@ impl Machine {
                         let (first, size) = (first as u32, (end - first) as u32);
                         // The engine guards whole pages; the first one is guarded by the chip itself.
                         if self.engine.forbid(first, size, true).is_err() && end > PAGE as u64 {
-                            self.chip.note(format!("the MPU's guard of {size} bytes at {first:#010x} is no whole page"));
+                            self.chip
+                                .note(format!("the MPU's guard of {size} bytes at {first:#010x} is no whole page"));
                         }
                         self.chip.forbidden.push((first, size));
                     }

@@ -106,7 +106,9 @@ impl Scs {
             0x300..0x314 => word(offset, &exceptions.active),
             0x400..0x496 => {
                 let first = 16 + (offset - 0x400) as usize;
-                (0..4).rev().fold(0, |value, n| value << 8 | u32::from(exceptions.priority.get(first + n).copied().unwrap_or(0)))
+                (0..4).rev().fold(0, |value, n| {
+                    value << 8 | u32::from(exceptions.priority.get(first + n).copied().unwrap_or(0))
+                })
             }
             0xd00 => CPUID,
             0xd04 => self.icsr(running),

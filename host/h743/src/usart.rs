@@ -123,11 +123,7 @@ impl Usart {
         const PRESCALERS: [Time; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
         let clock = self.kernel * PRESCALERS[(self.presc & 0xf).min(11) as usize];
         let brr = Time::from(self.brr);
-        if self.cr[0] & OVER8 == 0 {
-            brr * clock
-        } else {
-            (brr & 0xfff0 | (brr & 7) << 1) * clock / 2
-        }
+        if self.cr[0] & OVER8 == 0 { brr * clock } else { (brr & 0xfff0 | (brr & 7) << 1) * clock / 2 }
     }
 
     fn is_on(&self, what: u32) -> bool {

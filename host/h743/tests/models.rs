@@ -65,9 +65,7 @@ impl Bench {
     }
 
     fn requests(&self, number: u8, from: Time) -> Vec<u64> {
-        let of = |&(at, signal): &(Time, Signal)| {
-            (signal == Signal::Request(number)).then(|| (at - from) / COUNT)
-        };
+        let of = |&(at, signal): &(Time, Signal)| (signal == Signal::Request(number)).then(|| (at - from) / COUNT);
         self.signals.iter().filter_map(of).collect()
     }
 }
@@ -325,7 +323,7 @@ fn pins_are_analog_from_reset_on_and_change_by_registers_only() {
     // Its output register first, then its mode: nothing is driven in between.
     gpio.write(port + 0x18, 1 << 9, u32::MAX, 5, &mut out).unwrap();
     assert_eq!(gpio.level(pin), Level::Floating);
-    gpio.write(port, 0xffff_ffff & !(3 << 18) | 1 << 18, u32::MAX, 6, &mut out).unwrap();
+    gpio.write(port, !(3 << 18) | 1 << 18, u32::MAX, 6, &mut out).unwrap();
     assert_eq!(gpio.level(pin), Level::Driven(true));
     // Both halves of BSRR: setting wins; a bit of the upper half alone resets.
     gpio.write(port + 0x18, 1 << 9 | 1 << 25, u32::MAX, 7, &mut out).unwrap();
@@ -333,7 +331,7 @@ fn pins_are_analog_from_reset_on_and_change_by_registers_only() {
     gpio.write(port + 0x18, 1 << 25, u32::MAX, 8, &mut out).unwrap();
     // An alternate function that no peripheral drives is not driven; one that a timer drives shows it.
     gpio.write(port + 0x24, 1 << 4, u32::MAX, 9, &mut out).unwrap();
-    gpio.write(port, 0xffff_ffff & !(3 << 18) | 2 << 18, u32::MAX, 10, &mut out).unwrap();
+    gpio.write(port, !(3 << 18) | 2 << 18, u32::MAX, 10, &mut out).unwrap();
     assert_eq!(gpio.level(pin), Level::Floating);
     gpio.show(Source::Timer(1, 1, false), Some(true), 11);
     gpio.show(Source::Timer(1, 1, false), None, 12);
@@ -355,7 +353,7 @@ fn inputs_read_what_the_world_drives_else_their_pulls() {
     let (port, pin) = (2 * 0x400, Pin::named("PC13").unwrap());
     gpio.drive(pin, Some(true));
     assert_eq!(gpio.read(port + 0x10, 0, &mut out), Some(0), "analog pins read 0");
-    gpio.write(port, 0xffff_ffff & !(3 << 26), u32::MAX, 0, &mut out).unwrap();
+    gpio.write(port, !(3 << 26), u32::MAX, 0, &mut out).unwrap();
     assert_eq!(gpio.read(port + 0x10, 0, &mut out), Some(1 << 13));
     gpio.drive(pin, None);
     assert_eq!(gpio.read(port + 0x10, 0, &mut out), Some(0));

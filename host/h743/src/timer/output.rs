@@ -109,7 +109,7 @@ impl Break {
             // OSSR: the one that is off is driven inactive.
             (true, false) => [Some(reference != low), off_state(11).then_some(low_n)],
             (false, true) => [off_state(11).then_some(low), Some(reference != low_n)],
-            (true, true) => [Some(reference != low), Some(!reference != low_n)],
+            (true, true) => [Some(reference != low), Some(reference == low_n)],
         }
     }
 }
