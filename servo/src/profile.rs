@@ -256,6 +256,10 @@ impl Profile {
             return false;
         }
         self.cut(now);
+        if let Supply::Follow(_) = self.supply {
+            // Its pieces are its own.
+            return true;
+        }
         self.supply.shift(now);
         let piece = &mut self.pieces[!self.second as usize];
         piece.begin = Ns(piece.begin.0.wrapping_add(now.0));

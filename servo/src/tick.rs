@@ -13,7 +13,7 @@ pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
 use crate::crd::Crds;
 use crate::edges::{Edges, Levels};
 use crate::execute::Reach;
-use crate::follow::Order;
+use crate::follow::{self, Entries, Order};
 use crate::laser::{Cause, Clock, Lasers};
 use crate::op::{Entry, Lane, Op};
 use crate::path::EntryStore;
@@ -101,6 +101,13 @@ impl Tables for Source<'_> {
     #[inline]
     fn is_empty(&self, table: u8) -> bool {
         self.tables.is_empty(table)
+    }
+}
+
+impl Entries for Source<'_> {
+    #[inline]
+    fn entry(&self, fifo: u8, index: u32) -> follow::Entry {
+        self.segments.entry(fifo, index)
     }
 }
 

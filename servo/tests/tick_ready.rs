@@ -4,11 +4,15 @@ mod chance;
 mod tick_bench;
 
 use chance::Chance;
+use servo::follow;
 use servo::op::{Mode, Op};
 use servo::status;
 use servo::units::{AxisMask, Crd, Ns, Pos};
 use servo::view::AxisView;
 use tick_bench::*;
+
+const MODES: [Mode; 7] =
+    [Mode::PtStatic, Mode::PtDynamic, Mode::Pvt, Mode::Trap, Mode::Jog, Mode::Follow, Mode::FollowEx];
 
 /// Two machines under the same commands. The second one is never ready.
 struct Both([Bench; 2]);
@@ -89,7 +93,7 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
     let axis = axis(index);
     match chance.below(9) {
         0 => {
-            *mode = [Mode::PtStatic, Mode::PtDynamic, Mode::Pvt, Mode::Trap, Mode::Jog][chance.below(5) as usize];
+            *mode = MODES[chance.below(MODES.len() as u64) as usize];
             both.now(Op::SetMode { axis, mode: *mode });
             both.each(|bench| bench.forget(index));
         }
@@ -125,6 +129,35 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
                 both.now(Op::PvtSelect { axis, table: chance.below(3) as u8 });
                 both.now(Op::PvtLoop { axis, passes: 1 + chance.below(3) as u32 });
             }
+        }
+        Mode::Follow | Mode::FollowEx => {
+            let (master, other) = (AXES - 1, index == AXES - 1);
+            if other {
+                return;
+            }
+            let fifo = chance.below(2) as u8;
+            for fifo in 0..2 {
+                both.now(Op::FollowClear { axis, fifo });
+                both.each(|bench| bench.emptied(index, fifo));
+            }
+            let (mut to, count) = (0.0, 1 + chance.below(4));
+            let mut items: Vec<_> = (0..count)
+                .map(|k| {
+                    to += chance.log(1e-3, 40.0);
+                    let percent = if *mode == Mode::FollowEx { chance.below(101) as i16 } else { 0 };
+                    match chance.below(8) {
+                        0 => Item::Delay(chance.below(9) as u32),
+                        _ => Item::Data(to, chance.sign() * chance.log(1e-3, 50.0), (k % 3) as i16, percent),
+                    }
+                })
+                .collect();
+            items.push(Item::Data(to + 5.0, 1.0, 2, 0));
+            both.each(|bench| bench.follow(index, fifo, &items));
+            both.now(Op::FollowLoop { axis, passes: 1 + chance.below(3) as u32 });
+            let pass = follow::Event::Pass { up: true, pos: chance.below(100) as i32 };
+            both.now(Op::FollowEvent { axis, event: if chance.below(4) == 0 { pass } else { follow::Event::Start } });
+            let value = if chance.below(3) == 0 { follow::Value::Encoder } else { follow::Value::Planned };
+            both.now(Op::FollowMaster { axis, master: follow::Master { axis: tick_bench::axis(master), value } });
         }
         _ => {
             let (acc, dec) = (accel(chance.log(1e-3, 30.0)), accel(chance.log(1e-3, 30.0)));
@@ -164,6 +197,7 @@ fn a_start_made_ready_is_the_start() {
                 both.now(match modes[index] {
                     Mode::PtStatic | Mode::PtDynamic => Op::PtStart { axes, fifo1 },
                     Mode::Pvt => Op::PvtStart { axes },
+                    Mode::Follow | Mode::FollowEx => Op::FollowStart { axes, fifo1 },
                     _ => Op::Update { axes },
                 });
             }

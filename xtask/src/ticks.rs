@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 53] = [
+const MARKS: [(&str, &str); 55] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -50,9 +50,11 @@ const MARKS: [(&str, &str); 53] = [
     ("follow-inside", "Follow, no segment change (8: seven behind the eighth, which jogs)"),
     ("follow-change", "Follow, every slave enters another segment"),
     ("follow-start", "Follow, all slaves start"),
+    ("follow-ready", "Follow, all slaves start, made ready while they rested"),
     ("shaped-inside", "FollowEx, no piece begins"),
     ("shaped-change", "FollowEx, every slave enters another piece of its shaped segments"),
     ("shaped-start", "FollowEx, all slaves start"),
+    ("shaped-ready", "FollowEx, all slaves start, made ready while they rested"),
     ("trap", "all axes start Trap"),
     ("trap-ready", "all axes start Trap, made ready while they rested"),
     ("trap-inside", "Trap, pieces of ramps begin and end"),

@@ -72,9 +72,9 @@ impl AxisState {
     }
 
     /// At rest, makes the first piece of what a start would begin, as things stand: of the FIFO committed last, of
-    /// the table selected, of the Jog or the Trap that is set. Whether it took any time.
+    /// the table selected, of the Jog or the Trap that is set, of the first FIFO of Follow with data. Whether it took any time.
     #[inline(never)]
-    pub(crate) fn get_ready(&mut self, source: &(impl Segments + Tables)) -> bool {
+    pub(crate) fn get_ready(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
         self.unready = self.unready.saturating_sub(1);
         if self.unready != 0 {
             return false;
@@ -102,6 +102,7 @@ impl AxisState {
                     supply.begin_ramp(|run| run.begin_jog(Ns(0), from, trap.speed, acc, dec, smooth));
                 });
             }
+            Mode::Follow | Mode::FollowEx => self.follow_ready(source),
             _ => return false,
         }
         true

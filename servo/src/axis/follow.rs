@@ -8,6 +8,8 @@ use crate::inputs::reading;
 use crate::op::Mode;
 use crate::piece::Motion;
 use crate::profile::Supply;
+use crate::pt::Segments;
+use crate::pvt::Tables;
 use crate::ramp::Moving;
 use crate::status;
 use crate::units::{Axis, Ns, Pos};
@@ -42,9 +44,32 @@ impl AxisState {
     /// Follow or FollowEx begins with the tick at `next`.
     pub(crate) fn start_follow(&mut self, next: Ns, fifo1: bool) {
         let Some(master) = self.follow.master else { return };
+        let ready = matches!(self.profile.ready(), Some(Supply::Follow(own)) if own.run.fifo() == fifo1 as u8);
+        if ready && self.begin_ready(next) {
+            (self.shown.passes, self.shown.fifo, self.shown.switching) = (0, fifo1 as u8, false);
+            return;
+        }
         let run = FollowRun::begin(&self.follow, self.exact, fifo1 as u8);
         (self.shown.passes, self.shown.fifo, self.shown.switching) = (0, fifo1 as u8, false);
         self.begin(next, Supply::Follow(Follower::new(run, master)));
+    }
+
+    /// At rest, what FollowStart of a FIFO would begin, with its first piece.
+    #[inline(never)]
+    pub(super) fn follow_ready(&mut self, source: &(impl Segments + Tables + Entries)) {
+        let Some(master) = self.follow.master else { return };
+        let fifo = self.follow.is_empty(0) as u8;
+        if self.follow.is_empty(fifo) {
+            return;
+        }
+        let (at, feed) = (self.exact, self.feed());
+        let AxisState { profile, follow, .. } = self;
+        profile.make_ready(feed, source, |supply| {
+            *supply = Supply::Follow(Follower::new(FollowRun::begin(follow, at, fifo), master));
+            if let Supply::Follow(follower) = supply {
+                follower.run.get_ready(follow, source);
+            }
+        });
     }
 
     /// Whether there is nothing to switch to.

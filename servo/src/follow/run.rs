@@ -370,8 +370,11 @@ impl FollowRun {
         if self.wait == Wait::Start {
             match context.setup.event {
                 Event::Start => {
+                    let ready = self.ahead.take();
                     self.start(to.pos);
-                    if let Some(end) = self.settle(&still, context) {
+                    if let Some(ready) = ready {
+                        self.enter_ready(&ready);
+                    } else if let Some(end) = self.settle(&still, context) {
                         return Some(end);
                     }
                 }
@@ -394,6 +397,13 @@ impl FollowRun {
         self.progress = self.directed(pos);
         self.furthest = self.progress;
         self.began = (self.progress as i128) << UNIT;
+    }
+
+    /// The first piece was made for a master at 0: it begins where that is.
+    fn enter_ready(&mut self, ready: &Ahead) {
+        self.piece = ready.piece;
+        self.piece.begin = Ns(self.piece.begin.0.wrapping_add(self.progress as u64));
+        (self.index, self.held, self.open) = (ready.index, false, true);
     }
 
     /// Data that was added belongs to the present pass: earlier ones had another length.

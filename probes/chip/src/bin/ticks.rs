@@ -202,7 +202,13 @@ impl Bench {
     }
 
     /// Axes behind the last one, which jogs: a pass of segments each, all entered on the same ticks.
-    fn run_follow(&mut self, case: &str, running: usize, shaped: bool, [start, change, inside]: [&str; 3]) {
+    fn run_follow(
+        &mut self,
+        case: &str,
+        running: usize,
+        (shaped, ready): (bool, bool),
+        [start, change, inside]: [&'static str; 3],
+    ) {
         let Some(master) = Axis::new(AXES - 1) else { panic!("no axis") };
         let mode = if shaped { Mode::FollowEx } else { Mode::Follow };
         let mut axes = AxisMask(0);
@@ -238,13 +244,14 @@ impl Bench {
         self.push(Op::Update { axes: master.mask() });
         self.step(case, Some("follow-set"));
         self.step(case, Some("follow-set"));
+        let start = self.get_ready(case, ready, [start; 2]);
         self.push(Op::FollowStart { axes, fifo1: AxisMask(0) });
         self.step(case, Some(start));
         // The master's ramp is over before what is counted.
         for _ in 0..SEGMENTS {
             self.step(case, Some("follow-set"));
         }
-        for _ in 0..TICKS {
+        for _ in 0..if ready { 0 } else { TICKS } {
             self.step_of(case, None, [change, inside]);
         }
         let now = *self.thread.view.read();
@@ -384,8 +391,10 @@ fn main() -> ! {
         bench.run_lasers(case, channels);
     }
     for (case, running) in [("1", 1), ("8", 8)] {
-        bench.run_follow(case, running, false, ["follow-start", "follow-change", "follow-inside"]);
-        bench.run_follow(case, running, true, ["shaped-start", "shaped-change", "shaped-inside"]);
+        bench.run_follow(case, running, (false, false), ["follow-start", "follow-change", "follow-inside"]);
+        bench.run_follow(case, running, (true, false), ["shaped-start", "shaped-change", "shaped-inside"]);
+        bench.run_follow(case, running, (false, true), ["follow-ready", "", ""]);
+        bench.run_follow(case, running, (true, true), ["shaped-ready", "", ""]);
     }
     debug::exit(debug::EXIT_SUCCESS);
     loop {

@@ -58,6 +58,17 @@ impl FollowRun {
         self.ahead = Some(Ahead { piece, index, pass, began, origin });
     }
 
+    /// Before the start: makes the first piece, as for a master at 0, if the first entry is a segment.
+    #[inline(never)]
+    pub(crate) fn get_ready(&mut self, setup: &Setup, source: &impl Entries) {
+        let entry = source.entry(self.fifo, 0);
+        if setup.fifo(self.fifo).end == 0 || entry.kind().is_none() {
+            return;
+        }
+        let piece = self.segment(0, 0, None, entry, setup, source).piece(0, 0, self.origin);
+        self.ahead = Some(Ahead { piece, index: 0, pass: 0, began: 0, origin: self.origin });
+    }
+
     /// The slave's position at the beginning of an entry of this pass.
     pub(super) fn knot<L>(&self, index: u32, context: &Context<'_, impl Entries, L>) -> Exact {
         let (_, end) = self.ends_before(index, context);
