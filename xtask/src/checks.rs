@@ -101,12 +101,17 @@ fn clippy_chip() -> Outcome {
     shell::run(command.args(compiler.arguments()).args(["--", "-D", "warnings"]))
 }
 
-/// The models of the STM32H743's peripherals, and its core by a program that tries it.
+/// The models of the STM32H743's peripherals, its core by a program that tries it, and the board's image.
 fn h743() -> (Count, Outcome) {
     let lint = ["clippy", "--package", EMULATION, "--all-targets", "--", "-D", "warnings"];
     let ready = setup::unicorn().and_then(|()| shell::run(cargo().args(lint)));
-    match ready.and_then(|()| image::build_bin("beamtick-probes-h743", "h743-core")) {
-        Ok(probe) => tests(cargo().args(["test", "--package", EMULATION]).env("BEAMTICK_H743_PROBE", probe)),
+    let programs = ready.and_then(|()| Ok((image::build_bin("beamtick-probes-h743", "h743-core")?, board::build()?)));
+    match programs {
+        Ok((probe, image)) => {
+            let mut command = cargo();
+            command.args(["test", "--package", EMULATION]);
+            tests(command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_IMAGE", image))
+        }
         Err(reason) => alone(Err(reason)),
     }
 }

@@ -22,6 +22,10 @@ pub const EXIT: Time = 12;
 /// The private peripheral bus begins here; the system control space is its part at +0xE000.
 const PRIVATE: u32 = 0xe000_0000;
 const SCS: u32 = 0xe000_e000;
+/// RCC_AHB2ENR.
+const MEMORY_CLOCKS: u32 = 0x5802_44dc;
+/// Registers of the MPU.
+const MPU: std::ops::Range<u32> = 0xe000_ed94..0xe000_edbc;
 
 /// What surrounds the core, while it runs.
 pub struct Chip {
@@ -174,6 +178,8 @@ impl Guest for Chip {
             self.note(format!("{address:#010x} is written at {:#010x}: not modelled", self.at));
         }
         self.after_access();
+        // Memories may have come or gone, by their clocks or by the MPU.
+        self.attention |= MEMORY_CLOCKS == aligned || MPU.contains(&aligned);
     }
 }
 

@@ -1,0 +1,94 @@
+//! The released image for the NUCLEO-H743ZI2 in emulation, where BEAMTICK_H743_IMAGE names it (`cargo xtask check-all` does).
+use client::{Client, Options};
+use h743::link::{EmulatedLink, Shared, lock};
+use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop};
+use std::sync::{Arc, Mutex};
+
+/// The image, if there is one.
+fn image() -> Option<Vec<u8>> {
+    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
+        println!("skipped: BEAMTICK_H743_IMAGE names no image");
+        return None;
+    };
+    Some(std::fs::read(path).unwrap())
+}
+
+fn booted(elf: &[u8]) -> Machine {
+    let mut machine = Machine::new().unwrap();
+    machine.boot(elf).unwrap();
+    machine
+}
+
+/// Pins of lasers and axes (docs/board-h743.md), which only a configured board may drive.
+const GUARDED: [&str; 30] = [
+    "PE9", "PE8", "PE5", "PE4", "PC7", "PB0", "PC8", "PB15", "PA4", "PA5", "PC10", "PC12", "PC11", "PD0", "PD1", "PD2",
+    "PD3", "PD4", "PD5", "PD6", "PD7", "PF0", "PF1", "PF2", "PF3", "PF4", "PF5", "PF6", "PF7", "PG0",
+];
+
+#[test]
+fn start_up_reaches_full_speed_and_drives_nothing_active() {
+    let Some(elf) = image() else { return };
+    let mut machine = booted(&elf);
+    let mut started = None;
+    for _ in 0..100 {
+        assert_eq!(machine.run(MILLISECOND), Stop::Time);
+        if started.is_none() && machine.chip.bus.clocks().core == 2 {
+            started = Some(machine.chip.now);
+        }
+    }
+    let bus = &machine.chip.bus;
+    assert_eq!(bus.complaints, Vec::<String>::new());
+    let clocks = bus.clocks();
+    println!("480 MHz after {:?} µs, {} instructions", started.map(|at| at / MICROSECOND), machine.chip.instructions);
+    assert_eq!((clocks.core, clocks.bus, clocks.apb1, clocks.timers1, clocks.timers2), (2, 4, 8, 4, 4));
+    // Every change of a pin since power-on, so also between any two instructions: nothing was ever driven high but the link's
+    // line, which rests high.
+    let link = Pin::named("PD8").unwrap();
+    let high: Vec<_> = bus.gpio.changes.iter().filter(|c| c.level == Level::Driven(true) && c.pin != link).collect();
+    assert!(high.is_empty(), "{high:?}");
+    for name in GUARDED {
+        let pin = Pin::named(name).unwrap();
+        let changed =
+            bus.gpio.changes.iter().any(|change| change.pin == pin && matches!(change.level, Level::Driven(true)));
+        assert!(!changed, "{name}");
+    }
+    assert!(bus.watchdog.is_running());
+    assert_eq!(machine.resets, []);
+}
+
+fn linked(elf: &[u8]) -> (Client, Shared) {
+    let machine: Shared = Arc::new(Mutex::new(booted(elf)));
+    lock(&machine).run(20 * MILLISECOND);
+    let client = Client::open(Box::new(EmulatedLink::new(machine.clone())), Options::default()).unwrap();
+    (client, machine)
+}
+
+#[test]
+fn the_client_opens_the_board_over_its_usart() {
+    let Some(elf) = image() else { return };
+    let (client, machine) = linked(&elf);
+    let version = client.version();
+    assert!(version.board.starts_with(b"nucleo-h743zi2"), "{version:?}");
+    assert_eq!((version.axes_per_core, version.lasers, version.tick_us.get()), (8, 2, 50));
+    let machine = lock(&machine);
+    assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
+    assert_eq!(machine.chip.bus.usart.lost, 0);
+    assert_eq!(machine.resets, Vec::<(h743::Time, Cause)>::new());
+}
+
+#[test]
+fn a_missing_host_is_no_reason_to_bite_and_a_stopped_tick_is() {
+    let Some(elf) = image() else { return };
+    let mut machine = booted(&elf);
+    assert_eq!(machine.run(400 * MILLISECOND), Stop::Time, "no host for eight times the watchdog's patience");
+    // TIM2 loses its clock: no tick any more, whatever the thread does.
+    let chip = &mut machine.chip;
+    let at = chip.now;
+    chip.bus.write(0x4000_0000, 0, u32::MAX, at, &mut chip.scs.exceptions).unwrap();
+    assert_eq!(machine.run(200 * MILLISECOND), Stop::Reset(Cause::Watchdog));
+    let waited = machine.resets[0].0 - at;
+    println!("the watchdog bites {} ms after the last tick", waited / MILLISECOND);
+    // It starts again, and goes on.
+    assert_eq!(machine.run(300 * MILLISECOND), Stop::Time);
+    assert_eq!(machine.resets.len(), 1);
+}
