@@ -9,7 +9,7 @@ mod board;
 mod debugger;
 
 use board::{Board, assert_dark_until_cleared, fault, image, reason, shine, state, wait_until};
-use client::{Client, Options};
+use client::Client;
 use debugger::{Debugger, PC, SP, Symbols};
 use protocol::command::*;
 use std::path::Path;
@@ -55,7 +55,7 @@ impl Map {
         };
         let begin = time();
         // Units of 2²⁰ ns, the first and the last of them in part.
-        let units = (ms * 1_000_000 >> 20) as u32 + 2;
+        let units = (ms * 1_000_000).div_ceil(1 << 20) as u32 + 1;
         wait_until("the board's time passes", || time().wrapping_sub(begin) >= units);
     }
 
@@ -224,13 +224,12 @@ fn job(client: &Client) -> bool {
 const LOSS_MS: u64 = 60;
 
 /// Opens a session over a road that is cut after so many bytes of the job.
-fn cut_job(board: &Board, bytes: usize, timeout: Duration) -> (bool, Vec<u8>) {
+fn cut_job(board: &Board, bytes: usize) -> (bool, Vec<u8>) {
     let mut road = board.road();
     let left = Arc::new(Mutex::new(usize::MAX));
     road.left = Some(Arc::clone(&left));
     let sent = Arc::clone(&road.sent);
-    let open_timeout = Duration::from_secs(20);
-    let client = Client::open(Box::new(road), Options { timeout, open_timeout, ..Options::default() }).unwrap();
+    let client = board.open_over(road);
     client.call(SetLinkLoss { time_ms: (LOSS_MS as i32).into(), stop_all: 0.into() }).unwrap();
     sent.lock().unwrap().clear();
     *left.lock().unwrap() = bytes;
@@ -245,7 +244,7 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark() {
     let Some(image) = image() else { return };
     let map = Map::of(&image);
     let board = Board::start(image, false);
-    let (lit, sent) = cut_job(&board, usize::MAX, Duration::from_secs(20));
+    let (lit, sent) = cut_job(&board, usize::MAX);
     assert!(lit);
     let ends: Vec<usize> = (1..=sent.len()).filter(|&n| sent[n - 1] == 0).collect();
     assert!(ends.len() >= 5, "a frame a command: {sent:?}");
@@ -264,7 +263,7 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark() {
         }
         wait_until("no fault", || fault(&client, 0) == 0);
         drop(client);
-        let (lit, _) = cut_job(&board, cut, Duration::from_millis(100));
+        let (lit, _) = cut_job(&board, cut);
         map.pass(&board, LOSS_MS);
         let client = board.open();
         let now = state(&client, 0);
