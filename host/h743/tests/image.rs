@@ -2,6 +2,7 @@
 use client::{Client, Options};
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop};
+use protocol::command::AxisOn;
 use std::sync::{Arc, Mutex};
 
 /// The image, if there is one.
@@ -91,4 +92,30 @@ fn a_missing_host_is_no_reason_to_bite_and_a_stopped_tick_is() {
     // It starts again, and goes on.
     assert_eq!(machine.run(300 * MILLISECOND), Stop::Time);
     assert_eq!(machine.resets.len(), 1);
+}
+
+#[test]
+fn a_fault_rests_the_outputs_first_and_keeps_its_reason() {
+    let Some(elf) = image() else { return };
+    let (client, machine) = linked(&elf);
+    client.call(AxisOn { core: 1.into(), axis: 1.into() }).unwrap();
+    let enable = Pin::named("PG0").unwrap();
+    let mut machine = lock(&machine);
+    machine.run(MILLISECOND);
+    assert_eq!(machine.chip.bus.gpio.level(enable), Level::Driven(true));
+    // An interrupt that nobody claims (100) goes the way of every panic and fault.
+    let exceptions = &mut machine.chip.scs.exceptions;
+    (exceptions.enabled[116], exceptions.pending[116]) = (true, true);
+    let before = machine.chip.now;
+    assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
+    let rest = machine.chip.bus.gpio.changes.iter().rev().find(|change| change.pin == enable).unwrap();
+    assert_eq!(rest.level, Level::Floating);
+    assert!(rest.at < machine.resets[0].0 && rest.at - before < 10 * MICROSECOND, "{rest:?}, {:?}", machine.resets);
+    let kept = h743::image::symbol(&elf, "KEPT").unwrap();
+    let kept = machine.chip.memory.bytes(kept, 172).unwrap();
+    assert!(String::from_utf8_lossy(&kept).contains("interrupt 100 that nobody claims"));
+    // After the restart nothing is driven high but the link.
+    machine.run(100 * MILLISECOND);
+    assert_eq!(machine.chip.bus.gpio.level(enable), Level::Driven(false));
+    assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
 }
