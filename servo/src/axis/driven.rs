@@ -141,6 +141,12 @@ impl AxisState {
         }
     }
 
+    /// Whether it may be driven to `to` without a closer look.
+    #[inline(always)]
+    pub(crate) fn is_free(&self, to: Pos) -> bool {
+        self.causes & status::FAULTS == 0 && to >= self.lower && to <= self.upper
+    }
+
     /// Whether nothing stands between the position in force and `to`.
     #[inline(always)]
     pub(crate) fn admits(&self, to: Pos) -> bool {

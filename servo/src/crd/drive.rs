@@ -17,10 +17,11 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     pub(crate) fn step_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
-            if let Some(reason) = self.forbids(crd) {
+            let glides = self.glide_crd(crd, next);
+            if !glides && let Some(reason) = self.forbids(crd) {
                 self.stop_crds(crd.mask(), true, reason, next, lanes);
             }
-            self.step_crd(crd, next, lanes);
+            self.step_crd(crd, next, glides, lanes);
         }
     }
 
@@ -28,13 +29,48 @@ impl<const AXES: usize> Tick<AXES> {
     pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
-                self.step_crd(crd, next, lanes);
+                self.step_crd(crd, next, false, lanes);
             }
         }
     }
 
-    /// Why a path must not go on as it is.
+    /// On to the next place within a leg, if nothing stands in the way and nobody else takes part: nearly every tick.
     #[inline(always)]
+    fn glide_crd(&mut self, crd: Crd, next: Ns) -> bool {
+        let Tick { crds, axes, order, .. } = self;
+        let Some(state) = crds.states.get_mut(crd.index()) else { return false };
+        let feed = state.feed();
+        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, moves, .. } = &mut state.shown
+        else {
+            return false;
+        };
+        let led = || order.masters.0 & frame.mask().0 != 0;
+        if state.geared.0 != 0 || state.awaited.is_some() || order.masters.0 != 0 && led() {
+            return false;
+        }
+        let mut sight = Sight { place, heading, bend, motion, turns };
+        let Some(way) = state.path.glide(next, feed, &mut sight) else { return false };
+        let to = |(at, origin): (&Pos, &Pos)| Pos(at.0.wrapping_add(origin.0));
+        for (axis, at) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
+            if let Some(axis) = axis.and_then(|axis| axes.get(axis.index()))
+                && !axis.is_free(to(at))
+            {
+                return false;
+            }
+        }
+        state.path.pass(way);
+        for (axis, at) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
+            if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
+                axis.drive(to(at));
+            }
+        }
+        *moves = moves.wrapping_add(1);
+        crds.moves = crds.moves.wrapping_add(1);
+        true
+    }
+
+    /// Why a path must not go on as it is.
+    #[inline(never)]
     fn forbids(&self, crd: Crd) -> Option<StopReason> {
         let state = self.crds.get(crd)?;
         let axes = |axis: Axis| self.axes.get(axis.index());
@@ -55,11 +91,32 @@ impl<const AXES: usize> Tick<AXES> {
         (!awaited.runs() && awaited.shown.stop != StopReason::Completed).then_some(StopReason::OtherAxis)
     }
 
+    /// What else there is to do of one that `glides` or does not.
     #[inline(always)]
-    fn step_crd(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
-        let period = self.period;
+    fn step_crd(&mut self, crd: Crd, next: Ns, glides: bool, lanes: &mut Reach<'_, '_, AXES>) {
         // Of several that run, one in a tick makes something ahead.
         let may_prepare = self.crds.running.0.is_power_of_two() || (self.ticks ^ crd.index() as u32) & 1 == 0;
+        let (Some(state), Some(source)) = (self.crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
+            return;
+        };
+        if !glides || state.path.is_due_before(next, self.period) {
+            self.walk_crd(crd, next, glides, may_prepare, lanes);
+            return;
+        }
+        if may_prepare {
+            let feed = state.feed();
+            state.path.prepare(feed, source);
+        }
+        let wants = self.lasers.wants(crd);
+        if wants.planned || wants.encoder {
+            self.feed_lasers(crd, next, wants);
+        }
+    }
+
+    /// The same where a path passes boundaries, or more takes part than itself.
+    #[inline(never)]
+    fn walk_crd(&mut self, crd: Crd, next: Ns, glides: bool, may_prepare: bool, lanes: &mut Reach<'_, '_, AXES>) {
+        let period = self.period;
         let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
@@ -89,15 +146,21 @@ impl<const AXES: usize> Tick<AXES> {
             awaited: state.awaited,
             obstacle: None,
         };
-        let mut sight = Sight { place, heading, bend, motion, turns };
-        let told = state.path.advance(next, period, feed, source, &mut sink, &mut sight, may_prepare);
+        let told = if glides {
+            state.path.go_through(next, period, feed, source, &mut sink)
+        } else {
+            let mut sight = Sight { place, heading, bend, motion, turns };
+            state.path.advance(next, period, feed, source, &mut sink, &mut sight, may_prepare)
+        };
         let Sink { told: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
-        for (index, ((axis, at), origin)) in frame.axes_ref().iter().zip(place).zip(origin).enumerate() {
-            if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
-                let from = axis.set_point();
-                axis.drive(Pos(at.0.wrapping_add(origin.0)));
-                if led {
-                    axis.tell_way((self.now, period), from, state.path.wake(), (index, *origin));
+        if !glides {
+            for (index, ((axis, at), origin)) in frame.axes_ref().iter().zip(place).zip(origin).enumerate() {
+                if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
+                    let from = axis.set_point();
+                    axis.drive(Pos(at.0.wrapping_add(origin.0)));
+                    if led {
+                        axis.tell_way((self.now, period), from, state.path.wake(), (index, *origin));
+                    }
                 }
             }
         }

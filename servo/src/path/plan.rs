@@ -30,8 +30,8 @@ pub(super) struct Means {
 pub(super) struct Leg {
     /// How long.
     pub(super) time: Fine,
-    /// The same in ms.
-    span: Real,
+    /// The way of all of it.
+    pub(super) length: Exact,
     /// Speed at its beginning, pulse/ms.
     vel: Real,
     /// Acceleration, pulse/ms².
@@ -51,7 +51,7 @@ pub(super) struct Plan {
 
 /// What is at rest within 2⁻¹⁶ pulse, is: v² < 2·a·2⁻¹⁶. Planners of corner speeds round, too.
 const REST: i32 = -15;
-const STILL: Leg = Leg { time: 0, span: Real::ZERO, vel: Real::ZERO, acc: Real::ZERO };
+const STILL: Leg = Leg { time: 0, length: Exact(0), vel: Real::ZERO, acc: Real::ZERO };
 
 /// Whether a ≥ b.
 fn reaches(a: Real, b: Real) -> bool {
@@ -71,6 +71,11 @@ pub(super) fn fine(ms: Real) -> Fine {
 /// A time as a number of ms.
 pub(super) fn ms(time: Fine) -> Real {
     Real::from_fixed(time, 0).mul(Real::FINE)
+}
+
+/// The way from a speed on at an acceleration, `t` ms long.
+fn way(vel: Real, acc: Real, t: Real) -> Exact {
+    t.mul(vel.add(acc.mul(t).scale(-1))).to_exact()
 }
 
 impl Plan {
@@ -130,7 +135,7 @@ impl Plan {
         if let Some(leg) = self.legs.get_mut(self.count)
             && time != 0
         {
-            *leg = Leg { time, span, vel, acc };
+            *leg = Leg { time, length: way(vel, acc, span), vel, acc };
             self.count = self.count.wrapping_add(1);
         }
     }
@@ -297,13 +302,7 @@ impl Leg {
 
     /// The way done `time` after its beginning.
     pub(super) fn way(&self, time: Fine) -> Exact {
-        let t = ms(time);
-        t.mul(self.vel.add(self.acc.mul(t).scale(-1))).to_exact()
-    }
-
-    /// The way of all of it.
-    pub(super) fn length(&self) -> Exact {
-        self.span.mul(self.vel.add(self.acc.mul(self.span).scale(-1))).to_exact()
+        way(self.vel, self.acc, ms(time))
     }
 
     /// As a piece that begins at `begin` and `from`, parameterised over a power of two of ns.

@@ -135,16 +135,14 @@ pub struct Path {
     follows: Option<Fine>,
     /// What is shown has to be written as a whole.
     fresh: bool,
-    /// The way along the motion in force when it was looked at last; since then, the way to the end of the last leg
-    /// that has ended, if one has.
+    /// The way along the motion in force when it was looked at last, or 0 if it was entered since; the way since then to
+    /// the end of the last leg that has ended, if one has.
     seen: Pos,
     swept: Option<Exact>,
-    /// The way along the motion in force at which it was looked at last, or 0 if it was entered since.
-    floor: Exact,
     /// The end of the FIFO, if nothing stood behind the motion when it was planned.
     open: Option<u32>,
-    /// The whole ns in which the leg or the wait in force is over.
-    due: u64,
+    /// When the leg or the wait in force is over.
+    over: Fine,
     /// Whether somebody follows a coordinate; then what happens between looks is kept: up to the last look, and since.
     led: bool,
     wake: Wake,
@@ -222,9 +220,8 @@ impl Path {
         fresh: true,
         seen: Pos(0),
         swept: None,
-        floor: Exact(0),
         open: None,
-        due: 0,
+        over: 0,
         led: false,
         wake: Wake::NONE,
         since: Wake::NONE,
@@ -357,7 +354,7 @@ impl Path {
         if inside {
             let counter = counter.wrapping_sub(1);
             self.enter(from, counter, &source.entry(fifo, counter).item());
-            (self.way, self.floor) = (way, way);
+            (self.way, self.seen) = (way, way.round());
             self.plan_rest(feed, source);
         }
     }
@@ -419,32 +416,66 @@ impl Path {
         let now = (next.0 as Fine) << 32;
         let until = now.wrapping_add((period.0 as Fine) << 32);
         let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
-        if self.due <= next.0 {
+        // A tick that enters something or makes a piece does not make anything ahead.
+        let mut has_time = may_prepare && self.pieced;
+        if self.is_due(next) {
             self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
+            has_time = false;
         }
-        if let Some(seen) = self.open
-            && seen != end_of(feed, self.fifo)
-        {
+        if self.has_news(feed) {
             self.extend(now, feed, source);
             self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
+            has_time = false;
         }
-        // A tick that makes a piece does not make anything ahead.
-        let has_time = may_prepare && self.pieced;
-        let (fifo, done) = (self.fifo, self.done(self.fifo));
+        let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.seen);
         let moves = self.look(next, sink, sight);
         if moves && !sink.admits(sight.place) {
-            self.hold(now, Exact::from(self.seen), sink, feed);
+            self.hold(now, (before.into(), self.seen.into()), sink, feed);
             self.look(next, sink, sight);
             return Told { runs: false, fifo, done };
         }
         let runs = self.runs();
-        self.floor = Exact::from(self.seen);
-        if self.due < next.0.wrapping_add(period.0) {
+        if self.is_due_before(next, period) {
             self.walk(until, &mut budget, feed, source, sink);
         } else if has_time {
             self.prepare(feed, source);
         }
         Told { runs, fifo, done }
+    }
+
+    /// What lies behind the place at `next` that [`Path::glide`] has told: all boundaries before `next + period`.
+    #[inline(always)]
+    pub fn go_through(
+        &mut self,
+        next: Ns,
+        period: Ns,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+    ) -> Told {
+        let until = ((next.0.wrapping_add(period.0)) as Fine) << 32;
+        let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
+        let (fifo, done) = (self.fifo, self.done(self.fifo));
+        self.walk(until, &mut budget, feed, source, sink);
+        Told { runs: true, fifo, done }
+    }
+
+    /// Whether a boundary lies at or before `next`.
+    #[inline(always)]
+    fn is_due(&self, next: Ns) -> bool {
+        (self.over >> 32) as u64 <= next.0
+    }
+
+    /// Whether one lies before `next + period`.
+    #[inline(always)]
+    pub fn is_due_before(&self, next: Ns, period: Ns) -> bool {
+        ((self.over >> 32) as u64) < next.0.wrapping_add(period.0)
+    }
+
+    /// Whether data has come where none was.
+    #[inline(always)]
+    fn has_news(&self, feed: Feed) -> bool {
+        self.open.is_some_and(|seen| seen != end_of(feed, self.fifo))
     }
 }
 

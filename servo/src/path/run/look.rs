@@ -15,26 +15,16 @@ impl Path {
     /// Where it is at `next`, which lies in the leg in force; whether it moves.
     #[inline(always)]
     pub(super) fn look(&mut self, next: Ns, sink: &mut impl Effects, sight: &mut Sight<'_>) -> bool {
-        (self.seen, self.swept) = (Pos(0), None);
         if let Stage::Move = self.stage
             && let Some(leg) = self.motions[(self.at & 1) as usize].plan.leg(self.leg)
         {
-            let piece = &mut self.pieces[(self.piece & 1) as usize];
             if !self.pieced {
                 (self.pieced, self.fresh) = (true, true);
-                *piece = leg.piece(self.began, self.way);
+                self.pieces[(self.piece & 1) as usize] = leg.piece(self.began, self.way);
             }
             let before = *sight.heading;
-            let shape = &self.motions[(self.at & 1) as usize].shape;
-            if self.fresh {
-                self.fresh = false;
-                *sight.motion = piece.motion;
-                *sight.turns = sight.turns.wrapping_add(1);
-                shape.show(sight.place, sight.heading, sight.bend);
-            }
-            let (way, tau) = piece.at(piece.held(next));
-            (self.seen, sight.motion.tau) = (way, tau);
-            shape.follow(way, sight.place, sight.heading);
+            let way = self.show(next, sight);
+            self.pass(way);
             if self.led {
                 self.leave_wake(before, sight.heading);
             }
@@ -44,6 +34,7 @@ impl Path {
             }
             return true;
         }
+        self.pass(Pos(0));
         if self.led {
             (self.wake, self.since.count) = (self.since, 0);
         }
@@ -54,6 +45,43 @@ impl Path {
             (*sight.bend, *sight.motion) = (Bend::STRAIGHT, Motion::REST);
         }
         false
+    }
+
+    /// Place and direction at `next`, in the piece in force; the way there.
+    #[inline(always)]
+    fn show(&mut self, next: Ns, sight: &mut Sight<'_>) -> Pos {
+        let piece = &self.pieces[(self.piece & 1) as usize];
+        let shape = &self.motions[(self.at & 1) as usize].shape;
+        if self.fresh {
+            self.fresh = false;
+            *sight.motion = piece.motion;
+            *sight.turns = sight.turns.wrapping_add(1);
+            shape.show(sight.place, sight.heading, sight.bend);
+        }
+        let (way, tau) = match piece.near_time(next) {
+            Some(t) => piece.at_near(t),
+            None => piece.at(piece.held(next)),
+        };
+        sight.motion.tau = tau;
+        shape.follow(way, sight.place, sight.heading);
+        way
+    }
+
+    /// The same, if that is all there is to do at `next`: it is within a leg, no data has come where none was, nobody goes
+    /// along or follows a coordinate. Whoever finds that the path may be there says so to [`Path::pass`].
+    #[inline(always)]
+    pub fn glide(&mut self, next: Ns, feed: Feed, sight: &mut Sight<'_>) -> Option<Pos> {
+        let glides = matches!(self.stage, Stage::Move) && self.pieced && !self.led && !self.is_due(next);
+        if !glides || self.cursor_of(self.fifo).geared != 0 || self.has_news(feed) {
+            return None;
+        }
+        Some(self.show(next, sight))
+    }
+
+    /// It is `way` along the motion in force.
+    #[inline(always)]
+    pub fn pass(&mut self, way: Pos) {
+        (self.seen, self.swept) = (way, None);
     }
 
     /// What the coordinates have done up to this look, at which they go in this direction.
@@ -74,11 +102,12 @@ impl Path {
         }
     }
 
-    /// The motion in force must not go as far as `way`, where it is or would be at `at`: it comes to rest before.
+    /// The motion in force must not go from the first to the second of these ways, where it is or would be at `at`: it
+    /// comes to rest between.
     #[inline(never)]
-    pub(super) fn hold(&mut self, at: Fine, way: Exact, sink: &mut impl Effects, feed: Feed) {
-        // The furthest place since the last look that is admitted, to 2⁻¹⁶ of that way; where it was then if none is.
-        let (mut low, mut high) = (self.floor, way);
+    pub(super) fn hold(&mut self, at: Fine, (low, way): (Exact, Exact), sink: &mut impl Effects, feed: Feed) {
+        // The furthest place between that is admitted, to 2⁻¹⁶ of the way; the first if none is.
+        let (mut low, mut high) = (low, way);
         for _ in 0..16 {
             let middle = Exact(low.0.wrapping_add(high.0) >> 1);
             if sink.admits(&self.motion().shape.at(middle.round())) { low = middle } else { high = middle }

@@ -5,7 +5,7 @@
 //! made on its boundary: the same functions of the same numbers.
 use super::{Behind, EFFECTS, Feed, Gear, Made, Path, Rules, Stage, State, end_of};
 use crate::path::entry::{Along, Entry, Item};
-use crate::path::plan::{Means, Plan, Sketch};
+use crate::path::plan::{Leg, Means, Plan, Sketch};
 use crate::path::shape::{Along as Geared, Shape};
 use crate::path::store::Entries;
 use crate::path::{DIMENSIONS, Fine};
@@ -67,7 +67,7 @@ impl Path {
         }
         self.ahead_mut().state = State::Nothing;
         self.at ^= 1;
-        (self.way, self.floor) = (Exact(0), Exact(0));
+        (self.way, self.seen) = (Exact(0), Pos(0));
         self.set_in(self.here);
         if self.motion().shape.length().is_zero() {
             return;
@@ -77,7 +77,7 @@ impl Path {
 
     /// Makes some of what follows: the piece behind the one in force, some of the motion behind the one in force.
     #[inline(never)]
-    pub(super) fn prepare(&mut self, feed: Feed, source: &impl Entries) {
+    pub fn prepare(&mut self, feed: Feed, source: &impl Entries) {
         if self.follows.is_none() && self.piece_ahead() || self.stopping || self.motion().plan.halts {
             return;
         }
@@ -104,12 +104,11 @@ impl Path {
     /// The piece behind the one in force, of the same motion or of the next, if that is known by now.
     #[inline(always)]
     fn piece_ahead(&mut self) -> bool {
-        let Some(leg) = self.motion().plan.leg(self.leg) else { return false };
-        let over = self.began.wrapping_add(leg.time);
+        let Some(&Leg { length, .. }) = self.motion().plan.leg(self.leg) else { return false };
+        let over = self.over;
         let next = self.leg.wrapping_add(1);
         let piece = if let Some(leg) = self.motion().plan.leg(next) {
-            let way = self.motion().plan.leg(self.leg).map_or(0, |leg| leg.length().0);
-            leg.piece(over, Exact(self.way.0.wrapping_add(way)))
+            leg.piece(over, Exact(self.way.0.wrapping_add(length.0)))
         } else if self.ahead().state == State::Ready
             && !self.motion().plan.halts
             && let Some(leg) = self.ahead().plan.leg(0)
@@ -212,7 +211,7 @@ impl Path {
     fn follow(&mut self, open: Option<u32>) {
         (self.open, self.leg, self.began, self.stage) = (open, 0, self.time, Stage::Move);
         self.take_piece();
-        self.set_due();
+        self.set_over();
         let ahead = self.ahead_mut();
         if ahead.state > State::Shaped {
             ahead.state = State::Shaped;

@@ -6,20 +6,21 @@ use super::told::{Effects, Feed, Rest};
 use super::{Budget, Gear, Geared, Made, Path, Stage, State, end_of};
 use crate::path::Fine;
 use crate::path::entry::{Entry, Item};
+use crate::path::plan::Leg;
 use crate::path::store::Entries;
 use crate::real::Real;
-use crate::units::Exact;
+use crate::units::{Exact, Pos};
 
 impl Path {
     /// It waits where it is.
     pub(super) fn wait(&mut self, until: Fine) {
-        (self.stage, self.due, self.fresh) = (Stage::Wait { until }, (until >> 32) as u64, true);
+        (self.stage, self.over, self.fresh) = (Stage::Wait { until }, until, true);
     }
 
     /// The leg in force ends then; what has no leg left is over now.
-    pub(super) fn set_due(&mut self) {
+    pub(super) fn set_over(&mut self) {
         let left = self.motion().plan.leg(self.leg).map_or(0, |leg| leg.time);
-        self.due = (self.began.wrapping_add(left) >> 32) as u64;
+        self.over = self.began.wrapping_add(left);
     }
 
     /// Passes all boundaries before `limit`.
@@ -31,49 +32,41 @@ impl Path {
         source: &impl Entries,
         sink: &mut impl Effects,
     ) {
-        loop {
+        while self.over < limit {
             match self.stage {
                 Stage::Rest => return,
                 Stage::Wait { until } => {
-                    if until >= limit {
-                        return;
-                    }
                     self.time = until;
                     self.swept = self.swept.or(Some(Exact(0)));
                     self.go_on(budget, feed, source, sink);
                 }
-                Stage::Move => match self.motion().plan.leg(self.leg) {
-                    Some(leg) => {
-                        let over = self.began.wrapping_add(leg.time);
-                        if over >= limit {
-                            return;
-                        }
-                        let length = leg.length().0;
-                        self.way = Exact(self.way.0.wrapping_add(length));
+                Stage::Move => {
+                    if let Some(&Leg { length, .. }) = self.motion().plan.leg(self.leg) {
+                        self.way = Exact(self.way.0.wrapping_add(length.0));
                         self.swept = Some(Exact(match self.swept {
-                            Some(swept) => swept.0.wrapping_add(length),
+                            Some(swept) => swept.0.wrapping_add(length.0),
                             None => self.way.0.wrapping_sub(Exact::from(self.seen).0),
                         }));
-                        (self.began, self.time) = (over, over);
+                        (self.began, self.time) = (self.over, self.over);
                         self.leg = self.leg.wrapping_add(1);
                         if self.motion().plan.leg(self.leg).is_some() {
                             self.take_piece();
-                        } else {
-                            // The piece behind it is for what begins there.
-                            self.pieced = false;
+                            self.set_over();
+                            continue;
                         }
-                        self.set_due();
+                        // The piece behind it is for what begins there.
+                        self.pieced = false;
                     }
-                    None if self.motion().plan.halts => self.halt(self.time, Rest::Stopped, feed, sink),
-                    None if !sink.admits(&self.motion().shape.end()) => {
+                    if self.motion().plan.halts {
+                        self.halt(self.time, Rest::Stopped, feed, sink);
+                    } else if !sink.admits(&self.motion().shape.end()) {
                         let way = self.motion().shape.length().to_exact();
-                        self.hold(self.time, way, sink, feed);
-                    }
-                    None => {
+                        self.hold(self.time, (self.seen.into(), way), sink, feed);
+                    } else {
                         self.leave(sink);
                         self.go_on(budget, feed, source, sink);
                     }
-                },
+                }
             }
         }
     }
@@ -107,20 +100,27 @@ impl Path {
                 self.rest(self.time, Rest::Stopped, feed, sink);
                 return;
             }
-            let entry = source.entry(self.fifo, counter);
-            let left = if entry.is_motion() { &mut budget.motions } else { &mut budget.effects };
+            let prepared = self.ahead().state != State::Nothing && self.ahead().counter == counter;
+            let entry = (!prepared).then(|| source.entry(self.fifo, counter));
+            let moves = entry.is_none_or(|entry| entry.is_motion());
+            let left = if moves { &mut budget.motions } else { &mut budget.effects };
             if *left == 0 {
                 self.wait(budget.hold);
                 return;
             }
             *left = left.wrapping_sub(1);
             self.cursor(self.fifo).next = counter.wrapping_add(1);
-            if let Some(until) = self.take(counter, &entry, feed, source, sink) {
-                self.wait(until);
-                self.speed = Real::ZERO;
-                return;
+            match &entry {
+                None => self.enter_prepared(feed, source),
+                Some(entry) => {
+                    if let Some(until) = self.take(counter, entry, feed, source, sink) {
+                        self.wait(until);
+                        self.speed = Real::ZERO;
+                        return;
+                    }
+                }
             }
-            if entry.is_motion() {
+            if moves {
                 if self.motion().shape.length().is_zero() {
                     let speed = self.speed;
                     self.leave(sink);
@@ -132,8 +132,9 @@ impl Path {
         }
     }
 
-    /// Carries out an entry; the instant until which the path waits for it.
-    pub(super) fn take(
+    /// Carries out an entry that nothing was made of ahead; the instant until which the path waits for it.
+    #[inline(never)]
+    fn take(
         &mut self,
         counter: u32,
         entry: &Entry,
@@ -141,10 +142,6 @@ impl Path {
         source: &impl Entries,
         sink: &mut impl Effects,
     ) -> Option<Fine> {
-        if self.ahead().state != State::Nothing && self.ahead().counter == counter {
-            self.enter_prepared(feed, source);
-            return None;
-        }
         match &entry.item() {
             Item::Nothing => None,
             Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
@@ -166,7 +163,7 @@ impl Path {
             }
             item => {
                 self.enter(self.here, counter, item);
-                (self.way, self.floor) = (Exact(0), Exact(0));
+                (self.way, self.seen) = (Exact(0), Pos(0));
                 if !self.motion().shape.length().is_zero() {
                     self.plan_rest(feed, source);
                 }
@@ -186,7 +183,7 @@ impl Path {
     /// Comes to rest here.
     pub(super) fn rest(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
         (self.stage, self.speed, self.stopping, self.open) = (Stage::Rest, Real::ZERO, false, None);
-        (self.due, self.fresh) = (u64::MAX, true);
+        (self.over, self.fresh) = (Fine::MAX, true);
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);
         cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;
