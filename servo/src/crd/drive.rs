@@ -2,8 +2,8 @@
 //!
 //! In: the axes as the tick in force left them, entries. Out: where the mapped axes are at the tick computed, what
 //! entries do until the one after. Owns nothing. Cannot fail: what must not go on stops, and the reason is latched.
-use super::Frame;
 use super::sink::Sink;
+use super::{CrdState, Crds, Frame};
 use crate::axis::AxisState;
 use crate::execute::Reach;
 use crate::laser::{Cause, PathSpeed, Wants};
@@ -12,12 +12,56 @@ use crate::tick::{Tick, tell};
 use crate::units::{Axis, AxisMask, Crd, Exact, Ns, Pos};
 use crate::view::{CrdView, Event, StopReason};
 
+impl CrdState {
+    /// Whether an axis that others follow is its own.
+    #[inline(always)]
+    fn leads(&self, masters: AxisMask) -> bool {
+        masters.0 != 0 && self.shown.frame.is_some_and(|frame| masters.0 & frame.mask().0 != 0)
+    }
+
+    /// On to the next place within a leg, if nothing stands in the way and nobody else takes part: nearly every tick.
+    ///
+    /// A function of its own, so that nothing else takes up registers.
+    #[inline(never)]
+    fn glide(&mut self, next: Ns, axes: &mut [AxisState]) -> bool {
+        let feed = self.feed();
+        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, moves, .. } = &mut self.shown
+        else {
+            return false;
+        };
+        if self.geared.0 != 0 || self.awaited.is_some() {
+            return false;
+        }
+        let mut sight = Sight { place, heading, bend, motion, turns };
+        let Some(way) = self.path.glide(next, feed, &mut sight) else { return false };
+        let to = |(at, origin): (&Pos, &Pos)| Pos(at.0.wrapping_add(origin.0));
+        for (axis, at) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
+            if let Some(axis) = axis.and_then(|axis| axes.get(axis.index()))
+                && !axis.is_free(to(at))
+            {
+                return false;
+            }
+        }
+        self.path.pass(way);
+        for (axis, at) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
+            if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
+                axis.drive(to(at));
+            }
+        }
+        *moves = moves.wrapping_add(1);
+        true
+    }
+}
+
 impl<const AXES: usize> Tick<AXES> {
     /// Every coordinate system that runs takes its step.
     #[inline(never)]
     pub(crate) fn step_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
-            let glides = self.glide_crd(crd, next);
+            let (masters, Crds { states, moves, .. }) = (self.order.masters, &mut self.crds);
+            let Some(state) = states.get_mut(crd.index()) else { return };
+            let glides = !state.leads(masters) && state.glide(next, &mut self.axes);
+            *moves = moves.wrapping_add(1);
             if !glides && let Some(reason) = self.forbids(crd) {
                 self.stop_crds(crd.mask(), true, reason, next, lanes);
             }
@@ -32,41 +76,6 @@ impl<const AXES: usize> Tick<AXES> {
                 self.step_crd(crd, next, false, lanes);
             }
         }
-    }
-
-    /// On to the next place within a leg, if nothing stands in the way and nobody else takes part: nearly every tick.
-    #[inline(always)]
-    fn glide_crd(&mut self, crd: Crd, next: Ns) -> bool {
-        let Tick { crds, axes, order, .. } = self;
-        let Some(state) = crds.states.get_mut(crd.index()) else { return false };
-        let feed = state.feed();
-        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, moves, .. } = &mut state.shown
-        else {
-            return false;
-        };
-        let led = || order.masters.0 & frame.mask().0 != 0;
-        if state.geared.0 != 0 || state.awaited.is_some() || order.masters.0 != 0 && led() {
-            return false;
-        }
-        let mut sight = Sight { place, heading, bend, motion, turns };
-        let Some(way) = state.path.glide(next, feed, &mut sight) else { return false };
-        let to = |(at, origin): (&Pos, &Pos)| Pos(at.0.wrapping_add(origin.0));
-        for (axis, at) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
-            if let Some(axis) = axis.and_then(|axis| axes.get(axis.index()))
-                && !axis.is_free(to(at))
-            {
-                return false;
-            }
-        }
-        state.path.pass(way);
-        for (axis, at) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
-            if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
-                axis.drive(to(at));
-            }
-        }
-        *moves = moves.wrapping_add(1);
-        crds.moves = crds.moves.wrapping_add(1);
-        true
     }
 
     /// Why a path must not go on as it is.

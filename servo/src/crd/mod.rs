@@ -24,20 +24,21 @@ use crate::path::{Feed, Path};
 use crate::units::{Axis, AxisMask, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};
 
-/// One coordinate system.
+/// One coordinate system. What every tick looks at stands first.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub(crate) struct CrdState {
     /// What the thread sees; also the state itself, where it is the same thing.
     pub(crate) shown: CrdView,
+    /// Axes that go along with the motion in force.
+    geared: AxisMask,
+    /// The axis that a modal move has sent away.
+    awaited: Option<Axis>,
     path: Path,
     /// Why it will have stopped, if it is told to.
     ending: StopReason,
     /// Since which tick it is at rest.
     pub(crate) rest_since: Ns,
-    /// Axes that go along with the motion in force.
-    geared: AxisMask,
-    /// The axis that a modal move has sent away.
-    awaited: Option<Axis>,
     /// What stopped it: an axis, and a place where it must not go.
     obstacle: Option<(Axis, Pos)>,
 }

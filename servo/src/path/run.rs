@@ -100,51 +100,51 @@ enum Behind {
     Nothing,
 }
 
-/// A coordinate system that moves.
+/// A coordinate system that moves. What every tick looks at stands first.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub struct Path {
-    /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
-    pub rules: Rules,
     stage: Stage,
-    cursors: [Cursor; 2],
-    fifo: u8,
-    /// Where it is while it does not move.
-    here: [Pos; DIMENSIONS],
-    /// The instant up to which all boundaries have been passed, and the speed there.
-    time: Fine,
-    speed: Real,
-    stopping: bool,
-    /// The motion in force, and the one behind it, made ahead in ticks that have time for it.
-    motions: [Made; 2],
-    /// Which of them is in force.
-    at: u8,
-    /// What is being made of the other.
-    draft: Draft,
-    sketch: Sketch,
     /// Which leg, when it began, and the way done there.
     leg: usize,
     began: Fine,
     way: Exact,
-    /// The leg as a piece, once it is needed, and the one behind it, if it is made ahead.
-    pieces: [Piece; 2],
-    /// Which of them is in force.
-    piece: u8,
-    /// The piece in force is made.
-    pieced: bool,
-    /// When the piece behind it begins, if it is made.
-    follows: Option<Fine>,
-    /// What is shown has to be written as a whole.
-    fresh: bool,
+    /// When the leg or the wait in force is over.
+    over: Fine,
     /// The way along the motion in force when it was looked at last, or 0 if it was entered since; the way since then to
     /// the end of the last leg that has ended, if one has.
     seen: Pos,
     swept: Option<Exact>,
     /// The end of the FIFO, if nothing stood behind the motion when it was planned.
     open: Option<u32>,
-    /// When the leg or the wait in force is over.
-    over: Fine,
+    fifo: u8,
+    /// Which motion, and which piece, is in force.
+    at: u8,
+    piece: u8,
+    /// The piece in force is made.
+    pieced: bool,
+    /// What is shown has to be written as a whole.
+    fresh: bool,
     /// Whether somebody follows a coordinate; then what happens between looks is kept: up to the last look, and since.
     led: bool,
+    stopping: bool,
+    /// The leg as a piece, once it is needed, and the one behind it, if it is made ahead.
+    pieces: [Piece; 2],
+    /// When the piece behind the one in force begins, if it is made.
+    follows: Option<Fine>,
+    /// The instant up to which all boundaries have been passed, and the speed there.
+    time: Fine,
+    speed: Real,
+    cursors: [Cursor; 2],
+    /// The motion in force, and the one behind it, made ahead in ticks that have time for it.
+    motions: [Made; 2],
+    /// Where it is while it does not move.
+    here: [Pos; DIMENSIONS],
+    /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
+    pub rules: Rules,
+    /// What is being made of the motion behind the one in force.
+    draft: Draft,
+    sketch: Sketch,
     wake: Wake,
     since: Wake,
 }
