@@ -19,38 +19,83 @@ impl CrdState {
         masters.0 != 0 && self.shown.frame.is_some_and(|frame| masters.0 & frame.mask().0 != 0)
     }
 
-    /// On to the next place within a leg, if nothing stands in the way and nobody else takes part: nearly every tick.
+    /// What nearly every tick is: on to the next place, and over boundaries at which nobody else takes part, if nothing
+    /// stands in the way.
     ///
     /// A function of its own, so that nothing else takes up registers.
     #[inline(never)]
-    fn glide(&mut self, next: Ns, axes: &mut [AxisState]) -> bool {
-        let feed = self.feed();
-        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, moves, .. } = &mut self.shown
-        else {
-            return false;
-        };
+    fn glide(&mut self, next: Ns, period: Ns, axes: &mut [AxisState]) -> Went {
         if self.geared.0 != 0 || self.awaited.is_some() {
-            return false;
+            return Went::Nowhere;
         }
-        let mut sight = Sight { place, heading, bend, motion, turns };
-        let Some(way) = self.path.glide(next, feed, &mut sight) else { return false };
-        let to = |(at, origin): (&Pos, &Pos)| Pos(at.0.wrapping_add(origin.0));
-        for (axis, at) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
-            if let Some(axis) = axis.and_then(|axis| axes.get(axis.index()))
-                && !axis.is_free(to(at))
-            {
-                return false;
+        let mut went = Went::Along;
+        if self.path.is_due(next) {
+            if !self.turn(axes) || self.path.is_due(next) {
+                return Went::Nowhere;
             }
+            went = Went::Over;
+        }
+        let (fresh, feed) = (self.path.is_fresh(), self.feed());
+        let CrdView { frame, origin, place, heading, bend, motion, turns, fifo, done, moves, .. } = &mut self.shown;
+        let Some(frame) = frame else { return Went::Nowhere };
+        let mut sight = Sight { place, heading, bend, motion, turns };
+        let Some(way) = self.path.glide(next, feed, &mut sight) else { return Went::Nowhere };
+        if !is_free(frame, origin, place, axes) {
+            return Went::Nowhere;
         }
         self.path.pass(way);
-        for (axis, at) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
+        for (axis, (at, origin)) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
             if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
-                axis.drive(to(at));
+                axis.drive(Pos(at.0.wrapping_add(origin.0)));
             }
         }
         *moves = moves.wrapping_add(1);
-        true
+        if fresh {
+            *fifo = self.path.fifo();
+            let [first, second] = done;
+            *(if *fifo == 0 { first } else { second }) = self.path.done(*fifo);
+        }
+        if self.path.is_due_before(next, period) {
+            if !self.turn(axes) || self.path.is_due_before(next, period) {
+                return Went::Short;
+            }
+            went = Went::Over;
+        }
+        if fresh || went == Went::Over {
+            self.shown.released = [self.path.released(0), self.path.released(1)];
+        }
+        went
     }
+
+    /// Over a boundary at which nothing is to be done but to go on, if nothing stands in the way.
+    #[inline(never)]
+    fn turn(&mut self, axes: &[AxisState]) -> bool {
+        let feed = self.feed();
+        let CrdView { frame: Some(frame), origin, .. } = &self.shown else { return false };
+        self.path.turn(feed, |end| is_free(frame, origin, end, axes))
+    }
+}
+
+/// Whether the axes may be driven to a place without a closer look.
+#[inline(always)]
+fn is_free(frame: &Frame, origin: &[Pos], place: &[Pos], axes: &[AxisState]) -> bool {
+    frame.axes_ref().iter().zip(place.iter().zip(origin)).all(|(axis, (at, origin))| {
+        let axis = axis.and_then(|axis| axes.get(axis.index()));
+        axis.is_none_or(|axis| axis.is_free(Pos(at.0.wrapping_add(origin.0))))
+    })
+}
+
+/// What came of [`CrdState::glide`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Went {
+    /// There is more to do than that. It has gone over a boundary, or nothing has happened.
+    Nowhere,
+    /// It is at its place; what lies before the next one takes more than that.
+    Short,
+    /// It is at its place, and has gone over a boundary.
+    Over,
+    /// It is at its place.
+    Along,
 }
 
 impl<const AXES: usize> Tick<AXES> {
@@ -60,12 +105,15 @@ impl<const AXES: usize> Tick<AXES> {
         for crd in self.crds.running.crds() {
             let (masters, Crds { states, moves, .. }) = (self.order.masters, &mut self.crds);
             let Some(state) = states.get_mut(crd.index()) else { return };
-            let glides = !state.leads(masters) && state.glide(next, &mut self.axes);
+            let led = state.leads(masters);
+            let went = if led { Went::Nowhere } else { state.glide(next, self.period, &mut self.axes) };
             *moves = moves.wrapping_add(1);
-            if !glides && let Some(reason) = self.forbids(crd) {
+            if went == Went::Nowhere
+                && let Some(reason) = self.forbids(crd)
+            {
                 self.stop_crds(crd.mask(), true, reason, next, lanes);
             }
-            self.step_crd(crd, next, glides, lanes);
+            self.step_crd(crd, next, went, lanes);
         }
     }
 
@@ -73,7 +121,7 @@ impl<const AXES: usize> Tick<AXES> {
     pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
-                self.step_crd(crd, next, false, lanes);
+                self.step_crd(crd, next, Went::Nowhere, lanes);
             }
         }
     }
@@ -100,19 +148,20 @@ impl<const AXES: usize> Tick<AXES> {
         (!awaited.runs() && awaited.shown.stop != StopReason::Completed).then_some(StopReason::OtherAxis)
     }
 
-    /// What else there is to do of one that `glides` or does not.
+    /// What else there is to do.
     #[inline(always)]
-    fn step_crd(&mut self, crd: Crd, next: Ns, glides: bool, lanes: &mut Reach<'_, '_, AXES>) {
+    fn step_crd(&mut self, crd: Crd, next: Ns, went: Went, lanes: &mut Reach<'_, '_, AXES>) {
         // Of several that run, one in a tick makes something ahead.
         let may_prepare = self.crds.running.0.is_power_of_two() || (self.ticks ^ crd.index() as u32) & 1 == 0;
         let (Some(state), Some(source)) = (self.crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
         };
-        if !glides || state.path.is_due_before(next, self.period) {
-            self.walk_crd(crd, next, glides, may_prepare, lanes);
+        if matches!(went, Went::Nowhere | Went::Short) {
+            self.walk_crd(crd, next, went == Went::Short, may_prepare, lanes);
             return;
         }
-        if may_prepare {
+        // A tick that enters something does not make anything ahead.
+        if may_prepare && went == Went::Along {
             let feed = state.feed();
             state.path.prepare(feed, source);
         }
@@ -122,15 +171,16 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// The same where a path passes boundaries, or more takes part than itself.
+    /// The same where more takes part than the path itself; one that is `there` is at its place.
     #[inline(never)]
-    fn walk_crd(&mut self, crd: Crd, next: Ns, glides: bool, may_prepare: bool, lanes: &mut Reach<'_, '_, AXES>) {
+    fn walk_crd(&mut self, crd: Crd, next: Ns, there: bool, may_prepare: bool, lanes: &mut Reach<'_, '_, AXES>) {
         let period = self.period;
         let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
         };
-        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, ends, .. } = &mut state.shown
+        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, ends, fifo, done, .. } =
+            &mut state.shown
         else {
             return;
         };
@@ -155,14 +205,19 @@ impl<const AXES: usize> Tick<AXES> {
             awaited: state.awaited,
             obstacle: None,
         };
-        let told = if glides {
-            state.path.go_through(next, period, feed, source, &mut sink)
+        let mut runs = true;
+        if there {
+            state.path.go_through(next, period, feed, source, &mut sink);
         } else {
             let mut sight = Sight { place, heading, bend, motion, turns };
-            state.path.advance(next, period, feed, source, &mut sink, &mut sight, may_prepare)
-        };
+            let told = state.path.advance(next, period, feed, source, &mut sink, &mut sight, may_prepare);
+            *fifo = told.fifo;
+            let [first, second] = done;
+            *(if told.fifo == 0 { first } else { second }) = told.done;
+            runs = told.runs;
+        }
         let Sink { told: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
-        if !glides {
+        if !there {
             for (index, ((axis, at), origin)) in frame.axes_ref().iter().zip(place).zip(origin).enumerate() {
                 if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
                     let from = axis.set_point();
@@ -184,19 +239,16 @@ impl<const AXES: usize> Tick<AXES> {
             shown.rest = rest;
             state.obstacle = obstacle;
         }
-        shown.fifo = told.fifo;
         shown.released = [state.path.released(0), state.path.released(1)];
-        let [first, second] = &mut shown.done;
-        *(if told.fifo == 0 { first } else { second }) = told.done;
         let wants = self.lasers.wants(crd);
         if wants.planned || wants.encoder {
             self.feed_lasers(crd, next, wants);
         }
         let left = AxisMask(geared.0 & !gone.0);
-        if left.0 != 0 || !told.runs {
-            self.let_go(crd, left, told.runs, next);
+        if left.0 != 0 || !runs {
+            self.let_go(crd, left, runs, next);
         }
-        if !told.runs {
+        if !runs {
             self.come_to_rest(crd, next, lanes);
         } else if unable.is_some() {
             self.stop_crds(crd.mask(), true, StopReason::OtherAxis, next, lanes);

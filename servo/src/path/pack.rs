@@ -33,18 +33,24 @@ pub(super) fn real(bits: u64) -> Real {
 mod tests {
     use super::*;
 
+    /// Doubles by their bits; above 0, bits of neighbours differ by 1.
     #[test]
     fn keeps_what_fits_and_rounds_the_rest() {
-        let short = |x: f64, mantissa| f64::from_bits(unpack(pack(x.to_bits(), mantissa), mantissa));
-        for x in [0.0, 1.0, 0.5, 32768.0, 32767.0, 50.0, 0.25 + 2f64.powi(-20), 2f64.powi(-47)] {
-            assert_eq!((short(x, 32), short(x, 38)), (x, x));
-            assert!(pack(x.to_bits(), 38) < 1 << 44);
+        let short = |bits, mantissa| unpack(pack(bits, mantissa), mantissa);
+        let power = |exponent: i32| ((1023 + exponent) as u64) << 52;
+        // 0, 1, 1/2, 32768, 32767, 50, 1/4 + 2^-20, 2^-47
+        let (top, fifty) = (0x40DF_FFC0_0000_0000, 0x4049_0000_0000_0000);
+        for bits in [0, power(0), power(-1), power(15), top, fifty, power(-2) | 1 << 34, power(-47)] {
+            assert_eq!((short(bits, 32), short(bits, 38)), (bits, bits));
+            assert!(pack(bits, 38) < 1 << 44);
         }
-        let error = (short(1.0 / 3.0, 38) - 1.0 / 3.0).abs();
-        assert!(error > 0.0 && error <= 2f64.powi(-41), "{error:e}");
+        // A third, to 2^-41: its last bit is 2^-54.
+        let third = power(-2) | 0x5_5555_5555_5555;
+        let error = short(third, 38).abs_diff(third);
+        assert!(error > 0 && error <= 1 << 13, "{error}");
         // Rounding up reaches the next power of two.
-        assert_eq!(short(2f64.next_down(), 32), 2.0);
-        assert_eq!(short(2f64.powi(-48), 32), 0.0);
-        assert_eq!(real(0.3f64.to_bits()).to_fixed(60), (0.3 * 2f64.powi(60)) as i128);
+        assert_eq!(short(power(1) - 1, 32), power(1));
+        assert_eq!(short(power(-48), 32), 0);
+        assert_eq!(real(power(-2) | 0x3_3333_3333_3333).to_fixed(60), 0x13_3333_3333_3333 << 6);
     }
 }

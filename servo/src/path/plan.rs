@@ -251,8 +251,9 @@ impl Sketch {
     };
 
     /// Of a motion over `length` from speed `v`.
-    pub(super) fn begin(v: Real, length: Real, means: &Means) -> Sketch {
-        Sketch { todo: Todo::Bound, v, length, means: *means, ..Sketch::NONE }
+    #[inline]
+    pub(super) fn begin(&mut self, v: Real, length: Real, means: Means) {
+        (self.todo, self.v, self.length, self.means) = (Todo::Bound, v, length, means);
     }
 
     /// The peak speed, and what is left of the way at it.

@@ -445,24 +445,25 @@ impl Path {
 
     /// What lies behind the place at `next` that [`Path::glide`] has told: all boundaries before `next + period`.
     #[inline(always)]
-    pub fn go_through(
-        &mut self,
-        next: Ns,
-        period: Ns,
-        feed: Feed,
-        source: &impl Entries,
-        sink: &mut impl Effects,
-    ) -> Told {
+    pub fn go_through(&mut self, next: Ns, period: Ns, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
         let until = ((next.0.wrapping_add(period.0)) as Fine) << 32;
         let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
-        let (fifo, done) = (self.fifo, self.done(self.fifo));
         self.walk(until, &mut budget, feed, source, sink);
-        Told { runs: true, fifo, done }
+    }
+
+    /// FIFO in force, or that was last.
+    pub fn fifo(&self) -> u8 {
+        self.fifo
+    }
+
+    /// What is shown has to be told as a whole.
+    pub fn is_fresh(&self) -> bool {
+        self.fresh
     }
 
     /// Whether a boundary lies at or before `next`.
     #[inline(always)]
-    fn is_due(&self, next: Ns) -> bool {
+    pub fn is_due(&self, next: Ns) -> bool {
         (self.over >> 32) as u64 <= next.0
     }
 

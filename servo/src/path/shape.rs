@@ -149,8 +149,9 @@ impl Shape {
     }
 
     /// Where it starts and ends, and what else there is to be made of it.
+    #[inline(always)]
     pub(super) fn begin(&mut self, start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Draft {
-        *self = Shape { start, end: start, ..Shape::NONE };
+        (self.start, self.end, self.length) = (start, start, Real::ZERO);
         match *item {
             Item::Line { to, dimensions, .. } => {
                 let mut end = start;
@@ -250,8 +251,9 @@ impl Shape {
     }
 
     /// Where it ends, exactly.
-    pub(super) fn end(&self) -> [Pos; DIMENSIONS] {
-        self.end
+    #[inline(always)]
+    pub(super) fn end(&self) -> &[Pos; DIMENSIONS] {
+        &self.end
     }
 
     /// How its direction turns.

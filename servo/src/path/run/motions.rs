@@ -27,7 +27,9 @@ impl Path {
             let shape = Shape::new(from, item, self.exact());
             let made = self.motion_mut();
             (made.counter, made.along, made.shape) = (counter, along, shape);
-            self.set_in(from);
+            let cursor = self.cursor(self.fifo);
+            (cursor.inside, cursor.from) = (true, from);
+            self.set_gears();
         }
     }
 
@@ -37,15 +39,24 @@ impl Path {
         (self.fifo != 0 && first.kept).then_some(first.place)
     }
 
-    /// The motion in force has begun at `from`.
-    fn set_in(&mut self, from: [Pos; DIMENSIONS]) {
-        let length = self.motion().shape.length();
+    /// The motion behind the one in force, which is over, comes into force.
+    #[inline(always)]
+    pub(super) fn swap(&mut self) {
+        self.ahead_mut().state = State::Nothing;
+        self.at ^= 1;
+        (self.way, self.seen) = (Exact(0), Pos(0));
+        let here = self.here;
         let cursor = self.cursor(self.fifo);
-        (cursor.inside, cursor.from) = (true, from);
-        if cursor.geared == 0 {
+        (cursor.inside, cursor.from) = (true, here);
+    }
+
+    /// What goes along with the motion in force has this share in it.
+    fn set_gears(&mut self) {
+        if self.cursor(self.fifo).geared == 0 {
             return;
         }
-        let inverse = length.recip();
+        let inverse = self.motion().shape.length().recip();
+        let cursor = self.cursor(self.fifo);
         for gear in cursor.gears.iter_mut().take(cursor.geared) {
             let Gear { pulses, along, .. } = gear;
             *along = Geared::over(*pulses, inverse);
@@ -65,10 +76,8 @@ impl Path {
                 self.plan_ahead();
             }
         }
-        self.ahead_mut().state = State::Nothing;
-        self.at ^= 1;
-        (self.way, self.seen) = (Exact(0), Pos(0));
-        self.set_in(self.here);
+        self.swap();
+        self.set_gears();
         if self.motion().shape.length().is_zero() {
             return;
         }
@@ -91,10 +100,12 @@ impl Path {
             State::Shaped => {
                 let Made { counter, along, shape, .. } = self.ahead();
                 let behind = self.behind(counter.wrapping_add(1), feed, source);
-                self.sketch = self.sketched(*along, self.motion().plan.exit, shape.length(), behind);
+                let (means, length) = (self.means(*along, behind), shape.length());
+                self.sketch.begin(self.motion().plan.exit, length, means);
                 let open = (behind == Behind::Nothing).then_some(end_of(feed, self.fifo));
                 let ahead = self.ahead_mut();
                 (ahead.open, ahead.state) = (open, State::Sketched);
+                self.plan_ahead();
             }
             State::Sketched => self.plan_ahead(),
             State::Ready => {}
@@ -157,7 +168,7 @@ impl Path {
     fn draft_ahead(&mut self, counter: u32, entry: &Entry) {
         let item = entry.item();
         let Some(along) = along_of(&item) else { return };
-        let (from, exact) = (self.motion().shape.end(), self.exact());
+        let (&from, exact) = (self.motion().shape.end(), self.exact());
         let ahead = self.ahead_mut();
         (ahead.counter, ahead.along, ahead.state) = (counter, along, State::Begun);
         self.draft = ahead.shape.begin(from, &item, exact);
@@ -182,8 +193,9 @@ impl Path {
         }
     }
 
-    /// How to plan a motion, or what is left of it.
-    fn sketched(&self, along: Along, speed: Real, length: Real, behind: Behind) -> Sketch {
+    /// How a motion may be planned.
+    #[inline]
+    fn means(&self, along: Along, behind: Behind) -> Means {
         let Rules { even, stop, rate } = self.rules;
         let vel = along.vel().mul(rate);
         let end = match behind {
@@ -191,8 +203,7 @@ impl Path {
             Behind::Halt | Behind::Nothing => Real::ZERO,
         };
         let end = if vel.is_less(end) { vel } else { end };
-        let means = Means { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) };
-        Sketch::begin(speed, length, &means)
+        Means { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) }
     }
 
     /// Plans what is left of the motion in force from `time`, `way` and `speed`.
@@ -200,7 +211,8 @@ impl Path {
         let behind = self.behind(self.cursor_of(self.fifo).next, feed, source);
         let Made { along, shape, .. } = self.motion();
         let left = shape.length().sub(Real::from_exact(self.way));
-        let mut sketch = self.sketched(*along, self.speed, left, behind);
+        let mut sketch = Sketch::NONE;
+        sketch.begin(self.speed, left, self.means(*along, behind));
         let plan = &mut self.motion_mut().plan;
         while !plan.advance(&mut sketch) {}
         self.follows = None;
@@ -208,7 +220,8 @@ impl Path {
     }
 
     /// Goes along the motion in force by its plan, which begins now. The next motion will be entered at another speed.
-    fn follow(&mut self, open: Option<u32>) {
+    #[inline(always)]
+    pub(super) fn follow(&mut self, open: Option<u32>) {
         (self.open, self.leg, self.began, self.stage) = (open, 0, self.time, Stage::Move);
         self.take_piece();
         self.set_over();

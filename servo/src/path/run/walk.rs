@@ -4,10 +4,10 @@
 //! beyond the [`Path`]. Fails: entries that run out at speed are an underrun.
 use super::told::{Effects, Feed, Rest};
 use super::{Budget, Gear, Geared, Made, Path, Stage, State, end_of};
-use crate::path::Fine;
 use crate::path::entry::{Entry, Item};
 use crate::path::plan::Leg;
 use crate::path::store::Entries;
+use crate::path::{DIMENSIONS, Fine};
 use crate::real::Real;
 use crate::units::{Exact, Pos};
 
@@ -41,25 +41,12 @@ impl Path {
                     self.go_on(budget, feed, source, sink);
                 }
                 Stage::Move => {
-                    if let Some(&Leg { length, .. }) = self.motion().plan.leg(self.leg) {
-                        self.way = Exact(self.way.0.wrapping_add(length.0));
-                        self.swept = Some(Exact(match self.swept {
-                            Some(swept) => swept.0.wrapping_add(length.0),
-                            None => self.way.0.wrapping_sub(Exact::from(self.seen).0),
-                        }));
-                        (self.began, self.time) = (self.over, self.over);
-                        self.leg = self.leg.wrapping_add(1);
-                        if self.motion().plan.leg(self.leg).is_some() {
-                            self.take_piece();
-                            self.set_over();
-                            continue;
-                        }
-                        // The piece behind it is for what begins there.
-                        self.pieced = false;
+                    if self.end_leg() {
+                        continue;
                     }
                     if self.motion().plan.halts {
                         self.halt(self.time, Rest::Stopped, feed, sink);
-                    } else if !sink.admits(&self.motion().shape.end()) {
+                    } else if !sink.admits(self.motion().shape.end()) {
                         let way = self.motion().shape.length().to_exact();
                         self.hold(self.time, (self.seen.into(), way), sink, feed);
                     } else {
@@ -71,16 +58,71 @@ impl Path {
         }
     }
 
-    /// The motion in force is over.
-    pub(super) fn leave(&mut self, sink: &mut impl Effects) {
+    /// The same for one boundary, if all there is to do is to go on with what was made ahead; `admits` tells whether the
+    /// path may be where the motion in force ends. Whether it was passed.
+    #[inline(always)]
+    pub fn turn(&mut self, feed: Feed, admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool) -> bool {
+        if !matches!(self.stage, Stage::Move) || self.led || self.follows != Some(self.over) {
+            return false;
+        }
         let Made { shape, plan, .. } = self.motion();
-        (self.here, self.speed, self.open) = (shape.end(), plan.exit, None);
+        if plan.leg(self.leg.wrapping_add(1)).is_some() {
+            return self.end_leg();
+        }
+        let (Made { counter, state, open, .. }, cursor) = (self.ahead(), self.cursor_of(self.fifo));
+        let (open, known) = (*open, *state == State::Ready && *counter == cursor.next);
+        let alone = cursor.geared == 0 && !plan.halts && !self.stopping;
+        if !known || !alone || open.is_some_and(|seen| seen != end_of(feed, self.fifo)) || !admits(shape.end()) {
+            return false;
+        }
+        self.end_leg();
+        self.close();
+        let cursor = self.cursor(self.fifo);
+        cursor.next = cursor.next.wrapping_add(1);
+        self.swap();
+        self.follow(open);
+        true
+    }
+
+    /// The leg in force is over; whether another one of the motion has begun.
+    #[inline(always)]
+    fn end_leg(&mut self) -> bool {
+        let Some(&Leg { length, .. }) = self.motion().plan.leg(self.leg) else { return false };
+        self.way = Exact(self.way.0.wrapping_add(length.0));
+        self.swept = Some(Exact(match self.swept {
+            Some(swept) => swept.0.wrapping_add(length.0),
+            None => self.way.0.wrapping_sub(Exact::from(self.seen).0),
+        }));
+        (self.began, self.time) = (self.over, self.over);
+        self.leg = self.leg.wrapping_add(1);
+        if self.motion().plan.leg(self.leg).is_some() {
+            self.take_piece();
+            self.set_over();
+            return true;
+        }
+        // The piece behind it is for what begins there.
+        self.pieced = false;
+        false
+    }
+
+    /// The motion in force is over.
+    #[inline(always)]
+    fn close(&mut self) {
+        let Made { shape, plan, .. } = self.motion();
+        let (&here, speed) = (shape.end(), plan.exit);
+        (self.here, self.speed, self.open) = (here, speed, None);
+        let cursor = self.cursor(self.fifo);
+        cursor.inside = false;
+        cursor.done = cursor.done.wrapping_add(1);
+    }
+
+    /// The same, and what goes along is told.
+    fn leave(&mut self, sink: &mut impl Effects) {
+        self.close();
         if self.led {
             self.since.pass(self.time, self.here);
         }
         let cursor = self.cursor(self.fifo);
-        cursor.inside = false;
-        cursor.done = cursor.done.wrapping_add(1);
         for gear in cursor.gears.iter().take(cursor.geared) {
             sink.geared(gear.axis, gear.pulses);
         }
