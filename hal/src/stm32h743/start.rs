@@ -17,7 +17,7 @@ global_asm!(
     "orr r1, r1, #0xe0000000",
     "str r1, [r0]",
     "ldr r1, [r0]",
-    // Pairs of first and last address; 0, 0 ends them. What survives a reset lies behind those of ITCM.
+    // Pairs of first and last address; 0, 0 ends them. What survives a reset is in none of them, nor what is copied.
     "adr r4, 5f",
     "movs r2, #0",
     "movs r3, #0",
@@ -39,7 +39,7 @@ global_asm!(
     "6: bx lr",
     ".align 2",
     "5:",
-    ".word 0x00000400, __eitcm",
+    ".word 0x00000400, _stack_start",
     ".word 0x20000000, 0x20020000",
     ".word 0x24000000, 0x24080000",
     ".word 0x30000000, 0x30048000",
