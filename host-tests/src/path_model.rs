@@ -6,8 +6,7 @@
 //! was reached, and why and when the coordinate system rested. There is no tick in it.
 //!
 //! Arithmetic is that of doubles: lengths, speeds and times in ms each with a relative error of a few 10⁻¹⁶, so that
-//! an instant within a second is off by less than 10⁻⁴ ns, five decimal places below what is asked of an edge.
-//! `the_doubles_are_good_enough` compares it with numbers of 300 bits.
+//! an instant within a second is off by less than 10⁻⁴ ns, where an edge may be off by 5 ns.
 pub mod course;
 pub mod figure;
 pub mod speed;
