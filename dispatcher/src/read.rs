@@ -235,7 +235,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             }
             opcode::GetPrfPos => self.reals::<command::GetPrfPos>(tag, query, out, |axis| pulses(axis.pos)),
             opcode::GetPrfVel => {
-                self.reals::<command::GetPrfVel>(tag, query, out, |axis| number(self.view.motion(axis).velocity()))
+                self.reals::<command::GetPrfVel>(tag, query, out, |axis| number(self.view.velocity(axis)))
             }
             opcode::GetPrfAcc => {
                 self.reals::<command::GetPrfAcc>(tag, query, out, |axis| number(self.view.motion(axis).acceleration()))
@@ -466,7 +466,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 mode: mode_number(book.mode).into(),
                 reason: (axis.stop as u16).into(),
                 prf_pos: pulses(axis.pos).into(),
-                prf_vel: number(self.view.motion(axis).velocity()).into(),
+                prf_vel: number(self.view.velocity(axis)).into(),
                 enc_pos: (axis.encoder as f64).into(),
             };
         }

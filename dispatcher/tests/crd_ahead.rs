@@ -137,7 +137,7 @@ fn a_host_that_stalls_slows_nothing() {
         for _ in 0..200 {
             bench.step();
             let axis = bench.server.view().axes[0];
-            let speed = bench.server.view().motion(&axis).velocity();
+            let speed = bench.server.view().velocity(&axis);
             most = most.max((speed.m as f64 * 2f64.powi(-i32::from(speed.e))).abs());
         }
     }

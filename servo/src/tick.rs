@@ -25,7 +25,7 @@ use crate::script::Script;
 use crate::slaves::Switched;
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns};
-use crate::view::{Event, LaserView, Sample, Traced, View};
+use crate::view::{Event, LaserView, Sample, Speeds, Traced, View};
 use ring::{Consumer, Producer, Writer};
 
 /// Events between two looks of the thread.
@@ -311,12 +311,19 @@ impl<const AXES: usize> Tick<AXES> {
         if row == 0 {
             self.trace.tell_outputs_carried(self.general, samples);
         }
+        let mut speeds = Speeds::<AXES>::NONE;
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             let Some(axis) = Axis::new(index) else { break };
             if chosen.axes.has(axis) {
-                let is_led = state.shown.lead.is_some() || state.shown.drive.is_some();
-                let motion = if is_led { self.motion(axis) } else { state.shown.motion };
-                let of = Traced::Axis { axis, pos: state.shown.pos, motion };
+                let shown = &state.shown;
+                let motion = if shown.lead.is_some() || shown.drive.is_some() {
+                    let axes = |axis: Axis| Some(&self.axes.get(axis.index())?.shown);
+                    let crd = |crd: Crd| Some(&self.crds.get(crd)?.shown);
+                    speeds.motion(Some(axis), shown, axes, crd, self.period)
+                } else {
+                    shown.motion
+                };
+                let of = Traced::Axis { axis, pos: shown.pos, motion };
                 self.trace.put(Sample { row, of }, samples);
             }
         }

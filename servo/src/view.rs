@@ -1,13 +1,15 @@
 //! What the tick tells: the view of one tick, events, trace samples.
 mod crd;
+mod speeds;
 
 pub use crd::{CrdView, Drive};
+pub(crate) use speeds::Speeds;
 
 use crate::crd::share;
 use crate::follow::{compose, straight};
 use crate::laser::{self, Bounds, Carrier, Cause, Power, Train};
 use crate::op::{Lane, Mode};
-use crate::piece::Motion;
+use crate::piece::{Motion, Scaled};
 use crate::port::AxisInputs;
 use crate::units::{Axis, Crd, Ns, Pos};
 
@@ -437,7 +439,17 @@ pub struct View<const AXES: usize> {
 }
 
 impl<const AXES: usize> View<AXES> {
-    /// The motion of one of the axes in time, of which its velocity and acceleration are read.
+    /// Planned velocity of one of the axes, pulse/ms, as a trace has it.
+    pub fn velocity(&self, axis: &AxisView) -> Scaled {
+        if axis.lead.is_none() && axis.drive.is_none() {
+            return axis.motion.velocity();
+        }
+        let (axes, crd) = (|axis: Axis| self.axes.get(axis.index()), |crd: Crd| self.crds.get(crd.index()));
+        let mut speeds = Speeds::<0>::NONE;
+        speeds.motion(None, axis, axes, crd, self.period).velocity()
+    }
+
+    /// The motion of one of the axes in time, of which its acceleration is read.
     pub fn motion(&self, axis: &AxisView) -> Motion {
         motion(|axis| self.axes.get(axis.index()), |crd| self.crds.get(crd.index()), axis, self.period)
     }
@@ -490,7 +502,7 @@ pub enum Traced {
         axis: Axis,
         /// Planned position.
         pos: Pos,
-        /// Place in its piece.
+        /// Place in its piece; of an axis that is led, a motion with its velocity.
         motion: Motion,
     },
     /// A coordinate system.

@@ -236,7 +236,7 @@ fn a_gear_goes_along_with_the_next_motion() {
         let zero = bench.tick().now.0;
         let view = bench.until(zero + 30 * MS);
         // Half of the way.
-        let speed = |view: &View<AXES>, axis: usize| real(view.motion(&view.axes[axis]).velocity());
+        let speed = |view: &View<AXES>, axis: usize| real(view.velocity(&view.axes[axis]));
         assert!((pulses(view.axes[4].pos) - 57.0).abs() < 1e-5 && (pulses(view.axes[5].pos) + 1.5).abs() < 1e-5);
         assert!((speed(&view, 4) - 2.0).abs() < 1e-9 && (speed(&view, 5) + 0.06).abs() < 1e-9);
         assert!(has(&view.axes[4], status::RUNNING) && view.axes[4].mode == Mode::Trap);
@@ -316,7 +316,7 @@ fn an_axis_may_follow_a_coordinate() {
                 let view = bench.tick();
                 let (master, its) = (pulses(view.axes[leader].pos), pulses(view.axes[slave].pos));
                 assert!((its + master / 2.0).abs() < 1e-6, "{master} {its}");
-                let speed = |index: usize| real(view.motion(&view.axes[index]).velocity());
+                let speed = |index: usize| real(view.velocity(&view.axes[index]));
                 assert!((speed(slave) + speed(leader) / 2.0).abs() < 1e-7);
                 if !view.crds[0].runs {
                     break;

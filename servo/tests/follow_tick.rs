@@ -64,8 +64,8 @@ fn the_flying_shear_of_tables_3_2_and_3_3() {
             let master = pulses(view.axes[0].pos);
             let off = pulses(view.axes[1].pos) - shear(master);
             assert!(off.abs() < 2e-5, "{off} off at {master}");
-            let speed = real(view.motion(&view.axes[1]).velocity());
-            ratios.push((master, speed / real(view.motion(&view.axes[0]).velocity()).max(1e-9)));
+            let speed = real(view.velocity(&view.axes[1]));
+            ratios.push((master, speed / real(view.velocity(&view.axes[0])).max(1e-9)));
         }
         assert_eq!((view.axes[1].fifo, view.axes[1].switching, view.axes[1].cleared), (1, false, [1, 0]));
         assert_eq!(view.axes[1].passes, ((pulses(view.axes[0].pos) - 5000.0) / 10000.0) as u32);
@@ -96,7 +96,7 @@ fn a_chain_in_reverse_shows_no_lag() {
             assert!(own.abs_diff(master) <= 8, "axis {index} at {own}, master at {master}, tick {tick}");
         }
         if tick > 100 {
-            let speed = |index| real(view.motion(&view.axes[index]).velocity());
+            let speed = |index| real(view.velocity(&view.axes[index]));
             assert!((speed(0) - speed(7)).abs() < 1e-9, "{} {}", speed(0), speed(7));
         }
     }
@@ -163,9 +163,9 @@ fn an_encoder_is_followed_by_its_sample() {
     let view = bench.tick();
     // 10 pulses of the master in a tick of 0.25 ms, and half of it for the slave.
     assert_eq!((view.axes[5].encoder, view.axes[0].pos), (13, Pos::pulses(5)));
-    assert!((real(view.motion(&view.axes[0]).velocity()) - 20.0).abs() < 1e-9);
+    assert!((real(view.velocity(&view.axes[0])) - 20.0).abs() < 1e-9);
     let view = bench.tick();
-    assert_eq!(real(view.motion(&view.axes[0]).velocity()), 0.0);
+    assert_eq!(real(view.velocity(&view.axes[0])), 0.0);
     // The name of the count does not matter.
     bench.now(Op::SetEncoder { axis: axis(5), pulses: -1_000_000 });
     assert_eq!(bench.ticks(2).axes[0].pos, Pos::pulses(5));
@@ -223,7 +223,7 @@ fn a_filtered_encoder_that_jumps() {
             let exact = 100.0 - first * (-part * tick as f64).exp();
             let gap = pulses(view.axes[1].pos) - exact;
             assert!(gap.abs() < 1e-6, "{gap} off {exact} at tick {tick}, period {period} us");
-            let speed = real(view.motion(&view.axes[1]).velocity()) * period as f64 / 1000.0;
+            let speed = real(view.velocity(&view.axes[1])) * period as f64 / 1000.0;
             assert!((speed - (exact - before)).abs() < 2e-6, "{speed}");
             before = exact;
         }
@@ -357,7 +357,7 @@ fn back_through_three_passes_to_the_bit() {
     for _ in 0..900 {
         let view = bench.tick();
         assert_eq!(view.axes[1].pos, Pos(0));
-        assert!(has(&view.axes[1], status::RUNNING) && real(view.motion(&view.axes[1]).velocity()) == 0.0);
+        assert!(has(&view.axes[1], status::RUNNING) && real(view.velocity(&view.axes[1])) == 0.0);
     }
 }
 
@@ -571,7 +571,7 @@ fn guards_stop_a_slave() {
         if case == 0 {
             assert_eq!(view.axes[1].pos, Pos::pulses(100));
         }
-        assert_eq!(real(view.motion(&view.axes[1]).velocity()), 0.0);
+        assert_eq!(real(view.velocity(&view.axes[1])), 0.0);
     }
 }
 
@@ -587,16 +587,16 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
     bench.start_follow(&[2, 1]);
     bench.jog(0, 10.0, 1000.0);
     let view = bench.ticks(100);
-    assert!((real(view.motion(&view.axes[2]).velocity()) - 40.0).abs() < 1e-9);
+    assert!((real(view.velocity(&view.axes[2])) - 40.0).abs() < 1e-9);
     assert_eq!(real(view.motion(&view.axes[2]).acceleration()), 0.0);
     bench.now(Op::Stop { axes: all(&[1]), abrupt: all(&[]) });
     let view = bench.tick();
     let from = pulses(view.axes[1].pos);
-    assert!((real(view.motion(&view.axes[1]).velocity()) - 20.0).abs() < 1e-9);
+    assert!((real(view.velocity(&view.axes[1])) - 20.0).abs() < 1e-9);
     // 20 pulse/ms at 4 pulse/ms²: 50 pulses in 5 ms; axis 2 follows all the way.
     let view = bench.ticks(10);
     assert!((pulses(view.axes[1].pos) - from - 37.5).abs() < 1e-5, "50 − ½·4·2.5²");
-    assert!((real(view.motion(&view.axes[1]).velocity()) - 10.0).abs() < 1e-9);
+    assert!((real(view.velocity(&view.axes[1])) - 10.0).abs() < 1e-9);
     let view = bench.ticks(20);
     assert_eq!(view.axes[1].stop, StopReason::StopSmooth);
     assert!((pulses(view.axes[1].pos) - from - 50.0).abs() < 1e-5);

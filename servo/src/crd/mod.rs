@@ -18,7 +18,7 @@ mod share;
 mod sink;
 
 pub use frame::{Frame, Refused};
-pub(crate) use share::share;
+pub(crate) use share::{share, share_speed};
 
 use crate::path::{Feed, Path};
 use crate::units::{Axis, AxisMask, CrdMask, Ns, Pos};

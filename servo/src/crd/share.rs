@@ -30,6 +30,15 @@ pub(crate) fn share(drive: Drive, crd: &CrdView) -> Motion {
     }
 }
 
+/// The velocity alone, pulse/ms.
+pub(crate) fn share_speed(drive: Drive, crd: &CrdView) -> Real {
+    let speed = Real::from_scaled(crd.motion.velocity());
+    match drive {
+        Drive::Gear { ratio, .. } => Real::from_scaled(ratio).mul(speed),
+        Drive::Coordinate { index, .. } => part(crd.heading.get(index as usize).copied().unwrap_or(0)).mul(speed),
+    }
+}
+
 /// How a coordinate of the direction changes per pulse of way.
 fn turning(bend: &Bend, heading: &[i32], index: usize) -> Real {
     let [first, second] = bend.plane.coordinates();

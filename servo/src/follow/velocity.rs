@@ -21,12 +21,17 @@ pub fn of(velocity: Real, acceleration: Real) -> Motion {
     Motion { c, frac, tau: 0, recip: PER_MS }
 }
 
+/// The ratio of a slave, pulse per pulse of its master. `down`: its progress is the master's position with its sign changed.
+pub fn ratio(slave: &Motion, down: bool) -> Real {
+    let ratio = Real::from_scaled(slave.velocity()).mul(UNITS);
+    if down { ratio.negate() } else { ratio }
+}
+
 /// The motion of a slave in time. `down`: its progress is the master's position with its sign changed.
 pub fn compose(slave: Motion, down: bool, master: Motion) -> Motion {
     let real = |x: Scaled| Real::from_scaled(x);
     let (speed, change) = (real(master.velocity()), real(master.acceleration()));
-    let ratio = real(slave.velocity()).mul(UNITS);
-    let ratio = if down { ratio.negate() } else { ratio };
+    let ratio = ratio(&slave, down);
     let bend = real(slave.acceleration()).mul(UNITS).mul(UNITS);
     of(ratio.mul(speed), bend.mul(speed).mul(speed).add(ratio.mul(change)))
 }

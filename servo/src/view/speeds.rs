@@ -1,0 +1,80 @@
+//! Velocities of axes in one tick, each made once, whoever follows whom.
+//!
+//! In: axes as they stand in one tick. Out: velocities; integers only, so every machine derives the same bits. Owns: those it
+//! was asked for, and those of the masters that it passed. Work: a product a link of a chain. Cannot fail.
+use super::{AxisView, CrdView};
+use crate::crd::share_speed;
+use crate::follow::{motion_of, ratio, straight};
+use crate::piece::Motion;
+use crate::real::Real;
+use crate::units::{Axis, AxisMask, Crd, Ns};
+
+/// Velocities, pulse/ms.
+pub(crate) struct Speeds<const AXES: usize> {
+    speeds: [Real; AXES],
+    known: AxisMask,
+}
+
+impl<const AXES: usize> Speeds<AXES> {
+    /// None is known.
+    pub(crate) const NONE: Speeds<AXES> = Speeds { speeds: [Real::ZERO; AXES], known: AxisMask(0) };
+
+    fn known(&self, axis: Axis) -> Option<Real> {
+        self.speeds.get(axis.index()).copied().filter(|_| self.known.has(axis))
+    }
+
+    fn learn(&mut self, axis: Axis, speed: Real) {
+        if let Some(place) = self.speeds.get_mut(axis.index()) {
+            *place = speed;
+            self.known.0 |= axis.mask().0;
+        }
+    }
+
+    /// A motion with the velocity of an axis that has a leader, and no acceleration.
+    #[inline(never)]
+    pub(crate) fn motion<'v>(
+        &mut self,
+        axis: Option<Axis>,
+        view: &'v AxisView,
+        axes: impl Fn(Axis) -> Option<&'v AxisView>,
+        crd: impl Fn(Crd) -> Option<&'v CrdView>,
+        period: Ns,
+    ) -> Motion {
+        // Masters, the nearest first, up to one whose velocity is at hand.
+        let mut masters = [Axis::FIRST; Axis::MAX];
+        let (mut depth, mut at) = (0usize, view);
+        let mut speed = loop {
+            let Some(lead) = at.lead else {
+                break match at.drive {
+                    Some(drive) => crd(drive.crd()).map_or(Real::ZERO, |crd| share_speed(drive, crd)),
+                    None => Real::from_scaled(at.motion.velocity()),
+                };
+            };
+            let Some(master) = lead.axis else {
+                let way = Real::from_scaled(straight(at.lead_way, period.0).velocity());
+                break ratio(&at.motion, lead.down).mul(way);
+            };
+            let (Some(place), Some(next)) = (masters.get_mut(depth), axes(master)) else { break Real::ZERO };
+            *place = master;
+            depth = depth.wrapping_add(1);
+            if let Some(speed) = self.known(master) {
+                break speed;
+            }
+            at = next;
+        };
+        while let Some(&master) = depth.checked_sub(1).and_then(|last| masters.get(last)) {
+            self.learn(master, speed);
+            depth = depth.wrapping_sub(1);
+            let slave = match depth.checked_sub(1) {
+                Some(before) => masters.get(before).and_then(|axis| axes(*axis)),
+                None => Some(view),
+            };
+            let Some((slave, lead)) = slave.and_then(|slave| Some((slave, slave.lead?))) else { break };
+            speed = ratio(&slave.motion, lead.down).mul(speed);
+        }
+        if let Some(axis) = axis {
+            self.learn(axis, speed);
+        }
+        motion_of(speed, Real::ZERO)
+    }
+}
