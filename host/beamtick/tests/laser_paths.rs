@@ -2,7 +2,7 @@
 //!
 //! The listings run 100000 pulses along X, then to (0, 10000), at 50 pulse/ms and 2 pulse/ms²: 25 ms and 625 pulses up
 //! and down, 2025 ms for the first line, √(10¹⁰ + 10⁸)/50 + 25 = 2034.975124… ms for the second. A call at 0 acts on
-//! the first tick, so a path that it starts is T ms into its motion at row T + 0.25.
+//! the first tick, so a path that it starts is T ms into its motion at row T + 0.25. The examples start theirs at 1 ms.
 mod manuals;
 
 use assert_cmd::Command;
@@ -14,6 +14,9 @@ use std::path::Path;
 /// The length of the second line.
 const BACK: f64 = 100_498.756_211_208_9;
 const MS: u64 = 1_000_000;
+/// When the path of an example starts, in ms and in ns.
+const START: f64 = 1.25;
+const START_NS: u64 = 1_250_000;
 
 /// What a job did.
 struct Ran {
@@ -157,7 +160,7 @@ fn followed(t: f64) -> f64 {
 /// Rows while the path of a listing runs, t ms after its start: all but the ones around the corner and the ends.
 fn rows(ran: &Ran, name: &str) -> Vec<(f64, f64)> {
     let ends = [0.0, 2025.0, 2025.0 + BACK / 50.0 + 25.0];
-    let all = ran.column(name).into_iter().map(|(t, value)| (t - 0.25, value));
+    let all = ran.column(name).into_iter().map(|(t, value)| (t - START, value));
     let clear = |t: f64| t > 0.0 && t < ends[2] && ends.iter().all(|end| (t - end).abs() > 0.3);
     let rows: Vec<_> = all.filter(|(t, _)| clear(*t)).collect();
     assert!(rows.len() > 16_000);
@@ -168,11 +171,11 @@ fn rows(ran: &Ran, name: &str) -> Vec<(f64, f64)> {
 fn the_power_changes_at_the_instant_of_the_corner() {
     for (name, family) in [("laser_path_power.gts", "gus"), ("laser_lsr_path_power.gts", "lsr")] {
         let ran = run(&example(name), family, 250).good();
-        assert_eq!((ran.at("laser0_power", 0.25), ran.at("laser0_power", 2025.0)), (50.0, 50.0), "{name}");
-        assert_eq!((ran.at("laser0_power", 2025.25), ran.at("laser0_power", 4060.0)), (30.0, 30.0), "{name}");
+        assert_eq!((ran.at("laser0_power", START), ran.at("laser0_power", 2026.0)), (50.0, 50.0), "{name}");
+        assert_eq!((ran.at("laser0_power", 2026.25), ran.at("laser0_power", 4061.0)), (30.0, 30.0), "{name}");
         // 10 kHz from the gate's edge on: period 20250 begins at the corner.
         let energy = ran.edges("laser0_energy");
-        let corner = 250_000 + 2025 * MS;
+        let corner = START_NS + 2025 * MS;
         let near: Vec<(u64, &str)> = energy
             .iter()
             .filter(|(at, _)| (corner - 100_000..corner + 200_000).contains(at))
@@ -189,8 +192,8 @@ fn the_power_changes_at_the_instant_of_the_corner() {
         assert_eq!(near, expected, "{name}");
         // The light is the path's: 4059.975124… ms.
         let gate = ran.edges("laser0_switch");
-        let end = 250_000 + (4_059.975_124_224_178 * 1e6) as u64;
-        assert_eq!(gate[1], (250_000, "1".to_owned()), "{name}");
+        let end = START_NS + (4_059.975_124_224_178 * 1e6) as u64;
+        assert_eq!(gate[1], (START_NS, "1".to_owned()), "{name}");
         let (off, level) = &gate[2];
         assert!(level == "0" && off.abs_diff(end) <= 5, "{name}: {off}, not {end}");
     }
