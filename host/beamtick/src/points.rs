@@ -1,9 +1,10 @@
-//! Points of tables in records: a call has all of them, a message holds a few dozen.
+//! Points of tables, and axes of a configuration, in records: a call has all of them, a message holds a few dozen.
 //!
-//! In: a call. Out: calls that follow each other, each with the index of its first point. Calls of other
-//! commands stay as they are.
+//! In: a call. Out: calls that follow each other, each with the index of its first point, or the number of its axes.
+//! Calls of other commands stay as they are.
 use client::Call;
-use protocol::command::info;
+use protocol::command::{ConfigItem, LoadConfig, Request, info};
+use zerocopy::{FromBytes, IntoBytes};
 
 /// Bytes of points in a record.
 const POINTS: usize = 960;
@@ -28,8 +29,25 @@ fn layout(number: u16) -> Option<(usize, usize, usize)> {
     Some((bytes(command.fields), bytes(command.items), bytes(command.fields.get(..place)?)))
 }
 
+/// A configuration of many axes as several of fewer. Each is refused or loaded as a whole.
+fn configurations(call: Call) -> Vec<Call> {
+    let Ok((head, items)) = LoadConfig::read_from_prefix(&call.payload) else { return vec![call] };
+    let each = POINTS / size_of::<ConfigItem>();
+    if items.len() <= each * size_of::<ConfigItem>() {
+        return vec![call];
+    }
+    let record = |part: &[u8]| {
+        let head = LoadConfig { count: ((part.len() / size_of::<ConfigItem>()) as u16).into(), ..head };
+        Call { opcode: call.opcode, payload: [head.as_bytes(), part].concat(), may_fail: call.may_fail }
+    };
+    items.chunks(each * size_of::<ConfigItem>()).map(record).collect()
+}
+
 /// The records of a call.
 pub fn records(call: Call) -> Vec<Call> {
+    if call.opcode == LoadConfig::OPCODE {
+        return configurations(call);
+    }
     let Some((head, point, first)) = layout(call.opcode) else { return vec![call] };
     let Some((head, points)) = call.payload.split_at_checked(head) else { return vec![call] };
     if points.len() <= POINTS {
@@ -59,6 +77,25 @@ mod tests {
         assert_eq!(layout(PvtContinuousCalculate::OPCODE), Some(continuous));
         let plane = (size_of::<SetLaserDisTable2D>(), size_of::<LaserDisValue>(), 45);
         assert_eq!(layout(SetLaserDisTable2D::OPCODE), Some(plane));
+    }
+
+    #[test]
+    fn a_configuration_of_many_axes_travels_in_pieces() {
+        let items: Vec<ConfigItem> =
+            (1..=24).map(|axis: i16| ConfigItem { axis: axis.into(), ..ConfigItem::default() }).collect();
+        let whole = Call::with_items(LoadConfig { core: 2.into(), count: 24.into() }, &items);
+        assert!(whole.payload.len() > 1000, "it would fit: {}", whole.payload.len());
+        let mut axes = Vec::new();
+        for call in records(whole) {
+            assert!(call.payload.len() <= 1000, "a record fits in a message");
+            let (head, rest) = LoadConfig::read_from_prefix(&call.payload).unwrap();
+            let part = <[ConfigItem]>::ref_from_bytes(rest).unwrap();
+            assert_eq!((head.core.get(), usize::from(head.count.get())), (2, part.len()));
+            axes.extend(part.iter().map(|item| item.axis.get()));
+        }
+        assert_eq!(axes, (1..=24).collect::<Vec<i16>>());
+        let few = Call::with_items(LoadConfig { core: 1.into(), count: 8.into() }, &items[..8]);
+        assert_eq!(records(few.clone()), [few]);
     }
 
     #[test]

@@ -119,8 +119,12 @@ fn vec_masks(bound: &Bound) -> Result<Vec<Value>, String> {
     for (axis, fifo) in axes.iter().zip(options) {
         match (axis, fifo) {
             (Value::Int(axis @ 1..=32), Value::Int(fifo @ 0..=1)) => {
-                mask |= 1 << (axis - 1);
-                option |= (*fifo as u32) << (axis - 1);
+                let (bit, fifo) = (1 << (axis - 1), (*fifo as u32) << (axis - 1));
+                if mask & bit != 0 && option & bit != fifo {
+                    return Err(format!("axis {axis} is listed twice, with different FIFOs (return value 7)"));
+                }
+                mask |= bit;
+                option |= fifo;
             }
             _ => {
                 return Err(format!(

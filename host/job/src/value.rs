@@ -113,6 +113,13 @@ impl Type {
         self.fields().iter().flat_map(|field| std::iter::repeat_n((field.0, field.1), field.2))
     }
 
+    /// What a script calls each value of a struct: a field, or a place of one.
+    pub fn places(self) -> impl Iterator<Item = String> {
+        self.fields().iter().flat_map(|&(name, _, count)| {
+            (0..count).map(move |place| if count > 1 { format!("{name}[{place}]") } else { name.to_owned() })
+        })
+    }
+
     /// How C writes it.
     pub fn name(self) -> &'static str {
         match self {

@@ -438,6 +438,7 @@ const WRONG: &[(&str, u32, u32, &str)] = &[
     ("double v[4]; v[4] = 1;", 1, 14, "index 4 is outside the array"),
     ("double v[2] = {1, 2, 3};", 1, 8, "3 values are given, `v` holds 2"),
     ("TJogPrm j; j.acc = 1;\nGT_SetJogPrm(1, &j);", 2, 17, "`j.dec` has no value yet"),
+    ("TCrdPrm c; c.dimension = 1; c.profile[0] = 1;\nGT_SetCrdPrm(1, &c);", 2, 17, "`c.profile[1]` has no value yet"),
     ("TJogPrm j; j.speed = 1;", 1, 12, "TJogPrm has no field speed"),
     ("TTrapPrm t = {1,1,1,1};\nGT_SetJogPrm(1, &t);", 2, 17, "`prm` of GT_SetJogPrm is the address of a TJogPrm"),
     ("if (1) { GT_AxisOn(1); } else { GT_AxisOff(1); }", 1, 1, "`if` is not available in job scripts"),
@@ -462,6 +463,12 @@ const WRONG: &[(&str, u32, u32, &str)] = &[
     ("WaitStop(1, 2);", 1, 1, "WaitStop takes 1 or 3 parameters"),
     ("GT_LoadConfig(5);", 1, 15, "`file` of GT_LoadConfig is a text in quotation marks"),
     ("short a[2] = {33, 1}; GTN_PtStartPro(1, a, a, 2);", 1, 23, "axis 33 with FIFO 33"),
+    (
+        "short a[2] = {2, 2}; short o[2] = {0, 1}; GTN_PtStartPro(1, a, o, 2);",
+        1,
+        43,
+        "axis 2 is listed twice, with different FIFOs",
+    ),
 ];
 
 #[test]
