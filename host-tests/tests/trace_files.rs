@@ -1,7 +1,7 @@
 //! Trace files against what a person can work out by hand.
 use servo::piece::Scaled;
 use servo::units::Pos;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use trace::{
     AxisName, AxisPoint, CrdName, CsvWriter, Header, Item, LaserName, LaserPoint, OutputEdge, Plot, PlotOptions,
     PowerUnit, Reader, Row, TraceError, VcdWriter, Xy,
@@ -393,7 +393,7 @@ fn a_path_is_drawn_to_scale_and_lit_where_light_was() {
     }
     // Dark: from the start to the second side, and the second round from the middle of its first side on.
     let dark = lines(&svg, "#9AA4AE");
-    let (first, second) = (dark.first().unwrap(), dark.last().unwrap());
+    let (first, second) = (&dark[0], &dark[1]);
     let (left, bottom) = first[0];
     let (right, _) = *first.last().unwrap();
     let top = second.iter().map(|point| point.1).min().unwrap();
@@ -450,6 +450,43 @@ fn a_path_of_any_length_is_drawn() {
     }
 }
 
+/// Red, green and blue of a bitmap's pixels, and its width.
+fn pixels(path: &Path) -> (Vec<u8>, usize) {
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    (pixels, reader.info().width as usize)
+}
+
+/// The bitmap fills a line as an area: what it covers twice must not become empty.
+#[test]
+fn a_way_gone_twice_is_drawn_all_along() {
+    let header = Header { axes: vec![axis(1), axis(2)], period_ns: 250_000, every: 1, ..Header::default() };
+    let mut xy = Xy::new(&header, (axis(1), axis(2)), PlotOptions::default()).unwrap();
+    for index in 0..=5000u32 {
+        let angle = f64::from(index) * 4.0 * std::f64::consts::PI / 5000.0;
+        let point = |v: f64| ((v * 5000.0 * PULSE as f64) as i64, Scaled::default());
+        xy.row(&row(index, 250_000, &[point(angle.cos()), point(angle.sin())]));
+    }
+    let file = |extension: &str| folder("xy").join(format!("twice.{extension}"));
+    xy.save(&file("svg")).unwrap();
+    xy.save(&file("png")).unwrap();
+    let way = lines(&std::fs::read_to_string(file("svg")).unwrap(), "#1F6FB4");
+    let (pixels, width) = pixels(&file("png"));
+    let drawn = |x: i32, y: i32| {
+        let at = (y as usize * width + x as usize) * 3;
+        let [red, _, blue] = pixels[at..at + 3] else { panic!() };
+        // The way, or a sign on it.
+        i32::from(blue) - i32::from(red) > 60 || blue < 110
+    };
+    let points: Vec<_> = way.into_iter().flatten().collect();
+    assert!(points.len() > 1000, "{} points", points.len());
+    for (x, y) in points {
+        assert!((-1..=1).any(|dx| (-1..=1).any(|dy| drawn(x + dx, y + dy))), "nothing at {x}, {y}");
+    }
+}
+
 /// A bitmap's line never leaves its panel: a triangle wave that falls to 0 in one row at its end.
 #[test]
 fn a_sharp_corner_leaves_no_line_behind() {
@@ -461,10 +498,7 @@ fn a_sharp_corner_leaves_no_line_behind() {
     }
     let path = folder("plots").join("sharp.png");
     plot.save(&path).unwrap();
-    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
-    let mut reader = decoder.read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    reader.next_frame(&mut pixels).unwrap();
+    let (pixels, _) = pixels(&path);
     let (width, height) = plot.size();
     // Below the last panel's axis there are grey letters only.
     let foot = &pixels[((height - 54) * width * 3) as usize..];

@@ -91,15 +91,17 @@ pub(super) fn head<B: DrawingBackend>(
 }
 
 /// Draws a line through points. It is broken where it turns by more than a right angle: the bitmap's joins run
-/// far beyond a sharp corner between short pieces.
+/// far beyond a sharp corner between short pieces. And where it has turned by one since it was broken: what a line covers twice
+/// the bitmap leaves out, and one that always goes on in one direction comes nowhere twice.
 pub(super) fn line<B: DrawingBackend>(
     chart: &mut Chart<'_, B>,
     points: impl IntoIterator<Item = (f64, f64)>,
     stroke: ShapeStyle,
 ) -> Result<()> {
     let mut piece: Vec<(f64, f64)> = Vec::new();
-    // The last place in pixels, and the way there.
+    // The last place in pixels, the way there, and the first way of the piece.
     let mut last: Option<((i32, i32), (i64, i64))> = None;
+    let mut first = (0, 0);
     for point in points {
         let here = chart.backend_coord(&point);
         let Some((before, way)) = last else {
@@ -111,10 +113,16 @@ pub(super) fn line<B: DrawingBackend>(
         if on == (0, 0) {
             continue;
         }
-        let sharp = way != (0, 0) && way.0 * on.0 + way.1 * on.1 < 0;
-        if sharp && let Some(&corner) = piece.last() {
+        let back = |way: (i64, i64)| way.0 * on.0 + way.1 * on.1 < 0;
+        if first == (0, 0) {
+            first = on;
+        }
+        if (back(way) || back(first))
+            && let Some(&corner) = piece.last()
+        {
             chart.draw_series(LineSeries::new(std::mem::take(&mut piece), stroke)).map_err(as_plot)?;
             piece.push(corner);
+            first = on;
         }
         piece.push(point);
         last = Some((here, on));
