@@ -141,6 +141,11 @@ impl<const AXES: usize> Plant<AXES> {
         }
     }
 
+    /// The set-point that [`Plant::set_point`] was given last; 0 for an axis that the machine does not have.
+    pub fn set_point_of(&self, axis: usize) -> i64 {
+        self.axes.get(axis).map_or(0, |lag| lag.next)
+    }
+
     /// Encoder count of an axis (from 0) in pulses; 0 for an axis that the machine does not have.
     pub fn encoder(&self, axis: usize) -> i64 {
         self.axes.get(axis).map_or(0, Lag::encoder)

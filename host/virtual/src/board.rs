@@ -13,9 +13,10 @@ use ring::{Latest, Ring};
 use servo::laser::Clock;
 use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
-use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
+use servo::op::Entry;
+use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{Crd, Ns};
-use servo::view::View;
+use servo::view::{AxisView, CrdView, Event, LaserView, Sample, View};
 
 /// Ticks after which the thread looks in any case: segments run, samples fill their ring.
 const THREAD_TICKS: u32 = 16;
@@ -39,20 +40,50 @@ impl Default for Config {
     }
 }
 
-/// A virtual controller. See the module text.
-pub struct Board {
-    core: Box<dyn Core + Send>,
+/// A virtual controller whose memory lives for `'m`. See the module text.
+pub struct Controller<'m> {
+    core: Box<dyn Core + Send + 'm>,
+}
+
+/// A virtual controller whose memory lives as long as the program, as a real board's does.
+pub type Board = Controller<'static>;
+
+/// What a controller that ends before the program does is made of: see [`Controller::on`].
+pub struct Memory {
+    config: Config,
+    parts: Parts,
+}
+
+enum Parts {
+    Few(Box<Arena<8>>),
+    All(Box<Arena<48>>),
+}
+
+impl Memory {
+    /// For a controller like this.
+    pub fn new(config: Config) -> Memory {
+        let axes = dispatcher::PROFILES.get(usize::from(config.profile)).map_or(48, dispatcher::Profile::axes);
+        let parts = if axes <= 8 { Parts::Few(Box::new(Arena::new())) } else { Parts::All(Box::new(Arena::new())) };
+        Memory { config, parts }
+    }
 }
 
 impl Board {
     /// A controller at power-on.
-    ///
-    /// Its memory lives as long as the program, as a real board's does.
     pub fn new(config: Config) -> Board {
-        let axes = dispatcher::PROFILES.get(usize::from(config.profile)).map_or(48, dispatcher::Profile::axes);
-        let core: Box<dyn Core + Send> =
-            if axes <= 8 { Box::new(Whole::<8>::new(config)) } else { Box::new(Whole::<48>::new(config)) };
-        Board { core }
+        Controller::on(forever(Memory::new(config)))
+    }
+}
+
+impl<'m> Controller<'m> {
+    /// A controller at power-on, on memory that no controller had before it.
+    pub fn on(memory: &'m mut Memory) -> Controller<'m> {
+        let config = memory.config;
+        let core: Box<dyn Core + Send + 'm> = match &mut memory.parts {
+            Parts::Few(arena) => Box::new(Whole::new(arena, config)),
+            Parts::All(arena) => Box::new(Whole::new(arena, config)),
+        };
+        Controller { core }
     }
 
     /// Takes bytes from the link; the thread acts on them at once.
@@ -112,6 +143,37 @@ impl Board {
         self.core.outputs()
     }
 
+    /// The machine finds that a servo tick began late.
+    pub fn overrun(&mut self) {
+        self.core.overrun();
+    }
+
+    /// The run before this one was ended by a fault or the watchdog, as a board finds at power-on.
+    pub fn restarted(&mut self) {
+        self.core.restarted();
+    }
+
+    /// The set-point of an axis (from 0 over all cores) in force from the next tick on, in 2⁻²² pulse since power-on:
+    /// what the step outputs count, whatever name the position has.
+    pub fn set_point(&self, axis: usize) -> i64 {
+        self.core.set_point(axis)
+    }
+
+    /// An axis (from 0 over all cores) in the tick computed last.
+    pub fn axis(&mut self, axis: usize) -> AxisView {
+        self.core.axis(axis)
+    }
+
+    /// A coordinate system (from 0) in the tick computed last.
+    pub fn crd(&mut self, crd: usize) -> CrdView {
+        self.core.crd(crd)
+    }
+
+    /// A laser channel (from 0) as the tick computed last has it.
+    pub fn laser_view(&mut self, channel: usize) -> LaserView {
+        self.core.laser_view(channel)
+    }
+
     /// Takes the edges of the digital outputs since the last call, in the order of time.
     pub fn take_edges(&mut self) -> Vec<Edge> {
         self.core.take_edges()
@@ -145,17 +207,64 @@ trait Core {
     fn inputs_mut(&mut self) -> &mut Inputs;
     fn raise_interlock(&mut self, at_ns: u64);
     fn outputs(&self) -> Outputs;
+    fn overrun(&mut self);
+    fn restarted(&mut self);
+    fn set_point(&self, axis: usize) -> i64;
+    fn axis(&mut self, axis: usize) -> AxisView;
+    fn crd(&mut self, crd: usize) -> CrdView;
+    fn laser_view(&mut self, channel: usize) -> LaserView;
     fn take_edges(&mut self) -> Vec<Edge>;
     fn record_beam(&mut self, on: bool);
     fn take_beam(&mut self) -> Vec<Beam>;
     fn laser(&mut self, channel: usize) -> Levels;
 }
 
+/// The stores and hand-overs of a board with room for `AXES` axes. The stores are megabytes: they are built in place,
+/// not on the stack.
+struct Arena<const AXES: usize> {
+    segments: Box<[SegmentStore; AXES]>,
+    places: Box<[PlaceStore; TABLES]>,
+    headers: Box<HeaderStore>,
+    lasers: Box<servo::laser::Tables>,
+    paths: Box<[[EntryStore; 2]]>,
+    queues: Box<[[PathQueue; 2]]>,
+    immediate: Ring<Entry, IMMEDIATE>,
+    program: Ring<Entry, PROGRAM>,
+    events: Ring<Event, EVENTS>,
+    samples: Ring<Sample, SAMPLES>,
+    view: Latest<View<AXES>>,
+}
+
+/// A row of `N` values, built in place.
+fn row<T, const N: usize>(make: fn() -> T) -> Box<[T; N]> {
+    let row: Box<[T]> = (0..N).map(|_| make()).collect();
+    let Ok(row) = row.try_into() else { unreachable!("a row of N values was collected") };
+    row
+}
+
+impl<const AXES: usize> Arena<AXES> {
+    fn new() -> Self {
+        Arena {
+            segments: row(SegmentStore::new),
+            places: row(PlaceStore::new),
+            headers: Box::new(HeaderStore::new()),
+            lasers: Box::new(servo::laser::Tables::new()),
+            paths: (0..Crd::MAX).map(|_| Default::default()).collect(),
+            queues: (0..Crd::MAX).map(|_| Default::default()).collect(),
+            immediate: Ring::new(),
+            program: Ring::new(),
+            events: Ring::new(),
+            samples: Ring::new(),
+            view: Latest::new(View::<AXES>::POWER_ON),
+        }
+    }
+}
+
 /// Thread, tick and machine of a board with room for `AXES` axes.
-struct Whole<const AXES: usize> {
-    server: Box<Server<'static, AXES>>,
+struct Whole<'m, const AXES: usize> {
+    server: Box<Server<'m, AXES>>,
     tick: Box<Tick<AXES>>,
-    lanes: Lanes<'static, AXES>,
+    lanes: Lanes<'m, AXES>,
     machine: Machine<AXES>,
     /// Ticks since the thread last ran.
     idle_ticks: u32,
@@ -184,27 +293,15 @@ fn forever<T>(value: T) -> &'static mut T {
     Box::leak(Box::new(value))
 }
 
-impl<const AXES: usize> Whole<AXES> {
-    fn new(config: Config) -> Self {
-        // The stores are megabytes: they are built in place, not on the stack.
-        let stores: Box<[SegmentStore]> = (0..AXES).map(|_| SegmentStore::new()).collect();
-        let stores: Result<Box<[SegmentStore; AXES]>, _> = stores.try_into();
-        let Ok(stores) = stores else { unreachable!("a row of AXES stores was collected") };
-        let stores: &'static [SegmentStore; AXES] = Box::leak(stores);
-        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
-        let places: Result<Box<[PlaceStore; TABLES]>, _> = places.try_into();
-        let Ok(places) = places else { unreachable!("a row of TABLES stores was collected") };
-        let tables = TableStores {
-            places: Box::leak(places),
-            headers: forever(HeaderStore::new()),
-            lasers: forever(servo::laser::Tables::new()),
-        };
-        let paths: &'static [[EntryStore; 2]] = Box::leak((0..Crd::MAX).map(|_| Default::default()).collect());
-        let (immediate_in, immediate_out) = forever(Ring::new()).split();
-        let (program_in, program_out) = forever(Ring::new()).split();
-        let (events_in, events_out) = forever(Ring::new()).split();
-        let (samples_in, samples_out) = forever(Ring::new()).split();
-        let (view_in, view_out) = forever(Latest::new(View::<AXES>::POWER_ON)).split();
+impl<'m, const AXES: usize> Whole<'m, AXES> {
+    fn new(arena: &'m mut Arena<AXES>, config: Config) -> Self {
+        let (stores, paths): (&[SegmentStore; AXES], &[[EntryStore; 2]]) = (&arena.segments, &arena.paths);
+        let tables = TableStores { places: &*arena.places, headers: &arena.headers, lasers: &arena.lasers };
+        let (immediate_in, immediate_out) = arena.immediate.split();
+        let (program_in, program_out) = arena.program.split();
+        let (events_in, events_out) = arena.events.split();
+        let (samples_in, samples_out) = arena.samples.split();
+        let (view_in, view_out) = arena.view.split();
         let board = dispatcher::Board {
             name: NAME,
             profile: config.profile,
@@ -214,7 +311,6 @@ impl<const AXES: usize> Whole<AXES> {
             general_outputs: 16,
             fault: None,
         };
-        let queues: Vec<[PathQueue; 2]> = (0..Crd::MAX).map(|_| Default::default()).collect();
         let channels = Channels {
             immediate: immediate_in,
             program: program_in,
@@ -223,7 +319,7 @@ impl<const AXES: usize> Whole<AXES> {
             samples: samples_out,
             stores,
             paths,
-            queues: queues.leak(),
+            queues: &mut arena.queues,
             tables,
         };
         let lanes = Lanes {
@@ -291,7 +387,7 @@ fn drain(out: &mut Vec<u8>, mut take: impl FnMut(&mut [u8]) -> usize) {
     }
 }
 
-impl<const AXES: usize> Core for Whole<AXES> {
+impl<const AXES: usize> Core for Whole<'_, AXES> {
     fn feed(&mut self, bytes: &[u8]) {
         self.server.feed(self.tick.now(), bytes);
         self.run_thread();
@@ -344,6 +440,30 @@ impl<const AXES: usize> Core for Whole<AXES> {
 
     fn outputs(&self) -> Outputs {
         self.machine.outputs
+    }
+
+    fn overrun(&mut self) {
+        self.tick.overrun();
+    }
+
+    fn restarted(&mut self) {
+        self.tick.restarted();
+    }
+
+    fn set_point(&self, axis: usize) -> i64 {
+        self.machine.set_point_of(axis)
+    }
+
+    fn axis(&mut self, axis: usize) -> AxisView {
+        self.server.view().axes.get(axis).copied().unwrap_or_default()
+    }
+
+    fn crd(&mut self, crd: usize) -> CrdView {
+        self.server.view().crds.get(crd).copied().unwrap_or(CrdView::POWER_ON)
+    }
+
+    fn laser_view(&mut self, channel: usize) -> LaserView {
+        self.server.view().lasers.get(channel).copied().unwrap_or(View::<AXES>::POWER_ON.lasers[0])
     }
 
     fn take_edges(&mut self) -> Vec<Edge> {

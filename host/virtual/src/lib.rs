@@ -5,7 +5,7 @@
 //! trace stream, output edges, edges of the lasers. Owns its time: [`Board::step`] is one tick, and nothing else moves the
 //! clock, so the same calls give the same bytes. Encoders are those of `plant`.
 //!
-//! * [`Board`]: the controller in virtual time.
+//! * [`Board`]: the controller in virtual time; [`Controller`] on [`Memory`] is one that can end.
 //! * [`VirtualLink`]: a client's link to it; time passes only while the client waits.
 //! * [`PacedLink`]: the same in step with the wall clock.
 //! * [`serve`]: the controller in real time behind TCP.
@@ -15,7 +15,7 @@ mod machine;
 mod paced;
 mod serve;
 
-pub use board::{Board, Config};
+pub use board::{Board, Config, Controller, Memory};
 pub use link::{Shared, VirtualLink, share};
 pub use machine::{Beam, Edge, Inputs, Output, Outputs};
 pub use paced::{Pace, PacedLink};

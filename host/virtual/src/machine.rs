@@ -167,6 +167,11 @@ impl<const AXES: usize> Machine<AXES> {
         self.see_interlock(self.now_ns);
     }
 
+    /// The set-point of an axis in force from the next tick on, in 2⁻²² pulse.
+    pub fn set_point_of(&self, axis: usize) -> i64 {
+        self.plant.set_point_of(axis)
+    }
+
     fn note(&mut self, at_ns: u64, before: u64, after: u64, output: fn(u8) -> Output) {
         let mut changed = before ^ after;
         while changed != 0 {
