@@ -1,6 +1,6 @@
 //! The controller in virtual time.
 //!
-//! In: link bytes, [`Board::step`]s. Out: link bytes, trace bytes, the machine's state. Owns dispatcher,
+//! In: link bytes, time by [`Board::advance`]. Out: link bytes, trace bytes, the machine's state. Owns dispatcher,
 //! tick and machine and the hand-overs between them. Fails: never; what the link brings is answered.
 //!
 //! The thread runs when there is something for it to do: bytes came, the tick executed an entry or
@@ -11,9 +11,9 @@ use dispatcher::{Channels, PathQueue, Server};
 use plant::beam::Levels;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
+use servo::op::Entry;
 use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
-use servo::op::Entry;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{Crd, Ns};
 use servo::view::{AxisView, CrdView, Event, LaserView, Sample, View};
@@ -99,11 +99,6 @@ impl<'m> Controller<'m> {
     /// Moves the trace bytes that are ready to the end of `out`.
     pub fn take_trace(&mut self, out: &mut Vec<u8>) {
         self.core.take_trace(out);
-    }
-
-    /// One tick.
-    pub fn step(&mut self) {
-        self.core.advance(1, &mut Vec::new());
     }
 
     /// Ticks until `ns` of controller time have passed or the link has bytes, which go to `out`.

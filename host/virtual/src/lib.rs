@@ -2,7 +2,7 @@
 //! The virtual controller: the same dispatcher and servo as the firmware, on this machine.
 //!
 //! In: bytes of the host link, input levels that a test sets. Out: bytes of the host link and of the
-//! trace stream, output edges, edges of the lasers. Owns its time: [`Board::step`] is one tick, and nothing else moves the
+//! trace stream, output edges, edges of the lasers. Owns its time: [`Board::advance`] is ticks, and nothing else moves the
 //! clock, so the same calls give the same bytes. Encoders are those of `plant`.
 //!
 //! * [`Board`]: the controller in virtual time; [`Controller`] on [`Memory`] is one that can end.
