@@ -1,9 +1,12 @@
-//! The targets over their kept corpora, and over seeded random inputs for a while: what every test run does of fuzzing.
+//! The targets over their kept corpora, and over seeded random inputs: what every test run does of fuzzing.
 //!
-//! `FUZZ_SECONDS` sets how long random inputs run for each target, and `FUZZ_SEED` where they begin; `cargo xtask fuzz` goes
-//! further. Inputs are mutated pieces of the corpus, so that they get where its inputs get.
+//! A plain run tries [`INPUTS`] of them for each target, the same in every run. `FUZZ_SECONDS` sets a time instead, and
+//! `FUZZ_SEED` where they begin; `cargo xtask fuzz` goes further. Inputs are mutated pieces of the corpus, so that they get where its inputs get.
 use std::path::Path;
 use std::time::{Duration, Instant};
+
+/// Random inputs of a target in a plain run.
+const INPUTS: u64 = 100;
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
 struct Random(u64);
@@ -68,10 +71,10 @@ fn play(name: &str) {
         }
     }
     let number = |name: &str| std::env::var(name).ok().map(|text| text.parse::<u64>().unwrap());
-    let (seconds, seed) = (number("FUZZ_SECONDS").unwrap_or(4), number("FUZZ_SEED").unwrap_or(0x5EED));
+    let (seconds, seed) = (number("FUZZ_SECONDS"), number("FUZZ_SEED").unwrap_or(0x5EED));
     let began = Instant::now();
     let mut count = 0u64;
-    while began.elapsed() < Duration::from_secs(seconds) {
+    while seconds.map_or(count < INPUTS, |seconds| began.elapsed() < Duration::from_secs(seconds)) {
         let input = random(&inputs, &mut Random(seed.wrapping_add(count)));
         if std::panic::catch_unwind(|| run(&input)).is_err() {
             let path = std::env::temp_dir().join(format!("{name}-{seed}-{count}"));
@@ -80,7 +83,7 @@ fn play(name: &str) {
         }
         count += 1;
     }
-    println!("{name}: {} inputs of the corpus, {count} random ones in {seconds} s", inputs.len());
+    println!("{name}: {} inputs of the corpus, {count} random ones in {:.0?}", inputs.len(), began.elapsed());
 }
 
 #[test]

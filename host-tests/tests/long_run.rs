@@ -56,7 +56,6 @@ fn calls(text: &str) -> Vec<Call> {
     let job = job::compile(text, &Switches).unwrap_or_else(|found| panic!("{found:?}"));
     let call = |action: &Action| match action {
         Action::Call(call) => Call { opcode: call.opcode, payload: call.body.clone(), may_fail: false },
-        Action::Sleep { ns } => Call::of(protocol::command::Sleep { ns: (*ns).into() }),
         Action::WaitStop { core, axes, crds } => Call::of(protocol::command::WaitStop {
             core: (*core).into(),
             axes: axes.cast_signed().into(),
@@ -71,7 +70,8 @@ fn calls(text: &str) -> Vec<Call> {
 fn round(number: u64) -> String {
     let mut text = String::new();
     text += &format!("GT_InitLookAhead(1, 0, {}, 10, {});\n", number % 3, 40 * (number & 1));
-    text += "GT_CrdClear(1, 0); Sleep(1); GT_BufLaserFollowRatio(1, 20, 1, 90, 0, 0);\n";
+    // The motion comes first: what is no motion would wait for the tick to tell where the path rests.
+    text += "GT_CrdClear(1, 0); GT_LnXY(1, 1, 0, 1, 0.1, 0, 0); GT_BufLaserFollowRatio(1, 20, 1, 90, 0, 0);\n";
     for (side, (x, y)) in [(100, 0), (100, 100), (0, 100), (0, 0)].repeat(60).into_iter().enumerate() {
         text +=
             if side % 2 == 0 { "GT_BufLaserOn(1, 0, 0);" } else { "GT_BufLaserOff(1, 0, 0); GT_BufDelay(1, 3, 0);" };
