@@ -291,7 +291,7 @@ fn forever<T>(value: T) -> &'static mut T {
 impl<'m, const AXES: usize> Whole<'m, AXES> {
     fn new(arena: &'m mut Arena<AXES>, config: Config) -> Self {
         let (stores, paths): (&[SegmentStore; AXES], &[[EntryStore; 2]]) = (&arena.segments, &arena.paths);
-        let tables = TableStores { places: &*arena.places, headers: &arena.headers, lasers: &arena.lasers };
+        let tables = TableStores { places: &arena.places, headers: &arena.headers, lasers: &arena.lasers };
         let (immediate_in, immediate_out) = arena.immediate.split();
         let (program_in, program_out) = arena.program.split();
         let (events_in, events_out) = arena.events.split();
