@@ -25,7 +25,7 @@ struct Count {
 /// A step: its name, and what it does.
 type Step = (&'static str, fn() -> (Count, Outcome));
 
-const STEPS: [Step; 13] = [
+const STEPS: [Step; 14] = [
     ("set-up", || alone(setup::run())),
     ("format", || alone(shell::run(cargo().args(["fmt", "--all", "--check"])))),
     ("clippy, host", || alone(shell::run(host(["clippy"]).args(["--all-targets", "--", "-D", "warnings"])))),

@@ -36,16 +36,9 @@ cargo xtask COMMAND
                   libFuzzer over the targets of fuzz/, N minutes each
   mutants [NAME]  breaks the code on purpose, place by place, and sees that the tests fail
   mutants --check sees that every place is still there
-  long-run [N]    the controller at mixed work for N ticks, 10^9 if not said
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
 ";
-
-/// `host-tests/tests/long_run.rs` for so many ticks.
-fn long_run(ticks: &str) -> Outcome {
-    let words = ["test", "-p", "beamtick-host-tests", "--test", "long_run", "--", "--nocapture"];
-    shell::run(shell::cargo().args(words).env("LONG_RUN_TICKS", ticks))
-}
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -65,8 +58,6 @@ fn main() -> ExitCode {
         ["mutants"] => mutants::run(""),
         ["mutants", "--check"] => mutants::check(),
         ["mutants", name] => mutants::run(name),
-        ["long-run"] => long_run("1000000000"),
-        ["long-run", ticks] => long_run(ticks),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",
             "-p",
