@@ -252,6 +252,35 @@ fn a_wait_closes_the_look_ahead() {
     assert!((clock - apart).abs() < 2.0, "{clock} {apart}");
 }
 
+/// Entries that are no motions may come first in a program, before it is known where the path rests.
+#[test]
+fn a_motion_may_come_behind_what_begins_where_only_the_tick_knows() {
+    for look in [0, 200] {
+        let mut bench = Bench::gus();
+        plane(&mut bench);
+        bench.done(line(100, 50, 4.0, 1.0));
+        bench.done(start_crd(1));
+        until_rest(&mut bench);
+        let wait = BufDelay { core: 1.into(), crd: 1.into(), delay_ms: 3.into(), fifo: 0.into() };
+        let entries = [
+            entry(ahead(CORNER, ACC, look)),
+            entry(CrdClear { core: 1.into(), crd: 1.into(), fifo: 0.into() }),
+            entry(wait),
+            entry(line(300, 50, 4.0, 1.0)),
+            entry(start_crd(1)),
+            entry(WaitStop { core: 1.into(), axes: 0.into(), crds: 1.into() }),
+            entry(ProgramEnd {}),
+        ];
+        let tags = bench.post_all(&entries);
+        bench.done(ProgramStart { strict: 0 });
+        for (index, tag) in tags.iter().enumerate() {
+            let answer = bench.wait(*tag);
+            assert_eq!(answer.code, 0, "look-ahead {look}, entry {index}: {:?}", answer.reason());
+        }
+        assert_eq!(crd_pos(&mut bench), [300.0, 50.0], "look-ahead {look}");
+    }
+}
+
 /// LnXYG0 rests at its end, a limit of one coordinate holds, a look-ahead is set up on an empty FIFO.
 #[test]
 fn rests_limits_and_set_up() {

@@ -199,10 +199,19 @@ impl CrdBook {
     /// Where a motion that comes next in a FIFO begins; none while only the tick knows.
     pub fn begin<const AXES: usize>(&self, view: &View<AXES>, seen: &CrdView, fifo: u8) -> Option<Place> {
         let data = &self.path(fifo).data;
-        if data.open {
-            return Some(data.place);
+        if !data.open {
+            return self.place_at_rest(view, seen);
         }
-        self.place_at_rest(view, seen)
+        // What was given before the place was known is no motion of these coordinates: they are where the path rests.
+        let mut place = data.place;
+        if place.iter().any(|at| at.is_nan())
+            && let Some(rest) = self.place_at_rest(view, seen)
+        {
+            for (at, rest) in place.iter_mut().zip(rest) {
+                *at = if at.is_nan() { rest } else { *at };
+            }
+        }
+        Some(place)
     }
 
     /// Where the coordinate system rests for what follows, if that is known.
