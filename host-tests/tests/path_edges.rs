@@ -185,7 +185,7 @@ fn edges_at_boundaries_are_where_the_model_has_them() {
                         let mut found = found.lock().unwrap();
                         *found = (found.0.max(worst), found.1 + edges);
                     }
-                    if (number + 1) % (1000 / GROUP) == 0 {
+                    if (number + 1).is_multiple_of(1000 / GROUP) {
                         let (worst, edges) = *found.lock().unwrap();
                         println!("up to path {}: {edges} edges, at most {worst:.3} ns off", (number + 1) * GROUP);
                     }
