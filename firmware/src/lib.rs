@@ -35,7 +35,7 @@ pub fn main() -> ! {
     let spawner = executor.spawner();
     spawner.spawn(tasks::announce(last).expect("one announcement"));
     spawner.spawn(tasks::serve(parts).expect("one link task"));
-    // SAFETY: `compose` has given the handlers what they use.
+    // SAFETY: `start_up` has given the handlers what they use.
     unsafe { board::listen() };
     let mut idle = Idle::new();
     loop {

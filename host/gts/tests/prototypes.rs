@@ -116,6 +116,7 @@ fn every_command_of_the_protocol_is_a_function() {
         "KeepAlive",
         "Choose",
         "GetFault",
+        "GetEvents",
         "Sleep",
         "WaitStop",
         "ProgramStart",
