@@ -17,7 +17,7 @@ const LIMIT_POSITIVE: [Pin; AXES] =
 const LIMIT_NEGATIVE: [Pin; AXES] =
     [(GPIOB, 2), (GPIOB, 3), (GPIOB, 6), (GPIOB, 7), (GPIOB, 8), (GPIOB, 9), (GPIOB, 11), (GPIOB, 12)];
 const HOME: [Pin; AXES] =
-    [(GPIOF, 8), (GPIOF, 9), (GPIOF, 10), (GPIOF, 11), (GPIOF, 12), (GPIOF, 13), (GPIOF, 14), (GPIOF, 15)];
+    [(GPIOD, 0), (GPIOD, 1), (GPIOD, 2), (GPIOD, 3), (GPIOD, 4), (GPIOD, 5), (GPIOD, 6), (GPIOD, 7)];
 const ALARM: [Pin; AXES] =
     [(GPIOA, 0), (GPIOA, 3), (GPIOA, 6), (GPIOA, 15), (GPIOC, 0), (GPIOC, 6), (GPIOD, 14), (GPIOD, 15)];
 const GENERAL_IN: [Pin; 3] = [(GPIOC, 13), (GPIOE, 14), (GPIOC, 9)];
