@@ -32,8 +32,9 @@ pub struct Report<'a> {
     pub lit: Vec<u8>,
     /// Calls that failed and were allowed to.
     pub warned: u32,
-    /// The PT streams as they were last, and the shortest time to dry that each showed.
-    pub streams: Vec<(Dry, u32)>,
+    /// The PT streams as they were last, and the shortest time to dry that each showed since it first became shorter:
+    /// until then the axis is at rest and its data only grows.
+    pub streams: Vec<(Dry, Option<u32>)>,
 }
 
 impl<'a> Report<'a> {
@@ -168,10 +169,12 @@ impl Observer for Report<'_> {
         for dry in &progress.streams {
             match self.streams.iter_mut().find(|(known, _)| (known.core, known.axis) == (dry.core, dry.axis)) {
                 Some((known, least)) => {
+                    if least.is_some() || dry.dry_ms < known.dry_ms {
+                        *least = Some(least.map_or(dry.dry_ms, |least| least.min(dry.dry_ms)));
+                    }
                     *known = *dry;
-                    *least = (*least).min(dry.dry_ms);
                 }
-                None => self.streams.push((*dry, dry.dry_ms)),
+                None => self.streams.push((*dry, None)),
             }
         }
         if let Some(first) = progress.streams.iter().min_by_key(|dry| dry.dry_ms) {

@@ -87,8 +87,9 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         say!("  laser {channel}: {}{end}", laser(&state));
     }
     for (dry, least) in &run.report.streams {
+        let least = least.map_or(String::new(), |least| format!("; least seen {least} ms"));
         say!(
-            "  PT data of {}: at the last data {} places free, {} ms to dry; least seen {least} ms",
+            "  PT data of {}: at the last data {} places free, {} ms to dry{least}",
             name(&Axis { core: dry.core, axis: dry.axis }),
             dry.space,
             dry.dry_ms

@@ -1,15 +1,17 @@
 //! Starts the image in QEMU and links to its two serial ports.
 //!
 //! In: the path of the image. Out: a link over UART0 and the trace stream of UART1. It owns the
-//! QEMU process and ends it when dropped. Fails with −6 and names what is missing.
+//! QEMU process and ends it when dropped, and where `setpriv` (util-linux) is at hand, when its own process ends.
+//! Fails with −6 and names what is missing.
 use crate::error::{self, Error, Result};
 use crate::link::Link;
 use crate::tcp::read_within;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
@@ -78,6 +80,7 @@ const GATHER: Duration = Duration::from_millis(1);
 pub struct QemuLink {
     name: String,
     child: Child,
+    _parent: Sender<()>,
     stream: TcpStream,
     wait: Option<Duration>,
     /// Trace bytes that came and were not taken yet.
@@ -119,7 +122,8 @@ impl QemuLink {
         };
         let errors = std::env::temp_dir().join(format!("beamtick-qemu-{}-{link_port}.txt", std::process::id()));
         let complaints = File::create(&errors).map(Stdio::from).unwrap_or_else(|_| Stdio::null());
-        let mut child = Command::new(&machine.program)
+        let mut command = command(&machine.program);
+        command
             .args(["-M", "mps2-an500", "-nographic", "-monitor", "none"])
             .args(["-icount", &format!("shift={}", machine.icount_shift)])
             .args(["-chardev", &format!("socket,id=link,host=127.0.0.1,port={link_port},nodelay=on,mux=on")])
@@ -137,17 +141,16 @@ impl QemuLink {
             .arg(&machine.image)
             .stdin(Stdio::null())
             .stdout(log)
-            .stderr(complaints)
-            .spawn()
-            .map_err(|e| {
-                Error::cannot_open(
-                    &name,
-                    format!(
-                        "{} does not start ({e}); on Debian and Ubuntu it is in the package qemu-system-arm",
-                        machine.program.display()
-                    ),
-                )
-            })?;
+            .stderr(complaints);
+        let (mut child, parent) = spawn(command).map_err(|e| {
+            Error::cannot_open(
+                &name,
+                format!(
+                    "{} does not start ({e}); on Debian and Ubuntu it is in the package qemu-system-arm",
+                    machine.program.display()
+                ),
+            )
+        })?;
         let connected = accept(&link, &mut child).and_then(|l| accept(&trace, &mut child).map(|t| (l, t)));
         let said = std::fs::read_to_string(&errors).unwrap_or_default();
         let _ = std::fs::remove_file(&errors);
@@ -161,7 +164,7 @@ impl QemuLink {
         let inbox = Arc::new(Mutex::new(Vec::new()));
         let theirs = Arc::downgrade(&inbox);
         std::thread::spawn(move || collect(trace, &theirs));
-        Ok(QemuLink { name, child, stream, wait: None, inbox, inputs, since: Instant::now() })
+        Ok(QemuLink { name, child, _parent: parent, stream, wait: None, inbox, inputs, since: Instant::now() })
     }
 
     /// The board's inputs; they can be set while a client uses the link.
@@ -173,6 +176,35 @@ impl QemuLink {
     pub fn process(&self) -> u32 {
         self.child.id()
     }
+}
+
+/// A command that runs `program` and, on Linux, ends it when this process ends in whatever way: a client that is killed
+/// leaves no QEMU behind.
+fn command(program: &Path) -> Command {
+    let found = |name: &Path| {
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        // A name with a folder is looked for there only.
+        std::env::split_paths(&path).any(|folder| folder.join(name).is_file())
+    };
+    // Without the program it is left to the system to say so.
+    if cfg!(target_os = "linux") && found(Path::new("setpriv")) && found(program) {
+        let mut command = Command::new("setpriv");
+        command.args(["--pdeathsig", "KILL", "--"]).arg(program);
+        return command;
+    }
+    Command::new(program)
+}
+
+/// Starts it from a thread that lasts as long as what is given back with it: the system ends a process so started with
+/// the thread that started it, and callers' threads come and go.
+fn spawn(mut command: Command) -> std::io::Result<(Child, Sender<()>)> {
+    let (parent, end) = channel();
+    let (out, child) = channel();
+    std::thread::spawn(move || {
+        let _ = out.send(command.spawn());
+        let _ = end.recv();
+    });
+    Ok((child.recv().map_err(std::io::Error::other)??, parent))
 }
 
 /// Waits for one connection from QEMU, or for its end.
