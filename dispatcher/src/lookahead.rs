@@ -4,13 +4,13 @@
 //! as these are final, or at once where the stream has run low. Owns: `N` motions and other entries that wait.
 //! Fails: never; a full queue says so and must be taken from first.
 //!
-//! **The rule.** The velocity of coordinate i never exceeds its limit. A corner changes it by Δᵢ·v at once: by no more
-//! than its acceleration gives in the corner time T (the max-acceleration rule), and, taken over the time from the
-//! middle of the motion before to the middle of the motion behind, by no more than the acceleration along these
-//! motions leaves: Δᵢ·v²/l + uᵢ·|a| is at most the limit, where l is their mean length. So the mean acceleration of a
-//! coordinate between the middles of any two motions keeps its limit, on finely divided curves as on long lines. On an
-//! arc the acceleration along it and v²/R are added as a vector, inside a polygon within the circle of the lowest
-//! limit. velEnd of the calls is not used, except through the waits between them.
+//! **The rule.** The velocity of coordinate i never exceeds its limit, nor does its acceleration within a motion. A
+//! corner changes its velocity by Δᵢ·v at once: by no more than its acceleration gives in the corner time T (the
+//! max-acceleration rule), and by so much that its mean acceleration from the middle of the way of the motion before to
+//! that of the motion behind keeps the limit, with what the path's acceleration adds to it or takes from it. So does
+//! the mean between the middles of any two motions, on finely divided curves as on long lines. On an arc the
+//! acceleration along it, v²/R and what a corner at its end takes are added as if they pointed the same way, inside a
+//! polygon within the circle of the lowest limit. velEnd of the calls is not used, except through the waits between them.
 //!
 //! **The plan.** Backwards from a stop at the end of what is there, the square of the highest speed at each junction
 //! from which all that follows can be kept (`reach.rs`); forwards, as fast as these allow. More data can only raise
@@ -21,7 +21,7 @@ mod reach;
 
 use crate::figure::{Figure, Form, Place};
 use libm::{fabs, sqrt};
-use reach::{Bound, Span};
+use reach::{BOUNDS, Bound, Corner, Span};
 use servo::path::{Along, Entry};
 
 /// Limits of a coordinate system.
@@ -45,20 +45,31 @@ const LEAST: f64 = 1.0 / 1048576.0;
 struct Motion {
     form: Form,
     length: f64,
-    /// How much of the path's speed each coordinate may have.
-    shares: [f32; 4],
+    /// The direction of a line; of an arc 1 in its plane.
+    direction: [f32; 4],
     /// Of an arc: its radius, and the limit of its accelerations.
     round: Option<(f64, f64)>,
     /// Speed and acceleration along it, as its limits allow.
     vel: f64,
     acc: f64,
-    /// Of the junction at its start: Δᵢ over the mean length, and the highest square of the speed by itself.
-    bend: [f32; 4],
-    cap: f64,
-    /// From which all that follows can be kept; whether more data cannot raise it.
+    /// The junction at its start.
+    start: Junction,
+    /// The highest square of the speed there from which all that follows can be kept; whether more data cannot raise it.
     high: f64,
     settled: bool,
 }
+
+/// Where two motions meet.
+#[derive(Debug, Clone, Copy)]
+struct Junction {
+    /// Δᵢ over the mean length.
+    bend: [f32; 4],
+    /// The highest square of the speed, as the speeds of both motions and the corner time have it.
+    cap: f64,
+}
+
+/// The path stands.
+const REST: Junction = Junction { bend: [0.0; 4], cap: 0.0 };
 
 /// The last motion, for the corner to come.
 #[derive(Debug, Clone, Copy)]
@@ -156,9 +167,8 @@ impl<const N: usize> LookAhead<N> {
         }
         let mut motion = self.motion(figure, vel, acc);
         let rests = !self.moves || self.effects > EFFECTS;
-        match &self.last {
-            Some(before) if !rests => self.junction(before, &mut motion, &figure.tangents[0]),
-            _ => motion.cap = 0.0,
+        if let Some(before) = self.last.as_ref().filter(|_| !rests) {
+            motion.start = self.junction(before, &motion, &figure.tangents[0]);
         }
         self.last = Some(Tail { tangent: figure.tangents[1], length: motion.length, vel: motion.vel });
         (self.moves, self.effects) = (true, 0);
@@ -190,18 +200,20 @@ impl<const N: usize> LookAhead<N> {
         self.stale = true;
     }
 
-    fn slot(&self, counter: usize) -> Slot {
-        self.slots.get(counter & (N - 1)).copied().unwrap_or(Slot::Empty)
+    fn slot(&self, counter: usize) -> &Slot {
+        self.slots.get(counter & (N - 1)).unwrap_or(&Slot::Empty)
     }
 
-    /// A motion by itself.
+    /// A motion by itself, from rest.
     fn motion(&self, figure: &Figure, vel: f64, acc: f64) -> Motion {
         let Limits { vel: most, acc: hardest, .. } = self.limits;
         let (mut vel, mut acc) = (vel, acc);
-        for (i, share) in shares(figure).into_iter().enumerate() {
+        let direction = direction(figure);
+        for (share, (most, hardest)) in direction.iter().zip(most.iter().zip(hardest)) {
+            let share = fabs(*share);
             if share > 0.0 {
-                vel = vel.min(most[i] / share);
-                acc = acc.min(hardest[i] / share);
+                vel = vel.min(most / share);
+                acc = acc.min(hardest / share);
             }
         }
         let round = figure.round.map(|(radius, [i, j])| (radius, hardest[i].min(hardest[j])));
@@ -211,69 +223,70 @@ impl<const N: usize> LookAhead<N> {
         Motion {
             form: figure.form,
             length: figure.length,
-            shares: shares(figure).map(|x| x as f32),
+            direction: direction.map(|x| x as f32),
             round,
             vel: vel.max(LEAST),
             acc: acc.max(LEAST),
-            bend: [0.0; 4],
-            cap: 0.0,
+            start: REST,
             high: f64::NAN,
             settled: false,
         }
     }
 
     /// The junction between two motions.
-    fn junction(&self, before: &Tail, motion: &mut Motion, tangent: &Place) {
+    fn junction(&self, before: &Tail, motion: &Motion, tangent: &Place) -> Junction {
         let mean = (before.length + motion.length) / 2.0;
         let slower = before.vel.min(motion.vel);
-        motion.cap = slower * slower;
+        let mut junction = Junction { cap: slower * slower, ..REST };
         let sides = tangent.iter().zip(&before.tangent).zip(&self.limits.acc);
-        for (bend, ((to, from), acc)) in motion.bend.iter_mut().zip(sides) {
-            let turn = fabs(to - from);
+        for (bend, ((to, from), acc)) in junction.bend.iter_mut().zip(sides) {
+            let turn = to - from;
             *bend = (turn / mean) as f32;
-            if turn > 0.0 {
+            if turn != 0.0 {
                 let jump = acc * self.limits.corner / turn;
-                let curve = reach::planned(*acc) * mean / turn;
-                motion.cap = motion.cap.min(jump * jump).min(curve);
+                junction.cap = junction.cap.min(jump * jump);
             }
         }
+        junction
     }
 
-    /// A motion between the junctions at its start and end, for `reach.rs`.
-    fn span(&self, motion: &Motion, bend_end: &[f32; 4]) -> Span {
-        let length = motion.length;
-        let mut span = Span::new(length, motion.acc);
-        let sides = motion.shares.iter().zip(&motion.bend).zip(bend_end).zip(&self.limits.acc);
-        for (((share, start), end), limit) in sides {
-            let [share, start, end] = [*share, *start, *end].map(f64::from);
-            // Also across the motion, where a corner at its end turns into another coordinate.
-            if share > 0.0 || start > 0.0 || end > 0.0 {
-                let limit = *limit;
-                // The mean speed of a motion behind a corner of speed v is at most v + |a|·l/2v, so that the corner may
-                // take Δ·(v² + |a|·l/2)/l. A long motion feels no more than the corner time.
-                let most = 2.0 * limit * self.limits.corner * motion.vel / (length * motion.acc);
-                let along = [start, end, 0.0].map(|bend| share + (bend * length / 2.0).min(most));
-                span.add(Bound { start, end, along, limit });
+    /// What a motion may do between the junctions at its start and end.
+    fn bounds(&self, motion: &Motion, end: &Junction) -> Bounds {
+        let Motion { length, vel, acc, .. } = *motion;
+        let ends = [&motion.start, end];
+        let reach = acc * length / 4.0;
+        let fastest = ends.map(|end| (end.cap * vel * vel <= reach * reach).then(|| sqrt(end.cap) * vel));
+        let corners =
+            |bends: [f64; 2], limit| [0, 1].map(|end: usize| Corner::new(bends[end], length, fastest[end], limit));
+        let mut bounds = Bounds { bounds: [Bound::straight(0.0, [Corner::NONE; 2], 1.0); BOUNDS], count: 0 };
+        let mut sharpest = [0.0f64; 2];
+        for (i, limit) in self.limits.acc.iter().enumerate() {
+            let along = f64::from(motion.direction[i]);
+            let bends = ends.map(|end| f64::from(end.bend[i]));
+            if motion.round.is_some() && along != 0.0 {
+                sharpest = [0, 1].map(|end: usize| sharpest[end].max(fabs(bends[end])));
+            } else if bends != [0.0; 2] {
+                bounds.push(Bound::straight(along, corners(bends, *limit), *limit));
             }
         }
         if let Some((radius, limit)) = motion.round {
-            for bound in reach::circle(radius, limit) {
-                span.add(bound);
+            for bound in Bound::circle(radius, corners(sharpest, limit), limit) {
+                bounds.push(bound);
             }
         }
-        span
+        bounds
     }
 
-    /// The next motion from a counter on, with its counter; or whether a wait comes first.
-    fn next_motion(&self, mut counter: usize) -> Result<(usize, Motion), bool> {
+    /// The junction at the end of a motion, and the highest square of the speed there, if it is settled; as far as it is known.
+    fn end_of(&self, mut counter: usize) -> (Junction, f64, bool) {
         while counter != self.end {
             match self.slot(counter) {
-                Slot::Motion(motion) => return Ok((counter, motion)),
-                Slot::Other(_, true) => return Err(true),
+                Slot::Motion(motion) => return (motion.start, motion.high, motion.settled),
+                Slot::Other(_, true) => return (REST, 0.0, true),
                 _ => counter = counter.wrapping_add(1),
             }
         }
-        Err(false)
+        (REST, 0.0, false)
     }
 
     /// Backwards from a stop at the end, as far as anything changes.
@@ -282,20 +295,25 @@ impl<const N: usize> LookAhead<N> {
             return;
         }
         self.stale = false;
-        let (mut after, mut settled, mut bend) = (0.0, false, [0.0; 4]);
+        let (mut after, mut settled, mut end) = (0.0, false, REST);
         let mut counter = self.end;
         while counter != self.first {
             counter = counter.wrapping_sub(1);
             let Slot::Motion(motion) = self.slot(counter) else { continue };
-            let high = self.span(&motion, &bend).back(after, motion.cap);
-            settled |= high >= motion.cap;
-            if high == motion.high && settled == motion.settled {
+            if motion.settled {
                 return;
             }
+            let bounds = self.bounds(motion, &end);
+            let span = Span::new(motion.length, motion.acc, bounds.bounds());
+            let (high, free) = span.back(after, motion.start.cap);
+            settled |= free;
+            if high == motion.high && !settled {
+                return;
+            }
+            (after, end) = (high, motion.start);
             if let Some(Slot::Motion(motion)) = self.slots.get_mut(counter & (N - 1)) {
                 (motion.high, motion.settled) = (high, settled);
             }
-            (after, bend) = (high, motion.bend);
         }
     }
 
@@ -304,25 +322,24 @@ impl<const N: usize> LookAhead<N> {
         if self.is_empty() {
             return None;
         }
+        self.plan();
         let motion = match self.slot(self.first) {
             Slot::Motion(motion) => motion,
             Slot::Other(entry, _) => {
+                let entry = *entry;
                 self.first = self.first.wrapping_add(1);
                 return Some(Planned { entry, ms: 0.0 });
             }
             Slot::Empty => return None,
         };
-        self.plan();
-        let (high, settled, bend) = match self.next_motion(self.first.wrapping_add(1)) {
-            Ok((_, next)) => (next.high, next.settled, next.bend),
-            Err(rests) => (0.0, rests, [0.0; 4]),
-        };
-        let span = self.span(&motion, &bend);
+        let (junction, high, settled) = self.end_of(self.first.wrapping_add(1));
+        let bounds = self.bounds(motion, &junction);
+        let span = Span::new(motion.length, motion.acc, bounds.bounds());
         let end = span.on(self.begin, high);
         if !(now || settled || end < high) {
             return None;
         }
-        let (vel, acc, ms) = span.choose(self.begin, end, motion.vel, motion.round.is_some());
+        let (vel, acc, ms) = span.choose(bounds.bounds(), [self.begin, end], motion.vel, motion.acc);
         let bits = [vel.max(LEAST), acc.max(LEAST), sqrt(end)].map(f64::to_bits);
         let entry = Along::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
         (self.first, self.begin) = (self.first.wrapping_add(1), end);
@@ -330,13 +347,29 @@ impl<const N: usize> LookAhead<N> {
     }
 }
 
-/// How much of the path's speed each coordinate may have: of an arc all of it, in its plane.
-fn shares(figure: &Figure) -> Place {
-    let mut shares = figure.tangents[0].map(fabs);
-    if let Some((_, plane)) = figure.round {
-        for i in plane {
-            shares[i] = 1.0;
+/// Bounds of a motion.
+struct Bounds {
+    bounds: [Bound; BOUNDS],
+    count: usize,
+}
+
+impl Bounds {
+    fn push(&mut self, bound: Bound) {
+        if let Some(place) = self.bounds.get_mut(self.count) {
+            *place = bound;
+            self.count += 1;
         }
     }
-    shares
+
+    fn bounds(&self) -> &[Bound] {
+        self.bounds.get(..self.count).unwrap_or(&self.bounds)
+    }
+}
+
+/// The direction of a line; of an arc 1 in its plane: a coordinate may have all of the speed.
+fn direction(figure: &Figure) -> Place {
+    match figure.round {
+        Some((_, plane)) => [0, 1, 2, 3].map(|i| if plane.contains(&i) { 1.0 } else { 0.0 }),
+        None => figure.tangents[0],
+    }
 }

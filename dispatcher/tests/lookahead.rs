@@ -118,9 +118,9 @@ fn plan<const N: usize>(calls: &[Call]) -> Vec<Entry> {
     entries
 }
 
-/// Runs entries: instant and velocities of X and Y in the middle of each motion, the highest velocities on the way as
-/// shares of their limits, and the end in ms.
-fn run(entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
+/// Runs entries: instant and velocities of X and Y in the middle of the way of each motion, the highest velocities on the
+/// way as shares of their limits, and the end in ms.
+fn run(calls: &[Call], entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
     let with_marks: Vec<Entry> = entries.iter().flat_map(|e| [*e, Entry::laser(0, 0, [0; 6])]).collect();
     let script = Script(with_marks);
     let feed = Feed { ends: [script.0.len() as u32, 0] };
@@ -146,26 +146,33 @@ fn run(entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
     }
     let mut middles = vec![(0.0, [0.0; 2])];
     let mut before = 0.0;
-    for at in &heard.marks {
-        let middle = (before + ns(*at)) / 2.0;
-        // The tick around it lies within the motion.
-        let k = (middle / TICK - 0.5).round() as usize;
-        if ns(*at) - before > 2.5 * TICK {
-            middles.push((middle / 1e6, [velocity(k, 0), velocity(k, 1)]));
+    let mut from = [0.0; 2];
+    for (call, at) in calls.iter().zip(&heard.marks) {
+        let to = [call.figure.end[0], call.figure.end[1]];
+        // Ticks within the motion; the speed between two of them is that half way between.
+        let (first, last) = ((before / TICK).ceil() as usize, (ns(*at) / TICK) as usize);
+        let way = |k: usize| (places[k][0] - from[0]).hypot(places[k][1] - from[1]);
+        let half = call.figure.length / 2.0;
+        let k = first + (first..last).take_while(|k| way(*k) < half).count();
+        if k >= first + 2 && k + 2 <= last {
+            let part = (half - way(k - 1)) / (way(k) - way(k - 1));
+            let (low, part) = if part < 0.5 { (k - 2, part + 0.5) } else { (k - 1, part - 0.5) };
+            let speed = |i: usize| velocity(low, i) * (1.0 - part) + velocity(low + 1, i) * part;
+            middles.push(((low as f64 + 0.5 + part) * TICK / 1e6, [speed(0), speed(1)]));
         }
-        before = ns(*at);
+        (before, from) = (ns(*at), to);
     }
     (middles, fastest, ns(at) / 1e6)
 }
 
 /// Nanoseconds.
-const TICK: f64 = 50_000.0;
+const TICK: f64 = 20_000.0;
 
-/// The highest acceleration between the middles of two motions that lie the corner time or more apart.
-fn hardest(middles: &[(f64, [f64; 2])]) -> f64 {
+/// The highest acceleration between the middles of two motions, neighbours or these many ms or more apart.
+fn hardest(middles: &[(f64, [f64; 2])], apart: f64) -> f64 {
     let mut worst = 0.0f64;
     for (k, (t0, v0)) in middles.iter().enumerate() {
-        if let Some((t1, v1)) = middles[k..].iter().find(|(t1, _)| t1 - t0 >= LIMITS.corner) {
+        if let Some((t1, v1)) = middles[k + 1..].iter().find(|(t1, _)| t1 - t0 >= apart) {
             for i in 0..2 {
                 let a = (v1[i] - v0[i]).abs() / (t1 - t0) / LIMITS.acc[i];
                 worst = worst.max(a);
@@ -179,7 +186,8 @@ fn hardest(middles: &[(f64, [f64; 2])]) -> f64 {
 fn bound(calls: &[Call]) -> f64 {
     const CELLS: usize = 500;
     let n = calls.len();
-    let share = |k: usize, i: usize| calls[k].figure.tangents[0][i].abs();
+    let part = |k: usize, i: usize| calls[k].figure.tangents[0][i];
+    let share = |k: usize, i: usize| part(k, i).abs();
     let lowest = |k: usize, limits: &Place, own: f64| {
         (0..2).fold(own, |least, i| if share(k, i) > 0.0 { least.min(limits[i] / share(k, i)) } else { least })
     };
@@ -193,10 +201,10 @@ fn bound(calls: &[Call]) -> f64 {
         if k > 0 && k < n {
             let (a, b) = (&calls[k - 1].figure, &calls[k].figure);
             for (i, turn) in turn.iter_mut().enumerate() {
-                let change = (b.tangents[0][i] - a.tangents[1][i]).abs();
+                let change = b.tangents[0][i] - a.tangents[1][i];
                 *turn = 2.0 * change / (a.length + b.length);
-                if change > 0.0 {
-                    cap = cap.min(LIMITS.acc[i] * LIMITS.corner / change);
+                if change != 0.0 {
+                    cap = cap.min(LIMITS.acc[i] * LIMITS.corner / change.abs());
                 }
             }
         }
@@ -218,9 +226,16 @@ fn bound(calls: &[Call]) -> f64 {
             for (other, next) in cells {
                 let (y0, y1) = (edge(other), edge(other + 1).min(cap1 * cap1));
                 let change = (y0 - x1).max(x0 - y1).max(0.0) / (2.0 * length);
+                // Speed in the corner by the mean speed from there to the middle, and what the acceleration adds, least in
+                // these cells.
+                let turned = |v: f64, w: f64| (v + (v * (v + w) / 2.0).sqrt()) / 2.0;
+                let changes = [(y0 - x1) / (2.0 * length), (y1 - x0) / (2.0 * length)];
                 let allowed = (0..2).all(|i| {
-                    let rest = LIMITS.acc[i] - share(k, i) * change;
-                    from[i] * x0 <= rest && to[i] * y0 <= rest
+                    let least = |turn: f64, v: f64, w: f64| {
+                        let along = part(k, i) * turn.signum();
+                        turn.abs() * turned(v, w) + (along * changes[0]).min(along * changes[1])
+                    };
+                    least(from[i], x0, y0) <= LIMITS.acc[i] && least(to[i], y0, x0) <= LIMITS.acc[i]
                 });
                 if allowed && change <= acc[k] && y1 >= y0 && x1 >= x0 {
                     let peak = ((x1 + y1) / 2.0 + acc[k] * length).sqrt().min(vel[k]);
@@ -241,8 +256,8 @@ fn a_spiral_and_a_polyline_keep_their_limits_and_lose_no_time() {
     for (name, calls) in [("spiral", spiral()), ("wander", wander(false)), ("corners", wander(true))] {
         let entries = plan::<256>(&calls);
         assert_eq!(entries.len(), calls.len());
-        let (middles, vel, time) = run(&entries);
-        let acc = hardest(&middles);
+        let (middles, vel, time) = run(&calls, &entries);
+        let acc = hardest(&middles, 0.0).max(hardest(&middles, LIMITS.corner));
         let least = bound(&calls);
         println!("{name}: {time:.1} ms, {:.4} of the bound; velocity {vel:.4}, acceleration {acc:.4}", time / least);
         assert!(vel <= 1.0 + 1e-6, "{name}: velocity {vel}");
@@ -261,9 +276,10 @@ fn what_is_handed_over_is_final() {
     assert!(plan::<256>(&calls) == whole);
     let short = plan::<16>(&calls);
     assert!(short != whole);
-    let (middles, vel, time) = run(&short);
-    assert!(hardest(&middles) <= 1.0 && vel <= 1.0 + 1e-6, "{} {vel}", hardest(&middles));
-    assert!(time > 1.1 * run(&whole).2, "sixteen motions are too few at this speed");
+    let (middles, vel, time) = run(&calls, &short);
+    let acc = hardest(&middles, 0.0);
+    assert!(acc <= 1.0 && vel <= 1.0 + 1e-6, "{acc} {vel}");
+    assert!(time > 1.1 * run(&calls, &whole).2, "sixteen motions are too few at this speed");
 }
 
 /// What a board has to find room for.
@@ -288,7 +304,7 @@ fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_a
     let third = ahead.take(true).unwrap();
     assert!(ahead.take(true).is_none());
     let entries = [first, second, third].map(|p| p.entry);
-    let (_, vel, time) = run(&entries);
+    let (_, vel, time) = run(&corner, &entries);
     assert!(vel <= 1.0);
     // 1.0 pulse/ms² · 5 ms; 60 pulse/ms on all lines, 0.8 pulse/ms² but for what the corner takes.
     let planned = first.ms + second.ms + third.ms;

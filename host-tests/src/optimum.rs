@@ -24,10 +24,13 @@ pub struct Limits {
 /// How a turn and a change of the speed share the acceleration of a coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Turn {
-    /// Their amounts are added, whichever way they point: the rule that the look-ahead states.
+    /// Their amounts are added, whichever way they point.
     Adds,
-    /// They may cancel: nothing but the limits holds.
-    Cancels,
+    /// They are added with their signs, on each side of a corner by itself: so the mean keeps the limit. What a motion does
+    /// by itself keeps it too.
+    Signed,
+    /// The same, but a corner counts with the motion behind it only: quicker, and no plan that keeps the limits.
+    Behind,
 }
 
 /// `a` times the acceleration and `z` times the square of the speed are at most `most`.
@@ -91,11 +94,30 @@ pub fn plan(points: &[Point], limits: &Limits, turns: Turn) -> (Vec<f64>, f64) {
             let turn = direction[axis] - behind[axis];
             let (mean, bend) = ((direction[axis] + behind[axis]) / 2.0, 2.0 * turn / (length + before));
             let most = limits.axis_acc[axis];
-            constraints.push(Constraint { a: mean, z: bend, most });
-            constraints.push(Constraint { a: -mean, z: -bend, most });
-            if turns == Turn::Adds {
-                constraints.push(Constraint { a: -mean, z: bend, most });
-                constraints.push(Constraint { a: mean, z: -bend, most });
+            // The corner at the end of the motion, where the square of the speed is z + 2·length·a.
+            let (after, next) = motions.get(index + 1).copied().unwrap_or((length, direction));
+            let bend_end = 2.0 * (next[axis] - direction[axis]) / (length + after);
+            for sign in [1.0, -1.0] {
+                let own = sign * direction[axis];
+                match turns {
+                    Turn::Adds => {
+                        constraints.push(Constraint { a: sign * mean, z: bend, most });
+                        constraints.push(Constraint { a: sign * mean, z: -bend, most });
+                    }
+                    Turn::Behind => constraints.push(Constraint { a: sign * mean, z: sign * bend, most }),
+                    Turn::Signed => {
+                        // From a corner to the middle of the way the square of the speed changes by length·a; its
+                        // product with the mean speed there by a quarter of that.
+                        let quarter = length / 4.0;
+                        let start = Constraint { a: own + sign * bend * quarter, z: sign * bend, most };
+                        let end = Constraint {
+                            a: own + sign * bend_end * (2.0 * length - quarter),
+                            z: sign * bend_end,
+                            most,
+                        };
+                        constraints.extend([start, end, Constraint { a: own, z: 0.0, most }]);
+                    }
+                }
             }
             if turn != 0.0 {
                 constraints.push(Constraint { a: 0.0, z: 1.0, most: (most * limits.corner / turn).powi(2) });
@@ -150,7 +172,7 @@ mod tests {
             })
             .collect();
         let round = Limits { speed: 1e3, acc: 1.0, axis_acc: [1.0; 2], ..FREE };
-        for turns in [Turn::Adds, Turn::Cancels] {
+        for turns in [Turn::Adds, Turn::Signed, Turn::Behind] {
             near(plan(&circle, &round, turns).1, 20_000.0 * std::f64::consts::PI / 1000f64.sqrt(), 0.02);
         }
         // A right angle: v·1 ≤ 2·0.5 in the corner, from which 5 ms and 0.5 ms less a ramp each.
@@ -160,5 +182,37 @@ mod tests {
         let (speeds, ms) = plan(&angle, &corner, Turn::Adds);
         near(speeds[500], 1.0, 1e-6);
         near(ms, 2.0 * (5.0 + 4.5 + (500.0 - 25.0 - 24.75) / 10.0), 2e-3);
+    }
+
+    /// A zigzag that winds: its plans keep the acceleration between the middles of the ways, but for the one that looks at one
+    /// side of the corners.
+    #[test]
+    fn signed_plans_keep_the_limits_between_middles() {
+        let points: Vec<Point> = (0..3000)
+            .map(|step| {
+                let (sin, cos) = (f64::from(step) * 0.05).sin_cos();
+                let out = 2000.0 + f64::from(step) * 0.3 + f64::from(step * 7 % 5);
+                [(out * cos).round(), (out * sin).round()]
+            })
+            .collect();
+        let limits = Limits { speed: 300.0, acc: 4.0, axis_speed: [250.0, 200.0], axis_acc: [3.0, 2.0], corner: 5.0 };
+        let hardest = |turns| {
+            let (speeds, _) = plan(&points, &limits, turns);
+            let middle = |k: usize| ((speeds[k].powi(2) + speeds[k + 1].powi(2)) / 2.0).sqrt();
+            let way = |k: usize| [0, 1].map(|axis: usize| points[k + 1][axis] - points[k][axis]);
+            let mut worst = 0.0f64;
+            for k in 0..speeds.len() - 2 {
+                let [from, to] = [way(k), way(k + 1)];
+                let [one, two] = [from[0].hypot(from[1]), to[0].hypot(to[1])];
+                let ms = one / (middle(k) + speeds[k + 1]) + two / (middle(k + 1) + speeds[k + 1]);
+                for axis in 0..2 {
+                    let change = to[axis] / two * middle(k + 1) - from[axis] / one * middle(k);
+                    worst = worst.max(change.abs() / ms / limits.axis_acc[axis]);
+                }
+            }
+            worst
+        };
+        assert!(hardest(Turn::Signed) <= 1.0001, "{}", hardest(Turn::Signed));
+        assert!(hardest(Turn::Behind) > 1.2, "{}", hardest(Turn::Behind));
     }
 }
