@@ -1,9 +1,7 @@
-//! Look-ahead against limits and against time.
+//! Look-ahead against limits.
 //!
-//! Paths go through servo's own evaluator; limits are checked on what it does. The time is compared with a bound that
-//! no plan under the same limits can beat: a search over the speeds of all junctions of the whole path at once, in
-//! cells of 0.2 % of the range, where a step from cell to cell counts as allowed if any two speeds in them are, and
-//! takes the time of the fastest two.
+//! Paths go through servo's own evaluator; limits are checked on what it does. The time of long ones is held against an
+//! optimum by `host-tests/tests/look_ahead.rs`.
 use dispatcher::figure::{Figure, Place};
 use dispatcher::lookahead::{Limits, LookAhead};
 use servo::path::{Change, Effects, Entries, Entry, Feed, Fine, Path, Plane, Rest};
@@ -182,88 +180,17 @@ fn hardest(middles: &[(f64, [f64; 2])], apart: f64) -> f64 {
     worst
 }
 
-/// The bound of the module text, ms.
-fn bound(calls: &[Call]) -> f64 {
-    const CELLS: usize = 500;
-    let n = calls.len();
-    let part = |k: usize, i: usize| calls[k].figure.tangents[0][i];
-    let share = |k: usize, i: usize| part(k, i).abs();
-    let lowest = |k: usize, limits: &Place, own: f64| {
-        (0..2).fold(own, |least, i| if share(k, i) > 0.0 { least.min(limits[i] / share(k, i)) } else { least })
-    };
-    let vel: Vec<f64> = (0..n).map(|k| lowest(k, &LIMITS.vel, calls[k].vel)).collect();
-    let acc: Vec<f64> = (0..n).map(|k| lowest(k, &LIMITS.acc, calls[k].acc)).collect();
-    let step = vel.iter().fold(0.0f64, |a, b| a.max(*b)) / CELLS as f64;
-    // Of the junction before motion k: Δ over the mean length, and what the corner itself allows.
-    let junction = |k: usize| {
-        let mut turn = [0.0; 2];
-        let mut cap = if k == 0 || k == n { 0.0 } else { vel[k - 1].min(vel[k]) };
-        if k > 0 && k < n {
-            let (a, b) = (&calls[k - 1].figure, &calls[k].figure);
-            for (i, turn) in turn.iter_mut().enumerate() {
-                let change = b.tangents[0][i] - a.tangents[1][i];
-                *turn = 2.0 * change / (a.length + b.length);
-                if change != 0.0 {
-                    cap = cap.min(LIMITS.acc[i] * LIMITS.corner / change.abs());
-                }
-            }
-        }
-        (turn, cap)
-    };
-    let edge = |cell: usize| (cell as f64 * step).powi(2);
-    let mut best = vec![f64::INFINITY; CELLS + 1];
-    best[0] = 0.0;
-    for k in 0..n {
-        let ((from, cap0), (to, cap1)) = (junction(k), junction(k + 1));
-        let length = calls[k].figure.length;
-        let mut next = vec![f64::INFINITY; CELLS + 1];
-        for (cell, so_far) in best.iter().enumerate().filter(|(_, t)| t.is_finite()) {
-            let (x0, x1) = (edge(cell), edge(cell + 1).min(cap0 * cap0));
-            let swing = 2.0 * acc[k] * length;
-            let lowest = ((x0 - swing).max(0.0).sqrt() / step) as usize;
-            let highest = (((x1 + swing).sqrt().min(cap1) / step) as usize).min(CELLS);
-            let cells = next.iter_mut().enumerate().take(highest + 1).skip(lowest.saturating_sub(1));
-            for (other, next) in cells {
-                let (y0, y1) = (edge(other), edge(other + 1).min(cap1 * cap1));
-                let change = (y0 - x1).max(x0 - y1).max(0.0) / (2.0 * length);
-                // Speed in the corner by the mean speed from there to the middle, and what the acceleration adds, least in
-                // these cells.
-                let turned = |v: f64, w: f64| (v + (v * (v + w) / 2.0).sqrt()) / 2.0;
-                let changes = [(y0 - x1) / (2.0 * length), (y1 - x0) / (2.0 * length)];
-                let allowed = (0..2).all(|i| {
-                    let least = |turn: f64, v: f64, w: f64| {
-                        let along = part(k, i) * turn.signum();
-                        turn.abs() * turned(v, w) + (along * changes[0]).min(along * changes[1])
-                    };
-                    least(from[i], x0, y0) <= LIMITS.acc[i] && least(to[i], y0, x0) <= LIMITS.acc[i]
-                });
-                if allowed && change <= acc[k] && y1 >= y0 && x1 >= x0 {
-                    let peak = ((x1 + y1) / 2.0 + acc[k] * length).sqrt().min(vel[k]);
-                    let ways = ((peak * peak - x1) + (peak * peak - y1)) / (2.0 * acc[k]);
-                    let time =
-                        ((2.0 * peak - x1.sqrt() - y1.sqrt()) / acc[k] + (length - ways).max(0.0) / peak).max(0.0);
-                    *next = next.min(so_far + time);
-                }
-            }
-        }
-        best = next;
-    }
-    best.iter().fold(f64::INFINITY, |a, b| a.min(*b))
-}
-
 #[test]
-fn a_spiral_and_a_polyline_keep_their_limits_and_lose_no_time() {
+fn a_spiral_and_a_polyline_keep_their_limits() {
     for (name, calls) in [("spiral", spiral()), ("wander", wander(false)), ("corners", wander(true))] {
         let entries = plan::<256>(&calls);
         assert_eq!(entries.len(), calls.len());
         let (middles, vel, time) = run(&calls, &entries);
         let acc = hardest(&middles, 0.0).max(hardest(&middles, LIMITS.corner));
-        let least = bound(&calls);
-        println!("{name}: {time:.1} ms, {:.4} of the bound; velocity {vel:.4}, acceleration {acc:.4}", time / least);
+        println!("{name}: {time:.1} ms; velocity {vel:.4}, acceleration {acc:.4}");
         assert!(vel <= 1.0 + 1e-6, "{name}: velocity {vel}");
         assert!(acc <= 1.0, "{name}: acceleration {acc}");
         assert!(acc > 0.9, "{name}: nothing was asked of it");
-        assert!(time <= 1.03 * least && time >= least, "{name}: {time} ms against {least} ms");
     }
 }
 

@@ -206,7 +206,7 @@ impl Span {
             let next = (above.offset + below.offset) / (above.slope + below.slope);
             settled = above.slope != 0.0;
             // Where rounding has it that it does not fall, it is there.
-            if !(next < x) {
+            if next.is_nan() || next >= x {
                 break;
             }
             x = next;
