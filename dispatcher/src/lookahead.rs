@@ -166,7 +166,8 @@ impl<const N: usize> LookAhead<N> {
             return false;
         }
         let mut motion = self.motion(figure, vel, acc);
-        let rests = !self.moves || self.effects > EFFECTS;
+        // What was handed over to the last has ended at rest.
+        let rests = !self.moves || self.effects > EFFECTS || self.is_empty() && self.begin == 0.0;
         if let Some(before) = self.last.as_ref().filter(|_| !rests) {
             motion.start = self.junction(before, &motion, &figure.tangents[0]);
         }

@@ -104,9 +104,10 @@ impl Bound {
         })
     }
 
-    /// The greatest acceleration either way, with these squares of the speeds at both ends.
+    /// The greatest acceleration either way, with these squares of the speeds at both ends. At rest a corner takes nothing.
     fn most(&self, squares: [f64; 2]) -> f64 {
         self.corners.iter().zip(squares).fold(f64::INFINITY, |a, (corner, square)| {
+            let corner = if square > 0.0 { corner } else { &Corner::NONE };
             let left = self.limit - corner.fixed - (self.across + corner.bend) * square;
             let steep = fabs(self.along) + corner.grow;
             if steep > 0.0 { a.min(left / steep) } else { a }
