@@ -227,9 +227,9 @@ fn shares(points: &[Point], places: &[Point]) -> Shares {
             let in_it = passed[near..].iter().take_while(|motion| motion.begin <= at(middle + half));
             let longest = in_it.map(|motion| motion.ms).fold(longest[0].max(longest[1]).max(longest[2]), f64::max);
             let room = 1.0 + 2.0 * longest.min(LIMITS.corner) / h;
-            for axis in 0..2 {
+            for (axis, limit) in LIMITS.axis_acc.iter().enumerate() {
                 let second = places[middle + half][axis] - 2.0 * places[middle][axis] + places[middle - half][axis];
-                let share = second.abs() / (h * h) / LIMITS.axis_acc[axis];
+                let share = second.abs() / (h * h) / limit;
                 plain = plain.max(share);
                 counted = counted.max(share / room);
             }

@@ -158,7 +158,7 @@ impl Span {
         if fabs(y) > NOTHING * fabs(x) {
             let part = 1.0 / fabs(y);
             let lower = y < 0.0;
-            let slope = if lower { x } else { x } * part;
+            let slope = x * part;
             self.push(Line { slope, offset: limit * part, lower, end });
         } else if x > 0.0 {
             let top = limit / x;
