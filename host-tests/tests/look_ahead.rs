@@ -5,9 +5,12 @@
 //! How acceleration counts (decision 9): within a motion as it is; across corners from the middle of the way of one motion
 //! to that of another. A window that begins between a corner and a middle holds all of the corner's change of velocity and
 //! only a part of the time that it stands for, so that windows have room for that.
+#[path = "../../servo/tests/chance/mod.rs"]
+mod chance;
 #[path = "path/machine.rs"]
 mod machine;
 
+use chance::Chance;
 use host_tests::laser_model::Family;
 use host_tests::optimum::{Limits, Point, Turn, plan};
 use machine::Machine;
@@ -52,6 +55,20 @@ fn spiral() -> Vec<Point> {
         let radius = 200.0 + 800.0 * t;
         [radius * t.cos(), radius * t.sin()]
     })
+}
+
+/// A way that wanders, with a corner of up to 115° behind every hundredth motion.
+fn corners() -> Vec<Point> {
+    let mut chance = Chance::new(11);
+    let (mut x, mut y, mut angle, mut bend) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
+    let mut points = vec![[0.0, 0.0]];
+    for index in 1..=3000 {
+        bend = 0.97 * bend + 0.004 * (chance.unit() - 0.5);
+        angle += bend + if index % 100 == 0 { 4.0 * (chance.unit() - 0.5) } else { 0.0 };
+        (x, y) = (x + 100.0 * angle.cos(), y + 100.0 * angle.sin());
+        points.push([x.round(), y.round()]);
+    }
+    points
 }
 
 /// Positions of both axes at every tick of the motion.
@@ -269,4 +286,9 @@ fn a_polyline_of_ten_thousand_motions() {
 #[test]
 fn a_spiral() {
     judge("spiral", &spiral());
+}
+
+#[test]
+fn sharp_corners() {
+    judge("corners", &corners());
 }
