@@ -5,21 +5,24 @@
 //!
 //! A command is answered when the tick has executed it, so that the client's next read sees it. A read
 //! or a refusal waits until everything before it has been executed, and is then decided on that state.
+mod immediate;
+mod paths;
+
 use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{Loading, Road, road};
-use crate::admit::{admit, config_item, crd, is_read, many, one, power_on, tables};
+use crate::admit::{admit, config_item, crd, many, one, power_on, tables};
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
 use crate::books::{Books, CAPACITY, Change, PROGRAM_FLAG, executed};
-use crate::case::{Answer, Case, Effect, Site, TAKEN_MAX};
-use crate::lane::{Deque, Lane, STAGED, Staged};
+use crate::case::{Answer, Case, Effect, Site};
+use crate::lane::{Deque, Lane, Staged};
 use crate::log::Log;
-use crate::path_queue::{LASTS_MS, PathQueue};
+use crate::path_queue::PathQueue;
 use crate::program::Program;
 use crate::read::{Reading, took_reply, values_reply};
 use crate::refuse::{Admitted, Refused};
 use crate::server::{Board, IMMEDIATE};
 use crate::trace_out::TraceOut;
-use protocol::command::{LoadConfig, SetHSIOOpt, opcode};
+use protocol::command::{LoadConfig, opcode};
 use protocol::reason::Reason;
 use protocol::record::{Full, ReplyWriter, RequestRecord};
 use ring::Producer;
@@ -31,7 +34,6 @@ use servo::pvt::TableStores;
 use servo::status::{RUNNING, SERVO_ON};
 use servo::units::{Axis, AxisMask, Crd, CrdMask};
 use servo::view::View;
-
 
 /// The desk.
 pub struct Desk<'a, const AXES: usize> {
