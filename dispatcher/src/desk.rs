@@ -144,11 +144,16 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             return Ok((answer, Effect::None));
         }
         if road(number) == Some(Road::Table) {
-            if let Some(table) = self.loading.table(&case, self.tables, number, body)? {
+            let filled = self.loading.table(&case, &self.now, self.tables, number, body);
+            if let Ok(Some(table)) = filled {
                 case.stage_with(Op::Mark, Change::TableFilled { table });
                 self.now.spoil(table);
             }
-            return Ok((Answer::Done, Effect::None));
+            if let Some(table) = self.loading.emptied() {
+                self.now.spoil(table);
+                self.ahead.spoil(table);
+            }
+            return filled.map(|_| (Answer::Done, Effect::None));
         }
         if tables::is_table(number) {
             let (answer, filled) = self.laser_loading.chunk(&mut case, self.tables.lasers, number, body)?;
@@ -221,7 +226,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             staged: &mut self.staged,
             effect: Effect::None,
         };
-        self.loading.calculate(&case, lane, number, body, sent)
+        self.loading.calculate(&case, self.tables.places, lane, number, body, sent)
     }
 
     /// Stages one item of a LoadConfig that was admitted; false behind the last.

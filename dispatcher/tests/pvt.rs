@@ -346,3 +346,49 @@ fn the_calculate_commands_answer_what_the_manual_prints() {
     let late = bench.call_items(head(4), &points[4..]);
     assert_eq!((late.code, late.reason(), late.refusal().field), (7, Reason::OutOfRange, 2));
 }
+
+/// Points wait where nothing is lost: in an empty table, also while the table that they replace runs; only where there is none
+/// does the old one go first.
+#[test]
+fn points_wait_in_the_memory_of_an_empty_table() {
+    let mut bench: Bench<16> = Bench::new(1, 250);
+    let core = |core: i16, table: PvtTable| PvtTable { core: core.into(), ..table };
+    bench.servo_on(1);
+    bench.done(PrfPvt { core: 1.into(), profile: 1.into() });
+    // All but one.
+    for (group, number) in (1..=2).flat_map(|group| (1..=32).map(move |number| (group, number))).skip(1) {
+        assert_eq!(bench.call_items(core(group, table(number, 2, 0)), &points(&TEN)).code, 0, "{group} {number}");
+    }
+    bench.done(select(1, 2));
+    bench.done(start(1));
+    bench.run_ms(5);
+    let three = [(0.0, 0.0, 0.0), (10.0, 500.0, 0.0), (10.0, 600.0, 0.0)];
+    assert_eq!(bench.call_items(table(2, 3, 0), &points(&three[..2])).code, 0, "it waits in table 1");
+    bench.run_ms(20);
+    assert_eq!(bench.pos(1), 10.0, "the table that ran is whole");
+    let last = bench.call_items(table(2, 3, 2), &points(&three[2..]));
+    assert_eq!((last.code, last.reason()), (7, Reason::PointTime));
+    bench.done(start(1));
+    bench.run_ms(20);
+    assert_eq!(bench.pos(1), 20.0, "a refused table changes nothing");
+
+    // Now all of them.
+    assert_eq!(bench.call_items(table(1, 2, 0), &points(&TEN)).code, 0);
+    bench.done(start(1));
+    let refused = bench.call_items(table(2, 3, 0), &points(&three[..2]));
+    assert_eq!((refused.code, refused.reason()), (1, Reason::TableInUse));
+    bench.run_ms(20);
+    assert_eq!(bench.pos(1), 30.0);
+    assert_eq!(bench.call_items(table(2, 3, 0), &points(&three[..2])).code, 0);
+    assert_eq!(bench.refused(start(1)).1, Reason::TableEmpty, "it has made room");
+    let good = [three[0], three[1], (20.0, 510.0, 0.0)];
+    assert_eq!(bench.call_items(table(2, 3, 2), &points(&good[2..])).code, 0);
+    bench.done(start(1));
+    bench.run_ms(30);
+    assert_eq!(bench.pos(1), 540.0);
+    // The others are as they were.
+    bench.done(select(1, 1));
+    bench.done(start(1));
+    bench.run_ms(20);
+    assert_eq!(bench.pos(1), 550.0);
+}

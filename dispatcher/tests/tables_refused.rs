@@ -1,7 +1,8 @@
 //! Bad points: each is refused with its code, a reason and the point's number, and nothing panics.
 use dispatcher::Refused;
-use dispatcher::tables::{Draft, Kind, Scratch, TABLES};
+use dispatcher::tables::{Beside, Draft, Kind, Scratch, TABLES};
 use protocol::reason::{Code, Reason};
+use servo::pvt::PlaceStore;
 
 #[path = "tables_bench/mod.rs"]
 mod bench;
@@ -26,7 +27,8 @@ const NONE: u8 = 255;
 
 #[test]
 fn counts() {
-    let mut scratch = Scratch::new();
+    let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
+    let mut scratch = Scratch::new(&mut beside, &room);
     for kind in [Kind::Pvt, Kind::PvtEx, COMPLETE, PERCENT, CONTINUOUS] {
         for count in [-1, 0, 1, 1025, i32::MAX, i32::MIN] {
             let refused = Draft::begin(kind, count, FIELDS, true, &mut scratch).unwrap_err();
@@ -48,12 +50,13 @@ fn more_places_than_fit() {
     // One place for the first point, three for each one after it: point 342 (from 1) is the first too many.
     is(refused, Reason::TablePlaces, 342, NONE);
     // The Calculate command has no such limit.
-    let mut scratch = Scratch::new();
+    let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
+    let mut scratch = Scratch::new(&mut beside, &room);
     let mut draft = Draft::begin(PERCENT, 400, FIELDS, false, &mut scratch).unwrap();
     for point in &points {
         draft.point(point, &mut scratch).unwrap();
     }
-    assert!(scratch.knots().is_empty() && draft.finish(&mut scratch).is_none());
+    assert!(scratch.used() == 0 && draft.finish(&mut scratch).is_none());
 }
 
 #[test]
@@ -159,7 +162,8 @@ fn continuous_data() {
 
 #[test]
 fn a_point_too_many() {
-    let mut scratch = Scratch::new();
+    let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
+    let mut scratch = Scratch::new(&mut beside, &room);
     let mut draft = Draft::begin(Kind::Pvt, 2, FIELDS, true, &mut scratch).unwrap();
     draft.point(&[0.0, 0.0, 0.0], &mut scratch).unwrap();
     assert!(draft.finish(&mut scratch).is_none());

@@ -10,6 +10,8 @@
 //! [`Slots`]; whoever may divide (the VCD writer) uses the closed form, and a test holds them equal.
 use crate::units::Pos;
 
+pub mod output;
+
 /// The pulse at which the step output stands for this planned position.
 pub const fn whole(pos: Pos) -> i64 {
     const HALF: i64 = 1 << (Pos::FRAC_BITS - 1);

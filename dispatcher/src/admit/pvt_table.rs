@@ -2,19 +2,21 @@
 //!
 //! In: chunks of points, each a record of its own; `first` is the index of the chunk's first point. Out:
 //! places and a header in the stores when the last point is there, or what the Calculate commands
-//! answer. Owns: the table that is being sent, in scratch memory; a chunk with `first` 0 begins a new one.
+//! answer. Owns: the table that is being sent, in scratch memory and in the place memory of an empty table; a chunk with
+//! `first` 0 begins a new one.
 //! Fails: as the points do; nothing of a table is seen before its last chunk, and a chunk that is offered
 //! again, because it was refused before its time, is refused the same way.
 use super::pvt::{not_in_use, table};
+use crate::books::Books;
 use crate::case::Case;
 use crate::refuse::{Admitted, Refused};
-use crate::tables::{Draft, Fields, Kind, Scratch, VALUES};
+use crate::tables::{Beside, Draft, Fields, Kind, Scratch, VALUES};
 use protocol::command::{
     PvtContinuousCalculate, PvtPercentCalculate, PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx,
     PvtTablePercent, Wire, opcode,
 };
 use protocol::reason::Reason;
-use servo::pvt::TableStores;
+use servo::pvt::{HEADER_WORDS, PlaceStore, TABLES, TableStores, Tables};
 
 /// Most points of a chunk: what a message holds of the shortest kind that has an answer.
 pub const CHUNK: usize = protocol::MAX_PAYLOAD / 24;
@@ -142,7 +144,10 @@ enum State {
 
 /// The table that is being sent; see the module text.
 pub struct Loading {
-    scratch: Scratch,
+    beside: Beside,
+    /// The table in whose place memory the points wait.
+    room: u8,
+    emptied: Option<u8>,
     table: State,
     /// The Calculate commands of the two lanes, which leave no table.
     calculate: [State; 2],
@@ -151,7 +156,7 @@ pub struct Loading {
 impl Loading {
     /// Nothing is being sent.
     pub const fn new() -> Self {
-        Loading { scratch: Scratch::new(), table: State::Idle, calculate: [State::Idle; 2] }
+        Loading { beside: Beside::new(), room: 0, emptied: None, table: State::Idle, calculate: [State::Idle; 2] }
     }
 
     /// A new session: what was begun is dropped.
@@ -159,10 +164,45 @@ impl Loading {
         (self.table, self.calculate) = (State::Idle, [State::Idle; 2]);
     }
 
-    /// Admits a chunk of a table. The last one fills the stores, and says which table is there now.
+    /// Finds room for the points of a table where nothing is lost: in a table that is empty. If all tables are there, the one
+    /// that is replaced makes room as soon as it is not in use, and is empty from then on.
+    fn make_room<const AXES: usize>(
+        &mut self,
+        case: &Case<AXES>,
+        now: &Books<AXES>,
+        stores: TableStores<'_>,
+        slot: u8,
+    ) -> Admitted<()> {
+        let is_free = |table: u8| {
+            let filled = now.is_filled(table) || case.books.is_filled(table);
+            !filled && not_in_use(case, table).is_ok()
+        };
+        self.room = match core::iter::once(slot).chain(0..TABLES as u8).find(|table| is_free(*table)) {
+            Some(room) => room,
+            None => {
+                not_in_use(case, slot)?;
+                self.emptied = Some(slot);
+                slot
+            }
+        };
+        if !stores.is_empty(self.room) {
+            // Nobody starts it any more; who has made its first piece ready finds another version.
+            stores.write_header(self.room, [0; HEADER_WORDS]);
+        }
+        Ok(())
+    }
+
+    /// A table that had to make room for what replaces it, once.
+    pub fn emptied(&mut self) -> Option<u8> {
+        self.emptied.take()
+    }
+
+    /// Admits a chunk of a table. The last one fills the stores, and says which table is there now. `now` are the books after
+    /// everything executed.
     pub fn table<const AXES: usize>(
         &mut self,
         case: &Case<AXES>,
+        now: &Books<AXES>,
         stores: TableStores<'_>,
         number: u16,
         body: &[u8],
@@ -173,12 +213,18 @@ impl Loading {
             // Looked at first: a chunk that has to wait has changed nothing.
             not_in_use(case, slot)?;
         }
-        let draft = take(&mut self.table, &mut self.scratch, &chunk, true, |_| {})?;
-        let Some(sealed) = draft.finish(&mut self.scratch) else { return Ok(None) };
+        if chunk.first == 0 {
+            self.make_room(case, now, stores, slot)?;
+        }
+        let Some(room) = stores.places.get(usize::from(self.room)) else { return Ok(None) };
+        let scratch = &mut Scratch::new(&mut self.beside, room);
+        let draft = take(&mut self.table, scratch, &chunk, true, |_| {})?;
+        let Some(sealed) = draft.finish(scratch) else { return Ok(None) };
         let written = sealed.and_then(|sealed| {
             let words = sealed.header().admit().ok_or_else(|| Refused::new(Reason::TableRange))?;
             for index in 0..sealed.places() {
-                let words = sealed.place(&self.scratch, index).ok_or_else(|| Refused::new(Reason::TableRange))?;
+                // Its own room may be the table's: a place is read before it is written.
+                let words = sealed.place(scratch, index).ok_or_else(|| Refused::new(Reason::TableRange))?;
                 stores.write_place(slot, index, words);
             }
             stores.write_header(slot, words);
@@ -196,6 +242,7 @@ impl Loading {
     pub fn calculate<const AXES: usize>(
         &mut self,
         case: &Case<AXES>,
+        places: &[PlaceStore],
         lane: usize,
         number: u16,
         body: &[u8],
@@ -205,9 +252,10 @@ impl Loading {
         case.core(chunk.key.core)?;
         let mut values = [0.0; CHUNK];
         let mut count = 0;
-        let Some(state) = self.calculate.get_mut(lane) else { return Ok(false) };
+        // No room is used: these leave no table.
+        let (Some(state), Some(room)) = (self.calculate.get_mut(lane), places.first()) else { return Ok(false) };
         let before = *state;
-        take(state, &mut self.scratch, &chunk, false, |value| {
+        take(state, &mut Scratch::new(&mut self.beside, room), &chunk, false, |value| {
             if let Some(place) = values.get_mut(count) {
                 *place = value;
                 count += 1;
@@ -224,7 +272,7 @@ impl Loading {
 /// Takes the points of a chunk; the draft as it is then.
 fn take(
     state: &mut State,
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<'_>,
     chunk: &Chunk<'_>,
     load: bool,
     mut answer: impl FnMut(f64),

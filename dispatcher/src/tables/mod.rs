@@ -20,9 +20,10 @@ use continuous::Leg;
 use protocol::reason::Reason;
 pub use scale::Sealed;
 use scale::{Totals, exact, instant};
-pub use scratch::Scratch;
+pub use scratch::{Beside, Scratch};
 use scratch::{Knot, check};
 use servo::pvt::{PLACES, SHORTEST_PASS_NS};
+use spline::Row;
 pub use twofold::Twofold;
 
 /// Tables of a core.
@@ -101,6 +102,8 @@ pub struct Draft {
     knot: Knot,
     /// Complete: time and displacement of the segment that ends at the last point.
     segment: (f64, f64),
+    /// What the elimination left at the point before the last one.
+    row: Row,
     /// PvtTableEx: velocity at the end of the segment that the last point began.
     vel_end: f64,
     /// Percentage of the last point.
@@ -114,7 +117,7 @@ pub struct Draft {
 impl Draft {
     /// A table of `count` points. With `load`, `scratch` is emptied and takes the places; without,
     /// only the answers of [`Draft::point`] are wanted.
-    pub fn begin(kind: Kind, count: i32, fields: Fields, load: bool, scratch: &mut Scratch) -> Admitted<Draft> {
+    pub fn begin(kind: Kind, count: i32, fields: Fields, load: bool, scratch: &mut Scratch<'_>) -> Admitted<Draft> {
         if !(2..=PLACES as i32).contains(&count) {
             let (low, high) = (2.0, PLACES as f64);
             return Err(Refused::new(Reason::OutOfRange).field(fields.count).got(count.into()).limits(low, high));
@@ -144,6 +147,7 @@ impl Draft {
             first: (0.0, 0.0),
             last: (0.0, 0.0),
             segment: (0.0, 0.0),
+            row: Row::default(),
             knot,
             vel_end: 0.0,
             percent: 0.0,
@@ -164,7 +168,7 @@ impl Draft {
 
     /// Takes the next point; the answer is its velocity (Percent) or its time (Continuous), 0
     /// for the other descriptions. After a refusal the draft is of no further use.
-    pub fn point(&mut self, values: &[f64], scratch: &mut Scratch) -> Admitted<f64> {
+    pub fn point(&mut self, values: &[f64], scratch: &mut Scratch<'_>) -> Admitted<f64> {
         let item = self.taken as usize;
         let admitted = self.admit(values, scratch);
         admitted
@@ -177,7 +181,7 @@ impl Draft {
         self.taken > 0 && way.contains(&refused.reason)
     }
 
-    fn admit(&mut self, values: &[f64], scratch: &mut Scratch) -> Admitted<f64> {
+    fn admit(&mut self, values: &[f64], scratch: &mut Scratch<'_>) -> Admitted<f64> {
         let field = self.fields.point;
         let at = |index: usize| values.get(index).copied().unwrap_or(f64::NAN);
         if self.taken >= self.count {
@@ -226,15 +230,23 @@ impl Draft {
                 self.vel_end = end;
             }
             Kind::Complete { vel_begin, vel_end } => {
+                // The user's own numbers, until the velocities are known.
                 if begins {
-                    scratch.push([knot.time, knot.pos, vel_begin, 0.0])?;
+                    self.row = Row { d: vel_begin, c: 0.0 };
+                    scratch.push(Knot { time, pos, vel: vel_begin })?;
                 } else {
                     let behind = (time - self.last.0, pos - self.last.1);
-                    if let [.., before, last] = scratch.knots_mut() {
-                        (last[2], last[3]) = spline::eliminate(before, self.segment, behind);
+                    let index = usize::from(self.taken).wrapping_sub(1);
+                    if index > 0
+                        && let Some(mut knot) = scratch.knot(index)
+                    {
+                        self.row = spline::eliminate(self.row, self.segment, behind);
+                        knot.vel = self.row.d;
+                        scratch.set(index, knot);
                     }
+                    scratch.keep(index, self.row.c);
                     self.segment = behind;
-                    scratch.push([knot.time, knot.pos, vel_end, 0.0])?;
+                    scratch.push(Knot { time, pos, vel: vel_end })?;
                 }
             }
             Kind::Percent { .. } => {
@@ -259,7 +271,7 @@ impl Draft {
         Ok(knot.vel)
     }
 
-    fn continuous(&mut self, pos: f64, leg: Leg, scratch: &mut Scratch) -> Admitted<f64> {
+    fn continuous(&mut self, pos: f64, leg: Leg, scratch: &mut Scratch<'_>) -> Admitted<f64> {
         let field = self.fields.point;
         crate::refuse::within(field, pos, -FURTHEST, FURTHEST)?;
         speed(leg.vel, field + 1)?;
@@ -311,7 +323,7 @@ impl Draft {
         Ok(self.carried.high)
     }
 
-    fn ramp(&mut self, to: Knot, percent: f64, scratch: &mut Scratch) -> Admitted<()> {
+    fn ramp(&mut self, to: Knot, percent: f64, scratch: &mut Scratch<'_>) -> Admitted<()> {
         for inner in shape::inner(self.knot, to, percent) {
             self.push(inner, scratch)?;
         }
@@ -319,7 +331,7 @@ impl Draft {
     }
 
     /// The next place, after a segment that an axis can run.
-    fn push(&mut self, knot: Knot, scratch: &mut Scratch) -> Admitted<()> {
+    fn push(&mut self, knot: Knot, scratch: &mut Scratch<'_>) -> Admitted<()> {
         if self.taken > 0 {
             check(&self.knot, &knot)?;
         }
@@ -327,24 +339,28 @@ impl Draft {
     }
 
     /// The next place, at the time of the one before or the first.
-    fn jump(&mut self, knot: Knot, scratch: &mut Scratch) -> Admitted<()> {
+    fn jump(&mut self, knot: Knot, scratch: &mut Scratch<'_>) -> Admitted<()> {
         self.knot = knot;
-        if self.load { scratch.push([knot.time, knot.pos, knot.vel, 0.0]) } else { Ok(()) }
+        if self.load { scratch.push(knot) } else { Ok(()) }
     }
 
     /// All points are there: the table as the tick will read it. The draft goes on existing only
     /// if it is not complete (`None`).
-    pub fn finish(&self, scratch: &mut Scratch) -> Option<Admitted<Sealed>> {
+    pub fn finish(&self, scratch: &mut Scratch<'_>) -> Option<Admitted<Sealed>> {
         (self.taken == self.count && self.load).then(|| self.seal(scratch))
     }
 
-    fn seal(&self, scratch: &mut Scratch) -> Admitted<Sealed> {
+    fn seal(&self, scratch: &mut Scratch<'_>) -> Admitted<Sealed> {
         if let Kind::Complete { .. } = self.kind {
-            spline::substitute(scratch.knots_mut());
-            for (item, pair) in scratch.knots().windows(2).enumerate() {
-                if let [a, b] = pair {
-                    let knot = |k: &[f64; 4]| Knot { time: k[0], pos: k[1], vel: k[2] };
-                    check(&knot(a), &knot(b)).map_err(|refused| refused.item(item))?;
+            spline::substitute(scratch);
+            let mut before = None;
+            for index in 0..scratch.used() {
+                let Some(mut knot) = scratch.knot(index) else { break };
+                knot.time -= self.first.0;
+                knot.pos -= self.first.1;
+                scratch.set(index, knot);
+                if let Some(before) = before.replace(knot) {
+                    check(&before, &knot).map_err(|refused| refused.item(index - 1))?;
                 }
             }
         }

@@ -2,7 +2,7 @@
 //!
 //! In: knots in ms, pulse and pulse/ms from the first point. Out: a header and places. Fails: where
 //! no scale holds the table.
-use super::scratch::Scratch;
+use super::scratch::{Knot, Scratch};
 use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 use servo::pvt::{Header, PLACE_WORDS, POS_BITS, Place, TIME_BITS, VEL_BITS};
@@ -68,17 +68,16 @@ pub struct Totals {
 
 impl Sealed {
     /// Chooses the scales.
-    pub fn of(scratch: &Scratch, totals: Totals) -> Admitted<Sealed> {
-        let knots = scratch.knots();
+    pub fn of(scratch: &Scratch<'_>, totals: Totals) -> Admitted<Sealed> {
         let (mut pos, mut vel) = (0f64, 0f64);
-        for [_, p, v, _] in knots {
-            pos = pos.max(p.abs());
-            vel = vel.max(v.abs());
+        for knot in scratch.knots() {
+            pos = pos.max(knot.pos.abs());
+            vel = vel.max(knot.vel.abs());
         }
         let refuse = || Refused::new(Reason::TableRange).got(vel);
         let duration = u128::try_from(totals.duration).unwrap_or(0).max(1);
         let mut header = Header {
-            places: knots.len() as u16,
+            places: scratch.used() as u16,
             time_bits: time_bits(duration),
             pos_bits: bits_for(pos, 1, POS_BITS - 1, 62) as i8,
             vel_bits: bits_for(vel, 1, VEL_BITS - 1, 62) as i8,
@@ -122,20 +121,20 @@ impl Sealed {
     }
 
     /// Place `index` as stored.
-    pub fn place(&self, scratch: &Scratch, index: u32) -> Option<[u32; PLACE_WORDS]> {
+    pub fn place(&self, scratch: &Scratch<'_>, index: u32) -> Option<[u32; PLACE_WORDS]> {
         self.scaled(scratch, index)?.admit()
     }
 
-    fn scaled(&self, scratch: &Scratch, index: u32) -> Option<Place> {
+    fn scaled(&self, scratch: &Scratch<'_>, index: u32) -> Option<Place> {
         let header = &self.header;
-        let [time, pos, vel, _] = scratch.knots().get(index as usize)?;
+        let Knot { time, pos, vel } = scratch.knot(index as usize)?;
         let time = if index + 1 == self.places() {
             end_time(header.duration, header.time_bits)
         } else {
-            fixed(*time, 1_000_000, header.time_bits as i32) as u64
+            fixed(time, 1_000_000, header.time_bits as i32) as u64
         };
-        let pos = fixed(*pos, 1, header.pos_bits as i32) as i64;
-        Some(Place { time, pos, vel: fixed(*vel, 1, header.vel_bits as i32) as i64 })
+        let pos = fixed(pos, 1, header.pos_bits as i32) as i64;
+        Some(Place { time, pos, vel: fixed(vel, 1, header.vel_bits as i32) as i64 })
     }
 }
 

@@ -1,10 +1,14 @@
-//! Scratch memory of a table that is being sent: knots as doubles, 32 KiB.
+//! Scratch memory of a table that is being sent: knots as doubles.
 //!
-//! In: knots in time order. Out: the same. Fails: a knot too many, a segment that is faster than
-//! full scale or swings out of reach. The table in force is not touched before the new one is whole.
+//! In: knots in time order. Out: the same. Owns the velocities, 8 KiB; times and positions wait in the place memory of a table
+//! that is empty. Fails: a knot too many, a segment that is faster than full scale or swings out of reach. The table in force
+//! is not touched before the new one is whole.
+//!
+//! A spline's elimination leaves a fourth number a point; of these only every [`STRIDE`]th is kept, and what lies between is
+//! computed again ([`super::spline`]).
 use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
-use servo::pvt::PLACES;
+use servo::pvt::{PLACES, PlaceStore};
 
 /// Full scale of velocity, pulse/ms; a double's rounding above it is still full scale.
 const FULL_SCALE: f64 = 4_294_967_296.0;
@@ -22,47 +26,106 @@ pub struct Knot {
     pub vel: f64,
 }
 
-/// The memory. Words of a place: time, position, velocity, and one for the spline's solution.
-pub struct Scratch {
-    knots: [[f64; 4]; PLACES],
+/// Points from one that is kept of a spline's elimination to the next.
+pub const STRIDE: usize = 32;
+
+/// What does not find room in the place memory.
+pub struct Beside {
+    velocities: [f64; PLACES],
     used: usize,
+    /// What the elimination has left at the points 0, [`STRIDE`] ….
+    kept: [f64; PLACES / STRIDE],
 }
 
-impl Default for Scratch {
+impl Default for Beside {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Scratch {
+impl Beside {
     /// Empty.
-    pub const fn new() -> Scratch {
-        Scratch { knots: [[0.0; 4]; PLACES], used: 0 }
+    pub const fn new() -> Beside {
+        Beside { velocities: [0.0; PLACES], used: 0, kept: [0.0; PLACES / STRIDE] }
+    }
+}
+
+/// The memory.
+pub struct Scratch<'a> {
+    beside: &'a mut Beside,
+    room: &'a PlaceStore,
+}
+
+/// A double in two words, and two of them back.
+fn words(x: f64) -> [u32; 2] {
+    let bits = x.to_bits();
+    [bits as u32, (bits >> 32) as u32]
+}
+
+fn double(low: u32, high: u32) -> f64 {
+    f64::from_bits(u64::from(high) << 32 | u64::from(low))
+}
+
+impl<'a> Scratch<'a> {
+    /// As it was left there. `room` is that of a table which nobody reads.
+    pub fn new(beside: &'a mut Beside, room: &'a PlaceStore) -> Scratch<'a> {
+        Scratch { beside, room }
     }
 
     /// Empties it.
     pub fn clear(&mut self) {
-        self.used = 0;
+        self.beside.used = 0;
     }
 
-    /// What was put in.
-    pub fn knots(&self) -> &[[f64; 4]] {
-        self.knots.get(..self.used).unwrap_or(&[])
+    /// Knots put in.
+    pub fn used(&self) -> usize {
+        self.beside.used
     }
 
-    /// As [`Scratch::knots`], to be changed.
-    pub fn knots_mut(&mut self) -> &mut [[f64; 4]] {
-        self.knots.get_mut(..self.used).unwrap_or(&mut [])
+    /// A knot.
+    pub fn knot(&self, index: usize) -> Option<Knot> {
+        let vel = *self.beside.velocities.get(..self.beside.used)?.get(index)?;
+        let [a, b, c, d] = self.room.read(index as u32);
+        Some(Knot { time: double(a, b), pos: double(c, d), vel })
     }
 
-    /// Appends a place.
-    pub fn push(&mut self, place: [f64; 4]) -> Admitted<()> {
-        match self.knots.get_mut(self.used) {
-            Some(free) => *free = place,
-            None => return Err(Refused::new(Reason::TablePlaces).limits(0.0, PLACES as f64)),
+    /// All knots in their order.
+    pub fn knots(&self) -> impl Iterator<Item = Knot> + '_ {
+        (0..self.used()).map_while(|index| self.knot(index))
+    }
+
+    /// Changes a knot.
+    pub fn set(&mut self, index: usize, knot: Knot) {
+        let used = self.beside.used;
+        if let Some(place) = self.beside.velocities.get_mut(..used).and_then(|them| them.get_mut(index)) {
+            *place = knot.vel;
+            let ([a, b], [c, d]) = (words(knot.time), words(knot.pos));
+            self.room.write(index as u32, [a, b, c, d]);
         }
-        self.used += 1;
+    }
+
+    /// Appends a knot.
+    pub fn push(&mut self, knot: Knot) -> Admitted<()> {
+        if self.beside.used >= PLACES {
+            return Err(Refused::new(Reason::TablePlaces).limits(0.0, PLACES as f64));
+        }
+        self.beside.used += 1;
+        self.set(self.beside.used - 1, knot);
         Ok(())
+    }
+
+    /// Keeps what the elimination has left at a point, if it is one that is kept.
+    pub fn keep(&mut self, index: usize, c: f64) {
+        if index % STRIDE == 0
+            && let Some(place) = self.beside.kept.get_mut(index / STRIDE)
+        {
+            *place = c;
+        }
+    }
+
+    /// What it has left at the point `block` · [`STRIDE`].
+    pub fn kept(&self, block: usize) -> f64 {
+        self.beside.kept.get(block).copied().unwrap_or(0.0)
     }
 }
 

@@ -3,11 +3,11 @@
 //! constant jerk over real time instead of Hermite pieces over a parameter.
 #![allow(dead_code)] // each test file uses its part
 use dispatcher::Refused;
-use dispatcher::tables::{Draft, Fields, Kind, Scratch};
+use dispatcher::tables::{Beside, Draft, Fields, Kind, Scratch};
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::profile::{State, Step};
-use servo::pvt::{HEADER_WORDS, Header, PLACE_WORDS, Tables};
+use servo::pvt::{HEADER_WORDS, Header, PLACE_WORDS, PlaceStore, Tables};
 use servo::units::{Exact, Ns};
 
 #[path = "../../../servo/tests/chance/mod.rs"]
@@ -35,7 +35,8 @@ impl Tables for Shelf {
 impl Shelf {
     /// Builds a table and puts it on the shelf; the answers of the points come back.
     pub fn add(&mut self, kind: Kind, points: &[Vec<f64>]) -> Result<Vec<f64>, Refused> {
-        let mut scratch = Box::new(Scratch::new());
+        let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
+        let mut scratch = Scratch::new(&mut beside, &room);
         let mut draft = Draft::begin(kind, points.len() as i32, FIELDS, true, &mut scratch)?;
         let mut answers = Vec::new();
         for point in points {

@@ -64,6 +64,8 @@ pub fn take() -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
     watchdog::start();
     guard::null(&mut core.MPU);
+    let (base, bits, without) = DMA_MEMORY;
+    guard::uncached(&mut core.MPU, base, bits, without);
     core.SCB.enable_icache();
     core.SCB.enable_dcache(&mut core.CPUID);
     clocks::raise();
@@ -84,6 +86,9 @@ pub fn take() -> Option<Board> {
         })
     }
 }
+
+/// The region DMA of `memory.x`: SRAM 3 without its first two eighths, 24 KiB.
+const DMA_MEMORY: (u32, u32, u8) = (0x3004_0000, 15, 0b11);
 
 /// Behind the last byte of AXI SRAM.
 const TABLES_END: usize = 0x2408_0000;

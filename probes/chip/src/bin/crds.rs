@@ -14,7 +14,7 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{debug, hprintln};
-use dispatcher::tables::{Draft, Fields, Kind, Scratch};
+use dispatcher::tables::{Beside, Draft, Fields, Kind, Scratch};
 use hal as _; // the vector table
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::crd::Frame;
@@ -281,7 +281,7 @@ impl Bench {
     }
 
     /// A table of segments of 16 ticks for an axis.
-    fn load_table(&mut self, axis: Axis, scratch: &mut Scratch) {
+    fn load_table(&mut self, axis: Axis, scratch: &mut Scratch<'_>) {
         let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
         let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, true, scratch);
         let Ok(mut draft) = draft else { panic!("the table is refused") };
@@ -389,7 +389,7 @@ impl Bench {
 
     /// SPEC 11: eight axes in PVT, two coordinate systems, two lasers with both follows; segments and motions of all of
     /// them begin together, every 16 ticks.
-    fn run_worst(&mut self, scratch: &mut Scratch) {
+    fn run_worst(&mut self, scratch: &mut Scratch<'_>) {
         self.set_lasers();
         let crds = self.set(2);
         let mut axes = AxisMask(0);
@@ -464,7 +464,9 @@ fn main() -> ! {
     for (case, channels) in [("1", 1), ("2", 2)] {
         bench.run_follows(case, channels);
     }
-    let mut scratch = Scratch::new();
+    let mut beside = Beside::new();
+    // No axis has the last table.
+    let mut scratch = Scratch::new(&mut beside, &TABLE_STORES.places[TABLES - 1]);
     bench.run_worst(&mut scratch);
     debug::exit(debug::EXIT_SUCCESS);
     loop {

@@ -16,7 +16,7 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{debug, hprintln};
-use dispatcher::tables::{Draft, Fields, Kind, Scratch};
+use dispatcher::tables::{Beside, Draft, Fields, Kind, Scratch};
 use hal as _; // the vector table
 use probes::{AXES, STORES, TABLE_STORES, Thread};
 use servo::follow;
@@ -24,6 +24,7 @@ use servo::laser::{self, Carrier, Change, Clock, Delays, Family, Fine, Plan, Pow
 use servo::op::{Entry, Mode, Op};
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
+use servo::pvt::TABLES;
 use servo::ramp::{Accel, Speed};
 use servo::tick::{Lanes, Tick};
 use servo::units::{Axis, AxisMask, Ns, Pos};
@@ -150,7 +151,7 @@ impl Bench {
     }
 
     /// Gives an axis a table of its own: as many segments, of the same length.
-    fn load_table(&mut self, axis: Axis, scratch: &mut Scratch) {
+    fn load_table(&mut self, axis: Axis, scratch: &mut Scratch<'_>) {
         let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
         let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, true, scratch);
         let Ok(mut draft) = draft else { panic!("the table is refused") };
@@ -178,7 +179,7 @@ impl Bench {
         then
     }
 
-    fn run_tables(&mut self, case: &str, running: usize, ready: bool, scratch: &mut Scratch) {
+    fn run_tables(&mut self, case: &str, running: usize, ready: bool, scratch: &mut Scratch<'_>) {
         let mut axes = AxisMask(0);
         for axis in (0..running).filter_map(Axis::new) {
             self.load_table(axis, scratch);
@@ -376,7 +377,9 @@ fn main() -> ! {
     }
     bench.run("1", 1, true);
     bench.run("8", 8, true);
-    let mut scratch = Scratch::new();
+    let mut beside = Beside::new();
+    // No axis has the last table.
+    let mut scratch = Scratch::new(&mut beside, &TABLE_STORES.places[TABLES - 1]);
     for (case, running) in [("1", 1), ("8", 8)] {
         bench.run_tables(case, running, false, &mut scratch);
         bench.run_tables(case, running, true, &mut scratch);
