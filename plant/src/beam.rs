@@ -68,11 +68,18 @@ pub struct Stage {
     waiting: [(u64, Action); WAITING],
     first: usize,
     end: usize,
+    /// A last pulse is finished if it ends within this time.
+    finish: u64,
 }
 
 impl Stage {
-    /// At rest.
+    /// At rest; a count is a ns.
     pub const fn new() -> Stage {
+        Stage::counting(FINISH_NS as u64)
+    }
+
+    /// At rest, in counts of another clock, of which [`FINISH_NS`] is so many. Instants, widths and periods are such counts.
+    pub const fn counting(finish: u64) -> Stage {
         Stage {
             switch: false,
             dac: 0,
@@ -87,6 +94,7 @@ impl Stage {
             waiting: [(0, Action::Switch(false)); WAITING],
             first: 0,
             end: 0,
+            finish,
         }
     }
 
@@ -198,7 +206,7 @@ impl Stage {
     fn begin(&mut self, at: u64, train: Train, cut: bool) {
         self.begins = at;
         if let Some(pulse) = self.pulse.as_mut().filter(|pulse| pulse.end > at) {
-            if cut || pulse.end.wrapping_sub(at) > FINISH_NS.into() {
+            if cut || pulse.end.wrapping_sub(at) > self.finish {
                 pulse.end = at;
             } else {
                 self.begins = pulse.end;

@@ -20,6 +20,7 @@
 //! | `dither` | frequencies and duties in counts of a timer |
 //! | `light` | the time that light was on |
 //! | `plan` | the plan of a tick: what timers carry out |
+//! | `rounds` | how timers carry it out: rounds of preloaded registers; `energy_rounds`, `switch_rounds` make them |
 //! | `safety` | the state machine through which every plan passes last |
 mod buffered;
 mod channel;
@@ -27,13 +28,16 @@ mod distance;
 mod dither;
 mod double;
 mod energy;
+mod energy_rounds;
 mod follow;
 mod gate;
 mod law;
 mod light;
 mod plan;
 mod power;
+mod rounds;
 mod safety;
+mod switch_rounds;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -42,11 +46,14 @@ mod whose;
 pub use buffered::Buffered;
 pub use distance::{Distance, Ratios};
 pub use dither::{Carrier, Clock, DUTY_STEPS, Fine, PPM, Pattern, Standby};
+pub use energy_rounds::{Energy, LEAST as LEAST_OF_ENERGY};
 pub use follow::{PathSpeed, Ratio, Source};
 pub use law::Family;
 pub use plan::{Action, Count, FINISH_NS, PLACES, Plan, Train};
 pub use power::{Bounds, Power, Refused};
+pub use rounds::Scale;
 pub use safety::Cause;
+pub use switch_rounds::{LEAST as LEAST_OF_SWITCHES, Round, Switches};
 pub use tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Tables};
 
 use crate::axis::AxisState;
@@ -331,6 +338,7 @@ impl Lasers {
     ) {
         let interlock = port.interlock();
         let around = Surroundings { clock: self.clock, speeds: &self.speeds, tables, axes };
+        self.plan.lasts = period.0 as u32;
         for (index, channel) in self.channels.iter_mut().enumerate() {
             channel.step(next, period, interlock, &around, &mut self.plan);
             port.laser(index, &self.plan);

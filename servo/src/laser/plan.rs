@@ -108,6 +108,8 @@ pub struct Plan {
     /// a DAC whose last [`Action::Volts`] was not 0 at 0 V. What an earlier plan has still to do is void, and
     /// there are no actions.
     pub rest: bool,
+    /// The interval lasts so long, ns: the actions lie in it.
+    pub lasts: u32,
     len: usize,
     /// Offset from the interval's beginning in ns, and what happens there.
     actions: [(u32, Action); PLACES],
@@ -115,7 +117,7 @@ pub struct Plan {
 
 impl Plan {
     /// Nothing happens.
-    pub const EMPTY: Plan = Plan { rest: false, len: 0, actions: [(0, Action::Switch(false)); PLACES] };
+    pub const EMPTY: Plan = Plan { rest: false, lasts: 0, len: 0, actions: [(0, Action::Switch(false)); PLACES] };
 
     /// The actions, in the order of time: ns from the interval's beginning, and what happens there.
     #[inline]
@@ -137,7 +139,7 @@ impl Plan {
 
     /// One more action, not before those there are. One without a place is dropped: see [`Plan::has_room`].
     #[inline(always)]
-    pub(super) fn push(&mut self, at: u32, action: Action) {
+    pub fn push(&mut self, at: u32, action: Action) {
         if let Some(place) = self.actions.get_mut(self.len) {
             *place = (at, action);
             self.len = self.len.wrapping_add(1);

@@ -1,0 +1,385 @@
+//! Plans that timers carry out by rounds give the edges of the model, to one count of the timer.
+//!
+//! The timer here is the plainest one: it counts a round after the other. What is compared with it, [`Stage`], knows nothing of rounds.
+use plant::beam::{Change, Stage};
+use servo::laser::{
+    Action, Clock, Count, Energy, LEAST_OF_ENERGY, LEAST_OF_SWITCHES, PLACES, Plan, Power, Round, Scale, Standby,
+    Switches, Train,
+};
+
+const MHZ: u16 = 240;
+const SCALE: Scale = Scale::of_mhz(MHZ);
+/// 100 µs.
+const FINISH: u64 = 24_000;
+
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 33) % bound
+    }
+
+    /// Evenly spread over the magnitudes of `from` to `to`.
+    fn magnitude(&mut self, from: u64, to: u64) -> u64 {
+        let exponent = (to as f64 / from as f64).ln() * self.below(1 << 20) as f64 / f64::from(1 << 20);
+        ((from as f64 * exponent.exp()) as u64).clamp(from, to)
+    }
+
+    /// 2 MHz to a tenth of a Hz.
+    fn train(&mut self) -> Train {
+        if self.below(8) == 0 {
+            return Train::NONE;
+        }
+        let longest = [1_000, 100_000, 2_400_000_000][self.below(3) as usize];
+        let whole = if self.below(3) == 0 { 120 } else { self.magnitude(120, longest) };
+        let of = [0, 7, 12, 10_000][self.below(4) as usize];
+        let count = |random: &mut Random, whole| {
+            let part = random.below(if of == 0 { 1 << 32 } else { u64::from(of) }) as u32;
+            Count { whole, part: if random.below(2) == 0 { part } else { 0 }, of }
+        };
+        let period = count(self, whole);
+        let wide = match self.below(6) {
+            0 => 0,
+            1 => whole - 1,
+            2 => return Train { period, width: period },
+            3 => self.magnitude(1, whole - 1),
+            _ => self.below(whole),
+        };
+        Train { period, width: count(self, wide) }
+    }
+
+    fn action(&mut self) -> Action {
+        let train = self.train();
+        match self.below(5) {
+            0 => Action::Light(train),
+            1 => {
+                Action::Dark { standby: if self.below(2) == 0 { Train::NONE } else { train }, cut: self.below(2) == 0 }
+            }
+            2 => Action::Switch(self.below(2) == 0),
+            _ => Action::Change(train),
+        }
+    }
+
+    fn plan(&mut self, lasts: u32) -> Plan {
+        let mut plan = Plan::EMPTY;
+        plan.lasts = lasts;
+        let actions = match self.below(20) {
+            0 => PLACES as u64,
+            1..6 => self.below(6),
+            _ => 0,
+        };
+        let mut instants: Vec<u64> = (0..actions).map(|_| self.below(lasts.into())).collect();
+        // Some close together, and on the interval's own beginning.
+        for at in 1..instants.len() {
+            if self.below(3) == 0 {
+                instants[at] = (instants[at - 1] + self.below(600)).min(u64::from(lasts) - 1);
+            }
+        }
+        if let Some(first) = instants.first_mut().filter(|_| self.below(2) == 0) {
+            *first = 0;
+        }
+        instants.sort();
+        for at in instants {
+            let action = self.action();
+            plan.push(at as u32, action);
+        }
+        plan
+    }
+}
+
+/// Active stretches, in counts.
+type Stretches = Vec<(u64, u64)>;
+
+/// An active stretch more, which may touch the one before.
+fn note(stretches: &mut Stretches, begin: u64, end: u64) {
+    match stretches.last_mut() {
+        _ if begin == end => {}
+        Some(last) if last.1 == begin => last.1 = end,
+        _ => stretches.push((begin, end)),
+    }
+}
+
+/// What the model tells.
+#[derive(Default)]
+struct Scope {
+    energy: Stretches,
+    lit: Option<u64>,
+    switch: Stretches,
+    switched: Option<u64>,
+}
+
+impl Scope {
+    fn note(&mut self, change: Change) {
+        let (at, level, begun, stretches) = match change {
+            Change::Energy { at, level } => (at, level, &mut self.lit, &mut self.energy),
+            Change::Switch { at, level } => (at, level, &mut self.switched, &mut self.switch),
+            Change::Pulses(burst) => {
+                burst.pulses().for_each(|(begin, end)| note(&mut self.energy, begin, end));
+                return;
+            }
+            Change::Dac { .. } => return,
+        };
+        match begun.take() {
+            Some(begin) if !level => note(stretches, begin, at),
+            None if level => *begun = Some(at),
+            _ => panic!("{at}: {level} twice"),
+        }
+    }
+
+    /// What lasts at the end, lasts until then.
+    fn end(&mut self, at: u64) {
+        for (begun, stretches) in [(&mut self.lit, &mut self.energy), (&mut self.switched, &mut self.switch)] {
+            if let Some(begin) = begun.take() {
+                note(stretches, begin, at);
+            }
+        }
+    }
+}
+
+fn counts(ns: u32) -> u64 {
+    (u64::from(ns) * u64::from(MHZ) + 500) / 1000
+}
+
+/// When the round that follows those told is read at the latest: at the beginning of the second one before it.
+struct Told {
+    end: u64,
+    last: [u32; 2],
+    least: u32,
+    rounds: u64,
+}
+
+impl Told {
+    fn round(&mut self, length: u32) {
+        assert!((self.least..=65_535).contains(&length), "{} counts at {}", length, self.end);
+        self.end += u64::from(length);
+        self.last = [self.last[1], length];
+        self.rounds += 1;
+    }
+
+    fn read_by(&self) -> u64 {
+        self.end - u64::from(self.last[0]) - u64::from(self.last[1])
+    }
+}
+
+/// Where the first rounds begin: so far no plan asks for anything.
+const BEGIN: u64 = 336;
+
+/// A channel's edges from rounds and from the model, over so many ticks.
+fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64) {
+    let mut rounds = Energy::from(BEGIN, SCALE);
+    let (mut stage, mut scope) = (Stage::counting(FINISH), Scope::default());
+    let mut got = Stretches::new();
+    let mut told = Told { end: BEGIN, last: [168, 168], least: LEAST_OF_ENERGY, rounds: 0 };
+    let mut lasts = 50_000;
+    let (mut from, mut worst) = (counts(lasts), 0);
+    for tick in 0..ticks {
+        if random.below(10) == 0 {
+            lasts = (10 + random.below(241) as u32) * 1000;
+        }
+        let plan = random.plan(lasts);
+        if tick > 0 {
+            worst = worst.max(from - told.read_by());
+        }
+        let to = from + counts(lasts);
+        stage.run_to(from, &mut |change| scope.note(change));
+        for (at, action) in plan.actions() {
+            stage.push(from + counts(*at), *action);
+        }
+        rounds.take(from, to, &plan, &mut |length, light| {
+            assert!(light <= length);
+            note(&mut got, told.end, told.end + u64::from(light));
+            told.round(length);
+        });
+        assert_eq!(rounds.told(), told.end);
+        from = to;
+    }
+    let mut end = Plan::EMPTY;
+    end.push(0, Action::Dark { standby: Train::NONE, cut: true });
+    stage.push(from, Action::Dark { standby: Train::NONE, cut: true });
+    rounds.take(from, from + 60_000, &end, &mut |length, light| {
+        note(&mut got, told.end, told.end + u64::from(light));
+        told.round(length);
+    });
+    stage.run_to(from + 60_000, &mut |change| scope.note(change));
+    scope.end(from + 60_000);
+    (scope.energy, got, worst, told.rounds)
+}
+
+/// A pulse is missing that ends before the next one begins, less than the shortest round behind it.
+fn without_lost(stretches: &[(u64, u64)]) -> Stretches {
+    let mut kept = Stretches::new();
+    for (n, stretch) in stretches.iter().enumerate() {
+        let next = stretches.get(n + 1).map_or(u64::MAX, |next| next.0);
+        if next - stretch.0 >= u64::from(LEAST_OF_ENERGY) {
+            kept.push(*stretch);
+        }
+    }
+    kept
+}
+
+#[test]
+fn the_energy_is_the_models_to_a_count() {
+    let runs = std::env::var("BEAMTICK_ROUNDS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(400);
+    let (mut edges, mut lost, mut worst, mut rounds) = (0, 0, 0, 0);
+    for seed in 0..runs {
+        let mut random = Random(seed);
+        let (model, got, late, told) = energy(&mut random, 60);
+        let expected = without_lost(&model);
+        let differs = expected.iter().zip(&got).position(|(a, b)| a != b);
+        let from = differs.unwrap_or(expected.len().min(got.len()).saturating_sub(2)).saturating_sub(2);
+        assert!(
+            expected == got,
+            "seed {seed}, pulse {from} of {}:\n{:?}\n{:?}",
+            expected.len(),
+            expected.iter().skip(from).take(5).collect::<Vec<_>>(),
+            got.iter().skip(from).take(5).collect::<Vec<_>>()
+        );
+        (edges, lost) = (edges + expected.len(), lost + model.len() - expected.len());
+        (worst, rounds) = (worst.max(late), rounds + told);
+    }
+    println!("{edges} pulses, {lost} lost, {rounds} rounds, read {worst} counts before the end of what is known");
+    assert!(edges > 1_000 * runs as usize && lost * 100 < edges, "{edges}, {lost}");
+    // Seven rounds of the shortest length, and a count of rounding.
+    assert!(worst <= 7 * u64::from(LEAST_OF_ENERGY) + 1, "{worst}");
+}
+
+/// Both switches' edges from rounds and from the models.
+fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2], u64) {
+    let mut rounds = Switches::from(BEGIN, SCALE);
+    let mut stages = [Stage::counting(FINISH), Stage::counting(FINISH)];
+    let mut scopes = [Scope::default(), Scope::default()];
+    let mut got = [Stretches::new(), Stretches::new()];
+    let mut told = Told { end: BEGIN, last: [168, 168], least: LEAST_OF_SWITCHES, rounds: 0 };
+    let mut lasts = 50_000;
+    let (mut from, mut worst) = (counts(lasts), 0);
+    for tick in 0..=ticks {
+        if random.below(10) == 0 {
+            lasts = (10 + random.below(241) as u32) * 1000;
+        }
+        if tick > 0 {
+            worst = worst.max(from - told.read_by());
+        }
+        let to = from + counts(lasts);
+        let mut plans = [random.plan(lasts), random.plan(lasts)];
+        if tick == ticks {
+            plans = [Plan::EMPTY, Plan::EMPTY];
+            plans.iter_mut().for_each(|plan| plan.push(0, Action::Switch(false)));
+        } else if random.below(4) == 0 {
+            // Together, or nearly so.
+            let shift = random.below(3) as u32 * 10;
+            let mut other = Plan::EMPTY;
+            for (at, action) in plans[0].actions() {
+                other.push((at + shift).min(lasts - 1), *action);
+            }
+            plans[1] = other;
+        }
+        for ((plan, stage), scope) in plans.iter().zip(&mut stages).zip(&mut scopes) {
+            stage.run_to(from, &mut |change| scope.note(change));
+            for (at, action) in plan.actions() {
+                stage.push(from + counts(*at), *action);
+            }
+        }
+        rounds.hold(&plans[0]);
+        rounds.take(from, to, &plans[1], &mut |round| {
+            let Round { length, falls, rises } = round;
+            for ((got, falls), rises) in got.iter_mut().zip(falls).zip(rises) {
+                assert!(falls <= rises && falls <= length && rises <= 65_535);
+                note(got, told.end, told.end + u64::from(falls));
+                note(got, told.end + u64::from(rises.min(length)), told.end + u64::from(length));
+            }
+            told.round(length);
+        });
+        assert_eq!(rounds.told(), told.end);
+        from = to;
+    }
+    for (stage, scope) in stages.iter_mut().zip(&mut scopes) {
+        stage.run_to(from, &mut |change| scope.note(change));
+        scope.end(from);
+    }
+    (scopes.map(|scope| scope.switch), got, worst)
+}
+
+#[test]
+fn the_switches_are_the_models_to_a_count() {
+    let runs = std::env::var("BEAMTICK_ROUNDS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(400);
+    let (mut edges, mut missing, mut worst) = (0, 0, 0);
+    for seed in 0..runs {
+        let (model, got, late) = switches(&mut Random(seed), 60);
+        for (model, got) in model.iter().zip(&got) {
+            let lost: Vec<_> = model.iter().filter(|stretch| !got.contains(stretch)).collect();
+            // What differs is missing, and short.
+            assert!(
+                lost.iter().all(|(begin, end)| end - begin < u64::from(LEAST_OF_SWITCHES)),
+                "seed {seed}: {lost:?} of {model:?}\n{got:?}"
+            );
+            assert_eq!(got.len() + lost.len(), model.len(), "seed {seed}");
+            (edges, missing) = (edges + model.len(), missing + lost.len());
+        }
+        worst = worst.max(late);
+    }
+    println!("{edges} stretches, {missing} missing, read {worst} counts before the end of what is known");
+    assert!(edges > 20 * runs as usize, "{edges}");
+    assert!(missing > 0 && missing * 4 < edges, "{missing} of {edges}");
+    assert!(worst <= 7 * u64::from(LEAST_OF_SWITCHES) + 1, "{worst}");
+}
+
+/// The first so many pulses of a train as a timer carries them out: counts from the first one's beginning to that of the one behind,
+/// counts of light, and pulses that begin with a round.
+fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
+    let whole = train.period.whole * pulses + u64::from(train.period.part) * pulses / u64::from(train.period.of.max(1));
+    let lasts = 250_000;
+    let mut rounds = Energy::from(BEGIN, SCALE);
+    let (mut from, mut told) = (counts(lasts), BEGIN);
+    let begin = from;
+    let (mut light, mut lit, mut begun) = (0, false, 0);
+    let mut plan = Plan::EMPTY;
+    plan.push(0, Action::Light(train));
+    while told < begin + whole {
+        let to = from + counts(lasts);
+        rounds.take(from, to, &plan, &mut |length, on| {
+            // Of the rounds, what lies in the repetition.
+            let (first, end) = (told.clamp(begin, begin + whole), (told + u64::from(on)).clamp(begin, begin + whole));
+            light += end - first;
+            begun += u64::from(on > 0 && !lit && told >= begin && told < begin + whole);
+            told += u64::from(length);
+            lit = on == length;
+        });
+        plan = Plan::EMPTY;
+        from = to;
+    }
+    (whole, light, begun)
+}
+
+/// Every frequency from 1 Hz to 2 MHz and every duty, over one repetition: within 1 ppm and 0.001 % (SPEC 11).
+#[test]
+fn frequencies_and_duties_are_exact_in_the_mean() {
+    let clock = Clock::from_mhz(MHZ).unwrap();
+    let mut random = Random(3);
+    // mHz: a grid over the magnitudes, round ones, and any.
+    let mut frequencies: Vec<u64> = (0..=240).map(|n| (1000.0 * 10f64.powf(f64::from(n) / 38.087)) as u64).collect();
+    frequencies.extend([1, 2, 5, 10, 24, 96, 100, 1000, 1999, 2000].map(|khz| khz * 1_000_000));
+    frequencies.extend([1_999_999_999, 1_999_999_000, 1_904_761_905, 333_333_333, 1_000, 1_001, 1_500]);
+    frequencies.extend((0..200).map(|_| random.magnitude(1_000, 2_000_000_000)));
+    frequencies.extend((0..200).map(|_| 1_000_000_000 + random.below(1_000_000_000)));
+    let mut pulses_seen = 0;
+    for mhz in frequencies.into_iter().map(|mhz| mhz.min(2_000_000_000)) {
+        for duty in [0, 1, 100_000, 50_000, 99_999, random.below(100_001), random.below(100_001)] {
+            let power = |value: f64| Power::admit(value.to_bits()).unwrap();
+            let train = *Standby::admit(power(mhz as f64 / 1e6), power(duty as f64 / 1e3), clock).unwrap().train();
+            let periods = u64::from(train.period.of);
+            let (whole, light, begun) = carried_out(train, periods);
+            let name = format!("{mhz} mHz, {duty}/1000 %: {train:?}: {whole} counts, {light} of light");
+            let (cycles, exact) = (u128::from(whole) * u128::from(mhz), u128::from(periods) * 240_000_000_000);
+            assert!(cycles.abs_diff(exact) * 1_000_000 <= cycles, "{name}");
+            let on = u128::from(light) * 100_000;
+            assert!(on.abs_diff(u128::from(duty) * u128::from(whole)) <= u128::from(whole), "{name}");
+            // Each pulse has its own beginning, where pulses have gaps and gaps pulses.
+            if (1..train.period.whole).contains(&train.width.whole) && train.width.whole + 1 < train.period.whole {
+                assert_eq!(begun, periods, "{name}");
+            }
+            pulses_seen += periods;
+        }
+    }
+    assert!(pulses_seen > 100_000, "{pulses_seen}");
+}

@@ -1,0 +1,262 @@
+//! The energy output of a channel as rounds of a timer that begin with light, or have none.
+//!
+//! In: a [`Plan`] a tick. Out: rounds: length, and light from the beginning on, in counts. Owns train, pulse in progress, and the
+//! rounds that may still become others. Fails never.
+//!
+//! Each pulse begins with a round; a pulse that begins sooner than [`LEAST`] behind the one before it, with a gap between them,
+//! takes its place: that one is not output. It takes light or standby that is cut within 350 ns of a pulse's beginning, and
+//! the pulse has ended before; carriers never come near.
+use super::dither::Pattern;
+use super::plan::{Action, FINISH_NS, Plan, Train};
+use super::rounds::{LATE, Lengths, MOST, Scale};
+
+/// The shortest round, in counts: 350 ns at 240 MHz, in which DMA brings three half-words.
+pub const LEAST: u32 = 84;
+
+/// A pulse that has a round to come.
+#[derive(Debug, Clone, Copy)]
+struct Pulse {
+    begin: u64,
+    end: u64,
+}
+
+/// See the module text. Instants are counts of the timer since it began.
+#[derive(Debug, Clone)]
+pub struct Energy {
+    scale: Scale,
+    /// Where the round begins that is not told yet, and where its light ends.
+    begin: u64,
+    until: u64,
+    /// The pulse that ends that round, if nothing comes between.
+    next: Option<Pulse>,
+    train: Train,
+    pattern: Pattern,
+    /// A period is in progress: it began, it ends.
+    runs: bool,
+    period_begin: u64,
+    period_end: u64,
+    /// Without one: where the train begins.
+    begins: u64,
+    /// The last pulse's end.
+    pulse_end: u64,
+    /// What is known ends here.
+    known: u64,
+}
+
+impl Energy {
+    /// Dark; the first round begins at this count.
+    pub const fn from(begin: u64, scale: Scale) -> Energy {
+        Energy {
+            scale,
+            begin,
+            until: begin,
+            next: None,
+            train: Train::NONE,
+            pattern: Pattern::BEGIN,
+            runs: false,
+            period_begin: begin,
+            period_end: begin,
+            begins: begin,
+            pulse_end: begin,
+            known: begin,
+        }
+    }
+
+    /// Where the rounds told so far end.
+    pub const fn told(&self) -> u64 {
+        self.begin
+    }
+
+    /// A plan for the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by it.
+    #[inline]
+    pub fn take(&mut self, from: u64, to: u64, plan: &Plan, sink: &mut impl FnMut(u32, u32)) {
+        self.known = to;
+        if plan.rest {
+            self.rest();
+        }
+        for (at, action) in plan.actions() {
+            let at = from.wrapping_add(self.scale.counts(*at).into());
+            match action {
+                Action::Light(train) => {
+                    self.pulses_to(at, sink);
+                    self.enter(at, train, true);
+                }
+                Action::Dark { standby, cut } => {
+                    self.pulses_to(at, sink);
+                    self.enter(at, standby, *cut);
+                }
+                Action::Change(train) => {
+                    self.pulses_to(at, sink);
+                    self.change(at, train);
+                }
+                Action::Switch(_) | Action::Volts(_) => {}
+            }
+        }
+        self.pulses_to(to, sink);
+        self.tell_certain(sink);
+    }
+
+    /// Nothing that is not told yet has light.
+    fn rest(&mut self) {
+        (self.train, self.runs, self.next) = (Train::NONE, false, None);
+        (self.until, self.pulse_end, self.begins) = (self.begin, self.begin, self.begin);
+        self.pattern = Pattern::BEGIN;
+    }
+
+    /// A train begins; the pulse in progress is cut, or finished if it ends soon, before it.
+    fn enter(&mut self, at: u64, train: &Train, cut: bool) {
+        self.begins = at;
+        if self.pulse_end > at {
+            if cut || self.pulse_end.wrapping_sub(at) > self.scale.counts(FINISH_NS).into() {
+                self.cut(at);
+            } else {
+                self.begins = self.pulse_end;
+            }
+        }
+        (self.train, self.runs, self.pattern) = (*train, false, Pattern::BEGIN);
+    }
+
+    /// The train goes on as another one.
+    fn change(&mut self, at: u64, train: &Train) {
+        if self.train.is_none() && !self.runs {
+            self.begins = self.begins.max(at);
+        }
+        self.train = *train;
+        if self.runs && !train.is_none() {
+            let end = self.period_begin.saturating_add(train.period.whole).max(at).max(self.pulse_end);
+            self.period_end = self.period_end.min(end);
+        }
+    }
+
+    /// Follows the train to `to`, not included.
+    #[inline]
+    fn pulses_to(&mut self, to: u64, sink: &mut impl FnMut(u32, u32)) {
+        // A period has a count at least, and what is known is some 10⁵ counts.
+        loop {
+            if self.runs && self.is_steady() {
+                self.periods(to, sink);
+            }
+            let at = if self.runs { self.period_end } else { self.begins };
+            if at >= to {
+                break;
+            }
+            if self.train.is_none() {
+                (self.runs, self.begins, self.pattern) = (false, to, Pattern::BEGIN);
+                break;
+            }
+            let (period, width) = self.pattern.step(&self.train);
+            (self.runs, self.period_begin, self.period_end) = (true, at, at.saturating_add(period.max(1)));
+            if width > 0 {
+                self.pulse_end = at.saturating_add(width);
+                self.pulse(at, self.pulse_end, sink);
+            }
+        }
+    }
+
+    /// Whether each period of the train can be a round, and the one in progress has one to come.
+    #[inline(always)]
+    fn is_steady(&self) -> bool {
+        let periods = LEAST as u64..(MOST as u64).wrapping_sub(1);
+        periods.contains(&self.train.period.whole)
+            && self.next.is_some_and(|next| {
+                next.begin == self.period_begin
+                    && periods.contains(&self.period_end.wrapping_sub(next.begin))
+                    // It had its pulse cut, or its end comes from another train: rounds tell by the pulse's end.
+                    && next.end <= self.period_end
+            })
+    }
+
+    /// Periods of a steady train, each as a round, while they are certain.
+    #[inline]
+    fn periods(&mut self, to: u64, sink: &mut impl FnMut(u32, u32)) {
+        let Some(next) = self.next else { return };
+        // What is known is far below 2³² counts.
+        let mut length = self.period_end.wrapping_sub(next.begin) as u32;
+        // Behind long rounds come short ones.
+        let is_short = (length.max(self.train.period.whole as u32)) < 2 * LEAST - 1;
+        let margin = if is_short { LEAST } else { LATE * LEAST };
+        let mut left = (to.saturating_sub(next.begin) as u32).saturating_sub(margin);
+        if length > left {
+            return;
+        }
+        self.close(next.begin, sink);
+        let mut light = next.end.wrapping_sub(next.begin) as u32;
+        let mut begin = next.begin;
+        while length <= left {
+            sink(length, light);
+            left = left.wrapping_sub(length);
+            begin = begin.wrapping_add(length.into());
+            let (period, width) = self.pattern.step(&self.train);
+            (length, light) = (period as u32, width as u32);
+        }
+        (self.begin, self.until) = (begin, begin);
+        (self.period_begin, self.period_end) = (begin, begin.wrapping_add(length.into()));
+        if light > 0 {
+            self.pulse_end = begin.wrapping_add(light.into());
+        }
+        // A round begins here even without light: its period is steady.
+        self.next = None;
+        self.until = begin.wrapping_add(light.into());
+    }
+
+    /// Light from `at` to `until`.
+    #[inline]
+    fn pulse(&mut self, at: u64, until: u64, sink: &mut impl FnMut(u32, u32)) {
+        // What is told already, behind a restart, is dark.
+        let at = at.max(self.begin);
+        if let Some(next) = &mut self.next {
+            if at.wrapping_sub(next.begin) < LEAST.into() {
+                if next.end < at {
+                    next.begin = at;
+                }
+                next.end = until;
+                return;
+            }
+            let begin = next.begin;
+            self.close(begin, sink);
+        }
+        if self.until >= at && self.until > self.begin {
+            self.until = until;
+        } else if at == self.begin {
+            self.until = until.max(at);
+        } else {
+            self.next = Some(Pulse { begin: at, end: until });
+        }
+    }
+
+    /// The pulse in progress ends at `at`.
+    fn cut(&mut self, at: u64) {
+        self.pulse_end = at;
+        let end = self.next.as_mut().map_or(&mut self.until, |next| &mut next.end);
+        *end = (*end).min(at);
+    }
+
+    /// Tells everything up to `at`, where a round begins: with the next pulse, if there is one.
+    #[inline]
+    fn close(&mut self, at: u64, sink: &mut impl FnMut(u32, u32)) {
+        let mut light = self.until.saturating_sub(self.begin);
+        let is_late = at.wrapping_add((LATE * LEAST).into()) > self.known;
+        for length in Lengths::of(at.saturating_sub(self.begin) as u32, LEAST, is_late) {
+            sink(length, light.min(length.into()) as u32);
+            light = light.saturating_sub(length.into());
+        }
+        self.begin = self.begin.max(at);
+        if let Some(next) = self.next.take_if(|next| next.begin == at) {
+            self.until = next.end;
+        }
+    }
+
+    /// Tells what nothing that is not known yet can change.
+    fn tell_certain(&mut self, sink: &mut impl FnMut(u32, u32)) {
+        let least = u64::from(LEAST);
+        if let Some(next) = self.next
+            && next.begin.wrapping_add(least) <= self.known
+        {
+            self.close(next.begin, sink);
+        }
+        let certain = self.next.map_or(self.known, |next| next.begin).saturating_sub(least);
+        if certain >= self.begin.wrapping_add(least) {
+            self.close(certain, sink);
+        }
+    }
+}

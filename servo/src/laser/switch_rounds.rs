@@ -1,0 +1,178 @@
+//! The switch outputs of both channels as rounds of one timer, in each of which an output may fall once and then rise once.
+//!
+//! In: the [`Plan`]s of a tick. Out: rounds ([`Round`]). Owns levels, and the round that is not told yet. Fails never.
+//!
+//! An active pulse shorter than [`LEAST`] may be missing, where the round that would begin with its end had no room; the
+//! shortest pulse that a command asks for is 1 µs. Gaps are as they should be, whatever their length.
+use super::CHANNELS;
+use super::plan::{Action, PLACES, Plan};
+use super::rounds::{FAR, LATE, Lengths, Scale};
+
+/// The shortest round, in counts: 500 ns at 240 MHz, in which DMA brings six half-words.
+pub const LEAST: u32 = 120;
+
+/// Behind the end of any round.
+const NEVER: u32 = 65_535;
+
+/// A round: its length in counts, and for each output the count at which it falls, if it begins active, and the one at
+/// which it rises: active are counts below the first one and from the second one on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Round {
+    /// Counts, at most 65 535.
+    pub length: u32,
+    /// 0: it begins inactive.
+    pub falls: [u32; CHANNELS],
+    /// The length or more: it does not rise.
+    pub rises: [u32; CHANNELS],
+}
+
+/// An output in the round that is not told yet.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    /// It is active until then; [`FAR`]: so far.
+    falls: u64,
+    /// And again from then on; [`FAR`]: not so far.
+    rises: u64,
+}
+
+impl Line {
+    /// The round ends at `at`, and the next one begins.
+    fn renew(&mut self, at: u64) {
+        if self.rises <= at {
+            *self = Line { falls: FAR, rises: FAR };
+        } else {
+            self.falls = self.falls.max(at);
+        }
+    }
+}
+
+/// See the module text. Instants are counts of the timer since it began.
+#[derive(Debug, Clone)]
+pub struct Switches {
+    scale: Scale,
+    begin: u64,
+    lines: [Line; CHANNELS],
+    known: u64,
+    /// Edges of the first channel, until the second one's are known too: counts from the interval's beginning, twice, and the
+    /// level in the last bit.
+    edges: [u32; PLACES],
+    waiting: usize,
+}
+
+impl Switches {
+    /// Inactive; the first round begins at this count.
+    pub const fn from(begin: u64, scale: Scale) -> Switches {
+        Switches {
+            scale,
+            begin,
+            lines: [Line { falls: begin, rises: FAR }; CHANNELS],
+            known: begin,
+            edges: [0; PLACES],
+            waiting: 0,
+        }
+    }
+
+    /// Where the rounds told so far end.
+    pub const fn told(&self) -> u64 {
+        self.begin
+    }
+
+    /// What is not told yet of an output is inactive.
+    pub fn rest(&mut self, channel: usize) {
+        if let Some(line) = self.lines.get_mut(channel) {
+            *line = Line { falls: self.begin, rises: FAR };
+        }
+        if channel == 0 {
+            self.waiting = 0;
+        }
+    }
+
+    /// The first channel's plan of the interval whose second comes to [`Switches::take`].
+    #[inline]
+    pub fn hold(&mut self, plan: &Plan) {
+        self.waiting = 0;
+        if plan.rest {
+            self.rest(0);
+        }
+        for (at, action) in plan.actions() {
+            if let Action::Switch(level) = action
+                && let Some(place) = self.edges.get_mut(self.waiting)
+            {
+                *place = self.scale.counts(*at) << 1 | u32::from(*level);
+                self.waiting = self.waiting.wrapping_add(1);
+            }
+        }
+    }
+
+    /// The second channel's plan of the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by both.
+    #[inline]
+    pub fn take(&mut self, from: u64, to: u64, plan: &Plan, sink: &mut impl FnMut(Round)) {
+        self.known = to;
+        if plan.rest {
+            self.rest(1);
+        }
+        let mut held = 0;
+        for (at, action) in plan.actions() {
+            if let Action::Switch(level) = action {
+                let at = self.scale.counts(*at);
+                held = self.held_to(at, from, held, sink);
+                self.edge(1, from.wrapping_add(at.into()), *level, sink);
+            }
+        }
+        self.held_to(u32::MAX >> 1, from, held, sink);
+        self.waiting = 0;
+        let certain = to.saturating_sub(LEAST.into());
+        if certain >= self.begin.wrapping_add(LEAST.into()) {
+            self.close(certain, sink);
+        }
+    }
+
+    /// The first channel's edges up to `to`, included; `held` of them are done, and the result after it.
+    fn held_to(&mut self, to: u32, from: u64, held: usize, sink: &mut impl FnMut(Round)) -> usize {
+        let mut held = held;
+        while let Some(edge) = self.edges.get(held).copied().filter(|edge| held < self.waiting && edge >> 1 <= to) {
+            self.edge(0, from.wrapping_add((edge >> 1).into()), edge & 1 == 1, sink);
+            held = held.wrapping_add(1);
+        }
+        held
+    }
+
+    /// An output goes to a level.
+    fn edge(&mut self, channel: usize, at: u64, level: bool, sink: &mut impl FnMut(Round)) {
+        let at = at.max(self.begin);
+        let begin = self.begin;
+        let Some(line) = self.lines.get_mut(channel) else { return };
+        match (level, line.rises == FAR) {
+            // It is active.
+            (true, false) => {}
+            (true, true) if line.falls == FAR => {}
+            // It fell in this instant.
+            (true, true) if line.falls == at => line.falls = FAR,
+            (true, true) => line.rises = at,
+            (false, true) => line.falls = line.falls.min(at),
+            (false, false) if at == line.rises || at.wrapping_sub(begin) < LEAST.into() => line.rises = FAR,
+            (false, false) => {
+                self.close(at, sink);
+                if let Some(line) = self.lines.get_mut(channel) {
+                    *line = Line { falls: at, rises: FAR };
+                }
+            }
+        }
+    }
+
+    /// Tells everything up to `at`, where a round begins.
+    fn close(&mut self, at: u64, sink: &mut impl FnMut(Round)) {
+        let is_late = at.wrapping_add((LATE * LEAST).into()) > self.known;
+        for length in Lengths::of(at.saturating_sub(self.begin) as u32, LEAST, is_late) {
+            let (begin, end) = (self.begin, self.begin.wrapping_add(length.into()));
+            let mut round = Round { length, ..Round::default() };
+            for ((line, falls), rises) in self.lines.iter_mut().zip(&mut round.falls).zip(&mut round.rises) {
+                *falls = line.falls.min(end).saturating_sub(begin) as u32;
+                *rises = if line.rises < end { line.rises.wrapping_sub(begin) as u32 } else { NEVER };
+                line.renew(end);
+            }
+            sink(round);
+            self.begin = end;
+        }
+    }
+}
