@@ -94,7 +94,8 @@ pub fn tick() {
     servo.machine.advance(period_ns);
     servo.timer.begin();
     servo.tick.run(&mut servo.machine, &mut servo.lanes);
-    if servo.timer.has_overrun() {
+    let in_time = servo.machine.emit();
+    if !in_time || servo.timer.has_overrun() {
         servo.tick.overrun();
     }
     ring_bell();

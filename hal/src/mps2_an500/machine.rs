@@ -34,6 +34,11 @@ impl<const AXES: usize> Machine<AXES> {
             self.gain = Gain::of_period(period_ns);
         }
     }
+
+    /// The tick has been computed. Steps are the plant's: nothing is to be put out, and nothing comes too late.
+    pub fn emit(&mut self) -> bool {
+        true
+    }
 }
 
 impl<const AXES: usize> Port for Machine<AXES> {

@@ -1,9 +1,10 @@
 //! What the tick reads and drives on this board: inputs, servo enables and general outputs.
 //!
 //! In: set-points and outputs of the tick. Out: the levels of the pins, read together once a tick. Owns the tick's share of
-//! [`pins`]. Steps, lasers and analog outputs have no driver yet: their pins stay at rest (docs/board-h743.md), and the
-//! encoder of an axis is the pulse at which a step output would stand. Fails never.
+//! [`pins`], and [`steps`]. Lasers and analog outputs have no driver yet: their pins stay at rest (docs/board-h743.md), and
+//! the encoder of an axis is the pulse at which its step output stands. Fails never.
 use super::pins::{self, AXES, Levels};
+use super::steps::Steps;
 use servo::laser::Plan;
 use servo::port::{AxisInputs, Port};
 use servo::steps;
@@ -13,7 +14,8 @@ use servo::units::{Axis, Pos};
 #[derive(Debug)]
 pub struct Machine {
     levels: Levels,
-    /// Whole pulses of the set-points in force, and of those that the next tick puts in force.
+    steps: Steps,
+    /// Pulses at which the outputs stand, and those of the set-points that the next tick puts in force.
     stands: [i64; AXES],
     goes_to: [i64; AXES],
     /// Servo enables and general outputs that are driven, and those that the next tick drives.
@@ -23,17 +25,31 @@ pub struct Machine {
 
 impl Machine {
     /// At rest at zero.
-    pub const AT_REST: Machine =
-        Machine { levels: Levels::LOW, stands: [0; AXES], goes_to: [0; AXES], driven: (0, 0), drives: (0, 0) };
+    pub const AT_REST: Machine = Machine {
+        levels: Levels::LOW,
+        steps: Steps::AT_REST,
+        stands: [0; AXES],
+        goes_to: [0; AXES],
+        driven: (0, 0),
+        drives: (0, 0),
+    };
 
     /// A tick begins, which lasts so many ns: what was planned for it is in force.
-    pub fn advance(&mut self, _: u32) {
+    pub fn advance(&mut self, period_ns: u32) {
+        self.steps.begin(period_ns);
         if self.driven != self.drives {
             self.driven = self.drives;
             pins::set(self.drives.0, self.drives.1);
         }
         self.levels = Levels::read();
-        self.stands = self.goes_to;
+        for (axis, stands) in self.stands.iter_mut().enumerate() {
+            *stands = self.steps.stands(axis);
+        }
+    }
+
+    /// The tick has been computed: the steps of the next one go where DMA finds them. False if it took too long for that.
+    pub fn emit(&mut self) -> bool {
+        self.steps.fill(&self.goes_to)
     }
 }
 

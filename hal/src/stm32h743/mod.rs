@@ -11,7 +11,9 @@ pub mod clocks;
 pub mod idle;
 pub mod machine;
 pub mod pins;
+pub mod settings;
 mod start;
+pub mod steps;
 pub mod timer;
 pub mod uart;
 pub mod watchdog;
@@ -141,6 +143,7 @@ pub fn rest() {
     cortex_m::asm::dsb();
     cortex_m::asm::isb();
     pins::rest();
+    steps::stop();
     timer::stop();
     NVIC::mask(Interrupt::USART3);
 }

@@ -32,11 +32,14 @@ const GENERAL_OUT: [Pin; 6] = [(GPIOE, 1), (GPIOB, 14), (GPIOG, 10), (GPIOG, 12)
 /// General outputs.
 pub const GENERAL_OUTPUTS: usize = GENERAL_OUT.len();
 
+/// Directions on pins 0 to 7, steps on 8 to 15, as the words of [`servo::steps::output`] have them.
+const STEPS: Gpio = GPIOF;
+
 const LINK: [Pin; 2] = [(GPIOD, 8), (GPIOD, 9)];
 /// USART3 on these.
 const LINK_FUNCTION: u8 = 7;
 
-/// Ports that have outputs.
+/// Ports that have outputs of [`set`].
 const OUT: [Gpio; 3] = [GPIOB, GPIOE, GPIOG];
 
 /// Inputs are read, outputs driven low, the link's pins given to USART3.
@@ -64,6 +67,11 @@ pub unsafe fn open() {
         input(pin, Pupdr::PULL_UP);
     }
     set(0, 0);
+    for pin in 0..2 * AXES {
+        // Low, as the reset has left the port.
+        STEPS.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::MEDIUM_SPEED));
+        STEPS.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
+    }
     for (port, pin) in ENABLE.into_iter().chain(GENERAL_OUT) {
         port.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::LOW_SPEED));
         port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
@@ -83,6 +91,7 @@ fn input((port, pin): Pin, pull: Pupdr) {
 
 /// Every output high-impedance again.
 pub fn rest() {
+    STEPS.moder().write(|w| (0..2 * AXES).for_each(|pin| w.set_moder(pin, Moder::ANALOG)));
     for port in OUT {
         for (owner, pin) in ENABLE.into_iter().chain(GENERAL_OUT) {
             if owner == port {
