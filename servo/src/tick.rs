@@ -213,6 +213,9 @@ impl<const AXES: usize> Tick<AXES> {
             let mut reach = Reach::of(lanes);
             self.step_crds(next, &mut reach);
         }
+        if self.crds.unready.0 & !self.crds.running.0 != 0 {
+            self.crds.get_ready(self.ticks, self.made_ahead(), lanes.paths);
+        }
         if self.order.slaves.0 == 0 {
             self.step_axes::<false>(next, port, lanes);
         } else {

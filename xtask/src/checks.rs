@@ -37,7 +37,7 @@ const STEPS: [Step; 14] = [
     ("what it is made of (cargo-deny)", || alone(supply::check())),
     ("image and probes", || alone(image::report().and_then(|()| board::image()).and_then(|()| probes::cannot_panic()))),
     ("instructions per tick", || alone(ticks::check())),
-    ("traces of image and virtual controller", || alone(traces::run())),
+    ("traces of image and virtual controller", || alone(traces::run(&[]))),
     ("inputs and faults of the emulated board", emulated),
     ("the STM32H743 in emulation", h743),
 ];

@@ -30,7 +30,7 @@ cargo xtask COMMAND
   ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
   ticks --check   counts them and compares with the table
   probes          the programs that must link, must not link, must not compile
-  traces          example jobs in the virtual controller and in the image: equal, byte for byte
+  traces [NAME…]  example jobs in the virtual controller and in the image: equal, byte for byte
   supply          licences, duplicates, sources and advisories of the dependencies (deny.toml)
   fuzz --minutes N [--target T] [--merge]
                   libFuzzer over the targets of fuzz/, N minutes each
@@ -52,7 +52,7 @@ fn main() -> ExitCode {
         ["ticks"] => ticks::write(),
         ["ticks", "--check"] => ticks::check(),
         ["probes"] => probes::run(),
-        ["traces"] => traces::run(),
+        ["traces", names @ ..] => traces::run(names),
         ["supply"] => supply::check(),
         ["fuzz", rest @ ..] => fuzz::run(rest),
         ["mutants"] => mutants::run(""),

@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 55] = [
+const MARKS: [(&str, &str); 57] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -81,6 +81,8 @@ const MARKS: [(&str, &str); 55] = [
     ("crd-turn", "coordinate systems, all enter the next line or arc"),
     ("crd-enter", "coordinate systems, the tick behind that"),
     ("crd-start", "coordinate systems, all start"),
+    ("crd-ready", "coordinate systems, all start, made ready while they rested"),
+    ("crd-once", "coordinate systems, all are set, get their data and start in one tick"),
     ("laser-alone", "laser channels in light while a coordinate system speeds up, on a tick of 12 axes"),
     ("laser-speed", "laser channels, likewise, whose power follows its speed"),
     ("laser-place", "laser channels, likewise, whose power follows places of four axes"),

@@ -16,20 +16,16 @@ const TICKS_US: [u32; 3] = [50, 250, 1000];
 
 /// Jobs that take long, as emulated time keeps pace with the host's, and the periods that are left for them: `pvt_percent` runs
 /// 13 s, the listings of lasers along a path 4 s each (`laser_path_mixed` has more on its path in a tenth of that, and is
-/// compared at more of them). The trace of `follow_chain`, ten axes, loses rows at 50 µs, and says so. The tick that starts the
-/// path of `laser_contour` and of `laser_path_mixed` takes longer than 50 µs in the emulator, which rightly puts out their light: a
-/// start of a path is too dear, a known fault (docs/numbers.md).
-const LONG: [(&str, &[u32]); 14] = [
+/// compared at all of them). The trace of `follow_chain`, ten axes, loses rows at 50 µs, and says so.
+const LONG: [(&str, &[u32]); 12] = [
     ("eight_axes_stream", &[250]),
     ("follow_chain", &[250, 1000]),
     ("follow_masters", &[250, 1000]),
-    ("laser_contour", &[250, 1000]),
     ("laser_distance", &[1000]),
     ("laser_lsr_distance", &[250]),
     ("laser_lsr_path_follow", &[1000]),
     ("laser_lsr_path_power", &[1000]),
     ("laser_path_follow", &[250]),
-    ("laser_path_mixed", &[250, 1000]),
     ("laser_path_power", &[1000]),
     ("pvt_percent", &[250, 1000]),
     ("ten_minutes", &[]),
@@ -78,13 +74,18 @@ fn jobs() -> Outcome<Vec<PathBuf>> {
     if jobs.is_empty() { Err("examples/ holds no job".into()) } else { Ok(jobs) }
 }
 
-/// Every example at every period, but for the long ones; as many at a time as there are cores.
-pub fn run() -> Outcome {
+/// Every example at every period, but for the long ones, or those of these names; as many at a time as there are cores.
+pub fn run(names: &[&str]) -> Outcome {
+    let mut jobs = jobs()?;
+    if let Some(unknown) = names.iter().find(|known| !jobs.iter().any(|job| name(job) == **known)) {
+        return Err(format!("examples/ holds no job {unknown}"));
+    }
+    jobs.retain(|job| names.is_empty() || names.contains(&name(job).as_str()));
     let runner = Runner::build()?;
     let folder = target().join("traces");
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut cases = Vec::new();
-    for job in jobs()? {
+    for job in jobs {
         let long = LONG.iter().find(|(long, _)| *long == name(&job));
         cases.extend(long.map_or(&TICKS_US[..], |(_, periods)| periods).iter().map(|&tick_us| (job.clone(), tick_us)));
     }

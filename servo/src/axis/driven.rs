@@ -81,7 +81,7 @@ impl AxisState {
 
     /// The same where nothing lies between.
     pub(crate) fn tell_straight(&mut self) {
-        self.track = Track::NONE;
+        self.track.clear();
     }
 
     /// How those that follow it see it go while it is driven.

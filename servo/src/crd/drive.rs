@@ -306,7 +306,10 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     fn come_to_rest(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         let Tick { crds, axes, lasers, .. } = self;
-        let Some(state) = crds.states.get_mut(crd.index()) else { return };
+        let Some(state) = crds.get_mut(crd) else { return };
+        // What was left is probably gone on with: a FIFO 1 that interrupted FIFO 0 first.
+        let (fifo, other) = (state.shown.fifo, state.shown.fifo ^ 1);
+        state.likely = if !state.path.goes_on(fifo) && state.path.goes_on(other) { other } else { fifo };
         let reason = match state.shown.rest {
             Rest::Never => StopReason::None,
             Rest::Completed => StopReason::Completed,

@@ -20,9 +20,13 @@ mod sink;
 pub use frame::{Frame, Refused};
 pub(crate) use share::{share, share_speed};
 
-use crate::path::{Feed, Path};
-use crate::units::{Axis, AxisMask, CrdMask, Ns, Pos};
+use crate::path::{EntryStore, Feed, Path};
+use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};
+
+/// A coordinate system to which something was done waits so many looks before its start is made ready: what belongs together
+/// is there by then.
+const LOOKS: u8 = 2;
 
 /// One coordinate system. What every tick looks at stands first.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +39,9 @@ pub(crate) struct CrdState {
     /// The axis that a modal move has sent away.
     awaited: Option<Axis>,
     path: Path,
+    /// At rest: the FIFO that will probably be started, and the looks before something of that start is made.
+    likely: u8,
+    looks: u8,
     /// Why it will have stopped, if it is told to.
     ending: StopReason,
     /// Since which tick it is at rest.
@@ -47,6 +54,8 @@ impl CrdState {
     pub(crate) const POWER_ON: CrdState = CrdState {
         shown: CrdView::POWER_ON,
         path: Path::IDLE,
+        likely: 0,
+        looks: 0,
         ending: StopReason::None,
         rest_since: Ns(0),
         geared: AxisMask(0),
@@ -68,24 +77,54 @@ impl CrdState {
 /// All coordinate systems of a controller.
 #[derive(Debug)]
 pub(crate) struct Crds {
-    pub(crate) states: [CrdState; crate::units::Crd::MAX],
+    pub(crate) states: [CrdState; Crd::MAX],
     /// Those that run.
     pub(crate) running: CrdMask,
+    /// Those whose next start may be made ready, once they rest.
+    pub(crate) unready: CrdMask,
     /// Counts changes of what any of them shows.
     pub(crate) moves: u32,
 }
 
 impl Crds {
     pub(crate) const POWER_ON: Crds =
-        Crds { states: [CrdState::POWER_ON; crate::units::Crd::MAX], running: CrdMask(0), moves: 0 };
+        Crds { states: [CrdState::POWER_ON; Crd::MAX], running: CrdMask(0), unready: CrdMask(0), moves: 0 };
 
-    pub(crate) fn get(&self, crd: crate::units::Crd) -> Option<&CrdState> {
+    pub(crate) fn get(&self, crd: Crd) -> Option<&CrdState> {
         self.states.get(crd.index())
     }
 
-    fn get_mut(&mut self, crd: crate::units::Crd) -> Option<&mut CrdState> {
+    fn get_mut(&mut self, crd: Crd) -> Option<&mut CrdState> {
         self.moves = self.moves.wrapping_add(1);
-        self.states.get_mut(crd.index())
+        self.unready.0 |= crd.mask().0;
+        let state = self.states.get_mut(crd.index())?;
+        state.looks = LOOKS;
+        Some(state)
+    }
+
+    /// One of those at rest makes something of its next start ready.
+    #[inline(never)]
+    pub(crate) fn get_ready(&mut self, ticks: u32, steps: u32, paths: &[[EntryStore; 2]]) {
+        let resting = CrdMask(self.unready.0 & !self.running.0);
+        for crd in resting.crds() {
+            if resting.0 != crd.mask().0 && ticks as usize % Crd::MAX != crd.index() {
+                continue;
+            }
+            let more = match (self.states.get_mut(crd.index()), paths.get(crd.index())) {
+                (Some(state), _) if state.looks > 0 => {
+                    state.looks = state.looks.wrapping_sub(1);
+                    true
+                }
+                (Some(state), Some(source)) => {
+                    let (fifo, feed) = (state.likely, state.feed());
+                    (0..steps).all(|_| state.path.get_ready(fifo, feed, source))
+                }
+                _ => false,
+            };
+            if !more {
+                self.unready.0 &= !crd.mask().0;
+            }
+        }
     }
 
     /// A view of them catches up.

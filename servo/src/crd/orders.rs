@@ -4,7 +4,7 @@
 //! state of a coordinate system or an axis forbids starts none of its mask and is told; whatever else does not fit any
 //! more has no effect.
 use super::sink::Sink;
-use super::{CrdState, Frame};
+use super::{CrdState, Frame, LOOKS};
 use crate::execute::Reach;
 use crate::laser::Cause;
 use crate::op::Lane;
@@ -70,7 +70,12 @@ impl<const AXES: usize> Tick<AXES> {
     fn drop_frame(&mut self, crd: Crd) {
         let Some(state) = self.crds.get_mut(crd) else { return };
         let CrdView { moves, changes, cleared: [first, second], frame, stop, .. } = state.shown;
-        *state = CrdState { rest_since: state.rest_since, ..CrdState::POWER_ON };
+        // In place: a whole state is some kilobytes. What the pattern leaves out is known by name: it stays.
+        let CrdState { shown: _, geared, awaited, path, likely, looks: _, ending, rest_since: _, obstacle } = state;
+        (*geared, *awaited, *likely) = (AxisMask(0), None, 0);
+        (*ending, *obstacle) = (StopReason::None, None);
+        path.place([Pos(0); DIMENSIONS]);
+        path.rules = Rules::POWER_ON;
         let cleared = [first.wrapping_add(1), second.wrapping_add(1)];
         state.shown = CrdView { moves, changes, cleared, stop, ..CrdView::POWER_ON };
         state.touch();
@@ -107,6 +112,7 @@ impl<const AXES: usize> Tick<AXES> {
             }
             if here != state.path.here() {
                 state.path.rename(here);
+                (state.looks, crds.unready.0) = (LOOKS, crds.unready.0 | crd.mask().0);
             }
             if here != state.shown.place {
                 state.shown.place = here;
@@ -122,7 +128,7 @@ impl<const AXES: usize> Tick<AXES> {
             let CrdView { ends: [first, second], cleared: [old, other], .. } = &mut state.shown;
             let (place, now) = if fifo == 0 { (first, *old) } else { (second, *other) };
             if now == cleared {
-                *place = end;
+                (*place, state.likely) = (end, fifo);
                 state.touch();
             }
         }
@@ -290,6 +296,7 @@ impl<const AXES: usize> Tick<AXES> {
             path.rules.set_rate(rate);
             path.replan(next, feed, source);
         });
+        self.crds.get_mut(crd);
     }
 
     /// Stop deceleration.

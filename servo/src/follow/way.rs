@@ -58,6 +58,12 @@ impl Track {
     /// Nowhere.
     pub(crate) const NONE: Track = Track { spots: [Spot { after: 0, pos: Pos(0) }; SPOTS], count: 0 };
 
+    /// Becomes nowhere.
+    #[inline(always)]
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+    }
+
     /// A place.
     pub(crate) fn begin(from: Pos) -> Track {
         Track { spots: [Spot { after: 0, pos: from }; SPOTS], count: 1 }

@@ -219,6 +219,11 @@ impl Channel {
         self.wake = self.wake.min(at);
     }
 
+    /// Whether the start of a path may change something: light is kept for it, or something else is expected before.
+    pub(super) fn heeds_start(&self, crd: Crd) -> bool {
+        self.whose.keeps(crd) || !self.agenda.is_empty()
+    }
+
     /// What is due takes place.
     fn attend(&mut self, now: Ns) {
         while let Some(event) = self.agenda.take(now) {

@@ -267,7 +267,7 @@ impl Lasers {
     /// A path starts at an instant of the interval that is planned next; `resumes`: it goes on where a Stop
     /// brought it to rest.
     pub(crate) fn crd_starts(&mut self, crd: Crd, at: Ns, resumes: bool) {
-        for channel in &mut self.channels {
+        for channel in self.channels.iter_mut().filter(|channel| channel.heeds_start(crd)) {
             channel.expect(at, Event::Start(crd, resumes));
         }
     }

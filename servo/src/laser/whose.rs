@@ -51,6 +51,11 @@ impl Whose {
         its
     }
 
+    /// Whether light waits for this path.
+    pub(super) fn keeps(&self, crd: Crd) -> bool {
+        self.kept == Some(crd)
+    }
+
     /// A path begins to run; `goes_on`: after a Stop, where it stopped. Whether its light comes back.
     pub(super) fn start(&mut self, crd: Crd, goes_on: bool) -> bool {
         let its = self.kept == Some(crd);

@@ -84,14 +84,14 @@ impl Plan {
     /// Makes some of it; whether that was the last.
     #[inline(never)]
     pub(super) fn advance(&mut self, sketch: &mut Sketch) -> bool {
-        let Sketch { v, length, means, .. } = *sketch;
         sketch.todo = match sketch.todo {
             Todo::Bound => {
-                *self = Plan { exit: v, ..Plan::NONE };
+                let Sketch { v, length, means, .. } = &*sketch;
+                (self.count, self.exit, self.halts) = (0, *v, false);
                 if length.is_zero() || length.is_negative() {
                     Todo::Nothing
                 } else if let Some(dec) = means.stop {
-                    self.brake(v, length, &means, dec);
+                    self.brake(*v, *length, means, dec);
                     Todo::Nothing
                 } else {
                     self.bound(sketch)
@@ -102,13 +102,13 @@ impl Plan {
                 if sketch.is_uneven() {
                     Todo::Even
                 } else {
-                    self.ramp(v, sketch.peak, means.acc, sketch.inverse);
+                    self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
                     Todo::Rest
                 }
             }
             Todo::Even => {
                 sketch.even();
-                self.ramp(v, sketch.peak, means.acc, sketch.inverse);
+                self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
                 Todo::Rest
             }
             Todo::Rest => {
@@ -116,7 +116,7 @@ impl Plan {
                 if !cruise.is_zero() && !cruise.is_negative() {
                     self.push(cruise.div(peak), peak, Real::ZERO);
                 }
-                self.ramp(peak, means.end, means.acc, sketch.inverse);
+                self.ramp(peak, sketch.means.end, sketch.means.acc, sketch.inverse);
                 Todo::Nothing
             }
             Todo::Nothing => Todo::Nothing,
@@ -306,9 +306,9 @@ impl Leg {
         way(self.vel, self.acc, ms(time))
     }
 
-    /// As a piece that begins at `begin` and `from`, parameterised over a power of two of ns.
+    /// As a piece that begins at `begin` and `from`, parameterised over a power of two of ns; into its place.
     #[inline(never)]
-    pub(super) fn piece(&self, begin: Fine, from: Exact) -> Piece {
+    pub(super) fn piece(&self, begin: Fine, from: Exact, to: &mut Piece) {
         let first = begin.wrapping_add(0xffff_ffff) >> 32;
         let last = begin.wrapping_add(self.time).wrapping_add(0xffff_ffff) >> 32;
         let late = (first << 32).wrapping_sub(begin) as u64;
@@ -324,6 +324,6 @@ impl Leg {
             recip: Recip { m: 0, shift: (64 - reach) as u32 },
             frac,
         };
-        Piece::cubic(Ns(first as u64), last.wrapping_sub(first) as u64, from, motion)
+        *to = Piece::cubic(Ns(first as u64), last.wrapping_sub(first) as u64, from, motion);
     }
 }

@@ -9,6 +9,7 @@
 //! at `t`, which no boundary beyond has been told of yet.
 mod look;
 mod motions;
+mod ready;
 mod told;
 mod walk;
 
@@ -76,6 +77,14 @@ impl Cursor {
         gears: [NO_GEAR; GEARS],
         geared: 0,
     };
+
+    /// As a new one, whose gears nobody looks at.
+    fn clear(&mut self) {
+        let Cursor { next, done, inside, kept, place, from, way, left, gears: _, geared } = self;
+        let new = &Cursor::NEW;
+        (*next, *done, *inside, *kept) = (new.next, new.done, new.inside, new.kept);
+        (*place, *from, *way, *left, *geared) = (new.place, new.from, new.way, new.left, new.geared);
+    }
 }
 
 /// What the path does now.
@@ -145,6 +154,8 @@ pub struct Path {
     /// What is being made of the motion behind the one in force.
     draft: Draft,
     sketch: Sketch,
+    /// At rest: what of it there is, is of a start with this FIFO, as if it began at 0.
+    ready: Option<u8>,
     wake: Wake,
     since: Wake,
 }
@@ -210,6 +221,7 @@ impl Path {
         at: 0,
         draft: Draft::Nothing,
         sketch: Sketch::NONE,
+        ready: None,
         leg: 0,
         began: 0,
         way: Exact(0),
@@ -228,18 +240,58 @@ impl Path {
     };
 
     /// At rest here, FIFOs empty (SetCrdPrm).
-    pub fn place(&mut self, here: [Pos; DIMENSIONS]) {
-        let rules = self.rules;
-        *self = Path { rules, here, ..Path::IDLE };
+    pub fn place(&mut self, at: [Pos; DIMENSIONS]) {
+        // In place, field by field: a path is some kilobytes. What the pattern leaves out is known by name: it stays, and is
+        // not looked at before it is made anew.
+        let Path {
+            stage,
+            leg,
+            began,
+            way,
+            over,
+            seen,
+            swept,
+            open,
+            fifo,
+            at: _,
+            piece: _,
+            pieced,
+            fresh,
+            led,
+            stopping,
+            pieces: _,
+            follows,
+            time,
+            speed,
+            cursors,
+            motions,
+            here,
+            rules: _,
+            draft: _,
+            sketch: _,
+            ready,
+            wake,
+            since,
+        } = self;
+        let on = &Path::IDLE;
+        (*stage, *leg, *began, *way, *over) = (on.stage, on.leg, on.began, on.way, on.over);
+        (*seen, *swept, *open, *fifo) = (on.seen, on.swept, on.open, on.fifo);
+        (*pieced, *fresh, *led, *stopping) = (on.pieced, on.fresh, on.led, on.stopping);
+        (*follows, *time, *speed, *here, *ready) = (on.follows, on.time, on.speed, at, on.ready);
+        cursors.iter_mut().for_each(Cursor::clear);
+        motions.iter_mut().for_each(|made| made.state = State::Nothing);
+        (wake.count, wake.turns, since.count) = (0, [None; DIMENSIONS], 0);
     }
 
     /// Empties a FIFO at rest.
     pub fn clear(&mut self, fifo: u8) {
-        *self.cursor(fifo) = Cursor::NEW;
+        self.unready();
+        self.cursor(fifo).clear();
     }
 
     /// At rest, it is here: its axes are called something else now.
     pub fn rename(&mut self, here: [Pos; DIMENSIONS]) {
+        self.unready();
         (self.here, self.fresh) = (here, true);
     }
 
@@ -343,9 +395,9 @@ impl Path {
 
     /// Begins, or goes on, at `next`.
     pub fn start(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
-        (self.fifo, self.stopping, self.speed) = (fifo, false, Real::ZERO);
-        self.ahead_mut().state = State::Nothing;
+        (self.fifo, self.stopping, self.speed, self.pieced) = (fifo, false, Real::ZERO, false);
         self.time = (next.0 as Fine) << 32;
+        self.take_ready(next, fifo);
         let cursor = self.cursor(fifo);
         cursor.kept = false;
         let Cursor { inside, from, way, left, next: counter, .. } = *cursor;
@@ -353,6 +405,10 @@ impl Path {
         self.wait(self.time.wrapping_add(left));
         if inside {
             let counter = counter.wrapping_sub(1);
+            if self.is_known(counter) {
+                self.enter_prepared(from, way, feed, source);
+                return;
+            }
             self.enter(from, counter, &source.entry(fifo, counter).item());
             (self.way, self.seen) = (way, way.round());
             self.plan_rest(feed, source);
@@ -385,6 +441,9 @@ impl Path {
         if let Stage::Move = self.stage {
             self.catch_up((next.0 as Fine) << 32);
             self.plan_rest(feed, source);
+        } else {
+            self.follows = None;
+            self.unplan();
         }
     }
 

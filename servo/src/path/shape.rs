@@ -139,16 +139,8 @@ impl Shape {
         figure: Figure::Line { unit: [0; DIMENSIONS], coordinates: 0 },
     };
 
-    /// A motion from `start`. `exact` replaces the target of a line where it is the pulse nearest to it.
-    #[inline(never)]
-    pub(super) fn new(start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Shape {
-        let mut shape = Shape::NONE;
-        let mut draft = shape.begin(start, item, exact);
-        while !shape.advance(&mut draft) {}
-        shape
-    }
-
-    /// Where it starts and ends, and what else there is to be made of it.
+    /// Where it starts and ends, and what else there is to be made of it. `exact` replaces the target of a line where it is the
+    /// pulse nearest to it.
     #[inline(always)]
     pub(super) fn begin(&mut self, start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Draft {
         (self.start, self.end, self.length) = (start, start, Real::ZERO);

@@ -5,7 +5,8 @@
 //! Out, by semihosting: one line a tick, `CASE MARK COUNT`, as `ticks.rs` prints them. CASE is the number of coordinate
 //! systems, on a tick of twelve axes: eight for PVT, two for each. MARK says what the tick did: `crd-idle` (they are
 //! set and at rest), `crd-line`, `crd-arc` (each stayed in its motion; the worst made something of the next), `crd-turn`
-//! (each entered one), `crd-enter` (the tick behind that), `crd-start`; `crd-worst` is the tick of SPEC 11: eight axes
+//! (each entered one), `crd-enter` (the tick behind that), `crd-start`, `crd-ready` (a start that was made ready while they
+//! rested), `crd-once` (they are set, get their data and start, all in one tick); `crd-worst` is the tick of SPEC 11: eight axes
 //! enter segments of their tables, two coordinate systems enter motions, two lasers follow speed and distance;
 //! `crd-worst-inside` is any other tick of that. `laser-…`: CASE channels are in light while one coordinate system
 //! speeds up, with a power that follows nothing, its speed, places, tables of both, or speed and places.
@@ -210,13 +211,14 @@ impl Bench {
         self.pushed[index] += 1;
     }
 
-    fn commit(&mut self, index: usize) {
-        let cleared = self.view.read().crds[index].cleared[0];
+    /// `cleared` times more than the view knows of.
+    fn commit(&mut self, index: usize, cleared: u32) {
+        let cleared = self.view.read().crds[index].cleared[0] + cleared;
         self.push(Op::CrdCommit { crd: crd(index), fifo: 0, end: self.pushed[index], cleared });
     }
 
-    /// Coordinate systems on two axes each, from 8 on.
-    fn set(&mut self, count: usize) -> CrdMask {
+    /// Coordinate systems on two axes each, from 8 on, with the next tick.
+    fn frames(&mut self, count: usize) -> CrdMask {
         for index in 0..count {
             let mapped = [Some(axis(8 + 2 * index)), Some(axis(9 + 2 * index)), None, None];
             for axis in mapped.into_iter().flatten() {
@@ -226,8 +228,14 @@ impl Bench {
             self.push(Op::CrdFrame { crd: crd(index), frame });
             self.pushed[index] = 0;
         }
-        self.pass();
         CrdMask((1 << count) - 1)
+    }
+
+    /// The same with a tick.
+    fn set(&mut self, count: usize) -> CrdMask {
+        let crds = self.frames(count);
+        self.pass();
+        crds
     }
 
     fn reset(&mut self) {
@@ -242,6 +250,34 @@ impl Bench {
         for _ in 0..8 {
             hprintln!("{} crd-idle {}", case, self.counted());
         }
+        self.fill(count, arcs);
+        (0..count).for_each(|index| self.commit(index, 0));
+        self.pass();
+        self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
+        hprintln!("{} crd-start {}", case, self.counted());
+        assert!(self.runs(), "it does not run");
+        self.see_them_run(case, arcs);
+        self.reset();
+    }
+
+    /// The first tick of a start that was made ready, and of one with all that it needs in the same tick.
+    fn run_starts(&mut self, case: &str, count: usize, arcs: bool) {
+        for once in [false, true] {
+            let crds = if once { self.frames(count) } else { self.set(count) };
+            self.fill(count, arcs);
+            (0..count).for_each(|index| self.commit(index, once as u32));
+            if !once {
+                (0..40).for_each(|_| self.pass());
+            }
+            self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
+            hprintln!("{} {} {}", case, if once { "crd-once" } else { "crd-ready" }, self.counted());
+            assert!(self.runs(), "it does not run");
+            self.reset();
+        }
+    }
+
+    /// Motions for all coordinate systems.
+    fn fill(&mut self, count: usize, arcs: bool) {
         for index in 0..count {
             for k in 1..=MOTIONS {
                 let v = if k == MOTIONS { 0.0 } else { 7.1 };
@@ -257,12 +293,10 @@ impl Bench {
                     },
                 );
             }
-            self.commit(index);
         }
-        self.pass();
-        self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
-        hprintln!("{} crd-start {}", case, self.counted());
-        assert!(self.runs(), "it does not run");
+    }
+
+    fn see_them_run(&mut self, case: &str, arcs: bool) {
         let mut entered = true;
         while self.runs() {
             let before = self.done();
@@ -277,7 +311,6 @@ impl Bench {
             hprintln!("{} {} {}", case, mark, count);
             entered = turned;
         }
-        self.reset();
     }
 
     /// A table of segments of 16 ticks for an axis.
@@ -348,7 +381,7 @@ impl Bench {
             }
         }
         self.put(0, path::Entry::planar([30_000, 20_000], along(200.0, 1.0, 0.0)));
-        self.commit(0);
+        self.commit(0, 0);
         self.pass();
         self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
         for _ in 0..8 {
@@ -416,7 +449,7 @@ impl Bench {
                 let to = if index == 0 { [x, y] } else { [y, x] };
                 self.put(index, path::Entry::planar(to, along(10.0, 10.0, end)));
             }
-            self.commit(index);
+            self.commit(index, 0);
         }
         self.pass();
         self.push(Op::PvtStart { axes });
@@ -459,6 +492,7 @@ fn main() -> ! {
     for (case, count) in [("1", 1), ("2", 2)] {
         for arcs in [false, true] {
             bench.run(case, count, arcs);
+            bench.run_starts(case, count, arcs);
         }
     }
     for (case, channels) in [("1", 1), ("2", 2)] {

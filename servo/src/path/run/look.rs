@@ -20,7 +20,7 @@ impl Path {
         {
             if !self.pieced {
                 (self.pieced, self.fresh) = (true, true);
-                self.pieces[(self.piece & 1) as usize] = leg.piece(self.began, self.way);
+                leg.piece(self.began, self.way, &mut self.pieces[(self.piece & 1) as usize]);
             }
             let before = *sight.heading;
             let way = self.show(next, sight);

@@ -5,8 +5,8 @@
 //! made on its boundary: the same functions of the same numbers.
 use super::{Behind, EFFECTS, Feed, Gear, Made, Path, Rules, Stage, State, end_of};
 use crate::path::entry::{Along, Entry, Item};
-use crate::path::plan::{Leg, Means, Plan, Sketch};
-use crate::path::shape::{Along as Geared, Shape};
+use crate::path::plan::{Leg, Means, Plan};
+use crate::path::shape::Along as Geared;
 use crate::path::store::Entries;
 use crate::path::{DIMENSIONS, Fine};
 use crate::real::Real;
@@ -24,9 +24,11 @@ impl Path {
     /// Takes up a motion that begins, or began, at `from`.
     pub(super) fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) {
         if let Some(along) = along_of(item) {
-            let shape = Shape::new(from, item, self.exact());
+            let exact = self.exact(self.fifo);
             let made = self.motion_mut();
-            (made.counter, made.along, made.shape) = (counter, along, shape);
+            (made.counter, made.along) = (counter, along);
+            let mut draft = made.shape.begin(from, item, exact);
+            while !made.shape.advance(&mut draft) {}
             let cursor = self.cursor(self.fifo);
             (cursor.inside, cursor.from) = (true, from);
             self.set_gears();
@@ -34,20 +36,33 @@ impl Path {
     }
 
     /// FIFO 1 comes back to where it interrupted FIFO 0, which need not be a whole pulse.
-    fn exact(&self) -> Option<[Pos; DIMENSIONS]> {
+    fn exact(&self, fifo: u8) -> Option<[Pos; DIMENSIONS]> {
         let [first, _] = &self.cursors;
-        (self.fifo != 0 && first.kept).then_some(first.place)
+        (fifo != 0 && first.kept).then_some(first.place)
     }
 
-    /// The motion behind the one in force, which is over, comes into force.
+    /// The motion behind the one in force, which is over, comes into force: it begins, or began, at `from`.
     #[inline(always)]
-    pub(super) fn swap(&mut self) {
+    pub(super) fn swap(&mut self, from: [Pos; DIMENSIONS], way: Exact) {
         self.ahead_mut().state = State::Nothing;
         self.at ^= 1;
-        (self.way, self.seen) = (Exact(0), Pos(0));
-        let here = self.here;
+        (self.way, self.seen) = (way, way.round());
         let cursor = self.cursor(self.fifo);
-        (cursor.inside, cursor.from) = (true, here);
+        (cursor.inside, cursor.from) = (true, from);
+    }
+
+    /// Whether something was made ahead of the motion of this entry.
+    pub(super) fn is_known(&self, counter: u32) -> bool {
+        self.ahead().state != State::Nothing && self.ahead().counter == counter
+    }
+
+    /// What is ahead will be entered otherwise than it was planned for.
+    #[inline(always)]
+    pub(super) fn unplan(&mut self) {
+        let ahead = self.ahead_mut();
+        if ahead.state > State::Shaped {
+            ahead.state = State::Shaped;
+        }
     }
 
     /// What goes along with the motion in force has this share in it.
@@ -63,8 +78,8 @@ impl Path {
         }
     }
 
-    /// Takes up the motion that was made ahead, and makes what is left of it.
-    pub(super) fn enter_prepared(&mut self, feed: Feed, source: &impl Entries) {
+    /// Takes up the motion that was made ahead, which begins or began at `from`, and makes what is left of it.
+    pub(super) fn enter_prepared(&mut self, from: [Pos; DIMENSIONS], way: Exact, feed: Feed, source: &impl Entries) {
         while self.ahead().state < State::Shaped {
             self.shape_ahead();
         }
@@ -76,7 +91,7 @@ impl Path {
                 self.plan_ahead();
             }
         }
-        self.swap();
+        self.swap(from, way);
         self.set_gears();
         if self.motion().shape.length().is_zero() {
             return;
@@ -90,8 +105,18 @@ impl Path {
         if self.follows.is_none() && self.piece_ahead() || self.stopping || self.motion().plan.halts {
             return;
         }
+        if self.ahead().state == State::Nothing {
+            let (fifo, from) = (self.fifo, *self.motion().shape.end());
+            let next = self.cursor_of(fifo).next;
+            self.begin_ahead(fifo, next, &from, feed, source);
+        } else {
+            self.make_ahead(self.fifo, self.motion().plan.exit, Exact(0), feed, source);
+        }
+    }
+
+    /// Makes some of the motion that is ahead: it is entered at `speed`, where `way` of it is done.
+    pub(super) fn make_ahead(&mut self, fifo: u8, speed: Real, way: Exact, feed: Feed, source: &impl Entries) {
         match self.ahead().state {
-            State::Nothing => self.begin_ahead(feed, source),
             State::Begun => self.shape_ahead(),
             State::Shaped if self.ahead().shape.length().is_zero() => {
                 let ahead = self.ahead_mut();
@@ -99,36 +124,36 @@ impl Path {
             }
             State::Shaped => {
                 let Made { counter, along, shape, .. } = self.ahead();
-                let behind = self.behind(counter.wrapping_add(1), feed, source);
-                let (means, length) = (self.means(*along, behind), shape.length());
-                self.sketch.begin(self.motion().plan.exit, length, means);
-                let open = (behind == Behind::Nothing).then_some(end_of(feed, self.fifo));
+                let behind = self.behind(fifo, counter.wrapping_add(1), feed, source);
+                let (means, left) = (self.means(*along, behind), shape.length().sub(Real::from_exact(way)));
+                self.sketch.begin(speed, left, means);
+                let open = (behind == Behind::Nothing).then_some(end_of(feed, fifo));
                 let ahead = self.ahead_mut();
                 (ahead.open, ahead.state) = (open, State::Sketched);
                 self.plan_ahead();
             }
             State::Sketched => self.plan_ahead(),
-            State::Ready => {}
+            State::Nothing | State::Ready => {}
         }
     }
 
     /// The piece behind the one in force, of the same motion or of the next, if that is known by now.
     #[inline(always)]
     fn piece_ahead(&mut self) -> bool {
-        let Some(&Leg { length, .. }) = self.motion().plan.leg(self.leg) else { return false };
-        let over = self.over;
-        let next = self.leg.wrapping_add(1);
-        let piece = if let Some(leg) = self.motion().plan.leg(next) {
-            leg.piece(over, Exact(self.way.0.wrapping_add(length.0)))
-        } else if self.ahead().state == State::Ready
-            && !self.motion().plan.halts
-            && let Some(leg) = self.ahead().plan.leg(0)
+        let (over, [motion, ahead]) = (self.over, [self.at & 1, !self.at & 1]);
+        let (motion, ahead) = (&self.motions[motion as usize], &self.motions[ahead as usize]);
+        let to = &mut self.pieces[(!self.piece & 1) as usize];
+        let Some(Leg { length, .. }) = motion.plan.leg(self.leg) else { return false };
+        if let Some(leg) = motion.plan.leg(self.leg.wrapping_add(1)) {
+            leg.piece(over, Exact(self.way.0.wrapping_add(length.0)), to);
+        } else if ahead.state == State::Ready
+            && !motion.plan.halts
+            && let Some(leg) = ahead.plan.leg(0)
         {
-            leg.piece(over, Exact(0))
+            leg.piece(over, Exact(0), to);
         } else {
             return false;
-        };
-        self.pieces[(!self.piece & 1) as usize] = piece;
+        }
         self.follows = Some(over);
         true
     }
@@ -144,17 +169,23 @@ impl Path {
         (self.pieced, self.follows) = (known, None);
     }
 
-    /// Begins the motion that comes next, if it comes without a wait.
-    fn begin_ahead(&mut self, feed: Feed, source: &impl Entries) {
-        let end = end_of(feed, self.fifo);
-        let mut counter = self.cursor_of(self.fifo).next;
+    /// Begins the motion that comes next, from this entry on and from this place, if it comes without a wait.
+    pub(super) fn begin_ahead(
+        &mut self,
+        fifo: u8,
+        mut counter: u32,
+        from: &[Pos; DIMENSIONS],
+        feed: Feed,
+        source: &impl Entries,
+    ) {
+        let end = end_of(feed, fifo);
         for _ in 0..=EFFECTS {
             if counter == end {
                 return;
             }
-            let entry = source.entry(self.fifo, counter);
+            let entry = source.entry(fifo, counter);
             if entry.is_motion() {
-                self.draft_ahead(counter, &entry);
+                self.draft_ahead(counter, &entry, from, self.exact(fifo));
                 return;
             }
             if entry.is_wait() {
@@ -165,13 +196,12 @@ impl Path {
     }
 
     #[inline(never)]
-    fn draft_ahead(&mut self, counter: u32, entry: &Entry) {
+    fn draft_ahead(&mut self, counter: u32, entry: &Entry, from: &[Pos; DIMENSIONS], exact: Option<[Pos; DIMENSIONS]>) {
         let item = entry.item();
         let Some(along) = along_of(&item) else { return };
-        let (&from, exact) = (self.motion().shape.end(), self.exact());
         let ahead = self.ahead_mut();
         (ahead.counter, ahead.along, ahead.state) = (counter, along, State::Begun);
-        self.draft = ahead.shape.begin(from, &item, exact);
+        self.draft = ahead.shape.begin(*from, &item, exact);
         if !matches!(item, Item::Circle { .. }) {
             self.shape_ahead();
         }
@@ -208,13 +238,14 @@ impl Path {
 
     /// Plans what is left of the motion in force from `time`, `way` and `speed`.
     pub(super) fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
-        let behind = self.behind(self.cursor_of(self.fifo).next, feed, source);
+        let behind = self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Made { along, shape, .. } = self.motion();
         let left = shape.length().sub(Real::from_exact(self.way));
-        let mut sketch = Sketch::NONE;
-        sketch.begin(self.speed, left, self.means(*along, behind));
-        let plan = &mut self.motion_mut().plan;
-        while !plan.advance(&mut sketch) {}
+        // What is being made of the plan behind it is not: that motion will be entered otherwise.
+        let means = self.means(*along, behind);
+        self.sketch.begin(self.speed, left, means);
+        let at = (self.at & 1) as usize;
+        while !self.motions[at].plan.advance(&mut self.sketch) {}
         self.follows = None;
         self.follow((behind == Behind::Nothing).then_some(end_of(feed, self.fifo)));
     }
@@ -225,20 +256,17 @@ impl Path {
         (self.open, self.leg, self.began, self.stage) = (open, 0, self.time, Stage::Move);
         self.take_piece();
         self.set_over();
-        let ahead = self.ahead_mut();
-        if ahead.state > State::Shaped {
-            ahead.state = State::Shaped;
-        }
+        self.unplan();
     }
 
     /// What stands behind a motion, from this entry on.
-    fn behind(&self, mut counter: u32, feed: Feed, source: &impl Entries) -> Behind {
-        let end = end_of(feed, self.fifo);
+    fn behind(&self, fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) -> Behind {
+        let end = end_of(feed, fifo);
         for _ in 0..=EFFECTS {
             if counter == end {
                 return Behind::Nothing;
             }
-            let entry = source.entry(self.fifo, counter);
+            let entry = source.entry(fifo, counter);
             if entry.is_motion() {
                 return Behind::Motion;
             }
@@ -253,7 +281,7 @@ impl Path {
     /// Entries have come while nothing stood behind the motion in force.
     #[inline(never)]
     pub(super) fn extend(&mut self, now: Fine, feed: Feed, source: &impl Entries) {
-        if self.behind(self.cursor_of(self.fifo).next, feed, source) == Behind::Motion {
+        if self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source) == Behind::Motion {
             self.catch_up(now);
             self.plan_rest(feed, source);
         } else {

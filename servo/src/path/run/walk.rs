@@ -79,7 +79,7 @@ impl Path {
         self.close();
         let cursor = self.cursor(self.fifo);
         cursor.next = cursor.next.wrapping_add(1);
-        self.swap();
+        self.swap(self.here, Exact(0));
         self.follow(open);
         true
     }
@@ -142,7 +142,7 @@ impl Path {
                 self.rest(self.time, Rest::Stopped, feed, sink);
                 return;
             }
-            let prepared = self.ahead().state != State::Nothing && self.ahead().counter == counter;
+            let prepared = self.is_known(counter);
             let entry = (!prepared).then(|| source.entry(self.fifo, counter));
             let moves = entry.is_none_or(|entry| entry.is_motion());
             let left = if moves { &mut budget.motions } else { &mut budget.effects };
@@ -153,7 +153,7 @@ impl Path {
             *left = left.wrapping_sub(1);
             self.cursor(self.fifo).next = counter.wrapping_add(1);
             match &entry {
-                None => self.enter_prepared(feed, source),
+                None => self.enter_prepared(self.here, Exact(0), feed, source),
                 Some(entry) => {
                     if let Some(until) = self.take(counter, entry, feed, source, sink) {
                         self.wait(until);

@@ -1,0 +1,145 @@
+//! A path's start that was made ready while the coordinate system rested is the one that would have been planned on the spot: two
+//! machines run the same commands, and on one of them every coordinate system is touched in every tick, so that nothing is ever
+//! ready.
+use servo::op::{DoGroup, Mode, Op};
+use servo::path::{Along, Entry, Plane, Rate, Sweep};
+use servo::units::{CrdMask, Pos};
+use servo::view::{AxisView, CrdView};
+
+mod chance;
+mod tick_bench;
+use chance::Chance;
+use tick_bench::*;
+
+/// Two machines under the same commands. The second one is never ready.
+struct Both([Bench; 2]);
+
+/// As readers see them, but for the counters of what was looked at.
+fn seen(axis: &AxisView) -> AxisView {
+    AxisView { moves: 0, turns: 0, changes: 0, ..*axis }
+}
+
+fn shown(crd: &CrdView) -> CrdView {
+    CrdView { moves: 0, turns: 0, changes: 0, ..*crd }
+}
+
+impl Both {
+    fn now(&mut self, op: Op) {
+        self.each(|bench| {
+            bench.now(op);
+        });
+    }
+
+    fn each(&mut self, mut act: impl FnMut(&mut Bench)) {
+        self.0.iter_mut().for_each(&mut act);
+    }
+
+    /// Whether one of them still runs.
+    fn ticks(&mut self, count: u64) -> bool {
+        let mut runs = false;
+        for _ in 0..count {
+            for index in 0..2 {
+                // What holds anyway.
+                self.0[1].now(Op::CrdStopDec { crd: crd(index), dec: accel(1.0) });
+            }
+            let [a, b] = [0, 1].map(|k| self.0[k].tick());
+            for index in 0..AXES {
+                let (a, b) = (seen(&a.axes[index]), seen(&b.axes[index]));
+                assert_eq!(format!("{a:?}"), format!("{b:?}"), "axis {index}");
+            }
+            for (index, (one, other)) in a.crds.iter().zip(&b.crds).enumerate() {
+                assert_eq!(format!("{:?}", shown(one)), format!("{:?}", shown(other)), "coordinate system {index}");
+            }
+            let events = [0, 1].map(|k| {
+                let told: Vec<String> = core::iter::from_fn(|| self.0[k].event()).map(|e| format!("{e:?}")).collect();
+                told
+            });
+            assert_eq!(events[0].len(), events[1].len(), "{events:?}");
+            runs = a.crds.iter().any(|crd| crd.runs);
+        }
+        runs
+    }
+}
+
+fn entry(chance: &mut Chance) -> Entry {
+    let vel = chance.log(6.0, 60.0);
+    let end = vel * chance.unit() * (chance.below(3) > 0) as u8 as f64;
+    let along = Along::admit(vel.to_bits(), (vel / chance.log(0.5, 9.0)).to_bits(), end.to_bits()).unwrap();
+    let [x, y] = [(); 2].map(|()| (chance.sign() * chance.log(1.0, 400.0)) as i32);
+    match chance.below(9) {
+        0 => Entry::output(DoGroup::General, 7, chance.below(8)),
+        1 => Entry::delay(chance.below(3) as u16),
+        2 => Entry::gear(axis(0), 23),
+        3 | 4 => {
+            let sweep = Sweep::admit((0.05 + 0.4 * chance.unit()).to_bits(), false, chance.below(2) == 0).unwrap();
+            Entry::arc(Plane::Xy, [x, y], sweep, along)
+        }
+        _ => Entry::planar([x, y], along),
+    }
+}
+
+/// One thing that a user may do to a coordinate system at rest.
+fn act(both: &mut Both, chance: &mut Chance, index: usize) {
+    let fifo = chance.below(2) as u8;
+    match chance.below(9) {
+        0 => {
+            let origin = (chance.below(2) == 0).then(|| [chance.below(50) as i32, -7, 0, 0]);
+            both.each(|bench| bench.frame(index, &[1 + 2 * index, 2 + 2 * index], origin));
+            both.ticks(1);
+        }
+        1 => {
+            both.each(|bench| bench.clear_path(index, fifo));
+            both.ticks(1);
+        }
+        2 => {
+            let pos = Pos::pulses(chance.below(300) as i32);
+            both.now(Op::SetPosition { axis: axis(1 + 2 * index), pos });
+        }
+        3 => {
+            let rate = Rate::admit((1.0 / (1 + chance.below(3)) as f64).to_bits()).unwrap();
+            both.now(Op::CrdRate { crd: crd(index), rate });
+        }
+        _ => {
+            let entries: Vec<_> = (0..1 + chance.below(5)).map(|_| entry(chance)).collect();
+            both.each(|bench| bench.path(index, fifo, &entries));
+        }
+    }
+    both.ticks(chance.below(24));
+}
+
+#[test]
+fn a_ready_start_is_the_one_that_would_have_been_planned() {
+    let (mut chance, mut ran) = (Chance::new(5), 0);
+    for _ in 0..25 {
+        let period = [10, 50, 250, 1000][chance.below(4) as usize];
+        let mut both = Both([(); 2].map(|_| Bench::ready(period, Mode::Trap)));
+        for index in 0..2 {
+            both.each(|bench| bench.frame(index, &[1 + 2 * index, 2 + 2 * index], None));
+        }
+        both.ticks(2);
+        for _ in 0..6 {
+            for _ in 0..1 + chance.below(4) {
+                let index = chance.below(2) as usize;
+                act(&mut both, &mut chance, index);
+            }
+            let crds = [CrdMask(1), CrdMask(2), CrdMask(3)][chance.below(3) as usize];
+            both.now(Op::CrdStart { crds, fifo1: CrdMask(chance.below(4) as u8) });
+            if !both.ticks(1) {
+                continue;
+            }
+            ran += 1;
+            both.ticks(chance.below(2 * 20_000 / period as u64 + 1));
+            if chance.below(2) == 0 {
+                both.now(Op::CrdStop { crds: CrdMask(3), abrupt: CrdMask(chance.below(4) as u8) });
+            }
+            for _ in 0..40 {
+                if !both.ticks(50) {
+                    break;
+                }
+            }
+            both.now(Op::CrdStop { crds: CrdMask(3), abrupt: CrdMask(3) });
+            assert!(!both.ticks(2), "it still runs");
+        }
+    }
+    assert!(ran > 25, "{ran}");
+}

@@ -1,0 +1,196 @@
+//! A start that was made ready while the path rested is the start that would have been made on the spot: two paths, one of
+//! which makes nothing ahead, through random FIFOs, Stops of both kinds, clearing, overrides, other names of places, data that
+//! comes while something is being made, and starts with the FIFO that nobody thought of. Every place, speed, instant and gear
+//! is the same to the bit.
+use servo::path::{Along, Bend, Entries, Entry, Feed, Path, Plane, Rate, Sight, Step, Sweep, Told};
+use servo::piece::Motion;
+use servo::ramp::Accel;
+use servo::units::{Axis, Ns, Pos};
+
+mod chance;
+mod paths;
+use chance::Chance;
+use paths::{Heard, mark, speeds};
+
+#[derive(Default)]
+struct Fifos {
+    entries: [Vec<Entry>; 2],
+    ends: [u32; 2],
+}
+
+impl Entries for Fifos {
+    fn entry(&self, fifo: u8, counter: u32) -> Entry {
+        self.entries[fifo as usize][counter as usize]
+    }
+}
+
+impl Fifos {
+    fn feed(&self) -> Feed {
+        Feed { ends: self.ends }
+    }
+}
+
+/// A path, what it shows, what it told.
+struct Seen {
+    path: Path,
+    step: Step,
+    turns: u32,
+    heard: Heard,
+}
+
+impl Seen {
+    fn new(path: Path) -> Seen {
+        let (heading, bend, motion) = ([0; 4], Bend::STRAIGHT, Motion::REST);
+        let step = Step { place: [Pos(0); 4], heading, bend, motion, runs: false, fifo: 0, done: 0 };
+        Seen { path, step, turns: 0, heard: Heard::default() }
+    }
+
+    fn tick(&mut self, now: u64, period: u64, fifos: &Fifos, ahead: bool) {
+        let Step { place, heading, bend, motion, .. } = &mut self.step;
+        let mut sight = Sight { place, heading, bend, motion, turns: &mut self.turns };
+        let Told { runs, fifo, done } =
+            self.path.advance(Ns(now), Ns(period), fifos.feed(), fifos, &mut self.heard, &mut sight, ahead);
+        (self.step.runs, self.step.fifo, self.step.done) = (runs, fifo, done);
+    }
+}
+
+fn along(chance: &mut Chance) -> Along {
+    let vel = chance.log(3.0, 60.0);
+    speeds(vel, vel / chance.log(0.3, 9.0), vel * chance.unit() * (chance.below(4) > 0) as u8 as f64)
+}
+
+fn entry(chance: &mut Chance) -> Entry {
+    let along = along(chance);
+    let [x, y, z, a] = [(); 4].map(|()| (chance.sign() * chance.log(1.0, 400.0)) as i32);
+    match chance.below(14) {
+        k @ 0..3 => mark(k as u8),
+        3 => Entry::gear(Axis::new(3).unwrap(), 17),
+        4 => Entry::delay(chance.below(4) as u16),
+        5 | 6 => {
+            let turns = 0.01 + chance.unit() * 0.49;
+            let sweep = Sweep::admit(turns.to_bits(), chance.below(2) == 0, chance.below(2) == 0).unwrap();
+            Entry::arc([Plane::Xy, Plane::Yz, Plane::Zx][chance.below(3) as usize], [x, y], sweep, along)
+        }
+        7 => Entry::circle(Plane::Zx, [40 << 30, 7 << 30], chance.below(2) == 0, along).unwrap(),
+        8..10 => Entry::line([x, y, z, a], along),
+        _ => Entry::planar([x, y], along),
+    }
+}
+
+/// What may happen to a path at rest; the first of both gets something of a start ready now and then.
+fn rest(both: &mut [Seen; 2], fifos: &mut Fifos, chance: &mut Chance) {
+    let likely = chance.below(2) as u8;
+    for _ in 0..chance.below(7) {
+        let fifo = chance.below(2) as u8;
+        match chance.below(8) {
+            0 if chance.below(3) == 0 => {
+                (fifos.entries[fifo as usize], fifos.ends[fifo as usize]) = (Vec::new(), 0);
+                both.iter_mut().for_each(|seen| seen.path.clear(fifo));
+            }
+            1 => {
+                let rate = Rate::admit((1.0 / (1 + chance.below(3)) as f64).to_bits()).unwrap();
+                for seen in both.iter_mut() {
+                    seen.path.rules.set_rate(rate);
+                    seen.path.replan(Ns(0), fifos.feed(), fifos);
+                }
+            }
+            2 => {
+                let by = [(); 4].map(|()| chance.below(1 << Pos::FRAC_BITS) as i64 >> chance.below(23));
+                for seen in both.iter_mut() {
+                    let mut here = seen.path.here();
+                    here.iter_mut().zip(by).for_each(|(here, by)| here.0 += by);
+                    seen.path.rename(here);
+                }
+            }
+            3 if chance.below(9) == 0 => {
+                *fifos = Fifos::default();
+                both.iter_mut().for_each(|seen| seen.path.place([Pos::pulses(3); 4]));
+            }
+            _ => {
+                fifos.entries[fifo as usize].extend((0..1 + chance.below(6)).map(|_| entry(chance)));
+                let (first, end) = (fifos.ends[fifo as usize], fifos.entries[fifo as usize].len() as u32);
+                fifos.ends[fifo as usize] = first + chance.below((end - first) as u64 + 1) as u32;
+            }
+        }
+        for _ in 0..chance.below(16) {
+            let fifo = if chance.below(20) == 0 { likely ^ 1 } else { likely };
+            both[0].path.get_ready(fifo, fifos.feed(), fifos);
+        }
+    }
+}
+
+/// Ready starts that began with a motion, and those that went on within one.
+#[derive(Default)]
+struct Count {
+    starts: u32,
+    ready: u32,
+    resumed: u32,
+    stops: u32,
+}
+
+fn case(chance: &mut Chance, case: u64, count: &mut Count) {
+    let period = [10_000, 50_000, 250_000, 1_000_000][chance.below(4) as usize];
+    let mut path = Path::IDLE;
+    path.rules.set_even(if chance.below(3) == 0 { chance.below(4) as u16 } else { 0 });
+    path.rules.set_stop(Accel::admit(chance.log(0.3, 30.0).to_bits()).unwrap());
+    let (mut both, mut fifos) = ([Seen::new(path), Seen::new(path)], Fifos::default());
+    let mut now = 1_000_000;
+    for round in 0..12 {
+        rest(&mut both, &mut fifos, chance);
+        let (fifo, feed) = (chance.below(2) as u8, fifos.feed());
+        let refused = both[0].path.refuses_start(fifo, feed);
+        assert_eq!(refused, both[1].path.refuses_start(fifo, feed), "case {case}, round {round}");
+        if refused {
+            continue;
+        }
+        // All that there is to make is made.
+        let ready = chance.below(2) == 0;
+        let mut made = 0;
+        while ready && both[0].path.get_ready(fifo, feed, &fifos) {
+            made += 1;
+            assert!(made < 20, "it is never ready");
+        }
+        count.starts += 1;
+        count.ready += (made > 0) as u32;
+        count.resumed += (made > 0 && both[0].path.goes_on(fifo)) as u32;
+        both.iter_mut().for_each(|seen| seen.path.start(Ns(now), fifo, feed, &fifos));
+        let mut stop = Some(chance.below(60_000_000 / period)).filter(|_| chance.below(3) > 0);
+        let (abrupt, often) = (chance.below(2) == 0, chance.below(4));
+        for tick in 0u64.. {
+            // A long way is not gone to its end.
+            let abrupt = abrupt || tick > 3000;
+            if stop == Some(tick) || tick == 4000 {
+                (stop, count.stops) = (None, count.stops + 1);
+                both.iter_mut().for_each(|seen| seen.path.stop(Ns(now), abrupt, fifos.feed(), &fifos, &mut seen.heard));
+            }
+            if chance.below(100) == 0 {
+                fifos.ends = [0, 1].map(|fifo| fifos.entries[fifo].len() as u32);
+            }
+            let ahead = chance.below(4) >= often;
+            both[0].tick(now, period, &fifos, ahead);
+            both[1].tick(now, period, &fifos, false);
+            assert_eq!(both[0].step, both[1].step, "case {case}, round {round}, tick {tick}");
+            now += period;
+            if !both[0].step.runs {
+                break;
+            }
+            assert!(tick < 4000, "case {case} does not end");
+        }
+    }
+    let [with, without] = both;
+    assert_eq!(with.heard.marks, without.heard.marks, "case {case}");
+    assert_eq!(with.heard.rests, without.heard.rests, "case {case}");
+    assert_eq!((with.heard.gears, with.heard.geared), (without.heard.gears, without.heard.geared), "case {case}");
+}
+
+#[test]
+fn a_ready_start_is_the_start_that_would_have_been_made() {
+    let (mut chance, mut count) = (Chance::new(57), Count::default());
+    let cases = std::env::var("BEAMTICK_PATHS_READY").map_or(300, |text| text.parse().unwrap());
+    for number in 0..cases {
+        case(&mut chance, number, &mut count);
+    }
+    let Count { starts, ready, resumed, stops } = count;
+    println!("{starts} starts, {ready} ready, {resumed} of these resumed, {stops} Stops");
+    assert!(ready as u64 > cases && resumed as u64 * 4 > cases && stops as u64 > cases, "{ready}, {resumed}, {stops}");
+}
