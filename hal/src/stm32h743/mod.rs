@@ -114,6 +114,8 @@ pub unsafe fn listen() {
         // SAFETY: the caller's promise.
         unsafe { NVIC::unmask(interrupt) };
     }
+    // Not before: the first tick would be late.
+    timer::start();
 }
 
 /// The link's bytes wait in the UART, as far as it holds them, until [`resume_link`]: nobody has room for them.

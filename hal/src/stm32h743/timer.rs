@@ -6,14 +6,14 @@ use super::clocks::TIMER_MHZ;
 use stm32_metapac::timer::vals::Urs;
 use stm32_metapac::{RCC, TIM2};
 
-/// TIM2, which makes the servo tick.
+/// TIM2, which makes the servo tick. It stands still until [`start`].
 #[derive(Debug)]
 pub struct TickTimer {
     period_ns: u32,
 }
 
 impl TickTimer {
-    /// Takes the timer, which stands still until the first [`TickTimer::run_at`].
+    /// Takes the timer.
     ///
     /// # Safety
     /// At most one may exist.
@@ -34,7 +34,6 @@ impl TickTimer {
         if period_ns == self.period_ns {
             return;
         }
-        let first = self.period_ns == 0;
         self.period_ns = period_ns;
         let last = (period_ns / 1000).max(1) * u32::from(TIMER_MHZ) - 1;
         // Not preloaded: it counts for the interval in progress.
@@ -42,10 +41,6 @@ impl TickTimer {
         if TIM2.cnt().read() > last {
             // It is over already: the next tick is due.
             TIM2.cnt().write_value(last);
-        }
-        if first {
-            TIM2.egr().write(|w| w.set_ug(true));
-            TIM2.cr1().modify(|w| w.set_cen(true));
         }
     }
 
@@ -63,6 +58,12 @@ impl TickTimer {
     pub fn has_overrun(&self) -> bool {
         TIM2.sr().read().uif()
     }
+}
+
+/// The first interval begins; its period has been told.
+pub fn start() {
+    TIM2.egr().write(|w| w.set_ug(true));
+    TIM2.cr1().modify(|w| w.set_cen(true));
 }
 
 /// No more ticks.

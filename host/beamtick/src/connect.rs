@@ -32,16 +32,20 @@ pub fn simulated(settings: &Settings, wanted: Option<Profile>) -> Result<Client,
     Ok(Client::open(Box::new(VirtualLink::new(board)), options)?)
 }
 
-/// A client over the link that the command line names.
-pub fn linked(name: &str, way: &Way, settings: &Settings, wanted: Option<Profile>) -> Result<Client, Failure> {
-    let options = options(settings, wanted)?;
-    let link: Box<dyn Link> = match name {
+/// The link of this name.
+pub fn named(name: &str, way: &Way) -> Result<Box<dyn Link>, Failure> {
+    Ok(match name {
         "qemu" => {
             let image = client::qemu::image(way.image.clone()).map_err(|error| Failure::Input(error.reason))?;
             client::link::open(&format!("qemu:{}", image.display()))?
         }
         name => client::link::open(name)?,
-    };
+    })
+}
+
+/// A client over a link.
+pub fn linked(link: Box<dyn Link>, settings: &Settings, wanted: Option<Profile>) -> Result<Client, Failure> {
+    let options = options(settings, wanted)?;
     let profile = options.profile;
     Client::open(link, options).map_err(|error| {
         let too_large = error.refusal.is_some_and(|refusal| refusal.reason.get() == Reason::ProfileTooLarge as u16);

@@ -1,7 +1,7 @@
 //! `beamtick info`: what a controller is.
 use crate::Failure;
 use crate::command_line::Info;
-use crate::connect::{linked, simulated};
+use crate::connect::{linked, named, simulated};
 use crate::profile;
 use crate::summary::laser;
 use protocol::command::{EventItem, GetClock, GetEvents, GetFault, LaserStatus};
@@ -10,7 +10,7 @@ use protocol::reason::{laser_cause, stop_reason};
 /// Prints version, board, profile, counts and limits.
 pub fn show(arguments: &Info) -> Result<(), Failure> {
     let client = match &arguments.link {
-        Some(link) => linked(link, &arguments.way, &arguments.settings, None)?,
+        Some(link) => linked(named(link, &arguments.way)?, &arguments.settings, None)?,
         None => simulated(&arguments.settings, None)?,
     };
     let clock = client.call(GetClock {})?;

@@ -4,13 +4,13 @@
 //! lasers are switched off and everything that still moves is stopped smoothly before the program ends.
 use crate::Failure;
 use crate::command_line::{Outputs, Run, Sim};
-use crate::connect::{linked, simulated};
+use crate::connect::{linked, named, simulated};
 use crate::entries::{Entry, all_axes, entries, laser_off, lasers};
 use crate::record::{Recorded, Recording};
 use crate::report::{INTERRUPTED, Report};
 use crate::source::Source;
 use crate::{profile, summary};
-use client::{Client, Progress};
+use client::{Client, Link, Progress};
 use job::{Action, Axis, Call, Job, Severity};
 use protocol::command::{AxisItem, AxisStatus, BufDoBit, BufIO, FollowDoBitEx, Request, SetDo, SetDoBit, Stop, Trace};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,11 +38,12 @@ pub fn sim(arguments: &Sim) -> Result<(), Failure> {
     execute(&source, &client, true, &arguments.outputs)
 }
 
-/// Runs a job on a board.
-pub fn run(arguments: &Run) -> Result<(), Failure> {
+/// Runs a job on a board: over `link`, or over the one that the command line names.
+pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
     let profile = profile::of_job(&source.job);
-    let client = linked(&arguments.link, &arguments.way, &arguments.settings, Some(profile))?;
+    let link = link.map_or_else(|| named(&arguments.link, &arguments.way), Ok)?;
+    let client = linked(link, &arguments.settings, Some(profile))?;
     execute(&source, &client, false, &arguments.outputs)
 }
 

@@ -3,15 +3,20 @@
 //! In: reads, writes, time. Out: values, the lines of interrupts, resets. Owns every model and goes from event to event.
 //! An access that no model answers, and one to a peripheral without a clock, is noted ([`Bus::complaints`]): a test that finds
 //! a note has found a fault of the image or a gap of the emulation.
-use crate::clocks::{AHB2ENR, Clocks, Rcc};
+use crate::clocks::{AHB1ENR, AHB2ENR, Clocks, Rcc};
+use crate::dac::Dac;
 use crate::device::{Cause, Device, Signal};
+use crate::dma::Dma;
 use crate::exceptions::Exceptions;
 use crate::gpio::{Gpio, Pin};
+use crate::memory::Memory;
+use crate::spi::Spi;
 use crate::supply::{Flash, Pwr, Syscfg};
 use crate::time::{NEVER, Time};
 use crate::timer::{KINDS, Timer};
 use crate::usart::Usart;
 use crate::watchdog::Watchdog;
+use std::sync::Arc;
 
 const AHB4ENR: u32 = 0xe0;
 const APB1LENR: u32 = 0xe8;
@@ -27,7 +32,7 @@ struct Place {
 }
 
 /// Each peripheral, in the order of [`Bus::device`].
-const PLACES: [Place; 7 + KINDS.len()] = [
+const PLACES: [Place; 10 + KINDS.len()] = [
     Place { base: 0x5802_4400, size: 0x400, clock: None },
     Place { base: 0x5802_4800, size: 0x400, clock: None },
     Place { base: 0x5200_2000, size: 0x400, clock: None },
@@ -35,6 +40,9 @@ const PLACES: [Place; 7 + KINDS.len()] = [
     Place { base: 0x5802_0000, size: 0x2c00, clock: Some((AHB4ENR, 0)) },
     Place { base: 0x4000_4800, size: 0x400, clock: Some((APB1LENR, 18)) },
     Place { base: 0x5800_4800, size: 0x400, clock: None },
+    Place { base: 0x4002_0000, size: 0xc00, clock: None },
+    Place { base: 0x4000_7400, size: 0x400, clock: Some((APB1LENR, 29)) },
+    Place { base: 0x4000_3c00, size: 0x400, clock: Some((APB1LENR, 15)) },
     Place { base: 0x4001_0000, size: 0x400, clock: Some((APB2ENR, 0)) },
     Place { base: 0x4000_0000, size: 0x400, clock: Some((APB1LENR, 0)) },
     Place { base: 0x4000_0400, size: 0x400, clock: Some((APB1LENR, 1)) },
@@ -53,7 +61,11 @@ const FLASH: usize = 2;
 const SYSCFG: usize = 3;
 const GPIO: usize = 4;
 const USART3: usize = 5;
-const TIMERS: usize = 7;
+const WATCHDOG: usize = 6;
+const DMA: usize = 7;
+const DAC1: usize = 8;
+const SPI3: usize = 9;
+const TIMERS: usize = 10;
 
 /// The interrupt of USART3 (RM0433 table 148).
 const USART3_LINE: usize = 39;
@@ -78,6 +90,12 @@ pub struct Bus {
     pub usart: Usart,
     /// The watchdog.
     pub watchdog: Watchdog,
+    /// Both DMAs with their multiplexer.
+    pub dma: Dma,
+    /// The chip's own DAC.
+    pub dac: Dac,
+    /// To the external DAC.
+    pub spi: Spi,
     /// Timers, in the order of [`KINDS`].
     pub timers: [Timer; KINDS.len()],
     clocks: Clocks,
@@ -89,8 +107,12 @@ pub struct Bus {
     signals: Vec<Signal>,
 }
 
-impl Default for Bus {
-    fn default() -> Self {
+/// Pins of an encoder's first and second input: the timer, the pins, their alternate function.
+const ENCODERS: [(u8, [&str; 2], u32); 2] = [(3, ["PB4", "PB5"], 2), (4, ["PD12", "PD13"], 2)];
+
+impl Bus {
+    /// After power has come; the DMAs reach this memory.
+    pub fn new(memory: Arc<Memory>) -> Self {
         Bus {
             rcc: Rcc::default(),
             pwr: Pwr::default(),
@@ -99,6 +121,9 @@ impl Default for Bus {
             gpio: Gpio::default(),
             usart: Usart::new(USART3_LINE),
             watchdog: Watchdog::default(),
+            dma: Dma::new(memory),
+            dac: Dac::default(),
+            spi: Spi::default(),
             timers: KINDS.map(Timer::new),
             clocks: Clocks::RESET,
             next: NEVER,
@@ -107,9 +132,7 @@ impl Default for Bus {
             signals: Vec::new(),
         }
     }
-}
 
-impl Bus {
     fn device(&mut self, n: usize) -> &mut dyn Device {
         match n {
             RCC => &mut self.rcc,
@@ -118,7 +141,10 @@ impl Bus {
             SYSCFG => &mut self.syscfg,
             GPIO => &mut self.gpio,
             USART3 => &mut self.usart,
-            6 => &mut self.watchdog,
+            WATCHDOG => &mut self.watchdog,
+            DMA => &mut self.dma,
+            DAC1 => &mut self.dac,
+            SPI3 => &mut self.spi,
             _ => &mut self.timers[n - TIMERS],
         }
     }
@@ -162,6 +188,12 @@ impl Bus {
             self.note(format!("{address:#010x} is touched before its peripheral has a clock"));
             return None;
         }
+        // Each controller has a bit; the multiplexer runs with either.
+        let clocked = |bit| self.rcc.is_on(AHB1ENR, bit);
+        if n == DMA && !if offset < 0x800 { clocked(offset / 0x400) } else { clocked(0) || clocked(1) } {
+            self.note(format!("{address:#010x} is touched before its peripheral has a clock"));
+            return None;
+        }
         Some((n, offset))
     }
 
@@ -189,7 +221,11 @@ impl Bus {
                 let overdrive = self.syscfg.pwrcr & 1 != 0;
                 self.pwr.set_overdrive(overdrive, at);
             }
-            GPIO => self.look_at_breaks(at),
+            // A level that the chip drives itself is no input of it.
+            GPIO if offset % 0x400 < 0x10 || offset % 0x400 >= 0x20 => {
+                self.look_at_breaks(at);
+                self.look_at_encoders();
+            }
             _ => {}
         }
         self.after(at, exceptions);
@@ -226,6 +262,7 @@ impl Bus {
         self.settle(at, exceptions);
         self.gpio.drive(pin, level);
         self.look_at_breaks(at);
+        self.look_at_encoders();
         self.after(at, exceptions);
     }
 
@@ -241,6 +278,19 @@ impl Bus {
             }
         }
         self.signals = signals;
+    }
+
+    /// Encoder timers follow their pins.
+    fn look_at_encoders(&mut self) {
+        for (number, names, function) in ENCODERS {
+            let [one, two] = names.map(|name| {
+                let connected = |pin: &Pin| self.gpio.alternate(*pin) == Some(function);
+                Pin::named(name).filter(connected).is_some_and(|pin| self.gpio.reads(pin))
+            });
+            if let Some(timer) = self.timer(number) {
+                timer.inputs(one, two);
+            }
+        }
     }
 
     /// Lets everything happen that is due until `to`.
@@ -269,15 +319,58 @@ impl Bus {
                 }
                 Signal::Output(source, level) => self.gpio.show(source, level, at),
                 Signal::Reset(cause) => self.reset = Some(cause),
-                Signal::Request(number) => self.note(format!("DMA request {number} goes nowhere: no DMA is modelled")),
+                Signal::Request(number) => self.dma.request(number, at),
+                Signal::Trigger(master) => {
+                    let mut signals = std::mem::take(&mut self.signals);
+                    self.timers.iter_mut().for_each(|timer| timer.trigger(master, at, &mut signals));
+                    self.signals = signals;
+                }
+                Signal::Withdraw(number) => self.dma.withdraw(number),
+                Signal::Store { address, size, value } => self.store(address, size, value, at),
+                Signal::Fetch { address, size, stream } => {
+                    let value = self.fetch(address, size, at);
+                    let mut signals = std::mem::take(&mut self.signals);
+                    self.dma.take(stream, value, &mut signals);
+                    self.signals = signals;
+                }
             }
         }
         self.signals.clear();
         self.rcc.fastest = self.pwr.fastest();
-        let told = [self.rcc.complaint.take(), self.usart.complaint.take()];
+        let told = [
+            self.rcc.complaint.take(),
+            self.usart.complaint.take(),
+            self.dma.complaint.take(),
+            self.dac.complaint.take(),
+            self.spi.complaint.take(),
+        ];
         let of_timers: Vec<_> = self.timers.iter_mut().filter_map(|timer| timer.complaint.take()).collect();
         told.into_iter().flatten().chain(of_timers).for_each(|complaint| self.note(complaint));
         self.next = (0..PLACES.len()).map(|n| self.device(n).next()).min().unwrap_or(NEVER);
+    }
+
+    /// A DMA writes a register.
+    fn store(&mut self, address: u32, size: u32, value: u32, at: Time) {
+        let (mask, shift) = (u32::MAX >> (32 - 8 * size), 8 * (address & 3));
+        let mut signals = std::mem::take(&mut self.signals);
+        let found = self.find(address & !3);
+        let done =
+            found.and_then(|(n, offset)| self.device(n).write(offset, value << shift, mask << shift, at, &mut signals));
+        self.signals = signals;
+        if done.is_none() || found.is_some_and(|(n, _)| matches!(n, RCC | PWR | FLASH | SYSCFG)) {
+            self.note(format!("a DMA writes {address:#010x}: not modelled"));
+        }
+    }
+
+    /// A DMA reads one.
+    fn fetch(&mut self, address: u32, size: u32, at: Time) -> u32 {
+        let mut signals = std::mem::take(&mut self.signals);
+        let value = self.find(address & !3).and_then(|(n, offset)| self.device(n).read(offset, at, &mut signals));
+        self.signals = signals;
+        if value.is_none() {
+            self.note(format!("a DMA reads {address:#010x}: not modelled"));
+        }
+        value.unwrap_or(0) >> (8 * (address & 3)) & (u32::MAX >> (32 - 8 * size))
     }
 
     /// Everything is as after a reset, but the record of what caused it, the pins' record and the wires.

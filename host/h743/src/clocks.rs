@@ -21,6 +21,8 @@ pub struct Clocks {
     pub timers1: Time,
     /// Timers on APB 2.
     pub timers2: Time,
+    /// Kernel clock of SPI 1 to 3, if what it is taken from runs.
+    pub spi: Option<Time>,
 }
 
 /// 64 MHz, as the chip starts.
@@ -32,13 +34,16 @@ const CSI: Time = 240;
 
 impl Clocks {
     /// Of a chip that has just started.
-    pub const RESET: Clocks = Clocks { core: HSI, bus: HSI, apb1: HSI, apb2: HSI, timers1: HSI, timers2: HSI };
+    pub const RESET: Clocks =
+        Clocks { core: HSI, bus: HSI, apb1: HSI, apb2: HSI, timers1: HSI, timers2: HSI, spi: None };
 }
 
 const CR: u32 = 0x00;
 const CFGR: u32 = 0x10;
 const D1CFGR: u32 = 0x18;
 const D2CFGR: u32 = 0x1c;
+const D1CCIPR: u32 = 0x4c;
+const D2CCIP1R: u32 = 0x50;
 const PLLCKSELR: u32 = 0x28;
 const PLLCFGR: u32 = 0x2c;
 const PLL1DIVR: u32 = 0x30;
@@ -48,6 +53,8 @@ const RSR: u32 = 0xd0;
 pub const AHB2ENR: u32 = 0xdc;
 /// Enable registers, AHB3 to APB4.
 const ENABLES: std::ops::RangeInclusive<u32> = 0xd4..=0xf4;
+/// AHB1ENR, of the DMAs.
+pub const AHB1ENR: u32 = 0xd8;
 /// Reset registers lie this much before the enable registers.
 pub const RESET_BEFORE_ENABLE: u32 = 0x58;
 
@@ -188,6 +195,22 @@ impl Rcc {
         Some(cycle.max(1))
     }
 
+    /// Kernel clock of SPI 1 to 3 (D2CCIP1R.SPI123SEL): PLL1's Q output, or per_ck.
+    fn spi(&self) -> Option<Time> {
+        match self.at(D2CCIP1R) >> 12 & 7 {
+            0 if self.at(CR) & PLL1_READY != 0 && self.at(PLLCFGR) & 1 << 17 != 0 => {
+                let reference = [HSI << (self.at(CR) >> 3 & 3), CSI, HSE, 0][(self.at(PLLCKSELR) & 3) as usize];
+                let (dividers, m) = (self.at(PLL1DIVR), u64::from(self.at(PLLCKSELR) >> 4 & 0x3f));
+                let (n, q) = (u64::from(dividers & 0x1ff) + 1, u64::from(dividers >> 16 & 0x7f) + 1);
+                Some(reference * m * q / n).filter(|&cycle| cycle > 0)
+            }
+            4 => {
+                [Some(HSI << (self.at(CR) >> 3 & 3)), Some(CSI), Some(HSE), None][(self.at(D1CCIPR) >> 28 & 3) as usize]
+            }
+            _ => None,
+        }
+    }
+
     /// Works out the clocks anew. Sources that do not run leave them as they were.
     fn derive(&mut self) {
         let system = match self.at(CFGR) & 7 {
@@ -209,8 +232,9 @@ impl Rcc {
         // RM0433 table 56: up to /2, timers run at the bus; slower buses give half of it, or a quarter with TIMPRE.
         let timpre = self.at(CFGR) & 1 << 15 != 0;
         let timers = |divider: u64| bus * if timpre { (divider / 4).max(1) } else { (divider / 2).max(1) };
-        self.clocks =
-            Clocks { core, bus, apb1: bus * apb1, apb2: bus * apb2, timers1: timers(apb1), timers2: timers(apb2) };
+        let (timers1, timers2) = (timers(apb1), timers(apb2));
+        let spi = self.spi();
+        self.clocks = Clocks { core, bus, apb1: bus * apb1, apb2: bus * apb2, timers1, timers2, spi };
         if core < self.fastest {
             self.complain(format!("the core runs at {} MHz, which its supply does not allow", 960 / core));
         }
@@ -264,7 +288,7 @@ impl Device for Rcc {
                 *self.place(CFGR) = value & !(7 << 3) | (value & 7) << 3;
                 self.derive();
             }
-            D1CFGR | D2CFGR => {
+            D1CFGR | D2CFGR | D1CCIPR | D2CCIP1R => {
                 *self.place(offset) = value;
                 self.derive();
             }
@@ -298,6 +322,7 @@ impl Device for Rcc {
             if self.ready[n] <= to {
                 self.ready[n] = NEVER;
                 *self.place(CR) |= ready;
+                self.clocks.spi = self.spi();
             }
         }
         if self.lsi_ready <= to {

@@ -25,6 +25,16 @@ pub enum Signal {
     Line(usize, bool),
     /// A DMA request, by its number at DMAMUX 1 (RM0433 table 120).
     Request(u8),
+    /// The trigger output of a timer.
+    Trigger(u8),
+    /// A peripheral does not ask any more.
+    Withdraw(u8),
+    /// A DMA writes a peripheral's register, `size` bytes.
+    #[allow(missing_docs)]
+    Store { address: u32, size: u32, value: u32 },
+    /// A DMA's stream (of both controllers) reads one.
+    #[allow(missing_docs)]
+    Fetch { address: u32, size: u32, stream: u8 },
     /// The level that a peripheral gives to a pin's alternate function; `None`: it does not drive it.
     Output(Source, Option<bool>),
     /// The chip is reset.
@@ -38,6 +48,10 @@ pub enum Source {
     Timer(u8, u8, bool),
     /// What a USART sends.
     UsartTx(u8),
+    /// The clock of an SPI.
+    SpiClock(u8),
+    /// What an SPI sends as a master.
+    SpiData(u8),
 }
 
 /// See the module text.

@@ -60,7 +60,7 @@ fn function(pin: Pin, function: u32) -> Option<Source> {
     const C: u8 = 2;
     const D: u8 = 3;
     const E: u8 = 4;
-    use Source::{Timer, UsartTx};
+    use Source::{SpiClock, SpiData, Timer, UsartTx};
     Some(match (pin, function) {
         (Pin(E, 9), 1) => Timer(1, 1, false),
         (Pin(E, 8), 1) => Timer(1, 1, true),
@@ -75,6 +75,8 @@ fn function(pin: Pin, function: u32) -> Option<Source> {
         (Pin(C, 6), 3) => Timer(8, 1, false),
         (Pin(A, 5), 3) => Timer(8, 1, true),
         (Pin(D, 8), 7) => UsartTx(3),
+        (Pin(C, 10), 6) => SpiClock(3),
+        (Pin(C, 12), 6) => SpiData(3),
         _ => return None,
     })
 }

@@ -8,7 +8,9 @@
 //! What is not emulated: caches, bus contention and wait states (an instruction is a cycle), USB, analog.
 pub mod bus;
 pub mod clocks;
+pub mod dac;
 pub mod device;
+pub mod dma;
 pub mod engine;
 pub mod exceptions;
 mod frames;
@@ -18,6 +20,7 @@ pub mod link;
 pub mod machine;
 pub mod memory;
 pub mod scs;
+pub mod spi;
 pub mod supply;
 pub mod time;
 pub mod timer;

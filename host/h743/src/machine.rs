@@ -24,6 +24,8 @@ const PRIVATE: u32 = 0xe000_0000;
 const SCS: u32 = 0xe000_e000;
 /// RCC_AHB2ENR.
 const MEMORY_CLOCKS: u32 = 0x5802_44dc;
+/// Registers of the streams of DMA1 and DMA2.
+const DMA_STREAMS: std::ops::Range<u32> = 0x4002_0000..0x4002_0800;
 /// Registers of the MPU.
 const MPU: std::ops::Range<u32> = 0xe000_ed94..0xe000_edbc;
 
@@ -178,6 +180,13 @@ impl Guest for Chip {
             self.note(format!("{address:#010x} is written at {:#010x}: not modelled", self.at));
         }
         self.after_access();
+        if DMA_STREAMS.contains(&aligned) {
+            for (base, size) in self.bus.dma.spans() {
+                if self.scs.holds_back(base) || self.scs.holds_back(base + size.max(1) - 1) {
+                    self.note(format!("a DMA uses {size} bytes at {base:#010x}, which the core's cache holds back"));
+                }
+            }
+        }
         // Memories may have come or gone, by their clocks or by the MPU.
         self.attention |= MEMORY_CLOCKS == aligned || MPU.contains(&aligned);
     }
@@ -213,9 +222,9 @@ impl Machine {
         let memory = Arc::new(Memory::new());
         let engine = Engine::new(memory.clone())?;
         let chip = Chip {
+            bus: Bus::new(memory.clone()),
             memory,
             scs: Scs::default(),
-            bus: Bus::default(),
             now: 0,
             instructions: 0,
             cycle: crate::clocks::Clocks::RESET.core,

@@ -193,6 +193,29 @@ impl Scs {
         Some(())
     }
 
+    /// Whether the core's writes to this address may stay in its data cache (Armv7-M B3.5, table B3-15 for what no region
+    /// covers): a DMA would read what was there before.
+    pub fn holds_back(&self, address: u32) -> bool {
+        let cached = self.ccr & 1 << 16 != 0;
+        let covers = |region: &&MpuRegion| {
+            let size = 1u64 << ((region.attributes >> 1 & 0x1f) + 1);
+            let offset = u64::from(address).checked_sub(u64::from(region.base));
+            let part = offset.filter(|&offset| offset < size).map(|offset| offset * 8 / size);
+            region.attributes & 1 != 0 && part.is_some_and(|part| region.attributes >> (8 + part) & 1 == 0)
+        };
+        let region = self.mpu.iter().rev().find(covers).filter(|_| self.mpu_control & 1 != 0);
+        let writes_back = match region {
+            // TEX, C, B: write-back is 0 1 1, 1 1 1, and an outer policy with an inner one of write-back.
+            Some(region) => match (region.attributes >> 19 & 7, region.attributes >> 16 & 3) {
+                (0 | 1, 3) => true,
+                (4..=7, inner) => inner & 1 != 0,
+                _ => false,
+            },
+            None => (0x2000_0000..0x4000_0000).contains(&address),
+        };
+        cached && writes_back
+    }
+
     fn write_mpu(&mut self, offset: u32, value: u32) {
         self.mpu_writes += 1;
         match offset {

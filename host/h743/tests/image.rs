@@ -2,7 +2,7 @@
 use client::{Client, Options};
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop};
-use protocol::command::AxisOn;
+use protocol::command::{AxisOn, LaserStatus};
 use std::sync::{Arc, Mutex};
 
 /// The image, if there is one.
@@ -57,8 +57,27 @@ fn start_up_reaches_full_speed_and_drives_nothing_active() {
     assert_eq!(machine.resets, []);
 }
 
+/// The interrupt of TIM2, as an exception.
+const TICK: usize = 16 + 28;
+
+#[test]
+fn the_first_tick_begins_in_time() {
+    let Some(elf) = image() else { return };
+    let mut machine = booted(&elf);
+    while !machine.chip.scs.exceptions.active[TICK] {
+        assert_eq!(machine.run(MICROSECOND), Stop::Time);
+        assert!(machine.chip.now < 100 * MILLISECOND, "no tick");
+    }
+    let now = machine.chip.now;
+    let late = machine.chip.bus.timer(2).unwrap().count(now);
+    assert!(late < 2 * 240, "the tick begins {late} counts late: the timer ran before interrupts were let in");
+}
+
 fn linked(elf: &[u8]) -> (Client, Shared) {
     let machine: Shared = Arc::new(Mutex::new(booted(elf)));
+    for pin in ["PE15", "PE3", "PG2"] {
+        lock(&machine).drive(Pin::named(pin).unwrap(), Some(false));
+    }
     lock(&machine).run(20 * MILLISECOND);
     let client = Client::open(Box::new(EmulatedLink::new(machine.clone())), Options::default()).unwrap();
     (client, machine)
@@ -71,6 +90,9 @@ fn the_client_opens_the_board_over_its_usart() {
     let version = client.version();
     assert!(version.board.starts_with(b"nucleo-h743zi2"), "{version:?}");
     assert_eq!((version.axes_per_core, version.lasers, version.tick_us.get()), (8, 2, 50));
+    // No tick was late, the circuit of the interlock is closed: nothing keeps a laser dark.
+    let state = client.call(LaserStatus { core: 1.into(), channel: 0.into() }).unwrap();
+    assert_eq!(state.fault.get(), 0);
     let machine = lock(&machine);
     assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
     assert_eq!(machine.chip.bus.usart.lost, 0);

@@ -303,11 +303,16 @@ fn an_encoder_counts_modulo_its_reload_value() {
 
 #[test]
 fn what_is_not_modelled_is_told() {
-    for (offset, value) in [(CR1, 1 << 4), (BDTR, 5), (CCMR1, 1), (0x08, 6)] {
+    for (offset, value) in [(CR1, 1 << 4), (BDTR, 5), (CCMR1, 8 << 13), (0x04, 4 << 4), (0x08, 4)] {
         let mut bench = Bench::new(1);
         bench.set(offset, value);
         assert!(bench.timer.complaint.is_some(), "{offset:#x} {value:#x}");
     }
+    let mut bench = Bench::new(1);
+    bench.set(CCMR1, 1);
+    assert_eq!(bench.timer.complaint, None);
+    bench.set(CCER, 1);
+    assert_eq!(bench.timer.complaint.as_deref(), Some("TIM1: capture is not modelled"));
     assert_eq!(Bench::new(1).timer.read(0x3fc, 0, &mut Vec::new()), None);
 }
 

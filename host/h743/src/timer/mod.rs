@@ -1,9 +1,9 @@
 //! Timers TIM1 to TIM8 and TIM15 to TIM17 (RM0433 38 to 41): up-counting, output compare, complementary outputs with break,
-//! repetition, preload, DMA requests; of the slave modes the encoder's.
+//! repetition, preload, DMA requests with bursts; of the slave modes the encoder's and the start by a trigger.
 //!
-//! In: registers, instants, the break input, steps of an encoder. Out: the levels of outputs at exact instants, interrupts, DMA
-//! requests. The counter is not stepped: what it holds follows from when it was 0, so a period costs its events only.
-//! What is not modelled (down-counting, triggers, capture, dead time) is a complaint.
+//! In: registers, instants, the break input, an encoder's levels, triggers. Out: the levels of outputs at exact instants,
+//! interrupts, DMA requests, triggers. The counter is not stepped: what it holds follows from when it was 0, so a period costs
+//! its events only. What is not modelled (down-counting, other triggers, capture, dead time) is a complaint.
 mod output;
 
 use crate::clocks::Clocks;
@@ -39,6 +39,9 @@ const OPM: u32 = 1 << 3;
 const ARPE: u32 = 1 << 7;
 /// Down-counting, centre alignment: not modelled.
 const CR1_OTHER: u32 = 1 << 4 | 3 << 5;
+/// CR2.MMS: what the trigger output tells.
+const MMS_ENABLE: u32 = 1;
+const MMS_UPDATE: u32 = 2;
 const UIF: u32 = 1 << 0;
 const BIF: u32 = 1 << 7;
 
@@ -80,6 +83,16 @@ pub const KINDS: [Kind; 11] = {
     ]
 };
 
+/// Masters at the inputs ITR0 to ITR3 of a timer (RM0433 tables 331, 338, 345); those of TIM15 but the first two are channels.
+const TRIGGERS: [(u8, &[u8]); 6] = [
+    (1, &[15, 2, 3, 4]),
+    (2, &[1, 8, 3, 4]),
+    (3, &[1, 2, 15, 4]),
+    (4, &[1, 2, 3, 8]),
+    (8, &[1, 2, 4, 5]),
+    (15, &[1, 3]),
+];
+
 /// See the module text.
 #[derive(Debug, Clone)]
 pub struct Timer {
@@ -108,7 +121,11 @@ pub struct Timer {
     held: u32,
     /// The transfer of a burst through DMAR that comes next.
     burst: u32,
+    /// The request that a burst repeats until its last transfer.
+    burst_asks: u8,
     levels: [[Option<bool>; 2]; 4],
+    /// Levels at the first two inputs.
+    inputs: [bool; 2],
     /// What was set that is not modelled.
     pub complaint: Option<String>,
 }
@@ -138,7 +155,9 @@ impl Timer {
             epoch: 0,
             held: 0,
             burst: 0,
+            burst_asks: 0,
             levels: [[None; 2]; 4],
+            inputs: [false; 2],
             complaint: None,
         }
     }
@@ -193,6 +212,20 @@ impl Timer {
         }
     }
 
+    /// The levels at its first two inputs (RM0433 table 337, counting on both edges; filters are not modelled).
+    pub fn inputs(&mut self, one: bool, two: bool) {
+        let before = std::mem::replace(&mut self.inputs, [one, two]);
+        let inverted = |n: usize| self.channels[n].enables & 2 != 0;
+        let [one, two] = [one != inverted(0), two != inverted(1)];
+        // A change of the first counts up where the second is at its former level, one of the second where it is at the first's.
+        if before[0] != self.inputs[0] {
+            self.turn(if one != two { 1 } else { -1 });
+        }
+        if before[1] != self.inputs[1] {
+            self.turn(if one == two { 1 } else { -1 });
+        }
+    }
+
     /// The break input's pin has this level.
     pub fn break_input(&mut self, high: bool, out: &mut Vec<Signal>, at: Time) {
         self.brake.input = high;
@@ -211,9 +244,11 @@ impl Timer {
     /// Works out the outputs and tells what changed.
     fn show(&mut self, at: Time, out: &mut Vec<Signal>) {
         let count = self.count(at);
-        for (n, channel) in self.channels.iter_mut().enumerate() {
-            channel.look(count);
-            let levels = self.brake.levels(channel, self.kind.advanced, self.cr2 >> (8 + 2 * n));
+        self.channels.iter_mut().for_each(|channel| channel.look(count));
+        let references = self.channels.map(|channel| channel.reference);
+        for (n, channel) in self.channels.iter().enumerate() {
+            let (reference, idle) = (channel.combined(references[n ^ 1]), self.cr2 >> (8 + 2 * n));
+            let levels = self.brake.levels(channel.enables, reference, self.kind.advanced, idle);
             for (level, complementary) in levels.into_iter().zip([false, true]) {
                 let place = &mut self.levels[n][usize::from(complementary)];
                 if *place != level {
@@ -237,8 +272,11 @@ impl Timer {
         }
     }
 
-    fn request(&self, number: u8, out: &mut Vec<Signal>) {
+    fn request(&mut self, number: u8, out: &mut Vec<Signal>) {
         if number != 0 {
+            if self.burst == 0 {
+                self.burst_asks = number;
+            }
             out.push(Signal::Request(number));
         }
     }
@@ -264,6 +302,7 @@ impl Timer {
         } else if self.cr1 & UDIS == 0 {
             self.take_over();
             self.sr |= UIF;
+            self.master(MMS_UPDATE, out);
             if self.dier & 1 << 8 != 0 {
                 self.request(self.kind.requests[4], out);
             }
@@ -317,6 +356,7 @@ impl Timer {
         if value & 1 != 0 {
             self.take_over();
             self.hold(0, at);
+            self.master(MMS_UPDATE, out);
             if self.cr1 & URS == 0 {
                 self.sr |= UIF;
                 if self.dier & 1 << 8 != 0 {
@@ -335,12 +375,45 @@ impl Timer {
         }
     }
 
+    /// Tells its slaves, if this is what they are told of.
+    fn master(&self, mode: u32, out: &mut Vec<Signal>) {
+        if self.cr2 >> 4 & 7 == mode {
+            out.push(Signal::Trigger(self.kind.number));
+        }
+    }
+
+    /// Whether the trigger of this master starts it: SMCR.TS, and the trigger mode.
+    fn follows(&self, master: u8) -> bool {
+        let input = (self.smcr >> 4 & 7 | self.smcr >> 17 & 0x18) as usize;
+        let masters = TRIGGERS.iter().find(|(slave, _)| *slave == self.kind.number);
+        self.is_triggered() && masters.is_some_and(|(_, masters)| masters.get(input) == Some(&master))
+    }
+
+    fn is_triggered(&self) -> bool {
+        self.smcr & 7 == 6 && self.smcr & 1 << 16 == 0
+    }
+
+    /// A master's trigger: in trigger mode it starts to count. The chip takes some counts to synchronise, all slaves alike.
+    pub fn trigger(&mut self, master: u8, at: Time, out: &mut Vec<Signal>) {
+        if self.follows(master) && self.cr1 & CEN == 0 {
+            self.set_control(self.cr1 | CEN, at, out);
+            self.show(at, out);
+        }
+    }
+
+    /// An encoder's channels are inputs, which capture nothing.
+    fn look_at_captures(&mut self) {
+        if self.channels.iter().any(|channel| channel.captures()) {
+            self.complain("capture");
+        }
+    }
+
     fn complain(&mut self, what: &str) {
         let number = self.kind.number;
         self.complaint.get_or_insert_with(|| format!("TIM{number}: {what} is not modelled"));
     }
 
-    fn set_control(&mut self, value: u32, at: Time) {
+    fn set_control(&mut self, value: u32, at: Time, out: &mut Vec<Signal>) {
         let count = self.count(at);
         let counted = self.counts();
         self.cr1 = value;
@@ -349,6 +422,9 @@ impl Timer {
         }
         if counted != self.counts() {
             self.hold(count, at);
+            if !counted {
+                self.master(MMS_ENABLE, out);
+            }
         }
     }
 }
@@ -392,36 +468,55 @@ impl Device for Timer {
         };
         let value = before & !mask | value & mask;
         match offset {
-            CR1 => self.set_control(value, at),
+            CR1 => self.set_control(value, at, out),
             CR2 => {
                 if value & 1 != 0 {
                     self.complain("preload of the channels' control (CCPC)");
+                }
+                if !matches!(value >> 4 & 7, 0..=2) {
+                    self.complain("a trigger output but of reset, enable and update");
                 }
                 self.cr2 = value;
             }
             SMCR => {
                 let (count, counted) = (self.count(at), self.counts());
                 self.smcr = value;
-                if value & (7 | 1 << 16) != 0 && !self.is_encoder() || value & 1 << 14 != 0 {
-                    self.complain("a slave mode but the encoder's");
+                if value & (7 | 1 << 16) != 0 && !self.is_encoder() && !self.is_triggered() || value & 1 << 14 != 0 {
+                    self.complain("a slave mode but the encoder's and the trigger mode");
+                }
+                if matches!(value & 7, 1 | 2) {
+                    self.complain("an encoder that counts on the edges of one input");
                 }
                 if counted != self.counts() {
                     self.hold(count, at);
                 }
             }
-            DIER => self.dier = value,
+            DIER => {
+                for (bit, request) in [9, 10, 11, 12, 8].into_iter().zip(self.kind.requests) {
+                    if before & !value & 1 << bit != 0 && request != 0 {
+                        out.push(Signal::Withdraw(request));
+                    }
+                }
+                self.dier = value;
+            }
             // Flags are cleared by writing 0 to them.
             SR => self.sr &= value | !mask,
             EGR => self.generate(value, at, out),
             CCMR1 | CCMR2 => {
                 let first = if offset == CCMR1 { 0 } else { 2 };
                 for n in 0..2 {
-                    if !self.channels[first + n].set_mode(value >> (8 * n)) && !self.is_encoder() {
-                        self.complain("capture");
+                    let channel = &mut self.channels[first + n];
+                    channel.set_mode(value >> (8 * n));
+                    if !channel.is_modelled() {
+                        self.complain("a mode of a channel");
                     }
                 }
+                self.look_at_captures();
             }
-            CCER => (0..4).for_each(|n| self.channels[n].enables = value >> (4 * n) & 0xf),
+            CCER => {
+                (0..4).for_each(|n| self.channels[n].enables = value >> (4 * n) & 0xf);
+                self.look_at_captures();
+            }
             CNT => self.hold(value & self.widest(), at),
             PSC => self.psc = value & 0xffff,
             ARR => {
@@ -446,6 +541,12 @@ impl Device for Timer {
                 if value & 0xff != 0 {
                     self.complain("dead time");
                 }
+                if value & 0xff << 16 != 0 {
+                    self.complain("the filter of a break input, which would hold it up");
+                }
+                if value & 1 << 24 != 0 {
+                    self.complain("a second break input");
+                }
                 self.brake.bdtr = value;
                 // MOE cannot be set while the break is active.
                 if value & 1 << 12 != 0 && self.brake.is_active(self.others[0]) && before & Break::MOE == 0 {
@@ -459,6 +560,9 @@ impl Device for Timer {
             }
             DMAR => {
                 let target = self.burst_target();
+                if self.burst != 0 && self.burst_asks != 0 {
+                    out.push(Signal::Request(self.burst_asks));
+                }
                 return self.write(target, value, mask, at, out);
             }
             AF1..=TISEL => self.others[(offset - AF1) as usize / 4] = value,
@@ -509,12 +613,13 @@ impl Device for Timer {
     }
 
     fn reset(&mut self, at: Time, out: &mut Vec<Signal>) {
-        let (input, kernel, levels) = (self.brake.input, self.kernel, self.levels);
+        let (input, kernel, levels, inputs) = (self.brake.input, self.kernel, self.levels, self.inputs);
         let complaint = self.complaint.take();
         *self = Timer::new(self.kind);
         self.brake.input = input;
         self.kernel = kernel;
         self.levels = levels;
+        self.inputs = inputs;
         self.complaint = complaint;
         self.show(at, out);
         self.tell(out);

@@ -15,7 +15,7 @@ pub struct Channel {
     /// It has met the counter in this round.
     pub matched: bool,
     /// OCxREF.
-    reference: bool,
+    pub reference: bool,
     /// CCMR's byte for this channel, and the fourth bit of its mode above it.
     bits: u32,
 }
@@ -26,10 +26,14 @@ impl Channel {
         self.bits
     }
 
-    /// False if it is set to capture.
-    pub fn set_mode(&mut self, bits: u32) -> bool {
+    /// Sets that.
+    pub fn set_mode(&mut self, bits: u32) {
         self.bits = bits & 0x1_00ff;
-        self.bits & 3 == 0
+    }
+
+    /// It is an input and on.
+    pub fn captures(&self) -> bool {
+        self.bits & 3 != 0 && self.enables & 1 != 0
     }
 
     /// OCxPE.
@@ -46,10 +50,24 @@ impl Channel {
         match self.mode() {
             4 => self.reference = false,
             5 => self.reference = true,
-            6 => self.reference = count < self.compare,
-            7 => self.reference = count >= self.compare,
+            6 | 12 => self.reference = count < self.compare,
+            7 | 13 => self.reference = count >= self.compare,
             _ => {}
         }
+    }
+
+    /// OCxREFC: in the combined PWM modes with the reference of the other channel of the pair.
+    pub fn combined(&self, other: bool) -> bool {
+        match self.mode() {
+            12 => self.reference || other,
+            13 => self.reference && other,
+            _ => self.reference,
+        }
+    }
+
+    /// Whether its mode is one that is modelled.
+    pub fn is_modelled(&self) -> bool {
+        matches!(self.mode(), 0..=7 | 12 | 13)
     }
 
     /// The counter has met it.
@@ -88,11 +106,10 @@ impl Break {
         self.bdtr & 1 << 12 != 0 && self.is_active(af1) && self.bdtr & Break::MOE != 0
     }
 
-    /// Levels of output and complementary output. `idle` holds OISx and OISxN.
-    pub fn levels(&self, channel: &Channel, advanced: bool, idle: u32) -> [Option<bool>; 2] {
-        let bit = |n: u32| channel.enables & 1 << n != 0;
+    /// Levels of output and complementary output for CCER's bits of a channel. `idle` holds OISx and OISxN.
+    pub fn levels(&self, enables: u32, reference: bool, advanced: bool, idle: u32) -> [Option<bool>; 2] {
+        let bit = |n: u32| enables & 1 << n != 0;
         let (on, low, on_n, low_n) = (bit(0), bit(1), bit(2), bit(3));
-        let reference = channel.reference;
         if !advanced {
             return [on.then_some(reference != low), None];
         }

@@ -1,0 +1,106 @@
+#![forbid(unsafe_code)]
+//! `beamtick`: runs job scripts in the virtual controller or on a board; serves the virtual controller.
+//!
+//! In: the command line, job files, configuration files. Out: what the job read, a summary, trace files;
+//! errors on the error stream with file, line and reason. Exit codes: 0 done, 1 the job or the link
+//! failed, 2 the command line or the job file is wrong. A library, so that tests run jobs over links of their own.
+
+/// A line on the standard output. Where nobody reads it any more, the job runs on all the same.
+macro_rules! say {
+    ($($part:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stdout(), $($part)*);
+    }};
+}
+
+/// A line on the error stream.
+macro_rules! complain {
+    ($($part:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), $($part)*);
+    }};
+}
+
+mod command_line;
+mod connect;
+mod entries;
+mod info;
+mod listing;
+mod points;
+mod profile;
+mod record;
+mod reply;
+mod report;
+mod runner;
+mod serve;
+mod source;
+mod summary;
+
+use clap::Parser;
+use client::Link;
+use command_line::{Command, CommandLine};
+use std::process::ExitCode;
+
+/// Why the program ends with an error.
+#[derive(Debug)]
+pub enum Failure {
+    /// The job or the link: exit code 1.
+    Job(String),
+    /// The command line or the job file: exit code 2.
+    Input(String),
+}
+
+impl From<client::Error> for Failure {
+    fn from(error: client::Error) -> Self {
+        Failure::Job(format!("error {}: {error}", error.code))
+    }
+}
+
+impl From<trace::TraceError> for Failure {
+    fn from(error: trace::TraceError) -> Self {
+        Failure::Job(format!("trace: {error}"))
+    }
+}
+
+/// The program: does what the command line says.
+pub fn main() -> ExitCode {
+    match obey(&CommandLine::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Job(text)) => {
+            complain!("{}", text.trim_end());
+            ExitCode::from(1)
+        }
+        Err(Failure::Input(text)) => {
+            complain!("{}", text.trim_end());
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn obey(line: &CommandLine) -> Result<(), Failure> {
+    match &line.command {
+        Command::Sim(arguments) => runner::sim(arguments),
+        Command::Run(arguments) => runner::run(arguments, None),
+        Command::Check(arguments) => listing::check(arguments),
+        Command::Serve(arguments) => serve::serve(arguments),
+        Command::Info(arguments) => info::show(arguments),
+    }
+}
+
+fn parsed(words: &[&str]) -> Result<CommandLine, Failure> {
+    CommandLine::try_parse_from(words).map_err(|error| Failure::Input(error.to_string()))
+}
+
+/// `beamtick` with these words behind it.
+pub fn call(words: &[&str]) -> Result<(), Failure> {
+    obey(&parsed(&[&["beamtick"], words].concat())?)
+}
+
+/// `beamtick run` with these words behind it, over `link`.
+pub fn run_over(link: Box<dyn Link>, words: &[&str]) -> Result<(), Failure> {
+    let name = link.name().to_owned();
+    match parsed(&[&["beamtick", "run", "--link", &name], words].concat())?.command {
+        Command::Run(arguments) => runner::run(&arguments, Some(link)),
+        _ => Err(Failure::Input("it is no job to run".to_owned())),
+    }
+}
