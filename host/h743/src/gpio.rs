@@ -53,32 +53,35 @@ pub struct Change {
     pub level: Level,
 }
 
-/// The signal of an alternate function (data sheet DS12110, tables 10 to 20), for the pins of docs/board-h743.md.
-fn function(pin: Pin, function: u32) -> Option<Source> {
+/// Signals of alternate functions (data sheet DS12110, tables 10 to 20), for the pins of docs/board-h743.md.
+const FUNCTIONS: [(Pin, u32, Source); 15] = {
     const A: u8 = 0;
     const B: u8 = 1;
     const C: u8 = 2;
     const D: u8 = 3;
     const E: u8 = 4;
     use Source::{SpiClock, SpiData, Timer, UsartTx};
-    Some(match (pin, function) {
-        (Pin(E, 9), 1) => Timer(1, 1, false),
-        (Pin(E, 8), 1) => Timer(1, 1, true),
-        (Pin(E, 11), 1) => Timer(1, 2, false),
-        (Pin(E, 10), 1) => Timer(1, 2, true),
-        (Pin(E, 5), 4) => Timer(15, 1, false),
-        (Pin(E, 4), 4) => Timer(15, 1, true),
-        (Pin(C, 7), 3) => Timer(8, 2, false),
-        (Pin(B, 0), 3) => Timer(8, 2, true),
-        (Pin(C, 8), 3) => Timer(8, 3, false),
-        (Pin(B, 15), 3) => Timer(8, 3, true),
-        (Pin(C, 6), 3) => Timer(8, 1, false),
-        (Pin(A, 5), 3) => Timer(8, 1, true),
-        (Pin(D, 8), 7) => UsartTx(3),
-        (Pin(C, 10), 6) => SpiClock(3),
-        (Pin(C, 12), 6) => SpiData(3),
-        _ => return None,
-    })
+    [
+        (Pin(E, 9), 1, Timer(1, 1, false)),
+        (Pin(E, 8), 1, Timer(1, 1, true)),
+        (Pin(E, 11), 1, Timer(1, 2, false)),
+        (Pin(E, 10), 1, Timer(1, 2, true)),
+        (Pin(E, 5), 4, Timer(15, 1, false)),
+        (Pin(E, 4), 4, Timer(15, 1, true)),
+        (Pin(C, 7), 3, Timer(8, 2, false)),
+        (Pin(B, 0), 3, Timer(8, 2, true)),
+        (Pin(C, 8), 3, Timer(8, 3, false)),
+        (Pin(B, 15), 3, Timer(8, 3, true)),
+        (Pin(C, 6), 3, Timer(8, 1, false)),
+        (Pin(A, 5), 3, Timer(8, 1, true)),
+        (Pin(D, 8), 7, UsartTx(3)),
+        (Pin(C, 10), 6, SpiClock(3)),
+        (Pin(C, 12), 6, SpiData(3)),
+    ]
+};
+
+fn function(pin: Pin, number: u32) -> Option<Source> {
+    FUNCTIONS.iter().find(|(of, function, _)| (*of, *function) == (pin, number)).map(|(_, _, source)| *source)
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -166,14 +169,20 @@ impl Gpio {
     /// A peripheral's output has changed.
     pub fn show(&mut self, source: Source, level: Option<bool>, at: Time) {
         if self.signals.insert(source, level) != Some(level) {
-            (0..PORTS).for_each(|port| self.look(port, at));
+            for (pin, _, _) in FUNCTIONS.iter().filter(|(_, _, of)| *of == source) {
+                self.look_at(pin.0.into(), 1 << pin.1, at);
+            }
         }
     }
 
-    /// Works out the levels of a port and notes what has changed.
     fn look(&mut self, port: usize, at: Time) {
+        self.look_at(port, 0xffff, at);
+    }
+
+    /// Works out the levels of some pins of a port and notes what has changed.
+    fn look_at(&mut self, port: usize, pins: u32, at: Time) {
         let registers = self.ports[port];
-        for n in 0..16 {
+        for n in (0..16).filter(|n| pins >> n & 1 != 0) {
             let pin = Pin(port as u8, n as u8);
             let pulled = match registers.pull >> (2 * n) & 3 {
                 1 => Level::Pulled(true),
@@ -229,6 +238,7 @@ impl Device for Gpio {
         let number = (offset / 0x400) as usize;
         let port = self.ports.get_mut(number)?;
         let new = |before: &mut u32| *before = *before & !mask | value & mask;
+        let before = port.output;
         match offset % 0x400 {
             0x00 => new(&mut port.mode),
             0x04 => new(&mut port.kind),
@@ -246,7 +256,8 @@ impl Device for Gpio {
             0x24 => new(&mut port.functions[1]),
             _ => return None,
         }
-        self.look(number, at);
+        let pins = if matches!(offset % 0x400, 0x14 | 0x18) { before ^ port.output } else { u32::MAX };
+        self.look_at(number, pins, at);
         Some(())
     }
 

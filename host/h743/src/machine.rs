@@ -334,6 +334,11 @@ impl Machine {
         self.engine.register(register)
     }
 
+    /// Sets one.
+    pub fn set_register(&mut self, register: Register, value: u32) {
+        self.engine.set(register, value);
+    }
+
     /// Lets `time` pass.
     pub fn run(&mut self, time: Time) -> Stop {
         let end = self.chip.now.saturating_add(time);

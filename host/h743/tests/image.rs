@@ -1,8 +1,9 @@
 //! The released image for the NUCLEO-H743ZI2 in emulation, where BEAMTICK_H743_IMAGE names it (`cargo xtask check-all` does).
 use client::{Client, Options};
+use h743::engine::Register;
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop};
-use protocol::command::{AxisOn, LaserStatus};
+use protocol::command::{AxisOn, GetFault, LaserStatus};
 use std::sync::{Arc, Mutex};
 
 /// The image, if there is one.
@@ -116,6 +117,84 @@ fn a_missing_host_is_no_reason_to_bite_and_a_stopped_tick_is() {
     assert_eq!(machine.resets.len(), 1);
 }
 
+/// The bell from the tick, without which the task of the link never comes round.
+const PEND_SV: usize = 14;
+
+#[test]
+fn a_link_task_that_stands_still_lets_the_watchdog_bite() {
+    let Some(elf) = image() else { return };
+    let mut machine = booted(&elf);
+    assert_eq!(machine.run(100 * MILLISECOND), Stop::Time);
+    machine.chip.scs.exceptions.enabled[PEND_SV] = false;
+    let at = machine.chip.now;
+    assert_eq!(machine.run(1000 * MILLISECOND), Stop::Reset(Cause::Watchdog));
+    let waited = (machine.resets[0].0 - at) / MILLISECOND;
+    // Half a second of patience with the task, then the watchdog's own 100 ms.
+    assert!((500..=620).contains(&waited), "{waited} ms");
+    machine.run(100 * MILLISECOND);
+    let (fault, text) = last_fault(machine);
+    assert_eq!((fault, &*text), (4, "watchdog: the tick or the thread stood still"));
+}
+
+/// What the board tells of the end of its last run.
+fn last_fault(machine: Machine) -> (u8, String) {
+    let link = EmulatedLink::new(Arc::new(Mutex::new(machine)));
+    let client = Client::open(Box::new(link), Options::default()).unwrap();
+    let (fault, text) = client.call_items(GetFault {}, &[]).unwrap();
+    (fault.kind, text.iter().map(|byte| char::from(byte.value)).collect())
+}
+
+/// Memory that the image does not use.
+const SPARE: u32 = 0x3880_0000;
+
+#[test]
+fn a_panic_rests_the_outputs_and_its_reason_is_read_after_the_reset() {
+    let Some(elf) = image() else { return };
+    let (client, shared) = linked(&elf);
+    client.call(AxisOn { core: 1.into(), axis: 1.into() }).unwrap();
+    drop(client);
+    let mut machine = Arc::into_inner(shared).unwrap().into_inner().unwrap();
+    machine.run(MILLISECOND);
+    let enable = Pin::named("PG0").unwrap();
+    assert_eq!(machine.chip.bus.gpio.level(enable), Level::Driven(true));
+    // The thread calls `core::panicking::panic("the reason", &Location)`, with what both point to in memory that is spare.
+    let (message, file) = (b"the reason", b"some/file.rs");
+    let memory = &machine.chip.memory;
+    assert!(memory.load(SPARE + 0x40, message) && memory.load(SPARE + 0x80, file));
+    let location = [SPARE + 0x80, file.len() as u32, 12, 34];
+    assert!((0..).zip(location).all(|(n, word)| memory.load(SPARE + 4 * n, &u32::to_le_bytes(word))));
+    while machine.running() != 0 {
+        machine.run(1);
+    }
+    let panic = h743::image::symbol(&elf, "9panicking5panic").unwrap();
+    let arguments = [SPARE + 0x40, message.len() as u32, SPARE];
+    for (n, value) in (0..).zip(arguments) {
+        machine.set_register(Register::R(n), value);
+    }
+    machine.set_register(Register::Pc, panic | 1);
+    machine.chip.scs.exceptions.pending[TICK] = true;
+    let before = machine.chip.now;
+    assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
+    let rest = *machine.chip.bus.gpio.changes.iter().rev().find(|change| change.pin == enable).unwrap();
+    assert_eq!(rest.level, Level::Floating);
+    assert!(rest.at > before && rest.at < machine.resets[0].0, "{rest:?}, {:?}", machine.resets);
+    machine.run(100 * MILLISECOND);
+    let high = machine.chip.bus.gpio.changes.iter().filter(|change| change.at > rest.at && change.pin != link_pin());
+    assert_eq!(high.filter(|change| change.level == Level::Driven(true) && is_active_high(change.pin)).count(), 0);
+    let (fault, text) = last_fault(machine);
+    assert_eq!(fault, 1);
+    assert!(text.contains("some/file.rs:12:34") && text.contains("the reason"), "{text}");
+}
+
+fn link_pin() -> Pin {
+    Pin::named("PD8").unwrap()
+}
+
+/// The lines of lasers rest high where their sign is +.
+fn is_active_high(pin: Pin) -> bool {
+    !["PE9", "PE5", "PC7", "PC8"].into_iter().any(|name| Pin::named(name) == Some(pin))
+}
+
 #[test]
 fn a_fault_rests_the_outputs_first_and_keeps_its_reason() {
     let Some(elf) = image() else { return };
@@ -136,7 +215,7 @@ fn a_fault_rests_the_outputs_first_and_keeps_its_reason() {
     let kept = h743::image::symbol(&elf, "KEPT").unwrap();
     let kept = machine.chip.memory.bytes(kept, 172).unwrap();
     assert!(String::from_utf8_lossy(&kept).contains("interrupt 100 that nobody claims"));
-    // After the restart nothing is driven high but the link.
+    // After the restart it is low.
     machine.run(100 * MILLISECOND);
     assert_eq!(machine.chip.bus.gpio.level(enable), Level::Driven(false));
     assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());

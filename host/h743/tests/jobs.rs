@@ -1,22 +1,19 @@
 //! Jobs of the examples on the emulated board, over its USART at the chip's time: every row of the trace and every change of
-//! lasers and outputs is that of the virtual controller, where BEAMTICK_H743_IMAGE names the image.
+//! lasers and outputs that the tick planned is that of the virtual controller, and so is every edge at the pins, as timers and
+//! DMA make it; where BEAMTICK_H743_IMAGE names the image.
 //!
 //! The trace goes over the same wire as the calls, which does not carry a row every tick of 50 µs: both controllers write a
 //! row every so many ticks. What a job prints is not compared: a read outside of a program falls on another tick.
+mod signals;
+
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{MILLISECOND, Machine, Pin};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-/// Job, tick in µs, ticks from row to row.
-const JOBS: [(&str, &str, &str); 5] = [
-    ("pt_static", "250", "1"),
-    ("laser_duty", "50", "5"),
-    ("laser_frequency", "50", "5"),
-    ("laser_analog", "50", "5"),
-    ("arcs", "250", "1"),
-];
+/// A job, its tick in µs, ticks from row to row.
+type Case = (&'static str, &'static str, &'static str);
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name).with_extension("gts")
@@ -32,60 +29,113 @@ fn first_difference(one: &str, other: &str) -> Option<String> {
     })?
 }
 
-#[test]
-fn jobs_leave_the_same_traces_as_in_the_virtual_controller() {
+/// The board with this image, its interlock's circuit closed.
+fn board(elf: &[u8]) -> Shared {
+    let mut machine = Machine::new().unwrap();
+    machine.boot(elf).unwrap();
+    for pin in ["PE15", "PE3", "PG2"] {
+        machine.drive(Pin::named(pin).unwrap(), Some(false));
+    }
+    machine.run(20 * MILLISECOND);
+    Arc::new(Mutex::new(machine))
+}
+
+/// The stack, painted below where the thread waits.
+struct Paint {
+    end: u32,
+    from: u32,
+}
+
+const COLOUR: u32 = 0x5afe_57ac;
+
+impl Paint {
+    fn put(elf: &[u8], machine: &Machine) -> Paint {
+        let end = h743::image::symbol(elf, "_stack_end").unwrap();
+        let from = machine.register(h743::engine::Register::Msp) & !3;
+        assert_eq!(machine.running(), 0);
+        (end..from).step_by(4).for_each(|at| assert!(machine.chip.memory.load(at, &COLOUR.to_le_bytes())));
+        Paint { end, from }
+    }
+
+    /// Bytes of the stack that were never used.
+    fn left(&self, machine: &Machine) -> u32 {
+        let used = (self.end..self.from).step_by(4).find(|&at| machine.chip.memory.word(at) != Some(COLOUR));
+        used.unwrap_or(self.from) - self.end
+    }
+}
+
+/// Runs a job both ways.
+fn compare(elf: &[u8], (name, tick_us, every): Case) {
+    let began = Instant::now();
+    let folder = tempfile::tempdir().unwrap();
+    let job = example(name).display().to_string();
+    let files = |way: &str| ["csv", "vcd"].map(|end| folder.path().join(format!("{name}-{way}.{end}")));
+    let [simulated, emulated] = ["sim", "chip"].map(files);
+    let words = |files: &[PathBuf; 2]| {
+        let [csv, vcd] = files.each_ref().map(|path| path.display().to_string());
+        let family = if name.starts_with("laser_lsr") { "lsr" } else { "gus" };
+        let words = [&*job, "--quiet", "--tick-us", tick_us, "--every", every, "--family", family];
+        words.into_iter().map(String::from).chain(["--trace".into(), csv, "--vcd".into(), vcd]).collect::<Vec<_>>()
+    };
+    let of_sim = words(&simulated);
+    beamtick::call(&["sim"].into_iter().chain(of_sim.iter().map(String::as_str)).collect::<Vec<_>>()).unwrap();
+
+    let machine = board(elf);
+    while lock(&machine).running() != 0 {
+        lock(&machine).run(1);
+    }
+    let paint = Paint::put(elf, &lock(&machine));
+    let of_chip = words(&emulated);
+    let of_chip: Vec<&str> = of_chip.iter().map(String::as_str).collect();
+    beamtick::run_over(Box::new(EmulatedLink::new(machine.clone())), &of_chip).unwrap();
+
+    let machine = lock(&machine);
+    let chip = &machine.chip;
+    assert_eq!(chip.bus.complaints, Vec::<String>::new(), "{name}");
+    assert_eq!((chip.bus.usart.lost, chip.bus.dma.lost), (0, 0), "{name}");
+    let [csv, vcd] = [0, 1].map(|n| {
+        let [one, other] = [&simulated[n], &emulated[n]].map(|path| std::fs::read_to_string(path).unwrap());
+        assert!(one.lines().count() > 10, "{name}");
+        if let Some(difference) = first_difference(&one, &other) {
+            panic!("{name} at {tick_us} µs: {difference}");
+        }
+        one
+    });
+    let edges = signals::compare(&vcd, chip).unwrap_or_else(|error| panic!("{name} at {tick_us} µs: {error}"));
+    let left = paint.left(&machine);
+    assert!(left >= 512, "{name}: {left} bytes of the stack are left");
+    println!(
+        "{name} at {tick_us} µs: {} lines, {edges} edges at the pins, {left} bytes of stack left; {} ms of the chip, {} \
+         million instructions in {:.1} s",
+        csv.lines().count(),
+        chip.now / MILLISECOND,
+        chip.instructions / 1_000_000,
+        began.elapsed().as_secs_f64()
+    );
+}
+
+fn compare_all(cases: &[Case]) {
     let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
         println!("skipped: BEAMTICK_H743_IMAGE names no image");
         return;
     };
     let elf = std::fs::read(path).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let mut wrong = Vec::new();
-    for (name, tick_us, every) in JOBS {
-        let began = Instant::now();
-        let job = example(name).display().to_string();
-        let files = |way: &str| ["csv", "vcd"].map(|end| folder.path().join(format!("{name}-{way}.{end}")));
-        let [simulated, emulated] = ["sim", "chip"].map(files);
-        let words = |files: &[PathBuf; 2]| {
-            let [csv, vcd] = files.each_ref().map(|path| path.display().to_string());
-            let family = if name.starts_with("laser_lsr") { "lsr" } else { "gus" };
-            let words = [&*job, "--quiet", "--tick-us", tick_us, "--every", every, "--family", family];
-            words.into_iter().map(String::from).chain(["--trace".into(), csv, "--vcd".into(), vcd]).collect::<Vec<_>>()
-        };
-        let of_sim = words(&simulated);
-        let of_sim: Vec<&str> = ["sim"].into_iter().chain(of_sim.iter().map(String::as_str)).collect();
-        beamtick::call(&of_sim).unwrap();
+    cases.iter().for_each(|case| compare(&elf, *case));
+}
 
-        let mut machine = Machine::new().unwrap();
-        machine.boot(&elf).unwrap();
-        // The interlock's circuit is closed.
-        for pin in ["PE15", "PE3", "PG2"] {
-            machine.drive(Pin::named(pin).unwrap(), Some(false));
-        }
-        machine.run(20 * MILLISECOND);
-        let machine: Shared = Arc::new(Mutex::new(machine));
-        let of_chip = words(&emulated);
-        let of_chip: Vec<&str> = of_chip.iter().map(String::as_str).collect();
-        beamtick::run_over(Box::new(EmulatedLink::new(machine.clone())), &of_chip).unwrap();
+#[test]
+fn a_listing_of_pt_moves_as_in_the_virtual_controller() {
+    compare_all(&[("pt_static", "250", "1")]);
+}
 
-        let chip = &lock(&machine).chip;
-        assert_eq!(chip.bus.complaints, Vec::<String>::new(), "{name}");
-        assert_eq!(chip.bus.usart.lost, 0, "{name}");
-        let mut rows = 0;
-        for (one, other) in simulated.iter().zip(&emulated) {
-            let [one, other] = [one, other].map(|path| std::fs::read_to_string(path).unwrap());
-            assert!(one.lines().count() > 10, "{name}");
-            rows = rows.max(one.lines().count());
-            wrong.extend(first_difference(&one, &other).map(|what| format!("{name} at {tick_us} µs: {what}")));
-        }
-        println!(
-            "{name} at {tick_us} µs: {rows} lines, {} ms of the chip, {} million instructions in {:.1} s",
-            chip.now / MILLISECOND,
-            chip.instructions / 1_000_000,
-            began.elapsed().as_secs_f64()
-        );
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+#[test]
+fn listings_of_lasers_shine_as_in_the_virtual_controller() {
+    compare_all(&[
+        ("laser_duty", "50", "5"),
+        ("laser_frequency", "50", "5"),
+        ("laser_analog", "50", "5"),
+        ("laser_lsr_duty", "100", "5"),
+    ]);
 }
 
 #[test]

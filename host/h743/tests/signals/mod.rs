@@ -1,0 +1,103 @@
+//! Edges at the chip's pins against those that the virtual controller has written into a VCD.
+//!
+//! The virtual controller's instants are ns from the first row; the chip's are counts of its timers from power-on. Where the
+//! one begins in the other is not known, so the first edge of all says it; every other one must then fall on its count.
+use h743::machine::Chip;
+use h743::{Level, Pin, Time};
+use std::collections::HashMap;
+
+/// A count of the timers.
+const COUNT: Time = 4;
+
+/// What a VCD calls a signal of a laser, the pin that shows it, and the pin with the complement. At rest + is high: a low level
+/// is the active one.
+const LINES: [(&str, &str, &str); 4] = [
+    ("laser0_energy", "PE9", "PE8"),
+    ("laser1_energy", "PE5", "PE4"),
+    ("laser0_switch", "PC7", "PB0"),
+    ("laser1_switch", "PC8", "PB15"),
+];
+
+/// Instants in ns at which each wire changes, and its level from then on.
+fn wires(vcd: &str) -> HashMap<String, Vec<(u64, bool)>> {
+    let (mut names, mut edges): (HashMap<&str, &str>, HashMap<String, Vec<(u64, bool)>>) = Default::default();
+    let mut now = 0;
+    for line in vcd.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        if let ["$var", "wire", "1", id, name, ..] = words[..] {
+            names.insert(id, name);
+        } else if let Some(time) = line.strip_prefix('#') {
+            now = time.parse().unwrap();
+        } else if let Some((level @ ("0" | "1"), id)) = line.split_at_checked(1)
+            && let Some(name) = names.get(id)
+        {
+            edges.entry((*name).to_string()).or_default().push((now, level == "1"));
+        }
+    }
+    // What holds at the start is no edge.
+    for of in edges.values_mut() {
+        let mut level = false;
+        of.retain(|&(_, to)| std::mem::replace(&mut level, to) != to);
+    }
+    edges
+}
+
+/// What a pin did while it was driven; an active level is true.
+fn pin(chip: &Chip, name: &str, active: bool) -> Vec<(Time, bool)> {
+    let pin = Pin::named(name).unwrap();
+    let mut level = false;
+    let of = |change: &h743::gpio::Change| match change.level {
+        Level::Driven(high) if change.pin == pin => Some((change.at, high == active)),
+        _ => None,
+    };
+    let mut edges: Vec<_> = chip.bus.gpio.changes.iter().filter_map(of).collect();
+    edges.retain(|&(_, to)| std::mem::replace(&mut level, to) != to);
+    edges
+}
+
+fn is_driven(chip: &Chip, name: &str) -> bool {
+    let pin = Pin::named(name).unwrap();
+    chip.bus.gpio.changes.iter().any(|change| change.pin == pin && matches!(change.level, Level::Driven(_)))
+}
+
+/// How many edges were compared, or where the first one differs.
+pub fn compare(vcd: &str, chip: &Chip) -> Result<usize, String> {
+    let wires = wires(vcd);
+    let none = Vec::new();
+    // In counts, so that a rounding to ns is none of the chip's: the virtual controller rounds to the next ns.
+    let planned: Vec<(&str, &Vec<(u64, bool)>)> =
+        LINES.iter().map(|(wire, ..)| (*wire, wires.get(*wire).unwrap_or(&none))).collect();
+    let seen: Vec<Vec<(Time, bool)>> = LINES.iter().map(|(_, plus, _)| pin(chip, plus, false)).collect();
+    let first = planned.iter().filter_map(|(_, edges)| edges.first()).map(|&(ns, _)| ns).min();
+    let first_seen = seen.iter().filter_map(|edges| edges.first()).map(|&(at, _)| at).min();
+    if LINES.iter().all(|(_, plus, _)| !is_driven(chip, plus)) {
+        // An image without drivers of the lasers.
+        return Ok(0);
+    }
+    let (Some(first), Some(first_seen)) = (first, first_seen) else {
+        return match (first, first_seen) {
+            (None, None) => Ok(0),
+            _ => Err(format!("the first edge is planned at {first:?} ns and seen at {first_seen:?}")),
+        };
+    };
+    let mut compared = 0;
+    for (((wire, planned), seen), (_, plus, minus)) in planned.iter().zip(&seen).zip(LINES) {
+        if planned.len() != seen.len() {
+            return Err(format!("{wire}: {} edges are planned, {plus} shows {}", planned.len(), seen.len()));
+        }
+        if pin(chip, minus, true) != *seen {
+            return Err(format!("{wire}: {minus} is not the complement of {plus}"));
+        }
+        for (n, (&(ns, to), &(at, level))) in planned.iter().zip(seen).enumerate() {
+            let wanted = ((ns - first) * 960) as f64 / 1000.0;
+            let off = (at - first_seen) as f64 - wanted;
+            if to != level || off.abs() > COUNT as f64 + 0.96 {
+                return Err(format!(
+                    "{wire}, edge {n}: planned {to} at {ns} ns, {plus} shows {level}, {off} units off"
+                ));
+            }
+            compared += 1;
+        }
+    }
+    Ok(compared)
+}
