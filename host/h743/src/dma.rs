@@ -330,7 +330,7 @@ impl Dma {
         stream.ahead.clear();
         stream.asked = None;
         let other = stream.cr & (PFCTRL | PBURST) != 0 || stream.direction() > TO_PERIPHERAL;
-        let aligned = stream.memory[0] % stream.memory_size() == 0 && stream.par.is_multiple_of(stream.size());
+        let aligned = stream.memory[0].is_multiple_of(stream.memory_size()) && stream.par.is_multiple_of(stream.size());
         let reaches = stream.direction() != TO_PERIPHERAL || stream.read_ahead(&memory);
         if other {
             self.complain(n, "it is set to what is not modelled");
@@ -376,8 +376,8 @@ impl Dma {
             0x00 | 0x04 => return Some(()),
             0x08 | 0x0c => {
                 let half = first + (offset - 0x08) as usize;
-                for n in 0..4 {
-                    self.streams[half + n].flags &= !(value >> SHIFTS[n]);
+                for (n, shift) in SHIFTS.into_iter().enumerate() {
+                    self.streams[half + n].flags &= !(value >> shift);
                     self.tell(half + n, out);
                 }
                 return Some(());

@@ -153,11 +153,7 @@ impl Device for Spi {
             CR2 => self.cr[1] = new,
             CFG1 | CFG2 if on => self.complain("its settings are written while it is on"),
             CFG1 | CFG2 => self.cfg[(offset - CFG1) as usize / 4] = new,
-            IER => {
-                if new != 0 {
-                    self.complain("interrupts are not modelled");
-                }
-            }
+            IER if new != 0 => self.complain("interrupts are not modelled"),
             IFCR => self.latched &= !(value & mask & (EOT | TXTF | SUSP | 0x3e0)),
             TXDR => {
                 if !on {

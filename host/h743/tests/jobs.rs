@@ -12,6 +12,25 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+/// The tick's ring of this board holds 64 entries of a program: those of a LoadConfig of eight axes. What stands behind it at the
+/// same instant would act a tick later than in the virtual controller.
+const CONFIG: &str = "\"test.cfg\");";
+
+/// The trapezoid of the listing of PT takes 3 s, which cost a minute of emulation: an eighth of it, with the same speeds.
+const EIGHTH: [(&str, &str); 3] = [("1024;", "128;"), ("2048;", "256;"), ("Sleep(1536);", "Sleep(192);")];
+
+/// The example with a Sleep behind its LoadConfig, in a folder.
+fn prepared(name: &str, folder: &Path) -> PathBuf {
+    let mut text = std::fs::read_to_string(example(name)).unwrap();
+    if name == "pt_static" {
+        EIGHTH.iter().for_each(|(all, eighth)| text = text.replace(all, eighth));
+    }
+    let path = folder.join(name).with_extension("gts");
+    std::fs::write(&path, text.replacen(CONFIG, &format!("{CONFIG} Sleep(1);"), 1)).unwrap();
+    std::fs::copy(example(name).with_file_name("test.cfg"), folder.join("test.cfg")).unwrap();
+    path
+}
+
 /// A job, its tick in µs, ticks from row to row.
 type Case = (&'static str, &'static str, &'static str);
 
@@ -68,7 +87,7 @@ impl Paint {
 fn compare(elf: &[u8], (name, tick_us, every): Case) {
     let began = Instant::now();
     let folder = tempfile::tempdir().unwrap();
-    let job = example(name).display().to_string();
+    let job = prepared(name, folder.path()).display().to_string();
     let files = |way: &str| ["csv", "vcd"].map(|end| folder.path().join(format!("{name}-{way}.{end}")));
     let [simulated, emulated] = ["sim", "chip"].map(files);
     let words = |files: &[PathBuf; 2]| {
@@ -95,17 +114,23 @@ fn compare(elf: &[u8], (name, tick_us, every): Case) {
     assert_eq!((chip.bus.usart.lost, chip.bus.dma.lost), (0, 0), "{name}");
     let [csv, vcd] = [0, 1].map(|n| {
         let [one, other] = [&simulated[n], &emulated[n]].map(|path| std::fs::read_to_string(path).unwrap());
-        assert!(one.lines().count() > 10, "{name}");
+        assert!(one.lines().count() > 5, "{name} leaves no trace");
         if let Some(difference) = first_difference(&one, &other) {
             panic!("{name} at {tick_us} µs: {difference}");
         }
         one
     });
     let edges = signals::compare(&vcd, chip).unwrap_or_else(|error| panic!("{name} at {tick_us} µs: {error}"));
+    let ticks = tick_us.parse().unwrap();
+    let steps = match csv.lines().next() {
+        Some(head) if head.contains("axis1_pos") && every == "1" => signals::compare_steps(&csv, ticks, chip),
+        _ => Ok(0),
+    };
+    let steps = steps.unwrap_or_else(|error| panic!("{name} at {tick_us} µs: {error}"));
     let left = paint.left(&machine);
     assert!(left >= 512, "{name}: {left} bytes of the stack are left");
     println!(
-        "{name} at {tick_us} µs: {} lines, {edges} edges at the pins, {left} bytes of stack left; {} ms of the chip, {} \
+        "{name} at {tick_us} µs: {} lines, {edges} edges of lasers and {steps} steps at the pins, {left} bytes of stack left; {} ms of the chip, {} \
          million instructions in {:.1} s",
         csv.lines().count(),
         chip.now / MILLISECOND,
@@ -134,7 +159,7 @@ fn listings_of_lasers_shine_as_in_the_virtual_controller() {
         ("laser_duty", "50", "5"),
         ("laser_frequency", "50", "5"),
         ("laser_analog", "50", "5"),
-        ("laser_lsr_duty", "100", "5"),
+        ("laser_lsr_duty", "50", "5"),
     ]);
 }
 

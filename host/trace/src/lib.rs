@@ -54,7 +54,7 @@ pub enum TraceError {
         theirs: u8,
     },
     /// The laser timers count with a clock that this client does not know.
-    #[error("the lasers of this trace are timed with {mhz} MHz; this client reads traces of 1000 MHz")]
+    #[error("the lasers of this trace are timed with {mhz} MHz; this client reads traces of 100 to 1000 MHz")]
     Clock {
         /// Counts per µs.
         mhz: u16,

@@ -52,15 +52,29 @@ pub struct Reader {
 }
 
 /// What rows and edges are made of.
-#[derive(Default)]
 struct Made {
     header: Header,
+    /// Of the laser timers.
+    clock: Clock,
     rows: u32,
     stages: Vec<Stage>,
     /// What light is told to do: laser, instant, on; for each laser in the order of time.
     lights: Vec<(usize, u64, bool)>,
     /// Levels of the general outputs.
     levels: u32,
+}
+
+impl Default for Made {
+    fn default() -> Self {
+        Made {
+            header: Header::default(),
+            clock: Clock::GHZ,
+            rows: 0,
+            stages: Vec::new(),
+            lights: Vec::new(),
+            levels: 0,
+        }
+    }
 }
 
 impl Reader {
@@ -91,9 +105,11 @@ impl Made {
     fn take(&mut self, event: Event<'_>, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
         match event {
             Event::Head(head, Columns { axes, lasers, crds }) => {
-                if !lasers.is_empty() && head.timer_mhz != Clock::GHZ.mhz() {
-                    return Err(TraceError::Clock { mhz: head.timer_mhz });
-                }
+                self.clock = match Clock::from_mhz(head.timer_mhz) {
+                    Some(clock) => clock,
+                    None if lasers.is_empty() => Clock::GHZ,
+                    None => return Err(TraceError::Clock { mhz: head.timer_mhz }),
+                };
                 let axes = axes.iter().map(|a| AxisName { core: a.core.saturating_add(1), axis: a.axis }).collect();
                 let lasers: Vec<LaserName> = lasers.iter().map(|laser| LaserName(laser.channel)).collect();
                 let crds = crds.iter().map(|c| CrdName { core: c.core.saturating_add(1), crd: c.crd }).collect();
@@ -138,7 +154,8 @@ impl Made {
             return Err(unknown);
         };
         let Some(stage) = self.stages.get_mut(laser) else { return Err(unknown) };
-        let count = |c: trace::Count| Count { whole: c.whole.get(), part: c.part.get(), of: c.of.get() };
+        let clock = self.clock;
+        let count = |c: trace::Count| in_ns(Count { whole: c.whole.get(), part: c.part.get(), of: c.of.get() }, clock);
         let train = Train { period: count(told.period), width: count(told.width) };
         let value = told.value.get();
         let tick = u64::from(told.tick.get());
@@ -167,6 +184,21 @@ impl Made {
         stage.push(at, action);
         Ok(())
     }
+}
+
+/// A time in counts of a clock as one in ns, exact, or to 2⁻³² ns. The machine's edges fall on its own counts; those made of this
+/// fall on ns, within a count of them.
+fn in_ns(count: Count, clock: Clock) -> Count {
+    if clock == Clock::GHZ {
+        return count;
+    }
+    let of = if count.of == 0 { 1 << 32 } else { u128::from(count.of) };
+    let ns = (u128::from(count.whole) * of + u128::from(count.part)) * 1000;
+    let over = of * u128::from(clock.mhz());
+    let (whole, rest) = (ns / over, ns % over);
+    // Nearest 2⁻³²; what is rounded up to a whole is one more.
+    let part = ((rest << 32) + over / 2) / over;
+    Count { whole: u64::try_from(whole + (part >> 32)).unwrap_or(u64::MAX), part: part as u32, of: 0 }
 }
 
 /// Hands a stage's changes on until one is refused.
@@ -209,5 +241,24 @@ fn name(fault: Fault, after: u32) -> TraceError {
         Fault::Version(theirs) => TraceError::Version { theirs },
         Fault::Missing { expected, came } => TraceError::Gap { expected, came },
         Fault::Lost(rows) => TraceError::Lost(rows),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_of_any_clock_are_ns_to_the_nearest_part() {
+        let mhz = |mhz| Clock::from_mhz(mhz).unwrap();
+        let count = |whole, part, of| Count { whole, part, of };
+        assert_eq!(in_ns(count(7, 1, 3), Clock::GHZ), count(7, 1, 3));
+        // 24000 counts of 240 MHz are 100 us; a third of a count is 25/18 ns.
+        assert_eq!(in_ns(count(24_000, 0, 1), mhz(240)), count(100_000, 0, 0));
+        let nearest = |numerator: u64, denominator: u64| ((numerator << 32) + denominator / 2) / denominator;
+        assert_eq!(in_ns(count(0, 1, 3), mhz(240)), count(1, nearest(7, 18) as u32, 0));
+        assert_eq!(in_ns(count(1, 1 << 31, 0), mhz(240)), count(6, nearest(1, 4) as u32, 0));
+        assert_eq!(in_ns(count(0, u32::MAX, 0), mhz(999)).whole, 1, "less than 2^-33 ns below 1.001");
+        assert_eq!(in_ns(count(u64::MAX, 0, 1), mhz(240)).whole, u64::MAX, "beyond what a count holds: the longest");
     }
 }
