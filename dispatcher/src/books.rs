@@ -27,7 +27,12 @@ pub const SOFT_OFF: (i32, i32) = (i32::MAX, i32::MIN);
 
 /// The place after `seq` in its lane.
 pub const fn seq_after(seq: u32) -> u32 {
-    seq & PROGRAM_FLAG | seq.wrapping_add(1) & !PROGRAM_FLAG
+    seq_from(seq, 1)
+}
+
+/// So many places behind `seq` in its lane.
+pub const fn seq_from(seq: u32, places: u32) -> u32 {
+    seq & PROGRAM_FLAG | seq.wrapping_add(places) & !PROGRAM_FLAG
 }
 
 /// Whether the tick that `view` shows has executed entry `seq`.
@@ -36,6 +41,34 @@ pub fn executed<const AXES: usize>(view: &View<AXES>, seq: u32) -> bool {
     // Numbers have 31 bits; shifted up, their difference has a sign. A lane that has done nothing yet
     // shows 0, which has no flag.
     done & PROGRAM_FLAG == seq & PROGRAM_FLAG && (done.wrapping_sub(seq) << 1).cast_signed() >= 0
+}
+
+/// Entries after which numbers are renewed: they are compared over half their range, so that one that was executed
+/// 2³⁰ entries ago would look as if it were still to come.
+const RENEWED: u32 = 1 << 24;
+
+/// What each lane had executed when numbers were renewed last.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Renewed([u32; 2]);
+
+impl Renewed {
+    /// Whether it is time to renew them.
+    pub fn is_due<const AXES: usize>(&mut self, view: &View<AXES>) -> bool {
+        let done = [view.done_immediate, view.done_program];
+        let far = |(now, before): (u32, u32)| now.wrapping_sub(before) & !PROGRAM_FLAG >= RENEWED;
+        let due = done.into_iter().zip(self.0).any(far);
+        if due {
+            self.0 = done;
+        }
+        due
+    }
+}
+
+/// An entry that was executed takes the number of the last one of its lane that was: it stays one that was executed.
+pub fn renew<const AXES: usize>(view: &View<AXES>, seq: &mut u32) {
+    if executed(view, *seq) {
+        *seq = if *seq & PROGRAM_FLAG == 0 { view.done_immediate } else { view.done_program };
+    }
 }
 
 /// What a pushed operation changes in the books.
@@ -259,6 +292,15 @@ impl<const AXES: usize> Books<AXES> {
         if let Some(named) = table.and_then(|table| self.named.get_mut(usize::from(table))) {
             *named = Some(seq);
         }
+    }
+
+    /// Renews the numbers of what was executed, before they are too old to be told from those of what is to come.
+    pub fn renew(&mut self, view: &View<AXES>) {
+        let mut young = |seq: &mut u32| renew(view, seq);
+        self.axes.iter_mut().for_each(|book| book.renew(&mut young));
+        self.crds.iter_mut().for_each(|book| book.renew_numbers(&mut young));
+        self.lasers.iter_mut().for_each(|book| book.renew(&mut young));
+        self.named.iter_mut().flatten().for_each(young);
     }
 
     /// The axes of a coordinate system.

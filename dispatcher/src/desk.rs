@@ -12,7 +12,7 @@ use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{Loading, Road, road};
 use crate::admit::{admit, config_item, crd, many, one, power_on, tables};
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
-use crate::books::{Books, CAPACITY, Change, PROGRAM_FLAG, executed};
+use crate::books::{Books, CAPACITY, Change, PROGRAM_FLAG, Renewed, executed};
 use crate::case::{Answer, Case, Effect, Site};
 use crate::lane::{Deque, Lane, Staged};
 use crate::log::Log;
@@ -59,6 +59,7 @@ pub struct Desk<'a, const AXES: usize> {
     pub now: Books<AXES>,
     /// Books after everything admitted.
     pub ahead: Books<AXES>,
+    renewed: Renewed,
     /// Operations of the command in hand.
     pub staged: Staged,
     /// The immediate lane.
@@ -104,6 +105,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             laser_loading: tables::Loading::new(),
             now: Books::new(),
             ahead: Books::new(),
+            renewed: Renewed::default(),
             staged: Staged::new(),
             lane: Lane::new(ring, 0),
             awaiting: Deque::new(Awaiting::BLANK),
@@ -285,6 +287,11 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         if self.now.naming() | self.ahead.naming() != 0 {
             self.forget_follow_tables(view);
         }
+        if self.renewed.is_due(view) {
+            self.now.renew(view);
+            self.ahead.renew(view);
+            program.renew(view);
+        }
     }
 
     /// FIFOs that hold nothing by either set of books name no follow table.
@@ -346,7 +353,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
 
     /// A coordinate system that could not start.
     fn explain_crd(&self, view: &View<AXES>, crd: Crd) -> Refused {
-        let (seen, book) = (&view.crds[crd.index()], self.now.crd(crd));
+        let (seen, book) = (&view.crds[crd.index().min(Crd::MAX - 1)], self.now.crd(crd));
         let number = self.site.crd_number(crd);
         let index = usize::from(book.fifo & 1);
         let empty = seen.ends[index] == seen.released[index];

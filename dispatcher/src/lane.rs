@@ -3,7 +3,7 @@
 //! In: staged operations with their changes. Out: entries in the ring; changes for the *now* books
 //! once the view says that their entries were executed. Bounded by the ring: what does not fit is
 //! for the caller to try again later ([`Lane::room`]).
-use crate::books::{Books, Change, executed, seq_after};
+use crate::books::{Books, Change, executed, seq_after, seq_from};
 use ring::Producer;
 use servo::op::{Entry, Op};
 use servo::units::Ns;
@@ -124,6 +124,12 @@ impl<'a, const N: usize> Lane<'a, N> {
     /// Entries that can be pushed now.
     pub fn room(&self) -> usize {
         self.ring.free().min(N - self.log.len())
+    }
+    /// As if so many entries more had gone through; nothing is in flight.
+    pub fn age(&mut self, entries: u32) {
+        if self.log.is_empty() {
+            self.last = seq_from(self.last, entries);
+        }
     }
     /// Number of the last entry pushed.
     pub fn last(&self) -> u32 {

@@ -349,6 +349,13 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         self.link.next_deadline().into_iter().chain(loss).chain(next_tick).chain(flush).chain(feed).min().map(Ns)
     }
 
+    /// As if so many entries more had gone through each lane, with [`Tick::age`](servo::tick::Tick::age) as long before the
+    /// next tick: for tests of what a long life does to counters. Nothing may be on its way.
+    pub fn age(&mut self, entries: u32) {
+        self.desk.lane.age(entries);
+        self.program.age(entries);
+    }
+
     /// The newest view, for displays and tests.
     pub fn view(&mut self) -> &View<AXES> {
         self.view.read()

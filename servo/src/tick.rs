@@ -125,8 +125,8 @@ pub struct Tick<const AXES: usize> {
     pub(crate) general: u32,
     /// Ticks since power-on.
     pub(crate) ticks: u32,
-    done_immediate: u32,
-    done_program: u32,
+    pub(crate) done_immediate: u32,
+    pub(crate) done_program: u32,
     pub(crate) events_lost: u32,
     overruns: u32,
     /// Axes in use.

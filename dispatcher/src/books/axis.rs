@@ -195,6 +195,14 @@ impl AxisBook {
                 .any(|(index, data)| data.end != 0 && (self.is_dynamic() || index == usize::from(fifo)))
         }
     }
+    /// Shows every number of an entry to `young`.
+    pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
+        let AxisBook { started, busy, placed, servo, cleared, emptied, leaving, follow, .. } = self;
+        [started, busy, cleared, emptied, leaving].into_iter().flatten().for_each(&mut *young);
+        placed.iter_mut().for_each(|(seq, _)| young(seq));
+        servo.iter_mut().for_each(|(seq, _)| young(seq));
+        follow.renew(young);
+    }
     /// Follows the tick: a stream that ended is cleared, an axis that came to rest is at rest.
     pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, axis: &AxisView) {
         if self.epoch != axis.epoch {

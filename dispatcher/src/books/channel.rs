@@ -115,6 +115,11 @@ impl LaserBook {
         (self.mode, self.bounds, self.delayed) = (mode, bounds, delayed);
     }
 
+    /// Shows every number of an entry to `young`.
+    pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
+        self.banks.iter_mut().chain([&mut self.cleared]).flatten().for_each(young);
+    }
+
     pub(super) fn enter(&mut self, change: LaserChange, seq: u32) {
         match change {
             LaserChange::PowerOn { delayed, connector } => {

@@ -231,6 +231,12 @@ impl CrdBook {
         }
     }
 
+    /// Shows every number of an entry to `young`.
+    pub(super) fn renew_numbers(&mut self, young: &mut impl FnMut(&mut u32)) {
+        [&mut self.started, &mut self.busy, &mut self.last].into_iter().flatten().for_each(&mut *young);
+        self.fifos.iter_mut().flat_map(|path| [&mut path.emptied, &mut path.last]).flatten().for_each(young);
+    }
+
     /// Enters a change that goes with entry `seq`.
     pub(super) fn enter(&mut self, change: &CrdChange, seq: u32) {
         if seq != 0 {

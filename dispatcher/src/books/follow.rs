@@ -93,6 +93,11 @@ impl FollowBook {
         self.emptied[usize::from(fifo & 1)].is_some_and(|seq| !executed(view, seq))
     }
 
+    /// Shows every number of an entry to `young`.
+    pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
+        self.emptied.iter_mut().chain([&mut self.switch]).flatten().for_each(young);
+    }
+
     /// Entry `seq` empties a FIFO.
     pub fn empty(&mut self, fifo: u8, seq: u32) {
         let place = usize::from(fifo & 1);

@@ -17,7 +17,7 @@ mod end;
 mod intake;
 
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
-use crate::books::{Books, Change, PROGRAM_FLAG, executed};
+use crate::books::{Books, Change, PROGRAM_FLAG, executed, renew};
 use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
 use crate::capacity::{AWAITING, VALUES};
 use crate::case::Answer;
@@ -275,6 +275,16 @@ impl<'a> Program<'a> {
     /// Enters into `now` what the tick has executed.
     pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Books<AXES>) {
         self.lane.retire(view, now);
+    }
+
+    /// Renews the numbers of what was executed.
+    pub fn renew<const AXES: usize>(&mut self, view: &View<AXES>) {
+        [&mut self.run, &mut self.end, &mut self.dropping].into_iter().flatten().for_each(|seq| renew(view, seq));
+    }
+
+    /// As if so many entries more had gone through the lane.
+    pub fn age(&mut self, entries: u32) {
+        self.lane.age(entries);
     }
 
     /// Everything the queue can do now. True if something was done.

@@ -91,6 +91,12 @@ impl<'m> Controller<'m> {
         self.core.feed(bytes);
     }
 
+    /// As if so many entries more had been executed and `ns` more had passed, for tests of a long life; nothing may run or
+    /// be on its way.
+    pub fn age(&mut self, entries: u32, ns: u64) {
+        self.core.age(entries, ns);
+    }
+
     /// Moves the link bytes that are ready to the end of `out`.
     pub fn take_tx(&mut self, out: &mut Vec<u8>) {
         self.core.take_tx(out);
@@ -193,6 +199,7 @@ impl<'m> Controller<'m> {
 /// A board of any capacity.
 trait Core {
     fn feed(&mut self, bytes: &[u8]);
+    fn age(&mut self, entries: u32, ns: u64);
     fn take_tx(&mut self, out: &mut Vec<u8>);
     fn take_trace(&mut self, out: &mut Vec<u8>);
     fn advance(&mut self, ns: u64, out: &mut Vec<u8>) -> bool;
@@ -385,6 +392,13 @@ fn drain(out: &mut Vec<u8>, mut take: impl FnMut(&mut [u8]) -> usize) {
 impl<const AXES: usize> Core for Whole<'_, AXES> {
     fn feed(&mut self, bytes: &[u8]) {
         self.server.feed(self.tick.now(), bytes);
+        self.run_thread();
+    }
+
+    fn age(&mut self, entries: u32, ns: u64) {
+        self.server.age(entries);
+        self.tick.age(entries, Ns(ns));
+        self.run_tick();
         self.run_thread();
     }
 

@@ -349,6 +349,14 @@ impl Lasers {
 
     /// Brings what the thread sees up to now.
     #[inline]
+    /// Counts of changes go up by so many: see [`crate::tick::Tick::age`].
+    pub(crate) fn age(&mut self, by: u32) {
+        for channel in &mut self.channels {
+            let LaserView { moves, turns, changes, .. } = &mut channel.shown;
+            [moves, turns, changes].into_iter().for_each(|count| *count = count.wrapping_add(by));
+        }
+    }
+
     pub(crate) fn show(&self, shown: &mut [LaserView; CHANNELS]) {
         for (to, channel) in shown.iter_mut().zip(&self.channels) {
             to.follow(&channel.shown);

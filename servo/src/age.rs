@@ -1,0 +1,38 @@
+//! A long life in one step, for tests: nothing else calls this.
+//!
+//! In: how many entries, how much time. Out: every count of the tick as it would stand then. Counts go round; what compares
+//! them is right across that, or a test that begins just before it fails.
+use crate::op::Lane;
+use crate::tick::Tick;
+use crate::units::Ns;
+use crate::view::{AxisView, CrdView};
+
+/// Numbers of a lane's entries have 31 bits below the one that tells the lane.
+const NUMBER: u32 = u32::MAX >> 1;
+
+fn later(seq: u32, entries: u32, lane: Lane) -> u32 {
+    let flag = if lane == Lane::Program { !NUMBER } else { 0 };
+    flag | seq.wrapping_add(entries) & NUMBER
+}
+
+impl<const AXES: usize> Tick<AXES> {
+    /// As if each lane had carried out so many entries more, every other count had gone up by as many, and `time` had
+    /// passed. Nothing may run or be on its way; the thread's side must grow as old.
+    pub fn age(&mut self, entries: u32, time: Ns) {
+        self.now = Ns(self.now.0.wrapping_add(time.0));
+        self.done_immediate = later(self.done_immediate, entries, Lane::Immediate);
+        self.done_program = later(self.done_program, entries, Lane::Program);
+        self.ticks = self.ticks.wrapping_add(entries);
+        let add = |count: &mut u32| *count = count.wrapping_add(entries);
+        for axis in &mut self.axes {
+            let AxisView { moves, turns, changes, epoch, cleared: [first, second], .. } = &mut axis.shown;
+            [moves, turns, changes, epoch, first, second].into_iter().for_each(add);
+        }
+        for crd in &mut self.crds.states {
+            let CrdView { moves, changes, cleared: [first, second], .. } = &mut crd.shown;
+            [moves, changes, first, second].into_iter().for_each(add);
+        }
+        add(&mut self.crds.moves);
+        self.lasers.age(entries);
+    }
+}
