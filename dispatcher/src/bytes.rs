@@ -75,9 +75,12 @@ impl Records {
         self.used += bytes.len();
     }
     fn read(ring: &[u8; QUEUE_BYTES], first: usize, out: &mut [u8]) {
-        let (now, rest) = out.split_at_mut(out.len().min(QUEUE_BYTES - first));
-        now.copy_from_slice(&ring[first..first + now.len()]);
-        rest.copy_from_slice(&ring[..rest.len()]);
+        let (now, rest) = out.split_at_mut(out.len().min(QUEUE_BYTES.saturating_sub(first)));
+        let head = ring.get(first..).and_then(|ring| ring.get(..now.len()));
+        if let (Some(head), Some(tail)) = (head, ring.get(..rest.len())) {
+            now.copy_from_slice(head);
+            rest.copy_from_slice(tail);
+        }
     }
     fn skip(&mut self, count: usize) {
         self.first = (self.first + count) % QUEUE_BYTES;
@@ -92,11 +95,12 @@ impl Records {
             let (opcode, tag, len) =
                 (u16::from_le_bytes([o0, o1]), u16::from_le_bytes([t0, t1]), u16::from_le_bytes([l0, l1]));
             self.skip(RECORD_BYTES);
-            Self::read(&self.ring, self.first, &mut self.body[..usize::from(len)]);
+            // A record that was taken fits.
+            Self::read(&self.ring, self.first, self.body.get_mut(..usize::from(len)).unwrap_or_default());
             self.skip(usize::from(len));
             self.head = Some(Head { opcode, tag, len, may_fail: flag != 0 });
         }
-        self.head.map(|head| (head, &self.body[..usize::from(head.len)]))
+        self.head.map(|head| (head, self.body.get(..usize::from(head.len)).unwrap_or_default()))
     }
     /// The record in hand is dealt with.
     pub fn pop(&mut self) {

@@ -217,7 +217,9 @@ impl<const N: usize> LookAhead<N> {
                 acc = acc.min(hardest / share);
             }
         }
-        let round = figure.round.map(|(radius, [i, j])| (radius, hardest[i].min(hardest[j])));
+        let least =
+            |axes: [usize; 2]| axes.iter().filter_map(|axis| hardest.get(*axis)).copied().fold(f64::INFINITY, f64::min);
+        let round = figure.round.map(|(radius, axes)| (radius, least(axes)));
         if let Some((radius, limit)) = round {
             vel = vel.min(sqrt(radius * limit));
         }

@@ -28,7 +28,8 @@ pub fn share(begin: f64, end: f64, q: f64, wanted: f64) -> Result<f64, (f64, f64
         return Ok(q / 2.0);
     }
     let x = q * ((one - wanted) / (one - other));
-    Ok(x.clamp(0.0, q))
+    // Not `clamp`, which panics where the bounds are no numbers.
+    Ok(x.max(0.0).min(q))
 }
 
 /// Where the held part begins and ends, in parts of the segment, and the mean of the ratio up to there from the

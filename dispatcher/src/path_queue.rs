@@ -31,7 +31,7 @@ impl Lasting {
     const BITS: u32 = 12;
 
     fn of(ms: f64) -> Lasting {
-        let units = (ms * UNITS).clamp(0.0, f64::from(((1u32 << Self::BITS) - 1) << 15)) as u32;
+        let units = (ms * UNITS).max(0.0).min(f64::from(((1u32 << Self::BITS) - 1) << 15)) as u32;
         let shift = (u32::BITS - units.leading_zeros()).saturating_sub(Self::BITS);
         Lasting((units >> shift) as u16 | (shift as u16) << Self::BITS)
     }

@@ -247,7 +247,9 @@ impl Encoder {
 
     fn append(&mut self, bytes: &[u8]) {
         if let Some(place) = self.body.get_mut(self.len..self.len.saturating_add(bytes.len())) {
-            place.copy_from_slice(bytes);
+            for (place, &byte) in place.iter_mut().zip(bytes) {
+                *place = byte;
+            }
             self.len = self.len.saturating_add(bytes.len());
         }
     }

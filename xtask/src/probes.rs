@@ -12,14 +12,15 @@ pub fn run() -> Outcome {
     shell::run(cargo().args(["test", "--package", "beamtick-rules"]))
 }
 
-/// Tick and protocol link without a panic path, and the tick's twin with one does not.
+/// Tick, protocol and server link without a panic path, and the tick's twin with one does not.
 pub fn cannot_panic() -> Outcome {
     link("no-panic")?.map_err(|errors| format!("the tick can reach a panic:\n{errors}"))?;
     link("wire")?.map_err(|errors| format!("what comes over the wire can reach a panic:\n{errors}"))?;
+    link("server")?.map_err(|errors| format!("what the thread does can reach a panic:\n{errors}"))?;
     match link("panics")? {
         Ok(()) => Err("the twin that panics links, so the probe proves nothing".into()),
         Err(errors) if errors.contains(WITNESS) => {
-            println!("tick and protocol link without a panic path; the tick's twin with one does not link");
+            println!("tick, protocol and server link without a panic path; the tick's twin with one does not link");
             Ok(())
         }
         Err(errors) => Err(format!("the twin fails for another reason:\n{errors}")),

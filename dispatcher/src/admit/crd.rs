@@ -95,15 +95,15 @@ pub fn set<const AXES: usize>(case: &mut Case<AXES>, r: &SetCrdPrm) -> Admitted<
     }
     let mut origin = [0; DIMENSIONS];
     let mut here: Option<Place> = Some([0.0; DIMENSIONS]);
-    for (coordinate, axis) in axes.iter().enumerate() {
+    for ((coordinate, axis), start) in axes.iter().enumerate().zip(&mut origin) {
         let Some(axis) = *axis else { continue };
         let number = axis.index() - usize::from(frame.first);
-        origin[coordinate] = frame.origin.get(number).copied().unwrap_or(0);
+        *start = frame.origin.get(number).copied().unwrap_or(0);
         if frame.set_origin {
             let pos = case.book(axis).position(case.view, case.seen(axis));
             here = here.zip(pos).map(|(mut place, pos)| {
-                let part = Pos(pos.0.wrapping_sub(Pos::pulses(origin[coordinate]).0));
-                [place[coordinate], _, _, _] = place_of(&[part; DIMENSIONS]);
+                let [at, ..] = place_of(&[Pos(pos.0.wrapping_sub(Pos::pulses(*start).0)); DIMENSIONS]);
+                place.iter_mut().skip(coordinate).take(1).for_each(|place| *place = at);
                 place
             });
         }

@@ -60,11 +60,11 @@ pub fn substitute(scratch: &mut Scratch<'_>) {
             }
             *place = c;
         }
-        for (index, c) in (start..count.min(start + STRIDE)).zip(cs).rev() {
-            if let Some(mut knot) = scratch.knot(index) {
+        for (place, c) in cs.iter().enumerate().take(count.saturating_sub(start)).rev() {
+            if let Some(mut knot) = scratch.knot(start + place) {
                 knot.vel -= c * next;
                 next = knot.vel;
-                scratch.set(index, knot);
+                scratch.set(start + place, knot);
             }
         }
     }

@@ -31,7 +31,7 @@ impl Range {
     pub fn nearest(&self, value: f64) -> f64 {
         match self.above {
             Some(least) if value < LEAST_KHZ => least,
-            _ => value.clamp(self.low, self.high),
+            _ => value.max(self.low).min(self.high),
         }
     }
 }

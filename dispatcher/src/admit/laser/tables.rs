@@ -237,7 +237,8 @@ impl Loading {
         let chunk = Chunk { key, first: r.first.get(), items, total, field: 7 };
         let bank = self.place(&chunk, || free_bank(case, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
-            let (axis, point) = (index / count, index % count);
+            let axis = index.checked_div(count).unwrap_or(0);
+            let point = index - axis * count;
             let value = ratio(8, point, item.ratio.get()).map_err(|refused| refused.axis(axis as i16 + 1))?;
             let pos = item.pos.get();
             if point > 0 && pos <= self.last {
