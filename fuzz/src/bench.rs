@@ -263,6 +263,7 @@ impl<'m> Bench<'m> {
                 for frame in wire[..count].split_inclusive(|&byte| byte == 0) {
                     for frame in self.line(0, frame) {
                         self.board.feed(&frame);
+                        self.guard.fed(now);
                     }
                 }
             }

@@ -7,6 +7,7 @@
 //! * while the interlock input is active, switch and energy are at rest at once, the analog output within a tick;
 //! * after an overrun or a restart everything is at rest until something was sent that may clear it; after an alarm, a
 //!   limit or servo-off of an axis, so is every channel whose map holds the axis's coordinate system;
+//! * while nothing has come over the line for longer than the link-loss time, no channel has light or its switch on;
 //! * a channel that shows a fault is at rest;
 //! * a set-point never goes further in a tick than the step limit, never beyond the edge of travel, and stands still
 //!   while its axis does not run.
@@ -26,6 +27,8 @@ const CHANNELS: usize = 2;
 const STEP_PER_NS: u64 = (1u64 << 54).div_ceil(1_000_000);
 /// ±2⁴⁰ pulses.
 const TRAVEL: u64 = 1 << 62;
+/// The link-loss time until somebody changes it, ns.
+const LINK_LOSS_NS: u64 = 500_000_000;
 /// Ticks until what a tick sees has reached the outputs: one to act, one that the machine had been told already.
 const REACTION: u32 = 2;
 
@@ -48,6 +51,9 @@ pub struct Guard {
     /// Ticks since one may have been under way.
     quiet: u32,
     interlock: u32,
+    /// Ticks since the controller was fed for the last time longer ago than the link-loss time, which nobody has changed.
+    silent: Option<u32>,
+    heard: u64,
     holds: [Hold; CHANNELS],
     faults: [u32; CHANNELS],
     /// Ticks looked at.
@@ -81,6 +87,8 @@ impl Guard {
             clears: 0,
             quiet: u32::MAX / 2,
             interlock: 0,
+            silent: Some(0),
+            heard: board.now(),
             holds: [Hold::None; CHANNELS],
             faults: [0; CHANNELS],
             ticks: 0,
@@ -90,6 +98,9 @@ impl Guard {
     /// A request was sent.
     pub fn sent(&mut self, number: u16, body: &[u8]) {
         self.may_light |= lights(number, body);
+        if number == opcode::SetLinkLoss {
+            self.silent = None;
+        }
         if clears(number) {
             self.clears += 1;
             self.holds = [Hold::None; CHANNELS];
@@ -107,6 +118,11 @@ impl Guard {
     /// Whether no request that clears may still act.
     fn is_quiet(&self) -> bool {
         self.clears == 0 && self.quiet > 64
+    }
+
+    /// Something has reached the controller.
+    pub fn fed(&mut self, now: u64) {
+        self.heard = now;
     }
 
     /// The controller was told of an overrun or a restart.
@@ -130,6 +146,8 @@ impl Guard {
         self.ticks += 1;
         self.quiet = self.quiet.saturating_add(1);
         self.interlock = if board.inputs_mut().interlock { self.interlock + 1 } else { 0 };
+        let quiet = board.now().saturating_sub(self.heard) > LINK_LOSS_NS;
+        self.silent = self.silent.map(|ticks| if quiet { ticks + 1 } else { 0 });
         let limit = board.period_ns().saturating_mul(STEP_PER_NS);
         for axis in 0..AXES {
             let (set_point, view) = (board.set_point(axis), board.axis(axis));
@@ -184,6 +202,11 @@ impl Guard {
             assert!(!levels.switch && !levels.energy, "channel {channel} under interlock: {levels:?}");
         }
         assert!(self.interlock <= REACTION || levels.dac == 0, "channel {channel} under interlock: {levels:?}");
+        // A tick to notice it and one to tell the servo, before it acts.
+        assert!(
+            self.silent.is_none_or(|ticks| ticks <= REACTION + 2) || !levels.switch && !view.light,
+            "channel {channel} is lit without a host: {levels:?}, {view:?}"
+        );
         if let Hold::Since(ticks, why) = &mut self.holds[channel] {
             *ticks += 1;
             assert!(

@@ -77,6 +77,8 @@ fn deframed(data: &[u8]) {
 /// One end and what it was fed in its session.
 struct End {
     end: Endpoint<8>,
+    /// Takes the same bytes.
+    deframer: Deframer<MAX_WIRE>,
     session: Option<u32>,
     /// Payloads of Data frames of this session by number.
     fed: HashMap<u16, Vec<Vec<u8>>>,
@@ -85,19 +87,23 @@ struct End {
 
 impl End {
     fn new(role: Role) -> End {
-        End { end: Endpoint::new(role, Identity::OURS), session: None, fed: HashMap::new(), delivered: 0 }
+        let end = Endpoint::new(role, Identity::OURS);
+        End { end, deframer: Deframer::new(), session: None, fed: HashMap::new(), delivered: 0 }
     }
 
     fn feed(&mut self, now: u64, bytes: &[u8]) {
-        for bytes in frames(bytes, usize::MAX) {
-            if let Ok((header, Kind::Data, payload)) = frame::decode(&bytes)
-                && Some(header.session.get()) == self.end.session()
+        // Frame by frame: one may begin a session, its own too.
+        for part in bytes.split_inclusive(|&byte| byte == 0) {
+            let whole = self.deframer.feed(part).1 == Outcome::Frame;
+            self.end.feed(now, part);
+            self.look();
+            if whole
+                && let Ok((header, Kind::Data, payload)) = frame::decode(self.deframer.frame())
+                && Some(header.session.get()) == self.session
             {
                 self.fed.entry(header.sequence.get()).or_default().push(payload.to_vec());
             }
         }
-        self.end.feed(now, bytes);
-        self.look();
     }
 
     fn look(&mut self) {

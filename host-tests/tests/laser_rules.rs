@@ -96,6 +96,7 @@ fn the_tests_that_the_pages_name_are_there() {
         "host/beamtick/tests",
         "servo/tests",
         "dispatcher/tests",
+        "protocol/tests",
         "probes/rules/tests",
         "ring/src",
     ] {

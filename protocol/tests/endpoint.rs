@@ -2,7 +2,7 @@
 //! `host-tests/tests/link.rs`.
 
 use protocol::Ns;
-use protocol::frame::{MAX_PAYLOAD, MAX_WIRE};
+use protocol::frame::{self, Header, Kind, MAX_PAYLOAD, MAX_WIRE};
 use protocol::link::{Endpoint, Identity, KEEP_ALIVE_NS, RETRY_FIRST_NS, Role, SendError, State};
 
 const MS: Ns = 1_000_000;
@@ -247,4 +247,92 @@ fn a_message_of_full_length_leaves_in_small_portions() {
     controller.done_with_message();
     pump(0, &mut client, &mut controller);
     assert_eq!(client.message(), Some(&message[..4]));
+}
+
+/// Both ways past 65,536 messages of a session; every 37th frame is lost, and what was lost is sent again.
+#[test]
+fn sequence_numbers_go_round() {
+    let (mut client, mut controller) = opened();
+    let (mut sent, mut taken, mut answered, mut frames, mut now) = (0u32, 0u32, 0u32, 0u32, 0);
+    let mut lossy = |from: &mut End, to: &mut End, now: Ns| {
+        for frame in out(from, now).split_inclusive(|&byte| byte == 0) {
+            frames += 1;
+            if frames % 37 != 0 {
+                to.feed(now, frame);
+            }
+        }
+    };
+    while answered < 70_000 {
+        now += MS;
+        while sent < 70_000 && client.can_send() {
+            client.send(&sent.to_le_bytes()).unwrap();
+            sent += 1;
+        }
+        client.poll(now);
+        controller.poll(now);
+        lossy(&mut client, &mut controller, now);
+        while controller.can_send()
+            && let Some(message) = controller.message()
+        {
+            assert_eq!(message, taken.to_le_bytes());
+            controller.done_with_message();
+            controller.send(&taken.to_le_bytes()).unwrap();
+            taken += 1;
+        }
+        lossy(&mut controller, &mut client, now);
+        while let Some(message) = client.message() {
+            assert_eq!(message, answered.to_le_bytes());
+            client.done_with_message();
+            answered += 1;
+        }
+        assert!(now < 10_000_000 * MS, "{sent} sent, {taken} taken, {answered} answered");
+    }
+    assert_eq!((sent, taken), (70_000, 70_000));
+}
+
+/// A sealed frame of the session that is in force there.
+fn sealed(end: &End, kind: Kind, acknowledgement: u16, payload: &[u8]) -> Vec<u8> {
+    let header = Header {
+        version: protocol::VERSION,
+        kind: kind as u8,
+        flags: 0,
+        credit: 4,
+        session: end.session().unwrap().into(),
+        sequence: 0.into(),
+        acknowledgement: acknowledgement.into(),
+        length: 0.into(),
+    };
+    let mut wire = vec![0; MAX_WIRE];
+    let length = frame::encode(header, payload, &mut wire).unwrap();
+    wire.truncate(length);
+    wire
+}
+
+#[test]
+fn an_acknowledgement_of_what_was_never_sent_changes_nothing() {
+    let (mut client, mut controller) = opened();
+    client.send(b"one").unwrap();
+    out(&mut client, 0);
+    // That was lost; and this is no acknowledgement of it.
+    client.feed(0, &sealed(&client, Kind::Ack, 3, &[]));
+    assert_eq!((client.counters().bad_acknowledgement, client.all_acknowledged()), (1, false));
+    client.poll(RETRY_FIRST_NS);
+    pump(RETRY_FIRST_NS, &mut client, &mut controller);
+    assert_eq!(controller.message(), Some(&b"one"[..]));
+    assert!(client.all_acknowledged());
+}
+
+#[test]
+fn a_frame_with_any_bit_damaged_is_none() {
+    let (_, mut controller) = opened();
+    let good = sealed(&controller, Kind::Data, 0, b"\0what the frame \0\0 carries");
+    for bit in 0..8 * good.len() {
+        let mut damaged = good.clone();
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        controller.feed(0, &damaged);
+        controller.feed(0, &[0]);
+        assert_eq!(controller.message(), None, "bit {bit}");
+    }
+    controller.feed(0, &good);
+    assert_eq!(controller.message(), Some(&b"\0what the frame \0\0 carries"[..]));
 }
