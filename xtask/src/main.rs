@@ -34,11 +34,19 @@ cargo xtask COMMAND
   supply          licences, duplicates, sources and advisories of the dependencies (deny.toml)
   fuzz --minutes N [--target T] [--merge]
                   libFuzzer over the targets of fuzz/, N minutes each
+  long-run [TICKS]
+                  mixed work for 10^9 ticks, or as many as are given, in the virtual controller (about 15 minutes)
   mutants [NAME]  breaks the code on purpose, place by place, and sees that the tests fail
   mutants --check sees that every place is still there
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
 ";
+
+/// The test of a plain run, for longer.
+fn long_run(ticks: &str) -> Outcome {
+    let words = ["test", "--release", "-p", "beamtick-host-tests", "--test", "long_run", "--", "--nocapture"];
+    shell::run(shell::cargo().args(words).env("LONG_RUN_TICKS", ticks))
+}
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -55,6 +63,8 @@ fn main() -> ExitCode {
         ["traces", names @ ..] => traces::run(names),
         ["supply"] => supply::check(),
         ["fuzz", rest @ ..] => fuzz::run(rest),
+        ["long-run"] => long_run("1000000000"),
+        ["long-run", ticks] => long_run(ticks),
         ["mutants"] => mutants::run(""),
         ["mutants", "--check"] => mutants::check(),
         ["mutants", name] => mutants::run(name),

@@ -1,37 +1,45 @@
 //! Mutants: the code broken on purpose in one place, and the test that must see it.
 //!
-//! In: the list of [`LIST`]. Out: a table of what became of each; an error if one survives, does not compile, or if its
-//! text is not in its file exactly once. Each is put into a copy of the tree under `target/mutants`, so that the checkout
-//! stays as it is. The tests must pass in that copy before anything is broken, or their failures would say nothing.
+//! In: the list of [`LIST`]. Out: a table of what became of each and which tests saw it, also in `target/mutants/report.md`;
+//! an error if one survives, does not compile, or if its text is not in its file exactly once. Each is put into a copy of
+//! the tree under `target/mutants`, so that the checkout stays as it is. The tests must pass in that copy before anything
+//! is broken, or their failures would say nothing. A mutant of the firmware is seen by tests in QEMU, of its image.
 mod list;
 
+use crate::setup::{TARGET, compiler};
 use crate::shell::{self, Outcome, cargo, read, root, target};
 use list::{LIST, Mutant};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
+use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A test that takes longer hangs, which is one way to see a mutant.
-const PATIENCE: Duration = Duration::from_secs(600);
+/// A test that takes so much longer than on the code as it is hangs, which is one way to see a mutant.
+const PATIENCE: (u32, Duration) = (5, Duration::from_secs(60));
 
 /// What became of a mutant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 enum Fate {
-    Caught,
+    /// By these tests.
+    Caught(Vec<String>),
     Hung,
     Survived,
     Broken,
 }
 
-impl Fate {
-    fn word(self) -> &'static str {
+impl fmt::Display for Fate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Fate::Caught => "caught",
-            Fate::Hung => "caught (the test hangs)",
-            Fate::Survived => "SURVIVED",
-            Fate::Broken => "DOES NOT COMPILE",
+            Fate::Caught(tests) => {
+                let (shown, rest) = tests.split_at(tests.len().min(3));
+                f.write_str(&shown.iter().map(|test| format!("`{test}`")).collect::<Vec<_>>().join(", "))?;
+                if rest.is_empty() { Ok(()) } else { write!(f, " and {} more", rest.len()) }
+            }
+            Fate::Hung => f.write_str("the test does not end"),
+            Fate::Survived => f.write_str("SURVIVED"),
+            Fate::Broken => f.write_str("DOES NOT COMPILE"),
         }
     }
 }
@@ -57,29 +65,37 @@ pub fn run(only: &str) -> Outcome {
         return Err(format!("no mutant is called {only}"));
     }
     let tree = copy()?;
-    let tests: BTreeSet<&[&str]> = chosen.iter().map(|mutant| mutant.test).collect();
-    for test in tests {
-        if fate(&tree, test)? != Fate::Survived {
-            return Err(format!("`cargo test {}` does not pass on the code as it is", test.join(" ")));
-        }
-    }
+    let mut patience = BTreeMap::new();
     let mut rows = Vec::new();
     for mutant in &chosen {
+        if !patience.contains_key(mutant.test) {
+            let began = Instant::now();
+            let (fate, took) = fate(&tree, mutant, Duration::MAX)?;
+            if fate != Fate::Survived {
+                return Err(format!(
+                    "`cargo test {}` does not pass on the code as it is: {fate}",
+                    mutant.test.join(" ")
+                ));
+            }
+            println!("passes  {} ({:.0} s)", mutant.test.join(" "), began.elapsed().as_secs_f64());
+            patience.insert(mutant.test, took.saturating_mul(PATIENCE.0) + PATIENCE.1);
+        }
         let (path, began) = (tree.join(mutant.file), Instant::now());
         let text = mutated(&tree, mutant)?;
         let before = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
         write(&path, &text)?;
-        let fate = fate(&tree, mutant.test);
+        let fate = fate(&tree, mutant, patience.get(mutant.test).copied().unwrap_or(Duration::MAX));
         write(&path, &before)?;
-        let fate = fate?;
-        let row =
-            format!("{:<24} {:<44} {} ({:.0} s)", fate.word(), mutant.name, mutant.file, began.elapsed().as_secs_f64());
-        println!("{row}");
+        let (fate, _) = fate?;
+        let row = format!("| {} | `{}` | {fate} |", mutant.name, mutant.file);
+        println!("{row} ({:.0} s)", began.elapsed().as_secs_f64());
         rows.push((fate, row));
+        let table: Vec<&str> = rows.iter().map(|(_, row)| row.as_str()).collect();
+        write(&target().join("mutants").join("report.md"), &(table.join("\n") + "\n"))?;
     }
     println!("\n=== mutants");
     rows.iter().for_each(|(_, row)| println!("{row}"));
-    let caught = rows.iter().filter(|(fate, _)| matches!(fate, Fate::Caught | Fate::Hung)).count();
+    let caught = rows.iter().filter(|(fate, _)| matches!(fate, Fate::Caught(_) | Fate::Hung)).count();
     println!("{caught} of {} caught", rows.len());
     if caught == rows.len() { Ok(()) } else { Err("a mutant survives: a test is missing".into()) }
 }
@@ -115,37 +131,78 @@ fn copy() -> Outcome<PathBuf> {
     Ok(tree)
 }
 
-/// What a test says about the tree.
-fn fate(tree: &Path, test: &[&str]) -> Outcome<Fate> {
+/// What a test says about the tree, and how long the test itself took.
+fn fate(tree: &Path, mutant: &Mutant, patience: Duration) -> Outcome<(Fate, Duration)> {
+    let test = mutant.test;
     let (packages, names) = test.split_at(test.iter().position(|word| *word == "--").unwrap_or(test.len()));
-    if !shell::works(command(tree).args(["--no-run"]).args(packages)) {
-        return Ok(Fate::Broken);
+    let image = folder().join(TARGET).join("image").join("beamtick-mps2");
+    let in_image = mutant.file.starts_with("firmware/");
+    if in_image && !shell::works(&mut image_command(tree)?) {
+        return Ok((Fate::Broken, Duration::ZERO));
     }
-    let mut run = command(tree);
-    run.args(packages).args(names).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut build = command(tree);
+    build.args(["--no-run", "--message-format=json"]).args(packages).stdin(Stdio::null());
+    let built = build.output().map_err(|e| format!("`{}`: {e}", shell::line(&build)))?;
+    let built = (built.status.success(), String::from_utf8_lossy(&built.stdout).into_owned());
+    // The test itself, not cargo before it, so that one that hangs can be ended.
+    let program =
+        built.1.lines().filter_map(|line| line.split_once("\"executable\":\"")?.1.split('"').next()).next_back();
+    let (true, Some(program)) = (built.0, program) else { return Ok((Fate::Broken, Duration::ZERO)) };
+    let said = target().join("mutants").join("said.txt");
+    let out = fs::File::create(&said).map_err(|e| format!("{}: {e}", said.display()))?;
+    let mut run = Command::new(program);
+    run.current_dir(tree)
+        .args(names.get(1..).unwrap_or_default())
+        .stdin(Stdio::null())
+        .stdout(out)
+        .stderr(Stdio::null());
+    if in_image {
+        run.env("BEAMTICK_IMAGE", image);
+    }
     let mut child = run.spawn().map_err(|e| format!("`{}`: {e}", shell::line(&run)))?;
     let began = Instant::now();
     loop {
         if let Some(status) = child.try_wait().map_err(|e| e.to_string())? {
-            return Ok(if status.success() { Fate::Survived } else { Fate::Caught });
+            let text = fs::read_to_string(&said).map_err(|e| format!("{}: {e}", said.display()))?;
+            if status.success() && text.contains("test result: ok. 0 passed") {
+                return Err(format!("`cargo test {}` runs no test", test.join(" ")));
+            }
+            let failed = text.lines().filter_map(|line| line.strip_prefix("test ")?.strip_suffix(" ... FAILED"));
+            let fate =
+                if status.success() { Fate::Survived } else { Fate::Caught(failed.map(str::to_owned).collect()) };
+            return Ok((fate, began.elapsed()));
         }
-        if began.elapsed() > PATIENCE {
+        if began.elapsed() > patience {
             let _ = child.kill();
             let _ = child.wait();
-            return Ok(Fate::Hung);
+            return Ok((Fate::Hung, began.elapsed()));
         }
-        std::thread::sleep(Duration::from_millis(100));
+        std::thread::sleep(Duration::from_millis(20));
     }
+}
+
+fn folder() -> PathBuf {
+    target().join("mutants").join("build")
 }
 
 /// `cargo test` in the copy; little optimised, as building takes longer than running.
 fn command(tree: &Path) -> Command {
     let mut command = cargo();
-    command.current_dir(tree).arg("test").env("CARGO_TARGET_DIR", target().join("mutants").join("build"));
+    command.current_dir(tree).arg("test").env("CARGO_TARGET_DIR", folder());
     for profile in ["TEST", "DEV"] {
         command
             .env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "1")
             .env(format!("CARGO_PROFILE_{profile}_DEBUG"), "0");
     }
     command
+}
+
+/// What builds the image of the emulated board in the copy.
+fn image_command(tree: &Path) -> Outcome<Command> {
+    let compiler = compiler()?;
+    let mut command = compiler.cargo();
+    command.current_dir(tree).env("CARGO_TARGET_DIR", folder());
+    command.args(["build", "--package", "beamtick-firmware", "--bin", "beamtick-mps2", "--profile", "image"]);
+    command.args(compiler.arguments());
+    Ok(command)
 }

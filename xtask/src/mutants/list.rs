@@ -10,7 +10,8 @@ pub struct Mutant {
     pub text: &'static str,
     /// What stands there instead.
     pub broken: &'static str,
-    /// Arguments of the `cargo test` that must fail; names of tests behind `--`.
+    /// Arguments of the `cargo test` that must fail, one program; names of tests behind `--`. Of a mutant in `firmware/`
+    /// the image is built too, and BEAMTICK_IMAGE names it.
     pub test: &'static [&'static str],
 }
 
@@ -19,7 +20,7 @@ const LASER: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser"];
 const LASER_STATE: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser_state"];
 const ENDPOINT: &[&str] = &["-p", "beamtick-protocol", "--test", "endpoint"];
 const PROPERTIES: &[&str] = &["-p", "beamtick-protocol", "--test", "properties"];
-const LINK: &[&str] = &["-p", "beamtick-host-tests", "--test", "link"];
+const LINK: &[&str] = &["-p", "beamtick-host-tests", "--test", "link", "--", "a_restart_in_mid_stream", "every_seed"];
 const RING: &[&str] = &["-p", "beamtick-ring", "--lib"];
 const PT: &[&str] = &["-p", "beamtick-servo", "--test", "pt_exact"];
 const TICK_PT: &[&str] = &["-p", "beamtick-servo", "--test", "tick_pt"];
@@ -27,6 +28,13 @@ const PVT: &[&str] = &["-p", "beamtick-servo", "--test", "pvt_run"];
 const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "tick_guards"];
 const LOOK_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "lookahead"];
 const PROGRAM_ENDS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "program_ends"];
+const LIFE_WRAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counters_go_round"];
+const LIFE_OLD: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "what_was_executed_long_ago"];
+const FUZZ_LINK: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "link"];
+const FUZZ_MACHINE: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "machine"];
+const FUZZ_TABLES: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "tables"];
+const FAULTS: &[&str] =
+    &["-p", "beamtick-host-tests", "--test", "emulated_faults", "--", "every_fault_of_the_program_ends_dark"];
 
 const SAFETY: &str = "servo/src/laser/safety.rs";
 const EDGES: &str = "servo/src/laser/gate.rs";
@@ -49,9 +57,69 @@ const fn mutant(
     Mutant { name, file, text, broken, test }
 }
 
-/// Every mutant.
+/// Every mutant, those of one crate together: it is built once more for each of them.
 pub const LIST: &[Mutant] = &[
-    // -- safety ---------------------------------------------------------------------------------
+    // -- ring ----------------------------------------------------------------------------------
+    mutant(
+        "a full ring takes one more",
+        QUEUE,
+        "if self.pushed.wrapping_sub(popped) >= N as u32 {",
+        "if self.pushed.wrapping_sub(popped) > N as u32 {",
+        RING,
+    ),
+    mutant(
+        "a cleared ring is not empty",
+        QUEUE,
+        "self.free_to(self.ring.pushed.load(Ordering::Relaxed));",
+        "self.free_to(self.popped);",
+        RING,
+    ),
+    mutant(
+        "a reader does not take the newest",
+        "ring/src/latest.rs",
+        "        if self.is_new() {",
+        "        if !self.is_new() {",
+        RING,
+    ),
+    // -- link ----------------------------------------------------------------------------------
+    mutant(
+        "an acknowledgement of what was never sent is taken",
+        TRANSMIT,
+        "if step > outstanding {",
+        "if step > u16::MAX - 1 {",
+        ENDPOINT,
+    ),
+    mutant(
+        "a message that is lost is not sent again",
+        TRANSMIT,
+        "        self.resend = true;\n        self.recover = Some(self.sent);\n        self.retry =",
+        "        self.recover = Some(self.sent);\n        self.retry =",
+        ENDPOINT,
+    ),
+    mutant(
+        "a checksum is not compared",
+        "protocol/src/frame.rs",
+        "(checksum(&[body]) == u32::from_le_bytes(*crc)).then_some(body)",
+        "(crc.len() == 4).then_some(body)",
+        ENDPOINT,
+    ),
+    mutant(
+        "a full block is followed by a zero",
+        "protocol/src/deframe.rs",
+        "let full = code == 0xFF;",
+        "let full = code == 0x00;",
+        PROPERTIES,
+    ),
+    // -- gate ----------------------------------------------------------------------------------
+    mutant(
+        "an edge at the instant of a command stays",
+        EDGES,
+        "is_some_and(|last| *last >= at)",
+        "is_some_and(|last| *last > at)",
+        GATE,
+    ),
+    mutant("an on command takes the place of its off", EDGES, "self.len < EDGES - 1", "self.len < EDGES", GATE),
+    // -- safety, in the tick -------------------------------------------------------------------
     mutant("a dark channel's plan does not rest", SAFETY, "plan.rest = true;", "plan.rest = false;", GATE),
     mutant("a dark channel's plan keeps its actions", SAFETY, "            plan.clear();\n", "", GATE),
     mutant(
@@ -76,13 +144,6 @@ pub const LIST: &[Mutant] = &[
         GATE,
     ),
     mutant(
-        "a lost link does not last",
-        SAFETY,
-        "self.interlock || self.link_lost || self.alarm",
-        "self.interlock || self.alarm",
-        LASER_STATE,
-    ),
-    mutant(
         "the last cause is told, not the first",
         SAFETY,
         "if !self.is_dark() {\n            (self.dark",
@@ -90,21 +151,6 @@ pub const LIST: &[Mutant] = &[
         GATE,
     ),
     mutant("an overrun puts out no light", TICK, "self.lasers.trip(Cause::Overrun);", "", GATE),
-    mutant("a restart leaves lasers live", TICK, "self.lasers.trip(Cause::Restart);", "", LASER),
-    mutant(
-        "a silent link is not lost",
-        SERVER,
-        "let silent = limit != 0 && now.0.saturating_sub(heard) > limit;",
-        "let silent = limit == 1 && now.0.saturating_sub(heard) > limit;",
-        LASER_STATE,
-    ),
-    mutant(
-        "a lost link leaves the program running",
-        SERVER,
-        "            program.stop(desk);\n            desk.stop_for_link_loss(view);",
-        "            desk.stop_for_link_loss(view);",
-        PROGRAM_ENDS,
-    ),
     mutant(
         "a latched fault does not refuse a start",
         AXIS_GUARD,
@@ -114,81 +160,7 @@ pub const LIST: &[Mutant] = &[
     ),
     mutant("the edge of travel is no barrier", AXIS_GUARD, "if to > Pos::TRAVEL {", "if to > Pos(i64::MAX) {", GUARDS),
     mutant("a soft limit is no barrier", AXIS_GUARD, "&& to > soft", "&& to > Pos::TRAVEL", GUARDS),
-    // -- gate -----------------------------------------------------------------------------------
-    mutant(
-        "an edge at the instant of a command stays",
-        EDGES,
-        "is_some_and(|last| *last >= at)",
-        "is_some_and(|last| *last > at)",
-        GATE,
-    ),
-    mutant("an on command takes the place of its off", EDGES, "self.len < EDGES - 1", "self.len < EDGES", GATE),
-    // -- link -----------------------------------------------------------------------------------
-    mutant(
-        "a message that comes twice is taken twice",
-        RECEIVE,
-        "let Some(distance) = ahead(sequence, self.take) else { return Accepted::Duplicate };",
-        "let distance = ahead(sequence, self.take).unwrap_or(0);",
-        LINK,
-    ),
-    mutant(
-        "a message of any session is taken",
-        RECEIVE,
-        "let known = self.session != 0 && session == self.session;",
-        "let known = self.session != 0;",
-        LINK,
-    ),
-    mutant(
-        "an acknowledgement of what was never sent is taken",
-        TRANSMIT,
-        "if step > outstanding {",
-        "if step > u16::MAX - 1 {",
-        ENDPOINT,
-    ),
-    mutant(
-        "a message that is lost is not sent again",
-        TRANSMIT,
-        "        self.resend = true;\n        self.recover = Some(self.sent);\n        self.retry =",
-        "        self.recover = Some(self.sent);\n        self.retry =",
-        ENDPOINT,
-    ),
-    mutant(
-        "a checksum is not compared",
-        "protocol/src/frame.rs",
-        "(checksum(&[body]) == u32::from_le_bytes(*crc)).then_some(body)",
-        "(crc.len() == 4).then_some(body)",
-        PROPERTIES,
-    ),
-    mutant(
-        "a full block is followed by a zero",
-        "protocol/src/deframe.rs",
-        "let full = code == 0xFF;",
-        "let full = code == 0x00;",
-        PROPERTIES,
-    ),
-    // -- ring -----------------------------------------------------------------------------------
-    mutant(
-        "a full ring takes one more",
-        QUEUE,
-        "if self.pushed.wrapping_sub(popped) >= N as u32 {",
-        "if self.pushed.wrapping_sub(popped) > N as u32 {",
-        RING,
-    ),
-    mutant(
-        "a cleared ring is not empty",
-        QUEUE,
-        "self.free_to(self.ring.pushed.load(Ordering::Relaxed));",
-        "self.free_to(self.popped);",
-        RING,
-    ),
-    mutant(
-        "a reader does not take the newest",
-        "ring/src/latest.rs",
-        "        if self.is_new() {",
-        "        if !self.is_new() {",
-        RING,
-    ),
-    // -- evaluators -----------------------------------------------------------------------------
+    // -- evaluators ----------------------------------------------------------------------------
     mutant(
         "PT: the end speed of a segment is its mean",
         PT_RUN,
@@ -218,26 +190,125 @@ pub const LIST: &[Mutant] = &[
         "knot.next = segment.wrapping_add(2);",
         PVT,
     ),
-    // -- look-ahead -----------------------------------------------------------------------------
+    // -- safety, in the thread -----------------------------------------------------------------
+    mutant(
+        "a lost link does not last",
+        SAFETY,
+        "self.interlock || self.link_lost || self.alarm",
+        "self.interlock || self.alarm",
+        LASER_STATE,
+    ),
+    mutant("a restart leaves lasers live", TICK, "self.lasers.trip(Cause::Restart);", "", LASER),
+    mutant(
+        "a silent link is not lost",
+        SERVER,
+        "let silent = limit != 0 && now.0.saturating_sub(heard) > limit;",
+        "let silent = limit == 1 && now.0.saturating_sub(heard) > limit;",
+        LASER_STATE,
+    ),
+    mutant(
+        "a lost link leaves the program running",
+        SERVER,
+        "            program.stop(desk);\n            desk.stop_for_link_loss(view);",
+        "            desk.stop_for_link_loss(view);",
+        PROGRAM_ENDS,
+    ),
+    // -- look-ahead ----------------------------------------------------------------------------
     mutant(
         "look-ahead: a corner is taken at any speed",
         AHEAD,
-        "motion.cap = motion.cap.min(jump * jump).min(curve);",
-        "motion.cap = motion.cap.min(curve);",
+        "junction.cap = junction.cap.min(jump * jump);",
+        "junction.cap = junction.cap.min(jump * jump * 1e6);",
         LOOK_AHEAD,
     ),
     mutant(
         "look-ahead: speeds are final at once",
         AHEAD,
-        "settled |= high >= motion.cap;",
-        "settled |= high >= 0.0;",
+        "settled |= free;",
+        "settled |= free || after >= 0.0;",
         LOOK_AHEAD,
     ),
     mutant(
         "look-ahead: an axis's speed is not limited",
         AHEAD,
-        "vel = vel.min(most[i] / share);",
+        "vel = vel.min(most / share);",
         "vel = vel.min(vel / share);",
         LOOK_AHEAD,
+    ),
+    // -- counters that go round -----------------------------------------------------------------
+    mutant(
+        "places in a lane are compared as they stand",
+        "dispatcher/src/books.rs",
+        "(done.wrapping_sub(seq) << 1).cast_signed() >= 0",
+        "done >= seq",
+        LIFE_WRAPS,
+    ),
+    mutant(
+        "numbers of what was executed long ago stay as they are",
+        "dispatcher/src/desk.rs",
+        "if self.renewed.is_due(view) {",
+        "if self.renewed.is_due(view) && view.tick == 0 {",
+        LIFE_OLD,
+    ),
+    // -- link, both ends -----------------------------------------------------------------------
+    mutant(
+        "a message that comes twice is taken twice",
+        RECEIVE,
+        "let Some(distance) = ahead(sequence, self.take) else { return Accepted::Duplicate };",
+        "let distance = ahead(sequence, self.take).unwrap_or(0);",
+        LINK,
+    ),
+    mutant(
+        "a message of any session is taken",
+        RECEIVE,
+        "let known = self.session != 0 && session == self.session;",
+        "let known = self.session != 0;",
+        LINK,
+    ),
+    // -- invariants of fuzzing -----------------------------------------------------------------
+    mutant("a channel with a fault does not rest", SAFETY, "plan.rest = true;", "plan.rest = false;", FUZZ_MACHINE),
+    mutant("a lost link leaves the light on", SERVER, "*lost = desk.tell_link(true);", "*lost = true;", FUZZ_MACHINE),
+    mutant(
+        "the second record of a message is passed over",
+        SERVER,
+        "self.at += 1;\n                    progress = true;",
+        "self.at += 2;\n                    progress = true;",
+        FUZZ_MACHINE,
+    ),
+    mutant(
+        "an entry of a path is stored twice",
+        "dispatcher/src/path_queue.rs",
+        "self.end = self.end.wrapping_add(1);",
+        "store.write(self.end.wrapping_add(1), entry);\n        self.end = self.end.wrapping_add(2);",
+        FUZZ_MACHINE,
+    ),
+    mutant(
+        "a refusal has no reason",
+        "protocol/src/record.rs",
+        "self.push_raw(opcode, tag, code as i16, &[refusal.as_bytes()])",
+        "self.push_raw(opcode, tag, code as i16, &[])",
+        FUZZ_TABLES,
+    ),
+    mutant(
+        "a message that comes twice is taken twice: random frames",
+        RECEIVE,
+        "let Some(distance) = ahead(sequence, self.take) else { return Accepted::Duplicate };",
+        "let distance = ahead(sequence, self.take).unwrap_or(0);",
+        FUZZ_LINK,
+    ),
+    // -- watchdog and faults, in the image -----------------------------------------------------
+    mutant(
+        "the way into a restart leaves the outputs as they are",
+        "firmware/src/fault.rs",
+        "    board::rest();\n    let mut report",
+        "    let mut report",
+        FAULTS,
+    ),
+    mutant(
+        "the watchdog is fed although the link task stands still",
+        "firmware/src/watch.rs",
+        "now.wrapping_sub(TURN_SEEN.load(Relaxed)) > TURN",
+        "now.wrapping_sub(TURN_SEEN.load(Relaxed)) > TURN << 12",
+        FAULTS,
     ),
 ];
