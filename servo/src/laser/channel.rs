@@ -12,7 +12,6 @@ mod interval;
 
 use super::buffered::{Agenda, Buffered, Event};
 use super::energy::Energy;
-use super::follow::Source;
 use super::gate::{Edges, Full};
 use super::law::{Family, Law};
 use super::light::OnTime;
@@ -86,6 +85,8 @@ pub(super) struct Channel {
     /// Power and train in light.
     power: Power,
     train: Train,
+    /// The train has a width of its own for each power, but for this one (−1 for none): nothing else changes with the power.
+    plain: Option<i64>,
     news: u8,
     /// The next edge.
     wake: Ns,
@@ -122,6 +123,7 @@ impl Channel {
             out: Outputs::REST,
             power: Power::ZERO,
             train: Train::NONE,
+            plain: None,
             news: news::CHANGED,
             wake: NEVER,
         }
@@ -144,7 +146,8 @@ impl Channel {
                     self.energy.mode = *mode;
                     self.law.leave_mode();
                 }
-                (self.law.bounds, self.delayed) = (*bounds, *delayed);
+                self.law.set_bounds(*bounds);
+                self.delayed = *delayed;
                 self.energy.fine = *fine;
             }
             Change::Direct { power, fine } => {
@@ -275,12 +278,13 @@ impl Channel {
         CrdMask(self.shown.crd_map).has(crd)
     }
 
-    /// Whether it follows the planned speed, or that of encoders, or may from within the coming interval on.
+    /// Whose planned speed it follows, and that of whose encoders, or may from within the coming interval on.
     #[inline(always)]
-    pub(super) fn wants(&self, crd: Crd) -> (bool, bool) {
-        let (follows, planned) = (self.law.follows() == Some(crd), self.law.source() == Source::Planned);
-        let may = !self.agenda.is_empty() && self.agenda.follows();
-        (follows && planned || may, follows && !planned || may)
+    pub(super) fn wants(&self) -> (CrdMask, CrdMask) {
+        if !self.agenda.is_empty() && self.agenda.follows() {
+            return (CrdMask(u8::MAX), CrdMask(u8::MAX));
+        }
+        (self.law.planned, self.law.encoder)
     }
 
     /// Ends a follow that one of these began.

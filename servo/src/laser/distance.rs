@@ -11,6 +11,7 @@ use super::follow::Source;
 use super::power::{Bounds, Refused};
 use super::tables::{Curve, DISTANCES, Stretch, Tables};
 use super::{Power, double};
+use crate::axis::AxisState;
 use crate::real::Real;
 use crate::units::{Axis, Pos};
 
@@ -89,30 +90,26 @@ impl Distance {
         }
     }
 
-    /// Its part of the power; `place` tells where an axis is.
-    #[inline]
-    pub(super) fn power(
-        &self,
-        channel: u8,
-        place: impl Fn(Axis, Source) -> Pos,
-        tables: &Tables,
-        stretches: &mut [Stretch; DISTANCES],
-    ) -> i64 {
-        if self.ratios != Ratios::Fixed {
-            return self.tabled(channel, place, tables, stretches);
+    /// Made ready for the tick, where the ratios are fixed.
+    pub(super) fn terms(&self) -> Terms {
+        let (mut of, mut bias) = (Terms::NONE.of, 0i128);
+        let axes = self.axes.iter().zip(&self.reference).zip(&self.factors);
+        for (to, ((axis, reference), factor)) in of.iter_mut().zip(axes) {
+            let size = factor.unsigned_abs();
+            // p - reference of either sign is (p ^ flip) - from, which is BIAS more than a number with a sign.
+            let flip = *factor >> 63;
+            let from = if flip == 0 { *reference as u64 } else { !(*reference as u64) }.wrapping_sub(BIAS);
+            let [low, high] = [size as u32 & LOW, (size >> LOW.count_ones()) as u32];
+            *to = Term { axis: *axis, flip: flip as u32, from, low, high };
+            bias = bias.wrapping_add(size as i128);
         }
-        let mut sum = 0i128;
-        for ((axis, reference), factor) in self.axes.iter().zip(&self.reference).zip(&self.factors) {
-            if *factor != 0 {
-                let by = place(*axis, self.source).0.wrapping_sub(*reference);
-                sum = sum.wrapping_add(product(by, *factor));
-            }
-        }
-        part(sum, self.shift as u32)
+        let shift = self.shift as u32;
+        Terms { of, shift, bias: bias.wrapping_shl(63), encoder: self.source == Source::Encoder }
     }
 
+    /// Its part of the power, where ratios are those of tables; `place` tells where an axis is.
     #[inline(never)]
-    fn tabled(
+    pub(super) fn tabled(
         &self,
         channel: u8,
         place: impl Fn(Axis, Source) -> Pos,
@@ -158,6 +155,68 @@ impl Distance {
             sum = sum.wrapping_add(most.map_or(share, |most| share.max(most.wrapping_neg()).min(most)));
         }
         part(sum, 32)
+    }
+}
+
+/// What makes every distance positive.
+const BIAS: u64 = 1 << 63;
+/// The lower part of a factor: both parts have 30 bits, so that sums of four products have 64.
+const LOW: u32 = (1 << 30) - 1;
+
+/// The share of an axis: (place ± reference)·(low + high·2³⁰).
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    axis: Axis,
+    /// All bits of a negative factor's, which counts the distance backwards.
+    flip: u32,
+    from: u64,
+    low: u32,
+    high: u32,
+}
+
+/// A distance follow of fixed ratios, made ready for the tick: the sum of products of 32 bits, four for each axis, whose
+/// sums have no carry.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Terms {
+    of: [Term; DISTANCES],
+    shift: u32,
+    encoder: bool,
+    /// What the sum is too large by.
+    bias: i128,
+}
+
+impl Terms {
+    pub(super) const NONE: Terms = Terms {
+        of: [Term { axis: Axis::FIRST, flip: 0, from: 0, low: 0, high: 0 }; DISTANCES],
+        shift: 64,
+        encoder: false,
+        bias: 0,
+    };
+
+    /// Its part of the power, to the nearest.
+    #[inline(always)]
+    pub(super) fn power(&self, axes: &[AxisState]) -> i64 {
+        let product = |a: u32, b: u32| (a as u64).wrapping_mul(b as u64);
+        // All distances first: there are not registers enough for both.
+        let mut by = [0u64; DISTANCES];
+        for (by, Term { axis, flip, from, .. }) in by.iter_mut().zip(&self.of) {
+            let place = match axes.get(axis.index()) {
+                Some(axis) if self.encoder => (axis.shown.encoder as u64) << Pos::FRAC_BITS,
+                Some(axis) => axis.shown.pos.0 as u64,
+                None => 0,
+            };
+            *by = (place ^ ((*flip as u64) << 32 | *flip as u64)).wrapping_sub(*from);
+        }
+        let (mut s0, mut s30, mut s32, mut s62) = (0u64, 0u64, 0u64, 0u64);
+        for (by, Term { low, high, .. }) in by.iter().zip(&self.of) {
+            let (b0, b1) = (*by as u32, (*by >> 32) as u32);
+            s0 = s0.wrapping_add(product(b0, *low));
+            s30 = s30.wrapping_add(product(b0, *high));
+            s32 = s32.wrapping_add(product(b1, *low));
+            s62 = s62.wrapping_add(product(b1, *high));
+        }
+        let sum = s0 as u128 + ((s30 as u128) << 30) + ((s32 as u128) << 32) + ((s62 as u128) << 62);
+        part((sum as i128).wrapping_sub(self.bias), self.shift)
     }
 }
 

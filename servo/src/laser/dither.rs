@@ -155,7 +155,13 @@ pub struct Carrier {
     period: Count,
     /// The part of the period, in 2⁻³² counts.
     fraction: u32,
+    /// Width per power, 2⁻³² counts by 2⁻⁴⁴ %, in 2⁻⁶⁴; 0 of a period that is too long for that. It makes an error of less
+    /// than 2⁻¹³ of 2⁻³² counts.
+    gain: u64,
 }
+
+/// Whole counts of a period that has a gain: 2¹⁸.
+const SHORT: u64 = 1 << 18;
 
 impl Carrier {
     /// A carrier of 0 < f ≤ 2000 kHz.
@@ -163,7 +169,9 @@ impl Carrier {
         is_rate(khz)?;
         let period = fixed_period(khz, clock);
         let fraction = ((period.part as u64) << 32) / period.of.max(1) as u64;
-        Ok(Carrier { khz, period, fraction: fraction as u32 })
+        let fixed = ((period.whole as u128) << 32) + fraction as u128;
+        let gain = if period.whole < SHORT { ((fixed << (64 - Power::FRAC_BITS)) / 100) as u64 } else { 0 };
+        Ok(Carrier { khz, period, fraction: fraction as u32, gain })
     }
 
     /// Its frequency as it was asked for.
@@ -178,6 +186,10 @@ impl Carrier {
 
     pub(super) const fn fraction(&self) -> u32 {
         self.fraction
+    }
+
+    pub(super) const fn gain(&self) -> u64 {
+        self.gain
     }
 }
 
@@ -246,6 +258,11 @@ impl Fine {
     #[inline]
     pub(super) fn is_of(&self, khz: Power, power: Power) -> bool {
         self.power == power && self.khz == khz
+    }
+
+    /// The power that it is of, if it is of this carrier.
+    pub(super) fn power_over(&self, khz: Power) -> Option<Power> {
+        (self.khz == khz).then_some(self.power)
     }
 
     /// As it is output; in frequency mode the width is that of the pulses then set.

@@ -4,7 +4,7 @@
 //! rule that a double breaks; what is too large for a power is held.
 use super::power::Refused;
 use crate::real::Real;
-use crate::wide::{narrow, umul};
+use crate::wide::umul;
 
 /// A double as a whole number of 2^-frac, to the nearest; |x| ≤ 2^most.
 pub(super) fn fixed(bits: u64, frac: i32, most: u32) -> Result<i64, Refused> {
@@ -42,13 +42,51 @@ pub(super) fn product(a: i64, b: i64) -> i128 {
 }
 
 /// x·2^-shift to the nearest, held in ±[`MOST`]; shift from 1 to 127.
-#[inline]
+#[inline(always)]
 pub(super) fn part(x: i128, shift: u32) -> i64 {
-    let high = (x >> 64) as i64;
-    // Below 2^(61 + shift) in magnitude, it fits.
-    let over = if shift < 66 { high >> shift.saturating_sub(3) } else { 0 };
-    if over == 0 || over == -1 {
-        return narrow(x, shift as i32).clamp(-MOST, MOST);
+    let sign = (x >> 127) as u32;
+    let [low, high] = [x as u64, (x >> 64) as u64];
+    shifted(high, low, sign, shift)
+}
+
+/// The same of a number without a sign; shift from 1 to 128.
+#[inline(always)]
+pub(super) fn held(high: u64, low: u64, shift: u32) -> i64 {
+    shifted(high, low, 0, shift)
+}
+
+/// x·2^-shift to the nearest, held in ±[`MOST`]; behind the number its sign goes on for ever.
+#[inline(always)]
+fn shifted(high: u64, low: u64, sign: u32, shift: u32) -> i64 {
+    // One bit more than asked for, then half of (it + 1).
+    let shift = shift.wrapping_sub(1);
+    let words = [low as u32, (low >> 32) as u32, high as u32, (high >> 32) as u32];
+    let [_, b, c, d] = words;
+    // Most numbers of the tick lose between one word and two.
+    if shift >> 5 == 1 { cut([b, c, d, sign], sign, shift) } else { cut_words(words, sign, shift) }
+}
+
+#[inline(never)]
+fn cut_words([a, b, c, d]: [u32; 4], sign: u32, shift: u32) -> i64 {
+    let words = match shift >> 5 {
+        0 => [a, b, c, d],
+        1 => [b, c, d, sign],
+        2 => [c, d, sign, sign],
+        _ => [d, sign, sign, sign],
+    };
+    cut(words, sign, shift)
+}
+
+/// Without the last bits of the shift, and half.
+#[inline(always)]
+fn cut([a, b, c, d]: [u32; 4], sign: u32, shift: u32) -> i64 {
+    let by = shift & 31;
+    let join = |low: u32, high: u32| low >> by | (high << 1) << (31 - by);
+    let (low, high, over) = (join(a, b), join(b, c), (join(c, d) ^ sign) | (join(d, sign) ^ sign));
+    // Within ±2^62 the upper bits are all the sign.
+    if over | (high ^ sign) >> 30 != 0 {
+        return if sign == 0 { MOST } else { -MOST };
     }
-    if high < 0 { -MOST } else { MOST }
+    let twice = ((high as u64) << 32 | low as u64) as i64;
+    (twice >> 1).wrapping_add(twice & 1)
 }

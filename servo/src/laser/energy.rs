@@ -53,16 +53,21 @@ impl Energy {
         }
     }
 
-    /// In the duty modes the width that a power has, if only that differs from what is put out: a train of the same
-    /// carrier with pulses, before and after.
-    #[inline(always)]
-    pub(super) fn width_of(&self, power: Power, out: &Train) -> Option<Count> {
+    /// In the duty modes, whether the train put out is the carrier with pulses, so that of another power only the width
+    /// differs; but for the power that is told, whose train the thread has planned (−1: there is none).
+    pub(super) fn plain(&self, out: &Train) -> Option<i64> {
         let carrier = self.carrier.as_ref().filter(|_| self.connector)?;
         let duty = matches!(self.mode, Mode::Duty | Mode::DutyOpen);
-        let planned = self.fine.as_ref().is_some_and(|fine| fine.is_of(carrier.khz(), power));
-        if !duty || planned || out.period != carrier.period() || out.is_silent() {
+        if !duty || out.period != carrier.period() || out.is_silent() {
             return None;
         }
+        Some(self.fine.as_ref().and_then(|fine| fine.power_over(carrier.khz())).map_or(-1, Power::raw))
+    }
+
+    /// That width, if there are pulses.
+    #[inline(always)]
+    pub(super) fn width_of(&self, power: Power, planned: i64) -> Option<Count> {
+        let carrier = self.carrier.as_ref().filter(|_| power.raw() != planned)?;
         let width = carrier.share(power);
         (width.whole != 0 || width.part != 0).then_some(width)
     }
@@ -132,20 +137,27 @@ fn counts(volts: Power) -> i16 {
 
 impl Carrier {
     /// This many % of the period, to the nearest 2⁻³² counts, so that whole counts come out whole.
+    #[inline(always)]
     fn share(&self, power: Power) -> Count {
         if power >= Mode::Duty.full_scale() {
             return self.period();
         }
+        if self.gain() == 0 {
+            return self.long_share(power);
+        }
+        let (high, low) = umul(power.raw() as u64, self.gain());
+        let width = high.wrapping_add(low >> 63);
+        Count { whole: width >> 32, part: width as u32, of: 0 }
+    }
+
+    /// The same of a period that is too long for one product; 0 to 100 %.
+    #[inline(never)]
+    fn long_share(&self, power: Power) -> Count {
         // raw·2^13 is power/128 in 2^-64, and 1.28 of it power/100.
         const POINT_28: u64 = (28u128 * (1 << 64) / 100) as u64;
         let of_128 = (power.raw() as u64) << 13;
         let part = of_128.wrapping_add(umulhi(of_128, POINT_28));
         let Count { whole, .. } = self.period();
-        if whole >> 32 == 0 {
-            let (high, low) = umul(whole << 32 | self.fraction() as u64, part);
-            let width = high.wrapping_add(low >> 63);
-            return Count { whole: width >> 32, part: width as u32, of: 0 };
-        }
         let (high, low) = umul(whole, part);
         let (sum, carry) = low.overflowing_add(umul((self.fraction() as u64) << 32, part).0);
         let (sum, up) = sum.overflowing_add(1 << 31);

@@ -6,12 +6,12 @@
 //! A power is in force for the whole interval that begins with the tick, so it follows the speed in the *middle* of
 //! that interval: under constant acceleration that is the mean, and the energy of each interval is the ratio times its
 //! way, at any period. The speed at its beginning would lag by half a tick.
-use super::double::MOST;
+use super::double::held;
 use super::power::Refused;
 use crate::piece::{Motion, Piece, Recip};
 use crate::real::Real;
 use crate::units::{Exact, Ns};
-use crate::wide::{mulhi_su, umulhi};
+use crate::wide::{mulhi_su, umul, umulhi};
 
 /// Which speed a follow follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -48,10 +48,14 @@ impl PathSpeed {
     pub fn ahead(motion: &Motion, period: Ns) -> PathSpeed {
         let Motion { tau, c: [speed, change, _], recip: Recip { shift, .. }, frac } = *motion;
         // The piece lasts 2^(64 - shift) ns; tau and half a period are in 2^-63 of it.
-        let half = period.0 >> 1;
-        let share = if half.leading_zeros() >= shift { half.wrapping_shl(shift) >> 1 } else { Piece::END };
-        let tau = tau.wrapping_add(share).min(Piece::END);
-        let speed = speed.wrapping_add(mulhi_su(change, tau << 1)).max(0) as u64;
+        let mut speed = speed;
+        if change != 0 {
+            let half = period.0 >> 1;
+            let share = if half.leading_zeros() >= shift { half.wrapping_shl(shift) >> 1 } else { Piece::END };
+            let tau = tau.wrapping_add(share).min(Piece::END);
+            speed = speed.wrapping_add(mulhi_su(change, tau << 1));
+        }
+        let speed = speed.max(0) as u64;
         // In 2^-frac pulse per piece; 10^6 ns are a ms.
         let per_ms = umulhi(speed, 1_000_000 << 44);
         let down = frac.wrapping_add(64 - 20 - PathSpeed::FRAC_BITS as i32).wrapping_sub(shift as i32);
@@ -107,18 +111,30 @@ impl Ratio {
         self.bits
     }
 
-    /// ratio·v in 2⁻⁴⁴, to 2⁻⁶² of itself and half a unit; held at [`MOST`].
-    #[inline]
+    /// Made ready for the tick.
+    pub(super) fn gain(self) -> Gain {
+        // v·2^30 times ratio = m·2^(exponent - 1086), of which 2^44 are to stay.
+        let shift = (1086 + PathSpeed::FRAC_BITS - super::Power::FRAC_BITS) as u64 - (self.bits >> 52);
+        if shift > 128 { Gain::NONE } else { Gain { m: self.bits << 11 | 1 << 63, shift: shift as u32 } }
+    }
+}
+
+/// A [`Ratio`] as the tick takes it: m·2^-shift is power, 2⁻⁴⁴, per speed, 2⁻³⁰ pulse/ms.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gain {
+    m: u64,
+    /// 17 to 128.
+    shift: u32,
+}
+
+impl Gain {
+    /// No power at any speed.
+    pub(super) const NONE: Gain = Gain { m: 0, shift: 64 };
+
+    /// ratio·v in 2⁻⁴⁴ to half a unit; held at [`MOST`](super::double::MOST).
+    #[inline(always)]
     pub(super) fn power(self, speed: PathSpeed) -> i64 {
-        let exponent = (self.bits >> 52) as u32;
-        let zeros = speed.raw().leading_zeros();
-        // v·2^(30 + zeros) times ratio = m·2^(exponent - 1086), of which 2^44 are to stay.
-        let high = umulhi(speed.raw().wrapping_shl(zeros), self.bits << 11 | 1 << 63);
-        let shift = (1086 + PathSpeed::FRAC_BITS - 64 - super::Power::FRAC_BITS).wrapping_add(zeros);
-        match shift.checked_sub(exponent) {
-            Some(shift @ 3..=64) => ((high >> (shift - 1)).wrapping_add(1) >> 1) as i64,
-            Some(65..) => 0,
-            _ => MOST,
-        }
+        let (high, low) = umul(speed.raw(), self.m);
+        held(high, low, self.shift)
     }
 }

@@ -10,8 +10,8 @@
 //!
 //! Each part is held at ±2¹⁷ of the power's unit. Of several bounds the lower ones act first: where they exclude each other the lowest upper one is put out.
 use super::buffered::Buffered;
-use super::distance::Distance;
-use super::follow::{PathSpeed, Ratio, Source};
+use super::distance::{Distance, Terms};
+use super::follow::{Gain, PathSpeed, Ratio, Source};
 use super::power::{Bounds, Power};
 use super::tables::{Curve, DISTANCES, Stretch};
 use super::{Mode, Surroundings};
@@ -42,15 +42,52 @@ struct Follow {
     bounds: Bounds,
 }
 
+/// What a velocity follow adds, as the tick finds it.
+#[derive(Debug, Clone, Copy)]
+enum Part {
+    None,
+    Ratio(Gain),
+    Table(Curve),
+}
+
+/// What a distance follow adds, as the tick finds it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Added {
+    Nothing,
+    Terms,
+    Tables,
+}
+
+/// The settings as one sum, made ready for the tick.
+#[derive(Debug, Clone, Copy)]
+struct Mix {
+    /// What does not move, 2⁻⁴⁴.
+    base: i64,
+    /// Bounds of all.
+    low: i64,
+    high: i64,
+    part: Part,
+    /// Whose speed.
+    crd: usize,
+    encoder: bool,
+    added: Added,
+    /// Bounds of the part that follows the speed, where the distance is added after them.
+    held: Option<(i64, i64)>,
+}
+
 /// The law of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Law {
+    /// Always of the settings below: what changes one of them ends with [`Law::renew`].
+    mix: Mix,
+    terms: Terms,
+    /// The coordinate systems whose planned speed it follows, and that of whose encoders.
+    pub(super) planned: CrdMask,
+    pub(super) encoder: CrdMask,
     channel: u8,
     family: Family,
-    /// Direct power.
-    pub(super) direct: Power,
-    /// Bounds of the power mode.
-    pub(super) bounds: Bounds,
+    direct: Power,
+    bounds: Bounds,
     source: Source,
     follow: Option<Follow>,
     distance: Option<Distance>,
@@ -60,7 +97,13 @@ pub(super) struct Law {
 
 impl Law {
     pub(super) const fn power_on(channel: u8, family: Family) -> Law {
+        let full = Bounds::full(Mode::Duty).max().raw();
+        let (part, added) = (Part::None, Added::Nothing);
         Law {
+            mix: Mix { base: 0, low: 0, high: full, part, crd: 0, encoder: false, added, held: None },
+            terms: Terms::NONE,
+            planned: CrdMask(0),
+            encoder: CrdMask(0),
             channel,
             family,
             direct: Power::ZERO,
@@ -91,27 +134,52 @@ impl Law {
         }
     }
 
+    /// Direct power.
+    pub(super) fn direct(&self) -> Power {
+        self.direct
+    }
+
+    /// Bounds of the power mode.
+    pub(super) fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Others.
+    pub(super) fn set_bounds(&mut self, bounds: Bounds) {
+        self.bounds = bounds;
+        self.renew();
+    }
+
     /// Direct power by a command.
     pub(super) fn set_direct(&mut self, power: Power) {
         self.direct = power;
         if self.family == Family::Gus {
             self.follow = None;
         }
+        self.renew();
     }
 
     /// Another mode: no direct power, no velocity follow.
     pub(super) fn leave_mode(&mut self) {
         (self.direct, self.follow) = (Power::ZERO, None);
+        self.renew();
     }
 
     /// A distance follow begins, changes or ends.
     pub(super) fn set_distance(&mut self, distance: Option<Distance>) {
         self.distance = distance;
         self.stretches = [Stretch::NONE; DISTANCES];
+        self.terms = distance.map_or(Terms::NONE, |distance| distance.terms());
+        self.renew();
     }
 
     /// What an entry of a path says about the power.
     pub(super) fn change(&mut self, crd: Crd, change: &Buffered) {
+        self.take(crd, change);
+        self.renew();
+    }
+
+    fn take(&mut self, crd: Crd, change: &Buffered) {
         let (of, bounds) = match *change {
             Buffered::Gate { .. } => return,
             Buffered::Direct { power } => return self.set_direct(power),
@@ -139,6 +207,7 @@ impl Law {
     pub(super) fn end_follow(&mut self, crds: CrdMask) {
         if self.follow.is_some_and(|follow| crds.has(follow.crd)) {
             self.follow = None;
+            self.renew();
         }
     }
 
@@ -158,51 +227,84 @@ impl Law {
         self.follow.is_some() || self.distance.is_some()
     }
 
-    /// The power in force from the tick that is computed.
-    #[inline]
-    pub(super) fn power(&mut self, around: &Surroundings<'_>) -> Power {
+    /// Makes the settings ready for the tick.
+    #[inline(never)]
+    fn renew(&mut self) {
         let direct = self.direct.raw();
         let (mut low, mut high) = (self.bounds.min().raw(), self.bounds.max().raw());
-        let mut sum = direct;
-        if let Some(Follow { crd, of, bounds }) = &self.follow {
-            let speed = around.speed(*crd, self.source);
+        let (mut base, mut part, mut held) = (direct, Part::None, None);
+        (self.planned, self.encoder) = (CrdMask(0), CrdMask(0));
+        if let Some(Follow { crd, of, bounds }) = self.follow {
             let (min, max) = (bounds.min().raw(), bounds.max().raw());
-            let part = match of {
-                Of::Ratio(ratio) => ratio.power(speed).wrapping_add(min),
-                Of::Table(curve) => {
-                    let x = speed.raw().min(i64::MAX as u64) as i64;
-                    around.tables.at(*curve, x, &mut self.stretch)
-                }
+            (part, base) = match of {
+                Of::Ratio(ratio) => (Part::Ratio(ratio.gain()), min),
+                Of::Table(curve) => (Part::Table(curve), 0),
             };
             match (self.family, &self.distance) {
-                (Family::Gus, Some(_)) => sum = part.max(min).min(max),
-                (family, _) => {
-                    sum = if family == Family::Gus { part } else { part.wrapping_add(direct) };
+                (Family::Gus, Some(_)) => held = Some((min, max)),
+                (Family::Gus, None) => (low, high) = (low.max(min), high.min(max)),
+                (Family::Lsr, _) => {
+                    base = base.wrapping_add(direct);
                     (low, high) = (low.max(min), high.min(max));
                 }
             }
+            *if self.source == Source::Planned { &mut self.planned } else { &mut self.encoder } = crd.mask();
         }
-        if let Some(distance) = &self.distance {
-            let place = |axis, source| around.place(axis, source);
-            sum = sum.wrapping_add(distance.power(self.channel, place, around.tables, &mut self.stretches));
-            if let Some(bounds) = &distance.bounds
-                && self.family == Family::Gus
-            {
-                (low, high) = (low.max(bounds.min().raw()), high.min(bounds.max().raw()));
+        let added = match &self.distance {
+            None => Added::Nothing,
+            Some(distance) if distance.bank().is_none() => Added::Terms,
+            Some(_) => Added::Tables,
+        };
+        if let Some(bounds) = self.distance.as_ref().and_then(|distance| distance.bounds)
+            && self.family == Family::Gus
+        {
+            (low, high) = (low.max(bounds.min().raw()), high.min(bounds.max().raw()));
+        }
+        let crd = self.follow.map_or(0, |follow| follow.crd.index());
+        self.mix = Mix { base, low, high, part, crd, encoder: self.encoder.0 != 0, added, held };
+    }
+
+    /// The power in force from the tick that is computed.
+    #[inline(always)]
+    pub(super) fn power(&mut self, around: &Surroundings<'_>) -> Power {
+        let Mix { base, low, high, part, crd, encoder, added, held } = &self.mix;
+        let mut sum = *base;
+        let speed = || around.speed(*crd, *encoder);
+        match part {
+            Part::None => {}
+            Part::Ratio(gain) => sum = sum.wrapping_add(gain.power(speed())),
+            Part::Table(curve) => {
+                let x = speed().raw().min(i64::MAX as u64) as i64;
+                sum = sum.wrapping_add(around.tables.at(*curve, x, &mut self.stretch));
             }
         }
-        Power::nearest(sum.max(low).min(high))
+        if let Some((min, max)) = held {
+            sum = sum.max(*min).min(*max);
+        }
+        let added = match added {
+            Added::Nothing => 0,
+            Added::Terms => self.terms.power(around.axes),
+            Added::Tables => match &self.distance {
+                Some(distance) => {
+                    let place = |axis, source| around.place(axis, source);
+                    distance.tabled(self.channel, place, around.tables, &mut self.stretches)
+                }
+                None => 0,
+            },
+        };
+        Power::bounded(sum.wrapping_add(added).max(*low).min(*high))
     }
 }
 
-/// Speeds of all paths, for all channels.
+/// Speeds of all paths, for all channels; a path that is not fed is at rest.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Speeds {
+    pub(super) fed: CrdMask,
     pub(super) planned: [PathSpeed; Crd::MAX],
     pub(super) encoder: [PathSpeed; Crd::MAX],
 }
 
 impl Speeds {
     pub(super) const REST: Speeds =
-        Speeds { planned: [PathSpeed::REST; Crd::MAX], encoder: [PathSpeed::REST; Crd::MAX] };
+        Speeds { fed: CrdMask(0), planned: [PathSpeed::REST; Crd::MAX], encoder: [PathSpeed::REST; Crd::MAX] };
 }

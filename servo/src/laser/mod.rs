@@ -177,9 +177,12 @@ pub(crate) struct Surroundings<'a> {
 impl Surroundings<'_> {
     /// The speed of a path.
     #[inline]
-    fn speed(&self, crd: Crd, source: Source) -> PathSpeed {
-        let speeds = if source == Source::Planned { &self.speeds.planned } else { &self.speeds.encoder };
-        speeds.get(crd.index()).copied().unwrap_or_default()
+    fn speed(&self, crd: usize, encoder: bool) -> PathSpeed {
+        if self.speeds.fed.0 >> (crd & 7) & 1 == 0 {
+            return PathSpeed::REST;
+        }
+        let speeds = if encoder { &self.speeds.encoder } else { &self.speeds.planned };
+        speeds.get(crd).copied().unwrap_or_default()
     }
 
     /// Where an axis is planned to be, or was seen last.
@@ -295,13 +298,14 @@ impl Lasers {
     }
 
     /// Which speeds of a path are to be fed, once the path has taken its step.
+    #[inline]
     pub(crate) fn wants(&self, crd: Crd) -> Wants {
-        let mut wants = Wants { planned: false, encoder: false };
+        let (mut planned, mut encoder) = (0, 0);
         for channel in &self.channels {
-            let (planned, encoder) = channel.wants(crd);
-            (wants.planned, wants.encoder) = (wants.planned | planned, wants.encoder | encoder);
+            let (of, too) = channel.wants();
+            (planned, encoder) = (planned | of.0, encoder | too.0);
         }
-        wants
+        Wants { planned: CrdMask(planned).has(crd), encoder: CrdMask(encoder).has(crd) }
     }
 
     /// How fast a path goes in the interval that is planned next ([`crate::path::Path::mean`]), and how fast its encoders
@@ -311,6 +315,7 @@ impl Lasers {
             (self.speeds.planned.get_mut(crd.index()), self.speeds.encoder.get_mut(crd.index()))
         {
             (*to, *too) = (planned, encoder);
+            self.speeds.fed.0 |= crd.mask().0;
         }
     }
 
@@ -344,7 +349,7 @@ impl Lasers {
             port.laser(index, &self.plan);
             trace(index as u8, &self.plan);
         }
-        self.speeds = Speeds::REST;
+        self.speeds.fed = CrdMask(0);
     }
 
     /// Brings what the thread sees up to now.

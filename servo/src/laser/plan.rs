@@ -137,6 +137,14 @@ impl Plan {
         self.len.wrapping_add(more) <= PLACES
     }
 
+    /// The first action of a plan: at its beginning, light goes on with this train.
+    #[inline(always)]
+    pub(super) fn begin_with(&mut self, train: &Train) {
+        let [(at, action), ..] = &mut self.actions;
+        (*at, *action) = (0, Action::Change(*train));
+        self.len = 1;
+    }
+
     /// One more action, not before those there are. One without a place is dropped: see [`Plan::has_room`].
     #[inline(always)]
     pub fn push(&mut self, at: u32, action: Action) {

@@ -51,6 +51,12 @@ impl Power {
         Power(raw.clamp(0, Power::MAX.0))
     }
 
+    /// From units of 2⁻⁴⁴, between bounds that are powers.
+    #[inline]
+    pub(super) fn bounded(raw: i64) -> Power {
+        Power(raw)
+    }
+
     /// In units of 2⁻⁴⁴.
     #[inline]
     pub const fn raw(self) -> i64 {

@@ -58,7 +58,7 @@ fn the_power_of_a_speed_is_the_nearest_that_there_is() {
     let mut chance = Chance(1);
     for _ in 0..20_000 {
         let (r, v) = (chance.log(1e-9, 4e9), chance.next() >> (chance.next() % 64));
-        let got = ratio(r).power(PathSpeed::from_raw(v));
+        let got = ratio(r).gain().power(PathSpeed::from_raw(v));
         let want = units(exact(r) * fixed(v as i128, 30));
         if want > 2f64.powi(60) {
             assert!(got >= 1 << 60, "{r} · {v}: {got}");
@@ -67,8 +67,8 @@ fn the_power_of_a_speed_is_the_nearest_that_there_is() {
         let off = units(exact(r) * fixed(v as i128, 30) - fixed(got as i128, 44)).abs();
         assert!(off <= 0.5 + want * 2f64.powi(-62), "{r} · {v}: {off}");
     }
-    assert_eq!(ratio(f64::MIN_POSITIVE).power(PathSpeed::from_raw(u64::MAX)), 0);
-    assert_eq!(ratio(0.1).power(PathSpeed::REST), 0);
+    assert_eq!(ratio(f64::MIN_POSITIVE).gain().power(PathSpeed::from_raw(u64::MAX)), 0);
+    assert_eq!(ratio(0.1).gain().power(PathSpeed::REST), 0);
 }
 
 #[test]
@@ -273,7 +273,10 @@ fn bits(x: [f64; 4]) -> [u64; 4] {
 fn added(distance: &Distance, tables: &Tables, axes: &[AxisState]) -> i64 {
     let speeds = Speeds::REST;
     let around = Surroundings { clock: Clock::GHZ, speeds: &speeds, tables, axes };
-    distance.power(0, |axis, source| around.place(axis, source), tables, &mut [Stretch::NONE; DISTANCES])
+    if distance.bank().is_none() {
+        return distance.terms().power(axes);
+    }
+    distance.tabled(0, |axis, source| around.place(axis, source), tables, &mut [Stretch::NONE; DISTANCES])
 }
 
 #[test]
@@ -390,7 +393,7 @@ fn ratios_of_tables_are_those_of_the_place() {
 
 /// The power of a law at a speed, of crd 1, and a distance of axis 0.
 fn put_out(law: &mut Law, v: f64, x: f64) -> f64 {
-    let mut speeds = Speeds::REST;
+    let mut speeds = Speeds { fed: CrdMask(3), ..Speeds::REST };
     speeds.planned[0] = speed(v);
     speeds.encoder[0] = speed(2.0 * v);
     speeds.planned[1] = speed(1e6);
@@ -403,7 +406,7 @@ fn put_out(law: &mut Law, v: f64, x: f64) -> f64 {
 
 fn law(family: Family, max: f64, min: f64) -> Law {
     let mut law = Law::power_on(0, family);
-    law.bounds = Bounds::admit(Mode::Duty, power(max), power(min)).unwrap();
+    law.set_bounds(Bounds::admit(Mode::Duty, power(max), power(min)).unwrap());
     law
 }
 
@@ -459,7 +462,7 @@ fn the_law_of_lsr() {
     distance(&mut law, Some((12.0, 11.0)));
     assert_eq!([300.0, -400.0, 900.0].map(|x| put_out(&mut law, 20.0, x)), [16.0, 10.0, 18.0]);
     // Bounds given with the distance are ignored; those of the mode hold.
-    law.bounds = Bounds::admit(Mode::Duty, power(17.0), power(15.0)).unwrap();
+    law.set_bounds(Bounds::admit(Mode::Duty, power(17.0), power(15.0)).unwrap());
     assert_eq!([300.0, -400.0, 900.0].map(|x| put_out(&mut law, 20.0, x)), [16.0, 15.0, 17.0]);
     law.change(Crd::new(2).unwrap(), &Buffered::FollowOff);
     assert_eq!((law.follows(), put_out(&mut law, 20.0, 1500.0)), (None, 16.0));
@@ -472,7 +475,7 @@ fn of_bounds_that_exclude_each_other_the_lowest_upper_one() {
         let mut law = law(family, 100.0, 40.0);
         begin(&mut law, 1.0, 10.0, 30.0);
         assert_eq!([0.0, 90.0].map(|v| put_out(&mut law, v, 0.0)), [30.0, 30.0]);
-        law.bounds = Bounds::admit(Mode::Duty, power(5.0), power(1.0)).unwrap();
+        law.set_bounds(Bounds::admit(Mode::Duty, power(5.0), power(1.0)).unwrap());
         assert_eq!([0.0, 90.0].map(|v| put_out(&mut law, v, 0.0)), [5.0, 5.0]);
     }
     let mut law = law(Family::Gus, 100.0, 40.0);

@@ -56,19 +56,24 @@ impl Channel {
             return;
         }
         self.power = power;
-        if let Some(width) = self.energy.width_of(power, &self.out.train) {
-            // The carrier goes on: only its pulses are others.
-            self.train.width = width;
-            if width == self.out.train.width {
-                return;
-            }
-            self.out.train.width = width;
-            plan.push(0, Action::Change(self.out.train));
-            self.shown.moves = self.shown.moves.wrapping_add(1);
-            (self.shown.power, self.shown.train.width) = (power, width);
+        let Some(width) = self.plain.and_then(|planned| self.energy.width_of(power, planned)) else {
+            return self.retrain_light(around, plan);
+        };
+        // The carrier goes on: only its pulses are others.
+        self.train.width = width;
+        if width == self.out.train.width {
             return;
         }
-        self.shown.limited = self.energy.light(power, around.clock, &mut self.train);
+        self.out.train.width = width;
+        plan.begin_with(&self.out.train);
+        self.shown.moves = self.shown.moves.wrapping_add(1);
+        (self.shown.power, self.shown.train.width) = (power, width);
+    }
+
+    /// The same where more may change than the width of its pulses.
+    #[inline(never)]
+    fn retrain_light(&mut self, around: &Surroundings<'_>, plan: &mut Plan) {
+        self.shown.limited = self.energy.light(self.power, around.clock, &mut self.train);
         if self.train != self.out.train {
             self.out.train = self.train;
             plan.push(0, Action::Change(self.train));
@@ -77,6 +82,7 @@ impl Channel {
             self.drive(0, true, plan);
         }
         self.show_power();
+        self.plain = self.energy.plain(&self.out.train);
     }
 
     /// The interval that was planned last has passed as planned.
@@ -96,6 +102,7 @@ impl Channel {
             return self.stay_dark(end);
         }
         self.pass();
+        self.plain = None;
         self.attend(next);
         let mut news = core::mem::take(&mut self.news);
         if self.law.moves() {
@@ -206,6 +213,7 @@ impl Channel {
     }
 
     /// The power in force, and its train.
+    #[inline(never)]
     fn find_power(&mut self, around: &Surroundings<'_>) {
         self.power = self.law.power(around);
         self.shown.limited = self.energy.light(self.power, around.clock, &mut self.train);
@@ -327,13 +335,13 @@ impl Channel {
         let shown = &mut self.shown;
         (shown.commanded, shown.gate) = (self.commanded, self.gate.level());
         (shown.switch, shown.light) = (self.out.switch, self.out.light);
-        (shown.direct, shown.on_time) = (self.law.direct, self.on_time.units());
+        (shown.direct, shown.on_time) = (self.law.direct(), self.on_time.units());
         if changed {
             shown.changes = shown.changes.wrapping_add(1);
             let Energy { mode, connector, width, carrier, .. } = self.energy;
             (shown.mode, shown.connector, shown.delayed) = (mode, connector, self.delayed);
             (shown.fault, shown.cause_lasts) = (self.safety.cause(), self.safety.lasts());
-            shown.bounds = self.law.bounds;
+            shown.bounds = self.law.bounds();
             (shown.follows, shown.source) = (self.law.follows(), self.law.source());
             (shown.bank, shown.table) = (self.law.bank(), self.law.table());
             (shown.width_us, shown.carrier) = (width.map_or(0, |us| us.get()), carrier);
