@@ -257,9 +257,7 @@ impl<const AXES: usize> Tick<AXES> {
         let (mut left, mut slaves) = (self.made_ahead(), self.order.slaves.0);
         let View { axes: shown, inputs, .. } = lanes.view.buffer();
         let states = self.axes.get_mut(..self.used).unwrap_or_default();
-        for ((((axis, state), store), shown), inputs) in
-            Axis::all().zip(states).zip(lanes.segments).zip(shown).zip(inputs)
-        {
+        for ((axis, state), shown) in Axis::all().zip(states).zip(shown) {
             let slave = slaves & 1 == 1;
             slaves >>= 1;
             if FOLLOW && slave {
@@ -274,12 +272,14 @@ impl<const AXES: usize> Tick<AXES> {
                 Glide::Stale
             };
             if glide != Glide::Shown {
-                if shown.changes != state.shown.changes {
+                if shown.changes != state.shown.changes
+                    && let Some(inputs) = inputs.get_mut(axis.index())
+                {
                     *inputs = state.raw;
                 }
                 if glide == Glide::Stale {
                     state.show(shown);
-                } else {
+                } else if let Some(store) = lanes.segments.get(axis.index()) {
                     let source = Source { segments: store, tables: lanes.tables };
                     let none = &mut 0;
                     let left = if glide == Glide::Barred { none } else { &mut left };

@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 57] = [
+const MARKS: [(&str, &str); 58] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -62,6 +62,7 @@ const MARKS: [(&str, &str); 57] = [
     ("smooth-ready", "all axes start smoothed Trap, made ready while they rested"),
     ("smooth-inside", "smoothed Trap, pieces of ramps begin and end"),
     ("stop", "smooth Stop of all axes"),
+    ("stop-ramp", "the tick behind that, which makes their ramps"),
     ("set", "servo on, mode, loop and commit for every axis"),
     ("set-ramp", "servo on, mode, parameters, speed, target and deceleration for every axis"),
     ("laser-dark", "laser channels dark, no axis runs"),

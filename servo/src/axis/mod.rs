@@ -75,6 +75,8 @@ pub(crate) struct AxisState {
     unready: u8,
     /// By a coordinate system.
     driven: bool,
+    /// A ramp begins at the tick computed, whose position `exact` is.
+    begins: bool,
     /// Input levels, sampled, as bits.
     levels: u8,
     pub(crate) servo_on: bool,
@@ -99,7 +101,7 @@ pub(crate) struct AxisState {
     ending: StopReason,
     /// Since which tick it is at rest.
     pub(crate) rest_since: Ns,
-    /// Exact position while at rest.
+    /// Exact position while at rest, and where a ramp begins.
     exact: Exact,
     /// Switches active now, as status bits.
     switches: u32,
@@ -136,6 +138,7 @@ impl AxisState {
         profile: Profile::REST,
         runs: false,
         driven: false,
+        begins: false,
         crd: None,
         track: following::Track::NONE,
         ending: StopReason::None,
@@ -271,6 +274,7 @@ impl AxisState {
             runs,
             unready: _,
             driven,
+            begins,
             levels: _,
             servo_on,
             in_position,
@@ -303,7 +307,7 @@ impl AxisState {
         } = self;
         shown.reset();
         let on = AxisState::POWER_ON;
-        (*calm, *news, *runs, *driven) = (on.calm, on.news, on.runs, on.driven);
+        (*calm, *news, *runs, *driven, *begins) = (on.calm, on.news, on.runs, on.driven, on.begins);
         (*servo_on, *in_position, *causes) = (on.servo_on, on.in_position, on.causes);
         (*named, *lower, *upper, *inside) = (zero, on.lower, on.upper, on.inside);
         (*inputs, *ending, *exact) = (on.inputs, on.ending, on.exact);

@@ -79,7 +79,7 @@ impl AxisState {
 
     /// It runs from now on, and `ending` is why it will have stopped.
     pub(super) fn set_off(&mut self, ending: StopReason) {
-        (self.runs, self.ending) = (true, ending);
+        (self.runs, self.begins, self.ending) = (true, false, ending);
         self.touch();
     }
 
@@ -93,7 +93,9 @@ impl AxisState {
         match self.profile.look(next, feed, source) {
             Ok(piece) => {
                 let (pos, tau) = piece.at(piece.held(next));
-                (Moving { pos: exact(pos), velocity: piece.motion(tau).velocity() }, true)
+                // Until the step of this tick tells what comes of it.
+                self.shown.motion = piece.motion(tau);
+                (Moving { pos: exact(pos), velocity: self.shown.motion.velocity() }, true)
             }
             Err(State::Ended { at } | State::Underrun { at }) => rest(at),
             Err(State::Running) => rest(exact(self.shown.pos)),
@@ -114,6 +116,8 @@ impl AxisState {
             let dec = self.stop_dec;
             self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
             self.set_off(StopReason::StopSmooth);
+            // At `next` it is where it would have been: the first piece of the ramp has time until the tick behind.
+            (self.exact, self.begins) = (from.pos, from.velocity.m != 0);
             self.end_stream(pt_state::STOPPED);
             self.leave_table(next);
         }
@@ -128,7 +132,7 @@ impl AxisState {
     }
 
     pub(super) fn rest(&mut self, next: Ns, at: Exact, reason: StopReason) {
-        self.runs = false;
+        (self.runs, self.begins) = (false, false);
         self.exact = at;
         self.shown.pos = at.round();
         self.profile.rest(next, self.shown.pos);
@@ -233,7 +237,10 @@ impl AxisState {
         shown: &mut AxisView,
     ) -> Option<StopReason> {
         let mut stopped = None;
-        if self.runs {
+        if self.begins {
+            self.begins = false;
+            stopped = self.stand_in(next);
+        } else if self.runs {
             // What is entered in this tick is not followed by making the next in the same one.
             if self.profile.is_open() && *left != 0 && self.prepare(source) {
                 *left = left.wrapping_sub(1);
@@ -246,6 +253,24 @@ impl AxisState {
         }
         shown.follow(&self.shown);
         stopped
+    }
+
+    /// The place at `next` of an axis whose ramp begins there: that of the motion before, which is shown once more.
+    #[inline(never)]
+    fn stand_in(&mut self, next: Ns) -> Option<StopReason> {
+        if self.causes & status::FAULTS != 0 {
+            return Some(self.stopped_by_fault(next));
+        }
+        let pos = self.exact.round();
+        if (pos < self.lower || pos > self.upper)
+            && let Some(reason) = self.stopped_at_barrier(next, pos)
+        {
+            return Some(reason);
+        }
+        let shown = &mut self.shown;
+        (shown.turns, shown.moves) = (shown.turns.wrapping_add(1), shown.moves.wrapping_add(1));
+        shown.pos = pos;
+        None
     }
 
     /// The motion at `next` of an axis that runs; the reason if it comes to rest there.

@@ -6,7 +6,7 @@
 //! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off by 2⁻⁵⁸ of the
 //! largest factor times the largest distance, and half a unit. With a table the ratio has 44 fraction bits, the
 //! distance over the scale 32 and at most ±2²⁹.
-use super::double::{part, product};
+use super::double::{part, product, scaled};
 use super::follow::Source;
 use super::power::{Bounds, Refused};
 use super::tables::{Curve, DISTANCES, Stretch, Tables};
@@ -149,7 +149,7 @@ impl Distance {
         for (axis, ((x, reference), (factor, ratio))) in (0..).zip(axes) {
             let by = x.wrapping_sub(reference);
             // In 2^-32 instead of the power's 2^-44.
-            let over = part(product(by, *factor), (self.shift as u32).wrapping_add(12));
+            let over = part(scaled(by, *factor as u64), (self.shift as u32).wrapping_add(12));
             let share = product(over, ratio);
             let most = tables.most(channel, bank, axis).map(|most| (most as i128).wrapping_shl(32));
             sum = sum.wrapping_add(most.map_or(share, |most| share.max(most.wrapping_neg()).min(most)));

@@ -41,6 +41,32 @@ pub(super) fn product(a: i64, b: i64) -> i128 {
     ((high as u128) << 64 | low as u128) as i128
 }
 
+/// a·b of a factor without a sign.
+#[inline(always)]
+pub(super) fn scaled(a: i64, b: u64) -> i128 {
+    let (high, low) = umul(a as u64, b);
+    ((high.wrapping_sub((a >> 63) as u64 & b) as u128) << 64 | low as u128) as i128
+}
+
+/// x·2^-shift to the nearest, of results that fit into 63 bits; shift from 1 to 127.
+#[inline(always)]
+pub(super) fn nearest(x: i128, shift: u32) -> i64 {
+    let shift = shift.wrapping_sub(1);
+    let [low, high] = [x as u64, (x >> 64) as u64];
+    let sign = (x >> 127) as u32;
+    let (x0, x1, x2, x3) = (low as u32, (low >> 32) as u32, high as u32, (high >> 32) as u32);
+    let (a, b, c) = match shift >> 5 {
+        0 => (x0, x1, x2),
+        1 => (x1, x2, x3),
+        2 => (x2, x3, sign),
+        _ => (x3, sign, sign),
+    };
+    let by = shift & 31;
+    let join = |low: u32, high: u32| low >> by | (high << 1) << (31 - by);
+    let twice = ((join(b, c) as u64) << 32 | join(a, b) as u64) as i64;
+    (twice >> 1).wrapping_add(twice & 1)
+}
+
 /// x·2^-shift to the nearest, held in ±[`MOST`]; shift from 1 to 127.
 #[inline(always)]
 pub(super) fn part(x: i128, shift: u32) -> i64 {

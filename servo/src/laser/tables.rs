@@ -8,7 +8,7 @@
 //! [`Tables::finish`]. Ratios come in two banks a channel, so that one can be written while the other is in force.
 //! With a point its slope to the next one is stored, so that the tick never divides: m·2⁻ˢ with 54 bits of m, which
 //! makes an error of 2⁻⁵³ of the step between the two, and half a unit.
-use super::double::product;
+use super::double::{nearest, product, scaled};
 use super::follow::PathSpeed;
 use super::power::{Power, Refused};
 use super::{CHANNELS, double};
@@ -105,8 +105,8 @@ impl Point {
     /// The value at x, of which this is the point before.
     #[inline]
     fn at(self, x: i64) -> i64 {
-        let by = product(x.wrapping_sub(self.x), self.slope >> 8);
-        self.y.wrapping_add(narrow(by, (self.slope & 0xff) as i32))
+        let by = scaled(self.slope >> 8, x.wrapping_sub(self.x) as u64);
+        self.y.wrapping_add(nearest(by, self.slope as u32 & 0xff))
     }
 }
 

@@ -8,7 +8,8 @@
 //! (every running axis entered another segment), `inside` (none did), `idle`; with `pvt-` before it in PVT;
 //! of Follow
 //! `follow-` and of FollowEx `shaped-` (in case 8 seven axes follow the eighth); `…-ready`: a start for which there
-//! were ticks to make it ready in; of Traps `trap` and `smooth` (they start), `…-inside` (they run), `stop` (they begin to stop).
+//! were ticks to make it ready in; of Traps `trap` and `smooth` (they start), `…-inside` (they run), `stop` (they begin to stop),
+//! `stop-ramp` (the tick behind that).
 //!
 //! The machine under the tick only stores what it is told: what is counted is the tick alone.
 use core::hint::black_box;
@@ -285,8 +286,9 @@ impl Bench {
             self.step(case, Some(inside));
         }
         self.push(Op::Stop { axes, abrupt: AxisMask(0) });
-        self.step(case, Some(if smooth.0 == 0 && !ready { "stop" } else { "stopped" }));
-        for _ in 0..TICKS {
+        let marks = if smooth.0 == 0 && !ready { ["stop", "stop-ramp"] } else { ["stopped"; 2] };
+        marks.map(|mark| self.step(case, Some(mark)));
+        for _ in 1..TICKS {
             self.step(case, Some("stopping"));
         }
         let now = *self.thread.view.read();
