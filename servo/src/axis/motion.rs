@@ -237,12 +237,9 @@ impl AxisState {
         shown: &mut AxisView,
     ) -> Option<StopReason> {
         let mut stopped = None;
-        if self.begins {
-            self.begins = false;
-            stopped = self.stand_in(next);
-        } else if self.runs {
+        if self.runs {
             // What is entered in this tick is not followed by making the next in the same one.
-            if self.profile.is_open() && *left != 0 && self.prepare(source) {
+            if self.profile.is_open() && !self.begins && *left != 0 && self.prepare(source) {
                 *left = left.wrapping_sub(1);
             }
             self.shown.turns = self.shown.turns.wrapping_add(1);
@@ -258,18 +255,15 @@ impl AxisState {
     /// The place at `next` of an axis whose ramp begins there: that of the motion before, which is shown once more.
     #[inline(never)]
     fn stand_in(&mut self, next: Ns) -> Option<StopReason> {
-        if self.causes & status::FAULTS != 0 {
-            return Some(self.stopped_by_fault(next));
-        }
+        self.begins = false;
         let pos = self.exact.round();
         if (pos < self.lower || pos > self.upper)
             && let Some(reason) = self.stopped_at_barrier(next, pos)
         {
             return Some(reason);
         }
-        let shown = &mut self.shown;
-        (shown.turns, shown.moves) = (shown.turns.wrapping_add(1), shown.moves.wrapping_add(1));
-        shown.pos = pos;
+        self.shown.moves = self.shown.moves.wrapping_add(1);
+        self.shown.pos = pos;
         None
     }
 
@@ -278,6 +272,9 @@ impl AxisState {
     pub(crate) fn step(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
         if self.causes & status::FAULTS != 0 {
             return Some(self.stopped_by_fault(next));
+        }
+        if self.begins {
+            return self.stand_in(next);
         }
         let mut piece = self.profile.piece();
         let mut t = piece.elapsed(next);
