@@ -118,6 +118,9 @@ enum Other {
     Before,
     /// As before, and there is nothing to prepare until data or orders change.
     BeforeLast,
+    /// As before, and a ramp begins, whose first piece is made when it is needed: the piece before may have ended earlier, between
+    /// two ticks.
+    Begins,
     /// The one that follows.
     Ahead,
     /// At rest, the first one of a motion that has not begun: made as if it began at 0.
@@ -217,6 +220,7 @@ impl Profile {
     #[inline]
     pub fn begin_ramp(&mut self, now: Ns, begin: impl FnOnce(&mut RampRun)) {
         self.cut(now);
+        self.other = Other::Begins;
         self.supply.begin_ramp(begin);
     }
 
@@ -301,6 +305,9 @@ impl Profile {
     /// Data or orders have changed: what follows the present pass may be something else now.
     #[inline]
     pub fn revise(&mut self) {
+        if self.other == Other::Begins {
+            return;
+        }
         if self.other != Other::Ahead {
             self.other = Other::Before;
         } else if self.supply.is_new_pass() {

@@ -32,6 +32,38 @@ fn stops_are_smooth_or_abrupt() {
     assert!(bench.event().is_none());
 }
 
+/// Wherever it begins: that tick is one of the motion before, the ticks behind it are of v·t − a·t²/2 from there.
+#[test]
+fn a_smooth_stop_begins_where_the_motion_is() {
+    for ticks in 1..24 {
+        // Speeding up takes 15.8 ticks.
+        let [mut bench, mut twin] = [(); 2].map(|()| {
+            let mut bench = Bench::ready(250, Mode::Jog);
+            bench.jog(0, 8.3, 2.1);
+            bench.ticks(ticks);
+            bench
+        });
+        bench.now(Op::StopDec { axis: axis(0), smooth: accel(1.7), abrupt: accel(1000.0) });
+        bench.now(Op::Stop { axes: all(&[0]), abrupt: all(&[]) });
+        let (begin, motion) = (bench.tick(), twin.tick().axes[0]);
+        let (p, v) = (pulses(motion.pos), real(motion.motion.velocity()));
+        assert_eq!(begin.axes[0].pos, motion.pos);
+        assert!((real(begin.axes[0].motion.velocity()) - v).abs() < 1e-12);
+        assert!(has(&begin.axes[0], RUNNING));
+        loop {
+            let view = bench.tick();
+            let t = (view.now.0 - begin.now.0) as f64 / MS as f64;
+            if t >= v / 1.7 {
+                assert!(!has(&view.axes[0], RUNNING), "{ticks}: it runs at {t} ms");
+                assert!((pulses(view.axes[0].pos) - p - v * v / 3.4).abs() < 1e-6);
+                break;
+            }
+            assert!((pulses(view.axes[0].pos) - p - v * t + 0.85 * t * t).abs() < 1e-6, "{ticks}: {t} ms");
+            assert!((real(view.axes[0].motion.velocity()) - v + 1.7 * t).abs() < 1e-9, "{ticks}: {t} ms");
+        }
+    }
+}
+
 #[test]
 fn the_power_on_stop_deceleration_is_1() {
     let mut bench = Bench::ready(250, Mode::Jog);

@@ -116,8 +116,10 @@ impl AxisState {
             let dec = self.stop_dec;
             self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
             self.set_off(StopReason::StopSmooth);
-            // At `next` it is where it would have been: the first piece of the ramp has time until the tick behind.
-            (self.exact, self.begins) = (from.pos, from.velocity.m != 0);
+            // At `next` it is where it would have been in its piece: the first one of the ramp has time until the tick behind.
+            let piece = self.profile.piece();
+            self.begins = from.velocity.m != 0 && piece.elapsed(next) == piece.span;
+            self.exact = from.pos;
             self.end_stream(pt_state::STOPPED);
             self.leave_table(next);
         }
@@ -239,7 +241,7 @@ impl AxisState {
         let mut stopped = None;
         if self.runs {
             // What is entered in this tick is not followed by making the next in the same one.
-            if self.profile.is_open() && !self.begins && *left != 0 && self.prepare(source) {
+            if self.profile.is_open() && *left != 0 && self.prepare(source) {
                 *left = left.wrapping_sub(1);
             }
             self.shown.turns = self.shown.turns.wrapping_add(1);
