@@ -287,7 +287,9 @@ impl Bench {
         }
         self.push(Op::Stop { axes, abrupt: AxisMask(0) });
         let marks = if smooth.0 == 0 && !ready { ["stop", "stop-ramp"] } else { ["stopped"; 2] };
-        marks.map(|mark| self.step(case, Some(mark)));
+        for mark in marks {
+            self.step(case, Some(mark));
+        }
         for _ in 1..TICKS {
             self.step(case, Some("stopping"));
         }
