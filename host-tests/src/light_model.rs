@@ -166,6 +166,43 @@ impl Distance {
     }
 }
 
+/// The greatest slope between points, either way, and the greatest amount.
+fn steepest(points: &[(f64, f64)]) -> (f64, f64) {
+    let slope = |pair: &[(f64, f64)]| ((pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)).abs();
+    (points.windows(2).map(slope).fold(0.0, f64::max), points.iter().map(|point| point.1.abs()).fold(0.0, f64::max))
+}
+
+impl Distance {
+    /// How far the term is off at most, where positions are off by this much.
+    pub fn turns(&self, positions: [f64; 4], off: [f64; 4]) -> f64 {
+        let each = |axis: usize, change: f64, most: f64| {
+            let way = (positions[axis] - self.reference[axis]).abs() + off[axis];
+            (way * change + most * off[axis]) / self.scale[axis]
+        };
+        match &self.ratios {
+            Ratios::Fixed(ratios) => (0..4).map(|axis| each(axis, 0.0, ratios[axis].abs())).sum(),
+            Ratios::Each(points) => (0..4)
+                .map(|axis| {
+                    let own: Vec<_> = points.iter().map(|(at, ratios)| (*at, ratios[axis])).collect();
+                    let (slope, most) = steepest(&own);
+                    each(axis, slope * off[axis], most)
+                })
+                .sum(),
+            Ratios::Plane { x, y, ratios } => {
+                let rows = ratios.iter().map(|row| x.iter().copied().zip(row.iter().copied()).collect::<Vec<_>>());
+                let columns = (0..x.len()).map(|at| y.iter().zip(ratios).map(|(y, row)| (*y, row[at])).collect());
+                let most = |(slope, most): (f64, f64), points: Vec<_>| {
+                    let own = steepest(&points);
+                    (slope.max(own.0), most.max(own.1))
+                };
+                let (across, highest) = rows.fold((0.0, 0.0), most);
+                let (along, _) = columns.fold((0.0, 0.0), most);
+                (0..2).map(|axis| each(axis, across * off[0] + along * off[1], highest)).sum()
+            }
+        }
+    }
+}
+
 impl Power {
     /// What is put out where there is light. `speed` tells that of a coordinate system, `positions` those of axes 1 to 4.
     pub fn value(

@@ -18,7 +18,7 @@ mod random;
 use chance::Chance;
 use dark::in_the_dark;
 use host_tests::laser_model::{Edge, Exact, Family, Mode, Ns, Outcome, level_at, outcome};
-use host_tests::light_model::{Light, Ratios, Source, light};
+use host_tests::light_model::{Law, Light, Source, light};
 use job::{Made, Setup, made, table};
 use machine::{Machine, Told, numbered};
 use protocol::command::GetLaserOnTime;
@@ -100,16 +100,18 @@ impl<'a> Model<'a> {
         let speeds = self.speeds(row, power.source);
         let value = |speed: f64| power.value(self.setup.family, |_, _| speed, positions);
         let between = (0..=8).map(|step| speeds[0] + (speeds[2] - speeds[0]) * f64::from(step) / 8.0);
-        let values: Vec<f64> = speeds.into_iter().chain(between).map(value).collect();
+        // The points of a table, where the power may be the greatest or least.
+        let points = match power.follow.as_ref().map(|follow| &follow.law) {
+            Some(Law::Table(points)) => points.as_slice(),
+            _ => &[],
+        };
+        let points = points.iter().map(|point| point.0).filter(|speed| (speeds[0]..=speeds[2]).contains(speed));
+        let values: Vec<f64> = speeds.into_iter().chain(between).chain(points).map(value).collect();
         let mut slack = range(self.setup.mode) * 2e-4;
-        if let Some(distance) = power.distance.as_ref().filter(|distance| distance.source == Source::Encoder)
-            && let Ratios::Fixed(ratios) = distance.ratios
-        {
+        if let Some(distance) = power.distance.as_ref().filter(|distance| distance.source == Source::Encoder) {
             let behind = self.shafts[(row / self.tick).max(1) as usize - 1];
-            for axis in 0..4 {
-                let off = 1.0 + (actual[axis] - behind[axis]).abs();
-                slack += ratios[axis].abs() / distance.scale[axis] * off;
-            }
+            let off = std::array::from_fn(|axis| 1.0 + (actual[axis] - behind[axis]).abs());
+            slack += distance.turns(actual, off);
         }
         let low = values.iter().copied().fold(f64::MAX, f64::min);
         let high = values.iter().copied().fold(f64::MIN, f64::max);

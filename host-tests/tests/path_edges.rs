@@ -1,8 +1,10 @@
 //! Edges at the boundaries of segments, through the whole machine: random paths against the model, at ticks of 10 µs,
-//! 250 µs and 1 ms. `PATHS` sets how many, `PATHS_FROM` how many are left out before, `PATH_TICKS` another list of ticks in
+//! 250 µs and 1 ms; and the model's instants against exact arithmetic. `PATHS` sets how many, `PATHS_FROM` how many are left out before, `PATH_TICKS` another list of ticks in
 //! µs; a long run says every 1000 paths how far it is.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
+#[path = "path/exact.rs"]
+mod exact;
 #[path = "path/machine.rs"]
 mod machine;
 #[path = "path/random.rs"]
@@ -106,7 +108,7 @@ fn group(number: u64) -> Vec<Random> {
     let mut from = [0.0; 4];
     let mut paths = Vec::new();
     while paths.len() < GROUP as usize {
-        let path = random(chance, from, 30);
+        let path = random(chance, from, 30, 0);
         if fits(&undisturbed(&path), 0.0, 64) {
             from = path.end;
             paths.push(path);
@@ -122,7 +124,7 @@ fn check(machine: &Machine, number: u64) -> (f64, usize) {
     let mut state = State::default();
     let mut clock = 0;
     for path in group(number) {
-        text += &set_up(&path.frame, path.dimensions);
+        text += &set_up(&path.frame, path.dimensions, 0);
         text += "GT_CrdClear(1,0);\nSleep(2);\n";
         text += &path.text;
         text += "Sleep(2);\nGT_CrdStart(1,0);\n";
@@ -158,9 +160,34 @@ fn check(machine: &Machine, number: u64) -> (f64, usize) {
     (worst, expected.len())
 }
 
+fn paths() -> u64 {
+    std::env::var("PATHS").map_or(600, |text| text.parse().expect("a number"))
+}
+
+/// The model is off by less than a thousandth of a ns: what an edge is off from it, it is off from the exact instant.
+#[test]
+fn the_models_instants_are_exact() {
+    let (mut worst, mut seen) = (0.0f64, 0);
+    for number in 0..paths().div_ceil(GROUP) {
+        for path in group(number) {
+            let course = undisturbed(&path);
+            let (effects, end) = exact::instants(&path.frame, &path.entries);
+            assert_eq!(effects.len(), course.effects.len());
+            let pairs = effects.iter().zip(&course.effects).map(|(exact, (at, _))| (*at, exact));
+            for (at, exact) in pairs.chain([(course.rests[0].at, &end)]) {
+                let off = exact::apart(at, exact) * 1e6;
+                assert!(off < 1e-3, "{off} ns at {at} ms in group {number}: {}", path.text);
+                worst = worst.max(off);
+                seen += 1;
+            }
+        }
+    }
+    println!("{seen} instants, the model at most {worst:.2e} ns off");
+}
+
 #[test]
 fn edges_at_boundaries_are_where_the_model_has_them() {
-    let paths: u64 = std::env::var("PATHS").map_or(600, |text| text.parse().expect("a number"));
+    let paths = paths();
     let ticks: Vec<Ns> = std::env::var("PATH_TICKS")
         .unwrap_or("10,250,1000".into())
         .split(',')

@@ -184,14 +184,18 @@ impl Maker<'_> {
         let n = self.arrays;
         let reference: [f64; 4] = std::array::from_fn(|_| (self.chance.below(200) as f64) - 100.0);
         let scales = [1000.0, 500.0, 2000.0, 1000.0];
+        let source = match way {
+            Way::Actual => Source::Encoder,
+            Way::Each | Way::Plane if self.below(2) == 0 => Source::Encoder,
+            _ => Source::Planned,
+        };
         // Across the path, about a third of the range.
         let most = share(mode, 0.33) * 500.0 / scale.max(50.0);
         let mut ratio = || ((self.chance.unit() * 2.0 - 1.0) * most * 4096.0).round() / 4096.0;
         let fixed: [f64; 4] = std::array::from_fn(|_| ratio());
         let own = Bounds { min: share(mode, 0.1), max: share(mode, 0.9) };
-        let source = if way == Way::Actual { Source::Encoder } else { Source::Planned };
         let mut text = array(&format!("p{n}"), "long", &reference) + &array(&format!("s{n}"), "double", &scales);
-        writeln!(text, "GT_SetLaserDisMode(1,{},p{n},s{n},0);", u8::from(way == Way::Actual)).unwrap();
+        writeln!(text, "GT_SetLaserDisMode(1,{},p{n},s{n},0);", u8::from(source == Source::Encoder)).unwrap();
         let (min, max) = (real(own.min), real(own.max));
         let ratios = match way {
             Way::None => unreachable!(),
@@ -232,6 +236,14 @@ impl Maker<'_> {
         self.acts.push((self.acts_at(), Act::Distance(Some(distance))));
     }
 
+    /// The entry that chooses whose speed is followed, half of the time with a start power.
+    fn source(&mut self, source: Source) -> (String, Buffered) {
+        let start = (self.below(2) == 0).then(|| self.part());
+        let power = start.map_or(String::new(), |power| format!(",{}", real(power)));
+        let number = u8::from(source == Source::Encoder);
+        (format!("GT_BufLaserFollowMode(1,{number},0,0{power});\n"), Buffered::Mode { source, start })
+    }
+
     /// The entries that begin a follow.
     fn follow(&mut self, speed: f64) -> (String, Vec<Buffered>) {
         let mode = self.setup.mode;
@@ -248,18 +260,21 @@ impl Maker<'_> {
             }
             Velocity::Planned | Velocity::Encoder => {
                 let source = if velocity == Velocity::Encoder { Source::Encoder } else { Source::Planned };
-                let number = u8::from(source == Source::Encoder);
-                let text = format!(
-                    "GT_BufLaserFollowMode(1,{number},0,0);\nGT_BufLaserFollowRatio(1,{},{},{},0,0);\n",
-                    real(ratio),
-                    real(min),
-                    real(max)
-                );
-                (text, vec![Buffered::Mode { source, start: None }, follow(Law::Ratio(ratio), None)])
+                let (mut text, chosen) = self.source(source);
+                text += &format!("GT_BufLaserFollowRatio(1,{},{},{},0,0);\n", real(ratio), real(min), real(max));
+                (text, vec![chosen, follow(Law::Ratio(ratio), None)])
             }
             Velocity::Table => {
-                let text = format!("GT_BufLaserFollowTable(1,3,{},{},0,0);\n", real(min), real(max));
-                (text, vec![follow(Law::Table(points(mode, speed)), None)])
+                let begun = follow(Law::Table(points(mode, speed)), None);
+                let call = format!("GT_BufLaserFollowTable(1,3,{},{},0,0);\n", real(min), real(max));
+                match self.below(3) {
+                    0 => (call, vec![begun]),
+                    other => {
+                        let source = if other == 1 { Source::Encoder } else { Source::Planned };
+                        let (text, chosen) = self.source(source);
+                        (text + &call, vec![chosen, begun])
+                    }
+                }
             }
         }
     }
@@ -281,7 +296,7 @@ pub fn made(number: u64, setup: &Setup, tick: Ns) -> Made {
 }
 
 fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
-    let mut path = random(chance, [0.0; 4], 9);
+    let mut path = random(chance, [0.0; 4], 9, 0);
     path.entries.retain(|entry| !matches!(entry, Entry::Effect(_)));
     path.text = path
         .text
@@ -313,7 +328,7 @@ fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
         maker.text += &(array("tv", "double", &vel) + &array("tp", "double", &power));
         maker.text += "GT_SetLaserFollowTable(3,4,tv,tp,0);\n";
     }
-    maker.text += &set_up(&path.frame, path.dimensions);
+    maker.text += &set_up(&path.frame, path.dimensions, 0);
     // Above what the motions brake with: a Stop never ends on a boundary by itself.
     let stop_dec = path.frame.acc * (1.3 + 3.0 * maker.chance.unit());
     maker.text += &format!("GT_CrdClear(1,0);\nGT_SetCrdStopDec(1,{},30000);\n", real(stop_dec));

@@ -1,7 +1,7 @@
 //! The whole machine for a test: a job's text in, through the client, the link, the dispatcher and the tick of the virtual
 //! controller; out comes what its outputs did, to the ns, and the rows of its trace. Times are those of the script.
 #![allow(dead_code, reason = "each test file takes what it needs")]
-use client::{Answer, Call, Client, Observer, Options, Quiet};
+use client::{Answer, Call, Client, Link, Observer, Options, Quiet};
 use host_tests::laser_model::{Edge, Family, Ns};
 use job::{Action, Files};
 use plant::beam::Change;
@@ -97,13 +97,18 @@ pub fn numbered(text: &str) -> String {
 impl Machine {
     /// Ticks of so many ns.
     pub fn new(family: Family, tick_ns: Ns) -> Machine {
+        Machine::over(family, tick_ns, |board| Box::new(VirtualLink::new(board)))
+    }
+
+    /// The same over a link of the test's.
+    pub fn over(family: Family, tick_ns: Ns, link: impl FnOnce(Shared) -> Box<dyn Link>) -> Machine {
         let board = share(Board::new(Config { tick_us: (tick_ns / 1000) as u32, ..Config::default() }));
         let theirs = match family {
             Family::Gus => client::Family::Gus,
             Family::Lsr => client::Family::Lsr,
         };
         let options = Options { family: Some(theirs), ..Options::default() };
-        let client = Client::open(Box::new(VirtualLink::new(board.clone())), options).unwrap();
+        let client = Client::open(link(board.clone()), options).unwrap();
         board.lock().unwrap().record_beam(true);
         let rows: Arc<Mutex<(Header, Vec<Row>)>> = Arc::default();
         let (kept, mut reader) = (Arc::clone(&rows), Reader::new());

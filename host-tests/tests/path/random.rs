@@ -8,11 +8,11 @@ use std::fmt::Write;
 /// What an entry that takes no time does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effect {
-    /// BufLaserOn, BufLaserOff of channel 0.
+    /// BufLaserOn, BufLaserOff of the channel with the number of the coordinate system (from 0).
     Gate(bool),
-    /// BufLaserPrfCmd of channel 0, in mV: the channel is in analog mode.
+    /// BufLaserPrfCmd of that channel, in mV: it is in analog mode.
     Power(u32),
-    /// BufIO of general output 1.
+    /// BufIO of the general output with its number (from 1).
     Output(bool),
 }
 
@@ -53,14 +53,16 @@ fn tail(rates: &Rates) -> String {
     format!("{},{},{},0", real(rates.speed), real(rates.acc), real(rates.end))
 }
 
-/// The calls of a coordinate system over axes 1 to 4 with its origin at 0.
-pub fn set_up(frame: &Frame, dimensions: usize) -> String {
+/// The calls of a coordinate system with its origin at 0, the first over axes 1 to 4, the second over 5 to 8.
+pub fn set_up(frame: &Frame, dimensions: usize, crd: usize) -> String {
     let mut text = format!("crd.dimension = {dimensions};\n");
-    for axis in 0..4 {
-        writeln!(text, "crd.profile[{axis}] = {};", if axis < dimensions { axis + 1 } else { 0 }).unwrap();
+    for axis in 0..8 {
+        let coordinate = (axis / 4 == crd && axis % 4 < dimensions).then_some(axis % 4 + 1);
+        writeln!(text, "crd.profile[{axis}] = {};", coordinate.unwrap_or(0)).unwrap();
     }
     writeln!(text, "crd.synVelMax = {};\ncrd.synAccMax = {};", real(frame.speed), real(frame.acc)).unwrap();
-    writeln!(text, "crd.evenTime = {};\ncrd.setOriginFlag = 1;\nGT_SetCrdPrm(1,&crd);", frame.even_ms).unwrap();
+    writeln!(text, "crd.evenTime = {};\ncrd.setOriginFlag = 1;", frame.even_ms).unwrap();
+    writeln!(text, "GT_SetCrdPrm({},&crd);", crd + 1).unwrap();
     text
 }
 
@@ -78,16 +80,24 @@ fn line(chance: &mut Chance, from: &mut Place, dimensions: usize, length: f64, s
     let rates = rates(chance, scale);
     let name = ["XY", "XYZ", "XYZA"][dimensions - 2];
     let to: String = from[..dimensions].iter().map(|x| format!("{x},")).collect();
-    (Entry::Motion(Figure::line(begin, *from), rates), format!("GT_Ln{name}(1,{to}{});\n", tail(&rates)))
+    (Entry::Motion(Figure::line(begin, *from), rates), format!("GT_Ln{name}(CRD,{to}{});\n", tail(&rates)))
 }
 
-fn arc(chance: &mut Chance, from: &mut Place, dimensions: usize, length: f64, scale: &Scale) -> (Entry, String) {
+/// An arc of up to so many radians; a line where the target's whole pulses leave no arc.
+fn arc(
+    chance: &mut Chance,
+    from: &mut Place,
+    dimensions: usize,
+    length: f64,
+    sweeps: (f64, f64),
+    scale: &Scale,
+) -> (Entry, String) {
     let planes = [(Plane::XY, "XY"), (Plane::YZ, "YZ"), (Plane::ZX, "ZX")];
     let (plane, name) = planes[if dimensions == 2 { 0 } else { chance.below(3) as usize }];
     let (first, second) = plane.axes();
     let begin = *from;
     let ccw = chance.below(2) == 0;
-    let sweep = chance.log(0.05, 6.2);
+    let sweep = chance.log(sweeps.0, sweeps.1);
     let radius = (length / sweep).max(4.0);
     let turn = chance.unit() * std::f64::consts::TAU;
     let rates = rates(chance, scale);
@@ -99,7 +109,7 @@ fn arc(chance: &mut Chance, from: &mut Place, dimensions: usize, length: f64, sc
         let figure = Figure::arc_by_centre(begin, plane, (begin[first], begin[second]), arm, ccw).unwrap();
         let centre = format!("{},{}", real(arm.0), real(arm.1));
         let text =
-            format!("GT_Arc{name}C(1,{},{},{centre},{direction},{});\n", begin[first], begin[second], tail(&rates));
+            format!("GT_Arc{name}C(CRD,{},{},{centre},{direction},{});\n", begin[first], begin[second], tail(&rates));
         return (Entry::Motion(figure, rates), text);
     }
     let (sin, cos) = (if ccw { sweep } else { -sweep }).sin_cos();
@@ -114,7 +124,7 @@ fn arc(chance: &mut Chance, from: &mut Place, dimensions: usize, length: f64, sc
     let radius = if sweep > std::f64::consts::PI { -reach } else { reach };
     if kind == 1 {
         let figure = Figure::arc_by_radius(begin, plane, to, radius, ccw).unwrap();
-        let text = format!("GT_Arc{name}R(1,{},{},{},{direction},{});\n", to.0, to.1, real(radius), tail(&rates));
+        let text = format!("GT_Arc{name}R(CRD,{},{},{},{direction},{});\n", to.0, to.1, real(radius), tail(&rates));
         return (Entry::Motion(figure, rates), text);
     }
     // The rounded target moves the centre along the chord; so much that the path leaves the arc is refused.
@@ -126,27 +136,27 @@ fn arc(chance: &mut Chance, from: &mut Place, dimensions: usize, length: f64, sc
     }
     let figure = Figure::arc_by_centre(begin, plane, to, arm, ccw).unwrap();
     let centre = format!("{},{}", real(arm.0), real(arm.1));
-    let text = format!("GT_Arc{name}C(1,{},{},{centre},{direction},{});\n", to.0, to.1, tail(&rates));
+    let text = format!("GT_Arc{name}C(CRD,{},{},{centre},{direction},{});\n", to.0, to.1, tail(&rates));
     (Entry::Motion(figure, rates), text)
 }
 
 fn effect(chance: &mut Chance) -> (Effect, String) {
     match chance.below(8) {
-        0..3 => (Effect::Gate(true), "GT_BufLaserOn(1,0,0);\n".into()),
-        3..5 => (Effect::Gate(false), "GT_BufLaserOff(1,0,0);\n".into()),
+        0..3 => (Effect::Gate(true), "GT_BufLaserOn(CRD,0,CHANNEL);\n".into()),
+        3..5 => (Effect::Gate(false), "GT_BufLaserOff(CRD,0,CHANNEL);\n".into()),
         5..7 => {
             let mv = chance.below(9) as u32 * 1000 + 500;
-            (Effect::Power(mv), format!("GT_BufLaserPrfCmd(1,{},0,0);\n", real(f64::from(mv) / 1000.0)))
+            (Effect::Power(mv), format!("GT_BufLaserPrfCmd(CRD,{},0,CHANNEL);\n", real(f64::from(mv) / 1000.0)))
         }
         _ => {
             let on = chance.below(2) == 0;
-            (Effect::Output(on), format!("GT_BufIO(1,12,1,{},0);\n", u8::from(on)))
+            (Effect::Output(on), format!("GT_BufIO(CRD,12,CRD,{},0);\n", if on { "CRD" } else { "0" }))
         }
     }
 }
 
-/// Up to so many entries from a place on.
-pub fn random(chance: &mut Chance, from: Place, most: u64) -> Random {
+/// Up to so many entries of a coordinate system (from 0) from a place on.
+pub fn random(chance: &mut Chance, from: Place, most: u64, crd: usize) -> Random {
     let speed = chance.log(0.5, 200.0);
     let scale = Scale { speed, acc: speed / chance.log(0.3, 15.0) };
     let frame = Frame {
@@ -170,14 +180,38 @@ pub fn random(chance: &mut Chance, from: Place, most: u64) -> Random {
         let (entry, text) = match chance.below(12) {
             0 => {
                 let ms = 1 + chance.below(3) as u16;
-                (Entry::Delay(ms), format!("GT_BufDelay(1,{ms},0);\n"))
+                (Entry::Delay(ms), format!("GT_BufDelay(CRD,{ms},0);\n"))
             }
-            1..5 => arc(chance, &mut made.end, dimensions, length, &scale),
+            1..5 => arc(chance, &mut made.end, dimensions, length, (0.05, 6.2), &scale),
             _ => line(chance, &mut made.end, dimensions, length, &scale),
         };
         made.entries.push(entry);
         made.text += &text;
     }
+    made.text = calls_of(&made.text, crd);
+    made
+}
+
+/// As outputs are the bits of a mask, CRD is that of its own as well.
+fn calls_of(text: &str, crd: usize) -> String {
+    text.replace("CRD", &format!("{}", crd + 1)).replace("CHANNEL", &format!("{crd}"))
+}
+
+/// So many arcs of any size, one after another from a place on.
+pub fn arcs(chance: &mut Chance, from: Place, count: usize, crd: usize) -> Random {
+    let speed = chance.log(1.0, 3000.0);
+    let scale = Scale { speed, acc: speed / chance.log(0.3, 15.0) };
+    let frame = Frame { speed: speed * 2.0, acc: scale.acc * 2.0, even_ms: 0.0 };
+    let dimensions = 2 + chance.below(3) as usize;
+    let mut made =
+        Random { frame, dimensions, entries: Vec::new(), effects: Vec::new(), text: String::new(), end: from };
+    for _ in 0..count {
+        let length = speed * chance.log(0.5, 40.0);
+        let (entry, text) = arc(chance, &mut made.end, dimensions, length, (1e-4, 6.28), &scale);
+        made.entries.push(entry);
+        made.text += &text;
+    }
+    made.text = calls_of(&made.text, crd);
     made
 }
 
