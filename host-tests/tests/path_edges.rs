@@ -164,7 +164,8 @@ fn paths() -> u64 {
     std::env::var("PATHS").map_or(600, |text| text.parse().expect("a number"))
 }
 
-/// The model is off by less than a thousandth of a ns: what an edge is off from it, it is off from the exact instant.
+/// The model is off by less than half a ns, and by so much only where a motion ends as good as at rest: the root of what
+/// rounding leaves of 0. So what an edge is off from the model, it is nearly off from the exact instant.
 #[test]
 fn the_models_instants_are_exact() {
     let (mut worst, mut seen) = (0.0f64, 0);
@@ -176,13 +177,13 @@ fn the_models_instants_are_exact() {
             let pairs = effects.iter().zip(&course.effects).map(|(exact, (at, _))| (*at, exact));
             for (at, exact) in pairs.chain([(course.rests[0].at, &end)]) {
                 let off = exact::apart(at, exact) * 1e6;
-                assert!(off < 1e-3, "{off} ns at {at} ms in group {number}: {}", path.text);
+                assert!(off < 0.5, "{off} ns at {at} ms in group {number}: {:?} {:?}", path.frame, path.entries);
                 worst = worst.max(off);
                 seen += 1;
             }
         }
     }
-    println!("{seen} instants, the model at most {worst:.2e} ns off");
+    println!("{seen} instants, the model at most {worst:.3} ns off");
 }
 
 #[test]

@@ -318,13 +318,16 @@ fn streaming(chance: &mut Chance, path: &Path) -> Result<f64, String> {
     dark(&before, &after, lost).map_err(|told| format!("{failed}: {told}"))?;
     let places = std::mem::take(&mut road.lock().unwrap().places);
     let hardest = brakes(path, &places, (lost.saturating_sub(cut) / TICK) as usize)?;
+    // The host ends its session and opens another one.
     road.lock().unwrap().cut = None;
-    let client = Client::open(Box::new(VirtualLink::new(machine.board.clone())), Options::default()).unwrap();
-    readable(&client, places[places.len() - 1])?;
+    let Machine { board, client: gone, .. } = machine;
+    drop(gone);
+    let client = &Client::open(Box::new(VirtualLink::new(board.clone())), Options::default()).unwrap();
+    readable(client, places[places.len() - 1])?;
     client.sleep(Duration::from_millis(1500)).unwrap();
     let mut late = Vec::new();
-    let edges = take(&machine.board, &mut late);
-    if edges != 0 || !late.is_empty() || info(&client).run != 0 {
+    let edges = take(&board, &mut late);
+    if edges != 0 || !late.is_empty() || info(client).run != 0 {
         return Err(format!("the program goes on: {edges} edges, light {late:?}"));
     }
     Ok(hardest)

@@ -39,9 +39,11 @@ pub(crate) struct Inner {
 
 impl Inner {
     fn new(mut link: Box<dyn Link>, identity: Identity) -> Self {
-        // In virtual time the same calls must give the same bytes: no chance there.
-        let nonce = if link.real_time() { RandomState::new().hash_one(std::process::id()) as u32 } else { 1 };
         let (now, name) = (link.now(), link.name().to_owned());
+        // In virtual time the same calls must give the same bytes: no chance there. Who comes later is somebody else, also
+        // where the one before ended without a word.
+        let chance = || RandomState::new().hash_one(std::process::id()) as u32;
+        let nonce = if link.real_time() { chance() } else { (now as u32).wrapping_add(1) };
         let turn = if link.real_time() { TURN } else { VIRTUAL_TURN };
         let session = Session::open(&name, now, nonce, identity);
         Inner {
