@@ -268,13 +268,13 @@ fn outputs(made: &Made, told: &Told) -> Result<usize, String> {
 }
 
 /// The motion in force.
-fn figure<'a>(half: &'a Half, ms: f64) -> Option<&'a Figure> {
-    let motions = half
+fn figure(half: &Half, ms: f64) -> Option<&Figure> {
+    let mut motions = half
         .path
         .entries
         .iter()
         .filter_map(|entry| if let Entry::Motion(figure, _) = entry { Some(figure) } else { None });
-    motions.skip(half.course.ends.partition_point(|end| *end <= ms)).next()
+    motions.nth(half.course.ends.partition_point(|end| *end <= ms))
 }
 
 /// The greatest distances from the model and from the circles of arcs, pulses.

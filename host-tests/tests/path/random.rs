@@ -207,7 +207,7 @@ pub fn arcs(chance: &mut Chance, from: Place, count: usize, crd: usize) -> Rando
         Random { frame, dimensions, entries: Vec::new(), effects: Vec::new(), text: String::new(), end: from };
     for _ in 0..count {
         let length = speed * chance.log(0.5, 40.0);
-        let (entry, text) = arc(chance, &mut made.end, dimensions, length, (1e-4, 6.28), &scale);
+        let (entry, text) = arc(chance, &mut made.end, dimensions, length, (1e-4, 6.27), &scale);
         made.entries.push(entry);
         made.text += &text;
     }
