@@ -116,7 +116,7 @@ impl<'a> Scratch<'a> {
 
     /// Keeps what the elimination has left at a point, if it is one that is kept.
     pub fn keep(&mut self, index: usize, c: f64) {
-        if index % STRIDE == 0
+        if index.is_multiple_of(STRIDE)
             && let Some(place) = self.beside.kept.get_mut(index / STRIDE)
         {
             *place = c;
