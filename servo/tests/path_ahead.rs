@@ -1,6 +1,6 @@
-//! What a path makes ahead is what it would have made on the spot: two paths, one of which makes nothing ahead, through
-//! random motions, waits, gears and marks, data that comes late, Stops, overrides, and ticks in which there is no time.
-//! Every place, speed, instant and gear is the same to the bit.
+//! What a path makes ahead is what it would have made on the spot: two paths, one of which makes nothing ahead, and one
+//! that takes the short way of a coordinate system where it can, through random motions, waits, gears and marks, data that
+//! comes late, Stops, overrides, and ticks in which there is no time. Every place, speed, instant and gear is the same to the bit.
 use servo::path::{Bend, Entry, Feed, Path, Plane, Rate, Sight, Step, Sweep, Told};
 use servo::piece::Motion;
 use servo::ramp::Accel;
@@ -32,6 +32,35 @@ impl Seen {
         let Told { runs, fifo, done } =
             self.path.advance(Ns(now), Ns(period), feed, script, &mut self.heard, &mut sight, ahead);
         (self.step.runs, self.step.fifo, self.step.done) = (runs, fifo, done);
+    }
+
+    /// The same by the short way that a coordinate system takes where it can; boundaries that it went over.
+    fn glide(&mut self, now: u64, period: u64, feed: Feed, script: &Script, ahead: bool) -> u32 {
+        let (mut turns, next, period) = (0, Ns(now), Ns(period));
+        if self.path.is_due(next) {
+            turns += self.path.turn(feed, |_| true) as u32;
+        }
+        let fresh = self.path.is_fresh();
+        let Step { place, heading, bend, motion, .. } = &mut self.step;
+        let mut sight = Sight { place, heading, bend, motion, turns: &mut self.turns };
+        let Some(way) = self.path.glide(next, feed, &mut sight) else {
+            self.tick(now, period.0, feed, script, ahead);
+            return turns;
+        };
+        self.path.pass(way);
+        if fresh {
+            (self.step.fifo, self.step.done) = (self.path.fifo(), self.path.done(self.path.fifo()));
+        }
+        if !self.path.is_due_before(next, period) {
+            if ahead && turns == 0 {
+                self.path.prepare(feed, script);
+            }
+        } else if !self.path.turn(feed, |_| true) || self.path.is_due_before(next, period) {
+            self.path.go_through(next, period, feed, script, &mut self.heard);
+        } else {
+            turns += 1;
+        }
+        turns
     }
 }
 
@@ -70,7 +99,7 @@ fn entry(chance: &mut Chance, k: u8, place: &mut [i32; 4]) -> Entry {
 fn what_is_made_ahead_is_what_would_have_been_made() {
     let mut chance = Chance::new(31);
     let cases = std::env::var("BEAMTICK_PATHS_AHEAD").map_or(300, |text| text.parse().unwrap());
-    let (mut ticks, mut stops) = (0u64, 0);
+    let (mut ticks, mut stops, mut turns) = (0u64, 0, 0);
     for case in 0..cases {
         let mut place = [0; 4];
         let count = 4 + chance.below(24);
@@ -89,7 +118,7 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
         let mut path = Path::IDLE;
         path.rules.set_even(if chance.below(3) == 0 { chance.below(4) as u16 } else { 0 });
         path.rules.set_stop(Accel::admit(chance.log(0.3, 30.0).to_bits()).unwrap());
-        let mut both = [Seen::new(path), Seen::new(path)];
+        let mut both = [Seen::new(path), Seen::new(path), Seen::new(path)];
         let mut now = 1_000_000;
         for both in &mut both {
             both.path.start(Ns(now), 0, Feed { ends: [end, 0] }, &script);
@@ -116,10 +145,14 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
             }
             let feed = Feed { ends: [end, 0] };
             let ahead = chance.below(4) >= often;
-            let [with, without] = &mut both;
+            let [with, without, quick] = &mut both;
             with.tick(now, period, feed, &script, ahead);
+            turns += quick.glide(now, period, feed, &script, ahead);
             without.tick(now, period, feed, &script, false);
             assert_eq!(with.step, without.step, "case {case} at {now}");
+            assert_eq!(quick.step, without.step, "case {case} at {now}, the short way");
+            let mean = |seen: &Seen| seen.path.mean(&seen.step.motion, Ns(now), Ns(period));
+            assert_eq!(mean(quick), mean(without), "case {case} at {now}");
             ticks += 1;
             now += period;
             if !with.step.runs {
@@ -137,11 +170,14 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
             }
             assert!(now < 1 << 40, "case {case} does not end");
         }
-        let [with, without] = both;
-        assert_eq!(with.heard.marks, without.heard.marks, "case {case}");
-        assert_eq!(with.heard.rests, without.heard.rests, "case {case}");
-        assert_eq!((with.heard.gears, with.heard.geared), (without.heard.gears, without.heard.geared), "case {case}");
+        let [with, without, quick] = both;
+        for seen in [with, quick] {
+            assert_eq!(seen.heard.marks, without.heard.marks, "case {case}");
+            assert_eq!(seen.heard.rests, without.heard.rests, "case {case}");
+            let gears = |seen: &Seen| (seen.heard.gears.clone(), seen.heard.geared.clone());
+            assert_eq!(gears(&seen), gears(&without), "case {case}");
+        }
     }
-    println!("{ticks} ticks, {stops} Stops");
-    assert!(ticks > 20 * cases && stops > 0);
+    println!("{ticks} ticks, {stops} Stops, {turns} turns the short way");
+    assert!(ticks > 20 * cases && stops > 0 && u64::from(turns) > cases);
 }

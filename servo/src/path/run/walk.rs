@@ -75,24 +75,38 @@ impl Path {
         if !known || !alone || open.is_some_and(|seen| seen != end_of(feed, self.fifo)) || !admits(shape.end()) {
             return false;
         }
-        self.end_leg();
-        self.close();
+        // All that the ends of a leg and of a motion, the change to the next one and the begin of its plan do, if nobody looks
+        // in between: place and speed of the boundary are those of the motions, nothing is ahead, `inside` stays.
+        let Some(Leg { length, .. }) = plan.leg(self.leg) else { return false };
+        let (from, swept) = (*shape.end(), self.swept_to(*length));
         let cursor = self.cursor(self.fifo);
-        cursor.next = cursor.next.wrapping_add(1);
-        self.swap(self.here, Exact(0));
-        self.follow(open);
+        (cursor.next, cursor.done) = (cursor.next.wrapping_add(1), cursor.done.wrapping_add(1));
+        cursor.from = from;
+        let (over, motion) = (self.over, self.ahead_mut());
+        motion.state = State::Nothing;
+        let time = motion.plan.leg(0).map_or(0, |leg| leg.time);
+        (self.at, self.piece) = (self.at ^ 1, self.piece ^ 1);
+        (self.leg, self.way, self.seen, self.swept) = (0, Exact(0), Pos(0), Some(swept));
+        (self.began, self.time, self.over) = (over, over, over.wrapping_add(time));
+        (self.open, self.follows, self.pieced, self.fresh) = (open, None, true, true);
         true
+    }
+
+    /// The way since the last look to the end of the leg in force, which is so long.
+    #[inline(always)]
+    fn swept_to(&self, length: Exact) -> Exact {
+        Exact(length.0.wrapping_add(match self.swept {
+            Some(swept) => swept.0,
+            None => self.way.0.wrapping_sub(Exact::from(self.seen).0),
+        }))
     }
 
     /// The leg in force is over; whether another one of the motion has begun.
     #[inline(always)]
     fn end_leg(&mut self) -> bool {
         let Some(&Leg { length, .. }) = self.motion().plan.leg(self.leg) else { return false };
+        self.swept = Some(self.swept_to(length));
         self.way = Exact(self.way.0.wrapping_add(length.0));
-        self.swept = Some(Exact(match self.swept {
-            Some(swept) => swept.0.wrapping_add(length.0),
-            None => self.way.0.wrapping_sub(Exact::from(self.seen).0),
-        }));
         (self.began, self.time) = (self.over, self.over);
         self.leg = self.leg.wrapping_add(1);
         if self.motion().plan.leg(self.leg).is_some() {
