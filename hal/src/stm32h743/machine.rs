@@ -1,8 +1,9 @@
 //! What the tick reads and drives on this board: inputs, servo enables and general outputs.
 //!
 //! In: set-points and outputs of the tick. Out: the levels of the pins, read together once a tick. Owns the tick's share of
-//! [`pins`], and [`steps`]. Lasers and analog outputs have no driver yet: their pins stay at rest (docs/board-h743.md), and
+//! [`pins`], [`steps`] and [`laser`]. Analog outputs have no driver yet: their pins stay at rest (docs/board-h743.md), and
 //! the encoder of an axis is the pulse at which its step output stands. Fails never.
+use super::laser::{self, Lasers};
 use super::pins::{self, AXES, Levels};
 use super::steps::Steps;
 use servo::laser::Plan;
@@ -21,22 +22,27 @@ pub struct Machine {
     /// Servo enables and general outputs that are driven, and those that the next tick drives.
     driven: (u64, u32),
     drives: (u64, u32),
+    lasers: Lasers,
 }
 
 impl Machine {
     /// At rest at zero.
-    pub const AT_REST: Machine = Machine {
-        levels: Levels::LOW,
-        steps: Steps::AT_REST,
-        stands: [0; AXES],
-        goes_to: [0; AXES],
-        driven: (0, 0),
-        drives: (0, 0),
-    };
+    pub const fn new(lasers: Lasers) -> Machine {
+        Machine {
+            levels: Levels::LOW,
+            steps: Steps::AT_REST,
+            lasers,
+            stands: [0; AXES],
+            goes_to: [0; AXES],
+            driven: (0, 0),
+            drives: (0, 0),
+        }
+    }
 
     /// A tick begins, which lasts so many ns: what was planned for it is in force.
     pub fn advance(&mut self, period_ns: u32) {
         self.steps.begin(period_ns);
+        self.lasers.begin(period_ns);
         if self.driven != self.drives {
             self.driven = self.drives;
             pins::set(self.drives.0, self.drives.1);
@@ -47,9 +53,10 @@ impl Machine {
         }
     }
 
-    /// The tick has been computed: the steps of the next one go where DMA finds them. False if it took too long for that.
+    /// The tick has been computed: the steps of the next one go where DMA finds them. False if it took too long for that, or
+    /// was too late for a laser.
     pub fn emit(&mut self) -> bool {
-        self.steps.fill(&self.goes_to)
+        self.steps.fill(&self.goes_to) & !self.lasers.was_late()
     }
 }
 
@@ -93,8 +100,11 @@ impl Port for Machine {
     fn analog_out(&mut self, _: u32, _: usize, _: i16) {}
 
     fn interlock(&mut self) -> bool {
-        self.levels.interlock()
+        // A break that is over again has rested the outputs too.
+        laser::was_broken() | self.levels.interlock()
     }
 
-    fn laser(&mut self, _: usize, _: &Plan) {}
+    fn laser(&mut self, channel: usize, plan: &Plan) {
+        self.lasers.plan(channel, plan);
+    }
 }

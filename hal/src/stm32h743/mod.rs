@@ -9,8 +9,10 @@ use stm32_metapac::Interrupt;
 
 pub mod clocks;
 pub mod idle;
+pub mod laser;
 pub mod machine;
 pub mod pins;
+mod rounds;
 pub mod settings;
 mod start;
 pub mod steps;
@@ -80,11 +82,14 @@ pub fn take() -> Option<Board> {
     // SAFETY: this function gets here once, since the core's peripherals are handed out once.
     unsafe {
         pins::open();
+        let lasers = laser::open();
+        // Their outputs are at rest before a pin shows them.
+        pins::open_lasers();
         Some(Board {
             timer: timer::TickTimer::take(),
             link: uart::open(),
             trace: None,
-            machine: machine::Machine::AT_REST,
+            machine: machine::Machine::new(lasers),
         })
     }
 }
@@ -144,6 +149,7 @@ pub fn rest() {
     NVIC::mask(Interrupt::TIM2);
     cortex_m::asm::dsb();
     cortex_m::asm::isb();
+    laser::rest();
     pins::rest();
     steps::stop();
     timer::stop();

@@ -23,6 +23,18 @@ const ALARM: [Pin; AXES] =
 const GENERAL_IN: [Pin; 3] = [(GPIOC, 13), (GPIOE, 14), (GPIOC, 9)];
 /// Break inputs of TIM1, TIM15 and TIM8, wired together.
 const INTERLOCK: [Pin; 3] = [(GPIOE, 15), (GPIOE, 3), (GPIOG, 2)];
+const BREAK_FUNCTION: [u8; 3] = [1, 4, 3];
+/// Both lines of laser 0's and laser 1's energy (TIM1, TIM15) and switch (TIM8), and their alternate function.
+const LASER: [(Pin, u8); 8] = [
+    ((GPIOE, 9), 1),
+    ((GPIOE, 8), 1),
+    ((GPIOE, 5), 4),
+    ((GPIOE, 4), 4),
+    ((GPIOC, 7), 3),
+    ((GPIOB, 0), 3),
+    ((GPIOC, 8), 3),
+    ((GPIOB, 15), 3),
+];
 
 const ENABLE: [Pin; AXES] =
     [(GPIOG, 0), (GPIOG, 1), (GPIOG, 3), (GPIOG, 4), (GPIOG, 5), (GPIOG, 6), (GPIOG, 8), (GPIOG, 9)];
@@ -80,6 +92,19 @@ pub unsafe fn open() {
         port.afr(pin / 8).modify(|w| w.set_afr(pin % 8, LINK_FUNCTION));
         port.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::HIGH_SPEED));
         port.pupdr().modify(|w| w.set_pupdr(pin, Pupdr::PULL_UP));
+        port.moder().modify(|w| w.set_moder(pin, Moder::ALTERNATE));
+    }
+}
+
+/// The break inputs and the laser outputs are their timers'; levels of the inputs are read as before.
+///
+/// # Safety
+/// Once, behind [`open`], when the timers hold their outputs at rest.
+pub unsafe fn open_lasers() {
+    let inputs = INTERLOCK.into_iter().zip(BREAK_FUNCTION);
+    for ((port, pin), function) in inputs.chain(LASER) {
+        port.afr(pin / 8).modify(|w| w.set_afr(pin % 8, function));
+        port.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::HIGH_SPEED));
         port.moder().modify(|w| w.set_moder(pin, Moder::ALTERNATE));
     }
 }

@@ -1,0 +1,322 @@
+//! Laser outputs (RM0433 38, 41): energy of laser 0 by TIM1, of laser 1 by TIM15, both switches by TIM8, each line with its
+//! complement, and a break input that rests them without an instruction.
+//!
+//! In: a [`Plan`] a channel and tick. Out: light. Owns TIM1, TIM8, TIM15 and their streams. A timer counts rounds
+//! ([`super::rounds`]) that [`Energy`] and [`Switches`] make of the plans, all of them from the same tick on. At rest the main
+//! output is disabled (`BDTR.MOE`), and the pins have their idle levels. Fails to rest, and tells the tick
+//! ([`Lasers::was_late`]), if a round was told too late for DMA: then everything starts anew.
+use super::clocks::TIMER_MHZ;
+use super::rounds::{BEGIN, LASER_0, LASER_1, Ring, SWITCHES, TIM15, Timer};
+use servo::laser::{Action, CHANNELS, Energy, Plan, Scale, Switches};
+use stm32_metapac::timer::TimAdv;
+use stm32_metapac::timer::vals::{Bkp, Mms, Msm, OcmGp, Ossi, Ossr, Sms, Ts, Urs};
+use stm32_metapac::{RCC, TIM1, TIM2, TIM8};
+
+const SCALE: Scale = Scale::of_mhz(TIMER_MHZ);
+
+/// Two ticks of 250 µs with rounds of 0.5 µs, 64 actions a tick that may each take one more, and the ends of ticks.
+const ENERGY_PLACES: usize = 1152;
+/// Two ticks with 64 edges of either channel.
+const SWITCH_PLACES: usize = 272;
+/// A compare value that no round reaches.
+const NEVER: u16 = u16::MAX;
+
+#[unsafe(link_section = ".dma.laser_0")]
+static RING_0: Ring<ENERGY_PLACES, 3> = Ring::EMPTY;
+#[unsafe(link_section = ".dma.laser_1")]
+static RING_1: Ring<ENERGY_PLACES, 3> = Ring::EMPTY;
+#[unsafe(link_section = ".dma.switches")]
+static RING_SWITCHES: Ring<SWITCH_PLACES, 6> = Ring::EMPTY;
+
+/// What the timers do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// Nothing; their rings are made dark.
+    Stands,
+    /// They start with the next tick.
+    Armed,
+    /// They count.
+    Runs,
+}
+
+/// See the module text.
+#[derive(Debug)]
+pub struct Lasers {
+    state: State,
+    /// The next tick, in counts of the timers.
+    next: u64,
+    /// Counts of the tick in force.
+    lasts: u64,
+    energies: [Energy; CHANNELS],
+    energy_timers: [Timer<ENERGY_PLACES, 3>; CHANNELS],
+    switches: Switches,
+    switch_timer: Timer<SWITCH_PLACES, 6>,
+    /// The channel's outputs follow their timers.
+    is_live: [bool; CHANNELS],
+    was_late: bool,
+}
+
+/// Timers with their outputs at rest, before any pin shows them.
+///
+/// # Safety
+/// At most once.
+pub unsafe fn open() -> Lasers {
+    RCC.apb2enr().modify(|w| {
+        w.set_tim1en(true);
+        w.set_tim8en(true);
+        w.set_tim15en(true);
+    });
+    RCC.ahb1enr().modify(|w| {
+        w.set_dma1en(true);
+        w.set_dma2en(true);
+    });
+    // Read back, so that the clock is there (RM0433 8.5.8).
+    RCC.apb2enr().read();
+    RCC.ahb1enr().read();
+    for timer in [TIM1, TIM8, TIM15] {
+        timer.cr1().write(|w| {
+            w.set_arpe(true);
+            w.set_urs(Urs::COUNTER_ONLY);
+        });
+        // Outputs have idle levels while they are disabled; a high level at the break input disables them.
+        timer.bdtr().write(|w| {
+            w.set_ossi(Ossi::IDLE_LEVEL);
+            w.set_ossr(Ossr::IDLE_LEVEL);
+            w.set_bkp(0, Bkp::ACTIVE_HIGH);
+            w.set_bke(0, true);
+        });
+    }
+    for timer in [TIM1, TIM15] {
+        timer.cr2().write(|w| {
+            // TIM15 starts with TIM1.
+            w.set_mms(Mms::ENABLE);
+            w.set_ois(0, true);
+        });
+        timer.ccmr_output(0).write(|w| {
+            w.set_ocm(0, OcmGp::PWM_MODE1);
+            w.set_ocpe(0, true);
+        });
+        lines(timer, &[0]);
+    }
+    TIM8.cr2().write(|w| {
+        w.set_ois(1, true);
+        w.set_ois(2, true);
+    });
+    for (half, [own, other]) in [[1, 0], [0, 1]].into_iter().enumerate() {
+        TIM8.ccmr_output(half).write(|w| {
+            w.set_ocm(own, OcmGp::FORCE_INACTIVE);
+            w.set_ocm(other, OcmGp::PWM_MODE2);
+            w.set_ocpe(own, true);
+            w.set_ocpe(other, true);
+        });
+    }
+    lines(TIM8, &[1, 2]);
+    TIM2.cr2().modify(|w| w.set_mms(Mms::UPDATE));
+    // SAFETY: the caller's promise.
+    let energy_timers =
+        unsafe { [Timer::new(LASER_0, &RING_0, [0; 3]), Timer::new(LASER_1, &RING_1, [0; 3])] };
+    // SAFETY: the caller's promise.
+    let switch_timer = unsafe { Timer::new(SWITCHES, &RING_SWITCHES, [0, 0, NEVER, 0, 0, NEVER]) };
+    Lasers {
+        state: State::Stands,
+        next: 0,
+        lasts: 0,
+        energies: [const { Energy::from(BEGIN, SCALE) }; CHANNELS],
+        energy_timers,
+        switches: Switches::from(BEGIN, SCALE),
+        switch_timer,
+        is_live: [false; CHANNELS],
+        was_late: false,
+    }
+}
+
+/// Both lines of these channels are outputs; active is low at +, high at −.
+fn lines(timer: TimAdv, channels: &[usize]) {
+    timer.ccer().write(|w| {
+        for &channel in channels {
+            w.set_ccp(channel, true);
+            w.set_ccnp(channel, true);
+            w.set_cce(channel, true);
+            w.set_ccne(channel, true);
+        }
+    });
+}
+
+/// Whether a timer's outputs follow it.
+fn enable(timer: TimAdv, enabled: bool) {
+    timer.bdtr().modify(|w| w.set_moe(enabled));
+}
+
+/// Whether a switch follows the timer; else it is inactive.
+fn follow(channel: usize, follows: bool) {
+    let mode = if follows { OcmGp::COMBINED_PWM_MODE_1 } else { OcmGp::FORCE_INACTIVE };
+    // Channel 2 of the timer, and channel 3.
+    match channel {
+        0 => TIM8.ccmr_output(0).modify(|w| w.set_ocm(1, mode)),
+        _ => TIM8.ccmr_output(1).modify(|w| w.set_ocm(0, mode)),
+    }
+}
+
+fn energy_timer(channel: usize) -> TimAdv {
+    if channel == 0 { TIM1 } else { TIM15 }
+}
+
+/// Everything at rest, whatever runs.
+pub fn rest() {
+    let clocks = RCC.apb2enr().read();
+    for (timer, has_clock) in [(TIM1, clocks.tim1en()), (TIM15, clocks.tim15en()), (TIM8, clocks.tim8en())] {
+        if has_clock {
+            enable(timer, false);
+        }
+    }
+}
+
+/// Whether the break input was active since this was asked last.
+pub fn was_broken() -> bool {
+    let mut broken = false;
+    for timer in [TIM1, TIM8, TIM15] {
+        if timer.sr().read().bif(0) {
+            broken = true;
+            // Zeros clear, ones leave.
+            timer.sr().write(|w| {
+                w.0 = !0;
+                w.set_bif(0, false);
+            });
+        }
+    }
+    broken
+}
+
+impl Lasers {
+    /// A tick begins, which lasts so many ns.
+    pub fn begin(&mut self, period_ns: u32) {
+        self.lasts = SCALE.counts(period_ns).into();
+        self.next = self.next.wrapping_add(self.lasts);
+        match self.state {
+            State::Runs => {
+                let [first, second] = &mut self.energy_timers;
+                let is_read = [first.renew(), second.renew(), self.switch_timer.renew()];
+                if is_read.contains(&false) {
+                    self.stop();
+                }
+            }
+            State::Armed => {
+                if [TIM1, TIM8, TIM15].iter().all(|timer| timer.cr1().read().cen()) {
+                    self.state = State::Runs;
+                } else {
+                    self.stop();
+                }
+            }
+            State::Stands => {
+                let [first, second] = &mut self.energy_timers;
+                let is_clear = [first.clear(), second.clear(), self.switch_timer.clear()];
+                // Far enough from the next tick to be done before it.
+                if !is_clear.contains(&false) && u64::from(TIM2.cnt().read()) < self.lasts / 2 {
+                    self.arm();
+                }
+            }
+        }
+    }
+
+    /// The timers start with the next tick.
+    fn arm(&mut self) {
+        self.next = 0;
+        self.energies = [const { Energy::from(BEGIN, SCALE) }; CHANNELS];
+        self.switches = Switches::from(BEGIN, SCALE);
+        self.energy_timers.iter_mut().for_each(Timer::arm);
+        self.switch_timer.arm();
+        // Who is started before who starts it. TS changes while SMS is 0 (RM0433 38.4.3).
+        for (timer, from) in [(TIM15, Ts::ITR0), (TIM8, Ts::ITR1), (TIM1, Ts::ITR1)] {
+            timer.smcr().write(|w| {
+                w.set_ts(from);
+                w.set_msm(Msm::SYNC);
+            });
+            timer.smcr().modify(|w| w.set_sms(Sms::TRIGGER_MODE));
+        }
+        self.state = State::Armed;
+    }
+
+    fn stop(&mut self) {
+        rest();
+        for timer in [TIM1, TIM8, TIM15] {
+            timer.smcr().write(|_| {});
+        }
+        self.energy_timers.iter_mut().for_each(Timer::stop);
+        self.switch_timer.stop();
+        for channel in 0..CHANNELS {
+            follow(channel, false);
+        }
+        self.is_live = [false; CHANNELS];
+        (self.state, self.was_late) = (State::Stands, true);
+    }
+
+    /// Whether a round came too late since this was asked last: everything is at rest then.
+    pub fn was_late(&mut self) -> bool {
+        core::mem::take(&mut self.was_late)
+    }
+
+    /// What a channel does in the interval that begins with the next tick.
+    #[inline]
+    pub fn plan(&mut self, channel: usize, plan: &Plan) {
+        if plan.rest {
+            self.rest(channel);
+        } else if !self.is_live.get(channel).is_some_and(|live| *live) && self.state == State::Runs && lights(plan) {
+            // What is told so far is dark: after a rest a tick has passed at least.
+            self.revive(channel);
+        }
+        if self.state == State::Stands {
+            return;
+        }
+        let (from, to) = (self.next, self.next.wrapping_add(SCALE.counts(plan.lasts).into()));
+        let (Some(energy), Some(timer)) = (self.energies.get_mut(channel), self.energy_timers.get_mut(channel)) else {
+            return;
+        };
+        let mut read_by = energy.told().wrapping_sub(timer.ahead().into());
+        energy.take(from, to, plan, &mut |length, light| timer.put(length, [light]));
+        if channel == 0 {
+            self.switches.hold(plan);
+        } else {
+            let timer = &mut self.switch_timer;
+            read_by = read_by.min(self.switches.told().wrapping_sub(timer.ahead().into()));
+            self.switches.take(from, to, plan, &mut |round| {
+                let ([fall_0, fall_1], [rise_0, rise_1]) = (round.falls, round.rises);
+                timer.put(round.length, [rise_0, fall_0, fall_1, rise_1]);
+            });
+        }
+        // The ring is written before DMA may read it.
+        cortex_m::asm::dmb();
+        let left = read_by.wrapping_sub(from.wrapping_sub(self.lasts)) as i64;
+        let is_late = TIM2.sr().read().uif() || i64::from(TIM2.cnt().read()) >= left;
+        if is_late && self.state == State::Runs {
+            self.stop();
+        }
+    }
+
+    /// At once.
+    fn rest(&mut self, channel: usize) {
+        enable(energy_timer(channel), false);
+        follow(channel, false);
+        if let Some(live) = self.is_live.get_mut(channel) {
+            *live = false;
+        }
+    }
+
+    /// The outputs follow their timers.
+    fn revive(&mut self, channel: usize) {
+        enable(energy_timer(channel), true);
+        follow(channel, true);
+        enable(TIM8, true);
+        if let Some(live) = self.is_live.get_mut(channel) {
+            *live = true;
+        }
+    }
+}
+
+/// Whether a plan has anything to show.
+fn lights(plan: &Plan) -> bool {
+    plan.actions().iter().any(|(_, action)| match action {
+        Action::Light(train) | Action::Change(train) | Action::Dark { standby: train, .. } => !train.is_silent(),
+        Action::Switch(active) => *active,
+        Action::Volts(_) => false,
+    })
+}
