@@ -18,6 +18,8 @@ const SCALE: Scale = Scale::of_mhz(TIMER_MHZ);
 const ENERGY_PLACES: usize = 1152;
 /// Two ticks with 64 edges of either channel.
 const SWITCH_PLACES: usize = 272;
+/// What the start takes, in counts of the timers, with room.
+const START_COUNTS: u64 = 480;
 /// A compare value that no round reaches.
 const NEVER: u16 = u16::MAX;
 
@@ -33,6 +35,8 @@ static RING_SWITCHES: Ring<SWITCH_PLACES, 6> = Ring::EMPTY;
 enum State {
     /// Nothing; their rings are made dark.
     Stands,
+    /// Their first rounds are told in this tick.
+    Begins,
     /// They start with the next tick.
     Armed,
     /// They count.
@@ -111,10 +115,8 @@ pub unsafe fn open() -> Lasers {
         });
     }
     lines(TIM8, &[1, 2]);
-    TIM2.cr2().modify(|w| w.set_mms(Mms::UPDATE));
     // SAFETY: the caller's promise.
-    let energy_timers =
-        unsafe { [Timer::new(LASER_0, &RING_0, [0; 3]), Timer::new(LASER_1, &RING_1, [0; 3])] };
+    let energy_timers = unsafe { [Timer::new(LASER_0, &RING_0, [0; 3]), Timer::new(LASER_1, &RING_1, [0; 3])] };
     // SAFETY: the caller's promise.
     let switch_timer = unsafe { Timer::new(SWITCHES, &RING_SWITCHES, [0, 0, NEVER, 0, 0, NEVER]) };
     Lasers {
@@ -207,24 +209,37 @@ impl Lasers {
                     self.stop();
                 }
             }
+            State::Begins => self.stop(),
             State::Stands => {
                 let [first, second] = &mut self.energy_timers;
                 let is_clear = [first.clear(), second.clear(), self.switch_timer.clear()];
-                // Far enough from the next tick to be done before it.
-                if !is_clear.contains(&false) && u64::from(TIM2.cnt().read()) < self.lasts / 2 {
+                if !is_clear.contains(&false) {
                     self.arm();
                 }
             }
         }
     }
 
-    /// The timers start with the next tick.
+    /// The next tick is where the timers begin to count.
     fn arm(&mut self) {
         self.next = 0;
         self.energies = [const { Energy::from(BEGIN, SCALE) }; CHANNELS];
         self.switches = Switches::from(BEGIN, SCALE);
         self.energy_timers.iter_mut().for_each(Timer::arm);
         self.switch_timer.arm();
+        self.state = State::Begins;
+    }
+
+    /// The timers start with the next tick, if that is still to come.
+    fn launch(&mut self) {
+        // Behind what was written to the rings.
+        cortex_m::asm::dsb();
+        self.energy_timers.iter_mut().for_each(Timer::launch);
+        self.switch_timer.launch();
+        let is_late = TIM2.sr().read().uif() || u64::from(TIM2.cnt().read()) + START_COUNTS > self.lasts;
+        if is_late {
+            return;
+        }
         // Who is started before who starts it. TS changes while SMS is 0 (RM0433 38.4.3).
         for (timer, from) in [(TIM15, Ts::ITR0), (TIM8, Ts::ITR1), (TIM1, Ts::ITR1)] {
             timer.smcr().write(|w| {
@@ -247,7 +262,8 @@ impl Lasers {
             follow(channel, false);
         }
         self.is_live = [false; CHANNELS];
-        (self.state, self.was_late) = (State::Stands, true);
+        self.was_late |= self.state == State::Runs;
+        self.state = State::Stands;
     }
 
     /// Whether a round came too late since this was asked last: everything is at rest then.
@@ -282,6 +298,9 @@ impl Lasers {
                 let ([fall_0, fall_1], [rise_0, rise_1]) = (round.falls, round.rises);
                 timer.put(round.length, [rise_0, fall_0, fall_1, rise_1]);
             });
+        }
+        if self.state == State::Begins && channel + 1 == CHANNELS {
+            self.launch();
         }
         // The ring is written before DMA may read it.
         cortex_m::asm::dmb();

@@ -65,23 +65,11 @@ impl core::fmt::Debug for Wiring {
 }
 
 /// Energy of laser 0.
-pub const LASER_0: Wiring = Wiring {
-    timer: TIM1,
-    dma: stm32_metapac::DMA1,
-    stream: 0,
-    mux: 0,
-    request: 15,
-    priority: Pl::VERY_HIGH,
-};
+pub const LASER_0: Wiring =
+    Wiring { timer: TIM1, dma: stm32_metapac::DMA1, stream: 0, mux: 0, request: 15, priority: Pl::VERY_HIGH };
 /// Energy of laser 1.
-pub const LASER_1: Wiring = Wiring {
-    timer: TIM15,
-    dma: stm32_metapac::DMA2,
-    stream: 0,
-    mux: 8,
-    request: 106,
-    priority: Pl::VERY_HIGH,
-};
+pub const LASER_1: Wiring =
+    Wiring { timer: TIM15, dma: stm32_metapac::DMA2, stream: 0, mux: 8, request: 106, priority: Pl::VERY_HIGH };
 /// Both switches.
 pub const SWITCHES: Wiring =
     Wiring { timer: TIM8, dma: stm32_metapac::DMA1, stream: 1, mux: 1, request: 51, priority: Pl::HIGH };
@@ -185,6 +173,8 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
     pub fn clear(&mut self) -> bool {
         for _ in 0..AT_ONCE {
             if self.lit < PLACES {
+                // A length of nothing would stop the timer.
+                self.write(self.lit, 0, FIRST - 1);
                 self.darken(self.lit);
                 self.lit += 1;
             }
@@ -192,11 +182,10 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
         self.lit == PLACES && !self.stream().cr().read().en()
     }
 
-    /// Ready to start with the trigger: two dark rounds, then the ring from its first place on.
+    /// Two dark rounds, then the ring from its first place on, once that is told and [`Timer::launch`]ed.
     pub fn arm(&mut self) {
-        let Wiring { timer, dma, stream, mux, request, priority } = self.wiring;
+        let Wiring { timer, dma, stream, mux, request, .. } = self.wiring;
         (self.place, self.lit, self.told, self.last) = (0, 0, 0, [FIRST.into(); 2]);
-        self.is_full = false;
         // Nothing to clear between `lit` and `place`: all of it is dark.
         DMAMUX1.ccr(mux).write(|w| w.set_dmareq_id(request));
         dma.ifcr(stream / 4).write(|w| {
@@ -227,8 +216,14 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
             w.set_dba(BURST_BEGIN);
             w.set_dbl(WORDS as u8 - 1);
         });
+        self.is_full = false;
+    }
+
+    /// Ready to start with the trigger. DMA reads the first half-word at once.
+    pub fn launch(&mut self) {
+        let Wiring { timer, priority, .. } = self.wiring;
         timer.dier().write(|w| w.set_ude(true));
-        st.cr().write(|w| {
+        self.stream().cr().write(|w| {
             w.set_dir(Dir::MEMORY_TO_PERIPHERAL);
             w.set_minc(true);
             w.set_circ(true);

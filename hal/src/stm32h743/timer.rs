@@ -3,7 +3,7 @@
 //!
 //! In: a tick period. Out: an interrupt a period, and whether the tick took longer. Owns TIM2.
 use super::clocks::TIMER_MHZ;
-use stm32_metapac::timer::vals::Urs;
+use stm32_metapac::timer::vals::{Mms, Urs};
 use stm32_metapac::{RCC, TIM2};
 
 /// TIM2, which makes the servo tick. It stands still until [`start`].
@@ -22,6 +22,8 @@ impl TickTimer {
         // Read back, so that the clock is there (RM0433 8.5.8).
         RCC.apb1lenr().read();
         TIM2.psc().write_value(0);
+        // The timers of the lasers start with a tick.
+        TIM2.cr2().write(|w| w.set_mms(Mms::UPDATE));
         // Only an overflow interrupts.
         TIM2.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
         TIM2.dier().write(|w| w.set_uie(true));
