@@ -22,10 +22,13 @@ fn booted(elf: &[u8]) -> Machine {
 }
 
 /// Pins of lasers and axes (docs/board-h743.md), which only a configured board may drive.
-const GUARDED: [&str; 30] = [
-    "PE9", "PE8", "PE5", "PE4", "PC7", "PB0", "PC8", "PB15", "PA4", "PA5", "PC10", "PC12", "PC11", "PD0", "PD1", "PD2",
-    "PD3", "PD4", "PD5", "PD6", "PD7", "PF0", "PF1", "PF2", "PF3", "PF4", "PF5", "PF6", "PF7", "PG0",
+const GUARDED: [&str; 26] = [
+    "PE8", "PE4", "PB0", "PB15", "PA4", "PA5", "PC10", "PC12", "PC11", "PD0", "PD1", "PD2", "PD3", "PD4", "PD5", "PD6",
+    "PD7", "PF0", "PF1", "PF2", "PF3", "PF4", "PF5", "PF6", "PF7", "PG0",
 ];
+
+/// The + lines of energy and switch, which rest high.
+const REST_HIGH: [&str; 4] = ["PE9", "PE5", "PC7", "PC8"];
 
 #[test]
 fn start_up_reaches_full_speed_and_drives_nothing_active() {
@@ -44,10 +47,17 @@ fn start_up_reaches_full_speed_and_drives_nothing_active() {
     println!("480 MHz after {:?} µs, {} instructions", started.map(|at| at / MICROSECOND), machine.chip.instructions);
     assert_eq!((clocks.core, clocks.bus, clocks.apb1, clocks.timers1, clocks.timers2), (2, 4, 8, 4, 4));
     // Every change of a pin since power-on, so also between any two instructions: nothing was ever driven high but the link's
-    // line, which rests high.
-    let link = Pin::named("PD8").unwrap();
-    let high: Vec<_> = bus.gpio.changes.iter().filter(|c| c.level == Level::Driven(true) && c.pin != link).collect();
+    // line and the + lines of the lasers, which rest high; those were never driven low.
+    let plus = REST_HIGH.map(|name| Pin::named(name).unwrap());
+    let rests_high = |pin: Pin| pin == link_pin() || plus.contains(&pin);
+    let high: Vec<_> =
+        bus.gpio.changes.iter().filter(|c| c.level == Level::Driven(true) && !rests_high(c.pin)).collect();
     assert!(high.is_empty(), "{high:?}");
+    for pin in plus {
+        let of: Vec<_> =
+            bus.gpio.changes.iter().filter(|change| change.pin == pin).map(|change| change.level).collect();
+        assert!(of.contains(&Level::Driven(true)) && !of.contains(&Level::Driven(false)), "{pin:?}: {of:?}");
+    }
     for name in GUARDED {
         let pin = Pin::named(name).unwrap();
         let changed =
@@ -190,9 +200,8 @@ fn link_pin() -> Pin {
     Pin::named("PD8").unwrap()
 }
 
-/// The lines of lasers rest high where their sign is +.
 fn is_active_high(pin: Pin) -> bool {
-    !["PE9", "PE5", "PC7", "PC8"].into_iter().any(|name| Pin::named(name) == Some(pin))
+    !REST_HIGH.into_iter().any(|name| Pin::named(name) == Some(pin))
 }
 
 #[test]
