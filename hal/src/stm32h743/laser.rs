@@ -6,8 +6,8 @@
 //! output is disabled (`BDTR.MOE`), and the pins have their idle levels. Fails to rest, and tells the tick
 //! ([`Lasers::was_late`]), if a round was told too late for DMA: then everything starts anew.
 use super::clocks::TIMER_MHZ;
-use super::rounds::{BEGIN, LASER_0, LASER_1, Ring, SWITCHES, TIM15, Timer};
-use servo::laser::{Action, CHANNELS, Energy, Plan, Scale, Switches};
+use super::rounds::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, places};
+use servo::laser::{Action, CHANNELS, Energy, Places, Plan, Scale, Switches};
 use stm32_metapac::timer::TimAdv;
 use stm32_metapac::timer::vals::{Bkp, Mms, Msm, OcmGp, Ossi, Ossr, Sms, Ts, Urs};
 use stm32_metapac::{RCC, TIM1, TIM2, TIM8};
@@ -24,11 +24,11 @@ const START_COUNTS: u64 = 480;
 const NEVER: u16 = u16::MAX;
 
 #[unsafe(link_section = ".dma.laser_0")]
-static RING_0: Ring<ENERGY_PLACES, 3> = Ring::EMPTY;
+static RING_0: Places<ENERGY_PLACES, 3> = places();
 #[unsafe(link_section = ".dma.laser_1")]
-static RING_1: Ring<ENERGY_PLACES, 3> = Ring::EMPTY;
+static RING_1: Places<ENERGY_PLACES, 3> = places();
 #[unsafe(link_section = ".dma.switches")]
-static RING_SWITCHES: Ring<SWITCH_PLACES, 6> = Ring::EMPTY;
+static RING_SWITCHES: Places<SWITCH_PLACES, 6> = places();
 
 /// What the timers do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -287,16 +287,16 @@ impl Lasers {
         let (Some(energy), Some(timer)) = (self.energies.get_mut(channel), self.energy_timers.get_mut(channel)) else {
             return;
         };
-        let mut read_by = energy.told().wrapping_sub(timer.ahead().into());
-        energy.take(from, to, plan, &mut |length, light| timer.put(length, [light]));
+        let mut read_by = energy.told().wrapping_sub(timer.ring.ahead().into());
+        energy.take(from, to, plan, &mut |length, light| timer.ring.put(length, [light]));
         if channel == 0 {
             self.switches.hold(plan);
         } else {
             let timer = &mut self.switch_timer;
-            read_by = read_by.min(self.switches.told().wrapping_sub(timer.ahead().into()));
+            read_by = read_by.min(self.switches.told().wrapping_sub(timer.ring.ahead().into()));
             self.switches.take(from, to, plan, &mut |round| {
                 let ([fall_0, fall_1], [rise_0, rise_1]) = (round.falls, round.rises);
-                timer.put(round.length, [rise_0, fall_0, fall_1, rise_1]);
+                timer.ring.put(round.length, [rise_0, fall_0, fall_1, rise_1]);
             });
         }
         if self.state == State::Begins && channel + 1 == CHANNELS {

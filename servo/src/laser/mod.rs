@@ -20,7 +20,7 @@
 //! | `dither` | frequencies and duties in counts of a timer |
 //! | `light` | the time that light was on |
 //! | `plan` | the plan of a tick: what timers carry out |
-//! | `rounds` | how timers carry it out: rounds of preloaded registers; `energy_rounds`, `switch_rounds` make them |
+//! | `rounds` | how timers carry it out: rounds of preloaded registers; `energy_rounds`, `switch_rounds` make them, `round_ring` holds them |
 //! | `safety` | the state machine through which every plan passes last |
 mod buffered;
 mod channel;
@@ -35,6 +35,7 @@ mod law;
 mod light;
 mod plan;
 mod power;
+mod round_ring;
 mod rounds;
 mod safety;
 mod switch_rounds;
@@ -51,6 +52,7 @@ pub use follow::{PathSpeed, Ratio, Source};
 pub use law::Family;
 pub use plan::{Action, Count, FINISH_NS, PLACES, Plan, Train};
 pub use power::{Bounds, Power, Refused};
+pub use round_ring::{Places, RoundRing};
 pub use rounds::Scale;
 pub use safety::Cause;
 pub use switch_rounds::{LEAST as LEAST_OF_SWITCHES, Round, Switches};

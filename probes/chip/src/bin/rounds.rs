@@ -1,0 +1,119 @@
+#![no_std]
+#![no_main]
+//! Counts the instructions with which the reference board tells its timers of carriers of 2 MHz whose duty is dithered, in QEMU as
+//! `ticks.rs` does and with the same lines out: `CHANNELS rounds-PERIOD COUNT`.
+use core::hint::black_box;
+use core::panic::PanicInfo;
+use core::sync::atomic::AtomicU16;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_semihosting::{debug, hprintln};
+use hal as _; // the vector table
+use servo::laser::{Action, CHANNELS, Count, Energy, Places, Plan, RoundRing, Scale, Switches, Train};
+
+/// Ticks counted of each kind.
+const TICKS: usize = 100;
+/// As on the reference board.
+const ENERGY_PLACES: usize = 1152;
+const SWITCH_PLACES: usize = 272;
+const MHZ: u16 = 240;
+const SCALE: Scale = Scale::of_mhz(MHZ);
+const FIRST: u16 = 168;
+const BEGIN: u64 = 2 * FIRST as u64;
+
+type Ring<const PLACES: usize, const WORDS: usize> = RoundRing<PLACES, WORDS>;
+
+static ENERGIES: [Places<ENERGY_PLACES, 3>; CHANNELS] =
+    [const { [const { [const { AtomicU16::new(0) }; 3] }; ENERGY_PLACES] }; CHANNELS];
+static SWITCHES: Places<SWITCH_PLACES, 6> = [const { [const { AtomicU16::new(0) }; 6] }; SWITCH_PLACES];
+
+#[panic_handler]
+fn panicked(info: &PanicInfo<'_>) -> ! {
+    hprintln!("{}", info);
+    debug::exit(debug::EXIT_FAILURE);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Both channels, as `hal` holds them.
+struct Outputs {
+    energies: [Energy; CHANNELS],
+    rings: [Ring<ENERGY_PLACES, 3>; CHANNELS],
+    switches: Switches,
+    switch_ring: Ring<SWITCH_PLACES, 6>,
+    next: u64,
+}
+
+impl Outputs {
+    /// What a tick of so many ns does for plans, without the accesses to registers.
+    fn tick(&mut self, ns: u32, plans: &[Plan; CHANNELS], read: [usize; CHANNELS]) -> bool {
+        let (from, to) = (self.next, self.next.wrapping_add(SCALE.counts(ns).into()));
+        self.next = to;
+        let mut right = self.switch_ring.renew(0) | true;
+        let channels = self.energies.iter_mut().zip(&mut self.rings).zip(plans).zip(read);
+        for (((energy, ring), plan), read) in channels {
+            right &= ring.renew(read);
+            energy.take(from, to, plan, &mut |length, light| ring.put(length, [light]));
+        }
+        self.switches.hold(&plans[0]);
+        let ring = &mut self.switch_ring;
+        self.switches.take(from, to, &plans[1], &mut |round| {
+            let ([fall_0, fall_1], [rise_0, rise_1]) = (round.falls, round.rises);
+            ring.put(round.length, [rise_0, fall_0, fall_1, rise_1]);
+        });
+        right
+    }
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let mut core = cortex_m::Peripherals::take().expect("once");
+    core.SYST.set_clock_source(SystClkSource::Core);
+    core.SYST.set_reload(0xff_ffff);
+    core.SYST.clear_current();
+    core.SYST.enable_counter();
+    let run = black_box(Outputs::tick);
+    // A third of 120 counts, nearly.
+    let train = Train {
+        period: Count { whole: 120, part: 0, of: 0 },
+        width: Count { whole: 39, part: 0xfffe_0000, of: 0 },
+    };
+    for (us, mark) in [(10u32, "rounds-10"), (20, "rounds-20"), (50, "rounds-50"), (250, "rounds-250")] {
+        for lit in 0..=CHANNELS {
+            let mut outputs = Outputs {
+                energies: [const { Energy::from(BEGIN, SCALE) }; CHANNELS],
+                rings: ENERGIES.each_ref().map(|places| Ring::new(places, [0; 3])),
+                switches: Switches::from(BEGIN, SCALE),
+                switch_ring: Ring::new(&SWITCHES, [0, 0, u16::MAX, 0, 0, u16::MAX]),
+                next: 0,
+            };
+            while !outputs.rings.iter_mut().fold(outputs.switch_ring.clear(FIRST), |all, ring| ring.clear(FIRST) && all) {}
+            outputs.rings.iter_mut().for_each(|ring| ring.begin(FIRST));
+            outputs.switch_ring.begin(FIRST);
+            let mut plans = [Plan::EMPTY; CHANNELS];
+            // What is told two ticks ahead is read when the tick begins.
+            let (mut told, mut read) = ([[0usize; CHANNELS]; 2], [0; CHANNELS]);
+            for tick in 0..TICKS {
+                if tick == 4 {
+                    plans.iter_mut().take(lit).for_each(|plan| plan.push(0, Action::Light(train)));
+                }
+                let before = SYST::get_current();
+                let right = run(&mut outputs, us * 1000, &plans, read);
+                // A down counter of 24 bits.
+                let count = before.wrapping_sub(SYST::get_current()) & 0xff_ffff;
+                assert!(right, "the rings are read where they should be");
+                if tick > 8 {
+                    hprintln!("{} {} {}", lit, mark, count);
+                }
+                plans = [Plan::EMPTY; CHANNELS];
+                read = told[0];
+                told = [told[1], outputs.rings.each_ref().map(|ring| ring.next_word())];
+            }
+        }
+    }
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}

@@ -1,0 +1,127 @@
+//! The ring through which rounds go to a timer: half-words in the order of its registers, read by DMA again and again.
+//!
+//! In: rounds, ticks, how far DMA has read. Out: half-words; whether they are read where they should be. Owns the order of the places.
+//! Fails by [`RoundRing::renew`] being false. Every place that is not told is dark, whatever is read too early or too late:
+//! what is over is made dark again in the next tick.
+use core::sync::atomic::{AtomicU16, Ordering};
+
+/// Places that are made dark at once before a start.
+const AT_ONCE: usize = 64;
+
+/// The half-words: length − 1, 0, and compare registers.
+pub type Places<const PLACES: usize, const WORDS: usize> = [[AtomicU16; WORDS]; PLACES];
+
+/// See the module text.
+#[derive(Debug)]
+pub struct RoundRing<const PLACES: usize, const WORDS: usize> {
+    places: &'static Places<PLACES, WORDS>,
+    /// Compare registers of a dark round, from the third half-word on.
+    dark: [u16; WORDS],
+    /// The next place that is told.
+    place: usize,
+    /// The first one that is not dark again.
+    lit: usize,
+    /// The first place that the last tick told: what lies before it is over when the next one begins.
+    told: usize,
+    /// Lengths of the last two rounds: DMA reads a round when the second one before it begins, at the earliest.
+    last: [u32; 2],
+    /// No place was left for a round.
+    is_full: bool,
+}
+
+impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
+    /// Half-words of the ring.
+    pub const WORDS: usize = PLACES * WORDS;
+
+    /// Nothing is dark yet.
+    pub const fn new(places: &'static Places<PLACES, WORDS>, dark: [u16; WORDS]) -> Self {
+        RoundRing { places, dark, place: 0, lit: 0, told: 0, last: [0; 2], is_full: false }
+    }
+
+    #[inline(always)]
+    fn behind(place: usize) -> usize {
+        if place.wrapping_add(1) < PLACES { place.wrapping_add(1) } else { 0 }
+    }
+
+    #[inline(always)]
+    fn darken(&self, place: usize) {
+        if let Some(words) = self.places.get(place) {
+            for (word, dark) in words.iter().zip(self.dark).skip(2) {
+                word.store(dark, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Before a start: some more places dark, of a length of `first`; true once all are.
+    pub fn clear(&mut self, first: u16) -> bool {
+        for _ in 0..AT_ONCE {
+            if let Some([length, ..]) = self.places.get(self.lit).map(|place| place.as_slice()) {
+                // A length of nothing would stop the timer.
+                length.store(first.wrapping_sub(1), Ordering::Relaxed);
+                self.darken(self.lit);
+                self.lit = self.lit.wrapping_add(1);
+            }
+        }
+        self.lit >= PLACES
+    }
+
+    /// A start, with two dark rounds of a length of `first` before what is told.
+    pub fn begin(&mut self, first: u16) {
+        (self.place, self.lit, self.told, self.last, self.is_full) = (0, 0, 0, [first.into(); 2], false);
+    }
+
+    /// The stream stands: nothing is taken for dark any more.
+    pub fn stop(&mut self) {
+        self.lit = 0;
+    }
+
+    /// Half-words of the compare registers of a dark round.
+    pub fn dark(&self) -> &[u16] {
+        self.dark.get(2..).unwrap_or_default()
+    }
+
+    /// One round more: its length in counts, and the half-words of its compare registers.
+    #[inline(always)]
+    pub fn put(&mut self, length: u32, compare: impl IntoIterator<Item = u32>) {
+        let behind = Self::behind(self.place);
+        let Some([to_length, repeats, to @ ..]) = self.places.get(self.place).map(|place| place.as_slice()) else {
+            return;
+        };
+        if behind == self.lit {
+            self.is_full = true;
+            return;
+        }
+        to_length.store(length.wrapping_sub(1) as u16, Ordering::Relaxed);
+        repeats.store(0, Ordering::Relaxed);
+        for (to, value) in to.iter().zip(compare) {
+            to.store(value as u16, Ordering::Relaxed);
+        }
+        self.last = [self.last[1], length];
+        self.place = behind;
+    }
+
+    /// The half-word that is told next.
+    pub fn next_word(&self) -> usize {
+        self.place.wrapping_mul(WORDS)
+    }
+
+    /// How long before the end of what is told the next round is read at the earliest, in counts.
+    #[inline(always)]
+    pub fn ahead(&self) -> u32 {
+        self.last[0].wrapping_add(self.last[1])
+    }
+
+    /// A tick begins while the timer runs; DMA has read so many half-words of this turn. What is over is dark again. False if
+    /// DMA is not where it should be, between what was over then and what was told, or a round had no place.
+    #[inline]
+    pub fn renew(&mut self, read: usize) -> bool {
+        let over = core::mem::replace(&mut self.told, self.place);
+        while self.lit != over {
+            self.darken(self.lit);
+            self.lit = Self::behind(self.lit);
+        }
+        let begin = over.wrapping_mul(WORDS);
+        let from = |at: usize| if at < begin { at.wrapping_add(Self::WORDS) } else { at }.wrapping_sub(begin);
+        !self.is_full && from(read) <= from(self.place.wrapping_mul(WORDS))
+    }
+}
