@@ -285,10 +285,16 @@ impl Bresenham {
         if self.of != count.of {
             *self = Bresenham { gathered: 0, of: count.of };
         }
-        let (sum, carry) = self.gathered.overflowing_add(count.part);
-        let over = carry || (count.of != 0 && sum >= count.of);
-        self.gathered = if over { sum.wrapping_sub(count.of) } else { sum };
-        count.whole.wrapping_add(over as u64)
+        count.whole.wrapping_add(self.carry(count.part).into())
+    }
+
+    /// The odd count of one more period, if it has one.
+    #[inline(always)]
+    fn carry(&mut self, part: u32) -> u32 {
+        let (sum, carry) = self.gathered.overflowing_add(part);
+        let over = carry || (self.of != 0 && sum >= self.of);
+        self.gathered = if over { sum.wrapping_sub(self.of) } else { sum };
+        over as u32
     }
 }
 
@@ -325,5 +331,48 @@ impl Pattern {
             return (period, period);
         }
         (period, width)
+    }
+}
+
+/// The counts of the periods of a train, one after the other, as [`Pattern::step`] gives them, where they are far below 2³²
+/// and the train stays what it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steps {
+    pattern: Pattern,
+    period: (u32, u32),
+    width: (u32, u32),
+    owed: u32,
+    is_full: bool,
+}
+
+impl Steps {
+    /// Behind at least one [`Pattern::step`] with this train.
+    #[inline(always)]
+    pub(super) fn of(pattern: Pattern, train: &Train) -> Steps {
+        let Train { period, width } = train;
+        let (owed, is_full) = (pattern.owed as u32, train.is_full());
+        Steps {
+            pattern,
+            period: (period.whole as u32, period.part),
+            width: (width.whole as u32, width.part),
+            owed,
+            is_full,
+        }
+    }
+
+    /// One more period, and the width of its pulse.
+    #[inline(always)]
+    pub(super) fn step(&mut self) -> (u32, u32) {
+        let period = self.period.0.wrapping_add(self.pattern.period.carry(self.period.1));
+        let wanted = self.width.0.wrapping_add(self.pattern.width.carry(self.width.1)).wrapping_add(self.owed);
+        let width = if self.is_full { period } else { wanted.min(period) };
+        self.owed = if self.is_full { 0 } else { wanted.wrapping_sub(width) };
+        (period, width)
+    }
+
+    /// What the pattern has become.
+    #[inline(always)]
+    pub(super) fn pattern(self) -> Pattern {
+        Pattern { owed: self.owed.into(), ..self.pattern }
     }
 }

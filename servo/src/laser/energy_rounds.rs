@@ -6,7 +6,7 @@
 //! Each pulse begins with a round; a pulse that begins sooner than [`LEAST`] behind the one before it, with a gap between them,
 //! takes its place: that one is not output. It takes light or standby that is cut within 350 ns of a pulse's beginning, and
 //! the pulse has ended before; carriers never come near.
-use super::dither::Pattern;
+use super::dither::{Pattern, Steps};
 use super::plan::{Action, FINISH_NS, Plan, Train};
 use super::rounds::{LATE, Lengths, MOST, Scale};
 
@@ -182,13 +182,21 @@ impl Energy {
         self.close(next.begin, sink);
         let mut light = next.end.wrapping_sub(next.begin) as u32;
         let mut begin = next.begin;
+        // The first one may be of another train.
+        sink(length, light);
+        left = left.wrapping_sub(length);
+        let (period, width) = self.pattern.step(&self.train);
+        let told = left;
+        begin = begin.wrapping_add(length.into());
+        (length, light) = (period as u32, width as u32);
+        let mut steps = Steps::of(self.pattern, &self.train);
         while length <= left {
             sink(length, light);
             left = left.wrapping_sub(length);
-            begin = begin.wrapping_add(length.into());
-            let (period, width) = self.pattern.step(&self.train);
-            (length, light) = (period as u32, width as u32);
+            (length, light) = steps.step();
         }
+        self.pattern = steps.pattern();
+        begin = begin.wrapping_add(told.wrapping_sub(left).into());
         (self.begin, self.until) = (begin, begin);
         (self.period_begin, self.period_end) = (begin, begin.wrapping_add(length.into()));
         if light > 0 {

@@ -55,9 +55,10 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
     /// Before a start: some more places dark, of a length of `first`; true once all are.
     pub fn clear(&mut self, first: u16) -> bool {
         for _ in 0..AT_ONCE {
-            if let Some([length, ..]) = self.places.get(self.lit).map(|place| place.as_slice()) {
+            if let Some([length, repeats, ..]) = self.places.get(self.lit).map(|place| place.as_slice()) {
                 // A length of nothing would stop the timer.
                 length.store(first.wrapping_sub(1), Ordering::Relaxed);
+                repeats.store(0, Ordering::Relaxed);
                 self.darken(self.lit);
                 self.lit = self.lit.wrapping_add(1);
             }
@@ -84,7 +85,7 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
     #[inline(always)]
     pub fn put(&mut self, length: u32, compare: impl IntoIterator<Item = u32>) {
         let behind = Self::behind(self.place);
-        let Some([to_length, repeats, to @ ..]) = self.places.get(self.place).map(|place| place.as_slice()) else {
+        let Some([to_length, _, to @ ..]) = self.places.get(self.place).map(|place| place.as_slice()) else {
             return;
         };
         if behind == self.lit {
@@ -92,7 +93,6 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
             return;
         }
         to_length.store(length.wrapping_sub(1) as u16, Ordering::Relaxed);
-        repeats.store(0, Ordering::Relaxed);
         for (to, value) in to.iter().zip(compare) {
             to.store(value as u16, Ordering::Relaxed);
         }

@@ -50,7 +50,8 @@ impl Outputs {
     fn tick(&mut self, ns: u32, plans: &[Plan; CHANNELS], read: [usize; CHANNELS]) -> bool {
         let (from, to) = (self.next, self.next.wrapping_add(SCALE.counts(ns).into()));
         self.next = to;
-        let mut right = self.switch_ring.renew(0) | true;
+        self.switch_ring.renew(0);
+        let mut right = true;
         let channels = self.energies.iter_mut().zip(&mut self.rings).zip(plans).zip(read);
         for (((energy, ring), plan), read) in channels {
             right &= ring.renew(read);
@@ -107,8 +108,8 @@ fn main() -> ! {
                     hprintln!("{} {} {}", lit, mark, count);
                 }
                 plans = [Plan::EMPTY; CHANNELS];
+                told = [told[1], outputs.rings.each_ref().map(Ring::next_word)];
                 read = told[0];
-                told = [told[1], outputs.rings.each_ref().map(|ring| ring.next_word())];
             }
         }
     }
