@@ -24,10 +24,6 @@ fn lit() -> Option<(Client, Shared)> {
     machine.boot(&std::fs::read(path).unwrap()).unwrap();
     INTERLOCK.iter().for_each(|name| machine.drive(pin(name), Some(false)));
     machine.run(20 * MILLISECOND);
-    if machine.chip.bus.gpio.level(pin("PE9")) != Level::Driven(true) {
-        println!("skipped: this image drives no laser");
-        return None;
-    }
     let machine: Shared = Arc::new(Mutex::new(machine));
     let client = Client::open(Box::new(EmulatedLink::new(machine.clone())), Options::default()).unwrap();
     let (core, channel) = (1.into(), 0.into());
