@@ -57,6 +57,57 @@ fn pin(chip: &Chip, name: &str, active: bool) -> Vec<(Time, bool)> {
     edges
 }
 
+/// A slot of the step output: 0.5 µs (docs/board-h743.md).
+const SLOT: Time = 120 * COUNT;
+
+/// The rising edges of axis 1's step output against the plan: the `k`-th pulse of a tick of S slots comes in the slot that
+/// `servo::steps` gives it, `ceil(((k + 1)·S − floor(S/2)) / n) − 1`, counted here in whole numbers from the positions of the trace.
+/// All instants are those of the plan but for one shift, which the first edge shows. Returns how many were compared.
+pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<usize, String> {
+    let slots = tick_us * 2;
+    let mut planned = Vec::new();
+    let mut stands = 0i64;
+    for (tick, line) in csv.lines().skip(1).enumerate() {
+        let position = line.split(',').nth(1).ok_or("a row has no position")?;
+        let goes_to = whole(position).ok_or_else(|| format!("{position} is no position"))?;
+        let count = goes_to.abs_diff(stands);
+        for k in 0..count {
+            let slot = ((k + 1) * slots - slots / 2).div_ceil(count) - 1;
+            planned.push((tick as u64 * slots + slot, goes_to > stands));
+        }
+        stands = goes_to;
+    }
+    let (step, direction) = (Pin::named("PF8").unwrap(), Pin::named("PF0").unwrap());
+    let mut backwards = false;
+    let mut seen = Vec::new();
+    for change in &chip.bus.gpio.changes {
+        match change.level {
+            Level::Driven(high) if change.pin == direction => backwards = high,
+            Level::Driven(true) if change.pin == step => seen.push((change.at, !backwards)),
+            _ => {}
+        }
+    }
+    if planned.len() != seen.len() {
+        return Err(format!("{} steps are planned, {step} shows {}", planned.len(), seen.len()));
+    }
+    let (Some(first), Some(begin)) = (planned.first(), seen.first()) else { return Ok(0) };
+    for (n, (planned, seen)) in planned.iter().zip(&seen).enumerate() {
+        let wanted = begin.0 + (planned.0 - first.0) * SLOT;
+        if planned.1 != seen.1 || wanted.abs_diff(seen.0) > COUNT {
+            return Err(format!("step {n}: planned {planned:?}, seen {seen:?}, wanted at {wanted}"));
+        }
+    }
+    Ok(planned.len())
+}
+
+/// The pulse nearest to a position of six decimals, halves upwards.
+fn whole(position: &str) -> Option<i64> {
+    let (sign, digits) = position.strip_prefix('-').map_or((1, position), |digits| (-1, digits));
+    let (whole, part) = digits.split_once('.')?;
+    let millionths = sign * (whole.parse::<i64>().ok()? * 1_000_000 + part.parse::<i64>().ok()?);
+    Some((millionths + 500_000).div_euclid(1_000_000))
+}
+
 /// How many edges were compared, or where the first one differs.
 pub fn compare(vcd: &str, chip: &Chip) -> Result<usize, String> {
     let wires = wires(vcd);
