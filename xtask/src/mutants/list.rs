@@ -16,6 +16,7 @@ pub struct Mutant {
 }
 
 const GATE: &[&str] = &["-p", "beamtick-servo", "--test", "laser_gate"];
+const LASER_PATH: &[&str] = &["-p", "beamtick-servo", "--test", "laser_path"];
 const LASER: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser"];
 const LASER_STATE: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser_state"];
 const ENDPOINT: &[&str] = &["-p", "beamtick-protocol", "--test", "endpoint"];
@@ -121,7 +122,13 @@ pub const LIST: &[Mutant] = &[
     mutant("an on command takes the place of its off", EDGES, "self.len < EDGES - 1", "self.len < EDGES", GATE),
     // -- safety, in the tick -------------------------------------------------------------------
     mutant("a dark channel's plan does not rest", SAFETY, "plan.rest = true;", "plan.rest = false;", GATE),
-    mutant("a dark channel's plan keeps its actions", SAFETY, "            plan.clear();\n", "", GATE),
+    mutant(
+        "an alarm puts out nothing that it gates",
+        SAFETY,
+        "let begins = active && !self.alarm;",
+        "let begins = false;",
+        LASER_PATH,
+    ),
     mutant(
         "a clear does not ask whether the cause lasts",
         SAFETY,
