@@ -5,6 +5,8 @@
 //! Owns every `unsafe` register access, the [`priority`] table and the one [`mask`] by which the
 //! thread keeps interrupts out. Fails never after bring-up; a peripheral that does not answer is
 //! the board's page's matter (`docs/board-*.md`). A feature chooses the board.
+#[cfg(feature = "stm32h743")]
+pub mod dac8563;
 pub mod guard;
 pub mod mask;
 #[cfg(feature = "mps2_an500")]

@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 58] = [
+const MARKS: [(&str, &str); 62] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -94,6 +94,10 @@ const MARKS: [(&str, &str); 58] = [
         "SPEC 11: 8 axes enter segments of PVT, 2 coordinate systems enter motions, 2 lasers follow speed and distance",
     ),
     ("crd-worst-inside", "the same, any other tick"),
+    ("steps-10", "reference board, beside its tick of 10 µs: the slots of the step output, axes at 1 MHz"),
+    ("steps-20", "likewise of 20 µs"),
+    ("steps-50", "likewise of 50 µs"),
+    ("steps-250", "likewise of 250 µs"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
     ("lnxy", "host byte to store per line of a path, a call each"),
@@ -106,6 +110,7 @@ fn count() -> Outcome<Table> {
     let mut counted = table(&print("ticks")?)?;
     counted.append(&mut rows(&print("paths")?)?);
     counted.append(&mut rows(&print("crds")?)?);
+    counted.append(&mut rows(&print("steps")?)?);
     counted.append(&mut segments(&print("stream")?)?);
     Ok(counted)
 }

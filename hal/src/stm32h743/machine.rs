@@ -1,8 +1,10 @@
 //! What the tick reads and drives on this board: inputs, servo enables and general outputs.
 //!
 //! In: set-points and outputs of the tick. Out: the levels of the pins, read together once a tick. Owns the tick's share of
-//! [`pins`], [`steps`] and [`laser`]. Analog outputs have no driver yet: their pins stay at rest (docs/board-h743.md), and
-//! the encoder of an axis is the pulse at which its step output stands. Fails never.
+//! [`pins`], [`super::steps`], [`super::encoders`], [`super::analog`] and [`laser`]. An axis without an encoder reads the pulse at
+//! which its step output stands. Fails never.
+use super::analog::Analog;
+use super::encoders::Encoders;
 use super::laser::{self, Lasers};
 use super::pins::{self, AXES, Levels};
 use super::steps::Steps;
@@ -16,6 +18,8 @@ use servo::units::{Axis, Pos};
 pub struct Machine {
     levels: Levels,
     steps: Steps,
+    encoders: Encoders,
+    analog: Analog,
     /// Pulses at which the outputs stand, and those of the set-points that the next tick puts in force.
     stands: [i64; AXES],
     goes_to: [i64; AXES],
@@ -27,10 +31,12 @@ pub struct Machine {
 
 impl Machine {
     /// At rest at zero.
-    pub const fn new(lasers: Lasers) -> Machine {
+    pub fn new(lasers: Lasers, analog: Analog) -> Machine {
         Machine {
             levels: Levels::LOW,
             steps: Steps::AT_REST,
+            encoders: Encoders::AT_ZERO,
+            analog,
             lasers,
             stands: [0; AXES],
             goes_to: [0; AXES],
@@ -43,6 +49,8 @@ impl Machine {
     pub fn advance(&mut self, period_ns: u32) {
         self.steps.begin(period_ns);
         self.lasers.begin(period_ns);
+        self.analog.advance();
+        self.encoders.read();
         if self.driven != self.drives {
             self.driven = self.drives;
             pins::set(self.drives.0, self.drives.1);
@@ -73,7 +81,8 @@ impl Port for Machine {
     }
 
     fn encoder(&mut self, axis: Axis) -> i64 {
-        self.stands.get(axis.index()).copied().unwrap_or(0)
+        let axis = axis.index();
+        self.encoders.count(axis).or_else(|| self.stands.get(axis).copied()).unwrap_or(0)
     }
 
     fn general_inputs(&mut self) -> u32 {
@@ -97,7 +106,9 @@ impl Port for Machine {
         }
     }
 
-    fn analog_out(&mut self, _: u32, _: usize, _: i16) {}
+    fn analog_out(&mut self, at: u32, channel: usize, value: i16) {
+        self.analog.plan(at, channel, value);
+    }
 
     fn interlock(&mut self) -> bool {
         // A break that is over again has rested the outputs too.
@@ -105,6 +116,7 @@ impl Port for Machine {
     }
 
     fn laser(&mut self, channel: usize, plan: &Plan) {
+        self.analog.follow(channel, plan);
         self.lasers.plan(channel, plan);
     }
 }

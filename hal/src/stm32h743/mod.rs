@@ -7,13 +7,16 @@ use cortex_m::peripheral::scb::SystemHandler;
 use cortex_m::peripheral::{NVIC, SCB};
 use stm32_metapac::Interrupt;
 
+pub mod analog;
 pub mod clocks;
+pub mod encoders;
 pub mod idle;
 pub mod laser;
 pub mod machine;
 pub mod pins;
 mod rounds;
 pub mod settings;
+pub mod spi;
 mod start;
 pub mod steps;
 pub mod timer;
@@ -44,7 +47,7 @@ pub const LASER_CLOCK: servo::laser::Clock = match servo::laser::Clock::from_mhz
 };
 
 /// Analog outputs of the board.
-pub const ANALOG_OUTPUTS: u8 = 0;
+pub const ANALOG_OUTPUTS: u8 = analog::OUTPUTS as u8;
 
 /// General outputs of the board.
 pub const GENERAL_OUTPUTS: u8 = pins::GENERAL_OUTPUTS as u8;
@@ -85,11 +88,12 @@ pub fn take() -> Option<Board> {
         let lasers = laser::open();
         // Their outputs are at rest before a pin shows them.
         pins::open_lasers();
+        encoders::open();
         Some(Board {
             timer: timer::TickTimer::take(),
             link: uart::open(),
             trace: None,
-            machine: machine::Machine::new(lasers),
+            machine: machine::Machine::new(lasers, analog::Analog::open()),
         })
     }
 }
@@ -150,6 +154,7 @@ pub fn rest() {
     cortex_m::asm::dsb();
     cortex_m::asm::isb();
     laser::rest();
+    analog::rest();
     pins::rest();
     steps::stop();
     timer::stop();

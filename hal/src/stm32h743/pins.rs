@@ -2,6 +2,7 @@
 //!
 //! In: levels of outputs. Out: levels of inputs. Owns the GPIO ports. Until [`open`] every pin is analog, as the reset has
 //! left it; afterwards every pin that is not named here still is. [`rest`] makes the outputs analog again.
+use super::settings::EXTERNAL_DAC;
 use stm32_metapac::gpio::Gpio;
 use stm32_metapac::gpio::vals::{Moder, Ospeedr, Pupdr};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG, RCC};
@@ -51,6 +52,15 @@ const LINK: [Pin; 2] = [(GPIOD, 8), (GPIOD, 9)];
 /// USART3 on these.
 const LINK_FUNCTION: u8 = 7;
 
+/// TIM3 and TIM4 on these.
+const ENCODERS: [Pin; 4] = [(GPIOB, 4), (GPIOB, 5), (GPIOD, 12), (GPIOD, 13)];
+const ENCODER_FUNCTION: u8 = 2;
+
+/// SPI3 on these, for an external DAC, and its select line.
+const DAC: [Pin; 2] = [(GPIOC, 10), (GPIOC, 12)];
+const DAC_FUNCTION: u8 = 6;
+const DAC_SELECT: Pin = (GPIOC, 11);
+
 /// Ports that have outputs of [`set`].
 const OUT: [Gpio; 3] = [GPIOB, GPIOE, GPIOG];
 
@@ -89,11 +99,28 @@ pub unsafe fn open() {
         port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
     }
     for (port, pin) in LINK {
-        port.afr(pin / 8).modify(|w| w.set_afr(pin % 8, LINK_FUNCTION));
-        port.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::HIGH_SPEED));
         port.pupdr().modify(|w| w.set_pupdr(pin, Pupdr::PULL_UP));
-        port.moder().modify(|w| w.set_moder(pin, Moder::ALTERNATE));
+        give((port, pin), LINK_FUNCTION, Ospeedr::HIGH_SPEED);
     }
+    for (port, pin) in ENCODERS {
+        // A line that is not there does not count.
+        port.pupdr().modify(|w| w.set_pupdr(pin, Pupdr::PULL_UP));
+        give((port, pin), ENCODER_FUNCTION, Ospeedr::LOW_SPEED);
+    }
+    if EXTERNAL_DAC {
+        let (port, pin) = DAC_SELECT;
+        // Not selected, then driven.
+        port.bsrr().write(|w| w.set_bs(pin, true));
+        port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
+        DAC.into_iter().for_each(|pin| give(pin, DAC_FUNCTION, Ospeedr::HIGH_SPEED));
+    }
+}
+
+/// Gives a pin to a peripheral.
+fn give((port, pin): Pin, function: u8, speed: Ospeedr) {
+    port.afr(pin / 8).modify(|w| w.set_afr(pin % 8, function));
+    port.ospeedr().modify(|w| w.set_ospeedr(pin, speed));
+    port.moder().modify(|w| w.set_moder(pin, Moder::ALTERNATE));
 }
 
 /// The break inputs and the laser outputs are their timers'; levels of the inputs are read as before.

@@ -1,0 +1,30 @@
+//! DAC8563: two channels of 16 bits behind SPI, at mid-scale from power-on (data sheet SLAS719, "Serial interface").
+//!
+//! In: codes, −32768…32767. Out: frames of 24 bits: command, channel, straight binary. Owns the bus and the select line.
+//! Fails as the bus does.
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::SpiBus;
+
+/// Write a channel and put it out.
+const WRITE: u8 = 0b011 << 3;
+
+/// The part, on a bus in SPI mode 1, 50 MHz at most.
+#[derive(Debug)]
+pub struct Dac8563<BUS, SELECT> {
+    /// Its bus.
+    pub bus: BUS,
+    /// Low while it is spoken to.
+    pub select: SELECT,
+}
+
+impl<BUS: SpiBus, SELECT: OutputPin> Dac8563<BUS, SELECT> {
+    /// Puts out a code on channel 0 or 1; 0 is mid-scale.
+    pub fn write(&mut self, channel: u8, code: i16) -> Result<(), BUS::Error> {
+        let [high, low] = (code as u16 ^ 0x8000).to_be_bytes();
+        // A line of a port cannot fail.
+        let _ = self.select.set_low();
+        let done = self.bus.write(&[WRITE | channel & 1, high, low]).and_then(|()| self.bus.flush());
+        let _ = self.select.set_high();
+        done
+    }
+}

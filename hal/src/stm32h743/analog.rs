@@ -1,0 +1,131 @@
+//! Analog outputs, one a laser channel: the chip's DAC1 (RM0433 26), or a DAC8563 on SPI3, as [`settings`](super::settings) say.
+//!
+//! In: codes, −32768…32767 for −10…10 V behind the output stage (docs/board-h743.md), and their instants. Out: voltages, which change
+//! at the beginning of a tick: what is planned for a later instant of a tick comes with the next one; rest comes at once. Owns DAC1 or SPI3. Before
+//! [`Analog::open`] and behind [`rest`] nothing is driven.
+use super::settings::EXTERNAL_DAC;
+use super::spi;
+use crate::dac8563::Dac8563;
+use servo::laser::{Action, Plan};
+use stm32_metapac::{DAC1, RCC};
+
+/// Outputs.
+pub const OUTPUTS: usize = 2;
+
+/// An output.
+#[derive(Debug, Clone, Copy, Default)]
+struct Output {
+    /// What stands.
+    code: i16,
+    /// What comes with the next tick, and with the one behind.
+    next: Option<i16>,
+    later: Option<i16>,
+    /// What a laser said last.
+    of_laser: i16,
+}
+
+/// The outputs.
+#[derive(Debug)]
+pub struct Analog {
+    outputs: [Output; OUTPUTS],
+    external: Option<Dac8563<spi::Bus, spi::Select>>,
+}
+
+impl Analog {
+    /// Takes the converter that there is; it stands at 0 V.
+    ///
+    /// # Safety
+    /// At most once, with the pins of both as the reset or [`super::pins`] has left them.
+    pub unsafe fn open() -> Analog {
+        // SAFETY: the caller's promise.
+        let external = EXTERNAL_DAC.then(|| unsafe { spi::open() }).map(|(bus, select)| Dac8563 { bus, select });
+        if external.is_none() {
+            RCC.apb1lenr().modify(|w| w.set_dac12en(true));
+            // Read back, so that the clock is there (RM0433 8.5.8).
+            RCC.apb1lenr().read();
+        }
+        let mut analog = Analog { outputs: [Output::default(); OUTPUTS], external };
+        for channel in 0..OUTPUTS {
+            // The value before the output. Buffered to the pin, as `DAC_MCR` is after reset.
+            analog.put(channel, 0);
+            if analog.external.is_none() {
+                DAC1.cr().modify(|w| w.set_en(channel, true));
+            }
+        }
+        analog
+    }
+
+    /// Now.
+    fn put(&mut self, channel: usize, code: i16) {
+        match &mut self.external {
+            Some(dac) => {
+                if dac.write(channel as u8, code).is_err()
+                    && let Some(output) = self.outputs.get_mut(channel)
+                {
+                    // Again in the next tick.
+                    output.code = !code;
+                    output.next.get_or_insert(code);
+                }
+            }
+            None => DAC1.dhr12r(channel).write(|w| w.set_dhr((code as u16 ^ 0x8000) >> 4)),
+        }
+    }
+
+    /// A tick begins: what was planned for it is put out.
+    pub fn advance(&mut self) {
+        for channel in 0..OUTPUTS {
+            let Some(output) = self.outputs.get_mut(channel) else { continue };
+            let next = output.next.take();
+            output.next = output.later.take();
+            if let Some(code) = next.filter(|code| *code != output.code) {
+                output.code = code;
+                self.put(channel, code);
+            }
+        }
+    }
+
+    /// A code from `at` ns behind the next tick on.
+    pub fn plan(&mut self, at: u32, channel: usize, code: i16) {
+        if let Some(output) = self.outputs.get_mut(channel) {
+            *(if at == 0 { &mut output.next } else { &mut output.later }) = Some(code);
+        }
+    }
+
+    /// What a laser channel does in the next tick.
+    pub fn follow(&mut self, channel: usize, plan: &Plan) {
+        if plan.rest {
+            self.rest(channel);
+        }
+        for (at, action) in plan.actions() {
+            if let Action::Volts(code) = action {
+                self.plan(*at, channel, *code);
+                if let Some(output) = self.outputs.get_mut(channel) {
+                    output.of_laser = *code;
+                }
+            }
+        }
+    }
+
+    /// 0 V now, if a laser drives the output; nothing that was planned comes.
+    fn rest(&mut self, channel: usize) {
+        let Some(output) = self.outputs.get_mut(channel).filter(|output| output.of_laser != 0) else { return };
+        *output = Output::default();
+        self.put(channel, 0);
+    }
+}
+
+/// On the way into a reset: the chip's DAC is let go, an external one is told 0 V.
+pub fn rest() {
+    if EXTERNAL_DAC {
+        if RCC.apb1lenr().read().spi3en() {
+            let (bus, select) = spi::again();
+            let mut dac = Dac8563 { bus, select };
+            for channel in 0..OUTPUTS as u8 {
+                // There is nobody left to tell.
+                let _ = dac.write(channel, 0);
+            }
+        }
+    } else if RCC.apb1lenr().read().dac12en() {
+        DAC1.cr().write(|_| {});
+    }
+}

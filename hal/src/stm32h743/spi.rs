@@ -1,0 +1,127 @@
+//! SPI3 to an external DAC (RM0433 50): bytes out, 32 MHz from the HSI, mode 1.
+//!
+//! In: bytes. Out: the same on PC10 (SCK) and PC12 (MOSI), with PC11 for the select line. Owns SPI3. It waits for the end of what it sends, some 0.3 µs
+//! a byte. Fails: [`Silent`], if the peripheral does not move.
+use core::convert::Infallible;
+use embedded_hal::digital::{self, OutputPin};
+use embedded_hal::spi::{Error, ErrorKind, ErrorType, SpiBus};
+use stm32_metapac::rcc::vals::Saisel;
+use stm32_metapac::spi::vals::{Cpha, Master};
+use stm32_metapac::{GPIOC, RCC, SPI3};
+
+/// Looks at a flag before the peripheral is given up: a few microseconds.
+const PATIENCE: u32 = 100;
+
+/// The peripheral does not move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Silent;
+
+impl Error for Silent {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+/// SPI3.
+#[derive(Debug)]
+pub struct Bus(());
+
+/// PC11.
+#[derive(Debug)]
+pub struct Select(());
+
+/// Number of the select line in port C.
+const SELECT: usize = 11;
+
+/// Switches SPI3 on; its pins are given by [`super::pins`].
+///
+/// # Safety
+/// At most once.
+pub unsafe fn open() -> (Bus, Select) {
+    // per_ck is the HSI, 64 MHz, as after reset (RM0433 8.7.19).
+    RCC.d2ccip1r().modify(|w| w.set_spi123sel(Saisel::PER));
+    RCC.apb1lenr().modify(|w| w.set_spi3en(true));
+    // Read back, so that the clock is there (RM0433 8.5.8).
+    RCC.apb1lenr().read();
+    // Divided by 2; items of 8 bits.
+    SPI3.cfg1().write(|w| w.set_dsize(7));
+    // SSI before MASTER: the internal select line would end the master's part else (RM0433 50.4.6).
+    SPI3.cr1().write(|w| w.set_ssi(true));
+    SPI3.cfg2().write(|w| {
+        w.set_ssm(true);
+        w.set_cpha(Cpha::SECOND_EDGE);
+        // The pins stay the peripheral's between two transfers.
+        w.set_afcntr(true);
+        w.set_master(Master::MASTER);
+    });
+    SPI3.cr1().modify(|w| w.set_spe(true));
+    SPI3.cr1().modify(|w| w.set_cstart(true));
+    (Bus(()), Select(()))
+}
+
+/// On the way into a reset, where their owner does not go on.
+pub(super) fn again() -> (Bus, Select) {
+    (Bus(()), Select(()))
+}
+
+impl Bus {
+    /// A byte each way.
+    fn exchange(&mut self, byte: u8) -> Result<u8, Silent> {
+        SPI3.txdr8().write_value(byte);
+        for _ in 0..PATIENCE {
+            if SPI3.sr().read().rxp() {
+                return Ok(SPI3.rxdr8().read());
+            }
+        }
+        Err(Silent)
+    }
+}
+
+impl ErrorType for Bus {
+    type Error = Silent;
+}
+
+impl SpiBus for Bus {
+    fn read(&mut self, words: &mut [u8]) -> Result<(), Silent> {
+        words.iter_mut().try_for_each(|word| self.exchange(0).map(|byte| *word = byte))
+    }
+
+    fn write(&mut self, words: &[u8]) -> Result<(), Silent> {
+        words.iter().try_for_each(|word| self.exchange(*word).map(|_| ()))
+    }
+
+    fn transfer(&mut self, read: &mut [u8], write: &[u8]) -> Result<(), Silent> {
+        for index in 0..read.len().max(write.len()) {
+            let byte = self.exchange(write.get(index).copied().unwrap_or(0))?;
+            if let Some(place) = read.get_mut(index) {
+                *place = byte;
+            }
+        }
+        Ok(())
+    }
+
+    fn transfer_in_place(&mut self, words: &mut [u8]) -> Result<(), Silent> {
+        words.iter_mut().try_for_each(|word| self.exchange(*word).map(|byte| *word = byte))
+    }
+
+    fn flush(&mut self) -> Result<(), Silent> {
+        // Each byte has been waited for.
+        Ok(())
+    }
+}
+
+impl digital::ErrorType for Select {
+    type Error = Infallible;
+}
+
+impl OutputPin for Select {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        GPIOC.bsrr().write(|w| w.set_br(SELECT, true));
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        GPIOC.bsrr().write(|w| w.set_bs(SELECT, true));
+        Ok(())
+    }
+}
