@@ -285,16 +285,10 @@ impl Bresenham {
         if self.of != count.of {
             *self = Bresenham { gathered: 0, of: count.of };
         }
-        count.whole.wrapping_add(self.carry(count.part).into())
-    }
-
-    /// The odd count of one more period, if it has one.
-    #[inline(always)]
-    fn carry(&mut self, part: u32) -> u32 {
-        let (sum, carry) = self.gathered.overflowing_add(part);
-        let over = carry || (self.of != 0 && sum >= self.of);
-        self.gathered = if over { sum.wrapping_sub(self.of) } else { sum };
-        over as u32
+        let (sum, carry) = self.gathered.overflowing_add(count.part);
+        let over = carry || (count.of != 0 && sum >= count.of);
+        self.gathered = if over { sum.wrapping_sub(count.of) } else { sum };
+        count.whole.wrapping_add(over as u64)
     }
 }
 
@@ -334,13 +328,49 @@ impl Pattern {
     }
 }
 
+/// One of a train's two counts in [`Steps`].
+#[derive(Debug, Clone, Copy)]
+struct Half {
+    whole: u32,
+    part: u32,
+    gathered: u32,
+    /// With so much gathered, or more, there is an odd count. Nothing is gathered that comes up to it where there is no part.
+    over: u32,
+}
+
+impl Half {
+    #[inline(always)]
+    fn of(count: &Count, gathered: u32) -> Half {
+        let Count { whole, part, of } = *count;
+        let (gathered, over) = if part == 0 { (0, u32::MAX) } else { (gathered, of.wrapping_sub(part)) };
+        Half { whole: whole as u32, part, gathered, over }
+    }
+
+    #[inline(always)]
+    fn step(&mut self) -> u32 {
+        if self.gathered >= self.over {
+            self.gathered = self.gathered.wrapping_sub(self.over);
+            self.whole.wrapping_add(1)
+        } else {
+            self.gathered = self.gathered.wrapping_add(self.part);
+            self.whole
+        }
+    }
+
+    /// What is gathered, where it was `before`.
+    #[inline(always)]
+    fn gathered(&self, before: u32) -> u32 {
+        if self.part == 0 { before } else { self.gathered }
+    }
+}
+
 /// The counts of the periods of a train, one after the other, as [`Pattern::step`] gives them, where they are far below 2³²
 /// and the train stays what it is.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Steps {
-    pattern: Pattern,
-    period: (u32, u32),
-    width: (u32, u32),
+    before: Pattern,
+    period: Half,
+    width: Half,
     owed: u32,
     is_full: bool,
 }
@@ -348,23 +378,21 @@ pub(super) struct Steps {
 impl Steps {
     /// Behind at least one [`Pattern::step`] with this train.
     #[inline(always)]
-    pub(super) fn of(pattern: Pattern, train: &Train) -> Steps {
-        let Train { period, width } = train;
-        let (owed, is_full) = (pattern.owed as u32, train.is_full());
+    pub(super) fn of(before: Pattern, train: &Train) -> Steps {
         Steps {
-            pattern,
-            period: (period.whole as u32, period.part),
-            width: (width.whole as u32, width.part),
-            owed,
-            is_full,
+            before,
+            period: Half::of(&train.period, before.period.gathered),
+            width: Half::of(&train.width, before.width.gathered),
+            owed: before.owed as u32,
+            is_full: train.is_full(),
         }
     }
 
     /// One more period, and the width of its pulse.
     #[inline(always)]
     pub(super) fn step(&mut self) -> (u32, u32) {
-        let period = self.period.0.wrapping_add(self.pattern.period.carry(self.period.1));
-        let wanted = self.width.0.wrapping_add(self.pattern.width.carry(self.width.1)).wrapping_add(self.owed);
+        let period = self.period.step();
+        let wanted = self.width.step().wrapping_add(self.owed);
         let width = if self.is_full { period } else { wanted.min(period) };
         self.owed = if self.is_full { 0 } else { wanted.wrapping_sub(width) };
         (period, width)
@@ -373,6 +401,10 @@ impl Steps {
     /// What the pattern has become.
     #[inline(always)]
     pub(super) fn pattern(self) -> Pattern {
-        Pattern { owed: self.owed.into(), ..self.pattern }
+        let mut pattern = self.before;
+        pattern.period.gathered = self.period.gathered(pattern.period.gathered);
+        pattern.width.gathered = self.width.gathered(pattern.width.gathered);
+        pattern.owed = self.owed.into();
+        pattern
     }
 }

@@ -44,22 +44,22 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
     }
 
     #[inline(always)]
-    fn darken(&self, place: usize) {
-        if let Some(words) = self.places.get(place) {
-            for (word, dark) in words.iter().zip(self.dark).skip(2) {
-                word.store(dark, Ordering::Relaxed);
-            }
+    fn darken(&self, place: &[AtomicU16; WORDS]) {
+        for (word, dark) in place.iter().zip(self.dark).skip(2) {
+            word.store(dark, Ordering::Relaxed);
         }
     }
 
     /// Before a start: some more places dark, of a length of `first`; true once all are.
     pub fn clear(&mut self, first: u16) -> bool {
         for _ in 0..AT_ONCE {
-            if let Some([length, repeats, ..]) = self.places.get(self.lit).map(|place| place.as_slice()) {
+            if let Some(place) = self.places.get(self.lit)
+                && let [length, repeats, ..] = place.as_slice()
+            {
                 // A length of nothing would stop the timer.
                 length.store(first.wrapping_sub(1), Ordering::Relaxed);
                 repeats.store(0, Ordering::Relaxed);
-                self.darken(self.lit);
+                self.darken(place);
                 self.lit = self.lit.wrapping_add(1);
             }
         }
@@ -116,10 +116,13 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
     #[inline]
     pub fn renew(&mut self, read: usize) -> bool {
         let over = core::mem::replace(&mut self.told, self.place);
-        while self.lit != over {
-            self.darken(self.lit);
-            self.lit = Self::behind(self.lit);
+        let (first, second) = if self.lit <= over { (self.lit..over, 0..0) } else { (self.lit..PLACES, 0..over) };
+        for places in [first, second] {
+            for place in self.places.get(places).unwrap_or_default() {
+                self.darken(place);
+            }
         }
+        self.lit = over;
         let begin = over.wrapping_mul(WORDS);
         let from = |at: usize| if at < begin { at.wrapping_add(Self::WORDS) } else { at }.wrapping_sub(begin);
         !self.is_full && from(read) <= from(self.place.wrapping_mul(WORDS))
