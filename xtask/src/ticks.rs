@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 62] = [
+const MARKS: [(&str, &str); 65] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -98,6 +98,12 @@ const MARKS: [(&str, &str); 62] = [
     ("steps-20", "likewise of 20 µs"),
     ("steps-50", "likewise of 50 µs"),
     ("steps-250", "likewise of 250 µs"),
+    (
+        "rounds-10",
+        "reference board, beside its tick of 10 µs: rounds of the laser timers, channels that pulse at 2 MHz",
+    ),
+    ("rounds-20", "rounds, likewise of 20 µs"),
+    ("rounds-50", "rounds, likewise of 50 µs"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
     ("lnxy", "host byte to store per line of a path, a call each"),
@@ -111,6 +117,7 @@ fn count() -> Outcome<Table> {
     counted.append(&mut rows(&print("paths")?)?);
     counted.append(&mut rows(&print("crds")?)?);
     counted.append(&mut rows(&print("steps")?)?);
+    counted.append(&mut rows(&print("rounds")?)?);
     counted.append(&mut segments(&print("stream")?)?);
     Ok(counted)
 }

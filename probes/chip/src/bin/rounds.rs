@@ -76,10 +76,8 @@ fn main() -> ! {
     core.SYST.enable_counter();
     let run = black_box(Outputs::tick);
     // A third of 120 counts, nearly.
-    let train = Train {
-        period: Count { whole: 120, part: 0, of: 0 },
-        width: Count { whole: 39, part: 0xfffe_0000, of: 0 },
-    };
+    let train =
+        Train { period: Count { whole: 120, part: 0, of: 0 }, width: Count { whole: 39, part: 0xfffe_0000, of: 0 } };
     for (us, mark) in [(10u32, "rounds-10"), (20, "rounds-20"), (50, "rounds-50"), (250, "rounds-250")] {
         for lit in 0..=CHANNELS {
             let mut outputs = Outputs {
@@ -89,7 +87,9 @@ fn main() -> ! {
                 switch_ring: Ring::new(&SWITCHES, [0, 0, u16::MAX, 0, 0, u16::MAX]),
                 next: 0,
             };
-            while !outputs.rings.iter_mut().fold(outputs.switch_ring.clear(FIRST), |all, ring| ring.clear(FIRST) && all) {}
+            while !outputs.rings.iter_mut().fold(outputs.switch_ring.clear(FIRST), |all, ring| ring.clear(FIRST) && all)
+            {
+            }
             outputs.rings.iter_mut().for_each(|ring| ring.begin(FIRST));
             outputs.switch_ring.begin(FIRST);
             let mut plans = [Plan::EMPTY; CHANNELS];
