@@ -27,11 +27,11 @@ const PT: &[&str] = &["-p", "beamtick-servo", "--test", "pt_exact"];
 const TICK_PT: &[&str] = &["-p", "beamtick-servo", "--test", "tick_pt"];
 const PVT: &[&str] = &["-p", "beamtick-servo", "--test", "pvt_run"];
 const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "tick_guards"];
+const CRD_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "crd_ahead"];
 const LOOK_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "lookahead"];
 const PROGRAM_ENDS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "program_ends"];
 const LIFE_WRAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counters_go_round"];
 const LIFE_OLD: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "what_was_executed_long_ago"];
-const FUZZ_LINK: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "link"];
 const FUZZ_MACHINE: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "machine"];
 const FUZZ_TABLES: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "tables"];
 const FAULTS: &[&str] =
@@ -287,7 +287,7 @@ pub const LIST: &[Mutant] = &[
         "dispatcher/src/path_queue.rs",
         "self.end = self.end.wrapping_add(1);",
         "store.write(self.end.wrapping_add(1), entry);\n        self.end = self.end.wrapping_add(2);",
-        FUZZ_MACHINE,
+        CRD_AHEAD,
     ),
     mutant(
         "a refusal has no reason",
@@ -295,13 +295,6 @@ pub const LIST: &[Mutant] = &[
         "self.push_raw(opcode, tag, code as i16, &[refusal.as_bytes()])",
         "self.push_raw(opcode, tag, code as i16, &[])",
         FUZZ_TABLES,
-    ),
-    mutant(
-        "a message that comes twice is taken twice: random frames",
-        RECEIVE,
-        "let Some(distance) = ahead(sequence, self.take) else { return Accepted::Duplicate };",
-        "let distance = ahead(sequence, self.take).unwrap_or(0);",
-        FUZZ_LINK,
     ),
     // -- watchdog and faults, in the image -----------------------------------------------------
     mutant(
