@@ -67,10 +67,17 @@ fn run(elf: &[u8], tick_us: i32, tops: [i64; 8]) {
         assert_eq!(found.iter().map(|(_, sign)| sign).sum::<i64>(), end, "axis {axis}");
         let gaps: Vec<u64> = found.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
         assert!(gaps.iter().all(|gap| *gap >= 1000 - 100), "axis {axis}: {:?} ns", gaps.iter().min());
-        // While it goes evenly, forwards, each gap is the ideal one to a slot.
-        let ideal = 1_000_000 / top.unsigned_abs();
-        for gap in gaps.iter().take(2 * top.unsigned_abs() as usize - 1) {
-            assert!(gap.abs_diff(ideal) <= 600, "axis {axis} at {top}/ms: {gap} ns instead of {ideal}");
+        // While it goes evenly, a tick holds one of two whole numbers of steps, spread over it to a slot. What the set-up of the
+        // direction has taken of the first tick at full speed, two steps, comes behind.
+        let (tick, speed) = (tick_us.unsigned_abs() as u64 * 1000, top.unsigned_abs());
+        let (ideal, few) = (1_000_000 / speed, tick * speed / 1_000_000);
+        let (least, most) = match few {
+            0 => (ideal.saturating_sub(tick), ideal + tick),
+            few => (tick / (tick * speed).div_ceil(1_000_000), tick / few),
+        };
+        let behind = if top == -1000 { 2 } else { 0 };
+        for gap in gaps.iter().take(2 * speed as usize - 1 - behind) {
+            assert!(*gap + 600 >= least && *gap <= most + 600, "axis {axis} at {top}/ms: {gap} ns instead of {ideal}");
         }
         println!("axis {axis}: {} steps, the closest {:?} ns apart", found.len(), gaps.iter().min());
     }
