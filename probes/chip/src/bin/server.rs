@@ -59,10 +59,10 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let (mut bytes, mut out) = ([0; 64], [0; 512]);
+    let (bytes, mut out) = ([0; 64], [0; 512]);
     if let Some(server) = start() {
         loop {
-            serve(black_box(server), black_box(Ns(0)), black_box(&mut bytes), black_box(&mut out));
+            serve(black_box(server), black_box(Ns(0)), black_box(&bytes), black_box(&mut out));
         }
     }
     loop {
