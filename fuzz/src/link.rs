@@ -131,6 +131,7 @@ fn ends(from: &mut Source) {
     let mut now = 0u64;
     let mut ends = [End::new(Role::Client), End::new(Role::Controller)];
     let mut wire = vec![0; 4 * MAX_WIRE];
+    let mut before = [const { Vec::new() }; 2];
     while !from.is_empty() {
         let which = from.below(2);
         match from.below(8) {
@@ -171,13 +172,20 @@ fn ends(from: &mut Source) {
                     ends[which].feed(now, &sealed);
                 }
             }
-            // What an end sends reaches the other one, or not.
+            // What an end sends reaches the other one, or is lost, or comes twice, or with what was sent before behind it.
             _ => {
                 let count = ends[which].end.take_tx(now, &mut wire);
                 let sent = wire[..count].to_vec();
-                if !from.one_in(8) {
+                let fate = from.byte() % 8;
+                if fate != 7 {
                     ends[1 - which].feed(now, &sent);
                 }
+                match fate {
+                    6 => ends[1 - which].feed(now, &sent),
+                    5 => ends[1 - which].feed(now, &before[which]),
+                    _ => {}
+                }
+                before[which] = sent;
             }
         }
         for end in &mut ends {

@@ -32,6 +32,7 @@ const LOOK_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "lookahead"
 const PROGRAM_ENDS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "program_ends"];
 const LIFE_WRAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counters_go_round"];
 const LIFE_OLD: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "what_was_executed_long_ago"];
+const FUZZ_LINK: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "link"];
 const FUZZ_MACHINE: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "machine"];
 const FUZZ_TABLES: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "tables"];
 const FAULTS: &[&str] =
@@ -273,6 +274,13 @@ pub const LIST: &[Mutant] = &[
         LINK,
     ),
     // -- invariants of fuzzing -----------------------------------------------------------------
+    mutant(
+        "a message that comes again later is another one",
+        RECEIVE,
+        "let Some(distance) = ahead(sequence, self.take) else { return Accepted::Duplicate };",
+        "let distance = ahead(sequence, self.take).unwrap_or(0);",
+        FUZZ_LINK,
+    ),
     mutant("a channel with a fault does not rest", SAFETY, "plan.rest = true;", "plan.rest = false;", FUZZ_MACHINE),
     mutant("a lost link leaves the light on", SERVER, "*lost = desk.tell_link(true);", "*lost = true;", FUZZ_MACHINE),
     mutant(
