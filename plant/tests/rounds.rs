@@ -82,7 +82,7 @@ impl Random {
         instants.sort();
         for at in instants {
             let action = self.action();
-            plan.push(at as u32, action);
+            plan.add(at as u32, action);
         }
         plan
     }
@@ -195,7 +195,7 @@ fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64)
         from = to;
     }
     let mut end = Plan::EMPTY;
-    end.push(0, Action::Dark { standby: Train::NONE, cut: true });
+    end.add(0, Action::Dark { standby: Train::NONE, cut: true });
     stage.push(from, Action::Dark { standby: Train::NONE, cut: true });
     rounds.take(from, from + 60_000, &end, &mut |length, light| {
         note(&mut got, told.end, told.end + u64::from(light));
@@ -264,13 +264,13 @@ fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2
         let mut plans = [random.plan(lasts), random.plan(lasts)];
         if tick == ticks {
             plans = [Plan::EMPTY, Plan::EMPTY];
-            plans.iter_mut().for_each(|plan| plan.push(0, Action::Switch(false)));
+            plans.iter_mut().for_each(|plan| plan.add(0, Action::Switch(false)));
         } else if random.below(4) == 0 {
             // Together, or nearly so.
             let shift = random.below(3) as u32 * 10;
             let mut other = Plan::EMPTY;
             for (at, action) in plans[0].actions() {
-                other.push((at + shift).min(lasts - 1), *action);
+                other.add((at + shift).min(lasts - 1), *action);
             }
             plans[1] = other;
         }
@@ -334,7 +334,7 @@ fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
     let begin = from;
     let (mut light, mut lit, mut begun) = (0, false, 0);
     let mut plan = Plan::EMPTY;
-    plan.push(0, Action::Light(train));
+    plan.add(0, Action::Light(train));
     while told < begin + whole {
         let to = from + counts(lasts);
         rounds.take(from, to, &plan, &mut |length, on| {

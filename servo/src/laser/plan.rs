@@ -145,9 +145,15 @@ impl Plan {
         self.len = 1;
     }
 
+    /// One more action, not before those there are, by somebody else than the tick: for tests of machines.
+    #[cfg(feature = "plans-by-hand")]
+    pub fn add(&mut self, at: u32, action: Action) {
+        self.push(at, action);
+    }
+
     /// One more action, not before those there are. One without a place is dropped: see [`Plan::has_room`].
     #[inline(always)]
-    pub fn push(&mut self, at: u32, action: Action) {
+    pub(super) fn push(&mut self, at: u32, action: Action) {
         if let Some(place) = self.actions.get_mut(self.len) {
             *place = (at, action);
             self.len = self.len.wrapping_add(1);

@@ -97,7 +97,7 @@ fn main() -> ! {
             let (mut told, mut read) = ([[0usize; CHANNELS]; 2], [0; CHANNELS]);
             for tick in 0..TICKS {
                 if tick == 4 {
-                    plans.iter_mut().take(lit).for_each(|plan| plan.push(0, Action::Light(train)));
+                    plans.iter_mut().take(lit).for_each(|plan| plan.add(0, Action::Light(train)));
                 }
                 let before = SYST::get_current();
                 let right = run(&mut outputs, us * 1000, &plans, read);
