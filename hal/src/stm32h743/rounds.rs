@@ -21,6 +21,7 @@ const FIRST: u16 = 168;
 pub const BEGIN: u64 = 2 * FIRST as u64;
 /// ARR among the registers (RM0433 38.4.19): where the burst begins.
 const BURST_BEGIN: u8 = 11;
+
 /// A ring in memory that DMA reads.
 pub const fn places<const PLACES: usize, const WORDS: usize>() -> Places<PLACES, WORDS> {
     [const { [const { AtomicU16::new(0) }; WORDS] }; PLACES]
@@ -69,7 +70,7 @@ pub struct Timer<const PLACES: usize, const WORDS: usize> {
 }
 
 impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
-    /// Stands still. `dark` are the half-words of a round that make it dark.
+    /// Stands still. `dark` are the half-words of a dark round of no length.
     ///
     /// # Safety
     /// One a ring and a stream.
@@ -90,7 +91,7 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
 
     /// While nothing runs: some more places dark; true once all are, and the stream stands.
     pub fn clear(&mut self) -> bool {
-        self.ring.clear(FIRST) && !self.stream().cr().read().en()
+        self.ring.clear() && !self.stream().cr().read().en()
     }
 
     /// Two dark rounds, then the ring from its first place on, once that is told and [`Timer::launch`]ed.

@@ -250,6 +250,34 @@ fn one_pulse_mode_stops_at_the_update() {
 }
 
 #[test]
+fn a_reload_value_of_0_blocks_the_counter_dark_until_an_update_by_software() {
+    let mut bench = Bench::new(1);
+    bench.set(ARR, 99);
+    bench.set(CCR1, 30);
+    bench.set(CCMR1, 6 << 4 | 1 << 3);
+    bench.set(EGR, 1);
+    bench.set(CCER, 1);
+    bench.set(BDTR, 1 << 15);
+    bench.set(DIER, 1 << 8);
+    bench.set(CR1, 1 << 7 | 1);
+    let start = bench.now;
+    bench.pass(50);
+    bench.set(ARR, 0);
+    bench.set(CCR1, 0);
+    bench.pass(100_000);
+    let round = [(0, Some(true)), (30, Some(false))];
+    assert_eq!(bench.edges(1, false, start), round, "the round to its end, and nothing behind it");
+    assert_eq!(bench.requests(15, start), [100], "the update that blocks it asks DMA for the last time");
+    assert_eq!((bench.get(CNT), bench.timer.next()), (0, Time::MAX));
+    bench.set(ARR, 9);
+    bench.pass(100);
+    assert_eq!(bench.get(CNT), 0, "preloaded: not in force");
+    bench.set(EGR, 1);
+    bench.pass(13);
+    assert_eq!(bench.get(CNT), 3);
+}
+
+#[test]
 fn a_break_takes_the_outputs_to_their_idle_levels_without_an_instruction() {
     for (bits, idle, expected) in [
         // OSSI 0: not driven any more.

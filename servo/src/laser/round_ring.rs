@@ -1,8 +1,8 @@
 //! The ring through which rounds go to a timer: half-words in the order of its registers, read by DMA again and again.
 //!
 //! In: rounds, ticks, how far DMA has read. Out: half-words; whether they are read where they should be. Owns the order of the places.
-//! Fails by [`RoundRing::renew`] being false. Every place that is not told is dark, whatever is read too early or too late:
-//! what is over is made dark again in the next tick.
+//! Fails by [`RoundRing::renew`] being false. Every place that is not told is a dark round of no length, which stops the timer for
+//! good (RM0433 38.3.1): what is read too early, or when no tick comes any more, is no light. What is over becomes so in the next tick.
 use core::sync::atomic::{AtomicU16, Ordering};
 
 /// Places that are made dark at once before a start.
@@ -15,7 +15,7 @@ pub type Places<const PLACES: usize, const WORDS: usize> = [[AtomicU16; WORDS]; 
 #[derive(Debug)]
 pub struct RoundRing<const PLACES: usize, const WORDS: usize> {
     places: &'static Places<PLACES, WORDS>,
-    /// Compare registers of a dark round, from the third half-word on.
+    /// A dark round of no length.
     dark: [u16; WORDS],
     /// The next place that is told.
     place: usize,
@@ -45,20 +45,15 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
 
     #[inline(always)]
     fn darken(&self, place: &[AtomicU16; WORDS]) {
-        for (word, dark) in place.iter().zip(self.dark).skip(2) {
+        for (word, dark) in place.iter().zip(self.dark) {
             word.store(dark, Ordering::Relaxed);
         }
     }
 
-    /// Before a start: some more places dark, of a length of `first`; true once all are.
-    pub fn clear(&mut self, first: u16) -> bool {
+    /// Before a start: some more places dark; true once all are.
+    pub fn clear(&mut self) -> bool {
         for _ in 0..AT_ONCE {
-            if let Some(place) = self.places.get(self.lit)
-                && let [length, repeats, ..] = place.as_slice()
-            {
-                // A length of nothing would stop the timer.
-                length.store(first.wrapping_sub(1), Ordering::Relaxed);
-                repeats.store(0, Ordering::Relaxed);
+            if let Some(place) = self.places.get(self.lit) {
                 self.darken(place);
                 self.lit = self.lit.wrapping_add(1);
             }
@@ -126,5 +121,41 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
         let begin = over.wrapping_mul(WORDS);
         let from = |at: usize| if at < begin { at.wrapping_add(Self::WORDS) } else { at }.wrapping_sub(begin);
         !self.is_full && from(read) <= from(self.place.wrapping_mul(WORDS))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    static PLACES: Places<8, 3> = [const { [const { AtomicU16::new(7) }; 3] }; 8];
+
+    /// Whatever DMA reads that is not told, of this tick or the one before, stops its timer in the dark.
+    #[test]
+    fn what_is_not_told_has_no_length_and_no_light() {
+        let mut ring = RoundRing::new(&PLACES, [0, 0, 0]);
+        while !ring.clear() {}
+        ring.begin(168);
+        let mut told = 0usize;
+        let mut read = 0usize;
+        for tick in 0..100usize {
+            assert!(ring.renew(read), "tick {tick}");
+            let over = told;
+            for _ in 0..tick % 4 {
+                ring.put(100, [40]);
+                told += 1;
+            }
+            read = told * 3 % (8 * 3);
+            let words = |place: usize| PLACES[place % 8].each_ref().map(|word| word.load(Ordering::Relaxed));
+            for place in over..told {
+                assert_eq!(words(place), [99, 0, 40], "tick {tick}");
+            }
+            let before = over.saturating_sub((tick + 3) % 4);
+            for place in told..before + 8 {
+                assert_eq!(words(place), [0; 3], "tick {tick}, {} places behind", place - told);
+            }
+        }
+        // DMA beyond what is told.
+        assert!(!ring.renew((told + 1) * 3 % (8 * 3)));
     }
 }

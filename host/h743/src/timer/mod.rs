@@ -162,8 +162,9 @@ impl Timer {
         }
     }
 
+    /// A reload value of 0 in force blocks it (RM0433 38.3.1).
     fn counts(&self) -> bool {
-        self.cr1 & CEN != 0 && !self.is_encoder()
+        self.cr1 & CEN != 0 && !self.is_encoder() && self.top != 0
     }
 
     fn is_encoder(&self) -> bool {
@@ -319,6 +320,8 @@ impl Timer {
             }
             if self.cr1 & OPM != 0 {
                 self.cr1 &= !CEN;
+            }
+            if !self.counts() {
                 self.hold(0, at);
             }
         }
@@ -522,8 +525,12 @@ impl Device for Timer {
             ARR => {
                 self.arr = value & self.widest();
                 if self.cr1 & ARPE == 0 {
-                    self.held = self.count(at);
+                    let (count, counted) = (self.count(at), self.counts());
+                    self.held = count;
                     self.top = self.arr;
+                    if counted != self.counts() {
+                        self.hold(count, at);
+                    }
                 }
             }
             RCR => self.rcr = value & 0xffff,

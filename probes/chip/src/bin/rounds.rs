@@ -87,9 +87,7 @@ fn main() -> ! {
                 switch_ring: Ring::new(&SWITCHES, [0, 0, u16::MAX, 0, 0, u16::MAX]),
                 next: 0,
             };
-            while !outputs.rings.iter_mut().fold(outputs.switch_ring.clear(FIRST), |all, ring| ring.clear(FIRST) && all)
-            {
-            }
+            while !outputs.rings.iter_mut().fold(outputs.switch_ring.clear(), |all, ring| ring.clear() && all) {}
             outputs.rings.iter_mut().for_each(|ring| ring.begin(FIRST));
             outputs.switch_ring.begin(FIRST);
             let mut plans = [Plan::EMPTY; CHANNELS];
