@@ -6,7 +6,11 @@
 //! Where SPEC 6 is silent, the readings of `docs/laser.md` are taken ("reading 3").
 //!
 //! Time is in ns and a timer counts ns, so that edges are whole numbers.
+mod settings;
+
 use num_rational::Ratio;
+pub use settings::Train;
+use settings::{Settings, kind, times, whole};
 
 /// An instant or a duration, ns.
 pub type Ns = i64;
@@ -82,138 +86,6 @@ pub enum Command {
 
 /// A job: commands in the order in which they act, by instants that never go back.
 pub type Job = [(Ns, Command)];
-
-/// The settings after some of the commands.
-#[derive(Debug, Clone, PartialEq)]
-struct Settings {
-    mode: Mode,
-    max: Exact,
-    min: Exact,
-    delayed: bool,
-    power: Exact,
-    carrier: Option<Exact>,
-    width: Option<Ns>,
-    off_delay: Ns,
-    on_delay: Ns,
-    fpk: Option<Fpk>,
-    standby: Option<(Exact, Exact)>,
-    pre_voltage: Option<Exact>,
-    connector: bool,
-    fault: bool,
-}
-
-/// A train of pulses; exact, in ns.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Train {
-    /// From pulse to pulse.
-    pub period: Exact,
-    /// Of a pulse.
-    pub width: Exact,
-}
-
-fn whole(value: i128) -> Exact {
-    Exact::from_integer(value)
-}
-
-/// ns of a period of so many kHz.
-fn period(khz: Exact) -> Exact {
-    whole(1_000_000) / khz
-}
-
-/// The whole ns of k periods.
-fn times(value: Exact, k: i128) -> Ns {
-    (value.numer() * k).div_euclid(*value.denom()) as Ns
-}
-
-impl Settings {
-    fn power_on(family: Family) -> Settings {
-        Settings {
-            mode: Mode::Duty,
-            max: whole(100),
-            min: whole(0),
-            delayed: family == Family::Gus,
-            power: whole(0),
-            carrier: None,
-            width: None,
-            off_delay: 0,
-            on_delay: 0,
-            fpk: None,
-            standby: None,
-            pre_voltage: None,
-            connector: true,
-            fault: false,
-        }
-    }
-
-    fn apply(&mut self, family: Family, command: &Command) {
-        match *command {
-            Command::Gate(_) | Command::ZeroOnTime => {}
-            Command::PowerMode { mode, max, min, delayed } => {
-                let mode = kind(family, mode);
-                if mode != self.mode {
-                    self.power = whole(0);
-                }
-                *self = Settings { mode, max, min, delayed: delayed || family == Family::Gus, ..self.clone() };
-            }
-            Command::Power(power) => self.power = power,
-            Command::Carrier(khz) => self.carrier = Some(khz),
-            Command::Width(width) => self.width = Some(width),
-            Command::Delays { off, on } => (self.off_delay, self.on_delay) = (off, on),
-            Command::Fpk(fpk) => self.fpk = fpk,
-            Command::Standby(standby) => self.standby = standby,
-            Command::PreVoltage(volts) => self.pre_voltage = volts,
-            Command::Fault => self.fault = true,
-            Command::Clear => self.fault = false,
-            Command::Connector(carries) => self.connector = carries,
-            Command::Reset => *self = Settings::power_on(family),
-        }
-    }
-
-    /// The power held in its bounds.
-    fn bounded(&self) -> Exact {
-        self.power.max(self.min).min(self.max)
-    }
-
-    /// Pulses of light; none where something is missing.
-    fn train(&self) -> Option<Train> {
-        let power = self.bounded();
-        if !self.connector {
-            return None;
-        }
-        match self.mode {
-            Mode::Duty | Mode::Open => {
-                let period = period(self.carrier?);
-                Some(Train { period, width: period * power / whole(100) })
-            }
-            Mode::Frequency => {
-                let width = whole(self.width?.into());
-                if power <= whole(0) {
-                    return None;
-                }
-                let period = period(power);
-                // Reading 21.
-                Some(Train { period, width: width.min(period.floor() - whole(1)) })
-            }
-            Mode::Analog => None,
-        }
-    }
-
-    fn standby_train(&self) -> Option<Train> {
-        let (khz, percent) = self.standby.filter(|_| self.connector)?;
-        let period = period(khz);
-        Some(Train { period, width: period * percent / whole(100) })
-    }
-
-    /// Standby may be output where there is no light.
-    fn standby_allowed(&self) -> bool {
-        matches!(self.mode, Mode::Duty | Mode::Frequency) && !self.fault
-    }
-}
-
-/// LSR has no mode 3 of its own.
-fn kind(family: Family, mode: Mode) -> Mode {
-    if family == Family::Lsr && mode == Mode::Open { Mode::Duty } else { mode }
-}
 
 /// What happens to a gate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

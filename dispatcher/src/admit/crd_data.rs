@@ -5,22 +5,21 @@
 //!
 //! Every command becomes a [`Given`]; [`put`] does the rest. A command of another chapter that goes into a FIFO (a
 //! buffered laser change) makes a `Given` of its own, with [`What::Entry`].
+mod given;
+
 use super::data::{End, Of, Written};
-use super::{buffered, io, many, one};
+use super::{buffered, many};
 use crate::books::{CAPACITY, CrdBook, Frame, PathBook, PathData};
-use crate::case::{Answer, Case, ones};
+use crate::case::{Answer, Case};
 use crate::figure::{self, Figure, OFF_CENTRE, Place};
 use crate::lookahead::Limits;
 use crate::path_queue::PathQueue;
 use crate::refuse::{Admitted, Refused, choice, real};
-use protocol::command::{
-    ArcXYC, ArcXYR, ArcYZC, ArcYZR, ArcZXC, ArcZXR, BufDA, BufDelay, BufDoBit, BufGear, BufIO, BufMove, CrdData,
-    CrdPoint, LnXY, LnXYG0, LnXYMany, LnXYZ, LnXYZA, LnXYZMany, Wire, opcode,
-};
+use given::{Given, Speeds, Target, Way, What, given};
+use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
-use servo::op::Mode;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
-use servo::units::{Axis, Crd};
+use servo::units::Crd;
 
 /// The lowest speed and acceleration of a motion.
 const LEAST: f64 = 1.0 / 1048576.0;
@@ -31,211 +30,10 @@ const RADIUS: f64 = 2_147_483_648.0;
 /// Axes that go along with one motion.
 const GEARS: u32 = 4;
 
-/// Which FIFO a command is for; `fifo_field` is the place of `fifo` among the fields of its request.
-#[derive(Debug, Clone, Copy)]
-pub struct Target {
-    pub core: i16,
-    pub crd: i16,
-    pub fifo: i16,
-    pub fifo_field: u8,
-}
-
-/// Speeds of a motion as they were given; `field` is the place of synVel, synAcc and velEnd are behind it.
-#[derive(Debug, Clone, Copy)]
-pub struct Speeds {
-    pub vel: f64,
-    pub acc: f64,
-    pub end: f64,
-    pub field: u8,
-    /// The path stands at its end, also with look-ahead.
-    pub rests: bool,
-}
-
-/// Where a motion goes. Fields are the places of what is named first.
-#[derive(Debug, Clone, Copy)]
-pub enum Way {
-    /// A line: the first so many coordinates; `planar` keeps all digits of the speeds.
-    Line { to: [i32; DIMENSIONS], count: usize, field: u8 },
-    /// An arc by its radius (`field` + 2).
-    Radius { plane: Plane, to: [i32; 2], radius: f64, dir: i16, field: u8 },
-    /// An arc by its centre (`field` + 2 and 3), from where it begins.
-    Centre { plane: Plane, to: [i32; 2], centre: [f64; 2], dir: i16, field: u8 },
-}
-
-/// What goes into the FIFO.
-#[derive(Debug, Clone, Copy)]
-pub enum What {
-    /// A motion.
-    Motion(Way, Speeds),
-    /// An entry that is none, and how long the path stands there, ms.
-    Entry(Entry, f64),
-    /// An axis goes along with the next motion.
-    Gear(Entry, Axis),
-    /// Nothing more follows for now: everything that waits in the look-ahead goes to the tick.
-    Flush,
-}
-
-/// A data command.
-pub type Given = (Target, What);
-
 /// Whether a command puts something into a FIFO of a coordinate system.
 pub fn is_path(number: u16) -> bool {
     matches!(number, opcode::CrdData..=opcode::BufGear | opcode::LnXYMany | opcode::LnXYZMany)
         || buffered::is_buffered(number)
-}
-
-/// The commands of one entry.
-fn given<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> Admitted<Given> {
-    macro_rules! target {
-        ($r:ident, $field:expr) => {
-            Target { core: $r.core.get(), crd: $r.crd.get(), fifo: $r.fifo.get(), fifo_field: $field }
-        };
-    }
-    macro_rules! speeds {
-        ($r:ident, $field:literal) => {
-            Speeds { vel: $r.syn_vel.get(), acc: $r.syn_acc.get(), end: $r.vel_end.get(), field: $field, rests: false }
-        };
-    }
-    macro_rules! line {
-        ($name:ident, $field:literal, $($axis:ident),*) => {{
-            let r = one::<$name>(body)?;
-            let given = [$(r.$axis.get()),*];
-            let mut to = [0; DIMENSIONS];
-            to.iter_mut().zip(given).for_each(|(to, given)| *to = given);
-            let way = Way::Line { to, count: given.len(), field: 2 };
-            Ok((target!(r, $field + 3), What::Motion(way, speeds!(r, $field))))
-        }};
-    }
-    macro_rules! radius {
-        ($name:ident, $plane:ident, $a:ident, $b:ident) => {{
-            let r = one::<$name>(body)?;
-            let (to, radius, dir) = ([r.$a.get(), r.$b.get()], r.radius.get(), r.circle_dir.get());
-            let way = Way::Radius { plane: Plane::$plane, to, radius, dir, field: 2 };
-            Ok((target!(r, 9), What::Motion(way, speeds!(r, 6))))
-        }};
-    }
-    macro_rules! centre {
-        ($name:ident, $plane:ident, $a:ident, $b:ident, $ca:ident, $cb:ident) => {{
-            let r = one::<$name>(body)?;
-            let (to, centre) = ([r.$a.get(), r.$b.get()], [r.$ca.get(), r.$cb.get()]);
-            let way = Way::Centre { plane: Plane::$plane, to, centre, dir: r.circle_dir.get(), field: 2 };
-            Ok((target!(r, 10), What::Motion(way, speeds!(r, 7))))
-        }};
-    }
-    match number {
-        opcode::LnXY => line!(LnXY, 4, x, y),
-        opcode::LnXYZ => line!(LnXYZ, 5, x, y, z),
-        opcode::LnXYZA => line!(LnXYZA, 6, x, y, z, a),
-        opcode::LnXYG0 => {
-            let r = one::<LnXYG0>(body)?;
-            let way = Way::Line { to: [r.x.get(), r.y.get(), 0, 0], count: 2, field: 2 };
-            let speeds = Speeds { vel: r.syn_vel.get(), acc: r.syn_acc.get(), end: 0.0, field: 4, rests: true };
-            Ok((target!(r, 6), What::Motion(way, speeds)))
-        }
-        opcode::ArcXYR => radius!(ArcXYR, Xy, x, y),
-        opcode::ArcYZR => radius!(ArcYZR, Yz, y, z),
-        opcode::ArcZXR => radius!(ArcZXR, Zx, z, x),
-        opcode::ArcXYC => centre!(ArcXYC, Xy, x, y, x_center, y_center),
-        opcode::ArcYZC => centre!(ArcYZC, Yz, y, z, y_center, z_center),
-        opcode::ArcZXC => centre!(ArcZXC, Zx, z, x, z_center, x_center),
-        opcode::CrdData => point(body),
-        opcode::BufDelay => {
-            let r = one::<BufDelay>(body)?;
-            let ms = r.delay_ms.get();
-            Ok((target!(r, 3), What::Entry(Entry::delay(ms), ms.into())))
-        }
-        opcode::BufIO => {
-            let r = one::<BufIO>(body)?;
-            let (group, first, count) = io::group(case, r.core.get(), 2, selector(r.do_type.get()))?;
-            let all = ones(count.min(16));
-            let mask = u64::from(r.do_mask.get());
-            if mask & !all != 0 {
-                return Err(Refused::new(Reason::OutOfRange).field(3).got(mask as f64).limits(0.0, all as f64));
-            }
-            let value = u64::from(r.do_value.get()) & mask;
-            let entry = Entry::output(group, mask << first, value << first);
-            Ok((target!(r, 5), What::Entry(entry, 0.0)))
-        }
-        opcode::BufDoBit => {
-            let r = one::<BufDoBit>(body)?;
-            let output = (selector(r.do_type.get()), selector(r.index.get()), r.value.get());
-            let (group, bit, high) = io::output(case, r.core.get(), 2, output)?;
-            let entry = Entry::output(group, 1 << bit, u64::from(high) << bit);
-            Ok((target!(r, 5), What::Entry(entry, 0.0)))
-        }
-        opcode::BufDA => {
-            let r = one::<BufDA>(body)?;
-            let channel = io::analog(case, 2, r.channel.get())?;
-            Ok((target!(r, 4), What::Entry(Entry::analog(channel, r.value.get()), 0.0)))
-        }
-        opcode::BufMove => {
-            let r = one::<BufMove>(body)?;
-            let axis = beside(case, r.core.get(), r.axis.get())?;
-            let (vel, acc) = (r.vel.get(), r.acc.get());
-            real(4, vel, LEAST, super::crd::MOST)?;
-            real(5, acc, LEAST, super::crd::MOST)?;
-            let modal = choice(6, r.modal.get(), 0, 1)? == 1;
-            let entry = Entry::travel(axis, r.pos.get(), vel.to_bits(), acc.to_bits(), modal)
-                .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(LEAST, super::crd::MOST))?;
-            Ok((target!(r, 7), What::Entry(entry, 0.0)))
-        }
-        _ => {
-            let r = one::<BufGear>(body)?;
-            let axis = beside(case, r.core.get(), r.axis.get())?;
-            Ok((target!(r, 4), What::Gear(Entry::gear(axis, r.pos.get()), axis)))
-        }
-    }
-}
-
-/// A 16-bit selector without a sign, for checks that take one with it.
-fn selector(given: u16) -> i16 {
-    i16::try_from(given).unwrap_or(i16::MAX)
-}
-
-/// An axis that no coordinate system drives, in Trap mode.
-fn beside<const AXES: usize>(case: &Case<AXES>, core: i16, axis: i16) -> Admitted<Axis> {
-    let axis = case.axis(core, axis).map_err(|refused| refused.field(2))?;
-    let book = case.book(axis);
-    if book.mode == Mode::Crd {
-        return Err(case.no(Reason::AxisInCrd, axis).field(2).got(case.site.crd_number(book.crd).into()));
-    }
-    case.in_mode(axis, book.mode == Mode::Trap)?;
-    Ok(axis)
-}
-
-/// CrdData: a flush without a point, else a motion as TCrdData gives it.
-fn point(body: &[u8]) -> Admitted<Given> {
-    let items = body.len().saturating_sub(size_of::<CrdData>()) / size_of::<CrdPoint>();
-    let (r, points) = many::<CrdData>(body, |_| items as u16)?;
-    let target = Target { core: r.core.get(), crd: r.crd.get(), fifo: r.fifo.get(), fifo_field: 2 };
-    let Some(point) = points.first().filter(|_| items == 1) else {
-        if items > 1 {
-            return Err(Refused::new(Reason::TooMany).got(items as f64).limits(0.0, 1.0));
-        }
-        return Ok((target, What::Flush));
-    };
-    // Fields of an item are counted behind those of the request.
-    const AT: u8 = CrdData::FIELDS.len() as u8;
-    let rests = choice(AT + 9, point.vel_end_zero.get(), 0, 1)? == 1;
-    let end = if rests { 0.0 } else { point.vel_end.get() };
-    let speeds = Speeds { vel: point.vel.get(), acc: point.acc.get(), end, field: AT + 6, rests };
-    let to = point.pos.map(|pos| pos.get());
-    if choice(AT, point.motion_type.get(), 0, 1)? == 0 {
-        return Ok((target, What::Motion(Way::Line { to, count: DIMENSIONS, field: AT + 2 }, speeds)));
-    }
-    let plane = match choice(AT + 1, point.plane.get(), 0, 2)? {
-        0 => Plane::Xy,
-        1 => Plane::Yz,
-        _ => Plane::Zx,
-    };
-    let [i, j] = plane.coordinates();
-    let (to, dir, centre) = ([to[i], to[j]], point.dir.get(), point.center.map(|part| part.get()));
-    let way = if centre == [0.0; 2] {
-        Way::Radius { plane, to, radius: point.radius.get(), dir, field: AT + 2 }
-    } else {
-        Way::Centre { plane, to, centre, dir, field: AT + 2 }
-    };
-    Ok((target, What::Motion(way, speeds)))
 }
 
 /// A FIFO that is being filled.
