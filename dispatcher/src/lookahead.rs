@@ -193,6 +193,13 @@ impl<const N: usize> LookAhead<N> {
         true
     }
 
+    /// So many entries more have gone through it, which is empty. Its counters are as wide as an address: the nearer way
+    /// round, so that those of another width are as far from going round.
+    pub fn age(&mut self, by: u32) {
+        let by = by.cast_signed() as isize as usize;
+        (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
+    }
+
     fn push(&mut self, slot: Slot) {
         if let Some(place) = self.slots.get_mut(self.end & (N - 1)) {
             *place = slot;

@@ -78,6 +78,12 @@ impl PathQueue {
         }
     }
 
+    /// So many entries more have gone through it, which is empty.
+    pub fn age(&mut self, by: u32) {
+        (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
+        self.look.age(by);
+    }
+
     /// What waits in the look-ahead, and entries from this one on, are forgotten.
     pub fn cut(&mut self, end: u32) {
         self.look.clear();

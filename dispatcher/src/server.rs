@@ -356,6 +356,19 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         self.program.age(entries);
     }
 
+    /// As if each FIFO of a path had been given so many entries and motions more since it was cleared, with
+    /// [`Tick::age_counts`](servo::tick::Tick::age_counts): likewise. Nothing may be in a FIFO.
+    pub fn age_counts(&mut self, by: u32) {
+        let paths = self.desk.ahead.crds.iter().flat_map(|crd| &crd.fifos);
+        for (queue, path) in self.desk.queues.iter_mut().flatten().zip(paths) {
+            queue.follow(path.cleared);
+            queue.age(by);
+        }
+        for books in [&mut self.desk.now, &mut self.desk.ahead] {
+            books.crds.iter_mut().for_each(|crd| crd.age(by));
+        }
+    }
+
     /// The newest view, for displays and tests.
     pub fn view(&mut self) -> &View<AXES> {
         self.view.read()

@@ -5,6 +5,7 @@ use protocol::command::*;
 use protocol::reason::Reason;
 use protocol::record::Lane;
 use protocol::trace::{Columns, Decoder, Event, LaserSample};
+use servo::units::Ns;
 
 const CORE: i16 = 1;
 
@@ -237,5 +238,56 @@ fn the_trace_has_every_row_and_the_planned_motion() {
         };
         assert!((pos as f64 / 4194304.0 - p).abs() <= 1.0 / 65536.0, "row {row}: {pos} {p}");
         assert!((velocity - v).abs() < 1e-9 || row == 0, "row {row}: {velocity} {v}");
+    }
+}
+
+/// Outputs that a program sets 2 ms behind its begin, and behind a Sleep of 10 ms and `ns`, in which `ns` pass at once: when,
+/// and the clock that the program tells, both without `ns`.
+fn clock_after(ns: u64) -> (Vec<(u64, u32)>, u64, u32) {
+    let core = CORE.into();
+    let mut bench = Bench::gus();
+    bench.done(SetLinkLoss { time_ms: 0.into(), stop_all: 0.into() });
+    let output = |index: i16| entry(SetDoBit { core, do_type: 12.into(), index: index.into(), value: 1.into() });
+    let long = Sleep { ns: (10 * MS + ns).into() };
+    let requests = [
+        entry(sleep(2)),
+        output(1),
+        entry(long),
+        output(2),
+        entry(sleep(3)),
+        output(3),
+        entry(read_pos(1)),
+        entry(sleep(20)),
+        output(4),
+        entry(wait_stop(1)),
+        output(5),
+        entry(ProgramEnd {}),
+    ];
+    let tags = bench.post_all(&requests);
+    let started = bench.post(Lane::Immediate, ProgramStart { strict: 0 }, &[]);
+    bench.wait(started);
+    let (zero, mut edges, mut before) = (bench.server.view().script_zero.0, Vec::new(), bench.machine.outputs.2);
+    bench.run_ms(5);
+    assert_ne!(bench.machine.outputs.2, before, "the first output is set");
+    before = bench.machine.outputs.2;
+    bench.tick.age(0, Ns(ns));
+    while !bench.answers.contains_key(tags.last().unwrap()) {
+        bench.step();
+        if bench.machine.outputs.2 != before {
+            before = bench.machine.outputs.2;
+            edges.push((bench.now().0 - zero - ns, before));
+        }
+    }
+    let status = bench.done(ProgramStatus {});
+    (edges, status.clock_ns.get() - ns, status.late.get())
+}
+
+#[test]
+fn the_script_clock_passes_every_width() {
+    let new = clock_after(0);
+    assert_eq!((new.0.len(), new.2), (3, 0), "{new:?}");
+    for bits in [31, 32, 52, 53, 63] {
+        // It comes to 2^bits between the outputs.
+        assert_eq!(clock_after((1 << bits) - 14 * MS), new, "2^{bits} ns");
     }
 }

@@ -10,7 +10,7 @@
 //! * [`jobs`]: job scripts, compiled and run.
 //! * [`config`]: configuration files, read and loaded.
 //!
-//! [`bench`] is the controller with its client and the line between them, [`guard`] what holds in every tick,
+//! [`model`] is what `machine` knows of what must have been executed, [`bench`] the controller with its client and the line between them, [`guard`] what holds in every tick,
 //! [`commands`] requests by the table of the protocol, [`source`] the bytes as numbers.
 pub mod bench;
 pub mod commands;
@@ -19,6 +19,7 @@ pub mod guard;
 pub mod jobs;
 pub mod link;
 pub mod machine;
+pub mod model;
 pub mod scenes;
 pub mod source;
 pub mod tables;

@@ -2,16 +2,17 @@
 //!
 //! An input is {seed, fuel, ops}: how the line behaves, how many ticks it may take, what is done. Two kinds by the first
 //! byte: *wild*, where every command may come with every body; and *counted*, where axes 7 and 8 and coordinate system 2 are
-//! the model's, and no other request names them. The model's requests are PT segments of axis 8 with increasing times (their
-//! order is told by the refusal of a segment that comes too early) and delays in a path of coordinate system 2 (which would
-//! show what is done twice); by both lanes, in FIFOs of their own. After every cut the controller is asked what it has got:
-//! what was answered with 0 is there once, what was reported as not executed is not, and of what was in a session that ended
-//! there is a part, in order.
+//! the model's, as is analog output 8, and no other request names them. The model's requests are PT segments of axis 8 with
+//! increasing times (their order is told by the refusal of a segment that comes too early) and entries of a path of coordinate
+//! system 2; by both lanes, in FIFOs of their own. After every cut the controller is asked what it has got, and the paths
+//! are run and what they do is compared ([`crate::model`]): what was answered with 0 is there once, what was reported as not
+//! executed is not, and of what was in a session that ended there is a part, in order.
 use crate::bench::{Bench, Fate, Line};
 use crate::commands::{Clocks, Range, body, has_items};
+use crate::model::{MOST, Mark, PATHS, Ran, Row, SEGMENTS, path_entry, segment};
 use crate::scenes::{scene, witness};
 use crate::source::Source;
-use protocol::command::{BufDelay, COMMANDS, CrdSpace, ProgramStart, PtData, PtSpace, Request, opcode};
+use protocol::command::{COMMANDS, CrdData, CrdSpace, CrdStart, ProgramStart, PtData, PtSpace, Request, opcode};
 use protocol::reason::Reason;
 use protocol::record::Lane;
 use virtual_board::{Config, Memory};
@@ -23,23 +24,6 @@ const FUEL: u32 = 4000;
 const LIVES: usize = 3;
 /// Places of a PT FIFO, and of a path.
 const PLACES: usize = 1024;
-/// Segments that the model sends at most, so that all fit.
-const MOST: u32 = 500;
-
-/// What the model knows of one row of its requests.
-#[derive(Debug, Clone, Default)]
-struct Row {
-    /// Numbers given out so far.
-    sent: u32,
-    /// Answered with 0, or found in the controller.
-    done: Vec<u32>,
-    /// Of a session that ended.
-    unknown: Vec<u32>,
-}
-
-/// Rows: segments by the immediate lane (FIFO 0) and by the program lane (FIFO 1); delays, likewise.
-const SEGMENTS: [usize; 2] = [0, 1];
-const DELAYS: [usize; 2] = [2, 3];
 
 /// See the module text.
 pub fn run(data: &[u8]) {
@@ -49,8 +33,8 @@ pub fn run(data: &[u8]) {
     let config = Config { tick_us: [250, 50, 125, 1000][usize::from(kind >> 1 & 3)], profile: 0 };
     let line = Line { noise: if kind & 8 == 0 { 0 } else { from.byte() % 20 }, seed: from.word().into() };
     let fuel = FUEL.min(u32::from(from.byte()) * 32 + 64);
-    let mut memories: [Memory; LIVES] = std::array::from_fn(|_| Memory::new(config));
-    let mut memories = memories.iter_mut();
+    let mut memories: [Option<Memory>; LIVES] = [const { None }; LIVES];
+    let mut memories = memories.iter_mut().map(|memory| memory.insert(Memory::new(config)));
     let Some(memory) = memories.next() else { return };
     let mut game = Game {
         bench: Bench::new(memory, line),
@@ -59,6 +43,7 @@ pub fn run(data: &[u8]) {
         clocks: Clocks::default(),
         noise: line.noise,
         left: fuel,
+        place: 0,
     };
     game.begin();
     while !from.is_empty() && game.left > 0 {
@@ -67,7 +52,7 @@ pub fn run(data: &[u8]) {
                 if let Some(memory) = memories.next() {
                     let fault = from.one_in(2);
                     game.bench.power_cycle(memory, fault);
-                    game.rows = Default::default();
+                    (game.rows, game.place) = Default::default();
                     game.bench.fates.clear();
                     game.begin();
                 }
@@ -86,6 +71,8 @@ struct Game<'m> {
     noise: u8,
     /// Ticks left.
     left: u32,
+    /// Where the model's path rests, pulses: the number of the motion that was executed last.
+    place: u32,
 }
 
 impl Game<'_> {
@@ -240,25 +227,23 @@ impl Game<'_> {
     }
 
     /// The next request of the model.
-    fn witness(&mut self, program: usize, delay: bool) {
+    fn witness(&mut self, program: usize, path: bool) {
         if !self.counted {
             return;
         }
-        let row = if delay { DELAYS[program] } else { SEGMENTS[program] };
+        let row = if path { PATHS[program] } else { SEGMENTS[program] };
         let lane = [Lane::Immediate, Lane::Program][program];
         let number = self.rows[row].sent + 1;
         if number > MOST {
             return;
         }
         self.rows[row].sent = number;
-        let witness = Some((row, number));
-        if delay {
-            let body = BufDelay { core: 1.into(), crd: 2.into(), delay_ms: 1.into(), fifo: (program as i16).into() };
-            self.bench.send(BufDelay::OPCODE, lane, body.as_bytes().to_vec(), witness);
+        let (request, body) = if path {
+            path_entry(program, number)
         } else {
-            let body = segment(program, number as i32);
-            self.bench.send(PtData::OPCODE, lane, body.as_bytes().to_vec(), witness);
-        }
+            (PtData::OPCODE, segment(program, number as i32).as_bytes().to_vec())
+        };
+        self.bench.send(request, lane, body, Some((row, number)));
     }
 
     /// Compares the controller with the model.
@@ -291,10 +276,70 @@ impl Game<'_> {
                 }
             };
             row.settle(there, Some(found));
-            let body = CrdSpace { core: 1.into(), crd: 2.into(), fifo: (program as i16).into() };
-            let there = PLACES - self.ask(CrdSpace::OPCODE, body.as_bytes());
-            self.rows[DELAYS[program]].settle(there, None);
+            let there = self.entries(program);
+            if there > 0 {
+                let ran = self.run_path(program);
+                self.place = self.rows[PATHS[program]].compare(program, there, &ran, self.place);
+                assert_eq!(self.entries(program), 0, "what was executed leaves its place");
+            } else {
+                self.rows[PATHS[program]].settle(0, None);
+            }
+            self.rows[PATHS[program]].forget();
         }
+    }
+
+    /// Entries in a FIFO of the model's path.
+    fn entries(&mut self, fifo: usize) -> usize {
+        let body = CrdSpace { core: 1.into(), crd: 2.into(), fifo: (fifo as i16).into() };
+        PLACES - self.ask(CrdSpace::OPCODE, body.as_bytes())
+    }
+
+    /// Runs what is in a FIFO of the model's path to its end: what it did.
+    fn run_path(&mut self, fifo: usize) -> Ran {
+        let flush = CrdData { core: 1.into(), crd: 2.into(), fifo: (fifo as i16).into() };
+        self.ask(CrdData::OPCODE, flush.as_bytes());
+        let before = self.bench.board.crd(1).done[fifo];
+        let start = CrdStart { core: 1.into(), mask: 2.into(), option: (2 * fifo as i16).into() };
+        let mut marks = vec![Mark { at: 0, ..self.mark() }];
+        self.bench.send(CrdStart::OPCODE, Lane::Immediate, start.as_bytes().to_vec(), None);
+        let (mut ticks, mut began, mut refused) = (0, None, self.bench.answers[1]);
+        while began.is_none() || self.bench.board.crd(1).runs {
+            self.bench.ticks(1);
+            ticks += 1;
+            let mark = Mark { at: ticks, ..self.mark() };
+            if marks.last().is_none_or(|last| last.value != mark.value) {
+                marks.push(mark);
+            }
+            if self.bench.board.crd(1).runs {
+                began = began.or(Some(ticks));
+            } else if self.bench.unanswered() == 0 && began.is_none() {
+                began = Some(ticks);
+            }
+            assert_eq!(
+                std::mem::replace(&mut refused, self.bench.answers[1]),
+                self.bench.answers[1],
+                "{:?}",
+                self.bench.refusal
+            );
+            assert!(ticks < 100_000, "a path of {MOST} entries ends");
+        }
+        while self.bench.unanswered() > 0 {
+            self.bench.ticks(1);
+        }
+        let motions = self.bench.board.crd(1).done[fifo].wrapping_sub(before);
+        Ran {
+            marks,
+            ticks: ticks - began.unwrap_or(ticks),
+            motions,
+            ticks_of_ms: (1_000_000 / self.bench.board.period_ns()) as u32,
+            place: self.mark().place,
+        }
+    }
+
+    /// Analog output 8 and the place of the model's path now.
+    fn mark(&self) -> Mark {
+        let place = self.bench.board.set_point(6) as f64 / f64::from(1 << 22);
+        Mark { at: 0, value: self.bench.board.outputs().analog[7], place }
     }
 
     /// A number that the controller tells.
@@ -309,47 +354,13 @@ impl Game<'_> {
     }
 }
 
-impl Row {
-    /// So many are there, and the last of them is this, if that is known.
-    fn settle(&mut self, there: usize, last: Option<u32>) {
-        let least = self.done.len();
-        assert!(self.done.is_sorted(), "answered in order: {self:?}");
-        assert!((least..=least + self.unknown.len()).contains(&there), "{there} are there: {self:?}");
-        if let Some(last) = last {
-            let mut all: Vec<u32> = self.done.iter().chain(&self.unknown).copied().collect();
-            all.sort_unstable();
-            assert!(last == 0 || all.contains(&last), "{last} is the last one there: {self:?}");
-            assert!(last >= self.done.last().copied().unwrap_or(0), "{last} is the last one there: {self:?}");
-            let before = all.iter().filter(|number| **number <= last).count();
-            assert!(there <= before, "{there} are there up to {last}: {self:?}");
-        }
-        // What was unknown is decided now; which of it is there is known by its number only where all of it is.
-        let found = there - least;
-        let mut done = std::mem::take(&mut self.unknown);
-        done.truncate(found);
-        self.done.append(&mut done);
-        self.done.sort_unstable();
-    }
-}
-
-fn segment(program: usize, number: i32) -> PtData {
-    PtData {
-        core: 1.into(),
-        profile: 8.into(),
-        pos: f64::from(number).into(),
-        time_ms: number.into(),
-        kind: 1.into(),
-        fifo: (program as i16).into(),
-    }
-}
-
 fn lane(from: &mut Source) -> Lane {
     [Lane::Immediate, Lane::Program, Lane::Immediate, Lane::ProgramMayFail][from.below(4)]
 }
 
 /// Whether the command could touch what is the model's whatever it names.
 fn matters(number: u16) -> bool {
-    matches!(number, opcode::Reset | opcode::Choose | opcode::SetTick)
+    matches!(number, opcode::Reset | opcode::Choose | opcode::SetTick | opcode::SetDac | opcode::BufDA)
 }
 
 fn size_of_fields(info: &protocol::command::CommandInfo) -> usize {

@@ -7,10 +7,11 @@ use zerocopy::IntoBytes;
 /// A request: its number and its body.
 pub type Call = (u16, Vec<u8>);
 
-/// Coordinate system 2 and axes 7 and 8 are the model's: what it counts is entered there.
+/// Coordinate system 2 and axes 7 and 8 are the model's: what it compares is entered there.
 pub const WITNESS: &str = "
     GT_PrfPt(8); GT_SetPtMemory(8, 1);
     TCrdPrm crd = {1, {0,0,0,0,0,0,0,0}, 10, 1, 0, 0, {0,0,0,0,0,0,0,0}}; crd.profile[6] = 1; crd.synVelMax = 10; crd.synAccMax = 1; GT_SetCrdPrm(2, &crd);
+    GT_AlarmOff(7); GT_LmtsOff(7); GT_AxisOn(7); GT_InitLookAhead(2, 1, 1, 1, 20);
 ";
 
 const SCENES: [&str; 8] = [

@@ -1,3 +1,4 @@
+#![forbid(unsafe_code)]
 //! Tests across the seams of the rooms: see `tests/`.
 pub mod laser_model;
 pub mod light_model;

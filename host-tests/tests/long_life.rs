@@ -5,6 +5,7 @@ mod work;
 
 use plant::beam::Change;
 use plant::pulses::Burst;
+use protocol::command::{CrdSpace, CrdStatus, GetRemainderSegNum};
 use std::time::Duration;
 use virtual_board::{Board, Config, Edge, share};
 use work::{ROUND_TICKS, SETUP, TICK_US, round, run};
@@ -73,6 +74,96 @@ fn counters_go_round_and_nothing_is_different() {
         assert_eq!((new.on_time, &new.edges), (old.on_time, &old.edges), "after {entries} entries and {ns} ns");
         let differ = new.beam.iter().zip(&old.beam).position(|(new, old)| new != old);
         assert_eq!((differ, new.beam.len()), (None, old.beam.len()), "light after {entries} entries and {ns} ns");
+    }
+}
+
+/// A path that has carried out so many entries since it was cleared, in both FIFOs, the second with a look-ahead; its laser
+/// was on for as many units.
+fn path_of(entries: u32) -> (Done, u32) {
+    let board = share(Board::new(Config { tick_us: TICK_US as u32, profile: 0 }));
+    let client = work::client(&board);
+    run(
+        &client,
+        "GT_LoadConfig(\"none.toml\"); GT_ClrSts(1, 8); GT_AxisOn(5); GT_AxisOn(6);
+         TCrdPrm crd = {2, {0,0,0,0,0,0,0,0}, 10, 1, 0, 0, {0,0,0,0,0,0,0,0}}; crd.profile[4] = 1; crd.profile[5] = 2; crd.synVelMax = 100; crd.synAccMax = 10;
+         crd.setOriginFlag = 1; GT_SetCrdPrm(1, &crd); GT_InitLookAhead(1, 1, 1, 10, 40);
+         GT_SetLaserCrdMap(0, 1); GT_SetAxisMode(7, 1); GT_LaserPowerMode(0, 90, 1, 0); GT_LaserOutFrq(50, 0);",
+    );
+    client.sleep(Duration::from_millis(5)).unwrap();
+    let begin = {
+        let mut board = board.lock().unwrap();
+        board.age_counts(entries);
+        board.record_beam(true);
+        board.now()
+    };
+    let space = |fifo| {
+        let space = client.call(CrdSpace { core: 1.into(), crd: 1.into(), fifo }).unwrap();
+        (
+            space.value.get(),
+            client.call(GetRemainderSegNum { core: 1.into(), crd: 1.into(), fifo }).unwrap().value.get(),
+        )
+    };
+    let mut done = Done { set_points: Vec::new(), on_time: [0; 2], edges: Vec::new(), beam: Vec::new() };
+    let mut segments = 0;
+    for fifo in [0, 1] {
+        for part in 0..2 {
+            assert_eq!(space(fifo.into()), (1024, 0), "after {entries} entries, FIFO {fifo}, part {part}");
+            let mut text = format!("GT_BufLaserFollowRatio(1, 20, 1, 90, {fifo}, 0);\n");
+            for side in 0..40 {
+                text += &format!(
+                    "GT_BufLaserOn(1, {fifo}, 0); GT_LnXY(1, {}, {}, 5, 1, 0.5, {fifo});\n",
+                    side % 3 * 9 + 4,
+                    side % 2 * 7
+                );
+                text += &format!("GT_BufIO(1, 12, 1, {}, {fifo}); GT_BufLaserOff(1, {fifo}, 0);\n", side % 2);
+                if side % 7 == 0 {
+                    text += &format!("GT_BufDelay(1, 3, {fifo});\n");
+                }
+            }
+            run(
+                &client,
+                &(text
+                    + &format!(
+                        "GT_LnXY(1, 0, 0, 5, 1, 0, {fifo}); GT_CrdData(1, NULL, {fifo}); GT_CrdStart(1, {fifo});\n"
+                    )),
+            );
+            // Left on its way, and gone on with.
+            client.sleep(Duration::from_millis(30)).unwrap();
+            run(&client, &format!("GT_Stop(256, 0); WaitStop(256); GT_CrdStart(1, {fifo});"));
+            while board.lock().unwrap().crd(0).runs {
+                client.sleep(Duration::from_micros(3 * TICK_US)).unwrap();
+                let board = board.lock().unwrap();
+                done.set_points.push(std::array::from_fn(|axis| board.set_point(axis)));
+            }
+            segments += 41;
+        }
+        let status = client.call(CrdStatus { core: 1.into(), crd: 1.into(), fifo: fifo.into() }).unwrap();
+        let counted = i32::try_from(entries.wrapping_add(segments)).unwrap_or(i32::MAX);
+        assert_eq!(status.segment.get(), counted, "{entries} motions and {segments} more");
+        segments = 0;
+    }
+    let mut board = board.lock().unwrap();
+    let on_time = board.laser_view(0).on_time;
+    let edges = board.take_edges().into_iter().filter(|edge| edge.at_ns >= begin);
+    done.edges.extend(edges.map(|edge| Edge { at_ns: edge.at_ns - begin, ..edge }));
+    done.beam.extend(board.take_beam().into_iter().map(|beam| (beam.channel, since(beam.change, begin))));
+    assert!(done.edges.len() > 100 && done.beam.len() > 1000);
+    (done, on_time)
+}
+
+#[test]
+fn counts_of_a_path_and_of_light_go_round_and_nothing_is_different() {
+    let (new, light) = path_of(0);
+    assert!(light > 100, "{light} units of light");
+    // Some 180 entries go through a FIFO: it is left and gone on with before and behind the place where its count goes round.
+    for before in [u32::MAX - 20, u32::MAX - 120, u32::MAX / 2 - 60] {
+        let (old, on_time) = path_of(before);
+        assert_eq!(on_time, before.wrapping_add(light), "on-time after {before}");
+        let differ = new.set_points.iter().zip(&old.set_points).position(|(new, old)| new != old);
+        assert_eq!((differ, new.set_points.len()), (None, old.set_points.len()), "set-points after {before}");
+        assert_eq!(new.edges, old.edges, "after {before}");
+        let differ = new.beam.iter().zip(&old.beam).position(|(new, old)| new != old);
+        assert_eq!((differ, new.beam.len()), (None, old.beam.len()), "light after {before}");
     }
 }
 

@@ -35,4 +35,13 @@ impl<const AXES: usize> Tick<AXES> {
         add(&mut self.crds.moves);
         self.lasers.age(entries);
     }
+
+    /// As if each FIFO of a path had been given, and had carried out, so many entries and motions more since it was cleared,
+    /// and each laser had been on for so many units of its on-time more. Nothing may be in a FIFO; the thread's side must
+    /// grow as old.
+    pub fn age_counts(&mut self, by: u32) {
+        self.crds.states.iter_mut().for_each(|crd| crd.age_counts(by));
+        self.crds.moves = self.crds.moves.wrapping_add(1);
+        self.lasers.age_light(by);
+    }
 }

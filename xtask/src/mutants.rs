@@ -3,7 +3,7 @@
 //! In: the list of [`LIST`]. Out: a table of what became of each and which tests saw it, also in `target/mutants/report.md`;
 //! an error if one survives, does not compile, or if its text is not in its file exactly once. Each is put into a copy of
 //! the tree under `target/mutants`, so that the checkout stays as it is. The tests must pass in that copy before anything
-//! is broken, or their failures would say nothing. A mutant of the firmware is seen by tests in QEMU, of its image.
+//! is broken, or their failures would say nothing. A mutant of `firmware/` or `hal/` is seen by tests in QEMU, of its image.
 mod list;
 
 use crate::setup::{TARGET, compiler};
@@ -17,7 +17,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// A test that takes so much longer than on the code as it is hangs, which is one way to see a mutant.
-const PATIENCE: (u32, Duration) = (5, Duration::from_secs(60));
+const PATIENCE: (u32, Duration) = (3, Duration::from_secs(60));
 
 /// What became of a mutant.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,6 +64,8 @@ pub fn run(only: &str) -> Outcome {
     if chosen.is_empty() {
         return Err(format!("no mutant is called {only}"));
     }
+    let commit = read(shell::program("git").args(["describe", "--always", "--dirty"]))?;
+    println!("the tree of {}", commit.trim());
     let tree = copy()?;
     let mut patience = BTreeMap::new();
     let mut rows = Vec::new();
@@ -77,7 +79,8 @@ pub fn run(only: &str) -> Outcome {
                     mutant.test.join(" ")
                 ));
             }
-            println!("passes  {} ({:.0} s)", mutant.test.join(" "), began.elapsed().as_secs_f64());
+            let (all, test) = (began.elapsed().as_secs_f64(), took.as_secs_f64());
+            println!("passes  {} ({all:.0} s, the test itself {test:.0})", mutant.test.join(" "));
             patience.insert(mutant.test, took.saturating_mul(PATIENCE.0) + PATIENCE.1);
         }
         let (path, began) = (tree.join(mutant.file), Instant::now());
@@ -136,7 +139,7 @@ fn fate(tree: &Path, mutant: &Mutant, patience: Duration) -> Outcome<(Fate, Dura
     let test = mutant.test;
     let (packages, names) = test.split_at(test.iter().position(|word| *word == "--").unwrap_or(test.len()));
     let image = folder().join(TARGET).join("image").join("beamtick-mps2");
-    let in_image = mutant.file.starts_with("firmware/");
+    let in_image = ["firmware/", "hal/"].iter().any(|of| mutant.file.starts_with(of));
     if in_image && !shell::works(&mut image_command(tree)?) {
         return Ok((Fate::Broken, Duration::ZERO));
     }
@@ -189,6 +192,8 @@ fn folder() -> PathBuf {
 fn command(tree: &Path) -> Command {
     let mut command = cargo();
     command.current_dir(tree).arg("test").env("CARGO_TARGET_DIR", folder());
+    // Each mutant is a small change.
+    command.env("CARGO_INCREMENTAL", "1");
     for profile in ["TEST", "DEV"] {
         command
             .env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "1")

@@ -190,6 +190,12 @@ impl CrdBook {
         let data = &self.path(fifo).data;
         self.space(seen, fifo).max(CAPACITY.saturating_sub(data.given.wrapping_sub(data.over)))
     }
+    /// Its FIFOs, which are empty, were given so many entries and motions more.
+    pub fn age(&mut self, by: u32) {
+        for PathData { given, over, motions, .. } in self.fifos.iter_mut().map(|path| &mut path.data) {
+            [given, over, motions].into_iter().for_each(|count| *count = count.wrapping_add(by));
+        }
+    }
     /// Motions of a FIFO that are done, and left.
     pub fn segments(&self, seen: &CrdView, fifo: u8) -> (u32, u32) {
         let index = usize::from(fifo & 1);

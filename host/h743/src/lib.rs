@@ -6,11 +6,13 @@
 //! code with the image.
 //!
 //! What is not emulated: caches, bus contention and wait states (an instruction is a cycle), USB, analog.
+#![deny(unsafe_code)]
 pub mod bus;
 pub mod clocks;
 pub mod dac;
 pub mod device;
 pub mod dma;
+#[allow(unsafe_code, reason = "Unicorn is a C library")]
 pub mod engine;
 pub mod exceptions;
 mod frames;
@@ -18,6 +20,7 @@ pub mod gpio;
 pub mod image;
 pub mod link;
 pub mod machine;
+#[allow(unsafe_code, reason = "memory that Unicorn and the models share")]
 pub mod memory;
 pub mod scs;
 pub mod spi;

@@ -97,6 +97,12 @@ impl<'m> Controller<'m> {
         self.core.age(entries, ns);
     }
 
+    /// As if each FIFO of a path had carried out so many entries more, and each laser had been on for so many units of 250 µs
+    /// more, for the same tests; nothing may be in a FIFO.
+    pub fn age_counts(&mut self, by: u32) {
+        self.core.age_counts(by);
+    }
+
     /// Moves the link bytes that are ready to the end of `out`.
     pub fn take_tx(&mut self, out: &mut Vec<u8>) {
         self.core.take_tx(out);
@@ -200,6 +206,7 @@ impl<'m> Controller<'m> {
 trait Core {
     fn feed(&mut self, bytes: &[u8]);
     fn age(&mut self, entries: u32, ns: u64);
+    fn age_counts(&mut self, by: u32);
     fn take_tx(&mut self, out: &mut Vec<u8>);
     fn take_trace(&mut self, out: &mut Vec<u8>);
     fn advance(&mut self, ns: u64, out: &mut Vec<u8>) -> bool;
@@ -398,6 +405,13 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
     fn age(&mut self, entries: u32, ns: u64) {
         self.server.age(entries);
         self.tick.age(entries, Ns(ns));
+        self.run_tick();
+        self.run_thread();
+    }
+
+    fn age_counts(&mut self, by: u32) {
+        self.server.age_counts(by);
+        self.tick.age_counts(by);
         self.run_tick();
         self.run_thread();
     }

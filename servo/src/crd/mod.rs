@@ -67,6 +67,14 @@ impl CrdState {
         Feed { ends: self.shown.ends }
     }
 
+    /// Its FIFOs have carried out so many entries more: see [`crate::tick::Tick::age_counts`].
+    pub(crate) fn age_counts(&mut self, by: u32) {
+        let CrdView { ends, released, done, .. } = &mut self.shown;
+        [ends, released, done].into_iter().flatten().for_each(|count| *count = count.wrapping_add(by));
+        self.path.age(by);
+        self.touch();
+    }
+
     /// Something that is not a place on the path differs from the last view.
     fn touch(&mut self) {
         self.shown.changes = self.shown.changes.wrapping_add(1);

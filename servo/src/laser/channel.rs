@@ -302,6 +302,11 @@ impl Channel {
         }
     }
 
+    /// It was on for so many units more: see [`crate::tick::Tick::age_counts`].
+    pub(super) fn age_light(&mut self, units: u32) {
+        self.on_time.age(units);
+    }
+
     /// Which coordinate systems have an alarm now.
     pub(super) fn alarms(&mut self, crds: CrdMask) {
         self.alarms = crds;

@@ -25,6 +25,11 @@ impl OnTime {
         self.rest_ns = sum % UNIT_NS;
     }
 
+    /// So many units more: see [`crate::tick::Tick::age_counts`].
+    pub(super) fn age(&mut self, units: u32) {
+        self.units = self.units.wrapping_add(units);
+    }
+
     /// Whole units.
     #[inline]
     pub(super) fn units(&self) -> u32 {

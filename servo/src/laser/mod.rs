@@ -354,8 +354,6 @@ impl Lasers {
         self.speeds.fed = CrdMask(0);
     }
 
-    /// Brings what the thread sees up to now.
-    #[inline]
     /// Counts of changes go up by so many: see [`crate::tick::Tick::age`].
     pub(crate) fn age(&mut self, by: u32) {
         for channel in &mut self.channels {
@@ -364,6 +362,13 @@ impl Lasers {
         }
     }
 
+    /// Every channel was on for so many units more: see [`crate::tick::Tick::age_counts`].
+    pub(crate) fn age_light(&mut self, units: u32) {
+        self.channels.iter_mut().for_each(|channel| channel.age_light(units));
+    }
+
+    /// Brings what the thread sees up to now.
+    #[inline]
     pub(crate) fn show(&self, shown: &mut [LaserView; CHANNELS]) {
         for (to, channel) in shown.iter_mut().zip(&self.channels) {
             to.follow(&channel.shown);

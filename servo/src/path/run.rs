@@ -289,6 +289,14 @@ impl Path {
         self.cursor(fifo).clear();
     }
 
+    /// Its FIFOs, which are empty, have carried out so many entries and motions more: see [`crate::tick::Tick::age_counts`].
+    pub(crate) fn age(&mut self, by: u32) {
+        self.unready();
+        for Cursor { next, done, .. } in &mut self.cursors {
+            (*next, *done) = (next.wrapping_add(by), done.wrapping_add(by));
+        }
+    }
+
     /// At rest, it is here: its axes are called something else now.
     pub fn rename(&mut self, here: [Pos; DIMENSIONS]) {
         self.unready();

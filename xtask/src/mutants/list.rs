@@ -10,7 +10,7 @@ pub struct Mutant {
     pub text: &'static str,
     /// What stands there instead.
     pub broken: &'static str,
-    /// Arguments of the `cargo test` that must fail, one program; names of tests behind `--`. Of a mutant in `firmware/`
+    /// Arguments of the `cargo test` that must fail, one program; names of tests behind `--`. Of a mutant in `firmware/` or `hal/`
     /// the image is built too, and BEAMTICK_IMAGE names it.
     pub test: &'static [&'static str],
 }
@@ -19,11 +19,12 @@ const GATE: &[&str] = &["-p", "beamtick-servo", "--test", "laser_gate"];
 const LASER_PATH: &[&str] = &["-p", "beamtick-servo", "--test", "laser_path"];
 const LASER: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser"];
 const LASER_STATE: &[&str] = &["-p", "beamtick-dispatcher", "--test", "laser_state"];
-const ENDPOINT: &[&str] = &["-p", "beamtick-protocol", "--test", "endpoint"];
-const PROPERTIES: &[&str] = &["-p", "beamtick-protocol", "--test", "properties"];
+const ENDPOINT: &[&str] =
+    &["-p", "beamtick-protocol", "--test", "endpoint", "--", "an_acknowledgement_of", "a_lost_message", "a_frame_with"];
+const PROPERTIES: &[&str] = &["-p", "beamtick-protocol", "--test", "properties", "--", "frames_of_every_length"];
 const LINK: &[&str] = &["-p", "beamtick-host-tests", "--test", "link", "--", "a_restart_in_mid_stream", "every_seed"];
 const RING: &[&str] = &["-p", "beamtick-ring", "--lib"];
-const PT: &[&str] = &["-p", "beamtick-servo", "--test", "pt_exact"];
+const PT: &[&str] = &["-p", "beamtick-servo", "--test", "pt_exact", "--", "short_", "loops_do_not_drift"];
 const TICK_PT: &[&str] = &["-p", "beamtick-servo", "--test", "tick_pt"];
 const PVT: &[&str] = &["-p", "beamtick-servo", "--test", "pvt_run"];
 const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "tick_guards"];
@@ -31,10 +32,14 @@ const CRD_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "crd_ahead"]
 const LOOK_AHEAD: &[&str] = &["-p", "beamtick-dispatcher", "--test", "lookahead"];
 const PROGRAM_ENDS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "program_ends"];
 const LIFE_WRAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counters_go_round"];
+const LIFE_COUNTS: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "counts_of_a_path"];
 const LIFE_OLD: &[&str] = &["-p", "beamtick-host-tests", "--test", "long_life", "--", "what_was_executed_long_ago"];
 const FUZZ_LINK: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "link"];
 const FUZZ_MACHINE: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "machine"];
 const FUZZ_TABLES: &[&str] = &["-p", "beamtick-fuzz", "--test", "corpus", "--", "tables"];
+const LASER_CLEAR: &[&str] =
+    &["-p", "beamtick-host-tests", "--test", "laser_random", "--", "a_clear_does_not_hide_the_fault"];
+const FOLLOW: &[&str] = &["-p", "beamtick-dispatcher", "--test", "follow", "--", "data_of_follow_ex"];
 const FAULTS: &[&str] =
     &["-p", "beamtick-host-tests", "--test", "emulated_faults", "--", "every_fault_of_the_program_ends_dark"];
 
@@ -48,6 +53,7 @@ const PT_RUN: &str = "servo/src/pt/run.rs";
 const AHEAD: &str = "dispatcher/src/lookahead.rs";
 const AXIS_GUARD: &str = "servo/src/axis/guard.rs";
 const SERVER: &str = "dispatcher/src/server.rs";
+const MPS2: &str = "hal/src/mps2_an500/mod.rs";
 
 const fn mutant(
     name: &'static str,
@@ -258,6 +264,20 @@ pub const LIST: &[Mutant] = &[
         "if self.renewed.is_due(view) && view.tick == 0 {",
         LIFE_OLD,
     ),
+    mutant(
+        "places of a path are counted as they stand",
+        "dispatcher/src/books/crd.rs",
+        "self.path(fifo).data.given.wrapping_sub(self.released(seen, fifo))",
+        "self.path(fifo).data.given.saturating_sub(self.released(seen, fifo))",
+        LIFE_COUNTS,
+    ),
+    mutant(
+        "on-time stands still at its end",
+        "servo/src/laser/light.rs",
+        "self.units = self.units.wrapping_add(sum / UNIT_NS);",
+        "self.units = self.units.saturating_add(sum / UNIT_NS);",
+        LIFE_COUNTS,
+    ),
     // -- link, both ends -----------------------------------------------------------------------
     mutant(
         "a message that comes twice is taken twice",
@@ -295,7 +315,7 @@ pub const LIST: &[Mutant] = &[
         "dispatcher/src/path_queue.rs",
         "self.end = self.end.wrapping_add(1);",
         "store.write(self.end.wrapping_add(1), entry);\n        self.end = self.end.wrapping_add(2);",
-        CRD_AHEAD,
+        FUZZ_MACHINE,
     ),
     mutant(
         "a refusal has no reason",
@@ -318,5 +338,57 @@ pub const LIST: &[Mutant] = &[
         "now.wrapping_sub(TURN_SEEN.load(Relaxed)) > TURN",
         "now.wrapping_sub(TURN_SEEN.load(Relaxed)) > TURN << 12",
         FAULTS,
+    ),
+    mutant("nothing guards the stack", MPS2, "guard::below(&mut core.MPU, STACK);", "", FAULTS),
+    mutant("the watchdog is not started", MPS2, "    watchdog::start();\n", "", FAULTS),
+    mutant(
+        "the emulated laser's registers are nobody's",
+        "hal/src/mps2_an500/outputs.rs",
+        "#[used]\nstatic LASERS",
+        "static LASERS",
+        FAULTS,
+    ),
+    // -- faults that were found (docs/safety.md), with what mended them taken out ------------------
+    mutant(
+        "found: a start in the tick that loses the link lights",
+        "servo/src/laser/channel.rs",
+        "goes_on && self.is_mapped(crd) && self.safety.loses_link() => {}",
+        "goes_on && self.is_mapped(crd) && self.safety.loses_link() && goes_on != goes_on => {}",
+        LASER_PATH,
+    ),
+    mutant(
+        "found: a connector that is taken away leaves the light",
+        "servo/src/laser/channel.rs",
+        "if !*laser && self.energy.mode != Mode::Analog {",
+        "if !*laser && self.energy.mode != self.energy.mode {",
+        GATE,
+    ),
+    mutant(
+        "found: a clear hides a fault that comes with it",
+        SAFETY,
+        "if self.rested && !self.lasts() {",
+        "if !self.lasts() {",
+        LASER_CLEAR,
+    ),
+    mutant(
+        "found: a smooth stop begins where a piece has ended",
+        "servo/src/profile.rs",
+        "        self.other = Other::Begins;\n",
+        "",
+        GUARDS,
+    ),
+    mutant(
+        "found: a ratio of 2^48 wraps",
+        "servo/src/follow/entry.rs",
+        "if p.unsigned_abs() >> 44 >= m.unsigned_abs() {",
+        "if p.unsigned_abs() >> 127 >= m.unsigned_abs() {",
+        FOLLOW,
+    ),
+    mutant(
+        "found: a motion behind what begins where only the tick knows is refused",
+        "dispatcher/src/books/crd.rs",
+        "if place.iter().any(|at| at.is_nan())",
+        "if place.iter().all(|_| false)",
+        CRD_AHEAD,
     ),
 ];
