@@ -151,9 +151,8 @@ impl Row {
             let number = numbers.find(|number| *number % 2 == 0 && mark(fifo, **number) == shown.value);
             let Some(&number) = number else { panic!("mark {}: {ran:?}, {self:?}", shown.value) };
             if fifo == 1 {
-                let end = |numbers: &[u32]| {
-                    numbers.iter().copied().filter(|n| n % 2 == 1 && *n < number).next_back().unwrap_or(from)
-                };
+                let end =
+                    |numbers: &[u32]| numbers.iter().copied().rfind(|n| n % 2 == 1 && *n < number).unwrap_or(from);
                 let (low, high) = (f64::from(end(&self.done).max(from)), f64::from(end(&all)));
                 let tick = SPEED / f64::from(ran.ticks_of_ms) + 0.001;
                 assert!((low - 0.001..=high + tick).contains(&shown.place), "mark {number}: {ran:?}, {self:?}");
@@ -169,7 +168,7 @@ impl Row {
             self.compare_times(ran);
             return from;
         }
-        let end = |numbers: &[u32]| numbers.iter().copied().filter(|n| n % 2 == 1).next_back().unwrap_or(from);
+        let end = |numbers: &[u32]| numbers.iter().copied().rfind(|n| n % 2 == 1).unwrap_or(from);
         let place = ran.place.round() as u32;
         assert!((ran.place - f64::from(place)).abs() < 0.001, "rests at a whole pulse: {ran:?}");
         assert!((end(&self.done)..=end(&all)).contains(&place), "rests at {place}: {ran:?}, {self:?}");
