@@ -126,11 +126,14 @@ impl<const AXES: usize> Tick<AXES> {
             // An abrupt stop takes no time (SPEC 4), so its deceleration has nothing to do here.
             Op::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.stop_dec = smooth),
             Op::Band { axis, band, time } => self.one(axis, |state| state.inputs.set_band(band, time)),
-            Op::SoftLimit { axis, positive, negative } => self.one(axis, |state| {
-                state.inputs.soft_positive = positive;
-                state.inputs.soft_negative = negative;
-                state.set_bounds();
-            }),
+            Op::SoftLimit { axis, positive, negative } => {
+                self.crds.look_round();
+                self.one(axis, |state| {
+                    state.inputs.soft_positive = positive;
+                    state.inputs.soft_negative = negative;
+                    state.set_bounds();
+                });
+            }
             Op::Guard { axis, input, on } => self.one(axis, |state| state.inputs.switch(input, on)),
             Op::Sense { axis, input, active_low } => self.one(axis, |state| state.inputs.sense(input, active_low)),
             Op::PositionError { axis, limit } => self.one(axis, |state| state.inputs.error_limit = limit),

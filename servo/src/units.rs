@@ -116,7 +116,12 @@ impl CrdMask {
     /// Its coordinate systems, in order.
     #[inline]
     pub fn crds(self) -> impl Iterator<Item = Crd> {
-        Crd::all().filter(move |crd| self.has(*crd))
+        let mut left = self.0;
+        core::iter::from_fn(move || {
+            let crd = Crd::new(left.trailing_zeros() as usize)?;
+            left &= left.wrapping_sub(1);
+            Some(crd)
+        })
     }
 
     /// Whether the set holds this one.

@@ -30,6 +30,27 @@ fn place(view: &View<AXES>, axes: [usize; 2]) -> [f64; 2] {
     axes.map(|axis| pulses(view.axes[axis].pos))
 }
 
+/// A boundary within a ns behind a tick: that tick is still in the motion before.
+#[test]
+fn a_boundary_just_behind_a_tick_is_behind_it() {
+    // Up to 10 pulse/ms at `acc` in 5/acc ms more than the 4 ms of 40 pulses at that speed: 4.5 ms and half a ns.
+    let (vel, acc) = (10.0, 5.0 / 0.500_000_5);
+    let along = speeds(vel, acc, vel);
+    let entries: Vec<_> = (1..=6).map(|k| Entry::planar([40 * k - 100, 50], along)).collect();
+    let mut bench = ready(250, &[]);
+    bench.path(0, 0, &entries);
+    bench.start_path(&[0]);
+    let zero = bench.tick().now.0;
+    let way = |ms: f64| if ms < vel / acc { acc * ms * ms / 2.0 } else { vel * ms - vel * vel / acc / 2.0 };
+    for _ in 0..60 {
+        let view = bench.tick();
+        let ms = (view.now.0 - zero) as f64 / 1e6;
+        // Its zero is at 100 pulses, -50, and its axes are at 0.
+        let (x, along) = (pulses(view.crds[0].place[0]) + 100.0, way(ms));
+        assert!((x - along).abs() < 1e-5, "{ms} ms: {x}, not {along}");
+    }
+}
+
 #[test]
 fn a_line_moves_both_axes_by_their_share() {
     let mut bench = ready(250, &[]);

@@ -17,7 +17,7 @@ impl AxisState {
         let levels = raw.bits();
         if levels == self.levels {
             match self.calm {
-                Calm::Runs | Calm::Steady => {
+                Calm::Runs | Calm::Steady | Calm::Carried => {
                     self.count = count;
                     self.shown.encoder_before = self.shown.encoder;
                     self.shown.encoder = self.inputs.encoder(count);

@@ -56,6 +56,8 @@ enum Calm {
     Runs,
     /// The same, and there is nothing to tell but its motion.
     Steady,
+    /// The same, of one that a coordinate system drives.
+    Carried,
     /// At rest, for changes alone: nothing here changes until an input, the encoder or an operation does.
     Settled,
 }
@@ -224,7 +226,7 @@ impl AxisState {
             }
         }
         if self.calm == Calm::Runs {
-            self.calm = Calm::Steady;
+            self.calm = if self.driven { Calm::Carried } else { Calm::Steady };
         }
     }
 

@@ -153,7 +153,10 @@ impl AxisState {
     /// A function of its own, so that nothing but the axis takes up registers.
     #[inline(never)]
     pub(crate) fn glide_on(&mut self, next: Ns, left: u32, shown: &mut AxisView) -> Glide {
-        if self.calm != Calm::Steady || self.profile.is_open() && left != 0 {
+        if self.calm != Calm::Steady {
+            return self.be_carried(shown);
+        }
+        if self.profile.is_open() && left != 0 {
             return Glide::No;
         }
         let mut t = self.profile.piece().near_time(next);
@@ -172,15 +175,23 @@ impl AxisState {
         self.go_on(place, shown)
     }
 
-    /// The same in pieces that are not near, and of an axis that a coordinate system has brought to its place.
+    /// The view of an axis that a coordinate system has brought to its place has that.
+    #[inline(always)]
+    fn be_carried(&self, shown: &mut AxisView) -> Glide {
+        let now = &self.shown;
+        // Its view changes in nothing else without being told so.
+        if self.calm != Calm::Carried || shown.changes != now.changes {
+            return Glide::No;
+        }
+        (shown.moves, shown.pos) = (now.moves, now.pos);
+        (shown.encoder, shown.encoder_before) = (now.encoder, now.encoder_before);
+        Glide::Shown
+    }
+
+    /// The same in pieces that are not near.
     #[inline(never)]
     fn glide_far(&mut self, next: Ns, shown: &mut AxisView) -> Glide {
         let holds = |piece: &Piece| piece.elapsed(next) < piece.span;
-        if !self.runs {
-            // Its view changes in nothing else without being told so.
-            let told = shown.changes == self.shown.changes;
-            return if self.driven && told { self.tell_place(shown) } else { Glide::No };
-        }
         if !holds(self.profile.piece()) {
             if !self.profile.ahead().is_some_and(holds) {
                 return Glide::No;

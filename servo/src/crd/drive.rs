@@ -3,20 +3,20 @@
 //! In: the axes as the tick in force left them, entries. Out: where the mapped axes are at the tick computed, what
 //! entries do until the one after. Owns nothing. Cannot fail: what must not go on stops, and the reason is latched.
 use super::sink::Sink;
-use super::{CrdState, Crds, Frame};
+use super::{CrdState, Frame, Room};
 use crate::axis::AxisState;
 use crate::execute::Reach;
 use crate::laser::{Cause, PathSpeed, Wants};
-use crate::path::{Feed, Rest, Sight};
+use crate::path::{DIMENSIONS, EntryStore, Feed, Rest, Sight};
 use crate::tick::{Tick, tell};
-use crate::units::{Axis, AxisMask, Crd, Exact, Ns, Pos};
+use crate::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, Event, StopReason};
 
 impl CrdState {
     /// Whether an axis that others follow is its own.
     #[inline(always)]
     fn leads(&self, masters: AxisMask) -> bool {
-        masters.0 != 0 && self.shown.frame.is_some_and(|frame| masters.0 & frame.mask().0 != 0)
+        self.shown.frame.is_some_and(|frame| masters.0 & frame.mask().0 != 0)
     }
 
     /// What nearly every tick is: on to the next place, and over boundaries at which nobody else takes part, if nothing
@@ -25,30 +25,34 @@ impl CrdState {
     /// A function of its own, so that nothing else takes up registers.
     #[inline(never)]
     fn glide(&mut self, next: Ns, period: Ns, axes: &mut [AxisState]) -> Went {
-        if self.geared.0 != 0 || self.awaited.is_some() {
+        let feed = self.feed();
+        if !self.path.may_glide(feed) {
             return Went::Nowhere;
         }
-        let mut went = Went::Along;
-        if self.path.is_due(next) {
-            if !self.turn(axes) || self.path.is_due(next) {
+        let (mut went, mut spot) = (Went::Along, self.path.spot(next));
+        if spot.is_none() {
+            if !self.path.is_over(next) || !self.turn::<false>(axes) {
                 return Went::Nowhere;
             }
-            went = Went::Over;
+            (went, spot) = (Went::Over, self.path.spot(next));
         }
-        let (fresh, feed) = (self.path.is_fresh(), self.feed());
-        let CrdView { frame, origin, place, heading, bend, motion, turns, fifo, done, moves, .. } = &mut self.shown;
-        let Some(frame) = frame else { return Went::Nowhere };
-        let mut sight = Sight { place, heading, bend, motion, turns };
-        let Some(way) = self.path.glide(next, feed, &mut sight) else { return Went::Nowhere };
-        if !is_free(frame, origin, place, axes) {
+        let (Some(spot), fresh, [room, _]) = (spot, self.path.is_fresh(), self.room) else { return Went::Nowhere };
+        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, fifo, done, moves, .. } =
+            &mut self.shown
+        else {
+            return Went::Nowhere;
+        };
+        let way = self.path.show_at(spot, &mut Sight { place, heading, bend, motion, turns });
+        if room != Room::Wide && !is_free(frame, origin, place, axes) {
             return Went::Nowhere;
         }
         self.path.pass(way);
-        for (axis, (at, origin)) in frame.axes_ref().iter().zip(place.iter().zip(origin.iter())) {
-            if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
+        frame.all(|index, axis| {
+            if let (Some(axis), Some(at), Some(origin)) = (axes.get_mut(axis), place.get(index), origin.get(index)) {
                 axis.drive(Pos(at.0.wrapping_add(origin.0)));
             }
-        }
+            true
+        });
         *moves = moves.wrapping_add(1);
         if fresh {
             *fifo = self.path.fifo();
@@ -56,32 +60,78 @@ impl CrdState {
             *(if *fifo == 0 { first } else { second }) = self.path.done(*fifo);
         }
         if self.path.is_due_before(next, period) {
-            if !self.turn(axes) || self.path.is_due_before(next, period) {
+            if !self.turn::<true>(axes) || self.path.is_due_before(next, period) {
                 return Went::Short;
             }
             went = Went::Over;
         }
         if fresh || went == Went::Over {
-            self.shown.released = [self.path.released(0), self.path.released(1)];
+            let CrdView { released: [first, second], turns, .. } = &mut self.shown;
+            let fifo = self.path.fifo();
+            *(if fifo == 0 { first } else { second }) = self.path.released(fifo);
+            *turns = turns.wrapping_add(1);
+        }
+        if room == Room::Unknown && went == Went::Along {
+            self.look_round(axes);
         }
         went
     }
 
-    /// Over a boundary at which nothing is to be done but to go on, if nothing stands in the way.
+    /// Over a boundary at which nothing is to be done but to go on, if nothing stands in the way; `AFTER` a look, and not up to
+    /// one.
     #[inline(never)]
-    fn turn(&mut self, axes: &[AxisState]) -> bool {
-        let feed = self.feed();
+    fn turn<const AFTER: bool>(&mut self, axes: &[AxisState]) -> bool {
+        let (feed, over, [room, next]) = (self.feed(), self.path.turns_over(), self.room);
         let CrdView { frame: Some(frame), origin, .. } = &self.shown else { return false };
-        self.path.turn(feed, |end| is_free(frame, origin, end, axes))
+        let free = |end: &[Pos; DIMENSIONS]| room == Room::Wide || is_free(frame, origin, end, axes);
+        let turned = self.path.turn_at::<AFTER>(feed, free);
+        if turned && over {
+            self.room = [next, Room::Unknown];
+        }
+        turned
+    }
+
+    /// Makes something of what follows.
+    #[inline(never)]
+    fn prepare(&mut self, source: &[EntryStore; 2], axes: &[AxisState]) {
+        let before = self.path.turns_over();
+        self.path.prepare(self.feed(), source);
+        if self.path.turns_over() && !before {
+            let room = self.room_of(true, axes);
+            let [_, next] = &mut self.room;
+            *next = room;
+        }
+    }
+
+    /// Looks for room for the motion in force.
+    #[inline(never)]
+    fn look_round(&mut self, axes: &[AxisState]) {
+        let room = self.room_of(false, axes);
+        let [now, _] = &mut self.room;
+        *now = room;
+    }
+
+    /// What room there is for the motion in force, or for the one `ahead`.
+    fn room_of(&self, ahead: bool, axes: &[AxisState]) -> Room {
+        let (hull, CrdView { frame: Some(frame), origin, .. }) = (self.path.hull(ahead), &self.shown) else {
+            return Room::Unknown;
+        };
+        let is_well = |place: &[Pos; DIMENSIONS]| {
+            frame.all(|index, axis| match (axes.get(axis), place.get(index), origin.get(index)) {
+                (Some(axis), Some(at), Some(origin)) => axis.is_well(Pos(at.0.saturating_add(origin.0))),
+                _ => true,
+            })
+        };
+        if hull.iter().all(is_well) { Room::Wide } else { Room::Narrow }
     }
 }
 
 /// Whether the axes may be driven to a place without a closer look.
 #[inline(always)]
-fn is_free(frame: &Frame, origin: &[Pos], place: &[Pos], axes: &[AxisState]) -> bool {
-    frame.axes_ref().iter().zip(place.iter().zip(origin)).all(|(axis, (at, origin))| {
-        let axis = axis.and_then(|axis| axes.get(axis.index()));
-        axis.is_none_or(|axis| axis.is_free(Pos(at.0.wrapping_add(origin.0))))
+fn is_free(frame: &Frame, origin: &[Pos; DIMENSIONS], place: &[Pos; DIMENSIONS], axes: &[AxisState]) -> bool {
+    frame.all(|index, axis| match (axes.get(axis), place.get(index), origin.get(index)) {
+        (Some(axis), Some(at), Some(origin)) => axis.is_free(Pos(at.0.wrapping_add(origin.0))),
+        _ => true,
     })
 }
 
@@ -102,18 +152,39 @@ impl<const AXES: usize> Tick<AXES> {
     /// Every coordinate system that runs takes its step.
     #[inline(never)]
     pub(crate) fn step_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
-        for crd in self.crds.running.crds() {
-            let (masters, Crds { states, moves, .. }) = (self.order.masters, &mut self.crds);
-            let Some(state) = states.get_mut(crd.index()) else { return };
-            let led = state.leads(masters);
-            let went = if led { Went::Nowhere } else { state.glide(next, self.period, &mut self.axes) };
-            *moves = moves.wrapping_add(1);
-            if went == Went::Nowhere
-                && let Some(reason) = self.forbids(crd)
-            {
-                self.stop_crds(crd.mask(), true, reason, next, lanes);
+        let (period, masters, running) = (self.period, self.order.masters, self.crds.running);
+        // Of several that run, each second one in a tick makes something ahead.
+        let turn = if self.ticks & 1 == 0 { 0x55 } else { 0xaa };
+        let prepares = CrdMask(if running.0.is_power_of_two() { u8::MAX } else { turn });
+        let mut wants = self.lasers.wants();
+        self.crds.moves = self.crds.moves.wrapping_add(1);
+        for crd in running.crds() {
+            let index = crd.index();
+            let Some(state) = self.crds.states.get_mut(index) else { return };
+            let led = masters.0 != 0 && state.leads(masters);
+            let went = if led { Went::Nowhere } else { state.glide(next, period, &mut self.axes) };
+            if matches!(went, Went::Nowhere | Went::Short) {
+                if went == Went::Nowhere
+                    && let Some(reason) = self.forbids(crd)
+                {
+                    self.stop_crds(crd.mask(), true, reason, next, lanes);
+                }
+                self.walk_crd(crd, next, went == Went::Short, prepares.has(crd), lanes);
+                wants = self.lasers.wants();
+                continue;
             }
-            self.step_crd(crd, next, went, lanes);
+            // A tick that enters something does not make anything ahead.
+            if went == Went::Along
+                && prepares.has(crd)
+                && let Some(source) = lanes.paths.get(index)
+            {
+                state.prepare(source, &self.axes);
+            }
+            if wants.encoder.has(crd) {
+                self.feed_lasers(crd, next, wants);
+            } else if wants.planned.has(crd) {
+                self.lasers.feed(crd, state.path.mean(&state.shown.motion, next, period), PathSpeed::REST);
+            }
         }
     }
 
@@ -121,7 +192,7 @@ impl<const AXES: usize> Tick<AXES> {
     pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
-                self.step_crd(crd, next, Went::Nowhere, lanes);
+                self.walk_crd(crd, next, false, false, lanes);
             }
         }
     }
@@ -148,30 +219,7 @@ impl<const AXES: usize> Tick<AXES> {
         (!awaited.runs() && awaited.shown.stop != StopReason::Completed).then_some(StopReason::OtherAxis)
     }
 
-    /// What else there is to do.
-    #[inline(always)]
-    fn step_crd(&mut self, crd: Crd, next: Ns, went: Went, lanes: &mut Reach<'_, '_, AXES>) {
-        // Of several that run, one in a tick makes something ahead.
-        let may_prepare = self.crds.running.0.is_power_of_two() || (self.ticks ^ crd.index() as u32) & 1 == 0;
-        let (Some(state), Some(source)) = (self.crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
-            return;
-        };
-        if matches!(went, Went::Nowhere | Went::Short) {
-            self.walk_crd(crd, next, went == Went::Short, may_prepare, lanes);
-            return;
-        }
-        // A tick that enters something does not make anything ahead.
-        if may_prepare && went == Went::Along {
-            let feed = state.feed();
-            state.path.prepare(feed, source);
-        }
-        let wants = self.lasers.wants(crd);
-        if wants.planned || wants.encoder {
-            self.feed_lasers(crd, next, wants);
-        }
-    }
-
-    /// The same where more takes part than the path itself; one that is `there` is at its place.
+    /// Its step where more takes part than the path itself; one that is `there` is at its place.
     #[inline(never)]
     fn walk_crd(&mut self, crd: Crd, next: Ns, there: bool, may_prepare: bool, lanes: &mut Reach<'_, '_, AXES>) {
         let period = self.period;
@@ -232,6 +280,10 @@ impl<const AXES: usize> Tick<AXES> {
         if awaited.is_some() {
             state.awaited = awaited.filter(|_| state.path.waits());
         }
+        if state.geared.0 != 0 || state.awaited.is_some() {
+            state.path.hold_still();
+        }
+        state.room = [Room::Unknown; 2];
         let shown = &mut state.shown;
         shown.moves = shown.moves.wrapping_add(1);
         crds.moves = crds.moves.wrapping_add(1);
@@ -240,8 +292,9 @@ impl<const AXES: usize> Tick<AXES> {
             state.obstacle = obstacle;
         }
         shown.released = [state.path.released(0), state.path.released(1)];
-        let wants = self.lasers.wants(crd);
-        if wants.planned || wants.encoder {
+        shown.turns = shown.turns.wrapping_add(1);
+        let wants = self.lasers.wants();
+        if wants.planned.has(crd) || wants.encoder.has(crd) {
             self.feed_lasers(crd, next, wants);
         }
         let left = AxisMask(geared.0 & !gone.0);
@@ -261,10 +314,10 @@ impl<const AXES: usize> Tick<AXES> {
         let period = self.period;
         let Some(state) = self.crds.get(crd) else { return };
         let (mut planned, mut encoder) = (PathSpeed::REST, PathSpeed::REST);
-        if wants.planned {
+        if wants.planned.has(crd) {
             planned = state.path.mean(&state.shown.motion, next, period);
         }
-        if wants.encoder {
+        if wants.encoder.has(crd) {
             let mapped = state.shown.frame.map_or([None; 4], |frame| frame.axes());
             let gone = mapped.map(|axis| {
                 let shown = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.shown);

@@ -28,6 +28,17 @@ use crate::view::{CrdView, StopReason};
 /// is there by then.
 const LOOKS: u8 = 2;
 
+/// Whether anything may stand in the way of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Room {
+    /// Nobody has looked.
+    Unknown,
+    /// Nothing does: all of it is well between what its axes are held to, until one of them is told of something.
+    Wide,
+    /// Each of its places has to be looked at.
+    Narrow,
+}
+
 /// One coordinate system. What every tick looks at stands first.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
@@ -38,6 +49,8 @@ pub(crate) struct CrdState {
     geared: AxisMask,
     /// The axis that a modal move has sent away.
     awaited: Option<Axis>,
+    /// Of the motion in force, and of the one behind it.
+    room: [Room; 2],
     path: Path,
     /// At rest: the FIFO that will probably be started, and the looks before something of that start is made.
     likely: u8,
@@ -60,6 +73,7 @@ impl CrdState {
         rest_since: Ns(0),
         geared: AxisMask(0),
         awaited: None,
+        room: [Room::Unknown; 2],
         obstacle: None,
     };
 
@@ -100,6 +114,13 @@ impl Crds {
 
     pub(crate) fn get(&self, crd: Crd) -> Option<&CrdState> {
         self.states.get(crd.index())
+    }
+
+    /// What axes are held to has changed.
+    pub(crate) fn look_round(&mut self) {
+        for state in &mut self.states {
+            state.room = [Room::Unknown; 2];
+        }
     }
 
     fn get_mut(&mut self, crd: Crd) -> Option<&mut CrdState> {

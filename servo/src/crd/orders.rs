@@ -4,7 +4,7 @@
 //! state of a coordinate system or an axis forbids starts none of its mask and is told; whatever else does not fit any
 //! more has no effect.
 use super::sink::Sink;
-use super::{CrdState, Frame, LOOKS};
+use super::{CrdState, Frame, LOOKS, Room};
 use crate::execute::Reach;
 use crate::laser::Cause;
 use crate::op::Lane;
@@ -71,7 +71,8 @@ impl<const AXES: usize> Tick<AXES> {
         let Some(state) = self.crds.get_mut(crd) else { return };
         let CrdView { moves, changes, cleared: [first, second], frame, stop, .. } = state.shown;
         // In place: a whole state is some kilobytes. What the pattern leaves out is known by name: it stays.
-        let CrdState { shown: _, geared, awaited, path, likely, looks: _, ending, rest_since: _, obstacle } = state;
+        let CrdState { shown: _, geared, awaited, room: _, path, likely, looks: _, ending, rest_since: _, obstacle } =
+            state;
         (*geared, *awaited, *likely) = (AxisMask(0), None, 0);
         (*ending, *obstacle) = (StopReason::None, None);
         path.place([Pos(0); DIMENSIONS]);
@@ -176,6 +177,7 @@ impl<const AXES: usize> Tick<AXES> {
             let goes_on = state.path.goes_on(fifo) && state.shown.rest == Rest::Stopped;
             self.lasers.crd_starts(crd, next, goes_on);
             state.path.start(next, fifo, feed, source);
+            state.room = [Room::Unknown; 2];
             (state.ending, state.shown.runs, state.awaited) = (StopReason::StopSmooth, true, None);
             state.touch();
             let frame = state.shown.frame;
@@ -227,6 +229,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// Causes of latched bits have changed, of axes that may be mapped: channels that are, too, hear of it.
     #[inline(never)]
     pub(crate) fn see_causes(&mut self) {
+        self.crds.look_round();
         let mut alarms = CrdMask(0);
         for (crd, state) in Crd::all().zip(&self.crds.states) {
             for axis in state.shown.frame.iter().flat_map(Frame::axes).flatten() {

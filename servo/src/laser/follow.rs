@@ -66,6 +66,12 @@ impl PathSpeed {
         }
     }
 
+    /// The same at any instant and period, if the motion has no acceleration.
+    pub(crate) fn even(motion: &Motion) -> Option<PathSpeed> {
+        let [_, change, _] = motion.c;
+        (change == 0).then(|| PathSpeed::ahead(motion, Ns(0)))
+    }
+
     /// Of a way that was or will be gone in `period`.
     pub(crate) fn mean(way: Exact, period: Ns) -> PathSpeed {
         PathSpeed::per_ms(Real::from_exact(way), period)

@@ -198,11 +198,11 @@ impl Surroundings<'_> {
     }
 }
 
-/// Which speeds of a path somebody follows, or may from within the coming interval on.
+/// The coordinate systems whose speeds somebody follows, or may from within the coming interval on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Wants {
-    pub(crate) planned: bool,
-    pub(crate) encoder: bool,
+    pub(crate) planned: CrdMask,
+    pub(crate) encoder: CrdMask,
 }
 
 /// All channels of a controller, and what they share.
@@ -299,15 +299,15 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.end_follow(crds));
     }
 
-    /// Which speeds of a path are to be fed, once the path has taken its step.
+    /// Which speeds of paths are to be fed, each once its path has taken its step.
     #[inline]
-    pub(crate) fn wants(&self, crd: Crd) -> Wants {
+    pub(crate) fn wants(&self) -> Wants {
         let (mut planned, mut encoder) = (0, 0);
         for channel in &self.channels {
             let (of, too) = channel.wants();
             (planned, encoder) = (planned | of.0, encoder | too.0);
         }
-        Wants { planned: CrdMask(planned).has(crd), encoder: CrdMask(encoder).has(crd) }
+        Wants { planned: CrdMask(planned), encoder: CrdMask(encoder) }
     }
 
     /// How fast a path goes in the interval that is planned next ([`crate::path::Path::mean`]), and how fast its encoders

@@ -20,6 +20,7 @@ use super::plan::{Plan, Sketch};
 use super::shape::{Along as Geared, Bend, Draft, Shape};
 use super::store::Entries;
 use super::{DIMENSIONS, Fine};
+use crate::laser::PathSpeed;
 use crate::piece::{Motion, Piece};
 use crate::real::Real;
 use crate::units::{Axis, Exact, Ns, Pos};
@@ -109,6 +110,17 @@ enum Behind {
     Nothing,
 }
 
+/// What is there to do at the end of the leg in force.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Turn {
+    /// More than the short way does.
+    Else,
+    /// The piece of the next leg comes into force.
+    Leg,
+    /// The next motion does, which is made, with its first piece.
+    Motion,
+}
+
 /// A coordinate system that moves. What every tick looks at stands first.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
@@ -132,6 +144,9 @@ pub struct Path {
     piece: u8,
     /// The piece in force is made.
     pieced: bool,
+    /// What the short way may do: show where it is, and go over the end of the leg in force. Decided where it may change.
+    glides: bool,
+    turn: Turn,
     /// What is shown has to be written as a whole.
     fresh: bool,
     /// Whether somebody follows a coordinate; then what happens between looks is kept: up to the last look, and since.
@@ -139,6 +154,8 @@ pub struct Path {
     stopping: bool,
     /// The leg as a piece, once it is needed, and the one behind it, if it is made ahead.
     pieces: [Piece; 2],
+    /// The speeds of these, where they are even.
+    even: [Option<PathSpeed>; 2],
     /// When the piece behind the one in force begins, if it is made.
     follows: Option<Fine>,
     /// The instant up to which all boundaries have been passed, and the speed there.
@@ -226,8 +243,11 @@ impl Path {
         began: 0,
         way: Exact(0),
         pieces: [Piece::rest(Ns(0), 0, Pos(0)); 2],
+        even: [None; 2],
         piece: 0,
         pieced: false,
+        glides: false,
+        turn: Turn::Else,
         follows: None,
         fresh: true,
         seen: Pos(0),
@@ -256,10 +276,13 @@ impl Path {
             at: _,
             piece: _,
             pieced,
+            glides,
+            turn,
             fresh,
             led,
             stopping,
             pieces: _,
+            even: _,
             follows,
             time,
             speed,
@@ -277,6 +300,7 @@ impl Path {
         (*stage, *leg, *began, *way, *over) = (on.stage, on.leg, on.began, on.way, on.over);
         (*seen, *swept, *open, *fifo) = (on.seen, on.swept, on.open, on.fifo);
         (*pieced, *fresh, *led, *stopping) = (on.pieced, on.fresh, on.led, on.stopping);
+        (*glides, *turn) = (on.glides, on.turn);
         (*follows, *time, *speed, *here, *ready) = (on.follows, on.time, on.speed, at, on.ready);
         cursors.iter_mut().for_each(Cursor::clear);
         motions.iter_mut().for_each(|made| made.state = State::Nothing);
@@ -319,7 +343,10 @@ impl Path {
         if led && !self.led {
             self.since.count = 0;
         }
-        self.led = led;
+        if led != self.led {
+            self.led = led;
+            self.line_up();
+        }
     }
 
     /// What they did up to the last look.
@@ -403,6 +430,11 @@ impl Path {
 
     /// Begins, or goes on, at `next`.
     pub fn start(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
+        self.set_off(next, fifo, feed, source);
+        self.line_up();
+    }
+
+    fn set_off(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
         (self.fifo, self.stopping, self.speed, self.pieced) = (fifo, false, Real::ZERO, false);
         self.time = (next.0 as Fine) << 32;
         self.take_ready(next, fifo);
@@ -442,6 +474,7 @@ impl Path {
                 self.plan_rest(feed, source);
             }
         }
+        self.line_up();
     }
 
     /// The motion in force is planned anew from `next` on, because a rule has changed.
@@ -453,6 +486,7 @@ impl Path {
             self.follows = None;
             self.unplan();
         }
+        self.line_up();
     }
 
     /// The path at `next`; then all boundaries before `next + period`.
@@ -471,6 +505,23 @@ impl Path {
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "a step, and where it goes to")]
     pub fn advance(
+        &mut self,
+        next: Ns,
+        period: Ns,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+        sight: &mut Sight<'_>,
+        may_prepare: bool,
+    ) -> Told {
+        let told = self.go(next, period, feed, source, sink, sight, may_prepare);
+        self.line_up();
+        told
+    }
+
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "a step, and where it goes to")]
+    fn go(
         &mut self,
         next: Ns,
         period: Ns,
@@ -516,6 +567,42 @@ impl Path {
         let until = ((next.0.wrapping_add(period.0)) as Fine) << 32;
         let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
         self.walk(until, &mut budget, feed, source, sink);
+        self.line_up();
+    }
+
+    /// The short way is not taken until something other than it is done.
+    pub(crate) fn hold_still(&mut self) {
+        (self.glides, self.turn) = (false, Turn::Else);
+    }
+
+    /// Whether the short way goes over to another motion at the end of the leg in force.
+    #[inline(always)]
+    pub(crate) fn turns_over(&self) -> bool {
+        self.turn == Turn::Motion
+    }
+
+    /// Two corners of a box that holds the motion in force, or the one that is `ahead`.
+    pub(crate) fn hull(&self, ahead: bool) -> [[Pos; DIMENSIONS]; 2] {
+        if ahead { self.ahead() } else { self.motion() }.shape.hull()
+    }
+
+    /// What the short way may do from now on, until something other than it is done.
+    #[inline(never)]
+    fn line_up(&mut self) {
+        let moves = matches!(self.stage, Stage::Move) && !self.led;
+        let cursor = self.cursor_of(self.fifo);
+        let (alone, next) = (cursor.geared == 0, cursor.next);
+        self.glides = moves && self.pieced && alone;
+        let (Made { plan, .. }, Made { counter, state, .. }) = (self.motion(), self.ahead());
+        self.turn = if !moves || self.follows != Some(self.over) {
+            Turn::Else
+        } else if plan.leg(self.leg.wrapping_add(1)).is_some() {
+            Turn::Leg
+        } else if alone && !plan.halts && !self.stopping && *state == State::Ready && *counter == next {
+            Turn::Motion
+        } else {
+            Turn::Else
+        };
     }
 
     /// FIFO in force, or that was last.
@@ -531,7 +618,7 @@ impl Path {
     /// Whether a boundary lies at or before `next`.
     #[inline(always)]
     pub fn is_due(&self, next: Ns) -> bool {
-        (self.over >> 32) as u64 <= next.0
+        self.over <= (next.0 as Fine) << 32
     }
 
     /// Whether one lies before `next + period`.

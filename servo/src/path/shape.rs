@@ -79,11 +79,14 @@ impl Bend {
 
 #[derive(Debug, Clone, Copy)]
 enum Figure {
-    /// Unit vector in 2⁻⁶²; all but the first `coordinates` of it are 0.
-    Line { unit: [i64; DIMENSIONS], coordinates: u8 },
+    /// Unit vector in 2⁻⁶¹, plus [`BIAS`]: no factor is negative. All but the first `coordinates` of it are 0.
+    Line { unit: [u64; DIMENSIONS], heading: [i32; DIMENSIONS], coordinates: u8 },
     /// V and R in 2⁻³⁰ pulse, V/R in 2⁻³⁰; turns per pulse in 2^-(64 + shift).
     Arc { plane: Plane, ccw: bool, vector: [i64; 2], radius: i64, radial: [i32; 2], rate: u64, shift: i32 },
 }
+
+/// 1 in 2⁻⁶¹.
+const BIAS: u64 = 1 << 61;
 
 impl Figure {
     fn arc(plane: Plane, ccw: bool, vector: [i64; 2], radius: Real, turns: Real) -> Figure {
@@ -136,7 +139,7 @@ impl Shape {
         start: [Pos(0); DIMENSIONS],
         end: [Pos(0); DIMENSIONS],
         length: Real::ZERO,
-        figure: Figure::Line { unit: [0; DIMENSIONS], coordinates: 0 },
+        figure: Figure::Line { unit: [BIAS; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
     };
 
     /// Where it starts and ends, and what else there is to be made of it. `exact` replaces the target of a line where it is the
@@ -197,9 +200,10 @@ impl Shape {
 
     fn unit(&mut self, way: [i64; DIMENSIONS]) -> Draft {
         let inverse = self.length.recip();
-        let unit = way.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(61) << 1 });
+        let unit = way.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(61) });
         let coordinates = way.iter().rposition(|x| *x != 0).map_or(0, |last| last as u8 + 1);
-        self.figure = Figure::Line { unit, coordinates };
+        let (heading, unit) = (unit.map(|x| (x >> 31) as i32), unit.map(|x| BIAS.wrapping_add_signed(x)));
+        self.figure = Figure::Line { unit, heading, coordinates };
         Draft::Nothing
     }
 
@@ -242,10 +246,30 @@ impl Shape {
         self.length
     }
 
+    /// Where it starts.
+    pub(super) fn start(&self) -> &[Pos; DIMENSIONS] {
+        &self.start
+    }
+
     /// Where it ends, exactly.
     #[inline(always)]
     pub(super) fn end(&self) -> &[Pos; DIMENSIONS] {
         &self.end
+    }
+
+    /// Two corners of a box that holds it, with a pulse to spare.
+    pub(super) fn hull(&self) -> [[Pos; DIMENSIONS]; 2] {
+        let [mut low, mut high] = [self.start, self.start];
+        for ((low, high), end) in low.iter_mut().zip(&mut high).zip(&self.end) {
+            (*low, *high) = ((*low).min(*end), (*high).max(*end));
+        }
+        // An arc is not further from its start than its circle is wide.
+        let wide = match self.figure {
+            Figure::Line { .. } => 0,
+            Figure::Arc { radius, .. } => radius >> 7,
+        };
+        let room = wide.saturating_add(1 << Pos::FRAC_BITS);
+        [low.map(|x| Pos(x.0.saturating_sub(room))), high.map(|x| Pos(x.0.saturating_add(room)))]
     }
 
     /// How its direction turns.
@@ -262,11 +286,16 @@ impl Shape {
     /// What of its place, direction and bend is the same all along it.
     #[inline(always)]
     pub(super) fn show(&self, place: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS], bend: &mut Bend) {
-        (*place, *heading, *bend) = (self.start, [0; DIMENSIONS], self.bend());
-        if let Figure::Line { unit, .. } = &self.figure {
-            for (heading, unit) in heading.iter_mut().zip(unit) {
-                *heading = (unit >> 32) as i32;
-            }
+        if let Figure::Line { heading: straight, .. } = &self.figure {
+            // It is in two coordinates at least that every place is shown.
+            let ([_, _, z, a], [_, _, z0, a0]) = (place, &self.start);
+            (*z, *a) = (*z0, *a0);
+            *heading = *straight;
+            *bend = Bend::STRAIGHT;
+        } else {
+            *place = self.start;
+            *heading = [0; DIMENSIONS];
+            *bend = self.bend();
         }
     }
 
@@ -274,15 +303,28 @@ impl Shape {
     /// been shown.
     #[inline(always)]
     pub(super) fn follow(&self, way: Pos, place: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS]) {
-        let way = long(way);
         match &self.figure {
-            Figure::Line { unit, coordinates } => {
-                for ((place, start), unit) in place.iter_mut().zip(&self.start).zip(unit).take(*coordinates as usize) {
-                    *place = moved(*start, mulhi_su(*unit, way));
+            Figure::Line { unit, coordinates, .. } => {
+                // In 2^-25, below 2^59: times 2^-61, over 2^64, it is a position; the bias makes of it the way itself.
+                let way = way.0.max(0) as u64;
+                let (w0, w1) = ((way << 3) as u32, (way >> 29) as u32);
+                let on = |place: &mut Pos, start: &Pos, unit: &u64| {
+                    let (u0, u1) = (*unit as u32, (unit >> 32) as u32);
+                    let cross = product(u0, w1).wrapping_add(product(u1, w0)).wrapping_add(1 << 31);
+                    let by = product(u1, w1).wrapping_add(cross >> 32).wrapping_sub(way);
+                    *place = Pos(start.0.wrapping_add_unsigned(by));
+                };
+                let ([x, y, z, a], [x0, y0, z0, a0], [ux, uy, uz, ua]) = (place, &self.start, unit);
+                // In a row: a loop costs as much as what it does.
+                on(x, x0, ux);
+                on(y, y0, uy);
+                if *coordinates > 2 {
+                    on(z, z0, uz);
+                    on(a, a0, ua);
                 }
             }
             Figure::Arc { plane, ccw, vector: [a, b], radial: [p, q], rate, shift, .. } => {
-                let turn = umulhi(*rate, way).wrapping_shl(*shift as u32);
+                let turn = umulhi(*rate, long(way)).wrapping_shl(*shift as u32);
                 let (sin, cos) = sin_cos(turn);
                 let (near, far) = (short(sin), short(cos));
                 let fall = cos - (1 << 62);
@@ -315,8 +357,8 @@ impl Shape {
     pub(super) fn outset(&self) -> [i32; DIMENSIONS] {
         let mut heading = [0; DIMENSIONS];
         self.follow(Pos(0), &mut [Pos(0); DIMENSIONS], &mut heading);
-        if let Figure::Line { unit, .. } = &self.figure {
-            heading = unit.map(|unit| (unit >> 32) as i32);
+        if let Figure::Line { heading: straight, .. } = &self.figure {
+            heading = *straight;
         }
         heading
     }
@@ -348,6 +390,11 @@ fn short(factor: i64) -> impl Fn(i32) -> i32 {
 #[inline(always)]
 fn moved(from: Pos, by: i64) -> Pos {
     Pos(from.0.wrapping_add((by >> 5).wrapping_add(1) >> 1))
+}
+
+#[inline(always)]
+fn product(a: u32, b: u32) -> u64 {
+    a as u64 * b as u64
 }
 
 fn difference(start: &[Pos; DIMENSIONS], end: &[Pos; DIMENSIONS], i: usize) -> i64 {

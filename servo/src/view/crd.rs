@@ -12,7 +12,7 @@ pub struct CrdView {
     pub moves: u32,
     /// Counts changes of what is not a place on the path: `frame`, `cleared`, `rest`, `stop`, `ends`.
     pub changes: u32,
-    /// Counts changes of `bend` and of `motion` but for the place in it.
+    /// Counts changes of `bend`, of `motion` but for the place in it, of `fifo`, `released` and `done`.
     pub turns: u32,
     /// Coordinates: the planned positions of its axes less the origin.
     pub place: [Pos; DIMENSIONS],
@@ -57,9 +57,9 @@ impl CrdView {
         }
         if self.turns != now.turns {
             (self.turns, self.bend, self.motion) = (now.turns, now.bend, now.motion);
+            (self.fifo, self.released, self.done) = (now.fifo, now.released, now.done);
         }
         (self.moves, self.place, self.heading, self.motion.tau) = (now.moves, now.place, now.heading, now.motion.tau);
-        (self.fifo, self.released, self.done) = (now.fifo, now.released, now.done);
     }
 
     /// At power-on.

@@ -20,7 +20,10 @@ impl Path {
         {
             if !self.pieced {
                 (self.pieced, self.fresh) = (true, true);
-                leg.piece(self.began, self.way, &mut self.pieces[(self.piece & 1) as usize]);
+                let (piece, even) =
+                    (&mut self.pieces[(self.piece & 1) as usize], &mut self.even[(self.piece & 1) as usize]);
+                leg.piece(self.began, self.way, piece);
+                *even = PathSpeed::even(&piece.motion);
             }
             let before = *sight.heading;
             let way = self.show(next, sight);
@@ -51,6 +54,17 @@ impl Path {
     #[inline(always)]
     fn show(&mut self, next: Ns, sight: &mut Sight<'_>) -> Pos {
         let piece = &self.pieces[(self.piece & 1) as usize];
+        let place = match piece.near_time(next) {
+            Some(t) => piece.at_near(t),
+            None => piece.at(piece.held(next)),
+        };
+        self.show_at(place, sight)
+    }
+
+    /// The same at this place in the piece.
+    #[inline(always)]
+    pub(crate) fn show_at(&mut self, (way, tau): (Pos, u64), sight: &mut Sight<'_>) -> Pos {
+        let piece = &self.pieces[(self.piece & 1) as usize];
         let shape = &self.motions[(self.at & 1) as usize].shape;
         if self.fresh {
             self.fresh = false;
@@ -58,10 +72,6 @@ impl Path {
             *sight.turns = sight.turns.wrapping_add(1);
             shape.show(sight.place, sight.heading, sight.bend);
         }
-        let (way, tau) = match piece.near_time(next) {
-            Some(t) => piece.at_near(t),
-            None => piece.at(piece.held(next)),
-        };
         sight.motion.tau = tau;
         shape.follow(way, sight.place, sight.heading);
         way
@@ -71,11 +81,35 @@ impl Path {
     /// along or follows a coordinate. Whoever finds that the path may be there says so to [`Path::pass`].
     #[inline(always)]
     pub fn glide(&mut self, next: Ns, feed: Feed, sight: &mut Sight<'_>) -> Option<Pos> {
-        let glides = matches!(self.stage, Stage::Move) && self.pieced && !self.led && !self.is_due(next);
-        if !glides || self.cursor_of(self.fifo).geared != 0 || self.has_news(feed) {
+        if !self.may_glide(feed) {
             return None;
         }
-        Some(self.show(next, sight))
+        let spot = self.spot(next)?;
+        Some(self.show_at(spot, sight))
+    }
+
+    /// Whether that may be all there is to do.
+    #[inline(always)]
+    pub(crate) fn may_glide(&self, feed: Feed) -> bool {
+        self.glides && !self.has_news(feed)
+    }
+
+    /// Whether the leg in force is over at `next`, which its piece does not hold.
+    #[inline(always)]
+    pub(crate) fn is_over(&self, next: Ns) -> bool {
+        // Both end with the same ns, and no piece begins behind the tick that is computed.
+        self.pieces[(self.piece & 1) as usize].is_near() || self.is_due(next)
+    }
+
+    /// The way and the parameter at `next`, if the piece in force holds it.
+    #[inline(always)]
+    pub(crate) fn spot(&self, next: Ns) -> Option<(Pos, u64)> {
+        let piece = &self.pieces[(self.piece & 1) as usize];
+        match piece.near_time(next) {
+            Some(t) => Some(piece.at_near(t)),
+            None if piece.is_near() || piece.elapsed(next) >= piece.span => None,
+            None => Some(piece.at(piece.elapsed(next))),
+        }
     }
 
     /// It is `way` along the motion in force.
@@ -118,7 +152,19 @@ impl Path {
 
     /// The mean speed of the interval of `period` from `next` on, of which `motion` was shown: what the laser's power
     /// follows.
+    #[inline(always)]
     pub fn mean(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
+        if self.glides
+            && self.swept.is_none()
+            && let Some(speed) = self.even[(self.piece & 1) as usize]
+        {
+            return speed;
+        }
+        self.mean_of(motion, next, period)
+    }
+
+    #[inline(never)]
+    fn mean_of(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
         let Some(swept) = self.swept else { return PathSpeed::ahead(motion, period) };
         let mut way = swept.0;
         if let Stage::Move = self.stage

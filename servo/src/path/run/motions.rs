@@ -4,6 +4,7 @@
 //! plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is the one that would have been
 //! made on its boundary: the same functions of the same numbers.
 use super::{Behind, EFFECTS, Feed, Gear, Made, Path, Rules, Stage, State, end_of};
+use crate::laser::PathSpeed;
 use crate::path::entry::{Along, Entry, Item};
 use crate::path::plan::{Leg, Means, Plan};
 use crate::path::shape::Along as Geared;
@@ -102,7 +103,11 @@ impl Path {
     /// Makes some of what follows: the piece behind the one in force, some of the motion behind the one in force.
     #[inline(never)]
     pub fn prepare(&mut self, feed: Feed, source: &impl Entries) {
-        if self.follows.is_none() && self.piece_ahead() || self.stopping || self.motion().plan.halts {
+        if self.follows.is_none() && self.piece_ahead() {
+            self.line_up();
+            return;
+        }
+        if self.stopping || self.motion().plan.halts {
             return;
         }
         if self.ahead().state == State::Nothing {
@@ -142,7 +147,8 @@ impl Path {
     fn piece_ahead(&mut self) -> bool {
         let (over, [motion, ahead]) = (self.over, [self.at & 1, !self.at & 1]);
         let (motion, ahead) = (&self.motions[motion as usize], &self.motions[ahead as usize]);
-        let to = &mut self.pieces[(!self.piece & 1) as usize];
+        let place = (!self.piece & 1) as usize;
+        let (to, even) = (&mut self.pieces[place], &mut self.even[place]);
         let Some(Leg { length, .. }) = motion.plan.leg(self.leg) else { return false };
         if let Some(leg) = motion.plan.leg(self.leg.wrapping_add(1)) {
             leg.piece(over, Exact(self.way.0.wrapping_add(length.0)), to);
@@ -154,6 +160,7 @@ impl Path {
         } else {
             return false;
         }
+        *even = PathSpeed::even(&to.motion);
         self.follows = Some(over);
         true
     }

@@ -4,6 +4,7 @@
 //! begins with or goes on with, as if it began at 0. Owns nothing beyond the [`Path`]. Cannot fail: whatever changes what
 //! would follow takes it back, and a start with another FIFO makes its own.
 use super::{Feed, Path, State, end_of};
+use crate::laser::PathSpeed;
 use crate::path::Fine;
 use crate::path::store::Entries;
 use crate::real::Real;
@@ -38,6 +39,7 @@ impl Path {
                 let (piece, ahead) = ((!self.piece & 1) as usize, &self.motions[(!self.at & 1) as usize]);
                 if let (None, Some(leg)) = (self.follows, ahead.plan.leg(0)) {
                     leg.piece(0, way, &mut self.pieces[piece]);
+                    self.even[piece] = PathSpeed::even(&self.pieces[piece].motion);
                     self.follows = Some(0);
                 }
                 false

@@ -112,7 +112,7 @@ pub struct Sight<'a> {
     pub bend: &'a mut Bend,
     /// The way along the motion in force.
     pub motion: &'a mut Motion,
-    /// Counts changes of bend and motion but for the place in it.
+    /// Counts changes of bend and motion but for the place in it, at least.
     pub turns: &'a mut u32,
 }
 

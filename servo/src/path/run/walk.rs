@@ -3,7 +3,7 @@
 //! In: an instant up to which boundaries are passed, entries. Out: what entries do, to an [`Effects`]. Owns nothing
 //! beyond the [`Path`]. Fails: entries that run out at speed are an underrun.
 use super::told::{Effects, Feed, Rest};
-use super::{Budget, Gear, Geared, Made, Path, Stage, State, end_of};
+use super::{Budget, Gear, Geared, Made, Path, Stage, State, Turn, end_of};
 use crate::path::entry::{Entry, Item};
 use crate::path::plan::Leg;
 use crate::path::store::Entries;
@@ -62,33 +62,44 @@ impl Path {
     /// path may be where the motion in force ends. Whether it was passed.
     #[inline(always)]
     pub fn turn(&mut self, feed: Feed, admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool) -> bool {
-        if !matches!(self.stage, Stage::Move) || self.led || self.follows != Some(self.over) {
-            return false;
+        self.turn_at::<true>(feed, admits)
+    }
+
+    /// The same; what it has gone since the last look is for a boundary that is behind a look, or it will not be asked for.
+    #[inline(always)]
+    pub(crate) fn turn_at<const SWEPT: bool>(
+        &mut self,
+        feed: Feed,
+        admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool,
+    ) -> bool {
+        match self.turn {
+            Turn::Motion => {}
+            Turn::Leg => {
+                self.turn = Turn::Else;
+                return self.end_leg();
+            }
+            Turn::Else => return false,
         }
-        let Made { shape, plan, .. } = self.motion();
-        if plan.leg(self.leg.wrapping_add(1)).is_some() {
-            return self.end_leg();
-        }
-        let (Made { counter, state, open, .. }, cursor) = (self.ahead(), self.cursor_of(self.fifo));
-        let (open, known) = (*open, *state == State::Ready && *counter == cursor.next);
-        let alone = cursor.geared == 0 && !plan.halts && !self.stopping;
-        if !known || !alone || open.is_some_and(|seen| seen != end_of(feed, self.fifo)) || !admits(shape.end()) {
+        let (Made { shape, plan, .. }, Made { open, .. }) = (self.motion(), self.ahead());
+        let open = *open;
+        if open.is_some_and(|seen| seen != end_of(feed, self.fifo)) || !admits(shape.end()) {
             return false;
         }
         // All that the ends of a leg and of a motion, the change to the next one and the begin of its plan do, if nobody looks
         // in between: place and speed of the boundary are those of the motions, nothing is ahead, `inside` stays.
-        let Some(Leg { length, .. }) = plan.leg(self.leg) else { return false };
-        let (from, swept) = (*shape.end(), self.swept_to(*length));
+        if SWEPT {
+            let Some(Leg { length, .. }) = plan.leg(self.leg) else { return false };
+            self.swept = Some(self.swept_to(*length));
+        }
         let cursor = self.cursor(self.fifo);
         (cursor.next, cursor.done) = (cursor.next.wrapping_add(1), cursor.done.wrapping_add(1));
-        cursor.from = from;
         let (over, motion) = (self.over, self.ahead_mut());
         motion.state = State::Nothing;
         let time = motion.plan.leg(0).map_or(0, |leg| leg.time);
         (self.at, self.piece) = (self.at ^ 1, self.piece ^ 1);
-        (self.leg, self.way, self.seen, self.swept) = (0, Exact(0), Pos(0), Some(swept));
-        (self.began, self.time, self.over) = (over, over, over.wrapping_add(time));
-        (self.open, self.follows, self.pieced, self.fresh) = (open, None, true, true);
+        (self.leg, self.way, self.seen) = (0, Exact(0), Pos(0));
+        (self.began, self.over) = (over, over.wrapping_add(time));
+        (self.open, self.follows, self.fresh, self.turn) = (open, None, true, Turn::Else);
         true
     }
 
@@ -230,9 +241,11 @@ impl Path {
 
     /// Comes to rest within a motion.
     pub(super) fn halt(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
-        self.here = self.motion().shape.at(self.way.round());
-        let way = self.way;
-        self.cursor(self.fifo).way = way;
+        let (way, shape) = (self.way, &self.motion().shape);
+        let (here, from) = (shape.at(way.round()), *shape.start());
+        self.here = here;
+        let cursor = self.cursor(self.fifo);
+        (cursor.way, cursor.from) = (way, from);
         self.rest(at, rest, feed, sink);
     }
 
