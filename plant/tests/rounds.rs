@@ -3,9 +3,10 @@
 //! The timer here is the plainest one: it counts a round after the other. What is compared with it, [`Stage`], knows nothing of rounds.
 use plant::beam::{Change, Stage};
 use servo::laser::{
-    Action, Clock, Count, Energy, LEAST_OF_ENERGY, LEAST_OF_SWITCHES, PLACES, Plan, Power, Round, Scale, Standby,
-    Switches, Train,
+    Action, Clock, Count, Energy, HELD_WORDS, Held, LEAST_OF_ENERGY, LEAST_OF_SWITCHES, PLACES, Plan, Power, Round,
+    Scale, Standby, Switches, Train,
 };
+use std::sync::atomic::AtomicU32;
 
 const MHZ: u16 = 240;
 const SCALE: Scale = Scale::of_mhz(MHZ);
@@ -162,12 +163,17 @@ impl Told {
     }
 }
 
+/// Room for any plan at all: actions of nine words.
+fn held() -> Held {
+    Held::new((0..PLACES * 9).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak())
+}
+
 /// Where the first rounds begin: so far no plan asks for anything.
 const BEGIN: u64 = 336;
 
 /// A channel's edges from rounds and from the model, over so many ticks.
 fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64) {
-    let mut rounds = Energy::from(BEGIN, SCALE);
+    let (mut rounds, mut held) = (Energy::from(BEGIN, SCALE), held());
     let (mut stage, mut scope) = (Stage::counting(FINISH), Scope::default());
     let mut got = Stretches::new();
     let mut told = Told { end: BEGIN, last: [168, 168], least: LEAST_OF_ENERGY, rounds: 0 };
@@ -186,7 +192,8 @@ fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64)
         for (at, action) in plan.actions() {
             stage.push(from + counts(*at), *action);
         }
-        rounds.take(from, to, &plan, &mut |length, light| {
+        assert!(held.put(&plan));
+        rounds.take(from, to, held.actions(), &mut |length, light| {
             assert!(light <= length);
             note(&mut got, told.end, told.end + u64::from(light));
             told.round(length);
@@ -197,7 +204,7 @@ fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64)
     let mut end = Plan::EMPTY;
     end.add(0, Action::Dark { standby: Train::NONE, cut: true });
     stage.push(from, Action::Dark { standby: Train::NONE, cut: true });
-    rounds.take(from, from + 60_000, &end, &mut |length, light| {
+    rounds.take(from, from + 60_000, end.actions().iter().copied(), &mut |length, light| {
         note(&mut got, told.end, told.end + u64::from(light));
         told.round(length);
     });
@@ -246,7 +253,7 @@ fn the_energy_is_the_models_to_a_count() {
 
 /// Both switches' edges from rounds and from the models.
 fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2], u64) {
-    let mut rounds = Switches::from(BEGIN, SCALE);
+    let (mut rounds, mut held) = (Switches::from(BEGIN, SCALE), held());
     let mut stages = [Stage::counting(FINISH), Stage::counting(FINISH)];
     let mut scopes = [Scope::default(), Scope::default()];
     let mut got = [Stretches::new(), Stretches::new()];
@@ -280,8 +287,9 @@ fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2
                 stage.push(from + counts(*at), *action);
             }
         }
-        rounds.hold(&plans[0]);
-        rounds.take(from, to, &plans[1], &mut |round| {
+        assert!(held.put(&plans[0]));
+        rounds.hold(held.actions());
+        rounds.take(from, to, plans[1].actions().iter().copied(), &mut |round| {
             let Round { length, falls, rises } = round;
             for ((got, falls), rises) in got.iter_mut().zip(falls).zip(rises) {
                 assert!(falls <= rises && falls <= length && rises <= 65_535);
@@ -337,7 +345,7 @@ fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
     plan.add(0, Action::Light(train));
     while told < begin + whole {
         let to = from + counts(lasts);
-        rounds.take(from, to, &plan, &mut |length, on| {
+        rounds.take(from, to, plan.actions().iter().copied(), &mut |length, on| {
             // Of the rounds, what lies in the repetition.
             let (first, end) = (told.clamp(begin, begin + whole), (told + u64::from(on)).clamp(begin, begin + whole));
             light += end - first;
@@ -382,4 +390,44 @@ fn frequencies_and_duties_are_exact_in_the_mean() {
         }
     }
     assert!(pulses_seen > 100_000, "{pulses_seen}");
+}
+
+#[test]
+fn a_plan_is_held_as_it_was_or_not_at_all() {
+    let mut held = Held::new((0..HELD_WORDS).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak());
+    let (mut whole, mut refused) = (0, 0);
+    for seed in 0..2_000 {
+        let mut random = Random(seed);
+        let plan = random.plan(250_000);
+        let wanted: Vec<(u32, Action)> = plan.actions().to_vec();
+        if held.put(&plan) {
+            whole += 1;
+            assert_eq!(held.actions().collect::<Vec<_>>(), wanted, "seed {seed}");
+            let shows = |action: &Action| match action {
+                Action::Light(train) | Action::Change(train) | Action::Dark { standby: train, .. } => {
+                    !train.is_silent()
+                }
+                Action::Switch(active) => *active,
+                Action::Volts(_) => false,
+            };
+            assert_eq!(held.lights(), wanted.iter().any(|(_, action)| shows(action)), "seed {seed}");
+        } else {
+            refused += 1;
+            assert!(wanted.len() > HELD_WORDS / 9, "seed {seed}: {} actions", wanted.len());
+            assert_eq!((held.actions().count(), held.lights()), (0, false));
+        }
+    }
+    assert!(whole > 1_000 && refused > 10, "{whole}, {refused}");
+    // What a tick plans at most: 64 actions, of which 18 have a train of their own.
+    let mut plan = Plan::EMPTY;
+    for n in 0..PLACES as u32 {
+        let train = Train {
+            period: Count { whole: 5_000_000_000, part: n.min(17), of: 0 },
+            width: Count { whole: 7, part: n.min(17), of: 0 },
+        };
+        plan.add(249_936 + n, Action::Change(train));
+    }
+    plan.add(249_999, Action::Volts(3));
+    assert!(held.put(&plan));
+    assert_eq!(held.actions().collect::<Vec<_>>(), plan.actions());
 }

@@ -1,7 +1,8 @@
 //! Analog outputs, one a laser channel: the chip's DAC1 (RM0433 26), or a DAC8563 on SPI3, as [`settings`](super::settings) say.
 //!
 //! In: codes, −32768…32767 for −10…10 V behind the output stage (docs/board-h743.md), and their instants. Out: voltages, which change
-//! at the beginning of a tick: what is planned for a later instant of a tick comes with the next one; rest comes at once. Owns DAC1 or SPI3. Before
+//! at the beginning of a tick, a tick behind the plan as the steps are: what is planned for the beginning of a tick comes with the
+//! one behind it, what is planned for a later instant with the one behind that; rest comes at once. Owns DAC1 or SPI3. Before
 //! [`Analog::open`] and behind [`rest`] nothing is driven.
 use super::settings::EXTERNAL_DAC;
 use super::spi;
@@ -12,16 +13,36 @@ use stm32_metapac::{DAC1, RCC};
 /// Outputs.
 pub const OUTPUTS: usize = 2;
 
+/// A code, and whether it is a laser's.
+#[derive(Debug, Clone, Copy, Default)]
+struct Code {
+    code: i16,
+    of_laser: bool,
+}
+
 /// An output.
 #[derive(Debug, Clone, Copy, Default)]
 struct Output {
     /// What stands.
-    code: i16,
-    /// What comes with the next tick, and with the one behind.
-    next: Option<i16>,
-    later: Option<i16>,
+    stands: Code,
+    /// What comes with the next tick, and with the two behind it.
+    comes: [Option<Code>; 3],
     /// What a laser said last.
     of_laser: i16,
+}
+
+impl Output {
+    /// A code from `at` ns behind the next tick on, by the plan.
+    fn plan(&mut self, at: u32, code: Code) {
+        let [_, next, later] = &mut self.comes;
+        *(if at == 0 { next } else { later }) = Some(code);
+    }
+
+    /// Whether a laser drives it, or is about to.
+    fn is_lasers(&self) -> bool {
+        let stands = self.stands.of_laser && self.stands.code != 0;
+        stands || self.of_laser != 0 || self.comes.iter().flatten().any(|comes| comes.of_laser)
+    }
 }
 
 /// The outputs.
@@ -63,8 +84,9 @@ impl Analog {
                     && let Some(output) = self.outputs.get_mut(channel)
                 {
                     // Again in the next tick.
-                    output.code = !code;
-                    output.next.get_or_insert(code);
+                    let Output { stands, comes: [next, ..], .. } = output;
+                    next.get_or_insert(Code { code, ..*stands });
+                    stands.code = !code;
                 }
             }
             None => DAC1.dhr12r(channel).write(|w| w.set_dhr((code as u16 ^ 0x8000) >> 4)),
@@ -75,19 +97,21 @@ impl Analog {
     pub fn advance(&mut self) {
         for channel in 0..OUTPUTS {
             let Some(output) = self.outputs.get_mut(channel) else { continue };
-            let next = output.next.take();
-            output.next = output.later.take();
-            if let Some(code) = next.filter(|code| *code != output.code) {
-                output.code = code;
-                self.put(channel, code);
+            let [now, next, later] = output.comes;
+            output.comes = [next, later, None];
+            if let Some(now) = now {
+                let before = core::mem::replace(&mut output.stands, now);
+                if before.code != now.code {
+                    self.put(channel, now.code);
+                }
             }
         }
     }
 
-    /// A code from `at` ns behind the next tick on.
+    /// A code of somebody else than a laser, from `at` ns behind the next tick on.
     pub fn plan(&mut self, at: u32, channel: usize, code: i16) {
         if let Some(output) = self.outputs.get_mut(channel) {
-            *(if at == 0 { &mut output.next } else { &mut output.later }) = Some(code);
+            output.plan(at, Code { code, of_laser: false });
         }
     }
 
@@ -97,18 +121,18 @@ impl Analog {
             self.rest(channel);
         }
         for (at, action) in plan.actions() {
-            if let Action::Volts(code) = action {
-                self.plan(*at, channel, *code);
-                if let Some(output) = self.outputs.get_mut(channel) {
-                    output.of_laser = *code;
-                }
+            if let Action::Volts(code) = action
+                && let Some(output) = self.outputs.get_mut(channel)
+            {
+                output.plan(*at, Code { code: *code, of_laser: true });
+                output.of_laser = *code;
             }
         }
     }
 
     /// 0 V now, if a laser drives the output; nothing that was planned comes.
     fn rest(&mut self, channel: usize) {
-        let Some(output) = self.outputs.get_mut(channel).filter(|output| output.of_laser != 0) else { return };
+        let Some(output) = self.outputs.get_mut(channel).filter(|output| output.is_lasers()) else { return };
         *output = Output::default();
         self.put(channel, 0);
     }

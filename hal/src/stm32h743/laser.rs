@@ -1,13 +1,14 @@
 //! Laser outputs (RM0433 38, 41): energy of laser 0 by TIM1, of laser 1 by TIM15, both switches by TIM8, each line with its
 //! complement, and a break input that rests them without an instruction.
 //!
-//! In: a [`Plan`] a channel and tick. Out: light. Owns TIM1, TIM8, TIM15 and their streams. A timer counts rounds
-//! ([`super::rounds`]) that [`Energy`] and [`Switches`] make of the plans, all of them from the same tick on. At rest the main
-//! output is disabled (`BDTR.MOE`), and the pins have their idle levels. Fails to rest, and tells the tick
+//! In: a [`Plan`] a channel and tick. Out: light, a tick behind the plan as the steps are ([`Held`]); rest at once. Owns TIM1,
+//! TIM8, TIM15 and their streams. A timer counts rounds ([`super::rounds`]) that [`Energy`] and [`Switches`] make of the plans,
+//! all of them from the same tick on. At rest the main output is disabled (`BDTR.MOE`), and the pins have their idle levels. Fails to rest, and tells the tick
 //! ([`Lasers::was_late`]), if a round was told too late for DMA: then everything starts anew.
 use super::clocks::TIMER_MHZ;
 use super::rounds::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, places};
-use servo::laser::{Action, CHANNELS, Energy, Places, Plan, Scale, Switches};
+use core::sync::atomic::AtomicU32;
+use servo::laser::{CHANNELS, Energy, HELD_WORDS, Held, Places, Plan, Scale, Switches};
 use stm32_metapac::timer::TimAdv;
 use stm32_metapac::timer::vals::{Bkp, Mms, Msm, OcmGp, Ossi, Ossr, Sms, Ts, Urs};
 use stm32_metapac::{RCC, TIM1, TIM2, TIM8};
@@ -30,6 +31,11 @@ static RING_1: Places<ENERGY_PLACES, 3> = places();
 #[unsafe(link_section = ".dma.switches")]
 static RING_SWITCHES: Places<SWITCH_PLACES, 6> = places();
 
+/// Plans of a tick, where there is room.
+#[unsafe(link_section = ".itcm.held")]
+static HELD_0: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
+static HELD_1: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
+
 /// What the timers do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
@@ -51,6 +57,8 @@ pub struct Lasers {
     next: u64,
     /// Counts of the tick in force.
     lasts: u64,
+    /// What the timers are told in the next tick.
+    held: [Held; CHANNELS],
     energies: [Energy; CHANNELS],
     energy_timers: [Timer<ENERGY_PLACES, 3>; CHANNELS],
     switches: Switches,
@@ -123,6 +131,7 @@ pub unsafe fn open() -> Lasers {
         state: State::Stands,
         next: 0,
         lasts: 0,
+        held: [Held::new(&HELD_0), Held::new(&HELD_1)],
         energies: [const { Energy::from(BEGIN, SCALE) }; CHANNELS],
         energy_timers,
         switches: Switches::from(BEGIN, SCALE),
@@ -258,6 +267,7 @@ impl Lasers {
         }
         self.energy_timers.iter_mut().for_each(Timer::stop);
         self.switch_timer.stop();
+        self.held.iter_mut().for_each(Held::clear);
         for channel in 0..CHANNELS {
             follow(channel, false);
         }
@@ -271,30 +281,46 @@ impl Lasers {
         core::mem::take(&mut self.was_late)
     }
 
-    /// What a channel does in the interval that begins with the next tick.
+    /// What a channel does in the interval that begins with the next tick, put out in the one behind that: now the timers are
+    /// told what was planned before. Rest is now.
     #[inline]
     pub fn plan(&mut self, channel: usize, plan: &Plan) {
         if plan.rest {
             self.rest(channel);
-        } else if !self.is_live.get(channel).is_some_and(|live| *live) && self.state == State::Runs && lights(plan) {
-            // What is told so far is dark: after a rest a tick has passed at least.
-            self.revive(channel);
         }
-        if self.state == State::Stands {
-            return;
+        if self.state != State::Stands {
+            self.tell(channel, SCALE.counts(plan.lasts).into());
         }
-        let (from, to) = (self.next, self.next.wrapping_add(SCALE.counts(plan.lasts).into()));
-        let (Some(energy), Some(timer)) = (self.energies.get_mut(channel), self.energy_timers.get_mut(channel)) else {
+        if !plan.rest && !self.held.get_mut(channel).is_some_and(|held| held.put(plan)) {
+            self.stop();
+        }
+    }
+
+    /// Tells the timers what is held of a channel, for the next tick, which lasts so many counts.
+    #[inline]
+    fn tell(&mut self, channel: usize, lasts: u64) {
+        let (from, to) = (self.next, self.next.wrapping_add(lasts));
+        let (Some(energy), Some(timer), Some(held), Some(is_live)) = (
+            self.energies.get_mut(channel),
+            self.energy_timers.get_mut(channel),
+            self.held.get(channel),
+            self.is_live.get_mut(channel),
+        ) else {
             return;
         };
+        if !*is_live && self.state == State::Runs && held.lights() {
+            // What is told so far is dark: after a rest a tick has passed at least.
+            revive(channel);
+            *is_live = true;
+        }
         let mut read_by = energy.told().wrapping_sub(timer.ring.ahead().into());
-        energy.take(from, to, plan, &mut |length, light| timer.ring.put(length, [light]));
+        energy.take(from, to, held.actions(), &mut |length, light| timer.ring.put(length, [light]));
         if channel == 0 {
-            self.switches.hold(plan);
+            self.switches.hold(held.actions());
         } else {
             let timer = &mut self.switch_timer;
             read_by = read_by.min(self.switches.told().wrapping_sub(timer.ring.ahead().into()));
-            self.switches.take(from, to, plan, &mut |round| {
+            self.switches.take(from, to, held.actions(), &mut |round| {
                 let ([fall_0, fall_1], [rise_0, rise_1]) = (round.falls, round.rises);
                 timer.ring.put(round.length, [rise_0, fall_0, fall_1, rise_1]);
             });
@@ -311,31 +337,26 @@ impl Lasers {
         }
     }
 
-    /// At once.
+    /// At once; nothing comes of what was planned.
     fn rest(&mut self, channel: usize) {
         enable(energy_timer(channel), false);
         follow(channel, false);
         if let Some(live) = self.is_live.get_mut(channel) {
             *live = false;
         }
-    }
-
-    /// The outputs follow their timers.
-    fn revive(&mut self, channel: usize) {
-        enable(energy_timer(channel), true);
-        follow(channel, true);
-        enable(TIM8, true);
-        if let Some(live) = self.is_live.get_mut(channel) {
-            *live = true;
+        if let Some(held) = self.held.get_mut(channel) {
+            held.clear();
         }
+        if let Some(energy) = self.energies.get_mut(channel) {
+            energy.rest();
+        }
+        self.switches.rest(channel);
     }
 }
 
-/// Whether a plan has anything to show.
-fn lights(plan: &Plan) -> bool {
-    plan.actions().iter().any(|(_, action)| match action {
-        Action::Light(train) | Action::Change(train) | Action::Dark { standby: train, .. } => !train.is_silent(),
-        Action::Switch(active) => *active,
-        Action::Volts(_) => false,
-    })
+/// A channel's outputs follow their timers.
+fn revive(channel: usize) {
+    enable(energy_timer(channel), true);
+    follow(channel, true);
+    enable(TIM8, true);
 }

@@ -26,6 +26,8 @@ pub struct Machine {
     /// Servo enables and general outputs that are driven, and those that the next tick drives.
     driven: (u64, u32),
     drives: (u64, u32),
+    /// General outputs that the tick behind that drives: they are as far behind the plan as the steps.
+    comes: u32,
     lasers: Lasers,
 }
 
@@ -42,6 +44,7 @@ impl Machine {
             goes_to: [0; AXES],
             driven: (0, 0),
             drives: (0, 0),
+            comes: 0,
         }
     }
 
@@ -55,6 +58,7 @@ impl Machine {
             self.driven = self.drives;
             pins::set(self.drives.0, self.drives.1);
         }
+        self.drives.1 = self.comes;
         self.levels = Levels::read();
         for (axis, stands) in self.stands.iter_mut().enumerate() {
             *stands = self.steps.stands(axis);
@@ -100,9 +104,9 @@ impl Port for Machine {
     }
 
     fn outputs(&mut self, at: u32, enable: u64, _: u64, general: u32) {
-        // What changes between two ticks is in what the tick behind it drives from its beginning.
+        // What changes between two ticks is in what the tick behind it drives from its beginning. Enables do not wait for steps.
         if at == 0 {
-            self.drives = (enable, general);
+            (self.drives.0, self.comes) = (enable, general);
         }
     }
 

@@ -1,13 +1,13 @@
 //! Jobs of the examples on the emulated board, over its USART at the chip's time: every row of the trace and every change of
 //! lasers and outputs that the tick planned is that of the virtual controller, and so is every edge at the pins, as timers and
-//! DMA make it; where BEAMTICK_H743_IMAGE names the image.
+//! DMA make it; where BEAMTICK_H743_IMAGE names the image. Light, steps and outputs of one job lie to each other as planned.
 //!
 //! The trace goes over the same wire as the calls, which does not carry a row every tick: both controllers write a row every so
 //! many ticks, and the steps at the pins are compared with a trace of its own of the virtual controller. What a job prints is not compared: a read outside of a program falls on another tick.
 mod signals;
 
 use h743::link::{EmulatedLink, Shared, lock};
-use h743::{MILLISECOND, Machine, Pin};
+use h743::{MICROSECOND, MILLISECOND, Machine, Pin};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -19,11 +19,27 @@ const CONFIG: &str = "\"test.cfg\");";
 /// The trapezoid of the listing of PT takes 3 s, which cost a minute of emulation: an eighth of it, with the same speeds.
 const EIGHTH: [(&str, &str); 3] = [("1024;", "128;"), ("2048;", "256;"), ("Sleep(1536);", "Sleep(192);")];
 
+/// A thirtieth of the ways of a path with light, and an output that goes with the light.
+const SHORT: [(&str, &str); 6] = [
+    ("100000, 0, 50", "3333, 0, 50"),
+    ("0, 10000, 50", "0, 333, 50"),
+    ("Sleep(1000);", "Sleep(30);"),
+    ("Sleep(2000);", "Sleep(70);"),
+    ("rtn = GT_BufLaserOn(1, 0, 0);", "rtn = GT_BufLaserOn(1, 0, 0); rtn = GT_BufIO(1, 12, 4, 4, 0);"),
+    ("rtn = GT_BufLaserOff(1, 0, 0);", "rtn = GT_BufLaserOff(1, 0, 0); rtn = GT_BufIO(1, 12, 4, 0, 0);"),
+];
+
 /// The example with a Sleep behind its LoadConfig, in a folder.
 fn prepared(name: &str, folder: &Path) -> PathBuf {
     let mut text = std::fs::read_to_string(example(name)).unwrap();
-    if name == "pt_static" {
-        EIGHTH.iter().for_each(|(all, eighth)| text = text.replace(all, eighth));
+    let shorter = match name {
+        "pt_static" => &EIGHTH[..],
+        "laser_path_power" => &SHORT,
+        _ => &[],
+    };
+    for (all, part) in shorter {
+        assert!(text.contains(all), "{name} has no {all}");
+        text = text.replace(all, part);
     }
     let path = folder.join(name).with_extension("gts");
     std::fs::write(&path, text.replacen(CONFIG, &format!("{CONFIG} Sleep(1);"), 1)).unwrap();
@@ -124,13 +140,20 @@ fn compare(elf: &[u8], (name, tick_us, every): Case) {
         }
         one
     });
-    let edges = signals::compare(&vcd, chip).unwrap_or_else(|error| panic!("{name} at {tick_us} µs: {error}"));
-    let steps = if each.starts_with("t_ms,axis1_pos") {
-        signals::compare_steps(&each, tick_us.parse().unwrap(), chip)
-    } else {
-        Ok(0)
-    };
-    let steps = steps.unwrap_or_else(|error| panic!("{name} at {tick_us} µs: {error}"));
+    let failed = |error: String| -> ! { panic!("{name} at {tick_us} µs: {error}") };
+    let tick: u64 = tick_us.parse().unwrap();
+    let (edges, of_light) = signals::compare(&vcd, chip).unwrap_or_else(|error| failed(error));
+    let steps =
+        if each.starts_with("t_ms,axis1_pos") { signals::compare_steps(&each, tick, chip) } else { Ok((0, None)) };
+    let (steps, of_steps) = steps.unwrap_or_else(|error| failed(error));
+    if let (Some(of_light), Some(of_steps)) = (of_light, of_steps) {
+        // What the slots of the steps leave open.
+        let apart = (of_light - of_steps).unsigned_abs();
+        assert!(apart <= u128::from(MICROSECOND), "{name} at {tick_us} µs: light is {apart} units off the steps");
+        let outputs = signals::compare_outputs(&vcd, tick, of_light, chip).unwrap_or_else(|error| failed(error));
+        assert!(outputs > 0, "{name} switches no output");
+        println!("light lies {apart} units off the steps, {outputs} edges of outputs in their ticks");
+    }
     let left = paint.left(&machine);
     assert!(left >= 512, "{name}: {left} bytes of the stack are left");
     println!(
@@ -166,6 +189,11 @@ fn listings_of_lasers_shine_as_in_the_virtual_controller() {
         ("laser_analog", "50", "5"),
         ("laser_lsr_duty", "50", "5"),
     ]);
+}
+
+#[test]
+fn light_and_outputs_go_with_the_steps() {
+    compare_all(&[("laser_path_power", "50", "20"), ("laser_path_power", "250", "4")]);
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! The energy output of a channel as rounds of a timer that begin with light, or have none.
 //!
-//! In: a [`Plan`] a tick. Out: rounds: length, and light from the beginning on, in counts. Owns train, pulse in progress, and the
+//! In: the actions of a plan a tick. Out: rounds: length, and light from the beginning on, in counts. Owns train, pulse in progress, and the
 //! rounds that may still become others. Fails never.
 //!
 //! Each pulse begins with a round; a pulse that begins sooner than [`LEAST`] behind the one before it, with a gap between them,
 //! takes its place: that one is not output. It takes light or standby that is cut within 350 ns of a pulse's beginning, and
 //! the pulse has ended before; carriers never come near.
 use super::dither::{Pattern, Steps};
-use super::plan::{Action, FINISH_NS, Plan, Train};
+use super::plan::{Action, FINISH_NS, Train};
 use super::rounds::{LATE, Lengths, MOST, Scale};
 
 /// The shortest round, in counts: 350 ns at 240 MHz, in which DMA brings three half-words.
@@ -67,27 +67,31 @@ impl Energy {
         self.begin
     }
 
-    /// A plan for the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by it.
+    /// The actions of a plan for the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by it. An
+    /// action beyond the interval takes place at its end.
     #[inline]
-    pub fn take(&mut self, from: u64, to: u64, plan: &Plan, sink: &mut impl FnMut(u32, u32)) {
+    pub fn take(
+        &mut self,
+        from: u64,
+        to: u64,
+        actions: impl Iterator<Item = (u32, Action)>,
+        sink: &mut impl FnMut(u32, u32),
+    ) {
         self.known = to;
-        if plan.rest {
-            self.rest();
-        }
-        for (at, action) in plan.actions() {
-            let at = from.wrapping_add(self.scale.counts(*at).into());
+        for (at, action) in actions {
+            let at = from.wrapping_add(self.scale.counts(at).into()).min(to);
             match action {
                 Action::Light(train) => {
                     self.pulses_to(at, sink);
-                    self.enter(at, train, true);
+                    self.enter(at, &train, true);
                 }
                 Action::Dark { standby, cut } => {
                     self.pulses_to(at, sink);
-                    self.enter(at, standby, *cut);
+                    self.enter(at, &standby, cut);
                 }
                 Action::Change(train) => {
                     self.pulses_to(at, sink);
-                    self.change(at, train);
+                    self.change(at, &train);
                 }
                 Action::Switch(_) | Action::Volts(_) => {}
             }
@@ -97,7 +101,7 @@ impl Energy {
     }
 
     /// Nothing that is not told yet has light.
-    fn rest(&mut self) {
+    pub fn rest(&mut self) {
         (self.train, self.runs, self.next) = (Train::NONE, false, None);
         (self.until, self.pulse_end, self.begins) = (self.begin, self.begin, self.begin);
         self.pattern = Pattern::BEGIN;

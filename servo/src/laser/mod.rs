@@ -21,6 +21,7 @@
 //! | `light` | the time that light was on |
 //! | `plan` | the plan of a tick: what timers carry out |
 //! | `rounds` | how timers carry it out: rounds of preloaded registers; `energy_rounds`, `switch_rounds` make them, `round_ring` holds them |
+//! | `held` | a plan that waits for its time, where a machine is a tick behind |
 //! | `safety` | the state machine through which every plan passes last |
 mod buffered;
 mod channel;
@@ -31,6 +32,7 @@ mod energy;
 mod energy_rounds;
 mod follow;
 mod gate;
+mod held;
 mod law;
 mod light;
 mod plan;
@@ -49,6 +51,7 @@ pub use distance::{Distance, Ratios};
 pub use dither::{Carrier, Clock, DUTY_STEPS, Fine, PPM, Pattern, Standby};
 pub use energy_rounds::{Energy, LEAST as LEAST_OF_ENERGY};
 pub use follow::{PathSpeed, Ratio, Source};
+pub use held::{Held, WORDS as HELD_WORDS};
 pub use law::Family;
 pub use plan::{Action, Count, FINISH_NS, PLACES, Plan, Train};
 pub use power::{Bounds, Power, Refused};

@@ -1,11 +1,11 @@
 //! The switch outputs of both channels as rounds of one timer, in each of which an output may fall once and then rise once.
 //!
-//! In: the [`Plan`]s of a tick. Out: rounds ([`Round`]). Owns levels, and the round that is not told yet. Fails never.
+//! In: the actions of the plans of a tick. Out: rounds ([`Round`]). Owns levels, and the round that is not told yet. Fails never.
 //!
 //! An active pulse shorter than [`LEAST`] may be missing, where the round that would begin with its end had no room; the
 //! shortest pulse that a command asks for is 1 µs. Gaps are as they should be, whatever their length.
 use super::CHANNELS;
-use super::plan::{Action, PLACES, Plan};
+use super::plan::{Action, PLACES};
 use super::rounds::{FAR, LATE, Lengths, Scale};
 
 /// The shortest round, in counts: 500 ns at 240 MHz, in which DMA brings six half-words.
@@ -87,36 +87,37 @@ impl Switches {
         }
     }
 
-    /// The first channel's plan of the interval whose second comes to [`Switches::take`].
+    /// The first channel's actions of the interval whose second ones come to [`Switches::take`].
     #[inline]
-    pub fn hold(&mut self, plan: &Plan) {
+    pub fn hold(&mut self, actions: impl Iterator<Item = (u32, Action)>) {
         self.waiting = 0;
-        if plan.rest {
-            self.rest(0);
-        }
-        for (at, action) in plan.actions() {
+        for (at, action) in actions {
             if let Action::Switch(level) = action
                 && let Some(place) = self.edges.get_mut(self.waiting)
             {
-                *place = self.scale.counts(*at) << 1 | u32::from(*level);
+                *place = self.scale.counts(at) << 1 | u32::from(level);
                 self.waiting = self.waiting.wrapping_add(1);
             }
         }
     }
 
-    /// The second channel's plan of the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by both.
+    /// The second channel's actions of the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by
+    /// both. An action beyond the interval takes place at its end.
     #[inline]
-    pub fn take(&mut self, from: u64, to: u64, plan: &Plan, sink: &mut impl FnMut(Round)) {
+    pub fn take(
+        &mut self,
+        from: u64,
+        to: u64,
+        actions: impl Iterator<Item = (u32, Action)>,
+        sink: &mut impl FnMut(Round),
+    ) {
         self.known = to;
-        if plan.rest {
-            self.rest(1);
-        }
         let mut held = 0;
-        for (at, action) in plan.actions() {
+        for (at, action) in actions {
             if let Action::Switch(level) = action {
-                let at = self.scale.counts(*at);
+                let at = self.scale.counts(at);
                 held = self.held_to(at, from, held, sink);
-                self.edge(1, from.wrapping_add(at.into()), *level, sink);
+                self.edge(1, from.wrapping_add(at.into()), level, sink);
             }
         }
         self.held_to(u32::MAX >> 1, from, held, sink);
@@ -139,7 +140,7 @@ impl Switches {
 
     /// An output goes to a level.
     fn edge(&mut self, channel: usize, at: u64, level: bool, sink: &mut impl FnMut(Round)) {
-        let at = at.max(self.begin);
+        let at = at.min(self.known).max(self.begin);
         let begin = self.begin;
         let Some(line) = self.lines.get_mut(channel) else { return };
         match (level, line.rises == FAR) {

@@ -1,9 +1,10 @@
 //! Edges at the chip's pins against those that the virtual controller has written into a VCD.
 //!
 //! The virtual controller's instants are ns from the first row; the chip's are counts of its timers from power-on. Where the
-//! one begins in the other is not known, so the first edge of all says it; every other one must then fall on its count.
+//! one begins in the other is not known, so the first edge of all says it; every other one must then fall on its count. Lasers and steps say
+//! it each for themselves, and must say the same.
 use h743::machine::Chip;
-use h743::{Level, Pin, Time};
+use h743::{Level, MICROSECOND, Pin, Time};
 use std::collections::HashMap;
 
 /// A count of the timers.
@@ -17,6 +18,10 @@ const LINES: [(&str, &str, &str); 4] = [
     ("laser0_switch", "PC7", "PB0"),
     ("laser1_switch", "PC8", "PB15"),
 ];
+
+/// General outputs of a VCD, and their pins.
+const OUTPUTS: [(&str, &str); 6] =
+    [("do1", "PE1"), ("do2", "PB14"), ("do3", "PG10"), ("do4", "PG12"), ("do5", "PG14"), ("do6", "PG15")];
 
 /// Instants in ns at which each wire changes, and its level from then on.
 type Wires = HashMap<String, Vec<(u64, bool)>>;
@@ -62,8 +67,9 @@ const SLOT: Time = 120 * COUNT;
 
 /// The rising edges of axis 1's step output against the plan: the `k`-th pulse of a tick of S slots comes in the slot that
 /// `servo::steps` gives it, `ceil(((k + 1)·S − floor(S/2)) / n) − 1`, counted here in whole numbers from the positions of the trace.
-/// All instants are those of the plan but for one shift, which the first edge shows. Returns how many were compared.
-pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<usize, String> {
+/// All instants are those of the plan but for one shift, which the first edge shows. Returns how many were compared, and where the
+/// first row is on the chip, as it would be if pulses of a tick came in the tick before its row.
+pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<(usize, Option<i128>), String> {
     let slots = tick_us * 2;
     let mut planned = Vec::new();
     let mut stands = 0i64;
@@ -90,14 +96,41 @@ pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<usize, Stri
     if planned.len() != seen.len() {
         return Err(format!("{} steps are planned, {step} shows {}", planned.len(), seen.len()));
     }
-    let (Some(first), Some(begin)) = (planned.first(), seen.first()) else { return Ok(0) };
+    let (Some(first), Some(begin)) = (planned.first(), seen.first()) else { return Ok((0, None)) };
+    let origin = i128::from(begin.0) - i128::from(first.0 * SLOT) + i128::from(slots * SLOT);
     for (n, (planned, seen)) in planned.iter().zip(&seen).enumerate() {
         let wanted = begin.0 + (planned.0 - first.0) * SLOT;
         if planned.1 != seen.1 || wanted.abs_diff(seen.0) > COUNT {
             return Err(format!("step {n}: planned {planned:?}, seen {seen:?}, wanted at {wanted}"));
         }
     }
-    Ok(planned.len())
+    Ok((planned.len(), Some(origin)))
+}
+
+/// General outputs against the plan: a change comes with the first tick that is not before it. `origin` is the instant on the chip of
+/// what is planned for the first row. Returns how many were compared.
+pub fn compare_outputs(vcd: &str, tick_us: u64, origin: i128, chip: &Chip) -> Result<usize, String> {
+    let wires = wires(vcd);
+    let (tick, mut compared) = (tick_us * 1000, 0);
+    for (wire, name) in OUTPUTS {
+        let planned = wires.get(wire).map_or(&[][..], Vec::as_slice);
+        let seen = pin(chip, name, true);
+        if planned.len() != seen.len() {
+            return Err(format!("{wire}: {} edges are planned, {name} shows {}", planned.len(), seen.len()));
+        }
+        for (&(ns, to), &(at, level)) in planned.iter().zip(&seen) {
+            let begins = origin + i128::from(ns.div_ceil(tick) * tick * 960 / 1000);
+            // The tick's handler sets it.
+            let late = i128::from(at) - begins;
+            if to != level || !(0..i128::from(5 * MICROSECOND)).contains(&late) {
+                return Err(format!(
+                    "{wire}: planned {to} at {ns} ns, {name} shows {level}, {late} units behind its tick"
+                ));
+            }
+            compared += 1;
+        }
+    }
+    Ok(compared)
 }
 
 /// The pulse nearest to a position of six decimals, halves upwards.
@@ -108,8 +141,8 @@ fn whole(position: &str) -> Option<i64> {
     Some((millionths + 500_000).div_euclid(1_000_000))
 }
 
-/// How many edges were compared, or where the first one differs.
-pub fn compare(vcd: &str, chip: &Chip) -> Result<usize, String> {
+/// How many edges were compared and where the first row is on the chip, or where the first one differs.
+pub fn compare(vcd: &str, chip: &Chip) -> Result<(usize, Option<i128>), String> {
     let wires = wires(vcd);
     let none = Vec::new();
     let planned: Vec<(&str, &Vec<(u64, bool)>)> =
@@ -119,7 +152,7 @@ pub fn compare(vcd: &str, chip: &Chip) -> Result<usize, String> {
     let first_seen = seen.iter().filter_map(|edges| edges.first()).map(|&(at, _)| at).min();
     let (Some(first), Some(first_seen)) = (first, first_seen) else {
         return match (first, first_seen) {
-            (None, None) => Ok(0),
+            (None, None) => Ok((0, None)),
             _ => Err(format!("the first edge is planned at {first:?} ns and seen at {first_seen:?}")),
         };
     };
@@ -142,5 +175,5 @@ pub fn compare(vcd: &str, chip: &Chip) -> Result<usize, String> {
             compared += 1;
         }
     }
-    Ok(compared)
+    Ok((compared, Some(i128::from(first_seen) - i128::from(first * 960 / 1000))))
 }

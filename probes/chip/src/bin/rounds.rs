@@ -4,12 +4,14 @@
 //! `ticks.rs` does and with the same lines out: `CHANNELS rounds-PERIOD COUNT`.
 use core::hint::black_box;
 use core::panic::PanicInfo;
-use core::sync::atomic::AtomicU16;
+use core::sync::atomic::{AtomicU16, AtomicU32};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{debug, hprintln};
 use hal as _; // the vector table
-use servo::laser::{Action, CHANNELS, Count, Energy, Places, Plan, RoundRing, Scale, Switches, Train};
+use servo::laser::{
+    Action, CHANNELS, Count, Energy, HELD_WORDS, Held, Places, Plan, RoundRing, Scale, Switches, Train,
+};
 
 /// Ticks counted of each kind.
 const TICKS: usize = 100;
@@ -27,6 +29,8 @@ static ENERGIES: [Places<ENERGY_PLACES, 3>; CHANNELS] =
     [const { [const { [const { AtomicU16::new(0) }; 3] }; ENERGY_PLACES] }; CHANNELS];
 static SWITCHES: Places<SWITCH_PLACES, 6> = [const { [const { AtomicU16::new(0) }; 6] }; SWITCH_PLACES];
 
+static HELD: [[AtomicU32; HELD_WORDS]; CHANNELS] = [const { [const { AtomicU32::new(0) }; HELD_WORDS] }; CHANNELS];
+
 #[panic_handler]
 fn panicked(info: &PanicInfo<'_>) -> ! {
     hprintln!("{}", info);
@@ -38,6 +42,7 @@ fn panicked(info: &PanicInfo<'_>) -> ! {
 
 /// Both channels, as `hal` holds them.
 struct Outputs {
+    held: [Held; CHANNELS],
     energies: [Energy; CHANNELS],
     rings: [Ring<ENERGY_PLACES, 3>; CHANNELS],
     switches: Switches,
@@ -46,24 +51,24 @@ struct Outputs {
 }
 
 impl Outputs {
-    /// What a tick of so many ns does for plans, without the accesses to registers.
+    /// What a tick of so many ns does for plans that wait for a tick, without the accesses to registers.
     fn tick(&mut self, ns: u32, plans: &[Plan; CHANNELS], read: [usize; CHANNELS]) -> bool {
         let (from, to) = (self.next, self.next.wrapping_add(SCALE.counts(ns).into()));
         self.next = to;
         self.switch_ring.renew(0);
         let mut right = true;
-        let channels = self.energies.iter_mut().zip(&mut self.rings).zip(plans).zip(read);
-        for (((energy, ring), plan), read) in channels {
+        let channels = self.energies.iter_mut().zip(&mut self.rings).zip(&self.held).zip(read);
+        for (((energy, ring), held), read) in channels {
             right &= ring.renew(read);
-            energy.take(from, to, plan, &mut |length, light| ring.put(length, [light]));
+            energy.take(from, to, held.actions(), &mut |length, light| ring.put(length, [light]));
         }
-        self.switches.hold(&plans[0]);
+        self.switches.hold(self.held[0].actions());
         let ring = &mut self.switch_ring;
-        self.switches.take(from, to, &plans[1], &mut |round| {
+        self.switches.take(from, to, self.held[1].actions(), &mut |round| {
             let ([fall_0, fall_1], [rise_0, rise_1]) = (round.falls, round.rises);
             ring.put(round.length, [rise_0, fall_0, fall_1, rise_1]);
         });
-        right
+        self.held.iter_mut().zip(plans).fold(right, |right, (held, plan)| held.put(plan) && right)
     }
 }
 
@@ -81,6 +86,7 @@ fn main() -> ! {
     for (us, mark) in [(10u32, "rounds-10"), (20, "rounds-20"), (50, "rounds-50"), (250, "rounds-250")] {
         for lit in 0..=CHANNELS {
             let mut outputs = Outputs {
+                held: HELD.each_ref().map(|words| Held::new(words)),
                 energies: [const { Energy::from(BEGIN, SCALE) }; CHANNELS],
                 rings: ENERGIES.each_ref().map(|places| Ring::new(places, [0; 3])),
                 switches: Switches::from(BEGIN, SCALE),

@@ -1,0 +1,154 @@
+//! A plan that waits for its time, in few words: for a machine that carries out what was planned a tick later.
+//!
+//! In: a [`Plan`] a tick. Out: its actions, once more; voltages are not among them. Owns the words. Fails by [`Held::put`]
+//! being false, where a plan has more trains than there is room for.
+//!
+//! An action is a word, and behind it the counts of its train that are others than those of the train of its kind before it
+//! (of light, and of standby): within a tick few are.
+use super::plan::{Action, Count, PLACES, Plan, Train};
+use crate::path::EFFECTS;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// Words that hold any plan of the tick: all actions, and the trains of those that begin the interval, which are two, and of
+/// what paths carry, which are [`EFFECTS`] for each of two.
+pub const WORDS: usize = PLACES + 8 * (2 + 2 * EFFECTS as usize);
+
+/// Of an action's word: its instant, what it is, a level or a cut, and whether counts follow.
+const INSTANT: u32 = (1 << 20) - 1;
+const KIND: u32 = 20;
+const FLAG: u32 = 1 << 22;
+const PERIOD: u32 = 1 << 23;
+const WIDTH: u32 = 1 << 24;
+
+const SWITCH: u32 = 0;
+const LIGHT: u32 = 1;
+const CHANGE: u32 = 2;
+const DARK: u32 = 3;
+
+/// See the module text.
+#[derive(Debug)]
+pub struct Held {
+    words: &'static [AtomicU32],
+    len: usize,
+    lights: bool,
+}
+
+impl Held {
+    /// Nothing.
+    pub const fn new(words: &'static [AtomicU32]) -> Held {
+        Held { words, len: 0, lights: false }
+    }
+
+    /// Nothing is held any more.
+    pub fn clear(&mut self) {
+        (self.len, self.lights) = (0, false);
+    }
+
+    /// Whether what is held has anything to show.
+    pub fn lights(&self) -> bool {
+        self.lights
+    }
+
+    fn add(&mut self, word: u32) -> bool {
+        let Some(place) = self.words.get(self.len) else { return false };
+        place.store(word, Ordering::Relaxed);
+        self.len = self.len.wrapping_add(1);
+        true
+    }
+
+    fn add_count(&mut self, count: &Count) -> bool {
+        let Count { whole, part, of } = *count;
+        self.add(whole as u32) && self.add((whole >> 32) as u32) && self.add(part) && self.add(of)
+    }
+
+    /// Holds a plan instead of what was held. False if it has no room: then nothing is held.
+    #[inline]
+    pub fn put(&mut self, plan: &Plan) -> bool {
+        self.clear();
+        // Of light, of standby.
+        let mut trains = [Train::NONE; 2];
+        for (at, action) in plan.actions() {
+            let (word, train) = match action {
+                Action::Switch(active) => {
+                    self.lights |= *active;
+                    (SWITCH << KIND | if *active { FLAG } else { 0 }, None)
+                }
+                Action::Light(train) => (LIGHT << KIND, Some(train)),
+                Action::Change(train) => (CHANGE << KIND, Some(train)),
+                Action::Dark { standby, cut } => (DARK << KIND | if *cut { FLAG } else { 0 }, Some(standby)),
+                Action::Volts(_) => continue,
+            };
+            if !self.add_action(word | at & INSTANT, train, &mut trains) {
+                self.clear();
+                return false;
+            }
+        }
+        true
+    }
+
+    /// A word, and what is new of its train.
+    fn add_action(&mut self, word: u32, train: Option<&Train>, trains: &mut [Train; 2]) -> bool {
+        let Some(train) = train else { return self.add(word) };
+        self.lights |= !train.is_silent();
+        let before = of_kind(word >> KIND & 3, trains);
+        let (period, width) = (before.period != train.period, before.width != train.width);
+        *before = *train;
+        self.add(word | if period { PERIOD } else { 0 } | if width { WIDTH } else { 0 })
+            && (!period || self.add_count(&train.period))
+            && (!width || self.add_count(&train.width))
+    }
+
+    /// What is held, as the plan had it: ns from the interval's beginning, and what happens there.
+    #[inline]
+    pub fn actions(&self) -> impl Iterator<Item = (u32, Action)> {
+        Replay { words: self.words.get(..self.len).unwrap_or_default().iter(), trains: [Train::NONE; 2] }
+    }
+}
+
+/// The train before of an action of this kind.
+#[inline]
+fn of_kind(kind: u32, [light, standby]: &mut [Train; 2]) -> &mut Train {
+    if kind == DARK { standby } else { light }
+}
+
+struct Replay<'a> {
+    words: core::slice::Iter<'a, AtomicU32>,
+    trains: [Train; 2],
+}
+
+impl Replay<'_> {
+    fn word(&mut self) -> Option<u32> {
+        self.words.next().map(|word| word.load(Ordering::Relaxed))
+    }
+
+    fn count(&mut self) -> Option<Count> {
+        let (low, high) = (self.word()?, self.word()?);
+        Some(Count { whole: (high as u64) << 32 | low as u64, part: self.word()?, of: self.word()? })
+    }
+}
+
+impl Iterator for Replay<'_> {
+    type Item = (u32, Action);
+
+    fn next(&mut self) -> Option<(u32, Action)> {
+        let word = self.word()?;
+        let (at, kind, flag) = (word & INSTANT, word >> KIND & 3, word & FLAG != 0);
+        if kind == SWITCH {
+            return Some((at, Action::Switch(flag)));
+        }
+        let period = if word & PERIOD != 0 { Some(self.count()?) } else { None };
+        let width = if word & WIDTH != 0 { Some(self.count()?) } else { None };
+        let train = of_kind(kind, &mut self.trains);
+        train.period = period.unwrap_or(train.period);
+        train.width = width.unwrap_or(train.width);
+        let train = *train;
+        Some((
+            at,
+            match kind {
+                LIGHT => Action::Light(train),
+                CHANGE => Action::Change(train),
+                _ => Action::Dark { standby: train, cut: flag },
+            },
+        ))
+    }
+}
