@@ -151,10 +151,11 @@ struct Told {
 }
 
 impl Told {
-    fn round(&mut self, length: u32) {
+    fn rounds(&mut self, length: u32, times: u32) {
+        assert!((1..=256).contains(&times), "{times} times");
         assert!((self.least..=65_535).contains(&length), "{} counts at {}", length, self.end);
-        self.end += u64::from(length);
-        self.last = [self.last[1], length];
+        self.end += u64::from(length * times);
+        self.last = [self.last[1], length * times];
         self.rounds += 1;
     }
 
@@ -193,10 +194,12 @@ fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64)
             stage.push(from + counts(*at), *action);
         }
         assert!(held.put(&plan));
-        rounds.take(from, to, held.actions(), &mut |length, light| {
+        rounds.take(from, to, held.actions(), &mut |length, light, times| {
             assert!(light <= length);
-            note(&mut got, told.end, told.end + u64::from(light));
-            told.round(length);
+            for begin in (0..times).map(|n| told.end + u64::from(n * length)) {
+                note(&mut got, begin, begin + u64::from(light));
+            }
+            told.rounds(length, times);
         });
         assert_eq!(rounds.told(), told.end);
         from = to;
@@ -204,9 +207,10 @@ fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64)
     let mut end = Plan::EMPTY;
     end.add(0, Action::Dark { standby: Train::NONE, cut: true });
     stage.push(from, Action::Dark { standby: Train::NONE, cut: true });
-    rounds.take(from, from + 60_000, end.actions().iter().copied(), &mut |length, light| {
+    rounds.take(from, from + 60_000, end.actions().iter().copied(), &mut |length, light, times| {
+        assert_eq!(times, 1);
         note(&mut got, told.end, told.end + u64::from(light));
-        told.round(length);
+        told.rounds(length, times);
     });
     stage.run_to(from + 60_000, &mut |change| scope.note(change));
     scope.end(from + 60_000);
@@ -296,7 +300,7 @@ fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2
                 note(got, told.end, told.end + u64::from(falls));
                 note(got, told.end + u64::from(rises.min(length)), told.end + u64::from(length));
             }
-            told.round(length);
+            told.rounds(length, 1);
         });
         assert_eq!(rounds.told(), told.end);
         from = to;
@@ -345,13 +349,15 @@ fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
     plan.add(0, Action::Light(train));
     while told < begin + whole {
         let to = from + counts(lasts);
-        rounds.take(from, to, plan.actions().iter().copied(), &mut |length, on| {
-            // Of the rounds, what lies in the repetition.
-            let (first, end) = (told.clamp(begin, begin + whole), (told + u64::from(on)).clamp(begin, begin + whole));
-            light += end - first;
-            begun += u64::from(on > 0 && !lit && told >= begin && told < begin + whole);
-            told += u64::from(length);
-            lit = on == length;
+        rounds.take(from, to, plan.actions().iter().copied(), &mut |length, on, times| {
+            for _ in 0..times {
+                // Of the rounds, what lies in the repetition.
+                let end = (told + u64::from(on)).clamp(begin, begin + whole);
+                light += end - told.clamp(begin, begin + whole);
+                begun += u64::from(on > 0 && !lit && told >= begin && told < begin + whole);
+                told += u64::from(length);
+                lit = on == length;
+            }
         });
         plan = Plan::EMPTY;
         from = to;

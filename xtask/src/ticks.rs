@@ -37,7 +37,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 65] = [
+const MARKS: [(&str, &str); 68] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -104,6 +104,9 @@ const MARKS: [(&str, &str); 65] = [
     ),
     ("rounds-20", "rounds, likewise of 20 µs"),
     ("rounds-50", "rounds, likewise of 50 µs"),
+    ("rounds-odd-10", "rounds, likewise of 10 µs, but no two pulses in turn are equal"),
+    ("rounds-odd-20", "rounds, likewise of 20 µs"),
+    ("rounds-odd-50", "rounds, likewise of 50 µs"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
     ("lnxy", "host byte to store per line of a path, a call each"),

@@ -314,7 +314,7 @@ impl Lasers {
             *is_live = true;
         }
         let mut read_by = energy.told().wrapping_sub(timer.ring.ahead().into());
-        energy.take(from, to, held.actions(), &mut |length, light| timer.ring.put(length, [light]));
+        energy.take(from, to, held.actions(), &mut |length, light, times| timer.ring.put(length, times, [light]));
         if channel == 0 {
             self.switches.hold(held.actions());
         } else {
@@ -322,7 +322,7 @@ impl Lasers {
             read_by = read_by.min(self.switches.told().wrapping_sub(timer.ring.ahead().into()));
             self.switches.take(from, to, held.actions(), &mut |round| {
                 let ([fall_0, fall_1], [rise_0, rise_1]) = (round.falls, round.rises);
-                timer.ring.put(round.length, [rise_0, fall_0, fall_1, rise_1]);
+                timer.ring.put(round.length, 1, [rise_0, fall_0, fall_1, rise_1]);
             });
         }
         if self.state == State::Begins && channel + 1 == CHANNELS {

@@ -4,6 +4,7 @@ use h743::engine::Register;
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop};
 use protocol::command::{AxisOn, GetFault, LaserStatus};
+use std::collections::HashSet;
 use std::sync::{Arc, Mutex};
 
 /// The image, if there is one.
@@ -82,6 +83,36 @@ fn the_first_tick_begins_in_time() {
     let now = machine.chip.now;
     let late = machine.chip.bus.timer(2).unwrap().count(now);
     assert!(late < 2 * 240, "the tick begins {late} counts late: the timer ran before interrupts were let in");
+}
+
+/// Lines of 32 bytes from which a tick takes its instructions, and how many those are.
+fn code_of_a_tick(machine: &mut Machine) -> (usize, usize) {
+    let (mut lines, mut instructions) = (HashSet::new(), 0);
+    while machine.chip.scs.exceptions.active[TICK] {
+        machine.run(1);
+    }
+    while !machine.chip.scs.exceptions.active[TICK] {
+        machine.run(1);
+    }
+    while machine.chip.scs.exceptions.active[TICK] {
+        lines.insert(machine.register(Register::Pc) / 32);
+        instructions += 1;
+        machine.run(1);
+    }
+    (lines.len(), instructions)
+}
+
+/// What the tick runs from: flash, through a cache of 16 KiB, whose lines are those of docs/board-h743.md.
+#[test]
+fn a_tick_in_which_nothing_runs_fits_into_half_of_the_cache() {
+    let Some(elf) = image() else { return };
+    let mut machine = booted(&elf);
+    machine.run(20 * MILLISECOND);
+    for _ in 0..16 {
+        let (lines, instructions) = code_of_a_tick(&mut machine);
+        println!("{instructions} instructions from {lines} lines of 32 bytes");
+        assert!(instructions > 1_000 && lines * 32 <= 8 * 1024, "{instructions} instructions, {lines} lines");
+    }
 }
 
 fn linked(elf: &[u8]) -> (Client, Shared) {

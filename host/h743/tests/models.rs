@@ -223,6 +223,10 @@ fn repetition_spares_updates_and_their_dma_requests() {
     bench.pass(100);
     // An update every third round; TIM1_UP is request 15.
     assert_eq!(bench.requests(15, start), [30, 60, 90]);
+    // TIM15 counts 256 at most.
+    let mut bench = Bench::new(15);
+    bench.set(RCR, 0x1ff);
+    assert_eq!(bench.get(RCR), 0xff);
 }
 
 #[test]

@@ -328,6 +328,9 @@ impl Pattern {
     }
 }
 
+/// Periods of one run at most: the repetition counter of TIM15 has 8 bits (RM0433 41.5.12).
+const TIMES: u32 = 256;
+
 /// One of a train's two counts in [`Steps`].
 #[derive(Debug, Clone, Copy)]
 struct Half {
@@ -346,9 +349,33 @@ impl Half {
         Half { whole: whole as u32, part, gathered, over }
     }
 
+    /// Whether the next count is one more.
+    #[inline(always)]
+    fn is_odd(&self) -> bool {
+        self.gathered >= self.over
+    }
+
+    /// Whether two counts in turn are equal more often than not, by far: a third of them or less are of one kind.
+    #[inline(always)]
+    fn is_even(&self) -> bool {
+        let (more, less) = (self.part.max(self.over), self.part.min(self.over));
+        less <= more >> 1
+    }
+
+    /// What steps may take away until the next count is of the other kind, what each adds to what is gathered, and whether the next
+    /// count is one more.
+    #[inline(always)]
+    fn even(&self) -> (u32, u32, bool) {
+        if self.is_odd() {
+            (self.gathered.wrapping_sub(self.over), self.over.wrapping_neg(), true)
+        } else {
+            (self.over.wrapping_sub(1).wrapping_sub(self.gathered), self.part, false)
+        }
+    }
+
     #[inline(always)]
     fn step(&mut self) -> u32 {
-        if self.gathered >= self.over {
+        if self.is_odd() {
             self.gathered = self.gathered.wrapping_sub(self.over);
             self.whole.wrapping_add(1)
         } else {
@@ -365,7 +392,7 @@ impl Half {
 }
 
 /// The counts of the periods of a train, one after the other, as [`Pattern::step`] gives them, where they are far below 2³²
-/// and the train stays what it is.
+/// and the train stays what it is; runs of equal ones at once.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Steps {
     before: Pattern,
@@ -373,18 +400,28 @@ pub(super) struct Steps {
     width: Half,
     owed: u32,
     is_full: bool,
+    /// Nothing is owed, nor will be: each pulse ends with its period at the latest.
+    is_plain: bool,
 }
 
 impl Steps {
-    /// Behind at least one [`Pattern::step`] with this train.
+    /// A pattern goes on with this train.
     #[inline(always)]
     pub(super) fn of(before: Pattern, train: &Train) -> Steps {
+        let mut before = before;
+        if before.period.of != train.period.of {
+            before.period = Bresenham { gathered: 0, of: train.period.of };
+        }
+        if before.width.of != train.width.of {
+            (before.width, before.owed) = (Bresenham { gathered: 0, of: train.width.of }, 0);
+        }
         Steps {
             before,
             period: Half::of(&train.period, before.period.gathered),
             width: Half::of(&train.width, before.width.gathered),
             owed: before.owed as u32,
             is_full: train.is_full(),
+            is_plain: before.owed == 0 && train.width.whole < train.period.whole,
         }
     }
 
@@ -396,6 +433,67 @@ impl Steps {
         let width = if self.is_full { period } else { wanted.min(period) };
         self.owed = if self.is_full { 0 } else { wanted.wrapping_sub(width) };
         (period, width)
+    }
+
+    /// Tells periods as far as they end within `left` counts and a longer one had room: length, width, and how many in turn
+    /// are so, of which only those are told together that end `alone` counts before. What is left of the counts.
+    #[inline(never)]
+    pub(super) fn tell(&mut self, left: u32, alone: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
+        let mut left = left;
+        let longest = self.period.whole.wrapping_add(1);
+        if !self.is_plain {
+            while longest <= left {
+                let (period, width) = self.step();
+                sink(period, width, 1);
+                left = left.wrapping_sub(period);
+            }
+            return left;
+        }
+        let (mut periods, mut widths) = (self.period, self.width);
+        if !(periods.is_even() && widths.is_even()) {
+            while longest <= left {
+                let (period, width) = (periods.step(), widths.step());
+                sink(period, width, 1);
+                left = left.wrapping_sub(period);
+            }
+            (self.period, self.width) = (periods, widths);
+            return left;
+        }
+        while longest <= left {
+            let (mut even, more, is_long) = periods.even();
+            let (mut as_wide, wider, is_wide) = widths.even();
+            let (period, width) =
+                (periods.whole.wrapping_add(is_long as u32), widths.whole.wrapping_add(is_wide as u32));
+            let (less, narrower) =
+                (if is_long { periods.over } else { more }, if is_wide { widths.over } else { wider });
+            let mut room = left.saturating_sub(alone).saturating_sub(period);
+            let mut times = 1u32;
+            // Three counts that go down together: the first one below zero ends the run.
+            while times < TIMES {
+                let below;
+                (even, below) = even.overflowing_sub(less);
+                if below {
+                    break;
+                }
+                let below;
+                (as_wide, below) = as_wide.overflowing_sub(narrower);
+                if below {
+                    break;
+                }
+                let below;
+                (room, below) = room.overflowing_sub(period);
+                if below {
+                    break;
+                }
+                times = times.wrapping_add(1);
+            }
+            periods.gathered = periods.gathered.wrapping_add(times.wrapping_mul(more));
+            widths.gathered = widths.gathered.wrapping_add(times.wrapping_mul(wider));
+            sink(period, width, times);
+            left = left.wrapping_sub(times.wrapping_mul(period));
+        }
+        (self.period, self.width) = (periods, widths);
+        left
     }
 
     /// What the pattern has become.

@@ -1,6 +1,6 @@
 //! The energy output of a channel as rounds of a timer that begin with light, or have none.
 //!
-//! In: the actions of a plan a tick. Out: rounds: length, and light from the beginning on, in counts. Owns train, pulse in progress, and the
+//! In: the actions of a plan a tick. Out: rounds: length, light from the beginning on, in counts, and how often. Owns train, pulse in progress, and the
 //! rounds that may still become others. Fails never.
 //!
 //! Each pulse begins with a round; a pulse that begins sooner than [`LEAST`] behind the one before it, with a gap between them,
@@ -67,15 +67,15 @@ impl Energy {
         self.begin
     }
 
-    /// The actions of a plan for the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by it. An
-    /// action beyond the interval takes place at its end.
+    /// The actions of a plan for the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by it: length,
+    /// light, and how many in turn are so. An action beyond the interval takes place at its end.
     #[inline]
     pub fn take(
         &mut self,
         from: u64,
         to: u64,
         actions: impl Iterator<Item = (u32, Action)>,
-        sink: &mut impl FnMut(u32, u32),
+        sink: &mut impl FnMut(u32, u32, u32),
     ) {
         self.known = to;
         for (at, action) in actions {
@@ -134,7 +134,7 @@ impl Energy {
 
     /// Follows the train to `to`, not included.
     #[inline]
-    fn pulses_to(&mut self, to: u64, sink: &mut impl FnMut(u32, u32)) {
+    fn pulses_to(&mut self, to: u64, sink: &mut impl FnMut(u32, u32, u32)) {
         // A period has a count at least, and what is known is some 10⁵ counts.
         loop {
             if self.runs && self.is_steady() {
@@ -172,10 +172,10 @@ impl Energy {
 
     /// Periods of a steady train, each as a round, while they are certain.
     #[inline]
-    fn periods(&mut self, to: u64, sink: &mut impl FnMut(u32, u32)) {
+    fn periods(&mut self, to: u64, sink: &mut impl FnMut(u32, u32, u32)) {
         let Some(next) = self.next else { return };
         // What is known is far below 2³² counts.
-        let mut length = self.period_end.wrapping_sub(next.begin) as u32;
+        let length = self.period_end.wrapping_sub(next.begin) as u32;
         // Behind long rounds come short ones.
         let is_short = (length.max(self.train.period.whole as u32)) < 2 * LEAST - 1;
         let margin = if is_short { LEAST } else { LATE * LEAST };
@@ -184,21 +184,18 @@ impl Energy {
             return;
         }
         self.close(next.begin, sink);
-        let mut light = next.end.wrapping_sub(next.begin) as u32;
+        let light = next.end.wrapping_sub(next.begin) as u32;
         let mut begin = next.begin;
         // The first one may be of another train.
-        sink(length, light);
+        sink(length, light, 1);
         left = left.wrapping_sub(length);
-        let (period, width) = self.pattern.step(&self.train);
         let told = left;
         begin = begin.wrapping_add(length.into());
-        (length, light) = (period as u32, width as u32);
         let mut steps = Steps::of(self.pattern, &self.train);
-        while length <= left {
-            sink(length, light);
-            left = left.wrapping_sub(length);
-            (length, light) = steps.step();
-        }
+        // The last two places hold a period each, where they would not be short otherwise.
+        let alone = if is_short { (self.train.period.whole as u32).wrapping_add(1).wrapping_mul(2) } else { 0 };
+        left = steps.tell(left, alone, sink);
+        let (length, light) = steps.step();
         self.pattern = steps.pattern();
         begin = begin.wrapping_add(told.wrapping_sub(left).into());
         (self.begin, self.until) = (begin, begin);
@@ -213,7 +210,7 @@ impl Energy {
 
     /// Light from `at` to `until`.
     #[inline]
-    fn pulse(&mut self, at: u64, until: u64, sink: &mut impl FnMut(u32, u32)) {
+    fn pulse(&mut self, at: u64, until: u64, sink: &mut impl FnMut(u32, u32, u32)) {
         // What is told already, behind a restart, is dark.
         let at = at.max(self.begin);
         if let Some(next) = &mut self.next {
@@ -245,11 +242,11 @@ impl Energy {
 
     /// Tells everything up to `at`, where a round begins: with the next pulse, if there is one.
     #[inline]
-    fn close(&mut self, at: u64, sink: &mut impl FnMut(u32, u32)) {
+    fn close(&mut self, at: u64, sink: &mut impl FnMut(u32, u32, u32)) {
         let mut light = self.until.saturating_sub(self.begin);
         let is_late = at.wrapping_add((LATE * LEAST).into()) > self.known;
         for length in Lengths::of(at.saturating_sub(self.begin) as u32, LEAST, is_late) {
-            sink(length, light.min(length.into()) as u32);
+            sink(length, light.min(length.into()) as u32, 1);
             light = light.saturating_sub(length.into());
         }
         self.begin = self.begin.max(at);
@@ -259,7 +256,7 @@ impl Energy {
     }
 
     /// Tells what nothing that is not known yet can change.
-    fn tell_certain(&mut self, sink: &mut impl FnMut(u32, u32)) {
+    fn tell_certain(&mut self, sink: &mut impl FnMut(u32, u32, u32)) {
         let least = u64::from(LEAST);
         if let Some(next) = self.next
             && next.begin.wrapping_add(least) <= self.known

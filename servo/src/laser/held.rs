@@ -65,6 +65,9 @@ impl Held {
     #[inline]
     pub fn put(&mut self, plan: &Plan) -> bool {
         self.clear();
+        if plan.actions().is_empty() {
+            return true;
+        }
         // Of light, of standby.
         let mut trains = [Train::NONE; 2];
         for (at, action) in plan.actions() {
@@ -101,7 +104,8 @@ impl Held {
     /// What is held, as the plan had it: ns from the interval's beginning, and what happens there.
     #[inline]
     pub fn actions(&self) -> impl Iterator<Item = (u32, Action)> {
-        Replay { words: self.words.get(..self.len).unwrap_or_default().iter(), trains: [Train::NONE; 2] }
+        let words = self.words.get(..self.len).unwrap_or_default();
+        Replay { words, next: 0, periods: [0; 2], widths: [0; 2] }
     }
 }
 
@@ -112,18 +116,33 @@ fn of_kind(kind: u32, [light, standby]: &mut [Train; 2]) -> &mut Train {
 }
 
 struct Replay<'a> {
-    words: core::slice::Iter<'a, AtomicU32>,
-    trains: [Train; 2],
+    words: &'a [AtomicU32],
+    next: usize,
+    /// Where the counts of a train of light and of standby lie; 0, where an action does, of none.
+    periods: [usize; 2],
+    widths: [usize; 2],
 }
 
 impl Replay<'_> {
-    fn word(&mut self) -> Option<u32> {
-        self.words.next().map(|word| word.load(Ordering::Relaxed))
+    fn word(&self, at: usize) -> Option<u32> {
+        self.words.get(at).map(|word| word.load(Ordering::Relaxed))
     }
 
-    fn count(&mut self) -> Option<Count> {
-        let (low, high) = (self.word()?, self.word()?);
-        Some(Count { whole: (high as u64) << 32 | low as u64, part: self.word()?, of: self.word()? })
+    /// The place of counts that come next.
+    fn skip(&mut self) -> usize {
+        let at = self.next;
+        self.next = at.wrapping_add(4);
+        at
+    }
+
+    fn counts(&self, at: usize) -> Count {
+        match self.words.get(at..at.wrapping_add(4)) {
+            Some([low, high, part, of]) if at != 0 => {
+                let [low, high, part, of] = [low, high, part, of].map(|word| word.load(Ordering::Relaxed));
+                Count { whole: (high as u64) << 32 | low as u64, part, of }
+            }
+            _ => Train::NONE.period,
+        }
     }
 }
 
@@ -131,24 +150,29 @@ impl Iterator for Replay<'_> {
     type Item = (u32, Action);
 
     fn next(&mut self) -> Option<(u32, Action)> {
-        let word = self.word()?;
+        let word = self.word(self.next)?;
+        self.next = self.next.wrapping_add(1);
         let (at, kind, flag) = (word & INSTANT, word >> KIND & 3, word & FLAG != 0);
         if kind == SWITCH {
             return Some((at, Action::Switch(flag)));
         }
-        let period = if word & PERIOD != 0 { Some(self.count()?) } else { None };
-        let width = if word & WIDTH != 0 { Some(self.count()?) } else { None };
-        let train = of_kind(kind, &mut self.trains);
-        train.period = period.unwrap_or(train.period);
-        train.width = width.unwrap_or(train.width);
-        let train = *train;
-        Some((
-            at,
-            match kind {
-                LIGHT => Action::Light(train),
-                CHANGE => Action::Change(train),
-                _ => Action::Dark { standby: train, cut: flag },
-            },
-        ))
+        let (mut period, mut width) = (0, 0);
+        if word & PERIOD != 0 {
+            period = self.skip();
+        }
+        if word & WIDTH != 0 {
+            width = self.skip();
+        }
+        let ([of_light, of_standby], [by_light, by_standby]) = (&mut self.periods, &mut self.widths);
+        let (periods, widths) = if kind == DARK { (of_standby, by_standby) } else { (of_light, by_light) };
+        (*periods, *widths) = (if period == 0 { *periods } else { period }, if width == 0 { *widths } else { width });
+        let (period, width) = (*periods, *widths);
+        let train = Train { period: self.counts(period), width: self.counts(width) };
+        let action = match kind {
+            LIGHT => Action::Light(train),
+            CHANGE => Action::Change(train),
+            _ => Action::Dark { standby: train, cut: flag },
+        };
+        Some((at, action))
     }
 }

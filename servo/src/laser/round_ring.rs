@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicU16, Ordering};
 /// Places that are made dark at once before a start.
 const AT_ONCE: usize = 64;
 
-/// The half-words: length − 1, 0, and compare registers.
+/// The half-words: length − 1, how often − 1, and compare registers.
 pub type Places<const PLACES: usize, const WORDS: usize> = [[AtomicU16; WORDS]; PLACES];
 
 /// See the module text.
@@ -23,7 +23,7 @@ pub struct RoundRing<const PLACES: usize, const WORDS: usize> {
     lit: usize,
     /// The first place that the last tick told: what lies before it is over when the next one begins.
     told: usize,
-    /// Lengths of the last two rounds: DMA reads a round when the second one before it begins, at the earliest.
+    /// What the last two places last: DMA reads one when the second one before it begins, at the earliest.
     last: [u32; 2],
     /// No place was left for a round.
     is_full: bool,
@@ -76,11 +76,11 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
         self.dark.get(2..).unwrap_or_default()
     }
 
-    /// One round more: its length in counts, and the half-words of its compare registers.
+    /// Some equal rounds more: their length in counts, how many they are, and the half-words of their compare registers.
     #[inline(always)]
-    pub fn put(&mut self, length: u32, compare: impl IntoIterator<Item = u32>) {
+    pub fn put(&mut self, length: u32, times: u32, compare: impl IntoIterator<Item = u32>) {
         let behind = Self::behind(self.place);
-        let Some([to_length, _, to @ ..]) = self.places.get(self.place).map(|place| place.as_slice()) else {
+        let Some([to_length, to_times, to @ ..]) = self.places.get(self.place).map(|place| place.as_slice()) else {
             return;
         };
         if behind == self.lit {
@@ -88,10 +88,11 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
             return;
         }
         to_length.store(length.wrapping_sub(1) as u16, Ordering::Relaxed);
+        to_times.store(times.wrapping_sub(1) as u16, Ordering::Relaxed);
         for (to, value) in to.iter().zip(compare) {
             to.store(value as u16, Ordering::Relaxed);
         }
-        self.last = [self.last[1], length];
+        self.last = [self.last[1], length.wrapping_mul(times)];
         self.place = behind;
     }
 
@@ -142,13 +143,13 @@ mod tests {
             assert!(ring.renew(read), "tick {tick}");
             let over = told;
             for _ in 0..tick % 4 {
-                ring.put(100, [40]);
+                ring.put(100, tick as u32 % 5 + 1, [40]);
                 told += 1;
             }
             read = told * 3 % (8 * 3);
             let words = |place: usize| PLACES[place % 8].each_ref().map(|word| word.load(Ordering::Relaxed));
             for place in over..told {
-                assert_eq!(words(place), [99, 0, 40], "tick {tick}");
+                assert_eq!(words(place), [99, tick as u16 % 5, 40], "tick {tick}");
             }
             let before = over.saturating_sub((tick + 3) % 4);
             for place in told..before + 8 {

@@ -104,7 +104,8 @@ impl Device for Timer {
                     }
                 }
             }
-            RCR => self.rcr = value & 0xffff,
+            // RM0433 41.5.12: those of 15 to 17 have eight bits.
+            RCR => self.rcr = value & if self.kind.number >= 15 { 0xff } else { 0xffff },
             CCR1..=CCR4 => {
                 let widest = self.widest();
                 let count = self.count(at);
