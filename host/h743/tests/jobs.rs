@@ -21,11 +21,13 @@ const EIGHTH: [(&str, &str); 3] = [("1024;", "128;"), ("2048;", "256;"), ("Sleep
 
 /// A thirtieth of the ways of a path with light, forwards all the way (before a step back its direction takes some time), and an
 /// output that goes with the light.
-const SHORT: [(&str, &str); 6] = [
+const SHORT: [(&str, &str); 7] = [
     ("100000, 0, 50", "3333, 0, 50"),
     ("0, 10000, 50", "6500, 333, 50"),
     ("Sleep(1000);", "Sleep(30);"),
     ("Sleep(2000);", "Sleep(70);"),
+    // A row behind the last edge.
+    ("rtn = GT_GetLaserOnTime(0, &units);", "Sleep(10);"),
     ("rtn = GT_BufLaserOn(1, 0, 0);", "rtn = GT_BufLaserOn(1, 0, 0); rtn = GT_BufIO(1, 12, 4, 4, 0);"),
     ("rtn = GT_BufLaserOff(1, 0, 0);", "rtn = GT_BufLaserOff(1, 0, 0); rtn = GT_BufIO(1, 12, 4, 0, 0);"),
 ];
