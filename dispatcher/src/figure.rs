@@ -58,6 +58,8 @@ pub struct Figure {
     pub tangents: [Place; 2],
     /// Of an arc: its radius, and the coordinates of its plane.
     pub round: Option<(f64, [usize; 2])>,
+    /// Of an arc: counterclockwise.
+    ccw: bool,
     /// Where it ends.
     pub end: Place,
 }
@@ -87,7 +89,7 @@ impl Figure {
             return Err(Refused::NoLength);
         }
         let unit = way.map(|x| x / length);
-        Ok(Figure { form, length, tangents: [unit; 2], round: None, end })
+        Ok(Figure { form, length, tangents: [unit; 2], round: None, ccw: false, end })
     }
 
     /// ArcXYC and its planes: centre from the start; a target equal to the start is a full circle.
@@ -205,7 +207,27 @@ impl Figure {
         let mut end = *from;
         end[i] += chord[0];
         end[j] += chord[1];
-        Figure { form, length, tangents, round: Some((radius, [i, j])), end }
+        Figure { form, length, tangents, round: Some((radius, [i, j])), ccw, end }
+    }
+
+    /// The greatest share that a coordinate has in the speed anywhere along it, from 0 to 1.
+    pub fn share(&self, coordinate: usize) -> f64 {
+        let part =
+            |at: usize| self.tangents.get(at).and_then(|tangent| tangent.get(coordinate)).map_or(0.0, |x| fabs(*x));
+        let Some((radius, [i, j])) = self.round else { return part(0) };
+        if coordinate != i && coordinate != j {
+            return 0.0;
+        }
+        if let Form::Circle { .. } = self.form {
+            return 1.0;
+        }
+        // Half turns from where the direction has all of the coordinate, at the begin and as far as the arc turns.
+        let [first, second] = [i, j].map(|place| self.tangents[0].get(place).copied().unwrap_or(0.0));
+        let (x, y) = if coordinate == i { (first, second) } else { (second, -first) };
+        let from = atan2(y, x) / core::f64::consts::PI;
+        let turns = self.length / radius / core::f64::consts::PI;
+        let (low, high) = if self.ccw { (from, from + turns) } else { (from - turns, from) };
+        if libm::ceil(low) <= high { 1.0 } else { part(0).max(part(1)) }
     }
 
     /// Servo's entry of it with these speeds.

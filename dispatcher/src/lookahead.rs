@@ -35,6 +35,34 @@ pub struct Limits {
     pub corner: f64,
 }
 
+impl Limits {
+    /// Speed along a motion as they allow it.
+    pub fn speed(&self, figure: &Figure, vel: f64) -> f64 {
+        let (vel, ..) = self.hold(figure, &direction(figure), vel, 0.0);
+        vel
+    }
+
+    /// Speed and acceleration along a motion as they allow them; of an arc its radius and the limit of its accelerations.
+    fn hold(&self, figure: &Figure, direction: &Place, vel: f64, acc: f64) -> (f64, f64, Option<(f64, f64)>) {
+        let Limits { vel: most, acc: hardest, .. } = self;
+        let (mut vel, mut acc) = (vel, acc);
+        for (share, (most, hardest)) in direction.iter().zip(most.iter().zip(hardest)) {
+            let share = fabs(*share);
+            if share > 0.0 {
+                vel = vel.min(most / share);
+                acc = acc.min(hardest / share);
+            }
+        }
+        let least =
+            |axes: [usize; 2]| axes.iter().filter_map(|axis| hardest.get(*axis)).copied().fold(f64::INFINITY, f64::min);
+        let round = figure.round.map(|(radius, axes)| (radius, least(axes)));
+        if let Some((radius, limit)) = round {
+            vel = vel.min(sqrt(radius * limit));
+        }
+        (vel, acc, round)
+    }
+}
+
 /// Entries with effects that may stand between two motions which are passed at speed; more make the path wait.
 const EFFECTS: u32 = 8;
 /// Lowest speed and acceleration that an entry takes.
@@ -212,24 +240,15 @@ impl<const N: usize> LookAhead<N> {
         self.slots.get(counter & (N - 1)).unwrap_or(&Slot::Empty)
     }
 
+    /// What holds for motions that are pushed now.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
     /// A motion by itself, from rest.
     fn motion(&self, figure: &Figure, vel: f64, acc: f64) -> Motion {
-        let Limits { vel: most, acc: hardest, .. } = self.limits;
-        let (mut vel, mut acc) = (vel, acc);
         let direction = direction(figure);
-        for (share, (most, hardest)) in direction.iter().zip(most.iter().zip(hardest)) {
-            let share = fabs(*share);
-            if share > 0.0 {
-                vel = vel.min(most / share);
-                acc = acc.min(hardest / share);
-            }
-        }
-        let least =
-            |axes: [usize; 2]| axes.iter().filter_map(|axis| hardest.get(*axis)).copied().fold(f64::INFINITY, f64::min);
-        let round = figure.round.map(|(radius, axes)| (radius, least(axes)));
-        if let Some((radius, limit)) = round {
-            vel = vel.min(sqrt(radius * limit));
-        }
+        let (vel, acc, round) = self.limits.hold(figure, &direction, vel, acc);
         Motion {
             form: figure.form,
             length: figure.length,

@@ -113,6 +113,11 @@ impl PathQueue {
         }
     }
 
+    /// What would hold for a motion after [`PathQueue::set_look`] with these limits, of a FIFO that was cleared so many times.
+    pub fn limits(&self, cleared: u32, limits: Limits) -> Limits {
+        if self.cleared != cleared || self.look.is_empty() { limits } else { *self.look.limits() }
+    }
+
     /// A motion whose speeds the look-ahead decides; `rests`: the path stands at its end.
     pub fn motion(&mut self, store: &EntryStore, (figure, vel, acc): (&Figure, f64, f64), rests: bool) {
         self.make_room(store);

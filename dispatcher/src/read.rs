@@ -438,6 +438,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             lasers: profile.lasers,
             crds_per_core: profile.crds_per_core,
             tick_us: ((self.view.period.0 / 1000) as u32).into(),
+            step_limit: (self.board.step_limit.pulses_per_ms() as f64).into(),
         }
     }
 

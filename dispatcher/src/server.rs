@@ -18,7 +18,7 @@ use servo::path::EntryStore;
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
-use servo::units::Ns;
+use servo::units::{Ns, StepLimit};
 use servo::view::{Event, Sample, View};
 use zerocopy::IntoBytes;
 
@@ -48,6 +48,8 @@ pub struct Board {
     pub analog_inputs: u8,
     /// General outputs (at most 32).
     pub general_outputs: u8,
+    /// What its step outputs make of an axis. What is known to be faster is refused.
+    pub step_limit: StepLimit,
     /// What ended the run before this one, if the board remembers it.
     pub fault: Option<Fault>,
 }

@@ -3,6 +3,7 @@ use dispatcher::Refused;
 use dispatcher::tables::{Beside, Draft, Kind, Scratch, TABLES};
 use protocol::reason::{Code, Reason};
 use servo::pvt::PlaceStore;
+use servo::units::StepLimit;
 
 #[path = "tables_bench/mod.rs"]
 mod bench;
@@ -31,10 +32,10 @@ fn counts() {
     let mut scratch = Scratch::new(&mut beside, &room);
     for kind in [Kind::Pvt, Kind::PvtEx, COMPLETE, PERCENT, CONTINUOUS] {
         for count in [-1, 0, 1, 1025, i32::MAX, i32::MIN] {
-            let refused = Draft::begin(kind, count, FIELDS, true, &mut scratch).unwrap_err();
+            let refused = Draft::begin(kind, count, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap_err();
             is(refused, Reason::OutOfRange, 65535, FIELDS.count);
         }
-        assert!(Draft::begin(kind, 1024, FIELDS, true, &mut scratch).is_ok());
+        assert!(Draft::begin(kind, 1024, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).is_ok());
     }
     assert_eq!(TABLES, 32);
     let full: Vec<Vec<f64>> = (0..1024).map(|i| vec![i as f64, i as f64, 1.0]).collect();
@@ -52,7 +53,7 @@ fn more_places_than_fit() {
     // The Calculate command has no such limit.
     let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
     let mut scratch = Scratch::new(&mut beside, &room);
-    let mut draft = Draft::begin(PERCENT, 400, FIELDS, false, &mut scratch).unwrap();
+    let mut draft = Draft::begin(PERCENT, 400, FIELDS, StepLimit::FULL_SCALE, false, &mut scratch).unwrap();
     for point in &points {
         draft.point(point, &mut scratch).unwrap();
     }
@@ -90,19 +91,19 @@ fn positions_and_velocities() {
     is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, f64::NAN, 0.0]]), Reason::NotFinite, 1, 11);
     is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, 0.0, f64::NEG_INFINITY]]), Reason::NotFinite, 1, 12);
     is(refused(Kind::Pvt, &[&[0.0, 1e300, 0.0], &[1.0, 0.0, 0.0]]), Reason::OutOfRange, 0, 11);
-    is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1e4, 2.3e12, 0.0]]), Reason::BeyondTravel, 1, NONE);
+    is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1e4, 2.3e12, 0.0]]), Reason::BeyondTravel, 1, 11);
     // Full scale is allowed, more is not, at a point or inside a segment.
     let full = 4294967296.0;
     assert!(Shelf::default().add(Kind::Pvt, &[vec![0.0, 0.0, full], vec![1.0, full, full]]).is_ok());
     is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, 1.0, full * 1.000001]]), Reason::TooFast, 1, 12);
-    is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, full, 0.0]]), Reason::TooFast, 1, NONE);
+    is(refused(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, full, 0.0]]), Reason::TooFast, 1, 11);
     is(refused(PERCENT, &[&[0.0, 0.0, 0.0], &[1.0, full, 0.0]]), Reason::TooFast, 1, 11);
-    is(refused(COMPLETE, &[&[0.0, 0.0], &[1.0, 0.0], &[2.0, full], &[3.0, 0.0]]), Reason::TooFast, 1, NONE);
+    is(refused(COMPLETE, &[&[0.0, 0.0], &[1.0, 0.0], &[2.0, full], &[3.0, 0.0]]), Reason::TooFast, 1, 11);
     let fast = Kind::Complete { vel_begin: 0.0, vel_end: 1e10 };
     is(refused(fast, &[&[0.0, 0.0], &[1.0, 0.0]]), Reason::TooFast, 65535, 5);
     is(refused(Kind::Percent { vel_begin: f64::NAN }, &[&[0.0, 0.0], &[1.0, 0.0]]), Reason::NotFinite, 65535, 4);
     // The points are near, the way between them is not.
-    is(refused(Kind::Pvt, &[&[0.0, 0.0, 4e9], &[1e5, 0.0, 0.0]]), Reason::BeyondTravel, 1, NONE);
+    is(refused(Kind::Pvt, &[&[0.0, 0.0, 4e9], &[1e5, 0.0, 0.0]]), Reason::BeyondTravel, 1, 11);
 }
 
 #[test]
@@ -164,14 +165,14 @@ fn continuous_data() {
 fn a_point_too_many() {
     let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
     let mut scratch = Scratch::new(&mut beside, &room);
-    let mut draft = Draft::begin(Kind::Pvt, 2, FIELDS, true, &mut scratch).unwrap();
+    let mut draft = Draft::begin(Kind::Pvt, 2, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap();
     draft.point(&[0.0, 0.0, 0.0], &mut scratch).unwrap();
     assert!(draft.finish(&mut scratch).is_none());
     draft.point(&[1.0, 0.0, 0.0], &mut scratch).unwrap();
     assert!(draft.point(&[2.0, 0.0, 0.0], &mut scratch).is_err());
     assert!(draft.finish(&mut scratch).is_some());
     // Too few values are no numbers.
-    let mut draft = Draft::begin(Kind::Pvt, 2, FIELDS, true, &mut scratch).unwrap();
+    let mut draft = Draft::begin(Kind::Pvt, 2, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap();
     assert!(draft.point(&[0.0, 0.0], &mut scratch).is_err());
 }
 

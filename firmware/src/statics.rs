@@ -62,6 +62,7 @@ pub static TICK: ConstStaticCell<Tick<AXES>> = ConstStaticCell::new(Tick::new(Ti
     axes: AXES as u8,
     analog_inputs: board::ANALOG_INPUTS,
     laser_clock: board::LASER_CLOCK,
+    step_limit: board::STEP_LIMIT,
 }));
 /// What the tick's interrupt owns.
 pub static SERVO: Given<Servo> = Given::nothing();

@@ -30,7 +30,7 @@ pub fn run(data: &[u8]) {
     let mut from = Source::new(data);
     let kind = from.byte();
     let counted = kind & 1 == 1;
-    let config = Config { tick_us: [250, 50, 125, 1000][usize::from(kind >> 1 & 3)], profile: 0 };
+    let config = Config { tick_us: [250, 50, 125, 1000][usize::from(kind >> 1 & 3)], ..Config::default() };
     let line = Line { noise: if kind & 8 == 0 { 0 } else { from.byte() % 20 }, seed: from.word().into() };
     let fuel = FUEL.min(u32::from(from.byte()) * 32 + 64);
     let mut memories: [Option<Memory>; LIVES] = [const { None }; LIVES];

@@ -38,7 +38,7 @@ const FUEL: u32 = 3000;
 /// See the module text.
 pub fn run(data: &[u8]) {
     let mut from = Source::new(data);
-    let mut memory = Memory::new(Config { tick_us: [250, 50, 1000, 125][from.below(4)], profile: 0 });
+    let mut memory = Memory::new(Config { tick_us: [250, 50, 1000, 125][from.below(4)], ..Config::default() });
     let mut bench = Bench::new(&mut memory, Line::CLEAN);
     bench.open();
     for (number, body) in crate::scenes::ready() {

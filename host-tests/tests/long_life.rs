@@ -31,7 +31,7 @@ fn since(change: Change, begin: u64) -> Change {
 
 /// A round of a controller that has executed so many entries and so many ns before.
 fn life(entries: u32, ns: u64) -> Done {
-    let mut board = Board::new(Config { tick_us: TICK_US as u32, profile: 0 });
+    let mut board = Board::new(Config { tick_us: TICK_US as u32, ..Config::default() });
     board.age(entries, ns);
     board.record_beam(true);
     let begin = board.now();
@@ -171,7 +171,7 @@ fn counts_of_a_path_and_of_light_go_round_and_nothing_is_different() {
 /// given then, a table named then, must not look as if they were still to come.
 #[test]
 fn what_was_executed_long_ago_does_not_come_back() {
-    let board = share(Board::new(Config { tick_us: TICK_US as u32, profile: 0 }));
+    let board = share(Board::new(Config { tick_us: TICK_US as u32, ..Config::default() }));
     let client = work::client(&board);
     run(
         &client,

@@ -55,7 +55,7 @@ fn off(gone: i64, rounds: u64, way: f64) -> i64 {
 fn nothing_drifts_overflows_or_grows() {
     let ticks: u64 = std::env::var("LONG_RUN_TICKS").ok().map_or(4 * ROUND_TICKS, |text| text.parse().unwrap());
     let rounds = ticks.div_ceil(ROUND_TICKS).max(3);
-    let board = share(Board::new(Config { tick_us: TICK_US as u32, profile: 0 }));
+    let board = share(Board::new(Config { tick_us: TICK_US as u32, ..Config::default() }));
     let client = work::client(&board);
     run(&client, SETUP);
     client.sleep(Duration::from_millis(100)).unwrap();

@@ -161,10 +161,10 @@ wire_structs! {
         soft_positive: I32, soft_negative: I32, dec_smooth: F64, dec_abrupt: F64, pos_err: I32,
         band: I32, band_time_cycles: I32, home_sense: u8,
     }
-    /// What a controller is.
+    /// What a controller is; step_limit is what its step outputs make of an axis, pulse/ms (2^32 is full scale: none).
     VersionReply {
         major: U16, minor: U16, patch: U16, schema: U32, board: [u8; 16], profile: u8, family: u8,
-        cores: u8, axes_per_core: u8, lasers: u8, crds_per_core: u8, tick_us: U32,
+        cores: u8, axes_per_core: u8, lasers: u8, crds_per_core: u8, tick_us: U32, step_limit: F64,
     }
     /// Controller time: ms and servo ticks since power-on.
     Clock { clock_ms: U32, ticks: U32 }

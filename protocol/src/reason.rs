@@ -133,6 +133,7 @@ reasons! {
     129 GearsFull State "coordinate system {axis}: {high} axes go along with the next motion, which is the most";
     130 AxisGoesAlong State "axis {axis} goes along with the next motion already";
     131 CrdNotOnBoard Mismatch "this board has memory for {high} coordinate systems";
+    132 StepLimit Range "{field}: axis {axis} would go at {got} pulse/ms; the board's steps are limited to {high}";
     140 NotAboveMinimum Range "{field} is {got}; it must be above the minimum, {low}";
     141 PointOfAxis Range "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
     142 PlaneAxis Range "{field} names axis {got} twice; a plane has two";

@@ -135,8 +135,10 @@ impl<const AXES: usize> Tick<AXES> {
         let brakes = state.follower().is_some_and(|follower| follower.braking);
         if brakes {
             let motion = self.motion(axis);
-            if let Some(state) = self.axes.get_mut(index) {
-                state.brake(next, motion);
+            if let Some(state) = self.axes.get_mut(index)
+                && let Some(reason) = state.brake(next, motion, self.steps)
+            {
+                tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
             }
         }
         for (group, bit, high) in deeds.outputs.into_iter().flatten() {

@@ -24,7 +24,7 @@ use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
 use crate::script::Script;
 use crate::slaves::Switched;
 use crate::trace::{Chosen, Trace};
-use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns};
+use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use crate::view::{Event, LaserView, Sample, Speeds, Traced, View};
 use ring::{Consumer, Producer, Writer};
 
@@ -35,9 +35,6 @@ pub const EVENTS: usize = 64;
 pub const ENTRIES_PER_TICK: core::ops::RangeInclusive<u32> = 64..=PROGRAM as u32;
 /// Shortest and longest period, ns.
 pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
-
-/// 2³² pulse/ms in units of Pos in a ns, rounded up.
-const LIMIT_PER_NS: u64 = (1u64 << 54).div_ceil(1_000_000);
 
 /// What a board fixes.
 #[derive(Debug, Clone, Copy)]
@@ -50,6 +47,8 @@ pub struct TickConfig {
     pub analog_inputs: u8,
     /// The clock of the timers that carry out laser plans.
     pub laser_clock: Clock,
+    /// What its step outputs make of an axis.
+    pub step_limit: StepLimit,
 }
 
 /// The tick's halves of the hand-overs.
@@ -132,8 +131,10 @@ pub struct Tick<const AXES: usize> {
     /// Axes in use.
     pub(crate) used: usize,
     analog_inputs: usize,
-    /// What an axis that follows goes in a tick at most: 2³² pulse/ms.
+    /// What an axis that follows goes in a tick at most, units of Pos, and what that is made of.
     pub(crate) step_limit: u64,
+    limit_per_us: u64,
+    pub(crate) steps: StepLimit,
     pub(crate) trace: Trace,
     pub(crate) lasers: Lasers,
     pub(crate) order: Order<AXES>,
@@ -166,7 +167,9 @@ impl<const AXES: usize> Tick<AXES> {
             order: Order::NONE,
             crds: Crds::POWER_ON,
             edges: Edges::NONE,
-            step_limit: config.period_ns as u64 * LIMIT_PER_NS,
+            step_limit: in_a_tick(config.step_limit.per_us(), config.period_ns as u64),
+            limit_per_us: config.step_limit.per_us(),
+            steps: config.step_limit,
             lasers: Lasers::new(config.laser_clock),
         }
     }
@@ -238,7 +241,7 @@ impl<const AXES: usize> Tick<AXES> {
 
         self.now = next;
         if period != self.period {
-            (self.period, self.step_limit) = (period, period.0.wrapping_mul(LIMIT_PER_NS));
+            (self.period, self.step_limit) = (period, in_a_tick(self.limit_per_us, period.0));
         }
         self.ticks = self.ticks.wrapping_add(1);
         self.show(port, lanes.view.buffer());
@@ -456,6 +459,12 @@ impl<const AXES: usize> Tick<AXES> {
         }
         Some(since)
     }
+}
+
+/// What an axis goes in a tick at most, units of Pos; one more is what two positions round to.
+const fn in_a_tick(per_us: u64, period_ns: u64) -> u64 {
+    let us = (period_ns as u32).div_ceil(1000);
+    (per_us.wrapping_mul(us as u64) >> 8).wrapping_add(1)
 }
 
 /// Tells the thread, or counts what could not be told.

@@ -16,6 +16,33 @@ impl Pos {
     }
 }
 
+/// What the step outputs of a board make of an axis at most: whole pulse/ms, from 1 to full scale (SPEC 5).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(transparent)]
+pub struct StepLimit(u64);
+
+impl StepLimit {
+    /// 2³² pulse/ms: what no velocity exceeds anyway.
+    pub const FULL_SCALE: StepLimit = StepLimit(1 << 32);
+    /// So many pulse/ms.
+    pub const fn new(pulses_per_ms: u64) -> Option<StepLimit> {
+        if pulses_per_ms == 0 || pulses_per_ms > Self::FULL_SCALE.0 { None } else { Some(StepLimit(pulses_per_ms)) }
+    }
+    /// Pulse/ms.
+    pub const fn pulses_per_ms(self) -> u64 {
+        self.0
+    }
+    /// The bits of the double that it is.
+    pub(crate) const fn bits(self) -> u64 {
+        let exponent = 63 - (self.0 | 1).leading_zeros();
+        ((1023 + exponent) as u64) << 52 | self.0 << (52 - exponent) & ((1 << 52) - 1)
+    }
+    /// In 2⁻⁸ [`Pos`] a µs, rounded up.
+    pub(crate) const fn per_us(self) -> u64 {
+        (self.0 << (Pos::FRAC_BITS + 8)).div_ceil(1000)
+    }
+}
+
 /// Position or displacement in 2⁻⁶⁴ pulse: knots, origins and what passes accumulate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[repr(transparent)]

@@ -4,7 +4,7 @@ use servo::follow::{Direction, Value};
 use servo::op::{DoGroup, Mode, Op};
 use servo::path::{Along, Entry, Plane};
 use servo::status;
-use servo::units::{AxisMask, CrdMask, Pos};
+use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{Event, StopReason, View};
 
 mod tick_bench;
@@ -137,7 +137,8 @@ fn a_move_takes_an_axis_away_and_a_modal_one_is_waited_for() {
         for modal in [true, false] {
             let mut bench = ready(period);
             let v = speeds(10.0, 1.0, 0.0);
-            let travel = Entry::travel(axis(4), -30, 2f64.to_bits(), 0.5f64.to_bits(), modal).unwrap();
+            let travel =
+                Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal).unwrap();
             bench.path(0, 0, &[Entry::planar([37, 0], v), travel, output(1), Entry::planar([0, 0], v), output(2)]);
             bench.start_path(&[0]);
             let zero = bench.tick.now().0 + u64::from(period) * 1000;
@@ -165,7 +166,8 @@ fn a_move_begins_at_its_boundary() {
     let mut seen = Vec::new();
     for period in [50, 250, 1000] {
         let mut bench = ready(period);
-        let travel = Entry::travel(axis(4), 1000, 20f64.to_bits(), 2f64.to_bits(), false).unwrap();
+        let travel =
+            Entry::travel(axis(4), 1000, (20f64.to_bits(), StepLimit::FULL_SCALE), 2f64.to_bits(), false).unwrap();
         bench.path(0, 0, &[Entry::planar([37, 0], speeds(10.0, 1.0, 0.0)), travel]);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
@@ -181,7 +183,8 @@ fn a_move_begins_at_its_boundary() {
 fn a_move_that_fails_stops_the_path() {
     let v = speeds(10.0, 1.0, 0.0);
     let entries = |modal| {
-        let travel = Entry::travel(axis(4), -30, 2f64.to_bits(), 0.5f64.to_bits(), modal).unwrap();
+        let travel =
+            Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal).unwrap();
         [Entry::planar([37, 0], v), travel, Entry::planar([0, 0], v)]
     };
     type Break = fn(&mut Bench);

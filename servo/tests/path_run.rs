@@ -4,7 +4,7 @@ use servo::op::DoGroup;
 use servo::path::{Along, Change, Effects, Entry, Feed, Fine, Path, Rate, Refused, Rest, Step};
 use servo::piece::{Motion, Scaled};
 use servo::ramp::Accel;
-use servo::units::{Axis, Ns, Pos};
+use servo::units::{Axis, Ns, Pos, StepLimit};
 
 mod chance;
 mod paths;
@@ -549,14 +549,14 @@ fn other_effects_carry_their_numbers() {
         Entry::output(DoGroup::General, 0xfff0, 0x1230),
         Entry::output(DoGroup::Enable, 3, 1),
         Entry::analog(7, -32768),
-        Entry::travel(axis, -5, v.to_bits(), a.to_bits(), false).unwrap(),
+        Entry::travel(axis, -5, (v.to_bits(), StepLimit::FULL_SCALE), a.to_bits(), false).unwrap(),
         Entry::laser(1, 77, [1, 2, 3, 4, 5, u32::MAX]),
     ]);
     let feed = Feed { ends: [5, 0] };
     let (mut path, mut all) = (Path::IDLE, All::default());
     path.start(Ns(BEGIN), 0, feed, &script);
     path.step(Ns(BEGIN), Ns(250_000), feed, &script, &mut all);
-    let (speed, acc) = (servo::ramp::Speed::admit(v.to_bits()).unwrap(), dec(a));
+    let (speed, acc) = (servo::ramp::Speed::admit(v.to_bits(), StepLimit::FULL_SCALE).unwrap(), dec(a));
     let expected = [
         Change::Output { group: DoGroup::General, mask: 0xfff0, value: 0x1230 },
         Change::Output { group: DoGroup::Enable, mask: 3, value: 1 },
@@ -565,13 +565,14 @@ fn other_effects_carry_their_numbers() {
         Change::Laser { channel: 1, code: 77, words: [1, 2, 3, 4, 5, u32::MAX] },
     ];
     assert_eq!(all.0, expected);
-    assert!(Entry::travel(axis, 0, v.to_bits(), 0, false).is_err());
+    assert!(Entry::travel(axis, 0, (v.to_bits(), StepLimit::FULL_SCALE), 0, false).is_err());
 }
 
 #[test]
 fn a_modal_move_makes_the_path_wait() {
     let s = speeds(10.0, 1.0, 10.0);
-    let wait = Entry::travel(Axis::new(5).unwrap(), 100, 1f64.to_bits(), 1f64.to_bits(), true).unwrap();
+    let wait = Entry::travel(Axis::new(5).unwrap(), 100, (1f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), true)
+        .unwrap();
     let entries = vec![Entry::planar([100, 0], s), wait, mark(1), Entry::planar([200, 0], s), mark(2)];
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);

@@ -8,7 +8,7 @@ use num_traits::{Signed, ToPrimitive, Zero};
 use servo::piece::Scaled;
 use servo::profile::State;
 use servo::pt::{Chain, Feed, Place, Refused, Segment, SegmentStore, Segments};
-use servo::units::{Exact, Ns, Pos};
+use servo::units::{Exact, Ns, Pos, StepLimit};
 
 mod chance;
 mod drive;
@@ -133,7 +133,9 @@ fn draw(chance: &mut Chance, count: usize, longest: f64) -> (Vec<Datum>, Vec<Seg
             let kind =
                 if attempt > 10 { 1 + chance.below(2) } else { [0, 0, 0, 0, 1, 2][chance.below(6) as usize] } as i16;
             let datum = Datum { pos: target, time: end as i32, kind };
-            if let Ok((segment, next)) = Segment::admit(target.to_bits(), end as i32, kind, &chain) {
+            if let Ok((segment, next)) =
+                Segment::admit(target.to_bits(), end as i32, kind, &chain, StepLimit::FULL_SCALE)
+            {
                 (chain, pos, time) = (next, target, end);
                 data.push(datum);
                 words.push(segment);
@@ -308,7 +310,7 @@ fn admit_all(data: &[(f64, i32, i16)]) -> Store {
     Store(
         data.iter()
             .map(|&(pos, time, kind)| {
-                let (segment, next) = Segment::admit(pos.to_bits(), time, kind, &chain).unwrap();
+                let (segment, next) = Segment::admit(pos.to_bits(), time, kind, &chain, StepLimit::FULL_SCALE).unwrap();
                 chain = next;
                 segment
             })
@@ -417,7 +419,8 @@ fn a_stream_frees_places_and_tells_when_it_runs_dry() {
 #[test]
 fn bad_data_is_refused_and_named() {
     let zero = Chain::default();
-    let admit = |pos: f64, time, kind, before: &Chain| Segment::admit(pos.to_bits(), time, kind, before);
+    let admit =
+        |pos: f64, time, kind, before: &Chain| Segment::admit(pos.to_bits(), time, kind, before, StepLimit::FULL_SCALE);
     assert_eq!(admit(f64::NAN, 1, 0, &zero), Err(Refused::NotFinite));
     assert_eq!(admit(f64::NEG_INFINITY, 1, 0, &zero), Err(Refused::NotFinite));
     assert_eq!(admit(2f64.powi(40) * (1.0 + f64::EPSILON), i32::MAX, 1, &zero), Err(Refused::BeyondTravel));
@@ -436,7 +439,7 @@ fn bad_data_is_refused_and_named() {
     assert!(admit(full / 2.0, 1, 0, &zero).is_ok() && admit(-full / 2.0, 1, 2, &zero).is_ok());
     assert!(matches!(admit(full + 2.0, 1, 1, &zero), Err(Refused::TooFast { .. })));
     assert!(matches!(admit(full / 2.0 + 2.0, 1, 0, &zero), Err(Refused::TooFast { .. })));
-    assert_eq!(admit(-full, 1, 2, &zero), Err(Refused::TooFast { speed: -(1 << 33) }));
+    assert_eq!(admit(-full, 1, 2, &zero), Err(Refused::TooFast { speed: -(1 << 53) }));
     let (_, fast) = admit(full, 1, 1, &zero).unwrap();
     // v1 = 2P/T − v0: back to the start in the same time means −v0 − 2v0.
     assert!(matches!(admit(0.0, 2, 0, &fast), Err(Refused::TooFast { .. })));
@@ -453,7 +456,8 @@ fn words_hold_the_double() {
     for pos in cases.into_iter().filter(|x| x.abs() <= 2f64.powi(40)) {
         let time = 1 + (chance.next() >> 33) as i32;
         let time = if pos.abs() > 1e9 { i32::MAX } else { time.max(10_000) };
-        let (segment, chain) = Segment::admit(pos.to_bits(), time, 1, &Chain::default()).unwrap();
+        let (segment, chain) =
+            Segment::admit(pos.to_bits(), time, 1, &Chain::default(), StepLimit::FULL_SCALE).unwrap();
         assert_eq!((segment.time_ms() as i32, chain.time_ms()), (time, time));
         let exact = BigRational::from_float(pos).unwrap() * BigRational::from_integer(BigInt::from(1) << 64usize);
         let gap = BigRational::from_integer(BigInt::from(segment.position().0)) - exact;

@@ -8,7 +8,7 @@ use num_traits::{Signed, ToPrimitive, Zero};
 use servo::piece::Scaled;
 use servo::profile::{State, Step};
 use servo::ramp::{Accel, Moving, RampRun, Refused, Speed, Trapezoid};
-use servo::units::{Exact, Ns};
+use servo::units::{Exact, Ns, StepLimit};
 
 mod chance;
 mod drive;
@@ -124,10 +124,10 @@ fn total(laws: &[Law]) -> Fix {
 }
 
 fn scaled(x: f64) -> Scaled {
-    Speed::admit(x.to_bits()).unwrap().value()
+    Speed::admit(x.to_bits(), StepLimit::FULL_SCALE).unwrap().value()
 }
 fn speed(x: f64) -> Speed {
-    Speed::admit(x.to_bits()).unwrap()
+    Speed::admit(x.to_bits(), StepLimit::FULL_SCALE).unwrap()
 }
 fn accel(x: f64) -> Accel {
     Accel::admit(x.to_bits()).unwrap()
@@ -499,9 +499,9 @@ fn positions_do_not_depend_on_the_tick() {
 
 #[test]
 fn rates_are_admitted_or_refused_by_name() {
-    assert_eq!(Speed::admit(f64::NAN.to_bits()), Err(Refused::NotFinite));
-    assert_eq!(Speed::admit(4294967297f64.to_bits()), Err(Refused::BeyondFullScale));
-    assert!(Speed::admit((-4294967296f64).to_bits()).is_ok());
+    assert_eq!(Speed::admit(f64::NAN.to_bits(), StepLimit::FULL_SCALE), Err(Refused::NotFinite));
+    assert_eq!(Speed::admit(4294967297f64.to_bits(), StepLimit::FULL_SCALE), Err(Refused::BeyondLimit));
+    assert!(Speed::admit((-4294967296f64).to_bits(), StepLimit::FULL_SCALE).is_ok());
     assert_eq!(Accel::admit(0f64.to_bits()), Err(Refused::NotPositive));
     assert_eq!(Accel::admit((-1f64).to_bits()), Err(Refused::NotPositive));
     assert_eq!(Accel::admit(f64::INFINITY.to_bits()), Err(Refused::NotFinite));

@@ -10,7 +10,7 @@ mod given;
 use super::data::{End, Of, Written};
 use super::{buffered, many};
 use crate::books::{CAPACITY, CrdBook, Frame, PathBook, PathData};
-use crate::case::{Answer, Case};
+use crate::case::{Answer, Case, Site};
 use crate::figure::{self, Figure, OFF_CENTRE, Place};
 use crate::lookahead::Limits;
 use crate::path_queue::PathQueue;
@@ -29,6 +29,21 @@ const CENTRE: f64 = 1.0 / 512.0;
 const RADIUS: f64 = 2_147_483_648.0;
 /// Axes that go along with one motion.
 const GEARS: u32 = 4;
+
+/// Speeds of a motion as they hold.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    vel: f64,
+    acc: f64,
+    end: f64,
+    along: Along,
+}
+
+/// Whether a share of a speed is above a limit. What doubles round is not held against it, where it is not all of the speed.
+fn is_faster(vel: f64, share: f64, limit: f64) -> bool {
+    const ROUNDED: f64 = 4.0 * f64::EPSILON;
+    if share == 1.0 { vel > limit } else { vel * share > limit * (1.0 + ROUNDED) }
+}
 
 /// Whether a command puts something into a FIFO of a coordinate system.
 pub fn is_path(number: u16) -> bool {
@@ -50,6 +65,9 @@ struct Filling<'x> {
     /// The path may run, and has a look-ahead: what leaves it is for the tick at once.
     at_once: bool,
     field: u8,
+    site: &'x Site,
+    /// What the board's steps make of an axis, pulse/ms.
+    limit: f64,
 }
 
 /// The FIFO, if it is known what it holds and its places are free.
@@ -73,7 +91,9 @@ fn open<'x, const AXES: usize>(case: &Case<'x, AXES>, target: &Target) -> Admitt
     let space = book.space(seen, fifo);
     let begin = book.begin(case.view, seen, fifo).unwrap_or([f64::NAN; DIMENSIONS]);
     let number = case.site.crd_number(crd);
-    Ok(Filling { crd, fifo, number, book, frame, path, begin, space, at_once, field: target.fifo_field })
+    let limit = case.board.step_limit.pulses_per_ms() as f64;
+    let (site, field) = (case.site, target.fifo_field);
+    Ok(Filling { crd, fifo, number, book, frame, path, begin, space, at_once, field, site, limit })
 }
 
 impl Filling<'_> {
@@ -106,16 +126,17 @@ impl Filling<'_> {
     }
 
     /// Speed, acceleration and end speed as they hold: all are held to the maxima.
-    fn speeds(&self, given: &Speeds) -> Admitted<(f64, f64, Along)> {
+    fn speeds(&self, given: &Speeds) -> Admitted<Held> {
         let Speeds { vel, acc, end, field, .. } = *given;
         let (vel_max, acc_max) = (self.frame.vel_max, self.frame.acc_max);
         real(field, vel, LEAST, f64::MAX)?;
         real(field + 1, acc, LEAST, f64::MAX)?;
         real(field + 2, end, 0.0, f64::MAX)?;
         let (vel, acc) = (vel.min(vel_max), acc.min(acc_max));
-        let along = Along::admit(vel.to_bits(), acc.to_bits(), end.min(vel).to_bits())
+        let end = end.min(vel);
+        let along = Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits())
             .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(vel).limits(LEAST, vel_max))?;
-        Ok((vel, acc, along))
+        Ok(Held { vel, acc, end, along })
     }
 
     /// The motion from where the FIFO ends.
@@ -163,6 +184,57 @@ impl Filling<'_> {
         figure.map_err(|refused| explain(refused, way, field))
     }
 
+    /// Refuses a motion in which an axis would be faster than the board's steps, at the speed that it is given or at that with
+    /// which the motion before may end. `data` is what stands before it.
+    fn in_steps(&self, queue: &PathQueue, figure: &Figure, (vel, field): (f64, u8), data: &PathData) -> Admitted<()> {
+        let peak = vel.max(self.enters(data));
+        // No coordinate has more of the speed than all of it.
+        if peak <= self.limit && data.gears.0 == 0 {
+            return Ok(());
+        }
+        if figure.length.is_nan() {
+            // Waits until the place is known, unless that changes nothing.
+            if peak.max(peak * f64::from(data.gear)) <= self.limit {
+                return Ok(());
+            }
+            self.needs(0..DIMENSIONS)?;
+        }
+        let peak = match self.path.look {
+            Some(look) => queue.limits(self.path.cleared, self.limits(look.corner, look.acc)).speed(figure, peak),
+            None => peak,
+        };
+        let refuse = |axis: Axis, share: f64| {
+            if !is_faster(peak, share, self.limit) {
+                return Ok(());
+            }
+            let refused = Refused::new(Reason::StepLimit).field(field).axis(self.site.number_of(axis));
+            Err(refused.got(peak * share).limits(0.0, self.limit))
+        };
+        for (coordinate, axis) in self.frame.axes().into_iter().enumerate() {
+            if let Some(axis) = axis {
+                refuse(axis, figure.share(coordinate))?;
+            }
+        }
+        if data.gears.0 == 0 { Ok(()) } else { refuse(data.geared, f64::from(data.gear) / figure.length) }
+    }
+
+    /// How fast the path may be where the next motion begins.
+    fn enters(&self, data: &PathData) -> f64 {
+        if data.open && self.path.look.is_none() { data.leaves.into() } else { 0.0 }
+    }
+
+    /// How fast it may be where a motion of this length ends: at velEnd, if that can be reached from where it enters.
+    fn leaves(&self, data: &PathData, length: f64, acc: f64, end: f64) -> f32 {
+        let enters = self.enters(data);
+        if enters == 0.0 && end == 0.0 {
+            return 0.0;
+        }
+        let (square, swing) = (enters * enters, 2.0 * acc * length);
+        let end = end.max(libm::sqrt((square - swing).max(0.0))).min(libm::sqrt(square + swing));
+        let near = end as f32;
+        if f64::from(near) > end { f32::from_bits(near.to_bits() - 1) } else { near }
+    }
+
     fn limits(&self, corner: f64, acc: f64) -> Limits {
         let of = |own: f64, else_: f64| if own > 0.0 { own } else { else_ };
         Limits {
@@ -185,9 +257,10 @@ impl Filling<'_> {
         &self,
         (queue, store): (&mut PathQueue, &EntryStore),
         (figure, rests): (&Figure, bool),
-        (vel, acc, along): (f64, f64, Along),
+        Held { vel, acc, end, along }: Held,
         data: &mut PathData,
     ) {
+        data.leaves = self.leaves(data, figure.length, acc, end);
         if self.path.look.is_some() {
             queue.motion(store, (figure, vel, acc), rests);
         } else if let Some(entry) = figure.entry(along) {
@@ -195,7 +268,7 @@ impl Filling<'_> {
         }
         data.given = data.given.wrapping_add(1);
         data.motions = data.motions.wrapping_add(1);
-        (data.open, data.place, data.gears.0) = (true, figure.end, 0);
+        (data.open, data.place, data.gears.0, data.gear) = (true, figure.end, 0, 0);
     }
 
     fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
@@ -289,13 +362,14 @@ pub fn put<const AXES: usize>(
         What::Motion(way, given) => {
             let speeds = filling.speeds(given)?;
             let figure = filling.figure(way)?;
+            filling.in_steps(queue, &figure, (speeds.vel, given.field), &data)?;
             filling.has_room(1)?;
             filling.prepare(queue);
             filling.put_motion((queue, store), (&figure, given.rests), speeds, &mut data);
         }
         What::Entry(..) | What::Gear(..) => {
             let (entry, ms) = match *what {
-                What::Gear(entry, axis) => {
+                What::Gear(entry, axis, pulses) => {
                     if data.gears.has(axis) {
                         return Err(case.no(Reason::AxisGoesAlong, axis));
                     }
@@ -303,6 +377,9 @@ pub fn put<const AXES: usize>(
                         return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS.into()));
                     }
                     data.gears.0 |= axis.mask().0;
+                    if pulses > data.gear {
+                        (data.geared, data.gear) = (axis, pulses);
+                    }
                     (entry, 0.0)
                 }
                 What::Entry(entry, ms) => (entry, ms),
@@ -316,6 +393,9 @@ pub fn put<const AXES: usize>(
             filling.prepare(queue);
             queue.other(store, entry, ms);
             (data.given, data.open) = (data.given.wrapping_add(1), true);
+            if entry.is_wait() {
+                data.leaves = 0.0;
+            }
         }
         What::Flush => {
             filling.prepare(queue);
@@ -349,7 +429,7 @@ where
     filling.has_room(items.len())?;
     let fields = R::FIELDS.len() as u8;
     filling.needs(if N == 2 { DIMENSIONS } else { N }..DIMENSIONS)?;
-    let mut before = filling.begin;
+    let (mut before, mut ends) = (filling.begin, filling.path.data);
     for (index, item) in items.iter().enumerate() {
         let to = R::to(item);
         for ((coordinate, to), field) in to.iter().enumerate().zip(fields..) {
@@ -359,7 +439,19 @@ where
         if before.iter().zip(&to).all(|(before, to)| before == to) {
             return Err(Refused::new(Reason::NoLength).field(fields).item(index));
         }
+        let begin = before;
         before.iter_mut().zip(to).for_each(|(before, to)| *before = to);
+        if admitted.vel <= filling.limit && ends.leaves == 0.0 && admitted.end == 0.0 && ends.gears.0 == 0 {
+            continue;
+        }
+        let mut figure = Figure::line(&begin, before.map(|place| place as i32));
+        if let Ok(figure) = &mut figure {
+            filling
+                .in_steps(queue, figure, (admitted.vel, speeds.field), &ends)
+                .map_err(|refused| refused.item(index))?;
+            ends.leaves = filling.leaves(&ends, figure.length, admitted.acc, admitted.end);
+            (ends.open, ends.gears.0, ends.gear) = (true, 0, 0);
+        }
     }
     filling.prepare(queue);
     let mut data = filling.path.data;
@@ -371,7 +463,7 @@ where
         let [x, y, ..] = target;
         if filling.path.look.is_none() {
             // Nobody asks for its directions.
-            let (vel, _, along) = admitted;
+            let Held { vel, along, .. } = admitted;
             let entry = if N == 2 { Entry::planar([x, y], along) } else { Entry::line(target, along) };
             let way = at.iter().zip(target).take(N).fold(0.0f32, |sum, (at, to)| {
                 let part = (f64::from(to) - at) as f32;
@@ -380,7 +472,7 @@ where
             queue.other(store, entry, f64::from(libm::sqrtf(way) / vel as f32));
             (data.given, data.motions) = (data.given.wrapping_add(1), data.motions.wrapping_add(1));
             at.iter_mut().zip(to).for_each(|(at, to)| *at = to.into());
-            (data.open, data.place, data.gears.0) = (true, at, 0);
+            (data.open, data.place, data.gears.0, data.gear) = (true, at, 0, 0);
             continue;
         }
         let figure = if N == 2 { Figure::planar(&at, [x, y]) } else { Figure::line(&at, target) };
@@ -388,6 +480,7 @@ where
         filling.put_motion((queue, store), (&figure, false), admitted, &mut data);
         at = figure.end;
     }
+    data.leaves = ends.leaves;
     let lasts = queue.lasts(stores, case.crd_seen(filling.crd), filling.fifo);
     Ok(filling.written(items.len(), lasts, data))
 }

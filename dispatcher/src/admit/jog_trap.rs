@@ -10,10 +10,8 @@ use protocol::command::{
 use protocol::reason::Reason;
 use servo::op::{Mode, Op};
 use servo::ramp::{Accel, Speed};
-use servo::units::{Axis, Ns};
+use servo::units::{Axis, Ns, StepLimit};
 
-/// Full scale of velocity, pulse/ms (SPEC 5).
-const SPEED_MAX: f64 = 4_294_967_296.0;
 /// Longest smoothing of a Trap, ms.
 const SMOOTH_MAX_MS: i16 = 500;
 
@@ -42,16 +40,19 @@ fn accel_or_none(field: u8, got: f64) -> Admitted<Accel> {
     if got == 0.0 { Ok(Accel::default()) } else { accel(field, got) }
 }
 
-fn speed(field: u8, got: f64, low: f64) -> Admitted<Speed> {
-    real(field, got, low, SPEED_MAX)?;
-    Speed::admit(got.to_bits())
-        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(low, SPEED_MAX))
+/// At most what the board's step outputs make.
+fn speed(field: u8, got: f64, signed: bool, limit: StepLimit) -> Admitted<Speed> {
+    let high = limit.pulses_per_ms() as f64;
+    let low = if signed { -high } else { 0.0 };
+    real(field, got, low, high)?;
+    Speed::admit(got.to_bits(), limit)
+        .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(low, high))
 }
 
 pub fn set_trap<const AXES: usize>(case: &mut Case<AXES>, r: &SetTrapPrm) -> Admitted<Answer> {
     let axis = case.axis(r.core.get(), r.profile.get())?;
     let (acc, dec) = (accel_or_none(2, r.acc.get())?, accel_or_none(3, r.dec.get())?);
-    let vel_start = speed(4, r.vel_start.get(), 0.0)?;
+    let vel_start = speed(4, r.vel_start.get(), false, case.board.step_limit)?;
     let smooth_ms = within(5, r.smooth_time_ms.get(), 0, SMOOTH_MAX_MS)?;
     case.in_mode(axis, case.book(axis).mode == Mode::Trap)?;
     let prm = TrapPrm { acc: r.acc, dec: r.dec, vel_start: r.vel_start, smooth_time_ms: r.smooth_time_ms };
@@ -103,7 +104,7 @@ pub fn set_pos<const AXES: usize>(case: &mut Case<AXES>, r: &SetPos) -> Admitted
 pub fn set_vel<const AXES: usize>(case: &mut Case<AXES>, r: &SetVel) -> Admitted<Answer> {
     let axis = case.axis(r.core.get(), r.profile.get())?;
     let vel = r.vel.get();
-    let speed = speed(2, vel, -SPEED_MAX)?;
+    let speed = speed(2, vel, true, case.board.step_limit)?;
     case.in_mode(axis, matches!(case.book(axis).mode, Mode::Trap | Mode::Jog))?;
     case.stage_with(Op::TargetSpeed { axis, speed }, Change::Vel { axis, vel });
     Ok(Answer::Done)

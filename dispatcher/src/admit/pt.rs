@@ -12,14 +12,12 @@ use protocol::command::{
 use protocol::reason::{Reason, Refusal};
 use servo::op::{Mode, Op};
 use servo::pt::{self, Segment, SegmentStore};
-use servo::units::{Axis, AxisMask};
+use servo::units::{Axis, AxisMask, StepLimit};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
 const FIFO_SLOTS: u32 = 1024;
 /// ±2⁴⁰ pulses.
 const TRAVEL: f64 = 1_099_511_627_776.0;
-/// Full scale of velocity, pulse/ms.
-const SPEED_MAX: f64 = 4_294_967_296.0;
 
 /// Static 0, dynamic 1. Another FIFO use clears the data, the same one keeps it.
 pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &PrfPt) -> Admitted<Answer> {
@@ -178,17 +176,17 @@ fn push<const AXES: usize>(
     }
     let Some(store) = stores.get(axis.index()) else { return Err(case.no(Reason::NotInitialised, axis)) };
     let data = book.fifos[which & 1];
-    let mut chain = data.chain;
+    let (mut chain, limit) = (data.chain, case.board.step_limit);
     let mut slot = (u32::from(fifo) * FIFO_SLOTS).wrapping_add(data.end);
     for (index, item) in items.iter().enumerate() {
         let bits = u64::from_le_bytes(item.pos.to_bytes());
-        match Segment::admit(bits, item.time_ms.get(), i16::from(item.kind), &chain) {
+        match Segment::admit(bits, item.time_ms.get(), i16::from(item.kind), &chain, limit) {
             Ok((segment, next)) => {
                 store.write(slot, segment);
                 slot = slot.wrapping_add(1);
                 chain = next;
             }
-            Err(refused) => return Err(explain(refused, item).item(index).axis(profile)),
+            Err(refused) => return Err(explain(refused, item, limit).item(index).axis(profile)),
         }
     }
     let book = FifoBook { end: data.end.wrapping_add(items.len() as u32), chain };
@@ -198,7 +196,7 @@ fn push<const AXES: usize>(
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.
 #[cold]
-fn explain(refused: pt::Refused, item: &PtItem) -> Refused {
+fn explain(refused: pt::Refused, item: &PtItem, limit: StepLimit) -> Refused {
     let (pos, time_ms) = (item.pos.get(), item.time_ms.get());
     match refused {
         pt::Refused::NotFinite => Refused::new(Reason::NotFinite).field(0).got(pos),
@@ -207,7 +205,8 @@ fn explain(refused: pt::Refused, item: &PtItem) -> Refused {
             Refused::new(Reason::NotIncreasing).field(1).got(time_ms.into()).limits(before.into(), i32::MAX.into())
         }
         pt::Refused::TooFast { speed } => {
-            Refused::new(Reason::TooFast).field(0).got(speed as f64).limits(-SPEED_MAX, SPEED_MAX)
+            let most = limit.pulses_per_ms() as f64;
+            Refused::new(Reason::TooFast).field(0).got(speed as f64 / 1_048_576.0).limits(-most, most)
         }
         pt::Refused::Kind => Refused::new(Reason::Selector).field(2).got(item.kind.into()).limits(0.0, 2.0),
     }

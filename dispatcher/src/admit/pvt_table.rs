@@ -17,6 +17,7 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use servo::pvt::{HEADER_WORDS, PlaceStore, TABLES, TableStores, Tables};
+use servo::units::StepLimit;
 
 /// Most points of a chunk: what a message holds of the shortest kind that has an answer.
 pub const CHUNK: usize = protocol::MAX_PAYLOAD / 24;
@@ -218,7 +219,7 @@ impl Loading {
         }
         let Some(room) = stores.places.get(usize::from(self.room)) else { return Ok(None) };
         let scratch = &mut Scratch::new(&mut self.beside, room);
-        let draft = take(&mut self.table, scratch, &chunk, true, |_| {})?;
+        let draft = take(&mut self.table, scratch, (&chunk, case.board.step_limit), true, |_| {})?;
         let Some(sealed) = draft.finish(scratch) else { return Ok(None) };
         let written = sealed.and_then(|sealed| {
             let words = sealed.header().admit().ok_or_else(|| Refused::new(Reason::TableRange))?;
@@ -255,7 +256,7 @@ impl Loading {
         // No room is used: these leave no table.
         let (Some(state), Some(room)) = (self.calculate.get_mut(lane), places.first()) else { return Ok(false) };
         let before = *state;
-        take(state, &mut Scratch::new(&mut self.beside, room), &chunk, false, |value| {
+        take(state, &mut Scratch::new(&mut self.beside, room), (&chunk, case.board.step_limit), false, |value| {
             if let Some(place) = values.get_mut(count) {
                 *place = value;
                 count += 1;
@@ -273,7 +274,7 @@ impl Loading {
 fn take(
     state: &mut State,
     scratch: &mut Scratch<'_>,
-    chunk: &Chunk<'_>,
+    (chunk, limit): (&Chunk<'_>, StepLimit),
     load: bool,
     mut answer: impl FnMut(f64),
 ) -> Admitted<Draft> {
@@ -281,7 +282,7 @@ fn take(
     let mut draft = match *state {
         _ if chunk.first == 0 => {
             *state = State::Idle;
-            Draft::begin(key.kind, key.count, chunk.fields, load, scratch)?
+            Draft::begin(key.kind, key.count, chunk.fields, limit, load, scratch)?
         }
         State::Open(open, draft) if open == key && draft.taken() == chunk.first => draft,
         State::Refused(open, first, refused) if open == key && first == chunk.first => return Err(refused),

@@ -82,6 +82,11 @@ pub struct PathData {
     pub place: Place,
     /// Axes that go along with the next motion.
     pub gears: AxisMask,
+    /// Of these, the one that goes furthest, and how far, pulses.
+    pub geared: Axis,
+    pub gear: u32,
+    /// How fast the last motion may end, pulse/ms, rounded down; without look-ahead the next one may begin faster than its own speed.
+    pub leaves: f32,
 }
 
 /// One FIFO.

@@ -187,7 +187,7 @@ fn is_final(reason: Reason) -> bool {
         CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty, GearsFull,
         LaserConnector, Length, NoAcceleration, NoCoordinate, NoLength, NotFinite, NotForProgram, NotInDynamic,
         NotInFamily, NotInProgram, NotInitialised, OutOfRange, RadiusTooLarge, RadiusTooSmall, Selector, ServoOff,
-        TooMany, UnknownCommand, WrongMode,
+        StepLimit, TooMany, UnknownCommand, WrongMode,
     };
     matches!(
         reason,
@@ -217,6 +217,7 @@ fn is_final(reason: Reason) -> bool {
             | Length
             | TooMany
             | BeyondTravel
+            | StepLimit
             | Selector
             | UnknownCommand
             | WrongMode

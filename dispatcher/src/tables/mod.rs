@@ -23,6 +23,7 @@ use scale::{Totals, exact, instant};
 pub use scratch::{Beside, Scratch};
 use scratch::{Knot, check};
 use servo::pvt::{PLACES, SHORTEST_PASS_NS};
+use servo::units::StepLimit;
 use spline::Row;
 pub use twofold::Twofold;
 
@@ -90,6 +91,8 @@ pub struct Fields {
 pub struct Draft {
     kind: Kind,
     fields: Fields,
+    /// What the board's step outputs make of an axis, pulse/ms.
+    limit: f64,
     count: u16,
     taken: u16,
     /// Places go into the scratch memory; false for the Calculate commands.
@@ -117,7 +120,15 @@ pub struct Draft {
 impl Draft {
     /// A table of `count` points. With `load`, `scratch` is emptied and takes the places; without,
     /// only the answers of [`Draft::point`] are wanted.
-    pub fn begin(kind: Kind, count: i32, fields: Fields, load: bool, scratch: &mut Scratch<'_>) -> Admitted<Draft> {
+    pub fn begin(
+        kind: Kind,
+        count: i32,
+        fields: Fields,
+        limit: StepLimit,
+        load: bool,
+        scratch: &mut Scratch<'_>,
+    ) -> Admitted<Draft> {
+        let limit = limit.pulses_per_ms() as f64;
         if !(2..=PLACES as i32).contains(&count) {
             let (low, high) = (2.0, PLACES as f64);
             return Err(Refused::new(Reason::OutOfRange).field(fields.count).got(count.into()).limits(low, high));
@@ -125,10 +136,10 @@ impl Draft {
         let mut carried = Twofold::default();
         match kind {
             Kind::Complete { vel_begin, vel_end } => {
-                speed(vel_begin, fields.whole)?;
-                speed(vel_end, fields.whole + 1)?;
+                speed(vel_begin, fields.whole, limit)?;
+                speed(vel_end, fields.whole + 1, limit)?;
             }
-            Kind::Percent { vel_begin } => carried = speed(vel_begin, fields.whole)?.into(),
+            Kind::Percent { vel_begin } => carried = speed(vel_begin, fields.whole, limit)?.into(),
             Kind::Continuous { time_begin } => {
                 carried = crate::refuse::real(fields.whole, time_begin, 0.0, LATEST_MS)?.into();
             }
@@ -141,6 +152,7 @@ impl Draft {
         Ok(Draft {
             kind,
             fields,
+            limit,
             count: count as u16,
             taken: 0,
             load,
@@ -178,11 +190,14 @@ impl Draft {
     /// Whether the refusal is about the way to this point, which the point before it described.
     fn names_before(&self, refused: &Refused) -> bool {
         let way = [Reason::NoDisplacement, Reason::VelocityUnreachable, Reason::AboveVelMax];
-        self.taken > 0 && way.contains(&refused.reason)
+        // Of what a point says, its velMax alone is too fast only on the way to the next one.
+        let vel_max = matches!(self.kind, Kind::Continuous { .. }) && refused.wire.field == self.fields.point + 3;
+        let cruises = refused.reason == Reason::TooFast && vel_max;
+        self.taken > 0 && (cruises || way.contains(&refused.reason))
     }
 
     fn admit(&mut self, values: &[f64], scratch: &mut Scratch<'_>) -> Admitted<f64> {
-        let field = self.fields.point;
+        let (field, limit) = (self.fields.point, self.limit);
         let at = |index: usize| values.get(index).copied().unwrap_or(f64::NAN);
         if self.taken >= self.count {
             return Err(Refused::new(Reason::TooMany)
@@ -212,11 +227,11 @@ impl Draft {
         let mut knot = Knot { time: time - self.first.0, pos: pos - self.first.1, vel: 0.0 };
         match self.kind {
             Kind::Pvt => {
-                knot.vel = speed(at(2), field + 2)?;
+                knot.vel = speed(at(2), field + 2, limit)?;
                 self.push(knot, scratch)?;
             }
             Kind::PvtEx => {
-                let (vel, end) = (speed(at(2), field + 2)?, speed(at(3), field + 3)?);
+                let (vel, end) = (speed(at(2), field + 2, limit)?, speed(at(3), field + 3, limit)?);
                 if !begins {
                     knot.vel = self.vel_end;
                     self.push(knot, scratch)?;
@@ -254,7 +269,7 @@ impl Draft {
                 if !begins {
                     let span = Twofold::between(time, self.last.0);
                     self.carried = Twofold::between(pos, self.last.1).times(2.0).over(span).minus(self.carried);
-                    knot.vel = speed(self.carried.high, field + 1)?;
+                    knot.vel = speed(self.carried.high, field + 1, limit)?;
                     for inner in shape::inner(self.knot, knot, self.percent) {
                         self.push(inner, scratch)?;
                     }
@@ -274,7 +289,7 @@ impl Draft {
     fn continuous(&mut self, pos: f64, leg: Leg, scratch: &mut Scratch<'_>) -> Admitted<f64> {
         let field = self.fields.point;
         crate::refuse::within(field, pos, -FURTHEST, FURTHEST)?;
-        speed(leg.vel, field + 1)?;
+        speed(leg.vel, field + 1, self.limit)?;
         crate::refuse::within(field + 2, leg.percent, 0.0, 100.0)?;
         // The last point begins no way; its limits are not used.
         if self.taken + 1 < self.count {
@@ -292,6 +307,9 @@ impl Draft {
         } else {
             let way = Twofold::between(pos, self.last.1);
             let split = continuous::split(&self.leg, way, leg.vel)?;
+            if split.has(1) {
+                speed(split.peak, field + 3, self.limit)?;
+            }
             let begin = Kind::time_begin(self.kind);
             let since = |time: Twofold| time.minus(begin).high;
             let start = self.carried;
@@ -330,10 +348,16 @@ impl Draft {
         self.push(to, scratch)
     }
 
+    /// The field of a point's position.
+    fn position(&self) -> u8 {
+        let index = if let Kind::Continuous { .. } = self.kind { 0 } else { 1 };
+        self.fields.point + index
+    }
+
     /// The next place, after a segment that an axis can run.
     fn push(&mut self, knot: Knot, scratch: &mut Scratch<'_>) -> Admitted<()> {
         if self.taken > 0 {
-            check(&self.knot, &knot)?;
+            check(&self.knot, &knot, self.limit).map_err(|refused| refused.field(self.position()))?;
         }
         self.jump(knot, scratch)
     }
@@ -360,7 +384,8 @@ impl Draft {
                 knot.pos -= self.first.1;
                 scratch.set(index, knot);
                 if let Some(before) = before.replace(knot) {
-                    check(&before, &knot).map_err(|refused| refused.item(index - 1))?;
+                    let checked = check(&before, &knot, self.limit);
+                    checked.map_err(|refused| refused.field(self.position()).item(index - 1))?;
                 }
             }
         }
@@ -387,12 +412,12 @@ impl Kind {
     }
 }
 
-fn speed(vel: f64, field: u8) -> Admitted<f64> {
+fn speed(vel: f64, field: u8, limit: f64) -> Admitted<f64> {
     if !vel.is_finite() {
         return Err(Refused::new(Reason::NotFinite).field(field).got(vel));
     }
-    if vel.abs() > FULL_SCALE {
-        return Err(Refused::new(Reason::TooFast).field(field).got(vel).limits(-FULL_SCALE, FULL_SCALE));
+    if vel.abs() > limit {
+        return Err(Refused::new(Reason::TooFast).field(field).got(vel).limits(-limit, limit));
     }
     Ok(vel)
 }

@@ -1,7 +1,7 @@
 //! Scratch memory of a table that is being sent: knots as doubles.
 //!
 //! In: knots in time order. Out: the same. Owns the velocities, 8 KiB; times and positions wait in the place memory of a table
-//! that is empty. Fails: a knot too many, a segment that is faster than full scale or swings out of reach. The table in force
+//! that is empty. Fails: a knot too many, a segment that is faster than the step limit or swings out of reach. The table in force
 //! is not touched before the new one is whole.
 //!
 //! A spline's elimination leaves a fourth number a point; of these only every [`STRIDE`]th is kept, and what lies between is
@@ -10,8 +10,6 @@ use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 use servo::pvt::{PLACES, PlaceStore};
 
-/// Full scale of velocity, pulse/ms; a double's rounding above it is still full scale.
-const FULL_SCALE: f64 = 4_294_967_296.0;
 /// The motion stays within 2⁴¹ pulses of its first point: from one edge of travel to the other.
 const REACH: f64 = 2_199_023_255_552.0;
 
@@ -129,17 +127,17 @@ impl<'a> Scratch<'a> {
     }
 }
 
-/// Whether an axis can run from one knot to the next.
-pub fn check(a: &Knot, b: &Knot) -> Admitted<()> {
+/// Whether an axis whose steps are limited to so many pulse/ms can run from one knot to the next.
+pub fn check(a: &Knot, b: &Knot, limit: f64) -> Admitted<()> {
     let length = b.time - a.time;
     let (p, w0, w1) = (b.pos - a.pos, a.vel * length, b.vel * length);
     let (c2, c3) = (3.0 * p - 2.0 * w0 - w1, w0 + w1 - 2.0 * p);
     let top = -c2 / (3.0 * c3);
     let inner = if length > 0.0 && top > 0.0 && top < 1.0 { (w0 + c2 * top) / length } else { 0.0 };
     let speed = a.vel.abs().max(b.vel.abs()).max(inner.abs());
-    // NaN cannot come from admitted numbers; it would be refused.
-    if speed.is_nan() || speed > FULL_SCALE * (1.0 + 1e-9) {
-        return Err(Refused::new(Reason::TooFast).got(speed).limits(0.0, FULL_SCALE));
+    // What doubles round is still at the limit. NaN cannot come from admitted numbers; it would be refused.
+    if speed.is_nan() || speed > limit * (1.0 + 1e-9) {
+        return Err(Refused::new(Reason::TooFast).got(speed).limits(-limit, limit));
     }
     // Where the velocity is 0 the position is furthest: w0 + 2·c2·τ + 3·c3·τ² = 0.
     let q = -(c2 + libm::sqrt((c2 * c2 - 3.0 * w0 * c3).max(0.0)).copysign(c2));

@@ -16,7 +16,7 @@ use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::steps;
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, Crd, Ns, Pos};
+use servo::units::{Axis, Crd, Ns, Pos, StepLimit};
 use servo::view::View;
 use std::collections::HashMap;
 use zerocopy::{FromBytes, IntoBytes};
@@ -123,11 +123,16 @@ impl Bench<8> {
 
 impl<const AXES: usize> Bench<AXES> {
     pub fn new(profile: u8, tick_us: u32) -> Self {
-        Bench::after(None, profile, tick_us)
+        Bench::on(StepLimit::FULL_SCALE, None, profile, tick_us)
     }
 
     /// A controller whose last run ended so.
     pub fn after(fault: Option<Fault>, profile: u8, tick_us: u32) -> Self {
+        Bench::on(StepLimit::FULL_SCALE, fault, profile, tick_us)
+    }
+
+    /// On a board whose steps are limited.
+    pub fn on(step_limit: StepLimit, fault: Option<Fault>, profile: u8, tick_us: u32) -> Self {
         let (immediate, immediate_out) = leak(Ring::new()).split();
         let (program, program_out) = leak(Ring::new()).split();
         let (events_in, events) = leak(Ring::new()).split();
@@ -153,6 +158,7 @@ impl<const AXES: usize> Bench<AXES> {
             analog_outputs: 8,
             analog_inputs: 8,
             general_outputs: 16,
+            step_limit,
             fault,
         };
         let mut bench = Bench {
@@ -165,6 +171,7 @@ impl<const AXES: usize> Bench<AXES> {
                 axes: AXES as u8,
                 analog_inputs: 8,
                 laser_clock: Clock::GHZ,
+                step_limit,
             }),
             lanes: Lanes {
                 immediate: immediate_out,

@@ -8,7 +8,7 @@ use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
 use servo::profile::{State, Step};
 use servo::pvt::{HEADER_WORDS, Header, PLACE_WORDS, PlaceStore, Tables};
-use servo::units::{Exact, Ns};
+use servo::units::{Exact, Ns, StepLimit};
 
 #[path = "../../../servo/tests/chance/mod.rs"]
 pub mod chance;
@@ -37,7 +37,7 @@ impl Shelf {
     pub fn add(&mut self, kind: Kind, points: &[Vec<f64>]) -> Result<Vec<f64>, Refused> {
         let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
         let mut scratch = Scratch::new(&mut beside, &room);
-        let mut draft = Draft::begin(kind, points.len() as i32, FIELDS, true, &mut scratch)?;
+        let mut draft = Draft::begin(kind, points.len() as i32, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch)?;
         let mut answers = Vec::new();
         for point in points {
             answers.push(draft.point(point, &mut scratch)?);

@@ -35,6 +35,9 @@ pub const LASER_CLOCK: servo::laser::Clock = servo::laser::Clock::GHZ;
 /// Analog outputs of the board.
 pub const ANALOG_OUTPUTS: u8 = outputs::ANALOG as u8;
 
+/// What the step outputs make of an axis: they are recorded, not made, so nothing is too fast.
+pub const STEP_LIMIT: servo::units::StepLimit = servo::units::StepLimit::FULL_SCALE;
+
 /// Where the stack ends: the lowest address of RAM (`memory.x`).
 const STACK: u32 = 0x2000_0000;
 

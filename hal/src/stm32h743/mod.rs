@@ -46,6 +46,12 @@ pub const LASER_CLOCK: servo::laser::Clock = match servo::laser::Clock::from_mhz
     None => panic!("within the range of a laser clock"),
 };
 
+/// What the step outputs make of an axis at every tick period.
+pub const STEP_LIMIT: servo::units::StepLimit = match servo::units::StepLimit::new(steps::most_a_ms(TICK_US)) {
+    Some(limit) => limit,
+    None => panic!("a step pulse that is longer than the shortest tick"),
+};
+
 /// Analog outputs of the board.
 pub const ANALOG_OUTPUTS: u8 = analog::OUTPUTS as u8;
 

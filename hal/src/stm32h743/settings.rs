@@ -1,7 +1,8 @@
 //! What of the board is set here, before it is built: times that the drives ask for, and which DAC there is.
 
 /// Width of a step pulse, and the least time between two; in whole slots of [`super::steps::SLOT_NS`], so 500 ns are the shortest.
-/// At 500 ns an axis makes 1 MHz; twice the width is the shortest period of steps.
+/// At 500 ns an axis makes 1 MHz; twice the width is the shortest period of steps. Data that
+/// is faster is refused ([`super::STEP_LIMIT`]).
 pub const STEP_WIDTH_NS: u32 = 500;
 
 /// Time from a change of direction to the rising edge of the step behind it.

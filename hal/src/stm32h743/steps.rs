@@ -47,6 +47,21 @@ pub struct Steps {
     is_filled: bool,
 }
 
+/// Steps that an axis makes in a ms, in the tick period for which that is least: whole steps a tick, so with wide pulses
+/// some slots at its end are left.
+pub const fn most_a_ms(periods_us: core::ops::RangeInclusive<u32>) -> u64 {
+    let (mut us, mut most) = (*periods_us.start(), u64::MAX);
+    while us <= *periods_us.end() {
+        let steps = us * 1000 / SLOT_NS / (2 * WIDTH as u32);
+        let a_ms = steps as u64 * 1000 / us as u64;
+        if a_ms < most {
+            most = a_ms;
+        }
+        us += 1;
+    }
+    most
+}
+
 /// How far `to` lies behind `from` in the ring, or before it.
 const fn way(from: usize, to: usize) -> isize {
     let way = to.wrapping_sub(from) & (RING - 1);

@@ -9,7 +9,7 @@ use servo::op::{Entry, Op};
 use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, Pos};
+use servo::units::{Axis, Pos, StepLimit};
 use servo::view::{LaserView, View};
 use std::num::NonZeroU16;
 
@@ -330,5 +330,11 @@ fn listed(told: &[beam::Change], horizon: Ns) -> Outputs {
 }
 
 fn config(period: Ns) -> TickConfig {
-    TickConfig { period_ns: period as u32, axes: 1, analog_inputs: 0, laser_clock: Clock::GHZ }
+    TickConfig {
+        period_ns: period as u32,
+        axes: 1,
+        analog_inputs: 0,
+        laser_clock: Clock::GHZ,
+        step_limit: StepLimit::FULL_SCALE,
+    }
 }

@@ -120,7 +120,7 @@ pub fn run(tick_us: u32, axes: u32, calls: Vec<Call>) -> Run {
 
 /// The same in a profile of another number.
 pub fn run_on(profile: u8, tick_us: u32, axes: u32, calls: Vec<Call>) -> Run {
-    let board = share(Board::new(Config { tick_us, profile }));
+    let board = share(Board::new(Config { tick_us, profile, ..Config::default() }));
     let client = Client::open(Box::new(VirtualLink::new(board)), Options::default()).unwrap();
     let rows = Arc::new(Mutex::new(Vec::new()));
     let theirs = Arc::clone(&rows);

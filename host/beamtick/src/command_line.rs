@@ -21,6 +21,7 @@ Examples:
   beamtick sim examples/pt_dynamic.gts --tick-us 50 --plot zoom.svg --from 900 --to 1100
   beamtick sim examples/laser_duty.gts --plot pulses.png --from 10 --to 12
   beamtick sim examples/pvt_percent.gts --xy path.png
+  beamtick sim examples/pt_static.gts --step-limit 1000
   beamtick run examples/pt_static.gts --link qemu --vcd t.vcd
   beamtick run examples/jog_trap.gts --link tcp:192.168.1.20:5000 --strict
   beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
@@ -67,6 +68,15 @@ pub struct Settings {
     /// Without it, the first of these that has every core and axis of the job.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
+}
+
+/// What board the virtual controller is, as far as steps go.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct Steps {
+    /// What the virtual controller's step outputs make of an axis, pulse/ms: data that is faster is refused, an axis that
+    /// follows and would be faster stops. The STM32H743 board has 1000. Without it, full scale.
+    #[arg(long = "step-limit", value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    pub limit: Option<u64>,
 }
 
 /// What is recorded and shown.
@@ -126,6 +136,9 @@ pub struct Sim {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub settings: Settings,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub steps: Steps,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub outputs: Outputs,
@@ -189,6 +202,9 @@ pub struct Serve {
     /// Servo tick at power-on in µs.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1000))]
     pub tick_us: Option<u32>,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub steps: Steps,
     /// Profile at power-on. Without it the board has room for every profile; with one of 8 axes, for 8 axes only.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,

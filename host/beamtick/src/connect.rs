@@ -1,6 +1,6 @@
 //! The command line's way to a controller.
 use crate::Failure;
-use crate::command_line::{FamilyName, Settings, Way};
+use crate::command_line::{FamilyName, Settings, Steps, Way};
 use crate::profile;
 use client::{Client, Family, Link, Options, Profile};
 use protocol::reason::Reason;
@@ -23,11 +23,16 @@ fn options(settings: &Settings, wanted: Option<Profile>) -> Result<Options, Fail
     Ok(Options { profile, family, tick_us: settings.tick_us, ..Options::default() })
 }
 
+/// A virtual controller as the command line wants it.
+pub fn config(tick_us: Option<u32>, profile: Profile, steps: Steps) -> Config {
+    let board = Config { tick_us: tick_us.unwrap_or(TICK_US), profile: profile as u8, ..Config::default() };
+    Config { step_limit: steps.limit.unwrap_or(board.step_limit), ..board }
+}
+
 /// The client of a virtual controller.
-pub fn simulated(settings: &Settings, wanted: Option<Profile>) -> Result<Client, Failure> {
+pub fn simulated(settings: &Settings, steps: Steps, wanted: Option<Profile>) -> Result<Client, Failure> {
     let options = options(settings, wanted)?;
-    let config =
-        Config { tick_us: settings.tick_us.unwrap_or(TICK_US), profile: options.profile.unwrap_or(Profile::Gus) as u8 };
+    let config = config(settings.tick_us, options.profile.unwrap_or(Profile::Gus), steps);
     let board = share(Board::new(config));
     Ok(Client::open(Box::new(VirtualLink::new(board)), options)?)
 }

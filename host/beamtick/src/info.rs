@@ -1,6 +1,6 @@
 //! `beamtick info`: what a controller is.
 use crate::Failure;
-use crate::command_line::Info;
+use crate::command_line::{Info, Steps};
 use crate::connect::{linked, named, simulated};
 use crate::profile;
 use crate::summary::laser;
@@ -11,7 +11,7 @@ use protocol::reason::{laser_cause, stop_reason};
 pub fn show(arguments: &Info) -> Result<(), Failure> {
     let client = match &arguments.link {
         Some(link) => linked(named(link, &arguments.way)?, &arguments.settings, None)?,
-        None => simulated(&arguments.settings, None)?,
+        None => simulated(&arguments.settings, Steps::default(), None)?,
     };
     let clock = client.call(GetClock {})?;
     let version = client.version();
@@ -50,7 +50,11 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
     for item in &items {
         say!("  {:>12.3} ms  {}", item.time_ns.get() as f64 / 1e6, event(item));
     }
-    say!("limits      travel ±2^40 pulses, velocity below 2^32 pulse/ms, PT FIFO 2 x 32 or 2 x 1024 segments");
+    let steps = match version.step_limit.get() {
+        limit if limit < 4294967296.0 => format!("{limit} pulse/ms (steps)"),
+        _ => "2^32 pulse/ms".to_owned(),
+    };
+    say!("limits      travel ±2^40 pulses, velocity up to {steps}, PT FIFO 2 x 32 or 2 x 1024 segments");
     say!(
         "trace       {}",
         match client.trace_rate() {

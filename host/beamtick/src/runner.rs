@@ -34,7 +34,7 @@ type Tape = Arc<Mutex<Option<Recording>>>;
 /// Runs a job in the virtual controller.
 pub fn sim(arguments: &Sim) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
-    let client = simulated(&arguments.settings, Some(profile::of_job(&source.job)))?;
+    let client = simulated(&arguments.settings, arguments.steps, Some(profile::of_job(&source.job)))?;
     execute(&source, &client, true, &arguments.outputs)
 }
 

@@ -1,11 +1,10 @@
 //! `beamtick serve`: the virtual controller in real time, for other clients.
 use crate::Failure;
 use crate::command_line::Serve;
-use crate::connect::TICK_US;
+use crate::connect;
 use crate::profile;
 use client::Profile;
 use std::net::TcpListener;
-use virtual_board::Config;
 
 /// Serves until the process is ended.
 pub fn serve(arguments: &Serve) -> Result<(), Failure> {
@@ -14,7 +13,7 @@ pub fn serve(arguments: &Serve) -> Result<(), Failure> {
         // A board with room for every profile: clients choose.
         None => Profile::Gsn048,
     };
-    let config = Config { tick_us: arguments.tick_us.unwrap_or(TICK_US), profile: shown as u8 };
+    let config = connect::config(arguments.tick_us, shown, arguments.steps);
     let failed = |error| Failure::Job(format!("{}: cannot listen there: {error}", arguments.listen));
     let listener = TcpListener::bind(&arguments.listen).map_err(failed)?;
     let served = virtual_board::serve(listener, None, config).map_err(failed)?;

@@ -172,7 +172,8 @@ impl Card {
                     Opening { .. } => Profile::Gtn016,
                 });
                 options.family.get_or_insert_default();
-                let shared = share(Board::new(Config { tick_us: TICK_US, profile: profile as u8 }));
+                let shared =
+                    share(Board::new(Config { tick_us: TICK_US, profile: profile as u8, ..Config::default() }));
                 is_virtual = true;
                 match factor {
                     Some(factor) => {
@@ -199,7 +200,7 @@ impl Card {
             time => Some(Keeper::start(opening.slot, Arc::clone(&client), time.clone())),
         };
         let keys = crate::compat::Keys::read(client.now());
-        let stream = Stream::new(settings.batches);
+        let stream = Stream::new(settings.batches, client.version().step_limit.get());
         let closed = Arc::default();
         Ok(Card { client, time, stream, recorder, _files: files, keeper, closed, started: false, keys })
     }

@@ -12,6 +12,7 @@
 use client::{Call, Error};
 use protocol::command::{PtClear, PtData, PtDataMany, PtItem, PtSpace, PtTaken, Short, opcode};
 use servo::pt::{Chain, Segment};
+use servo::units::StepLimit;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 use zerocopy::{FromBytes, IntoBytes};
@@ -37,6 +38,8 @@ struct Lease {
 pub struct Stream {
     /// Nothing is queued.
     off: bool,
+    /// What the controller's step outputs make of an axis; none if it tells nothing that can be.
+    limit: Option<StepLimit>,
     /// Ends of FIFOs that are known.
     chains: HashMap<Fifo, Chain>,
     lease: Option<Lease>,
@@ -45,9 +48,10 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Nothing is known yet. Without batches everything is sent at once.
-    pub fn new(batches: bool) -> Stream {
-        Stream { off: !batches, ..Stream::default() }
+    /// Nothing is known yet but the controller's step limit, pulse/ms. Without batches everything is sent at once.
+    pub fn new(batches: bool, step_limit: f64) -> Stream {
+        let limit = StepLimit::new(step_limit as u64);
+        Stream { off: !batches || limit.is_none(), limit, ..Stream::default() }
     }
 
     /// Queues PT data if the controller is certain to take it.
@@ -57,7 +61,9 @@ impl Stream {
         let Some(lease) = self.lease.filter(|lease| lease.fifo == fifo && self.queue.len() < lease.free) else {
             return false;
         };
-        let Some(next) = self.chains.get(&lease.fifo).and_then(|chain| follows(&data, chain)) else { return false };
+        let Some(next) = self.chains.get(&lease.fifo).and_then(|chain| follows(&data, chain, self.limit?)) else {
+            return false;
+        };
         self.chains.insert(fifo, next);
         self.queue.push(PtItem { pos: data.pos, time_ms: data.time_ms, kind: data.kind.get() as u8 });
         true
@@ -125,7 +131,7 @@ impl Stream {
         let fifo = (data.core.get(), data.profile.get(), data.fifo.get());
         // In dynamic mode both numbers mean the same FIFO: what is known of the other one may be wrong.
         self.chains.remove(&(fifo.0, fifo.1, 1 - fifo.2.clamp(0, 1)));
-        match self.chains.get(&fifo).and_then(|chain| follows(&data, chain)) {
+        match self.chains.get(&fifo).and_then(|chain| follows(&data, chain, self.limit?)) {
             Some(next) if !self.off => {
                 self.chains.insert(fifo, next);
                 self.lease = Some(Lease { fifo, free: taken.space.get().into(), told: Instant::now() });
@@ -158,7 +164,7 @@ fn data(call: &Call) -> Option<PtData> {
 }
 
 /// The end of a FIFO behind this segment, if the controller takes it there.
-fn follows(data: &PtData, chain: &Chain) -> Option<Chain> {
+fn follows(data: &PtData, chain: &Chain, limit: StepLimit) -> Option<Chain> {
     let bits = u64::from_le_bytes(data.pos.to_bytes());
-    Segment::admit(bits, data.time_ms.get(), data.kind.get(), chain).ok().map(|(_, next)| next)
+    Segment::admit(bits, data.time_ms.get(), data.kind.get(), chain, limit).ok().map(|(_, next)| next)
 }

@@ -15,7 +15,7 @@ use servo::op::Entry;
 use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::units::{Crd, Ns};
+use servo::units::{Crd, Ns, StepLimit};
 use servo::view::{AxisView, CrdView, Event, LaserView, Sample, View};
 
 /// Ticks after which the thread looks in any case: segments run, samples fill their ring.
@@ -31,12 +31,14 @@ pub struct Config {
     /// Number of the profile shown at power-on. With one of 8 axes the board holds only 8, which is
     /// quicker; with any other it holds every profile (48 axes).
     pub profile: u8,
+    /// What its step outputs make of an axis: pulse/ms, 1 to 2³². Anything else is 2³², full scale.
+    pub step_limit: u64,
 }
 
 impl Default for Config {
-    /// Profile `gus` on a board that holds only 8 axes, at the compatible tick of 250 µs.
+    /// Profile `gus` on a board that holds only 8 axes, at the compatible tick of 250 µs, with full scale.
     fn default() -> Self {
-        Config { tick_us: 250, profile: 0 }
+        Config { tick_us: 250, profile: 0, step_limit: StepLimit::FULL_SCALE.pulses_per_ms() }
     }
 }
 
@@ -311,6 +313,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
         let (events_in, events_out) = arena.events.split();
         let (samples_in, samples_out) = arena.samples.split();
         let (view_in, view_out) = arena.view.split();
+        let step_limit = StepLimit::new(config.step_limit).unwrap_or(StepLimit::FULL_SCALE);
         let board = dispatcher::Board {
             name: NAME,
             profile: config.profile,
@@ -318,6 +321,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             analog_outputs: 8,
             analog_inputs: 8,
             general_outputs: 16,
+            step_limit,
             fault: None,
         };
         let channels = Channels {
@@ -346,6 +350,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             axes: AXES as u8,
             analog_inputs: 8,
             laser_clock: Clock::GHZ,
+            step_limit,
         };
         let mut whole = Whole {
             server: Box::new(Server::new(board, channels)),

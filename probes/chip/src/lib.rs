@@ -12,6 +12,7 @@ use servo::op::Entry;
 use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
+use servo::units::StepLimit;
 use servo::view::{Event, Sample, View};
 use static_cell::ConstStaticCell;
 
@@ -65,7 +66,7 @@ pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
     let (events_in, events) = NEWS.split_once()?;
     let (samples_in, samples) = TRACE.split_once()?;
     let tick =
-        Tick::new(TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8, laser_clock: Clock::GHZ });
+        Tick::new(TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8, laser_clock: Clock::GHZ, step_limit: StepLimit::FULL_SCALE });
     let lanes = Lanes {
         immediate,
         program,

@@ -3,12 +3,12 @@ use ring::Ring;
 use servo::laser::{Change, Power};
 use servo::op::{Entry, Op};
 use servo::ramp::{Accel, Speed};
-use servo::units::{Axis, Ns};
+use servo::units::{Axis, Ns, StepLimit};
 
 fn main() {
     let axis = Axis::new(3).expect("below the capacity");
     let acc = Accel::admit(0.25f64.to_bits()).expect("positive");
-    let speed = Speed::admit(50f64.to_bits()).expect("below full scale");
+    let speed = Speed::admit(50f64.to_bits(), StepLimit::FULL_SCALE).expect("below full scale");
     let lane: Ring<Entry, 4> = Ring::new();
     let (mut producer, _consumer) = lane.split_once().expect("once");
     let power = Power::admit(37.5f64.to_bits()).expect("in range");

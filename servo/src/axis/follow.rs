@@ -11,8 +11,9 @@ use crate::profile::Supply;
 use crate::pt::Segments;
 use crate::pvt::Tables;
 use crate::ramp::Moving;
+use crate::real::Real;
 use crate::status;
-use crate::units::{Axis, Ns, Pos};
+use crate::units::{Axis, Ns, Pos, StepLimit};
 use crate::view::{AxisView, Lead, StopReason};
 
 impl AxisState {
@@ -278,9 +279,16 @@ impl AxisState {
         reason
     }
 
-    /// Leaves its master at `next` with the motion it has there, and brakes.
-    pub(crate) fn brake(&mut self, next: Ns, motion: Motion) {
+    /// Leaves its master at `next` with the motion it has there, and brakes, unless the next tick would be too fast: then it
+    /// stops, and that is told.
+    pub(crate) fn brake(&mut self, next: Ns, motion: Motion, limit: StepLimit) -> Option<StopReason> {
         let from = Moving { pos: exact(self.shown.pos), velocity: motion.velocity() };
+        // What readers derive is not exact.
+        let most = Real::new(false, limit.pulses_per_ms(), 0);
+        if most.add(most.scale(-16)).is_less(Real::from_scaled(from.velocity).abs()) {
+            self.halt(next, StopReason::StepLimit);
+            return Some(StopReason::StepLimit);
+        }
         let dec = self.stop_dec;
         self.leave_master();
         // The slave's own piece ended when it began to follow; the ramp goes on from here.
@@ -289,6 +297,7 @@ impl AxisState {
         // Its motion has been one over the master's progress; in this tick it is told over time.
         self.shown.motion = motion;
         self.set_off(StopReason::StopSmooth);
+        None
     }
 
     /// A view of it catches up. A function of its own, so that nothing but the two takes up registers.

@@ -12,7 +12,7 @@ use super::pack::{pack, real, unpack};
 use crate::op::DoGroup;
 use crate::ramp::{Accel, Speed};
 use crate::real::Real;
-use crate::units::Axis;
+use crate::units::{Axis, StepLimit};
 
 /// An admitted entry, 32 bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -390,8 +390,14 @@ impl Entry {
 
     /// Another axis goes to a target; the path waits for it where it is `modal`. Speed and acceleration as the bits
     /// of doubles, admitted as [`Speed`] and [`Accel`].
-    pub fn travel(axis: Axis, target: i32, speed: u64, acc: u64, modal: bool) -> Result<Entry, crate::ramp::Refused> {
-        Speed::admit(speed)?;
+    pub fn travel(
+        axis: Axis,
+        target: i32,
+        (speed, limit): (u64, StepLimit),
+        acc: u64,
+        modal: bool,
+    ) -> Result<Entry, crate::ramp::Refused> {
+        Speed::admit(speed, limit)?;
         Accel::admit(acc)?;
         let kind = kind::MOVE | if modal { kind::MODAL } else { 0 };
         let axis = axis.index() as u32;
@@ -475,7 +481,7 @@ impl Entry {
                 Item::Change(Change::Output { group, mask: wide(b, c), value: wide(d, e) })
             }
             kind::ANALOG => Item::Change(Change::Analog { channel: a as u8, value: b as i16 }),
-            kind::MOVE => match (Speed::admit(wide(b, c)), Accel::admit(wide(d, e))) {
+            kind::MOVE => match (Speed::admit(wide(b, c), StepLimit::FULL_SCALE), Accel::admit(wide(d, e))) {
                 (Ok(speed), Ok(acc)) => {
                     let modal = kind & kind::MODAL != 0;
                     Item::Change(Change::Move { axis: axis(f), target: a as i32, speed, acc, modal })

@@ -2,7 +2,7 @@
 //!
 //! In: the bits of the user's double, time and kind, what came before. Out: a [`Segment`], which only
 //! [`Segment::admit`] can make. Fails: with the rule that the datum breaks, [`Refused`].
-use crate::units::Exact;
+use crate::units::{Exact, StepLimit};
 use crate::wide::Divisor;
 
 /// What the velocity does inside a segment.
@@ -34,9 +34,9 @@ pub enum Refused {
         /// End time of the segment before.
         before: i32,
     },
-    /// A velocity at an end of the segment is above full scale, 2³² pulse/ms.
+    /// A velocity at an end of the segment is above the step limit.
     TooFast {
-        /// The velocity, rounded to whole pulse/ms.
+        /// The velocity in 2⁻²⁰ pulse/ms.
         speed: i64,
     },
     /// The segment type is none of 0, 1, 2.
@@ -56,6 +56,8 @@ pub struct Chain {
     /// Duration of the segment in ms, and its reciprocal: a stream's is constant.
     duration: u32,
     inverse: u32,
+    /// What rounding may have added to the velocity, in its units: a chain of NORMAL segments hands it on.
+    slack: u32,
 }
 
 impl Chain {
@@ -68,8 +70,8 @@ impl Chain {
 const CHAIN_BITS: u32 = 20;
 /// The bits of 2⁴⁰, the largest |position|.
 const TRAVEL: u64 = 1063 << 52;
-/// Full scale, with a unit in 2³² for the rounding of the chain.
-const FULL_SCALE: u64 = (1 << (32 + CHAIN_BITS)) + (1 << CHAIN_BITS);
+/// What rounding adds to 2P/T at most: less than two units of P, and one of the quotient.
+const SLACK: u32 = 3;
 /// v0·T beyond 2⁴³ pulses swings out of ±2⁴⁰ even if the segment comes back: the excursion is
 /// A²/4(A + |P|) > 2⁴⁰·⁶⁷ for A = 2⁴³ and the largest |P|.
 const SWING: u64 = 1 << 43;
@@ -87,8 +89,15 @@ impl Segment {
     }
 
     /// Checks one datum against those before it and packs it. `pos_bits` are the bits of the
-    /// double (pulses from the start of pass or stream).
-    pub fn admit(pos_bits: u64, time_ms: i32, kind: i16, before: &Chain) -> Result<(Segment, Chain), Refused> {
+    /// double (pulses from the start of pass or stream). What is known to be faster than `limit` is refused: by 2⁻²⁰
+    /// pulse/ms, in a chain of NORMAL segments by [`SLACK`] units more a segment.
+    pub fn admit(
+        pos_bits: u64,
+        time_ms: i32,
+        kind: i16,
+        before: &Chain,
+        limit: StepLimit,
+    ) -> Result<(Segment, Chain), Refused> {
         let unsigned = pos_bits & (u64::MAX >> 1);
         let exponent = (unsigned >> 52) as u32;
         let fraction = pos_bits & ((1 << 52) - 1);
@@ -125,21 +134,23 @@ impl Segment {
         let length = pos - before.pos;
         let twice = divisor.quotient64(length.unsigned_abs() << 1) as i64;
         let twice = if length < 0 { -twice } else { twice };
-        let (begin, end) = match kind {
-            Kind::Normal => (before.velocity, twice - before.velocity),
-            Kind::Even => (twice >> 1, twice >> 1),
-            Kind::Stop => (twice, 0),
-        };
-        for speed in [begin, end] {
-            if speed.unsigned_abs() > FULL_SCALE {
-                return Err(Refused::TooFast { speed: speed >> CHAIN_BITS });
+        // Velocity at the end, and the faster of both that was not looked at with the segment before.
+        let (end, speed, (spare, slack)) = match kind {
+            Kind::Normal => {
+                let (end, slack) = (twice - before.velocity, before.slack.saturating_add(SLACK));
+                (end, end, (slack, slack))
             }
+            Kind::Even => (twice >> 1, twice >> 1, (0, SLACK)),
+            Kind::Stop => (0, twice, (0, 0)),
+        };
+        if speed.unsigned_abs() > (limit.pulses_per_ms() << CHAIN_BITS) + spare as u64 {
+            return Err(Refused::TooFast { speed });
         }
-        if kind == Kind::Normal && (begin.unsigned_abs() >> CHAIN_BITS) * duration as u64 > SWING {
+        if kind == Kind::Normal && (before.velocity.unsigned_abs() >> CHAIN_BITS) * duration as u64 > SWING {
             return Err(Refused::BeyondTravel);
         }
         let word1 = (packed >> 32) as u32 & 0x07ff_ffff | sign << 27 | (kind as u32) << 28;
-        let chain = Chain { pos, time: time_ms, velocity: end, duration, inverse: divisor.inverse() };
+        let chain = Chain { pos, time: time_ms, velocity: end, duration, inverse: divisor.inverse(), slack };
         Ok((Segment([packed as u32, word1, time_ms as u32]), chain))
     }
 

@@ -4,6 +4,7 @@
 //! Fails: with the rule that the number breaks, [`Refused`].
 use crate::piece::Scaled;
 use crate::real::Real;
+use crate::units::StepLimit;
 use crate::wide::recip64;
 
 /// A velocity in pulse/ms, as the planner takes it. Default is 0.
@@ -20,21 +21,22 @@ pub struct Accel(Rate);
 pub enum Refused {
     /// NaN or infinite.
     NotFinite,
-    /// Magnitude above 2³² (pulse/ms, pulse/ms²).
-    BeyondFullScale,
+    /// A speed above the step limit (pulse/ms), or a magnitude above 2³² (pulse/ms²).
+    BeyondLimit,
     /// An acceleration of 0 or less.
     NotPositive,
 }
 
-/// A double as a block float, by its bits; subnormals are 0.
-fn decode(bits: u64) -> Result<Scaled, Refused> {
+/// A double as a block float, by its bits; subnormals are 0. Its magnitude is at most `limit`.
+fn decode(bits: u64, limit: StepLimit) -> Result<Scaled, Refused> {
     let exponent = (bits >> 52 & 0x7ff) as i16;
     let fraction = bits & ((1 << 52) - 1);
     if exponent == 0x7ff {
         return Err(Refused::NotFinite);
     }
-    if exponent > 1055 || exponent == 1055 && fraction != 0 {
-        return Err(Refused::BeyondFullScale);
+    // The bits of doubles of one sign are in the order of the doubles.
+    if bits & (u64::MAX >> 1) > limit.bits() {
+        return Err(Refused::BeyondLimit);
     }
     if exponent == 0 {
         return Ok(Scaled::default());
@@ -47,9 +49,9 @@ impl Speed {
     /// 0.
     pub(crate) const NONE: Speed = Speed(Real::ZERO);
 
-    /// From the bits of a double in pulse/ms, |v| ≤ 2³².
-    pub fn admit(bits: u64) -> Result<Speed, Refused> {
-        decode(bits).map(|value| Speed(Real::from_scaled(value)))
+    /// From the bits of a double in pulse/ms, |v| at most what the board's steps allow.
+    pub fn admit(bits: u64, limit: StepLimit) -> Result<Speed, Refused> {
+        decode(bits, limit).map(|value| Speed(Real::from_scaled(value)))
     }
 
     /// The number, pulse/ms.
@@ -81,7 +83,7 @@ impl Accel {
 
     /// From the bits of a double in pulse/ms², 0 < a ≤ 2³².
     pub fn admit(bits: u64) -> Result<Accel, Refused> {
-        let value = decode(bits)?;
+        let value = decode(bits, StepLimit::FULL_SCALE)?;
         if value.m <= 0 {
             return Err(Refused::NotPositive);
         }

@@ -11,7 +11,7 @@ use servo::path::{self, EntryStore};
 use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, Crd, CrdMask, Ns, Pos};
+use servo::units::{Axis, Crd, CrdMask, Ns, Pos, StepLimit};
 use servo::view::{LaserView, View};
 use std::collections::VecDeque;
 
@@ -304,7 +304,13 @@ impl Bench {
             lasers: leak(servo::laser::Tables::new()),
         };
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
-        let config = TickConfig { period_ns: period_us * 1000, axes: AXES as u8, analog_inputs: 0, laser_clock: clock };
+        let config = TickConfig {
+            period_ns: period_us * 1000,
+            axes: AXES as u8,
+            analog_inputs: 0,
+            laser_clock: clock,
+            step_limit: StepLimit::FULL_SCALE,
+        };
         let machine = Machine {
             now: 0,
             next: 0,

@@ -13,7 +13,7 @@ use servo::pvt::{Header, HeaderStore, Place, PlaceStore, TABLES, TableStores};
 use servo::ramp::{Accel, Speed};
 use servo::steps;
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos, StepLimit};
 use servo::view::{AxisView, Event, Sample, StopReason, View};
 
 pub const AXES: usize = 8;
@@ -118,7 +118,7 @@ pub fn accel(value: f64) -> Accel {
 }
 
 pub fn speed(value: f64) -> Speed {
-    Speed::admit(value.to_bits()).unwrap()
+    Speed::admit(value.to_bits(), StepLimit::FULL_SCALE).unwrap()
 }
 
 pub fn real(value: Scaled) -> f64 {
@@ -132,6 +132,11 @@ pub fn pulses(pos: Pos) -> f64 {
 
 impl Bench {
     pub fn new(period_us: u32) -> Bench {
+        Bench::limited(period_us, StepLimit::FULL_SCALE)
+    }
+
+    /// On a board whose steps are limited.
+    pub fn limited(period_us: u32, step_limit: StepLimit) -> Bench {
         let (immediate, immediate_out) = leak(Ring::new()).split();
         let (program, program_out) = leak(Ring::new()).split();
         let (events_in, events) = leak(Ring::new()).split();
@@ -146,8 +151,13 @@ impl Bench {
         };
         let paths: &'static [[EntryStore; 2]] = leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]);
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
-        let config =
-            TickConfig { period_ns: period_us * 1000, axes: AXES as u8, analog_inputs: 2, laser_clock: Clock::GHZ };
+        let config = TickConfig {
+            period_ns: period_us * 1000,
+            axes: AXES as u8,
+            analog_inputs: 2,
+            laser_clock: Clock::GHZ,
+            step_limit,
+        };
         Bench {
             tick: Tick::new(config),
             machine: Machine {
@@ -185,12 +195,17 @@ impl Bench {
     /// One with the servo on and the mode set on all axes, one tick old.
     pub fn ready(period_us: u32, mode: Mode) -> Bench {
         let mut bench = Bench::new(period_us);
-        bench.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
-        for index in 0..AXES {
-            bench.now(Op::SetMode { axis: axis(index), mode });
-        }
-        bench.tick();
+        bench.make_ready(mode);
         bench
+    }
+
+    /// A tick with the servo on and the mode set on all axes.
+    pub fn make_ready(&mut self, mode: Mode) {
+        self.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
+        for index in 0..AXES {
+            self.now(Op::SetMode { axis: axis(index), mode });
+        }
+        self.tick();
     }
 
     /// Pushes into the immediate lane.
@@ -264,7 +279,7 @@ impl Bench {
     pub fn pt_data(&mut self, index: usize, fifo: u8, segments: &[(f64, i32, i16)]) -> Op {
         let (chain, count) = &mut self.chains[index][fifo as usize];
         for (pos, time, kind) in segments {
-            let (segment, next) = Segment::admit(pos.to_bits(), *time, *kind, chain).unwrap();
+            let (segment, next) = Segment::admit(pos.to_bits(), *time, *kind, chain, StepLimit::FULL_SCALE).unwrap();
             self.lanes.segments[index].write(fifo as u32 * 1024 + *count, segment);
             *chain = next;
             *count += 1;

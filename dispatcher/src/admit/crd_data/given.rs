@@ -52,8 +52,8 @@ pub enum What {
     Motion(Way, Speeds),
     /// An entry that is none, and how long the path stands there, ms.
     Entry(Entry, f64),
-    /// An axis goes along with the next motion.
-    Gear(Entry, Axis),
+    /// An axis goes along with the next motion, by so many pulses.
+    Gear(Entry, Axis, u32),
     /// Nothing more follows for now: everything that waits in the look-ahead goes to the tick.
     Flush,
 }
@@ -149,17 +149,20 @@ pub fn given<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
             let r = one::<BufMove>(body)?;
             let axis = beside(case, r.core.get(), r.axis.get())?;
             let (vel, acc) = (r.vel.get(), r.acc.get());
-            real(4, vel, LEAST, crd::MOST)?;
+            let limit = case.board.step_limit;
+            let most = crd::MOST.min(limit.pulses_per_ms() as f64);
+            real(4, vel, LEAST, most)?;
             real(5, acc, LEAST, crd::MOST)?;
             let modal = choice(6, r.modal.get(), 0, 1)? == 1;
-            let entry = Entry::travel(axis, r.pos.get(), vel.to_bits(), acc.to_bits(), modal)
-                .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(LEAST, crd::MOST))?;
+            let entry = Entry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
+                .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(LEAST, most))?;
             Ok((target!(r, 7), What::Entry(entry, 0.0)))
         }
         _ => {
             let r = one::<BufGear>(body)?;
             let axis = beside(case, r.core.get(), r.axis.get())?;
-            Ok((target!(r, 4), What::Gear(Entry::gear(axis, r.pos.get()), axis)))
+            let pulses = r.pos.get();
+            Ok((target!(r, 4), What::Gear(Entry::gear(axis, pulses), axis, pulses.unsigned_abs())))
         }
     }
 }

@@ -27,7 +27,7 @@ use servo::path::{self, Along, EntryStore, Plane, Sweep};
 use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos, StepLimit};
 use servo::view::{Event, Sample, View};
 
 const AXES: usize = 12;
@@ -145,7 +145,7 @@ impl Bench {
         let (view_in, view) = VIEW.split_once()?;
         let (events_in, events) = NEWS.split_once()?;
         let (samples, _) = TRACE.split_once()?;
-        let config = TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8, laser_clock: Clock::GHZ };
+        let config = TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8, laser_clock: Clock::GHZ, step_limit: StepLimit::FULL_SCALE };
         Some(Bench {
             tick: Tick::new(config),
             machine: Sink { set_points: [Pos(0); AXES], outputs: (0, 0, 0), analog: [0; 8] },
@@ -316,7 +316,7 @@ impl Bench {
     /// A table of segments of 16 ticks for an axis.
     fn load_table(&mut self, axis: Axis, scratch: &mut Scratch<'_>) {
         let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
-        let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, true, scratch);
+        let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, StepLimit::FULL_SCALE, true, scratch);
         let Ok(mut draft) = draft else { panic!("the table is refused") };
         for k in 0..=SEGMENTS {
             let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };

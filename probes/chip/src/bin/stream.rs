@@ -26,7 +26,7 @@ use protocol::record::{Lane, RequestWriter, replies};
 use servo::laser::Plan;
 use servo::port::{AxisInputs, Port};
 use servo::tick::{Lanes, Tick};
-use servo::units::{Axis, Ns, Pos};
+use servo::units::{Axis, Ns, Pos, StepLimit};
 use zerocopy::IntoBytes;
 
 /// Messages counted in each lane.
@@ -280,6 +280,7 @@ fn main() -> ! {
         analog_outputs: 8,
         analog_inputs: 8,
         general_outputs: 16,
+        step_limit: StepLimit::FULL_SCALE,
         fault: None,
     };
     let channels = Channels {

@@ -28,7 +28,7 @@ use servo::pt::{Chain, Segment};
 use servo::pvt::TABLES;
 use servo::ramp::{Accel, Speed};
 use servo::tick::{Lanes, Tick};
-use servo::units::{Axis, AxisMask, Ns, Pos};
+use servo::units::{Axis, AxisMask, Ns, Pos, StepLimit};
 use servo::view::StopReason;
 
 /// Ticks counted in each case.
@@ -144,7 +144,7 @@ impl Bench {
             let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
             let kind = if k == SEGMENTS { 2 } else { (k % 3) as i16 };
             let position = f64::from(place) + 0.37;
-            let admitted = Segment::admit(position.to_bits(), k as i32 * SEGMENT_MS, kind, &chain);
+            let admitted = Segment::admit(position.to_bits(), k as i32 * SEGMENT_MS, kind, &chain, StepLimit::FULL_SCALE);
             let Ok((segment, next)) = admitted else { panic!("segment {k} is refused: {admitted:?}") };
             STORES[axis.index()].write(k - 1, segment);
             chain = next;
@@ -154,7 +154,7 @@ impl Bench {
     /// Gives an axis a table of its own: as many segments, of the same length.
     fn load_table(&mut self, axis: Axis, scratch: &mut Scratch<'_>) {
         let (table, fields) = (axis.index() as u8, Fields { count: 0, whole: 0, point: 0 });
-        let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, true, scratch);
+        let draft = Draft::begin(Kind::Pvt, SEGMENTS as i32 + 1, fields, StepLimit::FULL_SCALE, true, scratch);
         let Ok(mut draft) = draft else { panic!("the table is refused") };
         for k in 0..=SEGMENTS {
             let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
@@ -218,7 +218,7 @@ impl Bench {
         self.push(Op::SetMode { axis: master, mode: Mode::Jog });
         let acc = Accel::admit(1000f64.to_bits()).unwrap_or_default();
         self.push(Op::JogPrm { axis: master, acc, dec: acc, smooth: 0 });
-        self.push(Op::TargetSpeed { axis: master, speed: Speed::admit(5f64.to_bits()).unwrap_or_default() });
+        self.push(Op::TargetSpeed { axis: master, speed: Speed::admit(5f64.to_bits(), StepLimit::FULL_SCALE).unwrap_or_default() });
         for axis in (0..running).filter_map(Axis::new).filter(|axis| *axis != master) {
             let mut chain = follow::Chain::default();
             for k in 1..=SEGMENTS {
@@ -265,7 +265,7 @@ impl Bench {
     /// A Trap of every axis, smoothed or not, begun on one tick and stopped smoothly on another.
     fn run_ramps(&mut self, case: &str, running: usize, smooth: Ns, ready: bool, [start, inside]: [&'static str; 2]) {
         let rate = |x: f64| Accel::admit(x.to_bits()).unwrap_or_default();
-        let speed = |x: f64| Speed::admit(x.to_bits()).unwrap_or_default();
+        let speed = |x: f64| Speed::admit(x.to_bits(), StepLimit::FULL_SCALE).unwrap_or_default();
         let mut axes = AxisMask(0);
         for axis in (0..running).filter_map(Axis::new) {
             let k = f64::from(axis.index() as u32);
