@@ -19,7 +19,7 @@ use given::{Given, Speeds, Target, Way, What, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
-use servo::units::Crd;
+use servo::units::{Axis, Crd};
 
 /// The lowest speed and acceleration of a motion.
 const LEAST: f64 = 1.0 / 1048576.0;
