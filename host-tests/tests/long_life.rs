@@ -80,7 +80,7 @@ fn counters_go_round_and_nothing_is_different() {
 /// A path that has carried out so many entries since it was cleared, in both FIFOs, the second with a look-ahead; its laser
 /// was on for as many units.
 fn path_of(entries: u32) -> (Done, u32) {
-    let board = share(Board::new(Config { tick_us: TICK_US as u32, profile: 0 }));
+    let board = share(Board::new(Config { tick_us: TICK_US as u32, ..Config::default() }));
     let client = work::client(&board);
     run(
         &client,
