@@ -4,20 +4,23 @@
 //! acceleration. The parameter τ = (now − begin)/length is computed afresh from the time each
 //! tick, nothing is accumulated inside a piece; between pieces, knots are [`Exact`].
 //!
-//! Nearly all pieces are *near*: shorter than 4.29 s, coefficients below 2²⁸ pulses. What their
-//! evaluation needs is shifted to its place when the piece is made, so that a tick multiplies and adds
-//! without a variable shift: error 2⁻²³ for rounding to a [`Pos`] and less than 2⁻²⁹ for the rest. Others
+//! Nearly all pieces are *near*: shorter than 2.14 s and longer than 1 µs, coefficients below 2²¹ pulses. What their
+//! evaluation needs is made with the piece (`near`), so that a tick multiplies 64-bit coefficients by a time of 32 bits:
+//! error 2⁻²³ for rounding to a [`Pos`] and less than 2⁻²⁸ for the rest. Others
 //! take exact products: 2⁻²³ for the start, 2⁻²³ for rounding, 4 units of the coefficients' last bit
 //! (`tests/pt_exact.rs`, `tests/ramp_exact.rs`, the dispatcher's `tables_exact.rs`).
+mod near;
+
 use crate::units::{Exact, Ns, Pos};
 pub use crate::wide::Recip;
 use crate::wide::{mulhi_su, narrow};
+use near::Near;
 
 /// The place in a piece: enough to derive velocity and acceleration. Default is at rest.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Motion {
-    /// Parameter τ in 2⁻⁶³.
+    /// Parameter τ in 2⁻⁶³, but for what `t` adds.
     pub tau: u64,
     /// Coefficients of τ in 2^-`frac` pulse, of τ² in half of that, of τ³ in a quarter; |c| < 2⁶¹, 2⁶², 2⁶².
     pub c: [i64; 3],
@@ -25,6 +28,8 @@ pub struct Motion {
     pub recip: Recip,
     /// Fraction bits of the first coefficient.
     pub frac: i32,
+    /// ns since τ was `tau`: what the tick tells in a near piece, so that only readers take the product.
+    pub t: u32,
 }
 
 /// A real number m·2^-e.
@@ -41,13 +46,19 @@ const MS: u64 = 1_000_000 << 44;
 
 impl Motion {
     /// At rest.
-    pub const REST: Motion = Motion { tau: 0, c: [0; 3], frac: 0, recip: Recip { m: 0, shift: 0 } };
+    pub const REST: Motion = Motion { tau: 0, c: [0; 3], frac: 0, recip: Recip { m: 0, shift: 0 }, t: 0 };
+
+    /// Parameter τ in 2⁻⁶³.
+    #[inline]
+    pub fn parameter(&self) -> u64 {
+        self.tau.wrapping_add(self.recip.ratio(self.t as u64) >> 1)
+    }
 
     /// Planned velocity in pulse/ms, error ≤ 2⁻⁵⁶ of the piece's peak.
     pub fn velocity(&self) -> Scaled {
         let ([c1, c2, c3], frac) = self.near_the_top();
         // c1 + c2·τ + 3/4·c3·τ²
-        let tau = self.tau << 1;
+        let tau = self.parameter() << 1;
         let slope = mulhi_su(c2.wrapping_add(mulhi_su(3 * (c3 >> 2), tau)), tau);
         self.per_ms(c1.wrapping_add(slope), frac)
     }
@@ -56,7 +67,7 @@ impl Motion {
     pub fn acceleration(&self) -> Scaled {
         let ([_, c2, c3], frac) = self.near_the_top();
         // c2 + 3/2·c3·τ
-        let bend = c2.wrapping_add(mulhi_su(3 * (c3 >> 1), self.tau << 1));
+        let bend = c2.wrapping_add(mulhi_su(3 * (c3 >> 1), self.parameter() << 1));
         let once = self.per_ms(bend, frac);
         self.per_ms(once.m, once.e)
     }
@@ -94,15 +105,7 @@ pub struct Piece {
     pub motion: Motion,
     /// Position at τ = 0, rounded once.
     pub start: Pos,
-    /// The span, if the piece is near and the rest is at hand; else 0, and the exact products are needed.
-    near: u32,
-    /// 2⁹⁵/length: t times it is τ in 2⁻⁹⁵.
-    rate: [u32; 3],
-    /// What takes the value of the cubic to units of [`Pos`]: a power of two in 2⁻⁶⁴.
-    scale: [u32; 2],
-    /// The start less the bias of the cubic's value, and the fraction below it with a half, in 2⁻³².
-    base: i64,
-    fraction: u32,
+    near: Near,
 }
 
 impl Default for Piece {
@@ -111,46 +114,19 @@ impl Default for Piece {
     }
 }
 
-/// Near pieces are so much shorter than 2³² ns that the tick behind their end does not look like one inside.
-const NEAR: u64 = (1 << 32) - (1 << 21);
-
-/// Added to what is multiplied, so that no factor is negative.
-const BIAS: u64 = 1 << 62;
-
 impl Piece {
     /// The largest parameter.
     pub const END: u64 = u64::MAX >> 1;
 
     /// At rest for `span` from `begin` on.
     pub const fn rest(begin: Ns, span: u64, start: Pos) -> Piece {
-        Piece { begin, span, motion: Motion::REST, start, near: 0, rate: [0; 3], scale: [0; 2], base: 0, fraction: 0 }
+        Piece { begin, span, motion: Motion::REST, start, near: Near::NONE }
     }
 
     /// A cubic from `start` at τ = 0.
     #[inline(always)]
     pub fn cubic(begin: Ns, span: u64, start: Exact, motion: Motion) -> Piece {
-        // The cubic's value is in 2^-(frac − 1).
-        let shift = motion.frac.wrapping_sub(1 + Pos::FRAC_BITS as i32) as u32;
-        let Recip { m, shift: zeros } = motion.recip;
-        let near = span < NEAR && zeros >= 32 && (10..=59).contains(&shift);
-        let half = start.0.wrapping_add(1 << (CUT - 1));
-        let rounded = (half >> CUT) as i64;
-        let (m0, m1) = ((m >> 1) as u32, (m >> 33) as u32 | 1 << 31);
-        let s = zeros & 31;
-        // A piece of less than a ns has no instant but its first.
-        let rate = if zeros < 64 { [m0 << s, m1 << s | m0 >> 1 >> (31 - s), m1 >> 1 >> (31 - s)] } else { [0; 3] };
-        let power = 1u32 << (shift.wrapping_neg() & 31);
-        Piece {
-            begin,
-            span,
-            motion,
-            start: Pos(rounded),
-            near: if near { span as u32 } else { 0 },
-            rate,
-            scale: if shift > 32 { [power, 0] } else { [0, power] },
-            base: rounded.wrapping_sub(BIAS.wrapping_shr(shift) as i64),
-            fraction: (half >> (CUT - 32)) as u32,
-        }
+        Piece { begin, span, motion, start: start.round(), near: Near::of(span, start, &motion) }
     }
 
     /// A piece of constant velocity slope over whole ns: displacement `a`·τ + `b`·τ².
@@ -161,7 +137,7 @@ impl Piece {
         // Largest coefficient just below 2^61; more than 82 fraction bits are of no use.
         let k = (width - 61).clamp(-18, 64);
         let c = [narrow(a, k), narrow(b, k - 1), 0];
-        Piece::cubic(begin, span, start, Motion { tau: 0, c, recip, frac: 64 - k })
+        Piece::cubic(begin, span, start, Motion { tau: 0, c, recip, frac: 64 - k, t: 0 })
     }
 
     /// Time since `begin`; while it is below `span` the piece is in force.
@@ -179,42 +155,50 @@ impl Piece {
     /// Position and τ at `t` < `span` after `begin`.
     #[inline(always)]
     pub fn at(&self, t: u64) -> (Pos, u64) {
-        if self.near == 0 { self.at_wide(t) } else { self.at_near(t as u32) }
+        if self.is_near() { self.at_near(t as u32) } else { self.at_wide(t) }
+    }
+
+    /// Position at `t` < `span` after `begin`, and the place there for readers.
+    #[inline(always)]
+    pub(crate) fn place(&self, t: u64) -> (Pos, Motion) {
+        if self.is_near() {
+            let t = t as u32;
+            return (self.near.at(t), Motion { t, ..self.motion });
+        }
+        let (pos, tau) = self.at_wide(t);
+        (pos, self.motion(tau))
     }
 
     /// Whether it is near.
     #[inline(always)]
     pub(crate) fn is_near(&self) -> bool {
-        self.near != 0
+        self.near.span != 0
     }
 
-    /// Time since `begin`, of a near piece that holds `now`; for one who asks in every tick from its begin on.
+    /// Time since `begin`, of a near piece that holds `now`; for one who asks in every tick from its begin on: near pieces
+    /// are so much shorter than 2³² ns that the tick behind their end does not look like one inside.
     #[inline(always)]
     pub(crate) fn near_time(&self, now: Ns) -> Option<u32> {
-        let t = (now.0 as u32).wrapping_sub(self.begin.0 as u32);
-        (t < self.near).then_some(t)
+        self.near_time_of(now.0 as u32)
     }
 
-    /// 32 × 32 bit products alone; no factor has a sign, and no sum of products a carry.
+    /// The same of the low word of an instant.
+    #[inline(always)]
+    pub(crate) fn near_time_of(&self, now: u32) -> Option<u32> {
+        let t = now.wrapping_sub(self.begin.0 as u32);
+        (t < self.near.span).then_some(t)
+    }
+
+    /// Position and τ of a near piece.
     #[inline(always)]
     pub(crate) fn at_near(&self, t: u32) -> (Pos, u64) {
-        let [r0, r1, r2] = self.rate;
-        let p1 = product(t, r1).wrapping_add(product(t, r0) >> 32);
-        let p2 = t.wrapping_mul(r2).wrapping_add((p1 >> 32) as u32);
-        let tau = self.motion.tau.wrapping_add((p2 as u64) << 32 | p1 as u32 as u64);
-        // (u + BIAS)·τ/2 = u·τ/2 + τ·2⁶¹: it is taken off again as the next bias is added.
-        let bias = BIAS.wrapping_sub(tau >> 2);
-        let [c1, c2, c3] = self.motion.c;
-        let u = (c3 as u64).wrapping_add(BIAS);
-        let u = times(u, tau, bias.wrapping_add(c2 as u64));
-        let u = times(u, tau, bias.wrapping_add(c1 as u64));
-        let s = times(u, tau, bias);
-        let [low, high] = self.scale;
-        let (s0, s1) = (s as u32, (s >> 32) as u32);
-        // One of the two is 0.
-        let cross = product(s0, high).wrapping_add(product(s1, low)).wrapping_add(self.fraction as u64);
-        let pos = (self.base as u64).wrapping_add(product(s1, high)).wrapping_add(cross >> 32);
-        (Pos(pos as i64), tau)
+        (self.near.at(t), self.motion.tau.wrapping_add(self.near.gone(t)))
+    }
+
+    /// Position of a near piece.
+    #[inline(always)]
+    pub(crate) fn pos_near(&self, t: u32) -> Pos {
+        self.near.at(t)
     }
 
     #[inline(never)]
@@ -237,20 +221,6 @@ impl Piece {
     pub fn motion(&self, tau: u64) -> Motion {
         Motion { tau, ..self.motion }
     }
-}
-
-#[inline(always)]
-fn product(a: u32, b: u32) -> u64 {
-    a as u64 * b as u64
-}
-
-/// u·τ/2⁶⁴ + `plus` for both factors below 2⁶³; less than 2 below the true value.
-#[inline(always)]
-fn times(u: u64, tau: u64, plus: u64) -> u64 {
-    let (u0, u1) = (u as u32, (u >> 32) as u32);
-    let (t0, t1) = (tau as u32, (tau >> 32) as u32);
-    let cross = product(u0, t1).wrapping_add(product(u1, t0));
-    plus.wrapping_add(product(u1, t1)).wrapping_add(cross >> 32)
 }
 
 /// Bits that hold the magnitude of x (ones' complement for negatives: one unit less, same width).

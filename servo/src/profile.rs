@@ -407,7 +407,7 @@ impl Profile {
             return Step { pos: at.round(), motion: Motion::REST, state };
         }
         let piece = self.piece();
-        let (pos, tau) = piece.at(piece.held(now));
-        Step { pos, motion: piece.motion(tau), state: State::Running }
+        let (pos, motion) = piece.place(piece.held(now));
+        Step { pos, motion, state: State::Running }
     }
 }

@@ -356,6 +356,7 @@ impl PvtRun {
             c: [quarter(w0), quarter(c2 << 1), c3],
             recip: Recip { m, shift },
             frac: header.frac() - 2,
+            t: 0,
         };
         Piece::cubic(Ns(begin), ceil(until).wrapping_sub(begin), start, motion)
     }

@@ -267,13 +267,16 @@ impl<const AXES: usize> Tick<AXES> {
                 continue;
             }
             // Each of the three buffers catches up when its turn comes.
-            let glide = if !state.is_settled() {
-                state.glide_on(next, left, shown)
+            let mut glide = if !state.is_settled() {
+                state.glide_on(next.0 as u32, left, shown)
             } else if shown.moves == state.shown.moves {
                 Glide::Shown
             } else {
                 Glide::Stale
             };
+            if glide == Glide::Far {
+                glide = state.glide_far(next, shown);
+            }
             if glide != Glide::Shown {
                 if shown.changes != state.shown.changes
                     && let Some(inputs) = inputs.get_mut(axis.index())

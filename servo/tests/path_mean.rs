@@ -96,7 +96,7 @@ fn at_rest_there_is_no_speed() {
 fn a_piece_is_not_left() {
     // Over 2^17 ns at 1 pulse/ms it is 0.131072 pulses; so much more at the end is twice that.
     let by = (0.131072 * 2f64.powi(50)) as i64;
-    let motion = Motion { tau: 0, c: [by, 2 * by, 0], recip: Recip { m: 0, shift: 47 }, frac: 50 };
+    let motion = Motion { tau: 0, c: [by, 2 * by, 0], recip: Recip { m: 0, shift: 47 }, frac: 50, t: 0 };
     let at = |period: u64| per_ms(PathSpeed::ahead(&motion, Ns(period)));
     for (period, speed) in [(0, 1.0), (1 << 16, 1.5), (1 << 17, 2.0), (1 << 18, 3.0), (1 << 20, 3.0), (1 << 40, 3.0)] {
         assert!((at(period) - speed).abs() < 1e-8, "{period}: {}", at(period));

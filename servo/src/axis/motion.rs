@@ -19,6 +19,8 @@ use crate::view::{AxisView, StopReason};
 pub(crate) enum Glide {
     /// There is more to do than that: nothing has happened.
     No,
+    /// The same, but that [`AxisState::glide_far`] may do it.
+    Far,
     /// Something may stand in the way; and this is not a tick to make a piece ahead in.
     Barred,
     /// The axis and its view are at the next tick.
@@ -92,9 +94,9 @@ impl AxisState {
         let feed = self.feed();
         match self.profile.look(next, feed, source) {
             Ok(piece) => {
-                let (pos, tau) = piece.at(piece.held(next));
+                let (pos, motion) = piece.place(piece.held(next));
                 // Until the step of this tick tells what comes of it.
-                self.shown.motion = piece.motion(tau);
+                self.shown.motion = motion;
                 (Moving { pos: exact(pos), velocity: self.shown.motion.velocity() }, true)
             }
             Err(State::Ended { at } | State::Underrun { at }) => rest(at),
@@ -148,31 +150,38 @@ impl AxisState {
     }
 
     /// What nearly every tick of an axis that runs is: its place in the piece in force, or in the one made ahead.
-    /// `left` counts the pieces that may still be made ahead in this tick.
+    /// `next` is the low word of the instant; `left` counts the pieces that may still be made ahead in this tick.
     ///
     /// A function of its own, so that nothing but the axis takes up registers.
     #[inline(never)]
-    pub(crate) fn glide_on(&mut self, next: Ns, left: u32, shown: &mut AxisView) -> Glide {
+    pub(crate) fn glide_on(&mut self, next: u32, left: u32, shown: &mut AxisView) -> Glide {
         if self.calm != Calm::Steady {
             return self.be_carried(shown);
         }
         if self.profile.is_open() && left != 0 {
             return Glide::No;
         }
-        let mut t = self.profile.piece().near_time(next);
+        let mut t = self.profile.piece().near_time_of(next);
         // A piece that is not near may have longer to go than near times tell apart.
         if t.is_none()
             && self.profile.piece().is_near()
             && let Some(ahead) = self.profile.ahead()
         {
-            t = ahead.near_time(next);
+            t = ahead.near_time_of(next);
             if t.is_some() {
                 self.enter();
             }
         }
-        let Some(t) = t else { return self.glide_far(next, shown) };
-        let place = self.profile.piece().at_near(t);
-        self.go_on(place, shown)
+        let Some(t) = t else { return Glide::Far };
+        let pos = self.profile.piece().pos_near(t);
+        if self.is_barred(pos) {
+            return Glide::Barred;
+        }
+        let now = &mut self.shown;
+        now.moves = now.moves.wrapping_add(1);
+        (now.pos, now.motion.t) = (pos, t);
+        shown.motion.t = t;
+        self.tell_place(shown)
     }
 
     /// The view of an axis that a coordinate system has brought to its place has that.
@@ -190,7 +199,7 @@ impl AxisState {
 
     /// The same in pieces that are not near.
     #[inline(never)]
-    fn glide_far(&mut self, next: Ns, shown: &mut AxisView) -> Glide {
+    pub(crate) fn glide_far(&mut self, next: Ns, shown: &mut AxisView) -> Glide {
         let holds = |piece: &Piece| piece.elapsed(next) < piece.span;
         if !holds(self.profile.piece()) {
             if !self.profile.ahead().is_some_and(holds) {
@@ -199,8 +208,15 @@ impl AxisState {
             self.enter();
         }
         let piece = self.profile.piece();
-        let place = piece.at(piece.elapsed(next));
-        self.go_on(place, shown)
+        let (pos, Motion { tau, t, .. }) = piece.place(piece.elapsed(next));
+        if self.is_barred(pos) {
+            return Glide::Barred;
+        }
+        let now = &mut self.shown;
+        now.moves = now.moves.wrapping_add(1);
+        (now.pos, now.motion.tau, now.motion.t) = (pos, tau, t);
+        (shown.motion.tau, shown.motion.t) = (tau, t);
+        self.tell_place(shown)
     }
 
     /// The piece made ahead comes into force.
@@ -211,24 +227,18 @@ impl AxisState {
         self.show_piece(true);
     }
 
-    /// On to a place, if nothing can stand before it.
+    /// Whether something may stand before a place.
     #[inline(always)]
-    fn go_on(&mut self, (pos, tau): (Pos, u64), shown: &mut AxisView) -> Glide {
+    fn is_barred(&self, pos: Pos) -> bool {
         let (from, count) = self.inside;
-        if ((pos.0 >> 32) as i32).wrapping_sub(from) as u32 >= count {
-            return Glide::Barred;
-        }
-        let now = &mut self.shown;
-        now.moves = now.moves.wrapping_add(1);
-        (now.pos, now.motion.tau) = (pos, tau);
-        self.tell_place(shown)
+        ((pos.0 >> 32) as i32).wrapping_sub(from) as u32 >= count
     }
 
     /// The view has the place of the axis.
     #[inline(always)]
     fn tell_place(&self, shown: &mut AxisView) -> Glide {
         let now = &self.shown;
-        (shown.moves, shown.pos, shown.motion.tau) = (now.moves, now.pos, now.motion.tau);
+        (shown.moves, shown.pos) = (now.moves, now.pos);
         (shown.encoder, shown.encoder_before) = (now.encoder, now.encoder_before);
         if shown.turns != now.turns {
             if shown.changes != now.changes {
@@ -304,14 +314,15 @@ impl AxisState {
                 t = piece.held(next);
             }
         }
-        let (pos, tau) = piece.at(t);
+        let (pos, Motion { tau, t, .. }) = piece.place(t);
         if (pos < self.lower || pos > self.upper)
             && let Some(reason) = self.stopped_at_barrier(next, pos)
         {
             return Some(reason);
         }
         self.shown.moves = self.shown.moves.wrapping_add(1);
-        (self.shown.pos, self.shown.motion.tau) = (pos, tau);
+        self.shown.pos = pos;
+        (self.shown.motion.tau, self.shown.motion.t) = (tau, t);
         None
     }
 

@@ -170,6 +170,7 @@ fn cubic(from: i128, length: i128, start: i128, c: [i128; 3]) -> Piece {
         c: [narrow(c1, k), narrow(c2, k - 1), narrow(c3, k - 2)],
         recip: Recip { m, shift: (UNIT as i32 - s) as u32 },
         frac: 64 - k,
+        t: 0,
     };
     Piece::cubic(Ns(begin as u64), span, Exact(start), motion)
 }

@@ -18,7 +18,7 @@ pub fn of(velocity: Real, acceleration: Real) -> Motion {
         return Motion::REST;
     }
     let c = [velocity.to_i64(frac), half.to_i64(frac + 1), 0];
-    Motion { c, frac, tau: 0, recip: PER_MS }
+    Motion { c, frac, tau: 0, recip: PER_MS, t: 0 }
 }
 
 /// The ratio of a slave, pulse per pulse of its master. `down`: its progress is the master's position with its sign changed.
@@ -38,5 +38,5 @@ pub fn compose(slave: Motion, down: bool, master: Motion) -> Motion {
 
 /// A master that has gone `way` units of Pos in `period` ns.
 pub fn straight(way: i64, period: u64) -> Motion {
-    Motion { c: [way, 0, 0], frac: crate::units::Pos::FRAC_BITS as i32, tau: 0, recip: Recip::of(period) }
+    Motion { c: [way, 0, 0], frac: crate::units::Pos::FRAC_BITS as i32, tau: 0, recip: Recip::of(period), t: 0 }
 }

@@ -11,6 +11,7 @@
 mod interval;
 
 use super::buffered::{Agenda, Buffered, Event};
+use super::distance::Ways;
 use super::energy::Energy;
 use super::gate::{Edges, Full};
 use super::law::{Family, Law};
@@ -285,6 +286,18 @@ impl Channel {
             return (CrdMask(u8::MAX), CrdMask(u8::MAX));
         }
         (self.law.planned, self.law.encoder)
+    }
+
+    /// The axes whose places count by fixed ratios, if any do.
+    #[inline(always)]
+    pub(super) fn places(&self) -> Option<u32> {
+        self.law.places()
+    }
+
+    /// Takes a look at them.
+    #[inline(always)]
+    pub(super) fn see(&mut self, ways: &Ways) {
+        self.law.see(ways);
     }
 
     /// Ends a follow that one of these began.

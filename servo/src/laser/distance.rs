@@ -92,19 +92,21 @@ impl Distance {
 
     /// Made ready for the tick, where the ratios are fixed.
     pub(super) fn terms(&self) -> Terms {
-        let (mut of, mut bias) = (Terms::NONE.of, 0i128);
-        let axes = self.axes.iter().zip(&self.reference).zip(&self.factors);
-        for (to, ((axis, reference), factor)) in of.iter_mut().zip(axes) {
-            let size = factor.unsigned_abs();
-            // p - reference of either sign is (p ^ flip) - from, which is BIAS more than a number with a sign.
-            let flip = *factor >> 63;
-            let from = if flip == 0 { *reference as u64 } else { !(*reference as u64) }.wrapping_sub(BIAS);
-            let [low, high] = [size as u32 & LOW, (size >> LOW.count_ones()) as u32];
-            *to = Term { axis: *axis, flip: flip as u32, from, low, high };
-            bias = bias.wrapping_add(size as i128);
-        }
-        let shift = self.shift as u32;
-        Terms { of, shift, bias: bias.wrapping_shl(63), encoder: self.source == Source::Encoder }
+        let of = self.factors.map(|factor| ((factor & LOW) as i32, (factor >> LOW.count_ones()) as i32));
+        // Then four products of it by the longest way would be too many bits.
+        let always = of.iter().any(|(_, high)| *high <= -(1 << 30));
+        let axes = self.axes.iter().fold(0, |key, axis| key << AXIS_BITS | axis.index() as u32);
+        let key = axes | ((self.source == Source::Encoder) as u32) << 31;
+        Terms { of, key, shift: self.shift as u32, token: 0, fresh: true, always, sum: 0, power: 0 }
+    }
+
+    /// Σ (place − reference)·factor.
+    #[inline(never)]
+    fn sum(&self, places: [i64; DISTANCES]) -> i128 {
+        let axes = places.iter().zip(&self.reference).zip(&self.factors);
+        axes.fold(0, |sum, ((place, reference), factor)| {
+            sum.wrapping_add(product(place.wrapping_sub(*reference), *factor))
+        })
     }
 
     /// Its part of the power, where ratios are those of tables; `place` tells where an axis is.
@@ -158,65 +160,107 @@ impl Distance {
     }
 }
 
-/// What makes every distance positive.
-const BIAS: u64 = 1 << 63;
-/// The lower part of a factor: both parts have 30 bits, so that sums of four products have 64.
-const LOW: u32 = (1 << 30) - 1;
+/// The lower part of a factor: with 30 bits the sums of four products have 64.
+const LOW: i64 = (1 << 30) - 1;
+/// Bits of an axis in a key.
+const AXIS_BITS: u32 = 6;
 
-/// The share of an axis: (place ± reference)·(low + high·2³⁰).
+/// How far four axes went since the tick before: the channels of a core follow the same ones.
 #[derive(Debug, Clone, Copy)]
-struct Term {
-    axis: Axis,
-    /// All bits of a negative factor's, which counts the distance backwards.
-    flip: u32,
-    from: u64,
-    low: u32,
-    high: u32,
+pub(super) struct Ways {
+    /// Which axes, the last one lowest, and in the top bit whether their encoders.
+    key: u32,
+    /// Of the last look, and of the one before it.
+    token: u32,
+    before: u32,
+    /// Not 0: somebody went further than 32 bits tell.
+    long: i32,
+    by: [i32; DISTANCES],
+    from: [i64; DISTANCES],
 }
 
-/// A distance follow of fixed ratios, made ready for the tick: the sum of products of 32 bits, four for each axis, whose
-/// sums have no carry.
+impl Ways {
+    /// Of channel `index`, which nobody has looked at; tokens of different channels differ.
+    pub(super) const fn begin(index: u32) -> Ways {
+        Ways { key: 0, token: index + 2, before: 1, long: 1, by: [0; DISTANCES], from: [0; DISTANCES] }
+    }
+
+    /// A tick's look at the axes of `key`.
+    #[inline(never)]
+    pub(super) fn look(&mut self, key: u32, axes: &[AxisState]) {
+        let encoder = key >> 31 == 1;
+        // Others are another story.
+        self.before = if key == self.key { self.token } else { 1 };
+        self.token = self.token.wrapping_add(super::CHANNELS as u32);
+        (self.key, self.long) = (key, 0);
+        let mut rest = key;
+        for (by, from) in self.by.iter_mut().zip(&mut self.from).rev() {
+            let axis = axes.get((rest & ((1 << AXIS_BITS) - 1)) as usize);
+            rest >>= AXIS_BITS;
+            let place = axis.map_or(0, |axis| {
+                if encoder { axis.shown.encoder << Pos::FRAC_BITS } else { axis.shown.pos.0 }
+            });
+            let way = place.wrapping_sub(*from);
+            *by = way as i32;
+            self.long |= (way >> 32) as i32 ^ *by >> 31;
+            *from = place;
+        }
+    }
+}
+
+/// A distance follow of fixed ratios, made ready for the tick. Its sum is kept, exactly, and what the axes went since then is
+/// added: a way of 32 bits each, where the distances have 64. A longer one (512 pulses in a tick) takes the whole sum.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Terms {
-    of: [Term; DISTANCES],
+    /// Factors: low + high·2³⁰.
+    of: [(i32, i32); DISTANCES],
+    pub(super) key: u32,
     shift: u32,
-    encoder: bool,
-    /// What the sum is too large by.
-    bias: i128,
+    /// The look of which the sum is.
+    token: u32,
+    /// The sum is to be made afresh; and always is.
+    fresh: bool,
+    always: bool,
+    sum: i128,
+    power: i64,
 }
 
 impl Terms {
     pub(super) const NONE: Terms = Terms {
-        of: [Term { axis: Axis::FIRST, flip: 0, from: 0, low: 0, high: 0 }; DISTANCES],
+        of: [(0, 0); DISTANCES],
+        key: 0,
         shift: 64,
-        encoder: false,
-        bias: 0,
+        token: 0,
+        fresh: true,
+        always: false,
+        sum: 0,
+        power: 0,
     };
 
-    /// Its part of the power, to the nearest.
+    /// Its part of the power, to the nearest, at the look last taken.
     #[inline(always)]
-    pub(super) fn power(&self, axes: &[AxisState]) -> i64 {
-        let product = |a: u32, b: u32| (a as u64).wrapping_mul(b as u64);
-        // All distances first: there are not registers enough for both.
-        let mut by = [0u64; DISTANCES];
-        for (by, Term { axis, flip, from, .. }) in by.iter_mut().zip(&self.of) {
-            let place = match axes.get(axis.index()) {
-                Some(axis) if self.encoder => (axis.shown.encoder as u64) << Pos::FRAC_BITS,
-                Some(axis) => axis.shown.pos.0 as u64,
-                None => 0,
-            };
-            *by = (place ^ ((*flip as u64) << 32 | *flip as u64)).wrapping_sub(*from);
-        }
-        let (mut s0, mut s30, mut s32, mut s62) = (0u64, 0u64, 0u64, 0u64);
-        for (by, Term { low, high, .. }) in by.iter().zip(&self.of) {
-            let (b0, b1) = (*by as u32, (*by >> 32) as u32);
-            s0 = s0.wrapping_add(product(b0, *low));
-            s30 = s30.wrapping_add(product(b0, *high));
-            s32 = s32.wrapping_add(product(b1, *low));
-            s62 = s62.wrapping_add(product(b1, *high));
-        }
-        let sum = s0 as u128 + ((s30 as u128) << 30) + ((s32 as u128) << 32) + ((s62 as u128) << 62);
-        part((sum as i128).wrapping_sub(self.bias), self.shift)
+    pub(super) fn power(&self) -> i64 {
+        self.power
+    }
+
+    /// On to a look; `distance` is what it was made of.
+    #[inline(never)]
+    pub(super) fn advance(&mut self, ways: &Ways, distance: &Distance) {
+        let follows = self.token == ways.before && ways.long == 0 && !self.fresh;
+        self.token = ways.token;
+        self.sum = if follows {
+            let product = |a: i32, b: i32| (a as i64).wrapping_mul(b as i64);
+            let (mut s0, mut s30) = (0i64, 0i64);
+            for (by, (low, high)) in ways.by.iter().zip(&self.of) {
+                s0 = s0.wrapping_add(product(*by, *low));
+                s30 = s30.wrapping_add(product(*by, *high));
+            }
+            self.sum.wrapping_add(s0 as i128).wrapping_add((s30 as i128) << 30)
+        } else {
+            self.fresh = self.always;
+            distance.sum(ways.from)
+        };
+        self.power = part(self.sum, self.shift);
     }
 }
 

@@ -86,14 +86,14 @@ pub(super) fn held(high: u64, low: u64, shift: u32) -> i64 {
 fn shifted(high: u64, low: u64, sign: u32, shift: u32) -> i64 {
     // One bit more than asked for, then half of (it + 1).
     let shift = shift.wrapping_sub(1);
-    let words = [low as u32, (low >> 32) as u32, high as u32, (high >> 32) as u32];
-    let [_, b, c, d] = words;
+    let [b, c, d] = [(low >> 32) as u32, high as u32, (high >> 32) as u32];
     // Most numbers of the tick lose between one word and two.
-    if shift >> 5 == 1 { cut([b, c, d, sign], sign, shift) } else { cut_words(words, sign, shift) }
+    if shift >> 5 == 1 { cut([b, c, d, sign], sign, shift) } else { cut_words(high, low, sign, shift) }
 }
 
 #[inline(never)]
-fn cut_words([a, b, c, d]: [u32; 4], sign: u32, shift: u32) -> i64 {
+fn cut_words(high: u64, low: u64, sign: u32, shift: u32) -> i64 {
+    let [a, b, c, d] = [low as u32, (low >> 32) as u32, high as u32, (high >> 32) as u32];
     let words = match shift >> 5 {
         0 => [a, b, c, d],
         1 => [b, c, d, sign],

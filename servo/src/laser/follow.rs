@@ -46,7 +46,7 @@ impl PathSpeed {
     /// The speed in the middle of the interval of `period` that begins where the motion of a path stands, one of
     /// constant acceleration over a power of two of ns; it is taken to go on that long, but not backwards.
     pub fn ahead(motion: &Motion, period: Ns) -> PathSpeed {
-        let Motion { tau, c: [speed, change, _], recip: Recip { shift, .. }, frac } = *motion;
+        let Motion { tau, c: [speed, change, _], recip: Recip { shift, .. }, frac, .. } = *motion;
         // The piece lasts 2^(64 - shift) ns; tau and half a period are in 2^-63 of it.
         let mut speed = speed;
         if change != 0 {

@@ -10,7 +10,7 @@
 //!
 //! Each part is held at ±2¹⁷ of the power's unit. Of several bounds the lower ones act first: where they exclude each other the lowest upper one is put out.
 use super::buffered::Buffered;
-use super::distance::{Distance, Terms};
+use super::distance::{Distance, Terms, Ways};
 use super::follow::{Gain, PathSpeed, Ratio, Source};
 use super::power::{Bounds, Power};
 use super::tables::{Curve, DISTANCES, Stretch};
@@ -264,7 +264,21 @@ impl Law {
         self.mix = Mix { base, low, high, part, crd, encoder: self.encoder.0 != 0, added, held };
     }
 
-    /// The power in force from the tick that is computed.
+    /// The axes whose places count by fixed ratios, if any do.
+    #[inline(always)]
+    pub(super) fn places(&self) -> Option<u32> {
+        (self.mix.added == Added::Terms).then_some(self.terms.key)
+    }
+
+    /// Takes a look at them.
+    #[inline(always)]
+    pub(super) fn see(&mut self, ways: &Ways) {
+        if let Some(distance) = &self.distance {
+            self.terms.advance(ways, distance);
+        }
+    }
+
+    /// The power in force from the tick that is computed, whose places it has seen.
     #[inline(always)]
     pub(super) fn power(&mut self, around: &Surroundings<'_>) -> Power {
         let Mix { base, low, high, part, crd, encoder, added, held } = &self.mix;
@@ -283,7 +297,7 @@ impl Law {
         }
         let added = match added {
             Added::Nothing => 0,
-            Added::Terms => self.terms.power(around.axes),
+            Added::Terms => self.terms.power(),
             Added::Tables => match &self.distance {
                 Some(distance) => {
                     let place = |axis, source| around.place(axis, source);

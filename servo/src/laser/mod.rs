@@ -69,6 +69,7 @@ use crate::view::LaserView;
 use buffered::Event;
 use channel::Channel;
 use core::num::NonZeroU16;
+use distance::Ways;
 use law::Speeds;
 
 /// Later than any instant.
@@ -218,13 +219,14 @@ pub(crate) struct Lasers {
     pub(crate) clock: Clock,
     plan: Plan,
     speeds: Speeds,
+    ways: [Ways; CHANNELS],
     channels: [Channel; CHANNELS],
 }
 
 impl Lasers {
     pub(crate) const fn new(clock: Clock) -> Lasers {
         let channels = [Channel::power_on(0), Channel::power_on(1)];
-        Lasers { clock, plan: Plan::EMPTY, speeds: Speeds::REST, channels }
+        Lasers { clock, plan: Plan::EMPTY, speeds: Speeds::REST, ways: [Ways::begin(0), Ways::begin(1)], channels }
     }
 
     /// What the channels show.
@@ -347,6 +349,19 @@ impl Lasers {
         mut trace: impl FnMut(u8, &Plan),
     ) {
         let interlock = port.interlock();
+        let mut seen = None;
+        for (channel, ways) in self.channels.iter_mut().zip(&mut self.ways) {
+            if let Some(key) = channel.places() {
+                // Where channels follow the same places, one look is enough.
+                if seen.is_none_or(|(of, _)| of != key) {
+                    ways.look(key, axes);
+                    seen = Some((key, &*ways));
+                }
+                if let Some((_, ways)) = seen {
+                    channel.see(ways);
+                }
+            }
+        }
         let around = Surroundings { clock: self.clock, speeds: &self.speeds, tables, axes };
         self.plan.lasts = period.0 as u32;
         for (index, channel) in self.channels.iter_mut().enumerate() {

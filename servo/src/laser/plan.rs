@@ -141,8 +141,8 @@ impl Plan {
     #[inline(always)]
     pub(super) fn begin_with(&mut self, train: &Train) {
         let [(at, action), ..] = &mut self.actions;
-        (*at, *action) = (0, Action::Change(*train));
-        self.len = 1;
+        *action = Action::Change(*train);
+        (*at, self.len) = (0, 1);
     }
 
     /// One more action, not before those there are, by somebody else than the tick: for tests of machines.

@@ -1,6 +1,7 @@
 //! Follows and tables against exact rationals, the law against cases worked out by hand.
 extern crate std;
 use super::buffered::{Agenda, Event};
+use super::distance::Ways;
 use super::law::Law;
 use super::tables::{DISTANCES, Stretch};
 use super::whose::Whose;
@@ -274,7 +275,23 @@ fn added(distance: &Distance, tables: &Tables, axes: &[AxisState]) -> i64 {
     let speeds = Speeds::REST;
     let around = Surroundings { clock: Clock::GHZ, speeds: &speeds, tables, axes };
     if distance.bank().is_none() {
-        return distance.terms().power(axes);
+        // The same wherever it was told before: further off than a short way, and within one.
+        let (mut terms, mut ways) = (distance.terms(), Ways::begin(0));
+        for off in [i64::MAX >> 2, 1 << 40, (1 << 31) + 5, -(1 << 31), 5 - (1 << 31), 12_345_678, -1, 0] {
+            let mut before = [AxisState::POWER_ON; 4];
+            for (to, axis) in before.iter_mut().zip(axes) {
+                to.shown.pos = Pos(axis.shown.pos.0.wrapping_add(off));
+                to.shown.encoder = axis.shown.encoder.wrapping_add(off >> 20);
+            }
+            ways.look(terms.key, &before);
+            terms.advance(&ways, distance);
+        }
+        ways.look(terms.key, axes);
+        terms.advance(&ways, distance);
+        let mut afresh = distance.terms();
+        afresh.advance(&ways, distance);
+        assert_eq!(terms.power(), afresh.power());
+        return terms.power();
     }
     distance.tabled(0, |axis, source| around.place(axis, source), tables, &mut [Stretch::NONE; DISTANCES])
 }
@@ -400,6 +417,11 @@ fn put_out(law: &mut Law, v: f64, x: f64) -> f64 {
     let (tables, axes) = (Tables::new(), axes([x, 0.0, 0.0, 0.0]));
     power_table(&tables, &[(10.0, 20.0), (50.0, 60.0)]);
     let around = Surroundings { clock: Clock::GHZ, speeds: &speeds, tables: &tables, axes: &axes };
+    if let Some(key) = law.places() {
+        let mut ways = Ways::begin(0);
+        ways.look(key, &axes);
+        law.see(&ways);
+    }
     let raw = law.power(&around).raw();
     (raw as f64 / 2f64.powi(44) * 1e9).round() / 1e9
 }

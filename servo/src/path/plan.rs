@@ -323,6 +323,7 @@ impl Leg {
             c: [a.to_i64(frac), b.to_i64(frac + 1), 0],
             recip: Recip { m: 0, shift: (64 - reach) as u32 },
             frac,
+            t: 0,
         };
         *to = Piece::cubic(Ns(first as u64), last.wrapping_sub(first) as u64, from, motion);
     }

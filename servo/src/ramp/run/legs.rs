@@ -180,6 +180,7 @@ impl RampRun {
             c: [c1.to_i64(frac), c2.to_i64(frac + 1), c3.to_i64(frac + 2)],
             recip,
             frac,
+            t: 0,
         };
         *piece = Piece::cubic(Ns(first as u64), (last - first) as u64, start, motion);
     }
