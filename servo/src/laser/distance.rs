@@ -197,9 +197,8 @@ impl Ways {
         for (by, from) in self.by.iter_mut().zip(&mut self.from).rev() {
             let axis = axes.get((rest & ((1 << AXIS_BITS) - 1)) as usize);
             rest >>= AXIS_BITS;
-            let place = axis.map_or(0, |axis| {
-                if encoder { axis.shown.encoder << Pos::FRAC_BITS } else { axis.shown.pos.0 }
-            });
+            let place =
+                axis.map_or(0, |axis| if encoder { axis.shown.encoder << Pos::FRAC_BITS } else { axis.shown.pos.0 });
             let way = place.wrapping_sub(*from);
             *by = way as i32;
             self.long |= (way >> 32) as i32 ^ *by >> 31;
@@ -226,16 +225,8 @@ pub(super) struct Terms {
 }
 
 impl Terms {
-    pub(super) const NONE: Terms = Terms {
-        of: [(0, 0); DISTANCES],
-        key: 0,
-        shift: 64,
-        token: 0,
-        fresh: true,
-        always: false,
-        sum: 0,
-        power: 0,
-    };
+    pub(super) const NONE: Terms =
+        Terms { of: [(0, 0); DISTANCES], key: 0, shift: 64, token: 0, fresh: true, always: false, sum: 0, power: 0 };
 
     /// Its part of the power, to the nearest, at the look last taken.
     #[inline(always)]
