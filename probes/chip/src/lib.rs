@@ -65,8 +65,13 @@ pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
     let (view_in, view) = VIEW.split_once()?;
     let (events_in, events) = NEWS.split_once()?;
     let (samples_in, samples) = TRACE.split_once()?;
-    let tick =
-        Tick::new(TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8, laser_clock: Clock::GHZ, step_limit: StepLimit::FULL_SCALE });
+    let tick = Tick::new(TickConfig {
+        period_ns: PERIOD_NS,
+        axes: AXES as u8,
+        analog_inputs: 8,
+        laser_clock: Clock::GHZ,
+        step_limit: StepLimit::FULL_SCALE,
+    });
     let lanes = Lanes {
         immediate,
         program,

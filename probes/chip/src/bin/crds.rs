@@ -145,7 +145,13 @@ impl Bench {
         let (view_in, view) = VIEW.split_once()?;
         let (events_in, events) = NEWS.split_once()?;
         let (samples, _) = TRACE.split_once()?;
-        let config = TickConfig { period_ns: PERIOD_NS, axes: AXES as u8, analog_inputs: 8, laser_clock: Clock::GHZ, step_limit: StepLimit::FULL_SCALE };
+        let config = TickConfig {
+            period_ns: PERIOD_NS,
+            axes: AXES as u8,
+            analog_inputs: 8,
+            laser_clock: Clock::GHZ,
+            step_limit: StepLimit::FULL_SCALE,
+        };
         Some(Bench {
             tick: Tick::new(config),
             machine: Sink { set_points: [Pos(0); AXES], outputs: (0, 0, 0), analog: [0; 8] },

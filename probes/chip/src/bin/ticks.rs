@@ -144,7 +144,8 @@ impl Bench {
             let place = if k == SEGMENTS { 0 } else { (k * 37 + axis.index() as u32 * 11) * (k % 5 + 1) };
             let kind = if k == SEGMENTS { 2 } else { (k % 3) as i16 };
             let position = f64::from(place) + 0.37;
-            let admitted = Segment::admit(position.to_bits(), k as i32 * SEGMENT_MS, kind, &chain, StepLimit::FULL_SCALE);
+            let admitted =
+                Segment::admit(position.to_bits(), k as i32 * SEGMENT_MS, kind, &chain, StepLimit::FULL_SCALE);
             let Ok((segment, next)) = admitted else { panic!("segment {k} is refused: {admitted:?}") };
             STORES[axis.index()].write(k - 1, segment);
             chain = next;
@@ -218,7 +219,10 @@ impl Bench {
         self.push(Op::SetMode { axis: master, mode: Mode::Jog });
         let acc = Accel::admit(1000f64.to_bits()).unwrap_or_default();
         self.push(Op::JogPrm { axis: master, acc, dec: acc, smooth: 0 });
-        self.push(Op::TargetSpeed { axis: master, speed: Speed::admit(5f64.to_bits(), StepLimit::FULL_SCALE).unwrap_or_default() });
+        self.push(Op::TargetSpeed {
+            axis: master,
+            speed: Speed::admit(5f64.to_bits(), StepLimit::FULL_SCALE).unwrap_or_default(),
+        });
         for axis in (0..running).filter_map(Axis::new).filter(|axis| *axis != master) {
             let mut chain = follow::Chain::default();
             for k in 1..=SEGMENTS {
