@@ -78,6 +78,8 @@ impl<T: Copy, const N: usize> Deque<T, N> {
 
 /// Most operations that one command, or one item of LoadConfig, becomes.
 pub const STAGED: usize = 24;
+/// The same of every command but Reset: LmtSns over 8 axes and SetDac of 8 outputs are the largest.
+pub const FEW: usize = 8;
 
 /// Operations of one admitted command, not yet pushed: a command that is refused half-way has
 /// changed nothing.
@@ -96,8 +98,9 @@ impl Staged {
     pub fn clear(&mut self) {
         self.len = 0;
     }
-    /// Adds an operation. The largest command is LmtsSns over 8 axes with 16.
+    /// Adds an operation. The largest command is Reset with both lasers.
     pub fn add(&mut self, op: Op, change: Change) {
+        debug_assert!(self.len < STAGED, "a command of more than {STAGED} operations");
         if let Some(place) = self.ops.get_mut(self.len) {
             *place = (op, change);
             self.len += 1;

@@ -134,8 +134,7 @@ impl<const AXES: usize> Tick<AXES> {
                     state.set_bounds();
                 });
             }
-            Op::Guard { axis, input, on } => self.one(axis, |state| state.inputs.switch(input, on)),
-            Op::Sense { axis, input, active_low } => self.one(axis, |state| state.inputs.sense(input, active_low)),
+            Op::Guard { axis, on, low } => self.one(axis, |state| state.inputs.guard(on, low)),
             Op::PositionError { axis, limit } => self.one(axis, |state| state.inputs.error_limit = limit),
             Op::Capture { axis, mode } => self.one(axis, |state| state.arm(mode)),
             Op::JogPrm { axis, acc, dec, smooth } => self.one(axis, |state| state.jog = Jog { acc, dec, smooth }),

@@ -2,7 +2,7 @@
 //!
 //! In: raw levels and an encoder count a tick. Out: the causes of status bits, the encoder's reading,
 //! captures, the in-position timer. Owns: enables, senses, bands. It cannot fail.
-use crate::op::Guarded;
+use crate::op::{Guarded, Guards};
 use crate::status;
 use crate::units::{Ns, Pos};
 
@@ -45,15 +45,6 @@ pub(crate) struct Inputs {
     home: bool,
 }
 
-fn bit(input: Guarded) -> u8 {
-    match input {
-        Guarded::LimitPositive => 1,
-        Guarded::LimitNegative => 2,
-        Guarded::Alarm => 4,
-        Guarded::Home => 8,
-    }
-}
-
 impl Inputs {
     /// Power-on: everything on and active high, no limits of position or error, band 0.
     pub(crate) const POWER_ON: Inputs = Inputs {
@@ -70,12 +61,10 @@ impl Inputs {
         home: false,
     };
 
-    pub(crate) fn switch(&mut self, input: Guarded, on: bool) {
-        if on { self.off &= !bit(input) } else { self.off |= bit(input) }
-    }
-
-    pub(crate) fn sense(&mut self, input: Guarded, active_low: bool) {
-        if active_low { self.low |= bit(input) } else { self.low &= !bit(input) }
+    /// Some are switched on or off, some are active low or high from now on.
+    pub(crate) fn guard(&mut self, on: Guards, low: Guards) {
+        self.off = !on.applied(!self.off);
+        self.low = low.applied(self.low);
     }
 
     /// From now on the machine's count `count` reads as `pulses`.
@@ -135,7 +124,7 @@ impl Inputs {
     /// The capture that this tick's rising edge of home makes.
     #[inline]
     pub(crate) fn captured(&mut self, levels: u8, encoder: i64) -> Option<i64> {
-        let home = (levels ^ self.low) & bit(Guarded::Home) != 0;
+        let home = (levels ^ self.low) & Guarded::Home.bit() != 0;
         let edge = home && !self.home;
         self.home = home;
         if edge && self.capture == 1 {

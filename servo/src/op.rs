@@ -52,6 +52,41 @@ pub enum Guarded {
     Home,
 }
 
+impl Guarded {
+    /// Its bit in [`Guards`].
+    pub(crate) const fn bit(self) -> u8 {
+        1 << self as u8
+    }
+}
+
+/// What some guarded inputs are set to; the others stay as they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Guards {
+    of: u8,
+    to: u8,
+}
+
+impl Guards {
+    /// All of them stay.
+    pub const NONE: Guards = Guards { of: 0, to: 0 };
+
+    /// Sets one.
+    pub const fn set(input: Guarded, to: bool) -> Guards {
+        Guards::NONE.and(input, to)
+    }
+
+    /// Sets one more.
+    pub const fn and(self, input: Guarded, to: bool) -> Guards {
+        let bit = input.bit();
+        Guards { of: self.of | bit, to: if to { self.to | bit } else { self.to & !bit } }
+    }
+
+    /// Bits as they are afterwards.
+    pub(crate) const fn applied(self, before: u8) -> u8 {
+        before & !self.of | self.to
+    }
+}
+
 /// What an axis runs when it is started (GetPrfMode; SPEC 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(i8)]
@@ -116,10 +151,8 @@ pub enum Op {
     Band { axis: Axis, band: u32, time: Ns },
     /// Soft limits; `None` is off.
     SoftLimit { axis: Axis, positive: Option<i32>, negative: Option<i32> },
-    /// Switches a guarded input on or off.
-    Guard { axis: Axis, input: Guarded, on: bool },
-    /// The level at which a guarded input is active: true is low.
-    Sense { axis: Axis, input: Guarded, active_low: bool },
+    /// Switches guarded inputs on or off, and says which are active low.
+    Guard { axis: Axis, on: Guards, low: Guards },
     /// Following-error limit in pulses; `None` is off.
     PositionError { axis: Axis, limit: Option<u32> },
     /// Arms home or index capture.

@@ -1,5 +1,5 @@
 //! Coordinate systems in the tick: where mapped axes are, what stops them, what starts.
-use servo::op::{DoGroup, Guarded, Lane, Mode, Op};
+use servo::op::{DoGroup, Guarded, Guards, Lane, Mode, Op};
 use servo::path::{Along, Entry, Plane, Rate, Rest, Sweep};
 use servo::status;
 use servo::units::{AxisMask, CrdMask, Ns, Pos};
@@ -689,7 +689,7 @@ fn a_program_waits_for_a_path_and_traces_it() {
 #[test]
 fn guards_may_be_off() {
     let mut bench = ready(250, &[line(200, 450)]);
-    bench.now(Op::Guard { axis: axis(5), input: Guarded::LimitPositive, on: false });
+    bench.now(Op::Guard { axis: axis(5), on: Guards::set(Guarded::LimitPositive, false), low: Guards::NONE });
     bench.start_path(&[0]);
     bench.ticks(20);
     bench.machine.inputs[5].limit_positive = true;

@@ -1,6 +1,6 @@
 //! What stops an axis, what the status word says, and what clears it.
 mod tick_bench;
-use servo::op::{Guarded, Mode, Op};
+use servo::op::{Guarded, Guards, Mode, Op};
 use servo::status::*;
 use servo::units::{Ns, Pos};
 use servo::view::{Event, StopReason};
@@ -151,12 +151,12 @@ fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
 fn guards_can_be_switched_off_and_inverted() {
     let mut bench = Bench::ready(250, Mode::Jog);
     bench.machine.inputs[0].limit_positive = true;
-    bench.now(Op::Guard { axis: axis(0), input: Guarded::LimitPositive, on: false });
+    bench.now(Op::Guard { axis: axis(0), on: Guards::set(Guarded::LimitPositive, false), low: Guards::NONE });
     bench.tick();
     bench.now(Op::ClearStatus { axes: all(&[0]) });
     assert_eq!(bench.ticks(2).axes[0].status & LIMITS, 0);
-    bench.now(Op::Guard { axis: axis(0), input: Guarded::LimitPositive, on: true });
-    bench.now(Op::Sense { axis: axis(0), input: Guarded::LimitPositive, active_low: true });
+    bench.now(Op::Guard { axis: axis(0), on: Guards::set(Guarded::LimitPositive, true), low: Guards::NONE });
+    bench.now(Op::Guard { axis: axis(0), on: Guards::NONE, low: Guards::set(Guarded::LimitPositive, true) });
     assert_eq!(bench.ticks(2).axes[0].status & LIMITS, 0);
     bench.machine.inputs[0].limit_positive = false;
     assert_eq!(bench.tick().axes[0].status & LIMITS, LIMIT_POSITIVE);

@@ -4,7 +4,7 @@ mod chance;
 mod tick_bench;
 use chance::Chance;
 use servo::follow;
-use servo::op::{DoGroup, Guarded, Mode, Op};
+use servo::op::{DoGroup, Guarded, Guards, Mode, Op};
 use servo::path::{self, Along};
 use servo::units::AxisMask;
 use servo::view::{Traced, View};
@@ -64,7 +64,7 @@ fn act(bench: &mut Bench, chance: &mut Chance, stream: &mut i32) {
             bench.now(Op::PositionError { axis, limit: (far > 0.0).then_some(20) });
         }
         6 => {
-            bench.now(Op::Sense { axis, input: Guarded::Home, active_low: far > 0.0 });
+            bench.now(Op::Guard { axis, on: Guards::NONE, low: Guards::set(Guarded::Home, far > 0.0) });
         }
         7 => {
             bench.now(Op::PvtSelect { axis, table: chance.below(3) as u8 });

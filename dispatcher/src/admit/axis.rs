@@ -7,7 +7,7 @@ use protocol::command::{
     SetPrfPos, SetSoftLimit, SetStopDec, Stop, SynchAxisPos, ZeroPos,
 };
 use protocol::reason::Reason;
-use servo::op::{Guarded, Op};
+use servo::op::{Guarded, Guards, Op};
 use servo::ramp::Accel;
 use servo::units::{Axis, AxisMask, Ns, Pos};
 
@@ -160,12 +160,13 @@ pub fn limits_off<const AXES: usize>(case: &mut Case<AXES>, r: &LmtsOff) -> Admi
 fn limits<const AXES: usize>(case: &mut Case<AXES>, core: i16, axis: i16, kind: i16, on: bool) -> Admitted<Answer> {
     let axis = case.axis(core, axis)?;
     let kind = choice(2, kind, -1, 1)?;
-    if kind != 1 {
-        case.stage(Op::Guard { axis, input: Guarded::LimitPositive, on });
-    }
-    if kind != 0 {
-        case.stage(Op::Guard { axis, input: Guarded::LimitNegative, on });
-    }
+    let positive = Guards::set(Guarded::LimitPositive, on);
+    let on = match kind {
+        0 => positive,
+        1 => Guards::set(Guarded::LimitNegative, on),
+        _ => positive.and(Guarded::LimitNegative, on),
+    };
+    case.stage(Op::Guard { axis, on, low: Guards::NONE });
     Ok(Answer::Done)
 }
 
@@ -175,26 +176,26 @@ pub fn limit_sense<const AXES: usize>(case: &mut Case<AXES>, r: &LmtSns) -> Admi
     let axes = case.core_mask(r.core.get())?;
     let sense = r.sense.get();
     for (k, axis) in case.each(axes).take(8).enumerate() {
-        stage_limit_sense(case, axis, (sense >> (2 * k)) as u8);
+        let low = limit_levels((sense >> (2 * k)) as u8);
+        case.stage(Op::Guard { axis, on: Guards::NONE, low });
     }
     Ok(Answer::Done)
 }
 
 /// Bit 0 the positive, bit 1 the negative limit's sense.
-pub fn stage_limit_sense<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, bits: u8) {
-    case.stage(Op::Sense { axis, input: Guarded::LimitPositive, active_low: bits & 1 != 0 });
-    case.stage(Op::Sense { axis, input: Guarded::LimitNegative, active_low: bits & 2 != 0 });
+pub fn limit_levels(bits: u8) -> Guards {
+    Guards::set(Guarded::LimitPositive, bits & 1 != 0).and(Guarded::LimitNegative, bits & 2 != 0)
 }
 
 pub fn alarm_on<const AXES: usize>(case: &mut Case<AXES>, r: &AlarmOn) -> Admitted<Answer> {
     let axis = case.axis(r.core.get(), r.axis.get())?;
-    case.stage(Op::Guard { axis, input: Guarded::Alarm, on: true });
+    case.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, true), low: Guards::NONE });
     Ok(Answer::Done)
 }
 
 pub fn alarm_off<const AXES: usize>(case: &mut Case<AXES>, r: &AlarmOff) -> Admitted<Answer> {
     let axis = case.axis(r.core.get(), r.axis.get())?;
-    case.stage(Op::Guard { axis, input: Guarded::Alarm, on: false });
+    case.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, false), low: Guards::NONE });
     Ok(Answer::Done)
 }
 

@@ -1,5 +1,5 @@
 //! Session commands: reset, status, tick period, profile, trace, configuration.
-use super::axis::{stage_band, stage_dec, stage_limit_sense, stage_pos_err, stage_soft};
+use super::axis::{limit_levels, stage_band, stage_dec, stage_pos_err, stage_soft};
 use super::{many, plain};
 use crate::books::Change;
 use crate::case::{Answer, Case, Effect, Site, ones};
@@ -10,7 +10,7 @@ use crate::trace_out::Columns;
 use protocol::command::{Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetLinkLoss, SetTick, Trace, Wire, opcode};
 use protocol::reason::Reason;
 use servo::laser::CHANNELS;
-use servo::op::{Guarded, Op};
+use servo::op::{Guarded, Guards, Op};
 use servo::units::{AxisMask, CrdMask};
 
 /// Tick periods of SPEC 11 and issue 2, in µs.
@@ -112,22 +112,20 @@ pub fn config_item<const AXES: usize>(case: &mut Case<AXES>, core: i16, item: &C
     let axis = case.axis(core, item.axis.get()).map_err(|refused| refused.field(0))?;
     let given = within(1, item.given.get(), 0, 0x1ff)?;
     let has = |bit: u16| given >> bit & 1 != 0;
+    // One entry for all inputs: the ring of the tick holds those of eight axes, and more.
+    let (mut on, mut low) = (Guards::NONE, Guards::NONE);
     if has(0) {
-        let on = within(2, item.limits_on, 0, 3)?;
-        case.stage(Op::Guard { axis, input: Guarded::LimitPositive, on: on & 1 != 0 });
-        case.stage(Op::Guard { axis, input: Guarded::LimitNegative, on: on & 2 != 0 });
+        let bits = within(2, item.limits_on, 0, 3)?;
+        on = on.and(Guarded::LimitPositive, bits & 1 != 0).and(Guarded::LimitNegative, bits & 2 != 0);
     }
     if has(1) {
-        let sense = within(3, item.limit_sense, 0, 3)?;
-        stage_limit_sense(case, axis, sense);
+        low = limit_levels(within(3, item.limit_sense, 0, 3)?);
     }
     if has(2) {
-        let on = within(4, item.alarm_on, 0, 1)? != 0;
-        case.stage(Op::Guard { axis, input: Guarded::Alarm, on });
+        on = on.and(Guarded::Alarm, within(4, item.alarm_on, 0, 1)? != 0);
     }
     if has(3) {
-        let active_low = within(5, item.alarm_sense, 0, 1)? != 0;
-        case.stage(Op::Sense { axis, input: Guarded::Alarm, active_low });
+        low = low.and(Guarded::Alarm, within(5, item.alarm_sense, 0, 1)? != 0);
     }
     if has(4) {
         stage_soft(case, axis, 6, (item.soft_positive.get(), item.soft_negative.get()))?;
@@ -142,8 +140,10 @@ pub fn config_item<const AXES: usize>(case: &mut Case<AXES>, core: i16, item: &C
         stage_band(case, axis, (11, 12), (item.band.get(), item.band_time_cycles.get()))?;
     }
     if has(8) {
-        let active_low = within(13, item.home_sense, 0, 1)? != 0;
-        case.stage(Op::Sense { axis, input: Guarded::Home, active_low });
+        low = low.and(Guarded::Home, within(13, item.home_sense, 0, 1)? != 0);
+    }
+    if (on, low) != (Guards::NONE, Guards::NONE) {
+        case.stage(Op::Guard { axis, on, low });
     }
     Ok(())
 }

@@ -15,18 +15,16 @@ use crate::awaiting::{Awaiting, Step};
 use crate::books::Change;
 use crate::case::{Answer, Case, Effect, TAKEN_MAX};
 use crate::desk::Desk;
-use crate::lane::{STAGED, Staged};
+use crate::lane::{FEW, Staged};
 use crate::refuse::{Admitted, Refused};
 use protocol::command::{Sleep, WaitStop, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
 use servo::op::Op;
-use servo::units::{Axis, Crd, CrdMask, Ns};
+use servo::units::{Axis, CrdMask, Ns};
 use servo::view::View;
 use zerocopy::FromBytes;
 
-/// Most commits of coordinate systems at one instant.
-const COMMITS: usize = 2 * Crd::MAX;
 /// Records admitted in one go, so that the work of a poll is bounded.
 const RECORDS_PER_POLL: u32 = 256;
 /// Commits go into the ring this long before their instant: longer than the thread is ever away, short
@@ -43,7 +41,7 @@ impl Program<'_> {
     ) -> bool {
         let mut progress = false;
         for _ in 0..RECORDS_PER_POLL {
-            if self.end.is_some() || !self.has_room::<AXES>() || self.records.front().is_none() {
+            if self.end.is_some() || !self.has_room() || self.records.front().is_none() {
                 self.settle(desk, view);
                 return progress;
             }
@@ -66,9 +64,15 @@ impl Program<'_> {
         progress
     }
 
-    /// Room for a command and, before it, the commits of all axes.
-    fn has_room<const AXES: usize>(&self) -> bool {
-        self.lane.room() >= STAGED + COMMITS + 2 * AXES && !self.awaiting.is_full() && self.values.room() >= TAKEN_MAX
+    /// Room for a command behind the commits that gather, if it is no Reset. Data makes one of them more at most.
+    fn has_room(&self) -> bool {
+        self.lane.room() >= FEW + self.gathered() && !self.awaiting.is_full() && self.values.room() >= TAKEN_MAX
+    }
+
+    /// Commits that gather. There is always room for them.
+    fn gathered(&self) -> usize {
+        let axes = self.open.iter().map(|open| open.count_ones());
+        axes.chain(self.open_paths.iter().map(|open| open.count_ones())).sum::<u32>() as usize
     }
 
     /// Whether a record from the wire may be admitted where it lies: it is data, and no record waits.
@@ -79,7 +83,7 @@ impl Program<'_> {
             && !self.overflowed
             && self.end.is_none()
             && self.records.is_empty()
-            && self.has_room::<AXES>()
+            && self.has_room()
     }
 
     /// Nothing more can be admitted now.
@@ -191,6 +195,10 @@ impl Program<'_> {
         if let Effect::Config = effect {
             return Ok(self.take_config(desk, view));
         }
+        // Only a Reset may be too much here; its admission can be repeated.
+        if self.lane.room() < self.gathered() + desk.staged.ops().len() {
+            return Ok(Step::Wait);
+        }
         if desk.staged.ops().is_empty() {
             if let Answer::Read(_) = answer {
                 self.flush(desk);
@@ -274,7 +282,7 @@ impl Program<'_> {
     /// Pushes the commits of the data that gathered. There is room for them: no record is admitted
     /// without it, and data itself takes none.
     pub(super) fn flush<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
-        if !self.gathers() || self.lane.room() < COMMITS + 2 * AXES {
+        if !self.gathers() || self.lane.room() < self.gathered() {
             return;
         }
         for fifo in 0..2u8 {
@@ -308,14 +316,14 @@ impl Program<'_> {
         let mut item = self.config.unwrap_or(0);
         loop {
             self.config = Some(item);
-            if self.lane.room() < STAGED {
-                return Step::Wait;
-            }
             let Some((head, body)) = self.records.front() else { return Step::Wait };
             if !desk.stage_config(view, body, item) {
                 self.config = None;
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Step::Taken;
+            }
+            if self.lane.room() < desk.staged.ops().len() {
+                return Step::Wait;
             }
             for index in 0..desk.staged.ops().len() {
                 if let Some(&(op, change)) = desk.staged.ops().get(index) {
