@@ -258,7 +258,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 let mut items = [command::Real::default(); 8];
                 let count = usize::from(query.count).min(8);
                 for (item, value) in items.iter_mut().zip(self.view.analog.iter().skip(usize::from(query.first))) {
-                    item.value = (f64::from(*value) * 10.0 / 32768.0).into();
+                    item.value = (f64::from(*value) * 12.5 / 32768.0).into();
                 }
                 let head = command::Reals { clock_ms: self.clock_ms().into(), count: (count as u16).into() };
                 out.done::<command::GetAdc>(tag, &head, &items[..count])

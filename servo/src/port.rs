@@ -37,7 +37,7 @@ pub trait Port {
     fn encoder(&mut self, axis: Axis) -> i64;
     /// General inputs now, bit 0 is GPI 1.
     fn general_inputs(&mut self) -> u32;
-    /// Analog input in 1/3276.7 V (as SetDac counts), from 0.
+    /// Analog input now, −32768…32767 is −12.5…12.5 V, from 0.
     fn analog(&mut self, channel: usize) -> i16;
     /// The set-point in force from the next tick on; the machine turns the whole pulses between two
     /// set-points into evenly spaced steps.

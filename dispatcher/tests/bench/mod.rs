@@ -43,7 +43,8 @@ impl<const AXES: usize> Port for Machine<AXES> {
         0x5a
     }
     fn analog(&mut self, channel: usize) -> i16 {
-        3276 * channel as i16
+        // Volts, in 12.5 V / 32768.
+        2621 * channel as i16
     }
     fn set_point(&mut self, axis: Axis, pos: Pos) {
         self.set_points[axis.index()] = pos;

@@ -66,12 +66,12 @@ impl Analog {
             RCC.apb1lenr().read();
         }
         let mut analog = Analog { outputs: [Output::default(); OUTPUTS], external };
-        for channel in 0..OUTPUTS {
-            // The value before the output. Buffered to the pin, as `DAC_MCR` is after reset.
-            analog.put(channel, 0);
-            if analog.external.is_none() {
-                DAC1.cr().modify(|w| w.set_en(channel, true));
-            }
+        (0..OUTPUTS).for_each(|channel| analog.put(channel, 0));
+        if analog.external.is_none() {
+            // The values before the outputs: reading back takes the cycle that they need (RM0433 26.4.5). Buffered to the pin, as
+            // `DAC_MCR` is after reset.
+            DAC1.dor(OUTPUTS - 1).read();
+            DAC1.cr().modify(|w| (0..OUTPUTS).for_each(|channel| w.set_en(channel, true)));
         }
         analog
     }

@@ -1,8 +1,9 @@
 //! What the tick reads and drives on this board: inputs, servo enables and general outputs.
 //!
 //! In: set-points and outputs of the tick. Out: the levels of the pins, read together once a tick. Owns the tick's share of
-//! [`pins`], [`super::steps`], [`super::encoders`], [`super::analog`] and [`laser`]. An axis without an encoder reads the pulse at
+//! [`pins`], [`super::steps`], [`super::encoders`], [`super::adc`], [`super::analog`] and [`laser`]. An axis without an encoder reads the pulse at
 //! which its step output stands. Fails never.
+use super::adc::Adc;
 use super::analog::Analog;
 use super::encoders::Encoders;
 use super::laser::{self, Lasers};
@@ -20,6 +21,7 @@ pub struct Machine {
     steps: Steps,
     encoders: Encoders,
     analog: Analog,
+    adc: Adc,
     /// Pulses at which the outputs stand, and those of the set-points that the next tick puts in force.
     stands: [i64; AXES],
     goes_to: [i64; AXES],
@@ -33,12 +35,13 @@ pub struct Machine {
 
 impl Machine {
     /// At rest at zero.
-    pub fn new(lasers: Lasers, analog: Analog) -> Machine {
+    pub fn new(lasers: Lasers, analog: Analog, adc: Adc) -> Machine {
         Machine {
             levels: Levels::LOW,
             steps: Steps::AT_REST,
             encoders: Encoders::AT_ZERO,
             analog,
+            adc,
             lasers,
             stands: [0; AXES],
             goes_to: [0; AXES],
@@ -53,6 +56,7 @@ impl Machine {
         self.steps.begin(period_ns);
         self.lasers.begin(period_ns);
         self.analog.advance();
+        self.adc.advance();
         self.encoders.read();
         if self.driven != self.drives {
             self.driven = self.drives;
@@ -93,8 +97,8 @@ impl Port for Machine {
         self.levels.general()
     }
 
-    fn analog(&mut self, _: usize) -> i16 {
-        0
+    fn analog(&mut self, channel: usize) -> i16 {
+        self.adc.code(channel)
     }
 
     fn set_point(&mut self, axis: Axis, pos: Pos) {

@@ -7,6 +7,7 @@ use cortex_m::peripheral::scb::SystemHandler;
 use cortex_m::peripheral::{NVIC, SCB};
 use stm32_metapac::Interrupt;
 
+pub mod adc;
 pub mod analog;
 pub mod clocks;
 pub mod encoders;
@@ -38,7 +39,7 @@ pub const TICK_NS: u32 = 50_000;
 pub const TICK_US: core::ops::RangeInclusive<u32> = 10..=250;
 
 /// Analog inputs of the board.
-pub const ANALOG_INPUTS: u8 = 0;
+pub const ANALOG_INPUTS: u8 = adc::INPUTS as u8;
 
 /// The clock in which laser plans are counted: that of the timers.
 pub const LASER_CLOCK: servo::laser::Clock = match servo::laser::Clock::from_mhz(clocks::TIMER_MHZ) {
@@ -99,7 +100,7 @@ pub fn take() -> Option<Board> {
             timer: timer::TickTimer::take(),
             link: uart::open(),
             trace: None,
-            machine: machine::Machine::new(lasers, analog::Analog::open()),
+            machine: machine::Machine::new(lasers, analog::Analog::open(), adc::Adc::open()),
         })
     }
 }
@@ -133,7 +134,7 @@ pub unsafe fn listen() {
     timer::start();
 }
 
-/// The link's bytes wait in the UART, as far as it holds them, until [`resume_link`]: nobody has room for them.
+/// The link's bytes wait in the UART's ring, as far as it holds them, until [`resume_link`]: nobody has room for them.
 pub fn hold_link() {
     uart::listen(false);
 }
@@ -149,6 +150,7 @@ pub fn resume_link() {
 
 /// Rings the bell from the tick down to the thread.
 pub fn ring_bell() {
+    uart::tell();
     SCB::set_pendsv();
 }
 

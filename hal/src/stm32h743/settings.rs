@@ -11,5 +11,5 @@ pub const DIRECTION_SET_UP_NS: u32 = 2_000;
 /// Axes from the first on that have an encoder. The others, and one whose entry is false, take the pulse at which their step output stands.
 pub const ENCODERS: [bool; super::encoders::MOST] = [true; super::encoders::MOST];
 
-/// The analog outputs are those of a DAC8563 on SPI3 instead of the chip's own.
-pub const EXTERNAL_DAC: bool = false;
+/// The analog outputs are those of a DAC8563 on SPI3 instead of the chip's own: the feature `external_dac` of hal and firmware.
+pub const EXTERNAL_DAC: bool = cfg!(feature = "external_dac");

@@ -1,17 +1,36 @@
-//! USART3 to the ST-LINK's virtual port (RM0433 48): bytes each way through FIFOs of 16.
+//! USART3 to the ST-LINK's virtual port (RM0433 48): bytes out through a FIFO of 16, bytes in by DMA through a ring.
 //!
-//! In and out: bytes, one at a time, never waiting. Owns USART3. Interrupts come when half the receiving FIFO is full or
-//! the line falls silent, and when half the sending FIFO is empty while somebody waits. What is received while nobody
-//! fetches is lost and asked for again by the link; damaged bytes come as they are, the link's checksum finds them.
+//! In and out: bytes, one at a time, never waiting. Owns USART3, DMA1 stream 2 and the ring. DMA fetches what arrives, however long a
+//! tick lasts. Interrupts come when the line falls silent, when a tick ends with bytes waiting ([`tell`]), and when half the sending FIFO is
+//! empty while somebody waits. What nobody fetches in a ring's time, 1.7 ms, is lost and asked for again by the link, whose checksum finds what
+//! is damaged too.
 use super::clocks::BUS_HZ;
+use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering, fence};
+use cortex_m::peripheral::NVIC;
 use critical_section::with;
-use stm32_metapac::{RCC, USART3};
+use stm32_metapac::dma::vals::{Dir, Pl, Size};
+use stm32_metapac::{DMA1, DMAMUX1, Interrupt, RCC, USART3};
 
 /// Of the link. ST-LINK/V3 and the common hosts know it, and PCLK1 divides by it.
 pub const BAUD: u32 = 3_000_000;
 
-/// Half of a FIFO (RXFTCFG, TXFTCFG).
+/// Half of a FIFO (TXFTCFG).
 const HALF: u8 = 0b010;
+
+/// Bytes of the ring: a power of two.
+const RING: usize = 512;
+
+/// The stream that fetches, DMAMUX1's channel of it, and its request (RM0433 17.3.2: USART3_RX).
+const FETCH: usize = 2;
+const USART3_RX: u8 = 45;
+
+#[unsafe(link_section = ".dma.link")]
+static BYTES: [AtomicU8; RING] = [const { AtomicU8::new(0) }; RING];
+
+/// Place in the ring of the byte that is fetched next.
+static TAKEN: AtomicU32 = AtomicU32::new(0);
+/// Whether [`tell`] tells.
+static TELLS: AtomicBool = AtomicBool::new(false);
 
 /// The sending half.
 #[derive(Debug)]
@@ -27,12 +46,27 @@ pub struct Rx(());
 /// At most once.
 pub unsafe fn open() -> (Tx, Rx) {
     RCC.apb1lenr().modify(|w| w.set_usart3en(true));
-    // Read back, so that the clock is there (RM0433 8.5.8).
+    RCC.ahb1enr().modify(|w| w.set_dma1en(true));
+    // Read back, so that the clocks are there (RM0433 8.5.8).
     RCC.apb1lenr().read();
+    RCC.ahb1enr().read();
+    DMAMUX1.ccr(FETCH).write(|w| w.set_dmareq_id(USART3_RX));
+    let stream = DMA1.st(FETCH);
+    stream.par().write_value(USART3.rdr().as_ptr() as u32);
+    stream.m0ar().write_value(BYTES.as_ptr() as u32);
+    stream.ndtr().write(|w| w.set_ndt(RING as u16));
+    stream.cr().write(|w| {
+        w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
+        w.set_circ(true);
+        w.set_minc(true);
+        w.set_psize(Size::BITS8);
+        w.set_msize(Size::BITS8);
+        w.set_pl(Pl::LOW);
+        w.set_en(true);
+    });
     USART3.brr().write(|w| w.set_brr((BUS_HZ / BAUD) as u16));
     USART3.cr3().write(|w| {
-        w.set_rxftcfg(HALF);
-        w.set_rxftie(true);
+        w.set_dmar(true);
         w.set_txftcfg(HALF);
     });
     USART3.cr1().write(|w| {
@@ -42,6 +76,7 @@ pub unsafe fn open() -> (Tx, Rx) {
         w.set_idleie(true);
     });
     USART3.cr1().modify(|w| w.set_ue(true));
+    TELLS.store(true, Ordering::Relaxed);
     (Tx(()), Rx(()))
 }
 
@@ -61,7 +96,15 @@ impl Tx {
 impl Rx {
     /// The oldest byte that has arrived, if one has.
     pub fn receive(&mut self) -> Option<u8> {
-        USART3.isr().read().rxne().then(|| USART3.rdr().read().dr() as u8)
+        let place = TAKEN.load(Ordering::Relaxed);
+        if place == written() {
+            return None;
+        }
+        // The byte is read after the count that told of it.
+        fence(Ordering::SeqCst);
+        let byte = BYTES.get(place as usize)?.load(Ordering::Relaxed);
+        TAKEN.store((place + 1) % RING as u32, Ordering::Relaxed);
+        Some(byte)
     }
 }
 
@@ -81,15 +124,26 @@ pub fn acknowledge() -> bool {
     goes_on
 }
 
+/// Place in the ring of the byte that DMA writes next.
+fn written() -> u32 {
+    let left = u32::from(DMA1.st(FETCH).ndtr().read().ndt());
+    (RING as u32).wrapping_sub(left) % RING as u32
+}
+
 /// Whether a byte waits to be fetched.
 pub fn has_byte() -> bool {
-    USART3.isr().read().rxne()
+    TAKEN.load(Ordering::Relaxed) != written()
+}
+
+/// At the end of a tick: what has arrived since the line was silent last is told, too.
+pub fn tell() {
+    if TELLS.load(Ordering::Relaxed) && has_byte() {
+        NVIC::pend(Interrupt::USART3);
+    }
 }
 
 /// Whether the receiving side interrupts.
 pub fn listen(listens: bool) {
-    with(|_| {
-        USART3.cr3().modify(|w| w.set_rxftie(listens));
-        USART3.cr1().modify(|w| w.set_idleie(listens));
-    });
+    TELLS.store(listens, Ordering::Relaxed);
+    with(|_| USART3.cr1().modify(|w| w.set_idleie(listens)));
 }

@@ -3,6 +3,7 @@
 //! In: reads, writes, time. Out: values, the lines of interrupts, resets. Owns every model and goes from event to event.
 //! An access that no model answers, and one to a peripheral without a clock, is noted ([`Bus::complaints`]): a test that finds
 //! a note has found a fault of the image or a gap of the emulation.
+use crate::adc::Adc;
 use crate::clocks::{AHB1ENR, AHB2ENR, Clocks, Rcc};
 use crate::dac::Dac;
 use crate::device::{Cause, Device, Signal};
@@ -32,7 +33,7 @@ struct Place {
 }
 
 /// Each peripheral, in the order of [`Bus::device`].
-const PLACES: [Place; 10 + KINDS.len()] = [
+const PLACES: [Place; 11 + KINDS.len()] = [
     Place { base: 0x5802_4400, size: 0x400, clock: None },
     Place { base: 0x5802_4800, size: 0x400, clock: None },
     Place { base: 0x5200_2000, size: 0x400, clock: None },
@@ -43,6 +44,7 @@ const PLACES: [Place; 10 + KINDS.len()] = [
     Place { base: 0x4002_0000, size: 0xc00, clock: None },
     Place { base: 0x4000_7400, size: 0x400, clock: Some((APB1LENR, 29)) },
     Place { base: 0x4000_3c00, size: 0x400, clock: Some((APB1LENR, 15)) },
+    Place { base: 0x5802_6000, size: 0x400, clock: Some((AHB4ENR, 24)) },
     Place { base: 0x4001_0000, size: 0x400, clock: Some((APB2ENR, 0)) },
     Place { base: 0x4000_0000, size: 0x400, clock: Some((APB1LENR, 0)) },
     Place { base: 0x4000_0400, size: 0x400, clock: Some((APB1LENR, 1)) },
@@ -65,7 +67,8 @@ const WATCHDOG: usize = 6;
 const DMA: usize = 7;
 const DAC1: usize = 8;
 const SPI3: usize = 9;
-const TIMERS: usize = 10;
+const ADC3: usize = 10;
+const TIMERS: usize = 11;
 
 /// The interrupt of USART3 (RM0433 table 148).
 const USART3_LINE: usize = 39;
@@ -96,6 +99,8 @@ pub struct Bus {
     pub dac: Dac,
     /// To the external DAC.
     pub spi: Spi,
+    /// Analog inputs.
+    pub adc: Adc,
     /// Timers, in the order of [`KINDS`].
     pub timers: [Timer; KINDS.len()],
     clocks: Clocks,
@@ -124,6 +129,7 @@ impl Bus {
             dma: Dma::new(memory),
             dac: Dac::default(),
             spi: Spi::default(),
+            adc: Adc::default(),
             timers: KINDS.map(Timer::new),
             clocks: Clocks::RESET,
             next: NEVER,
@@ -145,6 +151,7 @@ impl Bus {
             DMA => &mut self.dma,
             DAC1 => &mut self.dac,
             SPI3 => &mut self.spi,
+            ADC3 => &mut self.adc,
             _ => &mut self.timers[n - TIMERS],
         }
     }
@@ -343,6 +350,7 @@ impl Bus {
             self.dma.complaint.take(),
             self.dac.complaint.take(),
             self.spi.complaint.take(),
+            self.adc.complaint.take(),
         ];
         let of_timers: Vec<_> = self.timers.iter_mut().filter_map(|timer| timer.complaint.take()).collect();
         told.into_iter().flatten().chain(of_timers).for_each(|complaint| self.note(complaint));

@@ -23,6 +23,8 @@ pub struct Clocks {
     pub timers2: Time,
     /// Kernel clock of SPI 1 to 3, if what it is taken from runs.
     pub spi: Option<Time>,
+    /// Kernel clock of the ADCs, likewise.
+    pub adc: Option<Time>,
 }
 
 /// 64 MHz, as the chip starts.
@@ -35,7 +37,7 @@ const CSI: Time = 240;
 impl Clocks {
     /// Of a chip that has just started.
     pub const RESET: Clocks =
-        Clocks { core: HSI, bus: HSI, apb1: HSI, apb2: HSI, timers1: HSI, timers2: HSI, spi: None };
+        Clocks { core: HSI, bus: HSI, apb1: HSI, apb2: HSI, timers1: HSI, timers2: HSI, spi: None, adc: None };
 }
 
 const CR: u32 = 0x00;
@@ -44,6 +46,7 @@ const D1CFGR: u32 = 0x18;
 const D2CFGR: u32 = 0x1c;
 const D1CCIPR: u32 = 0x4c;
 const D2CCIP1R: u32 = 0x50;
+const D3CCIPR: u32 = 0x58;
 const PLLCKSELR: u32 = 0x28;
 const PLLCFGR: u32 = 0x2c;
 const PLL1DIVR: u32 = 0x30;
@@ -204,11 +207,19 @@ impl Rcc {
                 let (n, q) = (u64::from(dividers & 0x1ff) + 1, u64::from(dividers >> 16 & 0x7f) + 1);
                 Some(reference * m * q / n).filter(|&cycle| cycle > 0)
             }
-            4 => {
-                [Some(HSI << (self.at(CR) >> 3 & 3)), Some(CSI), Some(HSE), None][(self.at(D1CCIPR) >> 28 & 3) as usize]
-            }
+            4 => self.per(),
             _ => None,
         }
+    }
+
+    /// per_ck (D1CCIPR.CKPERSEL).
+    fn per(&self) -> Option<Time> {
+        [Some(HSI << (self.at(CR) >> 3 & 3)), Some(CSI), Some(HSE), None][(self.at(D1CCIPR) >> 28 & 3) as usize]
+    }
+
+    /// Kernel clock of the ADCs (D3CCIPR.ADCSEL): per_ck only; PLL2 and PLL3 are not modelled.
+    fn adc(&self) -> Option<Time> {
+        if self.at(D3CCIPR) >> 16 & 3 == 2 { self.per() } else { None }
     }
 
     /// Works out the clocks anew. Sources that do not run leave them as they were.
@@ -233,8 +244,8 @@ impl Rcc {
         let timpre = self.at(CFGR) & 1 << 15 != 0;
         let timers = |divider: u64| bus * if timpre { (divider / 4).max(1) } else { (divider / 2).max(1) };
         let (timers1, timers2) = (timers(apb1), timers(apb2));
-        let spi = self.spi();
-        self.clocks = Clocks { core, bus, apb1: bus * apb1, apb2: bus * apb2, timers1, timers2, spi };
+        let (spi, adc) = (self.spi(), self.adc());
+        self.clocks = Clocks { core, bus, apb1: bus * apb1, apb2: bus * apb2, timers1, timers2, spi, adc };
         if core < self.fastest {
             self.complain(format!("the core runs at {} MHz, which its supply does not allow", 960 / core));
         }
@@ -288,7 +299,7 @@ impl Device for Rcc {
                 *self.place(CFGR) = value & !(7 << 3) | (value & 7) << 3;
                 self.derive();
             }
-            D1CFGR | D2CFGR | D1CCIPR | D2CCIP1R => {
+            D1CFGR | D2CFGR | D1CCIPR | D2CCIP1R | D3CCIPR => {
                 *self.place(offset) = value;
                 self.derive();
             }

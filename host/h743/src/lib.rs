@@ -5,11 +5,13 @@
 //! (`libunicorn-dev`); all else is in here, written after the Armv7-M Architecture Reference Manual and RM0433, and shares no
 //! code with the image.
 //!
-//! What is not emulated: caches, bus contention and wait states (an instruction is a cycle), USB, analog.
+//! What is not emulated: caches, bus contention and wait states (an instruction is a cycle), USB.
 #![deny(unsafe_code)]
+pub mod adc;
 pub mod bus;
 pub mod clocks;
 pub mod dac;
+pub mod dac8563;
 pub mod device;
 pub mod dma;
 #[allow(unsafe_code, reason = "Unicorn is a C library")]

@@ -1,7 +1,8 @@
-//! SPI3 as a master that sends (RM0433 50): what an external DAC is told.
+//! SPI3 as a master (RM0433 50): what an external DAC is told.
 //!
 //! In: registers. Out: words with the instants at which their last bit is over ([`Spi::sent`]). The clock's and the data's lines
-//! are shown at rest only; chip select is a pin like any other. Receiving, interrupts, DMA, CRC are not modelled, and complaints.
+//! are shown at rest only; chip select is a pin like any other. Nobody answers: what is received is 0. Interrupts, DMA, CRC are not modelled,
+//! and complaints.
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal, Source};
 use crate::time::{NEVER, Time};
@@ -22,10 +23,14 @@ const CSTART: u32 = 1 << 9;
 const CSUSP: u32 = 1 << 10;
 const MASTER: u32 = 1 << 22;
 const SIMPLEX_SENDER: u32 = 1 << 17;
+const CPHA: u32 = 1 << 24;
+const CPOL: u32 = 1 << 25;
 
+const RXP: u32 = 1 << 0;
 const TXP: u32 = 1 << 1;
 const EOT: u32 = 1 << 3;
 const TXTF: u32 = 1 << 4;
+const OVR: u32 = 1 << 6;
 const SUSP: u32 = 1 << 11;
 const TXC: u32 = 1 << 12;
 
@@ -40,6 +45,8 @@ pub struct Spi {
     latched: u32,
     kernel: Option<Time>,
     waiting: VecDeque<u32>,
+    /// Words received that nobody has read.
+    received: usize,
     shifting: Option<(u32, Time)>,
     /// Words left of TSIZE, where it counts.
     left: Option<u32>,
@@ -57,6 +64,7 @@ impl Default for Spi {
             latched: 0,
             kernel: None,
             waiting: VecDeque::new(),
+            received: 0,
             shifting: None,
             left: None,
             sent: Vec::new(),
@@ -75,6 +83,20 @@ impl Spi {
         (self.cfg[0] & 0x1f) + 1
     }
 
+    fn divided(&self, kernel: Time) -> Time {
+        kernel << ((self.cfg[0] >> 28 & 7) + 1)
+    }
+
+    /// Time a bit takes.
+    pub fn bit(&self) -> Option<Time> {
+        self.kernel.map(|kernel| self.divided(kernel))
+    }
+
+    /// SPI mode: CPOL, CPHA.
+    pub fn mode(&self) -> (bool, bool) {
+        (self.cfg[1] & CPOL != 0, self.cfg[1] & CPHA != 0)
+    }
+
     fn room(&self) -> usize {
         DEPTH / self.bits().div_ceil(8).next_power_of_two() as usize
     }
@@ -86,7 +108,7 @@ impl Spi {
         }
         let Some(word) = self.waiting.pop_front() else { return };
         let Some(kernel) = self.kernel else { return self.complain("it has no kernel clock") };
-        let bit = kernel << ((self.cfg[0] >> 28 & 7) + 1);
+        let bit = self.divided(kernel);
         self.latched &= !TXC;
         self.shifting = Some((word, at + bit * Time::from(self.bits())));
     }
@@ -97,6 +119,9 @@ impl Spi {
         if self.cr[0] & SPE != 0 && self.room() - self.waiting.len() >= threshold {
             flags |= TXP;
         }
+        if self.received >= threshold {
+            flags |= RXP;
+        }
         if self.shifting.is_none() && self.waiting.is_empty() {
             flags |= TXC;
         }
@@ -106,7 +131,7 @@ impl Spi {
     fn show(&self, out: &mut Vec<Signal>) {
         // AFCNTR keeps the lines also while the peripheral is off.
         let on = self.cfg[1] & MASTER != 0 && (self.cr[0] & SPE != 0 || self.cfg[1] & 1 << 31 != 0);
-        let idle = self.cfg[1] & 1 << 25 != 0;
+        let idle = self.cfg[1] & CPOL != 0;
         out.push(Signal::Output(Source::SpiClock(3), on.then_some(idle)));
         out.push(Signal::Output(Source::SpiData(3), on.then_some(false)));
     }
@@ -114,6 +139,9 @@ impl Spi {
 
 impl Device for Spi {
     fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
+        if offset == RXDR {
+            self.received = self.received.saturating_sub(1);
+        }
         Some(match offset {
             CR1 | CR2 => self.cr[offset as usize / 4],
             CFG1 | CFG2 => self.cfg[(offset - CFG1) as usize / 4],
@@ -124,7 +152,7 @@ impl Device for Spi {
     }
 
     fn write(&mut self, offset: u32, value: u32, mask: u32, at: Time, out: &mut Vec<Signal>) -> Option<()> {
-        let before = self.read(offset, at, &mut Vec::new())?;
+        let before = if offset == RXDR { 0 } else { self.read(offset, at, &mut Vec::new())? };
         let new = before & !mask | value & mask;
         let on = self.cr[0] & SPE != 0;
         match offset {
@@ -136,11 +164,10 @@ impl Device for Spi {
                         self.complain("it is switched off with words on their way");
                     }
                     (self.shifting, self.latched, self.cr[0]) = (None, 0, self.cr[0] & !CSTART);
+                    self.received = 0;
                     self.waiting.clear();
-                } else if !on
-                    && (self.cfg[1] & (MASTER | 3 << 17) != MASTER | SIMPLEX_SENDER || self.cfg[0] & 3 << 14 != 0)
-                {
-                    self.complain("it is set to what is not modelled: only a master that only sends is");
+                } else if !on && (self.cfg[1] & (MASTER | 2 << 17) != MASTER || self.cfg[0] & 3 << 14 != 0) {
+                    self.complain("it is set to what is not modelled: only a master that sends is");
                 }
                 if started {
                     self.left = Some(self.cr[1] & 0xffff).filter(|&size| size != 0);
@@ -180,6 +207,14 @@ impl Device for Spi {
         while let Some((word, end)) = self.shifting.filter(|&(_, end)| end <= to) {
             self.sent.push((end, word));
             self.shifting = None;
+            if self.cfg[1] & SIMPLEX_SENDER == 0 {
+                if self.received < self.room() {
+                    self.received += 1;
+                } else {
+                    self.latched |= OVR;
+                    self.complain("what it receives overruns");
+                }
+            }
             if let Some(left) = &mut self.left {
                 *left -= 1;
                 if *left == 0 {

@@ -2,7 +2,7 @@
 //!
 //! In: registers, bytes that the host sends. Out: bytes with the time at which their stop bit ends, the interrupt's line.
 //! The host's end runs at [`Usart::HOST_BAUD`]; a divider that does not fit it is a complaint, since every byte would be
-//! damaged. Parity, half duplex and DMA are not modelled: their bits are complaints too.
+//! damaged. DMA fetches what is received; parity, half duplex and sending by DMA are not modelled: their bits are complaints too.
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal, Source};
 use crate::time::{NEVER, Time};
@@ -27,7 +27,7 @@ const OVER8: u32 = 1 << 15;
 const FIFOEN: u32 = 1 << 29;
 /// M1, PCE, M0: no 8N1; half duplex and its kind in CR3; DMA.
 const CR1_OTHER: u32 = 1 << 28 | 1 << 12 | 1 << 10;
-const CR3_OTHER: u32 = 1 << 7 | 1 << 6 | 1 << 5 | 1 << 3 | 1 << 1 | 1 << 9 | 1 << 8;
+const CR3_OTHER: u32 = 1 << 7 | 1 << 5 | 1 << 3 | 1 << 1 | 1 << 9 | 1 << 8;
 
 const ORE: u32 = 1 << 3;
 const IDLE: u32 = 1 << 4;
@@ -39,6 +39,10 @@ const TXFE: u32 = 1 << 23;
 const RXFF: u32 = 1 << 24;
 const RXFT: u32 = 1 << 26;
 const TXFT: u32 = 1 << 27;
+
+const DMAR: u32 = 1 << 6;
+/// USART3_RX at DMAMUX 1 (RM0433 table 121).
+const RX_REQUEST: u8 = 45;
 
 /// Places of each FIFO.
 const DEPTH: usize = 16;
@@ -58,6 +62,8 @@ pub struct Usart {
     kernel: Time,
     received: VecDeque<u8>,
     sending: VecDeque<u8>,
+    /// DMA has been asked for the first byte received.
+    asked: bool,
     /// The byte in the shift register and when its stop bit ends.
     shifting: Option<(u8, Time)>,
     /// Bytes that the host has still to send, with the end of their stop bits.
@@ -93,6 +99,7 @@ impl Usart {
             kernel: 15,
             received: VecDeque::new(),
             sending: VecDeque::new(),
+            asked: false,
             shifting: None,
             arriving: VecDeque::new(),
             host_free: 0,
@@ -173,6 +180,17 @@ impl Usart {
         out.push(Signal::Line(self.interrupt, self.line()));
     }
 
+    /// One request a byte that waits: the next one once the one before is answered.
+    fn ask(&mut self, out: &mut Vec<Signal>) {
+        let asks = self.cr[2] & DMAR != 0 && !self.received.is_empty();
+        if asks && !self.asked {
+            out.push(Signal::Request(RX_REQUEST));
+        } else if self.asked && !asks {
+            out.push(Signal::Withdraw(RX_REQUEST));
+        }
+        self.asked = asks;
+    }
+
     /// Takes the next byte into the shift register, if there is one and it is free.
     fn shift(&mut self, at: Time) {
         if self.shifting.is_some() || !self.is_on(TE) {
@@ -228,6 +246,8 @@ impl Device for Usart {
             ISR => self.status(),
             RDR => {
                 let byte = self.received.pop_front().unwrap_or(0);
+                self.asked = false;
+                self.ask(out);
                 self.tell(out);
                 byte.into()
             }
@@ -277,6 +297,7 @@ impl Device for Usart {
             _ => return None,
         }
         self.shift(at);
+        self.ask(out);
         self.tell(out);
         Some(())
     }
@@ -308,6 +329,7 @@ impl Device for Usart {
             self.idle = NEVER;
             self.latched |= IDLE;
         }
+        self.ask(out);
         self.tell(out);
     }
 

@@ -227,6 +227,27 @@ fn a_panic_rests_the_outputs_and_its_reason_is_read_after_the_reset() {
     assert!(text.contains("some/file.rs:12:34") && text.contains("the reason"), "{text}");
 }
 
+#[test]
+fn a_stack_that_is_full_is_a_fault_and_writes_nothing_below() {
+    let Some(elf) = image() else { return };
+    let mut machine = booted(&elf);
+    machine.run(50 * MILLISECOND);
+    while machine.running() != 0 {
+        machine.run(1);
+    }
+    // The first KiB is nobody's; the thread's stack reaches down to it, and the next interrupt finds no room.
+    let end = h743::image::symbol(&elf, "_stack_end").unwrap();
+    let below: Vec<u8> = (0..end).map(|n| n as u8 ^ 0x5a).collect();
+    assert!(end == 0x400 && machine.chip.memory.load(0, &below));
+    machine.set_register(Register::Sp, end + 16);
+    assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
+    assert!(machine.chip.memory.bytes(0, end) == Some(below), "what lies below the stack was written");
+    machine.run(100 * MILLISECOND);
+    let (fault, text) = last_fault(machine);
+    assert_eq!(fault, 2);
+    assert!(text.contains("stack overflow"), "{text}");
+}
+
 fn link_pin() -> Pin {
     Pin::named("PD8").unwrap()
 }

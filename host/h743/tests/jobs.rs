@@ -2,8 +2,8 @@
 //! lasers and outputs that the tick planned is that of the virtual controller, and so is every edge at the pins, as timers and
 //! DMA make it; where BEAMTICK_H743_IMAGE names the image. Light, steps and outputs of one job lie to each other as planned.
 //!
-//! The trace goes over the same wire as the calls, which does not carry a row every tick: both controllers write a row every so
-//! many ticks, and the steps at the pins are compared with a trace of its own of the virtual controller. What a job prints is not compared: a read outside of a program falls on another tick.
+//! The trace goes over the same wire as the calls, which carries a row every tick of 250 µs, but not of 50: there both controllers write a
+//! row every so many ticks, and the steps at the pins are compared with a trace of its own of the virtual controller. What a job prints is not compared: a read outside of a program falls on another tick.
 mod signals;
 
 use h743::link::{EmulatedLink, Shared, lock};
@@ -11,10 +11,6 @@ use h743::{MICROSECOND, MILLISECOND, Machine, Pin};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
-
-/// The tick's ring of this board holds 64 entries of a program: those of a LoadConfig of eight axes. What stands behind it at the
-/// same instant would act a tick later than in the virtual controller.
-const CONFIG: &str = "\"test.cfg\");";
 
 /// The trapezoid of the listing of PT takes 3 s, which cost a minute of emulation: an eighth of it, with the same speeds.
 const EIGHTH: [(&str, &str); 3] = [("1024;", "128;"), ("2048;", "256;"), ("Sleep(1536);", "Sleep(192);")];
@@ -32,7 +28,7 @@ const SHORT: [(&str, &str); 7] = [
     ("rtn = GT_BufLaserOff(1, 0, 0);", "rtn = GT_BufLaserOff(1, 0, 0); rtn = GT_BufIO(1, 12, 4, 0, 0);"),
 ];
 
-/// The example with a Sleep behind its LoadConfig, in a folder.
+/// The example in a folder.
 fn prepared(name: &str, folder: &Path) -> PathBuf {
     let mut text = std::fs::read_to_string(example(name)).unwrap();
     let shorter = match name {
@@ -45,7 +41,7 @@ fn prepared(name: &str, folder: &Path) -> PathBuf {
         text = text.replace(all, part);
     }
     let path = folder.join(name).with_extension("gts");
-    std::fs::write(&path, text.replacen(CONFIG, &format!("{CONFIG} Sleep(1);"), 1)).unwrap();
+    std::fs::write(&path, text).unwrap();
     std::fs::copy(example(name).with_file_name("test.cfg"), folder.join("test.cfg")).unwrap();
     path
 }
@@ -103,7 +99,7 @@ impl Paint {
 }
 
 /// Runs a job both ways.
-fn compare(elf: &[u8], (name, tick_us, every): Case) {
+fn compare(elf: &[u8], (name, tick_us, every): Case, external: bool) {
     let began = Instant::now();
     let folder = tempfile::tempdir().unwrap();
     let job = prepared(name, folder.path()).display().to_string();
@@ -133,8 +129,7 @@ fn compare(elf: &[u8], (name, tick_us, every): Case) {
     let machine = lock(&machine);
     let chip = &machine.chip;
     assert_eq!(chip.bus.complaints, Vec::<String>::new(), "{name}");
-    // Of the link's bytes some may be lost behind a long tick (docs/board-h743.md); of DMA's requests none.
-    assert_eq!(chip.bus.dma.lost, 0, "{name}");
+    assert_eq!((chip.bus.usart.lost, chip.bus.dma.lost), (0, 0), "{name}: bytes of the link, requests of DMA");
     let [csv, vcd] = [0, 1].map(|n| {
         let [one, other] = [&simulated[n], &emulated[n]].map(|path| std::fs::read_to_string(path).unwrap());
         assert!(one.lines().count() > 5, "{name} leaves no trace");
@@ -157,13 +152,14 @@ fn compare(elf: &[u8], (name, tick_us, every): Case) {
         assert!(outputs > 0, "{name} switches no output");
         println!("light lies {apart} units off the steps, {outputs} edges of outputs in their ticks");
     }
+    let voltages = signals::compare_voltages(&vcd, tick, external, chip).unwrap_or_else(|error| failed(error));
+    assert_eq!(voltages > 0, name.contains("analog"), "{name}");
     let left = paint.left(&machine);
     assert!(left >= 512, "{name}: {left} bytes of the stack are left");
     println!(
-        "{name} at {tick_us} µs: {} lines, {edges} edges of lasers and {steps} steps at the pins, {left} bytes of stack left; {} bytes of the link lost; {} ms of the chip, {} \
+        "{name} at {tick_us} µs: {} lines, {edges} edges of lasers, {voltages} voltages and {steps} steps at the pins, {left} bytes of stack left; {} ms of the chip, {} \
          million instructions in {:.1} s",
         csv.lines().count(),
-        chip.bus.usart.lost,
         chip.now / MILLISECOND,
         chip.instructions / 1_000_000,
         began.elapsed().as_secs_f64()
@@ -171,17 +167,29 @@ fn compare(elf: &[u8], (name, tick_us, every): Case) {
 }
 
 fn compare_all(cases: &[Case]) {
-    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
-        println!("skipped: BEAMTICK_H743_IMAGE names no image");
+    compare_with("BEAMTICK_H743_IMAGE", cases);
+}
+
+fn compare_with(variable: &str, cases: &[Case]) {
+    let Some(path) = std::env::var_os(variable) else {
+        println!("skipped: {variable} names no image");
         return;
     };
     let elf = std::fs::read(path).unwrap();
-    cases.iter().for_each(|case| compare(&elf, *case));
+    cases.iter().for_each(|case| compare(&elf, *case, variable == EXTERNAL));
+}
+
+/// The image with the feature `external_dac`.
+const EXTERNAL: &str = "BEAMTICK_H743_DAC_IMAGE";
+
+#[test]
+fn an_external_dac_shows_the_voltages_of_the_virtual_controller() {
+    compare_with(EXTERNAL, &[("laser_analog", "50", "5")]);
 }
 
 #[test]
 fn a_listing_of_pt_moves_as_in_the_virtual_controller() {
-    compare_all(&[("pt_static", "250", "4")]);
+    compare_all(&[("pt_static", "250", "1")]);
 }
 
 #[test]

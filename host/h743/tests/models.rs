@@ -1,4 +1,5 @@
 //! Each model by itself: sequences of register writes, with what RM0433 says must come of them, worked out by hand.
+use h743::adc::Adc;
 use h743::device::{Device, Signal, Source};
 use h743::gpio::{Gpio, Level, Pin};
 use h743::timer::{KINDS, Timer};
@@ -474,6 +475,68 @@ fn a_wrong_baud_rate_is_told() {
     usart.write(0x0c, 60, u32::MAX, 0, &mut out).unwrap();
     usart.write(0x28, 1, u32::MAX, 0, &mut out).unwrap();
     assert_eq!(usart.complaint.as_deref(), Some("the USART runs at 2000000 baud, the host at 3000000"));
+}
+
+/// Receiving with DMA: a request a byte, withdrawn when somebody else takes it.
+#[test]
+fn a_usart_asks_dma_for_each_byte_that_waits() {
+    let (rdr, request) = (0x24, Signal::Request(45));
+    let mut usart = usart(1 << 29 | 1 << 2, 1 << 6);
+    usart.host_sends(&[1, 2], 0);
+    let mut out = Vec::new();
+    usart.advance(2 * 10 * 320, &mut out);
+    assert_eq!(out.iter().filter(|signal| **signal == request).count(), 1, "{out:?}");
+    for (byte, asks) in [(1, 1), (2, 0)] {
+        out.clear();
+        assert_eq!(usart.read(rdr, 2 * 10 * 320, &mut out), Some(byte));
+        assert_eq!(out.iter().filter(|signal| **signal == request).count(), asks, "{out:?}");
+    }
+}
+
+#[test]
+fn an_adc_shows_what_was_there_at_the_end_of_sampling_and_wants_its_calibration() {
+    const CYCLE: Time = 60;
+    let [cr, cfgr, smpr, pcsel, sqr, dr, jsqr, jdr, ccr] = [0x08, 0x0c, 0x14, 0x1c, 0x30, 0x40, 0x4c, 0x80, 0x308];
+    let mut clocks = h743::clocks::Clocks::RESET;
+    // 64 MHz, by 2 and by 2: 16 MHz.
+    clocks.adc = Some(15);
+    let (regulator, calibration) = (10 * MICROSECOND, (165_010 + 1_280) * CYCLE);
+    for calibrates in [true, false] {
+        let mut adc = Adc::default();
+        adc.clocks(&clocks, 0);
+        let mut set = |adc: &mut Adc, offset: u32, value: u32, at: Time| {
+            assert_eq!(adc.write(offset, value, u32::MAX, at, &mut Vec::new()), Some(()), "{offset:#x}");
+        };
+        let get = |adc: &mut Adc, offset: u32, at: Time| adc.read(offset, at, &mut Vec::new()).unwrap();
+        set(&mut adc, ccr, 1 << 18, 0);
+        set(&mut adc, cr, 1 << 28 | 2 << 8, 0);
+        let mut now = regulator;
+        if calibrates {
+            set(&mut adc, cr, 1 << 31 | 1 << 28 | 1 << 16 | 2 << 8, now);
+            assert_eq!(get(&mut adc, cr, now + calibration - 1) >> 31, 1);
+            now += calibration;
+            assert_eq!(get(&mut adc, cr, now) >> 31, 0);
+        }
+        for (offset, value) in
+            [(cfgr, 1 << 31 | 1 << 25 | 1 << 13 | 1 << 12), (smpr, 0o55), (pcsel, 3), (sqr, 1 << 6), (jsqr, 0)]
+        {
+            set(&mut adc, offset, value, now);
+        }
+        set(&mut adc, cr, 1 << 28 | 2 << 8 | 1, now);
+        now += 10 * MICROSECOND;
+        assert_eq!(get(&mut adc, 0, now) & 1, 1);
+        set(&mut adc, cr, 1 << 28 | 2 << 8 | 1 << 2, now);
+        assert_eq!(adc.complaint.is_none(), calibrates, "{:?}", adc.complaint);
+        // Sampling ends 64.5 cycles behind the start, the conversion 8.5 later; the other channel's takes as long.
+        let (sampled, whole) = (now + CYCLE * 129 / 2, now + CYCLE * 73);
+        adc.apply(1, 1.0, 0);
+        adc.apply(1, 2.0, sampled + 1);
+        assert_eq!(get(&mut adc, dr, whole - 1), 0);
+        assert_eq!(get(&mut adc, dr, whole), 19_859);
+        assert_eq!(get(&mut adc, dr, whole + 2 * CYCLE * 73 - 1), 19_859);
+        assert_eq!(get(&mut adc, dr, whole + 2 * CYCLE * 73), 39_718);
+        assert_eq!(get(&mut adc, jdr, whole + 2 * CYCLE * 73), 0);
+    }
 }
 
 #[test]

@@ -1,8 +1,9 @@
-//! Edges at the chip's pins against those that the virtual controller has written into a VCD.
+//! Edges and voltages at the chip's pins against those that the virtual controller has written into a VCD.
 //!
 //! The virtual controller's instants are ns from the first row; the chip's are counts of its timers from power-on. Where the
 //! one begins in the other is not known, so the first edge of all says it; every other one must then fall on its count. Lasers and steps say
 //! it each for themselves, and must say the same.
+use h743::dac8563;
 use h743::machine::Chip;
 use h743::{Level, MICROSECOND, Pin, Time};
 use std::collections::HashMap;
@@ -47,6 +48,82 @@ fn wires(vcd: &str) -> Wires {
         of.retain(|&(_, to)| std::mem::replace(&mut level, to) != to);
     }
     edges
+}
+
+/// Voltages of a channel's analog output in the VCD: instants in ns and mV, without those that change nothing. The first is what
+/// holds at the start.
+fn voltages(vcd: &str, channel: usize) -> Vec<(u64, f64)> {
+    let wanted = format!("laser{channel}_dac_mv");
+    let (mut id, mut now, mut found) = (None, 0, Vec::<(u64, f64)>::new());
+    for line in vcd.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            ["$var", "real", _, of, name, ..] if name == wanted => id = Some(of),
+            [value, of] if Some(of) == id && value.starts_with('r') => {
+                let volts = value[1..].parse().unwrap();
+                if found.last().is_none_or(|(_, before)| *before != volts) {
+                    found.push((now, volts));
+                }
+            }
+            _ => now = line.strip_prefix('#').map_or(now, |time| time.parse().unwrap()),
+        }
+    }
+    found
+}
+
+/// What an analog output shows in mV behind its stage: its changes since it was switched on, the first of them the voltage it had then.
+fn shown(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f64)>, String> {
+    let millivolts = |value: u16, least: i32| (i32::from(value) * least - 32768) as f64 * 10_000.0 / 32768.0;
+    let mut shown: Vec<(Time, f64)> = if external {
+        let of = |(at, _, code): (Time, usize, u16)| (at, millivolts(code, 1));
+        let told = dac8563::told(chip, Pin::named("PC11").unwrap())?;
+        let told = told.into_iter().filter(|told| told.1 == channel).map(of);
+        std::iter::once((0, millivolts(dac8563::MID_SCALE, 1))).chain(told).collect()
+    } else {
+        let of = |&(at, of, value): &h743::dac::Change| (of == channel).then_some((at, millivolts(value?, 16)));
+        chip.bus.dac.changes.iter().filter_map(of).collect()
+    };
+    shown.dedup_by(|later, before| later.1 == before.1);
+    Ok(shown)
+}
+
+/// The voltages of both channels against the plan, to a code of the converter and a tick; `external` is the DAC8563. Returns how many changes were
+/// compared. Where the plan begins is told by the first edge of all lasers, as in [`compare`].
+pub fn compare_voltages(vcd: &str, tick_us: u64, external: bool, chip: &Chip) -> Result<usize, String> {
+    // A code of 12 bits is 4.88 mV, one of 16 bits 0.31 mV; the VCD has its own rounding.
+    let code = if external { 0.32 } else { 4.9 };
+    let wires = wires(vcd);
+    let first = LINES.iter().filter_map(|(wire, ..)| Some(wires.get(*wire)?.first()?.0)).min();
+    let first_seen = LINES.iter().filter_map(|(_, plus, _)| Some(pin(chip, plus, false).first()?.0)).min();
+    let mut compared = 0;
+    for channel in 0..2 {
+        let (planned, shown) = (voltages(vcd, channel), shown(chip, channel, external)?);
+        if shown.first().is_none_or(|(_, volts)| *volts != 0.0) {
+            return Err(format!("output {channel} does not begin at 0 V: {:?}", shown.first()));
+        }
+        let changes = planned.iter().skip(1).zip(shown.iter().skip(1));
+        for (&(ns, wanted), &(at, volts)) in changes {
+            let (Some(first), Some(first_seen)) = (first, first_seen) else {
+                return Err("voltages without an edge that says when".into());
+            };
+            let off = at as i64 - first_seen as i64 - (ns as i64 - first as i64) * 960 / 1000;
+            // Within a tick, and what the tick itself takes to say it.
+            if (volts - wanted).abs() > code || off.unsigned_abs() > (tick_us + 5) * h743::MICROSECOND {
+                return Err(format!(
+                    "output {channel}: {wanted} mV are planned at {ns} ns, it shows {volts} mV {off} units off"
+                ));
+            }
+            compared += 1;
+        }
+        if planned.len().max(1) != shown.len() {
+            return Err(format!(
+                "output {channel} shall change {} times and does {}: {planned:?}, {shown:?}",
+                planned.len().max(1) - 1,
+                shown.len() - 1
+            ));
+        }
+    }
+    Ok(compared)
 }
 
 /// What a pin did while it was driven; an active level is true.

@@ -1,0 +1,68 @@
+//! A DAC8563 behind SPI3 (data sheet SLAS719E): what its outputs show, from what the chip has sent.
+//!
+//! In: words of the SPI, the pin of the select line (SYNC, active low). Out: codes with the instants of the last falling edge of the clock of
+//! their frames. Power-on leaves both outputs at mid-scale (8.3.3.2), about a reference from outside: its own is off until it is told.
+//! LDAC and CLR are taken as tied (LDAC low, CLR high). Fails: with the first frame that is no write of one output (8.5.2).
+use crate::gpio::{Level, Pin};
+use crate::machine::Chip;
+use crate::time::Time;
+
+/// Of both outputs from power-on.
+pub const MID_SCALE: u16 = 0x8000;
+
+/// 50 MHz, in units of time.
+const SHORTEST_BIT: Time = 20;
+
+/// Write to a DAC's input register and update that DAC (table 17).
+const WRITE: u32 = 0b011;
+
+/// An output was told a code: when, which (from 0), the code.
+pub type Told = (Time, usize, u16);
+
+/// What the part on this select line was told since power-on.
+pub fn told(chip: &Chip, select: Pin) -> Result<Vec<Told>, String> {
+    let spi = &chip.bus.spi;
+    if spi.sent.is_empty() {
+        return Ok(Vec::new());
+    }
+    // Data is taken with the falling edge.
+    if spi.mode() != (false, true) || spi.bit().is_none_or(|bit| bit < SHORTEST_BIT) {
+        return Err(format!("mode {:?} with bits of {:?} units", spi.mode(), spi.bit()));
+    }
+    let mut frames: Vec<(Time, Time)> = Vec::new();
+    let mut from = None;
+    for change in chip.bus.gpio.changes.iter().filter(|change| change.pin == select) {
+        match (change.level, from) {
+            (Level::Driven(false), None) => from = Some(change.at),
+            (Level::Driven(true), Some(begin)) => {
+                frames.push((begin, change.at));
+                from = None;
+            }
+            (Level::Driven(true), None) => {}
+            (level, _) => return Err(format!("the select line is {level:?}")),
+        }
+    }
+    let mut words = spi.sent.iter().peekable();
+    let mut told = Vec::new();
+    for (begin, end) in frames {
+        let mut frame = Vec::new();
+        while let Some((at, byte)) = words.next_if(|(at, _)| *at <= end) {
+            if *at <= begin {
+                return Err(format!("a byte at {at} that is in no frame"));
+            }
+            frame.push((*at, *byte));
+        }
+        let [(_, head), (_, high), (at, low)] = frame[..] else {
+            return Err(format!("a frame of {} bytes at {begin}", frame.len()));
+        };
+        let (command, address) = (head >> 3, head & 7);
+        if command != WRITE || address > 1 {
+            return Err(format!("command {command:#05b} to {address} at {begin}"));
+        }
+        told.push((at, address as usize, (high << 8 | low) as u16));
+    }
+    match words.next() {
+        Some((at, _)) => Err(format!("a byte at {at} that is in no frame")),
+        None => Ok(told),
+    }
+}

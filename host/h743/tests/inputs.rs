@@ -1,0 +1,142 @@
+//! Analog inputs and encoders of the image in emulation, where BEAMTICK_H743_IMAGE names it: voltages and edges at the pins are what
+//! the calls read.
+use client::{Client, Options};
+use h743::link::{EmulatedLink, Shared, lock};
+use h743::{MICROSECOND, MILLISECOND, Machine, Pin};
+use protocol::command::{
+    AxisOn, ClrSts, GetAdc, GetCaptureStatus, GetEncPos, GetEncVel, GetSts, LmtsOff, SetCaptureMode, SetPosErr,
+};
+use std::sync::{Arc, Mutex};
+
+/// The board, linked. `None` without an image.
+fn linked() -> Option<(Client, Shared)> {
+    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
+        println!("skipped: BEAMTICK_H743_IMAGE names no image");
+        return None;
+    };
+    let mut machine = Machine::new().unwrap();
+    machine.boot(&std::fs::read(path).unwrap()).unwrap();
+    machine.run(20 * MILLISECOND);
+    let machine: Shared = Arc::new(Mutex::new(machine));
+    let client = Client::open(Box::new(EmulatedLink::new(machine.clone())), Options::default()).unwrap();
+    Some((client, machine))
+}
+
+fn apply(machine: &Shared, input: usize, volts: f64) {
+    let mut machine = lock(machine);
+    let now = machine.chip.now;
+    machine.chip.bus.adc.apply(input, volts, now);
+    // The round in progress, a whole one, and the tick that reads it.
+    machine.run(100 * MICROSECOND);
+}
+
+/// Inputs of ADC3: A2 is PC3_C, A4 is PC2_C (UM2407).
+const A2: usize = 1;
+const A4: usize = 0;
+
+/// A step of the converter at the terminal.
+const STEP: f64 = 25.0 / 65536.0;
+
+#[test]
+fn voltages_at_the_pins_are_read_at_the_terminals_scale() {
+    let Some((client, machine)) = linked() else { return };
+    let volts = || -> Vec<f64> {
+        let (_, items) = client.call_items(GetAdc { core: 1.into(), adc: 1.into(), count: 2.into() }, &[]).unwrap();
+        items.iter().map(|item| item.value.get()).collect()
+    };
+    // Two resistors to the supply and to ground, one from the terminal: 0 to 3.3 V stand for −12.5 to 12.5 V.
+    for (first, second) in [(0.0, 3.3), (1.65, 0.33), (3.3, 1.65), (1.0, 2.97)] {
+        apply(&machine, A2, first);
+        apply(&machine, A4, second);
+        let read = volts();
+        assert_eq!(read.len(), 2);
+        for (read, pin) in read.iter().zip([first, second]) {
+            let ideal = (pin - 1.65) * 12.5 / 1.65;
+            assert!((read - ideal).abs() <= STEP, "{pin} V at the pin: {read} V instead of {ideal}");
+        }
+    }
+    // What follows the last input is refused.
+    assert!(client.call_items(GetAdc { core: 1.into(), adc: 3.into(), count: 1.into() }, &[]).is_err());
+    assert!(client.call_items(GetAdc { core: 1.into(), adc: 2.into(), count: 2.into() }, &[]).is_err());
+    assert_eq!(lock(&machine).chip.bus.complaints, Vec::<String>::new());
+}
+
+/// An encoder at its two lines, both high at first.
+struct Encoder {
+    lines: [Pin; 2],
+    place: i64,
+}
+
+impl Encoder {
+    fn at(machine: &Shared, lines: [&str; 2]) -> Encoder {
+        let lines = lines.map(|name| Pin::named(name).unwrap());
+        lines.iter().for_each(|pin| lock(machine).drive(*pin, Some(true)));
+        Encoder { lines, place: 0 }
+    }
+
+    /// Turns by so many counts, one in half a µs.
+    fn turn(&mut self, machine: &Shared, counts: i64) {
+        let mut machine = lock(machine);
+        for _ in 0..counts.abs() {
+            self.place += counts.signum();
+            // A leads B forwards (RM0433 table 337).
+            let levels = [(true, true), (false, true), (false, false), (true, false)];
+            let (a, b) = levels[self.place.rem_euclid(4) as usize];
+            let [one, two] = self.lines;
+            machine.drive(one, Some(a));
+            machine.drive(two, Some(b));
+            machine.run(MICROSECOND / 2);
+        }
+        machine.run(200 * MICROSECOND);
+    }
+}
+
+const FOLLOWING_ERROR: i32 = 1 << 4;
+
+#[test]
+fn edges_of_encoders_are_counted_watched_and_captured() {
+    let Some((client, machine)) = linked() else { return };
+    let core = 1.into();
+    let places = || {
+        let read = GetEncPos { core, encoder: 1.into(), count: 3.into() };
+        client.call_items(read, &[]).unwrap().1.iter().map(|item| item.value.get()).collect::<Vec<f64>>()
+    };
+    let status = || client.call_items(GetSts { core, axis: 1.into(), count: 1.into() }, &[]).unwrap().1[0].value.get();
+    let mut one = Encoder::at(&machine, ["PB4", "PB5"]);
+    let mut two = Encoder::at(&machine, ["PD12", "PD13"]);
+    // More than the timer's 16 bits would take some hundred ms of edges: the turn of its counter is passed downwards instead.
+    two.turn(&machine, -301);
+    one.turn(&machine, 1003);
+    assert_eq!(places(), [1003.0, -301.0, 0.0]);
+    two.turn(&machine, 300);
+    assert_eq!(places(), [1003.0, -1.0, 0.0]);
+
+    // Home of axis 1 captures the count of its tick.
+    let home = Pin::named("PD0").unwrap();
+    let captured = || {
+        let (_, items) = client.call_items(GetCaptureStatus { core, encoder: 1.into(), count: 1.into() }, &[]).unwrap();
+        (items[0].status.get(), items[0].value.get())
+    };
+    client.call(SetCaptureMode { core, encoder: 1.into(), mode: 1.into() }).unwrap();
+    one.turn(&machine, -3);
+    assert_eq!(captured(), (0, 0));
+    lock(&machine).drive(home, Some(true));
+    lock(&machine).run(100 * MICROSECOND);
+    one.turn(&machine, -500);
+    assert_eq!(captured(), (1, 1000));
+    assert_eq!(places()[0], 500.0);
+
+    // Beyond the limit of the following error, which is 500 from a planned 0.
+    client.call(LmtsOff { core, axis: 1.into(), limit_type: (-1).into() }).unwrap();
+    client.call(SetPosErr { core, control: 1.into(), error: 501.into() }).unwrap();
+    client.call(AxisOn { core, axis: 1.into() }).unwrap();
+    client.call(ClrSts { core, axis: 1.into(), count: 1.into() }).unwrap();
+    one.turn(&machine, 1);
+    assert_eq!(status() & FOLLOWING_ERROR, 0);
+    one.turn(&machine, 1);
+    assert_eq!(status() & FOLLOWING_ERROR, FOLLOWING_ERROR);
+    // It is told as the edges go on: 100 counts in 100 µs.
+    let velocity = GetEncVel { core, encoder: 1.into(), count: 1.into() };
+    assert_eq!(client.call_items(velocity, &[]).unwrap().1[0].value.get(), 0.0);
+    assert_eq!(lock(&machine).chip.bus.complaints, Vec::<String>::new());
+}
