@@ -13,12 +13,25 @@ use std::path::{Path, PathBuf};
 
 /// What probe-rs calls the chip.
 const CHIP: &str = "STM32H743ZITx";
-const BIN: &str = "beamtick-h743";
+/// The image's program.
+pub const BIN: &str = "beamtick-h743";
 /// The board's map of memories.
 const MEMORY: &str = "hal/src/stm32h743/memory.x";
 
 /// How cargo is told of the board.
 pub const FEATURES: [&str; 3] = ["--no-default-features", "--features", "stm32h743"];
+
+/// Builds the image for an external DAC and tells where it is: not where the other one comes.
+pub fn build_for_dac() -> Outcome<PathBuf> {
+    let compiler = compiler()?;
+    let mut cargo = compiler.cargo();
+    cargo.args(["build", "--package", "beamtick-firmware", "--bin", BIN, "--profile", "image"]);
+    run(cargo.args(["--no-default-features", "--features", "stm32h743,external_dac"]).args(compiler.arguments()))?;
+    let folder = target().join(crate::setup::TARGET).join("image");
+    let copy = folder.join("beamtick-h743-external-dac");
+    fs::copy(folder.join(BIN), &copy).map_err(|e| format!("{}: {e}", copy.display()))?;
+    Ok(copy)
+}
 
 /// Builds the image and tells where it is.
 pub fn build() -> Outcome<PathBuf> {

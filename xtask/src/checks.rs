@@ -106,12 +106,14 @@ fn clippy_chip() -> Outcome {
 fn h743() -> (Count, Outcome) {
     let lint = ["clippy", "--package", EMULATION, "--all-targets", "--", "-D", "warnings"];
     let ready = setup::unicorn().and_then(|()| shell::run(cargo().args(lint)));
-    let programs = ready.and_then(|()| Ok((image::build_bin("beamtick-probes-h743", "h743-core")?, board::build()?)));
-    match programs {
-        Ok((probe, image)) => {
+    let built =
+        || Ok((image::build_bin("beamtick-probes-h743", "h743-core")?, board::build_for_dac()?, board::build()?));
+    match ready.and_then(|()| built()) {
+        Ok((probe, for_dac, image)) => {
             let mut command = cargo();
             command.args(["test", "--package", EMULATION]);
-            tests(command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_IMAGE", image))
+            command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_DAC_IMAGE", for_dac);
+            tests(command.env("BEAMTICK_H743_IMAGE", image))
         }
         Err(reason) => alone(Err(reason)),
     }

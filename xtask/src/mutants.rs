@@ -3,9 +3,11 @@
 //! In: the list of [`LIST`]. Out: a table of what became of each and which tests saw it, also in `target/mutants/report.md`;
 //! an error if one survives, does not compile, or if its text is not in its file exactly once. Each is put into a copy of
 //! the tree under `target/mutants`, so that the checkout stays as it is. The tests must pass in that copy before anything
-//! is broken, or their failures would say nothing. A mutant of `firmware/` or `hal/` is seen by tests in QEMU, of its image.
+//! is broken, or their failures would say nothing. A mutant of `firmware/` or `hal/` is seen by tests in QEMU, of its image, or by
+//! those of the reference board's image in emulation.
 mod list;
 
+use crate::board;
 use crate::setup::{TARGET, compiler};
 use crate::shell::{self, Outcome, cargo, read, root, target};
 use list::{LIST, Mutant};
@@ -138,9 +140,10 @@ fn copy() -> Outcome<PathBuf> {
 fn fate(tree: &Path, mutant: &Mutant, patience: Duration) -> Outcome<(Fate, Duration)> {
     let test = mutant.test;
     let (packages, names) = test.split_at(test.iter().position(|word| *word == "--").unwrap_or(test.len()));
-    let image = folder().join(TARGET).join("image").join("beamtick-mps2");
-    let in_image = ["firmware/", "hal/"].iter().any(|of| mutant.file.starts_with(of));
-    if in_image && !shell::works(&mut image_command(tree)?) {
+    let image = image_of(mutant);
+    if let Some((bin, features, _)) = image
+        && !shell::works(&mut image_command(tree, bin, features)?)
+    {
         return Ok((Fate::Broken, Duration::ZERO));
     }
     let mut build = command(tree);
@@ -159,8 +162,8 @@ fn fate(tree: &Path, mutant: &Mutant, patience: Duration) -> Outcome<(Fate, Dura
         .stdin(Stdio::null())
         .stdout(out)
         .stderr(Stdio::null());
-    if in_image {
-        run.env("BEAMTICK_IMAGE", image);
+    if let Some((bin, _, variable)) = image {
+        run.env(variable, folder().join(TARGET).join("image").join(bin));
     }
     let mut child = run.spawn().map_err(|e| format!("`{}`: {e}", shell::line(&run)))?;
     let began = Instant::now();
@@ -202,12 +205,26 @@ fn command(tree: &Path) -> Command {
     command
 }
 
-/// What builds the image of the emulated board in the copy.
-fn image_command(tree: &Path) -> Outcome<Command> {
+/// The image in which a mutant is seen, if it is seen in one: its program, the features that it is built with, and the variable by
+/// which the tests are told of it.
+fn image_of(mutant: &Mutant) -> Option<(&'static str, &'static [&'static str], &'static str)> {
+    if mutant.test.contains(&"beamtick-h743") {
+        Some((board::BIN, &board::FEATURES, "BEAMTICK_H743_IMAGE"))
+    } else {
+        ["firmware/", "hal/"].iter().any(|of| mutant.file.starts_with(of)).then_some((
+            "beamtick-mps2",
+            &[],
+            "BEAMTICK_IMAGE",
+        ))
+    }
+}
+
+/// What builds an image in the copy.
+fn image_command(tree: &Path, bin: &str, features: &[&str]) -> Outcome<Command> {
     let compiler = compiler()?;
     let mut command = compiler.cargo();
     command.current_dir(tree).env("CARGO_TARGET_DIR", folder());
-    command.args(["build", "--package", "beamtick-firmware", "--bin", "beamtick-mps2", "--profile", "image"]);
+    command.args(["build", "--package", "beamtick-firmware", "--bin", bin, "--profile", "image"]).args(features);
     command.args(compiler.arguments());
     Ok(command)
 }

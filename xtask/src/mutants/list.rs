@@ -11,7 +11,8 @@ pub struct Mutant {
     /// What stands there instead.
     pub broken: &'static str,
     /// Arguments of the `cargo test` that must fail, one program; names of tests behind `--`. Of a mutant in `firmware/` or `hal/`
-    /// the image is built too, and BEAMTICK_IMAGE names it.
+    /// the image is built too, and BEAMTICK_IMAGE names it; for tests of `beamtick-h743` the reference board's, and
+    /// BEAMTICK_H743_IMAGE does.
     pub test: &'static [&'static str],
 }
 
@@ -42,6 +43,15 @@ const LASER_CLEAR: &[&str] =
 const FOLLOW: &[&str] = &["-p", "beamtick-dispatcher", "--test", "follow", "--", "data_of_follow_ex"];
 const FAULTS: &[&str] =
     &["-p", "beamtick-host-tests", "--test", "emulated_faults", "--", "every_fault_of_the_program_ends_dark"];
+
+const H743_FIRST_TICK: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "the_first_tick"];
+const H743_STUCK: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "a_link_task_that_stands_still"];
+const H743_PANIC: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "a_panic_rests"];
+const H743_STACK: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "a_stack_that_is_full"];
+const H743_VOLTAGES: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "voltages"];
+const H743_ENCODERS: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "edges_of_encoders"];
+const H743_PT: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "a_listing_of_pt"];
+const H743_LASERS: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "listings_of_lasers"];
 
 const SAFETY: &str = "servo/src/laser/safety.rs";
 const EDGES: &str = "servo/src/laser/gate.rs";
@@ -390,5 +400,63 @@ pub const LIST: &[Mutant] = &[
         "if place.iter().any(|at| at.is_nan())",
         "if place.iter().all(|_| false)",
         CRD_AHEAD,
+    ),
+    // -- the reference board's image, in emulation ---------------------------------------------
+    mutant(
+        "H743: the tick's timer runs before its interrupt is let in",
+        "hal/src/stm32h743/mod.rs",
+        "    for interrupt in [Interrupt::TIM2, Interrupt::USART3] {\n        // SAFETY: the caller's promise.",
+        "    timer::start();\n    cortex_m::asm::delay(30_000);\n    for interrupt in [Interrupt::TIM2, Interrupt::USART3] {\n        \
+         // SAFETY: the caller's promise.",
+        H743_FIRST_TICK,
+    ),
+    mutant(
+        "H743: the watchdog is fed although the link task stands still",
+        "firmware/src/watch.rs",
+        "    if !is_late(now) {",
+        "    if !is_late(now) || TICKED.load(Relaxed) == now {",
+        H743_STUCK,
+    ),
+    mutant(
+        "H743: a panic leaves the outputs as they are",
+        "firmware/src/fault.rs",
+        "    board::rest();\n    let mut report",
+        "    let mut report",
+        H743_PANIC,
+    ),
+    mutant(
+        "H743: nothing guards the end of the stack",
+        "hal/src/stm32h743/mod.rs",
+        "    guard::null(&mut core.MPU);",
+        "",
+        H743_STACK,
+    ),
+    mutant(
+        "H743: analog inputs change places",
+        "hal/src/stm32h743/adc.rs",
+        "const CHANNELS: [usize; INPUTS] = [1, 0];",
+        "const CHANNELS: [usize; INPUTS] = [0, 1];",
+        H743_VOLTAGES,
+    ),
+    mutant(
+        "H743: encoders count backwards",
+        "hal/src/stm32h743/encoders.rs",
+        "*count = count.wrapping_add(way.into());",
+        "*count = count.wrapping_sub(way.into());",
+        H743_ENCODERS,
+    ),
+    mutant(
+        "H743: voltages are half of what they shall be",
+        "hal/src/stm32h743/analog.rs",
+        "w.set_dhr((code as u16 ^ 0x8000) >> 4)",
+        "w.set_dhr(((code >> 1) as u16 ^ 0x8000) >> 4)",
+        H743_LASERS,
+    ),
+    mutant(
+        "H743: the tick needs 8000 bytes more of the stack",
+        "firmware/src/interrupts.rs",
+        "    watch::tick_begins();",
+        "    watch::tick_begins();\n    core::hint::black_box([0u8; 8000]);",
+        H743_PT,
     ),
 ];
