@@ -504,7 +504,7 @@ fn an_adc_shows_what_was_there_at_the_end_of_sampling_and_wants_its_calibration(
     for calibrates in [true, false] {
         let mut adc = Adc::default();
         adc.clocks(&clocks, 0);
-        let mut set = |adc: &mut Adc, offset: u32, value: u32, at: Time| {
+        let set = |adc: &mut Adc, offset: u32, value: u32, at: Time| {
             assert_eq!(adc.write(offset, value, u32::MAX, at, &mut Vec::new()), Some(()), "{offset:#x}");
         };
         let get = |adc: &mut Adc, offset: u32, at: Time| adc.read(offset, at, &mut Vec::new()).unwrap();
