@@ -137,6 +137,31 @@ fn refused_calls_show_line_code_and_reason() {
     assert!(code == 1 && errors.contains("bad.gts:34:1") && errors.contains("FIFO is full"), "{errors}");
 }
 
+/// A virtual controller with the step limit of a board refuses what that board refuses.
+#[test]
+fn a_job_meets_the_step_limit_of_a_board() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fast.gts");
+    let job = |speed: u32| {
+        let text = format!(
+            "GT_Reset(); GT_LmtsOff(1); GT_AlarmOff(1); GT_AxisOn(1); GT_PrfPt(1);\nGT_PtData(1, {speed}, 1, 1);\nGT_PtStart(1); Sleep(10);\n"
+        );
+        fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let (out, errors, code) = beamtick(&["sim", &job(1000), "--step-limit", "1000"]);
+    assert!(code == 0 && out.contains("planned 1000.000000"), "{out}\n{errors}");
+    let (_, errors, code) = beamtick(&["sim", &job(1001), "--step-limit", "1000"]);
+    assert_eq!(code, 1, "{errors}");
+    for part in ["fast.gts:2:1", "GT_PtData returned 7", "this segment's speed is 1001 pulse/ms; the limit is 1000"] {
+        assert!(errors.contains(part), "{part:?} is not in\n{errors}");
+    }
+    let (out, errors, code) = beamtick(&["sim", &job(1001)]);
+    assert!(code == 0 && out.contains("planned 1001.000000"), "{out}\n{errors}");
+    let (_, errors, code) = beamtick(&["sim", &job(1), "--step-limit", "0"]);
+    assert!(code == 2 && errors.contains("--step-limit"), "{errors}");
+}
+
 #[test]
 fn wrong_input_has_its_own_exit_code() {
     let path = example("pt_static.gts");
@@ -178,7 +203,7 @@ fn info_and_check() {
     let (out, _, code) = beamtick(&["info"]);
     assert!(out.contains("last fault  none"), "{out}");
     assert_eq!(code, 0);
-    for part in ["virtual", "profile     gus", "1 core of 8 axes", "250 us"] {
+    for part in ["virtual", "profile     gus", "1 core of 8 axes", "250 us", "velocity up to 2^32 pulse/ms"] {
         assert!(out.contains(part), "{part:?} is not in\n{out}");
     }
     let (out, _, code) = beamtick(&["info", "--profile", "gsn-048", "--tick-us", "50", "--family", "lsr"]);
