@@ -34,6 +34,15 @@ pub const fn mulhi_ss(a: i64, b: i64) -> i64 {
     mulhi_su(a, b as u64).wrapping_sub(a & (b >> 63))
 }
 
+/// High half of signed × signed, at most 2 units too small or 1 too large, where one factor is within ±2⁶²: three products.
+#[inline(always)]
+pub const fn mulhi_near(a: i64, b: i64) -> i64 {
+    let (a0, a1) = ((a as u32 >> 1) as i64, a >> 32);
+    let (b0, b1) = ((b as u32 >> 1) as i64, b >> 32);
+    let cross = (a1 * b0).wrapping_add(b1 * a0);
+    (a1 * b1).wrapping_add(cross >> 31)
+}
+
 /// floor((2¹⁹ − 3·2⁸) / d9) for d9 = 256…511: eleven bits of 1/d to begin with.
 const SEED: [u16; 256] = {
     let mut table = [0; 256];

@@ -1,7 +1,7 @@
 //! Arcs and circles: on their radius at every tick, as long as they should be, on their target at the end.
 //!
 //! The truth is the circle through both ends with the sweep, in doubles: on 2³¹ pulses they are good to 10⁻⁶ pulse.
-use servo::path::{Entry, Path, Plane, Refused, Rest, Sweep};
+use servo::path::{Entry, Item, Path, Plane, Refused, Rest, Sweep};
 use servo::units::Pos;
 use std::f64::consts::{PI, TAU};
 
@@ -162,6 +162,21 @@ fn planes_turn_as_seen_from_their_third_axis() {
         assert_eq!(heard.rests[0].1, Rest::Completed);
         for k in towards {
             assert!((middle[k] - 500f64.sqrt() * 1000f64.sqrt()).abs() < 5.0, "{middle:?}");
+        }
+    }
+}
+
+/// An entry has 38 bits of a speed and 32 of the one at the end: where they are the same they stay it.
+#[test]
+fn an_arc_that_ends_at_its_speed_does() {
+    let sweep = Sweep::admit(0.1f64.to_bits(), false, true).unwrap();
+    let mut chance = Chance::new(3);
+    for _ in 0..1000 {
+        let vel = f64::from_bits(chance.log(1e-3, 1e4).to_bits() >> 14 << 14);
+        for (end, ends) in [(vel, vel), (0.0, 0.0), (0.25, 0.25)] {
+            let entry = Entry::arc(Plane::Xy, [10, 20], sweep, speeds(vel, 4.0, end));
+            let Item::Arc { along, .. } = entry.item() else { panic!("no arc") };
+            assert_eq!(along, speeds(vel, 4.0, ends), "{vel}");
         }
     }
 }

@@ -2,7 +2,7 @@
 use num_bigint::BigUint;
 use servo::real::Real;
 use servo::units::Exact;
-use servo::wide::{Divisor, Recip, mulhi_su, narrow, recip32, recip64, recip64_below, scale16, umul};
+use servo::wide::{Divisor, Recip, mulhi_near, mulhi_su, narrow, recip32, recip64, recip64_below, scale16, umul};
 
 mod chance;
 use chance::Chance;
@@ -28,6 +28,21 @@ fn products_are_exact() {
         assert_eq!(mulhi_su(a as i64, b) as i128, signed, "{a} {b}");
         let scaled = (BigUint::from(exact) * (b as u32)) >> 16;
         assert_eq!(BigUint::from(scale16(exact, b as u32)), scaled % (BigUint::from(1u8) << 128));
+    }
+}
+
+#[test]
+fn products_of_three_are_nearly_exact() {
+    let mut chance = Chance::new(9);
+    let mut pairs: Vec<(u64, u64)> = edges().iter().flat_map(|&a| edges().into_iter().map(move |b| (a, b))).collect();
+    pairs.extend((0..300_000).map(|_| (chance.any_width(), chance.any_width())));
+    for (a, b) in pairs {
+        // The first of any size, the second of at most 2^62.
+        for (a, b) in [(a as i64, b as i64 >> 1), (!a as i64, b as i64 >> 1)] {
+            let short = ((a as i128 * b as i128) >> 64) - mulhi_near(a, b) as i128;
+            assert!((-1..=2).contains(&short), "{a} {b}: {short}");
+            assert_eq!(mulhi_near(b, a), mulhi_near(a, b));
+        }
     }
 }
 

@@ -445,8 +445,10 @@ impl Entry {
         let along = || {
             let (first, second) = (wide(e, f), wide(g, h));
             let acc = first & 0xf_ffff | second << 8 >> 46 << 20;
-            let (vel, end) = (first >> 20, second & ((1 << 38) - 1));
-            Along { vel: unpack(vel, VEL_BITS), acc: unpack(acc, RATE_BITS), end: unpack(end, RATE_BITS) }
+            let (vel, end) = (unpack(first >> 20, VEL_BITS), second & ((1 << 38) - 1));
+            // What ends at its speed does not change it by the bits that are left out: that would be a leg of its own.
+            let end = if end == pack(vel, RATE_BITS) { vel } else { unpack(end, RATE_BITS) };
+            Along { vel, acc: unpack(acc, RATE_BITS), end }
         };
         let plane = match kind >> kind::PLANE & 3 {
             0 => Plane::Xy,

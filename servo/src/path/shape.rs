@@ -13,7 +13,7 @@ use crate::piece::Scaled;
 use crate::real::Real;
 use crate::steps::whole;
 use crate::units::Pos;
-use crate::wide::{mulhi_ss, mulhi_su, umulhi};
+use crate::wide::{mulhi_near, mulhi_su, umulhi};
 
 /// What an axis does that goes along with a motion.
 #[derive(Debug, Clone, Copy, Default)]
@@ -331,14 +331,14 @@ impl Shape {
                 // Counterclockwise, both after a quarter turn more.
                 let (by, to) = if *ccw {
                     let by = [
-                        mulhi_ss(*a, fall).wrapping_sub(mulhi_ss(*b, sin)),
-                        mulhi_ss(*b, fall).wrapping_add(mulhi_ss(*a, sin)),
+                        mulhi_near(*a, fall).wrapping_sub(mulhi_near(*b, sin)),
+                        mulhi_near(*b, fall).wrapping_add(mulhi_near(*a, sin)),
                     ];
                     (by, [-(near(*p) + far(*q)), far(*p) - near(*q)])
                 } else {
                     let by = [
-                        mulhi_ss(*a, fall).wrapping_add(mulhi_ss(*b, sin)),
-                        mulhi_ss(*b, fall).wrapping_sub(mulhi_ss(*a, sin)),
+                        mulhi_near(*a, fall).wrapping_add(mulhi_near(*b, sin)),
+                        mulhi_near(*b, fall).wrapping_sub(mulhi_near(*a, sin)),
                     ];
                     (by, [far(*q) - near(*p), -(near(*q) + far(*p))])
                 };

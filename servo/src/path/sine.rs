@@ -4,7 +4,7 @@
 //! A table of 256 directions of the circle, and from the nearest one a short series: |δ| ≤ π/256, so that δ⁷/5040 in
 //! the sine is below 2⁻⁵⁶ and δ⁸/40320 in the cosine below 2⁻⁶⁶. What is small beside δ and 1 takes 32-bit products,
 //! of which the worst leaves 2⁻⁵¹: on a circle of 2³¹ pulses 2⁻²⁰ pulse.
-use crate::wide::{mulhi_ss, mulhi_su, umulhi};
+use crate::wide::{mulhi_near, umulhi};
 
 /// π in 2⁻¹²⁵.
 const PI: u128 = 0x6487_ED51_10B4_611A_6263_3145_C06E_0E68;
@@ -64,7 +64,7 @@ pub(super) fn sin_cos(turn: u64) -> (i64, i64) {
     let index = (turn.wrapping_add(1 << 55) >> 56) as u32;
     let rest = turn.wrapping_sub((index as u64) << 56) as i64;
     // δ in 2⁻⁶⁸, δ² in 2⁻⁷².
-    let x = mulhi_su(rest << 8, TAU);
+    let x = mulhi_near(rest << 8, TAU as i64);
     let square = umulhi(x.unsigned_abs(), x.unsigned_abs());
     // q: δ²/6 in 2⁻⁴⁷, which is δ²/12 in 2⁻⁴⁸; q·δ² in 2⁻⁵⁹ of the first
     let short = (square >> 28) as u32;
@@ -78,7 +78,9 @@ pub(super) fn sin_cos(turn: u64) -> (i64, i64) {
     let fourth = q.wrapping_sub(part(30));
     let gap = square.wrapping_sub(product32((square >> 32) as u32, fourth) >> 16) >> 1;
     let (up, across) = direction(index);
-    let turned = |base: i64, other: i64| base - ((mulhi_su(base, gap) >> 4).wrapping_sub(mulhi_ss(other, sin)) >> 4);
+    let gap = gap as i64;
+    let turned =
+        |base: i64, other: i64| base - ((mulhi_near(base, gap) >> 4).wrapping_sub(mulhi_near(other, sin)) >> 4);
     (turned(up, across), turned(across, -up))
 }
 
