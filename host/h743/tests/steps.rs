@@ -49,19 +49,25 @@ fn run(elf: &[u8], tick_us: i32, tops: [i64; 8]) {
         client.call(AxisOn { core, axis: axis.into() }).unwrap();
         client.call(PrfPt { core, profile: profile.into(), mode: 0.into() }).unwrap();
         // Even to 2 ms, at rest until 3 ms, back to half of it at 4 ms, ramps from there to 7 ms.
-        let places = [(2, 2 * top, 1), (3, 2 * top, 1), (4, top, 1), (6, top + top / 2, 0), (7, top + 3 * top / 4, 2)];
+        let places = [(2, 2 * top, 1), (3, 2 * top, 1), (4, top, 1), (6, 0, 0), (7, top / 4, 2)];
         for (time_ms, pos, kind) in places {
             let (pos, fifo) = ((pos as f64).into(), 0.into());
             let data =
                 PtData { core, profile: profile.into(), pos, time_ms: time_ms.into(), kind: i16::into(kind), fifo };
             client.call(data).unwrap();
         }
+        // A pulse a millisecond more than the step outputs make is refused, and the data stays what it was.
+        let pos = ((top / 4 + 1001) as f64).into();
+        let (profile, time_ms, kind, fifo) = (profile.into(), 8.into(), 1.into(), 0.into());
+        let refused = client.call(PtData { core, profile, pos, time_ms, kind, fifo }).unwrap_err();
+        assert_eq!(refused.code, 7, "{refused}");
+        assert!(refused.to_string().contains("speed is 1001 pulse/ms; the limit is 1000"), "{refused}");
     }
     client.call(PtStart { core: 1.into(), mask: 0xff.into(), option: 0.into() }).unwrap();
     lock(&machine).run(20 * MILLISECOND);
     for (axis, top) in (1..).zip(tops) {
         let planned = client.call_items(GetPrfPos { core: 1.into(), profile: i16::into(axis), count: 1.into() }, &[]);
-        let end = top + 3 * top / 4;
+        let end = top / 4;
         assert_eq!(planned.unwrap().1[0].value.get(), end as f64);
         let found = steps(&lock(&machine), axis);
         assert_eq!(found.iter().map(|(_, sign)| sign).sum::<i64>(), end, "axis {axis}");
