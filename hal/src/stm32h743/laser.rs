@@ -32,7 +32,7 @@ static RING_1: Places<ENERGY_PLACES, 3> = places();
 static RING_SWITCHES: Places<SWITCH_PLACES, 6> = places();
 
 /// Plans of a tick, where there is room.
-#[unsafe(link_section = ".itcm.held")]
+#[unsafe(link_section = ".thread.held")]
 static HELD_0: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
 static HELD_1: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
 
