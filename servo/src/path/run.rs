@@ -10,6 +10,7 @@
 mod look;
 mod motions;
 mod ready;
+mod short;
 mod told;
 mod walk;
 
@@ -24,6 +25,7 @@ use crate::laser::PathSpeed;
 use crate::piece::{Motion, Piece};
 use crate::real::Real;
 use crate::units::{Axis, Exact, Ns, Pos};
+use short::Turn;
 
 /// Entries with effects in a tick (SPEC 5); the path holds before the next one until the next tick. As many may stand
 /// between two motions that are passed at speed.
@@ -108,17 +110,6 @@ enum Behind {
     Halt,
     /// Nothing so far.
     Nothing,
-}
-
-/// What is there to do at the end of the leg in force.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Turn {
-    /// More than the short way does.
-    Else,
-    /// The piece of the next leg comes into force.
-    Leg,
-    /// The next motion does, which is made, with its first piece.
-    Motion,
 }
 
 /// A coordinate system that moves. What every tick looks at stands first.
@@ -568,41 +559,6 @@ impl Path {
         let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
         self.walk(until, &mut budget, feed, source, sink);
         self.line_up();
-    }
-
-    /// The short way is not taken until something other than it is done.
-    pub(crate) fn hold_still(&mut self) {
-        (self.glides, self.turn) = (false, Turn::Else);
-    }
-
-    /// Whether the short way goes over to another motion at the end of the leg in force.
-    #[inline(always)]
-    pub(crate) fn turns_over(&self) -> bool {
-        self.turn == Turn::Motion
-    }
-
-    /// Two corners of a box that holds the motion in force, or the one that is `ahead`.
-    pub(crate) fn hull(&self, ahead: bool) -> [[Pos; DIMENSIONS]; 2] {
-        if ahead { self.ahead() } else { self.motion() }.shape.hull()
-    }
-
-    /// What the short way may do from now on, until something other than it is done.
-    #[inline(never)]
-    fn line_up(&mut self) {
-        let moves = matches!(self.stage, Stage::Move) && !self.led;
-        let cursor = self.cursor_of(self.fifo);
-        let (alone, next) = (cursor.geared == 0, cursor.next);
-        self.glides = moves && self.pieced && alone;
-        let (Made { plan, .. }, Made { counter, state, .. }) = (self.motion(), self.ahead());
-        self.turn = if !moves || self.follows != Some(self.over) {
-            Turn::Else
-        } else if plan.leg(self.leg.wrapping_add(1)).is_some() {
-            Turn::Leg
-        } else if alone && !plan.halts && !self.stopping && *state == State::Ready && *counter == next {
-            Turn::Motion
-        } else {
-            Turn::Else
-        };
     }
 
     /// FIFO in force, or that was last.
