@@ -39,6 +39,12 @@ struct Held {
     along: Along,
 }
 
+/// The next number below that 32 bits hold.
+fn down(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) > x { f32::from_bits(near.to_bits() - 1) } else { near }
+}
+
 /// Whether a share of a speed is above a limit. What doubles round is not held against it, where it is not all of the speed.
 fn is_faster(vel: f64, share: f64, limit: f64) -> bool {
     const ROUNDED: f64 = 4.0 * f64::EPSILON;
@@ -223,16 +229,15 @@ impl Filling<'_> {
         if data.open && self.path.look.is_none() { data.leaves.into() } else { 0.0 }
     }
 
-    /// How fast it may be where a motion of this length ends: at velEnd, if that can be reached from where it enters.
+    /// How fast it may be where a motion of this length ends: at velEnd, or as fast as braking leaves it. Where velEnd is above the
+    /// limit of the steps, only as fast as it can get.
     fn leaves(&self, data: &PathData, length: f64, acc: f64, end: f64) -> f32 {
         let enters = self.enters(data);
-        if enters == 0.0 && end == 0.0 {
-            return 0.0;
+        if self.path.look.is_some() || enters <= end && end <= self.limit {
+            return down(end);
         }
         let (square, swing) = (enters * enters, 2.0 * acc * length);
-        let end = end.max(libm::sqrt((square - swing).max(0.0))).min(libm::sqrt(square + swing));
-        let near = end as f32;
-        if f64::from(near) > end { f32::from_bits(near.to_bits() - 1) } else { near }
+        down(end.max(libm::sqrt((square - swing).max(0.0))).min(libm::sqrt(square + swing)))
     }
 
     fn limits(&self, corner: f64, acc: f64) -> Limits {
@@ -430,6 +435,11 @@ where
     let fields = R::FIELDS.len() as u8;
     filling.needs(if N == 2 { DIMENSIONS } else { N }..DIMENSIONS)?;
     let (mut before, mut ends) = (filling.begin, filling.path.data);
+    if !ends.open {
+        ends.leaves = 0.0;
+    }
+    let (leaves, looks) = (down(admitted.end), filling.path.look.is_some());
+    let calm = admitted.vel <= filling.limit && admitted.end <= filling.limit;
     for (index, item) in items.iter().enumerate() {
         let to = R::to(item);
         for ((coordinate, to), field) in to.iter().enumerate().zip(fields..) {
@@ -441,7 +451,9 @@ where
         }
         let begin = before;
         before.iter_mut().zip(to).for_each(|(before, to)| *before = to);
-        if admitted.vel <= filling.limit && ends.leaves == 0.0 && admitted.end == 0.0 && ends.gears.0 == 0 {
+        // Most lines are known to be slow enough without their length.
+        if calm && ends.gears.0 == 0 && (looks || ends.leaves <= leaves) {
+            ends.leaves = leaves;
             continue;
         }
         let mut figure = Figure::line(&begin, before.map(|place| place as i32));
