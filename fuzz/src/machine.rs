@@ -253,7 +253,7 @@ impl Game<'_> {
             match fate {
                 Fate::Done => self.rows[row].done.push(number),
                 Fate::Unknown => self.rows[row].unknown.push(number),
-                Fate::Refused => {}
+                Fate::Refused => self.rows[row].dropped = true,
             }
         }
         if !self.counted {
@@ -281,7 +281,7 @@ impl Game<'_> {
                 let ran = self.run_path(program);
                 self.place = self.rows[PATHS[program]].compare(program, there, &ran, self.place);
                 assert_eq!(self.entries(program), 0, "what was executed leaves its place");
-            } else {
+            } else if program == 0 || !self.rows[PATHS[program]].may_be_emptied() {
                 self.rows[PATHS[program]].settle(0, None);
             }
             self.rows[PATHS[program]].forget();
