@@ -7,14 +7,14 @@
 //! * while the interlock input is active, switch and energy are at rest at once, the analog output within a tick;
 //! * after an overrun or a restart everything is at rest until something was sent that may clear it; after an alarm, a
 //!   limit or servo-off of an axis, so is every channel whose map holds the axis's coordinate system;
-//! * while nothing has come over the line for longer than the link-loss time, no channel has light or its switch on;
+//! * while nothing has come over the line for longer than the link-loss time, no channel has light, nor its switch on but in mode 3 of GUS;
 //! * a channel that shows a fault is at rest;
 //! * a set-point never goes further in a tick than the step limit, never beyond the edge of travel, and stands still
 //!   while its axis does not run.
 use crate::bench::Sent;
 use plant::beam::Levels;
 use protocol::command::opcode;
-use servo::laser::Cause;
+use servo::laser::{self, Cause};
 use servo::op::Mode;
 use servo::status::{ALARM, LIMITS, RUNNING, SERVO_ON};
 use servo::view::AxisView;
@@ -202,9 +202,11 @@ impl Guard {
             assert!(!levels.switch && !levels.energy, "channel {channel} under interlock: {levels:?}");
         }
         assert!(self.interlock <= REACTION || levels.dac == 0, "channel {channel} under interlock: {levels:?}");
+        // A lost link rests what has light (SPEC 9); mode 3 of GUS holds the switch where it is enabled, without light too (SPEC 2).
+        let open = view.mode == laser::Mode::DutyOpen && !levels.energy;
         // A tick to notice it and one to tell the servo, before it acts.
         assert!(
-            self.silent.is_none_or(|ticks| ticks <= REACTION + 2) || !levels.switch && !view.light,
+            self.silent.is_none_or(|ticks| ticks <= REACTION + 2) || !view.light && (!levels.switch || open),
             "channel {channel} is lit without a host: {levels:?}, {view:?}"
         );
         if let Hold::Since(ticks, why) = &mut self.holds[channel] {

@@ -120,13 +120,11 @@ fn path_of(entries: u32) -> (Done, u32) {
                     text += &format!("GT_BufDelay(1, 3, {fifo});\n");
                 }
             }
-            run(
-                &client,
-                &(text
-                    + &format!(
-                        "GT_LnXY(1, 0, 0, 5, 1, 0, {fifo}); GT_CrdData(1, NULL, {fifo}); GT_CrdStart(1, {fifo});\n"
-                    )),
-            );
+            run(&client, &(text + &format!("GT_LnXY(1, 0, 0, 5, 1, 0, {fifo}); GT_CrdData(1, NULL, {fifo});\n")));
+            // A ratio, four entries a side, six delays, the last line.
+            let waits = (1024 - (1 + 4 * 40 + 6 + 1), 41);
+            assert_eq!(space(fifo.into()), waits, "after {entries} entries, FIFO {fifo}, part {part}");
+            run(&client, &format!("GT_CrdStart(1, {fifo});"));
             // Left on its way, and gone on with.
             client.sleep(Duration::from_millis(30)).unwrap();
             run(&client, &format!("GT_Stop(256, 0); WaitStop(256); GT_CrdStart(1, {fifo});"));
