@@ -25,6 +25,7 @@ mod profile;
 mod program;
 mod read;
 mod refuse;
+mod second_wire;
 mod server;
 pub mod tables;
 mod trace_out;
@@ -33,6 +34,7 @@ pub use bytes::{QUEUE_BYTES, RECORD_BYTES};
 pub use path_queue::{LOOK_AHEAD, PathQueue};
 pub use profile::{FAMILIES, PROFILES, Profile, largest_that_fits};
 pub use refuse::Refused;
+pub use second_wire::SecondWire;
 pub use server::{
     Board, Channels, EVENTS, FAULT_TEXT_MAX, Fault, FaultKind, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS,
     Server,

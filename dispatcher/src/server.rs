@@ -10,7 +10,8 @@ use crate::desk::Desk;
 use crate::log::Kind;
 use crate::path_queue::PathQueue;
 use crate::program::Program;
-use protocol::link::{Endpoint, Identity, Role};
+use protocol::frame::OPENING_WIRE;
+use protocol::link::{Endpoint, Identity, Knock, Role};
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
 use ring::{Consumer, Producer, Reader};
 use servo::op::{Entry, Lane as TickLane};
@@ -155,6 +156,12 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     pub fn feed(&mut self, now: Ns, bytes: &[u8]) {
         self.time = now;
         self.link.feed(now.0, bytes);
+    }
+
+    /// Takes a frame, decoded, of the wire that the link is not on, where a board has two: [`Knock`] says what came of it.
+    pub fn knock(&mut self, now: Ns, frame: &[u8], out: &mut [u8; OPENING_WIRE]) -> Knock {
+        self.time = now;
+        self.link.knock(now.0, frame, out)
     }
 
     /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call it

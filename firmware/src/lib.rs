@@ -9,11 +9,14 @@ mod fault;
 mod interrupts;
 mod statics;
 mod tasks;
+#[cfg(feature = "stm32h743")]
+mod usb;
 mod vectors;
 mod watch;
+mod wires;
 
 use core::sync::atomic::Ordering;
-use dispatcher::{Channels, Server};
+use dispatcher::{Channels, SecondWire, Server};
 use embassy_executor::raw;
 use fault::Report;
 use hal::board::{self, AXES, idle::Idle};
@@ -25,6 +28,7 @@ use statics::{
     RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW,
 };
 use tasks::LinkParts;
+use wires::{Outflow, Wire, Wires};
 
 /// Start-up, then the thread for ever.
 pub fn main() -> ! {
@@ -34,6 +38,12 @@ pub fn main() -> ! {
     let executor = EXECUTOR.init(raw::Executor::new(core::ptr::null_mut()));
     let spawner = executor.spawner();
     spawner.spawn(tasks::announce(last).expect("one announcement"));
+    #[cfg(feature = "stm32h743")]
+    let (parts, device) = parts;
+    #[cfg(feature = "stm32h743")]
+    if let Some(device) = device {
+        spawner.spawn(usb::answer(device).expect("one USB task"));
+    }
     spawner.spawn(tasks::serve(parts).expect("one link task"));
     // SAFETY: `start_up` has given the handlers what they use.
     unsafe { board::listen() };
@@ -51,14 +61,20 @@ pub fn main() -> ! {
     }
 }
 
+/// What start-up makes: the link's parts, and what answers a USB host.
+#[cfg(not(feature = "stm32h743"))]
+type Parts = LinkParts;
+#[cfg(feature = "stm32h743")]
+type Parts = (LinkParts, Option<&'static mut usb::Device>);
+
 /// What start-up is given and gives.
 struct Start {
     last: Option<&'static Report>,
-    parts: Option<LinkParts>,
+    parts: Option<Parts>,
 }
 
 /// Composes where the board has room for it.
-fn start_up(last: Option<&'static Report>) -> Option<LinkParts> {
+fn start_up(last: Option<&'static Report>) -> Option<Parts> {
     extern "C" fn run(start: *mut ()) {
         // SAFETY: the `Start` below, which nobody else has.
         let start = unsafe { &mut *start.cast::<Start>() };
@@ -79,7 +95,7 @@ fn pend(_: *mut ()) {
 /// Splits the hand-overs and gives every context its half. Its values are made on the stack, which is free again
 /// when it returns: hence never a part of `main`, which does not return.
 #[inline(never)]
-fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
+fn compose(last: Option<&'static Report>) -> Option<Parts> {
     let board::Board { timer, link: (link, rx), trace, machine } = board::take()?;
     let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
     let (program_in, program) = PROGRAM_LANE.split_once()?;
@@ -125,7 +141,23 @@ fn compose(last: Option<&'static Report>) -> Option<LinkParts> {
         queues: QUEUES.try_take()?,
         tables: TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
     };
-    Some(LinkParts { server: server(last, channels), bytes, link, trace })
+    let (second, out, answer) = (SecondWire::new(), Outflow::new(), Outflow::new());
+    #[cfg(feature = "stm32h743")]
+    let (device, usb) = usb::open().unzip();
+    let wires = Wires {
+        bytes,
+        uart: link,
+        #[cfg(feature = "stm32h743")]
+        usb,
+        link: Wire::Uart,
+        second,
+        out,
+        answer,
+    };
+    let parts = LinkParts { server: server(last, channels), wires, trace };
+    #[cfg(feature = "stm32h743")]
+    let parts = (parts, device);
+    Some(parts)
 }
 
 /// The thread's side. On its own for the same reason as `compose`.

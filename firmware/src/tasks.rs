@@ -4,62 +4,25 @@
 //! Owns the dispatcher's server and the sending halves of the UARTs. A UART that is full holds back
 //! its own bytes only; the other stream and the commands go on.
 use crate::fault::Report;
-use crate::statics::{LINK_BELL, RECEIVED};
+use crate::statics::LINK_BELL;
 use crate::watch;
+use crate::wires::{Outflow, Wires};
 use dispatcher::Server;
 use hal::board::uart::Tx;
 use hal::board::{AXES, NAME, resume_link};
-use ring::Consumer;
 
 /// Trace bytes sent before the link is looked at again.
 const TRACE_AT_ONCE: usize = 1024;
 
-/// Bytes on their way out of a UART.
-struct Outflow<const N: usize> {
-    tx: Tx,
-    bytes: [u8; N],
-    from: usize,
-    to: usize,
-}
-
-impl<const N: usize> Outflow<N> {
-    fn new(tx: Tx) -> Self {
-        Outflow { tx, bytes: [0; N], from: 0, to: 0 }
-    }
-
-    /// Sends what the UART takes, at most `limit` bytes; `more` refills. True if the limit ended it.
-    fn pump(&mut self, limit: usize, mut more: impl FnMut(&mut [u8]) -> usize) -> bool {
-        let mut left = limit;
-        loop {
-            if self.from >= self.to {
-                self.from = 0;
-                self.to = more(&mut self.bytes).min(N);
-                if self.to == 0 {
-                    return false;
-                }
-            }
-            while let Some(&byte) = self.bytes.get(self.from..self.to).and_then(|rest| rest.first()) {
-                if left == 0 {
-                    return true;
-                }
-                if !self.tx.send(byte) {
-                    return false;
-                }
-                self.from += 1;
-                left -= 1;
-            }
-        }
-    }
-}
+/// Of a stream that only one of the boards has.
+const ROWS: usize = if cfg!(feature = "stm32h743") { 0 } else { TRACE_AT_ONCE };
 
 /// What the link task is given.
 pub struct LinkParts {
     /// The dispatcher.
     pub server: &'static mut Server<'static, AXES>,
-    /// Bytes received.
-    pub bytes: Consumer<'static, u8, RECEIVED>,
-    /// To the host.
-    pub link: Tx,
+    /// To the host and from there.
+    pub wires: Wires,
     /// The trace, where it has a stream of its own.
     pub trace: Option<Tx>,
 }
@@ -67,9 +30,8 @@ pub struct LinkParts {
 /// Serves the link and the trace.
 #[embassy_executor::task]
 pub async fn serve(parts: LinkParts) {
-    let LinkParts { server, mut bytes, link, trace } = parts;
-    let mut link = Outflow::<512>::new(link);
-    let mut trace = trace.map(Outflow::<1024>::new);
+    let LinkParts { server, mut wires, mut trace } = parts;
+    let mut rows = Outflow::<ROWS>::new();
     let mut overruns = 0;
     loop {
         LINK_BELL.wait().await;
@@ -80,24 +42,12 @@ pub async fn serve(parts: LinkParts) {
             overruns = view.overruns;
             defmt::warn!("{=u32} ticks took longer than a period", overruns);
         }
-        loop {
-            let mut chunk = [0; 256];
-            let mut length = 0;
-            while let Some(place) = chunk.get_mut(length) {
-                let Some(byte) = bytes.pop() else { break };
-                *place = byte;
-                length += 1;
-            }
-            if length == 0 {
-                break;
-            }
-            server.feed(now, chunk.get(..length).unwrap_or(&[]));
-        }
+        wires.receive(now, server);
         resume_link();
         server.poll(now);
-        link.pump(usize::MAX, |out| server.take_tx(out));
-        if let Some(trace) = &mut trace
-            && trace.pump(TRACE_AT_ONCE, |out| server.take_trace(out))
+        wires.send(server);
+        if let Some(tx) = &mut trace
+            && rows.pump(tx, TRACE_AT_ONCE, |out| server.take_trace(out))
         {
             LINK_BELL.ring();
         }

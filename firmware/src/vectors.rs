@@ -34,7 +34,7 @@ mod mps2_an500 {
 #[cfg(all(feature = "stm32h743", not(feature = "mps2_an500")))]
 mod stm32h743 {
     use crate::interrupts::{received, sent, tick};
-    use hal::stm32h743::uart;
+    use hal::stm32h743::{uart, usb};
 
     #[unsafe(no_mangle)]
     extern "C" fn TIM2() {
@@ -47,5 +47,12 @@ mod stm32h743 {
             sent();
         }
         while received() {}
+    }
+
+    #[unsafe(no_mangle)]
+    extern "C" fn OTG_FS() {
+        // SAFETY: the core's interrupt; it is asked for nothing before the device is there.
+        unsafe { usb::serve() };
+        sent();
     }
 }

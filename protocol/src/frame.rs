@@ -26,6 +26,8 @@ pub const OVERHEAD: usize = HEADER + CRC_BYTES;
 pub const MAX_FRAME: usize = MAX_PAYLOAD + OVERHEAD;
 /// Longest frame on the wire: COBS and the delimiter.
 pub const MAX_WIRE: usize = wire_length(MAX_FRAME);
+/// Longest frame on the wire of those that open a session.
+pub const OPENING_WIRE: usize = wire_length(OVERHEAD + size_of::<HelloAck>());
 
 const HEADER: usize = size_of::<Header>();
 pub(crate) const CRC_BYTES: usize = 4;

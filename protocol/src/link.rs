@@ -136,6 +136,17 @@ struct Offer {
     window: u16,
 }
 
+/// What [`Endpoint::knock`] has done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Knock {
+    /// Nothing: the frame is none of those that open a session.
+    Nothing,
+    /// So many bytes are to be sent over the wire on which the frame came.
+    Answered(usize),
+    /// A session has been taken up: from now on that wire is the link's.
+    TakenUp,
+}
+
 /// One end of the link. `WINDOW` is a power of two up to 64.
 #[derive(Debug, Clone)]
 pub struct Endpoint<const WINDOW: usize> {

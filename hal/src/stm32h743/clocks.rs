@@ -2,7 +2,7 @@
 //!
 //! In: the chip on its own 64 MHz. Out: [`CORE_HZ`] and what follows from it. Owns PWR, the flash's wait states and
 //! RCC's tree. Fails: an oscillator that does not come in time is for the watchdog, which runs by then and resets.
-use stm32_metapac::rcc::vals::{Hpre, Plldiv, Pllm, Plln, Pllrge, Pllsrc, Pllvcosel, Ppre, Sw};
+use stm32_metapac::rcc::vals::{Hpre, Plldiv, Pllm, Plln, Pllrge, Pllsrc, Pllvcosel, Ppre, Sw, Usbsel};
 use stm32_metapac::{FLASH, PWR, RCC, SYSCFG, pwr};
 
 /// The core.
@@ -62,7 +62,12 @@ fn supply() {
     wait(|| PWR.d3cr().read().vosrdy());
 }
 
-/// PLL1: 8 MHz / 1 · 120 / 2.
+/// 48 MHz for USB, as exact as the ST-LINK's crystal (RM0433 8.5.8): PLL1 Q.
+pub fn give_usb() {
+    RCC.d2ccip2r().modify(|w| w.set_usbsel(Usbsel::PLL1_Q));
+}
+
+/// PLL1: 8 MHz / 1 · 120 / 2 for the core, / 20 for USB.
 fn multiply() {
     RCC.pllckselr().modify(|w| {
         w.set_pllsrc(Pllsrc::HSE);
@@ -73,13 +78,13 @@ fn multiply() {
         w.set_pllvcosel(0, Pllvcosel::WIDE_VCO);
         w.set_pllfracen(0, false);
         w.set_divpen(0, true);
-        w.set_divqen(0, false);
+        w.set_divqen(0, true);
         w.set_divren(0, false);
     });
     RCC.plldivr(0).write(|w| {
         w.set_plln(Plln::MUL120);
         w.set_pllp(Plldiv::DIV2);
-        w.set_pllq(Plldiv::DIV2);
+        w.set_pllq(Plldiv::DIV20);
         w.set_pllr(Plldiv::DIV2);
     });
     RCC.cr().modify(|w| w.set_pllon(0, true));

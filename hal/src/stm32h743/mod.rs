@@ -22,6 +22,7 @@ mod start;
 pub mod steps;
 pub mod timer;
 pub mod uart;
+pub mod usb;
 pub mod watchdog;
 
 pub use watchdog::{Cause, cause};
@@ -87,6 +88,7 @@ pub fn take() -> Option<Board> {
     unsafe {
         core.NVIC.set_priority(Interrupt::TIM2, priority::TICK);
         core.NVIC.set_priority(Interrupt::USART3, priority::LINK);
+        core.NVIC.set_priority(Interrupt::OTG_FS, priority::LINK);
         core.SCB.set_priority(SystemHandler::PendSV, priority::BELL);
     }
     // SAFETY: this function gets here once, since the core's peripherals are handed out once.
@@ -126,7 +128,7 @@ pub unsafe fn start_up(context: *mut (), body: extern "C" fn(*mut ())) {
 /// # Safety
 /// What the handlers use must be in place.
 pub unsafe fn listen() {
-    for interrupt in [Interrupt::TIM2, Interrupt::USART3] {
+    for interrupt in [Interrupt::TIM2, Interrupt::USART3, Interrupt::OTG_FS] {
         // SAFETY: the caller's promise.
         unsafe { NVIC::unmask(interrupt) };
     }
@@ -167,4 +169,5 @@ pub fn rest() {
     steps::stop();
     timer::stop();
     NVIC::mask(Interrupt::USART3);
+    NVIC::mask(Interrupt::OTG_FS);
 }

@@ -61,6 +61,11 @@ const DAC: [Pin; 2] = [(GPIOC, 10), (GPIOC, 12)];
 const DAC_FUNCTION: u8 = 6;
 const DAC_SELECT: Pin = (GPIOC, 11);
 
+/// D− and D+, and the host's 5 V.
+const USB: [Pin; 2] = [(GPIOA, 11), (GPIOA, 12)];
+const USB_FUNCTION: u8 = 10;
+const USB_VBUS: Pin = (GPIOA, 9);
+
 /// Ports that have outputs of [`set`].
 const OUT: [Gpio; 3] = [GPIOB, GPIOE, GPIOG];
 
@@ -134,6 +139,15 @@ pub unsafe fn open_lasers() {
         port.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::HIGH_SPEED));
         port.moder().modify(|w| w.set_moder(pin, Moder::ALTERNATE));
     }
+}
+
+/// USB's lines are the core's.
+///
+/// # Safety
+/// Once, behind [`open`].
+pub unsafe fn open_usb() {
+    input(USB_VBUS, Pupdr::FLOATING);
+    USB.into_iter().for_each(|pin| give(pin, USB_FUNCTION, Ospeedr::VERY_HIGH_SPEED));
 }
 
 fn input((port, pin): Pin, pull: Pupdr) {

@@ -16,6 +16,7 @@ use crate::supply::{Flash, Pwr, Syscfg};
 use crate::time::{NEVER, Time};
 use crate::timer::{KINDS, Timer};
 use crate::usart::Usart;
+use crate::usb::Usb;
 use crate::watchdog::Watchdog;
 use std::sync::Arc;
 
@@ -33,7 +34,7 @@ struct Place {
 }
 
 /// Each peripheral, in the order of [`Bus::device`].
-const PLACES: [Place; 11 + KINDS.len()] = [
+const PLACES: [Place; 12 + KINDS.len()] = [
     Place { base: 0x5802_4400, size: 0x400, clock: None },
     Place { base: 0x5802_4800, size: 0x400, clock: None },
     Place { base: 0x5200_2000, size: 0x400, clock: None },
@@ -45,6 +46,7 @@ const PLACES: [Place; 11 + KINDS.len()] = [
     Place { base: 0x4000_7400, size: 0x400, clock: Some((APB1LENR, 29)) },
     Place { base: 0x4000_3c00, size: 0x400, clock: Some((APB1LENR, 15)) },
     Place { base: 0x5802_6000, size: 0x400, clock: Some((AHB4ENR, 24)) },
+    Place { base: 0x4008_0000, size: 0x2_0000, clock: Some((AHB1ENR, 27)) },
     Place { base: 0x4001_0000, size: 0x400, clock: Some((APB2ENR, 0)) },
     Place { base: 0x4000_0000, size: 0x400, clock: Some((APB1LENR, 0)) },
     Place { base: 0x4000_0400, size: 0x400, clock: Some((APB1LENR, 1)) },
@@ -68,10 +70,15 @@ const DMA: usize = 7;
 const DAC1: usize = 8;
 const SPI3: usize = 9;
 const ADC3: usize = 10;
-const TIMERS: usize = 11;
+const USB: usize = 11;
+const TIMERS: usize = 12;
 
 /// The interrupt of USART3 (RM0433 table 148).
 const USART3_LINE: usize = 39;
+
+/// D− and D+.
+const USB_PINS: [Pin; 2] = [Pin(0, 11), Pin(0, 12)];
+const USB_FUNCTION: u32 = 10;
 
 /// Break inputs: the timer, the pin, its alternate function (docs/board-h743.md).
 const BREAKS: [(u8, &str, u32); 3] = [(1, "PE15", 1), (15, "PE3", 4), (8, "PG2", 3)];
@@ -101,6 +108,8 @@ pub struct Bus {
     pub spi: Spi,
     /// Analog inputs.
     pub adc: Adc,
+    /// USB, with the host behind the cable.
+    pub usb: Usb,
     /// Timers, in the order of [`KINDS`].
     pub timers: [Timer; KINDS.len()],
     clocks: Clocks,
@@ -130,6 +139,7 @@ impl Bus {
             dac: Dac::default(),
             spi: Spi::default(),
             adc: Adc::default(),
+            usb: Usb::default(),
             timers: KINDS.map(Timer::new),
             clocks: Clocks::RESET,
             next: NEVER,
@@ -152,6 +162,7 @@ impl Bus {
             DAC1 => &mut self.dac,
             SPI3 => &mut self.spi,
             ADC3 => &mut self.adc,
+            USB => &mut self.usb,
             _ => &mut self.timers[n - TIMERS],
         }
     }
@@ -344,6 +355,8 @@ impl Bus {
         }
         self.signals.clear();
         self.rcc.fastest = self.pwr.fastest();
+        let lines = USB_PINS.map(|pin| self.gpio.alternate(pin) == Some(USB_FUNCTION));
+        self.usb.connect(self.pwr.has_usb() && lines == [true; 2]);
         let told = [
             self.rcc.complaint.take(),
             self.usart.complaint.take(),
@@ -351,6 +364,8 @@ impl Bus {
             self.dac.complaint.take(),
             self.spi.complaint.take(),
             self.adc.complaint.take(),
+            self.usb.core.complaint.take(),
+            self.usb.host.complaint.take(),
         ];
         let of_timers: Vec<_> = self.timers.iter_mut().filter_map(|timer| timer.complaint.take()).collect();
         told.into_iter().flatten().chain(of_timers).for_each(|complaint| self.note(complaint));
@@ -394,8 +409,9 @@ impl Bus {
         self.after(at, exceptions);
     }
 
-    /// Something outside of a peripheral has changed what it has to do (the host sent bytes).
+    /// Something outside of a peripheral has changed what it has to do (the host sent bytes, a cable was pulled).
     pub fn stir(&mut self, at: Time, exceptions: &mut Exceptions) {
+        self.usb.stir(&mut self.signals);
         self.after(at, exceptions);
     }
 }

@@ -25,6 +25,8 @@ pub struct Clocks {
     pub spi: Option<Time>,
     /// Kernel clock of the ADCs, likewise.
     pub adc: Option<Time>,
+    /// Kernel clock of USB.
+    pub usb: Option<Time>,
 }
 
 /// 64 MHz, as the chip starts.
@@ -36,8 +38,17 @@ const CSI: Time = 240;
 
 impl Clocks {
     /// Of a chip that has just started.
-    pub const RESET: Clocks =
-        Clocks { core: HSI, bus: HSI, apb1: HSI, apb2: HSI, timers1: HSI, timers2: HSI, spi: None, adc: None };
+    pub const RESET: Clocks = Clocks {
+        core: HSI,
+        bus: HSI,
+        apb1: HSI,
+        apb2: HSI,
+        timers1: HSI,
+        timers2: HSI,
+        spi: None,
+        adc: None,
+        usb: None,
+    };
 }
 
 const CR: u32 = 0x00;
@@ -46,6 +57,7 @@ const D1CFGR: u32 = 0x18;
 const D2CFGR: u32 = 0x1c;
 const D1CCIPR: u32 = 0x4c;
 const D2CCIP1R: u32 = 0x50;
+const D2CCIP2R: u32 = 0x54;
 const D3CCIPR: u32 = 0x58;
 const PLLCKSELR: u32 = 0x28;
 const PLLCFGR: u32 = 0x2c;
@@ -198,15 +210,26 @@ impl Rcc {
         Some(cycle.max(1))
     }
 
+    /// PLL1's Q output, if it runs.
+    fn pll1_q(&self) -> Option<Time> {
+        if self.at(CR) & PLL1_READY == 0 || self.at(PLLCFGR) & 1 << 17 == 0 {
+            return None;
+        }
+        let reference = [HSI << (self.at(CR) >> 3 & 3), CSI, HSE, 0][(self.at(PLLCKSELR) & 3) as usize];
+        let (dividers, m) = (self.at(PLL1DIVR), u64::from(self.at(PLLCKSELR) >> 4 & 0x3f));
+        let (n, q) = (u64::from(dividers & 0x1ff) + 1, u64::from(dividers >> 16 & 0x7f) + 1);
+        Some(reference * m * q / n).filter(|&cycle| cycle > 0)
+    }
+
+    /// Kernel clock of USB (D2CCIP2R.USBSEL): PLL1's Q output is what is modelled.
+    fn usb(&self) -> Option<Time> {
+        if self.at(D2CCIP2R) >> 20 & 3 == 1 { self.pll1_q() } else { None }
+    }
+
     /// Kernel clock of SPI 1 to 3 (D2CCIP1R.SPI123SEL): PLL1's Q output, or per_ck.
     fn spi(&self) -> Option<Time> {
         match self.at(D2CCIP1R) >> 12 & 7 {
-            0 if self.at(CR) & PLL1_READY != 0 && self.at(PLLCFGR) & 1 << 17 != 0 => {
-                let reference = [HSI << (self.at(CR) >> 3 & 3), CSI, HSE, 0][(self.at(PLLCKSELR) & 3) as usize];
-                let (dividers, m) = (self.at(PLL1DIVR), u64::from(self.at(PLLCKSELR) >> 4 & 0x3f));
-                let (n, q) = (u64::from(dividers & 0x1ff) + 1, u64::from(dividers >> 16 & 0x7f) + 1);
-                Some(reference * m * q / n).filter(|&cycle| cycle > 0)
-            }
+            0 => self.pll1_q(),
             4 => self.per(),
             _ => None,
         }
@@ -244,8 +267,8 @@ impl Rcc {
         let timpre = self.at(CFGR) & 1 << 15 != 0;
         let timers = |divider: u64| bus * if timpre { (divider / 4).max(1) } else { (divider / 2).max(1) };
         let (timers1, timers2) = (timers(apb1), timers(apb2));
-        let (spi, adc) = (self.spi(), self.adc());
-        self.clocks = Clocks { core, bus, apb1: bus * apb1, apb2: bus * apb2, timers1, timers2, spi, adc };
+        let (spi, adc, usb) = (self.spi(), self.adc(), self.usb());
+        self.clocks = Clocks { core, bus, apb1: bus * apb1, apb2: bus * apb2, timers1, timers2, spi, adc, usb };
         if core < self.fastest {
             self.complain(format!("the core runs at {} MHz, which its supply does not allow", 960 / core));
         }
@@ -299,7 +322,7 @@ impl Device for Rcc {
                 *self.place(CFGR) = value & !(7 << 3) | (value & 7) << 3;
                 self.derive();
             }
-            D1CFGR | D2CFGR | D1CCIPR | D2CCIP1R | D3CCIPR => {
+            D1CFGR | D2CFGR | D1CCIPR | D2CCIP1R | D2CCIP2R | D3CCIPR => {
                 *self.place(offset) = value;
                 self.derive();
             }
@@ -333,7 +356,7 @@ impl Device for Rcc {
             if self.ready[n] <= to {
                 self.ready[n] = NEVER;
                 *self.place(CR) |= ready;
-                self.clocks.spi = self.spi();
+                (self.clocks.spi, self.clocks.usb) = (self.spi(), self.usb());
             }
         }
         if self.lsi_ready <= to {

@@ -5,7 +5,7 @@
 //! (`libunicorn-dev`); all else is in here, written after the Armv7-M Architecture Reference Manual and RM0433, and shares no
 //! code with the image.
 //!
-//! What is not emulated: caches, bus contention and wait states (an instruction is a cycle), USB.
+//! What is not emulated: caches, bus contention and wait states (an instruction is a cycle).
 #![deny(unsafe_code)]
 pub mod adc;
 pub mod bus;
@@ -30,6 +30,8 @@ pub mod supply;
 pub mod time;
 pub mod timer;
 pub mod usart;
+pub mod usb;
+pub mod usb_host;
 pub mod watchdog;
 
 pub use device::Cause;

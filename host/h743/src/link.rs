@@ -19,14 +19,21 @@ const SLICE: Time = 50 * MICROSECOND;
 /// See the module text.
 pub struct EmulatedLink {
     machine: Shared,
+    /// Over USB, not over the USART.
+    usb: bool,
     received: Vec<u8>,
     taken: usize,
 }
 
 impl EmulatedLink {
-    /// A link to this board.
+    /// A link to this board, over its USART.
     pub fn new(machine: Shared) -> Self {
-        EmulatedLink { machine, received: Vec::new(), taken: 0 }
+        EmulatedLink { machine, usb: false, received: Vec::new(), taken: 0 }
+    }
+
+    /// A link to this board, over its USB.
+    pub fn over_usb(machine: Shared) -> Self {
+        EmulatedLink { usb: true, ..EmulatedLink::new(machine) }
     }
 }
 
@@ -36,7 +43,12 @@ impl Link for EmulatedLink {
     }
 
     fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
-        lock(&self.machine).send(bytes);
+        let mut machine = lock(&self.machine);
+        if self.usb {
+            machine.send_usb(bytes)
+        } else {
+            machine.send(bytes)
+        }
         Ok(())
     }
 
@@ -47,7 +59,8 @@ impl Link for EmulatedLink {
             let mut machine = lock(&self.machine);
             let end = machine.chip.now + from_nanoseconds(wait.as_nanos() as u64);
             loop {
-                self.received.extend(machine.take_sent().into_iter().map(|(_, byte)| byte));
+                let sent = if self.usb { machine.take_sent_usb() } else { machine.take_sent() };
+                self.received.extend(sent.into_iter().map(|(_, byte)| byte));
                 let left = end.saturating_sub(machine.chip.now);
                 if !self.received.is_empty() || left == 0 {
                     break;

@@ -480,6 +480,23 @@ impl Machine {
         std::mem::take(&mut self.chip.bus.usart.sent)
     }
 
+    /// The cable of USB is put in, or pulled out.
+    pub fn plug_usb(&mut self, there: bool) {
+        let chip = &mut self.chip;
+        chip.bus.usb.plug(there, chip.now);
+        chip.bus.stir(chip.now, &mut chip.scs.exceptions);
+    }
+
+    /// The host sends bytes to the port that it has found at USB.
+    pub fn send_usb(&mut self, bytes: &[u8]) {
+        self.chip.bus.usb.host.send(bytes);
+    }
+
+    /// Takes the bytes that the host has received over USB, with their instants.
+    pub fn take_sent_usb(&mut self) -> Vec<(Time, u8)> {
+        std::mem::take(&mut self.chip.bus.usb.host.received)
+    }
+
     /// The world drives a pin, or lets it go.
     pub fn drive(&mut self, pin: Pin, level: Option<bool>) {
         let chip = &mut self.chip;

@@ -7,6 +7,9 @@ use crate::time::{MICROSECOND, NEVER, Time};
 const CSR1: u32 = 0x04;
 const CR3: u32 = 0x0c;
 const D3CR: u32 = 0x18;
+/// CR3: the supply of USB is looked at, and there.
+const USB33DEN: u32 = 1 << 24;
+const USB33RDY: u32 = 1 << 26;
 const VOSRDY: u32 = 1 << 13;
 const ACTVOSRDY: u32 = 1 << 13;
 
@@ -56,6 +59,11 @@ impl Pwr {
         }
     }
 
+    /// USB's supply is there: USB33DEN.
+    pub fn has_usb(&self) -> bool {
+        self.cr3 & USB33DEN != 0
+    }
+
     /// SYSCFG has switched the over-drive.
     pub fn set_overdrive(&mut self, on: bool, at: Time) {
         if on != self.overdrive {
@@ -72,7 +80,7 @@ impl Device for Pwr {
             0x00 => self.cr1,
             CSR1 => (self.d3cr & 3 << 14) | if self.supply_chosen { ACTVOSRDY } else { 0 },
             0x08 => self.cr2,
-            CR3 => self.cr3,
+            CR3 => self.cr3 | (self.cr3 & USB33DEN) * (USB33RDY / USB33DEN),
             0x10 => self.cpucr,
             D3CR => self.d3cr,
             _ => return None,
@@ -85,9 +93,10 @@ impl Device for Pwr {
             0x00 => self.cr1 = new(self.cr1),
             0x08 => self.cr2 = new(self.cr2),
             CR3 => {
-                // Write-once: only what is written first counts (RM0433 6.8.4).
+                // SCUEN, LDOEN, BYPASS are write-once: only what is written first counts (RM0433 6.8.4).
+                let chosen = if self.supply_chosen { 7 } else { 0 };
+                self.cr3 = (self.cr3 & chosen | new(self.cr3) & !chosen) & !USB33RDY;
                 if !self.supply_chosen {
-                    self.cr3 = new(self.cr3);
                     self.supply_chosen = true;
                     self.ready = at + VOLTAGE;
                 }

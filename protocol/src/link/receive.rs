@@ -1,11 +1,11 @@
 //! Receiving: checks frames, moves the opening on, puts messages in order and drops what came before.
 
 use super::transmit::{Slot, ahead};
-use super::{Endpoint, HELLO_NS, Identity, Offer, Phase, Role, State};
+use super::{Endpoint, HELLO_NS, Identity, Knock, Offer, Phase, Role, State};
 use crate::Ns;
 use crate::deframe::Outcome;
-use crate::frame::{self, Fault, Header, Hello, HelloAck, Kind};
-use zerocopy::FromBytes;
+use crate::frame::{self, Fault, Header, Hello, HelloAck, Kind, OPENING_WIRE};
+use zerocopy::{FromBytes, IntoBytes};
 
 /// `take <= next` in sequence numbers; slots hold messages from `take` on, with holes from `next` on.
 #[derive(Debug, Clone)]
@@ -141,6 +141,36 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             if outcome == Outcome::Frame {
                 self.receive(now);
             }
+        }
+    }
+
+    /// For a controller with a second wire: takes a frame, decoded, that came over the wire which the link is not on. A Hello is
+    /// answered there, by what is written into `out`. A KeepAlive in the session that was offered takes it up; then bytes of the
+    /// other wire are none of the link's any more, and what was half out on it stays there. Everything else is passed over.
+    pub fn knock(&mut self, now: Ns, frame: &[u8], out: &mut [u8; OPENING_WIRE]) -> Knock {
+        if self.role != Role::Controller {
+            return Knock::Nothing;
+        }
+        match frame::decode(frame) {
+            Ok((header, Kind::Hello, payload)) => {
+                let Ok(hello) = Hello::read_from_bytes(payload) else { return Knock::Nothing };
+                // An answer that the link's own wire waits for stays.
+                let own = self.answer.take();
+                self.answer_hello(&header, hello);
+                let answer = core::mem::replace(&mut self.answer, own);
+                let Some((nonce, answer)) = answer else { return Knock::Nothing };
+                let header = self.header(Kind::HelloAck, nonce);
+                frame::encode(header, answer.as_bytes(), out).map_or(Knock::Nothing, Knock::Answered)
+            }
+            Ok((header, Kind::KeepAlive, _))
+                if self.offer.is_some_and(|offer| offer.session == header.session.get()) =>
+            {
+                self.deframer.reset();
+                (self.wire_at, self.wire_len) = (0, 0);
+                self.receive_in_session(now, &header, Kind::KeepAlive);
+                Knock::TakenUp
+            }
+            _ => Knock::Nothing,
         }
     }
 

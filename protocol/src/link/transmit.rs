@@ -300,7 +300,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         self.last_sent = now;
     }
 
-    fn header(&self, kind: Kind, session: u32) -> Header {
+    pub(super) fn header(&self, kind: Kind, session: u32) -> Header {
         let gap = if self.receiver.has_gap() { FLAG_GAP } else { 0 };
         Header {
             version: self.identity.version,

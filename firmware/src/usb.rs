@@ -1,0 +1,113 @@
+//! The USB device that the board is: a serial port of class CDC ACM, on embassy-usb.
+//!
+//! In: the driver of the board's core. Out: a task that answers the host, and a [`Port`] for the bytes of the link. Owns the
+//! descriptors and a packet on its way. A port that nobody has opened, or whose cable is out, takes nothing and gives nothing.
+use core::future::Future;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+use embassy_usb::class::cdc_acm::{CdcAcmClass, State, USB_CLASS_CDC};
+use embassy_usb::{Builder, Config, UsbDevice, UsbVersion};
+use hal::board::usb::{ID_DIGITS, PACKET, Usb, WAITING, unique_id};
+use static_cell::StaticCell;
+
+/// Of pid.codes, for tests: whoever sells a board takes numbers of their own.
+const VENDOR: u16 = 0x1209;
+const PRODUCT: u16 = 0x0001;
+/// 62 bytes of descriptors: configuration, two interfaces, what CDC adds, three endpoints.
+const DESCRIPTORS: usize = 64;
+/// The longest answer that is put together: the serial number as a string descriptor.
+const CONTROL: usize = 2 + 2 * ID_DIGITS + 2;
+/// The head of a BOS, which a device of USB 2.0 is not asked for.
+const BOS: usize = 16;
+
+/// What the device's parts lie in.
+pub struct Memory {
+    waiting: [u8; WAITING],
+    descriptors: [u8; DESCRIPTORS],
+    bos: [u8; BOS],
+    control: [u8; CONTROL],
+    serial: [u8; ID_DIGITS],
+    state: State<'static>,
+}
+
+#[unsafe(link_section = ".thread")]
+static MEMORY: StaticCell<Memory> = StaticCell::new();
+#[unsafe(link_section = ".thread")]
+static DEVICE: StaticCell<Device> = StaticCell::new();
+
+/// The device as the host sees it.
+pub type Device = UsbDevice<'static, Usb>;
+
+/// The bytes of the link.
+pub struct Port {
+    class: CdcAcmClass<'static, Usb>,
+    /// The last packet was full: the host waits for one that is not.
+    unended: bool,
+}
+
+/// What the future has come to, if it need not wait: those of the driver change nothing before they need not.
+fn at_once<T>(future: impl Future<Output = T>) -> Option<T> {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(value) => Some(value),
+        Poll::Pending => None,
+    }
+}
+
+impl Port {
+    /// Bytes of a packet that has arrived, if one has; more wait at the host until they are asked for.
+    pub fn receive(&mut self, packet: &mut [u8; PACKET]) -> usize {
+        at_once(self.class.read_packet(packet)).and_then(Result::ok).unwrap_or(0)
+    }
+
+    /// Takes bytes, as many as it says: those of a packet, once the host has fetched the one before.
+    pub fn send(&mut self, bytes: &[u8]) -> usize {
+        let packet = bytes.get(..PACKET).unwrap_or(bytes);
+        if !matches!(at_once(self.class.write_packet(packet)), Some(Ok(()))) {
+            return 0;
+        }
+        self.unended = packet.len() == PACKET;
+        packet.len()
+    }
+
+    /// Nothing follows for now.
+    pub fn end(&mut self) {
+        if self.unended {
+            self.send(&[]);
+        }
+    }
+}
+
+/// The device, made of what [`hal::board::usb::open`] gives. `None` from the second call on, and without a supply.
+pub fn open() -> Option<(&'static mut Device, Port)> {
+    let memory = MEMORY.try_init(Memory {
+        waiting: [0; WAITING],
+        descriptors: [0; DESCRIPTORS],
+        bos: [0; BOS],
+        control: [0; CONTROL],
+        serial: unique_id(),
+        state: State::new(),
+    })?;
+    // SAFETY: once, since the memory is given once.
+    let driver = unsafe { hal::board::usb::open(&mut memory.waiting) }?;
+    let mut config = Config::new(VENDOR, PRODUCT);
+    config.manufacturer = Some("Beamtick");
+    config.product = Some("Beamtick");
+    // Digits only.
+    config.serial_number = core::str::from_utf8(&memory.serial).ok();
+    config.bcd_usb = UsbVersion::Two;
+    (config.composite_with_iads, config.device_class) = (false, USB_CLASS_CDC);
+    (config.device_sub_class, config.device_protocol) = (0, 0);
+    // By the ST-LINK's cable or the board's own supply.
+    (config.self_powered, config.max_power) = (true, 0);
+    let mut builder =
+        Builder::new(driver, config, &mut memory.descriptors, &mut memory.bos, &mut [], &mut memory.control);
+    let class = CdcAcmClass::new(&mut builder, &mut memory.state, PACKET as u16);
+    let device = DEVICE.try_init(builder.build())?;
+    Some((device, Port { class, unended: false }))
+}
+
+/// Answers the host.
+#[embassy_executor::task]
+pub async fn answer(device: &'static mut Device) {
+    device.run().await;
+}

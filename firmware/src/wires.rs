@@ -1,0 +1,164 @@
+//! The wires of the host link: the UART, and USB where the board has it.
+//!
+//! In and out: bytes of either, never waiting. Owns both. The link is on one of them: where the session in force was
+//! opened. On the other one a session may be opened anew, and then the link is there.
+use crate::statics::RECEIVED;
+#[cfg(feature = "stm32h743")]
+use crate::usb::Port;
+use dispatcher::{SecondWire, Server};
+use hal::board::AXES;
+use hal::board::uart::Tx;
+use ring::Consumer;
+use servo::units::Ns;
+
+/// What takes bytes.
+pub trait Sink {
+    /// Takes as many of these as it can, from the first on, and says how many.
+    fn send(&mut self, bytes: &[u8]) -> usize;
+    /// Nothing follows for now.
+    fn end(&mut self) {}
+}
+
+impl Sink for Tx {
+    fn send(&mut self, bytes: &[u8]) -> usize {
+        bytes.iter().take_while(|byte| Tx::send(self, **byte)).count()
+    }
+}
+
+#[cfg(feature = "stm32h743")]
+impl Sink for Port {
+    fn send(&mut self, bytes: &[u8]) -> usize {
+        Port::send(self, bytes)
+    }
+
+    fn end(&mut self) {
+        Port::end(self);
+    }
+}
+
+/// Bytes on their way out.
+pub struct Outflow<const N: usize> {
+    bytes: [u8; N],
+    from: usize,
+    to: usize,
+}
+
+impl<const N: usize> Outflow<N> {
+    /// Nothing.
+    pub const fn new() -> Self {
+        Outflow { bytes: [0; N], from: 0, to: 0 }
+    }
+
+    /// Sends what is taken, at most `limit` bytes; `more` refills. True if the limit ended it.
+    pub fn pump(&mut self, sink: &mut dyn Sink, limit: usize, mut more: impl FnMut(&mut [u8]) -> usize) -> bool {
+        let mut left = limit;
+        loop {
+            if self.from >= self.to {
+                self.from = 0;
+                self.to = more(&mut self.bytes).min(N);
+                if self.to == 0 {
+                    sink.end();
+                    return false;
+                }
+            }
+            if left == 0 {
+                return true;
+            }
+            let waiting = self.bytes.get(self.from..self.to).unwrap_or(&[]);
+            let taken = sink.send(waiting.get(..left).unwrap_or(waiting));
+            if taken == 0 {
+                return false;
+            }
+            self.from += taken;
+            left -= taken;
+        }
+    }
+}
+
+/// A wire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wire {
+    /// The UART.
+    Uart,
+    /// USB.
+    #[cfg(feature = "stm32h743")]
+    Usb,
+}
+
+/// See the module text.
+pub struct Wires {
+    /// Bytes that the UART has received.
+    pub bytes: Consumer<'static, u8, RECEIVED>,
+    /// The UART's other way.
+    pub uart: Tx,
+    /// USB.
+    #[cfg(feature = "stm32h743")]
+    pub usb: Option<Port>,
+    /// Where the link is.
+    pub link: Wire,
+    /// The other wire.
+    pub second: SecondWire,
+    /// What goes out over the link, and over the other wire.
+    pub out: Outflow<512>,
+    /// See there.
+    pub answer: Outflow<32>,
+}
+
+impl Wires {
+    /// All that has arrived goes to the server.
+    pub fn receive(&mut self, now: Ns, server: &mut Server<'static, AXES>) {
+        loop {
+            let mut chunk = [0; 256];
+            let mut length = 0;
+            while let Some(place) = chunk.get_mut(length) {
+                let Some(byte) = self.bytes.pop() else { break };
+                *place = byte;
+                length += 1;
+            }
+            if length == 0 {
+                break;
+            }
+            self.take(Wire::Uart, now, server, chunk.get(..length).unwrap_or(&[]));
+        }
+        #[cfg(feature = "stm32h743")]
+        // As much as the UART brings at once: the tick and the link's timers are served in between.
+        for _ in 0..RECEIVED / hal::board::usb::PACKET {
+            let mut packet = [0; hal::board::usb::PACKET];
+            let length = self.usb.as_mut().map_or(0, |port| port.receive(&mut packet));
+            if length == 0 {
+                break;
+            }
+            self.take(Wire::Usb, now, server, packet.get(..length).unwrap_or(&[]));
+        }
+    }
+
+    fn take(&mut self, from: Wire, now: Ns, server: &mut Server<'static, AXES>, bytes: &[u8]) {
+        let mut rest = bytes;
+        if from != self.link {
+            let (used, taken_up) = self.second.feed(now, server, rest);
+            rest = rest.get(used..).unwrap_or(&[]);
+            if taken_up {
+                self.link = from;
+                (self.out, self.answer) = (Outflow::new(), Outflow::new());
+            }
+        }
+        if from == self.link {
+            server.feed(now, rest);
+        }
+    }
+
+    /// What the server has to say goes out.
+    pub fn send(&mut self, server: &mut Server<'static, AXES>) {
+        #[cfg(feature = "stm32h743")]
+        if let Some(port) = &mut self.usb {
+            let (link, second): (&mut dyn Sink, &mut dyn Sink) = match self.link {
+                Wire::Uart => (&mut self.uart, port),
+                Wire::Usb => (port, &mut self.uart),
+            };
+            self.answer.pump(second, usize::MAX, |out| self.second.take_tx(out));
+            self.out.pump(link, usize::MAX, |out| server.take_tx(out));
+            return;
+        }
+        self.out.pump(&mut self.uart, usize::MAX, |out| server.take_tx(out));
+    }
+}

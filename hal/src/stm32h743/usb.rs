@@ -1,0 +1,200 @@
+//! The USB device on CN13 (RM0433 57): full speed, on the core that the chip calls OTG_FS and the manual OTG_HS2.
+//!
+//! In and out: packets, by `embassy-usb-synopsys-otg`. Owns the core, its supply and its pins. What a host asks of an endpoint
+//! that the board does not have is passed over, and a packet that waited when the host reset the bus is dropped: the driver
+//! would stop the board for the one, and wait for ever for the other. Fails: without its supply there is no USB.
+use super::{clocks, pins};
+use embassy_usb_driver::{
+    self as usb, Direction, EndpointAddress, EndpointAllocError, EndpointType, Event, Unsupported,
+};
+use embassy_usb_synopsys_otg::otg_v1::Otg;
+use embassy_usb_synopsys_otg::{
+    self as otg, Config, ControlPipe, Driver, Endpoint, In, OtgInstance, Out, PhyType, StateStorage,
+};
+use stm32_metapac::{PWR, RCC, UID, USB_OTG_FS};
+
+/// Bytes of a packet.
+pub const PACKET: usize = 64;
+/// Bytes that wait to be fetched: a packet of the control pipe and one of the link.
+pub const WAITING: usize = 2 * PACKET;
+/// Digits of the chip's unique id.
+pub const ID_DIGITS: usize = 24;
+
+/// Endpoints each way: control; notifications and bytes received; bytes sent.
+const ENDPOINTS: usize = 3;
+/// The core's memory, 4 KiB (RM0433 57.11.3).
+const FIFO_WORDS: u16 = 1024;
+/// For SETUP packets, status words and the global NAK (RM0433 57.11.3 asks for fewer).
+const RX_EXTRA_WORDS: u16 = 30;
+/// Turn-around time for an AHB of 32 MHz and more (RM0433 57.14.4, TRDT).
+const TURN_AROUND: u8 = 6;
+/// Looks at a flag that comes in µs, each some bus cycles.
+const LOOKS: u32 = 20_000;
+
+static STATE: StateStorage<ENDPOINTS> = StateStorage::new();
+
+fn core() -> Otg {
+    // SAFETY: the core's address, with the registers of the driver's version of it.
+    unsafe { Otg::from_ptr(USB_OTG_FS.as_ptr().cast()) }
+}
+
+fn waits_for(mut is_so: impl FnMut() -> bool) -> bool {
+    (0..LOOKS).any(|_| is_so())
+}
+
+/// Supply, clock, pins and core. `None` if there is no supply.
+///
+/// # Safety
+/// At most once.
+pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
+    // 3.3 V come from outside (UM2407); the chip's regulator stays off (RM0433 6.4.7).
+    PWR.cr3().modify(|w| w.set_usb33den(true));
+    if !waits_for(|| PWR.cr3().read().usb33rdy()) {
+        return None;
+    }
+    clocks::give_usb();
+    RCC.ahb1enr().modify(|w| w.set_usb_otg_fsen(true));
+    // Read back, so that the clock is there (RM0433 8.5.8).
+    RCC.ahb1enr().read();
+    // There is no ULPI: with its clock asked for, the core would stop while the CPU sleeps (RM0433 8.7.48).
+    RCC.ahb1lpenr().modify(|w| w.set_usb_otg_fs_ulpilpen(false));
+    // SAFETY: once, as asked of the caller.
+    unsafe { pins::open_usb() };
+    let core = core();
+    if !waits_for(|| core.grstctl().read().ahbidl()) {
+        return None;
+    }
+    core.gusbcfg().write(|w| {
+        // A device whatever the ID pin says, with the internal transceiver.
+        w.set_fdmod(true);
+        w.set_physel(true);
+    });
+    core.gccfg_v2().modify(|w| {
+        // The bit lets it run.
+        w.set_pwrdwn(true);
+        w.set_vbden(true);
+    });
+    let mut config = Config::default();
+    config.vbus_detection = true;
+    let instance = OtgInstance {
+        regs: core,
+        state: STATE.as_state(),
+        fifo_depth_words: FIFO_WORDS,
+        phy_type: PhyType::InternalFullSpeed,
+        extra_rx_fifo_words: RX_EXTRA_WORDS,
+        calculate_trdt_fn: |_| TURN_AROUND,
+    };
+    Some(Usb(Driver::new(waiting, instance, config)))
+}
+
+/// In the interrupt: packets to and from their places.
+///
+/// # Safety
+/// Only in the interrupt of the core, behind [`open`].
+pub unsafe fn serve() {
+    // SAFETY: as asked of the caller.
+    unsafe { otg::on_interrupt(core(), &STATE.as_state()) };
+}
+
+/// The chip's unique id in hexadecimal digits (RM0433 61.1).
+pub fn unique_id() -> [u8; ID_DIGITS] {
+    let words = [0, 1, 2].map(|n| UID.uid(n).read());
+    let mut digits = [0; ID_DIGITS];
+    let nibbles = words.into_iter().flat_map(|word| (0..8).rev().map(move |n| (word >> (4 * n) & 0xf) as u8));
+    for (digit, nibble) in digits.iter_mut().zip(nibbles) {
+        *digit = if nibble < 10 { b'0' + nibble } else { b'A' + (nibble - 10) };
+    }
+    digits
+}
+
+/// The driver.
+pub struct Usb(Driver<'static>);
+
+impl usb::Driver<'static> for Usb {
+    type EndpointOut = Endpoint<'static, Out>;
+    type EndpointIn = Endpoint<'static, In>;
+    type ControlPipe = ControlPipe<'static>;
+    type Bus = Bus;
+
+    fn alloc_endpoint_out(
+        &mut self,
+        kind: EndpointType,
+        address: Option<EndpointAddress>,
+        packet: u16,
+        interval_ms: u8,
+    ) -> Result<Self::EndpointOut, EndpointAllocError> {
+        self.0.alloc_endpoint_out(kind, address, packet, interval_ms)
+    }
+
+    fn alloc_endpoint_in(
+        &mut self,
+        kind: EndpointType,
+        address: Option<EndpointAddress>,
+        packet: u16,
+        interval_ms: u8,
+    ) -> Result<Self::EndpointIn, EndpointAllocError> {
+        self.0.alloc_endpoint_in(kind, address, packet, interval_ms)
+    }
+
+    fn start(self, control_packet: u16) -> (Self::Bus, Self::ControlPipe) {
+        let (bus, control) = self.0.start(control_packet);
+        (Bus(bus), control)
+    }
+}
+
+/// What concerns the device as a whole.
+pub struct Bus(otg::Bus<'static>);
+
+fn is_there(address: EndpointAddress) -> bool {
+    address.index() < ENDPOINTS
+}
+
+/// A packet that waits to be fetched is dropped (RM0433 57.15.6, IN endpoint disable).
+fn cancel(index: usize) {
+    let control = core().diepctl(index);
+    if control.read().epena() {
+        control.modify(|w| {
+            w.set_snak(true);
+            w.set_epdis(true);
+        });
+        // The flush that follows is the driver's.
+        waits_for(|| !control.read().epena());
+    }
+}
+
+impl usb::Bus for Bus {
+    async fn enable(&mut self) {
+        self.0.enable().await;
+    }
+
+    async fn disable(&mut self) {
+        self.0.disable().await;
+    }
+
+    async fn poll(&mut self) -> Event {
+        self.0.poll().await
+    }
+
+    fn endpoint_set_enabled(&mut self, address: EndpointAddress, enabled: bool) {
+        if is_there(address) {
+            if address.direction() == Direction::In {
+                cancel(address.index());
+            }
+            self.0.endpoint_set_enabled(address, enabled);
+        }
+    }
+
+    fn endpoint_set_stalled(&mut self, address: EndpointAddress, stalled: bool) {
+        if is_there(address) {
+            self.0.endpoint_set_stalled(address, stalled);
+        }
+    }
+
+    fn endpoint_is_stalled(&mut self, address: EndpointAddress) -> bool {
+        is_there(address) && self.0.endpoint_is_stalled(address)
+    }
+
+    async fn remote_wakeup(&mut self) -> Result<(), Unsupported> {
+        Err(Unsupported)
+    }
+}
