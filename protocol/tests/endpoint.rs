@@ -2,8 +2,9 @@
 //! `host-tests/tests/link.rs`.
 
 use protocol::Ns;
-use protocol::frame::{self, Header, Kind, MAX_PAYLOAD, MAX_WIRE};
-use protocol::link::{Endpoint, Identity, KEEP_ALIVE_NS, RETRY_FIRST_NS, Role, SendError, State};
+use protocol::deframe::{Deframer, Outcome};
+use protocol::frame::{self, Header, Kind, MAX_PAYLOAD, MAX_WIRE, OPENING_WIRE};
+use protocol::link::{Endpoint, Identity, KEEP_ALIVE_NS, Knock, RETRY_FIRST_NS, Role, SendError, State};
 
 const MS: Ns = 1_000_000;
 type End = Endpoint<4>;
@@ -335,4 +336,83 @@ fn a_frame_with_any_bit_damaged_is_none() {
     }
     controller.feed(0, &good);
     assert_eq!(controller.message(), Some(&b"\0what the frame \0\0 carries"[..]));
+}
+
+/// What of the wire's bytes comes as frames at the controller's second wire, and what it answers there.
+fn knocks(controller: &mut End, now: Ns, bytes: &[u8]) -> (Vec<u8>, Vec<Knock>) {
+    let mut deframer = Deframer::<MAX_WIRE>::new();
+    let (mut rest, mut answers, mut outcomes) = (bytes, Vec::new(), Vec::new());
+    while !rest.is_empty() {
+        let (used, outcome) = deframer.feed(rest);
+        rest = &rest[used..];
+        if outcome == Outcome::Frame {
+            let mut answer = [0; OPENING_WIRE];
+            let knock = controller.knock(now, deframer.frame(), &mut answer);
+            if let Knock::Answered(length) = knock {
+                answers.extend(&answer[..length]);
+            }
+            outcomes.push(knock);
+        }
+    }
+    (answers, outcomes)
+}
+
+#[test]
+fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
+    let (mut first, mut controller) = opened();
+    let session = controller.session();
+    first.send(b"before").unwrap();
+    let mut second = End::new(Role::Client, Identity::OURS);
+    second.open(0, 2);
+    let hello = out(&mut second, 0);
+    let (answer, outcomes) = knocks(&mut controller, 0, &hello);
+    assert_eq!(outcomes, [Knock::Answered(answer.len())]);
+    // A Hello ends nothing, and its answer is none of the first wire's.
+    assert_eq!(controller.session(), session);
+    pump(0, &mut first, &mut controller);
+    assert_eq!(controller.message(), Some(&b"before"[..]));
+    second.feed(0, &answer);
+    let confirmation = out(&mut second, 0);
+    // Half of a frame of the first wire is there and half of one is out when the session changes; neither harms the next.
+    first.send(b"half").unwrap();
+    let half = out(&mut first, 0);
+    controller.feed(0, &half[..half.len() / 2]);
+    controller.send(b"lost").unwrap();
+    assert_eq!(controller.take_tx(0, &mut [0; 5]), 5);
+    assert_eq!(knocks(&mut controller, 0, &confirmation).1, [Knock::TakenUp]);
+    assert_ne!(controller.session(), session);
+    assert_eq!(controller.message(), None);
+    pump(0, &mut second, &mut controller);
+    assert_eq!((second.state(), second.session()), (State::Open, controller.session()));
+    second.send(b"after").unwrap();
+    pump(0, &mut second, &mut controller);
+    assert_eq!(controller.message(), Some(&b"after"[..]));
+    // From now on the first client is at the second wire: what it sends in its session is nothing.
+    first.poll(KEEP_ALIVE_NS);
+    let (answer, outcomes) = knocks(&mut controller, KEEP_ALIVE_NS, &out(&mut first, KEEP_ALIVE_NS));
+    assert!(answer.is_empty() && !outcomes.is_empty() && outcomes.iter().all(|knock| *knock == Knock::Nothing));
+    assert_eq!(controller.session(), second.session());
+}
+
+#[test]
+fn a_stranger_at_the_second_wire_is_told_so_and_nothing_changes() {
+    let (mut first, mut controller) = opened();
+    let session = controller.session();
+    let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
+    stranger.open(0, 9);
+    let (answer, _) = knocks(&mut controller, 0, &out(&mut stranger, 0));
+    stranger.feed(0, &answer);
+    assert_eq!(stranger.state(), State::Mismatch(Identity::OURS));
+    assert_eq!(controller.session(), session);
+    first.send(b"x").unwrap();
+    pump(0, &mut first, &mut controller);
+    assert_eq!(controller.message(), Some(&b"x"[..]));
+    // An answer that the first wire waits for is not taken by the second one.
+    let mut other = End::new(Role::Client, Identity::OURS);
+    other.open(0, 3);
+    controller.feed(0, &out(&mut other, 0));
+    stranger.open(0, 10);
+    assert_eq!(knocks(&mut controller, 0, &out(&mut stranger, 0)).1.len(), 1);
+    pump(0, &mut other, &mut controller);
+    assert_eq!((other.state(), other.session()), (State::Open, controller.session()));
 }

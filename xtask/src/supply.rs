@@ -2,6 +2,7 @@
 //!
 //! In: `deny.toml`, what `cargo metadata` says, `Cargo.lock`. Out: whether the rules hold; a CycloneDX document next to the
 //! image. Fails: where a rule is broken. What cannot be had here is left out, and said.
+use crate::board::FEATURES;
 use crate::setup::TARGET;
 use crate::shell::{self, Outcome, cargo, program, root, target, works};
 use serde_json::{Value, json};
@@ -21,7 +22,13 @@ pub fn check() -> Outcome {
         println!("left out: there is no cargo-deny here (`cargo install --locked cargo-deny` gets it)");
         return Ok(());
     };
-    shell::run(program(&deny).args(["--log-level", "error", "check", "licenses", "bans", "sources"]))?;
+    // The workspace as it is built by itself, then the reference board's image.
+    let board: Vec<&str> = ["--manifest-path", "firmware/Cargo.toml"].into_iter().chain(FEATURES).collect();
+    for graph in [&[][..], &board] {
+        let mut rules = program(&deny);
+        rules.args(["--log-level", "error"]).args(graph);
+        shell::run(rules.args(["check", "licenses", "bans", "sources"]))?;
+    }
     let mut advisories = program(&deny);
     // A network that drops packets is not waited for.
     advisories.env("GIT_HTTP_LOW_SPEED_LIMIT", "1000").env("GIT_HTTP_LOW_SPEED_TIME", "20");

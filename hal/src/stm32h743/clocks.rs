@@ -62,7 +62,7 @@ fn supply() {
     wait(|| PWR.d3cr().read().vosrdy());
 }
 
-/// 48 MHz for USB, as exact as the ST-LINK's crystal (RM0433 8.5.8): PLL1 Q.
+/// 48 MHz for USB, as exact as the ST-LINK's crystal (RM0433 8.5): PLL1 Q.
 pub fn give_usb() {
     RCC.d2ccip2r().modify(|w| w.set_usbsel(Usbsel::PLL1_Q));
 }

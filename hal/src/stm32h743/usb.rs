@@ -22,11 +22,11 @@ pub const ID_DIGITS: usize = 24;
 
 /// Endpoints each way: control; notifications and bytes received; bytes sent.
 const ENDPOINTS: usize = 3;
-/// The core's memory, 4 KiB (RM0433 57.11.3).
+/// The core's memory, 4 KiB (RM0433 57).
 const FIFO_WORDS: u16 = 1024;
-/// For SETUP packets, status words and the global NAK (RM0433 57.11.3 asks for fewer).
+/// For SETUP packets, status words and the global NAK (RM0433 57, OTG_GRXFSIZ, asks for fewer).
 const RX_EXTRA_WORDS: u16 = 30;
-/// Turn-around time for an AHB of 32 MHz and more (RM0433 57.14.4, TRDT).
+/// Turn-around time for an AHB of 32 MHz and more (RM0433 57).
 const TURN_AROUND: u8 = 6;
 /// Looks at a flag that comes in µs, each some bus cycles.
 const LOOKS: u32 = 20_000;
@@ -47,7 +47,7 @@ fn waits_for(mut is_so: impl FnMut() -> bool) -> bool {
 /// # Safety
 /// At most once.
 pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
-    // 3.3 V come from outside (UM2407); the chip's regulator stays off (RM0433 6.4.7).
+    // 3.3 V come from outside (UM2407); the chip's regulator stays off (RM0433 6.4).
     PWR.cr3().modify(|w| w.set_usb33den(true));
     if !waits_for(|| PWR.cr3().read().usb33rdy()) {
         return None;
@@ -56,7 +56,7 @@ pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
     RCC.ahb1enr().modify(|w| w.set_usb_otg_fsen(true));
     // Read back, so that the clock is there (RM0433 8.5.8).
     RCC.ahb1enr().read();
-    // There is no ULPI: with its clock asked for, the core would stop while the CPU sleeps (RM0433 8.7.48).
+    // There is no ULPI: with its clock asked for, the core would stop while the CPU sleeps (RM0433 8.7, AHB1LPENR).
     RCC.ahb1lpenr().modify(|w| w.set_usb_otg_fs_ulpilpen(false));
     // SAFETY: once, as asked of the caller.
     unsafe { pins::open_usb() };
@@ -149,7 +149,7 @@ fn is_there(address: EndpointAddress) -> bool {
     address.index() < ENDPOINTS
 }
 
-/// A packet that waits to be fetched is dropped (RM0433 57.15.6, IN endpoint disable).
+/// A packet that waits to be fetched is dropped (RM0433 57).
 fn cancel(index: usize) {
     let control = core().diepctl(index);
     if control.read().epena() {

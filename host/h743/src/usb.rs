@@ -9,7 +9,7 @@ use crate::time::{MILLISECOND, Time};
 use crate::usb_host::Host;
 use std::collections::VecDeque;
 
-/// Of each direction (RM0433 table 507).
+/// Of each direction (RM0433 57).
 pub const ENDPOINTS: usize = 9;
 /// The interrupt (RM0433 table 148).
 const LINE: usize = 101;
@@ -67,7 +67,7 @@ const EPDISD: u32 = 1 << 1;
 const STUP: u32 = 1 << 3;
 const TXFE: u32 = 1 << 7;
 
-/// Kinds of what GRXSTSP tells (RM0433 57.14.9).
+/// Kinds of what GRXSTSP tells (RM0433 57).
 const OUT_DATA: u32 = 2;
 const OUT_DONE: u32 = 3;
 const SETUP_DONE: u32 = 4;
@@ -141,7 +141,7 @@ pub struct Core {
     grxfsiz: u32,
     gccfg: u32,
     dcfg: u32,
-    /// The address in force: DAD, once the status of SetAddress has gone out (RM0433 57.15.4).
+    /// The address in force: DAD, once the status of SetAddress has gone out (RM0433 57).
     address: u8,
     dctl: u32,
     masks: [u32; 4],
@@ -534,7 +534,7 @@ impl Device for Usb {
     }
 
     fn write(&mut self, offset: u32, value: u32, mask: u32, _: Time, out: &mut Vec<Signal>) -> Option<()> {
-        // The core has words only (RM0433 57.14).
+        // The core has words only (RM0433 57).
         let done = if mask == u32::MAX { self.core.write(offset, value) } else { None };
         self.tell(out);
         done

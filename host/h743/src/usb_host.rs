@@ -154,6 +154,11 @@ impl Host {
         self.suspends = if there { NEVER } else { at + SUSPENDED };
     }
 
+    /// The bus is reset and the device found anew, as after trouble.
+    pub fn reset(&mut self, at: Time) {
+        self.leave(Phase::Debouncing, at);
+    }
+
     fn leave(&mut self, phase: Phase, at: Time) {
         let kept = (std::mem::take(&mut self.transfers), std::mem::take(&mut self.received), self.reads);
         let counts = (self.naks, self.taken, self.complaint.take());

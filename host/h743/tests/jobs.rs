@@ -1,4 +1,4 @@
-//! Jobs of the examples on the emulated board, over its USART at the chip's time: every row of the trace and every change of
+//! Jobs of the examples on the emulated board, over its USART or USB at the chip's time: every row of the trace and every change of
 //! lasers and outputs that the tick planned is that of the virtual controller, and so is every edge at the pins, as timers and
 //! DMA make it; where BEAMTICK_H743_IMAGE names the image. Light, steps and outputs of one job lie to each other as planned.
 //!
@@ -49,6 +49,13 @@ fn prepared(name: &str, folder: &Path) -> PathBuf {
 /// A job, its tick in µs, ticks from row to row.
 type Case = (&'static str, &'static str, &'static str);
 
+/// The wire of the link.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wire {
+    Usart,
+    Usb,
+}
+
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name).with_extension("gts")
 }
@@ -64,13 +71,18 @@ fn first_difference(one: &str, other: &str) -> Option<String> {
 }
 
 /// The board with this image, its interlock's circuit closed.
-fn board(elf: &[u8]) -> Shared {
+fn board(elf: &[u8], wire: Wire) -> Shared {
     let mut machine = Machine::new().unwrap();
     machine.boot(elf).unwrap();
     for pin in ["PE15", "PE3", "PG2"] {
         machine.drive(Pin::named(pin).unwrap(), Some(false));
     }
     machine.run(20 * MILLISECOND);
+    if wire == Wire::Usb {
+        machine.plug_usb(true);
+        machine.run(50 * MILLISECOND);
+        assert!(machine.chip.bus.usb.host.is_open, "no port at USB");
+    }
     Arc::new(Mutex::new(machine))
 }
 
@@ -99,7 +111,7 @@ impl Paint {
 }
 
 /// Runs a job both ways.
-fn compare(elf: &[u8], (name, tick_us, every): Case, external: bool) {
+fn compare(elf: &[u8], wire: Wire, (name, tick_us, every): Case, external: bool) {
     let began = Instant::now();
     let folder = tempfile::tempdir().unwrap();
     let job = prepared(name, folder.path()).display().to_string();
@@ -117,14 +129,18 @@ fn compare(elf: &[u8], (name, tick_us, every): Case, external: bool) {
     beamtick::call(&["sim", &job, "--quiet", "--tick-us", tick_us, "--family", family, "--trace", &each]).unwrap();
     let each = std::fs::read_to_string(each).unwrap();
 
-    let machine = board(elf);
+    let machine = board(elf, wire);
     while lock(&machine).running() != 0 {
         lock(&machine).run(1);
     }
     let paint = Paint::put(elf, &lock(&machine));
     let of_chip = words(&emulated);
     let of_chip: Vec<&str> = of_chip.iter().map(String::as_str).collect();
-    beamtick::run_over(Box::new(EmulatedLink::new(machine.clone())), &of_chip).unwrap();
+    let link = match wire {
+        Wire::Usart => EmulatedLink::new(machine.clone()),
+        Wire::Usb => EmulatedLink::over_usb(machine.clone()),
+    };
+    beamtick::run_over(Box::new(link), &of_chip).unwrap();
 
     let machine = lock(&machine);
     let chip = &machine.chip;
@@ -166,17 +182,17 @@ fn compare(elf: &[u8], (name, tick_us, every): Case, external: bool) {
     );
 }
 
-fn compare_all(cases: &[Case]) {
-    compare_with("BEAMTICK_H743_IMAGE", cases);
+fn compare_all(wire: Wire, cases: &[Case]) {
+    compare_with("BEAMTICK_H743_IMAGE", wire, cases);
 }
 
-fn compare_with(variable: &str, cases: &[Case]) {
+fn compare_with(variable: &str, wire: Wire, cases: &[Case]) {
     let Some(path) = std::env::var_os(variable) else {
         println!("skipped: {variable} names no image");
         return;
     };
     let elf = std::fs::read(path).unwrap();
-    cases.iter().for_each(|case| compare(&elf, *case, variable == EXTERNAL));
+    cases.iter().for_each(|case| compare(&elf, wire, *case, variable == EXTERNAL));
 }
 
 /// The image with the feature `external_dac`.
@@ -184,22 +200,30 @@ const EXTERNAL: &str = "BEAMTICK_H743_DAC_IMAGE";
 
 #[test]
 fn an_external_dac_shows_the_voltages_of_the_virtual_controller() {
-    compare_with(EXTERNAL, &[("laser_analog", "50", "5")]);
+    compare_with(EXTERNAL, Wire::Usart, &[("laser_analog", "50", "5")]);
 }
 
 #[test]
 fn a_listing_of_pt_moves_as_in_the_virtual_controller() {
-    compare_all(&[("pt_static", "250", "1")]);
+    compare_all(Wire::Usart, &[("pt_static", "250", "1")]);
+}
+
+#[test]
+fn a_job_over_usb_is_the_job_over_the_usart() {
+    compare_all(Wire::Usb, &[("laser_duty", "50", "5")]);
 }
 
 #[test]
 fn listings_of_lasers_shine_as_in_the_virtual_controller() {
-    compare_all(&[
-        ("laser_duty", "50", "5"),
-        ("laser_frequency", "50", "5"),
-        ("laser_analog", "50", "5"),
-        ("laser_lsr_duty", "50", "5"),
-    ]);
+    compare_all(
+        Wire::Usart,
+        &[
+            ("laser_duty", "50", "5"),
+            ("laser_frequency", "50", "5"),
+            ("laser_analog", "50", "5"),
+            ("laser_lsr_duty", "50", "5"),
+        ],
+    );
 }
 
 #[test]

@@ -11,6 +11,7 @@ use protocol::command::{
     SetHSIOOpt, SetJogPrm, SetVel,
 };
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 /// The image, if there is one.
 fn image() -> Option<Vec<u8>> {
@@ -141,6 +142,12 @@ fn assert_smooth(client: &Client) {
     assert!(counters.received > 0);
 }
 
+/// One over the USART, which does not wait long.
+fn over_usart(machine: &Shared) -> Client {
+    let options = Options { timeout: Duration::from_millis(300), ..Options::default() };
+    Client::open(Box::new(EmulatedLink::new(machine.clone())), options).unwrap()
+}
+
 fn version(client: &Client) -> Vec<u8> {
     client.version().board.to_vec()
 }
@@ -150,7 +157,7 @@ fn the_link_is_on_the_wire_on_which_it_was_opened_last() {
     let Some(elf) = image() else { return };
     let machine = plugged(&elf);
     // Over the USART first.
-    let uart = Client::open(Box::new(EmulatedLink::new(machine.clone())), Options::default()).unwrap();
+    let uart = over_usart(&machine);
     let usb = client(&machine);
     assert_eq!(version(&usb), version(&uart));
     assert!(version(&usb).starts_with(b"nucleo-h743zi2"));
@@ -163,7 +170,7 @@ fn the_link_is_on_the_wire_on_which_it_was_opened_last() {
     assert_eq!(lock(&machine).take_sent(), []);
     usb.call_items(GetEvents {}, &[]).unwrap();
     drop((uart, usb));
-    let uart = Client::open(Box::new(EmulatedLink::new(machine.clone())), Options::default()).unwrap();
+    let uart = over_usart(&machine);
     uart.call_items(GetEvents {}, &[]).unwrap();
     assert_eq!(lock(&machine).chip.bus.complaints, Vec::<String>::new());
 }
@@ -173,6 +180,7 @@ fn a_host_that_reads_and_writes_when_it_likes_loses_no_byte() {
     let Some(elf) = image() else { return };
     let machine = plugged(&elf);
     let usb = client(&machine);
+    usb.call(PrfJog { core: 1.into(), profile: 1.into() }).unwrap();
     // It fetches packets for a millisecond in four, and sends as fast as the wire goes: both sides wait.
     lock(&machine).chip.bus.usb.host.reads_for = Some((MILLISECOND, 4 * MILLISECOND));
     let calls: Vec<_> = (0..300)
@@ -301,15 +309,14 @@ fn what_a_host_should_not_ask_for_does_no_harm() {
     // The bus is reset while a packet waits that nobody has fetched.
     let usb = client(&shared);
     lock(&shared).chip.bus.usb.host.reads = false;
-    lock(&shared).send_usb(&[0]);
     drop(usb);
     {
         let mut machine = lock(&shared);
         let frame = hello();
         machine.send_usb(&frame);
         machine.run(5 * MILLISECOND);
-        machine.plug_usb(false);
-        machine.plug_usb(true);
+        let now = machine.chip.now;
+        machine.chip.bus.usb.host.reset(now);
         machine.chip.bus.usb.host.reads = true;
         until_open(&mut machine);
     }
