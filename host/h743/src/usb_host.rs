@@ -95,6 +95,8 @@ pub struct Host {
     pub reads_for: Option<(Time, Time)>,
     /// How often a packet may have waited for that.
     pub unread: u64,
+    /// Empty packets, by which the device ends a read that full ones left open.
+    pub empty: u64,
     /// Transfers that are over, in order.
     pub transfers: Vec<Transfer>,
     /// The port is open.
@@ -127,6 +129,7 @@ impl Default for Host {
             reads: true,
             reads_for: None,
             unread: 0,
+            empty: 0,
             transfers: Vec::new(),
             is_open: false,
             received: Vec::new(),
@@ -270,6 +273,7 @@ impl Host {
         }
         self.odd[1] = !odd;
         self.reading.extend(&bytes);
+        self.empty += u64::from(bytes.is_empty());
         if bytes.len() < PACKET || self.reading.len() >= READ {
             self.received.extend(self.reading.drain(..).map(|byte| (at, byte)));
         }

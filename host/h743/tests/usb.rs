@@ -205,6 +205,21 @@ fn a_host_that_reads_and_writes_when_it_likes_loses_no_byte() {
     assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
 }
 
+#[test]
+fn answers_of_whole_packets_arrive_at_once() {
+    let Some(elf) = image() else { return };
+    let machine = plugged(&elf);
+    let usb = client(&machine);
+    // Ten bytes each, in one message: 30 of them with 20 around make five packets.
+    for count in 1..=32 {
+        client_calls(&usb, &vec![Call::of(GetLaserFault { core: 1.into(), channel: 0.into() }); count]);
+    }
+    assert_smooth(&usb);
+    let machine = lock(&machine);
+    assert!(machine.chip.bus.usb.host.empty > 0, "no answer was as long as that");
+    assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
+}
+
 fn client_calls(client: &Client, calls: &[Call]) {
     let answers = client.call_all(calls).unwrap();
     assert_eq!(answers.len(), calls.len());
