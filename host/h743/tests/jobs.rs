@@ -228,7 +228,7 @@ fn listings_of_lasers_shine_as_in_the_virtual_controller() {
 
 #[test]
 fn light_and_outputs_go_with_the_steps() {
-    compare_all(&[("laser_path_power", "50", "20"), ("laser_path_power", "250", "20")]);
+    compare_all(Wire::Usart, &[("laser_path_power", "50", "20"), ("laser_path_power", "250", "20")]);
 }
 
 #[test]
