@@ -405,8 +405,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "H743: the tick's timer runs before its interrupt is let in",
         "hal/src/stm32h743/mod.rs",
-        "    for interrupt in [Interrupt::TIM2, Interrupt::USART3] {\n        // SAFETY: the caller's promise.",
-        "    timer::start();\n    cortex_m::asm::delay(30_000);\n    for interrupt in [Interrupt::TIM2, Interrupt::USART3] {\n        \
+        "    for interrupt in [Interrupt::TIM2, Interrupt::USART3, Interrupt::OTG_FS] {\n        // SAFETY: the caller's promise.",
+        "    timer::start();\n    cortex_m::asm::delay(30_000);\n    for interrupt in [Interrupt::TIM2, Interrupt::USART3, Interrupt::OTG_FS] {\n        \
          // SAFETY: the caller's promise.",
         H743_FIRST_TICK,
     ),
