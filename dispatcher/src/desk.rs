@@ -47,8 +47,8 @@ pub struct Desk<'a, const AXES: usize> {
     pub entries: &'a [[EntryStore; 2]],
     /// What leads to them.
     pub queues: &'a mut [[PathQueue; 2]],
-    /// When a path that runs wants to be looked at, controller time in ns.
-    pub feed_due: Option<u64>,
+    /// When a path that runs wants to be looked at, controller time in ns; the end of time where none does.
+    pub feed_due: u64,
     /// PVT tables.
     pub tables: TableStores<'a>,
     /// The one that is being sent.
@@ -99,7 +99,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             stores,
             entries: paths.0,
             queues: paths.1,
-            feed_due: None,
+            feed_due: u64::MAX,
             tables,
             loading: Loading::new(),
             laser_loading: tables::Loading::new(),

@@ -355,7 +355,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         let next_tick = self.program.is_urgent().then(|| self.time.0.saturating_add(1));
         let flush = self.program.flush_due(self.view.last()).map(|due| due.0);
         let feed = self.desk.feed_due;
-        self.link.next_deadline().into_iter().chain(loss).chain(next_tick).chain(flush).chain(feed).min().map(Ns)
+        let due = [self.link.next_deadline(), loss, next_tick, flush].into_iter().flatten().fold(feed, u64::min);
+        (due != u64::MAX).then_some(Ns(due))
     }
 
     /// As if so many entries more had gone through each lane, with [`Tick::age`](servo::tick::Tick::age) as long before the

@@ -17,8 +17,10 @@ use servo::units::StepLimit;
 /// As the STM32H743 board.
 const LIMIT: f64 = 1000.0;
 
-fn limited() -> Bench<8> {
-    let mut bench = Bench::on(StepLimit::new(LIMIT as u64).unwrap(), None, 0, 250);
+/// Boxed: some tests have several, more than a thread's stack holds.
+#[inline(never)]
+fn limited() -> Box<Bench<8>> {
+    let mut bench = Box::new(Bench::on(StepLimit::new(LIMIT as u64).unwrap(), None, 0, 250));
     bench.open(1);
     bench
 }
@@ -271,7 +273,7 @@ fn many(items: &[(i32, i32)], vel: f64, end: f64) -> (LnXYMany, Vec<PathXY>) {
 }
 
 /// Axes 1 and 2 as X and Y, with no other limit than that of the steps.
-fn ready() -> Bench<8> {
+fn ready() -> Box<Bench<8>> {
     let mut bench = limited();
     bench.servo_on(1);
     bench.servo_on(2);

@@ -31,7 +31,7 @@ impl<const AXES: usize> Desk<'_, AXES> {
 
     /// Paths that run and whose entries do not last long enough any more get more from their look-aheads.
     pub fn feed_paths(&mut self, view: &View<AXES>) {
-        self.feed_due = None;
+        self.feed_due = u64::MAX;
         for crd in Crd::all().take(self.entries.len()) {
             let (seen, book) = (&view.crds[crd.index()], self.ahead.crd(crd));
             // What a WaitStop has closed is not fed from what comes behind it.
@@ -47,8 +47,8 @@ impl<const AXES: usize> Desk<'_, AXES> {
             let Some(queue) = self.queues.get_mut(crd.index()).map(|queues| &mut queues[index]) else { continue };
             let spare = (queue.lasts(stores, seen, fifo) - LASTS_MS).max(0.0) * 1e6;
             let due = view.now.0.saturating_add(spare as u64);
-            if queue.held() > 0 && self.feed_due.is_none_or(|before| due < before) {
-                self.feed_due = Some(due);
+            if queue.held() > 0 {
+                self.feed_due = self.feed_due.min(due);
             }
         }
     }
