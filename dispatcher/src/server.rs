@@ -19,7 +19,7 @@ use servo::path::EntryStore;
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
-use servo::units::{Ns, StepLimit};
+use servo::units::{AxisMask, Ns, StepLimit};
 use servo::view::{Event, Sample, View};
 use zerocopy::IntoBytes;
 
@@ -49,6 +49,8 @@ pub struct Board {
     pub analog_inputs: u8,
     /// General outputs (at most 32).
     pub general_outputs: u8,
+    /// Axes whose encoder's index is captured.
+    pub indexes: AxisMask,
     /// What its step outputs make of an axis. What is known to be faster is refused.
     pub step_limit: StepLimit,
     /// What ended the run before this one, if the board remembers it.

@@ -289,6 +289,12 @@ fn settings_with_ranges() {
     assert_eq!(bench.done(GetPosErr { core, control: axis }).value.get(), 50);
     assert_eq!(bench.refused(LmtsOn { core, axis, limit_type: 2.into() }).2.field, 2);
     assert_eq!(bench.refused(SetCaptureMode { core, encoder: axis, mode: 0.into() }).2.field, 2);
+    // The encoder of axis 1 has an index, that of axis 2 has none.
+    bench.done(SetCaptureMode { core, encoder: 1.into(), mode: 2.into() });
+    let (code, reason, refusal) = bench.refused(SetCaptureMode { core, encoder: axis, mode: 2.into() });
+    assert_eq!((code, reason, refusal.field, refusal.axis.get()), (7, Reason::NoIndex, 2, 2));
+    assert_eq!((refusal.got.get(), refusal.low.get(), refusal.high.get()), (2.0, 1.0, 1.0));
+    bench.done(SetCaptureMode { core, encoder: axis, mode: 1.into() });
     for tick in [9, 1001, -1] {
         assert_eq!(bench.refused(SetTick { tick_us: tick.into() }).0, 7);
     }

@@ -172,6 +172,7 @@ fn server(last: Option<&'static Report>, channels: Channels<'static, AXES>) -> &
                 analog_outputs: board::ANALOG_OUTPUTS,
                 analog_inputs: board::ANALOG_INPUTS,
                 general_outputs: board::GENERAL_OUTPUTS,
+                indexes: board::INDEXES,
                 step_limit: board::STEP_LIMIT,
                 fault: last.map(|report| dispatcher::Fault { kind: report.kind(), text: report.text() }),
             },

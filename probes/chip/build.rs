@@ -1,6 +1,7 @@
 //! Links the probes as the image is linked.
 fn main() {
-    for argument in ["-Tlink.x", "--nmagic"] {
+    // What the linker leaves out has no place in what debuggers read: else it would be told at address 0, where code is.
+    for argument in ["-Tlink.x", "--nmagic", "-zdead-reloc-in-nonalloc=.debug_*=0xffffffff"] {
         println!("cargo:rustc-link-arg-bins={argument}");
     }
 }

@@ -134,6 +134,7 @@ reasons! {
     130 AxisGoesAlong State "axis {axis} goes along with the next motion already";
     131 CrdNotOnBoard Mismatch "this board has memory for {high} coordinate systems";
     132 StepLimit Range "{field}: axis {axis} would go at {got} pulse/ms; the board's steps are limited to {high}";
+    133 NoIndex Range "{field} is {got}, the index, but the board captures none of encoder {axis}; allowed are {low} to {high}";
     140 NotAboveMinimum Range "{field} is {got}; it must be above the minimum, {low}";
     141 PointOfAxis Range "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
     142 PlaneAxis Range "{field} names axis {got} twice; a plane has two";

@@ -383,6 +383,13 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     assert_ne!(controller.session(), session);
     assert_eq!(controller.message(), None);
     pump(0, &mut second, &mut controller);
+    // Nothing of what was half out comes over this wire.
+    let seen = second.counters();
+    assert_eq!(
+        [seen.checksum, seen.length, seen.short, seen.stale_session, seen.deframe.truncated],
+        [0; 5],
+        "{seen:?}"
+    );
     assert_eq!((second.state(), second.session()), (State::Open, controller.session()));
     second.send(b"after").unwrap();
     pump(0, &mut second, &mut controller);
@@ -392,6 +399,25 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     let (answer, outcomes) = knocks(&mut controller, KEEP_ALIVE_NS, &out(&mut first, KEEP_ALIVE_NS));
     assert!(answer.is_empty() && !outcomes.is_empty() && outcomes.iter().all(|knock| *knock == Knock::Nothing));
     assert_eq!(controller.session(), second.session());
+}
+
+#[test]
+fn a_session_that_was_not_offered_takes_nothing_up_on_the_second_wire() {
+    let (mut first, mut controller) = opened();
+    let session = controller.session();
+    let mut second = End::new(Role::Client, Identity::OURS);
+    second.open(0, 2);
+    for (n, offered) in [(1, false), (2, true)] {
+        if offered {
+            knocks(&mut controller, 0, &out(&mut second, 0));
+        }
+        // A sign of life of the session in force, which is on the other wire.
+        let now = n * KEEP_ALIVE_NS;
+        first.poll(now);
+        let (answer, outcomes) = knocks(&mut controller, now, &out(&mut first, now));
+        assert_eq!((answer, outcomes), (vec![], vec![Knock::Nothing]), "another session offered: {offered}");
+        assert_eq!(controller.session(), session);
+    }
 }
 
 #[test]

@@ -136,7 +136,10 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::Guard { axis, on, low } => self.one(axis, |state| state.inputs.guard(on, low)),
             Op::PositionError { axis, limit } => self.one(axis, |state| state.inputs.error_limit = limit),
-            Op::Capture { axis, mode } => self.one(axis, |state| state.arm(mode)),
+            Op::Capture { axis, mode } => {
+                self.one(axis, |state| state.arm(mode));
+                self.await_index(axis);
+            }
             Op::JogPrm { axis, acc, dec, smooth } => self.one(axis, |state| state.jog = Jog { acc, dec, smooth }),
             Op::TrapPrm { axis, acc, dec, vel_start, smooth } => self.one(axis, |state| {
                 (state.trap.acc, state.trap.dec) = (acc, dec);

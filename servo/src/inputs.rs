@@ -77,6 +77,11 @@ impl Inputs {
         count.wrapping_add(self.shift)
     }
 
+    /// The machine's count for the encoder's reading.
+    pub(crate) fn count(&self, encoder: i64) -> i64 {
+        encoder.wrapping_sub(self.shift)
+    }
+
     /// Where the reading 0 is among the machine's counts, as a position.
     pub(crate) fn named(&self) -> i64 {
         reading(self.shift.wrapping_neg()).0
@@ -132,6 +137,17 @@ impl Inputs {
             return Some(encoder);
         }
         None
+    }
+
+    /// Whether it waits for an index edge.
+    pub(crate) fn awaits_index(&self) -> bool {
+        self.capture == 2
+    }
+
+    /// The capture that an index edge at the machine's count makes.
+    pub(crate) fn index(&mut self, count: i64) -> i64 {
+        self.capture = 0;
+        self.encoder(count)
     }
 
     /// Whether the encoder has been inside the band for the band's time at `now`, the axis being at

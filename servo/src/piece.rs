@@ -195,14 +195,21 @@ impl Piece {
         (self.near.at(t), self.motion.tau.wrapping_add(self.near.gone(t)))
     }
 
+    /// Position of a near piece without acceleration.
+    #[inline(always)]
+    pub(crate) fn pos_even(&self, t: u32) -> Pos {
+        self.near.at_even(t)
+    }
+
     /// Position of a near piece.
     #[inline(always)]
     pub(crate) fn pos_near(&self, t: u32) -> Pos {
         self.near.at(t)
     }
 
+    /// Position and τ of any other.
     #[inline(never)]
-    fn at_wide(&self, t: u64) -> (Pos, u64) {
+    pub(crate) fn at_wide(&self, t: u64) -> (Pos, u64) {
         // Neither part is above its true value, so the sum stays below 1.
         let tau = (self.motion.recip.ratio(t) >> 1).wrapping_add(self.motion.tau);
         (self.pos_at(tau), tau)

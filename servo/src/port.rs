@@ -18,6 +18,18 @@ pub struct AxisInputs {
 }
 
 impl AxisInputs {
+    /// From [`AxisInputs::bits`].
+    #[inline]
+    pub const fn of_bits(bits: u8) -> AxisInputs {
+        AxisInputs {
+            limit_positive: bits & 1 != 0,
+            limit_negative: bits & 2 != 0,
+            alarm: bits & 4 != 0,
+            home: bits & 8 != 0,
+            arrive: bits & 16 != 0,
+        }
+    }
+
     /// The levels as bits, in the order of the fields from bit 0 on.
     #[inline]
     pub const fn bits(self) -> u8 {
@@ -35,6 +47,11 @@ pub trait Port {
     fn inputs(&mut self, axis: Axis) -> AxisInputs;
     /// Encoder count of one axis now, in whole pulses since power-on.
     fn encoder(&mut self, axis: Axis) -> i64;
+    /// Encoder count at the index edge, as hardware latched it, if there was one since the tick before; of several, the last.
+    /// Asked only of an axis that waits for one.
+    fn index(&mut self, _: Axis) -> Option<i64> {
+        None
+    }
     /// General inputs now, bit 0 is GPI 1.
     fn general_inputs(&mut self) -> u32;
     /// Analog input now, −32768…32767 is −12.5…12.5 V, from 0.

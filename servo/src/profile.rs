@@ -67,6 +67,12 @@ impl Supply {
         }
     }
 
+    /// Whether segments are free with each piece that is entered.
+    #[inline(always)]
+    fn is_stream(&self) -> bool {
+        if let Supply::Pt(run) = self { run.is_stream() } else { false }
+    }
+
     /// Whether the last piece made begins a pass: then data or orders that come now can undo it.
     #[inline]
     fn is_new_pass(&self) -> bool {
@@ -135,8 +141,8 @@ pub struct Profile {
     /// Whether the second of them is in force.
     second: bool,
     other: Other,
-    /// The piece made last begins a pass.
-    new_pass: bool,
+    /// The piece made last begins a pass, or is one of a stream: more is told of it than the piece.
+    tells: bool,
     supply: Supply,
 }
 
@@ -146,7 +152,7 @@ impl Profile {
         pieces: [Piece::rest(Ns(0), u64::MAX, Pos(0)); 2],
         second: false,
         other: Other::BeforeLast,
-        new_pass: false,
+        tells: false,
         supply: Supply::Ramp(RampRun::IDLE),
     };
 
@@ -191,10 +197,10 @@ impl Profile {
         if let Supply::Follow(follower) = &mut self.supply { Some(follower) } else { None }
     }
 
-    /// Whether the piece made last, or one that was passed by since the turn before, begins a pass.
+    /// Whether the piece made last, or one that was passed by since the turn before, begins a pass, or is one of a stream.
     #[inline(always)]
-    pub fn is_new_pass(&self) -> bool {
-        self.new_pass
+    pub fn tells(&self) -> bool {
+        self.tells
     }
 
     /// Whether a piece has been made that is not in force yet.
@@ -267,7 +273,7 @@ impl Profile {
         self.supply.shift(now);
         let piece = &mut self.pieces[!self.second as usize];
         piece.begin = Ns(piece.begin.0.wrapping_add(now.0));
-        (self.other, self.new_pass) = (Other::Ahead, false);
+        (self.other, self.tells) = (Other::Ahead, self.supply.is_stream());
         true
     }
 
@@ -324,9 +330,9 @@ impl Profile {
             return State::Running;
         }
         // A piece made ahead that is over by now is passed by with what it began.
-        let passed = self.other == Other::Ahead && self.new_pass;
+        let passed = self.other == Other::Ahead && self.tells;
         let state = self.supply.advance(now, feed, source, piece);
-        self.new_pass = passed || self.supply.is_new_pass();
+        self.tells = passed || self.supply.is_new_pass() || self.supply.is_stream();
         if state == State::Running {
             self.other = Other::Ahead;
         }
@@ -362,6 +368,25 @@ impl Profile {
     #[inline(always)]
     pub(crate) fn ahead(&self) -> Option<&Piece> {
         (self.other == Other::Ahead).then(|| self.other())
+    }
+
+    /// The near piece that holds the instant of which `next` is the low word, and the time in it. The one made ahead is told to
+    /// `enter` when it comes into force for that, and whether there is more to tell of it.
+    #[inline(always)]
+    pub(crate) fn near(&mut self, next: u32, enter: impl FnOnce(&Piece)) -> Option<(&Piece, u32, bool)> {
+        let piece = &self.pieces[self.second as usize];
+        if let Some(t) = piece.near_time_of(next) {
+            return Some((piece, t, false));
+        }
+        // A piece that is not near may have longer to go than near times tell apart.
+        if !piece.is_near() || self.other != Other::Ahead {
+            return None;
+        }
+        let ahead = &self.pieces[!self.second as usize];
+        let t = ahead.near_time_of(next)?;
+        (self.second, self.other) = (!self.second, Other::Before);
+        enter(ahead);
+        Some((ahead, t, self.tells))
     }
 
     /// The piece made ahead comes into force.

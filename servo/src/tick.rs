@@ -17,7 +17,7 @@ use crate::follow::{self, Entries, Order};
 use crate::laser::{Cause, Clock, Lasers};
 use crate::op::{Entry, Lane, Op};
 use crate::path::EntryStore;
-use crate::port::Port;
+use crate::port::{AxisInputs, Port};
 pub use crate::pt::{SEGMENTS, SegmentStore};
 use crate::pt::{Segment, Segments};
 use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
@@ -25,7 +25,7 @@ use crate::script::Script;
 use crate::slaves::Switched;
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
-use crate::view::{Event, LaserView, Sample, Speeds, Traced, View};
+use crate::view::{AxisView, Event, LaserView, Sample, Speeds, Traced, View};
 use ring::{Consumer, Producer, Writer};
 
 /// Events between two looks of the thread.
@@ -110,6 +110,47 @@ impl Entries for Source<'_> {
     }
 }
 
+/// The steps of axes that do more than to go on.
+struct Apart<'a, 'l> {
+    next: Ns,
+    /// Pieces that may still be made ahead in this tick.
+    left: u32,
+    segments: &'a [SegmentStore],
+    tables: TableStores<'a>,
+    inputs: &'a mut [AxisInputs],
+    events: &'a mut Producer<'l, Event, EVENTS>,
+    lost: &'a mut u32,
+}
+
+impl Apart<'_, '_> {
+    /// Of one that has come as far as `glide` tells.
+    #[inline(never)]
+    fn step(&mut self, axis: Axis, mut glide: Glide, state: &mut AxisState, shown: &mut AxisView) {
+        let next = self.next;
+        if glide == Glide::Far {
+            glide = state.glide_far(next, shown);
+        }
+        if glide == Glide::Shown {
+            return;
+        }
+        if shown.changes != state.shown.changes
+            && let Some(inputs) = self.inputs.get_mut(axis.index())
+        {
+            *inputs = state.raw;
+        }
+        if glide == Glide::Stale {
+            state.show(shown);
+        } else if let Some(store) = self.segments.get(axis.index()) {
+            let source = Source { segments: store, tables: self.tables };
+            let none = &mut 0;
+            let left = if glide == Glide::Barred { none } else { &mut self.left };
+            if let Some(reason) = state.run(next, left, &source, shown) {
+                tell(self.events, self.lost, Event::Stopped { axis, reason, now: next });
+            }
+        }
+    }
+}
+
 /// The state of the tick. `AXES` is the capacity of the build. What a view tells of it stands in the view's
 /// order, so that it is copied in a few instructions; the axes last.
 #[repr(C)]
@@ -131,6 +172,8 @@ pub struct Tick<const AXES: usize> {
     /// Axes in use.
     pub(crate) used: usize,
     analog_inputs: usize,
+    /// Axes that may wait for an index edge.
+    indexed: AxisMask,
     /// What an axis that follows goes in a tick at most, units of Pos, and what that is made of.
     pub(crate) step_limit: u64,
     limit_per_us: u64,
@@ -154,6 +197,7 @@ impl<const AXES: usize> Tick<AXES> {
             ticks: 0,
             used: if used < AXES { used } else { AXES },
             analog_inputs: config.analog_inputs as usize,
+            indexed: AxisMask(0),
             done_immediate: 0,
             done_program: 0,
             script: Script::HELD,
@@ -203,10 +247,16 @@ impl<const AXES: usize> Tick<AXES> {
 
         let mut caused = false;
         for (axis, state) in Axis::all().zip(self.axes.get_mut(..self.used).unwrap_or_default()) {
-            caused |= state.sample(now, port.inputs(axis), port.encoder(axis));
+            let (levels, count) = (port.inputs(axis).bits(), port.encoder(axis));
+            if !state.sample(levels, count) {
+                caused |= state.take(now, levels, count);
+            }
         }
         if caused {
             self.see_causes();
+        }
+        if self.indexed.0 != 0 {
+            self.look_at_indexes(port);
         }
         if !lanes.immediate.is_empty() || self.script.runs {
             self.execute_due(next, &mut period, port, lanes);
@@ -248,6 +298,31 @@ impl<const AXES: usize> Tick<AXES> {
         lanes.view.publish();
     }
 
+    /// An index capture was armed, or another one instead.
+    pub(crate) fn await_index(&mut self, axis: Axis) {
+        self.indexed.0 |= axis.mask().0;
+    }
+
+    /// Captures of index edges that have come. Who waits no more, for a Reset or another mode, is not asked for again.
+    #[inline(never)]
+    fn look_at_indexes(&mut self, port: &mut impl Port) {
+        for axis in self.indexed.axes() {
+            let waits = match self.axes.get_mut(axis.index()) {
+                Some(state) if state.inputs.awaits_index() => match port.index(axis) {
+                    Some(count) => {
+                        state.take_index(count);
+                        false
+                    }
+                    None => true,
+                },
+                _ => false,
+            };
+            if !waits {
+                self.indexed.0 &= !axis.mask().0;
+            }
+        }
+    }
+
     /// Pieces made ahead in a tick: two in 250 µs, one in a tick of 50 µs, which has more of its kind in a segment.
     #[inline(always)]
     pub(crate) fn made_ahead(&self) -> u32 {
@@ -257,42 +332,21 @@ impl<const AXES: usize> Tick<AXES> {
     /// Every axis takes its step; where there are slaves, they wait for their masters.
     #[inline(always)]
     fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
-        let (mut left, mut slaves) = (self.made_ahead(), self.order.slaves.0);
-        let View { axes: shown, inputs, .. } = lanes.view.buffer();
+        let left = self.made_ahead();
+        let Lanes { view, segments, tables, events, .. } = lanes;
+        let View { axes: shown, inputs, .. } = view.buffer();
         let states = self.axes.get_mut(..self.used).unwrap_or_default();
-        for ((axis, state), shown) in Axis::all().zip(states).zip(shown) {
-            let slave = slaves & 1 == 1;
-            slaves >>= 1;
-            if FOLLOW && slave {
+        let slaves = self.order.slaves;
+        let mut apart =
+            Apart { next, left, segments: *segments, tables: *tables, inputs, events, lost: &mut self.events_lost };
+        for (index, (state, shown)) in states.iter_mut().zip(shown).enumerate() {
+            let Some(axis) = Axis::new(index) else { break };
+            if FOLLOW && slaves.has(axis) {
                 continue;
             }
-            // Each of the three buffers catches up when its turn comes.
-            let mut glide = if !state.is_settled() {
-                state.glide_on(next.0 as u32, left, shown)
-            } else if shown.moves == state.shown.moves {
-                Glide::Shown
-            } else {
-                Glide::Stale
-            };
-            if glide == Glide::Far {
-                glide = state.glide_far(next, shown);
-            }
+            let glide = state.glide_on(next.0 as u32, apart.left, shown);
             if glide != Glide::Shown {
-                if shown.changes != state.shown.changes
-                    && let Some(inputs) = inputs.get_mut(axis.index())
-                {
-                    *inputs = state.raw;
-                }
-                if glide == Glide::Stale {
-                    state.show(shown);
-                } else if let Some(store) = lanes.segments.get(axis.index()) {
-                    let source = Source { segments: store, tables: lanes.tables };
-                    let none = &mut 0;
-                    let left = if glide == Glide::Barred { none } else { &mut left };
-                    if let Some(reason) = state.run(next, left, &source, shown) {
-                        tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
-                    }
-                }
+                apart.step(axis, glide, state, shown);
             }
             port.set_point(axis, state.set_point());
         }

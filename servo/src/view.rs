@@ -7,7 +7,7 @@ pub(crate) use speeds::Speeds;
 
 use crate::crd::share;
 use crate::follow::{compose, straight};
-use crate::laser::{self, Bounds, Carrier, Cause, Power, Train};
+use crate::laser::{self, Bounds, Carrier, Cause, Count, Power, Train};
 use crate::op::{Lane, Mode};
 use crate::piece::{Motion, Scaled};
 use crate::port::AxisInputs;
@@ -22,8 +22,7 @@ pub struct AxisView {
     /// Counts changes of anything here and of the axis's input levels; what did not change need not be
     /// looked at again.
     pub moves: u32,
-    /// Counts ticks of an axis that runs in which more changed than `moves`, the position, the encoder and the
-    /// parameter of the motion.
+    /// Counts ticks of an axis that runs in which its motion was another than by its parameter.
     pub turns: u32,
     /// Planned position in force at the view's time.
     pub pos: Pos,
@@ -45,6 +44,8 @@ pub struct AxisView {
     pub table_zero: Ns,
     /// Follow: how far its master went in the tick, in units of Pos.
     pub lead_way: i64,
+    /// Counts ticks, among those of `turns`, in which something from `dry_ms` to `lead_way` may have changed.
+    pub counts: u32,
     /// Counts changes of what follows.
     pub changes: u32,
     /// Status word of `GetSts` (SPEC 4).
@@ -88,6 +89,7 @@ impl AxisView {
         changes: 0,
         moves: 0,
         turns: 0,
+        counts: 0,
         pos: Pos(0),
         encoder: 0,
         encoder_before: 0,
@@ -128,6 +130,7 @@ impl AxisView {
             passes,
             table_zero,
             lead_way,
+            counts: _,
             changes: _,
             status,
             blocked,
@@ -154,21 +157,63 @@ impl AxisView {
         (*table_until, *fifo, *switching, *captured) = (on.table_until, on.fifo, on.switching, on.captured);
     }
 
+    /// The axis is in another piece.
+    #[inline(always)]
+    pub(crate) fn enter(&mut self, motion: &Motion) {
+        self.turns = self.turns.wrapping_add(1);
+        self.motion = *motion;
+    }
+
+    /// The axis is at another place, `t` ns from where its motion began.
+    #[inline(always)]
+    pub(crate) fn go_to(&mut self, pos: Pos, t: u32) {
+        (self.moves, self.pos, self.motion.t) = (self.moves.wrapping_add(1), pos, t);
+    }
+
+    /// The motion of `now`, whose time is `t`, is taken as far as it has changed; whether no more has.
+    #[inline(always)]
+    pub(crate) fn follow_piece(&mut self, now: &AxisView, t: u32) -> bool {
+        if self.turns != now.turns {
+            if self.changes != now.changes {
+                return false;
+            }
+            (self.turns, self.motion) = (now.turns, now.motion);
+            if self.counts != now.counts {
+                self.follow_counts(now);
+            }
+        }
+        self.motion.t = t;
+        true
+    }
+
     /// Becomes a copy of `now`, of which only what its counters tell is taken.
     #[inline(always)]
     pub(crate) fn follow(&mut self, now: &AxisView) {
         if self.changes != now.changes {
             self.follow_changes(now);
         }
+        self.follow_place(now);
+        self.follow_turn(now);
+    }
+
+    /// The same of what changes in every tick of an axis that runs.
+    #[inline(always)]
+    pub(crate) fn follow_place(&mut self, now: &AxisView) {
         (self.moves, self.pos) = (now.moves, now.pos);
         (self.encoder, self.encoder_before) = (now.encoder, now.encoder_before);
-        self.follow_turn(now);
     }
 
     /// The same of what `turns` counts.
     #[inline(always)]
     pub(crate) fn follow_turn(&mut self, now: &AxisView) {
         (self.turns, self.motion) = (now.turns, now.motion);
+        self.follow_counts(now);
+    }
+
+    /// The same of what `counts` counts.
+    #[inline(always)]
+    pub(crate) fn follow_counts(&mut self, now: &AxisView) {
+        self.counts = now.counts;
         (self.dry_ms, self.released, self.passes) = (now.dry_ms, now.released, now.passes);
         (self.table_zero, self.lead_way) = (now.table_zero, now.lead_way);
     }
@@ -359,6 +404,12 @@ impl LaserView {
         on_time: 0,
     };
 
+    /// The same light has another power, and pulses of another width.
+    #[inline(always)]
+    pub(crate) fn take_power(&mut self, power: Power, width: Count) {
+        (self.moves, self.power, self.train.width) = (self.moves.wrapping_add(1), power, width);
+    }
+
     /// Becomes a copy of `now`, of which only what its counters tell is taken.
     #[inline(always)]
     pub(crate) fn follow(&mut self, now: &LaserView) {
@@ -422,10 +473,10 @@ pub struct View<const AXES: usize> {
     pub trace_lost: u32,
     /// General inputs.
     pub general_inputs: u32,
-    /// The clock of the machine's laser timers, MHz; 0 before the first tick.
-    pub timer_mhz: u16,
     /// Analog inputs.
     pub analog: [i16; 8],
+    /// The clock of the machine's laser timers, MHz; 0 before the first tick.
+    pub timer_mhz: u16,
     /// Counts changes of any of the coordinate systems.
     pub crd_moves: u32,
     /// The coordinate systems.

@@ -16,7 +16,7 @@ struct Both([Bench; 2]);
 
 /// As readers see them, but for the counters of what was looked at.
 fn seen(axis: &AxisView) -> AxisView {
-    AxisView { moves: 0, turns: 0, changes: 0, ..*axis }
+    AxisView { moves: 0, turns: 0, counts: 0, changes: 0, ..*axis }
 }
 
 fn shown(crd: &CrdView) -> CrdView {

@@ -51,6 +51,33 @@ fn a_boundary_just_behind_a_tick_is_behind_it() {
     }
 }
 
+/// Of a path at 10 pulse/ms whose boundaries lie on ticks, or between them, every tick tells how many motions are completed at
+/// it, and how many entries are over before the next one.
+#[test]
+fn every_tick_counts_what_is_over() {
+    for (length, count) in [(40, 12u64), (41, 12), (13, 40), (2, 300)] {
+        let along = speeds(10.0, 10.0, 10.0);
+        let entries: Vec<_> = (1..=count as i32).map(|k| Entry::planar([length * k - 100, 50], along)).collect();
+        let mut bench = ready(250, &[]);
+        bench.path(0, 0, &entries);
+        bench.start_path(&[0]);
+        let zero = bench.tick().now.0;
+        // It speeds up for a ms, over 5 pulses.
+        let over = |k: u64| if k * length as u64 > 5 { (k * length as u64 + 5) * 100_000 } else { 0 };
+        for _ in 0..(count - 3) * length as u64 / 10 * 4 {
+            let view = bench.tick();
+            let now = view.now.0 - zero;
+            if now < 1_500_000 {
+                continue;
+            }
+            let [done, left] =
+                [now, now + 249_999].map(|until| (1..count).filter(|k| over(*k) <= until).count() as u32);
+            let shown = &view.crds[0];
+            assert_eq!((shown.done[0], shown.released[0]), (done, left), "{length} pulses, {now} ns");
+        }
+    }
+}
+
 #[test]
 fn a_line_moves_both_axes_by_their_share() {
     let mut bench = ready(250, &[]);

@@ -296,7 +296,38 @@ fn home_captures_the_encoder_at_the_rising_edge() {
     bench.machine.inputs[0].home = false;
     bench.tick();
     bench.machine.inputs[0].home = true;
-    assert_eq!(bench.tick().axes[0].captured, None, "index has no source here");
+    assert_eq!(bench.tick().axes[0].captured, None, "home is no index");
+}
+
+#[test]
+fn an_index_edge_captures_the_count_at_which_it_came() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    // The machine counts from 0, the encoder is named 1000 there.
+    bench.now(Op::SetEncoder { axis: axis(0), pulses: 1000 });
+    bench.tick();
+    bench.jog(0, 4.0, 4.0);
+    bench.ticks(10);
+    // An edge in the tick that arms counts from its end on: what came before was not asked for.
+    bench.machine.index[0] = Some(3);
+    bench.now(Op::Capture { axis: axis(0), mode: 2 });
+    assert_eq!(bench.tick().axes[0].captured, None);
+    bench.machine.index[0] = None;
+    bench.machine.inputs[0].home = true;
+    assert_eq!(bench.ticks(3).axes[0].captured, None, "home is no index");
+    bench.machine.index = [Some(-70_000); AXES];
+    let view = bench.tick();
+    assert_eq!(view.axes[0].captured, Some(1000 - 70_000));
+    assert_eq!(view.axes[1].captured, None, "not armed");
+    // Only the first edge after arming counts, and only in its mode.
+    bench.machine.index[0] = Some(5);
+    assert_eq!(bench.ticks(3).axes[0].captured, Some(1000 - 70_000));
+    for undo in [Op::Capture { axis: axis(0), mode: 1 }, Op::Reset { axes: all(&[0]) }] {
+        bench.now(Op::Capture { axis: axis(0), mode: 2 });
+        bench.now(undo);
+        bench.tick();
+        bench.machine.index[0] = Some(5);
+        assert_eq!(bench.ticks(3).axes[0].captured, None);
+    }
 }
 
 #[test]

@@ -19,7 +19,7 @@ struct Both([Bench; 2]);
 
 /// An axis as its reader sees it, but for the counters of what was looked at.
 fn seen(axis: &AxisView) -> AxisView {
-    AxisView { moves: 0, turns: 0, changes: 0, ..*axis }
+    AxisView { moves: 0, turns: 0, counts: 0, changes: 0, ..*axis }
 }
 
 impl Both {

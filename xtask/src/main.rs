@@ -11,6 +11,7 @@ mod image;
 mod mutants;
 mod probes;
 mod setup;
+mod shares;
 mod shell;
 mod supply;
 mod ticks;
@@ -29,6 +30,7 @@ cargo xtask COMMAND
   demo            builds the image, boots it, runs the examples, writes traces and plots to out/
   ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
   ticks --check   counts them and compares with the table
+  ticks --shares  whose the instructions of the worst tick of SPEC 11 are
   probes          the programs that must link, must not link, must not compile
   traces [NAME…]  example jobs in the virtual controller and in the image: equal, byte for byte
   supply          licences, duplicates, sources and advisories of the dependencies (deny.toml)
@@ -59,6 +61,7 @@ fn main() -> ExitCode {
         ["demo"] => demo::run(),
         ["ticks"] => ticks::write(),
         ["ticks", "--check"] => ticks::check(),
+        ["ticks", "--shares"] => ticks::shares(),
         ["probes"] => probes::run(),
         ["traces", names @ ..] => traces::run(names),
         ["supply"] => supply::check(),

@@ -6,6 +6,7 @@
 //! change a little when the compiler or anything inlined into the tick changes.
 use crate::image::build_bin;
 use crate::setup::{self, QEMU};
+use crate::shares::{self, Share};
 use crate::shell::{Outcome, program, read, root};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -21,6 +22,8 @@ const TOLERANCE: u32 = 8;
 
 const BEGIN: &str = "<!-- ticks: written by `cargo xtask ticks` -->";
 const END: &str = "<!-- end of ticks -->";
+const SHARES: &str = "<!-- shares: written by `cargo xtask ticks` -->";
+const END_OF_SHARES: &str = "<!-- end of shares -->";
 
 /// Fewest, middle and most instructions of some ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -224,32 +227,76 @@ fn page() -> std::path::PathBuf {
     root().join("docs/numbers.md")
 }
 
-/// Splits the page around the table.
-fn parts(page: &str) -> Outcome<(&str, &str, &str)> {
-    page.split_once(BEGIN)
-        .and_then(|(before, rest)| rest.split_once(END).map(|(old, after)| (before, old, after)))
-        .ok_or_else(|| format!("docs/numbers.md lacks the lines `{BEGIN}` and `{END}`"))
+/// Splits the page around a table.
+fn parts<'a>(page: &'a str, [begin, end]: [&str; 2]) -> Outcome<(&'a str, &'a str, &'a str)> {
+    page.split_once(begin)
+        .and_then(|(before, rest)| rest.split_once(end).map(|(old, after)| (before, old, after)))
+        .ok_or_else(|| format!("docs/numbers.md lacks the lines `{begin}` and `{end}`"))
 }
 
-/// Counts, prints, and writes the table into the page.
+/// The page with another table.
+fn put(page: &str, [begin, end]: [&str; 2], table: &str) -> Outcome<String> {
+    let (before, _, after) = parts(page, [begin, end])?;
+    Ok(format!("{before}{begin}\n{table}{end}{after}"))
+}
+
+/// Counts, prints, and writes the tables into the page.
 pub fn write() -> Outcome {
-    let table = shown(&count()?);
-    print!("{table}");
+    let table = count()?;
+    let (rows, shares) = (shown(&table), shown_shares(Some(&table))?);
+    print!("{rows}\n{shares}");
     let text = std::fs::read_to_string(page()).map_err(|e| format!("docs/numbers.md: {e}"))?;
-    let (before, _, after) = parts(&text)?;
-    std::fs::write(page(), format!("{before}{BEGIN}\n{table}{END}{after}")).map_err(|e| format!("docs/numbers.md: {e}"))
+    let text = put(&put(&text, [BEGIN, END], &rows)?, [SHARES, END_OF_SHARES], &shares)?;
+    std::fs::write(page(), text).map_err(|e| format!("docs/numbers.md: {e}"))
+}
+
+/// Prints whose the instructions of SPEC 11's tick are.
+pub fn shares() -> Outcome {
+    setup::run()?;
+    print!("{}", shown_shares(None)?);
+    Ok(())
+}
+
+/// The shares as a table; with the rows of the reference board it also sums up what its tick of 10 µs takes.
+fn shown_shares(table: Option<&Table>) -> Outcome<String> {
+    let counts = shares::count(&build_bin("beamtick-probes", "crds")?)?;
+    let mut text = String::from("| share of the tick of SPEC 11 | instructions |\n| --- | ---: |\n");
+    for ((_, words), count) in shares::SHARES.iter().zip(&counts) {
+        let _ = writeln!(text, "| {words} | {count} |");
+    }
+    let counted = |of: &[Share]| -> usize {
+        let all = shares::SHARES.iter().zip(&counts);
+        all.filter(|((share, _), _)| of.contains(share)).map(|(_, count)| count).sum()
+    };
+    let goal = counted(&[Share::Axes, Share::Crds, Share::Lasers, Share::Planning]);
+    let all: usize = counts.iter().sum();
+    let _ = writeln!(text, "| **evaluators and planning**, of which SPEC 11 asks for 2,400 | **{goal}** |");
+    let _ = writeln!(text, "| the whole tick | {all} |");
+    let row = |axes: u32, mark: &'static str| table.and_then(|table| table.get(&(axes, mark)));
+    if let (Some(steps), Some(rounds), Some(odd)) = (row(8, "steps-10"), row(2, "rounds-10"), row(2, "rounds-odd-10")) {
+        let (steps, rounds, odd) = (steps.typical as usize, rounds.typical as usize, odd.typical as usize);
+        let _ = writeln!(text, "| step slots of eight axes at 1 MHz, a tick of 10 µs | {steps} |");
+        let _ = writeln!(text, "| rounds of two carriers of 2 MHz, a tick of 10 µs | {rounds} |");
+        let _ = writeln!(text, "| **the total on the reference board** | **{}** |", all + steps + rounds);
+        let _ = writeln!(text, "| the same where no two pulses in turn are equal | {} |", all + steps + odd);
+    }
+    Ok(text)
 }
 
 /// Counts, and compares with the page: more instructions than stated is an error, fewer is news.
 pub fn check() -> Outcome {
-    let counted = shown(&count()?);
-    print!("{counted}");
+    let table = count()?;
+    let (rows, shares) = (shown(&table), shown_shares(Some(&table))?);
+    print!("{rows}\n{shares}");
     let text = std::fs::read_to_string(page()).map_err(|e| format!("docs/numbers.md: {e}"))?;
-    let (_, stated, _) = parts(&text)?;
-    compare(stated.trim(), counted.trim())
+    compare(parts(&text, [BEGIN, END])?.1.trim(), rows.trim(), cells)?;
+    compare(parts(&text, [SHARES, END_OF_SHARES])?.1.trim(), shares.trim(), pair)
 }
 
-fn compare(stated: &str, counted: &str) -> Outcome {
+/// The words of a row and its counts.
+type Cells<const N: usize> = Outcome<(String, [u32; N])>;
+
+fn compare<const N: usize>(stated: &str, counted: &str, cells: fn(&str) -> Cells<N>) -> Outcome {
     if stated.lines().count() != counted.lines().count() {
         return Err("docs/numbers.md has other rows than were counted; `cargo xtask ticks` writes it anew".into());
     }
@@ -273,13 +320,21 @@ fn compare(stated: &str, counted: &str) -> Outcome {
 }
 
 /// A row's words and its three counts.
-fn cells(row: &str) -> Outcome<(String, [u32; 3])> {
+fn cells(row: &str) -> Cells<3> {
     let cells: Vec<&str> = row.split('|').map(str::trim).collect();
     let [_, axes, tick, best, typical, worst, ..] = cells.as_slice() else {
         return Err(format!("not a row of the table: {row}"));
     };
     let number = |cell: &str| cell.parse::<u32>().map_err(|_| format!("not a count: {cell} in {row}"));
     Ok((format!("{axes} axes, {tick}"), [number(best)?, number(typical)?, number(worst)?]))
+}
+
+/// A row's words and its one count.
+fn pair(row: &str) -> Cells<1> {
+    let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+    let [_, words, count, _] = cells.as_slice() else { return Err(format!("not a row of the shares: {row}")) };
+    let count = count.trim_matches('*').parse().map_err(|_| format!("not a count: {count} in {row}"))?;
+    Ok((String::from(*words), [count]))
 }
 
 #[cfg(test)]
@@ -310,11 +365,18 @@ mod tests {
     #[test]
     fn a_longer_tick_is_an_error_and_a_shorter_one_is_not() {
         let old = shown(&table(&printed(1000)).unwrap());
-        assert!(compare(old.trim(), old.trim()).is_ok());
+        assert!(compare(old.trim(), old.trim(), cells).is_ok());
         let longer = shown(&table(&printed(1060)).unwrap());
-        assert!(compare(old.trim(), longer.trim()).unwrap_err().contains("1060"));
+        assert!(compare(old.trim(), longer.trim(), cells).unwrap_err().contains("1060"));
         let shorter = shown(&table(&printed(900)).unwrap());
-        assert!(compare(old.trim(), shorter.trim()).is_ok());
+        assert!(compare(old.trim(), shorter.trim(), cells).is_ok());
+    }
+
+    #[test]
+    fn a_larger_share_is_an_error() {
+        let shares = |count: u32| format!("| share | instructions |\n| --- | ---: |\n| **all** | **{count}** |");
+        assert!(compare(&shares(2000), &shares(2060), pair).is_ok());
+        assert!(compare(&shares(2000), &shares(2080), pair).unwrap_err().contains("2080"));
     }
 
     #[test]

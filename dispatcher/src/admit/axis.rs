@@ -212,10 +212,14 @@ pub fn position_error<const AXES: usize>(case: &mut Case<AXES>, r: &SetPosErr) -
     Ok(Answer::Done)
 }
 
-/// Modes: 1 home, 2 index.
+/// Modes: 1 home, 2 index, where the board captures it.
 pub fn capture<const AXES: usize>(case: &mut Case<AXES>, r: &SetCaptureMode) -> Admitted<Answer> {
     let axis = case.axis(r.core.get(), r.encoder.get())?;
     let mode = choice(2, r.mode.get(), 1, 2)?;
+    if mode == 2 && !case.board.indexes.has(axis) {
+        let refused = Refused::new(Reason::NoIndex).field(2).axis(r.encoder.get());
+        return Err(refused.got(mode.into()).limits(1.0, 1.0));
+    }
     case.stage(Op::Capture { axis, mode: mode as u8 });
     Ok(Answer::Done)
 }

@@ -185,9 +185,9 @@ fn is_final(reason: Reason) -> bool {
     use Reason::{
         AboveLow, AnalogInUse, AxisGoesAlong, AxisInCrd, AxisLeftCrd, BelowMinimum, Between, BeyondTravel, CentreOff,
         CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty, GearsFull,
-        LaserConnector, Length, NoAcceleration, NoCoordinate, NoLength, NotFinite, NotForProgram, NotInDynamic,
-        NotInFamily, NotInProgram, NotInitialised, OutOfRange, RadiusTooLarge, RadiusTooSmall, Selector, ServoOff,
-        StepLimit, TooMany, UnknownCommand, WrongMode,
+        LaserConnector, Length, NoAcceleration, NoCoordinate, NoIndex, NoLength, NotFinite, NotForProgram,
+        NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, RadiusTooLarge, RadiusTooSmall, Selector,
+        ServoOff, StepLimit, TooMany, UnknownCommand, WrongMode,
     };
     matches!(
         reason,
@@ -205,6 +205,7 @@ fn is_final(reason: Reason) -> bool {
             | CrdNotSet
             | GearsFull
             | NoCoordinate
+            | NoIndex
             | NoLength
             | RadiusTooLarge
             | RadiusTooSmall

@@ -16,7 +16,7 @@ use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::steps;
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, Crd, Ns, Pos, StepLimit};
+use servo::units::{Axis, AxisMask, Crd, Ns, Pos, StepLimit};
 use servo::view::View;
 use std::collections::HashMap;
 use zerocopy::{FromBytes, IntoBytes};
@@ -159,6 +159,7 @@ impl<const AXES: usize> Bench<AXES> {
             analog_outputs: 8,
             analog_inputs: 8,
             general_outputs: 16,
+            indexes: AxisMask(0b1),
             step_limit,
             fault,
         };

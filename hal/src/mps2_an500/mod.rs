@@ -44,6 +44,9 @@ const STACK: u32 = 0x2000_0000;
 /// General outputs of the board.
 pub const GENERAL_OUTPUTS: u8 = 32;
 
+/// Axes whose encoder's index is captured: none, for encoders read the set-point.
+pub const INDEXES: servo::units::AxisMask = servo::units::AxisMask(0);
+
 /// Why the board started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cause {

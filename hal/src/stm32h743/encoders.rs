@@ -1,8 +1,8 @@
-//! Encoders of the first axes: TIM3 and TIM4 count their edges (RM0433 39.3.19).
+//! Encoders of the first axes: TIM3 and TIM4 count their edges and latch the count at their index (RM0433 39.3.19, 39.3.5).
 //!
-//! In: lines A and B. Out: counts of 64 bits, four a line of the encoder. Owns TIM3 and TIM4, whose 16 bits are extended at each reading: 32767
-//! counts between two, 130 MHz at 250 µs, are beyond what the inputs let through (30 MHz). Fails never; a line that is not
-//! there counts nothing.
+//! In: lines A, B and Z. Out: counts of 64 bits, four a line of the encoder, and that at the last rising edge of Z. Owns TIM3 and TIM4, whose
+//! 16 bits are extended at each reading: 32767 counts between two, 130 MHz at 250 µs, are beyond what the inputs let through
+//! (30 MHz). Fails never; a line that is not there counts nothing.
 use super::settings::ENCODERS;
 use stm32_metapac::timer::TimGp16;
 use stm32_metapac::timer::vals::{CcmrInputCcs, FilterValue, Sms};
@@ -14,26 +14,41 @@ pub const MOST: usize = 2;
 
 const TIMERS: [TimGp16; MOST] = [TIM3, TIM4];
 
+/// The channel, from 0, at whose input each index is: TIM3_CH4, TIM4_CH3.
+const INDEX_CHANNELS: [usize; MOST] = [3, 2];
+
+/// Axes that have one, a bit each.
+pub const FITTED: u64 = {
+    let [first, second] = ENCODERS;
+    first as u64 | (second as u64) << 1
+};
+
 /// The counters.
 #[derive(Debug)]
 pub struct Encoders {
     /// What the timers showed last.
     seen: [u16; MOST],
     counts: [i64; MOST],
+    /// Counts at the index edges that came since the reading before.
+    indexes: [Option<i64>; MOST],
 }
 
 impl Encoders {
     /// Nothing has been counted.
-    pub const AT_ZERO: Encoders = Encoders { seen: [0; MOST], counts: [0; MOST] };
+    pub const AT_ZERO: Encoders = Encoders { seen: [0; MOST], counts: [0; MOST], indexes: [None; MOST] };
 
     /// Looks at the counters, once a tick.
     pub fn read(&mut self) {
-        for ((timer, seen), count) in TIMERS.iter().zip(&mut self.seen).zip(&mut self.counts) {
+        let places = self.seen.iter_mut().zip(&mut self.counts).zip(&mut self.indexes);
+        for ((timer, channel), ((seen, count), index)) in TIMERS.iter().zip(INDEX_CHANNELS).zip(places) {
             let now = timer.cnt().read().cnt();
             // The shorter way round: 16 bits have turned over at most once.
-            let way = now.wrapping_sub(*seen) as i16;
+            let way = |to: u16, from: u16| i64::from(to.wrapping_sub(from) as i16);
+            *count = count.wrapping_add(way(now, *seen));
             *seen = now;
-            *count = count.wrapping_add(way.into());
+            // Reading what was latched takes its flag away (RM0433 39.4.5).
+            let latched = timer.sr().read().ccif(channel).then(|| timer.ccr(channel).read().ccr());
+            *index = latched.map(|latched| count.wrapping_add(way(latched, now)));
         }
     }
 
@@ -41,6 +56,12 @@ impl Encoders {
     pub fn count(&self, axis: usize) -> Option<i64> {
         ENCODERS.get(axis).filter(|fitted| **fitted)?;
         self.counts.get(axis).copied()
+    }
+
+    /// The count at the last index edge of an axis between the two readings made last.
+    pub fn index(&self, axis: usize) -> Option<i64> {
+        ENCODERS.get(axis).filter(|fitted| **fitted)?;
+        self.indexes.get(axis).copied()?
     }
 }
 
@@ -55,14 +76,20 @@ pub unsafe fn open() {
     });
     // Read back, so that the clock is there (RM0433 8.5.8).
     RCC.apb1lenr().read();
-    for timer in TIMERS {
+    for (timer, index) in TIMERS.into_iter().zip(INDEX_CHANNELS) {
+        // Each input to its own channel; a level holds for eight samples, 33 ns, so all three are late by the same.
         timer.ccmr_input(0).write(|w| {
             for input in 0..2 {
-                // TI1 and TI2, each to its own channel; a level holds for eight samples, 33 ns.
                 w.set_ccs(input, CcmrInputCcs::TI4);
                 w.set_icf(input, FilterValue::FCK_INT_N8);
             }
         });
+        timer.ccmr_input(index / 2).write(|w| {
+            w.set_ccs(index % 2, CcmrInputCcs::TI4);
+            w.set_icf(index % 2, FilterValue::FCK_INT_N8);
+        });
+        // Rising edges.
+        timer.ccer().write(|w| w.set_cce(index, true));
         timer.smcr().write(|w| w.set_sms(Sms::ENCODER_MODE_3));
         timer.arr().write(|w| w.set_arr(u16::MAX));
         timer.cr1().write(|w| w.set_cen(true));

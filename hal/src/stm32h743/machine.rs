@@ -93,6 +93,10 @@ impl Port for Machine {
         self.encoders.count(axis).or_else(|| self.stands.get(axis).copied()).unwrap_or(0)
     }
 
+    fn index(&mut self, axis: Axis) -> Option<i64> {
+        self.encoders.index(axis.index())
+    }
+
     fn general_inputs(&mut self) -> u32 {
         self.levels.general()
     }

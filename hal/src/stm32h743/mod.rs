@@ -57,6 +57,9 @@ pub const STEP_LIMIT: servo::units::StepLimit = match servo::units::StepLimit::n
 /// Analog outputs of the board.
 pub const ANALOG_OUTPUTS: u8 = analog::OUTPUTS as u8;
 
+/// Axes whose encoder's index is captured: those that have one.
+pub const INDEXES: servo::units::AxisMask = servo::units::AxisMask(encoders::FITTED);
+
 /// General outputs of the board.
 pub const GENERAL_OUTPUTS: u8 = pins::GENERAL_OUTPUTS as u8;
 

@@ -20,7 +20,7 @@ const LIMIT_NEGATIVE: [Pin; AXES] =
 const HOME: [Pin; AXES] =
     [(GPIOD, 0), (GPIOD, 1), (GPIOD, 2), (GPIOD, 3), (GPIOD, 4), (GPIOD, 5), (GPIOD, 6), (GPIOD, 7)];
 const ALARM: [Pin; AXES] =
-    [(GPIOA, 0), (GPIOA, 3), (GPIOA, 6), (GPIOA, 15), (GPIOC, 0), (GPIOC, 6), (GPIOD, 14), (GPIOD, 15)];
+    [(GPIOA, 0), (GPIOA, 3), (GPIOA, 6), (GPIOA, 15), (GPIOC, 0), (GPIOC, 6), (GPIOD, 11), (GPIOD, 15)];
 const GENERAL_IN: [Pin; 3] = [(GPIOC, 13), (GPIOE, 14), (GPIOC, 9)];
 /// Break inputs of TIM1, TIM15 and TIM8, wired together.
 const INTERLOCK: [Pin; 3] = [(GPIOE, 15), (GPIOE, 3), (GPIOG, 2)];
@@ -54,6 +54,8 @@ const LINK_FUNCTION: u8 = 7;
 
 /// TIM3 and TIM4 on these.
 const ENCODERS: [Pin; 4] = [(GPIOB, 4), (GPIOB, 5), (GPIOD, 12), (GPIOD, 13)];
+/// Their indexes, TIM3_CH4 and TIM4_CH3.
+const INDEXES: [Pin; 2] = [(GPIOB, 1), (GPIOD, 14)];
 const ENCODER_FUNCTION: u8 = 2;
 
 /// SPI3 on these, for an external DAC, and its select line.
@@ -110,6 +112,10 @@ pub unsafe fn open() {
     for (port, pin) in ENCODERS {
         // A line that is not there does not count.
         port.pupdr().modify(|w| w.set_pupdr(pin, Pupdr::PULL_UP));
+        give((port, pin), ENCODER_FUNCTION, Ospeedr::LOW_SPEED);
+    }
+    for (port, pin) in INDEXES {
+        port.pupdr().modify(|w| w.set_pupdr(pin, Pupdr::PULL_DOWN));
         give((port, pin), ENCODER_FUNCTION, Ospeedr::LOW_SPEED);
     }
     if EXTERNAL_DAC {

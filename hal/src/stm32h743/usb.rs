@@ -2,10 +2,14 @@
 //!
 //! In and out: packets, by `embassy-usb-synopsys-otg`. Owns the core, its supply and its pins. What a host asks of an endpoint
 //! that the board does not have is passed over, and a packet that waited when the host reset the bus is dropped: the driver
-//! would stop the board for the one, and wait for ever for the other. Fails: without its supply there is no USB.
+//! would stop the board for the one, and wait for ever for the other. An endpoint that shall take another packet is enabled again,
+//! as the manual wants it; the driver clears its NAK alone. Fails: without its supply there is no USB.
 use super::{clocks, pins};
+use core::future::{Future, poll_fn};
+use core::pin::pin;
 use embassy_usb_driver::{
-    self as usb, Direction, EndpointAddress, EndpointAllocError, EndpointType, Event, Unsupported,
+    self as usb, Direction, EndpointAddress, EndpointAllocError, EndpointError, EndpointInfo, EndpointType, Event,
+    Unsupported,
 };
 use embassy_usb_synopsys_otg::otg_v1::Otg;
 use embassy_usb_synopsys_otg::{
@@ -94,6 +98,20 @@ pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
 pub unsafe fn serve() {
     // SAFETY: as asked of the caller.
     unsafe { otg::on_interrupt(core(), &STATE.as_state()) };
+    enable_what_takes();
+}
+
+/// Enables the OUT endpoints that answer no NAK: the core takes packets with EPENA set only, and clears it at the end of a
+/// transfer (RM0433 57, OTG_DOEPCTL), which may come after the driver has asked for the next one. Setting it again, or on a core
+/// that does without it, changes nothing.
+fn enable_what_takes() {
+    for index in 0..ENDPOINTS {
+        let control = core().doepctl(index);
+        let is = control.read();
+        if is.usbaep() && !is.naksts() && !is.epena() {
+            control.modify(|w| w.set_epena(true));
+        }
+    }
 }
 
 /// The chip's unique id in hexadecimal digits (RM0433 61.1).
@@ -111,9 +129,9 @@ pub fn unique_id() -> [u8; ID_DIGITS] {
 pub struct Usb(Driver<'static>);
 
 impl usb::Driver<'static> for Usb {
-    type EndpointOut = Endpoint<'static, Out>;
+    type EndpointOut = Taker;
     type EndpointIn = Endpoint<'static, In>;
-    type ControlPipe = ControlPipe<'static>;
+    type ControlPipe = Control;
     type Bus = Bus;
 
     fn alloc_endpoint_out(
@@ -123,7 +141,7 @@ impl usb::Driver<'static> for Usb {
         packet: u16,
         interval_ms: u8,
     ) -> Result<Self::EndpointOut, EndpointAllocError> {
-        self.0.alloc_endpoint_out(kind, address, packet, interval_ms)
+        self.0.alloc_endpoint_out(kind, address, packet, interval_ms).map(Taker)
     }
 
     fn alloc_endpoint_in(
@@ -138,7 +156,79 @@ impl usb::Driver<'static> for Usb {
 
     fn start(self, control_packet: u16) -> (Self::Bus, Self::ControlPipe) {
         let (bus, control) = self.0.start(control_packet);
-        (Bus(bus), control)
+        (Bus(bus), Control(control))
+    }
+}
+
+/// An endpoint that takes packets.
+pub struct Taker(Endpoint<'static, Out>);
+
+impl usb::Endpoint for Taker {
+    fn info(&self) -> &EndpointInfo {
+        self.0.info()
+    }
+
+    async fn wait_enabled(&mut self) {
+        self.0.wait_enabled().await;
+    }
+}
+
+impl usb::EndpointOut for Taker {
+    async fn read(&mut self, packet: &mut [u8]) -> Result<usize, EndpointError> {
+        let taken = self.0.read(packet).await;
+        critical_section::with(|_| enable_what_takes());
+        taken
+    }
+}
+
+/// The control pipe.
+pub struct Control(ControlPipe<'static>);
+
+impl usb::ControlPipe for Control {
+    fn max_packet_size(&self) -> usize {
+        self.0.max_packet_size()
+    }
+
+    async fn setup(&mut self) -> [u8; 8] {
+        let mut setup = pin!(self.0.setup());
+        // In one piece: the interrupt enables what has no NAK.
+        poll_fn(|cx| {
+            critical_section::with(|_| {
+                let request = setup.as_mut().poll(cx);
+                if request.is_ready() {
+                    // What follows is a packet of data or of status; the driver tells how many SETUP packets may come, and not this.
+                    core().doeptsiz(0).modify(|w| {
+                        w.set_xfrsiz(PACKET as u32);
+                        w.set_pktcnt(1);
+                    });
+                    enable_what_takes();
+                }
+                request
+            })
+        })
+        .await
+    }
+
+    async fn data_out(&mut self, data: &mut [u8], first: bool, last: bool) -> Result<usize, EndpointError> {
+        let taken = self.0.data_out(data, first, last).await;
+        critical_section::with(|_| enable_what_takes());
+        taken
+    }
+
+    async fn data_in(&mut self, data: &[u8], first: bool, last: bool) -> Result<(), EndpointError> {
+        self.0.data_in(data, first, last).await
+    }
+
+    async fn accept(&mut self) {
+        self.0.accept().await;
+    }
+
+    async fn reject(&mut self) {
+        self.0.reject().await;
+    }
+
+    async fn accept_set_address(&mut self, address: u8) {
+        self.0.accept_set_address(address).await;
     }
 }
 
@@ -149,16 +239,28 @@ fn is_there(address: EndpointAddress) -> bool {
     address.index() < ENDPOINTS
 }
 
-/// A packet that waits to be fetched is dropped (RM0433 57).
-fn cancel(index: usize) {
-    let control = core().diepctl(index);
-    if control.read().epena() {
-        control.modify(|w| {
-            w.set_snak(true);
-            w.set_epdis(true);
-        });
-        // The flush that follows is the driver's.
-        waits_for(|| !control.read().epena());
+/// A packet that waits to be fetched is dropped, none is taken any more (RM0433 57).
+fn cancel(address: EndpointAddress) {
+    let (index, core) = (address.index(), core());
+    if address.direction() == Direction::In {
+        let control = core.diepctl(index);
+        if control.read().epena() {
+            control.modify(|w| {
+                w.set_snak(true);
+                w.set_epdis(true);
+            });
+            // The flush that follows is the driver's.
+            waits_for(|| !control.read().epena());
+        }
+    } else {
+        let control = core.doepctl(index);
+        if control.read().epena() {
+            control.modify(|w| {
+                w.set_snak(true);
+                w.set_epdis(true);
+            });
+            waits_for(|| !control.read().epena());
+        }
     }
 }
 
@@ -177,9 +279,7 @@ impl usb::Bus for Bus {
 
     fn endpoint_set_enabled(&mut self, address: EndpointAddress, enabled: bool) {
         if is_there(address) {
-            if address.direction() == Direction::In {
-                cancel(address.index());
-            }
+            cancel(address);
             self.0.endpoint_set_enabled(address, enabled);
         }
     }

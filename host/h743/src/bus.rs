@@ -121,8 +121,11 @@ pub struct Bus {
     signals: Vec<Signal>,
 }
 
-/// Pins of an encoder's first and second input: the timer, the pins, their alternate function.
-const ENCODERS: [(u8, [&str; 2], u32); 2] = [(3, ["PB4", "PB5"], 2), (4, ["PD12", "PD13"], 2)];
+/// An input of a timer, from 0, and its pin.
+type Input = (usize, &'static str);
+/// Pins at an encoder's first two inputs and at the one that latches its index: the timer, its inputs, the alternate function.
+const ENCODERS: [(u8, [Input; 3], u32); 2] =
+    [(3, [(0, "PB4"), (1, "PB5"), (3, "PB1")], 2), (4, [(0, "PD12"), (1, "PD13"), (2, "PD14")], 2)];
 
 impl Bus {
     /// After power has come; the DMAs reach this memory.
@@ -300,13 +303,14 @@ impl Bus {
 
     /// Encoder timers follow their pins.
     fn look_at_encoders(&mut self) {
-        for (number, names, function) in ENCODERS {
-            let [one, two] = names.map(|name| {
+        for (number, inputs, function) in ENCODERS {
+            let mut levels = [false; 4];
+            for (input, name) in inputs {
                 let connected = |pin: &Pin| self.gpio.alternate(*pin) == Some(function);
-                Pin::named(name).filter(connected).is_some_and(|pin| self.gpio.reads(pin))
-            });
+                levels[input] = Pin::named(name).filter(connected).is_some_and(|pin| self.gpio.reads(pin));
+            }
             if let Some(timer) = self.timer(number) {
-                timer.inputs(one, two);
+                timer.inputs(levels);
             }
         }
     }

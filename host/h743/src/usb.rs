@@ -1,8 +1,10 @@
 //! USB OTG FS as a device (RM0433 57), as far as the image uses it: endpoints with their FIFOs, events of the bus, VBUS.
 //!
 //! In: registers, transactions of the [`Host`]. Out: handshakes and data, the interrupt's line. A packet is there at once
-//! and whole. An OUT endpoint takes packets while its NAK is clear, and sets it with each; EPENA and the counts do not matter
-//! for that (the driver of the image relies on it, as it does on the chip). Not modelled: DMA, isochronous and host operation.
+//! and whole. An OUT endpoint takes a packet while it is enabled (EPENA), has no NAK and is told of a packet (PKTCNT); its transfer ends
+//! with that packet: NAK is set, and EPENA cleared when the transfer is told to be complete. Cores were seen that take packets
+//! without EPENA (an STM32L476 does), so that is there as well ([`Core::lenient`]). Not modelled: DMA, isochronous and host
+//! operation, transfers of more than a packet.
 use crate::clocks::Clocks;
 use crate::device::{Device, Signal};
 use crate::time::{MILLISECOND, Time};
@@ -41,6 +43,9 @@ const OUTS: u32 = 0xb00;
 const BEHIND: u32 = OUTS + 0x20 * ENDPOINTS as u32;
 const FIFO: u32 = 0x1000;
 
+/// BVALOEN, BVALOVAL: a session whatever VBUS says.
+const BVALO: u32 = 3 << 6;
+
 const OTGINT: u32 = 1 << 2;
 const RXFLVL: u32 = 1 << 4;
 const USBSUSP: u32 = 1 << 11;
@@ -61,6 +66,9 @@ const EPDIS: u32 = 1 << 30;
 const EPENA: u32 = 1 << 31;
 /// What an endpoint's control register keeps as it is written: MPSIZ, USBAEP, EPTYP, STALL, TXFNUM.
 const KEPT: u32 = 0x7ff | USBAEP | 3 << 18 | STALL | 0xf << 22;
+
+/// Of DOEPTSIZ.
+const PKTCNT: u32 = 0x3ff << 19;
 
 const XFRC: u32 = 1 << 0;
 const EPDISD: u32 = 1 << 1;
@@ -133,6 +141,7 @@ impl Endpoint {
 /// The core.
 #[derive(Debug, Clone, Default)]
 pub struct Core {
+    gotgctl: u32,
     gotgint: u32,
     gahbcfg: u32,
     gusbcfg: u32,
@@ -157,6 +166,8 @@ pub struct Core {
     /// Supply and pins; time of a cycle of its clock.
     connected: bool,
     clock: Option<Time>,
+    /// OUT endpoints take packets without EPENA and PKTCNT too.
+    pub lenient: bool,
     /// What is done against the manual.
     pub complaint: Option<String>,
 }
@@ -173,9 +184,16 @@ impl Core {
         self.complaint.get_or_insert_with(|| what.into());
     }
 
-    /// The pull-up at D+ is there: VBUS, supply, pins, transceiver, no soft disconnect. A clock of 48 MHz as well.
+    /// The pull-up at D+: the session of a B-device as VBUS tells it, or GOTGCTL in its place; supply, pins, transceiver, no soft
+    /// disconnect.
+    fn pulls_up(&self) -> bool {
+        let session = self.session || self.gotgctl & BVALO == BVALO;
+        session && self.connected && self.gccfg & 1 << 16 != 0 && self.dctl & 1 << 1 == 0
+    }
+
+    /// The host sees the pull-up. A clock of 48 MHz is there as well.
     pub fn is_pulled_up(&mut self) -> bool {
-        let up = self.vbus && self.connected && self.gccfg & 1 << 16 != 0 && self.dctl & 1 << 1 == 0;
+        let up = self.pulls_up();
         if up && self.clock != Some(20) {
             self.complain("USB connects without a clock of 48 MHz");
         }
@@ -267,7 +285,8 @@ impl Core {
         if endpoint.control & STALL != 0 {
             return Handshake::Stall;
         }
-        if endpoint.nak || !self.store(number, (OUT_DATA, OUT_DONE), packet) {
+        let enabled = endpoint.enabled && endpoint.size & PKTCNT != 0 || self.lenient;
+        if endpoint.nak || !enabled || !self.store(number, (OUT_DATA, OUT_DONE), packet) {
             return Handshake::Nak;
         }
         if number != 0 && self.outs[number].odd != odd {
@@ -275,6 +294,7 @@ impl Core {
         }
         let endpoint = &mut self.outs[number];
         endpoint.nak = true;
+        endpoint.size &= !PKTCNT;
         endpoint.odd = !odd;
         Handshake::Ack
     }
@@ -343,7 +363,10 @@ impl Core {
         self.fetched.extend(words);
         let endpoint = (status & 0xf) as usize;
         match status >> 17 & 0xf {
-            SETUP_DONE => self.outs[endpoint].flags |= STUP,
+            SETUP_DONE => {
+                self.outs[endpoint].flags |= STUP;
+                self.outs[endpoint].enabled = false;
+            }
             OUT_DONE => {
                 self.outs[endpoint].flags |= XFRC;
                 self.outs[endpoint].enabled = false;
@@ -383,7 +406,7 @@ impl Core {
     fn read(&mut self, offset: u32, at: Time) -> Option<u32> {
         Some(match offset {
             // The ID pin says B-device; BSVLD.
-            GOTGCTL => 1 << 16 | u32::from(self.session) << 19,
+            GOTGCTL => 1 << 16 | u32::from(self.session) << 19 | self.gotgctl,
             GOTGINT => self.gotgint,
             GAHBCFG => self.gahbcfg,
             GUSBCFG => self.gusbcfg,
@@ -430,7 +453,7 @@ impl Core {
 
     fn write(&mut self, offset: u32, value: u32) -> Option<()> {
         match offset {
-            GOTGCTL => {}
+            GOTGCTL => self.gotgctl = value & BVALO,
             GOTGINT => self.gotgint &= !value,
             GAHBCFG => self.gahbcfg = value,
             GUSBCFG => self.gusbcfg = value,
@@ -456,6 +479,7 @@ impl Core {
             DAINTMSK => self.masks[2] = value,
             DIEPEMPMSK => self.masks[3] = value,
             INS..BEHIND => {
+                let is_in = offset < OUTS;
                 let (endpoint, register) = self.endpoint(offset)?;
                 match register {
                     0x00 => {
@@ -467,7 +491,12 @@ impl Core {
                         self.outs[0].control |= USBAEP;
                     }
                     0x08 => endpoint.flags &= !value,
-                    0x10 => endpoint.size = value,
+                    0x10 => {
+                        endpoint.size = value;
+                        if !is_in && value & PKTCNT > 1 << 19 {
+                            self.complain("an OUT transfer of more than a packet is not modelled");
+                        }
+                    }
                     _ => return None,
                 }
             }
@@ -513,6 +542,9 @@ impl Usb {
     pub fn plug(&mut self, there: bool, at: Time) {
         self.core.vbus = there;
         self.core.look_at_vbus();
+        if !there && self.core.pulls_up() {
+            self.core.complain("D+ is pulled up without the host's 5 V (USB 2.0 7.1.5)");
+        }
         self.host.plug(there, at);
     }
 
@@ -552,9 +584,9 @@ impl Device for Usb {
     }
 
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
-        let kept = (self.core.vbus, self.core.connected, self.core.complaint.take());
+        let kept = (self.core.vbus, self.core.connected, self.core.lenient, self.core.complaint.take());
         self.core = Core::initial();
-        (self.core.vbus, self.core.connected, self.core.complaint) = kept;
+        (self.core.vbus, self.core.connected, self.core.lenient, self.core.complaint) = kept;
         self.tell(out);
     }
 

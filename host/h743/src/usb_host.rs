@@ -177,6 +177,16 @@ impl Host {
         }
     }
 
+    /// What it is about, for a message.
+    pub fn state(&self) -> String {
+        match &self.current {
+            Some((transfer, stage)) => {
+                format!("{:?}, {stage:?} of request {:x?} under way", self.phase, transfer.setup)
+            }
+            None => format!("{:?}, {} requests through", self.phase, self.transfers.len()),
+        }
+    }
+
     /// Bytes that the device has not taken.
     pub fn waiting(&self) -> usize {
         self.sending.len()

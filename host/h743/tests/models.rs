@@ -345,7 +345,7 @@ fn what_is_not_modelled_is_told() {
     bench.set(CCMR1, 1);
     assert_eq!(bench.timer.complaint, None);
     bench.set(CCER, 1);
-    assert_eq!(bench.timer.complaint.as_deref(), Some("TIM1: capture is not modelled"));
+    assert_eq!(bench.timer.complaint.as_deref(), Some("TIM1: such a capture is not modelled"));
     assert_eq!(Bench::new(1).timer.read(0x3fc, 0, &mut Vec::new()), None);
 }
 

@@ -8,7 +8,7 @@ use h743::usb_host::{Transfer, request};
 use h743::{Level, MILLISECOND, Machine, Pin, Stop};
 use protocol::command::{
     AxisOn, ClrLaserFault, GetEvents, GetJogPrm, GetLaserFault, LaserOutFrq, LaserPrfCmd, PrfJog, SetAxisMode,
-    SetHSIOOpt, SetJogPrm, SetVel,
+    SetHSIOOpt, SetJogPrm, SetVel, Update,
 };
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -27,7 +27,13 @@ const ID: [u32; 3] = [0x0012_3456, 0x89ab_cdef, 0x0f1e_2d3c];
 
 /// The board with its interlock closed and its cable in, and the port open.
 fn plugged(elf: &[u8]) -> Shared {
+    plugged_into(elf, false)
+}
+
+/// The same; `lenient`, with a core that takes packets without being enabled for them.
+fn plugged_into(elf: &[u8], lenient: bool) -> Shared {
     let mut machine = Machine::new().unwrap();
+    machine.chip.bus.usb.core.lenient = lenient;
     for (n, word) in (0..).zip(ID) {
         assert!(machine.chip.memory.load(0x1ff1_e800 + 4 * n, &word.to_le_bytes()));
     }
@@ -45,10 +51,12 @@ fn until_open(machine: &mut Machine) {
     let begin = machine.chip.now;
     while !machine.chip.bus.usb.host.is_open {
         assert_eq!(machine.run(MILLISECOND), Stop::Time);
-        let transfers = &machine.chip.bus.usb.host.transfers;
+        let host = &machine.chip.bus.usb.host;
         assert!(
             machine.chip.now < begin + 200 * MILLISECOND,
-            "no port: {transfers:x?}, {:?}",
+            "the host finds no port: {}; before: {:x?}; {:?}",
+            host.state(),
+            host.transfers.last(),
             machine.chip.bus.complaints
         );
     }
@@ -129,7 +137,8 @@ fn a_host_finds_a_serial_port() {
 
 /// A client over USB.
 fn client(machine: &Shared) -> Client {
-    Client::open(Box::new(EmulatedLink::over_usb(machine.clone())), Options::default()).unwrap()
+    let open = Client::open(Box::new(EmulatedLink::over_usb(machine.clone())), Options::default());
+    open.unwrap_or_else(|error| panic!("no session over USB: {error}"))
 }
 
 /// Nothing was sent again, and nothing was damaged: what the client counts.
@@ -138,7 +147,8 @@ fn assert_smooth(client: &Client) {
     let again = [counters.timeouts, counters.fast_retransmits, counters.duplicates, counters.beyond_window];
     let damaged =
         [counters.short, counters.checksum, counters.length, counters.deframe.too_long, counters.deframe.truncated];
-    assert_eq!((again, damaged), ([0; 4], [0; 5]));
+    assert_eq!(again, [0; 4], "messages were sent again: timeouts, fast ones, duplicates, beyond the window");
+    assert_eq!(damaged, [0; 5], "frames were damaged: too short, checksum, length, too long, cut off");
     assert!(counters.received > 0);
 }
 
@@ -208,14 +218,19 @@ fn a_host_that_reads_and_writes_when_it_likes_loses_no_byte() {
 #[test]
 fn answers_of_whole_packets_arrive_at_once() {
     let Some(elf) = image() else { return };
-    let machine = plugged(&elf);
-    let usb = client(&machine);
+    for lenient in [false, true] {
+        answers_arrive_at_once(&plugged_into(&elf, lenient));
+    }
+}
+
+fn answers_arrive_at_once(machine: &Shared) {
+    let usb = client(machine);
     // Ten bytes each, in one message: 30 of them with 20 around make five packets.
     for count in 1..=32 {
         client_calls(&usb, &vec![Call::of(GetLaserFault { core: 1.into(), channel: 0.into() }); count]);
     }
     assert_smooth(&usb);
-    let machine = lock(&machine);
+    let machine = lock(machine);
     assert!(machine.chip.bus.usb.host.empty > 0, "no answer was as long as that");
     assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
 }
@@ -234,23 +249,21 @@ fn a_pulled_cable_ends_the_light_and_says_so_when_it_is_back() {
     let (core, channel) = (1.into(), 0.into());
     usb.call(AxisOn { core, axis: 1.into() }).unwrap();
     usb.call(PrfJog { core, profile: 1.into() }).unwrap();
+    let (acc, dec, smooth) = (10.0.into(), 10.0.into(), 0.0.into());
+    usb.call(SetJogPrm { core, profile: 1.into(), acc, dec, smooth }).unwrap();
     usb.call(SetVel { core, profile: 1.into(), vel: 10.0.into() }).unwrap();
+    usb.call(Update { core, mask: 1.into() }).unwrap();
     usb.call(SetAxisMode { core, axis: 7.into(), mode: 1.into() }).unwrap();
     usb.call(LaserOutFrq { core, frequency: 10.0.into(), channel }).unwrap();
     usb.call(LaserPrfCmd { core, power: 50.0.into(), channel }).unwrap();
     usb.call(SetHSIOOpt { core, value: 1.into(), channel }).unwrap();
     lock(&shared).run(10 * MILLISECOND);
-    let energy = Pin::named("PE9").unwrap();
-    let lit_since = |machine: &Machine, since| {
-        machine
-            .chip
-            .bus
-            .gpio
-            .changes
-            .iter()
-            .filter(|c| c.pin == energy && c.at > since && c.level == Level::Driven(false))
-            .count()
+    let count = |machine: &Machine, name, level, since| {
+        let (pin, level) = (Pin::named(name).unwrap(), Level::Driven(level));
+        machine.chip.bus.gpio.changes.iter().filter(|c| c.pin == pin && c.at > since && c.level == level).count()
     };
+    let lit_since = |machine: &Machine, since| count(machine, "PE9", false, since);
+    let steps_since = |machine: &Machine, since| count(machine, "PF8", true, since);
     let pulled = {
         let mut machine = lock(&shared);
         let begin = machine.chip.now;
@@ -265,7 +278,9 @@ fn a_pulled_cable_ends_the_light_and_says_so_when_it_is_back() {
     let dark = machine.chip.now;
     machine.run(20 * MILLISECOND);
     assert_eq!(lit_since(&machine, dark), 0, "light without a host");
+    assert_eq!(steps_since(&machine, dark), 0, "steps without a host");
     assert!(lit_since(&machine, pulled) > 4000, "the light goes on until the time is over");
+    assert!(steps_since(&machine, pulled) > 4000, "the axis goes on until the time is over");
     assert_eq!(machine.resets, [], "a missing host is no reason to bite");
     machine.plug_usb(true);
     until_open(&mut machine);

@@ -15,7 +15,7 @@ use servo::op::Entry;
 use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::units::{Crd, Ns, StepLimit};
+use servo::units::{AxisMask, Crd, Ns, StepLimit};
 use servo::view::{AxisView, CrdView, Event, LaserView, Sample, View};
 
 /// Ticks after which the thread looks in any case: segments run, samples fill their ring.
@@ -321,6 +321,8 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             analog_outputs: 8,
             analog_inputs: 8,
             general_outputs: 16,
+            // Its encoders are the set-points, which have no index.
+            indexes: AxisMask(0),
             step_limit,
             fault: None,
         };

@@ -1,13 +1,17 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! What the probes share: a tick of 8 axes with its hand-overs, all static.
+//! What the probes share: a tick of 8 axes with its hand-overs, all static, and what counts instructions.
 //!
 //! In: nothing. Out: both halves of everything, once. Owns the statics. Fails with `None` when asked
 //! twice.
+pub mod clock;
+pub mod counted;
+pub mod machine;
+
+use cortex_m_semihosting::debug;
 use dispatcher::PathQueue;
 use ring::{Consumer, Latest, Producer, Reader, Ring};
-use servo::laser::Clock;
-use servo::laser::Tables;
+use servo::laser::{Clock, Tables};
 use servo::op::Entry;
 use servo::path::EntryStore;
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
@@ -83,4 +87,34 @@ pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
         paths: &PATHS,
     };
     Some((tick, lanes, Thread { immediate: immediate_in, program: program_in, view, events, samples }))
+}
+
+/// Ends the run: the probe is through.
+pub fn exit() -> ! {
+    debug::exit(debug::EXIT_SUCCESS);
+    idle()
+}
+
+/// Ends the run: the probe failed.
+pub fn fail() -> ! {
+    debug::exit(debug::EXIT_FAILURE);
+    idle()
+}
+
+fn idle() -> ! {
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// The panic handler of a probe that runs: it says why and ends the run. Those that must link, or must not, have their own.
+#[macro_export]
+macro_rules! exit_on_panic {
+    () => {
+        #[panic_handler]
+        fn panicked(info: &core::panic::PanicInfo<'_>) -> ! {
+            cortex_m_semihosting::hprintln!("{}", info);
+            $crate::fail()
+        }
+    };
 }

@@ -149,7 +149,7 @@ impl AxisState {
     pub(crate) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + Tables), shown: &mut AxisView) {
         if let Supply::Pt(run) = self.profile.supply() {
             self.shown.dry_ms = run.dry_ms(next, self.feed(), source, self.profile.is_ahead());
-            self.shown.turns = self.shown.turns.wrapping_add(1);
+            self.turned();
             shown.follow(&self.shown);
         }
     }

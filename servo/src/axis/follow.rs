@@ -126,7 +126,7 @@ impl AxisState {
     pub(crate) fn seen(&self, value: Value, now: Ns, period: Ns) -> Seen<'_> {
         let (to, named) = match value {
             Value::Planned | Value::PlannedFiltered => (self.set_point(), self.zero.0.wrapping_neg()),
-            Value::Encoder | Value::EncoderFiltered => (reading(self.count), self.inputs.named()),
+            Value::Encoder | Value::EncoderFiltered => (reading(self.count()), self.inputs.named()),
         };
         let path = match value {
             Value::Encoder => Path::Straight,
@@ -148,7 +148,7 @@ impl AxisState {
     #[inline(always)]
     pub(crate) fn straight(&self, follower: &Follower) -> Option<Pos> {
         match follower.master.value {
-            Value::Encoder => Some(reading(self.count)),
+            Value::Encoder => Some(reading(self.count())),
             Value::Planned => {
                 let straight = match self.profile.supply() {
                     _ if self.driven => self.goes_straight(),

@@ -10,28 +10,28 @@ use crate::units::{Ns, Pos};
 use crate::view::StopReason;
 
 impl AxisState {
-    /// Takes the inputs of the tick in force at `now`. An axis at rest of which nothing changed costs
-    /// two comparisons, and one that runs little more. Whether causes of latched bits have changed.
+    /// Takes the inputs of the tick in force, levels as [`AxisInputs::bits`]; false where there is more to it:
+    /// [`AxisState::take`]. An axis at rest of which nothing changed costs two comparisons, and one that runs little more.
     #[inline(always)]
-    pub(crate) fn sample(&mut self, now: Ns, raw: AxisInputs, count: i64) -> bool {
-        let levels = raw.bits();
-        if levels == self.levels {
-            match self.calm {
-                Calm::Runs | Calm::Steady | Calm::Carried => {
-                    self.count = count;
-                    self.shown.encoder_before = self.shown.encoder;
-                    self.shown.encoder = self.inputs.encoder(count);
-                    return false;
-                }
-                Calm::Settled if count == self.count => return false,
-                Calm::Settled | Calm::None => {}
-            }
+    pub(crate) fn sample(&mut self, levels: u8, count: i64) -> bool {
+        if levels != self.levels {
+            return false;
         }
-        self.take(now, raw, levels, count)
+        let encoder = self.inputs.encoder(count);
+        match self.calm {
+            Calm::Runs | Calm::Steady | Calm::Carried => {
+                self.shown.encoder_before = self.shown.encoder;
+                self.shown.encoder = encoder;
+                true
+            }
+            Calm::Settled => encoder == self.shown.encoder,
+            Calm::None => false,
+        }
     }
 
+    /// Takes the inputs of the tick in force at `now` for all that they mean. Whether causes of latched bits have changed.
     #[inline(never)]
-    fn take(&mut self, now: Ns, raw: AxisInputs, levels: u8, count: i64) -> bool {
+    pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64) -> bool {
         let before = self.causes;
         let mut settled = true;
         let encoder = self.inputs.encoder(count);
@@ -40,11 +40,10 @@ impl AxisState {
             settled = false;
         }
         if levels != self.levels {
-            (self.raw, self.levels) = (raw, levels);
+            (self.raw, self.levels) = (AxisInputs::of_bits(levels), levels);
             self.touch();
             settled = false;
         }
-        self.count = count;
         self.shown.encoder_before = self.shown.encoder;
         self.shown.encoder = encoder;
         let switches = self.inputs.switches(levels);

@@ -6,11 +6,12 @@
 mod data;
 mod driven;
 mod follow;
+mod glide;
 mod guard;
 mod motion;
 mod place;
 
-pub(crate) use motion::Glide;
+pub(crate) use glide::Glide;
 
 use crate::follow as following;
 use crate::inputs::Inputs;
@@ -87,8 +88,6 @@ pub(crate) struct AxisState {
     pub(crate) raw: AxisInputs,
     /// Causes of latched bits that are present now.
     causes: u32,
-    /// The machine's encoder count, sampled.
-    count: i64,
     /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
     zero: Pos,
     /// While the planned position stays between these two, nothing stands in its way.
@@ -150,7 +149,6 @@ impl AxisState {
         inputs: Inputs::POWER_ON,
         raw: AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false },
         levels: 0,
-        count: 0,
         calm: Calm::None,
         news: true,
         unready: 0,
@@ -181,10 +179,10 @@ impl AxisState {
         follow: following::Setup::POWER_ON,
     };
 
-    /// Whether nothing here will change in this tick.
+    /// The machine's encoder count, sampled.
     #[inline(always)]
-    pub(crate) fn is_settled(&self) -> bool {
-        self.calm == Calm::Settled
+    fn count(&self) -> i64 {
+        self.inputs.count(self.shown.encoder)
     }
 
     /// Whether it moves, by itself or driven by a coordinate system.
@@ -211,6 +209,13 @@ impl AxisState {
     fn changed(&mut self) {
         self.shown.changes = self.shown.changes.wrapping_add(1);
         self.shown.moves = self.shown.moves.wrapping_add(1);
+    }
+
+    /// It is in another piece, and what it tells of its data may be another, too.
+    #[inline(always)]
+    fn turned(&mut self) {
+        self.shown.turns = self.shown.turns.wrapping_add(1);
+        self.shown.counts = self.shown.counts.wrapping_add(1);
     }
 
     /// Brings the status word up to the tick just computed.
@@ -263,9 +268,15 @@ impl AxisState {
         self.inputs.arm(mode);
     }
 
+    /// The index edge that it waited for came at this count of the machine.
+    pub(crate) fn take_index(&mut self, count: i64) {
+        self.shown.captured = Some(self.inputs.index(count));
+        self.touch();
+    }
+
     /// Power-on state, at rest. The machine does not move; where it stands is 0 from now on.
     pub(crate) fn reset(&mut self) {
-        let zero = Pos(self.set_point().0.wrapping_neg());
+        let (zero, count) = (Pos(self.set_point().0.wrapping_neg()), self.count());
         self.profile.rename(Pos(0));
         // In place, field by field: a whole state is too large to be moved about eight times in a tick. What the
         // pattern leaves out is known by name: it stays.
@@ -282,7 +293,6 @@ impl AxisState {
             in_position,
             raw: _,
             causes,
-            count: _,
             zero: named,
             lower,
             upper,
@@ -318,7 +328,7 @@ impl AxisState {
         (*ends, *fifo, *passes) = (on.ends, on.fifo, on.passes);
         (*table, *table_passes, *crd) = (on.table, on.table_passes, on.crd);
         follow.reset();
-        self.inputs.set_encoder(self.count, 0);
+        self.inputs.set_encoder(count, 0);
     }
 }
 

@@ -3,9 +3,9 @@
 //! In: the instant of the next tick. Out: the planned position there, or the reason for which it has
 //! come to rest. Owns nothing beyond the axis's [`Profile`](crate::profile::Profile).
 use super::Jog;
-use super::{AxisState, Calm, exact, pt_state};
+use super::{AxisState, exact, pt_state};
 use crate::op::Mode;
-use crate::piece::{Motion, Piece, Scaled};
+use crate::piece::{Motion, Scaled};
 use crate::profile::{State, Supply};
 use crate::pt::Segments;
 use crate::pvt::Tables;
@@ -13,21 +13,6 @@ use crate::ramp::Moving;
 use crate::status;
 use crate::units::{Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
-
-/// What came of [`AxisState::glide_on`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Glide {
-    /// There is more to do than that: nothing has happened.
-    No,
-    /// The same, but that [`AxisState::glide_far`] may do it.
-    Far,
-    /// Something may stand in the way; and this is not a tick to make a piece ahead in.
-    Barred,
-    /// The axis and its view are at the next tick.
-    Shown,
-    /// The axis is; of the view more has to catch up than it looked at.
-    Stale,
-}
 
 impl AxisState {
     /// Whether Jog or Trap must not begin or change: also towards an active limit.
@@ -149,106 +134,6 @@ impl AxisState {
         self.touch();
     }
 
-    /// What nearly every tick of an axis that runs is: its place in the piece in force, or in the one made ahead.
-    /// `next` is the low word of the instant; `left` counts the pieces that may still be made ahead in this tick.
-    ///
-    /// A function of its own, so that nothing but the axis takes up registers.
-    #[inline(never)]
-    pub(crate) fn glide_on(&mut self, next: u32, left: u32, shown: &mut AxisView) -> Glide {
-        if self.calm != Calm::Steady {
-            return self.be_carried(shown);
-        }
-        if self.profile.is_open() && left != 0 {
-            return Glide::No;
-        }
-        let mut t = self.profile.piece().near_time_of(next);
-        // A piece that is not near may have longer to go than near times tell apart.
-        if t.is_none()
-            && self.profile.piece().is_near()
-            && let Some(ahead) = self.profile.ahead()
-        {
-            t = ahead.near_time_of(next);
-            if t.is_some() {
-                self.enter();
-            }
-        }
-        let Some(t) = t else { return Glide::Far };
-        let pos = self.profile.piece().pos_near(t);
-        if self.is_barred(pos) {
-            return Glide::Barred;
-        }
-        let now = &mut self.shown;
-        now.moves = now.moves.wrapping_add(1);
-        (now.pos, now.motion.t) = (pos, t);
-        shown.motion.t = t;
-        self.tell_place(shown)
-    }
-
-    /// The view of an axis that a coordinate system has brought to its place has that.
-    #[inline(always)]
-    fn be_carried(&self, shown: &mut AxisView) -> Glide {
-        let now = &self.shown;
-        // Its view changes in nothing else without being told so.
-        if self.calm != Calm::Carried || shown.changes != now.changes {
-            return Glide::No;
-        }
-        (shown.moves, shown.pos) = (now.moves, now.pos);
-        (shown.encoder, shown.encoder_before) = (now.encoder, now.encoder_before);
-        Glide::Shown
-    }
-
-    /// The same in pieces that are not near.
-    #[inline(never)]
-    pub(crate) fn glide_far(&mut self, next: Ns, shown: &mut AxisView) -> Glide {
-        let holds = |piece: &Piece| piece.elapsed(next) < piece.span;
-        if !holds(self.profile.piece()) {
-            if !self.profile.ahead().is_some_and(holds) {
-                return Glide::No;
-            }
-            self.enter();
-        }
-        let piece = self.profile.piece();
-        let (pos, Motion { tau, t, .. }) = piece.place(piece.elapsed(next));
-        if self.is_barred(pos) {
-            return Glide::Barred;
-        }
-        let now = &mut self.shown;
-        now.moves = now.moves.wrapping_add(1);
-        (now.pos, now.motion.tau, now.motion.t) = (pos, tau, t);
-        (shown.motion.tau, shown.motion.t) = (tau, t);
-        self.tell_place(shown)
-    }
-
-    /// The piece made ahead comes into force.
-    #[inline(always)]
-    fn enter(&mut self) {
-        self.profile.enter();
-        self.shown.turns = self.shown.turns.wrapping_add(1);
-        self.show_piece(true);
-    }
-
-    /// Whether something may stand before a place.
-    #[inline(always)]
-    fn is_barred(&self, pos: Pos) -> bool {
-        let (from, count) = self.inside;
-        ((pos.0 >> 32) as i32).wrapping_sub(from) as u32 >= count
-    }
-
-    /// The view has the place of the axis.
-    #[inline(always)]
-    fn tell_place(&self, shown: &mut AxisView) -> Glide {
-        let now = &self.shown;
-        (shown.moves, shown.pos) = (now.moves, now.pos);
-        (shown.encoder, shown.encoder_before) = (now.encoder, now.encoder_before);
-        if shown.turns != now.turns {
-            if shown.changes != now.changes {
-                return Glide::Stale;
-            }
-            shown.follow_turn(now);
-        }
-        Glide::Shown
-    }
-
     /// A tick of the axis: its motion at `next`, its status, what it shows. The reason if it came to rest.
     /// `left` counts the pieces that may still be made ahead in this tick.
     #[inline(never)]
@@ -265,7 +150,7 @@ impl AxisState {
             if self.profile.is_open() && *left != 0 && self.prepare(source) {
                 *left = left.wrapping_sub(1);
             }
-            self.shown.turns = self.shown.turns.wrapping_add(1);
+            self.turned();
             stopped = self.step(next, source);
         }
         if self.news {
@@ -340,14 +225,14 @@ impl AxisState {
     #[inline(always)]
     fn show_piece(&mut self, running: bool) {
         self.shown.motion = self.profile.piece().motion;
-        if !running || self.profile.is_new_pass() || self.shown.mode == Mode::PtDynamic {
+        if !running || self.profile.tells() {
             self.show_pass(running);
         }
     }
 
     /// What a view tells of the pass, or of the stream.
     #[inline(never)]
-    fn show_pass(&mut self, running: bool) {
+    pub(super) fn show_pass(&mut self, running: bool) {
         let shown = &mut self.shown;
         match self.profile.supply() {
             Supply::Pt(run) => {

@@ -38,7 +38,7 @@ impl AxisState {
 
     /// The encoder reads `pulses` where it is.
     pub(crate) fn set_encoder(&mut self, pulses: i64) {
-        self.inputs.set_encoder(self.count, pulses);
+        self.inputs.set_encoder(self.count(), pulses);
         self.shown.encoder_before = self.shown.encoder_before.wrapping_add(pulses.wrapping_sub(self.shown.encoder));
         self.shown.encoder = pulses;
     }

@@ -3,7 +3,7 @@
 //! In: the axes as the tick in force left them, entries. Out: where the mapped axes are at the tick computed, what
 //! entries do until the one after. Owns nothing. Cannot fail: what must not go on stops, and the reason is latched.
 use super::sink::Sink;
-use super::{CrdState, Frame, Room};
+use super::{CrdState, Frame, Lanes, Room};
 use crate::axis::AxisState;
 use crate::execute::Reach;
 use crate::laser::{Cause, PathSpeed, Wants};
@@ -24,71 +24,98 @@ impl CrdState {
     ///
     /// A function of its own, so that nothing else takes up registers.
     #[inline(never)]
-    fn glide(&mut self, next: Ns, period: Ns, axes: &mut [AxisState]) -> Went {
-        let feed = self.feed();
-        if !self.path.may_glide(feed) {
+    fn glide(&mut self, axes: &mut [AxisState], next: Ns, until: Ns) -> Went {
+        if !self.path.may_glide(self.feed()) {
             return Went::Nowhere;
         }
-        let (mut went, mut spot) = (Went::Along, self.path.spot(next));
-        if spot.is_none() {
-            if !self.path.is_over(next) || !self.turn::<false>(axes) {
+        let mut went = Went::Along;
+        let spot = loop {
+            if let Some(spot) = self.path.spot(next) {
+                break spot;
+            }
+            if went == Went::Over || !self.path.is_over(next) || !self.turn_up_to(axes) {
                 return Went::Nowhere;
             }
-            (went, spot) = (Went::Over, self.path.spot(next));
-        }
-        let (Some(spot), fresh, [room, _]) = (spot, self.path.is_fresh(), self.room) else { return Went::Nowhere };
-        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, fifo, done, moves, .. } =
-            &mut self.shown
-        else {
-            return Went::Nowhere;
+            went = Went::Over;
         };
-        let way = self.path.show_at(spot, &mut Sight { place, heading, bend, motion, turns });
-        if room != Room::Wide && !is_free(frame, origin, place, axes) {
+        if self.path.is_fresh() {
+            let counts = self.path.counts();
+            self.show_fresh(counts);
+        }
+        let (lanes, CrdView { origin, place, heading, bend, motion, turns, moves, .. }) =
+            (&self.lanes, &mut self.shown);
+        let mut sight = Sight { place, heading, bend, motion, turns };
+        let way = self.path.show_at(spot, &mut sight);
+        let [room, _] = self.room;
+        if room != Room::Wide && !is_free(lanes, origin, place, axes) {
             return Went::Nowhere;
         }
         self.path.pass(way);
-        frame.all(|index, axis| {
+        lanes.all(|index, axis| {
             if let (Some(axis), Some(at), Some(origin)) = (axes.get_mut(axis), place.get(index), origin.get(index)) {
                 axis.drive(Pos(at.0.wrapping_add(origin.0)));
             }
             true
         });
         *moves = moves.wrapping_add(1);
-        if fresh {
-            *fifo = self.path.fifo();
-            let [first, second] = done;
-            *(if *fifo == 0 { first } else { second }) = self.path.done(*fifo);
-        }
-        if self.path.is_due_before(next, period) {
-            if !self.turn::<true>(axes) || self.path.is_due_before(next, period) {
+        if self.path.is_due_until(until) {
+            if !self.turn_behind(axes, until) {
                 return Went::Short;
             }
             went = Went::Over;
         }
-        if fresh || went == Went::Over {
-            let CrdView { released: [first, second], turns, .. } = &mut self.shown;
-            let fifo = self.path.fifo();
-            *(if fifo == 0 { first } else { second }) = self.path.released(fifo);
-            *turns = turns.wrapping_add(1);
-        }
-        if room == Room::Unknown && went == Went::Along {
-            self.look_round(axes);
-        }
         went
+    }
+
+    /// Over the one boundary that lies between the tick computed and the one at `until`, if there is no more to do.
+    #[inline(never)]
+    fn turn_behind(&mut self, axes: &[AxisState], until: Ns) -> bool {
+        let Some([now, _]) = self.turn::<true>(axes) else { return false };
+        if self.path.is_due_until(until) {
+            return false;
+        }
+        let CrdView { released, turns, .. } = &mut self.shown;
+        released[(self.path.fifo() & 1) as usize] = now;
+        *turns = turns.wrapping_add(1);
+        true
+    }
+
+    /// Over the boundary that lies at the tick computed or before it, if there is no more to do; what is new is shown, but for
+    /// the place.
+    #[inline(never)]
+    fn turn_up_to(&mut self, axes: &[AxisState]) -> bool {
+        let Some(counts) = self.turn::<false>(axes) else { return false };
+        self.see_fresh(counts);
+        true
+    }
+
+    /// What is new is shown, but for the place.
+    #[inline(never)]
+    fn show_fresh(&mut self, counts: [u32; 2]) {
+        self.see_fresh(counts);
+    }
+
+    #[inline(always)]
+    fn see_fresh(&mut self, [now, motions]: [u32; 2]) {
+        let CrdView { place, heading, bend, motion, turns, fifo, released, done, .. } = &mut self.shown;
+        self.path.show_fresh(&mut Sight { place, heading, bend, motion, turns });
+        *fifo = self.path.fifo();
+        let index = (*fifo & 1) as usize;
+        (released[index], done[index]) = (now, motions);
     }
 
     /// Over a boundary at which nothing is to be done but to go on, if nothing stands in the way; `AFTER` a look, and not up to
     /// one.
-    #[inline(never)]
-    fn turn<const AFTER: bool>(&mut self, axes: &[AxisState]) -> bool {
+    #[inline(always)]
+    fn turn<const AFTER: bool>(&mut self, axes: &[AxisState]) -> Option<[u32; 2]> {
         let (feed, over, [room, next]) = (self.feed(), self.path.turns_over(), self.room);
-        let CrdView { frame: Some(frame), origin, .. } = &self.shown else { return false };
-        let free = |end: &[Pos; DIMENSIONS]| room == Room::Wide || is_free(frame, origin, end, axes);
-        let turned = self.path.turn_at::<AFTER>(feed, free);
-        if turned && over {
+        let (lanes, origin) = (&self.lanes, &self.shown.origin);
+        let free = |end: &[Pos; DIMENSIONS]| room == Room::Wide || is_free(lanes, origin, end, axes);
+        let counts = self.path.turn_at::<AFTER>(feed, free)?;
+        if over {
             self.room = [next, Room::Unknown];
         }
-        turned
+        Some(counts)
     }
 
     /// Makes something of what follows.
@@ -113,11 +140,9 @@ impl CrdState {
 
     /// What room there is for the motion in force, or for the one `ahead`.
     fn room_of(&self, ahead: bool, axes: &[AxisState]) -> Room {
-        let (hull, CrdView { frame: Some(frame), origin, .. }) = (self.path.hull(ahead), &self.shown) else {
-            return Room::Unknown;
-        };
+        let (hull, lanes, origin) = (self.path.hull(ahead), &self.lanes, &self.shown.origin);
         let is_well = |place: &[Pos; DIMENSIONS]| {
-            frame.all(|index, axis| match (axes.get(axis), place.get(index), origin.get(index)) {
+            lanes.all(|index, axis| match (axes.get(axis), place.get(index), origin.get(index)) {
                 (Some(axis), Some(at), Some(origin)) => axis.is_well(Pos(at.0.saturating_add(origin.0))),
                 _ => true,
             })
@@ -128,8 +153,8 @@ impl CrdState {
 
 /// Whether the axes may be driven to a place without a closer look.
 #[inline(always)]
-fn is_free(frame: &Frame, origin: &[Pos; DIMENSIONS], place: &[Pos; DIMENSIONS], axes: &[AxisState]) -> bool {
-    frame.all(|index, axis| match (axes.get(axis), place.get(index), origin.get(index)) {
+fn is_free(lanes: &Lanes, origin: &[Pos; DIMENSIONS], place: &[Pos; DIMENSIONS], axes: &[AxisState]) -> bool {
+    lanes.all(|index, axis| match (axes.get(axis), place.get(index), origin.get(index)) {
         (Some(axis), Some(at), Some(origin)) => axis.is_free(Pos(at.0.wrapping_add(origin.0))),
         _ => true,
     })
@@ -152,40 +177,54 @@ impl<const AXES: usize> Tick<AXES> {
     /// Every coordinate system that runs takes its step.
     #[inline(never)]
     pub(crate) fn step_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
-        let (period, masters, running) = (self.period, self.order.masters, self.crds.running);
-        // Of several that run, each second one in a tick makes something ahead.
-        let turn = if self.ticks & 1 == 0 { 0x55 } else { 0xaa };
-        let prepares = CrdMask(if running.0.is_power_of_two() { u8::MAX } else { turn });
+        let until = Ns(next.0.wrapping_add(self.period.0));
+        let (masters, running) = (self.order.masters, self.crds.running);
         let mut wants = self.lasers.wants();
         self.crds.moves = self.crds.moves.wrapping_add(1);
         for crd in running.crds() {
-            let index = crd.index();
-            let Some(state) = self.crds.states.get_mut(index) else { return };
+            let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
             let led = masters.0 != 0 && state.leads(masters);
-            let went = if led { Went::Nowhere } else { state.glide(next, period, &mut self.axes) };
-            if matches!(went, Went::Nowhere | Went::Short) {
-                if went == Went::Nowhere
-                    && let Some(reason) = self.forbids(crd)
-                {
-                    self.stop_crds(crd.mask(), true, reason, next, lanes);
-                }
-                self.walk_crd(crd, next, went == Went::Short, prepares.has(crd), lanes);
-                wants = self.lasers.wants();
-                continue;
-            }
+            let went = if led { Went::Nowhere } else { state.glide(&mut self.axes, next, until) };
             // A tick that enters something does not make anything ahead.
-            if went == Went::Along
-                && prepares.has(crd)
-                && let Some(source) = lanes.paths.get(index)
+            if went != Went::Over
+                && let Some(now) = self.tend(crd, went, next, lanes)
             {
-                state.prepare(source, &self.axes);
+                wants = now;
+                continue;
             }
             if wants.encoder.has(crd) {
                 self.feed_lasers(crd, next, wants);
-            } else if wants.planned.has(crd) {
-                self.lasers.feed(crd, state.path.mean(&state.shown.motion, next, period), PathSpeed::REST);
+            } else if wants.planned.has(crd)
+                && let Some(state) = self.crds.get(crd)
+            {
+                self.lasers.feed(crd, state.path.mean(&state.shown.motion, next, self.period), PathSpeed::REST);
             }
         }
+    }
+
+    /// What is left to do for a path that has not gone over a boundary by the short way; what lasers want behind the long one.
+    #[inline(never)]
+    fn tend(&mut self, crd: Crd, went: Went, next: Ns, lanes: &mut Reach<'_, '_, AXES>) -> Option<Wants> {
+        // Of several that run, each second one in a tick makes something ahead.
+        let turn = CrdMask(if self.ticks & 1 == 0 { 0x55 } else { 0xaa });
+        let prepares = self.crds.running.0.is_power_of_two() || turn.has(crd);
+        if went == Went::Along {
+            let state = self.crds.states.get_mut(crd.index())?;
+            if let [Room::Unknown, _] = state.room {
+                state.look_round(&self.axes);
+            }
+            if prepares && let Some(source) = lanes.paths.get(crd.index()) {
+                state.prepare(source, &self.axes);
+            }
+            return None;
+        }
+        if went == Went::Nowhere
+            && let Some(reason) = self.forbids(crd)
+        {
+            self.stop_crds(crd.mask(), true, reason, next, lanes);
+        }
+        self.walk_crd(crd, next, went == Went::Short, prepares, lanes);
+        Some(self.lasers.wants())
     }
 
     /// Those whose paths have come to rest are at rest.

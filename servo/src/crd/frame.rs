@@ -10,9 +10,12 @@ pub struct Frame {
     axes: [Option<Axis>; DIMENSIONS],
     origin: Option<[i32; DIMENSIONS]>,
     even_ms: u16,
-    /// Indices of the axes, [`NONE`] where there is none.
-    lanes: [u8; DIMENSIONS],
+    lanes: Lanes,
 }
+
+/// Indices of the axes, [`NONE`] where there is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Lanes([u8; DIMENSIONS]);
 
 /// No axis has this index.
 const NONE: u8 = u8::MAX;
@@ -45,7 +48,7 @@ impl Frame {
             return Err(Refused::NoAxis);
         }
         let lanes = axes.map(|axis| axis.map_or(NONE, |axis| axis.index() as u8));
-        Ok(Frame { axes, origin, even_ms, lanes })
+        Ok(Frame { axes, origin, even_ms, lanes: Lanes(lanes) })
     }
 
     /// The axes of X, Y, Z, A.
@@ -59,15 +62,12 @@ impl Frame {
         &self.axes
     }
 
-    /// Whether this holds of every coordinate and the index of its axis, which no axis has where there is none. In a row, for
-    /// a loop costs as much as what it does.
-    #[inline(always)]
-    pub(crate) fn all(&self, mut holds: impl FnMut(usize, usize) -> bool) -> bool {
-        let [x, y, z, a] = self.lanes;
-        holds(0, x as usize) && holds(1, y as usize) && (z & a == NONE || holds(2, z as usize) && holds(3, a as usize))
+    /// Their indices.
+    pub(crate) fn lanes(&self) -> Lanes {
+        self.lanes
     }
 
-    /// The same as a set.
+    /// The axes as a set.
     pub fn mask(&self) -> AxisMask {
         AxisMask(self.axes.iter().flatten().fold(0, |mask, axis| mask | axis.mask().0))
     }
@@ -85,5 +85,20 @@ impl Frame {
     /// Least time at constant speed in a motion, ms.
     pub fn even_ms(&self) -> u16 {
         self.even_ms
+    }
+}
+
+impl Lanes {
+    /// No axis.
+    pub(crate) const NONE: Lanes = Lanes([NONE; DIMENSIONS]);
+
+    /// Whether this holds of every coordinate and the index of its axis, which no axis has where there is none. In a row, for
+    /// a loop costs as much as what it does.
+    #[inline(always)]
+    pub(crate) fn all(&self, mut holds: impl FnMut(usize, usize) -> bool) -> bool {
+        let [x, y, z, a] = &self.0;
+        holds(0, *x as usize)
+            && holds(1, *y as usize)
+            && (*z & *a == NONE || holds(2, *z as usize) && holds(3, *a as usize))
     }
 }

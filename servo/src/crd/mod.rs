@@ -17,6 +17,7 @@ mod orders;
 mod share;
 mod sink;
 
+use frame::Lanes;
 pub use frame::{Frame, Refused};
 pub(crate) use share::{share, share_speed};
 
@@ -47,6 +48,8 @@ pub(crate) struct CrdState {
     pub(crate) shown: CrdView,
     /// Axes that go along with the motion in force.
     geared: AxisMask,
+    /// The axes of its frame.
+    lanes: Lanes,
     /// The axis that a modal move has sent away.
     awaited: Option<Axis>,
     /// Of the motion in force, and of the one behind it.
@@ -72,6 +75,7 @@ impl CrdState {
         ending: StopReason::None,
         rest_since: Ns(0),
         geared: AxisMask(0),
+        lanes: Lanes::NONE,
         awaited: None,
         room: [Room::Unknown; 2],
         obstacle: None,
@@ -104,13 +108,20 @@ pub(crate) struct Crds {
     pub(crate) running: CrdMask,
     /// Those whose next start may be made ready, once they rest.
     pub(crate) unready: CrdMask,
+    /// Those of whose axes one has an alarm.
+    alarms: CrdMask,
     /// Counts changes of what any of them shows.
     pub(crate) moves: u32,
 }
 
 impl Crds {
-    pub(crate) const POWER_ON: Crds =
-        Crds { states: [CrdState::POWER_ON; Crd::MAX], running: CrdMask(0), unready: CrdMask(0), moves: 0 };
+    pub(crate) const POWER_ON: Crds = Crds {
+        states: [CrdState::POWER_ON; Crd::MAX],
+        running: CrdMask(0),
+        unready: CrdMask(0),
+        alarms: CrdMask(0),
+        moves: 0,
+    };
 
     pub(crate) fn get(&self, crd: Crd) -> Option<&CrdState> {
         self.states.get(crd.index())

@@ -4,7 +4,7 @@
 //! state of a coordinate system or an axis forbids starts none of its mask and is told; whatever else does not fit any
 //! more has no effect.
 use super::sink::Sink;
-use super::{CrdState, Frame, LOOKS, Room};
+use super::{CrdState, Frame, LOOKS, Lanes, Room};
 use crate::execute::Reach;
 use crate::laser::Cause;
 use crate::op::Lane;
@@ -46,8 +46,10 @@ impl<const AXES: usize> Tick<AXES> {
             return;
         }
         self.drop_frame(crd);
+        let mut taken = false;
         for axis in axes.axes() {
             if let Some(state) = self.axes.get_mut(axis.index()) {
+                taken |= state.crd.is_some_and(|other| other != crd && state.is_mapped(other));
                 state.map(crd);
             }
         }
@@ -60,27 +62,38 @@ impl<const AXES: usize> Tick<AXES> {
         if let Some(state) = self.crds.get_mut(crd) {
             state.path.rules = Rules::POWER_ON;
             state.path.rules.set_even(frame.even_ms());
-            (state.shown.frame, state.shown.origin) = (Some(frame), origin);
+            (state.shown.frame, state.shown.origin, state.lanes) = (Some(frame), origin, frame.lanes());
         }
-        self.rename_crds();
-        self.see_causes();
+        self.rename_crd(crd);
+        // Nothing is new for the other ones, if no axis was theirs.
+        let all = taken || self.crds.alarms.0 != 0;
+        self.see_causes_of(if all { CrdMask(u8::MAX) } else { crd.mask() });
     }
 
     /// A coordinate system that drives nothing any more; its axes are in Trap mode.
     fn drop_frame(&mut self, crd: Crd) {
         let Some(state) = self.crds.get_mut(crd) else { return };
-        let CrdView { moves, changes, cleared: [first, second], frame, stop, .. } = state.shown;
+        let mapped = state.shown.frame.map_or(AxisMask(0), |frame| frame.mask());
         // In place: a whole state is some kilobytes. What the pattern leaves out is known by name: it stays.
-        let CrdState { shown: _, geared, awaited, room: _, path, likely, looks: _, ending, rest_since: _, obstacle } =
-            state;
-        (*geared, *awaited, *likely) = (AxisMask(0), None, 0);
+        let CrdState {
+            shown: _,
+            geared,
+            lanes,
+            awaited,
+            room: _,
+            path,
+            likely,
+            looks: _,
+            ending,
+            rest_since: _,
+            obstacle,
+        } = state;
+        (*geared, *lanes, *awaited, *likely) = (AxisMask(0), Lanes::NONE, None, 0);
         (*ending, *obstacle) = (StopReason::None, None);
         path.place([Pos(0); DIMENSIONS]);
         path.rules = Rules::POWER_ON;
-        let cleared = [first.wrapping_add(1), second.wrapping_add(1)];
-        state.shown = CrdView { moves, changes, cleared, stop, ..CrdView::POWER_ON };
+        state.shown.drop_frame();
         state.touch();
-        let mapped = frame.map_or(AxisMask(0), |frame| frame.mask());
         for axis in mapped.axes() {
             if let Some(state) = self.axes.get_mut(axis.index())
                 && state.is_mapped(crd)
@@ -102,24 +115,27 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Axes at rest may be called something else now, and so the place of a path.
     pub(crate) fn rename_crds(&mut self) {
+        Crd::all().for_each(|crd| self.rename_crd(crd));
+    }
+
+    fn rename_crd(&mut self, crd: Crd) {
         let Tick { crds, axes, .. } = self;
-        for (crd, state) in Crd::all().zip(&mut crds.states) {
-            let Some(frame) = state.shown.frame.filter(|_| !crds.running.has(crd)) else { continue };
-            let mut here = [Pos(0); DIMENSIONS];
-            for ((here, axis), origin) in here.iter_mut().zip(frame.axes()).zip(&state.shown.origin) {
-                if let Some(axis) = axis.and_then(|axis| axes.get(axis.index())) {
-                    *here = Pos(axis.shown.pos.0.wrapping_sub(origin.0));
-                }
+        let Some(state) = crds.states.get_mut(crd.index()).filter(|_| !crds.running.has(crd)) else { return };
+        let Some(frame) = &state.shown.frame else { return };
+        let mut here = [Pos(0); DIMENSIONS];
+        for ((here, axis), origin) in here.iter_mut().zip(frame.axes_ref()).zip(&state.shown.origin) {
+            if let Some(axis) = axis.and_then(|axis| axes.get(axis.index())) {
+                *here = Pos(axis.shown.pos.0.wrapping_sub(origin.0));
             }
-            if here != state.path.here() {
-                state.path.rename(here);
-                (state.looks, crds.unready.0) = (LOOKS, crds.unready.0 | crd.mask().0);
-            }
-            if here != state.shown.place {
-                state.shown.place = here;
-                state.touch();
-                crds.moves = crds.moves.wrapping_add(1);
-            }
+        }
+        if here != state.path.here() {
+            state.path.rename(here);
+            (state.looks, crds.unready.0) = (LOOKS, crds.unready.0 | crd.mask().0);
+        }
+        if here != state.shown.place {
+            state.shown.place = here;
+            state.touch();
+            crds.moves = crds.moves.wrapping_add(1);
         }
     }
 
@@ -229,21 +245,27 @@ impl<const AXES: usize> Tick<AXES> {
     /// Causes of latched bits have changed, of axes that may be mapped: channels that are, too, hear of it.
     #[inline(never)]
     pub(crate) fn see_causes(&mut self) {
-        self.crds.look_round();
-        let mut alarms = CrdMask(0);
-        for (crd, state) in Crd::all().zip(&self.crds.states) {
-            for axis in state.shown.frame.iter().flat_map(Frame::axes).flatten() {
+        self.see_causes_of(CrdMask(u8::MAX));
+    }
+
+    /// The same for some of them.
+    fn see_causes_of(&mut self, crds: CrdMask) {
+        for (crd, state) in Crd::all().zip(&mut self.crds.states).filter(|(crd, _)| crds.has(*crd)) {
+            state.room = [Room::Unknown; 2];
+            self.crds.alarms.0 &= !crd.mask().0;
+            let Some(frame) = &state.shown.frame else { continue };
+            for axis in frame.axes_ref().iter().flatten() {
                 let Some(axis) = self.axes.get_mut(axis.index()).filter(|axis| axis.is_mapped(crd)) else { continue };
                 let (causes, fresh) = axis.take_causes();
                 if causes & status::ALARM != 0 {
-                    alarms.0 |= crd.mask().0;
+                    self.crds.alarms.0 |= crd.mask().0;
                 }
                 if let Some(cause) = cause_of(fresh) {
                     self.lasers.crd_fault(crd, cause);
                 }
             }
         }
-        self.lasers.crd_alarms(alarms);
+        self.lasers.crd_alarms(self.crds.alarms);
     }
 
     /// Servos go off: channels that are mapped to what they belong to go dark.

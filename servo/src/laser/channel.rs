@@ -11,8 +11,7 @@
 mod interval;
 
 use super::buffered::{Agenda, Buffered, Event};
-use super::distance::Ways;
-use super::energy::Energy;
+use super::energy::{Energy, Plain};
 use super::gate::{Edges, Full};
 use super::law::{Family, Law};
 use super::light::OnTime;
@@ -86,8 +85,8 @@ pub(super) struct Channel {
     /// Power and train in light.
     power: Power,
     train: Train,
-    /// The train has a width of its own for each power, but for this one (−1 for none): nothing else changes with the power.
-    plain: Option<i64>,
+    /// What the width of its pulses is of each power, where nothing else changes with that.
+    plain: Plain,
     news: u8,
     /// The next edge.
     wake: Ns,
@@ -124,7 +123,7 @@ impl Channel {
             out: Outputs::REST,
             power: Power::ZERO,
             train: Train::NONE,
-            plain: None,
+            plain: Plain::NONE,
             news: news::CHANGED,
             wake: NEVER,
         }
@@ -292,12 +291,6 @@ impl Channel {
     #[inline(always)]
     pub(super) fn places(&self) -> Option<u32> {
         self.law.places()
-    }
-
-    /// Takes a look at them.
-    #[inline(always)]
-    pub(super) fn see(&mut self, ways: &Ways) {
-        self.law.see(ways);
     }
 
     /// Ends a follow that one of these began.

@@ -6,7 +6,7 @@
 //! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off by 2⁻⁵⁸ of the
 //! largest factor times the largest distance, and half a unit. With a table the ratio has 44 fraction bits, the
 //! distance over the scale 32 and at most ±2²⁹.
-use super::double::{part, product, scaled};
+use super::double::{Cut, part, product, scaled};
 use super::follow::Source;
 use super::power::{Bounds, Refused};
 use super::tables::{Curve, DISTANCES, Stretch, Tables};
@@ -92,12 +92,16 @@ impl Distance {
 
     /// Made ready for the tick, where the ratios are fixed.
     pub(super) fn terms(&self) -> Terms {
-        let of = self.factors.map(|factor| ((factor & LOW) as i32, (factor >> LOW.count_ones()) as i32));
-        // Then four products of it by the longest way would be too many bits.
-        let always = of.iter().any(|(_, high)| *high <= -(1 << 30));
+        let of = self.factors.map(|factor| {
+            let low = factor as i32;
+            (low, (factor.wrapping_sub(low as i64) >> 32) as i32)
+        });
+        // Else the sums of four products of it by the longest way would be too many bits.
+        let usual = of.iter().all(|(low, _)| *low != i32::MIN);
+        let cut = Cut::of(if usual { self.shift as u32 } else { 0 });
         let axes = self.axes.iter().fold(0, |key, axis| key << AXIS_BITS | axis.index() as u32);
         let key = axes | ((self.source == Source::Encoder) as u32) << 31;
-        Terms { of, key, shift: self.shift as u32, token: 0, fresh: true, always, sum: 0, power: 0 }
+        Terms { of, key, cut, token: 0, fresh: true, sum: 0, power: 0 }
     }
 
     /// Σ (place − reference)·factor.
@@ -160,8 +164,8 @@ impl Distance {
     }
 }
 
-/// The lower part of a factor: with 30 bits the sums of four products have 64.
-const LOW: i64 = (1 << 30) - 1;
+/// Bits of a way, with its sign: the sums of four products by the lower half of a factor have 64.
+const WAY_BITS: u32 = 31;
 /// Bits of an axis in a key.
 const AXIS_BITS: u32 = 6;
 
@@ -173,7 +177,7 @@ pub(super) struct Ways {
     /// Of the last look, and of the one before it.
     token: u32,
     before: u32,
-    /// Not 0: somebody went further than 32 bits tell.
+    /// Not 0: somebody went further than [`WAY_BITS`] tell.
     long: i32,
     by: [i32; DISTANCES],
     from: [i64; DISTANCES],
@@ -183,6 +187,15 @@ impl Ways {
     /// Of channel `index`, which nobody has looked at; tokens of different channels differ.
     pub(super) const fn begin(index: u32) -> Ways {
         Ways { key: 0, token: index + 2, before: 1, long: 1, by: [0; DISTANCES], from: [0; DISTANCES] }
+    }
+
+    /// Nobody's.
+    pub(super) const OF_NOBODY: Ways = Ways { key: u32::MAX, ..Ways::begin(0) };
+
+    /// Whether they are of the axes of `key`.
+    #[inline(always)]
+    pub(super) fn are_of(&self, key: u32) -> bool {
+        self.key == key
     }
 
     /// A tick's look at the axes of `key`.
@@ -201,32 +214,32 @@ impl Ways {
                 axis.map_or(0, |axis| if encoder { axis.shown.encoder << Pos::FRAC_BITS } else { axis.shown.pos.0 });
             let way = place.wrapping_sub(*from);
             *by = way as i32;
-            self.long |= (way >> 32) as i32 ^ *by >> 31;
+            self.long |= (way >> 32) as i32 ^ *by >> (WAY_BITS - 1);
             *from = place;
         }
     }
 }
 
 /// A distance follow of fixed ratios, made ready for the tick. Its sum is kept, exactly, and what the axes went since then is
-/// added: a way of 32 bits each, where the distances have 64. A longer one (512 pulses in a tick) takes the whole sum.
+/// added: a way of 31 bits each, where the distances have 64. A longer one (256 pulses in a tick) takes the whole sum, and so does one
+/// that is held at the end of what a part of a power may be.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Terms {
-    /// Factors: low + high·2³⁰.
+    /// Factors: low + high·2³².
     of: [(i32, i32); DISTANCES],
     pub(super) key: u32,
-    shift: u32,
+    cut: Cut,
     /// The look of which the sum is.
     token: u32,
-    /// The sum is to be made afresh; and always is.
+    /// The sum is to be made afresh.
     fresh: bool,
-    always: bool,
     sum: i128,
     power: i64,
 }
 
 impl Terms {
     pub(super) const NONE: Terms =
-        Terms { of: [(0, 0); DISTANCES], key: 0, shift: 64, token: 0, fresh: true, always: false, sum: 0, power: 0 };
+        Terms { of: [(0, 0); DISTANCES], key: 0, cut: Cut::of(0), token: 0, fresh: true, sum: 0, power: 0 };
 
     /// Its part of the power, to the nearest, at the look last taken.
     #[inline(always)]
@@ -234,24 +247,41 @@ impl Terms {
         self.power
     }
 
+    /// There may be looks that it does not take.
+    #[inline(always)]
+    pub(super) fn rest(&mut self) {
+        self.fresh = true;
+    }
+
     /// On to a look; `distance` is what it was made of.
-    #[inline(never)]
-    pub(super) fn advance(&mut self, ways: &Ways, distance: &Distance) {
-        let follows = self.token == ways.before && ways.long == 0 && !self.fresh;
-        self.token = ways.token;
-        self.sum = if follows {
+    #[inline(always)]
+    pub(super) fn advance(&mut self, ways: &Ways, distance: &Option<Distance>) {
+        if self.token == ways.before && ways.long == 0 && !self.fresh {
             let product = |a: i32, b: i32| (a as i64).wrapping_mul(b as i64);
-            let (mut s0, mut s30) = (0i64, 0i64);
+            let (mut s0, mut s32) = (0i64, 0i64);
             for (by, (low, high)) in ways.by.iter().zip(&self.of) {
                 s0 = s0.wrapping_add(product(*by, *low));
-                s30 = s30.wrapping_add(product(*by, *high));
+                s32 = s32.wrapping_add(product(*by, *high));
             }
-            self.sum.wrapping_add(s0 as i128).wrapping_add((s30 as i128) << 30)
-        } else {
-            self.fresh = self.always;
-            distance.sum(ways.from)
-        };
-        self.power = part(self.sum, self.shift);
+            let sum = self.sum.wrapping_add(s0 as i128).wrapping_add((s32 as i128) << 32);
+            if let Some(power) = self.cut.signed(sum) {
+                (self.token, self.sum, self.power) = (ways.token, sum, power);
+                return;
+            }
+        }
+        if self.token != ways.token || self.fresh {
+            self.look(ways, distance);
+        }
+    }
+
+    /// The whole sum.
+    #[inline(never)]
+    fn look(&mut self, ways: &Ways, distance: &Option<Distance>) {
+        (self.token, self.fresh) = (ways.token, false);
+        if let Some(distance) = distance {
+            self.sum = distance.sum(ways.from);
+            self.power = part(self.sum, distance.shift as u32);
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! rule that a double breaks; what is too large for a power is held.
 use super::power::Refused;
 use crate::real::Real;
-use crate::wide::umul;
+use crate::wide::{umul, umulhi};
 
 /// A double as a whole number of 2^-frac, to the nearest; |x| ≤ 2^most.
 pub(super) fn fixed(bits: u64, frac: i32, most: u32) -> Result<i64, Refused> {
@@ -64,6 +64,52 @@ pub(super) fn nearest(x: i128, shift: u32) -> i64 {
     let by = shift & 31;
     let join = |low: u32, high: u32| low >> by | (high << 1) << (31 - by);
     let twice = ((join(b, c) as u64) << 32 | join(a, b) as u64) as i64;
+    (twice >> 1).wrapping_add(twice & 1)
+}
+
+/// A shift of one number after another, made ready for those that need no holding: as [`part`] and [`held`] else.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cut {
+    by: u32,
+    /// The last words of the numbers are below it; 0 where the shift is no usual one, less than two words and more than one.
+    room: u32,
+}
+
+impl Cut {
+    /// By any shift.
+    pub(super) const fn of(shift: u32) -> Cut {
+        let room = if shift >= 36 && shift <= 64 { 1 << (shift - 35) } else { 0 };
+        Cut { by: shift.wrapping_sub(1) & 31, room }
+    }
+
+    /// Of a number with a sign.
+    #[inline(always)]
+    pub(super) fn signed(self, x: i128) -> Option<i64> {
+        let fits = ((x >> 96) as u32).wrapping_add(self.room) < self.room << 1;
+        fits.then_some(self.words([(x >> 32) as u32, (x >> 64) as u32, (x >> 96) as u32]))
+    }
+
+    /// Of the product with a factor of 64 bits, both without a sign.
+    #[inline(always)]
+    pub(super) fn product(self, x: u64, factor: u64) -> Option<i64> {
+        // The upper half of the product is one bit more than asked for.
+        let up = 31 - self.by;
+        let [low, high] = [x as u32, (x >> 32) as u32];
+        let x = ((high << up << 1 | low >> self.by) as u64) << 32 | (low << up << 1) as u64;
+        (high < self.room).then_some(halved(umulhi(x, factor) as i64))
+    }
+
+    #[inline(always)]
+    fn words(self, [b, c, d]: [u32; 3]) -> i64 {
+        // One bit more than asked for, then half of (it + 1).
+        let join = |low: u32, high: u32| low >> self.by | (high << 1) << (31 - self.by);
+        halved(((join(c, d) as u64) << 32 | join(b, c) as u64) as i64)
+    }
+}
+
+/// Half of a number, to the nearest.
+#[inline(always)]
+fn halved(twice: i64) -> i64 {
     (twice >> 1).wrapping_add(twice & 1)
 }
 

@@ -9,6 +9,36 @@ use super::power::Power;
 use crate::wide::{umul, umulhi};
 use core::num::NonZeroU16;
 
+/// What a power is as the width of pulses, where it is nothing else: counts of 2⁻³² per power, 2⁻⁴⁴ %.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plain {
+    /// 0 where it is more.
+    gain: u64,
+    /// The power whose train the thread has planned; −1: there is none.
+    planned: i64,
+}
+
+impl Plain {
+    pub(super) const NONE: Plain = Plain { gain: 0, planned: -1 };
+
+    /// That width, if there are pulses of it, shorter than the period.
+    #[inline(always)]
+    pub(super) fn width(self, power: Power) -> Option<Count> {
+        if self.gain == 0 || power.raw() == self.planned || power >= Mode::Duty.full_scale() {
+            return None;
+        }
+        let width = product(power, self.gain);
+        (width != 0).then_some(Count { whole: width >> 32, part: width as u32, of: 0 })
+    }
+}
+
+/// The width of a power, to the nearest.
+#[inline(always)]
+fn product(power: Power, gain: u64) -> u64 {
+    let (high, low) = umul(power.raw() as u64, gain);
+    high.wrapping_add(low >> 63)
+}
+
 /// Settings of the energy output.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Energy {
@@ -53,23 +83,16 @@ impl Energy {
         }
     }
 
-    /// In the duty modes, whether the train put out is the carrier with pulses, so that of another power only the width
-    /// differs; but for the power that is told, whose train the thread has planned (−1: there is none).
-    pub(super) fn plain(&self, out: &Train) -> Option<i64> {
-        let carrier = self.carrier.as_ref().filter(|_| self.connector)?;
+    /// In the duty modes, if the train put out is the carrier with pulses, and not too long: of another power only the width differs.
+    pub(super) fn plain(&self, out: &Train) -> Plain {
         let duty = matches!(self.mode, Mode::Duty | Mode::DutyOpen);
-        if !duty || out.period != carrier.period() || out.is_silent() {
-            return None;
+        match &self.carrier {
+            Some(carrier) if self.connector && duty && out.period == carrier.period() && !out.is_silent() => {
+                let planned = self.fine.as_ref().and_then(|fine| fine.power_over(carrier.khz()));
+                Plain { gain: carrier.gain(), planned: planned.map_or(-1, Power::raw) }
+            }
+            _ => Plain::NONE,
         }
-        Some(self.fine.as_ref().and_then(|fine| fine.power_over(carrier.khz())).map_or(-1, Power::raw))
-    }
-
-    /// That width, if there are pulses.
-    #[inline(always)]
-    pub(super) fn width_of(&self, power: Power, planned: i64) -> Option<Count> {
-        let carrier = self.carrier.as_ref().filter(|_| power.raw() != planned)?;
-        let width = carrier.share(power);
-        (width.whole != 0 || width.part != 0).then_some(width)
     }
 
     /// Power as a part of the carrier's period.
@@ -145,8 +168,7 @@ impl Carrier {
         if self.gain() == 0 {
             return self.long_share(power);
         }
-        let (high, low) = umul(power.raw() as u64, self.gain());
-        let width = high.wrapping_add(low >> 63);
+        let width = product(power, self.gain());
         Count { whole: width >> 32, part: width as u32, of: 0 }
     }
 

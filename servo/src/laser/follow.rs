@@ -6,7 +6,7 @@
 //! A power is in force for the whole interval that begins with the tick, so it follows the speed in the *middle* of
 //! that interval: under constant acceleration that is the mean, and the energy of each interval is the ratio times its
 //! way, at any period. The speed at its beginning would lag by half a tick.
-use super::double::held;
+use super::double::{Cut, held};
 use super::power::Refused;
 use crate::piece::{Motion, Piece, Recip};
 use crate::real::Real;
@@ -46,13 +46,15 @@ impl PathSpeed {
     /// The speed in the middle of the interval of `period` that begins where the motion of a path stands, one of
     /// constant acceleration over a power of two of ns; it is taken to go on that long, but not backwards.
     pub fn ahead(motion: &Motion, period: Ns) -> PathSpeed {
-        let Motion { tau, c: [speed, change, _], recip: Recip { shift, .. }, frac, .. } = *motion;
+        let Motion { tau, t, c: [speed, change, _], recip: Recip { shift, .. }, frac, .. } = *motion;
         // The piece lasts 2^(64 - shift) ns; tau and half a period are in 2^-63 of it.
         let mut speed = speed;
         if change != 0 {
             let half = period.0 >> 1;
             let share = if half.leading_zeros() >= shift { half.wrapping_shl(shift) >> 1 } else { Piece::END };
-            let tau = tau.wrapping_add(share).min(Piece::END);
+            // Where the motion tells its time, the piece lasts 2^32 ns at most.
+            let gone = (t.wrapping_shl(shift) as u64) << 31;
+            let tau = tau.wrapping_add(gone).wrapping_add(share).min(Piece::END);
             speed = speed.wrapping_add(mulhi_su(change, tau << 1));
         }
         let speed = speed.max(0) as u64;
@@ -121,7 +123,8 @@ impl Ratio {
     pub(super) fn gain(self) -> Gain {
         // v·2^30 times ratio = m·2^(exponent - 1086), of which 2^44 are to stay.
         let shift = (1086 + PathSpeed::FRAC_BITS - super::Power::FRAC_BITS) as u64 - (self.bits >> 52);
-        if shift > 128 { Gain::NONE } else { Gain { m: self.bits << 11 | 1 << 63, shift: shift as u32 } }
+        let cut = Cut::of(shift as u32);
+        if shift > 128 { Gain::NONE } else { Gain { m: self.bits << 11 | 1 << 63, cut, shift: shift as u32 } }
     }
 }
 
@@ -129,18 +132,28 @@ impl Ratio {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gain {
     m: u64,
+    cut: Cut,
     /// 17 to 128.
     shift: u32,
 }
 
 impl Gain {
     /// No power at any speed.
-    pub(super) const NONE: Gain = Gain { m: 0, shift: 64 };
+    pub(super) const NONE: Gain = Gain { m: 0, cut: Cut::of(64), shift: 64 };
 
     /// ratio·v in 2⁻⁴⁴ to half a unit; held at [`MOST`](super::double::MOST).
     #[inline(always)]
     pub(super) fn power(self, speed: PathSpeed) -> i64 {
-        let (high, low) = umul(speed.raw(), self.m);
-        held(high, low, self.shift)
+        match self.cut.product(speed.raw(), self.m) {
+            Some(power) => power,
+            None => far(speed, self.m, self.shift),
+        }
     }
+}
+
+/// The same where it may be too large, or the ratio is no usual one.
+#[inline(never)]
+fn far(speed: PathSpeed, m: u64, shift: u32) -> i64 {
+    let (high, low) = umul(speed.raw(), m);
+    held(high, low, shift)
 }

@@ -10,7 +10,7 @@
 //!
 //! Each part is held at ±2¹⁷ of the power's unit. Of several bounds the lower ones act first: where they exclude each other the lowest upper one is put out.
 use super::buffered::Buffered;
-use super::distance::{Distance, Terms, Ways};
+use super::distance::{Distance, Terms};
 use super::follow::{Gain, PathSpeed, Ratio, Source};
 use super::power::{Bounds, Power};
 use super::tables::{Curve, DISTANCES, Stretch};
@@ -67,10 +67,11 @@ struct Mix {
     low: i64,
     high: i64,
     part: Part,
-    /// Whose speed.
-    crd: usize,
-    encoder: bool,
+    /// Whose speed: [`Speeds::place`].
+    speed: usize,
     added: Added,
+    /// The power may be another one in each tick.
+    moves: bool,
     /// Bounds of the part that follows the speed, where the distance is added after them.
     held: Option<(i64, i64)>,
 }
@@ -100,7 +101,7 @@ impl Law {
         let full = Bounds::full(Mode::Duty).max().raw();
         let (part, added) = (Part::None, Added::Nothing);
         Law {
-            mix: Mix { base: 0, low: 0, high: full, part, crd: 0, encoder: false, added, held: None },
+            mix: Mix { base: 0, low: 0, high: full, part, speed: 0, added, moves: false, held: None },
             terms: Terms::NONE,
             planned: CrdMask(0),
             encoder: CrdMask(0),
@@ -224,7 +225,7 @@ impl Law {
     /// Whether the power may be another one in each tick.
     #[inline]
     pub(super) fn moves(&self) -> bool {
-        self.follow.is_some() || self.distance.is_some()
+        self.mix.moves
     }
 
     /// Makes the settings ready for the tick.
@@ -260,8 +261,9 @@ impl Law {
         {
             (low, high) = (low.max(bounds.min().raw()), high.min(bounds.max().raw()));
         }
-        let crd = self.follow.map_or(0, |follow| follow.crd.index());
-        self.mix = Mix { base, low, high, part, crd, encoder: self.encoder.0 != 0, added, held };
+        let speed = self.follow.map_or(0, |follow| Speeds::place(follow.crd, self.encoder.0 != 0));
+        let moves = self.follow.is_some() || self.distance.is_some();
+        self.mix = Mix { base, low, high, part, speed, added, moves, held };
     }
 
     /// The axes whose places count by fixed ratios, if any do.
@@ -270,20 +272,21 @@ impl Law {
         (self.mix.added == Added::Terms).then_some(self.terms.key)
     }
 
-    /// Takes a look at them.
+    /// It does not ask for its power in this tick: the next time all of it is to be made.
     #[inline(always)]
-    pub(super) fn see(&mut self, ways: &Ways) {
-        if let Some(distance) = &self.distance {
-            self.terms.advance(ways, distance);
-        }
+    pub(super) fn rest(&mut self) {
+        self.terms.rest();
     }
 
-    /// The power in force from the tick that is computed, whose places it has seen.
+    /// The power in force from the tick that is computed.
     #[inline(always)]
     pub(super) fn power(&mut self, around: &Surroundings<'_>) -> Power {
-        let Mix { base, low, high, part, crd, encoder, added, held } = &self.mix;
+        let Mix { base, low, high, part, speed, added, held, .. } = &self.mix;
+        if *added == Added::Terms {
+            self.terms.advance(around.ways, &self.distance);
+        }
         let mut sum = *base;
-        let speed = || around.speed(*crd, *encoder);
+        let speed = || around.speed(*speed);
         match part {
             Part::None => {}
             Part::Ratio(gain) => sum = sum.wrapping_add(gain.power(speed())),
@@ -313,12 +316,29 @@ impl Law {
 /// Speeds of all paths, for all channels; a path that is not fed is at rest.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Speeds {
-    pub(super) fed: CrdMask,
-    pub(super) planned: [PathSpeed; Crd::MAX],
-    pub(super) encoder: [PathSpeed; Crd::MAX],
+    /// Which of them are fed, a bit each.
+    pub(super) fed: u32,
+    /// Planned ones, then those of encoders.
+    pub(super) of: [PathSpeed; 2 * Crd::MAX],
 }
 
 impl Speeds {
-    pub(super) const REST: Speeds =
-        Speeds { fed: CrdMask(0), planned: [PathSpeed::REST; Crd::MAX], encoder: [PathSpeed::REST; Crd::MAX] };
+    pub(super) const REST: Speeds = Speeds { fed: 0, of: [PathSpeed::REST; 2 * Crd::MAX] };
+
+    /// Where the speed of a path stands.
+    #[inline(always)]
+    pub(super) fn place(crd: Crd, encoder: bool) -> usize {
+        if encoder { Crd::MAX.wrapping_add(crd.index()) } else { crd.index() }
+    }
+
+    /// Feeds one.
+    #[inline(always)]
+    pub(super) fn put(&mut self, place: usize, speed: PathSpeed) {
+        if let Some(to) = self.of.get_mut(place) {
+            *to = speed;
+            self.fed |= 1 << (place & 7);
+        }
+    }
 }
+
+const _: () = assert!(2 * Crd::MAX <= 8, "a bit of a byte each");

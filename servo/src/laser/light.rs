@@ -20,9 +20,17 @@ impl OnTime {
     /// Light of an interval, at most 1 ms.
     #[inline]
     pub(super) fn add(&mut self, ns: u32) {
-        let sum = self.rest_ns.wrapping_add(ns);
-        self.units = self.units.wrapping_add(sum / UNIT_NS);
-        self.rest_ns = sum % UNIT_NS;
+        let mut sum = self.rest_ns.wrapping_add(ns);
+        if sum >= UNIT_NS {
+            sum = sum.wrapping_sub(UNIT_NS);
+            self.units = self.units.wrapping_add(1);
+            if sum >= UNIT_NS {
+                // A long tick.
+                self.units = self.units.wrapping_add(sum / UNIT_NS);
+                sum %= UNIT_NS;
+            }
+        }
+        self.rest_ns = sum;
     }
 
     /// So many units more: see [`crate::tick::Tick::age_counts`].

@@ -178,17 +178,18 @@ pub(crate) struct Surroundings<'a> {
     speeds: &'a Speeds,
     tables: &'a Tables,
     axes: &'a [AxisState],
+    /// Of the axes that the channel follows by fixed ratios, if it does.
+    ways: &'a Ways,
 }
 
 impl Surroundings<'_> {
-    /// The speed of a path.
-    #[inline]
-    fn speed(&self, crd: usize, encoder: bool) -> PathSpeed {
-        if self.speeds.fed.0 >> (crd & 7) & 1 == 0 {
+    /// One of the speeds of paths, [`Speeds::place`].
+    #[inline(always)]
+    fn speed(&self, place: usize) -> PathSpeed {
+        if self.speeds.fed >> (place & 7) & 1 == 0 {
             return PathSpeed::REST;
         }
-        let speeds = if encoder { &self.speeds.encoder } else { &self.speeds.planned };
-        speeds.get(crd).copied().unwrap_or_default()
+        self.speeds.of.get(place).copied().unwrap_or_default()
     }
 
     /// Where an axis is planned to be, or was seen last.
@@ -318,12 +319,8 @@ impl Lasers {
     /// How fast a path goes in the interval that is planned next ([`crate::path::Path::mean`]), and how fast its encoders
     /// went in the last one ([`PathSpeed::measured`]). What is not fed is at rest.
     pub(crate) fn feed(&mut self, crd: Crd, planned: PathSpeed, encoder: PathSpeed) {
-        if let (Some(to), Some(too)) =
-            (self.speeds.planned.get_mut(crd.index()), self.speeds.encoder.get_mut(crd.index()))
-        {
-            (*to, *too) = (planned, encoder);
-            self.speeds.fed.0 |= crd.mask().0;
-        }
+        self.speeds.put(Speeds::place(crd, false), planned);
+        self.speeds.put(Speeds::place(crd, true), encoder);
     }
 
     /// A cause that is over as soon as it is told.
@@ -349,27 +346,19 @@ impl Lasers {
         mut trace: impl FnMut(u8, &Plan),
     ) {
         let interlock = port.interlock();
-        let mut seen = None;
-        for (channel, ways) in self.channels.iter_mut().zip(&mut self.ways) {
-            if let Some(key) = channel.places() {
-                // Where channels follow the same places, one look is enough.
-                if seen.is_none_or(|(of, _)| of != key) {
-                    ways.look(key, axes);
-                    seen = Some((key, &*ways));
-                }
-                if let Some((_, ways)) = seen {
-                    channel.see(ways);
-                }
-            }
-        }
-        let around = Surroundings { clock: self.clock, speeds: &self.speeds, tables, axes };
+        let mut around = Surroundings { clock: self.clock, speeds: &self.speeds, tables, axes, ways: &Ways::OF_NOBODY };
         self.plan.lasts = period.0 as u32;
-        for (index, channel) in self.channels.iter_mut().enumerate() {
+        for (index, (channel, ways)) in self.channels.iter_mut().zip(&mut self.ways).enumerate() {
+            // Where channels follow the same places, one look is enough.
+            if let Some(key) = channel.places().filter(|key| !around.ways.are_of(*key)) {
+                ways.look(key, axes);
+                around.ways = ways;
+            }
             channel.step(next, period, interlock, &around, &mut self.plan);
             port.laser(index, &self.plan);
             trace(index as u8, &self.plan);
         }
-        self.speeds.fed = CrdMask(0);
+        self.speeds.fed = 0;
     }
 
     /// Counts of changes go up by so many: see [`crate::tick::Tick::age`].

@@ -141,7 +141,11 @@ impl Plan {
     #[inline(always)]
     pub(super) fn begin_with(&mut self, train: &Train) {
         let [(at, action), ..] = &mut self.actions;
-        *action = Action::Change(*train);
+        match action {
+            // What the plan of another tick has left there: nearly always this.
+            Action::Change(before) => *before = *train,
+            _ => *action = Action::Change(*train),
+        }
         (*at, self.len) = (0, 1);
     }
 

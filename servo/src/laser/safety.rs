@@ -134,8 +134,16 @@ impl Safety {
     }
 
     /// The last word on a plan.
-    #[inline]
+    #[inline(always)]
     pub(super) fn guard(&mut self, plan: &mut Plan) {
+        if self.spared | self.dark as u8 != 0 {
+            self.put_out(plan);
+        }
+    }
+
+    /// The same where it is dark.
+    #[inline(never)]
+    fn put_out(&mut self, plan: &mut Plan) {
         if self.spared != 0 {
             self.spared = self.spared.wrapping_sub(1);
         } else if self.is_dark() {

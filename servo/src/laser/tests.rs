@@ -273,7 +273,7 @@ fn bits(x: [f64; 4]) -> [u64; 4] {
 /// What an admitted distance follow adds, in 2^-44.
 fn added(distance: &Distance, tables: &Tables, axes: &[AxisState]) -> i64 {
     let speeds = Speeds::REST;
-    let around = Surroundings { clock: Clock::GHZ, speeds: &speeds, tables, axes };
+    let around = Surroundings { clock: Clock::GHZ, speeds: &speeds, tables, axes, ways: &Ways::OF_NOBODY };
     if distance.bank().is_none() {
         // The same wherever it was told before: further off than a short way, and within one.
         let (mut terms, mut ways) = (distance.terms(), Ways::begin(0));
@@ -284,16 +284,32 @@ fn added(distance: &Distance, tables: &Tables, axes: &[AxisState]) -> i64 {
                 to.shown.encoder = axis.shown.encoder.wrapping_add(off >> 20);
             }
             ways.look(terms.key, &before);
-            terms.advance(&ways, distance);
+            terms.advance(&ways, &Some(*distance));
         }
         ways.look(terms.key, axes);
-        terms.advance(&ways, distance);
+        terms.advance(&ways, &Some(*distance));
         let mut afresh = distance.terms();
-        afresh.advance(&ways, distance);
+        afresh.advance(&ways, &Some(*distance));
         assert_eq!(terms.power(), afresh.power());
         return terms.power();
     }
     distance.tabled(0, |axis, source| around.place(axis, source), tables, &mut [Stretch::NONE; DISTANCES])
+}
+
+#[test]
+fn four_ways_of_one_length_add_up_with_the_largest_lower_halves_of_factors() {
+    // 60 bits of a factor, of which the lower half is as far from 0 as it can be.
+    let ratio = 0x1f_ffff_feff_ffff_i64 as f64 / 2f64.powi(52);
+    let (scales, ratios) = (bits([1.0; 4]), bits([ratio; 4]));
+    let distance = Distance::admit(Source::Planned, mapped(), [0; 4], scales, ratios, Ratios::Fixed, None).unwrap();
+    let (mut terms, mut ways) = (distance.terms(), Ways::begin(0));
+    for pulses in [0.0, 255.0, -0.5, 511.0, 0.0, -255.0, 0.0, -511.0, 0.0] {
+        ways.look(terms.key, &axes([pulses; 4]));
+        terms.advance(&ways, &Some(distance));
+        let mut afresh = distance.terms();
+        afresh.advance(&ways, &Some(distance));
+        assert_eq!(terms.power(), afresh.power(), "{pulses}");
+    }
 }
 
 #[test]
@@ -410,18 +426,19 @@ fn ratios_of_tables_are_those_of_the_place() {
 
 /// The power of a law at a speed, of crd 1, and a distance of axis 0.
 fn put_out(law: &mut Law, v: f64, x: f64) -> f64 {
-    let mut speeds = Speeds { fed: CrdMask(3), ..Speeds::REST };
-    speeds.planned[0] = speed(v);
-    speeds.encoder[0] = speed(2.0 * v);
-    speeds.planned[1] = speed(1e6);
+    let mut speeds = Speeds::REST;
+    let [first, second] = [0, 1].map(|index| Crd::new(index).unwrap());
+    speeds.put(Speeds::place(first, false), speed(v));
+    speeds.put(Speeds::place(first, true), speed(2.0 * v));
+    speeds.put(Speeds::place(second, false), speed(1e6));
     let (tables, axes) = (Tables::new(), axes([x, 0.0, 0.0, 0.0]));
     power_table(&tables, &[(10.0, 20.0), (50.0, 60.0)]);
-    let around = Surroundings { clock: Clock::GHZ, speeds: &speeds, tables: &tables, axes: &axes };
+    let mut ways = Ways::begin(0);
+    law.rest();
     if let Some(key) = law.places() {
-        let mut ways = Ways::begin(0);
         ways.look(key, &axes);
-        law.see(&ways);
     }
+    let around = Surroundings { clock: Clock::GHZ, speeds: &speeds, tables: &tables, axes: &axes, ways: &ways };
     let raw = law.power(&around).raw();
     (raw as f64 / 2f64.powi(44) * 1e9).round() / 1e9
 }

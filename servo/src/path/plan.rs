@@ -124,6 +124,18 @@ impl Plan {
         matches!(sketch.todo, Todo::Nothing)
     }
 
+    /// Makes as much of it as its first leg takes; whether that was all.
+    pub(super) fn begin(&mut self, sketch: &mut Sketch) -> bool {
+        loop {
+            if self.advance(sketch) {
+                return true;
+            }
+            if self.count != 0 {
+                return false;
+            }
+        }
+    }
+
     /// Leg `index`.
     #[inline]
     pub(super) fn leg(&self, index: usize) -> Option<&Leg> {

@@ -17,7 +17,7 @@ mod walk;
 pub use told::{Effects, Feed, Rest, Rules, Sight, Step, Told, Wake};
 
 use super::entry::Along;
-use super::plan::{Plan, Sketch};
+use super::plan::{Leg, Plan, Sketch};
 use super::shape::{Along as Geared, Bend, Draft, Shape};
 use super::store::Entries;
 use super::{DIMENSIONS, Fine};
@@ -81,6 +81,12 @@ impl Cursor {
         geared: 0,
     };
 
+    /// Entries that are over.
+    #[inline(always)]
+    fn released(&self) -> u32 {
+        self.next.wrapping_sub(self.inside as u32)
+    }
+
     /// As a new one, whose gears nobody looks at.
     fn clear(&mut self) {
         let Cursor { next, done, inside, kept, place, from, way, left, gears: _, geared } = self;
@@ -117,17 +123,10 @@ enum Behind {
 #[repr(C)]
 pub struct Path {
     stage: Stage,
-    /// Which leg, when it began, and the way done there.
-    leg: usize,
-    began: Fine,
-    way: Exact,
-    /// When the leg or the wait in force is over.
-    over: Fine,
-    /// The way along the motion in force when it was looked at last, or 0 if it was entered since; the way since then to
-    /// the end of the last leg that has ended, if one has.
-    seen: Pos,
+    stand: Stand,
+    /// The way since the last look to the end of the last leg that has ended since, if one has.
     swept: Option<Exact>,
-    /// The end of the FIFO, if nothing stood behind the motion when it was planned.
+    /// The end of the FIFO, if nothing stood behind the motion in force when it was planned.
     open: Option<u32>,
     fifo: u8,
     /// Which motion, and which piece, is in force.
@@ -143,10 +142,12 @@ pub struct Path {
     /// Whether somebody follows a coordinate; then what happens between looks is kept: up to the last look, and since.
     led: bool,
     stopping: bool,
+    /// Of the plan of the motion in force, what comes behind its first leg is not made yet (`sketch`).
+    unfinished: bool,
     /// The leg as a piece, once it is needed, and the one behind it, if it is made ahead.
-    pieces: [Piece; 2],
-    /// The speeds of these, where they are even.
-    even: [Option<PathSpeed>; 2],
+    pieces: [Stretch; 2],
+    /// Where it stands behind the end of the leg in force, if that is where the next motion begins (`turn`).
+    coming: Stand,
     /// When the piece behind the one in force begins, if it is made.
     follows: Option<Fine>,
     /// The instant up to which all boundaries have been passed, and the speed there.
@@ -159,13 +160,50 @@ pub struct Path {
     here: [Pos; DIMENSIONS],
     /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
     pub rules: Rules,
-    /// What is being made of the motion behind the one in force.
+    /// What is being made of the motion behind the one in force, or, as long as that is `unfinished`, of its plan.
     draft: Draft,
     sketch: Sketch,
     /// At rest: what of it there is, is of a start with this FIFO, as if it began at 0.
     ready: Option<u8>,
     wake: Wake,
     since: Wake,
+}
+
+/// A leg as the tick takes it.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+struct Stretch {
+    /// Its speed, where it is even.
+    even: Option<PathSpeed>,
+    piece: Piece,
+}
+
+impl Stretch {
+    /// Becomes a leg that begins then, where so much of the way is done.
+    #[inline(always)]
+    fn make(&mut self, leg: &Leg, begin: Fine, from: Exact) {
+        leg.piece(begin, from, &mut self.piece);
+        self.even = PathSpeed::even(&self.piece.motion);
+    }
+}
+
+/// Where it stands in the motion in force.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+struct Stand {
+    /// When the leg in force began, and the way done there.
+    began: Fine,
+    way: Exact,
+    /// When the leg or the wait in force is over.
+    over: Fine,
+    /// The way along the motion when it was looked at last, or 0 if it was entered since.
+    seen: Pos,
+    /// Which leg.
+    leg: usize,
+}
+
+impl Stand {
+    const NONE: Stand = Stand { began: 0, way: Exact(0), over: 0, seen: Pos(0), leg: 0 };
 }
 
 /// A motion as far as it is made.
@@ -225,26 +263,23 @@ impl Path {
         time: 0,
         speed: Real::ZERO,
         stopping: false,
+        unfinished: false,
         motions: [Made::NOTHING; 2],
         at: 0,
         draft: Draft::Nothing,
         sketch: Sketch::NONE,
         ready: None,
-        leg: 0,
-        began: 0,
-        way: Exact(0),
-        pieces: [Piece::rest(Ns(0), 0, Pos(0)); 2],
-        even: [None; 2],
+        stand: Stand::NONE,
+        coming: Stand::NONE,
+        pieces: [Stretch { even: None, piece: Piece::rest(Ns(0), 0, Pos(0)) }; 2],
         piece: 0,
         pieced: false,
         glides: false,
         turn: Turn::Else,
         follows: None,
         fresh: true,
-        seen: Pos(0),
         swept: None,
         open: None,
-        over: 0,
         led: false,
         wake: Wake::NONE,
         since: Wake::NONE,
@@ -256,11 +291,7 @@ impl Path {
         // not looked at before it is made anew.
         let Path {
             stage,
-            leg,
-            began,
-            way,
-            over,
-            seen,
+            stand,
             swept,
             open,
             fifo,
@@ -272,8 +303,9 @@ impl Path {
             fresh,
             led,
             stopping,
+            unfinished,
             pieces: _,
-            even: _,
+            coming: _,
             follows,
             time,
             speed,
@@ -288,9 +320,9 @@ impl Path {
             since,
         } = self;
         let on = &Path::IDLE;
-        (*stage, *leg, *began, *way, *over) = (on.stage, on.leg, on.began, on.way, on.over);
-        (*seen, *swept, *open, *fifo) = (on.seen, on.swept, on.open, on.fifo);
+        (*stage, *stand, *swept, *open, *fifo) = (on.stage, on.stand, on.swept, on.open, on.fifo);
         (*pieced, *fresh, *led, *stopping) = (on.pieced, on.fresh, on.led, on.stopping);
+        *unfinished = on.unfinished;
         (*glides, *turn) = (on.glides, on.turn);
         (*follows, *time, *speed, *here, *ready) = (on.follows, on.time, on.speed, at, on.ready);
         cursors.iter_mut().for_each(Cursor::clear);
@@ -369,8 +401,7 @@ impl Path {
 
     /// Entries of a FIFO that are over; their places are free.
     pub fn released(&self, fifo: u8) -> u32 {
-        let cursor = self.cursor_of(fifo);
-        cursor.next.wrapping_sub(cursor.inside as u32)
+        self.cursor_of(fifo).released()
     }
 
     /// Motions of a FIFO completed since it was cleared.
@@ -441,7 +472,7 @@ impl Path {
                 return;
             }
             self.enter(from, counter, &source.entry(fifo, counter).item());
-            (self.way, self.seen) = (way, way.round());
+            (self.stand.way, self.stand.seen) = (way, way.round());
             self.plan_rest(feed, source);
         }
     }
@@ -536,10 +567,10 @@ impl Path {
             self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
             has_time = false;
         }
-        let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.seen);
+        let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.stand.seen);
         let moves = self.look(next, sink, sight);
         if moves && !sink.admits(sight.place) {
-            self.hold(now, (before.into(), self.seen.into()), sink, feed);
+            self.hold(now, (before.into(), self.stand.seen.into()), sink, feed);
             self.look(next, sink, sight);
             return Told { runs: false, fifo, done };
         }
@@ -574,13 +605,19 @@ impl Path {
     /// Whether a boundary lies at or before `next`.
     #[inline(always)]
     pub fn is_due(&self, next: Ns) -> bool {
-        self.over <= (next.0 as Fine) << 32
+        self.stand.over <= (next.0 as Fine) << 32
     }
 
     /// Whether one lies before `next + period`.
     #[inline(always)]
     pub fn is_due_before(&self, next: Ns, period: Ns) -> bool {
-        ((self.over >> 32) as u64) < next.0.wrapping_add(period.0)
+        self.is_due_until(Ns(next.0.wrapping_add(period.0)))
+    }
+
+    /// Whether one lies before `until`.
+    #[inline(always)]
+    pub(crate) fn is_due_until(&self, until: Ns) -> bool {
+        ((self.stand.over >> 32) as u64) < until.0
     }
 
     /// Whether data has come where none was.

@@ -79,6 +79,13 @@ impl Near {
         Pos(self.base.wrapping_add(times(slope, x, self.rest) >> GUARD))
     }
 
+    /// The same of one whose cubic has but its first coefficient.
+    #[inline(always)]
+    pub(super) fn at_even(&self, t: u32) -> Pos {
+        let (x, [_, _, first]) = (t.wrapping_mul(self.power), self.cubic);
+        Pos(self.base.wrapping_add(times(first, x, self.rest) >> GUARD))
+    }
+
     /// How far τ is at `t` from where it was at the begin, 2⁻⁶³.
     #[inline(always)]
     pub(super) fn gone(&self, t: u32) -> u64 {

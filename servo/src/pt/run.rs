@@ -106,6 +106,12 @@ impl PtRun {
         }
     }
 
+    /// Whether it takes its segments from a ring.
+    #[inline(always)]
+    pub(crate) fn is_stream(&self) -> bool {
+        matches!(self.place, Place::Dynamic { .. })
+    }
+
     /// Where it stands with the piece in force: `ahead` tells whether the last one made is yet to come.
     #[inline(always)]
     fn standing(&self, ahead: bool) -> &Track {

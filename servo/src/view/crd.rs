@@ -52,14 +52,52 @@ impl CrdView {
             return;
         }
         if self.changes != now.changes {
-            *self = *now;
-            return;
+            self.follow_changes(now);
         }
         if self.turns != now.turns {
             (self.turns, self.bend, self.motion) = (now.turns, now.bend, now.motion);
             (self.fifo, self.released, self.done) = (now.fifo, now.released, now.done);
+        } else {
+            (self.motion.tau, self.motion.t) = (now.motion.tau, now.motion.t);
         }
-        (self.moves, self.place, self.heading, self.motion.tau) = (now.moves, now.place, now.heading, now.motion.tau);
+        (self.moves, self.place, self.heading) = (now.moves, now.place, now.heading);
+    }
+
+    /// Field by field, which costs a third of what a call of memcpy does; what `turns` counts comes with the rest.
+    #[inline(never)]
+    fn follow_changes(&mut self, now: &CrdView) {
+        (self.changes, self.turns) = (now.changes, now.turns.wrapping_sub(1));
+        (self.runs, self.rest, self.stop) = (now.runs, now.rest, now.stop);
+        (self.ends, self.cleared) = (now.ends, now.cleared);
+        (self.frame, self.origin) = (now.frame, now.origin);
+    }
+
+    /// Nothing is driven any more, FIFOs are empty; why it stopped last stays.
+    pub(crate) fn drop_frame(&mut self) {
+        let CrdView {
+            moves: _,
+            changes: _,
+            turns,
+            place,
+            heading,
+            bend,
+            motion,
+            runs,
+            fifo,
+            released,
+            done,
+            ends,
+            cleared: [first, second],
+            frame,
+            origin,
+            rest,
+            stop: _,
+        } = self;
+        let on = &CrdView::POWER_ON;
+        (*first, *second) = (first.wrapping_add(1), second.wrapping_add(1));
+        (*turns, *place, *heading, *bend, *motion) = (on.turns, on.place, on.heading, on.bend, on.motion);
+        (*runs, *fifo, *released, *done, *ends) = (on.runs, on.fifo, on.released, on.done, on.ends);
+        (*frame, *origin, *rest) = (on.frame, on.origin, on.rest);
     }
 
     /// At power-on.

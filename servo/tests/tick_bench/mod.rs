@@ -24,6 +24,8 @@ pub struct Machine {
     pub inputs: [AxisInputs; AXES],
     pub set_points: [Pos; AXES],
     pub slip: [i64; AXES],
+    /// Counts at index edges of the tick that begins.
+    pub index: [Option<i64>; AXES],
     pub outputs: (u64, u64, u32),
     pub analog_out: [i16; 8],
     pub general: u32,
@@ -38,6 +40,9 @@ impl Port for Machine {
     }
     fn encoder(&mut self, axis: Axis) -> i64 {
         steps::whole(self.set_points[axis.index()]) + self.slip[axis.index()]
+    }
+    fn index(&mut self, axis: Axis) -> Option<i64> {
+        self.index[axis.index()].take()
     }
     fn general_inputs(&mut self) -> u32 {
         self.general
@@ -162,6 +167,7 @@ impl Bench {
             tick: Tick::new(config),
             machine: Machine {
                 inputs: [AxisInputs::default(); AXES],
+                index: [None; AXES],
                 set_points: [Pos(0); AXES],
                 slip: [0; AXES],
                 outputs: (0, 0, 0),

@@ -441,8 +441,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "H743: encoders count backwards",
         "hal/src/stm32h743/encoders.rs",
-        "*count = count.wrapping_add(way.into());",
-        "*count = count.wrapping_sub(way.into());",
+        "*count = count.wrapping_add(way(now, *seen));",
+        "*count = count.wrapping_sub(way(now, *seen));",
         H743_ENCODERS,
     ),
     mutant(

@@ -1,9 +1,9 @@
 //! Timers TIM1 to TIM8 and TIM15 to TIM17 (RM0433 38 to 41): up-counting, output compare, complementary outputs with break,
-//! repetition, preload, DMA requests with bursts; of the slave modes the encoder's and the start by a trigger.
+//! repetition, preload, DMA requests with bursts; of the slave modes the encoder's and the start by a trigger; capture beside an encoder.
 //!
 //! In: registers, instants, the break input, an encoder's levels, triggers. Out: the levels of outputs at exact instants,
 //! interrupts, DMA requests, triggers. The counter is not stepped: what it holds follows from when it was 0, so a period costs
-//! its events only. What is not modelled (down-counting, other triggers, capture, dead time) is a complaint.
+//! its events only. What is not modelled (down-counting, other triggers, other captures, dead time) is a complaint.
 mod output;
 mod registers;
 
@@ -125,8 +125,8 @@ pub struct Timer {
     /// The request that a burst repeats until its last transfer.
     burst_asks: u8,
     levels: [[Option<bool>; 2]; 4],
-    /// Levels at the first two inputs.
-    inputs: [bool; 2],
+    /// Levels at the inputs.
+    inputs: [bool; 4],
     /// What was set that is not modelled.
     pub complaint: Option<String>,
 }
@@ -158,7 +158,7 @@ impl Timer {
             burst: 0,
             burst_asks: 0,
             levels: [[None; 2]; 4],
-            inputs: [false; 2],
+            inputs: [false; 4],
             complaint: None,
         }
     }
@@ -214,11 +214,11 @@ impl Timer {
         }
     }
 
-    /// The levels at its first two inputs (RM0433 table 337, counting on both edges; filters are not modelled).
-    pub fn inputs(&mut self, one: bool, two: bool) {
-        let before = std::mem::replace(&mut self.inputs, [one, two]);
+    /// The levels at its inputs (RM0433 table 337, counting on both edges; filters are not modelled).
+    pub fn inputs(&mut self, levels: [bool; 4]) {
+        let before = std::mem::replace(&mut self.inputs, levels);
         let inverted = |n: usize| self.channels[n].enables & 2 != 0;
-        let [one, two] = [one != inverted(0), two != inverted(1)];
+        let [one, two] = [levels[0] != inverted(0), levels[1] != inverted(1)];
         // A change of the first counts up where the second is at its former level, one of the second where it is at the first's.
         if before[0] != self.inputs[0] {
             self.turn(if one != two { 1 } else { -1 });
@@ -226,6 +226,20 @@ impl Timer {
         if before[1] != self.inputs[1] {
             self.turn(if one == two { 1 } else { -1 });
         }
+        for n in 2..4 {
+            if self.channels[n].captures() && levels[n] && !before[n] {
+                self.capture(n);
+            }
+        }
+    }
+
+    /// A rising edge at the input of a channel latches the count; one that nobody has fetched is lost (RM0433 39.3.5).
+    fn capture(&mut self, n: usize) {
+        if !self.is_encoder() {
+            self.complain("a capture beside anything but an encoder");
+        }
+        self.channels[n].preload = self.held;
+        self.sr |= if self.sr & 2 << n != 0 { 0x202 << n } else { 2 << n };
     }
 
     /// The break input's pin has this level.
@@ -250,7 +264,9 @@ impl Timer {
         let references = self.channels.map(|channel| channel.reference);
         for (n, channel) in self.channels.iter().enumerate() {
             let (reference, idle) = (channel.combined(references[n ^ 1]), self.cr2 >> (8 + 2 * n));
-            let levels = self.brake.levels(channel.enables, reference, self.kind.advanced, idle);
+            // An input drives nothing.
+            let enables = if channel.captures() { 0 } else { channel.enables };
+            let levels = self.brake.levels(enables, reference, self.kind.advanced, idle);
             for (level, complementary) in levels.into_iter().zip([false, true]) {
                 let place = &mut self.levels[n][usize::from(complementary)];
                 if *place != level {
@@ -405,10 +421,12 @@ impl Timer {
         }
     }
 
-    /// An encoder's channels are inputs, which capture nothing.
+    /// What is captured: rising edges at the third and fourth input of an encoder, each by its own channel.
     fn look_at_captures(&mut self) {
-        if self.channels.iter().any(|channel| channel.captures()) {
-            self.complain("capture");
+        let captures = |n: usize| self.channels[n].captures();
+        let is_modelled = |n: usize| self.channels[n].captures_rising();
+        if captures(0) || captures(1) || (2..4).any(|n| captures(n) && !is_modelled(n)) {
+            self.complain("such a capture");
         }
     }
 

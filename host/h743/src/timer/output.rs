@@ -36,6 +36,11 @@ impl Channel {
         self.bits & 3 != 0 && self.enables & 1 != 0
     }
 
+    /// Every rising edge of its own input: CCxS 01, no prescaler; CCxP and CCxNP 0.
+    pub fn captures_rising(&self) -> bool {
+        self.bits & 0xf == 1 && self.enables & 0xe == 0
+    }
+
     /// OCxPE.
     pub fn is_preloaded(&self) -> bool {
         self.bits & 1 << 3 != 0

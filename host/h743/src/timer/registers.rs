@@ -23,7 +23,14 @@ impl Device for Timer {
             PSC => self.psc,
             ARR => self.arr,
             RCR => self.rcr,
-            CCR1..=CCR4 => self.channels[(offset - CCR1) as usize / 4].preload,
+            CCR1..=CCR4 => {
+                let n = (offset - CCR1) as usize / 4;
+                // Fetching what was captured takes its flag away (RM0433 39.4.5).
+                if self.channels[n].captures() {
+                    self.sr &= !(2 << n);
+                }
+                self.channels[n].preload
+            }
             BDTR => self.brake.bdtr,
             DCR => self.dcr,
             DMAR => {

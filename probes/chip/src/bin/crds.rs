@@ -10,24 +10,21 @@
 //! enter segments of their tables, two coordinate systems enter motions, two lasers follow speed and distance;
 //! `crd-worst-inside` is any other tick of that. `laser-…`: CASE channels are in light while one coordinate system
 //! speeds up, with a power that follows nothing, its speed, places, tables of both, or speed and places.
-use core::hint::black_box;
-use core::panic::PanicInfo;
-use cortex_m::peripheral::SYST;
-use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use dispatcher::tables::{Beside, Draft, Fields, Kind, Scratch};
 use hal as _; // the vector table
+use probes::clock;
+use probes::counted::Counted;
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::crd::Frame;
 use servo::laser::{
-    self, Bounds, Buffered, Carrier, Change, Clock, Curve, Distance, POINTS, Plan, Power, Ratio, Ratios, Source, Tables,
+    self, Bounds, Buffered, Carrier, Change, Clock, Curve, Distance, POINTS, Power, Ratio, Ratios, Source, Tables,
 };
 use servo::op::{Entry, Mode, Op};
 use servo::path::{self, Along, EntryStore, Plane, Sweep};
-use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
-use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos, StepLimit};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use servo::view::{Event, Sample, View};
 
 const AXES: usize = 12;
@@ -35,6 +32,8 @@ const PERIOD_NS: u32 = 250_000;
 /// Motions of a run, and segments of a pass of a table; each of the steady ones takes 16 ticks.
 const MOTIONS: u32 = 60;
 const SEGMENTS: u32 = 24;
+/// So many ticks behind the first one of SPEC 11 comes the one of which `cargo xtask ticks --shares` tells.
+const SHOWN: i32 = 24 * 16;
 
 static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
 static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
@@ -48,76 +47,23 @@ static LASERS: Tables = Tables::new();
 static PATHS: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
 const TABLE_STORES: TableStores<'static> = TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASERS };
 
-#[panic_handler]
-fn panicked(info: &PanicInfo<'_>) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
+probes::exit_on_panic!();
 
-/// Stores what it is told and reads its set-points back as encoders.
-struct Sink {
-    set_points: [Pos; AXES],
-    outputs: (u64, u64, u32),
-    analog: [i16; 8],
-}
-
-impl Port for Sink {
-    fn inputs(&mut self, _: Axis) -> AxisInputs {
-        AxisInputs::default()
-    }
-    fn encoder(&mut self, axis: Axis) -> i64 {
-        self.set_points.get(axis.index()).map_or(0, |pos| pos.0 >> Pos::FRAC_BITS)
-    }
-    fn general_inputs(&mut self) -> u32 {
-        0
-    }
-    fn analog(&mut self, _: usize) -> i16 {
-        0
-    }
-    fn set_point(&mut self, axis: Axis, pos: Pos) {
-        if let Some(place) = self.set_points.get_mut(axis.index()) {
-            *place = pos;
-        }
-    }
-    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: u32) {
-        self.outputs = (enable, clear, general);
-    }
-    fn analog_out(&mut self, _: u32, channel: usize, value: i16) {
-        if let Some(place) = self.analog.get_mut(channel) {
-            *place = value;
-        }
-    }
-    fn interlock(&mut self) -> bool {
-        false
-    }
-    fn laser(&mut self, _: usize, _: &Plan) {}
-}
-
-/// Tick, machine, hand-overs and the clock that counts.
+/// A tick that is counted, and the thread's halves of its hand-overs.
 struct Bench {
-    tick: Tick<AXES>,
-    machine: Sink,
-    lanes: Lanes<'static, AXES>,
+    tick: Counted<AXES>,
     immediate: Producer<'static, Entry, IMMEDIATE>,
     view: Reader<'static, View<AXES>>,
     events: Consumer<'static, Event, EVENTS>,
     seq: u32,
     pushed: [u32; 2],
-    /// Periods that reading the counter twice takes by itself.
-    reading: u32,
 }
 
-/// Not inlined, so that each tick is the same code as in the image.
+/// Called before a tick of SPEC 11: a debugger stops here.
 #[inline(never)]
-fn tick(tick: &mut Tick<AXES>, machine: &mut Sink, lanes: &mut Lanes<'static, AXES>) {
-    tick.run(machine, lanes);
+fn worst_tick_comes() {
+    core::hint::black_box(());
 }
-
-#[inline(never)]
-fn nothing(_: &mut Tick<AXES>, _: &mut Sink, _: &mut Lanes<'static, AXES>) {}
 
 fn axis(index: usize) -> Axis {
     let Some(axis) = Axis::new(index) else { panic!("no axis") };
@@ -153,35 +99,25 @@ impl Bench {
             step_limit: StepLimit::FULL_SCALE,
         };
         Some(Bench {
-            tick: Tick::new(config),
-            machine: Sink { set_points: [Pos(0); AXES], outputs: (0, 0, 0), analog: [0; 8] },
-            lanes: Lanes {
-                immediate: immediate_out,
-                program,
-                view: view_in,
-                events: events_in,
-                samples,
-                segments: &STORES,
-                tables: TABLE_STORES,
-                paths: &PATHS,
-            },
+            tick: Counted::new(
+                Tick::new(config),
+                Lanes {
+                    immediate: immediate_out,
+                    program,
+                    view: view_in,
+                    events: events_in,
+                    samples,
+                    segments: &STORES,
+                    tables: TABLE_STORES,
+                    paths: &PATHS,
+                },
+            ),
             immediate,
             view,
             events,
             seq: 0,
             pushed: [0; 2],
-            reading: 0,
         })
-    }
-
-    /// Counter periods between two readings around a call.
-    fn count(&mut self, call: fn(&mut Tick<AXES>, &mut Sink, &mut Lanes<'static, AXES>)) -> u32 {
-        let call = black_box(call);
-        let before = SYST::get_current();
-        call(&mut self.tick, &mut self.machine, &mut self.lanes);
-        let after = SYST::get_current();
-        // A down counter of 24 bits.
-        before.wrapping_sub(after) & 0xff_ffff
     }
 
     fn push(&mut self, op: Op) {
@@ -191,13 +127,13 @@ impl Bench {
 
     /// A tick that is not counted.
     fn pass(&mut self) {
-        tick(&mut self.tick, &mut self.machine, &mut self.lanes);
+        self.tick.pass();
         while self.events.pop().is_some() {}
     }
 
     /// One counted tick; its count.
     fn counted(&mut self) -> u32 {
-        let count = self.count(tick).saturating_sub(self.reading);
+        let count = self.tick.step();
         while self.events.pop().is_some() {}
         count
     }
@@ -269,6 +205,8 @@ impl Bench {
     /// The first tick of a start that was made ready, and of one with all that it needs in the same tick.
     fn run_starts(&mut self, case: &str, count: usize, arcs: bool) {
         for once in [false, true] {
+            // What was done to the axes before is over.
+            (0..16).for_each(|_| self.pass());
             let crds = if once { self.frames(count) } else { self.set(count) };
             self.fill(count, arcs);
             (0..count).for_each(|index| self.commit(index, once as u32));
@@ -462,7 +400,11 @@ impl Bench {
         self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
         self.pass();
         let mut seen = self.done();
+        let mut shown = None;
         for k in 1..50 * 16 {
+            if shown == Some(k) {
+                worst_tick_comes();
+            }
             let before = self.view.read().axes[0].motion.c;
             let count = self.counted();
             let (after, done) = (self.view.read().axes[0].motion.c, self.done());
@@ -473,6 +415,10 @@ impl Bench {
                 (true, false) => "crd-worst-segments",
                 (false, false) => "crd-worst-inside",
             };
+            assert!(shown != Some(k) || mark == "crd-worst", "another tick was shown");
+            if k > 20 && mark == "crd-worst" && shown.is_none() {
+                shown = Some(k + SHOWN);
+            }
             if k > 20 {
                 hprintln!("2 {} {}", mark, count);
             }
@@ -487,14 +433,8 @@ impl Bench {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    if let Some(mut core) = cortex_m::Peripherals::take() {
-        core.SYST.set_clock_source(SystClkSource::Core);
-        core.SYST.set_reload(0xff_ffff);
-        core.SYST.clear_current();
-        core.SYST.enable_counter();
-    }
+    clock::start();
     let Some(mut bench) = Bench::new() else { panic!("once") };
-    bench.reading = bench.count(nothing);
     for (case, count) in [("1", 1), ("2", 2)] {
         for arcs in [false, true] {
             bench.run(case, count, arcs);
@@ -508,8 +448,5 @@ fn main() -> ! {
     // No axis has the last table.
     let mut scratch = Scratch::new(&mut beside, &TABLE_STORES.places[TABLES - 1]);
     bench.run_worst(&mut scratch);
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    probes::exit()
 }

@@ -6,11 +6,9 @@
 //! `path-line`, `path-arc` (it stayed in its motion), `path-turn` (it passed a boundary and planned what follows),
 //! `path-enter` (the first step within a motion), `path-stop` (the call of a smooth Stop).
 use core::hint::black_box;
-use core::panic::PanicInfo;
-use cortex_m::peripheral::SYST;
-use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
+use probes::clock;
 use servo::path::{Along, Change, Effects, Entry, EntryStore, Feed, Fine, Path, Plane, Rest, Step, Sweep};
 use servo::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
@@ -20,14 +18,7 @@ const MOTIONS: u32 = 60;
 
 static STORES: [EntryStore; 2] = [EntryStore::new(), EntryStore::new()];
 
-#[panic_handler]
-fn panicked(info: &PanicInfo<'_>) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
+probes::exit_on_panic!();
 
 /// Takes what it is told.
 struct Sink;
@@ -57,10 +48,9 @@ fn nothing(_: &mut Path, _: Ns, _: Feed) {}
 /// Counter periods around a call.
 fn count<T>(call: fn(&mut Path, Ns, Feed) -> T, path: &mut Path, next: Ns, feed: Feed) -> (u32, T) {
     let call = black_box(call);
-    let before = SYST::get_current();
+    let before = clock::read();
     let result = call(path, next, feed);
-    let after = SYST::get_current();
-    (before.wrapping_sub(after) & 0xff_ffff, result)
+    (before.passed(), result)
 }
 
 /// Runs what is in FIFO 0 from rest to rest.
@@ -89,12 +79,7 @@ fn run(path: &mut Path, mark: &str, begin: Ns, reading: u32) -> Ns {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    if let Some(mut core) = cortex_m::Peripherals::take() {
-        core.SYST.set_clock_source(SystClkSource::Core);
-        core.SYST.set_reload(0xff_ffff);
-        core.SYST.clear_current();
-        core.SYST.enable_counter();
-    }
+    clock::start();
     let speeds = |v: f64, a: f64, e: f64| Along::admit(v.to_bits(), a.to_bits(), e.to_bits());
     let mut path = Path::IDLE;
     let reading = count(nothing, &mut path, Ns(0), Feed::default()).0;
@@ -128,8 +113,5 @@ fn main() -> ! {
         let (periods, ()) = count(stop, &mut path, begin, feed);
         hprintln!("1 path-stop {}", periods.saturating_sub(reading));
     }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    probes::exit()
 }

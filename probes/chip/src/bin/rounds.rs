@@ -3,12 +3,10 @@
 //! Counts the instructions with which the reference board tells its timers of carriers of 2 MHz whose duty is dithered, in QEMU as
 //! `ticks.rs` does and with the same lines out: `CHANNELS rounds-PERIOD COUNT`.
 use core::hint::black_box;
-use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicU16, AtomicU32};
-use cortex_m::peripheral::SYST;
-use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
+use probes::clock;
 use servo::laser::{
     Action, CHANNELS, Count, Energy, HELD_WORDS, Held, Places, Plan, RoundRing, Scale, Switches, Train,
 };
@@ -31,14 +29,7 @@ static SWITCHES: Places<SWITCH_PLACES, 6> = [const { [const { AtomicU16::new(0) 
 
 static HELD: [[AtomicU32; HELD_WORDS]; CHANNELS] = [const { [const { AtomicU32::new(0) }; HELD_WORDS] }; CHANNELS];
 
-#[panic_handler]
-fn panicked(info: &PanicInfo<'_>) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
+probes::exit_on_panic!();
 
 /// Both channels, as `hal` holds them.
 struct Outputs {
@@ -74,11 +65,7 @@ impl Outputs {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let mut core = cortex_m::Peripherals::take().expect("once");
-    core.SYST.set_clock_source(SystClkSource::Core);
-    core.SYST.set_reload(0xff_ffff);
-    core.SYST.clear_current();
-    core.SYST.enable_counter();
+    clock::start();
     let run = black_box(Outputs::tick);
     // Of 120 counts: a third, nearly, of which few pulses in turn are others; half a count more or less, where no two in turn are equal.
     let train = |part| Train { period: Count { whole: 120, part: 0, of: 0 }, width: Count { whole: 39, part, of: 0 } };
@@ -111,10 +98,9 @@ fn main() -> ! {
                 if tick == 4 {
                     plans.iter_mut().take(lit).for_each(|plan| plan.add(0, Action::Light(train(part))));
                 }
-                let before = SYST::get_current();
+                let before = clock::read();
                 let right = run(&mut outputs, us * 1000, &plans, read);
-                // A down counter of 24 bits.
-                let count = before.wrapping_sub(SYST::get_current()) & 0xff_ffff;
+                let count = before.passed();
                 assert!(right, "the rings are read where they should be");
                 if tick > 8 {
                     hprintln!("{} {} {}", lit, mark, count);
@@ -125,8 +111,5 @@ fn main() -> ! {
             }
         }
     }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    probes::exit()
 }

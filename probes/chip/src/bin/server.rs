@@ -8,7 +8,7 @@ use cortex_m as _;
 use dispatcher::{Board, Channels, Server};
 use hal as _;
 use probes::{AXES, PATHS, QUEUES, STORES, TABLE_STORES};
-use servo::units::{Ns, StepLimit};
+use servo::units::{AxisMask, Ns, StepLimit};
 use static_cell::ConstStaticCell;
 
 unsafe extern "C" {
@@ -41,6 +41,7 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
         analog_outputs: 8,
         analog_inputs: 8,
         general_outputs: 16,
+        indexes: AxisMask(0),
         step_limit: StepLimit::FULL_SCALE,
         fault: None,
     };

@@ -3,12 +3,10 @@
 //! Counts the instructions with which the reference board fills the slots of its step output, in QEMU as `ticks.rs` does and with the
 //! same lines out: `AXES steps-PERIOD COUNT`, for axes that step at 1 MHz.
 use core::hint::black_box;
-use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use cortex_m::peripheral::SYST;
-use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
+use probes::clock;
 use servo::steps::output::{AXES, RING, StepOutput};
 
 /// Ticks counted of each kind.
@@ -16,22 +14,11 @@ const TICKS: usize = 100;
 
 static WORDS: [AtomicU32; RING] = [const { AtomicU32::new(0) }; RING];
 
-#[panic_handler]
-fn panicked(info: &PanicInfo<'_>) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
+probes::exit_on_panic!();
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let mut core = cortex_m::Peripherals::take().expect("once");
-    core.SYST.set_clock_source(SystClkSource::Core);
-    core.SYST.set_reload(0xff_ffff);
-    core.SYST.clear_current();
-    core.SYST.enable_counter();
+    clock::start();
     let fill = black_box(StepOutput::<1>::fill);
     for (us, mark) in [(10, "steps-10"), (20, "steps-20"), (50, "steps-50"), (250, "steps-250")] {
         for axes in [1, AXES] {
@@ -39,10 +26,9 @@ fn main() -> ! {
             for tick in 0..TICKS {
                 goes_to.iter_mut().take(axes).for_each(|place| *place += us);
                 let slots = 2 * us as u32;
-                let before = SYST::get_current();
+                let before = clock::read();
                 let filled = fill(&mut output, &goes_to, slots, &WORDS, at);
-                // A down counter of 24 bits.
-                let count = before.wrapping_sub(SYST::get_current()) & 0xff_ffff;
+                let count = before.passed();
                 assert!(filled && output.stands(0) == us * (tick as i64 + 1), "every step is there");
                 hprintln!("{} {} {}", axes, mark, count);
                 at = (at + slots as usize) % RING;
@@ -50,8 +36,5 @@ fn main() -> ! {
             }
         }
     }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    probes::exit()
 }

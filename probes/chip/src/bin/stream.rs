@@ -10,12 +10,11 @@
 //!
 //! The frames are made by the other end of the same link, in here, and are not counted.
 use core::hint::black_box;
-use core::panic::PanicInfo;
-use cortex_m::peripheral::SYST;
-use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use dispatcher::{Board, Channels, Server};
 use hal as _; // the vector table
+use probes::clock;
+use probes::machine::Sink;
 use probes::{AXES, PATHS, QUEUES, STORES, TABLE_STORES};
 use protocol::command::{
     CrdClear, InitLookAhead, LnXY, LnXYMany, PathXY, PrfPt, ProgramStart, PtDataMany, PtItem, Request, SetCrdPrm,
@@ -23,10 +22,8 @@ use protocol::command::{
 };
 use protocol::link::{Endpoint, Identity, Role};
 use protocol::record::{Lane, RequestWriter, replies};
-use servo::laser::Plan;
-use servo::port::{AxisInputs, Port};
 use servo::tick::{Lanes, Tick};
-use servo::units::{Axis, Ns, Pos, StepLimit};
+use servo::units::{AxisMask, Ns, StepLimit};
 use zerocopy::IntoBytes;
 
 /// Messages counted in each lane.
@@ -37,42 +34,11 @@ const SEGMENTS: usize = 77;
 const LINES: usize = 122;
 const SINGLE: usize = 22;
 
-#[panic_handler]
-fn panicked(info: &PanicInfo<'_>) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
-
-/// A machine of which nothing is wanted.
-struct Sink;
-
-impl Port for Sink {
-    fn inputs(&mut self, _: Axis) -> AxisInputs {
-        AxisInputs::default()
-    }
-    fn encoder(&mut self, _: Axis) -> i64 {
-        0
-    }
-    fn general_inputs(&mut self) -> u32 {
-        0
-    }
-    fn analog(&mut self, _: usize) -> i16 {
-        0
-    }
-    fn set_point(&mut self, _: Axis, _: Pos) {}
-    fn outputs(&mut self, _: u32, _: u64, _: u64, _: u32) {}
-    fn analog_out(&mut self, _: u32, _: usize, _: i16) {}
-    fn interlock(&mut self) -> bool {
-        false
-    }
-    fn laser(&mut self, _: usize, _: &Plan) {}
-}
+probes::exit_on_panic!();
 
 /// Both ends of a link, and the tick.
 struct Bench {
+    machine: Sink<AXES>,
     server: Server<'static, AXES>,
     tick: Tick<AXES>,
     lanes: Lanes<'static, AXES>,
@@ -101,16 +67,14 @@ impl Bench {
     /// Counter periods of a call.
     fn count(&mut self, call: fn(&mut Server<'static, AXES>, Ns, &[u8]), bytes: &[u8]) -> u32 {
         let (call, now) = (black_box(call), self.now());
-        let before = SYST::get_current();
+        let before = clock::read();
         call(&mut self.server, now, bytes);
-        let after = SYST::get_current();
-        // A down counter of 24 bits.
-        before.wrapping_sub(after) & 0xff_ffff
+        before.passed()
     }
 
     /// One tick, and what goes back to the client; nothing is sent. Returns what the poll takes.
     fn step(&mut self) -> u32 {
-        self.tick.run(&mut Sink, &mut self.lanes);
+        self.tick.run(&mut self.machine, &mut self.lanes);
         let taken = self.count(take, &[]).saturating_sub(self.reading);
         let now = self.now();
         let mut bytes = [0; 2048];
@@ -267,11 +231,7 @@ impl Bench {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let mut core = cortex_m::Peripherals::take().expect("once");
-    core.SYST.set_clock_source(SystClkSource::Core);
-    core.SYST.set_reload(0xff_ffff);
-    core.SYST.clear_current();
-    core.SYST.enable_counter();
+    clock::start();
     let (tick, lanes, thread) = probes::bench().expect("once");
     let board = Board {
         name: "probe",
@@ -281,6 +241,7 @@ fn main() -> ! {
         analog_inputs: 8,
         general_outputs: 16,
         step_limit: StepLimit::FULL_SCALE,
+        indexes: AxisMask(0),
         fault: None,
     };
     let channels = Channels {
@@ -295,6 +256,7 @@ fn main() -> ! {
         tables: TABLE_STORES,
     };
     let mut bench = Bench {
+        machine: Sink::POWER_ON,
         server: Server::new(board, channels),
         tick,
         lanes,
@@ -312,8 +274,5 @@ fn main() -> ! {
     bench.lines();
     bench.run("immediate", Lane::Immediate);
     bench.run("program", Lane::Program);
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    probes::exit()
 }

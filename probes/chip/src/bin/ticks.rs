@@ -12,23 +12,19 @@
 //! `stop-ramp` (the tick behind that).
 //!
 //! The machine under the tick only stores what it is told: what is counted is the tick alone.
-use core::hint::black_box;
-use core::panic::PanicInfo;
-use cortex_m::peripheral::SYST;
-use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use dispatcher::tables::{Beside, Draft, Fields, Kind, Scratch};
 use hal as _; // the vector table
+use probes::clock;
+use probes::counted::Counted;
 use probes::{AXES, STORES, TABLE_STORES, Thread};
 use servo::follow;
-use servo::laser::{self, Carrier, Change, Clock, Delays, Family, Fine, Plan, Power};
+use servo::laser::{self, Carrier, Change, Clock, Delays, Family, Fine, Power};
 use servo::op::{Entry, Mode, Op};
-use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
 use servo::pvt::TABLES;
 use servo::ramp::{Accel, Speed};
-use servo::tick::{Lanes, Tick};
-use servo::units::{Axis, AxisMask, Ns, Pos, StepLimit};
+use servo::units::{Axis, AxisMask, Ns, StepLimit};
 use servo::view::StopReason;
 
 /// Ticks counted in each case.
@@ -38,85 +34,16 @@ const SEGMENTS: u32 = 24;
 /// Duration of each, ms: 16 ticks.
 const SEGMENT_MS: i32 = 4;
 
-#[panic_handler]
-fn panicked(info: &PanicInfo<'_>) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
+probes::exit_on_panic!();
 
-/// Stores what it is told and reads its set-points back as encoders.
-struct Sink {
-    set_points: [Pos; AXES],
-    outputs: (u64, u64, u32),
-    analog: [i16; 8],
-}
-
-impl Port for Sink {
-    fn inputs(&mut self, _: Axis) -> AxisInputs {
-        AxisInputs::default()
-    }
-    fn encoder(&mut self, axis: Axis) -> i64 {
-        self.set_points.get(axis.index()).map_or(0, |pos| pos.0 >> Pos::FRAC_BITS)
-    }
-    fn general_inputs(&mut self) -> u32 {
-        0
-    }
-    fn analog(&mut self, _: usize) -> i16 {
-        0
-    }
-    fn set_point(&mut self, axis: Axis, pos: Pos) {
-        if let Some(place) = self.set_points.get_mut(axis.index()) {
-            *place = pos;
-        }
-    }
-    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: u32) {
-        self.outputs = (enable, clear, general);
-    }
-    fn analog_out(&mut self, _: u32, channel: usize, value: i16) {
-        if let Some(place) = self.analog.get_mut(channel) {
-            *place = value;
-        }
-    }
-    fn interlock(&mut self) -> bool {
-        false
-    }
-    fn laser(&mut self, _: usize, _: &Plan) {}
-}
-
-/// Tick, machine, hand-overs and the clock that counts.
+/// A tick that is counted, and the thread's halves of its hand-overs.
 struct Bench {
-    tick: Tick<AXES>,
-    machine: Sink,
-    lanes: Lanes<'static, AXES>,
+    tick: Counted<AXES>,
     thread: Thread,
     seq: u32,
-    /// Periods that reading the counter twice takes by itself.
-    reading: u32,
 }
-
-/// Not inlined, so that each tick is the same code as in the image.
-#[inline(never)]
-fn tick(tick: &mut Tick<AXES>, machine: &mut Sink, lanes: &mut Lanes<'static, AXES>) {
-    tick.run(machine, lanes);
-}
-
-#[inline(never)]
-fn nothing(_: &mut Tick<AXES>, _: &mut Sink, _: &mut Lanes<'static, AXES>) {}
 
 impl Bench {
-    /// Counter periods between two readings around a call.
-    fn count(&mut self, call: fn(&mut Tick<AXES>, &mut Sink, &mut Lanes<'static, AXES>)) -> u32 {
-        let call = black_box(call);
-        let before = SYST::get_current();
-        call(&mut self.tick, &mut self.machine, &mut self.lanes);
-        let after = SYST::get_current();
-        // A down counter of 24 bits.
-        before.wrapping_sub(after) & 0xff_ffff
-    }
-
     fn push(&mut self, op: Op) {
         self.seq += 1;
         assert!(self.thread.immediate.push(Entry { seq: self.seq, delay: Ns(0), op }).is_ok(), "the lane is full");
@@ -129,7 +56,7 @@ impl Bench {
 
     fn step_of(&mut self, case: &str, mark: Option<&str>, [change, inside]: [&str; 2]) {
         let before = *self.thread.view.read();
-        let count = self.count(tick).saturating_sub(self.reading);
+        let count = self.tick.step();
         let after = self.thread.view.read();
         let changed = before.axes[0].motion.c != after.axes[0].motion.c;
         let mark = mark.unwrap_or(if changed { change } else { inside });
@@ -371,15 +298,9 @@ impl Bench {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let mut core = cortex_m::Peripherals::take().expect("once");
-    core.SYST.set_clock_source(SystClkSource::Core);
-    core.SYST.set_reload(0xff_ffff);
-    core.SYST.clear_current();
-    core.SYST.enable_counter();
+    clock::start();
     let (tick, lanes, thread) = probes::bench().expect("once");
-    let machine = Sink { set_points: [Pos(0); AXES], outputs: (0, 0, 0), analog: [0; 8] };
-    let mut bench = Bench { tick, machine, lanes, thread, seq: 0, reading: 0 };
-    bench.reading = bench.count(nothing);
+    let mut bench = Bench { tick: Counted::new(tick, lanes), thread, seq: 0 };
     for (case, running) in [("0", 0), ("1", 1), ("8", 8)] {
         bench.run(case, running, false);
     }
@@ -407,8 +328,5 @@ fn main() -> ! {
         bench.run_follow(case, running, (false, true), ["follow-ready", "", ""]);
         bench.run_follow(case, running, (true, true), ["shaped-ready", "", ""]);
     }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    probes::exit()
 }

@@ -3,7 +3,7 @@
 //! In: the channel as its changes have left it, what paths do within the interval, what the power follows. Out: the
 //! actions of a [`Plan`], what is shown. Owns nothing else. Fails: more events than a plan holds put the channel out.
 use super::{Channel, Outputs, later, news};
-use crate::laser::energy::Energy;
+use crate::laser::energy::{Energy, Plain};
 use crate::laser::plan::{Action, PLACES, Plan, Train};
 use crate::laser::power::Power;
 use crate::laser::safety::Cause;
@@ -44,6 +44,7 @@ impl Channel {
             }
         } else {
             self.pass();
+            self.law.rest();
         }
         self.safety.guard(plan);
     }
@@ -56,9 +57,7 @@ impl Channel {
             return;
         }
         self.power = power;
-        let Some(width) = self.plain.and_then(|planned| self.energy.width_of(power, planned)) else {
-            return self.retrain_light(around, plan);
-        };
+        let Some(width) = self.plain.width(power) else { return self.retrain_light(around, plan) };
         // The carrier goes on: only its pulses are others.
         self.train.width = width;
         if width == self.out.train.width {
@@ -66,8 +65,7 @@ impl Channel {
         }
         self.out.train.width = width;
         plan.begin_with(&self.out.train);
-        self.shown.moves = self.shown.moves.wrapping_add(1);
-        (self.shown.power, self.shown.train.width) = (power, width);
+        self.shown.take_power(power, width);
     }
 
     /// The same where more may change than the width of its pulses.
@@ -102,7 +100,7 @@ impl Channel {
             return self.stay_dark(end);
         }
         self.pass();
-        self.plain = None;
+        self.plain = Plain::NONE;
         self.attend(next);
         let mut news = core::mem::take(&mut self.news);
         if self.law.moves() {
@@ -147,6 +145,7 @@ impl Channel {
         if self.safety.is_spared() {
             self.pass();
         }
+        self.law.rest();
         self.go_dark();
         self.miss(end);
         self.news = 0;

@@ -4,7 +4,7 @@
 //! coordinates did since the look before. Owns nothing beyond the [`Path`]. Fails: a place that is not admitted ends the
 //! motion before it.
 use super::told::{Effects, Feed, Rest, Sight};
-use super::{Path, Stage};
+use super::{Path, Stage, Stretch};
 use crate::laser::PathSpeed;
 use crate::path::shape::Bend;
 use crate::path::{DIMENSIONS, Fine};
@@ -16,14 +16,11 @@ impl Path {
     #[inline(always)]
     pub(super) fn look(&mut self, next: Ns, sink: &mut impl Effects, sight: &mut Sight<'_>) -> bool {
         if let Stage::Move = self.stage
-            && let Some(leg) = self.motions[(self.at & 1) as usize].plan.leg(self.leg)
+            && let Some(leg) = self.motions[(self.at & 1) as usize].plan.leg(self.stand.leg)
         {
             if !self.pieced {
                 (self.pieced, self.fresh) = (true, true);
-                let (piece, even) =
-                    (&mut self.pieces[(self.piece & 1) as usize], &mut self.even[(self.piece & 1) as usize]);
-                leg.piece(self.began, self.way, piece);
-                *even = PathSpeed::even(&piece.motion);
+                self.pieces[(self.piece & 1) as usize].make(leg, self.stand.began, self.stand.way);
             }
             let before = *sight.heading;
             let way = self.show(next, sight);
@@ -53,26 +50,50 @@ impl Path {
     /// Place and direction at `next`, in the piece in force; the way there.
     #[inline(always)]
     fn show(&mut self, next: Ns, sight: &mut Sight<'_>) -> Pos {
-        let piece = &self.pieces[(self.piece & 1) as usize];
-        let place = match piece.near_time(next) {
-            Some(t) => piece.at_near(t),
-            None => piece.at(piece.held(next)),
-        };
-        self.show_at(place, sight)
+        let Stretch { piece, .. } = &self.pieces[(self.piece & 1) as usize];
+        let t = piece.near_time(next).map_or_else(|| piece.held(next), |t| t as u64);
+        self.show_fresh(sight);
+        self.show_at(t, sight)
     }
 
-    /// The same at this place in the piece.
+    /// What is the same all along the piece in force, if it has not been shown yet; whether that was so.
     #[inline(always)]
-    pub(crate) fn show_at(&mut self, (way, tau): (Pos, u64), sight: &mut Sight<'_>) -> Pos {
-        let piece = &self.pieces[(self.piece & 1) as usize];
-        let shape = &self.motions[(self.at & 1) as usize].shape;
-        if self.fresh {
+    pub(crate) fn show_fresh(&mut self, sight: &mut Sight<'_>) -> bool {
+        let fresh = self.fresh;
+        if fresh {
             self.fresh = false;
-            *sight.motion = piece.motion;
+            *sight.motion = self.pieces[(self.piece & 1) as usize].piece.motion;
             *sight.turns = sight.turns.wrapping_add(1);
+            let shape = &self.motions[(self.at & 1) as usize].shape;
             shape.show(sight.place, sight.heading, sight.bend);
         }
-        sight.motion.tau = tau;
+        fresh
+    }
+
+    /// How many entries and motions of the FIFO in force are over.
+    #[inline(always)]
+    pub(crate) fn counts(&self) -> [u32; 2] {
+        let cursor = &self.cursors[(self.fifo & 1) as usize];
+        [cursor.released(), cursor.done]
+    }
+
+    /// The rest, at this time since the begin of the piece; the way there.
+    #[inline(always)]
+    pub(crate) fn show_at(&self, t: u64, sight: &mut Sight<'_>) -> Pos {
+        let Stretch { even, piece } = &self.pieces[(self.piece & 1) as usize];
+        let way = if piece.is_near() {
+            // Readers make the parameter of it.
+            sight.motion.t = t as u32;
+            match even {
+                Some(_) => piece.pos_even(t as u32),
+                None => piece.pos_near(t as u32),
+            }
+        } else {
+            let (way, tau) = piece.at_wide(t);
+            sight.motion.tau = tau;
+            way
+        };
+        let shape = &self.motions[(self.at & 1) as usize].shape;
         shape.follow(way, sight.place, sight.heading);
         way
     }
@@ -84,8 +105,9 @@ impl Path {
         if !self.may_glide(feed) {
             return None;
         }
-        let spot = self.spot(next)?;
-        Some(self.show_at(spot, sight))
+        let t = self.spot(next)?;
+        self.show_fresh(sight);
+        Some(self.show_at(t, sight))
     }
 
     /// Whether that may be all there is to do.
@@ -98,24 +120,24 @@ impl Path {
     #[inline(always)]
     pub(crate) fn is_over(&self, next: Ns) -> bool {
         // Both end with the same ns, and no piece begins behind the tick that is computed.
-        self.pieces[(self.piece & 1) as usize].is_near() || self.is_due(next)
+        self.pieces[(self.piece & 1) as usize].piece.is_near() || self.is_due(next)
     }
 
-    /// The way and the parameter at `next`, if the piece in force holds it.
+    /// The time since the begin of the piece in force, if it holds `next`.
     #[inline(always)]
-    pub(crate) fn spot(&self, next: Ns) -> Option<(Pos, u64)> {
-        let piece = &self.pieces[(self.piece & 1) as usize];
+    pub(crate) fn spot(&self, next: Ns) -> Option<u64> {
+        let Stretch { piece, .. } = &self.pieces[(self.piece & 1) as usize];
         match piece.near_time(next) {
-            Some(t) => Some(piece.at_near(t)),
+            Some(t) => Some(t as u64),
             None if piece.is_near() || piece.elapsed(next) >= piece.span => None,
-            None => Some(piece.at(piece.elapsed(next))),
+            None => Some(piece.elapsed(next)),
         }
     }
 
     /// It is `way` along the motion in force.
     #[inline(always)]
     pub fn pass(&mut self, way: Pos) {
-        (self.seen, self.swept) = (way, None);
+        (self.stand.seen, self.swept) = (way, None);
     }
 
     /// What the coordinates have done up to this look, at which they go in this direction.
@@ -146,7 +168,7 @@ impl Path {
             let middle = Exact(low.0.wrapping_add(high.0) >> 1);
             if sink.admits(&self.motion().shape.at(middle.round())) { low = middle } else { high = middle }
         }
-        self.way = low;
+        self.stand.way = low;
         self.halt(at, Rest::Obstructed, feed, sink);
     }
 
@@ -156,7 +178,7 @@ impl Path {
     pub fn mean(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
         if self.glides
             && self.swept.is_none()
-            && let Some(speed) = self.even[(self.piece & 1) as usize]
+            && let Some(speed) = self.pieces[(self.piece & 1) as usize].even
         {
             return speed;
         }
@@ -168,10 +190,10 @@ impl Path {
         let Some(swept) = self.swept else { return PathSpeed::ahead(motion, period) };
         let mut way = swept.0;
         if let Stage::Move = self.stage
-            && let Some(leg) = self.motion().plan.leg(self.leg)
+            && let Some(leg) = self.motion().plan.leg(self.stand.leg)
         {
             let until = (next.0.wrapping_add(period.0) as Fine) << 32;
-            way = way.wrapping_add(leg.way(until.saturating_sub(self.began)).0);
+            way = way.wrapping_add(leg.way(until.saturating_sub(self.stand.began)).0);
         }
         PathSpeed::mean(Exact(way), period)
     }

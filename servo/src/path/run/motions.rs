@@ -4,7 +4,6 @@
 //! plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is the one that would have been
 //! made on its boundary: the same functions of the same numbers.
 use super::{Behind, EFFECTS, Feed, Gear, Made, Path, Rules, Stage, State, end_of};
-use crate::laser::PathSpeed;
 use crate::path::entry::{Along, Entry, Item};
 use crate::path::plan::{Leg, Means, Plan};
 use crate::path::shape::Along as Geared;
@@ -47,7 +46,7 @@ impl Path {
     pub(super) fn swap(&mut self, from: [Pos; DIMENSIONS], way: Exact) {
         self.ahead_mut().state = State::Nothing;
         self.at ^= 1;
-        (self.way, self.seen) = (way, way.round());
+        (self.stand.way, self.stand.seen) = (way, way.round());
         let cursor = self.cursor(self.fifo);
         (cursor.inside, cursor.from) = (true, from);
     }
@@ -103,9 +102,15 @@ impl Path {
     /// Makes some of what follows: the piece behind the one in force, some of the motion behind the one in force.
     #[inline(never)]
     pub fn prepare(&mut self, feed: Feed, source: &impl Entries) {
-        if self.follows.is_none() && self.piece_ahead() {
-            self.line_up();
-            return;
+        if self.follows.is_none() {
+            if self.unfinished {
+                self.finish();
+                return;
+            }
+            if self.piece_ahead() {
+                self.line_up();
+                return;
+            }
         }
         if self.stopping || self.motion().plan.halts {
             return;
@@ -145,22 +150,20 @@ impl Path {
     /// The piece behind the one in force, of the same motion or of the next, if that is known by now.
     #[inline(always)]
     fn piece_ahead(&mut self) -> bool {
-        let (over, [motion, ahead]) = (self.over, [self.at & 1, !self.at & 1]);
+        let (over, [motion, ahead]) = (self.stand.over, [self.at & 1, !self.at & 1]);
         let (motion, ahead) = (&self.motions[motion as usize], &self.motions[ahead as usize]);
-        let place = (!self.piece & 1) as usize;
-        let (to, even) = (&mut self.pieces[place], &mut self.even[place]);
-        let Some(Leg { length, .. }) = motion.plan.leg(self.leg) else { return false };
-        if let Some(leg) = motion.plan.leg(self.leg.wrapping_add(1)) {
-            leg.piece(over, Exact(self.way.0.wrapping_add(length.0)), to);
+        let to = &mut self.pieces[(!self.piece & 1) as usize];
+        let Some(Leg { length, .. }) = motion.plan.leg(self.stand.leg) else { return false };
+        if let Some(leg) = motion.plan.leg(self.stand.leg.wrapping_add(1)) {
+            to.make(leg, over, Exact(self.stand.way.0.wrapping_add(length.0)));
         } else if ahead.state == State::Ready
             && !motion.plan.halts
             && let Some(leg) = ahead.plan.leg(0)
         {
-            leg.piece(over, Exact(0), to);
+            to.make(leg, over, Exact(0));
         } else {
             return false;
         }
-        *even = PathSpeed::even(&to.motion);
         self.follows = Some(over);
         true
     }
@@ -168,7 +171,7 @@ impl Path {
     /// A leg begins: its piece is the one that was made ahead, if that is it.
     #[inline(always)]
     pub(super) fn take_piece(&mut self) {
-        let known = self.follows == Some(self.began);
+        let known = self.follows == Some(self.stand.began);
         if known {
             self.piece ^= 1;
             self.fresh = true;
@@ -247,20 +250,29 @@ impl Path {
     pub(super) fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
         let behind = self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Made { along, shape, .. } = self.motion();
-        let left = shape.length().sub(Real::from_exact(self.way));
+        let left = shape.length().sub(Real::from_exact(self.stand.way));
         // What is being made of the plan behind it is not: that motion will be entered otherwise.
         let means = self.means(*along, behind);
         self.sketch.begin(self.speed, left, means);
         let at = (self.at & 1) as usize;
-        while !self.motions[at].plan.advance(&mut self.sketch) {}
+        // What comes behind its first leg is made in the tick that comes next, if that leg lasts so long.
+        self.unfinished = !self.motions[at].plan.begin(&mut self.sketch);
         self.follows = None;
         self.follow((behind == Behind::Nothing).then_some(end_of(feed, self.fifo)));
+    }
+
+    /// Makes what has been left of the plan of the motion in force.
+    #[inline(never)]
+    pub(super) fn finish(&mut self) {
+        let at = (self.at & 1) as usize;
+        while !self.motions[at].plan.advance(&mut self.sketch) {}
+        self.unfinished = false;
     }
 
     /// Goes along the motion in force by its plan, which begins now. The next motion will be entered at another speed.
     #[inline(always)]
     pub(super) fn follow(&mut self, open: Option<u32>) {
-        (self.open, self.leg, self.began, self.stage) = (open, 0, self.time, Stage::Move);
+        (self.open, self.stand.leg, self.stand.began, self.stage) = (open, 0, self.time, Stage::Move);
         self.take_piece();
         self.set_over();
         self.unplan();
@@ -298,10 +310,10 @@ impl Path {
 
     /// Time, way and speed are those of `now`, which lies in the leg in force or at its end.
     pub(super) fn catch_up(&mut self, now: Fine) {
-        let Some(leg) = self.motion().plan.leg(self.leg).copied() else { return };
-        let since = now.saturating_sub(self.began).min(leg.time);
-        self.way = Exact(self.way.0.wrapping_add(leg.way(since).0));
-        (self.speed, self.time) = (leg.speed(since), self.began.wrapping_add(since));
-        self.began = self.time;
+        let Some(leg) = self.motion().plan.leg(self.stand.leg).copied() else { return };
+        let since = now.saturating_sub(self.stand.began).min(leg.time);
+        self.stand.way = Exact(self.stand.way.0.wrapping_add(leg.way(since).0));
+        (self.speed, self.time) = (leg.speed(since), self.stand.began.wrapping_add(since));
+        self.stand.began = self.time;
     }
 }

@@ -4,7 +4,6 @@
 //! begins with or goes on with, as if it began at 0. Owns nothing beyond the [`Path`]. Cannot fail: whatever changes what
 //! would follow takes it back, and a start with another FIFO makes its own.
 use super::{Feed, Path, State, end_of};
-use crate::laser::PathSpeed;
 use crate::path::Fine;
 use crate::path::store::Entries;
 use crate::real::Real;
@@ -38,8 +37,7 @@ impl Path {
             State::Ready => {
                 let (piece, ahead) = ((!self.piece & 1) as usize, &self.motions[(!self.at & 1) as usize]);
                 if let (None, Some(leg)) = (self.follows, ahead.plan.leg(0)) {
-                    leg.piece(0, way, &mut self.pieces[piece]);
-                    self.even[piece] = PathSpeed::even(&self.pieces[piece].motion);
+                    self.pieces[piece].make(leg, 0, way);
                     self.follows = Some(0);
                 }
                 false
@@ -67,7 +65,7 @@ impl Path {
         self.ready = None;
         if self.follows == Some(0) {
             // It begins on a whole ns, as at 0, or with a wait, behind which the piece is another one.
-            self.pieces[(!self.piece & 1) as usize].begin = next;
+            self.pieces[(!self.piece & 1) as usize].piece.begin = next;
             self.follows = Some((next.0 as Fine) << 32);
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! In: the path as something other than the short way has left it. Out: whether the next ticks have but to show where it
 //! is, and whether the end of the leg in force is no more than another index. Owns nothing beyond the [`Path`]. Cannot fail.
-use super::{Made, Path, Stage, State};
+use super::{Made, Path, Stage, Stand, State};
 use crate::path::DIMENSIONS;
 use crate::units::Pos;
 
@@ -41,12 +41,14 @@ impl Path {
         let cursor = self.cursor_of(self.fifo);
         let (alone, next) = (cursor.geared == 0, cursor.next);
         self.glides = moves && self.pieced && alone;
-        let (Made { plan, .. }, Made { counter, state, .. }) = (self.motion(), self.ahead());
-        self.turn = if !moves || self.follows != Some(self.over) {
+        let (Made { plan, .. }, Made { counter, state, plan: next_plan, .. }) = (self.motion(), self.ahead());
+        self.turn = if !moves || self.follows != Some(self.stand.over) {
             Turn::Else
-        } else if plan.leg(self.leg.wrapping_add(1)).is_some() {
+        } else if plan.leg(self.stand.leg.wrapping_add(1)).is_some() {
             Turn::Leg
         } else if alone && !plan.halts && !self.stopping && *state == State::Ready && *counter == next {
+            let (began, time) = (self.stand.over, next_plan.leg(0).map_or(0, |leg| leg.time));
+            self.coming = Stand { began, over: began.wrapping_add(time), ..Stand::NONE };
             Turn::Motion
         } else {
             Turn::Else

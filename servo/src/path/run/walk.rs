@@ -14,13 +14,13 @@ use crate::units::{Exact, Pos};
 impl Path {
     /// It waits where it is.
     pub(super) fn wait(&mut self, until: Fine) {
-        (self.stage, self.over, self.fresh) = (Stage::Wait { until }, until, true);
+        (self.stage, self.stand.over, self.fresh) = (Stage::Wait { until }, until, true);
     }
 
     /// The leg in force ends then; what has no leg left is over now.
     pub(super) fn set_over(&mut self) {
-        let left = self.motion().plan.leg(self.leg).map_or(0, |leg| leg.time);
-        self.over = self.began.wrapping_add(left);
+        let left = self.motion().plan.leg(self.stand.leg).map_or(0, |leg| leg.time);
+        self.stand.over = self.stand.began.wrapping_add(left);
     }
 
     /// Passes all boundaries before `limit`.
@@ -32,7 +32,7 @@ impl Path {
         source: &impl Entries,
         sink: &mut impl Effects,
     ) {
-        while self.over < limit {
+        while self.stand.over < limit {
             match self.stage {
                 Stage::Rest => return,
                 Stage::Wait { until } => {
@@ -41,6 +41,9 @@ impl Path {
                     self.go_on(budget, feed, source, sink);
                 }
                 Stage::Move => {
+                    if self.unfinished {
+                        self.finish();
+                    }
                     if self.end_leg() {
                         continue;
                     }
@@ -48,7 +51,7 @@ impl Path {
                         self.halt(self.time, Rest::Stopped, feed, sink);
                     } else if !sink.admits(self.motion().shape.end()) {
                         let way = self.motion().shape.length().to_exact();
-                        self.hold(self.time, (self.seen.into(), way), sink, feed);
+                        self.hold(self.time, (self.stand.seen.into(), way), sink, feed);
                     } else {
                         self.leave(sink);
                         self.go_on(budget, feed, source, sink);
@@ -62,45 +65,44 @@ impl Path {
     /// path may be where the motion in force ends. Whether it was passed.
     #[inline(always)]
     pub fn turn(&mut self, feed: Feed, admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool) -> bool {
-        self.turn_at::<true>(feed, admits)
+        self.turn_at::<true>(feed, admits).is_some()
     }
 
-    /// The same; what it has gone since the last look is for a boundary that is behind a look, or it will not be asked for.
+    /// The same; entries and motions of the FIFO in force that are over then. What it has gone since the last look is for a
+    /// boundary that is behind a look, or it will not be asked for.
     #[inline(always)]
     pub(crate) fn turn_at<const SWEPT: bool>(
         &mut self,
         feed: Feed,
         admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool,
-    ) -> bool {
+    ) -> Option<[u32; 2]> {
         match self.turn {
             Turn::Motion => {}
             Turn::Leg => {
                 self.turn = Turn::Else;
-                return self.end_leg();
+                return self.end_leg().then(|| self.counts());
             }
-            Turn::Else => return false,
+            Turn::Else => return None,
         }
         let (Made { shape, plan, .. }, Made { open, .. }) = (self.motion(), self.ahead());
         let open = *open;
         if open.is_some_and(|seen| seen != end_of(feed, self.fifo)) || !admits(shape.end()) {
-            return false;
+            return None;
         }
         // All that the ends of a leg and of a motion, the change to the next one and the begin of its plan do, if nobody looks
         // in between: place and speed of the boundary are those of the motions, nothing is ahead, `inside` stays.
         if SWEPT {
-            let Some(Leg { length, .. }) = plan.leg(self.leg) else { return false };
+            let Leg { length, .. } = plan.leg(self.stand.leg)?;
             self.swept = Some(self.swept_to(*length));
         }
-        let cursor = self.cursor(self.fifo);
-        (cursor.next, cursor.done) = (cursor.next.wrapping_add(1), cursor.done.wrapping_add(1));
-        let (over, motion) = (self.over, self.ahead_mut());
-        motion.state = State::Nothing;
-        let time = motion.plan.leg(0).map_or(0, |leg| leg.time);
-        (self.at, self.piece) = (self.at ^ 1, self.piece ^ 1);
-        (self.leg, self.way, self.seen) = (0, Exact(0), Pos(0));
-        (self.began, self.over) = (over, over.wrapping_add(time));
-        (self.open, self.follows, self.fresh, self.turn) = (open, None, true, Turn::Else);
-        true
+        let cursor = &mut self.cursors[(self.fifo & 1) as usize];
+        // The entry of the motion that begins is not over.
+        let (released, done) = (cursor.next, cursor.done.wrapping_add(1));
+        (cursor.next, cursor.done) = (released.wrapping_add(1), done);
+        self.ahead_mut().state = State::Nothing;
+        (self.stand, self.open, self.at, self.piece) = (self.coming, open, self.at ^ 1, self.piece ^ 1);
+        (self.follows, self.fresh, self.turn) = (None, true, Turn::Else);
+        Some([released, done])
     }
 
     /// The way since the last look to the end of the leg in force, which is so long.
@@ -108,19 +110,19 @@ impl Path {
     fn swept_to(&self, length: Exact) -> Exact {
         Exact(length.0.wrapping_add(match self.swept {
             Some(swept) => swept.0,
-            None => self.way.0.wrapping_sub(Exact::from(self.seen).0),
+            None => self.stand.way.0.wrapping_sub(Exact::from(self.stand.seen).0),
         }))
     }
 
     /// The leg in force is over; whether another one of the motion has begun.
     #[inline(always)]
     fn end_leg(&mut self) -> bool {
-        let Some(&Leg { length, .. }) = self.motion().plan.leg(self.leg) else { return false };
+        let Some(&Leg { length, .. }) = self.motion().plan.leg(self.stand.leg) else { return false };
         self.swept = Some(self.swept_to(length));
-        self.way = Exact(self.way.0.wrapping_add(length.0));
-        (self.began, self.time) = (self.over, self.over);
-        self.leg = self.leg.wrapping_add(1);
-        if self.motion().plan.leg(self.leg).is_some() {
+        self.stand.way = Exact(self.stand.way.0.wrapping_add(length.0));
+        (self.stand.began, self.time) = (self.stand.over, self.stand.over);
+        self.stand.leg = self.stand.leg.wrapping_add(1);
+        if self.motion().plan.leg(self.stand.leg).is_some() {
             self.take_piece();
             self.set_over();
             return true;
@@ -230,7 +232,7 @@ impl Path {
             }
             item => {
                 self.enter(self.here, counter, item);
-                (self.way, self.seen) = (Exact(0), Pos(0));
+                (self.stand.way, self.stand.seen) = (Exact(0), Pos(0));
                 if !self.motion().shape.length().is_zero() {
                     self.plan_rest(feed, source);
                 }
@@ -241,7 +243,7 @@ impl Path {
 
     /// Comes to rest within a motion.
     pub(super) fn halt(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
-        let (way, shape) = (self.way, &self.motion().shape);
+        let (way, shape) = (self.stand.way, &self.motion().shape);
         let (here, from) = (shape.at(way.round()), *shape.start());
         self.here = here;
         let cursor = self.cursor(self.fifo);
@@ -252,7 +254,7 @@ impl Path {
     /// Comes to rest here.
     pub(super) fn rest(&mut self, at: Fine, rest: Rest, feed: Feed, sink: &mut impl Effects) {
         (self.stage, self.speed, self.stopping, self.open) = (Stage::Rest, Real::ZERO, false, None);
-        (self.over, self.fresh) = (Fine::MAX, true);
+        (self.stand.over, self.fresh, self.unfinished) = (Fine::MAX, true, false);
         let (here, end) = (self.here, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);
         cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;

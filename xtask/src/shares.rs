@@ -1,0 +1,218 @@
+//! Whose the instructions of SPEC 11's tick are.
+//!
+//! In: the probe `crds`, which calls `worst_tick_comes` before such a tick. Out: how many of its instructions each part of the tick
+//! takes. The emulator carries them out one by one, told so as debuggers do. An instruction belongs to the innermost function
+//! inlined there that has a share by its name or its file ([`share`]); what has none, products and copies, to who asks for it. Fails: with
+//! what the emulator or the file of the probe lacks.
+use crate::setup::QEMU;
+use crate::shell::{Outcome, program};
+use addr2line::Context;
+use addr2line::gimli::{Dwarf, EndianSlice, Error, LittleEndian, SectionId};
+use object::{Object, ObjectSection, ObjectSymbol};
+use std::collections::HashMap;
+use std::io::{BufReader, Read as _, Write as _};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
+
+/// More instructions than any tick has.
+const MOST: usize = 100_000;
+/// Registers as debuggers number them.
+const LINK: u32 = 14;
+const PLACE: u32 = 15;
+
+/// A part of the tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Share {
+    /// Places of axes.
+    Axes,
+    /// Places, speeds and boundaries of paths.
+    Crds,
+    /// Powers, and what timers are told of them.
+    Lasers,
+    /// Whatever is made for ticks to come.
+    Planning,
+    /// Inputs and encoders, and whether they have changed.
+    Sampling,
+    /// What the thread may read.
+    Reporting,
+    /// What the machine is told.
+    Telling,
+    /// The rest: who is next, what is due, calls between parts.
+    Order,
+}
+
+/// The order of the table, and its words.
+pub const SHARES: [(Share, &str); 8] = [
+    (Share::Axes, "evaluators: eight axes, each enters a piece"),
+    (Share::Crds, "evaluators: two paths, each enters a motion, and their four axes"),
+    (Share::Lasers, "evaluators: two lasers"),
+    (Share::Planning, "planning"),
+    (Share::Sampling, "sampling of inputs of 12 axes"),
+    (Share::Reporting, "reporting: the view"),
+    (Share::Telling, "telling the machine, of which this one only stores"),
+    (Share::Order, "order: what is due, whose turn it is"),
+];
+
+/// Whose a function is, if it or its file has a share.
+fn share(file: &str, name: &str) -> Option<Share> {
+    let of = |words: &[&str]| words.iter().any(|word| file.contains(word));
+    let named = |words: &[&str]| words.iter().any(|word| name.contains(word));
+    Some(if of(&["servo/src/view", "ring/src/latest"]) || named(&["show", "tell_pass"]) {
+        Share::Reporting
+    } else if of(&["servo/src/axis/guard", "servo/src/inputs"]) {
+        Share::Sampling
+    } else if of(&["servo/src/axis/place", "probes/chip/src/machine"]) {
+        if named(&["6inputs", "7encoder"]) { Share::Sampling } else { Share::Telling }
+    } else if of(&[
+        "servo/src/pvt",
+        "servo/src/pt/",
+        "servo/src/ramp",
+        "path/plan",
+        "path/run/ready",
+        "path/run/motions",
+    ]) || named(&["9get_ready", "7prepare", "10look_ahead"])
+    {
+        Share::Planning
+    } else if of(&["servo/src/laser"]) {
+        Share::Lasers
+    } else if of(&["servo/src/crd", "servo/src/path", "servo/src/axis/driven"]) {
+        Share::Crds
+    } else if of(&["servo/src/axis", "servo/src/profile"]) {
+        Share::Axes
+    } else if of(&["servo/src/", "ring/src/", "probes/"])
+        && !of(&["servo/src/piece", "servo/src/wide", "servo/src/real", "servo/src/units"])
+    {
+        Share::Order
+    } else {
+        return None;
+    })
+}
+
+/// The instructions of each share, in the order of [`SHARES`].
+pub fn count(image: &Path) -> Outcome<Vec<usize>> {
+    let bytes = std::fs::read(image).map_err(|e| format!("{}: {e}", image.display()))?;
+    let file = object::File::parse(&*bytes).map_err(|e| format!("{}: {e}", image.display()))?;
+    let code = |function: &str| {
+        let found = file.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains(function)));
+        found.map(|symbol| symbol.address() & !1).ok_or_else(|| format!("{}: no {function}", image.display()))
+    };
+    let places = places(image, code("worst_tick_comes")?, code("counted_tick")?)?;
+    let load = |section: SectionId| -> Result<_, Error> {
+        let data = file.section_by_name(section.name()).and_then(|section| section.data().ok());
+        Ok(EndianSlice::new(data.unwrap_or_default(), LittleEndian))
+    };
+    let lines = Dwarf::load(load).and_then(Context::from_dwarf).map_err(|e| format!("{}: {e}", image.display()))?;
+    let (mut known, mut last) = (HashMap::new(), Share::Order);
+    let mut counts = vec![0; SHARES.len()];
+    for place in places {
+        let found = known.entry(place).or_insert_with(|| owner(&lines, place));
+        last = found.unwrap_or(last);
+        if let Some(count) = SHARES.iter().zip(&mut counts).find_map(|((of, _), count)| (*of == last).then_some(count))
+        {
+            *count += 1;
+        }
+    }
+    Ok(counts)
+}
+
+/// Whose the instruction at an address is; none where it has no share of its own.
+fn owner(lines: &Context<EndianSlice<'_, LittleEndian>>, place: u64) -> Option<Share> {
+    let mut frames = lines.find_frames(place).skip_all_loads().ok()?;
+    while let Ok(Some(frame)) = frames.next() {
+        let file = frame.location.and_then(|location| location.file).unwrap_or_default();
+        let name = frame.function.as_ref().and_then(|function| function.raw_name().ok()).unwrap_or_default();
+        if let Some(found) = share(file, &name) {
+            return Some(found);
+        }
+    }
+    None
+}
+
+/// The addresses of the instructions of `tick`, once `before` was called, in their order.
+fn places(image: &Path, before: u64, tick: u64) -> Outcome<Vec<u64>> {
+    let mut debugger = Debugger::start(image)?;
+    // Only who has asked for its names may read single registers.
+    debugger.ask("qSupported:xmlRegisters=arm")?;
+    debugger.ask("qXfer:features:read:target.xml:0,fff")?;
+    debugger.run_to(before)?;
+    debugger.run_to(tick)?;
+    let end = debugger.register(LINK)? & !1;
+    let mut places = Vec::new();
+    loop {
+        let place = debugger.register(PLACE)?;
+        if place == end {
+            return Ok(places);
+        }
+        if places.len() == MOST {
+            return Err("the tick does not end".into());
+        }
+        places.push(place);
+        debugger.ask("s")?;
+    }
+}
+
+/// The emulator, run by the protocol of debuggers over its own pipes.
+struct Debugger {
+    qemu: Child,
+    to: ChildStdin,
+    from: BufReader<ChildStdout>,
+}
+
+impl Debugger {
+    fn start(image: &Path) -> Outcome<Debugger> {
+        let mut command = program(QEMU);
+        command
+            .args(["-M", "mps2-an500", "-nographic", "-monitor", "none", "-serial", "null", "-chardev", "null,id=none"])
+            .args(["-semihosting-config", "enable=on,target=native,chardev=none", "-gdb", "stdio", "-S", "-kernel"])
+            .arg(image);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut qemu = command.spawn().map_err(|e| format!("{QEMU}: {e}"))?;
+        match (qemu.stdin.take(), qemu.stdout.take()) {
+            (Some(to), Some(from)) => Ok(Debugger { qemu, to, from: BufReader::new(from) }),
+            _ => Err(format!("{QEMU} has no pipes")),
+        }
+    }
+
+    /// Sends a packet; the answer to it.
+    fn ask(&mut self, packet: &str) -> Outcome<String> {
+        let sum = packet.bytes().fold(0u8, u8::wrapping_add);
+        let failed = |e: std::io::Error| format!("{QEMU} answers nothing to {packet}: {e}");
+        write!(self.to, "${packet}#{sum:02x}").and_then(|()| self.to.flush()).map_err(failed)?;
+        let (mut answer, mut byte) = (None::<String>, [0]);
+        loop {
+            self.from.read_exact(&mut byte).map_err(failed)?;
+            match (byte, &mut answer) {
+                ([b'$'], _) => answer = Some(String::new()),
+                ([b'#'], Some(answer)) => {
+                    // Its sum; what comes through a pipe is whole.
+                    self.from.read_exact(&mut [0; 2]).map_err(failed)?;
+                    self.to.write_all(b"+").map_err(failed)?;
+                    return Ok(std::mem::take(answer));
+                }
+                ([byte], Some(answer)) => answer.push(byte as char),
+                _ => {}
+            }
+        }
+    }
+
+    /// On to the next time that the instruction at an address is to be carried out.
+    fn run_to(&mut self, place: u64) -> Outcome {
+        self.ask(&format!("Z0,{place:x},2"))?;
+        self.ask("c")?;
+        self.ask(&format!("z0,{place:x},2"))?;
+        if self.register(PLACE)? == place { Ok(()) } else { Err("the probe does not come to its worst tick".into()) }
+    }
+
+    fn register(&mut self, number: u32) -> Outcome<u64> {
+        let answer = self.ask(&format!("p{number:x}"))?;
+        let word = u32::from_str_radix(&answer, 16).map_err(|_| format!("not a register: {answer}"))?;
+        Ok(u64::from(word.swap_bytes()))
+    }
+}
+
+impl Drop for Debugger {
+    fn drop(&mut self) {
+        // It has nothing left to do.
+        let _ = self.qemu.kill().and_then(|()| self.qemu.wait());
+    }
+}
