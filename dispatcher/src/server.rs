@@ -12,6 +12,7 @@ use crate::path_queue::PathQueue;
 use crate::program::Program;
 use protocol::frame::OPENING_WIRE;
 use protocol::link::{Endpoint, Identity, Knock, Role};
+use protocol::reason::Reason;
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
 use ring::{Consumer, Producer, Reader};
 use servo::op::{Entry, Lane as TickLane};
@@ -317,7 +318,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         if silent && !*lost && desk.lane.room() >= LINK_LOSS_ENTRIES {
             // The tick is told before the program is dropped: that it ran is a reason to put out the lasers.
             *lost = desk.tell_link(true);
-            program.stop(desk);
+            program.stop(desk, Reason::LinkLost);
             desk.stop_for_link_loss(view);
             desk.log.put(now, Kind::Link, 0, 1);
         } else if !silent && *lost {

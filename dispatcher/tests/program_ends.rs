@@ -307,6 +307,8 @@ fn link_loss_stops_jog_and_drops_the_program() {
     assert_eq!(bench.server.view().axes[2].pos.0, 0, "the rest of the program was dropped");
     bench.cut = false;
     assert_eq!(bench.done(ProgramStatus {}).state, 4);
+    let lost = bench.answers.values().filter(|answer| answer.code == 1 && answer.reason() == Reason::LinkLost);
+    assert_eq!(lost.count(), 2, "what waited for the end of the Sleep");
 }
 
 #[test]

@@ -81,6 +81,7 @@ reasons! {
     47 ProgramOnlyHeld State "the program is not held; it runs already or has failed";
     48 TraceLost State "the trace lost rows: the link does not carry {got} rows a second";
     49 NotForProgram State "this command cannot be an entry of a program";
+    50 LinkLost State "not executed: nothing came from the host for longer than the link-loss time, and the program was dropped";
     60 TableInUse State "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
     61 TableEmpty State "axis {axis}: PVT table {got} is empty";
     62 TablePlaces Range "the table does not fit: its points need more than {high} places";

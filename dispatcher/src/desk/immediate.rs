@@ -110,7 +110,7 @@ impl<const AXES: usize> Desk<'_, AXES> {
                 // The end of a laser's follow stops nothing.
                 let stops = |(op, _): &(Op, Change)| !matches!(op, Op::FollowEnd { .. });
                 if record.opcode == opcode::Stop && self.staged.ops().iter().any(stops) {
-                    program.stop(self);
+                    program.stop(self, Reason::Discarded);
                 }
                 self.push_staged();
                 if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {

@@ -15,11 +15,12 @@ use servo::op::Op;
 use servo::view::View;
 
 impl Program<'_> {
-    /// Stop in the immediate lane, or link loss: a running program ends. The ProgramDrop goes out before
-    /// the Stop does, so that no entry starts the axes again.
-    pub fn stop<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
+    /// Stop in the immediate lane, or link loss: a running program ends, and its rest is answered `rest`. The
+    /// ProgramDrop goes out before the Stop does, so that no entry starts the axes again.
+    pub fn stop<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, rest: Reason) {
         if self.state == State::Running {
             self.cut(State::Stopped);
+            self.rest = rest;
             self.push_drop(desk);
         }
     }
@@ -69,6 +70,7 @@ impl Program<'_> {
     pub(super) fn cut(&mut self, state: State) {
         if self.is_active() {
             self.drop_due = true;
+            self.rest = Reason::Discarded;
         }
         self.state = state;
     }
@@ -128,7 +130,7 @@ impl Program<'_> {
             let written = match refusal {
                 Some((0, ..)) => out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
                 Some((_, refuser)) => out.refused(item.opcode, item.tag, &desk.explain(view, refuser).wire),
-                None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(Reason::Discarded).wire),
+                None if item.discarded => out.refused(item.opcode, item.tag, &Refused::new(self.rest).wire),
                 None => desk.reply(view, self, &item, self.values.iter().copied(), out),
             };
             if written.is_err() {
@@ -157,7 +159,7 @@ impl Program<'_> {
         while let Some((head, _)) = self.records.front() {
             // A strict program that was late with nothing in the ring says so at its next record.
             let late = self.refused.front().is_some_and(|&(seq, ..)| seq == 0);
-            let reason = if late { Reason::Late } else { Reason::Discarded };
+            let reason = if late { Reason::Late } else { self.rest };
             if out.refused(head.opcode, head.tag, &Refused::new(reason).wire).is_err() {
                 return progress;
             }

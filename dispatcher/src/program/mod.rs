@@ -6,7 +6,7 @@
 //! Records are admitted in order, ahead of the script clock as far as the ring has room. A record that
 //! is refused now may be right later, so it waits; it is refused when its instant has been reached
 //! and the state still forbids it. Then, and after a late entry of a strict program, a Stop, link
-//! loss or ProgramClear, the rest is dropped from the ring and answered `Discarded`, and the books go
+//! loss or ProgramClear, the rest is dropped from the ring and answered `Discarded` or `LinkLost`, and the books go
 //! back to what was executed. Behind a record that may fail the program goes on: its refusal is answered
 //! and nothing else happens; the script clock stays what it was.
 //!
@@ -73,6 +73,8 @@ pub struct Program<'a> {
     /// The rest is to be dropped: not pushed yet, or pushed with this number.
     drop_due: bool,
     dropping: Option<u32>,
+    /// What the rest is answered.
+    rest: Reason,
     /// ProgramClear or a new session: empty when all is answered.
     clearing: bool,
     strict: bool,
@@ -107,6 +109,7 @@ impl<'a> Program<'a> {
             end: None,
             drop_due: false,
             dropping: None,
+            rest: Reason::Discarded,
             clearing: false,
             strict: false,
             overflowed: false,

@@ -367,7 +367,10 @@ impl Run<'_> {
                 ));
             }
             self.note_stream(&sent.call, &answer);
-            let ended = matches!(answer.refusal().and_then(Refusal::reason), Some(Reason::Discarded | Reason::Late));
+            let ended = matches!(
+                answer.refusal().and_then(Refusal::reason),
+                Some(Reason::Discarded | Reason::LinkLost | Reason::Late)
+            );
             let passed = sent.call.may_fail && !ended;
             if answer.code != 0 && !passed && self.failed.is_none() {
                 self.failed = Some(answer.clone());

@@ -233,7 +233,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "a lost link leaves the program running",
         SERVER,
-        "            program.stop(desk);\n            desk.stop_for_link_loss(view);",
+        "            program.stop(desk, Reason::LinkLost);\n            desk.stop_for_link_loss(view);",
         "            desk.stop_for_link_loss(view);",
         PROGRAM_ENDS,
     ),
