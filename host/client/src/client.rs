@@ -21,6 +21,9 @@ const TURN: Duration = Duration::from_millis(2);
 const VIRTUAL_TURN: Duration = Duration::from_millis(50);
 /// Longest time without a pump while no call is under way.
 const IDLE: Duration = Duration::from_millis(50);
+/// What a look at the link counts at most as time in which nothing came. If it takes longer, the machine held the client
+/// up, and with it perhaps a controller that it emulates: the answer may lie there unread, or still be on its way.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Where the trace stream's bytes go.
 type TraceSink = Box<dyn FnMut(&[u8]) + Send>;
@@ -35,6 +38,12 @@ pub(crate) struct Inner {
     received: Vec<u8>,
     outgoing: Vec<u8>,
     failed: Option<Error>,
+    /// Time spent looking for bytes, and how much of it had been spent when the last good frame came.
+    listened: Duration,
+    heard: Duration,
+    /// When the link was last looked at, and the longest time from look to look.
+    looked_at: u64,
+    held_up: Duration,
 }
 
 impl Inner {
@@ -55,6 +64,10 @@ impl Inner {
             received: vec![0; 8192],
             outgoing: Vec::new(),
             failed: None,
+            listened: Duration::ZERO,
+            heard: Duration::ZERO,
+            looked_at: now,
+            held_up: Duration::ZERO,
         }
     }
 
@@ -83,9 +96,14 @@ impl Inner {
         }
         let wait = wait.min(Duration::from_nanos(self.session.next_deadline().saturating_sub(now)));
         let n = self.link.receive(&mut self.received, wait)?;
-        let now = self.link.now();
-        if let Some(bytes) = self.received.get(..n) {
-            self.session.feed(now, bytes)?;
+        let (began, now) = (now, self.link.now());
+        self.listened += Duration::from_nanos(now.saturating_sub(began)).min(LOOK);
+        self.held_up = self.held_up.max(Duration::from_nanos(now.saturating_sub(self.looked_at)));
+        self.looked_at = now;
+        if let Some(bytes) = self.received.get(..n)
+            && self.session.feed(now, bytes)?
+        {
+            self.heard = self.listened;
         }
         if self.link.has_trace() {
             self.link.take_trace(&mut self.trace_bytes)?;
@@ -128,18 +146,23 @@ impl Client {
     pub fn open(link: Box<dyn Link>, options: Options) -> Result<Client> {
         let name = link.name().to_owned();
         let mut inner = Inner::new(link, options.identity);
-        let start = inner.now();
-        let limit = nanoseconds(options.open_timeout);
+        let patience = inner.link.patience();
+        let limit = options.open_timeout * patience;
         while !inner.session.is_open()? {
             let turn = inner.turn;
             inner.pump(turn)?;
-            if inner.now().saturating_sub(start) > limit {
-                return Err(Error::no_answer(&name, options.open_timeout, "opening"));
+            if inner.listened > limit {
+                return Err(Error::no_answer(&name, limit, "opening"));
             }
         }
         let shared = Arc::new(Shared { inner: Mutex::new(inner), stop: Mutex::new(false), wake: Condvar::new() });
-        let mut client =
-            Client { shared, keeper: None, name, version: VersionReply::default(), timeout: options.timeout };
+        let mut client = Client {
+            shared,
+            keeper: None,
+            name,
+            version: VersionReply::default(),
+            timeout: options.timeout * patience,
+        };
         client.version = client.call(protocol::command::Version {})?;
         let family = options.family.map_or(client.version.family, |family| family as u8);
         if options.profile.is_some() || family != client.version.family {
@@ -227,9 +250,9 @@ impl Client {
 
     /// Fails with −7 if nothing came for the time limit.
     pub(crate) fn check_heard(&self, inner: &mut Inner, doing: impl FnOnce() -> String) -> Result<()> {
-        let silent = inner.now().saturating_sub(inner.session.heard_at());
-        if silent > nanoseconds(self.timeout) {
-            let e = Error::no_answer(&self.name, Duration::from_nanos(silent), &doing());
+        let silent = inner.listened.saturating_sub(inner.heard);
+        if silent > self.timeout {
+            let e = Error::no_answer(&self.name, silent, &doing());
             inner.failed = Some(e.clone());
             return Err(e);
         }
@@ -253,6 +276,12 @@ impl Client {
     /// Time on the link's own clock, from anywhere.
     pub fn now(&self) -> Duration {
         Duration::from_nanos(self.lock().now())
+    }
+
+    /// The longest time so far between two looks at the link, on its own clock: for longer than some 50 ms it is the machine
+    /// that held the client up.
+    pub fn held_up(&self) -> Duration {
+        self.lock().held_up
     }
 
     /// Whether the link has a stream of its own for a trace.

@@ -26,6 +26,10 @@ pub trait Link: Send {
     fn real_time(&self) -> bool {
         true
     }
+    /// How many times longer than a board's its answers may take: an emulated board waits for its host.
+    fn patience(&self) -> u32 {
+        1
+    }
     /// Whether this link carries a trace stream.
     fn has_trace(&self) -> bool {
         false

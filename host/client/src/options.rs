@@ -108,9 +108,10 @@ pub struct Options {
     pub family: Option<Family>,
     /// Servo tick in µs; `None` keeps the controller's.
     pub tick_us: Option<u32>,
-    /// A call fails with −7 if nothing comes from the controller for this long.
+    /// A call fails with −7 if nothing comes from the controller for this long. Time for which the host held the client up
+    /// does not count; an emulated board may take five times as long.
     pub timeout: Duration,
-    /// Opening fails with −7 after this time without an answer.
+    /// Opening fails with −7 after this time without an answer; likewise.
     pub open_timeout: Duration,
     /// Version and schema that the client shows; anything but the build's own is for tests.
     pub identity: Identity,

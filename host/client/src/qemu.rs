@@ -70,6 +70,9 @@ pub fn image(given: Option<PathBuf>) -> Result<PathBuf> {
     })
 }
 
+/// Times that others wait for an answer: a machine that is busy with other things takes seconds to load QEMU.
+const PATIENCE: u32 = 5;
+
 /// More trace than this is not held: the reader waits, and with it the emulated UART.
 const TRACE_HELD: usize = 8 << 20;
 
@@ -270,6 +273,10 @@ impl Link for QemuLink {
 
     fn now(&mut self) -> u64 {
         u64::try_from(self.since.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    fn patience(&self) -> u32 {
+        PATIENCE
     }
 
     fn has_trace(&self) -> bool {

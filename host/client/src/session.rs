@@ -41,7 +41,6 @@ pub(crate) struct Session {
     /// Calls that wait (`None`) or whose reply has come.
     waiting: HashMap<u16, Option<Reply>>,
     next_tag: u16,
-    heard_at: u64,
     frames: u32,
     /// Bytes of a trace that came over the link.
     trace: Vec<u8>,
@@ -59,7 +58,6 @@ impl Session {
             outbox: VecDeque::new(),
             waiting: HashMap::new(),
             next_tag: 0,
-            heard_at: now,
             frames: 0,
             trace: Vec::new(),
         }
@@ -150,14 +148,12 @@ impl Session {
         }
     }
 
-    /// Takes received bytes.
-    pub fn feed(&mut self, now: u64, bytes: &[u8]) -> Result<()> {
+    /// Takes received bytes; true if a good frame was among them.
+    pub fn feed(&mut self, now: u64, bytes: &[u8]) -> Result<bool> {
         self.endpoint.feed(now, bytes);
         let frames = self.endpoint.counters().deframe.frames;
-        if frames != self.frames {
-            self.frames = frames;
-            self.heard_at = now;
-        }
+        let heard = frames != self.frames;
+        self.frames = frames;
         while let Some(message) = self.endpoint.message() {
             for reply in replies(message) {
                 let reply = reply.map_err(|_| {
@@ -174,7 +170,7 @@ impl Session {
             }
             self.endpoint.done_with_message();
         }
-        self.is_open().map(|_| ())
+        self.is_open().map(|_| heard)
     }
 
     /// Moves the bytes of a trace over the link to the end of `out`.
@@ -185,11 +181,6 @@ impl Session {
     /// What this end of the link has counted.
     pub fn counters(&self) -> Counters {
         self.endpoint.counters()
-    }
-
-    /// When the last good frame came.
-    pub fn heard_at(&self) -> u64 {
-        self.heard_at
     }
 
     /// When [`Self::send`] has something to do at the latest.
