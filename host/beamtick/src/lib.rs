@@ -34,6 +34,7 @@ mod report;
 mod runner;
 mod serve;
 mod source;
+mod spool;
 mod summary;
 
 use clap::Parser;

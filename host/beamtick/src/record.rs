@@ -4,6 +4,7 @@
 //! ends the recording and is told at its end: a gap is never passed over.
 use crate::Failure;
 use crate::command_line::Outputs;
+use crate::spool::Spool;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -31,8 +32,8 @@ struct Sinks {
 /// A trace that has begun.
 struct Open {
     header: Header,
-    csv: Option<CsvWriter<BufWriter<File>>>,
-    vcd: Option<VcdWriter<BufWriter<File>>>,
+    csv: Option<CsvWriter<BufWriter<Spool>>>,
+    vcd: Option<VcdWriter<BufWriter<Spool>>>,
     plot: Option<Plot>,
     xy: Option<Xy>,
     peaks: Vec<f64>,
@@ -158,8 +159,12 @@ impl Sinks {
 
     fn begin(&mut self, header: Header) -> trace::Result<()> {
         let levels: Vec<(u8, bool)> = self.outputs.iter().map(|output| (*output, false)).collect();
-        let csv = self.csv.take().map(|file| CsvWriter::new(BufWriter::new(file), &header)).transpose()?;
-        let vcd = self.vcd.take().map(|file| VcdWriter::new(BufWriter::new(file), &header, &levels)).transpose()?;
+        let csv = self.csv.take().map(|file| CsvWriter::new(BufWriter::new(Spool::new(file)), &header)).transpose()?;
+        let vcd = self
+            .vcd
+            .take()
+            .map(|file| VcdWriter::new(BufWriter::new(Spool::new(file)), &header, &levels))
+            .transpose()?;
         let plot = self.plot.as_ref().map(|(_, options)| Plot::new(&header, options.clone())).transpose()?;
         let xy = self.xy.as_ref().map(|(_, axes, options)| xy(&header, *axes, options)).transpose()?;
         let (peaks, speeds) = (vec![0.0; header.axes.len()], vec![0.0; header.crds.len()]);

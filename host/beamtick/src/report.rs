@@ -9,7 +9,7 @@ use client::{Answer, Dry, Error, Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use job::{Action, Severity};
 use protocol::command::{AxisStatus, LaserStatus, VersionReply};
-use protocol::reason::Reason;
+use protocol::reason::{Reason, Refusal};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -130,7 +130,8 @@ impl<'a> Report<'a> {
 impl Observer for Report<'_> {
     fn answered(&mut self, answer: Answer) -> client::Result<()> {
         if answer.code != 0 {
-            let discarded = answer.refusal().is_some_and(|refusal| refusal.reason() == Some(Reason::Discarded));
+            let reason = answer.refusal().and_then(Refusal::reason);
+            let discarded = matches!(reason, Some(Reason::Discarded | Reason::LinkLost));
             if !discarded && self.entries.get(answer.index as usize).is_some_and(|entry| entry.call.may_fail) {
                 self.warned += 1;
                 let warning = self.failure(&answer, Severity::Warning);

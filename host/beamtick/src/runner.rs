@@ -13,6 +13,7 @@ use crate::{profile, summary};
 use client::{Client, Link, Progress};
 use job::{Action, Axis, Call, Job, Severity};
 use protocol::command::{AxisItem, AxisStatus, BufDoBit, BufIO, FollowDoBitEx, Request, SetDo, SetDoBit, Stop, Trace};
+use protocol::reason::{Reason, Refusal};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -25,6 +26,8 @@ pub const RUNNING: u32 = 1 << 10;
 const GENERAL: i32 = 12;
 /// A trace's end comes within this time of the program's, on the link's clock.
 const TRACE_END: Duration = Duration::from_secs(10);
+/// From this time without a look at the link on, the machine is named where a controller took its client for lost.
+const HELD_UP: Duration = Duration::from_millis(250);
 /// A smooth stop is awaited no longer than this, on the link's clock.
 const STOP_END: Duration = Duration::from_secs(60);
 
@@ -107,7 +110,14 @@ fn drive(client: &Client, report: &mut Report<'_>, entries: &[Entry], strict: bo
     })?;
     match summary.failed {
         None => Ok(summary.progress),
-        Some(answer) => Err(Failure::Job(report.failure(&answer, Severity::Error))),
+        Some(answer) => {
+            let mut text = report.failure(&answer, Severity::Error);
+            let lost = answer.refusal().and_then(Refusal::reason) == Some(Reason::LinkLost);
+            if lost && client.held_up() >= HELD_UP {
+                text.push_str(&format!("This machine held the program up for {} ms.\n", client.held_up().as_millis()));
+            }
+            Err(Failure::Job(text))
+        }
     }
 }
 
