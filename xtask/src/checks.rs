@@ -172,6 +172,7 @@ fn tests(command: &mut Command) -> (Count, Outcome) {
 fn watch(command: &mut Command, count: &mut Count) -> Outcome {
     let failed = |e: std::io::Error, command: &Command| format!("`{}`: {e}", line(command));
     let mut child = command.stdout(Stdio::piped()).spawn().map_err(|e| failed(e, command))?;
+    let mut names = Vec::new();
     if let Some(stdout) = child.stdout.take() {
         for text in BufReader::new(stdout).lines() {
             let text = text.map_err(|e| failed(e, command))?;
@@ -179,12 +180,22 @@ fn watch(command: &mut Command, count: &mut Count) -> Outcome {
                 count.passed += found.passed;
                 count.failed += found.failed;
             }
+            names.extend(failed_test(&text).map(str::to_owned));
             // A closed terminal is no reason to stop testing.
             let _ = writeln!(std::io::stdout(), "{text}");
         }
     }
     let status = child.wait().map_err(|e| failed(e, command))?;
-    if status.success() { Ok(()) } else { Err(format!("`{}` failed ({status})", line(command))) }
+    match (status.success(), names.is_empty()) {
+        (true, _) => Ok(()),
+        (false, true) => Err(format!("`{}` failed ({status})", line(command))),
+        (false, false) => Err(format!("{}\n`{}` failed ({status})", names.join(", "), line(command))),
+    }
+}
+
+/// The name of a test that failed.
+fn failed_test(text: &str) -> Option<&str> {
+    text.strip_prefix("test ")?.strip_suffix(" ... FAILED")
 }
 
 /// The counts of a `test result:` line.
@@ -208,5 +219,7 @@ mod tests {
         let line = "test result: ok. 7 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out";
         assert_eq!(counted(line), Some(Count { passed: 7, failed: 0 }));
         assert_eq!(counted("test a ... ok"), None);
+        assert_eq!(failed_test("test a::b ... FAILED"), Some("a::b"));
+        assert_eq!((failed_test("test a::b ... ok"), failed_test(line)), (None, None));
     }
 }
