@@ -219,6 +219,70 @@ fn a_move_that_fails_stops_the_path() {
     assert_eq!(pulses(view.axes[0].pos), 37.0);
 }
 
+/// A move that is waited for is made to its end, whatever came between: a Stop of the path, of its axis, of both, a servo
+/// that is off. The path goes on from there, not before.
+#[test]
+fn a_modal_move_that_was_stopped_is_made_to_its_end() {
+    let v = speeds(10.0, 1.0, 0.0);
+    // 2·√37 ms for the line; 30 pulses at 2 pulse/ms: 4 ms, 11 ms, 4 ms.
+    let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), true).unwrap();
+    let path = |abrupt| Op::CrdStop { crds: CrdMask(1), abrupt: CrdMask(abrupt) };
+    let other = Op::Stop { axes: all(&[4]), abrupt: AxisMask(0) };
+    let off = Op::Servo { axis: axis(4), on: false };
+    let breaks: [(&[Op], f64); 5] =
+        [(&[path(0)], -30.0), (&[path(1)], -30.0), (&[other, path(0)], -16.0), (&[other], -16.0), (&[off], -14.0)];
+    for (index, (stops, left_at)) in breaks.into_iter().enumerate() {
+        let mut bench = ready(250);
+        bench.path(0, 0, &[Entry::planar([37, 0], v), travel, output(1), Entry::planar([0, 0], v)]);
+        bench.start_path(&[0]);
+        let zero = bench.tick().now.0;
+        let view = bench.until(zero + 21 * MS);
+        assert_eq!(view.crds[0].released[0], 1, "the move's place is not free");
+        for op in stops {
+            bench.now(*op);
+        }
+        let view = bench.until(zero + 60 * MS);
+        let at = pulses(view.axes[4].pos);
+        assert!(!view.crds[0].runs && (at - left_at).abs() < 1.0, "{index}: {at}");
+        bench.now(Op::Servo { axis: axis(4), on: true });
+        bench.start_path(&[0]);
+        let view = bench.until(zero + 61 * MS);
+        assert!(view.crds[0].runs, "{index}");
+        while bench.machine.outputs.2 & 1 == 0 {
+            let view = bench.tick();
+            assert!(view.crds[0].runs, "{index}");
+            let x = pulses(view.axes[0].pos);
+            assert!(x > 36.9, "{index}: {x}");
+        }
+        let view = bench.tick();
+        assert_eq!(pulses(view.axes[4].pos), -30.0, "{index}");
+        let end = bench.rest();
+        assert_eq!(pulses(end.axes[0].pos), 0.0);
+        assert_eq!((end.crds[0].released[0], end.crds[0].done[0]), (4, 2));
+    }
+}
+
+/// The same of a move that could not even begin.
+#[test]
+fn a_modal_move_that_was_refused_is_made_once_it_can_be() {
+    let v = speeds(10.0, 1.0, 0.0);
+    let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), true).unwrap();
+    let mut bench = ready(250);
+    bench.now(Op::Servo { axis: axis(4), on: false });
+    bench.path(0, 0, &[Entry::planar([37, 0], v), travel, output(1), Entry::planar([0, 0], v)]);
+    bench.start_path(&[0]);
+    let zero = bench.tick().now.0;
+    let view = bench.until(zero + 60 * MS);
+    assert!(!view.crds[0].runs && view.crds[0].stop == StopReason::OtherAxis);
+    assert_eq!((pulses(view.axes[0].pos), view.general_outputs & 1), (37.0, 0));
+    bench.now(Op::Servo { axis: axis(4), on: true });
+    bench.start_path(&[0]);
+    let view = bench.until(zero + 70 * MS);
+    assert_eq!((pulses(view.axes[0].pos), view.general_outputs & 1), (37.0, 0));
+    let end = bench.rest();
+    assert_eq!((pulses(end.axes[4].pos), pulses(end.axes[0].pos), end.general_outputs & 1), (-30.0, 0.0, 1));
+}
+
 /// An axis goes along with one motion, in step with its way, also over a Stop; then it is free.
 #[test]
 fn a_gear_goes_along_with_the_next_motion() {

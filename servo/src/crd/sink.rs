@@ -15,6 +15,9 @@ use crate::tick::{SegmentStore, Source};
 use crate::units::{Axis, AxisMask, Crd, Ns, Pos};
 use crate::view::Drive;
 
+/// How long a path waits for a move that cannot be made: it is stopped in the same tick.
+const UNABLE: Fine = 1 << 80;
+
 /// What a path reaches in one tick.
 pub(crate) struct Sink<'a> {
     pub(crate) crd: Crd,
@@ -84,7 +87,8 @@ impl Sink<'_> {
         let to = Trapezoid { target, speed, acc, dec: acc, vel_start, smooth: Ns(0) };
         let Some(time) = self.travel(at, axis, &to) else {
             self.unable = self.unable.or(Some(axis));
-            return 0;
+            // It stops the path, for which it is still to be made.
+            return if modal { UNABLE } else { 0 };
         };
         if modal {
             self.awaited = Some(axis);

@@ -50,7 +50,7 @@ struct Cursor {
     next: u32,
     /// Motions completed.
     done: u32,
-    /// The motion before `next` is not over.
+    /// The motion before `next`, or the move that is waited for, is not over.
     inside: bool,
     /// It was left with something to do, at `place`.
     kept: bool,
@@ -483,7 +483,13 @@ impl Path {
         match self.stage {
             Stage::Rest => {}
             Stage::Wait { until } => {
-                self.cursor(self.fifo).left = until.saturating_sub(now);
+                let cursor = self.cursor(self.fifo);
+                if cursor.inside {
+                    // A move that is waited for is made again: its axis may be stopped, too.
+                    (cursor.inside, cursor.next) = (false, cursor.next.wrapping_sub(1));
+                } else {
+                    cursor.left = until.saturating_sub(now);
+                }
                 self.rest(now, Rest::Stopped, feed, sink);
             }
             Stage::Move if abrupt => {

@@ -37,6 +37,7 @@ impl Path {
                 Stage::Rest => return,
                 Stage::Wait { until } => {
                     self.time = until;
+                    self.cursor(self.fifo).inside = false;
                     self.swept = self.swept.or(Some(Exact(0)));
                     self.go_on(budget, feed, source, sink);
                 }
@@ -216,6 +217,7 @@ impl Path {
             Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
             Item::Change(change) => {
                 let wait = sink.change(self.time, change);
+                self.cursor(self.fifo).inside = wait != 0;
                 (wait != 0).then(|| self.time.wrapping_add(wait))
             }
             Item::Gear { axis, pulses } => {
