@@ -286,6 +286,27 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
+        name: "light_that_fifo_1_interrupts_comes_back_with_fifo_0",
+        // FIFO 1 goes 15 ms there and 15 back; 225 pulses are left for 27.5 ms.
+        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_LnXY(1,275,100,10,2,0,1);GT_LnXY(1,275,0,10,2,0,1);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
+        light: &[(0.0, 30.0), (71.0, 98.5)],
+        places: &[(46.0, 2, 100.0), (61.0, 2, 0.0), (76.0, 1, 300.0)],
+        ..NONE
+    },
+    Rule {
+        name: "fifo_1_does_not_go_on_with_the_light_of_fifo_0",
+        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_LnXY(1,275,100,10,2,0,1);GT_LnXY(1,275,0,10,2,0,1);GT_CrdStart(1,1);Sleep(5);GT_Stop(256,256);Sleep(5);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
+        light: &[(0.0, 30.0), (81.0, 108.5)],
+        ..NONE
+    },
+    Rule {
+        name: "an_off_command_of_fifo_1_stays",
+        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_BufLaserOff(1,1);GT_LnXY(1,275,100,10,2,0,1);GT_LnXY(1,275,0,10,2,0,1);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
+        light: &[(0.0, 30.0)],
+        places: &[(76.0, 1, 300.0)],
+        ..NONE
+    },
+    Rule {
         name: "light_of_a_command_outlives_rest_under_a_follow_too",
         body: "GT_SetHSIOOpt(1);GT_BufLaserPrfFollow(1,0.5,1,9);GT_LnXY(1,500,0,10,2);GO Sleep(70);",
         // At rest the minimum.

@@ -276,6 +276,7 @@ impl<const AXES: usize> Tick<AXES> {
         let feed = Feed { ends: *ends };
         let mut sink = Sink {
             crd,
+            fifo: state.path.fifo(),
             next,
             frame,
             origin,

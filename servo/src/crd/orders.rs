@@ -6,9 +6,9 @@
 use super::sink::Sink;
 use super::{CrdState, Frame, LOOKS, Lanes, Room};
 use crate::execute::Reach;
-use crate::laser::Cause;
+use crate::laser::{Cause, Run};
 use crate::op::Lane;
-use crate::path::{DIMENSIONS, EntryStore, Feed, Path, Rate, Rest, Rules};
+use crate::path::{DIMENSIONS, EntryStore, Feed, Path, Rate, Rules};
 use crate::piece::Scaled;
 use crate::ramp::Accel;
 use crate::status;
@@ -190,8 +190,7 @@ impl<const AXES: usize> Tick<AXES> {
                 continue;
             };
             let feed = state.feed();
-            let goes_on = state.path.goes_on(fifo) && state.shown.rest == Rest::Stopped;
-            self.lasers.crd_starts(crd, next, goes_on);
+            self.lasers.crd_starts(Run { crd, fifo }, next, state.path.goes_on(fifo));
             state.path.start(next, fifo, feed, source);
             state.room = [Room::Unknown; 2];
             (state.ending, state.shown.runs, state.awaited) = (StopReason::StopSmooth, true, None);
@@ -347,6 +346,7 @@ impl<const AXES: usize> Tick<AXES> {
         let Some(frame) = &state.shown.frame else { return };
         let mut sink = Sink {
             crd,
+            fifo: state.path.fifo(),
             next,
             frame,
             origin: &state.shown.origin,

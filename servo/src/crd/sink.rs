@@ -6,7 +6,7 @@
 use super::Frame;
 use crate::axis::AxisState;
 use crate::edges::{Change as Edge, Edges};
-use crate::laser::Lasers;
+use crate::laser::{Lasers, Run};
 use crate::path::{Change, DIMENSIONS, Effects, Fine, Rest};
 use crate::piece::Scaled;
 use crate::pvt::TableStores;
@@ -21,6 +21,8 @@ const UNABLE: Fine = 1 << 80;
 /// What a path reaches in one tick.
 pub(crate) struct Sink<'a> {
     pub(crate) crd: Crd,
+    /// The FIFO that the path runs.
+    pub(crate) fifo: u8,
     /// The tick computed.
     pub(crate) next: Ns,
     pub(crate) frame: &'a Frame,
@@ -47,6 +49,10 @@ pub(crate) struct Sink<'a> {
 }
 
 impl Sink<'_> {
+    fn run(&self) -> Run {
+        Run { crd: self.crd, fifo: self.fifo }
+    }
+
     /// ns of an instant, which is not before the tick computed.
     fn ns(&self, at: Fine) -> Ns {
         Ns(((at >> 32) as u64).max(self.next.0))
@@ -108,7 +114,7 @@ impl Effects for Sink<'_> {
                 return self.send(at, axis, target, (speed, acc), modal);
             }
             Change::Laser { channel, code, words } => {
-                self.lasers.buffered(self.crd, channel, self.ns(at), code, &words);
+                self.lasers.buffered(self.run(), channel, self.ns(at), code, &words);
             }
         }
         0
@@ -116,7 +122,7 @@ impl Effects for Sink<'_> {
 
     fn rest(&mut self, at: Fine, rest: Rest) {
         self.rest = Some(rest);
-        self.lasers.crd_rests(self.crd, self.ns(at), if self.fault { Rest::Obstructed } else { rest });
+        self.lasers.crd_rests(self.run(), self.ns(at), if self.fault { Rest::Obstructed } else { rest });
     }
 
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled) {

@@ -5,9 +5,10 @@
 use super::follow::{Ratio, Source};
 use super::power::{Bounds, Power};
 use super::tables::Curve;
+use super::whose::Run;
 use super::{Cause, NEVER};
 use crate::path::LASER_WORDS;
-use crate::units::{Crd, Ns};
+use crate::units::Ns;
 
 /// A change of a channel that takes effect at the exact instant of its place in a path (SPEC 4, "Buffered laser").
 #[allow(missing_docs, reason = "each variant's text names its fields")]
@@ -123,11 +124,11 @@ impl Buffered {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Event {
     /// An entry of a path takes effect.
-    Change(Crd, Buffered),
+    Change(Run, Buffered),
     /// A path comes to rest: by a Stop, from which it can go on, or for good.
-    Rest(Crd, bool),
+    Rest(Run, bool),
     /// A path begins to run; whether it goes on.
-    Start(Crd, bool),
+    Start(Run, bool),
     /// Dark for this cause, with all outputs at rest.
     Trip(Cause),
 }

@@ -18,7 +18,7 @@ use super::light::OnTime;
 use super::plan::{Action, Train};
 use super::power::Power;
 use super::safety::{Cause, Safety};
-use super::whose::Whose;
+use super::whose::{Run, Whose};
 use super::{Change, Delays, Fpk, Mode, NEVER};
 use crate::units::{Crd, CrdMask, Ns};
 use crate::view::LaserView;
@@ -185,12 +185,12 @@ impl Channel {
     }
 
     /// An on or off command of a path, or an immediate one.
-    fn command(&mut self, at: Ns, on: bool, by: Option<Crd>) {
+    fn command(&mut self, at: Ns, on: bool, by: Option<Run>) {
         if on && self.safety.is_dark() {
-            if let Some(crd) = by
+            if let Some(run) = by
                 && self.safety.cause() == Cause::LinkLost
             {
-                self.whose.command_unseen(on, crd);
+                self.whose.command_unseen(on, run);
             }
             return;
         }
@@ -223,8 +223,8 @@ impl Channel {
     }
 
     /// Whether the start of a path may change something: light is kept for it, or something else is expected before.
-    pub(super) fn heeds_start(&self, crd: Crd) -> bool {
-        self.whose.keeps(crd) || !self.agenda.is_empty()
+    pub(super) fn heeds_start(&self, run: Run) -> bool {
+        self.whose.keeps(run) || !self.agenda.is_empty()
     }
 
     /// What is due takes place.
@@ -237,29 +237,29 @@ impl Channel {
     /// What was expected takes place.
     fn happen(&mut self, at: Ns, event: Event) {
         match event {
-            Event::Change(crd, Buffered::Gate { on }) => {
+            Event::Change(run, Buffered::Gate { on }) => {
                 self.news |= news::MOVED;
-                self.command(at, on, Some(crd));
+                self.command(at, on, Some(run));
             }
-            Event::Change(crd, change) => {
+            Event::Change(run, change) => {
                 self.news |= news::CHANGED;
                 let followed = self.law.follows().is_some();
-                self.law.change(crd, &change);
+                self.law.change(run.crd, &change);
                 if followed && change.begins_follow() {
-                    self.whose.forget(Some(crd));
+                    self.whose.forget(Some(run));
                 }
-                self.see_follow_end(followed, Some(crd));
+                self.see_follow_end(followed, Some(run));
             }
-            Event::Rest(crd, goes_on) => {
-                if self.is_mapped(crd) && self.whose.rest(crd, goes_on) {
+            Event::Rest(run, goes_on) => {
+                if self.is_mapped(run.crd) && self.whose.rest(run, goes_on) {
                     self.news |= news::MOVED;
                     self.switch(at, false);
                 }
             }
             // A start in the very tick that the link is lost in brakes at once: its light waits for the next one.
-            Event::Start(crd, goes_on) if goes_on && self.is_mapped(crd) && self.safety.loses_link() => {}
-            Event::Start(crd, goes_on) => {
-                if self.whose.start(crd, goes_on && self.is_mapped(crd) && !self.safety.is_dark()) {
+            Event::Start(run, goes_on) if goes_on && self.is_mapped(run.crd) && self.safety.loses_link() => {}
+            Event::Start(run, goes_on) => {
+                if self.whose.start(run, goes_on && self.is_mapped(run.crd) && !self.safety.is_dark()) {
                     self.news |= news::MOVED;
                     self.switch(at, true);
                 }
@@ -302,7 +302,7 @@ impl Channel {
     }
 
     /// Where there was a follow that has ended, perhaps by an entry: light that rest keeps dark counts as switched off.
-    fn see_follow_end(&mut self, followed: bool, by: Option<Crd>) {
+    fn see_follow_end(&mut self, followed: bool, by: Option<Run>) {
         if followed && self.law.follows().is_none() {
             self.whose.forget(by);
         }

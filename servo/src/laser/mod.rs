@@ -60,6 +60,7 @@ pub use rounds::Scale;
 pub use safety::Cause;
 pub use switch_rounds::{LEAST as LEAST_OF_SWITCHES, Round, Switches};
 pub use tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Tables};
+pub(crate) use whose::Run;
 
 use crate::axis::AxisState;
 use crate::path::{LASER_WORDS, Rest};
@@ -253,33 +254,32 @@ impl Lasers {
 
     /// An entry of a path takes effect at an instant of the interval that is planned next: that of
     /// `path::Change::Laser`, its fraction of a ns cut off.
-    pub(crate) fn buffered(&mut self, crd: Crd, channel: u8, at: Ns, code: u8, words: &[u32; LASER_WORDS]) {
+    pub(crate) fn buffered(&mut self, run: Run, channel: u8, at: Ns, code: u8, words: &[u32; LASER_WORDS]) {
         if let (Some(channel), Some(change)) = (self.channels.get_mut(channel as usize), Buffered::unpack(code, words))
         {
-            channel.expect(at, Event::Change(crd, change));
+            channel.expect(at, Event::Change(run, change));
         }
     }
 
     /// A path comes to rest at an instant of the interval that is planned next.
-    pub(crate) fn crd_rests(&mut self, crd: Crd, at: Ns, rest: Rest) {
+    pub(crate) fn crd_rests(&mut self, run: Run, at: Ns, rest: Rest) {
         for channel in &mut self.channels {
             let fault = match rest {
                 Rest::Underrun => Some(Cause::Underrun),
                 Rest::Obstructed => Some(Cause::Limit),
                 Rest::Never | Rest::Completed | Rest::Stopped => None,
             };
-            match fault.filter(|_| channel.is_mapped(crd)) {
+            match fault.filter(|_| channel.is_mapped(run.crd)) {
                 Some(cause) => channel.expect(at, Event::Trip(cause)),
-                None => channel.expect(at, Event::Rest(crd, rest == Rest::Stopped)),
+                None => channel.expect(at, Event::Rest(run, rest == Rest::Stopped)),
             }
         }
     }
 
-    /// A path starts at an instant of the interval that is planned next; `resumes`: it goes on where a Stop
-    /// brought it to rest.
-    pub(crate) fn crd_starts(&mut self, crd: Crd, at: Ns, resumes: bool) {
-        for channel in self.channels.iter_mut().filter(|channel| channel.heeds_start(crd)) {
-            channel.expect(at, Event::Start(crd, resumes));
+    /// A path starts at an instant of the interval that is planned next; `resumes`: its FIFO goes on where it was left.
+    pub(crate) fn crd_starts(&mut self, run: Run, at: Ns, resumes: bool) {
+        for channel in self.channels.iter_mut().filter(|channel| channel.heeds_start(run)) {
+            channel.expect(at, Event::Start(run, resumes));
         }
     }
 

@@ -4,7 +4,7 @@ use super::buffered::{Agenda, Event};
 use super::distance::Ways;
 use super::law::Law;
 use super::tables::{DISTANCES, Stretch};
-use super::whose::Whose;
+use super::whose::{Run, Whose};
 use super::*;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -119,23 +119,23 @@ fn buffered_changes_are_what_was_packed() {
 #[test]
 fn events_are_in_the_order_of_time_and_of_their_coming() {
     let mut agenda = Agenda::EMPTY;
-    let crd = |index| Crd::new(index).unwrap();
+    let run = |index| Run { crd: Crd::new(index).unwrap(), fifo: 0 };
     let order = [(50, 0), (20, 1), (50, 2), (10, 3), (20, 0)];
     for (at, index) in order {
-        agenda.put(Ns(at), Event::Start(crd(index), true)).unwrap();
+        agenda.put(Ns(at), Event::Start(run(index), true)).unwrap();
     }
     assert_eq!(agenda.next(), Ns(10));
     assert!(agenda.take(Ns(9)).is_none());
     let mut seen = vec![];
-    while let Some(Event::Start(crd, _)) = agenda.take(Ns(60)) {
-        seen.push(crd.index());
+    while let Some(Event::Start(run, _)) = agenda.take(Ns(60)) {
+        seen.push(run.crd.index());
     }
     assert_eq!(seen, [3, 1, 0, 0, 2]);
     assert_eq!(agenda.next(), NEVER);
     for at in 0..48 {
-        agenda.put(Ns(at), Event::Rest(crd(0), false)).unwrap();
+        agenda.put(Ns(at), Event::Rest(run(0), false)).unwrap();
     }
-    assert!(agenda.put(Ns(1), Event::Rest(crd(0), false)).is_err());
+    assert!(agenda.put(Ns(1), Event::Rest(run(0), false)).is_err());
 }
 
 fn none() -> Stretch {
@@ -558,7 +558,8 @@ fn sources_start_powers_and_tables() {
 
 #[test]
 fn whose_light_it_is() {
-    let (a, b) = (Crd::new(0).unwrap(), Crd::new(1).unwrap());
+    let run = |index, fifo| Run { crd: Crd::new(index).unwrap(), fifo };
+    let (a, b, c) = (run(0, 0), run(1, 0), run(0, 1));
     let mut whose = Whose::NOBODY;
     assert!(!whose.rest(a, true) && !whose.start(a, true));
     // A path's light goes off with a Stop of it, not of another, and comes back once.
@@ -587,6 +588,26 @@ fn whose_light_it_is() {
     assert!(whose.rest(a, true));
     whose.command(true, Some(b));
     assert!(!whose.start(a, true) && whose.rest(b, true));
+    // FIFO 1 goes there and back in the dark, and is stopped on its way.
+    whose.command(true, Some(a));
+    assert!(whose.rest(a, true));
+    assert!(!whose.start(c, false) && !whose.rest(c, true) && !whose.start(c, true) && !whose.rest(c, false));
+    assert!(whose.start(a, true));
+    // Its own light, and its off command, are the last word.
+    for on in [true, false] {
+        assert!(whose.rest(a, true));
+        assert!(!whose.start(c, false));
+        whose.command(on, Some(c));
+        assert_eq!(whose.rest(c, false), on);
+        assert!(!whose.start(a, true));
+        whose.command(true, Some(a));
+    }
+    // Where a follow ended meanwhile it is forgotten, unless the path itself ended it.
+    assert!(whose.rest(a, true));
+    whose.forget(Some(a));
+    assert!(whose.start(a, true) && whose.rest(a, true));
+    whose.forget(Some(c));
+    assert!(!whose.start(a, true));
     // What interrupts all keeps the light of a path, not of a command.
     whose.command(true, Some(a));
     whose.interrupt();
