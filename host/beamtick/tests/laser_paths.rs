@@ -530,17 +530,13 @@ fn the_contour_runs() {
     assert_eq!(most, 90.0);
 }
 
-/// A listing of a manual with what its text needs: a coordinate system where dots stand for it; what is left of a
-/// comment whose line was broken is none; `T_LnXY` lacks its first letter.
+/// A listing of a manual as it is printed, with what its text leaves out: a coordinate system where dots stand for it.
+/// What the file has of its own between pages is no part of it.
 fn pasted(manual: &str, from: &str, to: &str) -> String {
     let part = &manual[manual.find(from).unwrap_or_else(|| panic!("{from}"))..];
     let end = if to.is_empty() { part.len() } else { part.find(to).unwrap_or_else(|| panic!("{to}")) };
     let lines = part[..end].lines().skip_while(|line| !(line.starts_with("…… ……") || line.starts_with(".....")));
-    let is_code = |line: &&str| {
-        let first = line.trim_start().chars().next();
-        first.is_none_or(|first| first.is_ascii() || first == '…') && !line.contains("<|") && !line.contains("```")
-    };
-    let text: String = lines.filter(is_code).map(|line| line.replace("= T_LnXY", "= GT_LnXY") + "\n").collect();
+    let text: String = lines.filter(|line| !line.contains("<|")).map(|line| line.to_owned() + "\n").collect();
     format!("{SET_UP}{text}\nWaitStop(1, 0, 1);\nSleep(1);\n")
 }
 

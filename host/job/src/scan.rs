@@ -1,5 +1,5 @@
 //! The text of a script to tokens: full-width punctuation becomes ASCII, comments, `#include`, lines
-//! of dots and code fences vanish, `#define` names are replaced as the C preprocessor would.
+//! of dots, code fences and what is left of a comment on the next line vanish, `#define` names are replaced as the C preprocessor would.
 //!
 //! In: the text. Out: [`Token`]s, each with its place in the text as it was given. Fails with
 //! diagnostics: an unfinished comment or string, a directive that scripts do not have.
@@ -84,6 +84,11 @@ fn comment(lexer: &mut logos::Lexer<Raw>) -> bool {
     }
 }
 
+/// Whether a line is Chinese text and no statement: the rest of a comment that the printed manuals have broken.
+fn is_prose(line: &str) -> bool {
+    line.starts_with(|first| ('\u{4e00}'..='\u{9fff}').contains(&first)) && !line.contains([';', '='])
+}
+
 /// ASCII for the full-width forms (U+FF01 to U+FF5E) and the typographic marks of the manuals.
 fn plain(character: char) -> char {
     match character {
@@ -145,8 +150,24 @@ pub fn tokens(text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
     let mut refuse = |span: &Range<usize>, message: &str, help: &str| {
         problems.push(diagnostic(text, Severity::Error, given(span), message.to_owned(), Some(help.to_owned())));
     };
+    // The line above ended with a comment; then, what is left of one that the print has broken.
+    let (mut commented, mut rest) = (false, 0);
+    let mut broken = Vec::new();
     for (raw, span) in Raw::lexer(&flat).spanned() {
+        if commented && matches!(raw, Ok(Raw::Name)) && found.last().is_none_or(|(raw, _)| *raw == Raw::Newline) {
+            let line = flat[span.start..].lines().next().unwrap_or_default();
+            if is_prose(line) {
+                rest = span.start + line.len();
+                broken.push(span.start..rest);
+            }
+        }
+        commented = match raw {
+            Ok(Raw::LineComment) => true,
+            Ok(Raw::Newline | Raw::Fence) => commented,
+            _ => commented && span.start < rest,
+        };
         match raw {
+            _ if span.start < rest => {}
             Ok(Raw::LineComment | Raw::Comment(true) | Raw::Fence | Raw::Dots) => {}
             Ok(Raw::Comment(false)) => {
                 refuse(&(span.start..span.start + 2), "this comment does not end", "close it with */");
@@ -157,6 +178,11 @@ pub fn tokens(text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
                 refuse(&span, "this character has no meaning in a job script", "remove it, or put it into a comment")
             }
         }
+    }
+    for span in &broken {
+        let message = "this line is taken as the rest of the comment above".to_owned();
+        let help = Some("put // before it".to_owned());
+        problems.push(diagnostic(text, Severity::Warning, given(span), message, help));
     }
     let mut out = Expansion { text, flat: &flat, given: &given, macros: HashMap::new(), out: Vec::new(), problems };
     for line in found.split(|(raw, _)| *raw == Raw::Newline) {

@@ -353,6 +353,22 @@ fn misread_names_are_taken_with_a_warning_and_never_guessed() {
     assert!(help("GTN_PrfxPt(1,1);").contains("GTN_PrfPt"));
 }
 
+/// As GUS 5.2 is printed: comments that go on in the next line, also behind the end of a page.
+#[test]
+fn comments_that_the_print_has_broken() {
+    let job = good(
+        "GT_AxisOn(1); // 设置跟随的比率为 0.1%\n// 最小能量为 0%\n    \n```\n\n最大能量为 10%\n\n```\nGT_AxisOn(2); // 激光能量\n    的调整\n 和运动\nGT_AxisOn(3);",
+    );
+    assert_eq!(calls(&job).len(), 3);
+    let places: Vec<_> = job.warnings.iter().map(|warning| (warning.line, warning.column)).collect();
+    assert_eq!(places, [(6, 1), (10, 5), (11, 2)]);
+    assert_eq!(job.warnings[0].message, "this line is taken as the rest of the comment above");
+    // Names may be Chinese, and what no comment stands before is not one.
+    assert_eq!(calls(&good("// 轴\nlong 轴;\n// 一\n轴 = 1;\nGT_AxisOn(轴);")).len(), 1);
+    assert_eq!(bad("GT_AxisOn(1);\n的调整\nGT_AxisOn(2);").1, 1);
+    assert_eq!(bad("// 激光\nGT_AxisOn(1);\n的调整\n").0, 3);
+}
+
 #[test]
 fn results_that_a_listing_does_not_declare() {
     let job = good("sRtn = GT_AxisOn(1); sRtn = GT_PtSpace(1, &space);");
