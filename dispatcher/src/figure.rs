@@ -147,7 +147,8 @@ impl Figure {
         if half == 0.0 {
             return Err(Refused::NoLength);
         }
-        if half - fabs(radius) > OFF_CENTRE / 2.0 {
+        // A radius of 0 is none, however near the target is.
+        if half - fabs(radius) > OFF_CENTRE / 2.0 || radius == 0.0 {
             return Err(Refused::RadiusTooSmall { least: half });
         }
         // r² − (a² + b²)/4 with the errors of the squares, so that a near semicircle keeps its digits.
@@ -338,6 +339,7 @@ mod tests {
         assert_eq!(radius([10, 0], -3.9), Err(Refused::RadiusTooSmall { least: 5.0 }));
         assert_eq!(radius([10, 0], 4.5), Ok(()), "a semicircle, but for the rounding of its ends");
         assert_eq!(radius([10, 0], 0.0), Err(Refused::RadiusTooSmall { least: 5.0 }));
+        assert_eq!(radius([1, 0], -0.0), Err(Refused::RadiusTooSmall { least: 0.5 }));
         assert_eq!(Figure::planar(&O, [0, 0]).map(|_| ()), Err(Refused::NoLength));
         assert_eq!(Figure::line(&[1.0, 2.0, 3.0, 4.0], [1, 2, 3, 4]).map(|_| ()), Err(Refused::NoLength));
         assert!(Figure::line(&O, [0, 0, 0, i32::MIN]).is_ok());

@@ -272,7 +272,7 @@ fn origin_and_mapping() {
 fn many_lines_are_all_or_none() {
     let mut bench = Bench::gus();
     plane(&mut bench);
-    let head = LnXYMany {
+    let many = LnXYMany {
         core: 1.into(),
         crd: 1.into(),
         fifo: 0.into(),
@@ -281,6 +281,7 @@ fn many_lines_are_all_or_none() {
         syn_acc: 2.0.into(),
         vel_end: 50.0.into(),
     };
+    let head = many;
     let to = |x: i32, y: i32| PathXY { x: x.into(), y: y.into() };
     let answer = bench.call_items(head, &[to(100, 0), to(100, 100), to(100, 100)]);
     let refusal = answer.refusal();
@@ -303,6 +304,18 @@ fn many_lines_are_all_or_none() {
     bench.done(start_crd(1));
     until_rest(&mut bench);
     assert_eq!(crd_pos(&mut bench), [0.0, 100.0]);
+    // Of lines that do not all fit the first one that does not is named.
+    bench.done(clear(0));
+    let head = LnXYMany { count: 60.into(), ..many };
+    let to = |count: i32| (1..=count).map(|x| to(x, 0)).collect::<Vec<_>>();
+    for _ in 0..17 {
+        bench.call_items(head, &to(60)).reply::<LnXYMany>();
+    }
+    let answer = bench.call_items(LnXYMany { count: 7.into(), ..many }, &to(7));
+    let refusal = answer.refusal();
+    assert_eq!((answer.code, answer.reason(), refusal.item.get(), refusal.got.get()), (1, Reason::CrdFull, 4, 4.0));
+    bench.call_items(LnXYMany { count: 4.into(), ..many }, &to(4)).reply::<LnXYMany>();
+    assert_eq!(space(&mut bench, 0), 0);
 }
 
 /// A program gives its data ahead of its clock, waits, and goes on from there; the second run begins where the first ended.

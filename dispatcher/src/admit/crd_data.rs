@@ -431,7 +431,8 @@ where
     let (queues, stores) = queues.get_mut(crd).zip(stores.get(crd)).ok_or_else(none)?;
     let (queue, store) = (&mut queues[fifo & 1], &stores[fifo & 1]);
     let admitted = filling.speeds(&speeds)?;
-    filling.has_room(items.len())?;
+    // The first one that does not fit.
+    filling.has_room(items.len()).map_err(|refused| refused.item(filling.space as usize))?;
     let fields = R::FIELDS.len() as u8;
     filling.needs(if N == 2 { DIMENSIONS } else { N }..DIMENSIONS)?;
     let (mut before, mut ends) = (filling.begin, filling.path.data);
