@@ -362,8 +362,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "found: a start in the tick that loses the link lights",
         "servo/src/laser/channel.rs",
-        "goes_on && self.is_mapped(crd) && self.safety.loses_link() => {}",
-        "goes_on && self.is_mapped(crd) && self.safety.loses_link() && goes_on != goes_on => {}",
+        "goes_on && self.is_mapped(run.crd) && self.safety.loses_link() => {}",
+        "goes_on && self.is_mapped(run.crd) && self.safety.loses_link() && goes_on != goes_on => {}",
         LASER_PATH,
     ),
     mutant(
