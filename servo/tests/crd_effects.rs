@@ -262,25 +262,30 @@ fn a_modal_move_that_was_stopped_is_made_to_its_end() {
     }
 }
 
-/// The same of a move that could not even begin.
+/// A move that could not even begin, with others to wait for it or not.
 #[test]
-fn a_modal_move_that_was_refused_is_made_once_it_can_be() {
-    let v = speeds(10.0, 1.0, 0.0);
-    let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), true).unwrap();
-    let mut bench = ready(250);
-    bench.now(Op::Servo { axis: axis(4), on: false });
-    bench.path(0, 0, &[Entry::planar([37, 0], v), travel, output(1), Entry::planar([0, 0], v)]);
-    bench.start_path(&[0]);
-    let zero = bench.tick().now.0;
-    let view = bench.until(zero + 60 * MS);
-    assert!(!view.crds[0].runs && view.crds[0].stop == StopReason::OtherAxis);
-    assert_eq!((pulses(view.axes[0].pos), view.general_outputs & 1), (37.0, 0));
-    bench.now(Op::Servo { axis: axis(4), on: true });
-    bench.start_path(&[0]);
-    let view = bench.until(zero + 70 * MS);
-    assert_eq!((pulses(view.axes[0].pos), view.general_outputs & 1), (37.0, 0));
-    let end = bench.rest();
-    assert_eq!((pulses(end.axes[4].pos), pulses(end.axes[0].pos), end.general_outputs & 1), (-30.0, 0.0, 1));
+fn a_move_that_was_refused_is_made_once_it_can_be() {
+    for modal in [true, false] {
+        let v = speeds(10.0, 1.0, 5.0);
+        let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal);
+        let mut bench = ready(250);
+        bench.now(Op::Servo { axis: axis(4), on: false });
+        bench.path(0, 0, &[Entry::planar([37, 0], v), travel.unwrap(), output(1), Entry::planar([0, 0], v)]);
+        bench.start_path(&[0]);
+        let zero = bench.tick().now.0;
+        let view = bench.until(zero + 60 * MS);
+        assert!(!view.crds[0].runs && view.crds[0].stop == StopReason::OtherAxis);
+        assert_eq!((pulses(view.axes[0].pos), view.general_outputs & 1), (37.0, 0));
+        bench.now(Op::Servo { axis: axis(4), on: true });
+        bench.start_path(&[0]);
+        let view = bench.until(zero + 70 * MS);
+        // Another path than a modal one's is on its way back by now.
+        assert_eq!(view.general_outputs & 1 == 0, modal);
+        assert_eq!(pulses(view.axes[0].pos) == 37.0, modal);
+        bench.rest();
+        let end = bench.until(zero + 200 * MS);
+        assert_eq!((pulses(end.axes[4].pos), pulses(end.axes[0].pos), end.general_outputs & 1), (-30.0, 0.0, 1));
+    }
 }
 
 /// An axis goes along with one motion, in step with its way, also over a Stop; then it is free.

@@ -94,7 +94,7 @@ impl Sink<'_> {
         let Some(time) = self.travel(at, axis, &to) else {
             self.unable = self.unable.or(Some(axis));
             // It stops the path, for which it is still to be made.
-            return if modal { UNABLE } else { 0 };
+            return UNABLE;
         };
         if modal {
             self.awaited = Some(axis);
