@@ -40,7 +40,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 68] = [
+const MARKS: [(&str, &str); 70] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -110,6 +110,8 @@ const MARKS: [(&str, &str); 68] = [
     ("rounds-odd-10", "rounds, likewise of 10 µs, but no two pulses in turn are equal"),
     ("rounds-odd-20", "rounds, likewise of 20 µs"),
     ("rounds-odd-50", "rounds, likewise of 50 µs"),
+    ("rounds-follow-10", "rounds, likewise of 10 µs, hardly dithered, of a power that is another one in every tick"),
+    ("rounds-cut-10", "rounds, likewise of 10 µs, of a power that stays, at 1.2 MHz"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
     ("lnxy", "host byte to store per line of a path, a call each"),

@@ -326,108 +326,120 @@ impl Pattern {
         }
         (period, width)
     }
+
+    /// Tells periods of a train whose counts are far below 2³², runs of equal ones at once, as [`Steps::tell`] does. What is left of
+    /// the counts, and the period behind.
+    #[inline(never)]
+    pub(super) fn tell(
+        &mut self,
+        train: &Train,
+        left: u32,
+        alone: u32,
+        sink: &mut impl FnMut(u32, u32, u32),
+    ) -> (u32, (u32, u32)) {
+        let mut steps = Steps::of(self, train);
+        let left = steps.tell(left, alone, sink);
+        let next = steps.step();
+        *self = steps.pattern();
+        (left, next)
+    }
 }
 
-/// Periods of one run at most: the repetition counter of TIM15 has 8 bits (RM0433 41.5.12).
-const TIMES: u32 = 256;
+/// Periods of one run are 2 to this at most: the repetition counter of TIM15 has 8 bits (RM0433 41.5.12).
+const TIMES: u32 = 8;
 
-/// One of a train's two counts in [`Steps`].
+/// 2 to this is more than how often a step fits, or as often as a run may have.
+#[inline(always)]
+const fn fits(into: u32, step: u32) -> u32 {
+    let bits = step.leading_zeros().wrapping_add(1).saturating_sub((into | 1 << (TIMES - 1)).leading_zeros());
+    if bits < TIMES { bits } else { TIMES }
+}
+
+/// One of a train's two counts in [`Steps`]: what is gathered carries where a count is odd.
 #[derive(Debug, Clone, Copy)]
 struct Half {
     whole: u32,
     part: u32,
+    /// 2³² without the denominator: what is left when there is a carry lacks so much.
+    lack: u32,
+    /// With `lack`.
     gathered: u32,
-    /// With so much gathered, or more, there is an odd count. Nothing is gathered that comes up to it where there is no part.
-    over: u32,
 }
 
 impl Half {
     #[inline(always)]
-    fn of(count: &Count, gathered: u32) -> Half {
+    fn of(count: &Count, before: &Bresenham) -> Half {
         let Count { whole, part, of } = *count;
-        let (gathered, over) = if part == 0 { (0, u32::MAX) } else { (gathered, of.wrapping_sub(part)) };
-        Half { whole: whole as u32, part, gathered, over }
+        let gathered = if before.of == of { before.gathered } else { 0 };
+        let lack = of.wrapping_neg();
+        Half { whole: whole as u32, part, lack, gathered: gathered.wrapping_add(lack) }
     }
 
-    /// Whether the next count is one more.
-    #[inline(always)]
-    fn is_odd(&self) -> bool {
-        self.gathered >= self.over
-    }
-
-    /// Whether two counts in turn are equal more often than not, by far: a third of them or less are of one kind.
-    #[inline(always)]
-    fn is_even(&self) -> bool {
-        let (more, less) = (self.part.max(self.over), self.part.min(self.over));
-        less <= more >> 1
-    }
-
-    /// What steps may take away until the next count is of the other kind, what each adds to what is gathered, and whether the next
-    /// count is one more.
-    #[inline(always)]
-    fn even(&self) -> (u32, u32, bool) {
-        if self.is_odd() {
-            (self.gathered.wrapping_sub(self.over), self.over.wrapping_neg(), true)
-        } else {
-            (self.over.wrapping_sub(1).wrapping_sub(self.gathered), self.part, false)
-        }
-    }
-
+    /// The next count.
     #[inline(always)]
     fn step(&mut self) -> u32 {
-        if self.is_odd() {
-            self.gathered = self.gathered.wrapping_sub(self.over);
-            self.whole.wrapping_add(1)
+        let (sum, is_odd) = self.gathered.overflowing_add(self.part);
+        self.gathered = if is_odd { sum.wrapping_add(self.lack) } else { sum };
+        self.whole.wrapping_add(is_odd as u32)
+    }
+
+    /// Whether runs of equal counts are long enough to be looked for: a ninth of the counts or less are of one kind.
+    #[inline(always)]
+    fn is_even(&self) -> bool {
+        let other = self.lack.wrapping_add(self.part).wrapping_neg();
+        self.part.min(other) <= self.part.max(other) >> 3
+    }
+
+    /// The next count, what steps may take away until one is of the other kind, what each takes away, and what it adds to what is
+    /// gathered.
+    #[inline(always)]
+    fn even(&self) -> (u32, u32, u32, u32) {
+        let (sum, is_odd) = self.gathered.overflowing_add(self.part);
+        if is_odd {
+            let more = self.lack.wrapping_add(self.part);
+            (self.whole.wrapping_add(1), sum, more.wrapping_neg(), more)
         } else {
-            self.gathered = self.gathered.wrapping_add(self.part);
-            self.whole
+            (self.whole, !sum, self.part, self.part)
         }
     }
 
-    /// What is gathered, where it was `before`.
+    /// What is gathered.
     #[inline(always)]
-    fn gathered(&self, before: u32) -> u32 {
-        if self.part == 0 { before } else { self.gathered }
+    fn gathered(&self) -> Bresenham {
+        Bresenham { gathered: self.gathered.wrapping_sub(self.lack), of: self.lack.wrapping_neg() }
     }
 }
 
 /// The counts of the periods of a train, one after the other, as [`Pattern::step`] gives them, where they are far below 2³²
-/// and the train stays what it is; runs of equal ones at once.
+/// and the train stays what it is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Steps {
-    before: Pattern,
+struct Steps {
     period: Half,
     width: Half,
     owed: u32,
-    is_full: bool,
     /// Nothing is owed, nor will be: each pulse ends with its period at the latest.
     is_plain: bool,
+    is_full: bool,
 }
 
 impl Steps {
     /// A pattern goes on with this train.
     #[inline(always)]
-    pub(super) fn of(before: Pattern, train: &Train) -> Steps {
-        let mut before = before;
-        if before.period.of != train.period.of {
-            before.period = Bresenham { gathered: 0, of: train.period.of };
-        }
-        if before.width.of != train.width.of {
-            (before.width, before.owed) = (Bresenham { gathered: 0, of: train.width.of }, 0);
-        }
+    fn of(before: &Pattern, train: &Train) -> Steps {
+        let owed = if before.width.of == train.width.of { before.owed as u32 } else { 0 };
+        let is_plain = owed == 0 && train.width.whole < train.period.whole;
         Steps {
-            before,
-            period: Half::of(&train.period, before.period.gathered),
-            width: Half::of(&train.width, before.width.gathered),
-            owed: before.owed as u32,
-            is_full: train.is_full(),
-            is_plain: before.owed == 0 && train.width.whole < train.period.whole,
+            period: Half::of(&train.period, &before.period),
+            width: Half::of(&train.width, &before.width),
+            owed,
+            is_plain,
+            is_full: !is_plain && train.is_full(),
         }
     }
 
     /// One more period, and the width of its pulse.
     #[inline(always)]
-    pub(super) fn step(&mut self) -> (u32, u32) {
+    fn step(&mut self) -> (u32, u32) {
         let period = self.period.step();
         let wanted = self.width.step().wrapping_add(self.owed);
         let width = if self.is_full { period } else { wanted.min(period) };
@@ -437,8 +449,8 @@ impl Steps {
 
     /// Tells periods as far as they end within `left` counts and a longer one had room: length, width, and how many in turn
     /// are so, of which only those are told together that end `alone` counts before. What is left of the counts.
-    #[inline(never)]
-    pub(super) fn tell(&mut self, left: u32, alone: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
+    #[inline(always)]
+    fn tell(&mut self, left: u32, alone: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
         let mut left = left;
         let longest = self.period.whole.wrapping_add(1);
         if !self.is_plain {
@@ -450,47 +462,32 @@ impl Steps {
             return left;
         }
         let (mut periods, mut widths) = (self.period, self.width);
-        if !(periods.is_even() && widths.is_even()) {
-            while longest <= left {
-                let (period, width) = (periods.step(), widths.step());
-                sink(period, width, 1);
-                left = left.wrapping_sub(period);
-            }
-            (self.period, self.width) = (periods, widths);
-            return left;
-        }
-        while longest <= left {
-            let (mut even, more, is_long) = periods.even();
-            let (mut as_wide, wider, is_wide) = widths.even();
-            let (period, width) =
-                (periods.whole.wrapping_add(is_long as u32), widths.whole.wrapping_add(is_wide as u32));
-            let (less, narrower) =
-                (if is_long { periods.over } else { more }, if is_wide { widths.over } else { wider });
-            let mut room = left.saturating_sub(alone).saturating_sub(period);
+        let is_even = periods.is_even() && widths.is_even();
+        let together = if is_even { longest.saturating_add(alone) } else { u32::MAX };
+        while together <= left {
+            let (period, mut even, less, more) = periods.even();
+            let (width, mut as_wide, narrower, wider) = widths.even();
+            let mut room = left.wrapping_sub(alone).wrapping_sub(period);
             let mut times = 1u32;
-            // Three counts that go down together: the first one below zero ends the run.
-            while times < TIMES {
-                let below;
-                (even, below) = even.overflowing_sub(less);
-                if below {
-                    break;
+            // Three counts that go down together, until the first one would be below zero: by so many steps at once, and by half of them.
+            for twice in (0..fits(even, less).min(fits(as_wide, narrower)).min(fits(room, period))).rev() {
+                let (next, below) = even.overflowing_sub(less.wrapping_shl(twice));
+                let (next_wide, wide_below) = as_wide.overflowing_sub(narrower.wrapping_shl(twice));
+                let (next_room, room_below) = room.overflowing_sub(period.wrapping_shl(twice));
+                if !(below || wide_below || room_below) {
+                    (even, as_wide, room) = (next, next_wide, next_room);
+                    times = times.wrapping_add(1u32.wrapping_shl(twice));
                 }
-                let below;
-                (as_wide, below) = as_wide.overflowing_sub(narrower);
-                if below {
-                    break;
-                }
-                let below;
-                (room, below) = room.overflowing_sub(period);
-                if below {
-                    break;
-                }
-                times = times.wrapping_add(1);
             }
             periods.gathered = periods.gathered.wrapping_add(times.wrapping_mul(more));
             widths.gathered = widths.gathered.wrapping_add(times.wrapping_mul(wider));
             sink(period, width, times);
             left = left.wrapping_sub(times.wrapping_mul(period));
+        }
+        while longest <= left {
+            let (period, width) = (periods.step(), widths.step());
+            sink(period, width, 1);
+            left = left.wrapping_sub(period);
         }
         (self.period, self.width) = (periods, widths);
         left
@@ -498,11 +495,7 @@ impl Steps {
 
     /// What the pattern has become.
     #[inline(always)]
-    pub(super) fn pattern(self) -> Pattern {
-        let mut pattern = self.before;
-        pattern.period.gathered = self.period.gathered(pattern.period.gathered);
-        pattern.width.gathered = self.width.gathered(pattern.width.gathered);
-        pattern.owed = self.owed.into();
-        pattern
+    fn pattern(&self) -> Pattern {
+        Pattern { period: self.period.gathered(), width: self.width.gathered(), owed: self.owed.into() }
     }
 }

@@ -6,19 +6,12 @@
 //! Each pulse begins with a round; a pulse that begins sooner than [`LEAST`] behind the one before it, with a gap between them,
 //! takes its place: that one is not output. It takes light or standby that is cut within 350 ns of a pulse's beginning, and
 //! the pulse has ended before; carriers never come near.
-use super::dither::{Pattern, Steps};
+use super::dither::Pattern;
 use super::plan::{Action, FINISH_NS, Train};
 use super::rounds::{LATE, Lengths, MOST, Scale};
 
 /// The shortest round, in counts: 350 ns at 240 MHz, in which DMA brings three half-words.
 pub const LEAST: u32 = 84;
-
-/// A pulse that has a round to come.
-#[derive(Debug, Clone, Copy)]
-struct Pulse {
-    begin: u64,
-    end: u64,
-}
 
 /// See the module text. Instants are counts of the timer since it began.
 #[derive(Debug, Clone)]
@@ -27,8 +20,8 @@ pub struct Energy {
     /// Where the round begins that is not told yet, and where its light ends.
     begin: u64,
     until: u64,
-    /// The pulse that ends that round, if nothing comes between.
-    next: Option<Pulse>,
+    /// Where the last pulse begins, if it ends that round, unless something comes between.
+    next: Option<u64>,
     train: Train,
     pattern: Pattern,
     /// A period is in progress: it began, it ends.
@@ -96,8 +89,10 @@ impl Energy {
                 Action::Switch(_) | Action::Volts(_) => {}
             }
         }
-        self.pulses_to(to, sink);
-        self.tell_certain(sink);
+        if !(self.is_steady() && self.periods(to, sink)) {
+            self.pulses_to(to, sink);
+            self.tell_certain(sink);
+        }
     }
 
     /// Nothing that is not told yet has light.
@@ -137,7 +132,7 @@ impl Energy {
     fn pulses_to(&mut self, to: u64, sink: &mut impl FnMut(u32, u32, u32)) {
         // A period has a count at least, and what is known is some 10⁵ counts.
         loop {
-            if self.runs && self.is_steady() {
+            if self.is_steady() {
                 self.periods(to, sink);
             }
             let at = if self.runs { self.period_end } else { self.begins };
@@ -145,127 +140,123 @@ impl Energy {
                 break;
             }
             if self.train.is_none() {
-                (self.runs, self.begins, self.pattern) = (false, to, Pattern::BEGIN);
+                if self.runs {
+                    (self.runs, self.pattern) = (false, Pattern::BEGIN);
+                }
                 break;
             }
             let (period, width) = self.pattern.step(&self.train);
             (self.runs, self.period_begin, self.period_end) = (true, at, at.saturating_add(period.max(1)));
             if width > 0 {
-                self.pulse_end = at.saturating_add(width);
-                self.pulse(at, self.pulse_end, sink);
+                self.pulse(at, at.saturating_add(width), sink);
             }
         }
     }
 
-    /// Whether each period of the train can be a round, and the one in progress has one to come.
+    /// Whether each period of the train can be a round, and the one in progress is the round that is not told yet, or the next.
     #[inline(always)]
     fn is_steady(&self) -> bool {
         let periods = LEAST as u64..(MOST as u64).wrapping_sub(1);
-        periods.contains(&self.train.period.whole)
-            && self.next.is_some_and(|next| {
-                next.begin == self.period_begin
-                    && periods.contains(&self.period_end.wrapping_sub(next.begin))
-                    // It had its pulse cut, or its end comes from another train: rounds tell by the pulse's end.
-                    && next.end <= self.period_end
-            })
+        self.runs
+            && periods.contains(&self.train.period.whole)
+            && self.next.unwrap_or(self.begin) == self.period_begin
+            && periods.contains(&self.period_end.wrapping_sub(self.period_begin))
+            // It had its pulse cut, or its end comes from another train: rounds tell by the pulse's end.
+            && self.pulse_end <= self.period_end
     }
 
-    /// Periods of a steady train, each as a round, while they are certain.
-    #[inline]
-    fn periods(&mut self, to: u64, sink: &mut impl FnMut(u32, u32, u32)) {
-        let Some(next) = self.next else { return };
+    /// Periods of a steady train, each as a round, while they are certain. Whether the interval needs no other: they are short, and
+    /// the one in progress is the round that is not told yet.
+    #[inline(never)]
+    fn periods(&mut self, to: u64, sink: &mut impl FnMut(u32, u32, u32)) -> bool {
         // What is known is far below 2³² counts.
-        let length = self.period_end.wrapping_sub(next.begin) as u32;
+        let length = self.period_end.wrapping_sub(self.period_begin) as u32;
+        let whole = self.train.period.whole as u32;
         // Behind long rounds come short ones.
-        let is_short = (length.max(self.train.period.whole as u32)) < 2 * LEAST - 1;
-        let margin = if is_short { LEAST } else { LATE * LEAST };
-        let mut left = (to.saturating_sub(next.begin) as u32).saturating_sub(margin);
-        if length > left {
-            return;
-        }
-        self.close(next.begin, sink);
-        let light = next.end.wrapping_sub(next.begin) as u32;
-        let mut begin = next.begin;
-        // The first one may be of another train.
-        sink(length, light, 1);
-        left = left.wrapping_sub(length);
-        let told = left;
-        begin = begin.wrapping_add(length.into());
-        let mut steps = Steps::of(self.pattern, &self.train);
+        let is_short = length.max(whole) < 2 * LEAST - 1;
         // The last two places hold a period each, where they would not be short otherwise.
-        let alone = if is_short { (self.train.period.whole as u32).wrapping_add(1).wrapping_mul(2) } else { 0 };
-        left = steps.tell(left, alone, sink);
-        let (length, light) = steps.step();
-        self.pattern = steps.pattern();
-        begin = begin.wrapping_add(told.wrapping_sub(left).into());
-        (self.begin, self.until) = (begin, begin);
-        (self.period_begin, self.period_end) = (begin, begin.wrapping_add(length.into()));
-        if light > 0 {
-            self.pulse_end = begin.wrapping_add(light.into());
+        let (margin, alone) = if is_short { (LEAST, whole.wrapping_add(1).wrapping_mul(2)) } else { (LATE * LEAST, 0) };
+        let left = (to.saturating_sub(self.period_begin) as u32).saturating_sub(margin);
+        if length <= left {
+            if self.next.is_some() {
+                self.close(self.period_begin, sink);
+            }
+            // The first one may be of another train.
+            sink(length, self.until.saturating_sub(self.begin) as u32, 1);
+            let rest = left.wrapping_sub(length);
+            let (rest, (length, light)) = self.pattern.tell(&self.train, rest, alone, sink);
+            let begin = self.begin.wrapping_add(left.wrapping_sub(rest).into());
+            // A round begins here even without light: its period is steady.
+            (self.begin, self.until) = (begin, begin.wrapping_add(light.into()));
+            (self.period_begin, self.period_end) = (begin, begin.wrapping_add(length.into()));
+            if light > 0 {
+                self.pulse_end = self.until;
+            }
         }
-        // A round begins here even without light: its period is steady.
-        self.next = None;
-        self.until = begin.wrapping_add(light.into());
+        is_short && self.next.is_none()
     }
 
-    /// Light from `at` to `until`.
+    /// Light from `at` to `until`: the last pulse.
     #[inline]
     fn pulse(&mut self, at: u64, until: u64, sink: &mut impl FnMut(u32, u32, u32)) {
         // What is told already, behind a restart, is dark.
         let at = at.max(self.begin);
-        if let Some(next) = &mut self.next {
-            if at.wrapping_sub(next.begin) < LEAST.into() {
-                if next.end < at {
-                    next.begin = at;
+        if let Some(next) = self.next {
+            if at.wrapping_sub(next) < LEAST.into() {
+                if self.pulse_end < at {
+                    self.next = Some(at);
                 }
-                next.end = until;
+                self.pulse_end = until;
                 return;
             }
-            let begin = next.begin;
-            self.close(begin, sink);
+            self.close(next, sink);
         }
         if self.until >= at && self.until > self.begin {
             self.until = until;
         } else if at == self.begin {
             self.until = until.max(at);
         } else {
-            self.next = Some(Pulse { begin: at, end: until });
+            self.next = Some(at);
         }
+        self.pulse_end = until;
     }
 
-    /// The pulse in progress ends at `at`.
+    /// The last pulse ends at `at`.
     fn cut(&mut self, at: u64) {
         self.pulse_end = at;
-        let end = self.next.as_mut().map_or(&mut self.until, |next| &mut next.end);
-        *end = (*end).min(at);
+        if self.next.is_none() {
+            self.until = self.until.min(at);
+        }
     }
 
     /// Tells everything up to `at`, where a round begins: with the next pulse, if there is one.
-    #[inline]
+    #[inline(never)]
     fn close(&mut self, at: u64, sink: &mut impl FnMut(u32, u32, u32)) {
-        let mut light = self.until.saturating_sub(self.begin);
-        let is_late = at.wrapping_add((LATE * LEAST).into()) > self.known;
-        for length in Lengths::of(at.saturating_sub(self.begin) as u32, LEAST, is_late) {
-            sink(length, light.min(length.into()) as u32, 1);
-            light = light.saturating_sub(length.into());
+        // What is not told yet is far below 2³² counts.
+        let counts = at.wrapping_sub(self.begin) as u32;
+        let mut light = self.until.saturating_sub(self.begin).min(counts.into()) as u32;
+        let is_late = counts.wrapping_add(LATE * LEAST) > self.known.wrapping_sub(self.begin) as u32;
+        for length in Lengths::of(counts, LEAST, is_late) {
+            sink(length, light.min(length), 1);
+            light = light.saturating_sub(length);
         }
-        self.begin = self.begin.max(at);
-        if let Some(next) = self.next.take_if(|next| next.begin == at) {
-            self.until = next.end;
+        self.begin = at;
+        if self.next == Some(at) {
+            (self.until, self.next) = (self.pulse_end, None);
         }
     }
 
     /// Tells what nothing that is not known yet can change.
+    #[inline]
     fn tell_certain(&mut self, sink: &mut impl FnMut(u32, u32, u32)) {
-        let least = u64::from(LEAST);
         if let Some(next) = self.next
-            && next.begin.wrapping_add(least) <= self.known
+            && next.wrapping_add(LEAST.into()) <= self.known
         {
-            self.close(next.begin, sink);
+            self.close(next, sink);
         }
-        let certain = self.next.map_or(self.known, |next| next.begin).saturating_sub(least);
-        if certain >= self.begin.wrapping_add(least) {
-            self.close(certain, sink);
+        let end = self.next.unwrap_or(self.known);
+        if end.saturating_sub(self.begin) as u32 >= 2 * LEAST {
+            self.close(end.wrapping_sub(LEAST.into()), sink);
         }
     }
 }

@@ -58,7 +58,13 @@ impl Held {
 
     fn add_count(&mut self, count: &Count) -> bool {
         let Count { whole, part, of } = *count;
-        self.add(whole as u32) && self.add((whole >> 32) as u32) && self.add(part) && self.add(of)
+        let free = self.words.get(self.len..).unwrap_or_default();
+        let Some(places) = free.first_chunk::<4>() else { return false };
+        for (place, word) in places.iter().zip([whole as u32, (whole >> 32) as u32, part, of]) {
+            place.store(word, Ordering::Relaxed);
+        }
+        self.len = self.len.wrapping_add(4);
+        true
     }
 
     /// Holds a plan instead of what was held. False if it has no room: then nothing is held.
@@ -69,7 +75,7 @@ impl Held {
             return true;
         }
         // Of light, of standby.
-        let mut trains = [Train::NONE; 2];
+        let mut trains = [&Train::NONE; 2];
         for (at, action) in plan.actions() {
             let (word, train) = match action {
                 Action::Switch(active) => {
@@ -90,12 +96,13 @@ impl Held {
     }
 
     /// A word, and what is new of its train.
-    fn add_action(&mut self, word: u32, train: Option<&Train>, trains: &mut [Train; 2]) -> bool {
+    fn add_action<'a>(&mut self, word: u32, train: Option<&'a Train>, trains: &mut [&'a Train; 2]) -> bool {
         let Some(train) = train else { return self.add(word) };
         self.lights |= !train.is_silent();
-        let before = of_kind(word >> KIND & 3, trains);
+        let [light, standby] = trains;
+        let before = if word >> KIND & 3 == DARK { standby } else { light };
         let (period, width) = (before.period != train.period, before.width != train.width);
-        *before = *train;
+        *before = train;
         self.add(word | if period { PERIOD } else { 0 } | if width { WIDTH } else { 0 })
             && (!period || self.add_count(&train.period))
             && (!width || self.add_count(&train.width))
@@ -107,12 +114,6 @@ impl Held {
         let words = self.words.get(..self.len).unwrap_or_default();
         Replay { words, next: 0, periods: [0; 2], widths: [0; 2] }
     }
-}
-
-/// The train before of an action of this kind.
-#[inline]
-fn of_kind(kind: u32, [light, standby]: &mut [Train; 2]) -> &mut Train {
-    if kind == DARK { standby } else { light }
 }
 
 struct Replay<'a> {

@@ -7,9 +7,6 @@
 //! Rounds are told up to a little before the end of what is known, and the last of them are short: a timer takes a round
 //! ahead while the one before it runs, and DMA reads one more ahead of that.
 
-/// Longer than any interval of two ticks.
-pub(super) const FAR: u64 = u64::MAX;
-
 /// The longest round, so that its compare value can be behind its end.
 pub(super) const MOST: u32 = 65_535;
 
@@ -42,15 +39,22 @@ impl Scale {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lengths {
     left: u32,
+    /// What the last rounds have together, of which each has `least`.
+    last: u32,
     least: u32,
-    short: bool,
 }
 
 impl Lengths {
     /// Of a stretch of `counts`, at least `least`; `short`: the last two rounds are less than twice as long as they must be.
     #[inline(always)]
     pub(super) fn of(counts: u32, least: u32, short: bool) -> Lengths {
-        Lengths { left: counts, least, short }
+        let last = match counts {
+            _ if !short => 0,
+            counts if counts >= least.wrapping_mul(3) => least.wrapping_mul(2),
+            counts if counts >= least.wrapping_mul(2) => least,
+            _ => 0,
+        };
+        Lengths { left: counts, last, least }
     }
 }
 
@@ -59,19 +63,18 @@ impl Iterator for Lengths {
 
     #[inline(always)]
     fn next(&mut self) -> Option<u32> {
-        let Lengths { left, least, short } = *self;
-        let twice = least.wrapping_mul(2);
+        let Lengths { left, last, least } = *self;
         let length = if left > MOST {
             PIECE
-        } else if short && left >= least.wrapping_mul(3) {
-            left.wrapping_sub(twice)
-        } else if short && left >= twice {
-            left.wrapping_sub(least)
+        } else if left > last {
+            left.wrapping_sub(last)
+        } else if left > 0 {
+            least
         } else {
-            left
+            return None;
         };
         self.left = left.wrapping_sub(length);
-        (length > 0).then_some(length)
+        Some(length)
     }
 }
 

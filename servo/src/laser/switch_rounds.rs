@@ -6,13 +6,15 @@
 //! shortest pulse that a command asks for is 1 µs. Gaps are as they should be, whatever their length.
 use super::CHANNELS;
 use super::plan::{Action, PLACES};
-use super::rounds::{FAR, LATE, Lengths, Scale};
+use super::rounds::{LATE, Lengths, Scale};
 
 /// The shortest round, in counts: 500 ns at 240 MHz, in which DMA brings six half-words.
 pub const LEAST: u32 = 120;
 
 /// Behind the end of any round.
 const NEVER: u32 = 65_535;
+/// Behind the end of what is known.
+const FAR: u32 = u32::MAX;
 
 /// A round: its length in counts, and for each output the count at which it falls, if it begins active, and the one at
 /// which it rises: active are counts below the first one and from the second one on.
@@ -26,22 +28,30 @@ pub struct Round {
     pub rises: [u32; CHANNELS],
 }
 
-/// An output in the round that is not told yet.
+/// An output in the round that is not told yet, in counts from its beginning.
 #[derive(Debug, Clone, Copy)]
 struct Line {
     /// It is active until then; [`FAR`]: so far.
-    falls: u64,
+    falls: u32,
     /// And again from then on; [`FAR`]: not so far.
-    rises: u64,
+    rises: u32,
 }
 
 impl Line {
-    /// The round ends at `at`, and the next one begins.
-    fn renew(&mut self, at: u64) {
-        if self.rises <= at {
-            *self = Line { falls: FAR, rises: FAR };
-        } else {
-            self.falls = self.falls.max(at);
+    const INACTIVE: Line = Line { falls: 0, rises: FAR };
+    const ACTIVE: Line = Line { falls: FAR, rises: FAR };
+
+    /// The round ends after so many counts, and the next one begins.
+    #[inline(always)]
+    fn renew(&mut self, length: u32) {
+        if self.rises <= length {
+            *self = Line::ACTIVE;
+            return;
+        }
+        for edge in [&mut self.falls, &mut self.rises] {
+            if *edge != FAR {
+                *edge = edge.saturating_sub(length);
+            }
         }
     }
 }
@@ -62,14 +72,7 @@ pub struct Switches {
 impl Switches {
     /// Inactive; the first round begins at this count.
     pub const fn from(begin: u64, scale: Scale) -> Switches {
-        Switches {
-            scale,
-            begin,
-            lines: [Line { falls: begin, rises: FAR }; CHANNELS],
-            known: begin,
-            edges: [0; PLACES],
-            waiting: 0,
-        }
+        Switches { scale, begin, lines: [Line::INACTIVE; CHANNELS], known: begin, edges: [0; PLACES], waiting: 0 }
     }
 
     /// Where the rounds told so far end.
@@ -80,7 +83,7 @@ impl Switches {
     /// What is not told yet of an output is inactive.
     pub fn rest(&mut self, channel: usize) {
         if let Some(line) = self.lines.get_mut(channel) {
-            *line = Line { falls: self.begin, rises: FAR };
+            *line = Line::INACTIVE;
         }
         if channel == 0 {
             self.waiting = 0;
@@ -122,10 +125,16 @@ impl Switches {
         }
         self.held_to(u32::MAX >> 1, from, held, sink);
         self.waiting = 0;
-        let certain = to.saturating_sub(LEAST.into());
-        if certain >= self.begin.wrapping_add(LEAST.into()) {
+        let certain = self.counts_to(to).saturating_sub(LEAST);
+        if certain >= LEAST {
             self.close(certain, sink);
         }
+    }
+
+    /// From the beginning of the round that is not told yet; what is known is far below 2³² counts.
+    #[inline(always)]
+    fn counts_to(&self, at: u64) -> u32 {
+        at.saturating_sub(self.begin) as u32
     }
 
     /// The first channel's edges up to `to`, included; `held` of them are done, and the result after it.
@@ -140,8 +149,7 @@ impl Switches {
 
     /// An output goes to a level.
     fn edge(&mut self, channel: usize, at: u64, level: bool, sink: &mut impl FnMut(Round)) {
-        let at = at.min(self.known).max(self.begin);
-        let begin = self.begin;
+        let at = self.counts_to(at.min(self.known));
         let Some(line) = self.lines.get_mut(channel) else { return };
         match (level, line.rises == FAR) {
             // It is active.
@@ -151,29 +159,28 @@ impl Switches {
             (true, true) if line.falls == at => line.falls = FAR,
             (true, true) => line.rises = at,
             (false, true) => line.falls = line.falls.min(at),
-            (false, false) if at == line.rises || at.wrapping_sub(begin) < LEAST.into() => line.rises = FAR,
+            (false, false) if at == line.rises || at < LEAST => line.rises = FAR,
             (false, false) => {
                 self.close(at, sink);
                 if let Some(line) = self.lines.get_mut(channel) {
-                    *line = Line { falls: at, rises: FAR };
+                    *line = Line::INACTIVE;
                 }
             }
         }
     }
 
-    /// Tells everything up to `at`, where a round begins.
-    fn close(&mut self, at: u64, sink: &mut impl FnMut(Round)) {
-        let is_late = at.wrapping_add((LATE * LEAST).into()) > self.known;
-        for length in Lengths::of(at.saturating_sub(self.begin) as u32, LEAST, is_late) {
-            let (begin, end) = (self.begin, self.begin.wrapping_add(length.into()));
+    /// Tells everything for so many counts, behind which a round begins.
+    fn close(&mut self, counts: u32, sink: &mut impl FnMut(Round)) {
+        let is_late = counts.wrapping_add(LATE * LEAST) > self.counts_to(self.known);
+        for length in Lengths::of(counts, LEAST, is_late) {
             let mut round = Round { length, ..Round::default() };
             for ((line, falls), rises) in self.lines.iter_mut().zip(&mut round.falls).zip(&mut round.rises) {
-                *falls = line.falls.min(end).saturating_sub(begin) as u32;
-                *rises = if line.rises < end { line.rises.wrapping_sub(begin) as u32 } else { NEVER };
-                line.renew(end);
+                *falls = line.falls.min(length);
+                *rises = if line.rises < length { line.rises } else { NEVER };
+                line.renew(length);
             }
             sink(round);
-            self.begin = end;
         }
+        self.begin = self.begin.wrapping_add(counts.into());
     }
 }

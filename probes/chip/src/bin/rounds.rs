@@ -13,6 +13,8 @@ use servo::laser::{
 
 /// Ticks counted of each kind.
 const TICKS: usize = 100;
+/// The kind whose power is another one in every tick.
+const FOLLOWS: &str = "rounds-follow-10";
 /// As on the reference board.
 const ENERGY_PLACES: usize = 1152;
 const SWITCH_PLACES: usize = 272;
@@ -67,18 +69,22 @@ impl Outputs {
 fn main() -> ! {
     clock::start();
     let run = black_box(Outputs::tick);
-    // Of 120 counts: a third, nearly, of which few pulses in turn are others; half a count more or less, where no two in turn are equal.
-    let train = |part| Train { period: Count { whole: 120, part: 0, of: 0 }, width: Count { whole: 39, part, of: 0 } };
+    // A third of 120 counts, nearly, of which few pulses in turn are others; half a count more or less, where no two in turn are equal.
+    let train =
+        |whole, part| Train { period: Count { whole, part: 0, of: 0 }, width: Count { whole: 39, part, of: 0 } };
     let kinds = [
-        (10u32, "rounds-10", 0xfffe_0000),
-        (20, "rounds-20", 0xfffe_0000),
-        (50, "rounds-50", 0xfffe_0000),
-        (250, "rounds-250", 0xfffe_0000),
-        (10, "rounds-odd-10", 0x8000_0000),
-        (20, "rounds-odd-20", 0x8000_0000),
-        (50, "rounds-odd-50", 0x8000_0000),
+        (10u32, "rounds-10", train(120, 0xfffe_0000)),
+        (20, "rounds-20", train(120, 0xfffe_0000)),
+        (50, "rounds-50", train(120, 0xfffe_0000)),
+        (250, "rounds-250", train(120, 0xfffe_0000)),
+        (10, "rounds-odd-10", train(120, 0x8000_0000)),
+        (20, "rounds-odd-20", train(120, 0x8000_0000)),
+        (50, "rounds-odd-50", train(120, 0x8000_0000)),
+        (10, FOLLOWS, train(120, 0xfffe_0000)),
+        // 1.2 MHz: periods at the end of a tick are told one by one, as shorter rounds.
+        (10, "rounds-cut-10", train(200, 0xfffe_0000)),
     ];
-    for (us, mark, part) in kinds {
+    for (us, mark, train) in kinds {
         for lit in 0..=CHANNELS {
             let mut outputs = Outputs {
                 held: HELD.each_ref().map(|words| Held::new(words)),
@@ -96,7 +102,7 @@ fn main() -> ! {
             let (mut told, mut read) = ([[0usize; CHANNELS]; 2], [0; CHANNELS]);
             for tick in 0..TICKS {
                 if tick == 4 {
-                    plans.iter_mut().take(lit).for_each(|plan| plan.add(0, Action::Light(train(part))));
+                    plans.iter_mut().take(lit).for_each(|plan| plan.add(0, Action::Light(train)));
                 }
                 let before = clock::read();
                 let right = run(&mut outputs, us * 1000, &plans, read);
@@ -106,6 +112,11 @@ fn main() -> ! {
                     hprintln!("{} {} {}", lit, mark, count);
                 }
                 plans = [Plan::EMPTY; CHANNELS];
+                if mark == FOLLOWS && tick >= 4 {
+                    let mut other = train;
+                    other.width.part = other.width.part.wrapping_add(tick as u32);
+                    plans.iter_mut().take(lit).for_each(|plan| plan.add(0, Action::Change(other)));
+                }
                 told = [told[1], outputs.rings.each_ref().map(Ring::next_word)];
                 read = told[0];
             }
