@@ -4,11 +4,11 @@ use client::{Client, Options};
 use protocol::command::*;
 use std::time::{Duration, Instant};
 
-/// Asks until it is so, for at most ten seconds.
+/// Asks until it is so, for at most twenty seconds.
 fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     let begin = Instant::now();
     while !is_so() {
-        assert!(begin.elapsed() < Duration::from_secs(10), "{what}");
+        assert!(begin.elapsed() < Duration::from_secs(20), "{what}");
         std::thread::sleep(Duration::from_millis(10));
     }
 }
