@@ -62,6 +62,8 @@ pub unsafe fn open() -> (Tx, Rx) {
         w.set_psize(Size::BITS8);
         w.set_msize(Size::BITS8);
         w.set_pl(Pl::LOW);
+        // Without it a stream that serves a UART may stop for ever while others are busy (RM0433 15.5.5; ES0392).
+        w.set_trbuff(true);
         w.set_en(true);
     });
     USART3.brr().write(|w| w.set_brr((BUS_HZ / BAUD) as u16));

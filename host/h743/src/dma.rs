@@ -37,6 +37,9 @@ const CT: u32 = 1 << 19;
 /// PBURST, MBURST. The memory's side makes no difference here.
 const PBURST: u32 = 3 << 21;
 const DMDIS: u32 = 1 << 2;
+/// Requests of UARTs, the first and the last of each group (RM0433 table 121), whose streams want TRBUFF (15.5.5, ES0392).
+const UARTS: [(u8, u8); 4] = [(41, 46), (63, 66), (71, 72), (79, 82)];
+const TRBUFF: u32 = 1 << 20;
 /// Bytes of a stream's FIFO.
 const FIFO: usize = 16;
 
@@ -203,6 +206,10 @@ impl Dma {
                 continue;
             }
             heard = true;
+            let is_uart = UARTS.iter().any(|(first, last)| (*first..=*last).contains(&number));
+            if is_uart != (self.streams[n].cr & TRBUFF != 0) {
+                self.complain(n, "TRBUFF is for UARTs, and for them alone");
+            }
             if self.streams[n].asked.is_some() {
                 self.lost += 1;
                 self.complain(n, "a request came while the one before still waited");

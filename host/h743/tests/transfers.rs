@@ -104,6 +104,14 @@ impl Bench {
         self.set(stream, control | 1);
     }
 
+    /// A stream that serves `request`, and is asked.
+    fn asked_stream(&mut self, request: u8, control: u32) {
+        self.stream(0, request.into(), TIM1 + DMAR, RING, 4, control);
+        self.bus.dma.request(request, self.now);
+        self.pass(1);
+        self.set(DMAMUX1, 0);
+    }
+
     /// The edges of a pin since `from`, in counts.
     fn edges(&self, name: &str, from: Time) -> Vec<(u64, bool)> {
         let pin = Pin::named(name).unwrap();
@@ -328,7 +336,7 @@ fn from_a_register_to_memory() {
 #[test]
 fn what_a_stream_cannot_do_is_told() {
     type Case = (fn(&mut Bench), &'static str);
-    let cases: [Case; 5] = [
+    let cases: [Case; 7] = [
         (|b| b.stream(0, 15, TIM1 + DMAR, 0x2000_0000, 4, WORDS), "DMA1 stream 0: it reaches no memory at its address"),
         (|b| b.stream(0, 15, TIM1 + DMAR, RING, 0, WORDS), "DMA1 stream 0: it is switched on without items"),
         (
@@ -337,6 +345,9 @@ fn what_a_stream_cannot_do_is_told() {
         ),
         (|b| b.stream(8, 0, RING, RING, 4, 2 << 6), "DMA2 stream 0: it is set to what is not modelled"),
         (|b| b.set(DMAMUX1, 1 << 16 | 5), "DMA1 stream 0: synchronised requests are not modelled"),
+        // A UART's stream may stop for ever without its bit (ES0392).
+        (|b| b.asked_stream(45, WORDS), "DMA1 stream 0: TRBUFF is for UARTs, and for them alone"),
+        (|b| b.asked_stream(15, WORDS | 1 << 20), "DMA1 stream 0: TRBUFF is for UARTs, and for them alone"),
     ];
     for (case, expected) in cases {
         let mut bench = Bench::new();
