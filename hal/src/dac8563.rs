@@ -2,22 +2,29 @@
 //!
 //! In: codes, −32768…32767. Out: frames of 24 bits: command, channel, straight binary. Owns the bus and the select line.
 //! Fails as the bus does.
+use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiBus;
 
 /// Write a channel and put it out.
 const WRITE: u8 = 0b011 << 3;
 
+/// The select line is high between two frames for this long at least (data sheet, "minimum SYNC high time"); else the second one
+/// does not count.
+const BETWEEN_NS: u32 = 80;
+
 /// The part, on a bus in SPI mode 1, 50 MHz at most.
 #[derive(Debug)]
-pub struct Dac8563<BUS, SELECT> {
+pub struct Dac8563<BUS, SELECT, PAUSE> {
     /// Its bus.
     pub bus: BUS,
     /// Low while it is spoken to.
     pub select: SELECT,
+    /// Lets time pass, once what was written to the select line has got there.
+    pub pause: PAUSE,
 }
 
-impl<BUS: SpiBus, SELECT: OutputPin> Dac8563<BUS, SELECT> {
+impl<BUS: SpiBus, SELECT: OutputPin, PAUSE: DelayNs> Dac8563<BUS, SELECT, PAUSE> {
     /// Puts out a code on channel 0 or 1; 0 is mid-scale.
     pub fn write(&mut self, channel: u8, code: i16) -> Result<(), BUS::Error> {
         let [high, low] = (code as u16 ^ 0x8000).to_be_bytes();
@@ -25,6 +32,7 @@ impl<BUS: SpiBus, SELECT: OutputPin> Dac8563<BUS, SELECT> {
         let _ = self.select.set_low();
         let done = self.bus.write(&[WRITE | channel & 1, high, low]).and_then(|()| self.bus.flush());
         let _ = self.select.set_high();
+        self.pause.delay_ns(BETWEEN_NS);
         done
     }
 }

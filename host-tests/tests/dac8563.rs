@@ -2,6 +2,7 @@
 #[path = "../../hal/src/dac8563.rs"]
 mod dac8563;
 use dac8563::Dac8563;
+use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{self, SpiBus};
 use std::cell::RefCell;
@@ -13,6 +14,7 @@ enum Seen {
     Select(bool),
     Bytes(Vec<u8>),
     Flush,
+    Pause(u32),
 }
 
 #[derive(Clone, Default)]
@@ -63,10 +65,16 @@ impl OutputPin for Wire {
     }
 }
 
+impl DelayNs for Wire {
+    fn delay_ns(&mut self, ns: u32) {
+        self.see(Seen::Pause(ns));
+    }
+}
+
 #[test]
 fn a_code_is_one_frame_of_straight_binary() {
     let wire = Wire::default();
-    let mut dac = Dac8563 { bus: wire.clone(), select: wire.clone() };
+    let mut dac = Dac8563 { bus: wire.clone(), select: wire.clone(), pause: wire.clone() };
     // Command 011, write and update; addresses 000 and 001.
     let cases = [
         (0, 0, [0x18, 0x80, 0x00]),
@@ -79,7 +87,9 @@ fn a_code_is_one_frame_of_straight_binary() {
     for (channel, code, frame) in cases {
         wire.0.borrow_mut().clear();
         dac.write(channel, code).unwrap();
-        let expected = [Seen::Select(false), Seen::Bytes(frame.to_vec()), Seen::Flush, Seen::Select(true)];
+        // 80 ns without the part before the next frame.
+        let bytes = Seen::Bytes(frame.to_vec());
+        let expected = [Seen::Select(false), bytes, Seen::Flush, Seen::Select(true), Seen::Pause(80)];
         assert_eq!(*wire.0.borrow(), expected, "{code} on {channel}");
     }
 }

@@ -49,7 +49,7 @@ impl Output {
 #[derive(Debug)]
 pub struct Analog {
     outputs: [Output; OUTPUTS],
-    external: Option<Dac8563<spi::Bus, spi::Select>>,
+    external: Option<Dac8563<spi::Bus, spi::Select, spi::Pause>>,
 }
 
 impl Analog {
@@ -59,7 +59,8 @@ impl Analog {
     /// At most once, with the pins of both as the reset or [`super::pins`] has left them.
     pub unsafe fn open() -> Analog {
         // SAFETY: the caller's promise.
-        let external = EXTERNAL_DAC.then(|| unsafe { spi::open() }).map(|(bus, select)| Dac8563 { bus, select });
+        let external = EXTERNAL_DAC.then(|| unsafe { spi::open() });
+        let external = external.map(|(bus, select, pause)| Dac8563 { bus, select, pause });
         if external.is_none() {
             RCC.apb1lenr().modify(|w| w.set_dac12en(true));
             // Read back, so that the clock is there (RM0433 8.5.8).
@@ -142,8 +143,8 @@ impl Analog {
 pub fn rest() {
     if EXTERNAL_DAC {
         if RCC.apb1lenr().read().spi3en() {
-            let (bus, select) = spi::again();
-            let mut dac = Dac8563 { bus, select };
+            let (bus, select, pause) = spi::again();
+            let mut dac = Dac8563 { bus, select, pause };
             for channel in 0..OUTPUTS as u8 {
                 // There is nobody left to tell.
                 let _ = dac.write(channel, 0);

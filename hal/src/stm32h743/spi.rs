@@ -2,7 +2,9 @@
 //!
 //! In: bytes. Out: the same on PC10 (SCK) and PC12 (MOSI), with PC11 for the select line. Owns SPI3. It waits for the end of what it sends, some 0.3 µs
 //! a byte. Fails: [`Silent`], if the peripheral does not move.
+use super::clocks::CORE_HZ;
 use core::convert::Infallible;
+use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, SpiBus};
 use stm32_metapac::rcc::vals::Saisel;
@@ -30,6 +32,10 @@ pub struct Bus(());
 #[derive(Debug)]
 pub struct Select(());
 
+/// Lets time pass, from when the select line is as it was set.
+#[derive(Debug)]
+pub struct Pause(());
+
 /// Number of the select line in port C.
 const SELECT: usize = 11;
 
@@ -37,7 +43,7 @@ const SELECT: usize = 11;
 ///
 /// # Safety
 /// At most once.
-pub unsafe fn open() -> (Bus, Select) {
+pub unsafe fn open() -> (Bus, Select, Pause) {
     // per_ck is the HSI, 64 MHz, as after reset (RM0433 8.7.19).
     RCC.d2ccip1r().modify(|w| w.set_spi123sel(Saisel::PER));
     RCC.apb1lenr().modify(|w| w.set_spi3en(true));
@@ -56,12 +62,12 @@ pub unsafe fn open() -> (Bus, Select) {
     });
     SPI3.cr1().modify(|w| w.set_spe(true));
     SPI3.cr1().modify(|w| w.set_cstart(true));
-    (Bus(()), Select(()))
+    again()
 }
 
 /// On the way into a reset, where their owner does not go on.
-pub(super) fn again() -> (Bus, Select) {
-    (Bus(()), Select(()))
+pub(super) fn again() -> (Bus, Select, Pause) {
+    (Bus(()), Select(()), Pause(()))
 }
 
 impl Bus {
@@ -123,5 +129,13 @@ impl OutputPin for Select {
     fn set_high(&mut self) -> Result<(), Infallible> {
         GPIOC.bsrr().write(|w| w.set_bs(SELECT, true));
         Ok(())
+    }
+}
+
+impl DelayNs for Pause {
+    fn delay_ns(&mut self, ns: u32) {
+        // Reading waits for what was written before.
+        GPIOC.odr().read();
+        cortex_m::asm::delay(ns.saturating_mul(CORE_HZ / 1_000_000) / 1000 + 1);
     }
 }

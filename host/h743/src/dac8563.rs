@@ -5,13 +5,16 @@
 //! LDAC and CLR are taken as tied (LDAC low, CLR high). Fails: with the first frame that is no write of one output (8.5.2).
 use crate::gpio::{Level, Pin};
 use crate::machine::Chip;
-use crate::time::Time;
+use crate::time::{Time, from_nanoseconds};
 
 /// Of both outputs from power-on.
 pub const MID_SCALE: u16 = 0x8000;
 
 /// 50 MHz, in units of time.
 const SHORTEST_BIT: Time = 20;
+
+/// The least time for which the select line is high between two frames (7.6, "minimum SYNC high time").
+const BETWEEN_NS: u64 = 80;
 
 /// Write to a DAC's input register and update that DAC (table 17).
 const WRITE: u32 = 0b011;
@@ -35,6 +38,10 @@ pub fn told(chip: &Chip, select: Pin) -> Result<Vec<Told>, String> {
         match (change.level, from) {
             (Level::Driven(false), None) => from = Some(change.at),
             (Level::Driven(true), Some(begin)) => {
+                let high = frames.last().map(|(_, end)| begin - end);
+                if let Some(high) = high.filter(|high| *high < from_nanoseconds(BETWEEN_NS)) {
+                    return Err(format!("the select line is high for {high} units only before {begin}"));
+                }
                 frames.push((begin, change.at));
                 from = None;
             }
