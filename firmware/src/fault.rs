@@ -102,6 +102,10 @@ fn restart(kind: FaultKind, reason: fmt::Arguments<'_>) -> ! {
     let _ = report.write_fmt(reason);
     // SAFETY: interrupts of the board are off and nothing returns from here.
     unsafe { KEPT.0.get().cast::<Report>().write_volatile(report) };
+    // What is written last may stay in front of the memory, if it is less than a word of its ECC, until something else is
+    // written, and a reset drops it (RM0433 2.4). So that is what stands there already.
+    // SAFETY: as above.
+    unsafe { (&raw mut (*KEPT.0.get().cast::<Report>()).mark).write_volatile(WRITTEN) };
     compiler_fence(Ordering::SeqCst);
     SCB::sys_reset()
 }
@@ -169,12 +173,15 @@ unsafe fn DefaultHandler(number: i16) {
     restart(FaultKind::Interrupt, format_args!("interrupt {number} that nobody claims"))
 }
 
-/// The watchdog was not fed. It comes once without a reason where the emulator's clock has jumped.
+/// What the board says that it is, else the watchdog was not fed. That comes once without a reason where the emulator's clock has
+/// jumped: its time begins anew.
 #[exception]
 unsafe fn NonMaskableInt() {
+    if let Some(reason) = board::NMI {
+        restart(FaultKind::Interrupt, format_args!("{reason}"));
+    }
     match watch::stuck() {
         Some(what) => restart(FaultKind::Watchdog, format_args!("{what}")),
-        None if board::watchdog::RUNS_ALONE => board::watchdog::feed(),
-        None => restart(FaultKind::Interrupt, format_args!("an NMI that nobody claims")),
+        None => board::watchdog::feed(),
     }
 }

@@ -47,6 +47,9 @@ pub const GENERAL_OUTPUTS: u8 = 32;
 /// Axes whose encoder's index is captured: none, for encoders read the set-point.
 pub const INDEXES: servo::units::AxisMask = servo::units::AxisMask(0);
 
+/// What an NMI says on this board, if it is not the watchdog's.
+pub const NMI: Option<&str> = None;
+
 /// Why the board started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cause {

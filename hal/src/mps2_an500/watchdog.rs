@@ -7,9 +7,6 @@
 //! instruction. The NMI looks whether anything is stuck, and does what has to be done by itself.
 use core::ptr::write_volatile;
 
-/// It may run while the core sleeps: an NMI with which nothing stands still only begins its time anew.
-pub const RUNS_ALONE: bool = true;
-
 /// The NMI comes this long after the last food.
 pub const SPAN_MS: u32 = 100;
 

@@ -1,7 +1,8 @@
 //! Clocks: 480 MHz from the ST-LINK's 8 MHz (RM0433 6.6, 8.5; docs/board-h743.md).
 //!
 //! In: the chip on its own 64 MHz. Out: [`CORE_HZ`] and what follows from it. Owns PWR, the flash's wait states and
-//! RCC's tree. Fails: an oscillator that does not come in time is for the watchdog, which runs by then and resets.
+//! RCC's tree. Fails: a flag that does not come in time is for the watchdog, which runs by then and resets. A clock from the ST-LINK that stops
+//! later rests the laser outputs by itself and ends in the fault path ([`CLOCK_LOST`]).
 use stm32_metapac::rcc::vals::{Hpre, Plldiv, Pllm, Plln, Pllrge, Pllsrc, Pllvcosel, Ppre, Sw, Usbsel};
 use stm32_metapac::{FLASH, PWR, RCC, SYSCFG, pwr};
 
@@ -12,17 +13,25 @@ pub const BUS_HZ: u32 = CORE_HZ / 4;
 /// Timers on APB 1 and 2.
 pub const TIMER_MHZ: u16 = 240;
 
+/// What an NMI says: nothing else makes one (RM0433 8.5.3).
+pub const CLOCK_LOST: &str = "the ST-LINK's clock has stopped";
+
 /// Waits as long as it takes; the watchdog bites if that is too long.
 fn wait(mut is_ready: impl FnMut() -> bool) {
     while !is_ready() {}
 }
 
-/// Everything at full speed.
-pub fn raise() {
-    supply();
+/// The ST-LINK's clock, however late it comes: it may be powered, or start, later than the chip. Nothing runs yet that could do harm,
+/// so this is no case for the watchdog.
+pub fn await_source() {
     RCC.cr().modify(|w| w.set_hsebyp(true));
     RCC.cr().modify(|w| w.set_hseon(true));
     wait(|| RCC.cr().read().hserdy());
+}
+
+/// Everything at full speed, behind [`await_source`].
+pub fn raise() {
+    supply();
     multiply();
     // Wait states before the clock that needs them (RM0433 4.3.8, table 17: VOS0, up to 240 MHz on AXI).
     FLASH.acr().write(|w| {
@@ -43,6 +52,8 @@ pub fn raise() {
     RCC.d3cfgr().write(|w| w.set_d3ppre(Ppre::DIV2));
     RCC.cfgr().modify(|w| w.set_sw(Sw::PLL1_P));
     wait(|| RCC.cfgr().read().sws() == Sw::PLL1_P);
+    // If the source stops, its guard breaks the lasers' timers, goes back to the chip's own clock and makes an NMI (RM0433 8.5.3).
+    RCC.cr().modify(|w| w.set_hsecsson(true));
 }
 
 /// LDO, and VOS0 by way of VOS1 (RM0433 6.6.2).

@@ -76,10 +76,14 @@ pub struct Board {
     pub machine: machine::Machine,
 }
 
-/// Brings the board up: watchdog, guards, caches, clocks, pins, priorities, UART; all interrupts still off. `None` from
+/// What an NMI says on this board, if it is not the watchdog's.
+pub const NMI: Option<&str> = Some(clocks::CLOCK_LOST);
+
+/// Brings the board up: the clock's source, watchdog, guards, caches, clocks, pins, priorities, UART; all interrupts still off. `None` from
 /// the second call on.
 pub fn take() -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
+    clocks::await_source();
     watchdog::start();
     guard::null(&mut core.MPU);
     let (base, bits, without) = DMA_MEMORY;

@@ -5,9 +5,6 @@
 use stm32_metapac::iwdg::vals::{Key, Pr};
 use stm32_metapac::{IWDG1, RCC};
 
-/// It resets the chip without asking: an NMI is something else, and nobody claims it.
-pub const RUNS_ALONE: bool = false;
-
 /// Without a sign of life for this long it resets the chip.
 pub const BITES_AFTER_MS: u32 = 100;
 

@@ -8,7 +8,7 @@ use crate::clocks::{AHB1ENR, AHB2ENR, Clocks, Rcc};
 use crate::dac::Dac;
 use crate::device::{Cause, Device, Signal};
 use crate::dma::Dma;
-use crate::exceptions::Exceptions;
+use crate::exceptions::{Exceptions, NMI};
 use crate::gpio::{Gpio, Pin};
 use crate::memory::Memory;
 use crate::spi::Spi;
@@ -284,6 +284,19 @@ impl Bus {
         self.gpio.drive(pin, level);
         self.look_at_breaks(at);
         self.look_at_encoders();
+        self.after(at, exceptions);
+    }
+
+    /// The ST-LINK gives its clock, or stops.
+    pub fn give_clock(&mut self, source: bool, at: Time, exceptions: &mut Exceptions) {
+        self.settle(at, exceptions);
+        if self.rcc.give(source, at) {
+            let mut signals = std::mem::take(&mut self.signals);
+            self.timers.iter_mut().for_each(|timer| timer.lose_clock(&mut signals, at));
+            self.signals = signals;
+            self.reclock(AHB2ENR, at);
+            exceptions.pending[NMI] = true;
+        }
         self.after(at, exceptions);
     }
 

@@ -62,6 +62,7 @@ const D3CCIPR: u32 = 0x58;
 const PLLCKSELR: u32 = 0x28;
 const PLLCFGR: u32 = 0x2c;
 const PLL1DIVR: u32 = 0x30;
+const CIFR: u32 = 0x64;
 const CSR: u32 = 0x74;
 const RSR: u32 = 0xd0;
 /// AHB2ENR, where the memories of domain D2 have their clocks.
@@ -85,6 +86,11 @@ const SOURCES: [(u32, u32, Time); 6] = [
     (1 << 26, 1 << 27, 100 * MICROSECOND),
 ];
 const PLL1_READY: u32 = 1 << 25;
+/// HSE among [`SOURCES`], its bits, and its guard (CSS).
+const HSE_SOURCE: usize = 3;
+const HSE_ON: u32 = 1 << 16;
+const HSE_READY: u32 = 1 << 17;
+const HSE_GUARD: u32 = 1 << 19;
 
 /// See the module text.
 #[derive(Debug, Clone)]
@@ -94,6 +100,8 @@ pub struct Rcc {
     ready: [Time; SOURCES.len()],
     lsi_ready: Time,
     clocks: Clocks,
+    /// The ST-LINK gives its clock.
+    source: bool,
     /// The fastest core that the supply allows, as time a cycle; set by the machine from PWR.
     pub fastest: Time,
     /// What was set against the manual.
@@ -107,6 +115,7 @@ impl Default for Rcc {
             ready: [NEVER; SOURCES.len()],
             lsi_ready: NEVER,
             clocks: Clocks::RESET,
+            source: true,
             fastest: 0,
             complaint: None,
         };
@@ -154,6 +163,32 @@ impl Rcc {
 
     fn place(&mut self, offset: u32) -> &mut u32 {
         &mut self.registers[offset as usize / 4]
+    }
+
+    /// The ST-LINK gives its clock, or stops. True if the clock's guard has seen it stop (RM0433 8.5.3): then the chip runs on its own
+    /// clock, without HSE and the PLL that hung on it.
+    pub fn give(&mut self, source: bool, at: Time) -> bool {
+        let was = std::mem::replace(&mut self.source, source);
+        let cr = self.at(CR);
+        if source {
+            if !was && cr & HSE_ON != 0 {
+                self.ready[HSE_SOURCE] = at + SOURCES[HSE_SOURCE].2;
+            }
+            return false;
+        }
+        self.ready[HSE_SOURCE] = NEVER;
+        if cr & HSE_GUARD == 0 || cr & HSE_READY == 0 {
+            *self.place(CR) &= !HSE_READY;
+            if cr & HSE_READY != 0 {
+                self.complain("the core's clock stops, and nothing guards it".into());
+            }
+            return false;
+        }
+        *self.place(CR) &= !(HSE_ON | HSE_READY | 1 << 24 | PLL1_READY);
+        *self.place(CFGR) &= !0x3f;
+        *self.place(CIFR) |= 1 << 10;
+        self.derive();
+        true
     }
 
     /// The clocks in force.
@@ -310,7 +345,7 @@ impl Device for Rcc {
                         flags &= !ready;
                         self.ready[n] = NEVER;
                     } else if before & on == 0 {
-                        self.ready[n] = at + time;
+                        self.ready[n] = if n == HSE_SOURCE && !self.source { NEVER } else { at + time };
                     }
                 }
                 let flagged = SOURCES.iter().fold(0, |all, (on, ready, _)| all | on | ready);

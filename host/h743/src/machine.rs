@@ -497,6 +497,13 @@ impl Machine {
         std::mem::take(&mut self.chip.bus.usb.host.received)
     }
 
+    /// The ST-LINK gives its clock, or stops.
+    pub fn give_clock(&mut self, source: bool) {
+        let chip = &mut self.chip;
+        chip.bus.give_clock(source, chip.now, &mut chip.scs.exceptions);
+        chip.cycle = chip.bus.clocks().core;
+    }
+
     /// The world drives a pin, or lets it go.
     pub fn drive(&mut self, pin: Pin, level: Option<bool>) {
         let chip = &mut self.chip;

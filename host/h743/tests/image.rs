@@ -69,6 +69,22 @@ fn start_up_reaches_full_speed_and_drives_nothing_active() {
     assert_eq!(machine.resets, []);
 }
 
+/// It is powered later than the chip, or slower.
+#[test]
+fn a_clock_that_comes_late_is_waited_for_in_the_dark_and_is_no_fault() {
+    let Some(elf) = image() else { return };
+    let mut machine = booted(&elf);
+    machine.give_clock(false);
+    assert_eq!(machine.run(300 * MILLISECOND), Stop::Time);
+    let pins = &machine.chip.bus.gpio.changes;
+    assert!(pins.iter().all(|change| !matches!(change.level, Level::Driven(_))), "{pins:?}");
+    machine.give_clock(true);
+    assert_eq!(machine.run(100 * MILLISECOND), Stop::Time);
+    assert_eq!((machine.chip.bus.clocks().core, &*machine.resets), (2, &[][..]));
+    assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
+    assert_eq!(last_fault(machine), (0, String::new()));
+}
+
 /// The interrupt of TIM2, as an exception.
 const TICK: usize = 16 + 28;
 

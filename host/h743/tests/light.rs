@@ -3,7 +3,7 @@
 use client::{Client, Options};
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop, Time};
-use protocol::command::{ClrLaserFault, GetLaserFault, LaserOutFrq, LaserPrfCmd, SetAxisMode, SetHSIOOpt};
+use protocol::command::{ClrLaserFault, GetFault, GetLaserFault, LaserOutFrq, LaserPrfCmd, SetAxisMode, SetHSIOOpt};
 use std::sync::{Arc, Mutex};
 
 /// Energy and switch of laser 0: the + line, which is low while it is active, and the − line.
@@ -95,6 +95,34 @@ fn the_interlock_ends_a_pulse_without_an_instruction() {
     light(&client, true);
     into_a_pulse(&shared);
     assert_eq!(lock(&shared).chip.bus.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn a_clock_that_stops_ends_a_pulse_without_an_instruction_and_is_told() {
+    let Some((client, shared)) = lit() else { return };
+    drop(client);
+    let now = {
+        let mut machine = lock(&shared);
+        let (now, instructions) = (machine.chip.now, machine.chip.instructions);
+        machine.give_clock(false);
+        assert_eq!((machine.chip.now, machine.chip.instructions), (now, instructions));
+        for (plus, minus) in LINES {
+            let levels = [plus, minus].map(|name| machine.chip.bus.gpio.level(pin(name)));
+            assert_eq!(levels, [Level::Driven(true), Level::Driven(false)], "{plus}, {minus}");
+        }
+        assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
+        assert_eq!(machine.run(300 * MILLISECOND), Stop::Time);
+        machine.give_clock(true);
+        assert_eq!(machine.run(50 * MILLISECOND), Stop::Time);
+        now
+    };
+    let client = Client::open(Box::new(EmulatedLink::new(shared.clone())), Options::default()).unwrap();
+    let (fault, text) = client.call_items(GetFault {}, &[]).unwrap();
+    let text: String = text.iter().map(|byte| char::from(byte.value)).collect();
+    assert_eq!((fault.kind, &*text), (3, "the ST-LINK's clock has stopped"));
+    assert_eq!(last_light(&lock(&shared), now), None);
+    // On the chip's own clock its rate was another one, until the reset.
+    assert_eq!(lock(&shared).chip.bus.complaints, ["the USART runs at 400000 baud, the host at 3000000"]);
 }
 
 #[test]

@@ -248,6 +248,12 @@ impl Timer {
         self.look_at_break(out, at);
     }
 
+    /// The clock's guard breaks.
+    pub fn lose_clock(&mut self, out: &mut Vec<Signal>, at: Time) {
+        self.brake.clock_lost = true;
+        self.look_at_break(out, at);
+    }
+
     fn look_at_break(&mut self, out: &mut Vec<Signal>, at: Time) {
         if self.brake.is_broken(self.others[0]) {
             self.sr |= BIF;

@@ -93,17 +93,19 @@ pub struct Break {
     pub bdtr: u32,
     /// The input pin's level.
     pub input: bool,
+    /// The clock's guard breaks (RM0433 38.3.16): no switch of the timer's keeps it out.
+    pub clock_lost: bool,
 }
 
 impl Break {
     /// Main output enable.
     pub const MOE: u32 = 1 << 15;
 
-    /// Whether the input is at its active level: BKP, and BKINP of AF1.
+    /// Whether the input is at its active level (BKP, and BKINP of AF1), or the clock is lost.
     pub fn is_active(&self, af1: u32) -> bool {
         let connected = af1 & 1 != 0;
         let high = self.input != (af1 & 1 << 9 != 0);
-        connected && high == (self.bdtr & 1 << 13 != 0)
+        self.clock_lost || connected && high == (self.bdtr & 1 << 13 != 0)
     }
 
     /// Whether outputs are on that the break ends.
