@@ -4,13 +4,13 @@
 //! An access that no model answers, and one to a peripheral without a clock, is noted ([`Bus::complaints`]): a test that finds
 //! a note has found a fault of the image or a gap of the emulation.
 use crate::adc::Adc;
-use crate::clocks::{AHB1ENR, AHB2ENR, Clocks, Rcc};
+use crate::clocks::{AHB1ENR, AHB2ENR, AHB4ENR, Clocks, Rcc};
 use crate::dac::Dac;
 use crate::device::{Cause, Device, Signal};
 use crate::dma::Dma;
 use crate::exceptions::{Exceptions, NMI};
 use crate::gpio::{Gpio, Pin};
-use crate::memory::Memory;
+use crate::memory::{BACKUP, Memory, Region};
 use crate::spi::Spi;
 use crate::supply::{Flash, Pwr, Syscfg};
 use crate::time::{NEVER, Time};
@@ -20,7 +20,6 @@ use crate::usb::Usb;
 use crate::watchdog::Watchdog;
 use std::sync::Arc;
 
-const AHB4ENR: u32 = 0xe0;
 const APB1LENR: u32 = 0xe8;
 const APB2ENR: u32 = 0xf0;
 const APB4ENR: u32 = 0xf4;
@@ -185,9 +184,10 @@ impl Bus {
         self.next
     }
 
-    /// Whether a memory of this clock bit has its clock.
-    pub fn has_memory(&self, bit: u32) -> bool {
-        self.rcc.is_on(AHB2ENR, bit)
+    /// Whether a memory is there: it has its clock, and the backup domain is open.
+    pub fn has_memory(&self, memory: &Region) -> bool {
+        memory.clock.is_none_or(|(register, bit)| self.rcc.is_on(register, bit))
+            && (memory.base != BACKUP || self.pwr.opens_backup())
     }
 
     fn note(&mut self, complaint: String) {

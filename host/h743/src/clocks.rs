@@ -67,6 +67,8 @@ const CSR: u32 = 0x74;
 const RSR: u32 = 0xd0;
 /// AHB2ENR, where the memories of domain D2 have their clocks.
 pub const AHB2ENR: u32 = 0xdc;
+/// AHB4ENR: domain D3, among others its backup SRAM.
+pub const AHB4ENR: u32 = 0xe0;
 /// Enable registers, AHB3 to APB4.
 const ENABLES: std::ops::RangeInclusive<u32> = 0xd4..=0xf4;
 /// AHB1ENR, of the DMAs.

@@ -142,7 +142,7 @@ const EXECUTE: u32 = 4;
 const NOWHERE: u64 = 0xffff_fffe;
 
 /// What the guest answers for: addresses and bytes. Peripherals (RM0433 2.3.2), the private peripheral bus, and the first page of
-/// ITCM, in which the MPU may guard less than a page (null, the end of the stack).
+/// ITCM, in which the MPU may guard less than a page (null).
 const ASKED: [(u32, usize); 3] = [(0x4000_0000, 0x2000_0000), (0xe000_0000, 0x10_0000), (0, PAGE)];
 
 /// Who is asked while the core runs, and what interrupted it.

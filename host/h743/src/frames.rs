@@ -3,7 +3,7 @@
 //! In: the exception. Out: the core at its handler, or back where it was. Floating-point registers are stored at once, as with
 //! FPCCR.LSPEN 0: what a program can see of it is the same as with lazy stores.
 use crate::engine::Register;
-use crate::exceptions::{BUS_FAULT, HARD_FAULT, NMI, THREAD};
+use crate::exceptions::{BUS_FAULT, HARD_FAULT, MEMORY_FAULT, NMI, THREAD};
 use crate::machine::{ENTRY, EXIT, Machine, Stop, is_return};
 
 /// R0 to R3, R12, LR, PC, xPSR.
@@ -53,7 +53,7 @@ impl Machine {
             0x9
         };
         let lr = 0xffff_ffe0 | u32::from(!floating) << 4 | kind;
-        let taken = if stored { exception } else { self.unstacked(exception)? };
+        let taken = if stored { exception } else { self.unstacked(exception, frame, size)? };
         let vector = self.chip.scs.vectors + 4 * taken as u32;
         let handler = self.chip.memory.word(vector).unwrap_or(0);
         let engine = self.engine();
@@ -66,16 +66,19 @@ impl Machine {
         Ok(())
     }
 
-    /// The frame could not be written: STKERR, and the fault is taken instead (a HardFault, unless it is one already).
-    fn unstacked(&mut self, exception: usize) -> Result<usize, Stop> {
+    /// The frame could not be written: MSTKERR where the MPU forbids it, else STKERR, and the fault is taken instead (a HardFault,
+    /// unless it is one already).
+    fn unstacked(&mut self, exception: usize, frame: u32, size: u32) -> Result<usize, Stop> {
+        let forbidden = self.chip.is_forbidden(frame, size);
         let scs = &mut self.chip.scs;
-        scs.cfsr |= 1 << 12;
+        scs.cfsr |= if forbidden { 1 << 4 } else { 1 << 12 };
         if exception == HARD_FAULT || exception == NMI {
             // The handler begins all the same; what it stacks next decides.
             return Ok(exception);
         }
-        if scs.exceptions.enabled[BUS_FAULT] && scs.exceptions.urgency(BUS_FAULT) < scs.exceptions.urgency(exception) {
-            return Ok(BUS_FAULT);
+        let fault = if forbidden { MEMORY_FAULT } else { BUS_FAULT };
+        if scs.exceptions.enabled[fault] && scs.exceptions.urgency(fault) < scs.exceptions.urgency(exception) {
+            return Ok(fault);
         }
         scs.hfsr |= 1 << 30;
         Ok(HARD_FAULT)

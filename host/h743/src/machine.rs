@@ -22,8 +22,8 @@ pub const EXIT: Time = 12;
 /// The private peripheral bus begins here; the system control space is its part at +0xE000.
 const PRIVATE: u32 = 0xe000_0000;
 const SCS: u32 = 0xe000_e000;
-/// RCC_AHB2ENR.
-const MEMORY_CLOCKS: u32 = 0x5802_44dc;
+/// RCC_AHB2ENR and AHB4ENR, PWR_CR1.
+const MEMORY_SWITCHES: [u32; 3] = [0x5802_44dc, 0x5802_44e0, 0x5802_4800];
 /// Registers of the streams of DMA1 and DMA2.
 const DMA_STREAMS: std::ops::Range<u32> = 0x4002_0000..0x4002_0800;
 /// Registers of the MPU.
@@ -53,7 +53,7 @@ pub struct Chip {
     /// The exception that runs.
     running: usize,
     /// Spans that the MPU forbids to everybody: first address and bytes.
-    forbidden: Vec<(u32, u32)>,
+    forbidden: Vec<(u32, u64)>,
     /// The instruction that runs touched what is forbidden in the first page.
     failed: bool,
 }
@@ -98,9 +98,10 @@ impl Chip {
         }
     }
 
-    fn is_forbidden(&self, address: u32, length: u32) -> bool {
+    /// Whether the MPU forbids it.
+    pub(crate) fn is_forbidden(&self, address: u32, length: u32) -> bool {
         let (first, end) = (u64::from(address), u64::from(address) + u64::from(length));
-        let meets = |&(base, size): &(u32, u32)| u64::from(base) < end && first < u64::from(base) + u64::from(size);
+        let meets = |&(base, size): &(u32, u64)| u64::from(base) < end && first < u64::from(base) + size;
         self.forbidden.iter().any(meets)
     }
 
@@ -188,7 +189,7 @@ impl Guest for Chip {
             }
         }
         // Memories may have come or gone, by their clocks or by the MPU.
-        self.attention |= MEMORY_CLOCKS == aligned || MPU.contains(&aligned);
+        self.attention |= MEMORY_SWITCHES.contains(&aligned) || MPU.contains(&aligned);
     }
 }
 
@@ -286,36 +287,42 @@ impl Machine {
     /// Memories without a clock are not there; regions of the MPU without a right neither.
     fn arrange(&mut self) {
         for region in self.chip.memory.regions() {
-            let Some(bit) = region.clock else { continue };
-            let (is, shall) = (self.mapped.contains(&region.base), self.chip.bus.has_memory(bit));
+            if region.clock.is_none() {
+                continue;
+            }
+            let (is, shall) = (self.mapped.contains(&region.base), self.chip.bus.has_memory(region));
             if is != shall && self.engine.map(region.base, shall).is_ok() {
                 if shall { self.mapped.push(region.base) } else { self.mapped.retain(|&base| base != region.base) }
             }
         }
         if self.chip.scs.mpu_writes != self.mpu_seen {
             self.mpu_seen = self.chip.scs.mpu_writes;
-            for (base, size) in std::mem::take(&mut self.chip.forbidden) {
-                // A memory that has lost its clock meanwhile has nothing to give back.
-                let _ = self.engine.forbid(base, size, false);
-            }
+            let before = std::mem::take(&mut self.chip.forbidden);
+            self.forbid(&before, false);
             if self.chip.scs.mpu_control & 1 == 0 {
                 return;
             }
-            let memories = self.chip.memory.clone();
             let spans: Vec<_> = self.chip.scs.mpu.iter().filter_map(|region| region.forbidden()).collect();
-            for (base, size) in spans {
-                for memory in memories.regions().iter().filter(|memory| memory.writable) {
-                    let first = u64::from(base).max(memory.base.into());
-                    let end = (u64::from(base) + size).min(u64::from(memory.base) + u64::from(memory.size));
-                    if first < end {
-                        let (first, size) = (first as u32, (end - first) as u32);
-                        // The engine guards whole pages; the first one is guarded by the chip itself.
-                        if self.engine.forbid(first, size, true).is_err() && end > PAGE as u64 {
-                            self.chip
-                                .note(format!("the MPU's guard of {size} bytes at {first:#010x} is no whole page"));
-                        }
-                        self.chip.forbidden.push((first, size));
-                    }
+            self.forbid(&spans, true);
+            self.chip.forbidden = spans;
+        }
+    }
+
+    /// Takes all rights from the core where these spans meet memory, or gives them back.
+    fn forbid(&mut self, spans: &[(u32, u64)], forbidden: bool) {
+        let memories = self.chip.memory.clone();
+        for &(base, size) in spans {
+            for memory in memories.regions().iter().filter(|memory| memory.writable) {
+                // The first page is guarded by the chip itself.
+                let first = u64::from(base).max(memory.base.into()).max(PAGE as u64);
+                let end = (u64::from(base) + size).min(u64::from(memory.base) + u64::from(memory.size));
+                if first >= end {
+                    continue;
+                }
+                // The engine guards whole pages. A memory that has lost its clock meanwhile has nothing to give back.
+                let done = self.engine.forbid(first as u32, (end - first) as u32, forbidden);
+                if forbidden && done.is_err() {
+                    self.chip.note(format!("the MPU's guard of {size} bytes at {base:#010x} is no whole page"));
                 }
             }
         }

@@ -2,6 +2,7 @@
 //!
 //! In: addresses. Out: bytes. Owns the storage; the engine maps the same bytes, so the core's accesses cost nothing here.
 //! Caches are not modelled: every master sees every write at once.
+use crate::clocks::{AHB2ENR, AHB4ENR};
 use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
 use std::ptr::NonNull;
 
@@ -27,16 +28,21 @@ pub struct Region {
     pub writable: bool,
     /// Who reaches it.
     pub reach: Reach,
-    /// The bit of RCC_AHB2ENR that gives it a clock, where it is not on from reset.
-    pub clock: Option<u32>,
+    /// The register of RCC, and its bit, that gives it a clock, where it is not on from reset.
+    pub clock: Option<(u32, u32)>,
     bytes: NonNull<u8>,
 }
+
+/// The backup SRAM, which PWR guards too.
+pub const BACKUP: u32 = 0x3880_0000;
+
+type Clock = Option<(u32, u32)>;
 
 /// The page of the engine, and the alignment of what it maps.
 pub const PAGE: usize = 4096;
 
 impl Region {
-    fn new(name: &'static str, base: u32, size: u32, writable: bool, reach: Reach, clock: Option<u32>) -> Region {
+    fn new(name: &'static str, base: u32, size: u32, writable: bool, reach: Reach, clock: Clock) -> Region {
         let layout = Region::layout(size);
         // SAFETY: the size is not zero.
         let Some(bytes) = NonNull::new(unsafe { alloc_zeroed(layout) }) else { handle_alloc_error(layout) };
@@ -89,11 +95,11 @@ impl Memory {
             Region::new("ITCM", 0x0000_0000, 64 << 10, true, Core, None),
             Region::new("DTCM", 0x2000_0000, 128 << 10, true, Core, None),
             Region::new("AXI SRAM", 0x2400_0000, 512 << 10, true, All, None),
-            Region::new("SRAM 1", 0x3000_0000, 128 << 10, true, All, Some(29)),
-            Region::new("SRAM 2", 0x3002_0000, 128 << 10, true, All, Some(30)),
-            Region::new("SRAM 3", 0x3004_0000, 32 << 10, true, All, Some(31)),
+            Region::new("SRAM 1", 0x3000_0000, 128 << 10, true, All, Some((AHB2ENR, 29))),
+            Region::new("SRAM 2", 0x3002_0000, 128 << 10, true, All, Some((AHB2ENR, 30))),
+            Region::new("SRAM 3", 0x3004_0000, 32 << 10, true, All, Some((AHB2ENR, 31))),
             Region::new("SRAM 4", 0x3800_0000, 64 << 10, true, All, None),
-            Region::new("backup SRAM", 0x3880_0000, 4 << 10, true, All, None),
+            Region::new("backup SRAM", BACKUP, 4 << 10, true, All, Some((AHB4ENR, 28))),
             Region::new("unique id and flash size", 0x1ff1_e000, 4 << 10, false, All, None),
         ];
         let memory = Memory { regions };

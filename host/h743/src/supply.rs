@@ -4,6 +4,8 @@
 use crate::device::{Device, Signal};
 use crate::time::{MICROSECOND, NEVER, Time};
 
+/// CR1: the backup domain is open.
+const DBP: u32 = 1 << 8;
 const CSR1: u32 = 0x04;
 const CR3: u32 = 0x0c;
 const D3CR: u32 = 0x18;
@@ -57,6 +59,11 @@ impl Pwr {
             2 if ready => 4,
             _ => 5,
         }
+    }
+
+    /// The backup domain may be written: DBP. Read too, here.
+    pub fn opens_backup(&self) -> bool {
+        self.cr1 & DBP != 0
     }
 
     /// USB's supply is there: USB33DEN.

@@ -37,8 +37,8 @@ fn exceptions_are_taken_and_left_as_the_manual_says() {
         0x330, sum(), 1,
         // UNDEFINSTR, forced to a hard fault; then as the usage fault that it is.
         0x150, 1 << 16, 1 << 30, 0x150, 1 << 16, 0, 0x340,
-        // The stack's end: STKERR, a reset by software; the flags say so beside those of power-on, until they are cleared.
-        0x1ff, 0x160, 1 << 12,
+        // The stack's end: MSTKERR, a reset by software; the flags say so beside those of power-on, until they are cleared.
+        0x1ff, 0x160, 1 << 4,
         0x200, 1 << 24 | 0x00fa_0000, 0,
     ];
     let hex = |words: &[u32]| words.iter().map(|word| format!("{word:x}")).collect::<Vec<_>>().join(" ");

@@ -132,7 +132,7 @@ extern "C" fn HardFault() {
 extern "C" fn overflowed() -> ! {
     // SAFETY: reads a status register.
     note(0x160);
-    note(unsafe { (*SCB::PTR).cfsr.read() } & 1 << 12);
+    note(unsafe { (*SCB::PTR).cfsr.read() } & 1 << 4);
     SCB::sys_reset()
 }
 
