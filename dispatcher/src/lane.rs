@@ -76,8 +76,8 @@ impl<T: Copy, const N: usize> Deque<T, N> {
     }
 }
 
-/// Most operations that one command, or one item of LoadConfig, becomes.
-pub const STAGED: usize = 24;
+/// Most operations that one command, or one item of LoadConfig, becomes: Reset with both lasers.
+pub const STAGED: usize = 12;
 /// The same of every command but Reset: LmtSns over 8 axes and SetDac of 8 outputs are the largest.
 pub const FEW: usize = 8;
 
@@ -98,7 +98,7 @@ impl Staged {
     pub fn clear(&mut self) {
         self.len = 0;
     }
-    /// Adds an operation. The largest command is Reset with both lasers.
+    /// Adds an operation.
     pub fn add(&mut self, op: Op, change: Change) {
         debug_assert!(self.len < STAGED, "a command of more than {STAGED} operations");
         if let Some(place) = self.ops.get_mut(self.len) {

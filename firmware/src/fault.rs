@@ -14,6 +14,7 @@ use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use dispatcher::{FAULT_TEXT_MAX, FaultKind};
 use hal::board::{self, Cause};
+use hal::guard::SPAN;
 
 /// Bytes of text kept: as many as the link tells.
 const TEXT: usize = FAULT_TEXT_MAX;
@@ -129,18 +130,18 @@ extern "C" fn HardFault() -> ! {
     core::arch::naked_asm!(
         "mov r0, sp",
         "ldr r1, ={end}",
-        "cmp r0, r1",
-        "ldr r1, ={start}",
-        "blo 2f",
-        // Below address 0 it is above everything.
-        "lsr r2, r0, #28",
-        "cmp r2, #15",
+        // By how much it is over, less one: nothing else is so close below.
+        "subs r1, r1, r0",
+        "subs r1, #1",
+        "lsrs r1, r1, #{span}",
         "bne 1f",
-        "2: mov sp, r1",
+        "ldr r1, ={start}",
+        "mov sp, r1",
         "1: b {body}",
         end = sym _stack_end,
         start = sym _stack_start,
         body = sym faulted,
+        span = const SPAN.ilog2(),
     )
 }
 
@@ -149,8 +150,8 @@ extern "C" fn faulted(stack: usize) -> ! {
     // SAFETY: reading status registers of the core.
     let (cfsr, hfsr) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).hfsr.read()) };
     let (end, start) = (&raw const _stack_end as usize, &raw const _stack_start as usize);
-    if stack < end || stack >> 28 == 15 {
-        let over = end.wrapping_sub(stack);
+    let over = end.wrapping_sub(stack);
+    if (1..=SPAN as usize).contains(&over) {
         restart(
             FaultKind::Core,
             format_args!("stack overflow: {over} bytes over {}, CFSR {cfsr:#010x}, HFSR {hfsr:#010x}", start - end),

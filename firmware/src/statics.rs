@@ -21,7 +21,6 @@ use static_cell::{ConstStaticCell, StaticCell};
 pub const RECEIVED: usize = if AXES > 8 { 4096 } else { 1024 };
 
 /// Thread to tick: operations for the next tick.
-#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
 /// Thread to tick: timed operations of a program.
 pub static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
@@ -29,10 +28,10 @@ pub static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".itcm"))]
 pub static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
 /// Tick to thread: news.
-#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".backup"))]
 pub static NEWS: Ring<Event, EVENTS> = Ring::new();
 /// Tick to thread: trace samples.
-#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".backup"))]
 pub static TRACE: Ring<Sample, SAMPLES> = Ring::new();
 /// Thread to tick: PT segments, a store an axis.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".stores"))]
@@ -41,7 +40,7 @@ pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".tables"))]
 pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 /// Thread to tick: their headers.
-#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".dma.headers"))]
 pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Thread to tick: entries of coordinate systems, a pair of FIFOs each.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".paths"))]
@@ -65,6 +64,7 @@ pub static TICK: ConstStaticCell<Tick<AXES>> = ConstStaticCell::new(Tick::new(Ti
     step_limit: board::STEP_LIMIT,
 }));
 /// What the tick's interrupt owns.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".itcm"))]
 pub static SERVO: Given<Servo> = Given::nothing();
 /// What the link's receive interrupt owns.
 pub static RECEIVER: Given<Receiver> = Given::nothing();

@@ -23,7 +23,7 @@ mod sizes {
 #[cfg(feature = "small")]
 mod sizes {
     /// Entries of the immediate lane's ring.
-    pub const IMMEDIATE: usize = 32;
+    pub const IMMEDIATE: usize = 16;
     /// Entries of the program lane's ring.
     pub const PROGRAM: usize = 64;
     /// Trace samples between two looks of the thread.

@@ -78,6 +78,8 @@ impl Analog {
     }
 
     /// Now.
+    #[cold]
+    #[inline(never)]
     fn put(&mut self, channel: usize, code: i16) {
         match &mut self.external {
             Some(dac) => {
@@ -132,6 +134,8 @@ impl Analog {
     }
 
     /// 0 V now, if a laser drives the output; nothing that was planned comes.
+    #[cold]
+    #[inline(never)]
     fn rest(&mut self, channel: usize) {
         let Some(output) = self.outputs.get_mut(channel).filter(|output| output.is_lasers()) else { return };
         *output = Output::default();

@@ -31,9 +31,10 @@ static RING_1: Places<ENERGY_PLACES, 3> = places();
 #[unsafe(link_section = ".dma.switches")]
 static RING_SWITCHES: Places<SWITCH_PLACES, 6> = places();
 
-/// Plans of a tick, where there is room.
-#[unsafe(link_section = ".thread.held")]
+/// Plans of a tick.
+#[unsafe(link_section = ".itcm.held_0")]
 static HELD_0: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
+#[unsafe(link_section = ".itcm.held_1")]
 static HELD_1: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
 
 /// What the timers do.
@@ -211,6 +212,16 @@ impl Lasers {
                     self.stop();
                 }
             }
+            _ => self.begin_apart(),
+        }
+    }
+
+    /// The same while the timers do not run yet. What is cold stays in flash (docs/decisions/016-hot-code-in-itcm.md).
+    #[cold]
+    #[inline(never)]
+    fn begin_apart(&mut self) {
+        match self.state {
+            State::Runs => {}
             State::Armed => {
                 if [TIM1, TIM8, TIM15].iter().all(|timer| timer.cr1().read().cen()) {
                     self.state = State::Runs;
@@ -230,6 +241,7 @@ impl Lasers {
     }
 
     /// The next tick is where the timers begin to count.
+    #[cold]
     fn arm(&mut self) {
         self.next = 0;
         self.energies = [const { Energy::from(BEGIN, SCALE) }; CHANNELS];
@@ -240,6 +252,8 @@ impl Lasers {
     }
 
     /// The timers start with the next tick, if that is still to come.
+    #[cold]
+    #[inline(never)]
     fn launch(&mut self) {
         // Behind what was written to the rings.
         cortex_m::asm::dsb();
@@ -260,6 +274,8 @@ impl Lasers {
         self.state = State::Armed;
     }
 
+    #[cold]
+    #[inline(never)]
     fn stop(&mut self) {
         rest();
         for timer in [TIM1, TIM8, TIM15] {
@@ -338,6 +354,8 @@ impl Lasers {
     }
 
     /// At once; nothing comes of what was planned.
+    #[cold]
+    #[inline(never)]
     fn rest(&mut self, channel: usize) {
         enable(energy_timer(channel), false);
         follow(channel, false);
@@ -355,6 +373,8 @@ impl Lasers {
 }
 
 /// A channel's outputs follow their timers.
+#[cold]
+#[inline(never)]
 fn revive(channel: usize) {
     enable(energy_timer(channel), true);
     follow(channel, true);

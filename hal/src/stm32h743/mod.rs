@@ -85,7 +85,10 @@ pub fn take() -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
     clocks::await_source();
     watchdog::start();
+    guard::below(&mut core.MPU, STACK);
     guard::null(&mut core.MPU);
+    let (base, bits) = CODE;
+    guard::code(&mut core.MPU, base, bits);
     let (base, bits, without) = DMA_MEMORY;
     guard::uncached(&mut core.MPU, base, bits, without);
     core.SCB.enable_icache();
@@ -114,7 +117,11 @@ pub fn take() -> Option<Board> {
     }
 }
 
-/// The region DMA of `memory.x`: SRAM 3 without its first two eighths, 24 KiB.
+/// The regions STACK and CODE of `memory.x`: where the one begins, and all of the other.
+const STACK: u32 = 0x3000_0000;
+const CODE: (u32, u32) = (0xc000, 14);
+
+/// The regions DMA and KEPT of `memory.x`: SRAM 3 without its first two eighths, 24 KiB.
 const DMA_MEMORY: (u32, u32, u8) = (0x3004_0000, 15, 0b11);
 
 /// Behind the last byte of AXI SRAM.

@@ -1,7 +1,7 @@
 //! What comes before everything else: memory.
 //!
-//! In: the chip as the reset left it. Out: SRAM 1–3 clocked (RM0433 2.4, 8.7.42), every RAM written once, which its ECC
-//! needs (RM0433 3.2), the state of the tick copied from flash. Owns nothing. It touches no pin: all of them are analog
+//! In: the chip as the reset left it. Out: SRAM 1–3 clocked (RM0433 2.4, 8.7.42), the backup SRAM clocked and open (8.7.44, 6.4.4), every RAM written once, which its ECC
+//! needs (RM0433 3.2), the state of the tick and its code copied from flash. Owns nothing. It touches no pin: all of them are analog
 //! from reset on (RM0433 11.4.1). Assembly, since there is no memory yet that a function could use.
 use core::arch::global_asm;
 
@@ -17,7 +17,20 @@ global_asm!(
     "orr r1, r1, #0xe0000000",
     "str r1, [r0]",
     "ldr r1, [r0]",
-    // Pairs of first and last address; 0, 0 ends them. What survives a reset is in none of them, nor what is copied.
+    // PWR_CR1: DBP, without which the backup SRAM takes nothing; RCC_AHB4ENR: BKPRAMEN.
+    "ldr r0, =0x58024800",
+    "ldr r1, [r0]",
+    "orr r1, r1, #0x100",
+    "str r1, [r0]",
+    "7: ldr r1, [r0]",
+    "tst r1, #0x100",
+    "beq 7b",
+    "ldr r0, =0x580244e0",
+    "ldr r1, [r0]",
+    "orr r1, r1, #0x10000000",
+    "str r1, [r0]",
+    "ldr r1, [r0]",
+    // Pairs of first and last address; 0, 0 ends them. What survives a reset is in none of them.
     "adr r4, 5f",
     "movs r2, #0",
     "movs r3, #0",
@@ -28,23 +41,31 @@ global_asm!(
     "cmp r0, r1",
     "blo 2b",
     "b 1b",
-    "3: ldr r0, =__sitcm",
-    "ldr r1, =__eitcm",
-    "ldr r2, =__siitcm",
+    // What is copied: first and last address, and where from in flash; an end of 0 ends them.
+    "3: ldmia r4!, {{r0, r1, r5}}",
+    "cmp r1, #0",
+    "beq 6f",
     "4: cmp r0, r1",
-    "bhs 6f",
-    "ldmia r2!, {{r3}}",
-    "stmia r0!, {{r3}}",
+    "bhs 3b",
+    "ldrd r2, r3, [r5], #8",
+    "strd r2, r3, [r0], #8",
     "b 4b",
-    "6: bx lr",
+    // The code is there before anybody fetches it.
+    "6: dsb",
+    "isb",
+    "bx lr",
     ".align 2",
     "5:",
-    ".word 0x00000400, _stack_start",
+    ".word 0x00000400, 0x00010000",
     ".word 0x20000000, 0x20020000",
     ".word 0x24000000, 0x24080000",
-    ".word 0x30000000, 0x30048000",
+    ".word 0x30000000, 0x30047f00",
     ".word 0x38000000, 0x38010000",
+    ".word 0x38800000, 0x38801000",
     ".word 0, 0",
+    ".word __sitcm, __eitcm, __siitcm",
+    ".word __shot, __ehot, __sihot",
+    ".word 0, 0, 0",
     ".ltorg",
     ".size __pre_init, . - __pre_init",
     ".previous",

@@ -120,6 +120,8 @@ impl Steps {
     }
 
     /// Lets the ring turn. The first slot comes within the next [`SLOT_NS`].
+    #[cold]
+    #[inline(never)]
     fn start(&mut self) {
         RCC.ahb1enr().modify(|w| w.set_dma2en(true));
         RCC.apb2enr().modify(|w| w.set_tim17en(true));

@@ -8,7 +8,7 @@ use h743::usb_host::{Transfer, request};
 use h743::{Level, MILLISECOND, Machine, Pin, Stop};
 use protocol::command::{
     AxisOn, ClrLaserFault, GetEvents, GetJogPrm, GetLaserFault, LaserOutFrq, LaserPrfCmd, PrfJog, SetAxisMode,
-    SetHSIOOpt, SetJogPrm, SetVel, Update,
+    SetHSIOOpt, SetJogPrm, SetTick, SetVel, Update,
 };
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -191,6 +191,8 @@ fn a_host_that_reads_and_writes_when_it_likes_loses_no_byte() {
     let machine = plugged(&elf);
     let usb = client(&machine);
     usb.call(PrfJog { core: 1.into(), profile: 1.into() }).unwrap();
+    // The shortest tick leaves the thread little time, so that it is behind.
+    usb.call(SetTick { tick_us: 10.into() }).unwrap();
     // It fetches packets for a millisecond in four, and sends as fast as the wire goes: both sides wait.
     lock(&machine).chip.bus.usb.host.reads_for = Some((MILLISECOND, 4 * MILLISECOND));
     let calls: Vec<_> = (0..300)

@@ -427,7 +427,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "H743: nothing guards the end of the stack",
         "hal/src/stm32h743/mod.rs",
-        "    guard::null(&mut core.MPU);",
+        "    guard::below(&mut core.MPU, STACK);",
         "",
         H743_STACK,
     ),
