@@ -6,7 +6,7 @@ use crate::setup::compiler;
 use crate::shell::{self, Outcome, program, root, run, target, works};
 use object::Endianness;
 use object::read::elf::{ElfFile32, ProgramHeader};
-use object::{Object, ObjectSection, SectionFlags};
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -56,13 +56,15 @@ pub fn image() -> Outcome {
         fs::write(&path, content).map_err(|e| format!("{}: {e}", path.display()))?;
         println!("{}: {} bytes, CRC-32 {:08x}", path.display(), content.len(), crc32(content));
     }
-    regions(&bytes, &loaded)
+    regions(&bytes, &loaded)?;
+    hot(&bytes)
 }
 
-/// Prints what the image takes of each region; the linker has refused what does not fit.
+/// Prints what the image takes of each region, and what runs from ITCM; the linker has refused what does not fit.
 pub fn size() -> Outcome {
     let bytes = read(&build()?)?;
-    regions(&bytes, &loaded(&bytes)?)
+    regions(&bytes, &loaded(&bytes)?)?;
+    hot(&bytes)
 }
 
 /// Flashes the board that is connected.
@@ -162,6 +164,12 @@ struct Region {
     length: u64,
 }
 
+impl Region {
+    fn holds(&self, address: u64) -> bool {
+        (self.origin..self.origin + self.length).contains(&address)
+    }
+}
+
 /// The regions that a linker script's MEMORY names.
 fn map(script: &str) -> Vec<Region> {
     let of = |line: &str| {
@@ -194,22 +202,71 @@ fn number(text: &str) -> Option<u64> {
         .reduce(|left, right| Some(left? - right?))?
 }
 
+fn script() -> Outcome<String> {
+    fs::read_to_string(root().join(MEMORY)).map_err(|e| format!("{MEMORY}: {e}"))
+}
+
+/// The functions that a linker script names for ITCM, as patterns of their symbols.
+fn named(script: &str) -> Vec<&str> {
+    script.lines().filter_map(|line| line.trim().strip_prefix("*(.text.")?.strip_suffix(')')).collect()
+}
+
+/// Whether a name is what a pattern means; `*` is any part.
+fn matches(pattern: &str, name: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == name,
+        Some((first, rest)) => name.strip_prefix(first).is_some_and(|behind| {
+            (0..=behind.len()).any(|at| behind.is_char_boundary(at) && matches(rest, &behind[at..]))
+        }),
+    }
+}
+
+/// Prints the functions that run from ITCM. A name of the linker script that is none of them is an error: a function that was
+/// renamed, or is no function of its own any more, would go back to flash unseen.
+fn hot(elf: &[u8]) -> Outcome {
+    let script = script()?;
+    let code = map(&script).into_iter().find(|region| region.name == "CODE").ok_or("there is no region CODE")?;
+    let file = object::File::parse(elf).map_err(|e| format!("the image: {e}"))?;
+    let is_hot = |symbol: &object::Symbol| {
+        symbol.kind() == object::SymbolKind::Text && symbol.size() > 0 && code.holds(symbol.address())
+    };
+    let mut functions: Vec<(u64, u64, &str)> = file
+        .symbols()
+        .filter(is_hot)
+        .map(|symbol| (symbol.address(), symbol.size(), symbol.name().unwrap_or_default()))
+        .collect();
+    functions.sort_unstable();
+    if let Some(missing) = named(&script).iter().find(|name| !functions.iter().any(|(.., of)| matches(name, of))) {
+        return Err(format!("{MEMORY} puts {missing} into CODE, and there is no such function"));
+    }
+    println!("CODE:");
+    // What jumps into flash, which the linker adds.
+    let (ways, functions): (Vec<_>, Vec<_>) = functions.into_iter().partition(|(.., name)| name.contains("LongThunk"));
+    for (_, size, name) in functions {
+        println!("{size:>8} {name}");
+    }
+    println!("{:>8} {} ways into flash", ways.iter().map(|(_, size, _)| size).sum::<u64>(), ways.len());
+    Ok(())
+}
+
 fn regions(elf: &[u8], loaded: &Loaded) -> Outcome {
     const ALLOC: u64 = 2;
-    let script = fs::read_to_string(root().join(MEMORY)).map_err(|e| format!("{MEMORY}: {e}"))?;
+    let script = script()?;
     let file = object::File::parse(elf).map_err(|e| format!("the image: {e}"))?;
     println!("{:<8}{:>12}{:>10}{:>10}{:>8}", "region", "from", "bytes", "used", "free");
-    for Region { name, origin, length } in map(&script) {
-        let inside = |at: u64| (origin..origin + length).contains(&at);
-        let mut used = if inside(loaded.base.into()) { loaded.bytes.len() as u64 } else { 0 };
+    for region in map(&script) {
+        let Region { name, origin, length } = &region;
+        let holds_image = region.holds(loaded.base.into());
+        let mut used = match name.as_str() {
+            "STACK" => *length,
+            _ if holds_image => loaded.bytes.len() as u64,
+            _ => 0,
+        };
         for section in file.sections() {
             let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
-            if used < length && sh_flags & ALLOC != 0 && inside(section.address()) && !inside(loaded.base.into()) {
+            if used < *length && sh_flags & ALLOC != 0 && region.holds(section.address()) && !holds_image {
                 used += section.size();
             }
-        }
-        if name == "STACK" {
-            used = length;
         }
         let free = length.checked_sub(used).ok_or_else(|| format!("{name} holds {used} bytes of {length}"))?;
         println!("{name:<8}{origin:>#12x}{length:>10}{used:>10}{free:>8}");
@@ -227,6 +284,17 @@ mod tests {
             "MEMORY\n{\n  A : ORIGIN = 0x00000400, LENGTH = 18K\n  B  : ORIGIN = 0x4c00, LENGTH = 64K - 19K\n}";
         let region = |name: &str, origin, length| Region { name: name.into(), origin, length };
         assert_eq!(map(script), [region("A", 0x400, 18432), region("B", 0x4c00, 46080)]);
+    }
+
+    #[test]
+    fn names_of_the_script_are_found() {
+        let script = "  .hot : ALIGN(8)\n  {\n    *(.text.TIM2)\n    *(.text.*5steps*4fill*)\n  } > CODE AT>FLASH\n";
+        assert_eq!(named(script), ["TIM2", "*5steps*4fill*"]);
+        assert!(matches("TIM2", "TIM2") && !matches("TIM2", "TIM20"));
+        let name = "_ZN5servo5steps6output19StepOutput4fill17hee72b53175f0f72eE";
+        assert!(
+            matches("*5steps*4fill*", name) && !matches("*5steps*4file*", name) && !matches("*4fill*5steps*", name)
+        );
     }
 
     /// The example of Intel's specification, and the check value that CRC-32 is published with.
