@@ -2,7 +2,7 @@
 //! boards that call for it so do null and writes to code; memory that others of the bus use is kept out of the cache.
 //!
 //! In: addresses. Out: a fault of the core where something is forbidden. Owns the regions
-//! of the MPU (Armv7-M Architecture Reference Manual, B3.5), one a function; everything else keeps the default map.
+//! of the MPU (Armv7-M Architecture Reference Manual, B3.5), each a function's own; everything else keeps the default map.
 use cortex_m::asm::{dsb, isb};
 use cortex_m::peripheral::MPU;
 
@@ -45,6 +45,14 @@ pub fn uncached(mpu: &mut MPU, base: u32, bits: u32, without: u8) {
 pub fn code(mpu: &mut MPU, base: u32, bits: u32) {
     // SAFETY: the program writes nothing there any more.
     unsafe { set(mpu, 3, base, on(bits) | CODE) };
+}
+
+/// Nobody may touch memory outside the chip, nor may the core read there ahead, where the default map has normal memory: a board with none.
+pub fn outside(mpu: &mut MPU) {
+    for (region, base) in [(4, 0x6000_0000), (5, 0x8000_0000)] {
+        // SAFETY: nothing is there; the region only takes rights away.
+        unsafe { set(mpu, region, base, on(29) | NO_ACCESS) };
+    }
 }
 
 /// # Safety

@@ -40,7 +40,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// The lanes of `stream.rs`, and its paths: what taking a full frame costs, divided by its segments or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 70] = [
+const MARKS: [(&str, &str); 75] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -111,6 +111,11 @@ const MARKS: [(&str, &str); 70] = [
     ("rounds-odd-20", "rounds, likewise of 20 µs"),
     ("rounds-odd-50", "rounds, likewise of 50 µs"),
     ("rounds-follow-10", "rounds, likewise of 10 µs, hardly dithered, of a power that is another one in every tick"),
+    ("rounds-follow-20", "rounds, likewise of 20 µs"),
+    ("rounds-follow-50", "rounds, likewise of 50 µs"),
+    ("rounds-follow-odd-10", "rounds, likewise of 10 µs, but no two pulses in turn are equal"),
+    ("rounds-follow-odd-20", "rounds, likewise of 20 µs"),
+    ("rounds-follow-odd-50", "rounds, likewise of 50 µs"),
     ("rounds-cut-10", "rounds, likewise of 10 µs, of a power that stays, at 1.2 MHz"),
     ("immediate", "host byte to ring per segment, batched"),
     ("program", "host byte to ring per segment, batched, program queue"),
@@ -275,10 +280,12 @@ fn shown_shares(table: Option<&Table>) -> Outcome<String> {
     let _ = writeln!(text, "| **evaluators and planning**, of which SPEC 11 asks for 2,400 | **{goal}** |");
     let _ = writeln!(text, "| the whole tick | {all} |");
     let row = |axes: u32, mark: &'static str| table.and_then(|table| table.get(&(axes, mark)));
-    if let (Some(steps), Some(rounds), Some(odd)) = (row(8, "steps-10"), row(2, "rounds-10"), row(2, "rounds-odd-10")) {
+    if let (Some(steps), Some(rounds), Some(odd)) =
+        (row(8, "steps-10"), row(2, "rounds-follow-10"), row(2, "rounds-follow-odd-10"))
+    {
         let (steps, rounds, odd) = (steps.typical as usize, rounds.typical as usize, odd.typical as usize);
         let _ = writeln!(text, "| step slots of eight axes at 1 MHz, a tick of 10 µs | {steps} |");
-        let _ = writeln!(text, "| rounds of two carriers of 2 MHz, a tick of 10 µs | {rounds} |");
+        let _ = writeln!(text, "| rounds of two carriers of 2 MHz whose power follows, a tick of 10 µs | {rounds} |");
         let _ = writeln!(text, "| **the total on the reference board** | **{}** |", all + steps + rounds);
         let _ = writeln!(text, "| the same where no two pulses in turn are equal | {} |", all + steps + odd);
     }

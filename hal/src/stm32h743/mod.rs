@@ -87,6 +87,7 @@ pub fn take() -> Option<Board> {
     watchdog::start();
     guard::below(&mut core.MPU, STACK);
     guard::null(&mut core.MPU);
+    guard::outside(&mut core.MPU);
     let (base, bits) = CODE;
     guard::code(&mut core.MPU, base, bits);
     let (base, bits, without) = DMA_MEMORY;

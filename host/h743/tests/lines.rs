@@ -80,18 +80,28 @@ fn a_tick_in_which_nothing_runs_takes_hardly_a_line() {
 
 #[test]
 fn a_tick_with_light_takes_hardly_a_line() {
+    light_at(10.0);
+}
+
+#[test]
+fn a_tick_with_carriers_of_2_mhz_takes_hardly_a_line() {
+    light_at(2000.0);
+}
+
+/// Both lasers at one power; kHz.
+fn light_at(frequency: f64) {
     let Some((client, shared)) = board() else { return };
     for (axis, channel) in [(7, 0), (8, 1)] {
-        let core = 1.into();
+        let (core, channel) = (1.into(), channel.into());
         client.call(SetAxisMode { core, axis: axis.into(), mode: 1.into() }).unwrap();
-        client.call(LaserOutFrq { core, frequency: 10.0.into(), channel: channel.into() }).unwrap();
-        client.call(LaserPrfCmd { core, power: 50.0.into(), channel: channel.into() }).unwrap();
-        client.call(SetHSIOOpt { core, value: 1.into(), channel: channel.into() }).unwrap();
+        client.call(LaserOutFrq { core, frequency: frequency.into(), channel }).unwrap();
+        client.call(LaserPrfCmd { core, power: 33.3.into(), channel }).unwrap();
+        client.call(SetHSIOOpt { core, value: 1.into(), channel }).unwrap();
     }
     drop(client);
     let mut machine = lock(&shared);
     machine.run(5 * MILLISECOND);
-    let code = worst("light of two lasers", &mut machine, 64);
+    let code = worst(&format!("light of two lasers at {frequency} kHz"), &mut machine, 64);
     assert!(code.lines <= 4 && code.hot > 1_000, "{code:?}");
 }
 
