@@ -451,16 +451,11 @@ impl Steps {
     /// are so, of which only those are told together that end `alone` counts before. What is left of the counts.
     #[inline(always)]
     fn tell(&mut self, left: u32, alone: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
+        if !self.is_plain {
+            return self.tell_each(left, sink);
+        }
         let mut left = left;
         let longest = self.period.whole.wrapping_add(1);
-        if !self.is_plain {
-            while longest <= left {
-                let (period, width) = self.step();
-                sink(period, width, 1);
-                left = left.wrapping_sub(period);
-            }
-            return left;
-        }
         let (mut periods, mut widths) = (self.period, self.width);
         let is_even = periods.is_even() && widths.is_even();
         let together = if is_even { longest.saturating_add(alone) } else { u32::MAX };
@@ -490,6 +485,20 @@ impl Steps {
             left = left.wrapping_sub(period);
         }
         (self.period, self.width) = (periods, widths);
+        left
+    }
+
+    /// The same, each for itself, where pulses fill their periods or go on behind them.
+    #[cold]
+    #[inline(never)]
+    fn tell_each(&mut self, left: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
+        let mut left = left;
+        let longest = self.period.whole.wrapping_add(1);
+        while longest <= left {
+            let (period, width) = self.step();
+            sink(period, width, 1);
+            left = left.wrapping_sub(period);
+        }
         left
     }
 

@@ -128,14 +128,17 @@ impl<const PLACES: usize, const WORDS: usize> RoundRing<PLACES, WORDS> {
 
     /// A tick begins while the timer runs; DMA has read so many half-words of this turn. What is over is dark again. False if
     /// DMA is not where it should be, between what was over then and what was told, or a round had no place.
-    #[inline]
+    #[inline(never)]
     pub fn renew(&mut self, read: usize) -> bool {
         let over = self.told;
-        if self.lit <= over {
-            Self::darken(self.places.get(self.lit..over), self.dark);
-        } else {
-            Self::darken(self.places.get(self.lit..), self.dark);
-            Self::darken(self.places.get(..over), self.dark);
+        let turns_over = over < self.lit;
+        let mut places = self.places.get(self.lit..if turns_over { PLACES } else { over });
+        let mut first = turns_over.then_some(over);
+        // A loop of two turns at most, so that what makes places dark is there once: it runs from memory that is scarce.
+        loop {
+            Self::darken(places, self.dark);
+            let Some(behind) = first.take() else { break };
+            places = self.places.get(..behind);
         }
         (self.lit, self.told) = (over, self.place());
         let begin = over.wrapping_mul(WORDS);
