@@ -111,7 +111,7 @@ fn h743() -> (Count, Outcome) {
     match ready.and_then(|()| built()) {
         Ok((probe, for_dac, image)) => {
             let mut command = cargo();
-            command.args(["test", "--package", EMULATION]);
+            command.args(["test", "--no-fail-fast", "--package", EMULATION]);
             command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_DAC_IMAGE", for_dac);
             tests(command.env("BEAMTICK_H743_IMAGE", image))
         }
