@@ -7,6 +7,7 @@
 //! [`Path::step`] for the tick at `t` first passes the boundaries up to `t`, looks where the path is, and then passes
 //! those before `t + period`: the path stands a period ahead of what it shows. A Stop, an override and new data act
 //! at `t`, which no boundary beyond has been told of yet.
+mod cursor;
 mod look;
 mod motions;
 mod ready;
@@ -14,6 +15,7 @@ mod short;
 mod told;
 mod walk;
 
+pub use cursor::GEARS;
 pub use told::{Effects, Feed, Rest, Rules, Sight, Step, Told, Wake};
 
 use super::entry::Along;
@@ -25,6 +27,7 @@ use crate::laser::PathSpeed;
 use crate::piece::{Motion, Piece};
 use crate::real::Real;
 use crate::units::{Axis, Exact, Ns, Pos};
+use cursor::{Cursor, Gear, ORIGIN};
 use short::Turn;
 
 /// Entries with effects in a tick (SPEC 5); the path holds before the next one until the next tick. As many may stand
@@ -32,70 +35,6 @@ use short::Turn;
 pub(crate) const EFFECTS: u32 = 8;
 /// Motions entered in a tick; the same holds.
 const MOTIONS: u32 = 32;
-/// Axes that go along with one motion.
-pub const GEARS: usize = 4;
-
-/// What goes along with a motion.
-#[derive(Debug, Clone, Copy)]
-struct Gear {
-    axis: Axis,
-    pulses: i32,
-    along: Geared,
-}
-
-/// Where one FIFO stands.
-#[derive(Debug, Clone, Copy)]
-struct Cursor {
-    /// Counter of the next entry.
-    next: u32,
-    /// Motions completed.
-    done: u32,
-    /// The motion before `next`, or the move that is waited for, is not over.
-    inside: bool,
-    /// It was left with something to do, at `place`.
-    kept: bool,
-    place: [Pos; DIMENSIONS],
-    /// Of that motion: where it began, and the way done.
-    from: [Pos; DIMENSIONS],
-    way: Exact,
-    /// What is left of a wait.
-    left: Fine,
-    gears: [Gear; GEARS],
-    geared: usize,
-}
-
-const NO_GEAR: Gear = Gear { axis: Axis::FIRST, pulses: 0, along: Geared::NONE };
-const ORIGIN: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS];
-
-impl Cursor {
-    const NEW: Cursor = Cursor {
-        next: 0,
-        done: 0,
-        inside: false,
-        kept: false,
-        place: ORIGIN,
-        from: ORIGIN,
-        way: Exact(0),
-        left: 0,
-        gears: [NO_GEAR; GEARS],
-        geared: 0,
-    };
-
-    /// Entries that are over.
-    #[inline(always)]
-    fn released(&self) -> u32 {
-        self.next.wrapping_sub(self.inside as u32)
-    }
-
-    /// As a new one, whose gears nobody looks at.
-    fn clear(&mut self) {
-        let Cursor { next, done, inside, kept, place, from, way, left, gears: _, geared } = self;
-        let new = &Cursor::NEW;
-        (*next, *done, *inside, *kept) = (new.next, new.done, new.inside, new.kept);
-        (*place, *from, *way, *left, *geared) = (new.place, new.from, new.way, new.left, new.geared);
-    }
-}
-
 /// What the path does now.
 #[derive(Debug, Clone, Copy)]
 enum Stage {

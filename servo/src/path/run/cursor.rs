@@ -1,0 +1,68 @@
+//! Where one FIFO of a path stands, and what goes along with its motion.
+use crate::path::shape::Along as Geared;
+use crate::path::{DIMENSIONS, Fine};
+use crate::units::{Axis, Exact, Pos};
+
+/// Axes that go along with one motion.
+pub const GEARS: usize = 4;
+
+/// What goes along with a motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gear {
+    pub(super) axis: Axis,
+    pub(super) pulses: i32,
+    pub(super) along: Geared,
+}
+
+/// Where one FIFO stands.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cursor {
+    /// Counter of the next entry.
+    pub(super) next: u32,
+    /// Motions completed.
+    pub(super) done: u32,
+    /// The motion before `next`, or the move that is waited for, is not over.
+    pub(super) inside: bool,
+    /// It was left with something to do, at `place`.
+    pub(super) kept: bool,
+    pub(super) place: [Pos; DIMENSIONS],
+    /// Of that motion: where it began, and the way done.
+    pub(super) from: [Pos; DIMENSIONS],
+    pub(super) way: Exact,
+    /// What is left of a wait.
+    pub(super) left: Fine,
+    pub(super) gears: [Gear; GEARS],
+    pub(super) geared: usize,
+}
+
+const NO_GEAR: Gear = Gear { axis: Axis::FIRST, pulses: 0, along: Geared::NONE };
+pub(super) const ORIGIN: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS];
+
+impl Cursor {
+    pub(super) const NEW: Cursor = Cursor {
+        next: 0,
+        done: 0,
+        inside: false,
+        kept: false,
+        place: ORIGIN,
+        from: ORIGIN,
+        way: Exact(0),
+        left: 0,
+        gears: [NO_GEAR; GEARS],
+        geared: 0,
+    };
+
+    /// Entries that are over.
+    #[inline(always)]
+    pub(super) fn released(&self) -> u32 {
+        self.next.wrapping_sub(self.inside as u32)
+    }
+
+    /// As a new one, whose gears nobody looks at.
+    pub(super) fn clear(&mut self) {
+        let Cursor { next, done, inside, kept, place, from, way, left, gears: _, geared } = self;
+        let new = &Cursor::NEW;
+        (*next, *done, *inside, *kept) = (new.next, new.done, new.inside, new.kept);
+        (*place, *from, *way, *left, *geared) = (new.place, new.from, new.way, new.left, new.geared);
+    }
+}
