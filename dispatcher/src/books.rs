@@ -9,6 +9,7 @@ mod channel;
 mod crd;
 mod follow;
 
+use crate::case::Watch;
 pub use axis::{AxisBook, FifoBook};
 pub use channel::{DistanceBook, LaserBook, LaserChange};
 pub use crd::{CAPACITY, CrdBook, CrdChange, Frame, Look, PathBook, PathData, place_of};
@@ -80,8 +81,12 @@ pub enum Change {
     Reset { axes: AxisMask, tables: u64 },
     /// Servo on or off.
     Servo { axis: Axis, on: bool },
-    /// The axes, and what drives them, are told to stop.
-    Stopped { axes: AxisMask },
+    /// The axes, what drives them, and these coordinate systems are told to stop.
+    Stopped { axes: AxisMask, crds: CrdMask },
+    /// Abort: everything is told to stop, and on commands are refused until it is at rest.
+    Aborted,
+    /// Link loss and interlock.
+    Watch(Watch),
     /// The planned positions are set; none where only the tick knows them.
     Placed { axes: AxisMask, pos: Option<Pos> },
     /// Latched bits are cleared.
@@ -142,8 +147,6 @@ pub enum Change {
     Laser { channel: u8, change: LaserChange },
     /// A coordinate system.
     Crd { crd: Crd, change: CrdChange },
-    /// Coordinate systems are told to stop.
-    CrdStopped { crds: CrdMask },
     /// Coordinate systems start.
     CrdStarted { crds: CrdMask, fifo1: CrdMask },
     /// Resolution of the lasers' frequencies (LSR): high (SetLaserMode 1) or low.
@@ -163,6 +166,10 @@ pub struct Books<const AXES: usize> {
     pub lasers: [LaserBook; CHANNELS],
     /// Resolution of their frequencies.
     pub laser_fine: bool,
+    /// The last Abort.
+    aborted: Option<u32>,
+    /// Link loss and interlock.
+    pub watch: Watch,
     /// PVT tables that hold data, a bit a table.
     filled: u64,
     /// The last entry that named a PVT table.
@@ -178,6 +185,8 @@ impl<const AXES: usize> Books<AXES> {
             analog: [0; 8],
             lasers: [LaserBook::power_on(true, false); CHANNELS],
             laser_fine: true,
+            aborted: None,
+            watch: Watch::DEFAULT,
             filled: 0,
             named: [None; TABLES],
         }
@@ -294,13 +303,18 @@ impl<const AXES: usize> Books<AXES> {
         }
     }
 
+    /// Whether an abort is in progress, or on its way.
+    pub fn aborts(&self, view: &View<AXES>) -> bool {
+        view.aborts || self.aborted.is_some_and(|seq| !executed(view, seq))
+    }
+
     /// Renews the numbers of what was executed, before they are too old to be told from those of what is to come.
     pub fn renew(&mut self, view: &View<AXES>) {
         let mut young = |seq: &mut u32| renew(view, seq);
         self.axes.iter_mut().for_each(|book| book.renew(&mut young));
         self.crds.iter_mut().for_each(|book| book.renew_numbers(&mut young));
         self.lasers.iter_mut().for_each(|book| book.renew(&mut young));
-        self.named.iter_mut().flatten().for_each(young);
+        self.named.iter_mut().chain([&mut self.aborted]).flatten().for_each(young);
     }
 
     /// The axes of a coordinate system.
@@ -326,6 +340,7 @@ impl<const AXES: usize> Books<AXES> {
         match *change {
             Change::None => {}
             Change::Reset { axes, tables } => {
+                self.watch = Watch::DEFAULT;
                 self.filled &= !tables;
                 for crd in self.drivers(axes).crds() {
                     let driven = self.driven(crd);
@@ -358,10 +373,15 @@ impl<const AXES: usize> Books<AXES> {
                     self.with_crds(crds, &CrdChange::Stopped, seq);
                 }
             }
-            Change::Stopped { axes } => {
-                let crds = self.drivers(axes);
+            Change::Stopped { axes, crds } => {
+                let crds = CrdMask(self.drivers(axes).0 | crds.0);
                 self.with_crds(crds, &CrdChange::Stopped, seq);
             }
+            Change::Aborted => {
+                self.aborted = Some(seq);
+                self.with_crds(CrdMask(u8::MAX), &CrdChange::Stopped, seq);
+            }
+            Change::Watch(watch) => self.watch = watch,
             Change::Placed { axes, pos } => {
                 self.with(axes, |_, book| book.placed = Some((seq, pos)));
                 let crds = self.drivers(axes);
@@ -473,7 +493,6 @@ impl<const AXES: usize> Books<AXES> {
                     });
                 }
             }
-            Change::CrdStopped { crds } => self.with_crds(crds, &CrdChange::Stopped, seq),
             Change::CrdStarted { crds, fifo1 } => {
                 self.with_crds(CrdMask(crds.0 & !fifo1.0), &CrdChange::Started { fifo: 0 }, seq);
                 self.with_crds(fifo1, &CrdChange::Started { fifo: 1 }, seq);

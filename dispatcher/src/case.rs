@@ -10,7 +10,7 @@ use crate::refuse::{Admitted, Refused, choice};
 use crate::server::Board;
 use crate::trace_out::Columns;
 use protocol::reason::Reason;
-use servo::op::Op;
+use servo::op::{Brake, Op, Supervision};
 use servo::status::SERVO_ON;
 use servo::units::{Axis, AxisMask, Crd, CrdMask};
 use servo::view::{AxisView, CrdView, View};
@@ -59,6 +59,33 @@ impl Site {
     pub fn all_crds(&self) -> CrdMask {
         let count = usize::from(self.profile.cores) * usize::from(self.profile.crds_per_core);
         CrdMask(ones(count.min(Crd::MAX)) as u8)
+    }
+}
+
+/// What binds safety to a user: it lasts for the session and falls back on Reset (SPEC 9).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Watch {
+    /// Link-loss time, ms; 0: the link is not supervised.
+    pub link_loss_ms: u32,
+    /// Where the link is lost PT, PVT and Follow stop, too.
+    pub stop_all: bool,
+    /// What motion does where the interlock opens: 0 goes on, 1 as where the link is lost, 2 stops abruptly.
+    pub interlock: u8,
+}
+
+impl Watch {
+    /// At power-on, after a Reset, and for a new session.
+    pub const DEFAULT: Watch = Watch { link_loss_ms: 500, stop_all: false, interlock: 1 };
+
+    /// The same for the tick.
+    pub fn supervision(self) -> Supervision {
+        let link = if self.stop_all { Brake::All } else { Brake::JogAndPaths };
+        let interlock = match self.interlock {
+            0 => Brake::None,
+            1 => link,
+            _ => Brake::AbruptAll,
+        };
+        Supervision { link, interlock }
     }
 }
 
@@ -150,8 +177,6 @@ pub enum Effect {
     None,
     /// The controller shows these counts from now on.
     Choose(Site),
-    /// Link-loss time in ms (0 is off), and whether all axes stop.
-    LinkLoss { ms: u32, stop_all: bool },
     /// A trace of these axes, in a stream of its own or over the link.
     Trace { every: u32, columns: Columns, over_link: bool },
     /// The numbers of [`Answer::Took`] that its lane keeps until then.

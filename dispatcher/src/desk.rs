@@ -12,10 +12,10 @@ use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{Loading, Road, road};
 use crate::admit::{admit, config_item, crd, many, one, power_on, tables};
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
-use crate::books::{Books, CAPACITY, Change, PROGRAM_FLAG, Renewed, executed};
-use crate::case::{Answer, Case, Effect, Site};
+use crate::books::{Books, CAPACITY, Change, Renewed, executed};
+use crate::case::{Answer, Case, Effect, Site, Watch};
 use crate::lane::{Deque, Lane, Staged};
-use crate::log::Log;
+use crate::log::{Kind, Log, ShutOff};
 use crate::path_queue::PathQueue;
 use crate::program::Program;
 use crate::read::{Reading, took_reply, values_reply};
@@ -31,7 +31,7 @@ use servo::op::{Entry, Mode, Op};
 use servo::path::EntryStore;
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
-use servo::status::{RUNNING, SERVO_ON};
+use servo::status::SERVO_ON;
 use servo::units::{Axis, AxisMask, Crd, CrdMask};
 use servo::view::View;
 
@@ -70,8 +70,6 @@ pub struct Desk<'a, const AXES: usize> {
     taken: Deque<f64, TAKEN>,
     /// Item of the LoadConfig in hand that is pushed next.
     config: Option<u16>,
-    /// Link-loss time in ms, 0 is off; whether all axes stop.
-    pub link_loss: (u32, bool),
     /// The trace.
     pub trace: TraceOut<AXES>,
     /// What happened by itself.
@@ -80,9 +78,6 @@ pub struct Desk<'a, const AXES: usize> {
 
 /// Numbers that laser commands took and whose replies wait.
 const TAKEN: usize = 64;
-
-/// Power-on link-loss time (SPEC 9).
-const LINK_LOSS_MS: u32 = 500;
 
 impl<'a, const AXES: usize> Desk<'a, AXES> {
     /// A desk at power-on.
@@ -112,7 +107,6 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             refused: Deque::new((0, Refuser::Nobody)),
             taken: Deque::new(0.0),
             config: None,
-            link_loss: (LINK_LOSS_MS, false),
             trace: TraceOut::new(),
             log: Log::new(),
         };
@@ -256,7 +250,6 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         match effect {
             Effect::None | Effect::Config | Effect::Took(_) => {}
             Effect::Choose(site) => self.site = site,
-            Effect::LinkLoss { ms, stop_all } => self.link_loss = (ms, stop_all),
             Effect::Trace { every, columns, over_link } => self.trace.announce(every, columns, over_link, seq),
         }
     }
@@ -320,7 +313,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         taken: impl Iterator<Item = f64>,
         out: &mut ReplyWriter,
     ) -> Result<(), Full> {
-        let reading = Reading { view, now: &self.now, site: &self.site, board: &self.board, log: &self.log };
+        let reading = self.reading(view);
         match &item.answer {
             Answer::Done => out.push_raw(item.opcode, item.tag, 0, &[]),
             Answer::Read(query) => reading.reply(item.tag, query, out),
@@ -432,34 +425,31 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
 
     /// Tells the tick that the link is lost or there again; false if the lane has no room for it now.
     pub fn tell_link(&mut self, lost: bool) -> bool {
-        self.lane.push(Op::Link { lost }, Change::None, 0, &mut self.ahead)
+        // Where it is lost, all paths brake.
+        let crds = CrdMask(if lost { u8::MAX } else { 0 });
+        self.lane.push(Op::Link { lost }, Change::Stopped { axes: AxisMask(0), crds }, 0, &mut self.ahead)
     }
 
-    /// Link loss: coordinate systems and Jog axes, or all axes, stop smoothly. The caller has seen that the lane has room.
-    pub fn stop_for_link_loss(&mut self, view: &View<AXES>) {
-        let all = self.link_loss.1;
-        let mut axes = AxisMask(0);
-        for (index, (book, seen)) in self.ahead.axes.iter().zip(&view.axes).enumerate() {
-            let Some(axis) = Axis::new(index) else { break };
-            let jogs = self.now.axis(axis).mode == Mode::Jog || book.mode == Mode::Jog;
-            let runs = seen.status & RUNNING != 0 || book.started.is_some_and(|seq| seq & PROGRAM_FLAG == 0);
-            if runs && (all || jogs) {
-                axes.0 |= axis.mask().0;
-            }
+    /// A new session begins dark, and with the supervision of power-on; false if the lane has no room for it now.
+    pub fn begin_session(&mut self, view: &View<AXES>) -> bool {
+        if self.lane.room() < SESSION_ENTRIES {
+            return false;
         }
-        let mut crds = CrdMask(0);
-        for (crd, seen) in Crd::all().zip(&view.crds) {
-            let book = self.ahead.crd(crd);
-            if seen.runs || book.started.is_some_and(|seq| seq & PROGRAM_FLAG == 0) {
-                crds.0 |= crd.mask().0;
-            }
+        let watch = Watch::DEFAULT;
+        self.lane.push(Op::Supervision(watch.supervision()), Change::Watch(watch), 0, &mut self.ahead);
+        self.lane.push(Op::NewSession, Change::None, 0, &mut self.ahead);
+        if view.lasers.iter().any(|laser| laser.commanded || laser.light || laser.owners.0 != 0) {
+            self.log.put(view.now, Kind::ShutOff, 0, ShutOff::NewSession as u16);
         }
-        if crds.0 != 0 {
-            let op = Op::CrdStop { crds, abrupt: CrdMask(0) };
-            self.lane.push(op, Change::CrdStopped { crds }, 0, &mut self.ahead);
-        }
-        if axes.0 != 0 {
-            self.lane.push(Op::Stop { axes, abrupt: AxisMask(0) }, Change::Stopped { axes }, 0, &mut self.ahead);
-        }
+        true
+    }
+
+    /// What reads look at.
+    fn reading<'d>(&'d self, view: &'d View<AXES>) -> Reading<'d, AXES> {
+        let Desk { now, site, board, log, .. } = self;
+        Reading { view, now, site, board, log }
     }
 }
+
+/// Entries of the immediate lane that begin a session.
+const SESSION_ENTRIES: usize = 2;

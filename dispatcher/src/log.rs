@@ -24,8 +24,21 @@ pub enum Kind {
     Link = 4,
     /// Ticks took too long, so many.
     Overrun = 5,
-    /// News of the tick were lost, so many.
+    /// Events of the tick were lost, so many.
     Lost = 6,
+    /// A command that had been admitted did nothing to a laser channel, for a reason of `servo::laser::Ignored`.
+    Ignored = 7,
+    /// The lasers were shut off, for a [`ShutOff`].
+    ShutOff = 8,
+}
+
+/// Why the lasers were shut off without a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShutOff {
+    /// An abort.
+    Abort = 1,
+    /// A new session began.
+    NewSession = 2,
 }
 
 /// The log.
@@ -34,6 +47,7 @@ pub struct Log {
     items: [EventItem; HELD],
     total: u32,
     faults: [u16; CHANNELS],
+    ignored: [u8; CHANNELS],
     overruns: u32,
     lost: u32,
 }
@@ -47,7 +61,7 @@ impl Log {
             of: 0,
             reason: zerocopy::little_endian::U16::ZERO,
         };
-        Log { items: [NONE; HELD], total: 0, faults: [0; CHANNELS], overruns: 0, lost: 0 }
+        Log { items: [NONE; HELD], total: 0, faults: [0; CHANNELS], ignored: [0; CHANNELS], overruns: 0, lost: 0 }
     }
 
     /// Something happened.
@@ -74,6 +88,13 @@ impl Log {
             {
                 *before = fault;
                 self.put(view.now, Kind::Laser, channel, fault);
+            }
+        }
+        for (channel, shown) in (0..).zip(&view.lasers) {
+            if let Some(before) = self.ignored.get_mut(usize::from(channel))
+                && core::mem::replace(before, shown.ignored_count) != shown.ignored_count
+            {
+                self.put(view.now, Kind::Ignored, channel, shown.ignored as u16);
             }
         }
         let more = |now: u32, before: &mut u32| now.wrapping_sub(core::mem::replace(before, now)).min(0xffff) as u16;

@@ -207,6 +207,12 @@ impl<const AXES: usize> Reading<'_, AXES> {
             }
             opcode::GetFault => self.fault(tag, out),
             opcode::GetEvents => self.events(tag, out),
+            opcode::GetLinkLoss => {
+                let stop_all = i16::from(self.now.watch.stop_all);
+                let time_ms = f64::from(self.now.watch.link_loss_ms);
+                let reply = command::LinkLossReply { time_ms: time_ms.into(), stop_all: stop_all.into() };
+                out.done::<command::GetLinkLoss>(tag, &reply, &[])
+            }
             opcode::GetStopDec => {
                 let reply = command::StopDec { smooth: book.dec.0.into(), abrupt: book.dec.1.into() };
                 out.done::<command::GetStopDec>(tag, &reply, &[])

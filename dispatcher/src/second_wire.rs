@@ -1,6 +1,7 @@
-//! The other wire of a board that has two: somebody may ask there for the session.
+//! A wire that the link is not on: the other one of a board that has two, a further connection to a served controller.
+//! A client may ask there for the session; it gets it once the one in force is alive no more, and is told whose it is before.
 //!
-//! In: bytes of the wire that the link is not on. Out: answers to a Hello, and that a session has been taken up there; then
+//! In: bytes of that wire. Out: answers to a Hello, and that a session has been taken up there; then
 //! the board exchanges the two. Owns one short frame each way. Frames of any other kind, or too long for the opening, are
 //! passed over: two clients never share a session.
 use crate::Server;
@@ -32,8 +33,14 @@ impl SecondWire {
     }
 
     /// Takes bytes: all of them, or, with true, those up to the end of the frame that has taken up the session. The others are
-    /// for [`Server::feed`].
-    pub fn feed<const AXES: usize>(&mut self, now: Ns, server: &mut Server<'_, AXES>, bytes: &[u8]) -> (usize, bool) {
+    /// for [`Server::feed`]. `holder` names the wire that the link is on; none if it is gone.
+    pub fn feed<const AXES: usize>(
+        &mut self,
+        now: Ns,
+        server: &mut Server<'_, AXES>,
+        holder: Option<&str>,
+        bytes: &[u8],
+    ) -> (usize, bool) {
         let mut used = 0usize;
         while let Some(rest) = bytes.get(used..).filter(|rest| !rest.is_empty()) {
             let (taken, outcome) = self.deframer.feed(rest);
@@ -42,7 +49,7 @@ impl SecondWire {
                 continue;
             }
             let mut answer = [0; OPENING_WIRE];
-            match server.knock(now, self.deframer.frame(), &mut answer) {
+            match server.knock(now, self.deframer.frame(), holder, &mut answer) {
                 Knock::Nothing => {}
                 // One that is half out goes first; a client asks again.
                 Knock::Answered(length) if self.from == self.to => {

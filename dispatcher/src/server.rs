@@ -31,7 +31,7 @@ const ROUNDS: u32 = 16;
 /// Rows wait this long for more of them, before they go over the link in a message that is not full.
 const TRACE_FLUSH_NS: u64 = 20_000_000;
 /// Entries of the immediate lane that the loss of the link takes.
-const LINK_LOSS_ENTRIES: usize = 4;
+const LINK_LOSS_ENTRIES: usize = 2;
 /// The head of a record of trace.
 const TRACE_HEAD: usize = size_of::<ReplyHead>();
 
@@ -120,6 +120,8 @@ pub struct Server<'a, const AXES: usize> {
     heard: Option<u64>,
     /// The link is taken for lost: axes were stopped.
     lost: bool,
+    /// A session has begun, and the tick is still to be told.
+    begins: bool,
     /// Records of the message in hand that are dealt with.
     at: usize,
     outbox: [u8; protocol::MAX_PAYLOAD],
@@ -148,6 +150,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             session: None,
             heard: None,
             lost: false,
+            begins: false,
             at: 0,
             outbox: [0; protocol::MAX_PAYLOAD],
             outbox_len: 0,
@@ -161,10 +164,10 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         self.link.feed(now.0, bytes);
     }
 
-    /// Takes a frame, decoded, of the wire that the link is not on, where a board has two: [`Knock`] says what came of it.
-    pub fn knock(&mut self, now: Ns, frame: &[u8], out: &mut [u8; OPENING_WIRE]) -> Knock {
+    /// Takes a frame, decoded, of a wire that the link is not on: [`Endpoint::knock`].
+    pub fn knock(&mut self, now: Ns, frame: &[u8], holder: Option<&str>, out: &mut [u8; OPENING_WIRE]) -> Knock {
         self.time = now;
-        self.link.knock(now.0, frame, out)
+        self.link.knock(now.0, frame, holder, out)
     }
 
     /// Does what can be done now: timers, messages, records, waiting program entries, replies. Call it
@@ -203,19 +206,23 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             if self.session.is_some() {
                 self.desk.abandon();
                 self.program.abandon();
-                (self.at, self.outbox_len) = (0, 0);
+                (self.at, self.outbox_len, self.begins) = (0, 0, true);
             }
+        }
+        if self.begins {
+            self.begins = !self.desk.begin_session(view);
         }
         if let Some(heard) = self.link.last_valid() {
             self.heard = Some(heard);
         }
-        Self::watch_link(&mut self.desk, &mut self.program, &mut self.lost, self.heard, view, now);
+        Self::watch_link(&mut self.desk, &mut self.program, &mut self.lost, self.heard, now);
         for _ in 0..ROUNDS {
             let mut writer = ReplyWriter::new(self.outbox.get_mut(self.outbox_len..).unwrap_or(&mut []));
             let mut progress = self.desk.answer(view, &self.program, &mut writer);
             progress |= self.program.advance(&mut self.desk, view, &mut writer);
             let mut over = false;
-            if let Some(message) = self.link.message() {
+            // What was under way when the link was lost waits until it is back: nothing starts unsupervised.
+            if let Some(message) = self.link.message().filter(|_| !self.begins && !self.lost) {
                 over = true;
                 for record in requests(message).skip(self.at) {
                     let step = match record {
@@ -301,25 +308,17 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         gone
     }
 
-    /// Silence for longer than the link-loss time, once a session was open: the tick puts out lasers whose light
-    /// is on or may come, Jog axes stop smoothly (all axes, if SetLinkLoss says so) and the rest of a running
+    /// Silence for longer than the link-loss time, once a session was open: the tick shuts off lasers whose light
+    /// is on or may come, Jog axes and paths brake (all axes, if SetLinkLoss says so), and the rest of a running
     /// program is dropped; what else moves runs on, in the dark.
-    fn watch_link(
-        desk: &mut Desk<'a, AXES>,
-        program: &mut Program<'a>,
-        lost: &mut bool,
-        heard: Option<u64>,
-        view: &View<AXES>,
-        now: Ns,
-    ) {
+    fn watch_link(desk: &mut Desk<'a, AXES>, program: &mut Program<'a>, lost: &mut bool, heard: Option<u64>, now: Ns) {
         let Some(heard) = heard else { return };
-        let limit = u64::from(desk.link_loss.0) * 1_000_000;
+        let limit = u64::from(desk.now.watch.link_loss_ms) * 1_000_000;
         let silent = limit != 0 && now.0.saturating_sub(heard) > limit;
         if silent && !*lost && desk.lane.room() >= LINK_LOSS_ENTRIES {
-            // The tick is told before the program is dropped: that it ran is a reason to put out the lasers.
+            // The tick is told before the program is dropped: that it ran is a reason to shut off the lasers.
             *lost = desk.tell_link(true);
             program.stop(desk, Reason::LinkLost);
-            desk.stop_for_link_loss(view);
             desk.log.put(now, Kind::Link, 0, 1);
         } else if !silent && *lost {
             *lost = !desk.tell_link(false);
@@ -351,10 +350,9 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
     /// When `poll` wants to be called at the latest, if nothing comes from the wire and the tick has
     /// executed nothing. While a program entry waits for the machine it is at once: after the next tick.
     pub fn next_deadline(&self) -> Option<Ns> {
-        let loss = self
-            .heard
-            .filter(|_| !self.lost && self.desk.link_loss.0 != 0)
-            .map(|heard| heard.saturating_add(u64::from(self.desk.link_loss.0) * 1_000_000).saturating_add(1));
+        let loss = self.heard.filter(|_| !self.lost && self.desk.now.watch.link_loss_ms != 0).map(|heard| {
+            heard.saturating_add(u64::from(self.desk.now.watch.link_loss_ms) * 1_000_000).saturating_add(1)
+        });
         let next_tick = self.program.is_urgent().then(|| self.time.0.saturating_add(1));
         let flush = self.program.flush_due(self.view.last()).map(|due| due.0);
         let feed = self.desk.feed_due;

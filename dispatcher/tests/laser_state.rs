@@ -85,6 +85,7 @@ fn ready(bench: &mut Bench<8>, family: u8, channel: i16) {
 fn settings_arrive_in_the_channel_they_name() {
     for family in [GUS, LSR] {
         let mut bench = bench(family);
+        bench.run_ms(1);
         for channel in 0..2i16 {
             let other = seen(&mut bench, 1 - channel as usize);
             bench.done(mode(1, 20.0, 0.5, channel, 1));
@@ -177,7 +178,7 @@ fn reads_tell_the_command_and_the_output() {
         assert_eq!((now.commanded, now.gate, now.light, now.fault.get()), (1, 1, 1, 0));
         assert_eq!((now.power.get(), told(&mut bench)), (40.0, 40.0));
         assert!((now.frequency.get() - 10.0).abs() < 1e-5, "{}", now.frequency.get());
-        // The bounds hold what is put out.
+        // The bounds hold what is output.
         bench.done(mode(0, 30.0, 0.0, 1, 1));
         bench.run_ms(1);
         assert_eq!(told(&mut bench), 30.0);
@@ -583,7 +584,7 @@ fn a_lost_link_puts_out_what_a_running_program_may_light() {
     assert_eq!([seen(&mut bench, 0).fault, seen(&mut bench, 1).fault], [Cause::LinkLost; 2]);
     bench.run_ms(2000);
     assert!(!seen(&mut bench, 0).light && on_time_of(&mut bench) == 0);
-    // Without light and without a program there is nothing to put out.
+    // Without light and without a program there is nothing to shut off.
     let mut bench = self::bench(LSR);
     ready(&mut bench, LSR, 0);
     bench.cut = true;

@@ -346,6 +346,31 @@ fn inputs_and_outputs() {
 }
 
 #[test]
+fn limits_are_switched_one_by_one_or_both() {
+    let mut bench = Bench::gus();
+    let (core, axis) = (1.into(), 2.into());
+    (bench.machine.inputs[1].limit_positive, bench.machine.inputs[1].limit_negative) = (true, true);
+    // Bit 0 the positive, bit 1 the negative limit, once what was latched is cleared.
+    let limits = |bench: &mut Bench<8>| {
+        bench.run_ms(1);
+        bench.done(ClrSts { core, axis, count: 1.into() });
+        bench.run_ms(1);
+        bench.status_word(2) >> 5 & 3
+    };
+    bench.done(LmtsOff { core, axis, limit_type: (-1).into() });
+    assert_eq!(limits(&mut bench), 0b00);
+    for (kind, bits) in [(-1, 0b11), (0, 0b01), (1, 0b10)] {
+        bench.done(LmtsOn { core, axis, limit_type: kind.into() });
+        assert_eq!(limits(&mut bench), bits, "on, {kind}");
+        bench.done(LmtsOn { core, axis, limit_type: (-1).into() });
+        bench.done(LmtsOff { core, axis, limit_type: kind.into() });
+        assert_eq!(limits(&mut bench), 0b11 & !bits, "off, {kind}");
+        bench.done(LmtsOff { core, axis, limit_type: (-1).into() });
+        assert_eq!(limits(&mut bench), 0b00, "off, both");
+    }
+}
+
+#[test]
 fn limit_sense_reaches_the_right_axis() {
     let mut bench = Bench::gus();
     let core = 1.into();

@@ -85,6 +85,17 @@ pub enum Wire {
     Usb,
 }
 
+impl Wire {
+    /// What a client on the other wire is told.
+    const fn name(self) -> &'static str {
+        match self {
+            Wire::Uart => "the UART",
+            #[cfg(feature = "stm32h743")]
+            Wire::Usb => "USB",
+        }
+    }
+}
+
 /// See the module text.
 pub struct Wires {
     /// Bytes that the UART has received.
@@ -135,7 +146,7 @@ impl Wires {
     fn take(&mut self, from: Wire, now: Ns, server: &mut Server<'static, AXES>, bytes: &[u8]) {
         let mut rest = bytes;
         if from != self.link {
-            let (used, taken_up) = self.second.feed(now, server, rest);
+            let (used, taken_up) = self.second.feed(now, server, Some(self.link.name()), rest);
             rest = rest.get(used..).unwrap_or(&[]);
             if taken_up {
                 self.link = from;

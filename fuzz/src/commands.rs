@@ -150,6 +150,7 @@ fn integer(
         },
         ("SetCrdPrm", "dimension") => byte(from) % 2 + 2,
         ("SetTick", _) => [125, 250, 500, 1000][from.below(4)],
+        ("SetInterlock", "motion") => byte(from) % 4,
         ("SetLinkLoss", "time_ms") => byte(from) * 4,
         ("Trace", "way") => 0,
         (_, "core") => 1,

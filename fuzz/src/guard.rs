@@ -9,6 +9,7 @@
 //!   limit or servo-off of an axis, so is every channel whose map holds the axis's coordinate system;
 //! * while nothing has come over the line for longer than the link-loss time, no channel has light, nor its switch on but in mode 3 of GUS;
 //! * a channel that shows a fault is at rest;
+//! * after an Abort behind which nothing was sent everything is at rest, standby, pre-voltage and the switch of mode 3 too;
 //! * a set-point never goes further in a tick than the step limit, never beyond the edge of travel, and stands still
 //!   while its axis does not run.
 use crate::bench::Sent;
@@ -56,6 +57,8 @@ pub struct Guard {
     heard: u64,
     holds: [Hold; CHANNELS],
     faults: [u32; CHANNELS],
+    /// Ticks since an Abort was carried out, if nothing was sent since.
+    aborted: Option<u32>,
     /// Ticks looked at.
     pub ticks: u64,
 }
@@ -64,6 +67,8 @@ fn lights(number: u16, body: &[u8]) -> bool {
     match number {
         opcode::LaserOn | opcode::BufLaserOn => true,
         opcode::SetWaitPulse | opcode::SetWaitPulseEx | opcode::SetPreVltg => true,
+        // Mode 3 of GUS holds the switch where it is enabled.
+        opcode::LaserPowerMode => body.get(2..4) == Some(&[3, 0]),
         opcode::SetHSIOOpt => body.get(2..4) != Some(&[0, 0]),
         _ => false,
     }
@@ -91,6 +96,7 @@ impl Guard {
             heard: board.now(),
             holds: [Hold::None; CHANNELS],
             faults: [0; CHANNELS],
+            aborted: None,
             ticks: 0,
         }
     }
@@ -98,6 +104,7 @@ impl Guard {
     /// A request was sent.
     pub fn sent(&mut self, number: u16, body: &[u8]) {
         self.may_light |= lights(number, body);
+        self.aborted = None;
         if number == opcode::SetLinkLoss {
             self.silent = None;
         }
@@ -113,6 +120,11 @@ impl Guard {
             self.clears = self.clears.saturating_sub(1);
             self.quiet = 0;
         }
+    }
+
+    /// An Abort was carried out, and everything sent before it is answered.
+    pub fn aborts(&mut self) {
+        self.aborted = Some(0);
     }
 
     /// Whether no request that clears may still act.
@@ -144,6 +156,7 @@ impl Guard {
     /// After a tick.
     pub fn look(&mut self, board: &mut Controller) {
         self.ticks += 1;
+        self.aborted = self.aborted.map(|ticks| ticks + 1);
         self.quiet = self.quiet.saturating_add(1);
         self.interlock = if board.inputs_mut().interlock { self.interlock + 1 } else { 0 };
         let quiet = board.now().saturating_sub(self.heard) > LINK_LOSS_NS;
@@ -197,7 +210,11 @@ impl Guard {
     fn channel(&mut self, board: &mut Controller, channel: usize) {
         let (levels, view) = (board.laser(channel), board.laser_view(channel));
         let resting = at_rest(levels);
-        assert!(resting || self.may_light, "channel {channel} puts out {levels:?}, and nothing asked for it: {view:?}");
+        assert!(resting || self.may_light, "channel {channel} outputs {levels:?}, and nothing asked for it: {view:?}");
+        assert!(
+            self.aborted.is_none_or(|ticks| ticks <= REACTION) || resting,
+            "channel {channel} after an abort: {levels:?}, {view:?}"
+        );
         if self.interlock > 0 {
             assert!(!levels.switch && !levels.energy, "channel {channel} under interlock: {levels:?}");
         }

@@ -61,6 +61,7 @@ pub fn run(data: &[u8]) {
         }
     }
     game.reckon();
+    game.abort();
 }
 
 struct Game<'m> {
@@ -340,6 +341,14 @@ impl Game<'_> {
     fn mark(&self) -> Mark {
         let place = self.bench.board.set_point(6) as f64 / f64::from(1 << 22);
         Mark { at: 0, value: self.bench.board.outputs().analog[7], place }
+    }
+
+    /// Whatever came before, an Abort is carried out, and nothing is output behind it.
+    fn abort(&mut self) {
+        self.bench.settle();
+        self.ask(opcode::Abort, &1i16.to_le_bytes());
+        self.bench.guard.aborts();
+        self.bench.ticks(64);
     }
 
     /// A number that the controller tells.

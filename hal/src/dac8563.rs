@@ -25,7 +25,7 @@ pub struct Dac8563<BUS, SELECT, PAUSE> {
 }
 
 impl<BUS: SpiBus, SELECT: OutputPin, PAUSE: DelayNs> Dac8563<BUS, SELECT, PAUSE> {
-    /// Puts out a code on channel 0 or 1; 0 is mid-scale.
+    /// Outputs a code on channel 0 or 1; 0 is mid-scale.
     pub fn write(&mut self, channel: u8, code: i16) -> Result<(), BUS::Error> {
         let [high, low] = (code as u16 ^ 0x8000).to_be_bytes();
         // A line of a port cannot fail.

@@ -26,7 +26,7 @@ pub enum Family {
     Lsr,
 }
 
-/// How energy is put out.
+/// How energy is output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Mode 0: carrier with a duty in percent.
@@ -206,6 +206,8 @@ impl Story<'_> {
         for ((at, command), (_, before)) in self.job.iter().zip(&self.settings) {
             match *command {
                 Command::Gate(_) if before.fault => {}
+                // It meets no output: nothing is lit, and nothing remembered.
+                Command::Gate(true) if !before.connector && before.mode != Mode::Analog => {}
                 Command::Gate(on) => {
                     let delay = match (before.delayed, on) {
                         (false, _) => 0,

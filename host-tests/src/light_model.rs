@@ -99,6 +99,10 @@ pub enum Act {
         crd: u8,
         resumes: bool,
     },
+    /// A Stop for it, before what rests by it.
+    Stops {
+        crd: u8,
+    },
     /// It rests: by a Stop, or at the end.
     Rests {
         crd: u8,
@@ -204,7 +208,7 @@ impl Distance {
 }
 
 impl Power {
-    /// What is put out where there is light. `speed` tells that of a coordinate system, `positions` those of axes 1 to 4.
+    /// What is output where there is light. `speed` tells that of a coordinate system, `positions` those of axes 1 to 4.
     pub fn value(
         &self,
         family: Family,
@@ -255,12 +259,60 @@ impl Light {
     }
 }
 
-/// Who lit.
+/// Who gave the on command in force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Owner {
-    Nobody,
-    Command,
+enum By {
+    Call,
     Crd(u8),
+}
+
+/// Whose light it is, and what keeps it dark: SPEC 6 "Whose light it is", "Rest".
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Gate {
+    /// The on command in force.
+    on: Option<By>,
+    /// Coordinate systems whose Stop has shut it off, by bits.
+    shut: u8,
+    /// For the CrdStart of the coordinate system whose speed the power follows.
+    waits: bool,
+    /// An immediate off was the last command that was no off entry.
+    vetoed: bool,
+    fault: bool,
+    connector: bool,
+    /// Which coordinate systems run, by bits.
+    run: u8,
+    /// Which of them brake for a Stop.
+    brake: u8,
+}
+
+impl Gate {
+    const OFF: Gate =
+        Gate { on: None, shut: 0, waits: false, vetoed: false, fault: false, connector: true, run: 0, brake: 0 };
+
+    /// No on command is in force, and nothing brings light back.
+    fn forget(&mut self) {
+        (self.on, self.shut, self.waits) = (None, 0, false);
+    }
+
+    fn is_lit(&self) -> bool {
+        self.on.is_some() && self.shut == 0 && !self.waits
+    }
+
+    /// An on command that counts: it replaces what was, and waits under a follow at rest.
+    fn light(&mut self, by: By, power: &Power) {
+        (self.on, self.shut, self.vetoed) = (Some(by), 0, false);
+        self.waits = self.is_at_rest(power);
+    }
+
+    /// The power follows the speed of a coordinate system that does not run.
+    fn is_at_rest(&self, power: &Power) -> bool {
+        power.follow.as_ref().is_some_and(|follow| self.run >> follow.crd & 1 == 0)
+    }
+
+    /// An on command would meet no output, or a fault.
+    fn is_dead(&self, power: &Power) -> bool {
+        self.fault || !self.connector && power.mode != Mode::Analog
+    }
 }
 
 fn real(value: crate::laser_model::Exact) -> f64 {
@@ -278,21 +330,34 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
     let mut power =
         Power { mode: Mode::Duty, bounds: full, direct: 0.0, source: Source::Planned, follow: None, distance: None };
     let mut made = Light { job: Vec::new(), powers: vec![(Ns::MIN, power.clone())] };
-    let mut owner = Owner::Nobody;
-    // Light that a Stop of this coordinate system took and that its next start brings back.
-    let mut kept: Option<u8> = None;
+    let mut gate = Gate::OFF;
     let mut map = 0b11;
     for (at, act) in acts {
-        let gate = |on: bool| (*at, Command::Gate(on));
-        let before = power.follow.clone();
+        let follow = power.follow.clone();
+        let lit = gate.is_lit();
+        let mapped = |crd: u8| map >> crd & 1 == 1;
+        // What the channel is told by its own commands and by what acts at once; the gate's other commands come below.
+        let mut told = None;
         match act {
             Act::Own(command) => {
+                told = Some(command.clone());
                 match command {
-                    Command::Gate(on) => (owner, kept) = (if *on { Owner::Command } else { Owner::Nobody }, None),
+                    // Nothing is lit, and nothing remembered.
+                    Command::Gate(true) if gate.is_dead(&power) => told = None,
+                    // It changes nothing while the light of a coordinate system is on.
+                    Command::Gate(true) if lit && matches!(gate.on, Some(By::Crd(_))) => told = None,
+                    Command::Gate(true) => {
+                        gate.light(By::Call, &power);
+                        told = told.filter(|_| gate.is_lit());
+                    }
+                    Command::Gate(false) => {
+                        gate.forget();
+                        gate.vetoed = true;
+                    }
                     Command::PowerMode { mode, max, min, .. } => {
                         let mode = kind(family, *mode);
                         if mode != power.mode {
-                            (owner, kept) = (Owner::Nobody, None);
+                            gate.forget();
                             (power.direct, power.follow) = (0.0, None);
                         }
                         (power.mode, power.bounds) = (mode, Bounds { min: real(*min), max: real(*max) });
@@ -303,15 +368,33 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
                             power.follow = None;
                         }
                     }
-                    Command::Fault | Command::Reset => (owner, kept) = (Owner::Nobody, None),
-                    Command::Connector(false) if power.mode != Mode::Analog => (owner, kept) = (Owner::Nobody, None),
+                    Command::Fault => {
+                        gate.forget();
+                        gate.fault = true;
+                    }
+                    Command::Clear => gate.fault = false,
+                    Command::Reset => gate = Gate { run: gate.run, brake: gate.brake, ..Gate::OFF },
+                    Command::Connector(carries) => {
+                        gate.connector = *carries;
+                        if !carries && power.mode != Mode::Analog {
+                            gate.forget();
+                        }
+                    }
                     _ => {}
                 }
-                made.job.push((*at, command.clone()));
             }
-            Act::Entry(crd, Buffered::Gate(on)) => {
-                (owner, kept) = (if *on { Owner::Crd(*crd) } else { Owner::Nobody }, None);
-                made.job.push(gate(*on));
+            // One that is reached when the map does not hold its coordinate system.
+            Act::Entry(crd, _) if !mapped(*crd) => {}
+            Act::Entry(_, Buffered::Gate(true)) if gate.is_dead(&power) => {}
+            // After an immediate off nothing that is passed in braking lights.
+            Act::Entry(crd, Buffered::Gate(true)) if gate.vetoed && gate.brake >> crd & 1 == 1 => {}
+            Act::Entry(crd, Buffered::Gate(true)) => {
+                gate.light(By::Crd(*crd), &power);
+                told = gate.is_lit().then_some(Command::Gate(true));
+            }
+            Act::Entry(_, Buffered::Gate(false)) => {
+                gate.forget();
+                told = Some(Command::Gate(false));
             }
             Act::Entry(_, Buffered::Power(value)) => {
                 power.direct = *value;
@@ -329,37 +412,60 @@ pub fn light(family: Family, acts: &[(Ns, Act)]) -> Light {
             }
             Act::Entry(_, Buffered::FollowOff) => power.follow = None,
             Act::Starts { crd, resumes } => {
-                if kept == Some(*crd) {
-                    kept = None;
-                    if *resumes {
-                        owner = Owner::Crd(*crd);
-                        made.job.push(gate(true));
+                let bit = 1 << crd;
+                (gate.run, gate.brake) = (gate.run | bit, gate.brake & !bit);
+                if gate.shut & bit != 0 {
+                    gate.shut &= !bit;
+                    if !resumes {
+                        gate.forget();
                     }
                 }
+                gate.waits = gate.on.is_some() && gate.is_at_rest(&power);
             }
+            // One that finds it at rest shuts off what nothing brings back.
+            Act::Stops { crd } if gate.run >> crd & 1 == 0 => {
+                if mapped(*crd) {
+                    gate.forget();
+                }
+            }
+            Act::Stops { crd } => gate.brake |= 1 << crd,
             Act::Rests { crd, stopped } => {
-                if owner == Owner::Crd(*crd) && map >> crd & 1 == 1 {
-                    owner = Owner::Nobody;
-                    kept = stopped.then_some(*crd);
-                    made.job.push(gate(false));
+                let bit = 1 << crd;
+                let braked = gate.brake & bit != 0;
+                (gate.run, gate.brake) = (gate.run & !bit, gate.brake & !bit);
+                let follows = power.follow.as_ref().is_some_and(|follow| follow.crd == *crd);
+                if *stopped {
+                    // Whoever lit it.
+                    gate.shut |= if mapped(*crd) && gate.on.is_some() { bit } else { 0 };
+                } else if gate.on == Some(By::Crd(*crd)) || follows || braked && mapped(*crd) {
+                    // The entries have run out; those that a Stop found on the way too.
+                    gate.forget();
                 }
             }
             Act::Fails { crd } => {
-                if map >> crd & 1 == 1 {
-                    (owner, kept) = (Owner::Nobody, None);
-                    made.job.push((*at, Command::Fault));
+                let bit = 1 << crd;
+                (gate.run, gate.brake) = (gate.run & !bit, gate.brake & !bit);
+                if mapped(*crd) {
+                    gate.forget();
+                    gate.fault = true;
+                    told = Some(Command::Fault);
                 }
             }
-            Act::Map(crds) => map = *crds,
+            Act::Map(crds) => {
+                map = *crds;
+                power.follow.take_if(|follow| crds >> follow.crd & 1 == 0);
+            }
             Act::EndFollow { crds } => {
                 power.follow.take_if(|follow| crds >> follow.crd & 1 == 1);
             }
             Act::Distance(distance) => power.distance = distance.clone(),
         }
-        if before.is_some() && before != power.follow {
-            // Light that rest kept dark counts as switched off.
-            kept = None;
+        if follow.is_some() && follow != power.follow && gate.waits {
+            // What waits for the start of a coordinate system ends with its follow; what a Stop shut off does not.
+            gate.forget();
         }
+        let ends_or_begins = told.is_none() && gate.is_lit() != lit;
+        made.job.extend(told.or(ends_or_begins.then_some(Command::Gate(gate.is_lit()))).map(|command| (*at, command)));
         made.powers.push((*at, power.clone()));
     }
     made
@@ -421,29 +527,100 @@ mod tests {
         assert_eq!([table(0.0), table(10.0), table(12.5), table(20.0), table(99.0)], [20.0, 20.0, 30.0, 60.0, 60.0]);
     }
 
-    /// Whose light it is: SPEC 6 "Rest".
+    fn entry(crd: u8, on: bool) -> Act {
+        Act::Entry(crd, Buffered::Gate(on))
+    }
+
+    fn call(on: bool) -> Act {
+        Act::Own(Command::Gate(on))
+    }
+
+    /// A Stop, after which it rests.
+    fn stop(crd: u8) -> [Act; 2] {
+        [Act::Stops { crd }, Act::Rests { crd, stopped: true }]
+    }
+
+    /// Whether there is light after each of these.
+    #[track_caller]
+    fn lights(acts: &[Act], expected: &str) {
+        let shown: String = (1..=acts.len())
+            .map(|count| {
+                let acts: Vec<_> = acts[..count].iter().cloned().zip(1..).map(|(act, at)| (at, act)).collect();
+                let job = light(Family::Gus, &acts).job;
+                let edges = crate::laser_model::outcome(Family::Gus, &job, 1000).gate;
+                if crate::laser_model::level_at(&edges, 999, false) { '#' } else { '_' }
+            })
+            .collect();
+        assert_eq!(shown, expected, "{acts:?}");
+    }
+
+    const BEGINS: Act = Act::Starts { crd: 0, resumes: false };
+    const GOES_ON: Act = Act::Starts { crd: 0, resumes: true };
+    const RUNS_OUT: Act = Act::Rests { crd: 0, stopped: false };
+
+    fn all(parts: &[&[Act]]) -> Vec<Act> {
+        parts.concat()
+    }
+
+    /// SPEC 6 "Whose light it is".
     #[test]
-    fn rest_takes_what_entries_lit() {
-        let gates = |acts: &[Act]| -> Vec<bool> {
-            let acts: Vec<_> = acts.iter().cloned().map(|act| (0, act)).collect();
-            let job = light(Family::Gus, &acts).job;
-            job.iter().map(|(_, command)| *command == Command::Gate(true)).collect()
-        };
-        let (on, off) = (Act::Entry(0, Buffered::Gate(true)), Act::Entry(0, Buffered::Gate(false)));
-        let stop = Act::Rests { crd: 0, stopped: true };
-        let (again, anew) = (Act::Starts { crd: 0, resumes: true }, Act::Starts { crd: 0, resumes: false });
-        let command = Act::Own(Command::Gate(true));
-        let end = Act::Rests { crd: 0, stopped: false };
-        assert_eq!(gates(&[on.clone(), stop.clone(), again.clone()]), [true, false, true]);
-        assert_eq!(gates(&[on.clone(), stop.clone(), anew]), [true, false]);
-        assert_eq!(gates(&[on.clone(), end, again.clone()]), [true, false]);
-        assert_eq!(gates(&[command.clone(), stop.clone(), again.clone()]), [true]);
-        assert_eq!(gates(&[on.clone(), command, stop.clone()]), [true, true]);
-        assert_eq!(gates(&[Act::Map(0b10), on.clone(), stop.clone()]), [true]);
-        assert_eq!(gates(&[on.clone(), stop.clone(), off, again.clone()]), [true, false, false]);
-        let other = Act::Rests { crd: 1, stopped: true };
-        assert_eq!(gates(&[on.clone(), other]), [true]);
-        let ended = [follow(1.0, 0.0, 1.0), on, stop, Act::EndFollow { crds: 1 }, again];
-        assert_eq!(gates(&ended), [true, false]);
+    fn a_map_tells_who_may_light() {
+        lights(&[Act::Map(0b10), BEGINS, entry(0, true)], "___");
+        // Off entries, powers and follows neither.
+        lights(&[Act::Map(0b10), BEGINS, call(true), entry(0, false), follow(1.0, 0.0, 1.0), RUNS_OUT], "__####");
+        // A buffered on takes over light of a call, and not the other way.
+        lights(&[BEGINS, call(true), RUNS_OUT], "_##");
+        lights(&[BEGINS, call(true), entry(0, true), RUNS_OUT], "_##_");
+        lights(&[BEGINS, entry(0, true), call(true), RUNS_OUT], "_##_");
+        lights(&[Act::Own(Command::Fault), call(true), Act::Own(Command::Clear)], "___");
+        lights(&[Act::Own(Command::Connector(false)), call(true), Act::Own(Command::Connector(true))], "___");
+    }
+
+    /// SPEC 6 "Rest".
+    #[test]
+    fn a_stop_shuts_off_whoever_lit_and_the_start_that_goes_on_brings_back() {
+        for on in [entry(0, true), call(true), entry(1, true)] {
+            let lit = all(&[&[BEGINS, Act::Starts { crd: 1, resumes: false }, on.clone()], &stop(0)]);
+            let then = |acts: &[Act], expected: &str| lights(&all(&[&lit, acts]), &("__##_".to_owned() + expected));
+            then(&[GOES_ON], "#");
+            then(&[BEGINS, GOES_ON], "__");
+            then(&[call(false), GOES_ON], "__");
+            then(&[call(true), GOES_ON], "##");
+            // A Stop that finds it at rest.
+            then(&[Act::Stops { crd: 0 }, GOES_ON], "__");
+            then(&[Act::Own(Command::Fault), Act::Own(Command::Clear), GOES_ON], "___");
+            // Reading: each of two Stops has shut it off.
+            then(&all(&[&stop(1), &[GOES_ON, Act::Starts { crd: 1, resumes: true }]]), "___#");
+        }
+        // Entries that run out while it brakes.
+        lights(&[BEGINS, call(true), Act::Stops { crd: 0 }, RUNS_OUT], "_##_");
+        lights(&[call(true), Act::Stops { crd: 0 }, BEGINS], "#__");
+        lights(&all(&[&[Act::Map(0b10), call(true), BEGINS], &stop(0)]), "_####");
+        // What it passes as it brakes.
+        lights(&[BEGINS, entry(0, true), Act::Stops { crd: 0 }, entry(0, false), entry(0, true)], "_##_#");
+        let off = [call(false), entry(0, false), entry(0, true)];
+        lights(&all(&[&[BEGINS, entry(0, true), Act::Stops { crd: 0 }], &off]), "_##___");
+        lights(&[BEGINS, call(false), Act::Stops { crd: 0 }, entry(0, true), call(true), entry(0, true)], "____##");
+        lights(
+            &[BEGINS, call(false), entry(0, true), entry(0, false), Act::Stops { crd: 0 }, entry(0, true)],
+            "__#__#",
+        );
+    }
+
+    /// SPEC 6 "Rest": light under a velocity follow.
+    #[test]
+    fn under_a_follow_at_rest_light_waits() {
+        let followed = [BEGINS, follow(1.0, 0.0, 1.0)];
+        lights(&all(&[&followed, &[call(true), RUNS_OUT, BEGINS]]), "__#__");
+        let dark = all(&[&followed, &[RUNS_OUT, call(true)]]);
+        let then = |acts: &[Act], expected: &str| lights(&all(&[&dark, acts]), &("____".to_owned() + expected));
+        then(&[BEGINS], "#");
+        then(&[call(false), BEGINS], "__");
+        then(&[Act::EndFollow { crds: 1 }, BEGINS], "__");
+        then(&[Act::Own(Command::Power(Exact::from_integer(1))), BEGINS], "__");
+        // What a Stop shut off still comes back.
+        let end = [Act::EndFollow { crds: 1 }, GOES_ON];
+        lights(&all(&[&followed, &[call(true)], &stop(0), &end]), "__##__#");
+        lights(&all(&[&followed, &[call(true)], &stop(0), &[call(true)], &end]), "__##____");
     }
 }

@@ -269,7 +269,7 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark() {
         let now = state(&client, 0);
         assert_eq!((now.light, now.gate), (0, 0), "cut after {cut} bytes");
         match now.fault.get() {
-            // The on command came through, and the lost link put out its light.
+            // The on command came through, and the lost link shut off its light.
             2 => dark += 1,
             // It did not, and nobody was told that it did.
             0 => {

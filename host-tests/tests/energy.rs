@@ -1,4 +1,4 @@
-//! Energy per way under velocity follow, from the pulses that the machine puts out.
+//! Energy per way under velocity follow, from the pulses that the machine outputs.
 //!
 //! A bin goes from the begin of one carrier period to the begin of another, both at ticks, and holds at least 200 periods:
 //! no pulse is cut in two, and the odd counts of 200 widths are spread by dither. Its way is the model's, so a bin may

@@ -13,7 +13,7 @@ use host_tests::laser_model::{Command, Edge, Exact, Family, Mode, Ns, outcome};
 use host_tests::light_model::{Act, Buffered, light};
 use host_tests::path_model::{self, Course, Entry, Figure, Why, course};
 use machine::{Beams, Machine, Told, numbered};
-use random::{Effect, Random, arcs, fits, random, set_up};
+use random::{Effect, Random, arcs, fits, is_undecided, random, set_up};
 use std::fmt::Write;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -52,6 +52,8 @@ struct Made {
     halves: Vec<Half>,
     /// What acts on each channel.
     acts: [Vec<(Ns, Act)>; 2],
+    /// Buffered laser entries that name a channel whose map does not hold their coordinate system.
+    refused: usize,
     horizon: Ns,
 }
 
@@ -72,8 +74,12 @@ fn begin(halves: &[Half]) -> String {
 #[derive(Debug, Clone, Copy)]
 enum Outside {
     Start,
-    Stop { abrupt: bool },
+    Stop {
+        abrupt: bool,
+    },
     Override(f64),
+    /// An immediate on or off for the channel with its number.
+    Light(bool),
 }
 
 /// Where a path may be stopped and when it goes on: ms of the script clock.
@@ -115,10 +121,19 @@ fn attempt(chance: &mut Chance, tick: Ns) -> Option<Made> {
         .into_iter()
         .map(|path| Half::of(path, chance))
         .collect();
-    let mut text = begin(&halves);
+    let mut text = String::from("#pragma continue\nshort rtn;\n") + &begin(&halves);
     let mut acts: [Vec<(Ns, Act)>; 2] = Default::default();
+    let mut refused = 0;
+    let mut later = String::new();
     for (channel, acts) in acts.iter_mut().enumerate() {
-        let map = 1 + chance.below(3) as u8;
+        let (own, other) = (1 << channel, 2 >> channel);
+        let (map, then) = match chance.below(8) {
+            0..3 => (own, None),
+            3..6 => (own | other, None),
+            // The entries come when the map no longer holds their coordinate system.
+            6 => (own | other, Some(other)),
+            _ => (other, None),
+        };
         write!(text, "GT_LaserPowerMode(2,10,0,{channel},1);\nGT_SetLevelDelay(0,0,{channel});\n").unwrap();
         writeln!(text, "GT_SetLaserCrdMap({channel},{map});").unwrap();
         let (max, min) = (Exact::from_integer(10), Exact::from_integer(0));
@@ -128,6 +143,15 @@ fn attempt(chance: &mut Chance, tick: Ns) -> Option<Made> {
             Act::Map(map),
         ] {
             acts.push((tick, act));
+        }
+        if let Some(map) = then {
+            writeln!(later, "GT_SetLaserCrdMap({channel},{map});").unwrap();
+            acts.push((2 * MS + tick, Act::Map(map)));
+        }
+        if map == other {
+            let path = &mut halves[channel].path;
+            refused += path.text.matches("GT_BufLaser").count();
+            path.text = path.text.replace("GT_BufLaser", "rtn = GT_BufLaser");
         }
     }
     // Data for both, mixed.
@@ -140,6 +164,7 @@ fn attempt(chance: &mut Chance, tick: Ns) -> Option<Made> {
         text += line;
         text += "\n";
     }
+    text += &later;
     let starts = [4, [4, 4, 5, 9][chance.below(4) as usize]];
     let mut events: Vec<(Ns, usize, Outside)> = Vec::new();
     for (crd, half) in halves.iter_mut().enumerate() {
@@ -149,8 +174,19 @@ fn attempt(chance: &mut Chance, tick: Ns) -> Option<Made> {
         let free = course(&half.path.frame, &half.path.entries, &half.commands[..2], 1e9);
         if !half.course.rests.iter().chain(&free.rests).all(|rest| good(rest.why))
             || !fits(&half.course, half.commands[1].0, 64)
+            || is_undecided(&half.course)
         {
             return None;
+        }
+    }
+    let last = events.iter().map(|event| event.0).max()? / MS + 10;
+    for channel in 0..2 {
+        for _ in 0..chance.below(8).saturating_sub(4) {
+            let at = (3 + chance.below(last as u64)) as Ns * MS;
+            // Two of an instant would be in an order that the models do not tell.
+            if events.iter().all(|event| event.0 != at) {
+                events.push((at, channel, Outside::Light(chance.below(2) == 0)));
+            }
         }
     }
     events.sort_by_key(|event| event.0);
@@ -174,6 +210,16 @@ fn attempt(chance: &mut Chance, tick: Ns) -> Option<Made> {
             Outside::Stop { abrupt } => {
                 let mask = 256 << crd;
                 writeln!(text, "GT_Stop({mask},{});", if abrupt { mask } else { 0 }).unwrap();
+                let rests = halves[crd].course.rests.iter().any(|rest| ns(rest.at) == at + tick);
+                for acts in &mut acts {
+                    acts.push((at + tick, Act::Stops { crd: crd as u8 }));
+                    // At once, before what else comes at this instant.
+                    acts.extend(rests.then_some((at + tick, Act::Rests { crd: crd as u8, stopped: true })));
+                }
+            }
+            Outside::Light(on) => {
+                writeln!(text, "GT_SetHSIOOpt({},{crd});", u8::from(on)).unwrap();
+                acts[crd].push((at + tick, Act::Own(Command::Gate(on))));
             }
             Outside::Override(rate) => writeln!(text, "GT_SetOverride({number},{rate:?});").unwrap(),
         }
@@ -194,17 +240,19 @@ fn attempt(chance: &mut Chance, tick: Ns) -> Option<Made> {
     }
     for acts in &mut acts {
         for (crd, half) in halves.iter().enumerate() {
-            let rests = half.course.rests.iter();
-            acts.extend(
-                rests.map(|rest| (ns(rest.at), Act::Rests { crd: crd as u8, stopped: rest.why == Why::Stopped })),
-            );
+            for rest in &half.course.rests {
+                let act = Act::Rests { crd: crd as u8, stopped: rest.why == Why::Stopped };
+                if !acts.contains(&(ns(rest.at), act.clone())) {
+                    acts.push((ns(rest.at), act));
+                }
+            }
         }
         acts.sort_by_key(|(at, _)| *at);
     }
     let last = halves.iter().map(|half| half.course.rests.last().unwrap().at).fold(0.0, f64::max);
     let horizon = ((last.ceil() as Ns + 3) * MS).max(clock + 3 * MS);
     writeln!(text, "Sleep({});", (horizon - clock) / MS).unwrap();
-    Some(Made { text, halves, acts, horizon })
+    Some(Made { text, halves, acts, refused, horizon })
 }
 
 /// Edges equal to 5 ns.
@@ -316,6 +364,10 @@ fn check(machine: &Machine, made: &Made) -> Result<(usize, [f64; 2]), String> {
     if told.rows.len() < (made.horizon / machine.tick_ns) as usize {
         return Err(format!("{} rows", told.rows.len()));
     }
+    let codes: Vec<i16> = told.answers.iter().map(|(_, answer)| answer.code).filter(|code| *code != 0).collect();
+    if codes != vec![1; made.refused] {
+        return Err(format!("refused: {codes:?}, the model {}", made.refused));
+    }
     let mut edges = outputs(made, &told)?;
     for (channel, beams) in told.lasers.iter().enumerate() {
         edges += laser(machine.family, channel, made, beams)?;
@@ -390,7 +442,7 @@ fn arcs_of_any_size_hold_their_circle() {
         let last = halves.iter().map(|half| half.course.rests[0].at).fold(0.0, f64::max);
         let horizon = (last.ceil() as Ns + 3) * MS;
         writeln!(text, "Sleep({});", horizon / MS - 4).unwrap();
-        Some(Made { text, halves, acts: Default::default(), horizon })
+        Some(Made { text, halves, acts: Default::default(), refused: 0, horizon })
     });
     println!("{count} jobs: at most {off:?} pulses off the model and off the circle");
     assert!(off[1] > 0.0, "no arc was seen");

@@ -181,9 +181,12 @@ wire_structs! {
     /// Events since power-on, and how many of the last ones follow.
     EventsReply { total: U32, count: U16 }
     /// What happened by itself: when, what (1 an axis and 2 a coordinate system came to rest, 3 a laser went dark or was
-    /// cleared, 4 the link was lost or came back, 5 servo ticks took too long, 6 events were lost), to which (axes and
+    /// cleared, 4 the link was lost or came back, 5 servo ticks took too long, 6 events were lost, 7 a laser command that was
+    /// admitted did nothing, 8 an abort or a new session shut off the lasers), to which (axes and
     /// coordinate systems over all cores from 1, lasers from 0), and why.
     EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
+    /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop too.
+    LinkLossReply { time_ms: F64, stop_all: I16 }
     /// Home or index capture.
     CaptureReply { status: I16, value: I32, clock_ms: U32 }
     /// Raw bytes.
@@ -204,7 +207,7 @@ wire_structs! {
     /// One laser channel in one tick: power mode (0 duty, 1 frequency, 2 analog, 3 duty with the switch held),
     /// on command, switch output, light; `held` 1: the pulse width is limited to just under the period;
     /// cause of the latched fault (GetLaserFault); power in the mode's unit and carrier or pulse rate in kHz as they
-    /// are put out now; light in 250 µs units.
+    /// are output now; light in 250 µs units.
     LaserState {
         mode: I16, commanded: u8, gate: u8, light: u8, held: u8, fault: I16, power: F64, frequency: F64,
         on_time: U32,
@@ -272,6 +275,9 @@ commands! {
     0x0009 Choose { profile: u8, family: u8 } [Nothing] -> VersionReply [Nothing];
     0x000A GetFault {} [Nothing] -> FaultReply [Byte];
     0x000B GetEvents {} [Nothing] -> EventsReply [EventItem];
+    0x000C Abort { core: I16 } [Nothing] -> Nothing [Nothing];
+    0x000D GetLinkLoss {} [Nothing] -> LinkLossReply [Nothing];
+    0x000E SetInterlock { motion: I16 } [Nothing] -> Nothing [Nothing];
     // -- the program queue (SPEC 7) ----------------------------------------------------------
     0x0010 Sleep { ns: U64 } [Nothing] -> Nothing [Nothing];
     0x0011 WaitStop { core: I16, axes: I32, crds: I32 } [Nothing] -> Nothing [Nothing];

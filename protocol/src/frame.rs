@@ -27,7 +27,9 @@ pub const MAX_FRAME: usize = MAX_PAYLOAD + OVERHEAD;
 /// Longest frame on the wire: COBS and the delimiter.
 pub const MAX_WIRE: usize = wire_length(MAX_FRAME);
 /// Longest frame on the wire of those that open a session.
-pub const OPENING_WIRE: usize = wire_length(OVERHEAD + size_of::<HelloAck>());
+pub const OPENING_WIRE: usize = wire_length(OVERHEAD + size_of::<Busy>());
+/// Bytes of [`Busy::holder`].
+pub const HOLDER: usize = 32;
 
 const HEADER: usize = size_of::<Header>();
 pub(crate) const CRC_BYTES: usize = 4;
@@ -94,6 +96,9 @@ wire_structs! {
     /// Payload of kind HelloAck; the header's session is the nonce of the Hello it answers. `session`
     /// is the session's id, 0 if versions or schemas differ.
     HelloAck { schema: U32, window: U16, session: U32 }
+    /// Payload of kind Busy; the header's session is the nonce of the Hello it answers. Another client has the session:
+    /// for `held_ms`, heard last `silent_ms` ago. `holder` says where it is, in UTF-8, filled up with zeros.
+    Busy { held_ms: U32, silent_ms: U32, holder: [u8; 32] }
 }
 
 /// In `flags`: the sender of the frame holds messages beyond `acknowledgement`, so that one is missing.
@@ -115,6 +120,8 @@ pub enum Kind {
     KeepAlive = 5,
     /// Ends the session.
     Bye = 6,
+    /// Controller: answers a Hello where another client has the session.
+    Busy = 7,
 }
 
 impl Kind {
@@ -126,6 +133,7 @@ impl Kind {
             4 => Some(Kind::Ack),
             5 => Some(Kind::KeepAlive),
             6 => Some(Kind::Bye),
+            7 => Some(Kind::Busy),
             _ => None,
         }
     }
@@ -137,9 +145,26 @@ impl Kind {
             Kind::HelloAck => Some(size_of::<HelloAck>()),
             Kind::Data => None,
             Kind::Ack | Kind::KeepAlive | Kind::Bye => Some(0),
+            Kind::Busy => Some(size_of::<Busy>()),
         }
     }
 }
+
+impl Busy {
+    /// What is told of the client at `holder`, of which so many bytes go as there are places for.
+    pub fn new(held_ms: u32, silent_ms: u32, holder: &str) -> Busy {
+        let mut place = [0; HOLDER];
+        copy(&mut place, holder.as_bytes());
+        Busy { held_ms: held_ms.into(), silent_ms: silent_ms.into(), holder: place }
+    }
+
+    /// Where the other client is.
+    pub fn holder(&self) -> &[u8] {
+        self.holder.split(|byte| *byte == 0).next().unwrap_or(&[])
+    }
+}
+
+const _: () = assert!(size_of::<Busy>() >= size_of::<HelloAck>());
 
 /// Why a frame was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -21,7 +21,7 @@ mod transmit;
 
 use crate::Ns;
 use crate::deframe::{self, Deframer};
-use crate::frame::{self, HelloAck, MAX_PAYLOAD, MAX_WIRE, VERSION};
+use crate::frame::{self, Busy, HelloAck, MAX_PAYLOAD, MAX_WIRE, VERSION};
 use receive::Receiver;
 use transmit::Transmitter;
 
@@ -29,6 +29,8 @@ use transmit::Transmitter;
 pub const HELLO_NS: Ns = 100_000_000;
 /// The client sends a KeepAlive when it has sent nothing else for this time.
 pub const KEEP_ALIVE_NS: Ns = 100_000_000;
+/// A session whose last valid frame is younger than this is alive: a client on another wire does not get it.
+pub const ALIVE_NS: Ns = 500_000_000;
 /// Bounds of the time after which an unacknowledged message is sent again, and its first value.
 pub const RETRY_MIN_NS: Ns = 20_000_000;
 /// See [`RETRY_MIN_NS`].
@@ -60,7 +62,7 @@ impl Identity {
 }
 
 /// Where the link stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum State {
     /// No session: never opened, or closed by this end.
     Closed,
@@ -70,6 +72,8 @@ pub enum State {
     Open,
     /// Client: the controller is of another version or schema, which are given (return code 3).
     Mismatch(Identity),
+    /// Client: another client has the controller (return code −6).
+    Busy(Busy),
     /// The other end said Bye.
     Ended,
 }
@@ -173,6 +177,8 @@ pub struct Endpoint<const WINDOW: usize> {
     retry_at: Ns,
     last_sent: Ns,
     last_valid: Option<Ns>,
+    /// When the session was taken up.
+    began: Ns,
     wire: [u8; MAX_WIRE],
     wire_at: usize,
     wire_len: usize,
@@ -205,6 +211,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             retry_at: 0,
             last_sent: 0,
             last_valid: None,
+            began: 0,
             wire: [0; MAX_WIRE],
             wire_at: 0,
             wire_len: 0,
@@ -275,7 +282,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                     self.keep_alive_due = true;
                 }
             }
-            State::Opening | State::Closed | State::Mismatch(_) | State::Ended => {}
+            State::Opening | State::Closed | State::Mismatch(_) | State::Busy(_) | State::Ended => {}
         }
     }
 
@@ -288,7 +295,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                 let retry = self.transmitter.deadline();
                 keep_alive.into_iter().chain(retry).min()
             }
-            State::Closed | State::Mismatch(_) | State::Ended => None,
+            State::Closed | State::Mismatch(_) | State::Busy(_) | State::Ended => None,
         }
     }
 
@@ -420,6 +427,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         self.transmitter.reset(window);
         self.receiver.reset();
         self.last_valid = Some(now);
+        self.began = now;
         self.last_sent = now;
         self.counters.sessions = self.counters.sessions.wrapping_add(1);
     }

@@ -142,6 +142,10 @@ reasons! {
     143 PlaneX Range "a position of X is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
     144 PlaneY Range "a position of Y is {got}; it must be a whole number of pulses, greater than {low}, that of the point before";
     145 RatiosBusy State "laser channel {got}: a change of its ratios has not acted yet; this one comes behind it";
+    146 LaserNotMapped State "laser channel {got} is not mapped to coordinate system {axis}; call SetLaserCrdMap first";
+    147 LaserMapInUse State "laser channel {got}: coordinate system {axis} runs, or has light of this channel that would come back; stop it, and switch the light off first";
+    148 Aborting State "after an abort lasers are switched on once everything has come to rest; wait for that";
+    149 NoLaserOutput State "laser channel {got}: this board has no output for its power in this mode";
 }
 
 /// The payload of a refusing reply.
@@ -221,6 +225,8 @@ pub const fn stop_reason(number: u16) -> &'static str {
         15 => "an input did not come in time",
         16 => "the step limit",
         17 => "another axis could not go along",
+        18 => "an abort",
+        19 => "the interlock or emergency-stop input",
         _ => "an unknown reason",
     }
 }
@@ -240,6 +246,16 @@ pub const fn laser_cause(number: i16) -> &'static str {
         9 => "a coordinate system that gates it ran out of entries at speed",
         10 => "a coordinate system that gates it had a fault",
         _ => "one that this client does not know",
+    }
+}
+
+/// Why a laser command that had been admitted did nothing, by the number that an event carries.
+pub const fn laser_ignored(number: u16) -> &'static str {
+    match number {
+        1 => "the channel is not mapped to the coordinate system of the entry",
+        2 => "the command met no output: the axis connector carries step pulses",
+        3 => "an abort was in progress",
+        _ => "an unknown reason",
     }
 }
 

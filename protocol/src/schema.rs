@@ -2,7 +2,7 @@
 //! agree on, computed by the compiler. Any change of a layout changes it.
 
 use crate::command::{COMMANDS, CommandInfo, Wire};
-use crate::frame::{CRC_BYTES, Header, Hello, HelloAck, MAX_PAYLOAD, VERSION};
+use crate::frame::{Busy, CRC_BYTES, Header, Hello, HelloAck, MAX_PAYLOAD, VERSION};
 use crate::reason::{Code, REASONS, Reason, Refusal};
 use crate::record::{Lane, ReplyHead, RequestHead, TRACE_RECORD};
 use crate::trace;
@@ -19,6 +19,7 @@ const LAYOUTS: &[(&str, Fields)] = &[
     ("Header", Header::FIELDS),
     ("Hello", Hello::FIELDS),
     ("HelloAck", HelloAck::FIELDS),
+    ("Busy", Busy::FIELDS),
     ("RequestHead", RequestHead::FIELDS),
     ("ReplyHead", ReplyHead::FIELDS),
     ("Refusal", Refusal::FIELDS),

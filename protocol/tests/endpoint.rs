@@ -3,8 +3,9 @@
 
 use protocol::Ns;
 use protocol::deframe::{Deframer, Outcome};
-use protocol::frame::{self, Header, Kind, MAX_PAYLOAD, MAX_WIRE, OPENING_WIRE};
-use protocol::link::{Endpoint, Identity, KEEP_ALIVE_NS, Knock, RETRY_FIRST_NS, Role, SendError, State};
+use protocol::frame::{self, Header, HelloAck, Kind, MAX_PAYLOAD, MAX_WIRE, OPENING_WIRE};
+use protocol::link::{ALIVE_NS, Endpoint, Identity, KEEP_ALIVE_NS, Knock, RETRY_FIRST_NS, Role, SendError, State};
+use zerocopy::IntoBytes;
 
 const MS: Ns = 1_000_000;
 type End = Endpoint<4>;
@@ -293,13 +294,17 @@ fn sequence_numbers_go_round() {
 
 /// A sealed frame of the session that is in force there.
 fn sealed(end: &End, kind: Kind, acknowledgement: u16, payload: &[u8]) -> Vec<u8> {
+    encoded(kind, end.session().unwrap(), (0, acknowledgement), payload)
+}
+
+fn encoded(kind: Kind, session: u32, (sequence, acknowledgement): (u16, u16), payload: &[u8]) -> Vec<u8> {
     let header = Header {
         version: protocol::VERSION,
         kind: kind as u8,
         flags: 0,
         credit: 4,
-        session: end.session().unwrap().into(),
-        sequence: 0.into(),
+        session: session.into(),
+        sequence: sequence.into(),
         acknowledgement: acknowledgement.into(),
         length: 0.into(),
     };
@@ -307,6 +312,131 @@ fn sealed(end: &End, kind: Kind, acknowledgement: u16, payload: &[u8]) -> Vec<u8
     let length = frame::encode(header, payload, &mut wire).unwrap();
     wire.truncate(length);
     wire
+}
+
+/// Whatever comes in another session, or in none, the link is as silent as before, and nothing of it counts.
+#[test]
+fn frames_of_another_session_are_no_life_of_this_one() {
+    let (mut client, mut controller) = opened();
+    let old = controller.session().unwrap();
+    client.open(MS, 2);
+    pump(MS, &mut client, &mut controller);
+    let session = controller.session().unwrap();
+    let heard = controller.last_valid();
+    assert!(heard == Some(MS) && session != old);
+    client.send(b"waits").unwrap();
+    out(&mut client, MS);
+    let mut stale = 0;
+    for (k, other) in (0..).zip([old, session ^ 1, session.wrapping_add(1), 0]) {
+        for kind in [Kind::KeepAlive, Kind::Ack, Kind::Data, Kind::Bye] {
+            let now = (k + 2) * 100 * MS;
+            for end in [&mut controller, &mut client] {
+                end.feed(now, &encoded(kind, other, (0, 1), if kind == Kind::Data { b"old" } else { b"" }));
+                assert_eq!((end.session(), end.last_valid(), end.message()), (Some(session), heard, None));
+            }
+            stale += 1;
+            assert_eq!((controller.counters().stale_session, client.counters().stale_session), (stale, stale));
+        }
+    }
+    assert!(!client.all_acknowledged());
+    assert_eq!(controller.silence(900 * MS), Some(899 * MS));
+    assert!(out(&mut controller, 900 * MS).is_empty(), "nor is there an answer");
+}
+
+/// Neither what is damaged nor what asks for another session tells that this one's client is there.
+#[test]
+fn damaged_frames_and_hellos_are_no_life_of_a_session() {
+    let (client, mut controller) = opened();
+    let good = sealed(&client, Kind::KeepAlive, 0, b"");
+    for bit in 8..8 * (good.len() - 1) {
+        let mut bad = good.clone();
+        bad[bit / 8] ^= 1 << (bit % 8);
+        controller.feed(MS, &bad);
+        // Where the damage has made an end of a frame.
+        controller.feed(MS, &[0]);
+        assert_eq!(controller.last_valid(), Some(0), "{bit}");
+    }
+    let mut stranger = End::new(Role::Client, Identity::OURS);
+    stranger.open(MS, 9);
+    controller.feed(MS, &out(&mut stranger, MS));
+    assert_eq!((controller.session(), controller.last_valid()), (client.session(), Some(0)));
+    controller.feed(2 * MS, &good);
+    assert_eq!(controller.last_valid(), Some(2 * MS));
+}
+
+/// A client takes up what was offered to its own Hello, once, and no session that is none.
+#[test]
+fn a_client_takes_up_the_session_that_it_asked_for() {
+    let answer = |schema: u32, session: u32| {
+        HelloAck { schema: schema.into(), window: 4.into(), session: session.into() }.as_bytes().to_vec()
+    };
+    let ours = Identity::OURS.schema;
+    let (mut client, _) = ends();
+    client.feed(0, &encoded(Kind::HelloAck, 7, (0, 0), &answer(ours, 5)));
+    assert_eq!((client.state(), client.counters().unexpected), (State::Closed, 1));
+    client.open(0, 7);
+    out(&mut client, 0);
+    for (nonce, session) in [(8, 5), (0, 5), (7, 0)] {
+        client.feed(0, &encoded(Kind::HelloAck, nonce, (0, 0), &answer(ours, session)));
+        assert!(out(&mut client, 0).is_empty(), "{nonce} {session}");
+    }
+    assert_eq!((client.state(), client.counters().unexpected), (State::Opening, 4));
+    client.feed(0, &encoded(Kind::HelloAck, 7, (0, 0), &answer(ours, 5)));
+    client.feed(0, &encoded(Kind::HelloAck, 7, (0, 0), &answer(ours, 6)));
+    client.feed(0, &encoded(Kind::Ack, 6, (0, 0), b""));
+    assert_eq!((client.state(), client.counters().stale_session), (State::Opening, 1));
+    client.feed(0, &encoded(Kind::Ack, 5, (0, 0), b""));
+    client.feed(0, &encoded(Kind::HelloAck, 7, (0, 0), &answer(ours, 6)));
+    assert_eq!((client.state(), client.session(), client.counters().unexpected), (State::Open, Some(5), 6));
+}
+
+/// What came first under a number stays, and nothing is taken where nothing came.
+#[test]
+fn a_message_is_kept_as_it_came_and_none_is_taken_before_it() {
+    let (client, mut controller) = opened();
+    let session = client.session().unwrap();
+    let message = |sequence: u16, text: &[u8]| encoded(Kind::Data, session, (sequence, 0), text);
+    controller.done_with_message();
+    for (sequence, text) in [(1, b"one"), (1, b"eno"), (0, b"nul"), (0, b"lun")] {
+        controller.feed(0, &message(sequence, text));
+    }
+    assert_eq!(controller.counters().duplicates, 2);
+    for text in [b"nul", b"one"] {
+        assert_eq!(controller.message(), Some(&text[..]));
+        controller.done_with_message();
+    }
+    controller.done_with_message();
+    controller.feed(0, &message(2, b"two"));
+    assert_eq!(controller.message(), Some(&b"two"[..]));
+}
+
+/// The message that lies just behind the window is not kept, not even where the first one's place is free.
+#[test]
+fn a_message_behind_the_window_is_not_kept() {
+    let (client, mut controller) = opened();
+    let session = client.session().unwrap();
+    let message = |sequence: u16, text: &[u8]| encoded(Kind::Data, session, (sequence, 0), text);
+    // The first is lost, what follows fills the window of four: 1, 2, 3; 4 is one too far.
+    for (sequence, text) in [(1, b"one"), (2, b"two"), (3, b"thr"), (4, b"for"), (5, b"fiv"), (0x7fff, b"far")] {
+        controller.feed(0, &message(sequence, text));
+    }
+    assert_eq!((controller.message(), controller.counters().beyond_window), (None, 3));
+    controller.feed(0, &message(0, b"nul"));
+    for text in [b"nul", b"one", b"two", b"thr"] {
+        assert_eq!(controller.message(), Some(&text[..]));
+        controller.done_with_message();
+    }
+    assert_eq!(controller.message(), None);
+    // With one place free again, that is all there is.
+    for (sequence, text) in [(4, b"for"), (8, b"nin"), (7, b"eig"), (5, b"fiv"), (6, b"six")] {
+        controller.feed(0, &message(sequence, text));
+    }
+    assert_eq!(controller.counters().beyond_window, 4);
+    for text in [b"for", b"fiv", b"six", b"eig"] {
+        assert_eq!(controller.message(), Some(&text[..]));
+        controller.done_with_message();
+    }
+    assert_eq!(controller.message(), None);
 }
 
 #[test]
@@ -339,7 +469,7 @@ fn a_frame_with_any_bit_damaged_is_none() {
 }
 
 /// What of the wire's bytes comes as frames at the controller's second wire, and what it answers there.
-fn knocks(controller: &mut End, now: Ns, bytes: &[u8]) -> (Vec<u8>, Vec<Knock>) {
+fn knocks(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> (Vec<u8>, Vec<Knock>) {
     let mut deframer = Deframer::<MAX_WIRE>::new();
     let (mut rest, mut answers, mut outcomes) = (bytes, Vec::new(), Vec::new());
     while !rest.is_empty() {
@@ -347,7 +477,7 @@ fn knocks(controller: &mut End, now: Ns, bytes: &[u8]) -> (Vec<u8>, Vec<Knock>) 
         rest = &rest[used..];
         if outcome == Outcome::Frame {
             let mut answer = [0; OPENING_WIRE];
-            let knock = controller.knock(now, deframer.frame(), &mut answer);
+            let knock = controller.knock(now, deframer.frame(), holder, &mut answer);
             if let Knock::Answered(length) = knock {
                 answers.extend(&answer[..length]);
             }
@@ -365,7 +495,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     let mut second = End::new(Role::Client, Identity::OURS);
     second.open(0, 2);
     let hello = out(&mut second, 0);
-    let (answer, outcomes) = knocks(&mut controller, 0, &hello);
+    let (answer, outcomes) = knocks(&mut controller, 0, None, &hello);
     assert_eq!(outcomes, [Knock::Answered(answer.len())]);
     // A Hello ends nothing, and its answer is none of the first wire's.
     assert_eq!(controller.session(), session);
@@ -379,7 +509,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     controller.feed(0, &half[..half.len() / 2]);
     controller.send(b"lost").unwrap();
     assert_eq!(controller.take_tx(0, &mut [0; 5]), 5);
-    assert_eq!(knocks(&mut controller, 0, &confirmation).1, [Knock::TakenUp]);
+    assert_eq!(knocks(&mut controller, 0, None, &confirmation).1, [Knock::TakenUp]);
     assert_ne!(controller.session(), session);
     assert_eq!(controller.message(), None);
     pump(0, &mut second, &mut controller);
@@ -396,7 +526,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     assert_eq!(controller.message(), Some(&b"after"[..]));
     // From now on the first client is at the second wire: what it sends in its session is nothing.
     first.poll(KEEP_ALIVE_NS);
-    let (answer, outcomes) = knocks(&mut controller, KEEP_ALIVE_NS, &out(&mut first, KEEP_ALIVE_NS));
+    let (answer, outcomes) = knocks(&mut controller, KEEP_ALIVE_NS, None, &out(&mut first, KEEP_ALIVE_NS));
     assert!(answer.is_empty() && !outcomes.is_empty() && outcomes.iter().all(|knock| *knock == Knock::Nothing));
     assert_eq!(controller.session(), second.session());
 }
@@ -409,12 +539,12 @@ fn a_session_that_was_not_offered_takes_nothing_up_on_the_second_wire() {
     second.open(0, 2);
     for (n, offered) in [(1, false), (2, true)] {
         if offered {
-            knocks(&mut controller, 0, &out(&mut second, 0));
+            knocks(&mut controller, 0, None, &out(&mut second, 0));
         }
         // A sign of life of the session in force, which is on the other wire.
         let now = n * KEEP_ALIVE_NS;
         first.poll(now);
-        let (answer, outcomes) = knocks(&mut controller, now, &out(&mut first, now));
+        let (answer, outcomes) = knocks(&mut controller, now, None, &out(&mut first, now));
         assert_eq!((answer, outcomes), (vec![], vec![Knock::Nothing]), "another session offered: {offered}");
         assert_eq!(controller.session(), session);
     }
@@ -426,7 +556,7 @@ fn a_stranger_at_the_second_wire_is_told_so_and_nothing_changes() {
     let session = controller.session();
     let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
     stranger.open(0, 9);
-    let (answer, _) = knocks(&mut controller, 0, &out(&mut stranger, 0));
+    let (answer, _) = knocks(&mut controller, 0, None, &out(&mut stranger, 0));
     stranger.feed(0, &answer);
     assert_eq!(stranger.state(), State::Mismatch(Identity::OURS));
     assert_eq!(controller.session(), session);
@@ -438,7 +568,60 @@ fn a_stranger_at_the_second_wire_is_told_so_and_nothing_changes() {
     other.open(0, 3);
     controller.feed(0, &out(&mut other, 0));
     stranger.open(0, 10);
-    assert_eq!(knocks(&mut controller, 0, &out(&mut stranger, 0)).1.len(), 1);
+    assert_eq!(knocks(&mut controller, 0, None, &out(&mut stranger, 0)).1.len(), 1);
     pump(0, &mut other, &mut controller);
     assert_eq!((other.state(), other.session()), (State::Open, controller.session()));
+}
+
+#[test]
+fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_silent() {
+    let (mut first, mut controller) = opened();
+    let session = controller.session();
+    let holder = Some("127.0.0.1:4711");
+    let mut second = End::new(Role::Client, Identity::OURS);
+    let last = ALIVE_NS - 1;
+    second.open(last, 2);
+    let (answer, outcomes) = knocks(&mut controller, last, holder, &out(&mut second, last));
+    assert_eq!(outcomes, [Knock::Answered(answer.len())]);
+    second.feed(last, &answer);
+    let State::Busy(busy) = second.state() else { panic!("{:?}", second.state()) };
+    assert_eq!((busy.held_ms.get(), busy.silent_ms.get(), busy.holder()), (499, 499, &b"127.0.0.1:4711"[..]));
+    assert_eq!((controller.session(), second.next_deadline()), (session, None));
+    first.send(b"on").unwrap();
+    pump(last, &mut first, &mut controller);
+    assert_eq!(controller.message(), Some(&b"on"[..]));
+
+    // An answer for another nonce is none of this client's.
+    second.open(last, 3);
+    second.feed(last, &answer);
+    assert_eq!(second.state(), State::Opening);
+
+    // Offered while the first one was silent; it speaks again before the session is taken up: nothing is taken.
+    let now = last + ALIVE_NS;
+    let (answer, _) = knocks(&mut controller, now, holder, &out(&mut second, now));
+    second.feed(now, &answer);
+    let confirmation = out(&mut second, now);
+    first.poll(now);
+    pump(now, &mut first, &mut controller);
+    assert_eq!(knocks(&mut controller, now, holder, &confirmation).1, [Knock::Nothing]);
+    assert_eq!(controller.session(), session);
+
+    // It is silent, or its wire is gone: the session is the second one's.
+    for (now, holder) in [(now + ALIVE_NS, holder), (now + ALIVE_NS, None)] {
+        let mut second = End::new(Role::Client, Identity::OURS);
+        let nonce = if holder.is_some() { 4 } else { 5 };
+        second.open(now, nonce);
+        let (answer, _) = knocks(&mut controller, now, holder, &out(&mut second, now));
+        second.feed(now, &answer);
+        assert_eq!(knocks(&mut controller, now, holder, &out(&mut second, now)).1, [Knock::TakenUp]);
+        pump(now, &mut second, &mut controller);
+        assert_eq!(second.state(), State::Open);
+    }
+
+    // Who speaks another protocol is told that, whoever is there.
+    let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
+    stranger.open(now, 9);
+    let (answer, _) = knocks(&mut controller, now, holder, &out(&mut stranger, now));
+    stranger.feed(now, &answer);
+    assert_eq!(stranger.state(), State::Mismatch(Identity::OURS));
 }

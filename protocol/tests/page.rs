@@ -151,7 +151,7 @@ fn frames_are_those_of_the_page() {
     for line in block("frame") {
         let [kind, fields, payload, wire] = columns(&line);
         let (payload, wire) = (bytes(&payload), bytes(&wire));
-        let kinds = [Kind::Hello, Kind::HelloAck, Kind::Data, Kind::Ack, Kind::KeepAlive, Kind::Bye];
+        let kinds = [Kind::Hello, Kind::HelloAck, Kind::Data, Kind::Ack, Kind::KeepAlive, Kind::Bye, Kind::Busy];
         let kind = kinds.into_iter().find(|k| format!("{k:?}") == kind).unwrap_or_else(|| panic!("kind {kind}"));
         let field = |key| number(value(&fields, key));
         let header = Header {

@@ -5,7 +5,7 @@
 //! its mask and is told as [`Event::Refused`]; whatever else does not fit any more has no effect.
 use crate::axis::{AxisState, Jog};
 use crate::follow::Method;
-use crate::op::{DoGroup, Entry, Lane, Op};
+use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op, Supervision};
 use crate::path::EntryStore;
 use crate::port::Port;
 use crate::pvt::TableStores;
@@ -54,13 +54,25 @@ impl<const AXES: usize> Tick<AXES> {
     ) {
         match entry.op {
             Op::Mark | Op::ProgramRun | Op::ProgramDrop | Op::ProgramEnd | Op::WaitRest { .. } => {}
-            Op::Stop { axes, abrupt } => {
-                let (all, hard) = (self.drivers(axes), self.drivers(AxisMask(axes.0 & abrupt.0)));
+            Op::Stop { axes, abrupt, crds, crds_abrupt } => {
+                let named = CrdMask(crds.0 | self.holders(axes).0 | self.drivers(axes).0);
+                self.lasers.crd_stops(self.crds.known(named), next);
+                let abrupt = AxisMask(axes.0 & abrupt.0);
+                let hard = CrdMask(crds.0 & crds_abrupt.0 | self.drivers(abrupt).0);
+                let all = CrdMask(crds.0 | self.drivers(axes).0);
                 self.stop_crds(hard, true, StopReason::StopAbrupt, next, lanes);
                 self.stop_crds(CrdMask(all.0 & !hard.0), false, StopReason::StopSmooth, next, lanes);
-                self.sourced(AxisMask(axes.0 & !abrupt.0), lanes, |state, source| state.stop_smooth(next, source));
-                self.halt(AxisMask(axes.0 & abrupt.0), StopReason::StopAbrupt, next, lanes);
+                self.brake_axes(AxisMask(axes.0 & !abrupt.0), StopReason::StopSmooth, next, lanes);
+                self.halt(abrupt, StopReason::StopAbrupt, next, lanes);
             }
+            Op::Abort => {
+                self.lasers.abort(next);
+                self.brake(Brake::All, StopReason::Abort, next, lanes);
+                self.aborted = self.running();
+                self.look_at_abort(next);
+            }
+            Op::NewSession => self.lasers.new_session(next),
+            Op::Supervision(supervision) => self.supervision = supervision,
             Op::Servo { axis, on } => self.servo(axis.mask(), on, next, lanes),
             Op::Output { group, mask, value } => match group {
                 DoGroup::Enable => {
@@ -72,10 +84,12 @@ impl<const AXES: usize> Tick<AXES> {
             },
             Op::Analog { channel, value } => port.analog_out(0, channel as usize, value),
             Op::Reset { axes } => {
+                self.supervision = Supervision::DEFAULT;
                 self.clear &= !axes.0;
                 self.enable &= !axes.0;
                 self.halt(axes, StopReason::Reset, next, lanes);
                 self.settle_crds(next, lanes);
+                self.lasers.reset(next);
                 self.drop_frames(axes);
                 self.all(axes, AxisState::reset);
             }
@@ -101,11 +115,13 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             Op::Laser { channel, change } => self.lasers.change(channel, next, &change),
-            Op::FollowEnd { crds } => self.lasers.end_follow(crds),
+            Op::FollowEnd { crds } => self.lasers.end_follow(crds, next),
             Op::Link { lost } => {
-                self.lasers.link(lost, self.script.runs || self.crds.running.0 != 0);
+                // Paths that ran at an abort, or in the session before, light nothing any more.
+                let paths = self.crds.running.0 & !self.lasers.dead().0;
+                self.lasers.link(lost, self.script.runs || paths != 0);
                 if lost {
-                    self.stop_crds(self.crds.running, false, StopReason::LinkLoss, next, lanes);
+                    self.brake(self.supervision.link, StopReason::LinkLoss, next, lanes);
                 }
             }
             Op::Trace { every, axes, crds, lasers, edges, outputs } => {
@@ -116,7 +132,7 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::ClearStatus { axes } => {
                 self.all(axes, AxisState::clear_status);
-                self.lasers.crd_cleared(self.holders(axes));
+                self.lasers.crd_cleared(self.holders(axes), next);
             }
             Op::Zero { axes } => self.renamed(axes, AxisState::zero_position),
             Op::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
@@ -184,10 +200,6 @@ impl<const AXES: usize> Tick<AXES> {
             Op::CrdCommit { crd, fifo, end, cleared } => self.commit_path(crd, fifo, end, cleared),
             Op::CrdClear { crd, fifo } => self.clear_path(crd, fifo),
             Op::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
-            Op::CrdStop { crds, abrupt } => {
-                self.stop_crds(CrdMask(crds.0 & !abrupt.0), false, StopReason::StopSmooth, next, lanes);
-                self.stop_crds(CrdMask(crds.0 & abrupt.0), true, StopReason::StopAbrupt, next, lanes);
-            }
             Op::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
             Op::CrdRate { crd, rate } => self.set_rate(crd, rate, next, lanes),
         }
@@ -242,6 +254,49 @@ impl<const AXES: usize> Tick<AXES> {
     /// Of a mask, the axes in use.
     pub(crate) fn in_use(&self, axes: AxisMask) -> AxisMask {
         AxisMask(axes.0 & (1u64 << self.used).wrapping_sub(1))
+    }
+
+    /// Axes brake with their stop decelerations.
+    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &Reach<'_, '_, AXES>) {
+        self.sourced(axes, lanes, |state, source| state.stop_smooth(next, reason, source));
+    }
+
+    /// Motion brakes: coordinate systems along their paths, axes with their stop decelerations.
+    pub(crate) fn brake(&mut self, which: Brake, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        let all = self.in_use(AxisMask(u64::MAX));
+        let axes = match which {
+            Brake::None => return,
+            Brake::JogAndPaths => {
+                let jogs = |axis: &Axis| self.axes.get(axis.index()).is_some_and(|state| state.shown.mode == Mode::Jog);
+                AxisMask(all.axes().filter(jogs).fold(0, |mask, axis| mask | axis.mask().0))
+            }
+            Brake::All => all,
+            Brake::AbruptAll => {
+                self.stop_crds(self.crds.running, true, reason, next, lanes);
+                return self.halt(all, reason, next, lanes);
+            }
+        };
+        self.stop_crds(self.crds.running, false, reason, next, lanes);
+        self.brake_axes(axes, reason, next, lanes);
+    }
+
+    /// Everything that runs.
+    fn running(&self) -> (AxisMask, CrdMask) {
+        let running = |(axis, state): (Axis, &AxisState)| if state.runs() { axis.mask().0 } else { 0 };
+        let axes = Axis::all().zip(&self.axes).map(running).fold(0, |mask, bit| mask | bit);
+        (AxisMask(axes), self.crds.running)
+    }
+
+    /// What ran at an abort and is at rest now does not count any more; once that is all of it, the abort is over.
+    #[inline(never)]
+    pub(crate) fn look_at_abort(&mut self, next: Ns) {
+        let (axes, crds) = self.running();
+        let (before, paths) = self.aborted;
+        self.aborted = (AxisMask(before.0 & axes.0), CrdMask(paths.0 & crds.0));
+        self.aborts = self.aborted.0.0 | self.aborted.1.0 as u64 != 0;
+        if !self.aborts {
+            self.lasers.abort_over(next);
+        }
     }
 
     /// Stops axes where they stand, and the paths that drive them.

@@ -26,7 +26,7 @@ pub(crate) use order::Order;
 pub use run::{ACTIONS, Context, Deeds, FollowRun, State};
 pub use setup::Setup;
 pub use store::Entries;
-pub(crate) use velocity::{compose, of as motion_of, ratio, straight};
+pub(crate) use velocity::{compose, led, of as motion_of, straight};
 pub use way::{SPOTS, Spot, Track, Way};
 
 use crate::units::Axis;

@@ -111,6 +111,45 @@ pub enum Mode {
     Crd = 7,
 }
 
+impl Op {
+    /// A Stop of axes alone.
+    pub const fn stop(axes: AxisMask, abrupt: AxisMask) -> Op {
+        Op::Stop { axes, abrupt, crds: CrdMask(0), crds_abrupt: CrdMask(0) }
+    }
+
+    /// A Stop of coordinate systems alone.
+    pub const fn stop_crds(crds: CrdMask, abrupt: CrdMask) -> Op {
+        Op::Stop { axes: AxisMask(0), abrupt: AxisMask(0), crds, crds_abrupt: abrupt }
+    }
+}
+
+/// Which motion brakes where something happens that no command asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Brake {
+    /// None: it goes on in the dark.
+    None,
+    /// Jog axes and coordinate systems brake; PT, PVT and Follow run out.
+    JogAndPaths,
+    /// Everything brakes.
+    All,
+    /// Everything stops abruptly.
+    AbruptAll,
+}
+
+/// What brakes for which cause.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Supervision {
+    /// The host link is lost.
+    pub link: Brake,
+    /// The interlock opens.
+    pub interlock: Brake,
+}
+
+impl Supervision {
+    /// At power-on, after a Reset and for a new session.
+    pub const DEFAULT: Supervision = Supervision { link: Brake::JogAndPaths, interlock: Brake::JogAndPaths };
+}
+
 /// Everything the tick can be asked to do. Its size counts: entries are copied through the ring.
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
@@ -125,16 +164,23 @@ pub enum Op {
     ProgramEnd,
     /// Program lane: the script clock waits until none of these runs.
     WaitRest { axes: AxisMask, crds: CrdMask },
-    /// All axes of the mask to power-on state: stopped, servo off, Trap mode, latches cleared. A coordinate system
+    /// All axes of the mask, and the supervision, to power-on state: stopped, servo off, Trap mode, latches cleared. A coordinate system
     /// that is mapped to one of them has no frame then.
     Reset { axes: AxisMask },
     /// Clears latched status bits whose cause is gone.
     ClearStatus { axes: AxisMask },
     /// Servo on or off; off while moving stops abruptly.
     Servo { axis: Axis, on: bool },
-    /// Stops: axes in `abrupt` at once, the others with their stop deceleration. An axis that a coordinate system
-    /// drives stops that, abruptly if one of its axes is in `abrupt`.
-    Stop { axes: AxisMask, abrupt: AxisMask },
+    /// Stops: axes in `abrupt` at once, the others with their stop deceleration; coordinate systems along their paths,
+    /// those in `crds_abrupt` at once. An axis that a coordinate system drives stops that, abruptly if one of its axes is
+    /// in `abrupt`.
+    Stop { axes: AxisMask, abrupt: AxisMask, crds: CrdMask, crds_abrupt: CrdMask },
+    /// Dark at once, and all motion is brought to rest smoothly (SPEC 9, "Abort").
+    Abort,
+    /// A new session: dark at once, and entries of the paths that run light nothing. Motion goes on.
+    NewSession,
+    /// What brakes where the link is lost, and where the interlock opens.
+    Supervision(Supervision),
     /// Sets planned positions at rest (ZeroPos also zeroes the encoders of `axes`).
     Zero { axes: AxisMask },
     /// Sets the planned position at rest.
@@ -223,8 +269,6 @@ pub enum Op {
     CrdClear { crd: Crd, fifo: u8 },
     /// These begin or go on; bits of `fifo1` take FIFO 1.
     CrdStart { crds: CrdMask, fifo1: CrdMask },
-    /// Stops along the path: those in `abrupt` at once, the others with their stop deceleration.
-    CrdStop { crds: CrdMask, abrupt: CrdMask },
     /// Stop deceleration.
     CrdStopDec { crd: Crd, dec: crate::ramp::Accel },
     /// Override.
@@ -233,7 +277,7 @@ pub enum Op {
     Laser { channel: u8, change: crate::laser::Change },
     /// Ends the velocity follows that entries of these coordinate systems began (Stop, bits 10 and 11).
     FollowEnd { crds: CrdMask },
-    /// The host link is lost, or is there again. Its loss puts out a channel whose light is on or may come, and
-    /// every channel while a program runs.
+    /// The host link is lost, or is there again. Its loss shuts off a channel whose light is on or may come, and
+    /// every channel while a program runs; motion brakes as `Supervision` says.
     Link { lost: bool },
 }

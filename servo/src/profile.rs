@@ -284,6 +284,11 @@ impl Profile {
         *self.piece_mut() = Piece::rest(now, u64::MAX, pos);
     }
 
+    /// At rest, and the piece before was not run to its end: the way to where it rests is not along it.
+    pub(crate) fn forget(&mut self) {
+        self.pieces[!self.second as usize] = Piece::rest(Ns(0), 0, self.piece().start);
+    }
+
     /// At rest, the position is called `pos`.
     pub fn rename(&mut self, pos: Pos) {
         self.piece_mut().start = pos;

@@ -65,7 +65,7 @@ impl<const AXES: usize> Tick<AXES> {
             let index = axis.index();
             let led = self.order.leaders.has(axis);
             let straight = self.axes.get(index).and_then(|state| {
-                let follower = state.follower().filter(|follower| !follower.braking)?;
+                let follower = state.follower().filter(|follower| follower.braking.is_none())?;
                 self.axes.get(follower.master.axis.index())?.straight(follower)
             });
             let Some(state) = self.axes.get_mut(index) else { break };
@@ -132,11 +132,11 @@ impl<const AXES: usize> Tick<AXES> {
         if let Some(reason) = stopped {
             tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
         }
-        let brakes = state.follower().is_some_and(|follower| follower.braking);
-        if brakes {
+        let brakes = state.follower().and_then(|follower| follower.braking);
+        if let Some(cause) = brakes {
             let motion = self.motion(axis);
             if let Some(state) = self.axes.get_mut(index)
-                && let Some(reason) = state.brake(next, motion, self.steps)
+                && let Some(reason) = state.brake(next, motion, cause, self.steps)
             {
                 tell(&mut lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
             }
@@ -150,7 +150,7 @@ impl<const AXES: usize> Tick<AXES> {
                 _ => self.general = set(self.general as u64) as u32,
             }
         }
-        follows && !brakes
+        follows && brakes.is_none()
     }
 
     /// Entries have switched servos on or off.

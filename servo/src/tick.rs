@@ -15,7 +15,7 @@ use crate::edges::{Edges, Levels};
 use crate::execute::Reach;
 use crate::follow::{self, Entries, Order};
 use crate::laser::{Cause, Clock, Lasers};
-use crate::op::{Entry, Lane, Op};
+use crate::op::{Entry, Lane, Op, Supervision};
 use crate::path::EntryStore;
 use crate::port::{AxisInputs, Port};
 pub use crate::pt::{SEGMENTS, SegmentStore};
@@ -25,7 +25,7 @@ use crate::script::Script;
 use crate::slaves::Switched;
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
-use crate::view::{AxisView, Event, LaserView, Sample, Speeds, Traced, View};
+use crate::view::{AxisView, Event, LaserView, Sample, Speeds, StopReason, Traced, View};
 use ring::{Consumer, Producer, Writer};
 
 /// Events between two looks of the thread.
@@ -172,6 +172,11 @@ pub struct Tick<const AXES: usize> {
     /// Axes in use.
     pub(crate) used: usize,
     analog_inputs: usize,
+    /// What ran at an abort and is not at rest yet.
+    pub(crate) aborted: (AxisMask, CrdMask),
+    /// Whether there is anything of that.
+    pub(crate) aborts: bool,
+    pub(crate) supervision: Supervision,
     /// Axes that may wait for an index edge.
     indexed: AxisMask,
     /// What an axis that follows goes in a tick at most, units of Pos, and what that is made of.
@@ -198,6 +203,9 @@ impl<const AXES: usize> Tick<AXES> {
             used: if used < AXES { used } else { AXES },
             analog_inputs: config.analog_inputs as usize,
             indexed: AxisMask(0),
+            aborted: (AxisMask(0), CrdMask(0)),
+            aborts: false,
+            supervision: Supervision::DEFAULT,
             done_immediate: 0,
             done_program: 0,
             script: Script::HELD,
@@ -228,7 +236,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.period
     }
 
-    /// The machine found that a tick began late: counted, shown in the view, and a reason to put out light.
+    /// The machine found that a tick began late: counted, shown in the view, and a cause to shut off light.
     pub fn overrun(&mut self) {
         self.overruns = self.overruns.saturating_add(1);
         self.lasers.trip(Cause::Overrun);
@@ -258,6 +266,10 @@ impl<const AXES: usize> Tick<AXES> {
         if self.indexed.0 != 0 {
             self.look_at_indexes(port);
         }
+        let interlock = port.interlock();
+        if interlock != self.lasers.interlock {
+            self.see_interlock(interlock, next, lanes);
+        }
         if !lanes.immediate.is_empty() || self.script.runs {
             self.execute_due(next, &mut period, port, lanes);
         }
@@ -279,6 +291,9 @@ impl<const AXES: usize> Tick<AXES> {
         if !self.edges.is_empty() {
             self.flush_edges(next, port, lanes);
         }
+        if self.aborts {
+            self.look_at_abort(next);
+        }
         let (trace, samples) = (&mut self.trace, &mut lanes.samples);
         let (tables, axes) = (lanes.tables.lasers, &self.axes);
         self.lasers.run(next, period, tables, axes, port, |channel, plan| trace.tell(channel, plan, samples));
@@ -296,6 +311,15 @@ impl<const AXES: usize> Tick<AXES> {
         self.ticks = self.ticks.wrapping_add(1);
         self.show(port, lanes.view.buffer());
         lanes.view.publish();
+    }
+
+    /// The interlock opens or closes: the lasers see it by themselves, motion brakes as it is to.
+    #[inline(never)]
+    fn see_interlock(&mut self, open: bool, next: Ns, lanes: &mut Lanes<'_, AXES>) {
+        self.lasers.interlock = open;
+        if open {
+            self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut Reach::of(lanes));
+        }
     }
 
     /// An index capture was armed, or another one instead.
@@ -414,7 +438,7 @@ impl<const AXES: usize> Tick<AXES> {
         (view.now, view.period) = (self.now, self.period);
         let Script { zero, clock, worst_late, late, runs } = self.script;
         (view.script_zero, view.script, view.worst_late) = (zero, clock, worst_late);
-        (view.late, view.program_runs) = (late, runs);
+        (view.late, view.program_runs, view.aborts) = (late, runs, self.aborts);
         (view.enable, view.clear) = (self.enable, self.clear);
         (view.general_outputs, view.tick) = (self.general, self.ticks);
         (view.done_immediate, view.done_program) = (self.done_immediate, self.done_program);

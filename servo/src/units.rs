@@ -108,13 +108,15 @@ impl AxisMask {
 
 /// A coordinate system of the controller, over all cores, from 0: core × those per core + crd − 1.
 /// Its only constructor checks it against the capacity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Hash)]
 #[repr(transparent)]
 pub struct Crd(u8);
 
 impl Crd {
     /// The largest number of any profile that the build holds, over all cores.
     pub const MAX: usize = crate::capacity::CRDS;
+    /// The first one.
+    pub const FIRST: Crd = Crd(0);
     /// Coordinate system `index` from 0, if there may be one.
     pub const fn new(index: usize) -> Option<Crd> {
         if index < Self::MAX { Some(Crd(index as u8)) } else { None }
@@ -135,7 +137,7 @@ impl Crd {
 }
 
 /// A set of coordinate systems over all cores, bit 0 the first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[repr(transparent)]
 pub struct CrdMask(pub u8);
 

@@ -242,6 +242,8 @@ pub struct Lead {
     pub axis: Option<Axis>,
     /// Progress is the master's position with its sign changed.
     pub down: bool,
+    /// Nothing comes of progress that goes back.
+    pub one_way: bool,
 }
 
 /// The motion of an axis in time: its own, or made of that of its master, and of the masters before it.
@@ -261,7 +263,7 @@ pub(crate) fn motion<'v>(
             };
             break;
         };
-        *place = Some((view.motion, lead.down));
+        *place = Some((view.motion, lead));
         match lead.axis.map(&of) {
             Some(Some(master)) => view = master,
             Some(None) => break,
@@ -271,7 +273,7 @@ pub(crate) fn motion<'v>(
             }
         }
     }
-    chain.iter().flatten().rev().fold(leader, |leader, (motion, down)| compose(*motion, *down, leader))
+    chain.iter().flatten().rev().fold(leader, |leader, (motion, lead)| compose(*motion, *lead, leader))
 }
 
 /// Why an axis came to rest.
@@ -315,6 +317,18 @@ pub enum StopReason {
     StepLimit = 16,
     /// Of a coordinate system: another axis could not go along (BufGear) or be moved (BufMove).
     OtherAxis = 17,
+    /// Abort.
+    Abort = 18,
+    /// The interlock or emergency-stop input.
+    Interlock = 19,
+}
+
+impl StopReason {
+    /// Whether it is an order to brake smoothly.
+    pub(crate) const fn is_brake(self) -> bool {
+        use StopReason::{Abort, Interlock, LinkLoss, StopSmooth};
+        matches!(self, StopSmooth | LinkLoss | Abort | Interlock)
+    }
 }
 
 /// Everything of one tick, for the thread. `AXES` is the capacity of the build.
@@ -335,6 +349,8 @@ pub struct View<const AXES: usize> {
     pub late: u32,
     /// Whether the program lane runs; else it is held.
     pub program_runs: bool,
+    /// An abort is in progress: on commands of lasers are refused until everything has come to rest.
+    pub aborts: bool,
     /// Servo-enable outputs.
     pub enable: u64,
     /// Alarm-clear outputs.
@@ -395,6 +411,7 @@ impl<const AXES: usize> View<AXES> {
         done_immediate: 0,
         done_program: 0,
         program_runs: false,
+        aborts: false,
         script: Ns(0),
         script_zero: Ns(0),
         late: 0,

@@ -213,7 +213,7 @@ fn a_move_that_fails_stops_the_path() {
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
     bench.until(zero + 20 * MS);
-    bench.now(Op::Stop { axes: all(&[4]), abrupt: AxisMask(0) });
+    bench.now(Op::stop(all(&[4]), AxisMask(0)));
     let view = bench.until(zero + 60 * MS);
     assert!(!view.crds[0].runs && view.crds[0].stop == StopReason::OtherAxis);
     assert_eq!(pulses(view.axes[0].pos), 37.0);
@@ -226,8 +226,8 @@ fn a_modal_move_that_was_stopped_is_made_to_its_end() {
     let v = speeds(10.0, 1.0, 0.0);
     // 2·√37 ms for the line; 30 pulses at 2 pulse/ms: 4 ms, 11 ms, 4 ms.
     let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), true).unwrap();
-    let path = |abrupt| Op::CrdStop { crds: CrdMask(1), abrupt: CrdMask(abrupt) };
-    let other = Op::Stop { axes: all(&[4]), abrupt: AxisMask(0) };
+    let path = |abrupt| Op::stop_crds(CrdMask(1), CrdMask(abrupt));
+    let other = Op::stop(all(&[4]), AxisMask(0));
     let off = Op::Servo { axis: axis(4), on: false };
     let breaks: [(&[Op], f64); 5] =
         [(&[path(0)], -30.0), (&[path(1)], -30.0), (&[other, path(0)], -16.0), (&[other], -16.0), (&[off], -14.0)];
@@ -313,7 +313,7 @@ fn a_gear_goes_along_with_the_next_motion() {
         assert!((speed(&view, 4) - 2.0).abs() < 1e-9 && (speed(&view, 5) + 0.06).abs() < 1e-9);
         assert!(has(&view.axes[4], status::RUNNING) && view.axes[4].mode == Mode::Trap);
         // Stop by the bit of one that goes along.
-        bench.now(Op::Stop { axes: all(&[5]), abrupt: AxisMask(0) });
+        bench.now(Op::stop(all(&[5]), AxisMask(0)));
         let view = bench.rest();
         assert_eq!((view.crds[0].stop, view.axes[4].stop), (StopReason::StopSmooth, StopReason::StopSmooth));
         let share = pulses(view.axes[0].pos) / 300.0;
@@ -446,7 +446,7 @@ fn two_paths_run_side_by_side() {
     let view = bench.until(zero + 20 * MS);
     assert!(!view.crds[1].runs && view.crds[0].runs, "100 pulses take 20 ms");
     assert_eq!((pulses(view.axes[2].pos), pulses(view.axes[3].pos)), (-60.0, 80.0));
-    bench.now(Op::CrdStop { crds: CrdMask(2), abrupt: CrdMask(2) });
+    bench.now(Op::stop_crds(CrdMask(2), CrdMask(2)));
     let view = bench.rest();
     assert_eq!((pulses(view.axes[0].pos), view.crds[0].done[0]), (0.0, 2));
     let reasons: Vec<_> = std::iter::from_fn(|| bench.event())

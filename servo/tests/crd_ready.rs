@@ -130,14 +130,14 @@ fn a_ready_start_is_the_one_that_would_have_been_planned() {
             ran += 1;
             both.ticks(chance.below(2 * 20_000 / period as u64 + 1));
             if chance.below(2) == 0 {
-                both.now(Op::CrdStop { crds: CrdMask(3), abrupt: CrdMask(chance.below(4) as u8) });
+                both.now(Op::stop_crds(CrdMask(3), CrdMask(chance.below(4) as u8)));
             }
             for _ in 0..40 {
                 if !both.ticks(50) {
                     break;
                 }
             }
-            both.now(Op::CrdStop { crds: CrdMask(3), abrupt: CrdMask(3) });
+            both.now(Op::stop_crds(CrdMask(3), CrdMask(3)));
             assert!(!both.ticks(2), "it still runs");
         }
     }

@@ -153,7 +153,7 @@ fn stopped_crd(event: Option<Event>) -> (usize, StopReason) {
 }
 
 fn stop(bench: &mut Bench, axes: &[usize], abrupt: &[usize]) {
-    bench.now(Op::Stop { axes: all(axes), abrupt: all(abrupt) });
+    bench.now(Op::stop(all(axes), all(abrupt)));
 }
 
 /// Every coordinate drives the axis that it is mapped to, from the origin, in lines, arcs and circles of each plane.
@@ -320,7 +320,7 @@ fn an_abrupt_stop_has_no_velocity_on_its_tick() {
         let zero = bench.tick().now.0;
         bench.until(zero + 20 * MS - 250_000);
         if by_crd {
-            bench.now(Op::CrdStop { crds: CrdMask(1), abrupt: CrdMask(1) });
+            bench.now(Op::stop_crds(CrdMask(1), CrdMask(1)));
         } else {
             stop(&mut bench, &[2, 5], &[5]);
         }
@@ -507,7 +507,7 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     bench.path(0, 1, &[line(0, 0)]);
     bench.start_path(&[0]);
     bench.ticks(100);
-    bench.now(Op::CrdStop { crds: CrdMask(1), abrupt: CrdMask(0) });
+    bench.now(Op::stop_crds(CrdMask(1), CrdMask(0)));
     let left = finish(&mut bench, 0);
     bench.now(Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(1) });
     let there = finish(&mut bench, 0);

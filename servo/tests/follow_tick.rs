@@ -275,7 +275,7 @@ fn a_pass_is_where_the_master_crosses() {
         }
         assert_eq!(before, 2.0 * lands);
         // Starting beyond it, it has to come back first.
-        bench.now(Op::Stop { axes: all(&[1]), abrupt: all(&[1]) });
+        bench.now(Op::stop(all(&[1]), all(&[1])));
         bench.now(Op::SetPosition { axis: axis(1), pos: Pos(0) });
         bench.start_follow(&[1]);
         swing(&mut bench, target + (target.signum() * 500));
@@ -561,7 +561,7 @@ fn guards_stop_a_slave() {
                 StopReason::ServoOff
             }
             _ => {
-                bench.now(Op::Stop { axes: all(&[1]), abrupt: all(&[1]) });
+                bench.now(Op::stop(all(&[1]), all(&[1])));
                 StopReason::StopAbrupt
             }
         };
@@ -589,7 +589,7 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
     let view = bench.ticks(100);
     assert!((real(view.velocity(&view.axes[2])) - 40.0).abs() < 1e-9);
     assert_eq!(real(view.motion(&view.axes[2]).acceleration()), 0.0);
-    bench.now(Op::Stop { axes: all(&[1]), abrupt: all(&[]) });
+    bench.now(Op::stop(all(&[1]), all(&[])));
     let view = bench.tick();
     let from = pulses(view.axes[1].pos);
     assert!((real(view.velocity(&view.axes[1])) - 20.0).abs() < 1e-9);
@@ -602,7 +602,7 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
     assert!((pulses(view.axes[1].pos) - from - 50.0).abs() < 1e-5);
     assert!((pulses(view.axes[2].pos) - 2.0 * pulses(view.axes[1].pos)).abs() < 1e-5);
     assert!(has(&view.axes[2], status::RUNNING));
-    bench.now(Op::Stop { axes: all(&[2]), abrupt: all(&[]) });
+    bench.now(Op::stop(all(&[2]), all(&[])));
     let view = bench.ticks(3);
     assert_eq!(view.axes[2].stop, StopReason::StopSmooth);
 }
@@ -622,7 +622,7 @@ fn renaming_the_master_moves_nothing() {
     let view = bench.ticks(400);
     assert_eq!((view.axes[0].pos, view.axes[1].pos), (Pos::pulses(-4900), Pos::pulses(200)));
     // A PASS means the name that the position has now.
-    bench.now(Op::Stop { axes: all(&[1]), abrupt: all(&[1]) });
+    bench.now(Op::stop(all(&[1]), all(&[1])));
     bench.now(Op::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: -4850 } });
     bench.start_follow(&[1]);
     swing(&mut bench, -4800);

@@ -2,7 +2,7 @@
 mod chance;
 mod laser_bench;
 use laser_bench::*;
-use servo::laser::{Cause, Change, Family, Mode};
+use servo::laser::{Cause, Change, Family, Ignored, Mode};
 use servo::op::Op;
 
 /// A channel whose light is one unbroken pulse: 100 % of a carrier.
@@ -472,11 +472,16 @@ fn the_connector_may_carry_something_else() {
     bench.change(Change::Connector { laser: false });
     bench.gate(true);
     let view = bench.until(3 * MS);
-    assert_eq!((view.light, view.switch, view.power), (true, true, power(0.0)));
-    assert_eq!(bench.pulses(), []);
+    assert_eq!((view.commanded, view.light, view.switch, view.power), (false, false, false, power(0.0)));
+    assert_eq!(
+        (view.ignored, view.ignored_count),
+        (Ignored::NoOutput, 1),
+        "an on command that meets no output is an event"
+    );
     bench.change(Change::Connector { laser: true });
-    bench.until(5 * MS);
-    assert_eq!(bench.pulses(), [(4 * MS, 5 * MS)]);
+    let view = bench.until(5 * MS);
+    assert!(!view.commanded && !view.light, "and is not remembered");
+    assert_eq!(bench.pulses(), []);
 }
 
 #[test]

@@ -191,6 +191,28 @@ fn the_loop_count_may_change_while_running() {
     assert_eq!(run.step(Ns(1_000 * MS), 2, &shelf).state, State::Ended { at: Exact(200 << 64) });
 }
 
+/// However far behind its end somebody looks, and how often, a motion has run its passes and no more, and rests where they end.
+#[test]
+fn passes_end_with_the_loop() {
+    let mut shelf = Shelf::default();
+    shelf.add(2 * MS, &[(0, 0, 0), (MS / 2, 30, 0), (MS, 100, 0)]);
+    for passes in [1, 2, 3, 7, 1000] {
+        for first in [0, 1, passes - 1].into_iter().filter(|first| *first < passes) {
+            for late in [0, 1, 5, 1_000_000] {
+                let mut run = Pvt::begin(Ns(0), Exact(0), 0, &shelf);
+                let at = Ns((2 + u64::from(first)) * MS + MS / 4);
+                assert_eq!((run.step(at, passes, &shelf).state, run.passes()), (State::Running, first));
+                // Once, and again.
+                for after in [late, late + 3] {
+                    let step = run.step(Ns((2 + u64::from(passes) + after) * MS), passes, &shelf);
+                    assert_eq!(step.state, State::Ended { at: Exact((i128::from(passes) * 100) << 64) });
+                    assert_eq!((run.passes(), run.made_passes()), (passes, passes), "{first}: {after} ms late");
+                }
+            }
+        }
+    }
+}
+
 /// From knot to knot, or over many at once, or over many passes: the same instant gives the same bits.
 #[test]
 fn the_way_to_an_instant_does_not_matter() {

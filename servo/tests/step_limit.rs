@@ -197,7 +197,7 @@ fn a_smooth_stop_is_not_faster() {
         bench.jog(0, 100.0, 1.0);
         let mut view = bench.ticks(ticks);
         bench.now(Op::StopDec { axis: axis(1), smooth: accel(50.0), abrupt: accel(50.0) });
-        bench.now(Op::Stop { axes: AxisMask(2), abrupt: AxisMask(0) });
+        bench.now(Op::stop(AxisMask(2), AxisMask(0)));
         loop {
             let next = bench.tick();
             let way = next.axes[1].pos.0.abs_diff(view.axes[1].pos.0);

@@ -15,7 +15,7 @@ fn stops_are_smooth_or_abrupt() {
     bench.now(Op::StopDec { axis: axis(0), smooth: accel(2.0), abrupt: accel(1000.0) });
     let before = bench.ticks(100);
     assert_eq!(real(before.axes[0].motion.velocity()), 8.0);
-    bench.now(Op::Stop { axes: all(&[0, 1, 2]), abrupt: all(&[1]) });
+    bench.now(Op::stop(all(&[0, 1, 2]), all(&[1])));
     let view = bench.tick();
     // Abrupt: the planned velocity is 0 on that tick.
     assert_eq!(view.axes[1].pos, before.axes[1].pos);
@@ -44,7 +44,7 @@ fn a_smooth_stop_begins_where_the_motion_is() {
             bench
         });
         bench.now(Op::StopDec { axis: axis(0), smooth: accel(1.7), abrupt: accel(1000.0) });
-        bench.now(Op::Stop { axes: all(&[0]), abrupt: all(&[]) });
+        bench.now(Op::stop(all(&[0]), all(&[])));
         let (begin, motion) = (bench.tick(), twin.tick().axes[0]);
         let (p, v) = (pulses(motion.pos), real(motion.motion.velocity()));
         assert_eq!(begin.axes[0].pos, motion.pos);
@@ -69,7 +69,7 @@ fn the_power_on_stop_deceleration_is_1() {
     let mut bench = Bench::ready(250, Mode::Jog);
     bench.jog(0, 5.0, 5.0);
     bench.ticks(100);
-    bench.now(Op::Stop { axes: all(&[0]), abrupt: all(&[]) });
+    bench.now(Op::stop(all(&[0]), all(&[])));
     let begin = bench.tick().now.0;
     assert_eq!(bench.rest().now.0, begin + 5 * MS);
 }
@@ -99,9 +99,54 @@ fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
         assert!(matches!(bench.event(), Some(Event::Refused { .. })));
         bench.jog(0, -velocity, 10.0);
         assert!(has(&bench.ticks(4).axes[0], RUNNING));
-        bench.now(Op::Stop { axes: all(&[0]), abrupt: all(&[0]) });
+        bench.now(Op::stop(all(&[0]), all(&[0])));
         bench.tick();
         assert_eq!(stopped(bench.event()), (0, StopReason::StopAbrupt));
+    }
+}
+
+/// Set behind an axis that runs, it stops that where it is: no step back to the limit, in no mode.
+#[test]
+fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
+    for way in [1, -1] {
+        let soft = |at: i32| {
+            let (positive, negative) = if way > 0 { (Some(at), None) } else { (None, Some(-at)) };
+            Op::SoftLimit { axis: axis(0), positive, negative }
+        };
+        let reason = if way > 0 { StopReason::SoftPositive } else { StopReason::SoftNegative };
+        let check = |bench: &mut Bench, index: usize| {
+            let before = bench.ticks(100);
+            assert!(pulses(before.axes[index].pos) * f64::from(way) > 40.0);
+            bench.now(soft(20));
+            let view = bench.tick();
+            assert_eq!(view.axes[index].pos, before.axes[index].pos);
+            assert_eq!(view.axes[index].stop, reason);
+            assert!(!has(&view.axes[index], RUNNING));
+            assert_eq!(bench.ticks(10).axes[index].pos, before.axes[index].pos);
+        };
+        let mut bench = Bench::ready(250, Mode::Jog);
+        bench.jog(0, 4.0 * f64::from(way), 4.0);
+        check(&mut bench, 0);
+        // While it brakes, from the tick on in which it begins to.
+        for ticks in [0, 1, 2] {
+            let mut bench = Bench::ready(250, Mode::Jog);
+            bench.jog(0, 4.0 * f64::from(way), 4.0);
+            bench.ticks(100);
+            bench.now(Op::stop(all(&[0]), all(&[])));
+            for _ in 0..ticks {
+                bench.tick();
+            }
+            let before = bench.tick.now();
+            bench.now(soft(20));
+            let view = bench.tick();
+            assert_eq!(view.axes[0].stop, reason, "{before:?}");
+            assert!(pulses(view.axes[0].pos) * f64::from(way) > 40.0);
+        }
+        let mut bench = Bench::ready(250, Mode::PtStatic);
+        bench.pt(0, 0, &[(1000.0 * f64::from(way), 100, 0)]);
+        bench.start(&[0]);
+        bench.ticks(100);
+        check(&mut bench, 0);
     }
 }
 
@@ -274,6 +319,7 @@ fn setting_positions_makes_no_step() {
     let view = bench.tick();
     assert_eq!((view.axes[0].status, view.axes[0].mode), (0, Mode::Trap));
     assert_eq!(bench.machine.set_points[0], machine);
+    assert_eq!(bench.machine.outputs.0, 0xfe, "its servo is off");
 }
 
 #[test]
@@ -297,6 +343,126 @@ fn home_captures_the_encoder_at_the_rising_edge() {
     bench.tick();
     bench.machine.inputs[0].home = true;
     assert_eq!(bench.tick().axes[0].captured, None, "home is no index");
+}
+
+/// PT and Trap that end between two ticks behind the limit, having been before it at the last tick.
+#[test]
+fn a_soft_limit_holds_the_end_of_a_motion() {
+    for way in [1, -1] {
+        let (positive, negative) = if way > 0 { (Some(99), None) } else { (None, Some(-99)) };
+        let mut bench = Bench::ready(1000, Mode::PtStatic);
+        bench.pt(0, 0, &[(98.0 * f64::from(way), 49, 1), (100.0 * f64::from(way), 50, 1)]);
+        bench.now(Op::SoftLimit { axis: axis(0), positive, negative });
+        bench.start(&[0]);
+        let view = bench.rest();
+        let reason = if way > 0 { StopReason::SoftPositive } else { StopReason::SoftNegative };
+        assert_eq!((view.axes[0].pos, view.axes[0].stop), (Pos::pulses(99 * way), reason));
+        assert!(view.axes[0].blocked != 0);
+    }
+}
+
+/// At rest beyond a limit that is set now: told, and blocked until it is cleared; then only the way back is free.
+#[test]
+fn a_soft_limit_behind_an_axis_at_rest_is_told() {
+    for (way, bit) in [(1, LIMIT_POSITIVE), (-1, LIMIT_NEGATIVE)] {
+        let mut bench = Bench::ready(250, Mode::Jog);
+        bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(50 * way) });
+        bench.ticks(3);
+        let (positive, negative) = if way > 0 { (Some(20), None) } else { (None, Some(-20)) };
+        bench.now(Op::SoftLimit { axis: axis(0), positive, negative });
+        let view = bench.ticks(2);
+        assert_eq!((view.axes[0].status & LIMITS, view.axes[0].blocked), (bit, bit));
+        bench.jog(0, f64::from(-way), 1.0);
+        assert!(!has(&bench.tick().axes[0], RUNNING));
+        bench.now(Op::ClearStatus { axes: all(&[0]) });
+        bench.jog(0, f64::from(-way), 1.0);
+        assert!(has(&bench.ticks(2).axes[0], RUNNING));
+    }
+}
+
+/// ClrSts and a start in one tick, while the alarm is there: refused, not begun and stopped.
+#[test]
+fn a_start_behind_a_clear_in_the_same_tick_is_refused_while_the_cause_lasts() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.machine.inputs[0].alarm = true;
+    bench.ticks(2);
+    bench.now(Op::ClearStatus { axes: all(&[0]) });
+    bench.jog(0, 4.0, 4.0);
+    bench.tick();
+    assert!(matches!(bench.event(), Some(Event::Refused { .. })));
+    assert!(bench.event().is_none());
+}
+
+/// Encoders of an axis whose servo is off may turn; and an error that is the limit is none yet.
+#[test]
+fn a_following_error_is_more_than_its_limit_and_needs_the_servo() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.now(Op::PositionError { axis: axis(0), limit: Some(20) });
+    for slip in [20, -20] {
+        bench.machine.slip[0] = slip;
+        assert!(!has(&bench.ticks(3).axes[0], FOLLOWING_ERROR), "{slip}");
+    }
+    bench.now(Op::Servo { axis: axis(0), on: false });
+    bench.tick();
+    bench.machine.slip[0] = 500;
+    assert!(!has(&bench.ticks(3).axes[0], FOLLOWING_ERROR), "the servo is off");
+    bench.machine.slip[0] = 21;
+    bench.now(Op::Servo { axis: axis(0), on: true });
+    assert!(has(&bench.ticks(3).axes[0], FOLLOWING_ERROR));
+}
+
+/// The band's time begins anew behind an error, a motion, and with a new band.
+#[test]
+fn the_time_in_the_band_begins_anew() {
+    let band = Op::Band { axis: axis(0), band: 5, time: Ns(2 * MS) };
+    type Break = fn(&mut Bench);
+    let breaks: [Break; 3] = [
+        |bench| {
+            bench.machine.slip[0] = 6;
+            bench.tick();
+            bench.machine.slip[0] = 0;
+        },
+        |bench| {
+            bench.jog(0, 0.001, 1.0);
+            bench.ticks(2);
+            bench.now(Op::stop(all(&[0]), all(&[0])));
+            assert!(!has(&bench.tick().axes[0], RUNNING));
+        },
+        |bench| {
+            bench.now(Op::Band { axis: axis(0), band: 4, time: Ns(2 * MS) });
+            bench.tick();
+        },
+    ];
+    for (index, act) in breaks.into_iter().enumerate() {
+        let mut bench = Bench::ready(250, Mode::Jog);
+        bench.now(band);
+        assert!(has(&bench.ticks(20).axes[0], IN_POSITION));
+        act(&mut bench);
+        assert!(!has(&bench.ticks(7).axes[0], IN_POSITION), "{index}");
+        assert!(has(&bench.ticks(3).axes[0], IN_POSITION), "{index}");
+    }
+}
+
+#[test]
+fn home_captures_at_the_falling_edge_where_low_is_active() {
+    let mut bench = Bench::ready(250, Mode::Jog);
+    bench.machine.inputs[0].home = true;
+    bench.now(Op::Guard { axis: axis(0), on: Guards::NONE, low: Guards::set(Guarded::Home, true) });
+    bench.jog(0, 4.0, 4.0);
+    bench.ticks(10);
+    bench.now(Op::Capture { axis: axis(0), mode: 1 });
+    assert_eq!(bench.ticks(3).axes[0].captured, None, "it is not active");
+    bench.machine.inputs[0].home = false;
+    let view = bench.tick();
+    assert_eq!(view.axes[0].captured, Some(view.axes[0].encoder));
+    bench.machine.inputs[0].home = true;
+    bench.ticks(3);
+    bench.machine.inputs[0].home = false;
+    assert_eq!(bench.ticks(3).axes[0].captured, view.axes[0].captured, "once");
+    bench.now(Op::Capture { axis: axis(0), mode: 1 });
+    bench.ticks(2);
+    bench.machine.inputs[0].home = true;
+    assert_eq!(bench.ticks(3).axes[0].captured, None, "no edge since it was armed");
 }
 
 #[test]

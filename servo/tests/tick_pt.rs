@@ -126,7 +126,7 @@ fn a_stop_clears_the_stream_and_keeps_static_data() {
         bench.pt(0, 0, &LISTING_2_1);
         bench.start(&[0]);
         bench.ticks(100);
-        bench.now(Op::Stop { axes: all(&[0]), abrupt: all(&[0]) });
+        bench.now(Op::stop(all(&[0]), all(&[0])));
         let view = bench.tick();
         assert_eq!((view.axes[0].pt_state, view.axes[0].epoch), (4, epoch));
         bench.start(&[0]);

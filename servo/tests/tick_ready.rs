@@ -205,7 +205,7 @@ fn a_start_made_ready_is_the_start() {
             started += both.running().count_ones();
             both.ticks(chance.below(60));
             if chance.below(2) == 0 {
-                both.now(Op::Stop { axes: AxisMask(0xff), abrupt: AxisMask(chance.below(256)) });
+                both.now(Op::stop(AxisMask(0xff), AxisMask(chance.below(256))));
             }
             both.ticks(60);
         }

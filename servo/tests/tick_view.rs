@@ -45,7 +45,7 @@ fn act(bench: &mut Bench, chance: &mut Chance, stream: &mut i32) {
     let passes = chance.below(6) as u32;
     match chance.below(16) {
         0 => {
-            bench.now(Op::Stop { axes: AxisMask(chance.next() & 0xff), abrupt: AxisMask(chance.next() & 0xff) });
+            bench.now(Op::stop(AxisMask(chance.next() & 0xff), AxisMask(chance.next() & 0xff)));
         }
         1 => {
             bench.now(Op::SoftLimit {
@@ -205,7 +205,7 @@ fn a_view_of_driven_axes_does_not_depend_on_who_reads_it() {
                     bench.start_path(&[0]);
                 }
                 4 => {
-                    bench.now(Op::Stop { axes: all(&[2]), abrupt: AxisMask(x as u64 & 4) });
+                    bench.now(Op::stop(all(&[2]), AxisMask(x as u64 & 4)));
                 }
                 5 => bench.machine.slip[5] += 1,
                 6 => {

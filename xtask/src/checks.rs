@@ -123,9 +123,15 @@ fn h743() -> (Count, Outcome) {
 fn emulated() -> (Count, Outcome) {
     match image::build() {
         Ok(image) => {
-            let packages = ["--package", "beamtick-host-tests", "--package", "beamtick-gts"];
-            let words =
-                ["test"].iter().chain(&packages).chain(&["--test", "emulated_board", "--test", "emulated_faults"]);
+            let packages = ["--package", "beamtick-host-tests", "--package", "beamtick-gts", "--package", "beamtick"];
+            let words = ["test"].iter().chain(&packages).chain(&[
+                "--test",
+                "emulated_board",
+                "--test",
+                "emulated_faults",
+                "--test",
+                "emulated_signals",
+            ]);
             tests(cargo().args(words).env("BEAMTICK_IMAGE", image))
         }
         Err(reason) => alone(Err(reason)),

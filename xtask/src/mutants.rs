@@ -1,15 +1,18 @@
 //! Mutants: the code broken on purpose in one place, and the test that must see it.
 //!
-//! In: the list of [`LIST`]. Out: a table of what became of each and which tests saw it, also in `target/mutants/report.md`;
+//! In: the lists of [`LIST`], [`SURVIVED`] and [`LIGHT`]. Out: a table of what became of each and which tests saw it, also in `target/mutants/report.md`;
 //! an error if one survives, does not compile, or if its text is not in its file exactly once. Each is put into a copy of
 //! the tree under `target/mutants`, so that the checkout stays as it is. The tests must pass in that copy before anything
 //! is broken, or their failures would say nothing. A mutant of `firmware/` or `hal/` is seen by tests in QEMU, of its image, or by
 //! those of the reference board's image in emulation.
+mod light;
 mod list;
+mod survived;
 
 use crate::board;
 use crate::setup::{TARGET, compiler};
 use crate::shell::{self, Outcome, cargo, read, root, target};
+use light::LIGHT;
 use list::{LIST, Mutant};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -17,6 +20,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use survived::SURVIVED;
 
 /// A test that takes so much longer than on the code as it is hangs, which is one way to see a mutant.
 const PATIENCE: (u32, Duration) = (3, Duration::from_secs(60));
@@ -46,23 +50,29 @@ impl fmt::Display for Fate {
     }
 }
 
+/// Every mutant.
+fn all() -> impl Iterator<Item = &'static Mutant> {
+    LIST.iter().chain(SURVIVED).chain(LIGHT)
+}
+
 /// Every mutant's text stands in its file exactly once.
 pub fn check() -> Outcome {
-    if LIST.len() < 20 {
-        return Err(format!("{} mutants; at least 20 are asked for", LIST.len()));
+    let count = all().count();
+    if count < 20 {
+        return Err(format!("{count} mutants; at least 20 are asked for"));
     }
-    let wrong: Vec<String> = LIST.iter().filter_map(|mutant| mutated(&root(), mutant).err()).collect();
+    let wrong: Vec<String> = all().filter_map(|mutant| mutated(&root(), mutant).err()).collect();
     if wrong.is_empty() {
-        println!("{} mutants, each in its place", LIST.len());
+        println!("{count} mutants, each in its place");
         return Ok(());
     }
-    Err(format!("{}\nthe text has changed: bring xtask/src/mutants/list.rs up to date", wrong.join("\n")))
+    Err(format!("{}\nthe text has changed: bring the lists in xtask/src/mutants up to date", wrong.join("\n")))
 }
 
 /// Runs the mutants whose name holds `only`.
 pub fn run(only: &str) -> Outcome {
     check()?;
-    let chosen: Vec<&Mutant> = LIST.iter().filter(|mutant| mutant.name.contains(only)).collect();
+    let chosen: Vec<&Mutant> = all().filter(|mutant| mutant.name.contains(only)).collect();
     if chosen.is_empty() {
         return Err(format!("no mutant is called {only}"));
     }

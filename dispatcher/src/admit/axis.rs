@@ -40,17 +40,17 @@ pub fn stop<const AXES: usize>(case: &mut Case<AXES>, r: &Stop) -> Admitted<Answ
         return Err(Refused::new(Reason::OutOfRange).field(1).got(f64::from(mask.cast_unsigned())).limits(0.0, 4095.0));
     }
     let axes = case.mask(r.core.get(), if gt { mask & 0xff } else { mask }, 1)?;
-    if axes.0 != 0 {
-        // Only option bits of named axes mean anything.
-        let abrupt = case.mask(r.core.get(), option & if gt { mask & 0xff } else { mask }, 2)?;
-        case.stage_with(Op::Stop { axes, abrupt }, Change::Stopped { axes });
+    // Only option bits of named axes mean anything.
+    let abrupt = case.mask(r.core.get(), option & if gt { mask & 0xff } else { mask }, 2)?;
+    let (named, hard) = if gt { (mask >> 8 & 3, option >> 8 & 3) } else { (0, 0) };
+    let crds = case.crd_mask(r.core.get(), named, 1)?;
+    let crds_abrupt = case.crd_mask(r.core.get(), hard & named, 2)?;
+    if axes.0 != 0 || crds.0 != 0 {
+        case.stage_with(Op::Stop { axes, abrupt, crds, crds_abrupt }, Change::Stopped { axes, crds });
     }
-    if gt {
-        super::crd::stage_stop(case, r.core.get(), mask >> 8 & 3, option >> 8 & 3)?;
-        let crds = case.crd_mask(r.core.get(), mask >> 10 & 3, 1)?;
-        if crds.0 != 0 {
-            case.stage(Op::FollowEnd { crds });
-        }
+    let follows = case.crd_mask(r.core.get(), if gt { mask >> 10 & 3 } else { 0 }, 1)?;
+    if follows.0 != 0 {
+        case.stage(Op::FollowEnd { crds: follows });
     }
     Ok(Answer::Done)
 }

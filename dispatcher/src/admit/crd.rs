@@ -14,7 +14,7 @@ use servo::crd;
 use servo::op::{Mode, Op};
 use servo::path::{DIMENSIONS, EntryStore, Rate};
 use servo::ramp::Accel;
-use servo::units::{Crd, Pos};
+use servo::units::{AxisMask, Crd, Pos};
 
 /// Speeds, accelerations and times of a coordinate system are below this.
 pub const MOST: f64 = 32767.0;
@@ -195,19 +195,13 @@ pub fn start<const AXES: usize>(
     Ok(Answer::Done)
 }
 
-/// Stops coordinate systems of a core; bits that it does not have must be 0.
-pub fn stage_stop<const AXES: usize>(case: &mut Case<AXES>, core: i16, mask: i32, option: i32) -> Admitted<()> {
-    let crds = case.crd_mask(core, mask, 1)?;
-    if crds.0 == 0 {
-        return Ok(());
-    }
-    let abrupt = case.crd_mask(core, option & mask, 2)?;
-    case.stage_with(Op::CrdStop { crds, abrupt }, Change::CrdStopped { crds });
-    Ok(())
-}
-
+/// Bits that the core does not have must be 0.
 pub fn stop<const AXES: usize>(case: &mut Case<AXES>, r: &CrdStop) -> Admitted<Answer> {
-    stage_stop(case, r.core.get(), r.mask.get(), r.option.get())?;
+    let crds = case.crd_mask(r.core.get(), r.mask.get(), 1)?;
+    let abrupt = case.crd_mask(r.core.get(), r.option.get() & r.mask.get(), 2)?;
+    if crds.0 != 0 {
+        case.stage_with(Op::stop_crds(crds, abrupt), Change::Stopped { axes: AxisMask(0), crds });
+    }
     Ok(Answer::Done)
 }
 

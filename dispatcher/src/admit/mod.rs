@@ -94,6 +94,9 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::Choose => to!(Choose, session::choose),
         opcode::Trace => to!(Trace, session::trace),
         opcode::SetLinkLoss => to!(SetLinkLoss, session::link_loss),
+        opcode::GetLinkLoss => one::<command::GetLinkLoss>(body).map(|_| plain(number)),
+        opcode::SetInterlock => to!(SetInterlock, session::interlock),
+        opcode::Abort => to!(Abort, session::abort),
         opcode::LoadConfig => session::load_config(case, body),
 
         opcode::AxisOn => to!(AxisOn, axis::on),
@@ -228,6 +231,7 @@ pub fn is_read(number: u16) -> bool {
             | opcode::KeepAlive
             | opcode::GetFault
             | opcode::GetEvents
+            | opcode::GetLinkLoss
             | opcode::GetStopDec
             | opcode::GetAxisBand
             | opcode::GetSts

@@ -2,12 +2,14 @@
 use super::axis::{limit_levels, stage_band, stage_dec, stage_pos_err, stage_soft};
 use super::{many, plain};
 use crate::books::Change;
-use crate::case::{Answer, Case, Effect, Site, ones};
+use crate::case::{Answer, Case, Effect, Site, Watch, ones};
 use crate::profile::{FAMILIES, PROFILES};
-use crate::refuse::{Admitted, Refused, within};
+use crate::refuse::{Admitted, Refused, choice, within};
 use crate::tables::TABLES;
 use crate::trace_out::Columns;
-use protocol::command::{Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetLinkLoss, SetTick, Trace, Wire, opcode};
+use protocol::command::{
+    Abort, Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetInterlock, SetLinkLoss, SetTick, Trace, Wire, opcode,
+};
 use protocol::reason::Reason;
 use servo::laser::CHANNELS;
 use servo::op::{Guarded, Guards, Op};
@@ -18,6 +20,13 @@ const TICK_US: (i32, i32) = (10, 1000);
 /// The longest link-loss time: a day, in ms.
 const LINK_LOSS_MAX_MS: i32 = 86_400_000;
 
+/// All of the controller, whichever core is named: its lasers are there once, and so is its user.
+pub fn abort<const AXES: usize>(case: &mut Case<AXES>, r: &Abort) -> Admitted<Answer> {
+    case.core(r.core.get())?;
+    case.stage_with(Op::Abort, Change::Aborted);
+    Ok(Answer::Done)
+}
+
 pub fn reset<const AXES: usize>(case: &mut Case<AXES>, r: &Reset) -> Admitted<Answer> {
     let axes = case.core_mask(r.core.get())?;
     let tables = ones(TABLES) << (case.core(r.core.get())? * TABLES);
@@ -26,6 +35,10 @@ pub fn reset<const AXES: usize>(case: &mut Case<AXES>, r: &Reset) -> Admitted<An
     case.lasers_to_power_on(case.site.family);
     case.clear_all_laser_faults();
     Ok(Answer::Done)
+}
+
+fn stage_watch<const AXES: usize>(case: &mut Case<AXES>, watch: Watch) {
+    case.stage_with(Op::Supervision(watch.supervision()), Change::Watch(watch));
 }
 
 pub fn clear_status<const AXES: usize>(case: &mut Case<AXES>, r: &ClrSts) -> Admitted<Answer> {
@@ -60,6 +73,8 @@ pub fn choose<const AXES: usize>(case: &mut Case<AXES>, r: &Choose) -> Admitted<
         let axes = AxisMask(case.site.all().0 | site.all().0);
         case.all_at_rest(axes, Reason::OnlyAtRest)?;
         case.stage_with(Op::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
+        // The supervision is the user's, and stays.
+        stage_watch(case, case.books.watch);
     }
     if (number, family) != (case.site.number, case.site.family) {
         case.lasers_to_power_on(family);
@@ -86,8 +101,14 @@ pub fn trace<const AXES: usize>(case: &mut Case<AXES>, r: &Trace) -> Admitted<An
 
 pub fn link_loss<const AXES: usize>(case: &mut Case<AXES>, r: &SetLinkLoss) -> Admitted<Answer> {
     let ms = within(0, r.time_ms.get(), 0, LINK_LOSS_MAX_MS)?.unsigned_abs();
-    let stop_all = r.stop_all.get() != 0;
-    case.effect = Effect::LinkLoss { ms, stop_all };
+    stage_watch(case, Watch { link_loss_ms: ms, stop_all: r.stop_all.get() != 0, ..case.books.watch });
+    Ok(Answer::Done)
+}
+
+/// 0: motion goes on in the dark. 1: it brakes as where the link is lost. 2: everything stops abruptly.
+pub fn interlock<const AXES: usize>(case: &mut Case<AXES>, r: &SetInterlock) -> Admitted<Answer> {
+    let interlock = choice(0, r.motion.get(), 0, 2)? as u8;
+    stage_watch(case, Watch { interlock, ..case.books.watch });
     Ok(Answer::Done)
 }
 

@@ -176,6 +176,10 @@ impl CrdBook {
     pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, seen: &CrdView) -> bool {
         self.started.is_some_and(|seq| !executed(view, seq) || seen.runs)
     }
+    /// Whether a Stop that has not been executed may leave it stopped within its data.
+    pub fn may_be_stopped<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        self.stopped && self.last.is_some_and(|seq| !executed(view, seq))
+    }
     /// Whether the tick itself may still be at work for an earlier start.
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, seen: &CrdView) -> bool {
         seen.runs || self.busy.is_some_and(|seq| !executed(view, seq))

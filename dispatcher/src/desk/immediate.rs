@@ -10,8 +10,9 @@ use crate::awaiting::Step;
 use crate::books::Change;
 use crate::case::{Answer, Effect, TAKEN_MAX};
 use crate::lane::STAGED;
+use crate::log::{Kind, ShutOff};
 use crate::program::Program;
-use crate::read::{Reading, values_reply};
+use crate::read::values_reply;
 use crate::refuse::Refused;
 use protocol::command::{SetHSIOOpt, opcode};
 use protocol::reason::Reason;
@@ -60,6 +61,8 @@ impl<const AXES: usize> Desk<'_, AXES> {
         let beside = matches!(
             record.opcode,
             opcode::Stop
+                | opcode::Abort
+                | opcode::SetInterlock
                 | opcode::ClrSts
                 | opcode::Trace
                 | opcode::SetLinkLoss
@@ -98,8 +101,7 @@ impl<const AXES: usize> Desk<'_, AXES> {
                 if !self.is_quiet() {
                     return Step::Wait;
                 }
-                let reading = Reading { view, now: &self.now, site: &self.site, board: &self.board, log: &self.log };
-                Step::of(reading.reply(record.tag, &query, out))
+                Step::of(self.reading(view).reply(record.tag, &query, out))
             }
             Ok((_, Effect::Choose(site)))
                 if program.is_active() && (site.number, site.family) != (self.site.number, self.site.family) =>
@@ -111,6 +113,10 @@ impl<const AXES: usize> Desk<'_, AXES> {
                 let stops = |(op, _): &(Op, Change)| !matches!(op, Op::FollowEnd { .. });
                 if record.opcode == opcode::Stop && self.staged.ops().iter().any(stops) {
                     program.stop(self, Reason::Discarded);
+                }
+                if record.opcode == opcode::Abort {
+                    program.abort(self);
+                    self.log.put(view.now, Kind::ShutOff, 0, ShutOff::Abort as u16);
                 }
                 self.push_staged();
                 if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {

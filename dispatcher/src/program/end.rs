@@ -25,6 +25,14 @@ impl Program<'_> {
         }
     }
 
+    /// Abort: a program that is held or runs ends, and its rest is discarded. The ProgramDrop goes out before the Abort.
+    pub fn abort<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
+        if self.is_active() {
+            self.cut(State::Stopped);
+            self.push_drop(desk);
+        }
+    }
+
     /// A new session: entries and replies of the one before are void. Motion that runs goes on.
     pub fn abandon(&mut self) {
         if self.state != State::Empty {
@@ -187,9 +195,9 @@ fn is_final(reason: Reason) -> bool {
     use Reason::{
         AboveLow, AnalogInUse, AxisGoesAlong, AxisInCrd, AxisLeftCrd, BelowMinimum, Between, BeyondTravel, CentreOff,
         CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty, GearsFull,
-        LaserConnector, Length, NoAcceleration, NoCoordinate, NoIndex, NoLength, NotFinite, NotForProgram,
-        NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, RadiusTooLarge, RadiusTooSmall, Selector,
-        ServoOff, StepLimit, TooMany, UnknownCommand, WrongMode,
+        LaserConnector, LaserNotMapped, Length, NoAcceleration, NoCoordinate, NoIndex, NoLaserOutput, NoLength,
+        NotFinite, NotForProgram, NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, RadiusTooLarge,
+        RadiusTooSmall, Selector, ServoOff, StepLimit, TooMany, UnknownCommand, WrongMode,
     };
     matches!(
         reason,
@@ -213,6 +221,8 @@ fn is_final(reason: Reason) -> bool {
             | RadiusTooSmall
             | BelowMinimum
             | LaserConnector
+            | LaserNotMapped
+            | NoLaserOutput
             | NotInFamily
             | AnalogInUse
             | OutOfRange

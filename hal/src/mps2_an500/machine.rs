@@ -35,7 +35,7 @@ impl<const AXES: usize> Machine<AXES> {
         }
     }
 
-    /// The tick has been computed. Steps are the plant's: nothing is to be put out, and nothing comes too late.
+    /// The tick has been computed. Steps are the plant's: nothing is to be output, and nothing comes too late.
     pub fn emit(&mut self) -> bool {
         true
     }

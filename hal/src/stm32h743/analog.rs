@@ -96,7 +96,7 @@ impl Analog {
         }
     }
 
-    /// A tick begins: what was planned for it is put out.
+    /// A tick begins: what was planned for it is output.
     pub fn advance(&mut self) {
         for channel in 0..OUTPUTS {
             let Some(output) = self.outputs.get_mut(channel) else { continue };

@@ -297,7 +297,7 @@ impl Lasers {
         core::mem::take(&mut self.was_late)
     }
 
-    /// What a channel does in the interval that begins with the next tick, put out in the one behind that: now the timers are
+    /// What a channel does in the interval that begins with the next tick, output in the one behind that: now the timers are
     /// told what was planned before. Rest is now.
     #[inline]
     pub fn plan(&mut self, channel: usize, plan: &Plan) {

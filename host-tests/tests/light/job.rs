@@ -1,6 +1,6 @@
 //! Jobs that join a path and a laser: as calls, and as the models take them.
 use super::chance::Chance;
-use super::random::{Random, fits, random, set_up};
+use super::random::{Random, fits, is_undecided, random, set_up};
 use host_tests::laser_model::{Command, Exact, Family, Fpk, Mode, Ns};
 use host_tests::light_model::{Act, Bounds, Buffered, Distance, Law, Ratios, Source};
 use host_tests::path_model::{self, Course, Entry, Why, course};
@@ -376,16 +376,22 @@ fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
     let runs = (free.rests[0].at - at(START)).ceil() as u64;
     let mut clock = START;
     let mut stopped = false;
-    for _ in 0..maker.below(4) {
+    for _ in 0..maker.below(6) {
         clock += (1 + maker.below(runs.max(2))) as Ns * MS;
         maker.sleep_to(clock);
         match maker.below(8) {
             0..3 if !stopped => {
                 let abrupt = maker.below(3) == 0;
                 maker.text += if abrupt { "GT_Stop(256,256);\n" } else { "GT_Stop(256,0);\n" };
+                maker.acts.push((maker.acts_at(), Act::Stops { crd: 0 }));
                 commands
                     .push((at(clock), if abrupt { path_model::Command::Abrupt } else { path_model::Command::Stop }));
                 stopped = true;
+            }
+            // One that finds it at rest.
+            0..3 if course(&path.frame, &path.entries, &commands, 1e9).rests[0].at + 1e-3 < at(clock) => {
+                maker.text += "GT_Stop(256,0);\n";
+                maker.acts.push((maker.acts_at(), Act::Stops { crd: 0 }));
             }
             0..3 => {}
             3 => {
@@ -421,7 +427,7 @@ fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
         }
     }
     let done = course(&path.frame, &path.entries, &commands, 1e9);
-    if !fits(&done, at(START), 64) || done.rests.iter().any(|rest| rest.why == Why::Underrun) {
+    if !fits(&done, at(START), 64) || is_undecided(&done) || done.rests.iter().any(|rest| rest.why == Why::Underrun) {
         return None;
     }
     let end = (done.rests.last()?.at.ceil() as Ns + 3) * MS;

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test file takes what it needs")]
 use super::chance::Chance;
 use host_tests::path_model::figure::Place;
-use host_tests::path_model::{Command, Course, Entry, Figure, Frame, Plane, Rates, course};
+use host_tests::path_model::{Command, Course, Entry, Figure, Frame, Plane, Rates, Why, course};
 use std::fmt::Write;
 
 /// What an entry that takes no time does.
@@ -226,6 +226,23 @@ pub fn fits(course: &Course, start: f64, motions: usize) -> bool {
         })
     };
     fits(course.effects.iter().map(|(at, _)| *at).collect(), 6) && fits(course.ends.clone(), motions)
+}
+
+/// Whether two things come at one instant, of which SPEC 5 does not tell which is first: a Stop's rest and an entry or the end of
+/// a BufDelay into which it braked; a Stop and the end of the entries, so that nothing is left to go on with.
+pub fn is_undecided(course: &Course) -> bool {
+    let same = |a: f64, b: f64| (a - b).abs() < 1e-6;
+    let waits_out = |at: f64| {
+        let ends = course.pieces.iter().position(|piece| same(piece.begin + piece.ms, at));
+        let goes_on = |index: usize| course.pieces.get(index + 1).map(|piece| piece.entry);
+        ends.is_some_and(|index| {
+            let piece = &course.pieces[index];
+            (piece.speed, piece.acc) == (0.0, 0.0) && goes_on(index) != Some(piece.entry)
+        })
+    };
+    let mut stops = course.rests.iter().filter(|rest| rest.why == Why::Stopped).map(|rest| rest.at);
+    stops.any(|rest| waits_out(rest) || course.effects.iter().any(|(at, _)| same(*at, rest)))
+        || course.starts.iter().any(|(at, _)| course.rests.iter().any(|rest| same(*at, rest.at)))
 }
 
 /// The course of a path that is started at 0 and left alone.

@@ -307,17 +307,83 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        name: "light_of_a_command_outlives_rest_under_a_follow_too",
+        // "When the entries of crd k have run out, what its entries lit and every light under its velocity follow is shut off".
+        name: "light_of_a_command_under_a_follow_goes_off_when_the_entries_have_run_out",
         body: "GT_SetHSIOOpt(1);GT_BufLaserPrfFollow(1,0.5,1,9);GT_LnXY(1,500,0,10,2);GO Sleep(70);",
-        // At rest the minimum.
-        light: &[(-10.0, END)],
-        power: &[(20.0, 6.0), (60.0, 1.0)],
+        light: &[(-10.0, 55.0)],
+        power: &[(20.0, 6.0), (60.0, 0.0)],
         ..NONE
     },
     Rule {
-        name: "the_last_on_command_decides_whose_light_it_is",
-        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(5);GT_SetHSIOOpt(1);Sleep(25);GT_Stop(256,256);",
-        light: &[(0.0, END)],
+        // Only these: its own light, and that under its follow.
+        name: "light_of_a_command_outlives_the_end_of_the_entries",
+        body: "GT_SetHSIOOpt(1);GT_LnXY(1,500,0,10,2);GO Sleep(70);",
+        light: &[(-10.0, END)],
+        power: &[(20.0, 5.0), (60.0, 5.0)],
+        ..NONE
+    },
+    Rule {
+        // "A buffered on takes over light of a call".
+        name: "an_on_entry_takes_over_light_of_a_command",
+        body: "GT_SetHSIOOpt(1);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(70);",
+        light: &[(-10.0, 55.0)],
+        ..NONE
+    },
+    Rule {
+        // "An immediate on while a crd's light is on changes nothing": it stays the path's, and ends with it.
+        name: "an_immediate_on_changes_nothing_while_a_path_has_light",
+        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(5);GT_SetHSIOOpt(1);Sleep(60);",
+        light: &[(0.0, 55.0)],
+        ..NONE
+    },
+    Rule {
+        // "A Stop of crd k shuts off every channel whose map holds k, whoever lit it"; "The CrdStart that goes on after a Stop
+        // … brings back what that Stop shut off". 225 pulses are left for 27.5 ms, and no entry ends the light.
+        name: "a_stop_takes_light_of_a_command_and_the_start_brings_it_back",
+        body: "GT_SetHSIOOpt(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(20);GT_CrdStart(1);Sleep(40);",
+        light: &[(-10.0, 30.0), (50.0, END)],
+        ..NONE
+    },
+    Rule {
+        // "an on or off command in between replaces it".
+        name: "an_on_command_at_rest_lights",
+        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_SetHSIOOpt(1);Sleep(5);GT_CrdStart(1);",
+        light: &[(0.0, 30.0), (35.0, END)],
+        ..NONE
+    },
+    Rule {
+        // "nothing else brings light back: … not one after a Stop that found the crd at rest".
+        name: "a_second_stop_finds_it_at_rest_and_nothing_comes_back",
+        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_Stop(256,0);Sleep(5);GT_CrdStart(1);",
+        light: &[(0.0, 30.0)],
+        places: &[(45.0, 1, 300.0)],
+        ..NONE
+    },
+    Rule {
+        name: "a_stop_at_rest_takes_light_of_a_command",
+        body: "GT_SetHSIOOpt(1);GT_LnXY(1,500,0,10,2);GO Sleep(70);GT_Stop(256,0);",
+        light: &[(-10.0, 70.0)],
+        ..NONE
+    },
+    Rule {
+        // "While a crd brakes for a Stop its entries act as on the way, so that a mark has no gap". The corner after
+        // (10 − √20)/2 ms, rest 5 ms after the Stop; 95 pulses are left for 2·√95 ms.
+        name: "what_is_passed_in_braking_acts",
+        body: "GT_SetCrdStopDec(1,2,100);GT_LnXY(1,100,0,10,1,10);GT_BufLaserOn(1);GT_LnXY(1,200,0,10,1);GO Sleep(13);GT_Stop(256,0);Sleep(16);GT_CrdStart(1);",
+        light: &[(15.763_932_022_5, 18.0), (29.0, 48.493_588_689_6)],
+        ..NONE
+    },
+    Rule {
+        // "but after an immediate off before or during the braking, with no on command since, nothing that it passes lights".
+        name: "after_an_off_command_nothing_that_is_passed_in_braking_lights",
+        body: "GT_SetCrdStopDec(1,2,100);GT_BufLaserOn(1);GT_LnXY(1,100,0,10,1,10);GT_BufLaserOff(1);GT_BufLaserOn(1);GT_LnXY(1,200,0,10,1);GO Sleep(13);GT_Stop(256,0);Sleep(1);GT_SetHSIOOpt(0);Sleep(15);GT_CrdStart(1);",
+        light: &[(0.0, 14.0)],
+        ..NONE
+    },
+    Rule {
+        name: "nor_after_an_off_command_before_the_braking",
+        body: "GT_SetCrdStopDec(1,2,100);GT_BufLaserOn(1);GT_LnXY(1,100,0,10,1,10);GT_BufLaserOn(1);GT_LnXY(1,200,0,10,1);GO Sleep(10);GT_SetHSIOOpt(0);Sleep(3);GT_Stop(256,0);Sleep(16);GT_CrdStart(1);",
+        light: &[(0.0, 10.0)],
         ..NONE
     },
     Rule {
@@ -334,15 +400,43 @@ pub const LIGHT: &[Rule] = &[
         ..NONE
     },
     Rule {
-        name: "ending_a_follow_at_rest_does_not_light",
+        // "Ending or replacing a follow never lights"; the CrdStart that goes on "brings back what that Stop shut off", with
+        // the direct power. 225 pulses are left for 27.5 ms.
+        name: "ending_a_follow_at_rest_does_not_light_and_the_start_does",
         body: "GT_BufLaserPrfFollow(1,0.5,1,9);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_Stop(1024,0);Sleep(5);GT_CrdStart(1);",
-        light: &[(0.0, 30.0)],
+        light: &[(0.0, 30.0), (40.0, 67.5)],
+        power: &[(20.0, 6.0), (36.0, 0.0), (50.0, 5.0)],
         ..NONE
     },
     Rule {
-        name: "a_map_without_the_coordinate_system_keeps_its_light",
-        body: "GT_SetLaserCrdMap(0,2);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);",
-        light: &[(0.0, END)],
+        // "an on command given then lights with the next CrdStart of that crd".
+        name: "an_on_command_under_a_follow_at_rest_waits_for_the_start",
+        body: "GT_BufLaserPrfFollow(1,0.5,1,9);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_SetHSIOOpt(1);Sleep(5);GT_CrdStart(1);",
+        light: &[(40.0, 67.5)],
+        power: &[(36.0, 0.0), (50.0, 6.0)],
+        ..NONE
+    },
+    Rule {
+        // What waits for the follow's path is withdrawn with the follow.
+        name: "what_waits_does_not_outlive_its_follow",
+        body: "GT_BufLaserPrfFollow(1,0.5,1,9);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_SetHSIOOpt(1);Sleep(5);GT_Stop(1024,0);Sleep(5);GT_CrdStart(1);",
+        light: &[],
+        places: &[(50.0, 1, 300.0)],
+        ..NONE
+    },
+    Rule {
+        // "A crd lights only channels whose map holds it"; a Stop shuts off those "whose map holds k", no other.
+        name: "a_map_without_the_coordinate_system_keeps_light_of_a_command",
+        body: "GT_SetLaserCrdMap(0,2);GT_SetHSIOOpt(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);",
+        light: &[(-10.0, END)],
+        ..NONE
+    },
+    Rule {
+        // "one that is reached when the map no longer holds its crd does nothing".
+        name: "entries_that_are_reached_unmapped_do_nothing",
+        body: "GT_BufLaserPrfFollow(1,0.5,1,9);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GT_BufLaserOff(1);GT_LnXY(1,1000,0,10,2);GT_SetLaserCrdMap(0,2);GO Sleep(30);GT_SetHSIOOpt(1);",
+        light: &[(30.0, END)],
+        power: &[(20.0, 0.0), (40.0, 5.0), (80.0, 5.0)],
         ..NONE
     },
     Rule {

@@ -1,6 +1,6 @@
 //! The command line.
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use trace::AxisName;
 
 /// Runs motion jobs in the virtual controller or on a Beamtick board.
@@ -28,7 +28,8 @@ Examples:
   beamtick serve --listen 127.0.0.1:5000
   beamtick info --link qemu
 
-Exit codes: 0 done; 1 a call, the link or the trace failed; 2 the command line or the job file is wrong.";
+Exit codes: 0 done; 1 a call, the link or the trace failed; 2 the command line or the job file is wrong; 130, 143, 129 ended
+by INT, TERM, HUP. However a job ends, every laser is shut off and what moves is stopped smoothly.";
 
 /// What to do.
 #[derive(Debug, Subcommand)]
@@ -117,6 +118,17 @@ pub struct Outputs {
 }
 
 impl Outputs {
+    /// Every file that is written: its option, its name, whether it is a picture.
+    pub fn files(&self) -> Vec<(&str, &Path, bool)> {
+        let all = [
+            ("--trace", &self.trace, false),
+            ("--vcd", &self.vcd, false),
+            ("--plot", &self.plot, true),
+            ("--xy", &self.xy, true),
+        ];
+        all.into_iter().filter_map(|(option, name, drawn)| Some((option, name.as_deref()?, drawn))).collect()
+    }
+
     /// Some file needs a trace.
     pub fn traces(&self) -> bool {
         self.trace.is_some() || self.shows_edges()

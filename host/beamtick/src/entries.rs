@@ -7,16 +7,13 @@ use crate::points::records;
 use client::Call;
 use job::{Action, Job};
 use protocol::command::{
-    AxisStatus, BufLaserOn, EnaFPK, LaserOff, LaserOn, LaserStatus, LnXY, LnXYMany, LnXYZ, LnXYZMany, PathXY, PathXYZ,
-    PtData, PtDataMany, PtItem, Request, Reset, SetHSIOOpt, SetLevelDelay, Sleep, Stop, Trace, VersionReply, WaitStop,
+    Abort, AxisStatus, LaserStatus, LnXY, LnXYMany, LnXYZ, LnXYZMany, PathXY, PathXYZ, PtData, PtDataMany, PtItem,
+    Request, Sleep, Trace, VersionReply, WaitStop,
 };
 use zerocopy::{FromBytes, IntoBytes};
 
 /// Bytes of items in one record, at most: two records fit in a frame.
 const MERGED: usize = 32 * size_of::<PtItem>();
-
-/// The longest delay that a channel takes, µs.
-const DELAY_MAX_US: u32 = 65_535;
 
 /// One entry.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,19 +31,19 @@ pub enum From {
     Step(usize),
     /// One step for each item.
     Items(Vec<usize>),
-    /// Behind the script: what it left moving.
+    /// At the end of the script: what it left moving.
     Left {
         /// Logical core, from 1.
         core: i16,
         /// First axis of the reply.
         axis: i16,
     },
-    /// Behind the script: a laser that it may have left on.
+    /// Within the last tick of the script: whether it leaves a laser on.
     Light {
         /// From 0.
         channel: u8,
     },
-    /// Behind the script: the program's own end.
+    /// After the script: the program's own end.
     End,
 }
 
@@ -77,61 +74,35 @@ pub fn lasers(job: &Job, version: &VersionReply) -> impl Iterator<Item = u8> {
     (0..version.lasers.min(8)).filter(move |channel| used >> channel & 1 == 1)
 }
 
-/// The call that switches a laser off.
-pub fn laser_off(channel: u8) -> SetHSIOOpt {
-    SetHSIOOpt { core: 1.into(), value: 0.into(), channel: i16::from(channel).into() }
+/// How a script ends, as far as a read there goes: it shows the end of its tick, and an Abort of the same instant with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Ending {
+    /// With a Sleep longer than a tick, this step: what is on is read in the last tick of it.
+    Sleeps(usize),
+    /// With a read: the Abort is a tick later, so that the read shows what the script did.
+    Reads,
+    /// With anything else: nothing is read.
+    Acts,
 }
 
-/// Whether the script may end with this laser channel on: something switches it on, and nothing that is certain to act
-/// switches it off behind that. Buffered commands act when the path comes to them.
-fn may_leave_on(job: &Job, channel: u8) -> bool {
-    let mut on = false;
-    for step in &job.steps {
-        let Action::Call(call) = &step.action else { continue };
-        let body = &call.body[..];
-        let switched = match call.opcode {
-            LaserOn::OPCODE => LaserOn::read_from_bytes(body).ok().map(|r| (true, r.channel)),
-            BufLaserOn::OPCODE => BufLaserOn::read_from_bytes(body).ok().map(|r| (true, r.channel)),
-            LaserOff::OPCODE => LaserOff::read_from_bytes(body).ok().map(|r| (false, r.channel)),
-            SetHSIOOpt::OPCODE => SetHSIOOpt::read_from_bytes(body).ok().map(|r| (r.value.get() != 0, r.channel)),
-            Reset::OPCODE => Some((false, i16::from(channel).into())),
-            _ => None,
-        };
-        match switched {
-            Some((true, of)) if of.get() == i16::from(channel) => on = true,
-            // What may fail is not certain.
-            Some((false, of)) if of.get() == i16::from(channel) => on &= call.may_fail,
-            _ => {}
+impl Ending {
+    fn of(job: &Job, tick_ns: u64) -> Ending {
+        match job.steps.last().map(|step| &step.action) {
+            Some(Action::Sleep { ns }) if *ns > tick_ns => Ending::Sleeps(job.steps.len() - 1),
+            Some(Action::Call(call)) if !call.outs.is_empty() => Ending::Reads,
+            _ => Ending::Acts,
         }
     }
-    on
 }
 
-/// How long light may go on behind its off command by what the script sets: the longest off delays of gate and FPK.
-fn tail_ns(job: &Job) -> u64 {
-    let (mut gate, mut fpk) = (0, 0);
-    for step in &job.steps {
-        let Action::Call(call) = &step.action else { continue };
-        match call.opcode {
-            SetLevelDelay::OPCODE => {
-                let delays = SetLevelDelay::read_from_bytes(&call.body).unwrap_or_default();
-                gate = gate.max(delays.off_delay_us.get().min(DELAY_MAX_US));
-            }
-            EnaFPK::OPCODE => {
-                let times = EnaFPK::read_from_bytes(&call.body).unwrap_or_default();
-                fpk = fpk.max(times.laser_off_delay_us.get().min(DELAY_MAX_US));
-            }
-            _ => {}
-        }
-    }
-    u64::from(gate + fpk) * 1000
-}
-
-/// The script's entries, then: lasers that it left on are switched off, what still moves is read, stopped smoothly and
-/// waited for, and a trace ends.
+/// The script's entries, then Abort as a call there would act; what still moves is waited for, and a trace ends. What
+/// lasers and axes do at the end is read before.
 pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
     let mut entries = Vec::with_capacity(job.steps.len() + 16);
     let mut run: Option<Run> = None;
+    let tick_ns = u64::from(version.tick_us.get()) * 1000;
+    let sleep = |ns: u64, from: From| Entry { call: Call::of(Sleep { ns: ns.into() }), from };
+    let ending = Ending::of(job, tick_ns);
     for (number, step) in job.steps.iter().enumerate() {
         if let Some((key, item)) = datum(&step.action) {
             let full = run.as_ref().is_some_and(|run| run.items.len() + item.len() > MERGED || run.key != key);
@@ -146,7 +117,12 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
         finish(&mut entries, &mut run, job);
         let from = From::Step(number);
         match &step.action {
-            Action::Sleep { ns } => entries.push(Entry { call: Call::of(Sleep { ns: (*ns).into() }), from }),
+            Action::Sleep { ns } if job.lasers != 0 && ending == Ending::Sleeps(number) => {
+                entries.push(sleep(ns - tick_ns, from.clone()));
+                entries.extend(lasers(job, version).map(light));
+                entries.push(sleep(tick_ns, from));
+            }
+            Action::Sleep { ns } => entries.push(sleep(*ns, from)),
             Action::WaitStop { core, axes, crds } => entries.push(Entry { call: wait(*core, *axes, *crds), from }),
             Action::WaitAll => {
                 for core in 1..=i16::from(version.cores) {
@@ -161,48 +137,46 @@ pub fn entries(job: &Job, version: &VersionReply, traced: bool) -> Vec<Entry> {
         }
     }
     finish(&mut entries, &mut run, job);
-    let tick_ns = u64::from(version.tick_us.get()) * 1000;
-    let sleep = |ns: u64| Entry { call: Call::of(Sleep { ns: ns.into() }), from: From::End };
-    let left: Vec<u8> = lasers(job, version).filter(|channel| may_leave_on(job, *channel)).collect();
-    for channel in &left {
-        let status = LaserStatus { core: 1.into(), channel: i16::from(*channel).into() };
-        entries.push(Entry { call: Call::of(status), from: From::Light { channel: *channel } });
+    if ending == Ending::Reads {
+        entries.extend(lasers(job, version).map(light));
+        entries.push(sleep(tick_ns, From::End));
     }
-    if !left.is_empty() {
-        // What is read at the end of the script is the state before the lasers are switched off.
-        entries.push(sleep(tick_ns));
-    }
-    entries.extend(left.iter().map(|channel| Entry { call: Call::of(laser_off(*channel)), from: From::End }));
     leave(&mut entries, job, version);
     if traced {
-        if !left.is_empty() {
-            // The edge that ends the light lies in the tick behind its command, after its delays, and is whole with
-            // the row behind it.
-            entries.push(sleep(2 * tick_ns + tail_ns(job)));
+        if job.lasers != 0 {
+            // The edge that ends the light lies in the tick after its command, and is whole with the row after it.
+            entries.push(sleep(2 * tick_ns, From::End));
         }
         entries.push(Entry { call: Call::of(Trace::default()), from: From::End });
     }
     entries
 }
 
+/// Reads whether a laser is on.
+fn light(channel: u8) -> Entry {
+    let status = LaserStatus { core: 1.into(), channel: i16::from(channel).into() };
+    Entry { call: Call::of(status), from: From::Light { channel } }
+}
+
 fn wait(core: i16, axes: u32, crds: u32) -> Call {
     Call::of(WaitStop { core: core.into(), axes: axes.cast_signed().into(), crds: crds.cast_signed().into() })
 }
 
-/// Reads, stops and waits for what the script left moving, on the cores that it used.
+/// Reads what the script left moving, aborts, and waits for rest on the cores that it used.
 fn leave(entries: &mut Vec<Entry>, job: &Job, version: &VersionReply) {
+    for axis in &job.axes {
+        if (1..=i16::from(version.cores)).contains(&axis.core) && axis.axis <= i16::from(version.axes_per_core) {
+            let status = AxisStatus { core: axis.core.into(), axis: axis.axis.into(), count: 1.into() };
+            entries.push(Entry { call: Call::of(status), from: From::Left { core: axis.core, axis: axis.axis } });
+        }
+    }
+    let end = |call: Call| Entry { call, from: From::End };
+    // One is for the whole controller.
+    entries.push(end(Call::of(Abort { core: 1.into() })));
     let mut cores: Vec<i16> = job.axes.iter().map(|axis| axis.core).collect();
     cores.retain(|core| (1..=i16::from(version.cores)).contains(core));
     cores.dedup();
-    for core in cores {
-        for axis in job.axes.iter().filter(|axis| axis.core == core && axis.axis <= i16::from(version.axes_per_core)) {
-            let status = AxisStatus { core: core.into(), axis: axis.axis.into(), count: 1.into() };
-            entries.push(Entry { call: Call::of(status), from: From::Left { core, axis: axis.axis } });
-        }
-        let stop = Stop { core: core.into(), mask: all_axes(version).cast_signed().into(), option: 0.into(), form: 0 };
-        entries.push(Entry { call: Call::of(stop), from: From::End });
-        entries.push(Entry { call: wait(core, all_axes(version), all_crds(version)), from: From::End });
-    }
+    entries.extend(cores.into_iter().map(|core| end(wait(core, all_axes(version), all_crds(version)))));
 }
 
 /// Data of one FIFO, not sent yet.
@@ -312,7 +286,7 @@ mod tests {
         let found = of(&format!("{data}GT_PtData(2, 5, 6, 2);\nGT_PtData(2, 5, 7, 300);\n"));
         let sizes: Vec<usize> =
             found.iter().map(|entry| if let From::Items(steps) = &entry.from { steps.len() } else { 1 }).collect();
-        assert_eq!(sizes, [32, 32, 6, 1, 1]);
+        assert_eq!(sizes, [32, 32, 6, 1, 1, 1]);
         assert_eq!(found[1].step(5), Some(37));
         assert_eq!(found[1].step(65535), Some(32));
         let (head, items) = PtDataMany::read_from_prefix(&found[2].call.payload).unwrap();
@@ -330,7 +304,7 @@ mod tests {
         let found = of(&format!("{lines}{other}"));
         let sizes: Vec<usize> =
             found.iter().map(|entry| if let From::Items(steps) = &entry.from { steps.len() } else { 1 }).collect();
-        assert_eq!(sizes, [52, 8, 1, 2]);
+        assert_eq!(sizes, [52, 8, 1, 2, 1]);
         assert_eq!(found[1].step(7), Some(59));
         let (head, items) = LnXYMany::read_from_prefix(&found[0].call.payload).unwrap();
         assert_eq!((head.count.get(), { head.syn_vel }.get(), items.len()), (52, 50.0, 52 * 8));
@@ -340,43 +314,42 @@ mod tests {
         assert_eq!((head.count.get(), item.x.get(), item.z.get()), (2, 4, 6));
     }
 
+    fn aborts(entry: &Entry) -> bool {
+        entry.from == From::End && entry.call == Call::of(Abort { core: 1.into() })
+    }
+
     #[test]
-    fn what_a_job_leaves_is_stopped_on_the_cores_it_used() {
+    fn every_job_ends_with_an_abort_and_waits_on_the_cores_it_used() {
         let found = of("GT_PrfTrap(2); while(!kbhit());");
         assert_eq!(found[1].call, wait(1, 0xff, 3));
         assert_eq!(found[2].from, From::Left { core: 1, axis: 2 });
-        let stop = Stop::read_from_bytes(&found[3].call.payload).unwrap();
-        assert_eq!((stop.mask.get(), stop.option.get(), stop.form), (0xff, 0, 0));
-        assert_eq!(found[4].call, wait(1, 0xff, 3));
-        assert_eq!(of("Sleep(1);").len(), 1);
-        // What is on is read, and a tick later switched off.
-        let found = of("GT_LaserOn(1); GT_LaserOn(5);");
-        assert_eq!(found.len(), 5);
+        assert!(aborts(&found[3]));
+        assert_eq!((found.len(), &found[4].call), (5, &wait(1, 0xff, 3)));
+        let found = of("Sleep(1);");
+        assert!(found.len() == 2 && aborts(&found[1]));
+        // A call at the end acts in the tick of the Abort: nothing is read between them.
+        let found = of("GT_LaserOn(1);");
+        assert!(found.len() == 2 && aborts(&found[1]));
+        // What is on is read a tick before the end; the sleeps add up.
+        let found = of("GT_LaserOn(1); Sleep(3);");
+        assert_eq!(found[1].call, Call::of(Sleep { ns: 2_950_000.into() }));
         assert_eq!(found[2].from, From::Light { channel: 1 });
-        assert_eq!(found[3].call, Call::of(Sleep { ns: 50_000.into() }));
-        assert_eq!((&found[4].from, &found[4].call), (&From::End, &Call::of(laser_off(1))));
+        assert_eq!((&found[3].call, &found[3].from), (&Call::of(Sleep { ns: 50_000.into() }), &From::Step(1)));
+        assert!(found.len() == 5 && aborts(&found[4]));
+        // A read at the end shows what the script did.
+        let found = of("double p; GT_LaserOn(1); Sleep(3); GT_GetLaserPower(1, &p);");
+        assert_eq!(found[1].call, Call::of(Sleep { ns: 3_000_000.into() }));
+        assert_eq!((&found[2].from, &found[3].from), (&From::Step(2), &From::Light { channel: 1 }));
+        assert_eq!(found[4].call, Call::of(Sleep { ns: 50_000.into() }));
+        assert!(found.len() == 6 && aborts(&found[5]));
         // A trace goes on until the light has ended.
-        let text = "GT_SetLevelDelay(300,10); GT_EnaFPK(1,2,40); GT_SetHSIOOpt(1);";
-        let found = entries(&job::compile(text, &None).unwrap(), &version(), true);
-        assert_eq!(found[6].call, Call::of(Sleep { ns: (100_000 + 340_000).into() }));
-        assert_eq!((found.len(), found[7].call.opcode), (8, Trace::OPCODE));
-        for (text, lefts) in [
-            ("GT_LaserOn(0); GT_LaserOff(1);", 1),
-            ("GT_LaserOn(0); GT_LaserOff(0);", 0),
-            ("GT_SetHSIOOpt(1); GT_SetHSIOOpt(1, 1); GT_LaserOff(0); GTN_LaserOn(1, 0);", 2),
-            ("GT_BufLaserOn(1); GT_BufLaserOff(1);", 1),
-            ("GT_BufLaserOn(1); GT_LaserOff(0);", 0),
-            ("#pragma continue\nshort rtn; GT_LaserOn(0); rtn = GT_LaserOff(0);", 1),
-            ("#pragma continue\nshort rtn; rtn = GT_LaserOn(0); GT_LaserOff(0);", 0),
-            ("GT_SetHSIOOpt(1); GT_SetHSIOOpt(0);", 0),
-            ("GT_SetHSIOOpt(1); GT_Reset();", 0),
-            ("GT_LaserPrfCmd(5);", 0),
-        ] {
-            assert_eq!(
-                of(text).iter().filter(|entry| matches!(entry.from, From::Light { .. })).count(),
-                lefts,
-                "{text}"
-            );
-        }
+        let found = entries(&job::compile("GT_SetHSIOOpt(1);", &None).unwrap(), &version(), true);
+        assert!(aborts(&found[1]));
+        assert_eq!(found[2].call, Call::of(Sleep { ns: 100_000.into() }));
+        assert_eq!((found.len(), found[3].call.opcode), (4, Trace::OPCODE));
+        let two = VersionReply { cores: 2, ..version() };
+        let found = entries(&job::compile("GTN_PrfTrap(2, 1);", &None).unwrap(), &two, false);
+        assert!(aborts(&found[2]));
+        assert_eq!((found.len(), &found[3].call), (4, &wait(2, 0xff, 3)));
     }
 }

@@ -4,7 +4,7 @@ use crate::command_line::{Info, Steps};
 use crate::connect::{linked, named, simulated};
 use crate::profile;
 use crate::summary::laser;
-use protocol::command::{EventItem, GetClock, GetEvents, GetFault, LaserStatus};
+use protocol::command::{EventItem, GetClock, GetEvents, GetFault, GetLinkLoss, LaserStatus, LinkLossReply};
 use protocol::reason::{laser_cause, stop_reason};
 
 /// Prints version, board, profile, counts and limits.
@@ -28,6 +28,7 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
     );
     say!("servo tick  {} us", version.tick_us);
     say!("clock       {} ms since power-on", clock.clock_ms);
+    say!("link loss   {}", link_loss(&client.call(GetLinkLoss {})?));
     let (fault, text) = client.call_items(GetFault {}, &[])?;
     let text: Vec<u8> = text.iter().map(|byte| byte.value).collect();
     let text = String::from_utf8_lossy(&text);
@@ -65,6 +66,18 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
     Ok(())
 }
 
+/// When the link counts as lost, and what happens then.
+fn link_loss(reply: &LinkLossReply) -> String {
+    let motion = match reply.stop_all.get() {
+        0 => "Jog axes and coordinate systems stop",
+        _ => "all motion stops",
+    };
+    match reply.time_ms.get() {
+        0.0 => "OFF: a lost link shuts off no laser and stops nothing (SetLinkLoss)".to_owned(),
+        time => format!("after {time} ms of silence lasers are shut off, {motion}"),
+    }
+}
+
 /// What happened, to whom, why.
 fn event(item: &EventItem) -> String {
     let (of, reason) = (item.of, item.reason.get());
@@ -75,6 +88,12 @@ fn event(item: &EventItem) -> String {
         (3, _) => format!("laser {of} dark: {}", laser_cause(reason as i16)),
         (4, 0) => "the host link is there again".to_owned(),
         (4, _) => "the host link was lost".to_owned(),
+        (7, 1) => format!("laser {of}: an entry of a path did nothing: SetLaserCrdMap excludes its coordinate system"),
+        (7, 2) => format!("laser {of}: an on command did nothing: the channel has no output"),
+        (7, 3) => format!("laser {of}: an on command did nothing: an abort was in progress"),
+        (7, _) => format!("laser {of}: a command did nothing"),
+        (8, 1) => "every laser shut off: an abort".to_owned(),
+        (8, 2) => "every laser shut off: a new session began".to_owned(),
         (5, _) => format!("{reason} servo ticks took longer than a period"),
         _ => format!("{reason} events were lost"),
     }
@@ -85,11 +104,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_link_that_is_not_watched_is_named_loudly() {
+        let text = |time: f64, stop: i16| link_loss(&LinkLossReply { time_ms: time.into(), stop_all: stop.into() });
+        assert!(text(0.0, 0).starts_with("OFF: "));
+        assert_eq!(text(500.0, 0), "after 500 ms of silence lasers are shut off, Jog axes and coordinate systems stop");
+        assert_eq!(text(800.0, 1), "after 800 ms of silence lasers are shut off, all motion stops");
+    }
+
+    #[test]
     fn events_are_told_in_words() {
         let text = |kind, of, reason: u16| event(&EventItem { time_ns: 0.into(), kind, of, reason: reason.into() });
         assert_eq!(text(1, 3, 10), "axis 3 stopped: an underrun");
         assert_eq!(text(3, 1, 3), format!("laser 1 dark: {}", laser_cause(3)));
         assert_eq!(text(3, 0, 0), "laser 0 cleared");
         assert_eq!(text(4, 0, 1), "the host link was lost");
+        assert_eq!(text(8, 0, 1), "every laser shut off: an abort");
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! In: the command line, job files, configuration files. Out: what the job read, a summary, trace files;
 //! errors on the error stream with file, line and reason. Exit codes: 0 done, 1 the job or the link
-//! failed, 2 the command line or the job file is wrong. A library, so that tests run jobs over links of their own.
+//! failed, 2 the command line or the job file is wrong, 130, 143 and 129 after INT, TERM and HUP. A library, so that tests run jobs over links of their own.
 
 /// A line on the standard output. Where nobody reads it any more, the job runs on all the same.
 macro_rules! say {
@@ -25,7 +25,9 @@ mod command_line;
 mod connect;
 mod entries;
 mod info;
+mod interrupt;
 mod listing;
+mod output;
 mod points;
 mod profile;
 mod record;
@@ -40,6 +42,7 @@ mod summary;
 use clap::Parser;
 use client::Link;
 use command_line::{Command, CommandLine};
+use interrupt::Signal;
 use std::process::ExitCode;
 
 /// Why the program ends with an error.
@@ -49,6 +52,8 @@ pub enum Failure {
     Job(String),
     /// The command line or the job file: exit code 2.
     Input(String),
+    /// A signal: exit code 128 + its number.
+    Interrupted(Signal, String),
 }
 
 impl From<client::Error> for Failure {
@@ -65,6 +70,7 @@ impl From<trace::TraceError> for Failure {
 
 /// The program: does what the command line says.
 pub fn main() -> ExitCode {
+    interrupt::watch();
     match obey(&CommandLine::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Job(text)) => {
@@ -74,6 +80,12 @@ pub fn main() -> ExitCode {
         Err(Failure::Input(text)) => {
             complain!("{}", text.trim_end());
             ExitCode::from(2)
+        }
+        Err(Failure::Interrupted(signal, text)) => {
+            if !text.is_empty() {
+                complain!("{}", text.trim_end());
+            }
+            ExitCode::from(signal.exit_code())
         }
     }
 }

@@ -4,6 +4,7 @@
 //! ends the recording and is told at its end: a gap is never passed over.
 use crate::Failure;
 use crate::command_line::Outputs;
+use crate::output::Output;
 use crate::spool::Spool;
 use std::fs::File;
 use std::io::BufWriter;
@@ -18,12 +19,15 @@ pub struct Recording {
 }
 
 /// Where to, of which axes, of what part.
-type XyPlot = (PathBuf, Option<(AxisName, AxisName)>, PlotOptions);
+type XyPlot = (Output, Option<(AxisName, AxisName)>, PlotOptions);
 
 struct Sinks {
+    /// The files of the CSV and the VCD, until their trace begins.
     csv: Option<File>,
     vcd: Option<File>,
-    plot: Option<(PathBuf, PlotOptions)>,
+    /// Their names.
+    streams: Vec<Output>,
+    plot: Option<(Output, PlotOptions)>,
     xy: Option<XyPlot>,
     outputs: Vec<u8>,
     open: Option<Open>,
@@ -58,7 +62,6 @@ impl Recording {
     ///
     /// `title` and `subtitle` stand above the plot.
     pub fn new(outputs: &Outputs, (title, subtitle): (&str, String), digital: Vec<u8>) -> Result<Self, Failure> {
-        let create = |path: &PathBuf| File::create(path).map_err(|error| unwritable(path, &error));
         let options = PlotOptions {
             title: title.to_owned(),
             subtitle,
@@ -69,17 +72,26 @@ impl Recording {
         options.check().map_err(|error| Failure::Input(error.to_string()))?;
         for path in [&outputs.plot, &outputs.xy].into_iter().flatten() {
             picture(path)?;
-            // It is drawn at the end; that it cannot be written is told before the job runs.
-            let opened = File::options().create(true).append(true).open(path);
-            opened.map_err(|error| unwritable(path, &error))?;
         }
+        let mut streams = Vec::new();
+        let mut stream = |path: &Option<PathBuf>| {
+            let made = path.as_ref().map(|path| Output::stream(path)).transpose()?;
+            Ok::<_, Failure>(made.map(|(output, file)| {
+                streams.push(output);
+                file
+            }))
+        };
+        let (csv, vcd) = (stream(&outputs.trace)?, stream(&outputs.vcd)?);
+        let drawn = |path: &Option<PathBuf>| path.as_ref().map(|path| Output::picture(path)).transpose();
+        let (plot, xy) = (drawn(&outputs.plot)?, drawn(&outputs.xy)?);
         Ok(Recording {
             reader: Reader::new(),
             sinks: Sinks {
-                csv: outputs.trace.as_ref().map(create).transpose()?,
-                vcd: outputs.vcd.as_ref().map(create).transpose()?,
-                plot: outputs.plot.clone().map(|path| (path, options.clone())),
-                xy: outputs.xy.clone().map(|path| (path, outputs.xy_axes, options)),
+                csv,
+                vcd,
+                streams,
+                plot: plot.map(|output| (output, options.clone())),
+                xy: xy.map(|output| (output, outputs.xy_axes, options)),
                 outputs: digital,
                 open: None,
             },
@@ -103,34 +115,60 @@ impl Recording {
         self.failed.is_some() || self.reader.ended()
     }
 
-    /// Closes the files; the plot is drawn here.
-    pub fn finish(self) -> Result<Recorded, Failure> {
-        if let Some(error) = self.failed {
-            return Err(error.into());
+    /// Closes the files; the pictures are drawn here. What is not whole is left as [`Recording::cut_off`] leaves it.
+    pub fn finish(mut self) -> Result<Recorded, Failure> {
+        let broken = match (self.failed.take(), &self.sinks.open) {
+            (Some(error), _) => Some(error.into()),
+            (None, None) => Some(Failure::Job("trace: the controller sent none".into())),
+            (None, Some(open)) if !self.reader.ended() => {
+                Some(Failure::Job(format!("trace: it breaks off after {} rows; the end did not come", open.rows)))
+            }
+            _ => None,
+        };
+        if let Some(failure) = broken {
+            self.cut_off();
+            return Err(failure);
         }
-        let Some(open) = self.sinks.open else {
+        let written = self.sinks.write();
+        let Sinks { streams, plot, xy, open: Some(open), .. } = self.sinks else {
             return Err(Failure::Job("trace: the controller sent none".into()));
         };
-        if let Some(csv) = open.csv {
-            csv.finish()?;
+        let files = streams.into_iter().chain(plot.map(|(output, _)| output)).chain(xy.map(|(output, ..)| output));
+        if let Err(error) = written {
+            files.for_each(|output| drop(output.cut_off()));
+            return Err(error.into());
         }
-        if let Some(vcd) = open.vcd {
-            vcd.finish()?;
-        }
-        if let (Some(plot), Some((path, _))) = (&open.plot, &self.sinks.plot) {
-            plot.save(path)?;
-        }
-        if let (Some(xy), Some((path, ..))) = (&open.xy, &self.sinks.xy) {
-            xy.save(path)?;
-        }
-        if !self.reader.ended() {
-            return Err(Failure::Job(format!("trace: it breaks off after {} rows; the end did not come", open.rows)));
-        }
+        files.into_iter().try_for_each(Output::whole)?;
         Ok(Recorded { header: open.header, peaks: open.peaks, speeds: open.speeds, rows: open.rows })
+    }
+
+    /// The job has failed: what there is is written and drawn, under names that say so. These names.
+    pub fn cut_off(mut self) -> Vec<PathBuf> {
+        // What cannot be written or drawn is not there; the job's own failure is what is told.
+        let _ = self.sinks.write();
+        let Sinks { streams, plot, xy, .. } = self.sinks;
+        let files = streams.into_iter().chain(plot.map(|(output, _)| output)).chain(xy.map(|(output, ..)| output));
+        files.filter_map(Output::cut_off).collect()
     }
 }
 
 impl Sinks {
+    /// Completes the files of the trace that has begun; the first error, after all of them.
+    fn write(&mut self) -> trace::Result<()> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        let csv = open.csv.take().map_or(Ok(()), |csv| csv.finish().map(drop));
+        let vcd = open.vcd.take().map_or(Ok(()), |vcd| vcd.finish().map(drop));
+        let plot = match (&open.plot, &self.plot) {
+            (Some(plot), Some((output, _))) => plot.save(output.path()),
+            _ => Ok(()),
+        };
+        let xy = match (&open.xy, &self.xy) {
+            (Some(xy), Some((output, ..))) => xy.save(output.path()),
+            _ => Ok(()),
+        };
+        csv.and(vcd).and(plot).and(xy)
+    }
+
     fn take(&mut self, item: Item) -> trace::Result<()> {
         match item {
             Item::Header(header) => self.begin(header),
@@ -214,10 +252,6 @@ fn xy(header: &Header, axes: Option<(AxisName, AxisName)>, options: &PlotOptions
         (None, &[x, y, ..]) => Xy::new(header, (x, y), options.clone()),
         (None, _) => Err(TraceError::Plot("--xy shows two axes, and the job uses fewer".into())),
     }
-}
-
-fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Input(format!("{}: cannot be written: {error}", path.display()))
 }
 
 /// The plot's path must say what kind of picture it is, before the job runs.

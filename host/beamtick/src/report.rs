@@ -4,14 +4,12 @@
 //! stream is a terminal. It remembers which axes the script left moving, and which lasers on.
 use crate::entries::{Entry, From};
 use crate::source::Source;
-use crate::{profile, reply};
+use crate::{interrupt, profile, reply};
 use client::{Answer, Dry, Error, Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use job::{Action, Severity};
 use protocol::command::{AxisStatus, LaserStatus, VersionReply};
 use protocol::reason::{Reason, Refusal};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Bit 10 of the status word: the profile runs.
 const RUNNING: u32 = 1 << 10;
@@ -25,10 +23,9 @@ pub struct Report<'a> {
     version: VersionReply,
     quiet: bool,
     bar: ProgressBar,
-    interrupt: Arc<AtomicBool>,
     /// Axes that still moved when the script ended: core and axis.
     pub left: Vec<(i16, i16)>,
-    /// Laser channels that were on when the script ended.
+    /// Laser channels that were on in the last tick of the script.
     pub lit: Vec<u8>,
     /// Calls that failed and were allowed to.
     pub warned: u32,
@@ -39,20 +36,19 @@ pub struct Report<'a> {
 
 impl<'a> Report<'a> {
     /// A report on a job's entries.
-    pub fn new(
-        source: &'a Source,
-        entries: &'a [Entry],
-        version: VersionReply,
-        quiet: bool,
-        interrupt: Arc<AtomicBool>,
-    ) -> Self {
+    pub fn new(source: &'a Source, entries: &'a [Entry], version: VersionReply, quiet: bool) -> Self {
         // Drawn only where the error stream is a terminal.
         let bar = ProgressBar::with_draw_target(Some(entries.len() as u64), ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{elapsed:>5} [{bar:30}] {pos}/{len} {msg}") {
             bar.set_style(style);
         }
         let (left, lit, streams) = (Vec::new(), Vec::new(), Vec::new());
-        Report { source, entries, version, quiet, bar, interrupt, left, lit, warned: 0, streams }
+        Report { source, entries, version, quiet, bar, left, lit, warned: 0, streams }
+    }
+
+    /// The job's name.
+    pub fn job(&self) -> &str {
+        &self.source.name
     }
 
     /// Takes the bar away.
@@ -127,8 +123,14 @@ impl<'a> Report<'a> {
     }
 }
 
+/// Ends the waiting for the program once a signal has come.
+fn attentive() -> client::Result<()> {
+    interrupt::came().map_or(Ok(()), |signal| Err(Error::new(INTERRUPTED, signal.name())))
+}
+
 impl Observer for Report<'_> {
     fn answered(&mut self, answer: Answer) -> client::Result<()> {
+        attentive()?;
         if answer.code != 0 {
             let reason = answer.refusal().and_then(Refusal::reason);
             let discarded = matches!(reason, Some(Reason::Discarded | Reason::LinkLost));
@@ -149,7 +151,7 @@ impl Observer for Report<'_> {
                 }
             }
             Some(From::Light { channel })
-                if answer.reply::<LaserStatus>().is_some_and(|(state, _)| state.commanded != 0) =>
+                if answer.reply::<LaserStatus>().is_some_and(|(state, _)| state.light != 0 || state.commanded != 0) =>
             {
                 self.lit.push(*channel);
             }
@@ -163,9 +165,7 @@ impl Observer for Report<'_> {
     }
 
     fn progress(&mut self, progress: &Progress) -> client::Result<()> {
-        if self.interrupt.load(Ordering::Relaxed) {
-            return Err(Error::new(INTERRUPTED, "interrupted"));
-        }
+        attentive()?;
         let mut message = format!("script clock {:.3} s", progress.clock().as_secs_f64());
         for dry in &progress.streams {
             match self.streams.iter_mut().find(|(known, _)| (known.core, known.axis) == (dry.core, dry.axis)) {

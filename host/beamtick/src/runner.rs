@@ -1,20 +1,23 @@
 //! `beamtick sim` and `beamtick run`: a job from file to summary.
 //!
-//! In: the command line. Out: reads, files, a summary. When a call fails, or the user interrupts,
-//! lasers are switched off and everything that still moves is stopped smoothly before the program ends.
+//! In: the command line. Out: reads, files, a summary. However a job ends, it ends with Abort: as the script's last entry,
+//! or at once where a call fails or a signal comes. No job ends lit.
 use crate::Failure;
 use crate::command_line::{Outputs, Run, Sim};
 use crate::connect::{linked, named, simulated};
-use crate::entries::{Entry, all_axes, entries, laser_off, lasers};
+use crate::entries::{Entry, entries, lasers};
+use crate::interrupt::{self, Held};
 use crate::record::{Recorded, Recording};
 use crate::report::{INTERRUPTED, Report};
 use crate::source::Source;
-use crate::{profile, summary};
-use client::{Client, Link, Progress};
+use crate::{output, profile, summary};
+use client::{Call as Packed, Client, Link, Progress, decode};
 use job::{Action, Axis, Call, Job, Severity};
-use protocol::command::{AxisItem, AxisStatus, BufDoBit, BufIO, FollowDoBitEx, Request, SetDo, SetDoBit, Stop, Trace};
+use protocol::command::{
+    Abort, AxisItem, AxisStatus, BufDoBit, BufIO, FollowDoBitEx, LaserStatus, Request, SetDo, SetDoBit, Trace,
+};
 use protocol::reason::{Reason, Refusal};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use trace::AxisName;
@@ -24,12 +27,18 @@ use zerocopy::FromBytes;
 pub const RUNNING: u32 = 1 << 10;
 /// General outputs, as SetDo names them.
 const GENERAL: i32 = 12;
+/// The firmware does not know a command.
+const UNKNOWN: i16 = 8;
 /// A trace's end comes within this time of the program's, on the link's clock.
 const TRACE_END: Duration = Duration::from_secs(10);
+/// Of a job that has failed, within this, on this machine's clock.
+const TRACE_CUT_OFF: Duration = Duration::from_millis(400);
 /// From this time without a look at the link on, the machine is named where a controller took its client for lost.
 const HELD_UP: Duration = Duration::from_millis(250);
-/// A smooth stop is awaited no longer than this, on the link's clock.
-const STOP_END: Duration = Duration::from_secs(60);
+/// The end of an aborted motion is awaited no longer than this, on the link's clock.
+const REST: Duration = Duration::from_secs(60);
+/// The same after a signal, on this machine's clock.
+const REST_AFTER_SIGNAL: Duration = Duration::from_millis(300);
 
 /// A recording that the link's reader writes and the runner closes.
 type Tape = Arc<Mutex<Option<Recording>>>;
@@ -37,6 +46,7 @@ type Tape = Arc<Mutex<Option<Recording>>>;
 /// Runs a job in the virtual controller.
 pub fn sim(arguments: &Sim) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
+    output::check(&source.files, &arguments.outputs.files())?;
     let client = simulated(&arguments.settings, arguments.steps, Some(profile::of_job(&source.job)))?;
     execute(&source, &client, true, &arguments.outputs)
 }
@@ -44,6 +54,7 @@ pub fn sim(arguments: &Sim) -> Result<(), Failure> {
 /// Runs a job on a board: over `link`, or over the one that the command line names.
 pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
+    output::check(&source.files, &arguments.outputs.files())?;
     let profile = profile::of_job(&source.job);
     let link = link.map_or_else(|| named(&arguments.link, &arguments.way), Ok)?;
     let client = linked(link, &arguments.settings, Some(profile))?;
@@ -53,42 +64,54 @@ pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> 
 fn execute(source: &Source, client: &Client, simulated: bool, outputs: &Outputs) -> Result<(), Failure> {
     let version = *client.version();
     let job = &source.job;
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&interrupt);
-    // Without the handler an interrupt ends the program at once, and link loss stops what it can.
-    let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
-
     let recording = match outputs.traces() {
         true => Some(record(source, client, outputs)?),
         false => None,
     };
     let entries = entries(job, &version, recording.is_some());
-    let mut report = Report::new(source, &entries, version, outputs.quiet, interrupt);
+    let mut report = Report::new(source, &entries, version, outputs.quiet);
     let began = Instant::now();
+    let held = Held::new();
     let outcome = drive(client, &mut report, &entries, outputs.strict);
     let took = began.elapsed();
     report.end();
     let progress = match outcome {
         Ok(progress) => progress,
         Err(failure) => {
-            // The job has failed: what it left is stopped, and the first failure is what is told.
             let stopped = stop_all(client, job);
-            if recording.is_some() {
-                let _ = client.call(Trace::default());
-            }
+            drop(held);
             let note = match stopped {
-                Ok(true) => "\nWhat still moved was stopped smoothly.",
-                Ok(false) => "\nNothing moves.",
-                Err(_) => {
-                    "\nThe controller could not be told to stop; when the link is lost it stops Jog axes and puts out lasers by itself."
-                }
+                Ok(stopped) => stopped.text(),
+                Err(error) if error.code == UNKNOWN => format!(
+                    "Nothing was stopped: this firmware is older than Abort ({error}). When the link is lost it shuts off lasers by itself; \
+                     load the firmware of this version."
+                ),
+                Err(error) => format!(
+                    "The controller could not be told to stop ({error}). When the link is lost it shuts off lasers, and stops Jog axes and \
+                     coordinate systems, by itself."
+                ),
             };
+            // What a signal is answered by is said before files are looked after: there is a second for all.
+            let failure = match failure {
+                Failure::Job(text) => Failure::Job(format!("{}\n{note}", text.trim_end())),
+                Failure::Interrupted(signal, text) => {
+                    complain!("{text}\n{note}");
+                    Failure::Interrupted(signal, String::new())
+                }
+                Failure::Input(text) => Failure::Input(text),
+            };
+            let kept = recording.map_or_else(Vec::new, |recording| cut_off(client, &recording));
+            let kept = kept.iter().map(|file| format!("\nWhat was recorded until then is in {}.", file.display()));
+            let kept: String = kept.collect();
             return Err(match failure {
-                Failure::Job(text) => Failure::Job(format!("{}{note}", text.trim_end())),
-                other => other,
+                Failure::Job(text) => Failure::Job(text + &kept),
+                Failure::Interrupted(signal, _) => Failure::Interrupted(signal, kept.trim_start().to_owned()),
+                Failure::Input(text) => Failure::Input(text),
             });
         }
     };
+    // Dark and at rest: a signal may end the program from here on.
+    drop(held);
     let recorded = recording.map(|recording| close(client, &recording)).transpose()?;
     summary::print(&summary::Run {
         source,
@@ -105,7 +128,7 @@ fn execute(source: &Source, client: &Client, simulated: bool, outputs: &Outputs)
 fn drive(client: &Client, report: &mut Report<'_>, entries: &[Entry], strict: bool) -> Result<Progress, Failure> {
     let calls = entries.iter().map(|entry| entry.call.clone());
     let summary = client.run(calls, strict, report).map_err(|error| match error.code {
-        INTERRUPTED => Failure::Job("interrupted".into()),
+        INTERRUPTED => interrupted(report.job()),
         _ => error.into(),
     })?;
     match summary.failed {
@@ -215,12 +238,28 @@ fn least_every(rate: u32, row: u32, tick_us: u32) -> u32 {
 /// Waits for the trace's end and closes the files.
 fn close(client: &Client, recording: &Tape) -> Result<Recorded, Failure> {
     let start = client.now();
-    let over = || recording.lock().unwrap_or_else(PoisonError::into_inner).as_ref().is_none_or(Recording::is_over);
-    while !over() && client.now().saturating_sub(start) < TRACE_END {
+    while !is_over(recording) && client.now().saturating_sub(start) < TRACE_END {
         client.sleep(Duration::from_millis(5))?;
     }
-    let mut shared = recording.lock().unwrap_or_else(PoisonError::into_inner);
-    shared.take().map_or_else(|| Err(Failure::Job("trace: it is closed already".into())), Recording::finish)
+    take(recording).map_or_else(|| Err(Failure::Job("trace: it is closed already".into())), Recording::finish)
+}
+
+/// Ends the trace of a job that has failed; the files that hold what there is of it.
+fn cut_off(client: &Client, recording: &Tape) -> Vec<PathBuf> {
+    let began = Instant::now();
+    if client.call(Trace::default()).is_ok() {
+        while !is_over(recording) && began.elapsed() < TRACE_CUT_OFF && client.sleep(Duration::from_millis(5)).is_ok() {
+        }
+    }
+    take(recording).map_or_else(Vec::new, Recording::cut_off)
+}
+
+fn is_over(recording: &Tape) -> bool {
+    recording.lock().unwrap_or_else(PoisonError::into_inner).as_ref().is_none_or(Recording::is_over)
+}
+
+fn take(recording: &Tape) -> Option<Recording> {
+    recording.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
 /// The bit of an axis in masks over all cores.
@@ -282,22 +321,75 @@ pub fn states(client: &Client, job: &Job) -> client::Result<Vec<(Axis, AxisItem)
     Ok(states)
 }
 
-/// Stops everything smoothly, switches the lasers off that the job used, and waits; true if something moved.
-fn stop_all(client: &Client, job: &Job) -> client::Result<bool> {
-    let moves = |states: &[(Axis, AxisItem)]| states.iter().any(|(_, item)| item.status.get() & RUNNING != 0);
-    let moved = moves(&states(client, job)?);
-    for core in 1..=i16::from(client.version().cores) {
-        let mask = all_axes(client.version()).cast_signed();
-        client.call(Stop { core: core.into(), mask: mask.into(), option: 0.into(), form: 0 })?;
+/// The failure of a job that a signal ended.
+fn interrupted(name: &str) -> Failure {
+    match interrupt::came() {
+        Some(signal) => Failure::Interrupted(signal, format!("{name}: interrupted by {}", signal.name())),
+        None => Failure::Job(format!("{name}: interrupted")),
     }
-    for channel in lasers(job, client.version()) {
-        client.call(laser_off(channel))?;
+}
+
+/// What an Abort found, and what it left.
+struct Stopped {
+    /// Axes of the job that moved when it came.
+    moved: Vec<Axis>,
+    /// Those that brake still.
+    braking: Vec<Axis>,
+    /// Laser channels of the job with light all the same.
+    lit: Vec<u8>,
+}
+
+impl Stopped {
+    fn text(&self) -> String {
+        let names = |axes: &[Axis]| axes.iter().map(summary::name).collect::<Vec<_>>().join(", ");
+        let light = match self.lit[..] {
+            [] => "Light is off.".to_owned(),
+            ref lit => format!("LIGHT IS STILL ON: laser {lit:?}."),
+        };
+        let motion = match (&self.moved[..], &self.braking[..]) {
+            ([], []) => "Nothing was moving.".to_owned(),
+            (moved, []) => format!("What still moved ({}) was stopped smoothly.", names(moved)),
+            (_, braking) => format!("Still braking to a smooth stop: {}.", names(braking)),
+        };
+        format!("{light} {motion}")
     }
-    let start = client.now();
-    while moves(&states(client, job)?) && client.now().saturating_sub(start) < STOP_END {
-        client.sleep(Duration::from_millis(20))?;
+}
+
+/// Aborts, and waits until all is at rest.
+fn stop_all(client: &Client, job: &Job) -> client::Result<Stopped> {
+    let version = client.version();
+    let used = |axis: &&Axis| bit(axis, version.cores, version.axes_per_core).is_some();
+    let axes: Vec<Axis> = job.axes.iter().filter(used).copied().collect();
+    let status = |axis: &Axis| AxisStatus { core: axis.core.into(), axis: axis.axis.into(), count: 1.into() };
+    // What moves is read in the message that aborts: no time passes for it.
+    let calls: Vec<Packed> =
+        axes.iter().map(|axis| Packed::of(status(axis))).chain([Packed::of(Abort { core: 1.into() })]).collect();
+    let replies = client.call_all(&calls)?.into_iter().collect::<client::Result<Vec<_>>>()?;
+    let mut moved = Vec::new();
+    for (axis, reply) in axes.iter().zip(&replies) {
+        let (_, items) = decode::<AxisStatus>(reply)?;
+        moved.extend(items.iter().any(runs).then_some(*axis));
     }
-    Ok(moved)
+    let (start, began) = (client.now(), Instant::now());
+    let braking = loop {
+        let braking: Vec<Axis> =
+            states(client, job)?.into_iter().filter(|(_, item)| runs(item)).map(|(axis, _)| axis).collect();
+        let over = interrupt::came().is_some() && began.elapsed() > REST_AFTER_SIGNAL;
+        if braking.is_empty() || over || client.now().saturating_sub(start) > REST {
+            break braking;
+        }
+        client.sleep(Duration::from_millis(5))?;
+    };
+    let mut lit = Vec::new();
+    for channel in lasers(job, version) {
+        let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
+        lit.extend((state.light != 0).then_some(channel));
+    }
+    Ok(Stopped { moved, braking, lit })
+}
+
+fn runs(item: &AxisItem) -> bool {
+    item.status.get() & RUNNING != 0
 }
 
 #[cfg(test)]

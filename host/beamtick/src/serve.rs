@@ -23,6 +23,9 @@ pub fn serve(arguments: &Serve) -> Result<(), Failure> {
         shown.name(),
         config.tick_us
     );
+    if !served.address().ip().is_loopback() {
+        complain!("WARNING: there is no authentication: whoever reaches tcp:{} commands the machine", served.address());
+    }
     served.wait();
     Ok(())
 }

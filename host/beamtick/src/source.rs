@@ -1,8 +1,22 @@
 //! A job file: its text, what it compiles to, and how places in it are shown.
 use crate::Failure;
-use job::{Diagnostic, Folder, Job, Severity, Step};
+use job::{Diagnostic, Files, Folder, Job, Severity, Step};
+use std::cell::RefCell;
 use std::io::IsTerminal;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The files beside a job, and which of them were read.
+struct Noted {
+    folder: Folder,
+    read: RefCell<Vec<PathBuf>>,
+}
+
+impl Files for Noted {
+    fn text(&self, path: &str) -> Result<String, String> {
+        self.read.borrow_mut().push(self.folder.place(path));
+        self.folder.text(path)
+    }
+}
 
 /// A job file that compiles.
 pub struct Source {
@@ -11,6 +25,8 @@ pub struct Source {
     text: String,
     /// What it does.
     pub job: Job,
+    /// Every file that was read for it.
+    pub files: Vec<PathBuf>,
 }
 
 impl Source {
@@ -24,12 +40,13 @@ impl Source {
             let line = error.as_bytes()[..good].iter().filter(|byte| **byte == b'\n').count() + 1;
             Failure::Input(format!("{name}:{line}: the file is not UTF-8 text; save it as UTF-8"))
         })?;
-        match job::compile(&text, &Folder::of(path)) {
+        let files = Noted { folder: Folder::of(path), read: RefCell::new(vec![path.to_owned()]) };
+        match job::compile(&text, &files) {
             Ok(job) => {
                 for warning in &job.warnings {
                     complain!("{}", show(warning, &name, &text).trim_end());
                 }
-                Ok(Source { name, text, job })
+                Ok(Source { name, text, job, files: files.read.into_inner() })
             }
             Err(found) => {
                 let errors = found.iter().filter(|one| one.severity == Severity::Error).count();

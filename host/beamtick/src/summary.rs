@@ -83,7 +83,7 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
     }
     for channel in lasers(&run.source.job, version) {
         let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
-        let end = if run.report.lit.contains(&channel) { "; was on when the script ended: switched off" } else { "" };
+        let end = if run.report.lit.contains(&channel) { "; was on when the script ended: shut off" } else { "" };
         say!("  laser {channel}: {}{end}", laser(&state));
     }
     for (dry, least) in &run.report.streams {
@@ -136,7 +136,7 @@ pub fn laser(state: &LaserState) -> String {
 }
 
 /// What a person calls an axis.
-fn name(axis: &Axis) -> String {
+pub fn name(axis: &Axis) -> String {
     if axis.core == 1 { format!("axis {}", axis.axis) } else { format!("core {} axis {}", axis.core, axis.axis) }
 }
 
@@ -212,6 +212,10 @@ fn reason(number: u16) -> &'static str {
         14 => "reset",
         15 => "stopped: an input that FollowDiBitEx waits for did not come in time",
         16 => "stopped: its master would have taken it beyond the step limit",
+        17 => "stopped: another axis could not go along",
+        18 => "stopped smoothly by an abort",
+        19 => "stopped by the interlock or emergency-stop input",
+        20 => "stopped: a new session began",
         _ => "stopped for a reason that this client does not know",
     }
 }

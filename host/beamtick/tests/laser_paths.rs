@@ -437,7 +437,7 @@ rtn = GT_BufLaserOff(1); rtn = GT_CrdStart(1, 0); WaitStop(1, 0, 1); Sleep(1);"
 
 #[test]
 fn light_under_a_follow_ends_with_the_motion_and_comes_back_with_it() {
-    // No BufLaserOff. Stop at 100 ms brakes in 25 ms; 20 ms later the path goes on; its end puts out the light.
+    // No BufLaserOff. Stop at 100 ms brakes in 25 ms; 20 ms later the path goes on; its end shuts off the light.
     for family in ["gus", "lsr"] {
         let text = set_up(family)
             + "unsigned long units;
@@ -478,18 +478,18 @@ rtn = GT_CrdStart(1, 0); WaitStop(1, 0, 1); Sleep(1);";
 }
 
 #[test]
-fn immediate_control_comes_back_behind_the_path() {
-    // Light that a call switches on is not put out by the path's rest, under a follow neither (SPEC 6).
+fn light_of_a_path_ends_with_its_entries_whatever_was_called_meanwhile() {
+    // An on command while the path's light is on changes nothing (SPEC 6).
     let text = set_up("lsr")
         + "rtn = GT_LaserOutFrq(10, 0); rtn = GT_BufLaserFollowRatio(1, 0.1, 10, 100); rtn = GT_BufLaserOn(1);
 rtn = GT_LnXY(1, 5000, 0, 50, 2); rtn = GT_CrdStart(1, 0);
 Sleep(50); rtn = GT_SetHSIOOpt(1, 0); WaitStop(1, 0, 1); Sleep(20); rtn = GT_SetHSIOOpt(0, 0); Sleep(1);";
     let ran = run(&text, "lsr", 250).good();
     let gate = ran.edges("laser0_switch");
-    // 125 ms of motion, 20 ms behind it, the tick that each begins on.
+    // 125 ms of motion, from the tick on which it begins.
     assert_eq!(gate.len(), 3, "{gate:?}");
-    assert_eq!(gate[2].0, 145_500_000);
-    assert_eq!(ran.at("laser0_power", 140.25), 10.0);
+    assert_eq!(gate[2].0, 125_250_000);
+    assert_eq!(ran.at("laser0_power", 140.25), 0.0);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! One call as bytes, and its reply back as fields.
 use crate::error::{self, Error, Result};
-use protocol::command::{CommandInfo, Request, info};
+use protocol::command::{CommandInfo, Request, info, opcode};
 use protocol::reason::{Refusal, describe_opcode};
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -28,6 +28,37 @@ impl Call {
         Call { opcode: R::OPCODE, payload, may_fail: false }
     }
 
+    /// Whether a controller that got nothing but such calls has nothing lit or moving by them: reads, Abort, and what
+    /// only carries a program.
+    pub(crate) fn only_reads(&self) -> bool {
+        self.info().is_some_and(|info| {
+            info.name.starts_with("Get")
+                || matches!(
+                    self.opcode,
+                    opcode::Version
+                        | opcode::Abort
+                        | opcode::KeepAlive
+                        | opcode::AxisStatus
+                        | opcode::LaserStatus
+                        | opcode::LaserOnStatus
+                        | opcode::CrdInfo
+                        | opcode::CrdStatus
+                        | opcode::CrdSpace
+                        | opcode::PtSpace
+                        | opcode::PvtStatus
+                        | opcode::FollowSpace
+                        | opcode::FollowSpaceEx
+                        | opcode::ProgramStatus
+                        | opcode::ProgramStart
+                        | opcode::ProgramClear
+                        | opcode::ProgramEnd
+                        | opcode::Sleep
+                        | opcode::WaitStop
+                        | opcode::Trace
+                )
+        })
+    }
+
     /// Its row in the command table, if the client knows the command.
     pub fn info(&self) -> Option<&'static CommandInfo> {
         info(self.opcode)
@@ -40,7 +71,7 @@ pub(crate) fn name(opcode: u16) -> String {
 }
 
 /// The fixed part and the items of a reply with code 0.
-pub(crate) fn decode<R: Request>(payload: &[u8]) -> Result<(R::Reply, Vec<R::ReplyItem>)> {
+pub fn decode<R: Request>(payload: &[u8]) -> Result<(R::Reply, Vec<R::ReplyItem>)> {
     let wrong = || {
         Error::new(
             error::LINK_PROTOCOL,
@@ -100,6 +131,25 @@ mod tests {
         assert!(e.reason.contains("time_ms") && e.reason.ends_with("(item 5)"), "{}", e.reason);
         let e = refused(PtData::OPCODE, 7, &[]);
         assert!(e.reason.contains("without a reason"));
+    }
+
+    #[test]
+    fn what_may_light_or_move_is_no_read() {
+        for row in protocol::command::COMMANDS {
+            let call = Call { opcode: row.opcode, payload: Vec::new(), may_fail: false };
+            let changes = ["Set", "Clr", "Prf", "Laser", "Buf", "Ln", "Arc", "Ena", "Dis"]
+                .iter()
+                .any(|p| row.name.starts_with(p))
+                || ["On", "Off", "Start", "Data", "Update", "Reset", "Stop", "Abort", "Choose", "Switch"]
+                    .iter()
+                    .any(|part| row.name.contains(part));
+            let status = row.name.ends_with("Status")
+                || row.name.starts_with("Get")
+                || ["Abort", "WaitStop", "ProgramStart"].contains(&row.name);
+            assert!(!call.only_reads() || status || !changes, "{}", row.name);
+        }
+        assert!(Call::of(protocol::command::GetClock {}).only_reads());
+        assert!(!Call { opcode: 0x7777, payload: Vec::new(), may_fail: false }.only_reads());
     }
 
     #[test]

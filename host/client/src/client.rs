@@ -5,7 +5,7 @@ use crate::link::Link;
 use crate::options::Options;
 use crate::program::{Observer, Program, Summary};
 use crate::session::{Reply, Session};
-use protocol::command::{Choose, Request, VersionReply};
+use protocol::command::{Abort, Choose, Request, VersionReply};
 use protocol::link::{Counters, Identity};
 use protocol::record::Lane;
 use std::collections::VecDeque;
@@ -14,6 +14,7 @@ use std::hash::BuildHasher;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
+use zerocopy::little_endian::I16;
 
 /// Longest time that one pump holds the link, so that other threads get their turn.
 const TURN: Duration = Duration::from_millis(2);
@@ -24,6 +25,11 @@ const IDLE: Duration = Duration::from_millis(50);
 /// What a look at the link counts at most as time in which nothing came. If it takes longer, the machine held the client
 /// up, and with it perhaps a controller that it emulates: the answer may lie there unread, or still be on its way.
 const LOOK: Duration = Duration::from_millis(50);
+
+/// One is for the whole controller.
+const ABORT: Abort = Abort { core: I16::new(1) };
+/// Dropping a client waits for the answer to its Abort for no longer than this, times the link's patience.
+const ABORTED: Duration = Duration::from_millis(400);
 
 /// Where the trace stream's bytes go.
 type TraceSink = Box<dyn FnMut(&[u8]) + Send>;
@@ -128,7 +134,8 @@ struct Shared {
 
 /// An opened controller. Calls may come from several threads at once.
 ///
-/// On a link in real time a thread of its own keeps the link alive between calls.
+/// On a link in real time a thread of its own keeps the link alive between calls. Where anything was commanded, dropping it
+/// ends with [`Client::abort`]; one that has only read changes nothing.
 pub struct Client {
     shared: Arc<Shared>,
     keeper: Option<JoinHandle<()>>,
@@ -248,6 +255,35 @@ impl Client {
         }
     }
 
+    /// Shuts off every laser at once and brings all motion to rest smoothly (`GT_Abort`). What moves still brakes when this
+    /// returns.
+    ///
+    /// # Errors
+    /// 8 if the firmware is older than the command, and those of the link. The controller then goes dark by itself
+    /// when the link is lost.
+    pub fn abort(&self) -> Result<()> {
+        self.call(ABORT).map(drop)
+    }
+
+    /// Aborts if anything but reads was called, as dropping the client does, for those who want to hear of it. Over a link
+    /// that has failed before, which was told then, nothing is done.
+    ///
+    /// # Errors
+    /// Those of [`Self::abort`].
+    pub fn end(&self) -> Result<()> {
+        let inner = self.lock();
+        if inner.failed.is_some() || !inner.session.commanded() {
+            return Ok(());
+        }
+        drop(inner);
+        self.abort()
+    }
+
+    /// The calls of [`Self::abort`], for [`Self::call_all`] with others before and after them.
+    pub fn aborts(&self) -> Vec<Call> {
+        (1..=i16::from(self.version.cores)).map(|core| Call::of(Abort { core: core.into() })).collect()
+    }
+
     /// Fails with −7 if nothing came for the time limit.
     pub(crate) fn check_heard(&self, inner: &mut Inner, doing: impl FnOnce() -> String) -> Result<()> {
         let silent = inner.listened.saturating_sub(inner.heard);
@@ -335,6 +371,16 @@ impl Drop for Client {
             let _ = keeper.join();
         }
         let mut inner = self.lock();
+        if inner.failed.is_some() {
+            return;
+        }
+        if inner.session.commanded()
+            && let Ok(tag) = inner.session.post(Lane::Immediate, &Call::of(ABORT))
+        {
+            let end = inner.listened + ABORTED * inner.link.patience();
+            let turn = inner.turn;
+            while inner.session.take(tag).is_none() && inner.listened < end && inner.pump(turn).is_ok() {}
+        }
         if inner.failed.is_none() {
             inner.session.close();
             let _ = inner.pump(Duration::ZERO);

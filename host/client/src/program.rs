@@ -9,7 +9,7 @@ use crate::client::Inner;
 use crate::error;
 use crate::error::{Error, Result};
 use protocol::command::{
-    ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtData, PtDataMany, PtTaken, Request,
+    ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtData, PtDataMany, PtTaken, Request, opcode,
 };
 use protocol::reason::{Reason, Refusal};
 use protocol::record::Lane;
@@ -199,6 +199,8 @@ struct Run<'a> {
     /// Looks in a row at which the held queue had not moved on.
     stuck: u32,
     going_back: bool,
+    /// The last entry done that may light or move anything was an Abort.
+    settled: bool,
     progress: Progress,
     failed: Option<Answer>,
 }
@@ -222,6 +224,7 @@ pub(crate) fn run(
         started: false,
         stuck: 0,
         going_back: false,
+        settled: false,
         progress: Progress::default(),
         failed: None,
     };
@@ -260,6 +263,9 @@ pub(crate) fn run(
         let last = run.progress.queue;
         client.call(ProgramClear {})?;
         run.progress.queue = last;
+    }
+    if run.settled && run.failed.is_none() {
+        client.lock().session.settle();
     }
     observer.progress(&run.progress)?;
     Ok(Summary { progress: run.progress, failed: run.failed })
@@ -367,6 +373,9 @@ impl Run<'_> {
                 ));
             }
             self.note_stream(&sent.call, &answer);
+            if sent.call.opcode == opcode::Abort || !sent.call.only_reads() {
+                self.settled = sent.call.opcode == opcode::Abort && answer.code == 0;
+            }
             let ended = matches!(
                 answer.refusal().and_then(Refusal::reason),
                 Some(Reason::Discarded | Reason::LinkLost | Reason::Late)

@@ -190,12 +190,15 @@ fn command(program: &Path) -> Command {
         std::env::split_paths(&path).any(|folder| folder.join(name).is_file())
     };
     // Without the program it is left to the system to say so.
-    if cfg!(target_os = "linux") && found(Path::new("setpriv")) && found(program) {
-        let mut command = Command::new("setpriv");
+    let bound = cfg!(target_os = "linux") && found(Path::new("setpriv")) && found(program);
+    let mut command = Command::new(if bound { Path::new("setpriv") } else { program });
+    if bound {
         command.args(["--pdeathsig", "KILL", "--"]).arg(program);
-        return command;
     }
-    Command::new(program)
+    // A Ctrl-C is for the client alone, which stops the machine first.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    command
 }
 
 /// Starts it from a thread that lasts as long as what is given back with it: the system ends a process so started with

@@ -6,7 +6,9 @@
 use crate::call::Call;
 use crate::error::{self, Error, Result};
 use protocol::MAX_PAYLOAD;
-use protocol::link::{Counters, Endpoint, Identity, Role, State};
+use protocol::command::opcode;
+use protocol::frame::Busy;
+use protocol::link::{ALIVE_NS, Counters, Endpoint, Identity, Role, State};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use std::collections::{HashMap, VecDeque};
 
@@ -42,6 +44,8 @@ pub(crate) struct Session {
     waiting: HashMap<u16, Option<Reply>>,
     next_tag: u16,
     frames: u32,
+    /// A call changes the controller, or may.
+    commanded: bool,
     /// Bytes of a trace that came over the link.
     trace: Vec<u8>,
 }
@@ -59,6 +63,7 @@ impl Session {
             waiting: HashMap::new(),
             next_tag: 0,
             frames: 0,
+            commanded: false,
             trace: Vec::new(),
         }
     }
@@ -69,6 +74,7 @@ impl Session {
             State::Open => Ok(true),
             State::Opening => Ok(false),
             State::Mismatch(theirs) => Err(mismatch(&self.name, self.ours, theirs)),
+            State::Busy(busy) => Err(taken(&self.name, &busy)),
             State::Ended | State::Closed => {
                 Err(Error::new(error::LINK_CLOSED, format!("{}: the controller ended the session", self.name)))
             }
@@ -99,6 +105,11 @@ impl Session {
         let tag = self.next_tag;
         self.next_tag = self.next_tag.wrapping_add(1);
         self.waiting.insert(tag, None);
+        // An Abort of the immediate lane acts now; one of a program acts if the program comes to it.
+        self.commanded = match (lane, call.opcode) {
+            (Lane::Immediate, opcode::Abort) => false,
+            _ => self.commanded || !call.only_reads(),
+        };
         self.outbox.push_back(Outgoing { tag, lane, opcode: call.opcode, payload: call.payload.clone() });
         Ok(tag)
     }
@@ -109,6 +120,16 @@ impl Session {
             return None;
         }
         self.waiting.remove(&tag).flatten()
+    }
+
+    /// Whether anything but reads was posted since the last Abort.
+    pub fn commanded(&self) -> bool {
+        self.commanded
+    }
+
+    /// A program has ended with an Abort: what was posted so far lights and moves nothing any more.
+    pub fn settle(&mut self) {
+        self.commanded = false;
     }
 
     /// Calls that are in no message yet.
@@ -187,6 +208,21 @@ impl Session {
     pub fn next_deadline(&self) -> u64 {
         self.endpoint.next_deadline().unwrap_or(u64::MAX)
     }
+}
+
+fn taken(name: &str, busy: &Busy) -> Error {
+    let seconds = |ms: u32| f64::from(ms) / 1e3;
+    let alive = ALIVE_NS / 1_000_000;
+    Error::new(
+        error::CANNOT_OPEN,
+        format!(
+            "{name}: the controller is open already, by a client at {} since {:.1} s, heard {} ms ago. One client at a time: \
+             close that one; one that is gone is forgotten after {alive} ms of silence",
+            String::from_utf8_lossy(busy.holder()),
+            seconds(busy.held_ms.get()),
+            busy.silent_ms
+        ),
+    )
 }
 
 fn mismatch(name: &str, ours: Identity, theirs: Identity) -> Error {

@@ -153,7 +153,7 @@ typedef struct TCrdData {
 /* Session */
 /* Opens the controller that the environment names. */
 GT_API GT_Open(short channel GT_DEFAULT(0), short param GT_DEFAULT(1));
-/* Closes the controller. */
+/* Aborts (GT_Abort) and closes the controller. */
 GT_API GT_Close(void);
 /* The text of the calling thread's last failure, cut to size. */
 GT_API GT_GetLastReason(char *text, short size);
@@ -171,6 +171,12 @@ GT_API GT_GetClock(unsigned long *clock, unsigned long *loop GT_DEFAULT(NULL));
 GT_API GT_SetTick(long tickUs);
 /* After how many ms without the host the link counts as lost, and whether all motion stops then. */
 GT_API GT_SetLinkLoss(long timeMs, short stopAll);
+/* After how many ms the link counts as lost, 0 never, and whether all motion stops then. */
+GT_API GT_GetLinkLoss(double *ms, short *stopAll);
+/* What motion does on the interlock input: 0 goes on in the dark, 1 as at link loss, 2 stops abruptly. */
+GT_API GT_SetInterlock(short motion);
+/* Shuts off every laser at once and brings all motion to rest smoothly. */
+GT_API GT_Abort(void);
 
 /* Axes */
 /* Switches the servo on. */
@@ -285,7 +291,7 @@ GT_API GT_LaserOnStatus(short *value, short channel GT_DEFAULT(0));
 GT_API GT_SetHSIOOpt(unsigned short value, short channel GT_DEFAULT(0));
 /* Whether a laser is switched on. */
 GT_API GT_GetHSIOOpt(unsigned short *value, short channel GT_DEFAULT(0));
-/* How power is put out: 0 duty, 1 frequency, 2 voltage, 3 duty with the switch held; and its bounds. */
+/* How power is output: 0 duty, 1 frequency, 2 voltage, 3 duty with the switch held; and its bounds. */
 GT_API GT_LaserPowerMode(short laserPowerMode, double maxValue, double minValue, short channel GT_DEFAULT(0), short delaymode GT_DEFAULT(0));
 /* Sets the direct power, in the mode's unit. */
 GT_API GT_LaserPrfCmd(double outputCmd, short channel GT_DEFAULT(0));
@@ -315,7 +321,7 @@ GT_API GT_GetLaserOnTime(short channel, unsigned long *time);
 GT_API GT_SetLaserCrdMap(short channel, short map);
 /* Which coordinate systems put a channel out when they fail. */
 GT_API GT_GetLaserCrdMap(short channel, short *map);
-/* The power that is put out now, in the mode's unit. */
+/* The power that is output now, in the mode's unit. */
 GT_API GT_GetLaserPower(short channel, double *power);
 /* Why a channel is kept dark, 0 if it is not. */
 GT_API GT_GetLaserFault(short channel, short *cause);
@@ -485,7 +491,7 @@ GT_API GT_GetFollowMaster(short profile, short *masterIndex, short *masterType G
 GT_API GT_SetFollowLoop(short profile, long loop);
 /* Passes that were completed. */
 GT_API GT_GetFollowLoop(short profile, long *loop);
-/* Sets when following begins: at once, or when the master passes a position. */
+/* Sets when following begins: at once, or when the master, not there yet, comes to a position. */
 GT_API GT_SetFollowEvent(short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GT_GetFollowEvent(short profile, short *event, short *masterDir, long *pos);
@@ -517,7 +523,7 @@ GT_API GT_GetFollowMasterEx(short profile, short *masterIndex, short *masterType
 GT_API GT_SetFollowLoopEx(short profile, long loop);
 /* Passes that were completed. */
 GT_API GT_GetFollowLoopEx(short profile, long *loop);
-/* Sets when following begins: at once, or when the master passes a position. */
+/* Sets when following begins: at once, or when the master, not there yet, comes to a position. */
 GT_API GT_SetFollowEventEx(short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GT_GetFollowEventEx(short profile, short *event, short *masterDir, long *pos);
@@ -555,7 +561,7 @@ GT_API GT_GetFollowDataPercent2Ex(double masterPos, double v1, double v2, double
 /* Session */
 /* Opens the controller that the environment names. */
 GT_API GTN_Open(short channel GT_DEFAULT(0), short param GT_DEFAULT(1));
-/* Closes the controller. */
+/* Aborts (GT_Abort) and closes the controller. */
 GT_API GTN_Close(void);
 /* The text of the calling thread's last failure, cut to size. */
 GT_API GTN_GetLastReason(short core, char *text, short size);
@@ -573,6 +579,12 @@ GT_API GTN_GetClock(short core, unsigned long *clock, unsigned long *loop GT_DEF
 GT_API GTN_SetTick(short core, long tickUs);
 /* After how many ms without the host the link counts as lost, and whether all motion stops then. */
 GT_API GTN_SetLinkLoss(short core, long timeMs, short stopAll);
+/* After how many ms the link counts as lost, 0 never, and whether all motion stops then. */
+GT_API GTN_GetLinkLoss(short core, double *ms, short *stopAll);
+/* What motion does on the interlock input: 0 goes on in the dark, 1 as at link loss, 2 stops abruptly. */
+GT_API GTN_SetInterlock(short core, short motion);
+/* Shuts off every laser at once and brings all motion to rest smoothly. */
+GT_API GTN_Abort(short core);
 
 /* Axes */
 /* Switches the servo on. */
@@ -687,7 +699,7 @@ GT_API GTN_LaserOnStatus(short core, short *value, short channel GT_DEFAULT(0));
 GT_API GTN_SetHSIOOpt(short core, unsigned short value, short channel GT_DEFAULT(0));
 /* Whether a laser is switched on. */
 GT_API GTN_GetHSIOOpt(short core, unsigned short *value, short channel GT_DEFAULT(0));
-/* How power is put out: 0 duty, 1 frequency, 2 voltage, 3 duty with the switch held; and its bounds. */
+/* How power is output: 0 duty, 1 frequency, 2 voltage, 3 duty with the switch held; and its bounds. */
 GT_API GTN_LaserPowerMode(short core, short laserPowerMode, double maxValue, double minValue, short channel GT_DEFAULT(0));
 /* Sets the direct power, in the mode's unit. */
 GT_API GTN_LaserPrfCmd(short core, double outputCmd, short channel GT_DEFAULT(0));
@@ -717,7 +729,7 @@ GT_API GTN_GetLaserOnTime(short core, short channel, unsigned long *time);
 GT_API GTN_SetLaserCrdMap(short core, short channel, short map);
 /* Which coordinate systems put a channel out when they fail. */
 GT_API GTN_GetLaserCrdMap(short core, short channel, short *map);
-/* The power that is put out now, in the mode's unit. */
+/* The power that is output now, in the mode's unit. */
 GT_API GTN_GetLaserPower(short core, short channel, double *power);
 /* Why a channel is kept dark, 0 if it is not. */
 GT_API GTN_GetLaserFault(short core, short channel, short *cause);
@@ -887,7 +899,7 @@ GT_API GTN_GetFollowMaster(short core, short profile, short *masterIndex, short 
 GT_API GTN_SetFollowLoop(short core, short profile, long loop);
 /* Passes that were completed. */
 GT_API GTN_GetFollowLoop(short core, short profile, long *loop);
-/* Sets when following begins: at once, or when the master passes a position. */
+/* Sets when following begins: at once, or when the master, not there yet, comes to a position. */
 GT_API GTN_SetFollowEvent(short core, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GTN_GetFollowEvent(short core, short profile, short *event, short *masterDir, long *pos);
@@ -919,7 +931,7 @@ GT_API GTN_GetFollowMasterEx(short core, short profile, short *masterIndex, shor
 GT_API GTN_SetFollowLoopEx(short core, short profile, long loop);
 /* Passes that were completed. */
 GT_API GTN_GetFollowLoopEx(short core, short profile, long *loop);
-/* Sets when following begins: at once, or when the master passes a position. */
+/* Sets when following begins: at once, or when the master, not there yet, comes to a position. */
 GT_API GTN_SetFollowEventEx(short core, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GTN_GetFollowEventEx(short core, short profile, short *event, short *masterDir, long *pos);

@@ -159,6 +159,9 @@ typedef struct TCrdData {
 #define GT_GetClock GTM_GetClock
 #define GT_SetTick GTM_SetTick
 #define GT_SetLinkLoss GTM_SetLinkLoss
+#define GT_GetLinkLoss GTM_GetLinkLoss
+#define GT_SetInterlock GTM_SetInterlock
+#define GT_Abort GTM_Abort
 #define GT_AxisOn GTM_AxisOn
 #define GT_AxisOff GTM_AxisOff
 #define GT_Stop GTM_Stop
@@ -338,7 +341,7 @@ typedef struct TCrdData {
 /* Session */
 /* Opens the controller that the environment names. */
 GT_API GT_Open(short cardNum, short channel GT_DEFAULT(0), short param GT_DEFAULT(1));
-/* Closes the controller. */
+/* Aborts (GT_Abort) and closes the controller. */
 GT_API GT_Close(short cardNum);
 /* The text of the calling thread's last failure, cut to size. */
 GT_API GT_GetLastReason(short cardNum, char *text, short size);
@@ -356,6 +359,12 @@ GT_API GT_GetClock(short cardNum, unsigned long *clock, unsigned long *loop GT_D
 GT_API GT_SetTick(short cardNum, long tickUs);
 /* After how many ms without the host the link counts as lost, and whether all motion stops then. */
 GT_API GT_SetLinkLoss(short cardNum, long timeMs, short stopAll);
+/* After how many ms the link counts as lost, 0 never, and whether all motion stops then. */
+GT_API GT_GetLinkLoss(short cardNum, double *ms, short *stopAll);
+/* What motion does on the interlock input: 0 goes on in the dark, 1 as at link loss, 2 stops abruptly. */
+GT_API GT_SetInterlock(short cardNum, short motion);
+/* Shuts off every laser at once and brings all motion to rest smoothly. */
+GT_API GT_Abort(short cardNum);
 
 /* Axes */
 /* Switches the servo on. */
@@ -470,7 +479,7 @@ GT_API GT_LaserOnStatus(short cardNum, short *value, short channel GT_DEFAULT(0)
 GT_API GT_SetHSIOOpt(short cardNum, unsigned short value, short channel GT_DEFAULT(0));
 /* Whether a laser is switched on. */
 GT_API GT_GetHSIOOpt(short cardNum, unsigned short *value, short channel GT_DEFAULT(0));
-/* How power is put out: 0 duty, 1 frequency, 2 voltage, 3 duty with the switch held; and its bounds. */
+/* How power is output: 0 duty, 1 frequency, 2 voltage, 3 duty with the switch held; and its bounds. */
 GT_API GT_LaserPowerMode(short cardNum, short laserPowerMode, double maxValue, double minValue, short channel GT_DEFAULT(0), short delaymode GT_DEFAULT(0));
 /* Sets the direct power, in the mode's unit. */
 GT_API GT_LaserPrfCmd(short cardNum, double outputCmd, short channel GT_DEFAULT(0));
@@ -500,7 +509,7 @@ GT_API GT_GetLaserOnTime(short cardNum, short channel, unsigned long *time);
 GT_API GT_SetLaserCrdMap(short cardNum, short channel, short map);
 /* Which coordinate systems put a channel out when they fail. */
 GT_API GT_GetLaserCrdMap(short cardNum, short channel, short *map);
-/* The power that is put out now, in the mode's unit. */
+/* The power that is output now, in the mode's unit. */
 GT_API GT_GetLaserPower(short cardNum, short channel, double *power);
 /* Why a channel is kept dark, 0 if it is not. */
 GT_API GT_GetLaserFault(short cardNum, short channel, short *cause);
@@ -670,7 +679,7 @@ GT_API GT_GetFollowMaster(short cardNum, short profile, short *masterIndex, shor
 GT_API GT_SetFollowLoop(short cardNum, short profile, long loop);
 /* Passes that were completed. */
 GT_API GT_GetFollowLoop(short cardNum, short profile, long *loop);
-/* Sets when following begins: at once, or when the master passes a position. */
+/* Sets when following begins: at once, or when the master, not there yet, comes to a position. */
 GT_API GT_SetFollowEvent(short cardNum, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GT_GetFollowEvent(short cardNum, short profile, short *event, short *masterDir, long *pos);
@@ -702,7 +711,7 @@ GT_API GT_GetFollowMasterEx(short cardNum, short profile, short *masterIndex, sh
 GT_API GT_SetFollowLoopEx(short cardNum, short profile, long loop);
 /* Passes that were completed. */
 GT_API GT_GetFollowLoopEx(short cardNum, short profile, long *loop);
-/* Sets when following begins: at once, or when the master passes a position. */
+/* Sets when following begins: at once, or when the master, not there yet, comes to a position. */
 GT_API GT_SetFollowEventEx(short cardNum, short profile, short event, short masterDir, long pos GT_DEFAULT(0));
 /* When following begins. */
 GT_API GT_GetFollowEventEx(short cardNum, short profile, short *event, short *masterDir, long *pos);

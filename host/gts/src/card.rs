@@ -13,13 +13,15 @@ use std::ffi::{CString, c_char, c_short};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, Once, PoisonError, TryLockError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use virtual_board::{Board, Config, Pace, PacedLink, VirtualLink, share};
 
 /// Servo tick of the virtual controller: the compatible value of SPEC 1.
 const TICK_US: u32 = 250;
 /// Time between two looks of the thread.
 const LOOK: Duration = Duration::from_millis(1);
+/// At the end of the process, calls of other threads are waited for no longer than this.
+const FINISH: Duration = Duration::from_millis(300);
 /// Bit 10 of the status word: the profile runs.
 const RUNNING: i32 = 1 << 10;
 
@@ -121,12 +123,21 @@ impl State {
     }
 }
 
-/// At the end of the process: what programs leave open is closed, so that traces are complete.
+/// At the end of the process: what programs leave open is closed, so that nothing stays lit and traces are complete.
 extern "C" fn finish() {
     let _ = std::panic::catch_unwind(|| {
+        let began = Instant::now();
         for slot in all() {
-            if let Some(mut state) = slot.try_lock() {
-                let _ = state.close();
+            // Another thread may be in a call, or call without end.
+            loop {
+                if let Some(mut state) = slot.try_lock() {
+                    let _ = state.close();
+                    break;
+                }
+                if began.elapsed() > FINISH {
+                    break;
+                }
+                std::thread::yield_now();
             }
         }
     });
@@ -209,11 +220,13 @@ impl Card {
         self.closed.store(true, Ordering::Relaxed);
         drop(self.keeper.take());
         let flushed = self.flush();
+        // Before the trace ends, so that it shows it.
+        let aborted = self.client.end();
         let recorded = match self.recorder.take() {
             Some(recorder) => crate::recorder::finish(&self.client, &recorder),
             None => Ok(()),
         };
-        flushed.and(recorded)
+        flushed.and(aborted).and(recorded)
     }
 
     fn describe(&self) -> String {

@@ -135,3 +135,26 @@ fn a_link_that_dies_in_a_move_is_told_by_every_call() {
     assert_eq!(rest.last().map(String::as_str), Some(PASSED.trim_end()), "{rest:?}");
     assert!(child.wait().unwrap().success());
 }
+
+#[test]
+fn a_card_that_is_closed_or_left_open_at_the_end_leaves_no_light() {
+    let Some(built) = program("left_lit", &[]) else { return };
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let served = virtual_board::serve(listener, None, virtual_board::Config::default()).unwrap();
+    let link = format!("tcp:{}", served.address());
+    // Each finds the controller dark and without a fault, and its on command works.
+    for how in ["close", "exit", "leave", "close"] {
+        let mut child = command(&built, &[("BEAMTICK_LINK", &link)]).arg(how).stdout(Stdio::piped()).spawn().unwrap();
+        let status = child.wait().unwrap();
+        // At once, not when the link is lost.
+        let (levels, view) = {
+            let mut board = served.board().lock().unwrap();
+            (board.laser(0), board.laser_view(0))
+        };
+        let mut text = String::new();
+        std::io::Read::read_to_string(&mut child.stdout.take().unwrap(), &mut text).unwrap();
+        assert!(status.success() && text == PASSED, "{how}: {text}");
+        assert!(!levels.switch && !view.light && view.fault == servo::laser::Cause::None, "{how}: {levels:?} {view:?}");
+        assert!(view.on_time != Default::default(), "{how}: it was lit");
+    }
+}

@@ -411,7 +411,7 @@ fn a_link_that_is_cut_anywhere_in_a_job_ends_dark_and_nothing_is_done_twice() {
         let new: Vec<_> = events[events.len() - new..].iter().map(|event| (event.kind, event.reason.get())).collect();
         assert!(new.contains(&(LINK_EVENT, 1)), "cut after {cut} bytes: the link was lost: {new:?}");
         match now.fault.get() {
-            // The on command came through, and the lost link put out its light.
+            // The on command came through, and the lost link shut off its light.
             LINK_LOST => {
                 assert!(was_lit && new.contains(&(LASER_EVENT, LINK_LOST as u16)), "cut after {cut} bytes: {new:?}");
                 dark += 1;

@@ -163,16 +163,23 @@ fn version(client: &Client) -> Vec<u8> {
 }
 
 #[test]
-fn the_link_is_on_the_wire_on_which_it_was_opened_last() {
+fn the_other_wire_gets_the_link_once_the_first_client_is_silent() {
     let Some(elf) = image() else { return };
     let machine = plugged(&elf);
     // Over the USART first.
     let uart = over_usart(&machine);
+    // While its client is alive, one over USB is told where it is.
+    let second = Client::open(Box::new(EmulatedLink::over_usb(machine.clone())), Options::default());
+    let told = second.err().expect("two clients have a board");
+    assert!(told.code == -6 && told.reason.contains("a client at the UART"), "{told}");
+    uart.call_items(GetEvents {}, &[]).unwrap();
+    lock(&machine).run(501 * MILLISECOND);
     let usb = client(&machine);
     assert_eq!(version(&usb), version(&uart));
     assert!(version(&usb).starts_with(b"nucleo-h743zi2"));
-    let (total, _) = usb.call_items(GetEvents {}, &[]).unwrap();
-    assert_eq!(total.total.get(), 0);
+    // Nothing was on: nothing went dark by it.
+    let (_, events) = usb.call_items(GetEvents {}, &[]).unwrap();
+    assert!(events.iter().all(|event| event.kind != LASER_EVENT), "{events:?}");
     assert_smooth(&usb);
     // The other one's frames are none of the session any more.
     lock(&machine).take_sent();

@@ -174,6 +174,9 @@ pub const FUNCTIONS: &[Function] = &[
     read("GetClock", c::GetClock::OPCODE, &[out("clock"), out("loop").or(0)]),
     call("SetTick", c::SetTick::OPCODE, &[long("tickUs")]),
     call("SetLinkLoss", c::SetLinkLoss::OPCODE, &[long("timeMs"), short("stopAll")]),
+    read("GetLinkLoss", c::GetLinkLoss::OPCODE, &[out("ms"), out("stopAll")]),
+    call("SetInterlock", c::SetInterlock::OPCODE, &[short("motion")]),
+    call("Abort", c::Abort::OPCODE, &[]),
     // -- axis --------------------------------------------------------------------------------------
     call("AxisOn", c::AxisOn::OPCODE, &[AXIS]),
     call("AxisOff", c::AxisOff::OPCODE, &[AXIS]),

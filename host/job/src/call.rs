@@ -20,7 +20,7 @@ const MAPPED: usize = 8;
 const MOST_AXES: i64 = 64;
 
 impl Reader<'_> {
-    /// Reads a call without its `;` and puts out its step. `start` is the token that begins the
+    /// Reads a call without its `;` and outputs its step. `start` is the token that begins the
     /// statement. The value is the function's result, 0 where the job would have stopped otherwise.
     pub(crate) fn call(&mut self, start: usize, assigned: bool) -> Result<Value, Fault> {
         let name = self.advance();

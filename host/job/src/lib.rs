@@ -47,11 +47,16 @@ impl Folder {
     pub fn of(job: &Path) -> Self {
         Self(job.parent().map_or_else(PathBuf::new, Path::to_path_buf))
     }
+
+    /// Where the file is that a job names so.
+    pub fn place(&self, path: &str) -> PathBuf {
+        self.0.join(path.replace('\\', "/"))
+    }
 }
 
 impl Files for Folder {
     fn text(&self, path: &str) -> Result<String, String> {
-        let full = self.0.join(path.replace('\\', "/"));
+        let full = self.place(path);
         let bytes = std::fs::read(&full).map_err(|error| format!("{}: {error}", full.display()))?;
         String::from_utf8(bytes).map_err(|_| format!("{}: not UTF-8 text", full.display()))
     }

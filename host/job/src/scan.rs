@@ -239,7 +239,7 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
         }
     }
 
-    /// Puts out `token`, or what its macro stands for. `open` holds the macros being replaced, which
+    /// Outputs `token`, or what its macro stands for. `open` holds the macros being replaced, which
     /// do not replace themselves.
     fn expand(&mut self, token: Token, open: &mut Vec<String>) {
         if self.out.len() >= MOST_TOKENS {

@@ -7,6 +7,11 @@
     print(gts.GT_GetPrfPos(1), gts.GT_GetPrfPos(1, count=8))
     gts.GT_Close()
 
+or, so that nothing stays lit or moving however it ends:
+
+    with gts.Controller():
+        gts.GT_AxisOn(1)
+
 What a function fills in C it returns here: one value as itself, several as a tuple, those of ``count`` axes (above 1) as a
 list; the reader's clock is left out. Its other parameters stand in the order of C, with C++'s defaults, and may be named. Arrays are
 sequences, structs are the classes of this module (``TJogPrm(acc=1, dec=1)``) or mappings. A call that fails raises
@@ -25,7 +30,7 @@ import sys
 
 from . import table
 
-__all__ = ["GtsError", "sleep", *table.STRUCTS, *table.FUNCTIONS, *table.CONSTANTS]
+__all__ = ["Controller", "GtsError", "sleep", *table.STRUCTS, *table.FUNCTIONS, *table.CONSTANTS]
 
 _NUMBERS = {
     "short": ctypes.c_short,
@@ -225,6 +230,28 @@ def _function(symbol, about, parameters):
 
 for _name, (_about, _parameters) in table.FUNCTIONS.items():
     globals()[_name] = _function(_name, _about, _parameters)
+
+
+class Controller:
+    """The controller for the length of a ``with``: opened by ``GT_Open``, or with ``gtn`` by ``GTN_Open``, whose arguments
+    these are, and closed however the block ends. Closing aborts: every laser is shut off at once, all motion is brought to
+    rest smoothly."""
+
+    def __init__(self, *args, gtn=False, **named):
+        self._open = lambda: globals()["GTN_Open" if gtn else "GT_Open"](*args, **named)
+
+    def __enter__(self):
+        self._open()
+        return self
+
+    def __exit__(self, kind, error, trace):
+        try:
+            globals()["GT_Close"]()
+        except GtsError:
+            # What ended the block is what is told.
+            if kind is None:
+                raise
+        return False
 
 
 def sleep(milliseconds):

@@ -14,6 +14,26 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import beamtick as gts  # noqa: E402
 
 
+class Context(unittest.TestCase):
+    def test_a_with_closes_however_it_ends(self):
+        with self.assertRaises(ZeroDivisionError):
+            with gts.Controller():
+                gts.GT_SetPrfPos(1, 5)
+                1 / 0
+        with gts.Controller(1, 2, gtn=True):
+            self.assertIn("gsn-024", gts.GT_GetVersion())
+            gts.GT_Abort()
+            self.assertEqual(gts.GT_GetLinkLoss(), (500.0, 0))
+        with self.assertRaises(gts.GtsError) as caught:
+            gts.GT_GetClock()
+        self.assertEqual(caught.exception.code, -7)
+
+    def test_what_ended_a_with_is_told_not_that_it_was_closed_already(self):
+        with self.assertRaises(KeyError):
+            with gts.Controller():
+                raise KeyError
+
+
 class Controller(unittest.TestCase):
     def setUp(self):
         gts.GT_Open()

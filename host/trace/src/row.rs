@@ -99,7 +99,7 @@ pub enum PowerUnit {
 pub struct LaserPoint {
     /// Level of the switch output, after delays.
     pub gate: bool,
-    /// What is put out, in `unit`; 0 when nothing is.
+    /// What is output, in `unit`; 0 when nothing is.
     pub power: Scaled,
     /// Its unit.
     pub unit: PowerUnit,

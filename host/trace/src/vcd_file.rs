@@ -190,7 +190,7 @@ impl<W: Write> VcdWriter<W> {
     }
 }
 
-/// What a DAC puts out, to the µV: 32767 is 10 V.
+/// What a DAC outputs, to the µV: 32767 is 10 V.
 fn millivolts(code: i16) -> f64 {
     let microvolts = (f64::from(code) * 1e7 / 32_767.0).round();
     microvolts / 1e3

@@ -7,7 +7,7 @@
 //! stopped an axis, a time of the thread's own is reached, or [`THREAD_TICKS`] have passed. Between these
 //! it would find nothing but a newer view.
 use crate::machine::{Beam, Edge, Inputs, Machine, Outputs};
-use dispatcher::{Channels, PathQueue, Server};
+use dispatcher::{Channels, PathQueue, SecondWire, Server};
 use plant::beam::Levels;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
@@ -91,6 +91,11 @@ impl<'m> Controller<'m> {
     /// Takes bytes from the link; the thread acts on them at once.
     pub fn feed(&mut self, bytes: &[u8]) {
         self.core.feed(bytes);
+    }
+
+    /// Takes bytes of a wire that the link is not on: see [`SecondWire::feed`].
+    pub fn visit(&mut self, wire: &mut SecondWire, holder: Option<&str>, bytes: &[u8]) -> (usize, bool) {
+        self.core.visit(wire, holder, bytes)
     }
 
     /// As if so many entries more had been executed and `ns` more had passed, for tests of a long life; nothing may run or
@@ -207,6 +212,7 @@ impl<'m> Controller<'m> {
 /// A board of any capacity.
 trait Core {
     fn feed(&mut self, bytes: &[u8]);
+    fn visit(&mut self, wire: &mut SecondWire, holder: Option<&str>, bytes: &[u8]) -> (usize, bool);
     fn age(&mut self, entries: u32, ns: u64);
     fn age_counts(&mut self, by: u32);
     fn take_tx(&mut self, out: &mut Vec<u8>);
@@ -407,6 +413,12 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
     fn feed(&mut self, bytes: &[u8]) {
         self.server.feed(self.tick.now(), bytes);
         self.run_thread();
+    }
+
+    fn visit(&mut self, wire: &mut SecondWire, holder: Option<&str>, bytes: &[u8]) -> (usize, bool) {
+        let outcome = wire.feed(self.tick.now(), &mut self.server, holder, bytes);
+        self.run_thread();
+        outcome
     }
 
     fn age(&mut self, entries: u32, ns: u64) {

@@ -1,10 +1,13 @@
 //! The virtual controller in real time behind TCP.
 //!
 //! In: a listener for the host link, and one for the trace stream if wanted. Out: a running controller
-//! until [`Served`] is dropped. One client at a time; the next one is accepted when it has gone. The
-//! controller goes on while nobody is connected, as a board does.
+//! until [`Served`] is dropped. One client at a time: another one is told whose the controller is, and gets it when that
+//! connection has gone or its session is silent. A connection without a session is closed after a while and holds nobody up.
+//! The controller goes on while nobody is connected, as a board does.
 use crate::board::{Board, Config};
 use crate::link::{Shared, share};
+use dispatcher::SecondWire;
+use protocol::frame::OPENING_WIRE;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,6 +22,15 @@ const TURN: Duration = Duration::from_micros(200);
 const CATCH_UP: Duration = Duration::from_millis(20);
 /// Trace bytes that wait for their client at most; more are dropped, which the client sees as a gap.
 const TRACE_WAITING: usize = 16 << 20;
+
+/// A connection that has not opened a session within this time is closed.
+const OPENING: Duration = Duration::from_secs(2);
+/// Connections without a session at most; one more, and the oldest is closed.
+const VISITORS: usize = 64;
+/// Bytes that are taken from a connection in one turn, so that one that floods holds nobody up.
+const PORTION: usize = 1 << 16;
+/// Bytes of answers that wait for one of them at most.
+const ANSWERS: usize = 1024;
 
 /// A controller being served; it ends when this is dropped.
 pub struct Served {
@@ -74,7 +86,7 @@ pub fn serve(listener: TcpListener, trace: Option<TcpListener>, config: Config) 
     let stop = Arc::new(AtomicBool::new(false));
     let (theirs, ends) = (Arc::clone(&board), Arc::clone(&stop));
     let worker = std::thread::spawn(move || {
-        let mut link = Port::new(listener);
+        let mut link = Wires::new(listener);
         let mut stream = trace.map(Port::new);
         let mut before = Instant::now();
         // Controller time that should have passed: the board goes in whole ticks, this does not.
@@ -91,12 +103,9 @@ pub fn serve(listener: TcpListener, trace: Option<TcpListener>, config: Config) 
 }
 
 /// Lets the controller go on to `due` and moves bytes.
-fn turn(board: &Shared, due: u64, link: &mut Port, stream: Option<&mut Port>) {
+fn turn(board: &Shared, due: u64, link: &mut Wires, stream: Option<&mut Port>) {
     let mut board = board.lock().unwrap_or_else(PoisonError::into_inner);
-    let received = link.receive();
-    if !received.is_empty() {
-        board.feed(&received);
-    }
+    link.receive(&mut board);
     while board.now() < due {
         let left = due - board.now();
         board.advance(left, &mut link.waiting);
@@ -114,7 +123,124 @@ fn turn(board: &Shared, due: u64, link: &mut Port, stream: Option<&mut Port>) {
     }
 }
 
-/// A listener and the one client connected to it.
+/// The connections of the host link: the one whose session is in force, and those that ask for one.
+struct Wires {
+    listener: TcpListener,
+    link: Option<Connection>,
+    waiting: Vec<u8>,
+    visitors: Vec<Visitor>,
+}
+
+/// A client's socket, and where the client is.
+struct Connection {
+    stream: TcpStream,
+    peer: String,
+}
+
+/// A connection that has no session yet.
+struct Visitor {
+    connection: Connection,
+    since: Instant,
+    wire: SecondWire,
+    waiting: Vec<u8>,
+}
+
+impl Wires {
+    fn new(listener: TcpListener) -> Self {
+        Wires { listener, link: None, waiting: Vec::new(), visitors: Vec::new() }
+    }
+
+    /// Accepts who comes; what the link brings goes to the board, what the others bring may open a session.
+    fn receive(&mut self, board: &mut Board) {
+        while let Ok((stream, peer)) = self.listener.accept() {
+            if stream.set_nonblocking(true).is_err() || stream.set_nodelay(true).is_err() {
+                continue;
+            }
+            if self.visitors.len() >= VISITORS {
+                self.visitors.remove(0);
+            }
+            let connection = Connection { stream, peer: peer.to_string() };
+            let (since, wire) = (Instant::now(), SecondWire::new());
+            self.visitors.push(Visitor { connection, since, wire, waiting: Vec::new() });
+        }
+        let mut received = Vec::new();
+        if let Some(link) = &mut self.link
+            && !read(&mut link.stream, &mut received)
+        {
+            self.link = None;
+        }
+        if !received.is_empty() {
+            board.feed(&received);
+        }
+        for mut visitor in std::mem::take(&mut self.visitors) {
+            received.clear();
+            let stays = read(&mut visitor.connection.stream, &mut received) && visitor.since.elapsed() < OPENING;
+            let holder = self.link.as_ref().map(|link| link.peer.as_str());
+            let (used, taken_up) = match received.is_empty() {
+                true => (0, false),
+                false => board.visit(&mut visitor.wire, holder, &received),
+            };
+            if taken_up {
+                // Bytes for the client before are not for this one.
+                self.waiting.clear();
+                self.link = Some(visitor.connection);
+                board.feed(&received[used..]);
+            } else if stays {
+                self.visitors.push(visitor);
+            }
+        }
+    }
+
+    /// Sends what waits, as far as the sockets take it; without a client it is dropped.
+    fn send(&mut self) {
+        if let Some(link) = &mut self.link
+            && !write(&mut link.stream, &mut self.waiting)
+        {
+            self.link = None;
+        }
+        if self.link.is_none() {
+            self.waiting.clear();
+        }
+        self.visitors.retain_mut(|visitor| {
+            let mut answer = [0; OPENING_WIRE + 1];
+            let count = visitor.wire.take_tx(&mut answer);
+            visitor.waiting.extend_from_slice(&answer[..count]);
+            // Who does not read is not written to for ever.
+            visitor.waiting.len() <= ANSWERS && write(&mut visitor.connection.stream, &mut visitor.waiting)
+        });
+    }
+}
+
+/// Reads what is there, as much as one turn takes; false once nothing more will come.
+fn read(stream: &mut TcpStream, all: &mut Vec<u8>) -> bool {
+    let mut part = [0; 4096];
+    while all.len() < PORTION {
+        match stream.read(&mut part) {
+            Ok(n @ 1..) => all.extend_from_slice(&part[..n]),
+            Err(e) if e.kind() == ErrorKind::WouldBlock => return true,
+            Err(e) if e.kind() == ErrorKind::Interrupted => {}
+            Ok(0) | Err(_) => return false,
+        }
+    }
+    true
+}
+
+/// Writes what the socket takes; false once it takes nothing more.
+fn write(stream: &mut TcpStream, waiting: &mut Vec<u8>) -> bool {
+    while !waiting.is_empty() {
+        match stream.write(waiting) {
+            Ok(n @ 1..) => {
+                waiting.drain(..n);
+            }
+            Err(e) if e.kind() == ErrorKind::WouldBlock => return true,
+            Err(e) if e.kind() == ErrorKind::Interrupted => {}
+            Ok(_) | Err(_) => return false,
+        }
+    }
+    true
+}
+
+/// The trace's listener and the one client connected to it.
 struct Port {
     listener: TcpListener,
     client: Option<TcpStream>,
@@ -126,43 +252,26 @@ impl Port {
         Port { listener, client: None, waiting: Vec::new() }
     }
 
-    /// What came; accepts a client if there is none.
-    fn receive(&mut self) -> Vec<u8> {
+    /// Accepts a client if there is none; what it sends is passed over.
+    fn receive(&mut self) {
         if self.client.is_none()
             && let Ok((stream, _)) = self.listener.accept()
+            && stream.set_nonblocking(true).is_ok()
+            && stream.set_nodelay(true).is_ok()
         {
             // Bytes for the client before are not for this one.
             self.waiting.clear();
-            if stream.set_nonblocking(true).is_ok() && stream.set_nodelay(true).is_ok() {
-                self.client = Some(stream);
-            }
+            self.client = Some(stream);
         }
-        let mut all = Vec::new();
-        let mut part = [0; 4096];
-        while let Some(client) = &mut self.client {
-            match client.read(&mut part) {
-                Ok(n @ 1..) => all.extend_from_slice(&part[..n]),
-                Err(e) if e.kind() == ErrorKind::WouldBlock => break,
-                Err(e) if e.kind() == ErrorKind::Interrupted => {}
-                Ok(0) | Err(_) => self.client = None,
-            }
+        if self.client.as_mut().is_some_and(|client| !read(client, &mut Vec::new())) {
+            self.client = None;
         }
-        all
     }
 
     /// Sends what waits, as far as the socket takes it; without a client it is dropped.
     fn send(&mut self) {
-        while let Some(client) = &mut self.client
-            && !self.waiting.is_empty()
-        {
-            match client.write(&self.waiting) {
-                Ok(n @ 1..) => {
-                    self.waiting.drain(..n);
-                }
-                Err(e) if e.kind() == ErrorKind::WouldBlock => return,
-                Err(e) if e.kind() == ErrorKind::Interrupted => {}
-                Ok(_) | Err(_) => self.client = None,
-            }
+        if self.client.as_mut().is_some_and(|client| !write(client, &mut self.waiting)) {
+            self.client = None;
         }
         if self.client.is_none() {
             self.waiting.clear();

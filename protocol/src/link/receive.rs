@@ -1,10 +1,10 @@
 //! Receiving: checks frames, moves the opening on, puts messages in order and drops what came before.
 
 use super::transmit::{Slot, ahead};
-use super::{Endpoint, HELLO_NS, Identity, Knock, Offer, Phase, Role, State};
+use super::{ALIVE_NS, Endpoint, HELLO_NS, Identity, Knock, Offer, Phase, Role, State};
 use crate::Ns;
 use crate::deframe::Outcome;
-use crate::frame::{self, Fault, Header, Hello, HelloAck, Kind, OPENING_WIRE};
+use crate::frame::{self, Busy, Fault, Header, Hello, HelloAck, Kind, OPENING_WIRE};
 use zerocopy::{FromBytes, IntoBytes};
 
 /// `take <= next` in sequence numbers; slots hold messages from `take` on, with holes from `next` on.
@@ -144,16 +144,25 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         }
     }
 
-    /// For a controller with a second wire: takes a frame, decoded, that came over the wire which the link is not on. A Hello is
+    /// For a controller with more than one wire: takes a frame, decoded, that came over one which the link is not on. A Hello is
     /// answered there, by what is written into `out`. A KeepAlive in the session that was offered takes it up; then bytes of the
     /// other wire are none of the link's any more, and what was half out on it stays there. Everything else is passed over.
-    pub fn knock(&mut self, now: Ns, frame: &[u8], out: &mut [u8; OPENING_WIRE]) -> Knock {
+    ///
+    /// `holder` names the link's own wire, or is `None` where nobody is there any more. While its session is alive
+    /// ([`ALIVE_NS`]), a Hello is answered with Busy and nothing is taken up.
+    pub fn knock(&mut self, now: Ns, frame: &[u8], holder: Option<&str>, out: &mut [u8; OPENING_WIRE]) -> Knock {
         if self.role != Role::Controller {
             return Knock::Nothing;
         }
+        let busy = holder.and_then(|holder| self.busy(now, holder));
         match frame::decode(frame) {
             Ok((header, Kind::Hello, payload)) => {
                 let Ok(hello) = Hello::read_from_bytes(payload) else { return Knock::Nothing };
+                let same = Identity { version: header.version, schema: hello.schema.get() } == self.identity;
+                if let Some(busy) = busy.filter(|_| same) {
+                    let header = self.header(Kind::Busy, header.session.get());
+                    return frame::encode(header, busy.as_bytes(), out).map_or(Knock::Nothing, Knock::Answered);
+                }
                 // An answer that the link's own wire waits for stays.
                 let own = self.answer.take();
                 self.answer_hello(&header, hello);
@@ -163,7 +172,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                 frame::encode(header, answer.as_bytes(), out).map_or(Knock::Nothing, Knock::Answered)
             }
             Ok((header, Kind::KeepAlive, _))
-                if self.offer.is_some_and(|offer| offer.session == header.session.get()) =>
+                if busy.is_none() && self.offer.is_some_and(|offer| offer.session == header.session.get()) =>
             {
                 self.deframer.reset();
                 (self.wire_at, self.wire_len) = (0, 0);
@@ -172,6 +181,13 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             }
             _ => Knock::Nothing,
         }
+    }
+
+    /// What a second client is told while the session of the one at `holder` is alive.
+    fn busy(&self, now: Ns, holder: &str) -> Option<Busy> {
+        let ms = |ns: Ns| u32::try_from(ns / 1_000_000).unwrap_or(u32::MAX);
+        let silence = self.silence(now).filter(|silence| *silence < ALIVE_NS)?;
+        Some(Busy::new(ms(now.saturating_sub(self.began)), ms(silence), holder))
     }
 
     fn receive(&mut self, now: Ns) {
@@ -198,7 +214,12 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                     self.take_offer(now, &header, answer);
                 }
             }
-            (Kind::Hello | Kind::HelloAck, _) => count(&mut self.counters.unexpected),
+            (Kind::Busy, Role::Client) if self.state == State::Opening && header.session.get() == self.nonce => {
+                if let Ok(busy) = Busy::read_from_bytes(payload) {
+                    self.forget(State::Busy(busy));
+                }
+            }
+            (Kind::Hello | Kind::HelloAck | Kind::Busy, _) => count(&mut self.counters.unexpected),
             (Kind::Data | Kind::Ack | Kind::KeepAlive | Kind::Bye, _) => self.receive_in_session(now, &header, kind),
         }
     }
@@ -290,7 +311,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
             }
             Kind::KeepAlive => self.receiver.ask_acknowledgement(),
             Kind::Bye => self.forget(State::Ended),
-            Kind::Ack | Kind::Hello | Kind::HelloAck => {}
+            Kind::Ack | Kind::Hello | Kind::HelloAck | Kind::Busy => {}
         }
     }
 }

@@ -270,7 +270,7 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                 self.last_sent = now;
                 self.stage(Kind::KeepAlive, self.session, &[])
             }
-            State::Opening | State::Closed | State::Mismatch(_) | State::Ended => false,
+            State::Opening | State::Closed | State::Mismatch(_) | State::Busy(_) | State::Ended => false,
         }
     }
 

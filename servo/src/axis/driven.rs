@@ -86,7 +86,7 @@ impl AxisState {
 
     /// How those that follow it see it go while it is driven.
     pub(super) fn driven_path(&self) -> Path<'_> {
-        if self.goes_straight() { Path::Straight } else { Path::Track(&self.track) }
+        if self.goes_straight() { Path::Straight } else { Path::Track { places: &self.track, shift: 0 } }
     }
 
     /// Whether it goes straight from tick to tick.

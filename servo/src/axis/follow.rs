@@ -131,17 +131,26 @@ impl AxisState {
         let path = match value {
             Value::Encoder => Path::Straight,
             Value::PlannedFiltered | Value::EncoderFiltered => Path::Filtered,
-            Value::Planned => match self.follower() {
-                Some(follower) => Path::Track(follower.track()),
-                None if self.driven => self.driven_path(),
-                None => Path::Pieces {
-                    before: self.profile.before(now),
-                    piece: self.profile.piece(),
-                    shift: self.zero.0.wrapping_neg(),
-                },
-            },
+            Value::Planned => self.path(now, self.rest_since.0 == now.0.wrapping_add(period.0)),
         };
         Seen { now, period, to, named, path }
+    }
+
+    /// How its planned position came where it is, in positions of the machine; `rests`: it came to rest in this tick.
+    #[inline(always)]
+    fn path(&self, now: Ns, rests: bool) -> Path<'_> {
+        let shift = self.zero.0.wrapping_neg();
+        match self.profile.supply() {
+            _ if self.driven || rests && self.shown.mode == Mode::Crd => self.driven_path(),
+            Supply::Follow(own) if self.runs || rests => {
+                if own.track().is_straight() {
+                    Path::Straight
+                } else {
+                    Path::Track { places: own.track(), shift }
+                }
+            }
+            _ => Path::Pieces { before: self.profile.before(now), piece: self.profile.piece(), shift },
+        }
     }
 
     /// Where the tick finds it, if it went straight there: for those that follow it.
@@ -262,7 +271,8 @@ impl AxisState {
         let motion = if moving { follower.run.piece().motion } else { Motion::REST };
         shown.motion = Motion { tau: shown.motion.tau, ..motion };
         let axis = (follower.master.value == Value::Planned).then_some(follower.master.axis);
-        let lead = moving.then_some(Lead { axis, down: follower.run.is_down() });
+        let run = &follower.run;
+        let lead = moving.then_some(Lead { axis, down: run.is_down(), one_way: run.is_one_way() });
         if lead != shown.lead {
             shown.lead = lead;
             self.changed();
@@ -281,7 +291,13 @@ impl AxisState {
 
     /// Leaves its master at `next` with the motion it has there, and brakes, unless the next tick would be too fast: then it
     /// stops, and that is told.
-    pub(crate) fn brake(&mut self, next: Ns, motion: Motion, limit: StepLimit) -> Option<StopReason> {
+    pub(crate) fn brake(
+        &mut self,
+        next: Ns,
+        motion: Motion,
+        cause: StopReason,
+        limit: StepLimit,
+    ) -> Option<StopReason> {
         let from = Moving { pos: exact(self.shown.pos), velocity: motion.velocity() };
         // What readers derive is not exact.
         let most = Real::new(false, limit.pulses_per_ms(), 0);
@@ -296,7 +312,7 @@ impl AxisState {
         self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
         // Its motion has been one over the master's progress; in this tick it is told over time.
         self.shown.motion = motion;
-        self.set_off(StopReason::StopSmooth);
+        self.set_off(cause);
         None
     }
 

@@ -90,19 +90,19 @@ impl AxisState {
     }
 
     /// Smooth stop from `next` on. What ends there anyway is left to end.
-    pub(crate) fn stop_smooth(&mut self, next: Ns, source: &(impl Segments + Tables)) {
-        if !self.runs || self.ending == StopReason::StopSmooth {
+    pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &(impl Segments + Tables)) {
+        if !self.runs || self.ending.is_brake() {
             return;
         }
         if let Some(follower) = self.profile.follower_mut() {
-            follower.braking = true;
+            follower.braking = Some(reason);
             return;
         }
         let (from, runs) = self.moving(next, source);
         if runs {
             let dec = self.stop_dec;
             self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
-            self.set_off(StopReason::StopSmooth);
+            self.set_off(reason);
             // At `next` it is where it would have been in its piece: the first one of the ramp has time until the tick behind.
             let piece = self.profile.piece();
             self.begins = from.velocity.m != 0 && piece.elapsed(next) == piece.span;
@@ -117,6 +117,10 @@ impl AxisState {
         if self.runs {
             self.end_stream(pt_state::STOPPED);
             self.rest(next, exact(self.shown.pos), reason);
+            self.profile.forget();
+            if let Some(follower) = self.profile.follower_mut() {
+                follower.forget_track();
+            }
         }
     }
 

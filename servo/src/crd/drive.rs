@@ -344,6 +344,7 @@ impl<const AXES: usize> Tick<AXES> {
         if !runs {
             self.come_to_rest(crd, next, lanes);
         } else if unable.is_some() {
+            self.lasers.crd_fault(crd, Cause::Fault);
             self.stop_crds(crd.mask(), true, StopReason::OtherAxis, next, lanes);
         }
     }

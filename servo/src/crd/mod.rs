@@ -123,6 +123,12 @@ impl Crds {
         moves: 0,
     };
 
+    /// Those of these that have been set up.
+    pub(crate) fn known(&self, of: CrdMask) -> CrdMask {
+        let known = of.crds().filter(|crd| self.get(*crd).is_some_and(|state| state.shown.frame.is_some()));
+        CrdMask(known.fold(0, |mask, crd| mask | crd.mask().0))
+    }
+
     pub(crate) fn get(&self, crd: Crd) -> Option<&CrdState> {
         self.states.get(crd.index())
     }

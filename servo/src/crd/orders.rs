@@ -31,8 +31,8 @@ fn cause_of(fresh: u32) -> Option<Cause> {
 
 /// Whether what stopped a path is a fault (SPEC 9), and not an order.
 pub(super) fn is_fault(reason: StopReason) -> bool {
-    use StopReason::{Completed, LinkLoss, None, Reset, StopAbrupt, StopSmooth};
-    !matches!(reason, None | Completed | StopSmooth | StopAbrupt | LinkLoss | Reset)
+    use StopReason::{Abort, Completed, Interlock, LinkLoss, None, Reset, StopAbrupt, StopSmooth};
+    !matches!(reason, None | Completed | StopSmooth | StopAbrupt | LinkLoss | Reset | Abort | Interlock)
 }
 
 impl<const AXES: usize> Tick<AXES> {
@@ -294,7 +294,7 @@ impl<const AXES: usize> Tick<AXES> {
         CrdMask(axes.axes().filter_map(driver).fold(0, |mask, crd| mask | crd.mask().0))
     }
 
-    /// These stop along their paths, for this reason.
+    /// These stop along their paths, for this reason; one that brakes already goes on to, unless it is to stop abruptly.
     pub(crate) fn stop_crds(
         &mut self,
         crds: CrdMask,
@@ -306,7 +306,7 @@ impl<const AXES: usize> Tick<AXES> {
         let running = CrdMask(crds.0 & self.crds.running.0);
         for crd in running.crds() {
             self.with_path(crd, next, lanes, |path, ending, feed, source, sink| {
-                if abrupt || *ending == StopReason::StopSmooth && !path.stops() {
+                if abrupt || !path.stops() {
                     (*ending, sink.fault) = (reason, is_fault(reason));
                     path.stop(next, abrupt, feed, source, sink);
                 }

@@ -13,6 +13,7 @@ use super::way::{Spot, Stretch, Track, Way, bisect, is_plain};
 use super::{Entries, Input, Master};
 use crate::piece::Piece;
 use crate::units::{Ns, Pos};
+use crate::view::StopReason;
 use crate::wide::{Recip, umulhi};
 
 /// A master in one tick.
@@ -37,8 +38,8 @@ pub(crate) enum Path<'a> {
     Filtered,
     /// Along a piece, and the one before it if that was in force at `now`; what is added to their positions.
     Pieces { before: Option<&'a Piece>, piece: &'a Piece, shift: i64 },
-    /// From place to place.
-    Track(&'a Track),
+    /// From place to place; what is added to them.
+    Track { places: &'a Track, shift: i64 },
 }
 
 /// A slave that runs.
@@ -47,7 +48,7 @@ pub struct Follower {
     pub(crate) run: FollowRun,
     pub(crate) master: Master,
     /// A smooth stop is due at the end of the tick.
-    pub(crate) braking: bool,
+    pub(crate) braking: Option<StopReason>,
     /// The piece of the master that is known to have no turning point.
     plain: Option<Ns>,
     /// Its position at the tick in force; none before the first step.
@@ -66,7 +67,7 @@ impl Follower {
         Follower {
             run,
             master,
-            braking: false,
+            braking: None,
             plain: None,
             last: None,
             filter: Filter::default(),
@@ -84,6 +85,11 @@ impl Follower {
     #[inline(always)]
     pub(crate) fn is_moving(&self) -> bool {
         self.last.is_some_and(|last| self.run.is_moving(last))
+    }
+
+    /// Its own places in this tick are not those that it was about to go to.
+    pub(crate) fn forget_track(&mut self) {
+        self.track.clear();
     }
 
     /// How far its master went in this tick, units of Pos.
@@ -123,6 +129,21 @@ impl Follower {
         from: Pos,
         context: &mut Context<'_, impl Entries, impl Fn(Input, u8) -> bool>,
     ) -> State {
+        let state = self.go_along(seen, led, from, context);
+        if let State::Ended { at } | State::TimedOut { at } = state {
+            self.track.arrive(seen.period.0 << 32, at.round());
+        }
+        state
+    }
+
+    #[inline(always)]
+    fn go_along(
+        &mut self,
+        seen: &Seen<'_>,
+        led: bool,
+        from: Pos,
+        context: &mut Context<'_, impl Entries, impl Fn(Input, u8) -> bool>,
+    ) -> State {
         let Seen { now, period, .. } = *seen;
         let to = if let Path::Filtered = seen.path { self.filter.step(seen.to, period) } else { seen.to };
         let last = self.last.unwrap_or(to);
@@ -145,7 +166,9 @@ impl Follower {
                 }
                 (Some(piece), shift)
             }
-            Path::Track(places) => return self.run.step(&Way::of(now, places), seen.named, context, track),
+            Path::Track { places, shift } => {
+                return self.run.step(&Way::of(now, places, shift), seen.named, context, track);
+            }
         };
         // All the way is one stretch.
         let to = Spot { after: period.0 << 32, pos: to };
@@ -207,8 +230,41 @@ fn share(period: Ns) -> u64 {
     PARTS.iter().fold(u64::MAX, |rest, &part| !umulhi(umulhi(u, rest), part))
 }
 
-/// The places of a slave between two places of its master, if a turning point of its own lies between them.
-pub(super) fn image(piece: &Piece, from: i64, to: i64, begin: u64, end: u64, track: &mut Track) {
+/// The places of a slave between two places of its progress, in the same piece or in two with a knot between, which the master
+/// passed on a stretch: knots and turning points.
+pub(super) fn trail(
+    (old, before): (&Piece, i64),
+    (piece, progress): (&Piece, i64),
+    down: bool,
+    stretch: &Stretch<'_>,
+    track: &mut Track,
+) {
+    let (from, to) = (stretch.from, stretch.to);
+    let mut leg = (before, from.after);
+    if piece.begin != old.begin && piece.span != 0 && old.span != 0 {
+        let up = progress > before;
+        // Exact at the begin of a piece.
+        let edge = |piece: &Piece, end: bool| {
+            let span = if end { piece.span } else { 0 };
+            let knot = piece.begin.0.wrapping_add(span) as i64;
+            let pos = Pos(if down { knot.wrapping_neg() } else { knot });
+            let after = stretch.when(pos.clamp(from.pos.min(to.pos), from.pos.max(to.pos)));
+            ((knot, after), if end { piece.at(span.saturating_sub(1)).0 } else { piece.start })
+        };
+        let ((left, end), (entered, begin)) = (edge(old, up), edge(piece, !up));
+        image(old, (before, left.0), (from.after, left.1), track);
+        let joined = entered.0 == left.0;
+        track.push(left.1, if joined && up { begin } else { end });
+        if !joined {
+            track.push(entered.1, begin);
+        }
+        leg = entered;
+    }
+    image(piece, (leg.0, progress), (leg.1, to.after), track);
+}
+
+/// The places of a slave between two places of its progress, if a turning point of its own lies between them in this piece.
+fn image(piece: &Piece, (from, to): (i64, i64), (begin, end): (u64, u64), track: &mut Track) {
     let inside = |progress: i64| (progress as u64).wrapping_sub(piece.begin.0).min(piece.span.saturating_sub(1));
     let (low, high) = if from <= to { (inside(from), inside(to)) } else { (inside(to), inside(from)) };
     let falls = |t: u64| slope(&piece.motion, piece.at(t).1) < 0;

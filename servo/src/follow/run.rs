@@ -16,7 +16,7 @@ mod seek;
 mod switch;
 
 use super::entry::{Input, Stop};
-use super::follower::image;
+use super::follower::trail;
 use super::setup::Setup;
 use super::shape::{UNIT, ceil, slope};
 use super::way::{Fine, Spot, Stretch, Track, Way};
@@ -303,6 +303,11 @@ impl FollowRun {
         self.down
     }
 
+    /// Whether nothing comes of progress that goes back.
+    pub fn is_one_way(&self) -> bool {
+        !self.both
+    }
+
     /// The tick after `way.now()`. `named` is where a position of 0 pulses lies among the positions of the way, for
     /// PASS.
     pub fn step<S: Entries, L: Fn(Input, u8) -> bool>(
@@ -348,10 +353,13 @@ impl FollowRun {
         context: &mut Context<'_, S, L>,
         track: Option<&mut Track>,
     ) -> Option<State> {
-        let (before, end) = (self.progress, self.advance(stretch, context));
-        if let Some(track) = track {
-            if self.progress != before {
-                image(&self.piece, before, self.progress, stretch.from.after, stretch.to.after, track);
+        let before = track.is_some().then_some((self.piece, self.progress, self.down));
+        let end = self.advance(stretch, context);
+        if let (Some(track), Some((piece, progress, down))) = (track, before) {
+            // Progress that has changed its sign is that of another FIFO: how it came there is not known.
+            let piece = if self.down == down { piece } else { self.piece };
+            if self.progress != progress {
+                trail((&piece, progress), (&self.piece, self.progress), down, &stretch, track);
             }
             track.push(stretch.to.after, self.place().0);
         }

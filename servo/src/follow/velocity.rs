@@ -4,6 +4,7 @@
 //! motion in time. Integers only, so every machine derives the same bits. Cannot fail.
 use crate::piece::{Motion, Recip, Scaled};
 use crate::real::Real;
+use crate::view::Lead;
 
 /// 10⁶ has 44 leading zeros: 1/ms in ns.
 const PER_MS: Recip = Recip { m: (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64, shift: 44 };
@@ -22,16 +23,29 @@ pub fn of(velocity: Real, acceleration: Real) -> Motion {
 }
 
 /// The ratio of a slave, pulse per pulse of its master. `down`: its progress is the master's position with its sign changed.
-pub fn ratio(slave: &Motion, down: bool) -> Real {
+fn ratio(slave: &Motion, down: bool) -> Real {
     let ratio = Real::from_scaled(slave.velocity()).mul(UNITS);
     if down { ratio.negate() } else { ratio }
 }
 
-/// The motion of a slave in time. `down`: its progress is the master's position with its sign changed.
-pub fn compose(slave: Motion, down: bool, master: Motion) -> Motion {
+/// The velocity of a slave whose master goes at `speed`: 0 if that is back, and nothing comes of it.
+pub fn led(slave: &Motion, lead: Lead, speed: Real) -> Real {
+    if is_back(lead, speed) { Real::ZERO } else { ratio(slave, lead.down).mul(speed) }
+}
+
+/// Whether nothing comes of such a speed.
+fn is_back(lead: Lead, speed: Real) -> bool {
+    lead.one_way && !speed.is_zero() && speed.is_negative() != lead.down
+}
+
+/// The motion of a slave in time.
+pub fn compose(slave: Motion, lead: Lead, master: Motion) -> Motion {
     let real = |x: Scaled| Real::from_scaled(x);
     let (speed, change) = (real(master.velocity()), real(master.acceleration()));
-    let ratio = ratio(&slave, down);
+    if is_back(lead, if speed.is_zero() { change } else { speed }) {
+        return Motion::REST;
+    }
+    let ratio = ratio(&slave, lead.down);
     let bend = real(slave.acceleration()).mul(UNITS).mul(UNITS);
     of(ratio.mul(speed), bend.mul(speed).mul(speed).add(ratio.mul(change)))
 }

@@ -79,6 +79,16 @@ impl Track {
         index
     }
 
+    /// It ends there, whatever the last place was.
+    pub(crate) fn arrive(&mut self, after: u64, pos: Pos) {
+        if let Some(last) = self.spots.get_mut(self.count.saturating_sub(1) as usize).filter(|_| self.count > 1) {
+            last.pos = pos;
+        }
+        if self.last().after != after {
+            self.push(after, pos);
+        }
+    }
+
     /// Whether it goes straight from a tick to the next.
     #[inline(always)]
     pub(crate) fn is_straight(&self) -> bool {
@@ -100,12 +110,16 @@ impl<'a> Way<'a> {
     pub fn line(now: Ns, period: Ns, from: Pos, to: Pos) -> Way<'a> {
         let mut track = Track::begin(from);
         track.push(period.0 << 32, to);
-        Way::of(now, &track)
+        Way::of(now, &track, 0)
     }
 
-    /// From place to place of a slave.
-    pub fn of(now: Ns, track: &Track) -> Way<'a> {
-        Way { now, track: *track, along: [0; SPOTS], pieces: [None; 2], shift: 0 }
+    /// From place to place of a slave. Places plus `shift` are the master's.
+    pub fn of(now: Ns, track: &Track, shift: i64) -> Way<'a> {
+        let mut track = *track;
+        for spot in &mut track.spots {
+            spot.pos.0 = spot.pos.0.wrapping_add(shift);
+        }
+        Way { now, track, along: [0; SPOTS], pieces: [None; 2], shift: 0 }
     }
 
     /// Along the pieces of a motion: `piece`, and `before` if that is in force from `now` until the piece begins.
@@ -120,7 +134,7 @@ impl<'a> Way<'a> {
         shift: i64,
     ) -> Way<'a> {
         let next = Ns(now.0.wrapping_add(period.0));
-        let mut way = Way::of(now, &Track::begin(from));
+        let mut way = Way::of(now, &Track::begin(from), 0);
         (way.pieces, way.shift) = ([before, Some(piece)], shift);
         let at = |pos: Pos| Pos(pos.0.wrapping_add(shift));
         let mut since = now;
@@ -130,7 +144,7 @@ impl<'a> Way<'a> {
             let last = before.begin.0.wrapping_add(before.span);
             let left = (last.wrapping_sub(now.0) as i64).min(entered).max(0);
             let rests = piece.span == u64::MAX;
-            if left > 0 && !(rests && left == entered) {
+            if left > 0 {
                 way.turns(before, now, Ns(now.0.wrapping_add(left as u64)), 1);
                 let joined = rests || left == entered;
                 let end = if joined { piece.start } else { before.at(before.span.saturating_sub(1)).0 };
@@ -211,14 +225,14 @@ impl<'a> Way<'a> {
     }
 }
 
-/// The parameter of a piece at a time since the tick in force; held inside the piece.
+/// The parameter of a piece at a time since the tick in force; held inside the piece, which another one may have cut short:
+/// its cubic goes on behind its end.
 fn tau(now: Ns, piece: &Piece, fine: u64) -> u64 {
     let t = (fine >> 32).wrapping_add(now.0).wrapping_sub(piece.begin.0);
-    if t >= piece.span {
-        return Piece::END;
-    }
+    let last = piece.span.saturating_sub(1);
+    let (t, part) = if t > last { (last, u32::MAX) } else { (t, fine as u32) };
     let recip = piece.motion.recip;
-    let part = (((fine as u32 as u64 as u128) << (recip.shift & 63)) >> 32) as u64;
+    let part = (((part as u128) << (recip.shift & 63)) >> 32) as u64;
     let tau = (recip.ratio(t) >> 1).wrapping_add(piece.motion.tau);
     tau.wrapping_add(part.saturating_add(umulhi(part, recip.m)) >> 1).min(Piece::END)
 }

@@ -3,12 +3,12 @@
 //! In: admitted changes; words of an entry; instants. Out: the same changes. Owns: what is to come within an interval.
 //! Fails: words that are none of these mean nothing; a list that is full says so.
 use super::follow::{Ratio, Source};
+use super::owner::{End, Run};
 use super::power::{Bounds, Power};
 use super::tables::Curve;
-use super::whose::Run;
 use super::{Cause, NEVER};
 use crate::path::LASER_WORDS;
-use crate::units::Ns;
+use crate::units::{Crd, Ns};
 
 /// A change of a channel that takes effect at the exact instant of its place in a path (SPEC 4, "Buffered laser").
 #[allow(missing_docs, reason = "each variant's text names its fields")]
@@ -125,17 +125,15 @@ impl Buffered {
 pub(super) enum Event {
     /// An entry of a path takes effect.
     Change(Run, Buffered),
-    /// A path comes to rest: by a Stop, from which it can go on, or for good.
-    Rest(Run, bool),
-    /// A path begins to run; whether it goes on.
-    Start(Run, bool),
-    /// Dark for this cause, with all outputs at rest.
-    Trip(Cause),
+    /// A path comes to rest; where it fails, the channels that are mapped to it go dark for this cause.
+    Rest(Run, End, Cause),
 }
 
-/// Events that an interval may have: eight entries of each of four paths, their starts and their rests, and more
-/// than that never.
+/// Events that an interval may have: eight entries of each of four paths, and their rests, and more than that never.
 const EVENTS: usize = 48;
+
+/// What an empty place holds.
+const NOTHING: Event = Event::Rest(Run { crd: Crd::FIRST, fifo: 0 }, End::RanOut, Cause::None);
 
 /// The events of an interval, in the order of time; those of an instant in the order in which they came.
 #[derive(Debug)]
@@ -152,8 +150,7 @@ pub(super) struct Full;
 
 impl Agenda {
     /// Nothing to come.
-    pub(super) const EMPTY: Agenda =
-        Agenda { next: NEVER, first: 0, len: 0, events: [(NEVER, Event::Trip(Cause::None)); EVENTS] };
+    pub(super) const EMPTY: Agenda = Agenda { next: NEVER, first: 0, len: 0, events: [(NEVER, NOTHING); EVENTS] };
 
     /// Whether there is none.
     #[inline(always)]

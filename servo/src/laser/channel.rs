@@ -14,11 +14,11 @@ use super::buffered::{Agenda, Buffered, Event};
 use super::energy::{Energy, Plain};
 use super::gate::{Edges, Full};
 use super::law::{Family, Law};
-use super::light::OnTime;
+use super::on_time::OnTime;
+use super::owner::{End, Fact, Order, Owner, Run};
 use super::plan::{Action, Train};
 use super::power::Power;
 use super::safety::{Cause, Safety};
-use super::whose::{Run, Whose};
 use super::{Change, Delays, Fpk, Mode, NEVER};
 use crate::units::{Crd, CrdMask, Ns};
 use crate::view::LaserView;
@@ -66,15 +66,14 @@ pub(super) struct Channel {
     delayed: bool,
     fpk: Option<Fpk>,
     // State.
-    commanded: bool,
-    whose: Whose,
+    owner: Owner,
     /// From the gate-off edge of the mark in progress to the end of its light.
     tail: u16,
     /// End of the FPK pulse in progress, or [`NEVER`].
     pulse: Ns,
     /// The light that the outputs carry is of another mode: it is cut.
     cut: bool,
-    /// A cause within the interval puts out everything.
+    /// A cause within the interval shuts off everything.
     ends: bool,
     alarms: CrdMask,
     on_time: OnTime,
@@ -108,8 +107,7 @@ impl Channel {
             delays: Delays { off: 0, on: 0 },
             delayed: true,
             fpk: None,
-            commanded: false,
-            whose: Whose::NOBODY,
+            owner: Owner::power_on(CrdMask(CRD_MAP)),
             agenda: Agenda::EMPTY,
             gate: Edges::OFF,
             light: Edges::OFF,
@@ -133,28 +131,31 @@ impl Channel {
     pub(super) fn change(&mut self, at: Ns, change: &Change) {
         // What paths did at this instant before it comes first.
         self.attend(at);
+        self.energy.muted = false;
         self.news |= match change {
             Change::Gate { .. } => news::MOVED,
             Change::Direct { .. } if self.law.follows().is_none() => news::POWER,
             _ => news::CHANGED,
         };
         match change {
-            Change::Gate { on } => self.command(at, *on, None),
+            Change::Gate { on } => self.report(at, Fact::Command { on: *on }),
             Change::Mode { mode, bounds, delayed, fine } => {
                 if *mode != self.energy.mode {
-                    self.withdraw();
+                    self.report(at, Fact::Withdraw);
                     self.energy.mode = *mode;
                     self.law.leave_mode();
+                    self.report(at, Fact::FollowEnds);
+                    self.report_output(at);
                 }
                 self.law.set_bounds(*bounds);
                 self.delayed = *delayed;
                 self.energy.fine = *fine;
             }
             Change::Direct { power, fine } => {
-                let followed = self.law.follows().is_some();
+                let followed = self.law.follows();
                 self.law.set_direct(*power);
                 self.energy.fine = *fine;
-                self.see_follow_end(followed, None);
+                self.report_follow(at, followed);
             }
             Change::Carrier { carrier, fine } => (self.energy.carrier, self.energy.fine) = (Some(*carrier), *fine),
             Change::PulseWidth { us } => self.energy.width = Some(*us),
@@ -168,39 +169,42 @@ impl Channel {
             Change::Standby(standby) => self.energy.standby = *standby,
             Change::PreVoltage(volts) => self.energy.pre_voltage = volts.unwrap_or(Power::ZERO),
             Change::ZeroOnTime => (self.on_time, self.planned) = (OnTime::ZERO, 0),
-            Change::ClearFault => self.safety.clear(),
-            Change::CrdMap { map } => {
-                self.shown.crd_map = *map;
-                self.see_alarms();
-            }
+            Change::ClearFault => self.clear_latch(at),
+            Change::CrdMap { map } => self.take_map(at, CrdMask(*map)),
             Change::Connector { laser } => {
                 if !*laser && self.energy.mode != Mode::Analog {
-                    self.withdraw();
+                    self.report(at, Fact::Withdraw);
                 }
                 self.energy.connector = *laser;
+                self.report_output(at);
             }
             Change::Distance(distance) => self.law.set_distance(*distance),
-            Change::Reset { family } => self.reset(*family),
+            Change::Reset { family } => self.reset(at, *family),
         }
     }
 
-    /// An on or off command of a path, or an immediate one.
-    fn command(&mut self, at: Ns, on: bool, by: Option<Run>) {
-        if on && self.safety.is_dark() {
-            if let Some(run) = by
-                && self.safety.cause() == Cause::LinkLost
-            {
-                self.whose.command_unseen(on, run);
-            }
-            return;
+    /// The owner takes a fact; the gate carries out what it orders.
+    pub(super) fn report(&mut self, at: Ns, fact: Fact) {
+        let shown = |owner: &Owner| (owner.is_commanded(), owner.owners());
+        let before = shown(&self.owner);
+        let order = self.owner.hear(fact);
+        if order != Order::Keep || shown(&self.owner) != before {
+            self.news |= news::MOVED;
         }
-        self.whose.command(on, by);
-        self.switch(at, on);
+        match order {
+            Order::Keep => {}
+            Order::On | Order::Off => self.switch(at, order == Order::On),
+            Order::Cut => self.extinguish(),
+            Order::Ignored(why) => {
+                let LaserView { ignored, ignored_count, .. } = &mut self.shown;
+                (*ignored, *ignored_count) = (why, ignored_count.wrapping_add(1));
+                self.news |= news::CHANGED;
+            }
+        }
     }
 
     /// A gate command.
     fn switch(&mut self, at: Ns, on: bool) {
-        self.commanded = on;
         let us = match (self.delayed, on) {
             (false, _) => 0,
             (true, true) => self.delays.on,
@@ -208,6 +212,65 @@ impl Channel {
         };
         let done = self.gate.command(later(at, us), on);
         self.hold(done);
+    }
+
+    /// Whether the energy has an output: its connector, or, in analog mode, the DAC.
+    fn report_output(&mut self, at: Ns) {
+        let there = self.energy.connector || self.energy.mode == Mode::Analog;
+        self.report(at, Fact::Output { there });
+    }
+
+    /// Where the velocity follow is another one than before, or over.
+    fn report_follow(&mut self, at: Ns, before: Option<Crd>) {
+        match self.law.follows() {
+            None if before.is_some() => self.report(at, Fact::FollowEnds),
+            _ => {}
+        }
+    }
+
+    /// Another map. It ends the follow of a coordinate system that it excludes.
+    fn take_map(&mut self, at: Ns, map: CrdMask) {
+        self.shown.crd_map = map.0;
+        self.report(at, Fact::Map { crds: map });
+        if self.law.follows().is_some_and(|crd| !map.has(crd)) {
+            self.law.end_follow(CrdMask(u8::MAX));
+            self.report(at, Fact::FollowEnds);
+        }
+        self.see_alarms();
+    }
+
+    /// A fault whose cause is gone is over.
+    fn clear_latch(&mut self, at: Ns) {
+        self.safety.clear();
+        if !self.safety.is_dark() {
+            self.report(at, Fact::Cleared);
+        }
+    }
+
+    /// The paths whose on entries are dead.
+    pub(super) fn dead(&self) -> CrdMask {
+        self.owner.dead()
+    }
+
+    /// Reset clears a fault in whatever state it is.
+    pub(super) fn reset_latch(&mut self, at: Ns) {
+        if !self.safety.is_dark() {
+            return;
+        }
+        self.attend(at);
+        self.safety.reset();
+        self.ends = false;
+        self.clear_latch(at);
+        self.news |= news::CHANGED;
+    }
+
+    /// An abort, or a new session: dark at the call, standby and pre-voltage too until the next command of the channel.
+    pub(super) fn abort(&mut self, at: Ns, refuses: bool) {
+        self.attend(at);
+        self.report(at, Fact::Abort { refuses });
+        self.safety.rest_once();
+        (self.energy.muted, self.ends) = (true, false);
+        self.news |= news::CHANGED;
     }
 
     /// Something that a path does at an instant of the interval that is planned next.
@@ -222,13 +285,8 @@ impl Channel {
         self.wake = self.wake.min(at);
     }
 
-    /// Whether the start of a path may change something: light is kept for it, or something else is expected before.
-    pub(super) fn heeds_start(&self, run: Run) -> bool {
-        self.whose.keeps(run) || !self.agenda.is_empty()
-    }
-
     /// What is due takes place.
-    fn attend(&mut self, now: Ns) {
+    pub(super) fn attend(&mut self, now: Ns) {
         while let Some(event) = self.agenda.take(now) {
             self.happen(now, event);
         }
@@ -238,38 +296,49 @@ impl Channel {
     fn happen(&mut self, at: Ns, event: Event) {
         match event {
             Event::Change(run, Buffered::Gate { on }) => {
-                self.news |= news::MOVED;
-                self.command(at, on, Some(run));
+                self.unmute(run);
+                self.report(at, Fact::Entry { on, run });
             }
             Event::Change(run, change) => {
+                if !self.owner.heeds(run.crd) {
+                    return self.report(at, Fact::Entry { on: false, run });
+                }
+                self.unmute(run);
                 self.news |= news::CHANGED;
-                let followed = self.law.follows().is_some();
+                let followed = self.law.follows();
                 self.law.change(run.crd, &change);
-                if followed && change.begins_follow() {
-                    self.whose.forget(Some(run));
+                if change.begins_follow() {
+                    self.report(at, Fact::FollowBegins { crd: run.crd });
                 }
-                self.see_follow_end(followed, Some(run));
+                self.report_follow(at, followed);
             }
-            Event::Rest(run, goes_on) => {
-                if self.is_mapped(run.crd) && self.whose.rest(run, goes_on) {
-                    self.news |= news::MOVED;
-                    self.switch(at, false);
-                }
-            }
-            // A start in the very tick that the link is lost in brakes at once: its light waits for the next one.
-            Event::Start(run, goes_on) if goes_on && self.is_mapped(run.crd) && self.safety.loses_link() => {}
-            Event::Start(run, goes_on) => {
-                if self.whose.start(run, goes_on && self.is_mapped(run.crd) && !self.safety.is_dark()) {
-                    self.news |= news::MOVED;
-                    self.switch(at, true);
+            Event::Rest(run, end, cause) => {
+                let is_mapped = self.is_mapped(run.crd);
+                self.owner_rests(at, run, end);
+                if end == End::Failed && is_mapped {
+                    self.news |= news::CHANGED;
+                    self.ends |= self.safety.trip_within(cause);
+                    self.owner.hear(Fact::Latched { link: false });
                 }
             }
-            Event::Trip(cause) => {
-                self.whose = Whose::NOBODY;
-                self.news |= news::CHANGED;
-                self.ends |= !self.safety.is_dark();
-                self.safety.trip_within(cause);
-            }
+        }
+    }
+
+    /// A path comes to rest. What fails goes dark by the latch, within the interval.
+    fn owner_rests(&mut self, at: Ns, run: Run, end: End) {
+        let fact = Fact::Rests { run, end };
+        if end == End::Failed {
+            self.owner.hear(fact);
+        } else {
+            self.report(at, fact);
+        }
+    }
+
+    /// An entry of a path is a command of the channel, too, but for one that an abort brings to rest.
+    fn unmute(&mut self, run: Run) {
+        if self.energy.muted && self.owner.heeds(run.crd) && !self.owner.dead().has(run.crd) {
+            self.energy.muted = false;
+            self.news |= news::CHANGED;
         }
     }
 
@@ -294,18 +363,12 @@ impl Channel {
     }
 
     /// Ends a follow that one of these began.
-    pub(super) fn end_follow(&mut self, crds: CrdMask) {
-        let followed = self.law.follows().is_some();
+    pub(super) fn end_follow(&mut self, at: Ns, crds: CrdMask) {
+        self.attend(at);
+        let followed = self.law.follows();
         self.law.end_follow(crds);
         self.news |= news::CHANGED;
-        self.see_follow_end(followed, None);
-    }
-
-    /// Where there was a follow that has ended, perhaps by an entry: light that rest keeps dark counts as switched off.
-    fn see_follow_end(&mut self, followed: bool, by: Option<Run>) {
-        if followed && self.law.follows().is_none() {
-            self.whose.forget(by);
-        }
+        self.report_follow(at, followed);
     }
 
     /// It was on for so many units more: see [`crate::tick::Tick::age_counts`].
@@ -328,29 +391,22 @@ impl Channel {
     }
 
     /// Some coordinate systems had a fault that is cleared (ClrSts).
-    pub(super) fn clear(&mut self, crds: CrdMask) {
+    pub(super) fn clear(&mut self, at: Ns, crds: CrdMask) {
         if crds.0 & self.shown.crd_map != 0 {
-            self.safety.clear();
+            self.clear_latch(at);
             self.news |= news::CHANGED;
         }
     }
 
-    /// A refused on command puts the channel out: a mark would be missing.
+    /// A refused on command makes the channel dark: a mark would be missing.
     fn hold(&mut self, done: Result<(), Full>) {
         if done.is_err() {
             self.trip(Cause::Edges);
         }
     }
 
-    /// The same, and no path brings it back.
-    fn withdraw(&mut self) {
-        self.whose = Whose::NOBODY;
-        self.extinguish();
-    }
-
-    /// Light and FPK pulse are over without delays, the on command is withdrawn.
+    /// Light and FPK pulse are over without delays.
     fn extinguish(&mut self) {
-        self.commanded = false;
         self.gate.clear();
         self.light.clear();
         self.pulse = NEVER;
@@ -358,11 +414,14 @@ impl Channel {
     }
 
     /// Power-on state. What the outputs carry, and a fault, outlive it.
-    fn reset(&mut self, family: Family) {
-        self.withdraw();
+    fn reset(&mut self, at: Ns, family: Family) {
+        self.report(at, Fact::PowerOn);
+        self.report(at, Fact::FollowEnds);
         (self.law, self.energy) = (Law::power_on(self.law.channel(), family), Energy::POWER_ON);
         (self.delays, self.delayed, self.fpk) = (Delays::default(), true, None);
-        (self.shown.crd_map, self.on_time, self.planned) = (CRD_MAP, OnTime::ZERO, 0);
+        (self.on_time, self.planned) = (OnTime::ZERO, 0);
+        self.take_map(at, CrdMask(CRD_MAP));
+        self.report_output(at);
     }
 
     /// What the outputs carry, as actions that bring outputs at rest there.
@@ -374,13 +433,9 @@ impl Channel {
 
     /// A cause has appeared: dark at once.
     pub(super) fn trip(&mut self, cause: Cause) {
-        // A path that the lost link stops may go on, and its light with it.
-        if cause == Cause::LinkLost {
-            self.whose.interrupt();
-        } else {
-            self.whose = Whose::NOBODY;
-        }
         self.safety.trip(cause);
+        // Dark is what the latch makes; that takes the outputs along, and nothing else is to be cut.
+        self.owner.hear(Fact::Latched { link: cause == Cause::LinkLost });
         self.news |= news::CHANGED;
     }
 

@@ -50,6 +50,8 @@ pub(super) struct Energy {
     pub(super) pre_voltage: Power,
     /// The connector carries the PWM.
     pub(super) connector: bool,
+    /// After an abort: no standby, no pre-voltage, no switch that is held, until the next command of the channel.
+    pub(super) muted: bool,
     /// The last plan of the thread.
     pub(super) fine: Option<Fine>,
 }
@@ -62,6 +64,7 @@ impl Energy {
         standby: None,
         pre_voltage: Power::ZERO,
         connector: true,
+        muted: false,
         fine: None,
     };
 
@@ -83,7 +86,7 @@ impl Energy {
         }
     }
 
-    /// In the duty modes, if the train put out is the carrier with pulses, and not too long: of another power only the width differs.
+    /// In the duty modes, if the train output is the carrier with pulses, and not too long: of another power only the width differs.
     pub(super) fn plain(&self, out: &Train) -> Plain {
         let duty = matches!(self.mode, Mode::Duty | Mode::DutyOpen);
         match &self.carrier {
@@ -119,16 +122,27 @@ impl Energy {
     /// Standby, while there is no light.
     #[inline]
     pub(super) fn standby(&self) -> Option<&Standby> {
-        self.standby.as_ref().filter(|_| self.connector && self.mode.has_standby())
+        self.standby.as_ref().filter(|_| self.connector && !self.muted && self.mode.has_standby())
     }
 
     /// The DAC, where the laser drives it, in light of this power or out of it.
     #[inline]
     pub(super) fn volts(&self, light: bool, power: Power) -> Option<i16> {
-        (self.mode == Mode::Analog).then(|| counts(if light { power } else { self.pre_voltage }))
+        (self.mode == Mode::Analog).then(|| counts(if light { power } else { self.waiting_voltage() }))
     }
 
-    /// What is put out in light of this power, for people: in the mode's unit, and in kHz.
+    /// The voltage while there is no light.
+    fn waiting_voltage(&self) -> Power {
+        if self.muted { Power::ZERO } else { self.pre_voltage }
+    }
+
+    /// Whether the switch is held at its enabled level, light or not.
+    #[inline(always)]
+    pub(super) fn holds_switch(&self) -> bool {
+        self.mode == Mode::DutyOpen && !self.muted
+    }
+
+    /// What is output in light of this power, for people: in the mode's unit, and in kHz.
     #[inline]
     pub(super) fn told(&self, power: Power, train: &Train) -> (Power, Power) {
         match (self.mode, &self.carrier) {
@@ -139,10 +153,10 @@ impl Energy {
         }
     }
 
-    /// What is put out while there is no light.
+    /// What is output while there is no light.
     pub(super) fn told_dark(&self) -> (Power, Power) {
         match (self.mode, self.standby()) {
-            (Mode::Analog, _) => (self.pre_voltage, Power::ZERO),
+            (Mode::Analog, _) => (self.waiting_voltage(), Power::ZERO),
             (_, Some(standby)) if standby.train().is_silent() => (Power::ZERO, Power::ZERO),
             (Mode::Frequency, Some(standby)) => (standby.khz(), standby.khz()),
             (_, Some(standby)) => (standby.duty(), standby.khz()),

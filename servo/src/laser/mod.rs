@@ -9,7 +9,7 @@
 //! | `gate` | commands and delays: pending edges under the cancel rule |
 //! | `channel` | one channel: what changes it; `channel/interval` makes its plan |
 //! | `buffered` | changes that entries of a path carry, at their instants |
-//! | `whose` | whose light it is, and what rest keeps dark |
+//! | `owner` | the light owner: decides whether light may be |
 //! | `power` | powers and bounds |
 //! | `law` | the power law: direct power and both follows |
 //! | `follow` | speeds of paths, and the power that they mean |
@@ -18,7 +18,7 @@
 //! | `double` | doubles by their bits, products of fixed point |
 //! | `energy` | what a power is in each mode: pulses, voltage |
 //! | `dither` | frequencies and duties in counts of a timer |
-//! | `light` | the time that light was on |
+//! | `on_time` | the time that light was on |
 //! | `plan` | the plan of a tick: what timers carry out |
 //! | `rounds` | how timers carry it out: rounds of preloaded registers; `energy_rounds`, `switch_rounds` make them, `round_ring` holds them |
 //! | `held` | a plan that waits for its time, where a machine is a tick behind |
@@ -34,7 +34,8 @@ mod follow;
 mod gate;
 mod held;
 mod law;
-mod light;
+mod on_time;
+mod owner;
 mod plan;
 mod power;
 mod round_ring;
@@ -44,7 +45,6 @@ mod switch_rounds;
 mod tables;
 #[cfg(test)]
 mod tests;
-mod whose;
 
 pub use buffered::Buffered;
 pub use distance::{Distance, Ratios};
@@ -53,6 +53,8 @@ pub use energy_rounds::{Energy, LEAST as LEAST_OF_ENERGY};
 pub use follow::{PathSpeed, Ratio, Source};
 pub use held::{Held, WORDS as HELD_WORDS};
 pub use law::Family;
+pub use owner::Ignored;
+pub(crate) use owner::Run;
 pub use plan::{Action, Count, FINISH_NS, PLACES, Plan, Train};
 pub use power::{Bounds, Power, Refused};
 pub use round_ring::{Places, RoundRing};
@@ -60,7 +62,6 @@ pub use rounds::Scale;
 pub use safety::Cause;
 pub use switch_rounds::{LEAST as LEAST_OF_SWITCHES, Round, Switches};
 pub use tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Tables};
-pub(crate) use whose::Run;
 
 use crate::axis::AxisState;
 use crate::path::{LASER_WORDS, Rest};
@@ -72,6 +73,7 @@ use channel::Channel;
 use core::num::NonZeroU16;
 use distance::Ways;
 use law::Speeds;
+use owner::{End, Fact};
 
 /// Later than any instant.
 const NEVER: Ns = Ns(u64::MAX);
@@ -213,12 +215,13 @@ pub(crate) struct Wants {
 
 /// All channels of a controller, and what they share.
 ///
-/// In each tick, in this order: changes and link; what paths do ([`Lasers::buffered`], [`Lasers::crd_rests`],
-/// [`Lasers::crd_starts`]) at any instants of the coming interval; how fast they go ([`Lasers::feed`]);
-/// [`Lasers::run`].
+/// In each tick, in this order: changes, link, starts and Stops of paths; what paths do ([`Lasers::buffered`],
+/// [`Lasers::crd_rests`]) at any instants of the coming interval; how fast they go ([`Lasers::feed`]); [`Lasers::run`].
 #[derive(Debug)]
 pub(crate) struct Lasers {
     pub(crate) clock: Clock,
+    /// The interlock is open.
+    pub(crate) interlock: bool,
     plan: Plan,
     speeds: Speeds,
     ways: [Ways; CHANNELS],
@@ -228,7 +231,14 @@ pub(crate) struct Lasers {
 impl Lasers {
     pub(crate) const fn new(clock: Clock) -> Lasers {
         let channels = [Channel::power_on(0), Channel::power_on(1)];
-        Lasers { clock, plan: Plan::EMPTY, speeds: Speeds::REST, ways: [Ways::begin(0), Ways::begin(1)], channels }
+        Lasers {
+            clock,
+            interlock: false,
+            plan: Plan::EMPTY,
+            speeds: Speeds::REST,
+            ways: [Ways::begin(0), Ways::begin(1)],
+            channels,
+        }
     }
 
     /// What the channels show.
@@ -263,24 +273,59 @@ impl Lasers {
 
     /// A path comes to rest at an instant of the interval that is planned next.
     pub(crate) fn crd_rests(&mut self, run: Run, at: Ns, rest: Rest) {
-        for channel in &mut self.channels {
-            let fault = match rest {
-                Rest::Underrun => Some(Cause::Underrun),
-                Rest::Obstructed => Some(Cause::Limit),
-                Rest::Never | Rest::Completed | Rest::Stopped => None,
-            };
-            match fault.filter(|_| channel.is_mapped(run.crd)) {
-                Some(cause) => channel.expect(at, Event::Trip(cause)),
-                None => channel.expect(at, Event::Rest(run, rest == Rest::Stopped)),
-            }
+        let (end, cause) = match rest {
+            Rest::Underrun => (End::Failed, Cause::Underrun),
+            Rest::Obstructed => (End::Failed, Cause::Limit),
+            Rest::Never | Rest::Completed => (End::RanOut, Cause::None),
+            Rest::Stopped => (End::Stopped, Cause::None),
+        };
+        self.channels.iter_mut().for_each(|channel| channel.expect(at, Event::Rest(run, end, cause)));
+    }
+
+    /// A path starts at the instant of the tick computed; `resumes`: its FIFO goes on where it was left.
+    pub(crate) fn crd_starts(&mut self, run: Run, at: Ns, resumes: bool) {
+        self.hear(at, Fact::Starts { run, resumes });
+    }
+
+    /// A Stop for these, of which each has been set up, at rest or not.
+    pub(crate) fn crd_stops(&mut self, crds: CrdMask, at: Ns) {
+        if crds.0 != 0 {
+            self.hear(at, Fact::Stops { crds });
         }
     }
 
-    /// A path starts at an instant of the interval that is planned next; `resumes`: its FIFO goes on where it was left.
-    pub(crate) fn crd_starts(&mut self, run: Run, at: Ns, resumes: bool) {
-        for channel in self.channels.iter_mut().filter(|channel| channel.heeds_start(run)) {
-            channel.expect(at, Event::Start(run, resumes));
+    /// Every channel takes a fact.
+    fn hear(&mut self, at: Ns, fact: Fact) {
+        for channel in &mut self.channels {
+            channel.attend(at);
+            channel.report(at, fact);
         }
+    }
+
+    /// Reset: every channel is dark at the call, and its fault is over, if the cause is gone.
+    pub(crate) fn reset(&mut self, at: Ns) {
+        self.channels.iter_mut().for_each(|channel| channel.reset_latch(at));
+    }
+
+    /// Abort: every channel is dark at the call, and what pends is withdrawn; nothing lights without a new on command, which
+    /// is refused until [`Lasers::abort_over`].
+    pub(crate) fn abort(&mut self, at: Ns) {
+        self.channels.iter_mut().for_each(|channel| channel.abort(at, true));
+    }
+
+    /// A new session: the same, but on commands are taken.
+    pub(crate) fn new_session(&mut self, at: Ns) {
+        self.channels.iter_mut().for_each(|channel| channel.abort(at, false));
+    }
+
+    /// The paths whose on entries light no channel until they have come to rest.
+    pub(crate) fn dead(&self) -> CrdMask {
+        CrdMask(self.channels.iter().fold(u8::MAX, |mask, channel| mask & channel.dead().0))
+    }
+
+    /// Everything that ran at the abort is at rest.
+    pub(crate) fn abort_over(&mut self, at: Ns) {
+        self.hear(at, Fact::AbortOver);
     }
 
     /// A fault of a coordinate system (SPEC 9), which is over as soon as it is told: every channel whose map
@@ -296,13 +341,13 @@ impl Lasers {
     }
 
     /// ClrSts of an axis of these: the faults of channels whose map holds one are cleared, if their causes are gone.
-    pub(crate) fn crd_cleared(&mut self, crds: CrdMask) {
-        self.channels.iter_mut().for_each(|channel| channel.clear(crds));
+    pub(crate) fn crd_cleared(&mut self, crds: CrdMask, at: Ns) {
+        self.channels.iter_mut().for_each(|channel| channel.clear(at, crds));
     }
 
     /// Ends the velocity follows that these began (Stop, bits 10 and 11).
-    pub(crate) fn end_follow(&mut self, crds: CrdMask) {
-        self.channels.iter_mut().for_each(|channel| channel.end_follow(crds));
+    pub(crate) fn end_follow(&mut self, crds: CrdMask, at: Ns) {
+        self.channels.iter_mut().for_each(|channel| channel.end_follow(at, crds));
     }
 
     /// Which speeds of paths are to be fed, each once its path has taken its step.
@@ -345,7 +390,7 @@ impl Lasers {
         port: &mut impl Port,
         mut trace: impl FnMut(u8, &Plan),
     ) {
-        let interlock = port.interlock();
+        let interlock = self.interlock;
         let mut around = Surroundings { clock: self.clock, speeds: &self.speeds, tables, axes, ways: &Ways::OF_NOBODY };
         self.plan.lasts = period.0 as u32;
         for (index, (channel, ways)) in self.channels.iter_mut().zip(&mut self.ways).enumerate() {

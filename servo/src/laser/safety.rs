@@ -10,6 +10,9 @@
 //! | dark, but no plan has rested yet | dark, for the first cause | dark | dark |
 //! | dark from within a plan on | dark at once | dark | dark |
 //!
+//! A Reset clears in every state, once no cause is present.
+//! An abort makes one plan rest, in any state, and latches nothing.
+//!
 //! A cause within the interval that is being planned (an underrun) lets that plan pass, which goes dark there, and the empty
 //! one that is handed over before that instant. A clear that acts on the very tick that sees a cause, and cannot have meant it, does not hide it.
 use super::plan::Plan;
@@ -55,8 +58,12 @@ pub(super) struct Safety {
     alarm: bool,
     /// Plans that still pass although it is dark: the one in which it goes dark by itself, and the empty one that is
     /// handed over before that instant.
+    /// [`REST`]: the next plan rests, whatever is latched.
     spared: u8,
 }
+
+/// Of an abort: in the place of plans that are spared.
+const REST: u8 = u8::MAX;
 
 impl Safety {
     pub(super) const LIVE: Safety =
@@ -72,11 +79,6 @@ impl Safety {
     #[inline]
     pub(super) fn is_dark(&self) -> bool {
         self.dark != Cause::None
-    }
-
-    /// Whether it goes dark with the plan that is being made, for a lost link.
-    pub(super) fn loses_link(&self) -> bool {
-        self.dark == Cause::LinkLost && !self.rested
     }
 
     /// Whether a cause is present that does not pass by itself.
@@ -110,20 +112,49 @@ impl Safety {
         if !self.is_dark() {
             (self.dark, self.rested) = (cause, false);
         }
-        self.spared = 0;
+        if !self.rests() {
+            self.spared = 0;
+        }
     }
 
-    /// A cause appears at an instant of the interval that is being planned, whose plan goes dark there.
-    pub(super) fn trip_within(&mut self, cause: Cause) {
-        if !self.is_dark() {
-            self.trip(cause);
+    /// A cause appears at an instant of the interval that is being planned; whether its plan goes dark there by itself. It
+    /// does not where it is dark from its beginning.
+    pub(super) fn trip_within(&mut self, cause: Cause) -> bool {
+        if self.is_dark() {
+            return false;
+        }
+        let within = !self.rests();
+        self.trip(cause);
+        if within {
             self.spared = 2;
         }
+        within
+    }
+
+    /// Reset: live again, if no cause is present. The next plan rests: perhaps none has.
+    pub(super) fn reset(&mut self) {
+        if self.is_dark() {
+            self.rest_once();
+        }
+        if !self.lasts() {
+            self.dark = Cause::None;
+        }
+    }
+
+    /// The next plan rests everything at the call, whatever it holds.
+    pub(super) fn rest_once(&mut self) {
+        self.spared = REST;
+    }
+
+    /// Whether the next plan does.
+    #[inline(always)]
+    pub(super) fn rests(&self) -> bool {
+        self.spared == REST
     }
 
     /// Whether the plan that was made last went dark by itself.
     pub(super) fn is_spared(&self) -> bool {
-        self.spared != 0
+        self.spared != 0 && !self.rests()
     }
 
     /// Live again, if no cause is present and everything was at rest.
@@ -137,17 +168,17 @@ impl Safety {
     #[inline(always)]
     pub(super) fn guard(&mut self, plan: &mut Plan) {
         if self.spared | self.dark as u8 != 0 {
-            self.put_out(plan);
+            self.shut_off(plan);
         }
     }
 
     /// The same where it is dark.
     #[inline(never)]
-    fn put_out(&mut self, plan: &mut Plan) {
-        if self.spared != 0 {
+    fn shut_off(&mut self, plan: &mut Plan) {
+        if self.is_spared() {
             self.spared = self.spared.wrapping_sub(1);
-        } else if self.is_dark() {
-            self.rested = true;
+        } else if self.is_dark() || self.rests() {
+            (self.rested, self.spared) = (true, 0);
             plan.clear();
             plan.rest = true;
         }

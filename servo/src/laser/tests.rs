@@ -3,8 +3,8 @@ extern crate std;
 use super::buffered::{Agenda, Event};
 use super::distance::Ways;
 use super::law::Law;
+use super::owner::End;
 use super::tables::{DISTANCES, Stretch};
-use super::whose::{Run, Whose};
 use super::*;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -122,20 +122,20 @@ fn events_are_in_the_order_of_time_and_of_their_coming() {
     let run = |index| Run { crd: Crd::new(index).unwrap(), fifo: 0 };
     let order = [(50, 0), (20, 1), (50, 2), (10, 3), (20, 0)];
     for (at, index) in order {
-        agenda.put(Ns(at), Event::Start(run(index), true)).unwrap();
+        agenda.put(Ns(at), Event::Rest(run(index), End::RanOut, Cause::None)).unwrap();
     }
     assert_eq!(agenda.next(), Ns(10));
     assert!(agenda.take(Ns(9)).is_none());
     let mut seen = vec![];
-    while let Some(Event::Start(run, _)) = agenda.take(Ns(60)) {
+    while let Some(Event::Rest(run, ..)) = agenda.take(Ns(60)) {
         seen.push(run.crd.index());
     }
     assert_eq!(seen, [3, 1, 0, 0, 2]);
     assert_eq!(agenda.next(), NEVER);
     for at in 0..48 {
-        agenda.put(Ns(at), Event::Rest(run(0), false)).unwrap();
+        agenda.put(Ns(at), Event::Rest(run(0), End::RanOut, Cause::None)).unwrap();
     }
-    assert!(agenda.put(Ns(1), Event::Rest(run(0), false)).is_err());
+    assert!(agenda.put(Ns(1), Event::Rest(run(0), End::RanOut, Cause::None)).is_err());
 }
 
 fn none() -> Stretch {
@@ -425,7 +425,7 @@ fn ratios_of_tables_are_those_of_the_place() {
 }
 
 /// The power of a law at a speed, of crd 1, and a distance of axis 0.
-fn put_out(law: &mut Law, v: f64, x: f64) -> f64 {
+fn power_of(law: &mut Law, v: f64, x: f64) -> f64 {
     let mut speeds = Speeds::REST;
     let [first, second] = [0, 1].map(|index| Crd::new(index).unwrap());
     speeds.put(Speeds::place(first, false), speed(v));
@@ -466,25 +466,25 @@ fn distance(law: &mut Law, bounds: Option<(f64, f64)>) {
 fn the_law_of_gus() {
     let mut law = law(Family::Gus, 100.0, 0.0);
     law.set_direct(power(50.0));
-    assert_eq!(put_out(&mut law, 30.0, 0.0), 50.0);
+    assert_eq!(power_of(&mut law, 30.0, 0.0), 50.0);
     // x = 0.1·v + 10, held in 10 to 14.
     begin(&mut law, 0.1, 10.0, 14.0);
-    assert_eq!([0.0, 25.0, 40.0, 50.0].map(|v| put_out(&mut law, v, 0.0)), [10.0, 12.5, 14.0, 14.0]);
+    assert_eq!([0.0, 25.0, 40.0, 50.0].map(|v| power_of(&mut law, v, 0.0)), [10.0, 12.5, 14.0, 14.0]);
     // The velocity part is held, then the distance is added: 14 + 3, 10 − 3.
     distance(&mut law, None);
-    assert_eq!(put_out(&mut law, 90.0, 300.0), 17.0);
-    assert_eq!(put_out(&mut law, 0.0, -300.0), 7.0);
+    assert_eq!(power_of(&mut law, 90.0, 300.0), 17.0);
+    assert_eq!(power_of(&mut law, 0.0, -300.0), 7.0);
     // The sum is held in the distance's own bounds, and in those of the mode.
     distance(&mut law, Some((16.0, 8.0)));
-    assert_eq!([300.0, -300.0].map(|x| put_out(&mut law, 90.0, x)), [16.0, 11.0]);
-    assert_eq!(put_out(&mut law, 0.0, -300.0), 8.0);
-    assert_eq!([1e6, -1e6].map(|x| put_out(&mut law, 0.0, x)), [16.0, 8.0]);
+    assert_eq!([300.0, -300.0].map(|x| power_of(&mut law, 90.0, x)), [16.0, 11.0]);
+    assert_eq!(power_of(&mut law, 0.0, -300.0), 8.0);
+    assert_eq!([1e6, -1e6].map(|x| power_of(&mut law, 0.0, x)), [16.0, 8.0]);
     // Without a velocity follow the distance adds to the direct power, which ends it.
     law.set_direct(power(11.0));
     assert_eq!(law.follows(), None);
-    assert_eq!(put_out(&mut law, 90.0, 100.0), 12.0);
+    assert_eq!(power_of(&mut law, 90.0, 100.0), 12.0);
     law.set_distance(None);
-    assert_eq!(put_out(&mut law, 90.0, 100.0), 11.0);
+    assert_eq!(power_of(&mut law, 90.0, 100.0), 11.0);
 }
 
 #[test]
@@ -493,34 +493,34 @@ fn the_law_of_lsr() {
     law.set_direct(power(5.0));
     begin(&mut law, 0.1, 10.0, 18.0);
     // 0.1·v + 10 + 5, held in 10 to 18.
-    assert_eq!([0.0, 20.0, 30.0, 90.0].map(|v| put_out(&mut law, v, 0.0)), [15.0, 17.0, 18.0, 18.0]);
+    assert_eq!([0.0, 20.0, 30.0, 90.0].map(|v| power_of(&mut law, v, 0.0)), [15.0, 17.0, 18.0, 18.0]);
     // Direct power does not end it, and adds.
     law.change(Crd::new(1).unwrap(), &Buffered::Direct { power: power(1.0) });
-    assert_eq!(put_out(&mut law, 20.0, 0.0), 13.0);
+    assert_eq!(power_of(&mut law, 20.0, 0.0), 13.0);
     // The sum of all is held in the follow's bounds: 13 + 3, 13 − 4 → 10, 13 + 9 → 18.
     distance(&mut law, Some((12.0, 11.0)));
-    assert_eq!([300.0, -400.0, 900.0].map(|x| put_out(&mut law, 20.0, x)), [16.0, 10.0, 18.0]);
+    assert_eq!([300.0, -400.0, 900.0].map(|x| power_of(&mut law, 20.0, x)), [16.0, 10.0, 18.0]);
     // Bounds given with the distance are ignored; those of the mode hold.
     law.set_bounds(Bounds::admit(Mode::Duty, power(17.0), power(15.0)).unwrap());
-    assert_eq!([300.0, -400.0, 900.0].map(|x| put_out(&mut law, 20.0, x)), [16.0, 15.0, 17.0]);
+    assert_eq!([300.0, -400.0, 900.0].map(|x| power_of(&mut law, 20.0, x)), [16.0, 15.0, 17.0]);
     law.change(Crd::new(2).unwrap(), &Buffered::FollowOff);
-    assert_eq!((law.follows(), put_out(&mut law, 20.0, 1500.0)), (None, 16.0));
+    assert_eq!((law.follows(), power_of(&mut law, 20.0, 1500.0)), (None, 16.0));
 }
 
-/// "If bounds exclude each other, the lowest of the upper bounds is put out."
+/// "If bounds exclude each other, the lowest of the upper bounds is output."
 #[test]
 fn of_bounds_that_exclude_each_other_the_lowest_upper_one() {
     for family in [Family::Gus, Family::Lsr] {
         let mut law = law(family, 100.0, 40.0);
         begin(&mut law, 1.0, 10.0, 30.0);
-        assert_eq!([0.0, 90.0].map(|v| put_out(&mut law, v, 0.0)), [30.0, 30.0]);
+        assert_eq!([0.0, 90.0].map(|v| power_of(&mut law, v, 0.0)), [30.0, 30.0]);
         law.set_bounds(Bounds::admit(Mode::Duty, power(5.0), power(1.0)).unwrap());
-        assert_eq!([0.0, 90.0].map(|v| put_out(&mut law, v, 0.0)), [5.0, 5.0]);
+        assert_eq!([0.0, 90.0].map(|v| power_of(&mut law, v, 0.0)), [5.0, 5.0]);
     }
     let mut law = law(Family::Gus, 100.0, 40.0);
     law.set_direct(power(90.0));
     distance(&mut law, Some((20.0, 10.0)));
-    assert_eq!([1e4, -1e4].map(|x| put_out(&mut law, 0.0, x)), [20.0, 20.0]);
+    assert_eq!([1e4, -1e4].map(|x| power_of(&mut law, 0.0, x)), [20.0, 20.0]);
 }
 
 #[test]
@@ -528,91 +528,30 @@ fn sources_start_powers_and_tables() {
     let mut law = law(Family::Lsr, 100.0, 0.0);
     let crd = Crd::new(0).unwrap();
     begin(&mut law, 1.0, 0.0, 100.0);
-    assert_eq!(put_out(&mut law, 20.0, 0.0), 20.0);
+    assert_eq!(power_of(&mut law, 20.0, 0.0), 20.0);
     // The encoder's speed, from then on; the direct power stays.
     law.set_direct(power(3.0));
     law.change(crd, &Buffered::FollowMode { source: Source::Encoder, start: None });
-    assert_eq!(put_out(&mut law, 20.0, 0.0), 43.0);
+    assert_eq!(power_of(&mut law, 20.0, 0.0), 43.0);
     law.change(crd, &Buffered::FollowMode { source: Source::Encoder, start: Some(power(7.0)) });
-    assert_eq!(put_out(&mut law, 20.0, 0.0), 47.0);
+    assert_eq!(power_of(&mut law, 20.0, 0.0), 47.0);
     // BufLaserPrfFollow is of the planned speed.
     let bounds = follow(90.0, 1.0);
     law.change(crd, &Buffered::PrfFollow { ratio: ratio(2.0), bounds });
-    assert_eq!(put_out(&mut law, 20.0, 0.0), 48.0);
+    assert_eq!(power_of(&mut law, 20.0, 0.0), 48.0);
     // A table: 20 at 10, 60 at 50 pulse/ms, nothing added but the direct power.
     law.change(crd, &Buffered::FollowTable { table: Curve::power(1, 3).unwrap(), bounds });
-    assert_eq!([0.0, 10.0, 35.0, 90.0].map(|v| put_out(&mut law, v, 0.0)), [27.0, 27.0, 52.0, 67.0]);
+    assert_eq!([0.0, 10.0, 35.0, 90.0].map(|v| power_of(&mut law, v, 0.0)), [27.0, 27.0, 52.0, 67.0]);
     law.change(crd, &Buffered::FollowTable { table: Curve::power(1, 3).unwrap(), bounds: follow(40.0, 30.0) });
-    assert_eq!([0.0, 20.0, 90.0].map(|v| put_out(&mut law, v, 0.0)), [30.0, 37.0, 40.0]);
+    assert_eq!([0.0, 20.0, 90.0].map(|v| power_of(&mut law, v, 0.0)), [30.0, 37.0, 40.0]);
     // A follow of another crd is of its path.
     law.change(Crd::new(1).unwrap(), &Buffered::PrfFollow { ratio: ratio(1e-5), bounds });
-    assert_eq!(put_out(&mut law, 20.0, 0.0), 18.0);
+    assert_eq!(power_of(&mut law, 20.0, 0.0), 18.0);
     law.end_follow(CrdMask(0b1101));
     assert_eq!(law.follows(), Crd::new(1));
     law.end_follow(CrdMask(0b10));
-    assert_eq!(put_out(&mut law, 20.0, 0.0), 7.0);
+    assert_eq!(power_of(&mut law, 20.0, 0.0), 7.0);
     begin(&mut law, 1.0, 0.0, 100.0);
     law.leave_mode();
-    assert_eq!(put_out(&mut law, 20.0, 0.0), 0.0);
-}
-
-#[test]
-fn whose_light_it_is() {
-    let run = |index, fifo| Run { crd: Crd::new(index).unwrap(), fifo };
-    let (a, b, c) = (run(0, 0), run(1, 0), run(0, 1));
-    let mut whose = Whose::NOBODY;
-    assert!(!whose.rest(a, true) && !whose.start(a, true));
-    // A path's light goes off with a Stop of it, not of another, and comes back once.
-    whose.command(true, Some(a));
-    assert!(!whose.rest(b, true));
-    assert!(whose.rest(a, true));
-    assert!(!whose.start(b, true));
-    assert!(whose.start(a, true));
-    assert!(!whose.start(a, true));
-    // Not after a start that begins anew.
-    assert!(whose.rest(a, true));
-    assert!(!whose.start(a, false) && !whose.start(a, true));
-    // Nor when its entries have run out.
-    whose.command(true, Some(a));
-    assert!(whose.rest(a, false) && !whose.start(a, true));
-    // An immediate command takes it over, an off command forgets what was kept.
-    whose.command(true, Some(a));
-    whose.command(true, None);
-    assert!(!whose.rest(a, true));
-    whose.command(true, Some(a));
-    assert!(whose.rest(a, true));
-    whose.command(false, None);
-    assert!(!whose.start(a, true));
-    // The other path's light replaces what was kept.
-    whose.command(true, Some(a));
-    assert!(whose.rest(a, true));
-    whose.command(true, Some(b));
-    assert!(!whose.start(a, true) && whose.rest(b, true));
-    // FIFO 1 goes there and back in the dark, and is stopped on its way.
-    whose.command(true, Some(a));
-    assert!(whose.rest(a, true));
-    assert!(!whose.start(c, false) && !whose.rest(c, true) && !whose.start(c, true) && !whose.rest(c, false));
-    assert!(whose.start(a, true));
-    // Its own light, and its off command, are the last word.
-    for on in [true, false] {
-        assert!(whose.rest(a, true));
-        assert!(!whose.start(c, false));
-        whose.command(on, Some(c));
-        assert_eq!(whose.rest(c, false), on);
-        assert!(!whose.start(a, true));
-        whose.command(true, Some(a));
-    }
-    // Where a follow ended meanwhile it is forgotten, unless the path itself ended it.
-    assert!(whose.rest(a, true));
-    whose.forget(Some(a));
-    assert!(whose.start(a, true) && whose.rest(a, true));
-    whose.forget(Some(c));
-    assert!(!whose.start(a, true));
-    // What interrupts all keeps the light of a path, not of a command.
-    whose.command(true, Some(a));
-    whose.interrupt();
-    assert!(!whose.rest(a, true) && whose.start(a, true));
-    whose.command(true, None);
-    whose.interrupt();
-    assert_eq!(whose, Whose::NOBODY);
+    assert_eq!(power_of(&mut law, 20.0, 0.0), 0.0);
 }

@@ -422,14 +422,8 @@ impl Path {
         match self.stage {
             Stage::Rest => {}
             Stage::Wait { until } => {
-                let cursor = self.cursor(self.fifo);
-                if cursor.inside {
-                    // A move that is waited for is made again: its axis may be stopped, too.
-                    (cursor.inside, cursor.next) = (false, cursor.next.wrapping_sub(1));
-                } else {
-                    cursor.left = until.saturating_sub(now);
-                }
-                self.rest(now, Rest::Stopped, feed, sink);
+                self.time = now;
+                self.rest_in_wait(until, feed, sink);
             }
             Stage::Move if abrupt => {
                 self.catch_up(now);

@@ -1,6 +1,6 @@
 //! What the tick tells of a laser channel.
-use crate::laser::{self, Bounds, Carrier, Cause, Count, Power, Train};
-use crate::units::Crd;
+use crate::laser::{self, Bounds, Carrier, Cause, Count, Ignored, Power, Train};
+use crate::units::{Crd, CrdMask};
 
 /// One laser channel in one tick. Before the first tick every field is 0.
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +43,12 @@ pub struct LaserView {
     pub cause_lasts: bool,
     /// Mapped coordinate systems, bit 0 is crd 1.
     pub crd_map: u8,
+    /// Those whose light of this channel is on, or would come back with their CrdStart.
+    pub owners: CrdMask,
+    /// Why the last command that had been admitted did nothing, and how many of them did.
+    pub ignored: Ignored,
+    /// See `ignored`; wraps.
+    pub ignored_count: u8,
     /// Whose path a velocity follow follows.
     pub follows: Option<Crd>,
     /// Which of its speeds.
@@ -77,6 +83,9 @@ impl LaserView {
         fault: Cause::None,
         cause_lasts: false,
         crd_map: 0,
+        owners: CrdMask(0),
+        ignored: Ignored::None,
+        ignored_count: 0,
         follows: None,
         source: laser::Source::Planned,
         table: None,
@@ -117,7 +126,7 @@ impl LaserView {
         }
         self.turns = now.turns;
         (self.commanded, self.gate, self.switch) = (now.commanded, now.gate, now.switch);
-        (self.light, self.limited) = (now.light, now.limited);
+        (self.light, self.limited, self.owners) = (now.light, now.limited, now.owners);
         (self.direct, self.khz, self.train) = (now.direct, now.khz, now.train);
     }
 }

@@ -4,7 +4,7 @@
 //! was asked for, and those of the masters that it passed. Work: a product a link of a chain. Cannot fail.
 use super::{AxisView, CrdView};
 use crate::crd::share_speed;
-use crate::follow::{motion_of, ratio, straight};
+use crate::follow::{led, motion_of, straight};
 use crate::piece::Motion;
 use crate::real::Real;
 use crate::units::{Axis, AxisMask, Crd, Ns};
@@ -52,7 +52,7 @@ impl<const AXES: usize> Speeds<AXES> {
             };
             let Some(master) = lead.axis else {
                 let way = Real::from_scaled(straight(at.lead_way, period.0).velocity());
-                break ratio(&at.motion, lead.down).mul(way);
+                break led(&at.motion, lead, way);
             };
             let (Some(place), Some(next)) = (masters.get_mut(depth), axes(master)) else { break Real::ZERO };
             *place = master;
@@ -70,7 +70,7 @@ impl<const AXES: usize> Speeds<AXES> {
                 None => Some(view),
             };
             let Some((slave, lead)) = slave.and_then(|slave| Some((slave, slave.lead?))) else { break };
-            speed = ratio(&slave.motion, lead.down).mul(speed);
+            speed = led(&slave.motion, lead, speed);
         }
         if let Some(axis) = axis {
             self.learn(axis, speed);

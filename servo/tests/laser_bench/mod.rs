@@ -133,6 +133,8 @@ pub struct Output {
     pub most: usize,
     /// Beginning of the last interval in which there were any.
     pub last: u64,
+    /// Since which tick every plan says that all is to rest.
+    pub rests: Option<u64>,
 }
 
 impl Output {
@@ -188,6 +190,7 @@ impl Output {
                 self.volts.push((now, 0));
             }
         }
+        self.rests = plan.rest.then_some(self.rests.unwrap_or(now));
         let mut last = 0;
         for (offset, action) in plan.actions() {
             assert!(*offset >= last, "not in the order of time");
@@ -448,7 +451,7 @@ impl Bench {
     /// CrdStop.
     pub fn stop(&mut self, crds: u8, abrupt: bool) {
         let crds = CrdMask(crds);
-        self.op(Op::CrdStop { crds, abrupt: if abrupt { crds } else { CrdMask(0) } });
+        self.op(Op::stop_crds(crds, if abrupt { crds } else { CrdMask(0) }));
     }
 
     pub fn view(&mut self) -> View<AXES> {

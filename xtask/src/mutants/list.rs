@@ -65,7 +65,7 @@ const AXIS_GUARD: &str = "servo/src/axis/guard.rs";
 const SERVER: &str = "dispatcher/src/server.rs";
 const MPS2: &str = "hal/src/mps2_an500/mod.rs";
 
-const fn mutant(
+pub(super) const fn mutant(
     name: &'static str,
     file: &'static str,
     text: &'static str,
@@ -140,7 +140,7 @@ pub const LIST: &[Mutant] = &[
     // -- safety, in the tick -------------------------------------------------------------------
     mutant("a dark channel's plan does not rest", SAFETY, "plan.rest = true;", "plan.rest = false;", GATE),
     mutant(
-        "an alarm puts out nothing that it gates",
+        "an alarm shuts off nothing that it gates",
         SAFETY,
         "let begins = active && !self.alarm;",
         "let begins = false;",
@@ -174,7 +174,7 @@ pub const LIST: &[Mutant] = &[
         "if true {\n            (self.dark",
         GATE,
     ),
-    mutant("an overrun puts out no light", TICK, "self.lasers.trip(Cause::Overrun);", "", GATE),
+    mutant("an overrun shuts off no light", TICK, "self.lasers.trip(Cause::Overrun);", "", GATE),
     mutant(
         "a latched fault does not refuse a start",
         AXIS_GUARD,
@@ -233,8 +233,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "a lost link leaves the program running",
         SERVER,
-        "            program.stop(desk, Reason::LinkLost);\n            desk.stop_for_link_loss(view);",
-        "            desk.stop_for_link_loss(view);",
+        "            program.stop(desk, Reason::LinkLost);\n",
+        "",
         PROGRAM_ENDS,
     ),
     // -- look-ahead ----------------------------------------------------------------------------
@@ -283,7 +283,7 @@ pub const LIST: &[Mutant] = &[
     ),
     mutant(
         "on-time stands still at its end",
-        "servo/src/laser/light.rs",
+        "servo/src/laser/on_time.rs",
         "self.units = self.units.wrapping_add(sum / UNIT_NS);",
         "self.units = self.units.saturating_add(sum / UNIT_NS);",
         LIFE_COUNTS,
@@ -360,10 +360,10 @@ pub const LIST: &[Mutant] = &[
     ),
     // -- faults that were found (docs/safety.md), with what mended them taken out ------------------
     mutant(
-        "found: a start in the tick that loses the link lights",
-        "servo/src/laser/channel.rs",
-        "goes_on && self.is_mapped(run.crd) && self.safety.loses_link() => {}",
-        "goes_on && self.is_mapped(run.crd) && self.safety.loses_link() && goes_on != goes_on => {}",
+        "found: a start in the tick that loses the link forgets its light",
+        "servo/src/laser/owner.rs",
+        "Light::On(who) if link => (who, Holders(0)),",
+        "Light::On(who) if link && self.vetoed => (who, Holders(0)),",
         LASER_PATH,
     ),
     mutant(

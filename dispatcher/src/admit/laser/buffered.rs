@@ -3,11 +3,11 @@
 //! In: requests with the user's doubles, the books of the channel. Out: where the entry goes, the entry, what is
 //! answered. The FIFO's own checks are those of every entry of a path (`admit::crd_data`). Fails: as every laser
 //! command does; ranges are those of the power mode at the call, and the tick holds what a later mode narrows.
+use super::Case;
 use super::distance::source;
 use super::energy::{own_bounds, power, powers};
 use super::range::Taking;
 use super::tables::table;
-use super::{Case, FIRST_CONNECTOR};
 use crate::admit::one;
 use crate::case::TAKEN_MAX;
 use crate::refuse::{Admitted, Refused};
@@ -16,8 +16,9 @@ use protocol::command::{
     BufLaserPrfCmd, BufLaserPrfFollow, opcode,
 };
 use protocol::reason::Reason;
-use servo::laser::{Bounds, Buffered, Curve, Mode, Power, Ratio};
+use servo::laser::{Bounds, Buffered, Curve, Power, Ratio};
 use servo::path::Entry;
+use servo::units::CrdMask;
 
 /// Velocity ratios may be this large: 2³².
 const RATIO_MAX: f64 = 4_294_967_296.0;
@@ -54,6 +55,7 @@ pub fn admit<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
         ($name:ident, $fifo:literal, $channel:literal, |$r:ident, $of:ident| $change:expr) => {{
             let $r = &one::<$name>(body)?;
             let $of = case.channel($r.core.get(), $channel, $r.channel.get())?;
+            mapped(case, $r.core.get(), $r.crd.get(), $of)?;
             let (change, took): (Buffered, Option<Took>) = $change;
             let (code, words) = change.pack();
             let entry = Entry::laser($of, code, words);
@@ -62,7 +64,7 @@ pub fn admit<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
     }
     Ok(match number {
         opcode::BufLaserOn => to!(BufLaserOn, 2, 3, |r, channel| {
-            connected(case, channel)?;
+            case.connected(channel)?;
             (Buffered::Gate { on: true }, None)
         }),
         opcode::BufLaserOff => to!(BufLaserOff, 2, 3, |r, _channel| (Buffered::Gate { on: false }, None)),
@@ -104,14 +106,13 @@ pub fn admit<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
     })
 }
 
-/// Light without its connector is a mistake that would show in the work piece only.
-fn connected<const AXES: usize>(case: &Case<AXES>, channel: u8) -> Admitted<()> {
-    let book = case.laser(channel);
-    if book.connector || book.mode == Mode::Analog {
+/// A coordinate system lights only channels whose map holds it.
+fn mapped<const AXES: usize>(case: &Case<AXES>, core: i16, crd: i16, channel: u8) -> Admitted<()> {
+    let crd = case.crd(core, crd)?;
+    if CrdMask(case.laser(channel).map).has(crd) {
         return Ok(());
     }
-    let connector = f64::from(FIRST_CONNECTOR) + f64::from(channel);
-    Err(Refused::new(Reason::LaserConnector).got(channel.into()).limits(0.0, connector))
+    Err(case.no_crd(Reason::LaserNotMapped, crd).got(channel.into()))
 }
 
 /// A direct power, with its field.

@@ -68,7 +68,7 @@ fn carrier(field: u8, khz: f64, clock: Clock) -> Admitted<Carrier> {
     Carrier::admit(power(field, khz)?, clock).map_err(no)
 }
 
-/// The frequency of a period as it is put out, kHz.
+/// The frequency of a period as it is output, kHz.
 fn khz(period: Count, clock: Clock) -> f64 {
     f64::from(clock.mhz()) * 1000.0 / counts(period)
 }
@@ -84,7 +84,7 @@ impl LaserBook {
         Fine::plan(self.mode, self.bounds.hold(self.power), self.carrier.as_ref(), clock)
     }
 
-    /// What is put out of the power that this channel holds, in the mode's unit; `fine` is its train.
+    /// What is output of the power that this channel holds, in the mode's unit; `fine` is its train.
     fn reached(&self, fine: Option<Fine>, clock: Clock) -> f64 {
         match (self.mode, fine) {
             (Mode::Frequency, Some(fine)) => khz(fine.train().period, clock),
@@ -93,7 +93,7 @@ impl LaserBook {
         }
     }
 
-    /// Whether the width reaches the period of the pulses that it puts out.
+    /// Whether the width reaches the period of the pulses that it outputs.
     fn is_limited(&self) -> u8 {
         // µs times kHz: a period is 1000.
         let reaches = f64::from(self.width_us) * units(self.bounds.hold(self.power)) >= 1000.0;

@@ -32,7 +32,7 @@ use protocol::reason::Reason;
 use range::Taking;
 use servo::laser::{Bounds, CHANNELS, Cause, Change, Clock, Delays, Family, Fpk, Mode};
 use servo::op::Op;
-use servo::units::{AxisMask, Crd};
+use servo::units::{AxisMask, Crd, CrdMask};
 
 /// The family that holds what is out of range and whose connectors are fixed (SPEC 2).
 pub const LSR: u8 = 1;
@@ -114,6 +114,20 @@ impl<const AXES: usize> Case<'_, AXES> {
         }
     }
 
+    /// Refuses light that no output would carry.
+    fn connected(&self, channel: u8) -> Admitted<()> {
+        let book = self.laser(channel);
+        if book.mode == Mode::Analog {
+            let there = channel < self.board.analog_outputs;
+            return if there { Ok(()) } else { Err(Refused::new(Reason::NoLaserOutput).got(channel.into())) };
+        }
+        if book.connector {
+            return Ok(());
+        }
+        let connector = f64::from(FIRST_CONNECTOR) + f64::from(channel);
+        Err(Refused::new(Reason::LaserConnector).got(channel.into()).limits(0.0, connector))
+    }
+
     /// The crds of a core in a channel's map.
     fn crds_of(&self, core: usize) -> u8 {
         let crds = u32::from(self.site.profile.crds_per_core);
@@ -139,6 +153,9 @@ pub fn power_on(family: u8) -> [(Change, LaserChange); 4] {
 
 fn gate<const AXES: usize>(case: &mut Case<AXES>, channel: u8, on: bool) -> Admitted<Answer> {
     if on {
+        if case.books.aborts(case.view) {
+            return Err(Refused::new(Reason::Aborting));
+        }
         let (book, seen) = (case.laser(channel), &case.view.lasers[usize::from(channel).min(CHANNELS - 1)]);
         // With a clearing on its way only the tick can know.
         let clearing = book.cleared.is_some_and(|seq| !executed(case.view, seq));
@@ -146,10 +163,7 @@ fn gate<const AXES: usize>(case: &mut Case<AXES>, channel: u8, on: bool) -> Admi
         if seen.fault != Cause::None && !clearing {
             return Err(refused.limits(0.0, f64::from(seen.fault as u8)));
         }
-        if !book.connector && book.mode != Mode::Analog {
-            let connector = f64::from(FIRST_CONNECTOR) + f64::from(channel);
-            return Err(Refused::new(Reason::LaserConnector).got(channel.into()).limits(0.0, connector));
-        }
+        case.connected(channel)?;
     }
     case.change(channel, Change::Gate { on });
     Ok(Answer::Done)
@@ -209,7 +223,15 @@ pub fn map<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserCrdMap) -> Admi
     let core = case.core(r.core.get())?;
     let crds = case.site.profile.crds_per_core;
     let given = choice(2, r.map.get(), 0, (1 << crds) - 1)? as u8;
-    let map = case.laser(channel).map & !case.crds_of(core) | given << (core as u8 * crds);
+    let (before, own) = (case.laser(channel).map, case.crds_of(core));
+    let map = before & !own | given << (core as u8 * crds);
+    let seen = &case.view.lasers[usize::from(channel).min(CHANNELS - 1)];
+    for crd in CrdMask((before | map) & own).crds() {
+        let ahead = !case.decided && case.crd_book(crd).may_be_stopped(case.view);
+        if ahead || case.crd_may_run(crd) || seen.owners.has(crd) {
+            return Err(case.no_crd(Reason::LaserMapInUse, crd).got(channel.into()));
+        }
+    }
     case.change_with(channel, Change::CrdMap { map }, LaserChange::Map(map));
     Ok(Answer::Done)
 }

@@ -28,6 +28,12 @@ static void session()
     TRUE(loop > 0);
     DONE(GT_SetTick(250));
     DONE(GT_SetLinkLoss(500, 0));
+    double lossMs;
+    short stopAll;
+    DONE(GT_GetLinkLoss(&lossMs, &stopAll));
+    TRUE(lossMs == 500 && stopAll == 0);
+    DONE(GT_SetInterlock(1));
+    DONE(GT_Abort());
     DONE(GT_GetLastReason(reason, sizeof reason));
 }
 

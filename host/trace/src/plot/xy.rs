@@ -68,7 +68,7 @@ struct Beam {
     light: bool,
     /// Light that began or ended since the last row.
     edges: Vec<(u64, bool)>,
-    /// What was put out in the light seen last.
+    /// What was output in the light seen last.
     power: Option<Power>,
     route: Route,
 }
@@ -135,7 +135,7 @@ impl Xy {
             for (at, on) in std::mem::take(&mut beam.edges) {
                 beam.light = on;
                 if !was_lit && on {
-                    // Nothing was put out at the row before.
+                    // Nothing was output at the row before.
                     beam.power = next;
                 }
                 put(beam, at.clamp(begin, row.t_ns));

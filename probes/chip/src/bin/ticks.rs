@@ -216,7 +216,7 @@ impl Bench {
         for _ in 0..TICKS {
             self.step(case, Some(inside));
         }
-        self.push(Op::Stop { axes, abrupt: AxisMask(0) });
+        self.push(Op::stop(axes, AxisMask(0)));
         let marks = if smooth.0 == 0 && !ready { ["stop", "stop-ramp"] } else { ["stopped"; 2] };
         for mark in marks {
             self.step(case, Some(mark));

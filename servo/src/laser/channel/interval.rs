@@ -1,9 +1,10 @@
 //! The interval of a tick: what the outputs are to do in it.
 //!
 //! In: the channel as its changes have left it, what paths do within the interval, what the power follows. Out: the
-//! actions of a [`Plan`], what is shown. Owns nothing else. Fails: more events than a plan holds put the channel out.
+//! actions of a [`Plan`], what is shown. Owns nothing else. Fails: more events than a plan holds make the channel dark.
 use super::{Channel, Outputs, later, news};
 use crate::laser::energy::{Energy, Plain};
+use crate::laser::owner::Fact;
 use crate::laser::plan::{Action, PLACES, Plan, Train};
 use crate::laser::power::Power;
 use crate::laser::safety::Cause;
@@ -96,7 +97,7 @@ impl Channel {
     /// Plans an interval in which something may happen.
     #[inline(never)]
     fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
-        if self.safety.is_dark() && !self.ends {
+        if self.safety.rests() || self.safety.is_dark() && !self.ends {
             return self.stay_dark(end);
         }
         self.pass();
@@ -110,7 +111,7 @@ impl Channel {
             self.find_power(around);
         }
         if self.cut {
-            // What another mode put out is over before the edges of this instant, also a last pulse that is
+            // What another mode output is over before the edges of this instant, also a last pulse that is
             // being finished.
             self.cut = false;
             self.darken(0, true, plan);
@@ -139,7 +140,7 @@ impl Channel {
         }
     }
 
-    /// An interval in which nothing is put out.
+    /// An interval in which nothing is output. Where it is an abort that ends with it, the next one begins anew.
     #[inline(never)]
     fn stay_dark(&mut self, end: Ns) {
         if self.safety.is_spared() {
@@ -147,8 +148,12 @@ impl Channel {
         }
         self.law.rest();
         self.go_dark();
+        if self.owner.is_lit() {
+            // An on command behind an abort that found everything at rest.
+            self.report(end, Fact::Relight);
+        }
         self.miss(end);
-        self.news = 0;
+        self.news = if self.safety.is_dark() { 0 } else { news::CHANGED };
         self.show(true);
     }
 
@@ -189,7 +194,10 @@ impl Channel {
         {
             self.happen(end, event);
         }
-        self.gate.clear();
+        if self.safety.is_dark() {
+            self.gate.clear();
+        }
+        self.wake = self.soonest();
     }
 
     /// Everything comes to rest within the interval, to be dark from there on.
@@ -274,7 +282,7 @@ impl Channel {
             self.retrain(at, plan);
         }
         let gate = if self.fpk.is_some() { self.pulse != NEVER } else { self.gate.level() };
-        let switch = gate || self.energy.mode == Mode::DutyOpen;
+        let switch = gate || self.energy.holds_switch();
         if switch != self.out.switch {
             self.out.switch = switch;
             plan.push(at, Action::Switch(switch));
@@ -313,7 +321,7 @@ impl Channel {
         plan.push(at, Action::Change(train));
     }
 
-    /// What is being put out, as the thread sees it.
+    /// What is being output, as the thread sees it.
     #[inline(always)]
     fn show_power(&mut self) {
         let (power, khz) = match (self.safety.is_dark(), self.out.light) {
@@ -332,7 +340,8 @@ impl Channel {
     fn show(&mut self, changed: bool) {
         self.show_power();
         let shown = &mut self.shown;
-        (shown.commanded, shown.gate) = (self.commanded, self.gate.level());
+        (shown.commanded, shown.gate) = (self.owner.is_commanded(), self.gate.level());
+        shown.owners = self.owner.owners();
         (shown.switch, shown.light) = (self.out.switch, self.out.light);
         (shown.direct, shown.on_time) = (self.law.direct(), self.on_time.units());
         if changed {

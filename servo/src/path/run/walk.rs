@@ -184,6 +184,10 @@ impl Path {
                 None => self.enter_prepared(self.here, Exact(0), feed, source),
                 Some(entry) => {
                     if let Some(until) = self.take(counter, entry, feed, source, sink) {
+                        if self.stopping {
+                            // Where it brakes to rest it waits for nothing: the wait is made by the start that goes on.
+                            return self.rest_in_wait(until, feed, sink);
+                        }
                         self.wait(until);
                         self.speed = Real::ZERO;
                         return;
@@ -251,6 +255,19 @@ impl Path {
         let cursor = self.cursor(self.fifo);
         (cursor.way, cursor.from) = (way, from);
         self.rest(at, rest, feed, sink);
+    }
+
+    /// Comes to rest where it waits, or would wait, until an instant: what is left of that stays.
+    pub(super) fn rest_in_wait(&mut self, until: Fine, feed: Feed, sink: &mut impl Effects) {
+        let now = self.time;
+        let cursor = self.cursor(self.fifo);
+        if cursor.inside {
+            // A move that is waited for is made again: its axis may be stopped, too.
+            (cursor.inside, cursor.next) = (false, cursor.next.wrapping_sub(1));
+        } else {
+            cursor.left = until.saturating_sub(now);
+        }
+        self.rest(now, Rest::Stopped, feed, sink);
     }
 
     /// Comes to rest here.

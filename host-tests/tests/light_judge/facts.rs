@@ -1,0 +1,462 @@
+//! From what a program did to the judge's facts.
+//!
+//! Boundaries of paths are known by the outputs that BufDoBit changes beside the laser entries, standstills and the axes'
+//! causes by what the axes and coordinate systems show in each tick: nothing is taken from the lasers.
+use super::machine::{Seen, Sent, Told};
+use super::program::{Act, Buf, Do, Program};
+use host_tests::light_judge::fact::Laser;
+use host_tests::light_judge::{Fact, Ns, Output, What, Why};
+use servo::path::Rest;
+use std::collections::VecDeque;
+use virtual_board::Output as Digital;
+
+/// Two exact instants so near may be one.
+const SAME: Ns = 20;
+/// Status bits: alarm, following error, limits.
+const CAUSES: u32 = 1 << 1 | 1 << 4 | 1 << 5 | 1 << 6;
+const SERVO: u32 = 1 << 9;
+
+/// Where a fact comes from, for what may have come first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum From {
+    Call(Do),
+    Entry(usize),
+    Rest { crd: usize, exact: bool },
+    Cause,
+}
+
+struct Noted {
+    /// Where it stands in the order.
+    key: Ns,
+    rank: u8,
+    from: From,
+    fact: Fact,
+}
+
+struct Builder<'a> {
+    program: &'a Program,
+    told: &'a Told,
+    tick: Ns,
+    noted: Vec<Noted>,
+}
+
+/// The facts of a program, in order.
+pub fn facts(program: &Program, told: &Told, tick: Ns) -> Vec<Fact> {
+    let mut builder = Builder { program, told, tick, noted: Vec::new() };
+    builder.entries();
+    builder.sights();
+    builder.calls();
+    builder.acts();
+    builder.ordered()
+}
+
+impl Builder<'_> {
+    fn note(&mut self, key: Ns, rank: u8, from: From, lo: Ns, hi: Ns, what: What) {
+        self.noted.push(Noted { key, rank, from, fact: Fact { lo, hi, what } });
+    }
+
+    /// Groups of entries, each behind a mark, and when they were reached.
+    fn entries(&mut self) {
+        let mut queues: [VecDeque<Vec<(usize, Laser)>>; 4] = Default::default();
+        let set_up = self.program.entries.iter().map(|call| Sent { at: 0, call: *call, code: Some(0) });
+        let sent: Vec<Sent> = set_up.chain(self.told.sent.iter().copied()).collect();
+        let mut sent = sent.iter().peekable();
+        for edge in &self.told.edges {
+            let Digital::General(bit @ 0..4) = edge.output else { continue };
+            let at = edge.at_ns as Ns;
+            while let Some(one) = sent.next_if(|one| one.at < at) {
+                Self::queue(&mut queues, one);
+            }
+            let crd = usize::from(bit) / 2;
+            let Some(group) = queues[usize::from(bit)].pop_front() else { continue };
+            for (channel, laser) in group {
+                self.note(at, 1, From::Entry(crd), at, at, What::Entry { crd, channel, laser });
+            }
+        }
+    }
+
+    fn queue(queues: &mut [VecDeque<Vec<(usize, Laser)>>; 4], sent: &Sent) {
+        if sent.code != Some(0) {
+            return;
+        }
+        match sent.call {
+            Do::Entry { crd, fifo, buf: Buf::Mark } => queues[2 * crd + fifo].push_back(Vec::new()),
+            Do::Entry { crd, fifo, buf: Buf::Laser { channel, laser, .. } } => {
+                if let Some(group) = queues[2 * crd + fifo].back_mut() {
+                    group.push((channel, laser));
+                }
+            }
+            Do::CrdClear { crd, fifo } => queues[2 * crd + fifo].clear(),
+            _ => {}
+        }
+    }
+
+    /// Standstills and causes that the axes show.
+    fn sights(&mut self) {
+        for pair in self.told.seen.windows(2) {
+            let [before, now] = pair else { continue };
+            for crd in 0..2 {
+                if before.runs[crd] && !now.runs[crd] {
+                    self.rest(crd, now);
+                }
+            }
+            self.causes(before, now);
+            if before.jog != now.jog {
+                let (lo, hi) = (now.at - self.tick, now.at + self.tick);
+                self.note(now.at, 0, From::Cause, lo, hi, What::Jog { runs: now.jog });
+            }
+        }
+        // A path that ran for less than a tick is not seen to run.
+        for sent in self.told.sent.iter().filter(|sent| sent.code == Some(0)) {
+            let Do::CrdStart { mask, .. } = sent.call else { continue };
+            let at = sent.at + self.tick;
+            for crd in (0..2).filter(|crd| mask >> crd & 1 == 1) {
+                let seen = self.told.view(at);
+                if !seen.runs[crd] && self.began(crd, sent).is_none() {
+                    self.rest(crd, &Seen { at, ..seen });
+                }
+            }
+        }
+    }
+
+    /// When a coordinate system was seen to begin to run for this start: what came with much else may act later.
+    fn began(&self, crd: usize, sent: &Sent) -> Option<Ns> {
+        let at = if sent.code.is_some() { sent.at + self.tick } else { sent.at };
+        let is_next = |other: &&Sent| {
+            let Do::CrdStart { mask, .. } = other.call else { return false };
+            other.code == Some(0) && mask >> crd & 1 == 1
+        };
+        let mut after = self.told.sent.iter().skip_while(|other| !std::ptr::eq(*other, sent)).skip(1);
+        let next = after.find(is_next).map_or(self.told.end, |next| next.at + self.tick);
+        let last = (at + 3 * self.tick).min(next - 1);
+        let from = self.told.seen.partition_point(|seen| seen.at < at).max(1);
+        let near = self.told.seen[from - 1..].windows(2).take_while(|pair| pair[1].at <= last);
+        near.filter(|pair| !pair[0].runs[crd] && pair[1].runs[crd]).map(|pair| pair[1].at).next()
+    }
+
+    fn rest(&mut self, crd: usize, now: &Seen) {
+        let why = match now.rest[crd] {
+            Rest::Completed => Why::Done,
+            Rest::Underrun => Why::Underrun,
+            _ => Why::Stopped,
+        };
+        let (lo, hi) = (now.at - self.tick, now.at);
+        if why == Why::Stopped {
+            self.again(crd, now.at);
+        }
+        let bit = 2 * crd as u8 + now.fifo[crd];
+        let marks = self.told.edges.iter().filter(|edge| edge.output == Digital::General(bit));
+        let last = marks.map(|edge| edge.at_ns as Ns).take_while(|at| *at <= hi).last();
+        match last.filter(|at| *at >= lo && why != Why::Stopped) {
+            Some(at) => {
+                let late = if why == Why::Underrun { at + self.tick } else { at };
+                self.note(at, 2, From::Rest { crd, exact: true }, at, late, What::Rest { crd, why });
+            }
+            None => self.note(now.at, 2, From::Rest { crd, exact: false }, lo, hi, What::Rest { crd, why }),
+        }
+    }
+
+    fn causes(&mut self, before: &Seen, now: &Seen) {
+        for axis in 0..4 {
+            let crds = 1u8 << (axis / 2) & self.program.settings.set_up;
+            let (was, is) = (before.status[axis], now.status[axis]);
+            if crds != 0 && (!was & is & CAUSES | was & !is & SERVO) != 0 {
+                let (lo, hi) = (now.at - 2 * self.tick, now.at + self.tick);
+                self.note(hi, 0, From::Cause, lo, hi, What::Fault { crds, sure: true });
+            }
+        }
+    }
+
+    /// Whether every cause is over.
+    fn is_over(&self, at: Ns) -> bool {
+        let seen = self.told.view(at);
+        let mut inputs = 0i32;
+        for (_, act) in self.told.acts.iter().take_while(|(when, _)| *when <= at) {
+            inputs += match act {
+                Act::Alarm { level, .. } | Act::Limit { level, .. } => {
+                    if *level {
+                        1
+                    } else {
+                        -1
+                    }
+                }
+                Act::Interlock { .. } => 1,
+                Act::InterlockGone => -1,
+                _ => 0,
+            };
+        }
+        inputs <= 0 && seen.status.iter().all(|status| status & CAUSES == 0 && status & SERVO != 0)
+    }
+
+    fn calls(&mut self) {
+        let mut maps = self.program.settings.channels.map(|channel| channel.map);
+        let mut again = Vec::new();
+        for sent in &self.told.sent {
+            let at = sent.at + self.tick;
+            let from = From::Call(sent.call);
+            let Some(code) = sent.code else {
+                self.note(at, 0, from, sent.at, at, What::Unanswered);
+                self.start(sent, sent.at);
+                continue;
+            };
+            let sure = true;
+            let what = match sent.call {
+                Do::On { channel, .. } => What::On { channel, code, sure },
+                Do::Map { channel, map } => {
+                    if code == 0 {
+                        maps[channel] = map;
+                        let near = |noted: &Noted| {
+                            noted.from == From::Cause
+                                && noted.fact.lo <= at + self.tick
+                                && noted.fact.hi + self.tick >= at
+                        };
+                        if self.noted.iter().any(near) {
+                            // Which of the maps the cause met is open.
+                            let fact = What::Fault { crds: u8::MAX, sure: false };
+                            self.note(at, 0, From::Cause, at - self.tick, at + self.tick, fact);
+                        }
+                        for crd in (0..2).filter(|crd| map >> crd & 1 == 1) {
+                            again.push((crd, at));
+                        }
+                    }
+                    What::Map { channel, map, code, sure }
+                }
+                Do::Abort => {
+                    self.note(at, 0, from, sent.at, at, What::Abort);
+                    continue;
+                }
+                _ if code != 0 => continue,
+                Do::Off { channel, .. } => What::Off { channel },
+                Do::Power { channel, .. } => What::Power { channel },
+                Do::Delays { channel, on, off } => {
+                    What::Delays { channel, on: Ns::from(on) * 1000, off: Ns::from(off) * 1000 }
+                }
+                Do::Mode { channel, mode } if mode != self.program.devices[channel].mode => {
+                    self.note(at, 0, from, sent.at, at + self.late(sent), What::Mode { channel });
+                    continue;
+                }
+                Do::Connector { channel, there } => {
+                    // Analog light needs none.
+                    let there = there || matches!(self.program.settings.channels[channel].output, Output::Volts { .. });
+                    let lo = if there { at } else { sent.at };
+                    self.note(at, 0, from, lo, at, What::Connector { channel, there });
+                    continue;
+                }
+                Do::ClearFault { channel } => {
+                    What::Cleared { channels: 1 << channel, gone: self.is_over(at), by_name: true }
+                }
+                Do::ClearStatus { axis, count } => {
+                    let crds = (axis..axis + count).fold(0u8, |crds, axis| crds | 1 << (axis / 2));
+                    let crds = crds & self.program.settings.set_up;
+                    let channels =
+                        (0..2).filter(|channel| maps[*channel] & crds != 0).map(|channel| 1 << channel).sum();
+                    What::Cleared { channels, gone: self.is_over(at), by_name: false }
+                }
+                Do::CrdStart { .. } => {
+                    self.start(sent, at);
+                    continue;
+                }
+                Do::Stop { crds, ends_follow, .. } => What::Stop { crds, ends_follow },
+                Do::CrdStop { crds, .. } => What::Stop { crds, ends_follow: 0 },
+                Do::AxisStop { axis } => What::Stop { crds: 1 << (axis / 2), ends_follow: 0 },
+                Do::CrdClear { crd, fifo } => What::CrdClear { crd, fifo },
+                _ => continue,
+            };
+            let late = self.late(sent);
+            // What rests in the tick before goes by the delays before.
+            let rank = if matches!(what, What::Delays { .. }) { 3 } else { 0 };
+            self.note(at, rank, from, at, at + late, what);
+        }
+        for (crd, at) in again {
+            self.again(crd, at);
+        }
+    }
+
+    /// What is said together with an abort, a new session or many entries may wait for it: for how long.
+    fn late(&self, sent: &Sent) -> Ns {
+        let waits = self.told.acts.iter().any(|&(when, act)| {
+            (sent.at - 2 * self.tick..=sent.at).contains(&when)
+                && matches!(act, Act::Session | Act::Call(Do::Abort | Do::Entry { .. } | Do::Mode { .. }))
+        });
+        // What comes with a call that is refused may wait with it.
+        let behind = |other: &Sent| other.at == sent.at && other.code != Some(0);
+        if waits || self.told.sent.iter().any(behind) {
+            return 3 * self.tick;
+        }
+        // What comes behind a map in one tick may wait for the next.
+        let with = self.told.sent.iter().take_while(|other| !std::ptr::eq(*other, sent));
+        let maps = with.filter(|other| other.at == sent.at && matches!(other.call, Do::Map { .. })).count();
+        maps as Ns * self.tick
+    }
+
+    /// A start that acts at this instant, or when it was seen to; one that was not answered, only where it was seen to.
+    fn start(&mut self, sent: &Sent, at: Ns) {
+        let Do::CrdStart { mask, option } = sent.call else { return };
+        for crd in (0..2).filter(|crd| mask >> crd & 1 == 1) {
+            let fifo = usize::from(option >> crd & 1);
+            let began = self.began(crd, sent);
+            if began.is_some() || sent.code.is_some() {
+                let at = began.unwrap_or(at);
+                self.note(at, 0, From::Call(sent.call), at, at, What::Start { crd, fifo });
+                self.again(crd, at);
+            }
+        }
+    }
+
+    /// What may meet an old cause: it may be one again.
+    fn again(&mut self, crd: usize, at: Ns) {
+        let status = self.told.view(at).status;
+        if (2 * crd..2 * crd + 2).any(|axis| status[axis] & CAUSES != 0) {
+            let fact = What::Fault { crds: 1 << crd, sure: false };
+            self.note(at, 0, From::Cause, at - self.tick, at + 2 * self.tick, fact);
+        }
+    }
+
+    fn acts(&mut self) {
+        let analog = self.program.settings.channels.iter().any(|of| matches!(of.output, Output::Volts { .. }));
+        let tick = self.tick;
+        for &(at, act) in &self.told.acts {
+            match act {
+                Act::Interlock { after } => {
+                    let lo = at + after as Ns;
+                    let hi = lo + if analog { 2 * tick } else { 0 };
+                    self.note(hi, 0, From::Cause, lo, hi, What::FaultOfAll);
+                }
+                Act::Overrun => self.note(at + 2 * tick, 0, From::Cause, at, at + 2 * tick, What::FaultOfAll),
+                Act::Alarm { axis, level: true } | Act::Limit { axis, level: true, .. } => {
+                    // Where the last one still shows, nothing new does.
+                    self.again(axis / 2, at + tick);
+                }
+                Act::Session => self.note(at + tick, 0, From::Cause, at, at + 2 * tick, What::Session),
+                _ => {}
+            }
+        }
+        for &at in &self.told.losses {
+            let hi = at + 2 * tick;
+            let between = |noted: &Noted| noted.fact.hi >= at - SAME && noted.fact.lo <= hi;
+            if self.noted.iter().any(between) {
+                self.note(at - SAME, 0, From::Cause, at - SAME, at - SAME, What::Doubt { crds: 3 });
+            }
+            // Whether a path that rests about now still ran is open.
+            let rests = |noted: &Noted| {
+                matches!(noted.fact.what, What::Rest { .. }) && noted.fact.lo <= hi && noted.fact.hi >= at
+            };
+            let open = self.noted.iter().any(rests);
+            let what = if open { What::Fault { crds: u8::MAX, sure: false } } else { What::LinkLoss };
+            self.note(if open { at } else { hi }, 3, From::Cause, at, hi, what);
+        }
+    }
+
+    /// In order, and a doubt around what may have come in another one.
+    fn ordered(mut self) -> Vec<Fact> {
+        self.noted.sort_by_key(|noted| (noted.key, noted.rank));
+        // Before the earlier one, and behind each one from there to the later one.
+        let mut doubts: Vec<(usize, usize, u8)> = Vec::new();
+        let near = 4 * self.tick;
+        for later in 0..self.noted.len() {
+            for earlier in
+                (0..later).rev().take_while(|earlier| self.noted[*earlier].key + near >= self.noted[later].key)
+            {
+                let crds = self.doubt(&self.noted[earlier], &self.noted[later]);
+                if crds != 0 {
+                    doubts.push((earlier, later, crds));
+                }
+            }
+            self.unsure(later);
+        }
+        let mut facts = Vec::with_capacity(self.noted.len() + doubts.len());
+        for (index, noted) in self.noted.iter().enumerate() {
+            for &(_, later, crds) in doubts.iter().filter(|(at, ..)| *at == index) {
+                let lo = noted.fact.lo.min(self.noted[later].fact.lo);
+                facts.push(Fact::at(lo, What::Doubt { crds }));
+            }
+            facts.push(noted.fact);
+            for &(.., crds) in doubts.iter().filter(|(from, to, _)| (*from..=*to).contains(&index)) {
+                facts.push(Fact { what: What::Doubt { crds }, ..noted.fact });
+            }
+        }
+        facts
+    }
+
+    /// Answers near a standstill or a cause may be those of either side.
+    fn unsure(&mut self, index: usize) {
+        let at = self.noted[index].fact.lo;
+        if !matches!(self.noted[index].fact.what, What::On { .. } | What::Map { .. }) {
+            return;
+        }
+        let tick = self.tick;
+        let unsure = self.noted.iter().any(|other| {
+            !matches!(other.from, From::Entry(_))
+                && !matches!(other.fact.what, What::On { .. } | What::Off { .. } | What::Power { .. })
+                && other.fact.lo - 2 * tick <= at
+                && at <= other.fact.hi + 3 * tick
+        });
+        if let What::On { sure, .. } | What::Map { sure, .. } = &mut self.noted[index].fact.what {
+            *sure = !unsure;
+        }
+    }
+
+    fn same_channel(&self, a: &Noted, b: &Noted) -> bool {
+        let of = |noted: &Noted| if let What::Entry { channel, .. } = noted.fact.what { Some(channel) } else { None };
+        of(a) == of(b)
+    }
+
+    /// Whether a Stop was sent not long before the call that is one of these, or with it.
+    fn at_once(&self, sent: &Sent, a: &Noted, b: &Noted) -> bool {
+        let at = if matches!(a.from, From::Call(_)) { a.fact.lo } else { b.fact.lo };
+        let stops = matches!(sent.call, Do::Stop { .. } | Do::CrdStop { .. } | Do::AxisStop { .. });
+        stops && (at - 60 * self.tick..=at).contains(&(sent.at + self.tick))
+    }
+
+    /// Of which coordinate systems it cannot be told which of two came first.
+    fn doubt(&self, a: &Noted, b: &Noted) -> u8 {
+        let set = |crd: usize| 1u8 << crd;
+        let touch = |slack: Ns| a.fact.lo <= b.fact.hi + slack && b.fact.lo <= a.fact.hi + slack;
+        let names = |call: &Do, crd: usize| match call {
+            // What one Stop keeps dark another may, too.
+            Do::CrdStart { .. } => true,
+            Do::Stop { crds, ends_follow, .. } => (crds | ends_follow) & set(crd) != 0,
+            Do::CrdStop { crds, .. } => crds & set(crd) != 0,
+            Do::AxisStop { axis } => axis / 2 == crd,
+            Do::On { .. } | Do::Off { .. } | Do::Power { .. } | Do::Map { .. } | Do::Delays { .. } => true,
+            _ => false,
+        };
+        let abrupt = |call: &Do, crd: usize| match call {
+            Do::Stop { crds, abrupt, .. } | Do::CrdStop { crds, abrupt } => crds & abrupt & set(crd) != 0,
+            _ => false,
+        };
+        match (a.from, b.from) {
+            (From::Call(call), From::Rest { crd, .. }) | (From::Rest { crd, .. }, From::Call(call)) => {
+                let stopped = matches!(a.fact.what, What::Rest { why: Why::Stopped, .. })
+                    || matches!(b.fact.what, What::Rest { why: Why::Stopped, .. });
+                // Of two Stops the second may find it at rest.
+                let alone = || {
+                    self.told.sent.iter().filter(|sent| self.at_once(sent, a, b) && names(&sent.call, crd)).count() < 2
+                };
+                let stops = matches!(call, Do::Stop { .. } | Do::CrdStop { .. } | Do::AxisStop { .. });
+                if !touch(self.tick) || !(stops || names(&call, crd)) || stopped && abrupt(&call, crd) && alone() {
+                    0
+                } else {
+                    set(crd)
+                }
+            }
+            (From::Cause, From::Rest { crd, .. }) | (From::Rest { crd, .. }, From::Cause) if touch(0) => set(crd),
+            (From::Rest { crd, .. }, From::Rest { crd: other, .. }) if crd != other && touch(0) => {
+                let stopped = |noted: &Noted| matches!(noted.fact.what, What::Rest { why: Why::Stopped, .. });
+                if stopped(a) && stopped(b) { 0 } else { set(crd) | set(other) }
+            }
+            // With nothing to bring to rest an on may wait for the abort's end.
+            (From::Call(Do::Abort), From::Entry(crd)) if touch(self.tick) => set(crd),
+            (From::Call(call), From::Entry(crd)) | (From::Entry(crd), From::Call(call)) => {
+                let start = matches!(call, Do::CrdStart { .. });
+                if touch(SAME) && names(&call, crd) && !start { set(crd) } else { 0 }
+            }
+            (From::Rest { crd, exact }, From::Entry(other)) | (From::Entry(other), From::Rest { crd, exact }) => {
+                let slack = if exact { SAME } else { self.tick };
+                if crd != other && touch(slack) { set(crd) | set(other) } else { 0 }
+            }
+            (From::Entry(one), From::Entry(other)) if one != other && touch(SAME) && self.same_channel(a, b) => 3,
+            _ => 0,
+        }
+    }
+}

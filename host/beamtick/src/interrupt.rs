@@ -1,0 +1,91 @@
+//! INT, TERM and HUP: what ends the program from outside.
+//!
+//! In: signals. Out: the end of the program with 128 + the signal's number, at once, or while something of ours may be lit or
+//! moving, [`came`] for the runner, who stops it first. Owns one thread. Where the runner does not come to an end in time,
+//! the thread ends the program all the same: the controller then goes dark by the link that is lost.
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::time::Duration;
+
+/// The runner has this long to stop a job; the whole stays below a second (SPEC 10).
+const GRACE: Duration = Duration::from_millis(900);
+
+static CAME: AtomicU8 = AtomicU8::new(0);
+static HELD: AtomicBool = AtomicBool::new(false);
+
+/// A signal that ends the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Signal(u8);
+
+impl Signal {
+    /// What a person calls it.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            1 => "SIGHUP",
+            2 => "SIGINT",
+            15 => "SIGTERM",
+            _ => "a signal",
+        }
+    }
+
+    /// The exit code that shells give a program which it ended.
+    pub fn exit_code(self) -> u8 {
+        128 + self.0
+    }
+}
+
+/// The signal that has come, if one has.
+pub fn came() -> Option<Signal> {
+    match CAME.load(Ordering::SeqCst) {
+        0 => None,
+        number => Some(Signal(number)),
+    }
+}
+
+/// While it lives a signal does not end the program but is left to whoever asks [`came`].
+pub struct Held(());
+
+impl Held {
+    /// See there.
+    pub fn new() -> Held {
+        HELD.store(true, Ordering::SeqCst);
+        Held(())
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        // A signal that came before this is the runner's to tell.
+        HELD.store(false, Ordering::SeqCst);
+    }
+}
+
+fn arrived(number: u8) {
+    CAME.store(number, Ordering::SeqCst);
+    let signal = Signal(number);
+    if HELD.load(Ordering::SeqCst) {
+        std::thread::sleep(GRACE);
+        if HELD.load(Ordering::SeqCst) {
+            complain!(
+                "interrupted by {}: the controller did not confirm in time that it stopped. When the link is lost it shuts off lasers, \
+                 and stops Jog axes and coordinate systems, by itself.",
+                signal.name()
+            );
+        }
+    }
+    std::process::exit(signal.exit_code().into());
+}
+
+/// From now on signals do as the module says; for the program itself, not for tests that call its library.
+#[cfg(unix)]
+pub fn watch() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    // Without it a signal ends the program at once, and the link that is lost stops what it can.
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM]) else { return };
+    std::thread::spawn(move || signals.forever().for_each(|number| arrived(number as u8)));
+}
+
+/// The same for Ctrl-C and for a console window that is closed.
+#[cfg(not(unix))]
+pub fn watch() {
+    let _ = ctrlc::set_handler(|| arrived(2));
+}

@@ -1,0 +1,111 @@
+//! Files that a job writes: beside their names while they grow, renamed when they are whole.
+//!
+//! In: names from the command line. Out: files. One that was cut off keeps its name with `.partial`. What is no plain file
+//! (a device, a pipe) is written directly. Nothing is overwritten that the job reads or that another output is.
+use crate::Failure;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+/// See the module text.
+pub struct Output {
+    name: PathBuf,
+    /// Where it grows; none where that is its own name.
+    staged: Option<PathBuf>,
+}
+
+/// The name of a file that was cut off.
+fn partial(name: &Path) -> PathBuf {
+    let mut text = name.as_os_str().to_owned();
+    text.push(".partial");
+    PathBuf::from(text)
+}
+
+/// Where a picture grows: its extension stays, which says what it is.
+fn picture(name: &Path) -> PathBuf {
+    let extension = name.extension().unwrap_or_default().to_string_lossy();
+    name.with_extension(format!("partial.{extension}"))
+}
+
+impl Output {
+    /// A file that is written from front to back.
+    pub fn stream(name: &Path) -> Result<(Output, File), Failure> {
+        Output::create(name, partial(name))
+    }
+
+    /// A picture, drawn at the end.
+    pub fn picture(name: &Path) -> Result<Output, Failure> {
+        Output::create(name, picture(name)).map(|(output, _)| output)
+    }
+
+    fn create(name: &Path, staged: PathBuf) -> Result<(Output, File), Failure> {
+        let failed = |error: std::io::Error| Failure::Input(format!("{}: cannot be written: {error}", name.display()));
+        let found = fs::metadata(name);
+        if found.as_ref().is_ok_and(|found| !found.is_file()) {
+            let file = File::options().write(true).open(name).map_err(failed)?;
+            return Ok((Output { name: name.to_owned(), staged: None }, file));
+        }
+        if found.is_ok() {
+            // What may not be written is not replaced either.
+            File::options().append(true).open(name).map_err(failed)?;
+        }
+        let file = File::create(&staged).map_err(failed)?;
+        Ok((Output { name: name.to_owned(), staged: Some(staged) }, file))
+    }
+
+    /// Where to write.
+    pub fn path(&self) -> &Path {
+        self.staged.as_deref().unwrap_or(&self.name)
+    }
+
+    /// The file is whole and gets its name.
+    pub fn whole(self) -> Result<(), Failure> {
+        let Some(staged) = &self.staged else { return Ok(()) };
+        fs::rename(staged, &self.name)
+            .map_err(|error| Failure::Job(format!("{}: cannot be written: {error}", self.name.display())))?;
+        let _ = fs::remove_file(partial(&self.name));
+        Ok(())
+    }
+
+    /// The file was cut off; its name then, if there is anything in it.
+    pub fn cut_off(self) -> Option<PathBuf> {
+        let staged = self.staged?;
+        let partial = partial(&self.name);
+        if fs::metadata(&staged).is_ok_and(|found| found.len() == 0) {
+            let _ = fs::remove_file(&staged);
+            return None;
+        }
+        (staged == partial || fs::rename(&staged, &partial).is_ok()).then_some(partial)
+    }
+}
+
+/// The place that a name stands for, however it is written.
+fn place(name: &Path) -> PathBuf {
+    let folder = name.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let beside =
+        || folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(name.file_name().unwrap_or_default());
+    name.canonicalize().unwrap_or_else(|_| beside())
+}
+
+/// Fails, before anything is written or run, where an output would overwrite one of the `inputs` or another output.
+/// `outputs`: the option, the name, whether it is a picture.
+pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), Failure> {
+    let mut taken: Vec<(PathBuf, String)> =
+        inputs.iter().map(|name| (place(name), format!("the job reads {}", name.display()))).collect();
+    for (option, name, drawn) in outputs {
+        // A device or a pipe takes more than one.
+        if fs::metadata(name).is_ok_and(|found| !found.is_file()) {
+            continue;
+        }
+        let staged = if *drawn { picture(name) } else { partial(name) };
+        let names = [name.to_path_buf(), staged, partial(name)].map(|name| place(&name));
+        if let Some((_, what)) = taken.iter().find(|(taken, _)| names.contains(taken)) {
+            return Err(Failure::Input(format!(
+                "{option} {} would overwrite a file: {what}; name another one. The job was not run",
+                name.display()
+            )));
+        }
+        let what = format!("{option} writes {}", name.display());
+        taken.extend(names.map(|name| (name, what.clone())));
+    }
+    Ok(())
+}

@@ -1,0 +1,29 @@
+// A card that is closed, and a program that ends without closing it, leave no light; the next on command works.
+// argv[1]: close, exit, or leave. The controller is a served one, which outlives the program.
+#include "gts.h"
+#include "check.h"
+
+int main(int count, char **arguments)
+{
+    const char *how = count > 1 ? arguments[1] : "close";
+    DONE(GT_Open());
+    short cause;
+    DONE(GT_GetLaserFault(0, &cause));
+    TRUE(cause == 0);
+    unsigned short on;
+    DONE(GT_GetHSIOOpt(&on, 0));
+    TRUE(on == 0);
+    DONE(GT_SetAxisMode(7, 1));
+    DONE(GT_LaserOutFrq(10, 0));
+    DONE(GT_LaserPrfCmd(50, 0));
+    DONE(GT_LaserOn(0));
+    DONE(GT_GetHSIOOpt(&on, 0));
+    TRUE(on == 1);
+    int failed = verdict();
+    fflush(stdout);
+    if (strcmp(how, "close") == 0 && GT_Close() != 0)
+        return 1;
+    if (strcmp(how, "exit") == 0)
+        exit(failed);
+    return failed;
+}

@@ -1,0 +1,447 @@
+//! Light owner: the one place that decides whether a channel may have light (SPEC 6, "Whose light it is" and "Rest";
+//! SPEC 9).
+//!
+//! In: a [`Fact`] at a time, in the order in which they happen. Out: an [`Order`] to the gate. Owns who lit, what holds
+//! the light dark, and what brings it back. Cannot fail: [`Owner::hear`] is total, and everything else only reports facts
+//! to it. `owner/tests.rs` enumerates all states that facts can reach.
+//!
+//! | state | who lit it | what holds it dark | what brings light |
+//! | --- | --- | --- | --- |
+//! | `Off` | nobody | no on command is in force | an on command of a call or of a path |
+//! | `On` | a call, or a path that runs | nothing: it is the only state with light | – |
+//! | `Held` | either | the Stop, or the lost link, that shut it off | the CrdStart that goes on, of every path that holds it |
+//! | `Waits` | either | the follow's path is at rest | the next CrdStart of that path |
+//!
+//! | fact | what it does |
+//! | --- | --- |
+//! | on command of a call | lights, or waits; changes nothing while a path's light is on |
+//! | on entry of a path | lights, or waits; takes over the light of a call. It does nothing for a channel that is not mapped, after an abort until the path has come to rest, and while the path brakes for a Stop after an immediate off |
+//! | off command, off entry | `Off` |
+//! | a mapped path rests by a Stop | `Held`, whoever lit it; `Off` if its entries ran out while it braked |
+//! | a path's entries run out | `Off` for what they lit, and for what follows its speed |
+//! | a path starts | see "what brings light"; after CrdClear it drops what it held |
+//! | a Stop that finds its mapped paths at rest | `Off` |
+//! | the follow ends, or another one replaces it | `Waits` becomes `Off` |
+//! | a cause of SPEC 9 | `Off`, at once. A lost link: `Held` by the paths that run |
+//! | abort, new session, another mode, no connector, power-on state | `Off`, at once |
+//!
+//! On commands that come while a cause is latched do nothing and are not remembered.
+#[cfg(test)]
+mod tests;
+
+use crate::units::{Crd, CrdMask};
+
+/// A path that runs one of its FIFOs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Run {
+    pub(crate) crd: Crd,
+    pub(crate) fifo: u8,
+}
+
+/// Who gave the on command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Who {
+    /// An immediate command.
+    Call,
+    /// An entry of this coordinate system.
+    Path(Crd),
+}
+
+/// The state of the light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Light {
+    /// No on command is in force.
+    Off,
+    /// The gate is commanded on.
+    On(Who),
+    /// Dark until every path that holds it has gone on.
+    Held(Who, Holders),
+    /// Dark until the path whose speed the power follows starts.
+    Waits(Who),
+}
+
+/// Paths whose Stop holds light dark: a bit for each FIFO of each coordinate system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Holders(u8);
+
+impl Holders {
+    const fn of(run: Run) -> Holders {
+        Holders(Holders::both(run.crd) & if run.fifo & 1 == 0 { 0x55 } else { 0xaa })
+    }
+
+    const fn both(crd: Crd) -> u8 {
+        3 << ((crd.index() as u32 & 3) << 1)
+    }
+
+    const fn has(self, run: Run) -> bool {
+        self.0 & Holders::of(run).0 != 0
+    }
+
+    /// One more, unless another FIFO of the same coordinate system holds the light already.
+    const fn and(self, run: Run) -> Holders {
+        if self.0 & Holders::both(run.crd) != 0 { self } else { Holders(self.0 | Holders::of(run).0) }
+    }
+
+    const fn without(self, run: Run) -> Holders {
+        Holders(self.0 & !Holders::of(run).0)
+    }
+
+    const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The coordinate systems among them.
+    const fn crds(self) -> CrdMask {
+        let any = self.0 | self.0 >> 1;
+        CrdMask(any & 1 | any >> 1 & 2 | any >> 2 & 4 | any >> 3 & 8)
+    }
+}
+
+/// Whether a cause of SPEC 9 is latched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Latch {
+    None,
+    LinkLost,
+    Other,
+}
+
+/// How a path came to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum End {
+    /// Its entries have run out.
+    RanOut,
+    /// By a Stop, or another order to brake, from which it can go on.
+    Stopped,
+    /// By an underrun or a fault.
+    Failed,
+}
+
+/// What the owner is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Fact {
+    /// An immediate on or off command.
+    Command { on: bool },
+    /// A BufLaserOn or BufLaserOff is reached.
+    Entry { on: bool, run: Run },
+    /// A path starts; `resumes`: its FIFO goes on where it was stopped.
+    Starts { run: Run, resumes: bool },
+    /// A path has come to rest.
+    Rests { run: Run, end: End },
+    /// A Stop for these, of which each has been set up.
+    Stops { crds: CrdMask },
+    /// The power follows the speed of this one from now on.
+    FollowBegins { crd: Crd },
+    /// The velocity follow is over.
+    FollowEnds,
+    /// SetLaserCrdMap.
+    Map { crds: CrdMask },
+    /// Whether the energy has an output.
+    Output { there: bool },
+    /// Another mode, or a connector that is taken away.
+    Withdraw,
+    /// Reset: no command has been given yet.
+    PowerOn,
+    /// A cause of SPEC 9 is latched.
+    Latched { link: bool },
+    /// It is cleared.
+    Cleared,
+    /// Abort; `refuses`: all motion brakes, and on commands are refused until it is at rest. A new session: neither.
+    Abort { refuses: bool },
+    /// Everything that ran at the abort has come to rest.
+    AbortOver,
+    /// The gate has been cleared under an on command that holds.
+    Relight,
+}
+
+/// What becomes of the gate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    /// Nothing.
+    Keep,
+    /// An on command, with its delay.
+    On,
+    /// An off command, with its delay.
+    Off,
+    /// Dark at once, without delays; nothing pends.
+    Cut,
+    /// Nothing; an on command that had been admitted is an event.
+    Ignored(Ignored),
+}
+
+/// Why a command that had been admitted does nothing; the numbers are those of `EventItem`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Ignored {
+    /// None was.
+    #[default]
+    None = 0,
+    /// The channel is not mapped to the coordinate system of the entry.
+    NotMapped = 1,
+    /// It meets no output.
+    NoOutput = 2,
+    /// An abort is in progress.
+    Aborting = 3,
+}
+
+/// See the module text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Owner {
+    light: Light,
+    latch: Latch,
+    /// An immediate off, and no on command since.
+    vetoed: bool,
+    aborting: bool,
+    /// The energy has an output.
+    output: bool,
+    /// Coordinate systems that the channel is mapped to.
+    map: CrdMask,
+    /// Those that run, those of them that run FIFO 1, and those that brake for a Stop.
+    running: CrdMask,
+    fifo1: CrdMask,
+    stopping: CrdMask,
+    /// Those whose on entries are dead: they ran at an abort, and have not come to rest.
+    dead: CrdMask,
+    /// Whose speed the power follows.
+    follow: Option<Crd>,
+}
+
+impl Owner {
+    /// Of a channel at power-on.
+    pub(super) const fn power_on(map: CrdMask) -> Owner {
+        Owner {
+            light: Light::Off,
+            latch: Latch::None,
+            vetoed: false,
+            aborting: false,
+            output: true,
+            map,
+            running: CrdMask(0),
+            fifo1: CrdMask(0),
+            stopping: CrdMask(0),
+            dead: CrdMask(0),
+            follow: None,
+        }
+    }
+
+    /// Whether an on command is in force, as GetHSIOOpt tells it.
+    pub(super) const fn is_commanded(&self) -> bool {
+        matches!(self.light, Light::On(_) | Light::Waits(_))
+    }
+
+    /// Whether the gate is commanded on.
+    pub(super) const fn is_lit(&self) -> bool {
+        matches!(self.light, Light::On(_))
+    }
+
+    /// The coordinate systems whose light is on, or would come back with their CrdStart.
+    pub(super) fn owners(&self) -> CrdMask {
+        match self.light {
+            Light::Off | Light::On(Who::Call) | Light::Waits(Who::Call) => CrdMask(0),
+            Light::On(Who::Path(crd)) | Light::Waits(Who::Path(crd)) => crd.mask(),
+            Light::Held(who, by) => {
+                let own = if let Who::Path(crd) = who { crd.mask().0 } else { 0 };
+                CrdMask(by.crds().0 | own)
+            }
+        }
+    }
+
+    /// Whether entries of this coordinate system mean anything to the channel.
+    pub(super) fn heeds(&self, crd: Crd) -> bool {
+        self.map.has(crd)
+    }
+
+    /// The paths whose on entries are dead.
+    pub(super) fn dead(&self) -> CrdMask {
+        self.dead
+    }
+
+    /// Takes a fact; see the module text.
+    pub(super) fn hear(&mut self, fact: Fact) -> Order {
+        match fact {
+            Fact::Command { on: true } => self.command_on(),
+            Fact::Command { on: false } => {
+                self.vetoed = true;
+                self.off()
+            }
+            Fact::Entry { run, .. } if !self.map.has(run.crd) => Order::Ignored(Ignored::NotMapped),
+            Fact::Entry { on: true, run } => self.entry_on(run.crd),
+            Fact::Entry { on: false, .. } => self.off(),
+            Fact::Starts { run, resumes } => self.start(run, resumes),
+            Fact::Rests { run, end } => self.rest(run, end),
+            Fact::Stops { crds } => {
+                self.stopping.0 |= crds.0 & self.running.0;
+                let (mapped, is_off) = (crds.0 & self.map.0, self.light == Light::Off);
+                if mapped == 0 || mapped & self.running.0 != 0 || is_off { Order::Keep } else { self.off() }
+            }
+            Fact::FollowBegins { crd } => {
+                self.drop_waiting();
+                self.follow = Some(crd);
+                Order::Keep
+            }
+            Fact::FollowEnds => {
+                self.drop_waiting();
+                self.follow = None;
+                Order::Keep
+            }
+            Fact::Map { crds } => self.take_map(crds),
+            Fact::Output { there } => {
+                self.output = there;
+                Order::Keep
+            }
+            Fact::Withdraw => self.cut(),
+            Fact::PowerOn => {
+                self.vetoed = false;
+                self.cut()
+            }
+            Fact::Latched { link } => self.latch(link),
+            Fact::Cleared => {
+                self.latch = Latch::None;
+                Order::Keep
+            }
+            Fact::Abort { refuses } => {
+                self.dead.0 |= self.running.0;
+                if refuses {
+                    // All motion brakes.
+                    (self.aborting, self.stopping) = (true, self.running);
+                }
+                self.cut()
+            }
+            Fact::AbortOver => {
+                self.aborting = false;
+                Order::Keep
+            }
+            Fact::Relight if self.is_lit() => Order::On,
+            Fact::Relight => Order::Keep,
+        }
+    }
+
+    fn off(&mut self) -> Order {
+        self.light = Light::Off;
+        Order::Off
+    }
+
+    fn cut(&mut self) -> Order {
+        self.light = Light::Off;
+        Order::Cut
+    }
+
+    /// Lights, where the follow allows it.
+    fn light(&mut self, who: Who) -> Order {
+        if self.follow.is_some_and(|crd| !self.running.has(crd)) {
+            self.light = Light::Waits(who);
+            return Order::Keep;
+        }
+        self.light = Light::On(who);
+        Order::On
+    }
+
+    fn command_on(&mut self) -> Order {
+        match self.light {
+            _ if self.latch != Latch::None => Order::Keep,
+            _ if self.aborting => Order::Ignored(Ignored::Aborting),
+            _ if !self.output => Order::Ignored(Ignored::NoOutput),
+            Light::On(Who::Path(_)) => Order::Keep,
+            Light::Off | Light::On(Who::Call) | Light::Held(..) | Light::Waits(_) => {
+                self.vetoed = false;
+                self.light(Who::Call)
+            }
+        }
+    }
+
+    fn entry_on(&mut self, crd: Crd) -> Order {
+        if self.latch != Latch::None || self.dead.has(crd) || self.vetoed && self.stopping.has(crd) {
+            return Order::Keep;
+        }
+        if self.aborting {
+            return Order::Ignored(Ignored::Aborting);
+        }
+        if !self.output {
+            return Order::Ignored(Ignored::NoOutput);
+        }
+        self.vetoed = false;
+        self.light(Who::Path(crd))
+    }
+
+    fn start(&mut self, run: Run, resumes: bool) -> Order {
+        let mask = run.crd.mask().0;
+        self.running.0 |= mask;
+        self.stopping.0 &= !mask;
+        self.fifo1.0 = if run.fifo & 1 == 1 { self.fifo1.0 | mask } else { self.fifo1.0 & !mask };
+        match self.light {
+            Light::Held(who, by) if by.has(run) => {
+                let left = by.without(run);
+                if !resumes || self.latch != Latch::None {
+                    self.light = Light::Off;
+                } else if left.is_empty() {
+                    return self.light(who);
+                } else {
+                    self.light = Light::Held(who, left);
+                }
+                Order::Keep
+            }
+            Light::Waits(who) if self.follow == Some(run.crd) => self.light(who),
+            Light::Off | Light::On(_) | Light::Held(..) | Light::Waits(_) => Order::Keep,
+        }
+    }
+
+    fn rest(&mut self, run: Run, end: End) -> Order {
+        let crd = run.crd;
+        let was_stopped = self.stopping.has(crd);
+        for of in [&mut self.running, &mut self.stopping, &mut self.fifo1, &mut self.dead] {
+            of.0 &= !crd.mask().0;
+        }
+        let is_mapped = self.map.has(crd);
+        match (self.light, end) {
+            (Light::Off, _) => Order::Keep,
+            (_, End::Failed) if is_mapped => self.cut(),
+            (Light::On(who), End::Stopped) if is_mapped => {
+                self.light = Light::Held(who, Holders::of(run));
+                Order::Off
+            }
+            (Light::Waits(who), End::Stopped) if is_mapped => {
+                self.light = Light::Held(who, Holders::of(run));
+                Order::Keep
+            }
+            (Light::Held(who, by), End::Stopped) if is_mapped => {
+                self.light = Light::Held(who, by.and(run));
+                Order::Keep
+            }
+            // What another FIFO of it holds waits for that one.
+            (Light::Held(_, by), _) if by.0 & Holders::both(crd) & !Holders::of(run).0 != 0 => Order::Keep,
+            (Light::On(who) | Light::Held(who, _) | Light::Waits(who), _) => {
+                let its = who == Who::Path(crd) || self.follow == Some(crd);
+                if its || was_stopped && is_mapped { self.off() } else { Order::Keep }
+            }
+        }
+    }
+
+    fn take_map(&mut self, crds: CrdMask) -> Order {
+        self.map = crds;
+        let kept = match self.light {
+            Light::Off | Light::On(Who::Call) | Light::Waits(Who::Call) => true,
+            Light::On(Who::Path(crd)) | Light::Waits(Who::Path(crd)) => crds.has(crd),
+            Light::Held(..) => self.owners().0 & !crds.0 == 0,
+        };
+        if kept { Order::Keep } else { self.off() }
+    }
+
+    fn latch(&mut self, link: bool) -> Order {
+        self.latch = if link && self.latch != Latch::Other { Latch::LinkLost } else { Latch::Other };
+        let runs = CrdMask(self.running.0 & self.map.0);
+        let (who, by) = match self.light {
+            Light::On(who) if link => (who, Holders(0)),
+            Light::Held(who, by) if link => (who, by),
+            Light::Off | Light::On(_) | Light::Held(..) | Light::Waits(_) => return self.cut(),
+        };
+        let run = |crd: Crd| Run { crd, fifo: self.fifo1.has(crd) as u8 };
+        let by = runs.crds().fold(by, |by, crd| by.and(run(crd)));
+        self.light = if by.is_empty() { Light::Off } else { Light::Held(who, by) };
+        Order::Cut
+    }
+
+    fn drop_waiting(&mut self) {
+        if let Light::Waits(_) = self.light {
+            self.light = Light::Off;
+        }
+    }
+}

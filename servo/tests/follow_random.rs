@@ -1,0 +1,598 @@
+//! Random chains of axes, renamed between runs, their masters planned again during them: every slave is, tick by tick, where the
+//! places of its master put it, and never goes further than these do times its ratio.
+//!
+//! More programs than in a build of every day are asked for with FOLLOW_PROGRAMS, others with FOLLOW_SEED.
+mod chance;
+mod follow_reference;
+mod tick_bench;
+use chance::Chance;
+use follow_reference::{Begin, Datum, Known, Slave, Way, fixed};
+use servo::follow::{Direction, Event as Start, Value};
+use servo::op::{Mode, Op};
+use servo::path::{Along, Entry, Rate};
+use servo::units::{AxisMask, Ns, Pos};
+use servo::view::{StopReason, View};
+use servo::{status, steps};
+use tick_bench::*;
+
+/// Deviations in the servo, of a slave and of all slaves before it, and in the reference.
+const CLOSE: i128 = 1 << (48 - 16);
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Jog,
+    Trap,
+    Pt,
+    Pvt,
+    Crd,
+}
+
+/// One link of the chain.
+struct Link {
+    axis: usize,
+    master: usize,
+    value: Value,
+    dir: i128,
+    data: [Option<Vec<Datum>>; 2],
+    passes: u32,
+    event: Start,
+    /// While it follows.
+    slave: Option<Slave>,
+    /// It has been told to stop in the tick to come, or to brake behind it.
+    told: Option<bool>,
+    steepest: f64,
+}
+
+struct Program {
+    chance: Chance,
+    bench: Bench,
+    view: View<AXES>,
+    kind: Kind,
+    master: usize,
+    mode: Mode,
+    links: Vec<Link>,
+    /// Places of the machine and counts of the encoders at the tick before.
+    places: [Pos; AXES],
+    counts: [i64; AXES],
+    /// End of what a PT master was given.
+    stream: (f64, i32),
+    log: Vec<String>,
+    /// Positions that were compared; ways of slaves that turned round between ticks.
+    compared: u64,
+    exact: u64,
+}
+
+fn named(bench: &Bench, view: &View<AXES>, index: usize) -> i128 {
+    fixed(bench.machine.set_points[index]) - fixed(view.axes[index].pos)
+}
+
+impl Program {
+    fn new(seed: u64) -> Program {
+        let mut chance = Chance::new(seed);
+        let period = [100, 250, 250, 250, 300, 1000][chance.below(6) as usize];
+        let mode = [Mode::Follow, Mode::FollowEx][chance.below(2) as usize];
+        let mut order: Vec<usize> = (0..AXES).collect();
+        for i in (1..AXES).rev() {
+            order.swap(i, chance.below(i as u64 + 1) as usize);
+        }
+        let kind =
+            [Kind::Jog, Kind::Jog, Kind::Trap, Kind::Trap, Kind::Pt, Kind::Pvt, Kind::Crd][chance.below(7) as usize];
+        let mut bench = Bench::ready(period, mode);
+        let depth = 2 + chance.below(3) as usize;
+        let links = (1..depth)
+            .map(|k| {
+                let master = order[if chance.below(4) == 0 { chance.below(k as u64) as usize } else { k - 1 }];
+                let value = if chance.below(8) == 0 { Value::Encoder } else { Value::Planned };
+                let data = [None, None];
+                let (dir, passes, told, slave, steepest) = (0, 1, None, None, 0.0);
+                Link { axis: order[k], master, value, dir, data, passes, event: Start::Start, slave, told, steepest }
+            })
+            .collect();
+        let view = bench.tick();
+        let places = bench.machine.set_points;
+        let (log, compared, exact) = (vec![format!("{kind:?} {period} us {mode:?} {order:?} {depth}")], 0, 0);
+        let (counts, stream, master) = ([0; AXES], (0.0, 0), order[0]);
+        Program { chance, bench, view, kind, master, mode, links, places, counts, stream, log, compared, exact }
+    }
+
+    fn note(&mut self, text: String) {
+        self.log.push(format!("tick {}: {text}", self.view.tick));
+    }
+
+    fn now(&mut self, op: Op) {
+        self.note(format!("{op:?}"));
+        self.bench.now(op);
+    }
+
+    fn below(&mut self, n: u64) -> u64 {
+        self.chance.below(n)
+    }
+
+    fn real(&mut self, low: f64, high: f64) -> f64 {
+        low + self.chance.unit() * (high - low)
+    }
+
+    /// Positions get other names.
+    fn rename(&mut self, index: usize) {
+        let axis = axis(index);
+        let pulses = self.below(2001) as i64 - 1000;
+        match self.below(5) {
+            0 => self.now(Op::Zero { axes: axis.mask() }),
+            1 => self.now(Op::Synchronise { axes: axis.mask() }),
+            2 => self.now(Op::SetEncoder { axis, pulses }),
+            _ => self.now(Op::SetPosition { axis, pos: Pos::pulses(pulses as i32) }),
+        }
+    }
+
+    /// Data whose ratios stay below 2.
+    fn data(&mut self, dir: i128) -> Vec<Datum> {
+        let (mut master, mut slave, mut ratio) = (0i64, 0i64, 0.0f64);
+        let down = dir != 1 && self.below(3) == 0;
+        let count = 1 + self.below(5);
+        let first = if self.below(3) == 0 { 3 } else { 0 };
+        let mut data = Vec::new();
+        for k in 0..count {
+            let length = 300 + self.below(1500) as i64;
+            // A displacement for which the end ratio is one that was chosen; the first ones may go on from another.
+            let end = self.real(-1.5, 2.0);
+            let kind = if k == 0 && first == 3 { 3 } else { [0, 0, 1, 2][self.below(4) as usize] };
+            let mean = match kind {
+                1 => end,
+                2 => end / 2.0,
+                _ => (ratio + end) / 2.0,
+            };
+            let way = (mean * length as f64) as i64;
+            let mean = way as f64 / length as f64;
+            ratio = match kind {
+                1 => mean,
+                2 => 0.0,
+                _ => 2.0 * mean - ratio,
+            };
+            (master, slave) = (master + length, slave + way);
+            let percent = if self.mode == Mode::FollowEx && kind != 1 { self.below(101) as i16 } else { 0 };
+            data.push((if down { -master } else { master }, slave, kind, percent));
+        }
+        data
+    }
+
+    /// Three tables for a master that runs them, at rest.
+    fn tables(&mut self) {
+        for table in 0..3 {
+            let mut at = 0;
+            let knots: Vec<(u64, i64, i64)> = (0..2 + self.below(5))
+                .map(|k| {
+                    at += if k == 0 { 0 } else { 2 + self.below(30) };
+                    let place = if k == 0 { 0 } else { self.below(60) as i64 - 30 };
+                    (at, place, self.below(6 << 16) as i64 - (3 << 16))
+                })
+                .collect();
+            self.note(format!("table {table} {knots:?}"));
+            let delay = self.below(5);
+            self.bench.table(table, delay, &knots);
+        }
+    }
+
+    fn configure(&mut self, k: usize) {
+        let axis = axis(self.links[k].axis);
+        let index = axis.index();
+        self.now(Op::SetMode { axis, mode: Mode::Trap });
+        self.now(Op::SetMode { axis, mode: self.mode });
+        let dir = [0, 1, -1][self.below(3) as usize];
+        let direction = [Direction::Down, Direction::Both, Direction::Up][(dir + 1) as usize];
+        self.now(Op::FollowDirection { axis, direction });
+        let (master, value) = (self.links[k].master, self.links[k].value);
+        self.bench.follows(index, master, value);
+        let mut all = [None, None];
+        for fifo in 0..1 + self.below(2) as u8 {
+            self.bench.emptied(index, fifo);
+            let mut data = self.data(dir);
+            // A FIFO downwards means no direction of its own.
+            if dir == -1 {
+                data.iter_mut().for_each(|datum| datum.0 = datum.0.abs());
+            }
+            let items: Vec<Item> =
+                data.iter().map(|&(m, s, kind, c)| Item::Data(m as f64 / 8.0, s as f64 / 8.0, kind, c)).collect();
+            self.bench.follow_in(index, fifo, direction, &items);
+            self.note(format!("data {index} {fifo} {data:?}"));
+            all[fifo as usize] = Some(data);
+        }
+        let passes = self.below(4) as u32;
+        self.now(Op::FollowLoop { axis, passes });
+        let link = &mut self.links[k];
+        (link.dir, link.data, link.passes) = (dir, all, passes);
+    }
+
+    fn event(&mut self, k: usize) {
+        let axis = axis(self.links[k].axis);
+        let near = self.view.axes[self.links[k].master].pos.0 >> Pos::FRAC_BITS;
+        let event = if self.below(4) == 0 {
+            Start::Pass { up: self.below(2) == 0, pos: near as i32 + self.below(101) as i32 - 50 }
+        } else {
+            Start::Start
+        };
+        self.now(Op::FollowEvent { axis, event });
+        self.links[k].event = event;
+    }
+
+    /// FollowStart of some links.
+    fn start(&mut self, links: &[usize]) {
+        let axes: Vec<usize> = links.iter().map(|k| self.links[*k].axis).collect();
+        self.now(Op::FollowStart { axes: all(&axes), fifo1: AxisMask(0) });
+        for &k in links {
+            let Link { axis, master, value, dir, passes, event, .. } = self.links[k];
+            let begin = match event {
+                Start::Start => Begin::Start,
+                Start::Pass { up, pos } => {
+                    let zero = match value {
+                        Value::Planned => named(&self.bench, &self.view, master),
+                        _ => {
+                            let shift = self.view.axes[master].encoder - self.counts[master];
+                            -fixed(Pos::pulses(shift as i32))
+                        }
+                    };
+                    Begin::Pass(up, fixed(Pos::pulses(pos)) + zero)
+                }
+            };
+            let origin = fixed(self.bench.machine.set_points[axis]);
+            let data = self.links[k].data.clone();
+            let slave = Slave::new(data, dir, passes, begin, origin);
+            (self.links[k].slave, self.links[k].told) = (Some(slave), None);
+        }
+    }
+
+    /// The master sets off, or goes elsewhere.
+    fn drive(&mut self) {
+        let axis = axis(self.master);
+        match self.kind {
+            Kind::Jog => {
+                let (velocity, acc, dec) = (self.real(-6.0, 6.0), self.real(0.02, 2.0), self.real(0.02, 2.0));
+                let velocity = if self.below(4) == 0 { 0.0 } else { velocity };
+                let smooth = if self.below(3) == 0 { self.below(65536) as u16 } else { 0 };
+                self.now(Op::JogPrm { axis, acc: accel(acc), dec: accel(dec), smooth });
+                self.now(Op::TargetSpeed { axis, speed: speed(velocity) });
+                self.now(Op::Update { axes: axis.mask() });
+            }
+            Kind::Trap => {
+                let (velocity, acc, dec) = (self.real(0.5, 6.0), self.real(0.02, 2.0), self.real(0.02, 2.0));
+                let smooth = Ns(if self.below(3) == 0 { self.below(20) * MS } else { 0 });
+                self.now(Op::TrapPrm { axis, acc: accel(acc), dec: accel(dec), vel_start: speed(0.0), smooth });
+                self.now(Op::TargetSpeed { axis, speed: speed(velocity) });
+                let near = (self.view.axes[self.master].pos.0 >> Pos::FRAC_BITS) as i32;
+                let way = self.below(801) as i32 - 400;
+                self.now(Op::TargetPosition { axis, pulses: near + way });
+                self.now(Op::Update { axes: axis.mask() });
+            }
+            Kind::Pt => {
+                // What comes while it runs is appended.
+                let runs = has(&self.view.axes[self.master], status::RUNNING);
+                if !runs {
+                    self.bench.forget(self.master);
+                    self.now(Op::PtClear { axis, fifo: 0 });
+                    self.stream = (0.0, 0);
+                }
+                let segments: Vec<(f64, i32, i16)> = (0..1 + self.below(6))
+                    .map(|_| {
+                        let way = 1 + self.below(30) as i32;
+                        let mean = self.real(-2.0, 2.0);
+                        let (pos, time) = &mut self.stream;
+                        (*pos, *time) = (*pos + mean * f64::from(way), *time + way);
+                        let (pos, time) = self.stream;
+                        (pos, time, [0, 1, 1, 2][self.below(4) as usize])
+                    })
+                    .collect();
+                self.note(format!("pt {segments:?}"));
+                self.bench.pt(self.master, 0, &segments);
+                let passes = self.below(3) as u32;
+                self.now(Op::PtLoop { axis, passes });
+                if !runs {
+                    self.now(Op::PtStart { axes: axis.mask(), fifo1: AxisMask(0) });
+                }
+            }
+            Kind::Pvt => {
+                let (table, passes) = (self.below(3) as u8, self.below(3) as u32);
+                self.now(Op::PvtSelect { axis, table });
+                self.now(Op::PvtLoop { axis, passes });
+                self.now(Op::PvtStart { axes: axis.mask() });
+            }
+            Kind::Crd => {
+                let entries: Vec<Entry> = (0..3 + self.below(10))
+                    .map(|_| {
+                        let to = [self.below(101) as i32 - 50, self.below(101) as i32 - 50];
+                        let (vel, acc, end) = (self.real(0.5, 6.0), self.real(0.02, 2.0), self.real(0.0, 6.0));
+                        let along = Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap();
+                        if self.below(8) == 0 { Entry::delay(self.below(9) as u16) } else { Entry::planar(to, along) }
+                    })
+                    .collect();
+                self.note(format!("path {entries:?}"));
+                self.bench.path(0, 0, &entries);
+                self.bench.start_path(&[0]);
+            }
+        }
+    }
+
+    /// Something happens to the master, or to a slave.
+    fn disturb(&mut self) {
+        let axis = axis(self.master);
+        let soft = matches!(self.kind, Kind::Jog | Kind::Trap);
+        match self.below(16) {
+            0..=5 if soft => self.drive(),
+            0..=2 if self.kind == Kind::Crd => {
+                let rate = Rate::admit(self.real(0.1, 1.0).to_bits()).unwrap();
+                self.now(Op::CrdRate { crd: crd(0), rate });
+            }
+            0..=2 if self.kind == Kind::Pvt => {
+                let table = self.below(3) as u8;
+                self.now(Op::PvtSelect { axis, table });
+            }
+            3 if !soft => self.drive(),
+            6 | 7 => self.now(Op::stop(axis.mask(), AxisMask(0))),
+            8 => {
+                self.now(Op::stop(axis.mask(), axis.mask()));
+                self.rename(self.master);
+            }
+            9 => {
+                self.now(Op::Servo { axis, on: false });
+                self.now(Op::Servo { axis, on: true });
+            }
+            10 => {
+                let index = self.below(AXES as u64) as usize;
+                let running = has(&self.view.axes[index], status::RUNNING);
+                // What rests may set off in this tick: then its name is in force from the start on, here as there.
+                if running || self.links.iter().all(|link| link.axis != index) && index != self.master {
+                    self.rename(index);
+                }
+            }
+            11 => self.now(Op::Link { lost: true }),
+            12 | 13 => {
+                let k = self.below(self.links.len() as u64) as usize;
+                let axis = self.links[k].axis;
+                if self.links[k].slave.as_ref().is_some_and(Slave::may_switch)
+                    && has(&self.view.axes[axis], status::RUNNING)
+                {
+                    self.now(Op::FollowSwitch { axes: all(&[axis]) });
+                    self.links[k].slave.as_mut().unwrap().switching = true;
+                }
+            }
+            14 => {
+                let (k, passes) = (self.below(self.links.len() as u64) as usize, self.below(4) as u32);
+                let axis = tick_bench::axis(self.links[k].axis);
+                self.now(Op::FollowLoop { axis, passes });
+                self.links[k].passes = passes;
+                if let Some(slave) = &mut self.links[k].slave {
+                    slave.passes = passes;
+                }
+            }
+            _ => {
+                let (k, abrupt) = (self.below(self.links.len() as u64) as usize, self.below(2) == 0);
+                let mask = all(&[self.links[k].axis]);
+                self.now(Op::stop(mask, if abrupt { mask } else { AxisMask(0) }));
+                self.links[k].told = Some(abrupt);
+            }
+        }
+    }
+
+    /// A tick, and whether it is right.
+    fn tick(&mut self) -> Result<(), String> {
+        let before = self.view;
+        let counts: [i64; AXES] = std::array::from_fn(|axis| {
+            steps::whole(self.bench.machine.set_points[axis]) + self.bench.machine.slip[axis]
+        });
+        let (places, counted) = (self.places, self.counts);
+        self.view = self.bench.tick();
+        (self.places, self.counts) = (self.bench.machine.set_points, counts);
+        let view = &self.view;
+        let period = view.period.0 as f64 / 1e6;
+        let mut ways = [None; AXES];
+        for link in &mut self.links {
+            let Some(slave) = &mut link.slave else { continue };
+            // Only what changes its direction goes further than at both ticks. If its velocity jumps, it may do so twice.
+            let beyond = |axis: usize| {
+                let [v0, v1] = [&before, view].map(|view| real(view.velocity(&view.axes[axis])));
+                let [from, to] = [&places, &self.places].map(|places| fixed(places[axis]));
+                let (way, mean) = (follow_reference::pulses(to - from), (v0 + v1) / 2.0 * period);
+                let pass = |view: &View<AXES>| {
+                    let axis = &view.axes[axis];
+                    (axis.passes, axis.table, axis.table_zero, axis.fifo)
+                };
+                let straight = v0 * v1 > 0.0 && (way - mean).abs() < mean.abs() * 0.3 && pass(&before) == pass(view);
+                let most = 2.0 * v0.abs().max(v1.abs()) * period;
+                (from, to, (!straight).then_some((most * 2f64.powi(48)) as i128))
+            };
+            let way = if link.value == Value::Encoder {
+                let place = |counts: [i64; AXES]| fixed(Pos::pulses(counts[link.master] as i32));
+                Way::within(place(counted), place(counts), 0)
+            } else {
+                let (from, to, beyond) = beyond(link.master);
+                let way: Option<Way> = ways[link.master];
+                way.unwrap_or_else(|| Way::within(from, to, beyond.unwrap_or(0)))
+            };
+            let Way { from, to, .. } = way;
+            link.steepest = link.steepest.max(slave.steepest());
+            let axis = &view.axes[link.axis];
+            let runs = has(axis, status::RUNNING);
+            let (old, place) = (fixed(places[link.axis]), fixed(self.places[link.axis]));
+            let told = link.told.take();
+            if told == Some(true) {
+                link.slave = None;
+                if place != old || runs {
+                    return Err(format!("axis {} has not stopped: {:?}", link.axis, axis.stop));
+                }
+                continue;
+            }
+            let turns = beyond(link.axis).2.is_some();
+            let (known, extremes) = slave.step(&way, turns);
+            link.steepest = link.steepest.max(slave.steepest());
+            let most = way.length() as f64 * link.steepest * 1.0001;
+            if let Some((low, high)) = extremes {
+                let (low, high) = (low.min(old).min(place), high.max(old).max(place));
+                ways[link.axis] = Some(Way { from: old, to: place, high: (high, high), low: (low, low) });
+                self.exact += (low < old.min(place) || high > old.max(place)) as u64;
+            } else if turns {
+                ways[link.axis] = Some(Way::within(old, place, most as i128));
+            }
+            if (place - old).abs() > most as i128 + 2 * CLOSE {
+                return Err(format!(
+                    "axis {} jumps from {} to {}, its master from {} to {}",
+                    link.axis,
+                    follow_reference::pulses(old),
+                    follow_reference::pulses(place),
+                    follow_reference::pulses(from),
+                    follow_reference::pulses(to)
+                ));
+            }
+            let speed = |axis: usize| real(view.velocity(&view.axes[axis]));
+            let back = link.value == Value::Planned && speed(link.master) * (link.dir as f64) < 0.0;
+            if back && runs && told.is_none() && speed(link.axis) != 0.0 {
+                return Err(format!("axis {} goes at {} where its master goes back", link.axis, speed(link.axis)));
+            }
+            let (low, high) = match known {
+                Known::Runs(low, high) => {
+                    if !runs && told.is_none() {
+                        return Err(format!("axis {} has ended: {:?}", link.axis, axis.stop));
+                    }
+                    (low, high)
+                }
+                Known::Ended(at) => {
+                    if runs || axis.stop != StopReason::Completed {
+                        return Err(format!("axis {} has not ended", link.axis));
+                    }
+                    (at, at)
+                }
+                Known::Nothing => {
+                    link.slave = None;
+                    continue;
+                }
+            };
+            self.compared += 1;
+            if place < low - CLOSE || place > high + CLOSE {
+                return Err(format!(
+                    "axis {} is at {}, not from {} to {}; its master went from {} to {}",
+                    link.axis,
+                    follow_reference::pulses(place),
+                    follow_reference::pulses(low),
+                    follow_reference::pulses(high),
+                    follow_reference::pulses(from),
+                    follow_reference::pulses(to)
+                ));
+            }
+            if !runs || told.is_some() {
+                link.slave = None;
+            }
+        }
+        Ok(())
+    }
+
+    fn ticks(&mut self, count: u64) -> Result<(), String> {
+        (0..count).try_for_each(|_| self.tick())
+    }
+
+    /// Until nothing moves.
+    fn rest(&mut self, smooth: bool) -> Result<(), String> {
+        let every = AxisMask(0xff);
+        self.now(Op::stop(every, if smooth { AxisMask(0) } else { every }));
+        for link in &mut self.links {
+            link.told = Some(!smooth);
+        }
+        self.tick()?;
+        for _ in 0..100_000 {
+            if self.view.axes.iter().all(|axis| !has(axis, status::RUNNING)) {
+                self.ticks(2)?;
+                for index in 0..AXES {
+                    self.bench.now(Op::ClearStatus { axes: all(&[index]) });
+                }
+                return self.tick();
+            }
+            self.tick()?;
+        }
+        Err("no rest".into())
+    }
+
+    fn run(&mut self) -> Result<(), String> {
+        let mode = match self.kind {
+            Kind::Jog => Mode::Jog,
+            Kind::Trap | Kind::Crd => Mode::Trap,
+            Kind::Pt => Mode::PtStatic,
+            Kind::Pvt => Mode::Pvt,
+        };
+        self.now(Op::SetMode { axis: axis(self.master), mode });
+        if self.kind == Kind::Crd {
+            let other =
+                (0..AXES).find(|index| *index != self.master && self.links.iter().all(|link| link.axis != *index));
+            self.bench.frame(0, &[self.master, other.unwrap()], None);
+        }
+        self.tick()?;
+        for run in 0..2 + self.below(2) {
+            for index in 0..AXES {
+                if self.below(2) == 0 {
+                    self.rename(index);
+                }
+            }
+            if self.kind == Kind::Crd {
+                self.bench.clear_path(0, 0);
+            }
+            self.tick()?;
+            if self.kind == Kind::Pvt {
+                self.tables();
+            }
+            for k in 0..self.links.len() {
+                if run == 0 || self.below(2) == 0 || self.view.axes[self.links[k].axis].cleared != [0; 2] {
+                    self.configure(k);
+                }
+                self.event(k);
+            }
+            let wait = self.below(20);
+            self.ticks(1 + wait)?;
+            let every: Vec<usize> = (0..self.links.len()).collect();
+            if self.below(3) == 0 {
+                self.drive();
+                let wait = self.below(60);
+                self.ticks(1 + wait)?;
+            }
+            if self.below(2) == 0 {
+                self.start(&every);
+            } else {
+                for k in every.into_iter().rev() {
+                    self.start(&[k]);
+                    let wait = self.below(10);
+                    self.ticks(1 + wait)?;
+                }
+            }
+            self.drive();
+            // The name that counts for a crossing is that at the end of the tick of FollowStart.
+            self.tick()?;
+            let often = 10 + self.below(100);
+            for _ in 0..100 + self.below(400) {
+                if self.below(often) == 0 {
+                    self.disturb();
+                }
+                self.tick()?;
+            }
+            let smooth = self.below(2) == 0;
+            self.rest(smooth)?;
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn slaves_are_where_their_masters_put_them() {
+    let number = |name: &str, other| std::env::var(name).map_or(other, |n| n.parse().unwrap());
+    let (first, count): (u64, u64) = (number("FOLLOW_SEED", 1), number("FOLLOW_PROGRAMS", 400));
+    let keep_on = std::env::var("FOLLOW_COUNT").is_ok();
+    let (mut compared, mut exact, mut wrong) = (0, 0, 0);
+    for seed in first..first + count {
+        let mut program = Program::new(seed);
+        if let Err(what) = program.run() {
+            wrong += 1;
+            if !keep_on {
+                let log = program.log.join("\n");
+                panic!("program {seed} ({} of them): {what} at tick {}\n{log}", seed - first + 1, program.view.tick);
+            }
+            println!("program {seed}: {what}");
+        }
+        (compared, exact) = (compared + program.compared, exact + program.exact);
+    }
+    println!("{count} programs, {compared} places, {exact} turns of slaves, {wrong} wrong");
+    assert_eq!(wrong, 0);
+    assert!(compared > 500 * count);
+}

@@ -1,0 +1,249 @@
+//! Causes of darkness that meet a path on its way (SPEC 9): edge of travel, another axis, an underrun and what comes with it.
+mod laser_bench;
+use laser_bench::*;
+use servo::laser::{Cause, Change, Family};
+use servo::op::{DoGroup, Mode as AxisMode, Op};
+use servo::path::Entry;
+use servo::units::{AxisMask, Pos, StepLimit};
+use servo::view::{LaserView, StopReason, View};
+
+/// Coordinate system 1 on axes 1 and 2; channel 0 heeds it, channel 1 heeds coordinate system 2 alone. Both are lit by calls.
+fn ready(period_us: u32) -> Bench {
+    let mut bench = Bench::new(period_us);
+    bench.change(Change::Reset { family: Family::Gus });
+    bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
+    bench.frame(0, &[0, 1]);
+    bench.carrier(10.0);
+    bench.direct(100.0);
+    for (channel, map) in [(0, 0b01), (1, 0b10)] {
+        bench.op(Op::Laser { channel, change: Change::CrdMap { map } });
+        bench.op(Op::Laser { channel, change: Change::Gate { on: true } });
+    }
+    bench
+}
+
+/// Ticks until coordinate system 1 is at rest, and what the view told one tick before.
+fn rest(bench: &mut Bench) -> (View<AXES>, View<AXES>) {
+    let mut before = bench.view();
+    loop {
+        bench.tick();
+        let now = bench.view();
+        assert!(now.now.0 < 10_000 * MS, "it does not come to rest");
+        if before.crds[0].runs && !now.crds[0].runs {
+            return (before, now);
+        }
+        before = now;
+    }
+}
+
+fn told(lasers: &[LaserView; 2]) -> [(Cause, bool); 2] {
+    [0, 1].map(|channel| (lasers[channel].fault, lasers[channel].light))
+}
+
+/// 2⁴⁰ pulses from 0 on either side a path goes no further: the channel that heeds it goes dark with the cause Fault in that tick,
+/// stays dark, and ClrSts of a mapped axis is what ends it.
+#[test]
+fn a_path_at_the_edge_of_travel_puts_out_its_lasers() {
+    for (period, way) in [(50, 1), (250, -1), (1000, 1), (1000, -1)] {
+        let mut bench = ready(period);
+        bench.op(Op::SetPosition { axis: axis(0), pos: Pos((Pos::TRAVEL.0 - (100 << Pos::FRAC_BITS)) * way) });
+        bench.frame(0, &[0, 1]);
+        bench.path(0, &[line([400 * way as i32, 0], 10.0, 1.0, 0.0)]);
+        bench.start(1);
+        let (before, now) = rest(&mut bench);
+        assert_eq!((now.crds[0].stop, now.axes[0].stop), (StopReason::Travel, StopReason::Travel));
+        assert!(now.axes[0].pos.0.abs() <= Pos::TRAVEL.0 && now.axes[0].pos.0.abs() > Pos::TRAVEL.0 - (20 << 22));
+        assert_eq!(told(&before.lasers), [(Cause::None, true); 2]);
+        assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)], "{period}");
+        bench.tick();
+        bench.gate(true);
+        bench.until(bench.tick.now().0 + 5 * MS);
+        assert_eq!(told(&bench.view().lasers), [(Cause::Fault, false), (Cause::None, true)]);
+        bench.op(Op::ClearStatus { axes: AxisMask(0b10) });
+        bench.tick();
+        assert_eq!(bench.view().lasers[0].fault, Cause::None);
+        assert!(!bench.view().lasers[0].light, "clearing lights nothing");
+    }
+}
+
+/// An entry asks an axis for what it must not do, its servo being off: the path stops, and what heeds it goes dark at once.
+#[test]
+fn an_axis_that_refuses_an_entry_puts_out_the_lasers_of_its_path() {
+    for period in [50, 250, 1000] {
+        let mut bench = ready(period);
+        bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
+        bench.op(Op::Output { group: DoGroup::Enable, mask: 0b1000, value: 0 });
+        let away = Entry::travel(axis(3), 50, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), false).unwrap();
+        bench.path(0, &[line([37, 0], 10.0, 1.0, 0.0), away, line([0, 0], 10.0, 1.0, 0.0)]);
+        bench.start(1);
+        let (before, now) = rest(&mut bench);
+        assert_eq!(now.crds[0].stop, StopReason::OtherAxis);
+        assert_eq!(told(&before.lasers)[1], (Cause::None, true));
+        assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)], "{period}");
+    }
+}
+
+/// An alarm of an axis that only goes along with the path: the same.
+#[test]
+fn an_alarm_of_an_axis_that_goes_along_puts_out_the_lasers_of_its_path() {
+    for period in [50, 250, 1000] {
+        let mut bench = ready(period);
+        bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
+        bench.path(0, &[Entry::gear(axis(3), 50), line([400, 0], 10.0, 1.0, 0.0)]);
+        let zero = bench.start(1);
+        bench.until(zero + 20 * MS);
+        assert!(bench.view().crds[0].runs && bench.view().lasers[0].light);
+        bench.machine.inputs[3].alarm = true;
+        bench.tick();
+        let now = bench.view();
+        assert_eq!((now.crds[0].runs, now.crds[0].stop), (false, StopReason::OtherAxis));
+        assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)], "{period}");
+        assert_eq!(bench.switch().last(), Some(&(zero + 20 * MS, false)));
+    }
+}
+
+/// The path waits for an axis that is stopped on its way: the same.
+#[test]
+fn an_axis_that_is_waited_for_and_does_not_come_puts_out_the_lasers_of_its_path() {
+    let mut bench = ready(250);
+    bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
+    let away = Entry::travel(axis(3), 500, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), true).unwrap();
+    bench.path(0, &[line([37, 0], 10.0, 1.0, 0.0), away, line([0, 0], 10.0, 1.0, 0.0)]);
+    let zero = bench.start(1);
+    bench.until(zero + 50 * MS);
+    assert!(bench.view().crds[0].runs && bench.view().lasers[0].light);
+    bench.op(Op::stop(AxisMask(0b1000), AxisMask(0b1000)));
+    let (_, now) = rest(&mut bench);
+    assert_eq!(now.crds[0].stop, StopReason::OtherAxis);
+    assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)]);
+}
+
+/// Ticks of 0.7 ms; the path of coordinate system 1 runs out at speed 12 ms after its start, which is 0.1 ms behind a tick.
+/// Just before the tick of 11.9 ms, when the plan that goes dark at 12 ms is with the machine.
+fn running_out() -> (Bench, u64) {
+    let mut bench = ready(700);
+    bench.path(0, &[light(true), line([50, 0], 10.0, 1.0, 10.0), line([68, 0], 10.0, 1.0, 0.0)]);
+    let zero = bench.start(1);
+    bench.until(zero + 11_900_000);
+    assert!(bench.view().lasers[0].light);
+    (bench, zero)
+}
+
+/// An underrun within an interval is dark at its instant, and in the first tick behind it all is told to rest.
+#[test]
+fn all_is_told_to_rest_in_the_first_tick_behind_an_underrun() {
+    let (mut bench, zero) = running_out();
+    bench.until(zero + 30 * 700_000);
+    assert_eq!(bench.switch().last(), Some(&(zero + 12_000_000, false)));
+    assert_eq!(bench.machine.outputs[0].rests, Some(zero + 12_600_000));
+    assert_eq!(bench.machine.outputs[1].rests, None);
+}
+
+/// Another cause that comes before the instant of an underrun waits for it no longer: dark in that very tick.
+#[test]
+fn a_cause_that_comes_before_the_instant_of_an_underrun_is_dark_at_once() {
+    type Break = fn(&mut Bench);
+    let breaks: [(&str, Break); 6] = [
+        ("interlock", |bench| bench.machine.interlock = true),
+        ("overrun", |bench| bench.tick.overrun()),
+        ("alarm", |bench| bench.machine.inputs[0].alarm = true),
+        ("limit", |bench| bench.machine.inputs[1].limit_negative = true),
+        ("servo off", |bench| bench.op(Op::Servo { axis: axis(0), on: false })),
+        ("link lost", |bench| bench.op(Op::Link { lost: true })),
+    ];
+    for (name, act) in breaks {
+        let (mut bench, zero) = running_out();
+        act(&mut bench);
+        bench.until(zero + 30 * 700_000);
+        assert_eq!(bench.switch().last(), Some(&(zero + 11_900_000, false)), "{name}");
+        assert_eq!(bench.pulses().last().map(|pulse| pulse.1), Some(zero + 11_900_000), "{name}");
+        assert_eq!(bench.machine.outputs[0].rests, Some(zero + 11_900_000), "{name}");
+        assert_eq!(bench.view().lasers[0].fault, Cause::Underrun, "{name}: the first one is told");
+    }
+}
+
+/// A soft limit on the way of a path: dark in the tick that finds it, for a limit.
+#[test]
+fn a_soft_limit_on_a_path_puts_out_its_lasers() {
+    for period in [50, 250, 1000] {
+        let mut bench = ready(period);
+        bench.op(Op::SoftLimit { axis: axis(0), positive: Some(60), negative: None });
+        bench.path(0, &[line([400, 0], 10.0, 1.0, 0.0)]);
+        bench.start(1);
+        let (before, now) = rest(&mut bench);
+        assert_eq!(now.crds[0].stop, StopReason::SoftPositive);
+        assert_eq!(told(&now.lasers), [(Cause::Limit, false), (Cause::None, true)], "{period}");
+        assert_eq!(bench.switch().last(), Some(&(before.now.0, false)));
+    }
+}
+
+/// An encoder that is further away than its limit, at rest or on the way: dark in that tick.
+#[test]
+fn a_following_error_puts_out_the_lasers_of_its_path() {
+    for runs in [false, true] {
+        let mut bench = ready(250);
+        bench.op(Op::PositionError { axis: axis(1), limit: Some(9) });
+        bench.path(0, &[line([400, 0], 10.0, 1.0, 0.0)]);
+        if runs {
+            bench.start(1);
+        }
+        bench.until(5 * MS);
+        bench.machine.encoders[1] = -10;
+        bench.tick();
+        let now = bench.view();
+        assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)]);
+        assert_eq!(bench.switch().last(), Some(&(5 * MS, false)));
+        assert!(!now.crds[0].runs && (!runs || now.crds[0].stop == StopReason::FollowingError));
+    }
+}
+
+/// An alarm and a limit in one tick: the alarm is told, which lasts.
+#[test]
+fn of_two_causes_in_one_tick_the_graver_is_told() {
+    let mut bench = ready(250);
+    bench.until(5 * MS);
+    (bench.machine.inputs[0].alarm, bench.machine.inputs[0].limit_positive) = (true, true);
+    bench.tick();
+    assert_eq!(bench.view().lasers[0].fault, Cause::Alarm);
+}
+
+/// Of an axis that was taken out of its coordinate system, neither an alarm, nor a limit, nor its servo shuts off light there,
+/// and ClrSts of it clears nothing; nor does what happened before an axis was taken in, or a servo that is off already.
+#[test]
+fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
+    type Act = fn(&mut Bench);
+    let acts: [Act; 3] = [
+        |bench| bench.machine.inputs[1].alarm = true,
+        |bench| bench.machine.inputs[1].limit_positive = true,
+        |bench| bench.op(Op::Servo { axis: axis(1), on: false }),
+    ];
+    for (index, act) in acts.into_iter().enumerate() {
+        let mut bench = ready(250);
+        bench.op(Op::SetMode { axis: axis(1), mode: AxisMode::Jog });
+        bench.until(5 * MS);
+        act(&mut bench);
+        bench.until(6 * MS);
+        assert_eq!(told(&bench.view().lasers), [(Cause::None, true); 2], "{index}");
+    }
+    // Clearing.
+    let mut bench = ready(250);
+    bench.until(5 * MS);
+    bench.tick.overrun();
+    bench.op(Op::SetMode { axis: axis(1), mode: AxisMode::Jog });
+    bench.until(6 * MS);
+    bench.op(Op::ClearStatus { axes: AxisMask(0b10) });
+    bench.until(7 * MS);
+    assert_eq!(bench.view().lasers[0].fault, Cause::Overrun);
+    bench.op(Op::ClearStatus { axes: AxisMask(0b01) });
+    bench.until(8 * MS);
+    assert_eq!(bench.view().lasers[0].fault, Cause::None);
+    // What was before.
+    let mut bench = ready(250);
+    bench.machine.inputs[2].limit_positive = true;
+    bench.op(Op::Servo { axis: axis(3), on: false });
+    bench.until(5 * MS);
+    bench.frame(1, &[2, 3]);
+    bench.op(Op::Servo { axis: axis(3), on: false });
+    bench.until(6 * MS);
+    assert_eq!(told(&bench.view().lasers), [(Cause::None, true); 2]);
+}

@@ -1,0 +1,403 @@
+//! Mutants that were found because the tests nearest to them passed, and their kin: each has its test now (docs/mutants.md).
+use super::list::{Mutant, mutant};
+
+const CAUSES: &[&str] = &["-p", "beamtick-servo", "--test", "laser_causes"];
+const CRD_GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "crd_guards"];
+const GUARDS: &[&str] = &["-p", "beamtick-servo", "--test", "tick_guards"];
+const PVT: &[&str] = &["-p", "beamtick-servo", "--test", "pvt_run", "--", "passes_end"];
+const STALE: &[&str] = &[
+    "-p",
+    "beamtick-protocol",
+    "--test",
+    "endpoint",
+    "--",
+    "frames_of_another_session",
+    "a_message_behind_the_window",
+];
+const LIFE: &[&str] = &[
+    "-p",
+    "beamtick-protocol",
+    "--test",
+    "endpoint",
+    "--",
+    "damaged_frames",
+    "a_client_takes_up",
+    "a_message_is_kept",
+];
+const SESSIONS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "sessions"];
+const LIMITS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "refusals", "--", "limits_are_switched"];
+
+const DRIVE: &str = "servo/src/crd/drive.rs";
+const ORDERS: &str = "servo/src/crd/orders.rs";
+const GUARD: &str = "servo/src/axis/guard.rs";
+const DRIVEN: &str = "servo/src/axis/driven.rs";
+const MOTION: &str = "servo/src/axis/motion.rs";
+const INPUTS: &str = "servo/src/inputs.rs";
+const SAFETY: &str = "servo/src/laser/safety.rs";
+const RECEIVE: &str = "protocol/src/link/receive.rs";
+const SERVER: &str = "dispatcher/src/server.rs";
+const PROGRAM_END: &str = "dispatcher/src/program/end.rs";
+const DESK: &str = "dispatcher/src/desk.rs";
+
+/// Those of one crate together.
+pub const SURVIVED: &[Mutant] = &[
+    // -- light that a path is to lose ------------------------------------------------------------
+    mutant(
+        "an edge of travel is no fault of its path",
+        DRIVE,
+        "StopReason::Travel | StopReason::OtherAxis => lasers",
+        "StopReason::OtherAxis => lasers",
+        CAUSES,
+    ),
+    mutant(
+        "another axis is no fault of a path",
+        DRIVE,
+        "StopReason::Travel | StopReason::OtherAxis => lasers",
+        "StopReason::Travel => lasers",
+        CAUSES,
+    ),
+    mutant(
+        "found: what an axis cannot do is told as a limit",
+        DRIVE,
+        "            self.lasers.crd_fault(crd, Cause::Fault);\n            self.stop_crds",
+        "            self.stop_crds",
+        CAUSES,
+    ),
+    mutant(
+        "a limit of a path waits for the coming tick",
+        DRIVE,
+        "            | StopReason::SoftNegative => lasers.crd_fault(crd, Cause::Limit),",
+        "            | StopReason::SoftNegative => {}",
+        CAUSES,
+    ),
+    mutant("an axis that goes along is not looked at", DRIVE, "if others().any(", "if false && others().any(", CAUSES),
+    mutant("plans stay spared for another cause", SAFETY, "        self.spared = 0;\n", "", CAUSES),
+    mutant("three plans are spared", SAFETY, "self.spared = 2;", "self.spared = 3;", CAUSES),
+    mutant(
+        "a limit is told before an alarm",
+        ORDERS,
+        "        _ if fresh & status::ALARM != 0 => Some(Cause::Alarm),\n        _ if fresh & status::LIMITS != 0 => Some(Cause::Limit),",
+        "        _ if fresh & status::LIMITS != 0 => Some(Cause::Limit),\n        _ if fresh & status::ALARM != 0 => Some(Cause::Alarm),",
+        CAUSES,
+    ),
+    mutant(
+        "an axis that has left still shuts off light",
+        ORDERS,
+        ".filter(|axis| axis.is_mapped(crd)) else { continue };",
+        ".filter(|axis| axis.is_mapped(crd) || axis.crd.is_none() || !axis.runs()) else { continue };",
+        CAUSES,
+    ),
+    mutant(
+        "a servo that is off is switched off",
+        ORDERS,
+        "axis.crd.filter(|crd| axis.servo_on && axis.is_mapped(*crd))",
+        "axis.crd.filter(|crd| axis.is_mapped(*crd))",
+        CAUSES,
+    ),
+    mutant(
+        "what was before an axis was mapped counts",
+        DRIVEN,
+        "(self.crd, self.fresh) = (Some(crd), 0);",
+        "self.crd = Some(crd);",
+        CAUSES,
+    ),
+    // -- what a path must not begin, pass or take along ------------------------------------------
+    mutant(
+        "a frame is set while its path runs",
+        ORDERS,
+        "if !known || self.crds.running.has(crd) || moving(axes) {",
+        "if !known || moving(axes) {",
+        CRD_GUARDS,
+    ),
+    mutant(
+        "a frame takes axes that move",
+        ORDERS,
+        "if !known || self.crds.running.has(crd) || moving(axes) {",
+        "if !known || self.crds.running.has(crd) {",
+        CRD_GUARDS,
+    ),
+    mutant(
+        "a path goes on without what went along",
+        ORDERS,
+        "if axis_state.refuses_gear() {",
+        "if axis_state.refuses_gear() && axis_state.runs() {",
+        CRD_GUARDS,
+    ),
+    mutant("a path begins anywhere", ORDERS, "if far || paths.refuses_start", "if paths.refuses_start", CRD_GUARDS),
+    mutant(
+        "a path brakes for the last order",
+        ORDERS,
+        "if abrupt || !path.stops() {",
+        "if abrupt || !path.stops() || reason == StopReason::StopSmooth {",
+        CRD_GUARDS,
+    ),
+    mutant("a path waits for who has come", DRIVE, "awaited.filter(|_| state.path.waits());", "awaited;", CRD_GUARDS),
+    mutant(
+        "the room of a motion is that of the one before",
+        DRIVE,
+        "            self.room = [next, Room::Unknown];\n",
+        "            let _ = next;\n",
+        CRD_GUARDS,
+    ),
+    mutant(
+        "the room of a motion stays over what is done at its end",
+        DRIVE,
+        "        state.room = [Room::Unknown; 2];\n        let shown",
+        "        let shown",
+        CRD_GUARDS,
+    ),
+    mutant(
+        "an axis of another path goes along",
+        DRIVEN,
+        "self.refuses_start() || self.runs() || self.shown.mode == Mode::Crd",
+        "self.refuses_start() || self.runs()",
+        CRD_GUARDS,
+    ),
+    mutant(
+        "an axis that goes along is sent away",
+        DRIVEN,
+        "if self.shown.mode != Mode::Trap || self.driven || self.refuses_start() {",
+        "if self.shown.mode != Mode::Trap || self.refuses_start() {",
+        CRD_GUARDS,
+    ),
+    mutant(
+        "an axis that goes along takes an Update",
+        MOTION,
+        "self.refuses_start() || self.driven || way != 0",
+        "self.refuses_start() || way != 0",
+        CRD_GUARDS,
+    ),
+    // -- what guards an axis ---------------------------------------------------------------------
+    mutant(
+        "a soft limit that is set behind an axis pulls it back",
+        GUARD,
+        "return Some((from.max(soft), StopReason::SoftPositive));",
+        "return Some((soft, StopReason::SoftPositive));",
+        GUARDS,
+    ),
+    mutant(
+        "the same, downwards",
+        GUARD,
+        "return Some((from.min(soft), StopReason::SoftNegative));",
+        "return Some((soft, StopReason::SoftNegative));",
+        GUARDS,
+    ),
+    mutant(
+        "a soft limit is no barrier between two ticks",
+        MOTION,
+        "if let Some(reason) = self.stopped_at_barrier(next, at.round()) {",
+        "if false && let Some(reason) = self.stopped_at_barrier(next, at.round()) {",
+        GUARDS,
+    ),
+    mutant(
+        "at rest beyond a soft limit is nothing",
+        GUARD,
+        "            causes |= self.inputs.beyond(self.shown.pos);\n",
+        "",
+        GUARDS,
+    ),
+    mutant(
+        "at rest below a soft limit is nothing",
+        INPUTS,
+        "|limit| pos < Pos::pulses(limit))",
+        "|limit| pos < Pos::pulses(limit) && limit == 0)",
+        GUARDS,
+    ),
+    mutant(
+        "a cleared fault that lasts lets go for a tick",
+        GUARD,
+        "self.block(self.causes & status::FAULTS);",
+        "self.block(0);",
+        GUARDS,
+    ),
+    mutant(
+        "an encoder that turns while the servo is off is an error",
+        GUARD,
+        "        if self.servo_on {\n",
+        "        if true {\n",
+        GUARDS,
+    ),
+    mutant(
+        "an error that is the limit is beyond it",
+        INPUTS,
+        "Some(limit) if error(pos, encoder) > (limit",
+        "Some(limit) if error(pos, encoder) >= (limit",
+        GUARDS,
+    ),
+    mutant(
+        "home ignores its sense",
+        INPUTS,
+        "let home = (levels ^ self.low) & Guarded::Home.bit() != 0;",
+        "let home = levels & Guarded::Home.bit() != 0;",
+        GUARDS,
+    ),
+    mutant(
+        "home captures again and again",
+        INPUTS,
+        "            self.capture = 0;\n            return",
+        "            return",
+        GUARDS,
+    ),
+    mutant(
+        "an error does not end the time in the band",
+        INPUTS,
+        "            self.inside = None;\n            return (false, false);",
+        "            return (false, false);",
+        GUARDS,
+    ),
+    mutant(
+        "a motion does not end the time in the band",
+        INPUTS,
+        "pub(crate) fn leave_position(&mut self) {\n        self.inside = None;",
+        "pub(crate) fn leave_position(&mut self) {",
+        GUARDS,
+    ),
+    mutant(
+        "a new band goes on with the time of the old one",
+        INPUTS,
+        "(self.band, self.band_time, self.inside) = (band, time, None);",
+        "(self.band, self.band_time) = (band, time);",
+        GUARDS,
+    ),
+    mutant(
+        "a Reset leaves servos on",
+        "servo/src/execute.rs",
+        "                self.enable &= !axes.0;\n                self.halt",
+        "                self.halt",
+        GUARDS,
+    ),
+    mutant(
+        "PVT: passes are counted past the loop",
+        "servo/src/pvt.rs",
+        "track.passes = track.passes.saturating_add(left);",
+        "track.passes = track.passes.saturating_add(many);",
+        PVT,
+    ),
+    // -- link and session ------------------------------------------------------------------------
+    mutant(
+        "frames of another session keep the link alive",
+        RECEIVE,
+        "            _ => return count(&mut self.counters.stale_session),",
+        "            _ => {\n                self.last_valid = Some(now);\n                return count(&mut self.counters.stale_session);\n            }",
+        STALE,
+    ),
+    mutant(
+        "the window is one too wide",
+        RECEIVE,
+        "if usize::from(distance) >= WINDOW {",
+        "if usize::from(distance) > WINDOW {",
+        STALE,
+    ),
+    mutant(
+        "the record counter of an old session is kept",
+        SERVER,
+        "(self.at, self.outbox_len, self.begins) = (0, 0, true);",
+        "(self.outbox_len, self.begins) = (0, true);",
+        SESSIONS,
+    ),
+    mutant(
+        "answers that were gathered are sent in the next session",
+        SERVER,
+        "(self.at, self.outbox_len, self.begins) = (0, 0, true);",
+        "(self.at, self.begins) = (0, true);",
+        SESSIONS,
+    ),
+    mutant(
+        "answers that are awaited are sent in the next session",
+        DESK,
+        "        self.awaiting.clear();\n        self.taken.clear();",
+        "        self.taken.clear();",
+        SESSIONS,
+    ),
+    mutant(
+        "numbers that were taken are told in the next session",
+        DESK,
+        "        self.taken.clear();\n        self.loading",
+        "        self.loading",
+        SESSIONS,
+    ),
+    mutant(
+        "a configuration goes on in the next session",
+        DESK,
+        "        self.config = None;\n        self.trace",
+        "        self.trace",
+        SESSIONS,
+    ),
+    mutant(
+        "both limits are the positive one",
+        "dispatcher/src/admit/axis.rs",
+        "_ => positive.and(Guarded::LimitNegative, on),",
+        "_ => positive,",
+        LIMITS,
+    ),
+    mutant(
+        "a damaged frame keeps the link alive",
+        RECEIVE,
+        "            Err(fault) => {\n                return",
+        "            Err(fault) => {\n                self.last_valid = Some(now);\n                return",
+        LIFE,
+    ),
+    mutant(
+        "a Hello keeps the link alive",
+        RECEIVE,
+        "                    self.answer_hello(&header, hello);\n                }\n            }",
+        "                    self.answer_hello(&header, hello);\n                    self.last_valid = Some(now);\n                }\n            }",
+        LIFE,
+    ),
+    mutant(
+        "an answer to another Hello is taken up",
+        RECEIVE,
+        "|| self.phase != Phase::Asking || !ours {",
+        "|| self.phase != Phase::Asking || !ours && header.session.get() == 0 {",
+        LIFE,
+    ),
+    mutant(
+        "no session is taken up as one",
+        RECEIVE,
+        "        if session == 0 {\n            return",
+        "        if session == 0 && self.nonce == 0 {\n            return",
+        LIFE,
+    ),
+    mutant(
+        "what comes again under a number takes its place",
+        RECEIVE,
+        "        if slot.full {\n",
+        "        if slot.full && sequence == u16::MAX {\n",
+        LIFE,
+    ),
+    mutant(
+        "a message is taken that has not come",
+        RECEIVE,
+        "    pub(super) fn done(&mut self) {\n        if self.take == self.next {\n            return;\n        }\n",
+        "    pub(super) fn done(&mut self) {\n",
+        LIFE,
+    ),
+    mutant(
+        "nobody is woken when the link is lost",
+        SERVER,
+        ".filter(|_| !self.lost && self.desk.now.watch.link_loss_ms != 0)",
+        ".filter(|_| self.lost && self.desk.now.watch.link_loss_ms != 0)",
+        SESSIONS,
+    ),
+    mutant(
+        "answers of an old program are sent in the next session",
+        PROGRAM_END,
+        "        self.records.clear();\n        self.awaiting.clear();",
+        "        self.records.clear();",
+        SESSIONS,
+    ),
+    mutant(
+        "numbers of an old program are told in the next session",
+        PROGRAM_END,
+        "        self.values.clear();\n        self.config",
+        "        self.config",
+        SESSIONS,
+    ),
+    mutant(
+        "records of an old program wait in the next session",
+        PROGRAM_END,
+        "        self.records.clear();\n        self.awaiting.clear();",
+        "        self.awaiting.clear();",
+        SESSIONS,
+    ),
+];
