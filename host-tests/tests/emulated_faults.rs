@@ -294,12 +294,20 @@ fn power_on_in_every_order_is_dark_and_then_works() {
     assert_eq!((state(&client, 0).light, fault(&client, 0), reason(&client).0), (0, 0, 0));
     shine(&client);
 
-    // The host goes, and another one comes.
+    // The host is cut off without a word, and another one comes.
+    let road = board.road();
+    drop(client);
+    map.pass(&board, 500);
+    let client = board.open_over(road);
+    assert_eq!(reason(&client).0, 0);
+    assert_dark_until_cleared(&client, 2);
+
+    // The host takes its leave: dark at once, and the lost link finds no light to put out.
     drop(client);
     map.pass(&board, 500);
     let client = board.open();
-    assert_eq!(reason(&client).0, 0);
-    assert_dark_until_cleared(&client, 2);
+    assert_eq!((state(&client, 0).light, fault(&client, 0), reason(&client).0), (0, 0, 0));
+    shine(&client);
 
     // The board is reset from outside under a host that goes on.
     let mut debugger = board.socket.attach();

@@ -1,7 +1,8 @@
 //! The client's link to the emulated board: in lockstep, time passes only while the client waits, as with the virtual controller.
 use crate::machine::Machine;
 use crate::time::{MICROSECOND, Time, from_nanoseconds, nanoseconds};
-use client::Link;
+use client::{Error, Link, error};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -23,12 +24,36 @@ pub struct EmulatedLink {
     usb: bool,
     received: Vec<u8>,
     taken: usize,
+    pulled: Plug,
+}
+
+/// The end of a link's cable: once it is pulled, the client finds nobody, and cannot take its leave.
+#[derive(Debug, Clone, Default)]
+pub struct Plug(Arc<AtomicBool>);
+
+impl Plug {
+    /// Pulls it, for good.
+    pub fn pull(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    fn check(&self) -> client::Result<()> {
+        if self.0.load(Ordering::Relaxed) {
+            return Err(Error::new(error::LINK_SEND, "the cable is pulled"));
+        }
+        Ok(())
+    }
 }
 
 impl EmulatedLink {
     /// A link to this board, over its USART.
     pub fn new(machine: Shared) -> Self {
-        EmulatedLink { machine, usb: false, received: Vec::new(), taken: 0 }
+        EmulatedLink { machine, usb: false, received: Vec::new(), taken: 0, pulled: Plug::default() }
+    }
+
+    /// What pulls this link's cable.
+    pub fn plug(&self) -> Plug {
+        self.pulled.clone()
     }
 
     /// A link to this board, over its USB.
@@ -43,6 +68,7 @@ impl Link for EmulatedLink {
     }
 
     fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
+        self.pulled.check()?;
         let mut machine = lock(&self.machine);
         if self.usb {
             machine.send_usb(bytes)
@@ -53,6 +79,7 @@ impl Link for EmulatedLink {
     }
 
     fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
+        self.pulled.check()?;
         if self.taken == self.received.len() {
             self.received.clear();
             self.taken = 0;

@@ -1,7 +1,7 @@
 //! What ends light on the emulated board: the interlock, a fault, a tick that stands still; where BEAMTICK_H743_IMAGE names the
 //! image.
 use client::{Client, Options};
-use h743::link::{EmulatedLink, Shared, lock};
+use h743::link::{EmulatedLink, Plug, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop, Time};
 use protocol::command::{ClrLaserFault, GetFault, GetLaserFault, LaserOutFrq, LaserPrfCmd, SetAxisMode, SetHSIOOpt};
 use std::sync::{Arc, Mutex};
@@ -15,7 +15,7 @@ fn pin(name: &str) -> Pin {
 }
 
 /// The board with laser 0 on: 10 kHz, half of the time light. `None` without an image.
-fn lit() -> Option<(Client, Shared)> {
+fn lit() -> Option<(Client, Plug, Shared)> {
     let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
         println!("skipped: BEAMTICK_H743_IMAGE names no image");
         return None;
@@ -25,14 +25,16 @@ fn lit() -> Option<(Client, Shared)> {
     INTERLOCK.iter().for_each(|name| machine.drive(pin(name), Some(false)));
     machine.run(20 * MILLISECOND);
     let machine: Shared = Arc::new(Mutex::new(machine));
-    let client = Client::open(Box::new(EmulatedLink::new(machine.clone())), Options::default()).unwrap();
+    let link = EmulatedLink::new(machine.clone());
+    let plug = link.plug();
+    let client = Client::open(Box::new(link), Options::default()).unwrap();
     let (core, channel) = (1.into(), 0.into());
     client.call(SetAxisMode { core, axis: 7.into(), mode: 1.into() }).unwrap();
     client.call(LaserOutFrq { core, frequency: 10.0.into(), channel }).unwrap();
     client.call(LaserPrfCmd { core, power: 50.0.into(), channel }).unwrap();
     light(&client, true);
     into_a_pulse(&machine);
-    Some((client, machine))
+    Some((client, plug, machine))
 }
 
 fn light(client: &Client, on: bool) {
@@ -70,7 +72,7 @@ fn last_light(machine: &Machine, since: Time) -> Option<Time> {
 
 #[test]
 fn the_interlock_ends_a_pulse_without_an_instruction() {
-    let Some((client, shared)) = lit() else { return };
+    let Some((client, _, shared)) = lit() else { return };
     let fault = || client.call(GetLaserFault { core: 1.into(), channel: 0.into() }).unwrap().value.get();
     assert_eq!(fault(), 0);
     into_a_pulse(&shared);
@@ -99,7 +101,8 @@ fn the_interlock_ends_a_pulse_without_an_instruction() {
 
 #[test]
 fn a_clock_that_stops_ends_a_pulse_without_an_instruction_and_is_told() {
-    let Some((client, shared)) = lit() else { return };
+    let Some((client, plug, shared)) = lit() else { return };
+    plug.pull();
     drop(client);
     let now = {
         let mut machine = lock(&shared);
@@ -121,13 +124,13 @@ fn a_clock_that_stops_ends_a_pulse_without_an_instruction_and_is_told() {
     let text: String = text.iter().map(|byte| char::from(byte.value)).collect();
     assert_eq!((fault.kind, &*text), (3, "the ST-LINK's clock has stopped"));
     assert_eq!(last_light(&lock(&shared), now), None);
-    // On the chip's own clock its rate was another one, until the reset.
-    assert_eq!(lock(&shared).chip.bus.complaints, ["the USART runs at 400000 baud, the host at 3000000"]);
+    assert_eq!(lock(&shared).chip.bus.complaints, Vec::<String>::new());
 }
 
 #[test]
 fn a_fault_puts_out_the_light_at_once() {
-    let Some((client, shared)) = lit() else { return };
+    let Some((client, plug, shared)) = lit() else { return };
+    plug.pull();
     drop(client);
     let mut machine = lock(&shared);
     // An interrupt that nobody claims.
@@ -146,7 +149,8 @@ fn a_fault_puts_out_the_light_at_once() {
 
 #[test]
 fn light_does_not_outlive_the_tick() {
-    let Some((client, shared)) = lit() else { return };
+    let Some((client, plug, shared)) = lit() else { return };
+    plug.pull();
     drop(client);
     let mut machine = lock(&shared);
     let chip = &mut machine.chip;

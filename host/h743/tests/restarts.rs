@@ -268,10 +268,11 @@ fn no_reset_under_light_and_a_sending_host_lights_or_moves_anything() {
         let machine = powered(&elf, false);
         pass(&machine, 20 * MILLISECOND);
         let road = Road::to(&machine);
-        let sent = Arc::clone(&road.sent);
+        let (sent, left) = (Arc::clone(&road.sent), Arc::clone(&road.left));
         let client = Client::open(Box::new(road), Options::default()).unwrap();
         sent.lock().unwrap().clear();
         shine(&client, &machine);
+        *left.lock().unwrap() = 0;
         // All commands of the session, on and on, before the end and behind it.
         let stale = std::mem::take(&mut *sent.lock().unwrap());
         drop(client);
