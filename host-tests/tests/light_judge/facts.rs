@@ -239,7 +239,7 @@ impl Builder<'_> {
                     // Analog light needs none.
                     let there = there || matches!(self.program.settings.channels[channel].output, Output::Volts { .. });
                     let lo = if there { at } else { sent.at };
-                    self.note(at, 0, from, lo, at, What::Connector { channel, there });
+                    self.note(at, 0, from, lo, at + self.late(sent), What::Connector { channel, there });
                     continue;
                 }
                 Do::ClearFault { channel } => {
@@ -449,7 +449,8 @@ impl Builder<'_> {
             (From::Call(Do::Abort), From::Entry(crd)) if touch(self.tick) => set(crd),
             (From::Call(call), From::Entry(crd)) | (From::Entry(crd), From::Call(call)) => {
                 let start = matches!(call, Do::CrdStart { .. });
-                if touch(SAME) && names(&call, crd) && !start { set(crd) } else { 0 }
+                let clears = matches!(call, Do::ClearFault { .. } | Do::ClearStatus { .. });
+                if touch(SAME) && (clears || names(&call, crd) && !start) { set(crd) } else { 0 }
             }
             (From::Rest { crd, exact }, From::Entry(other)) | (From::Entry(other), From::Rest { crd, exact }) => {
                 let slack = if exact { SAME } else { self.tick };

@@ -26,8 +26,10 @@ impl Judge {
             let open = of.commanded == Commanded::Doubt;
             let crds = running & of.map;
             let is_lit = of.level == Level::On;
-            if !is_lit && !open && crds == 0 {
-                // Nothing that a loss would take, but of what went dark just now: whether it is a fault is open.
+            let lights = members(crds).any(|crd| self.crds[crd].dead == Maybe::No);
+            if !is_lit && !open && !lights {
+                // Nothing that a loss would take, but of what went dark just now, or of a path whose on entries are dead:
+                // whether it is a fault is open.
                 of.perhaps_cut(now);
                 continue;
             }
@@ -54,7 +56,7 @@ impl Judge {
                 of.lost = Some(Lost { crds: all, fifos, owner: None, cleared: false, doubt: true });
             }
             (of.fault, of.fault_since) = (Maybe::Yes, now.0);
-            if open && crds == 0 {
+            if open && !lights {
                 // Lit, or kept dark by a Stop that the loss does not concern.
                 of.fault = Maybe::Doubt;
                 of.commanded = Commanded::Doubt;
