@@ -40,6 +40,7 @@ cargo xtask COMMAND
                   mixed work for 10^9 ticks, or as many as are given, in the virtual controller (about 15 minutes)
   mutants [NAME]  breaks the code on purpose, place by place, and sees that the tests fail
   mutants --check sees that every place is still there
+  planted [NAME]  plants faults of light, and counts in how many programs the judge of light finds each
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
 ";
@@ -69,6 +70,8 @@ fn main() -> ExitCode {
         ["long-run"] => long_run("1000000000"),
         ["long-run", ticks] => long_run(ticks),
         ["mutants"] => mutants::run(""),
+        ["planted"] => mutants::plant(""),
+        ["planted", name] => mutants::plant(name),
         ["mutants", "--check"] => mutants::check(),
         ["mutants", name] => mutants::run(name),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([

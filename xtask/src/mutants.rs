@@ -7,6 +7,7 @@
 //! those of the reference board's image in emulation.
 mod light;
 mod list;
+mod planted;
 mod survived;
 
 use crate::board;
@@ -61,12 +62,19 @@ pub fn check() -> Outcome {
     if count < 20 {
         return Err(format!("{count} mutants; at least 20 are asked for"));
     }
-    let wrong: Vec<String> = all().filter_map(|mutant| mutated(&root(), mutant).err()).collect();
+    let wrong = all().filter_map(|mutant| mutated(&root(), mutant).err());
+    let wrong: Vec<String> = wrong.chain(planted::check(&root())).collect();
     if wrong.is_empty() {
         println!("{count} mutants, each in its place");
         return Ok(());
     }
     Err(format!("{}\nthe text has changed: bring the lists in xtask/src/mutants up to date", wrong.join("\n")))
+}
+
+/// Plants the faults that the judge of light must find, those whose name holds `only`.
+pub fn plant(only: &str) -> Outcome {
+    check()?;
+    planted::run(only)
 }
 
 /// Runs the mutants whose name holds `only`.
@@ -117,10 +125,15 @@ pub fn run(only: &str) -> Outcome {
 
 /// The file's text with the mutant in it.
 fn mutated(tree: &Path, mutant: &Mutant) -> Outcome<String> {
-    let text = fs::read_to_string(tree.join(mutant.file)).map_err(|e| format!("{}: {e}", mutant.file))?;
-    match text.matches(mutant.text).count() {
-        1 => Ok(text.replacen(mutant.text, mutant.broken, 1)),
-        count => Err(format!("{}: its text is {count} times in {}", mutant.name, mutant.file)),
+    replaced(tree, mutant.name, mutant.file, (mutant.text, mutant.broken))
+}
+
+/// The file's text with `broken` in the place of `text`, which stands there once.
+fn replaced(tree: &Path, name: &str, file: &str, (text, broken): (&str, &str)) -> Outcome<String> {
+    let whole = fs::read_to_string(tree.join(file)).map_err(|e| format!("{file}: {e}"))?;
+    match whole.matches(text).count() {
+        1 => Ok(whole.replacen(text, broken, 1)),
+        count => Err(format!("{name}: its text is {count} times in {file}")),
     }
 }
 

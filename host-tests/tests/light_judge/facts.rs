@@ -64,7 +64,9 @@ impl Builder<'_> {
         for edge in &self.told.edges {
             let Digital::General(bit @ 0..4) = edge.output else { continue };
             let at = edge.at_ns as Ns;
-            while let Some(one) = sent.next_if(|one| one.at < at) {
+            // What stands behind a mark that is passed before a CrdClear acts is passed, too.
+            let acts = |one: &Sent| one.at + if matches!(one.call, Do::CrdClear { .. }) { self.tick } else { 0 };
+            while let Some(one) = sent.next_if(|one| acts(one) < at) {
                 Self::queue(&mut queues, one);
             }
             let crd = usize::from(bit) / 2;
@@ -107,16 +109,31 @@ impl Builder<'_> {
             }
         }
         // A path that ran for less than a tick is not seen to run.
-        for sent in self.told.sent.iter().filter(|sent| sent.code == Some(0)) {
+        for sent in self.told.sent.iter().filter(|sent| sent.code.is_none_or(|code| code == 0)) {
             let Do::CrdStart { mask, .. } = sent.call else { continue };
             let at = sent.at + self.tick;
             for crd in (0..2).filter(|crd| mask >> crd & 1 == 1) {
                 let seen = self.told.view(at);
-                if !seen.runs[crd] && self.began(crd, sent).is_none() {
+                let acted = sent.code.is_some() || self.entered(crd, sent);
+                if acted && !seen.runs[crd] && self.began(crd, sent).is_none() {
+                    let at = if self.stopped_at(crd, at) { at + self.tick } else { at };
                     self.rest(crd, &Seen { at, ..seen });
                 }
             }
         }
+    }
+
+    /// Whether a Stop was seen to have brought a coordinate system to rest in the tick that ends here.
+    fn stopped_at(&self, crd: usize, at: Ns) -> bool {
+        let rests = |pair: &[Seen]| pair[1].at == at && pair[0].runs[crd] && !pair[1].runs[crd];
+        let stopped = |seen: &Seen| !matches!(seen.rest[crd], Rest::Completed | Rest::Underrun);
+        self.told.seen.windows(2).any(|pair| rests(pair) && stopped(&pair[1]))
+    }
+
+    /// Whether entries of a coordinate system acted about when this start did.
+    fn entered(&self, crd: usize, sent: &Sent) -> bool {
+        let about = sent.at..=sent.at + 2 * self.tick;
+        self.noted.iter().any(|noted| noted.from == From::Entry(crd) && about.contains(&noted.fact.lo))
     }
 
     /// When a coordinate system was seen to begin to run for this start: what came with much else may act later.
@@ -295,9 +312,12 @@ impl Builder<'_> {
         for crd in (0..2).filter(|crd| mask >> crd & 1 == 1) {
             let fifo = usize::from(option >> crd & 1);
             let began = self.began(crd, sent);
-            if began.is_some() || sent.code.is_some() {
+            if began.is_some() || sent.code.is_some() || self.entered(crd, sent) {
+                // One that is not seen to run goes on from where a Stop of the same tick brought it to rest.
+                let goes_on = began.is_none() && self.stopped_at(crd, at);
+                let (key, late) = if goes_on { (1, self.tick) } else { (0, 0) };
                 let at = began.unwrap_or(at);
-                self.note(at, 0, From::Call(sent.call), at, at, What::Start { crd, fifo });
+                self.note(at + key, 0, From::Call(sent.call), at, at + late, What::Start { crd, fifo });
                 self.again(crd, at);
             }
         }
