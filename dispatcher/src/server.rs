@@ -78,6 +78,8 @@ pub enum FaultKind {
     Interrupt = 3,
     /// The watchdog: the servo tick or the link task stood still.
     Watchdog = 4,
+    /// What the board measures of itself at its start contradicts what it is built for: there is no light.
+    Board = 5,
 }
 
 /// Bytes of a fault's text that a reply carries.

@@ -16,7 +16,7 @@ mod watch;
 mod wires;
 
 use core::sync::atomic::Ordering;
-use dispatcher::{Channels, SecondWire, Server};
+use dispatcher::{Channels, FaultKind, SecondWire, Server};
 use embassy_executor::raw;
 use fault::Report;
 use hal::board::{self, AXES, idle::Idle};
@@ -96,7 +96,7 @@ fn pend(_: *mut ()) {
 /// when it returns: hence never a part of `main`, which does not return.
 #[inline(never)]
 fn compose(last: Option<&'static Report>) -> Option<Parts> {
-    let board::Board { timer, link: (link, rx), trace, machine } = board::take()?;
+    let board::Board { timer, link: (link, rx), trace, machine, contradiction } = board::take()?;
     let (immediate_in, immediate) = IMMEDIATE_LANE.split_once()?;
     let (program_in, program) = PROGRAM_LANE.split_once()?;
     let (view_in, view) = VIEW.split_once()?;
@@ -154,7 +154,11 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
         out,
         answer,
     };
-    let parts = LinkParts { server: server(last, channels), wires, trace };
+    let fault = match contradiction {
+        Some(text) => Some(dispatcher::Fault { kind: FaultKind::Board, text }),
+        None => last.map(|report| dispatcher::Fault { kind: report.kind(), text: report.text() }),
+    };
+    let parts = LinkParts { server: server(fault, channels), wires, trace };
     #[cfg(feature = "stm32h743")]
     let parts = (parts, device);
     Some(parts)
@@ -162,7 +166,7 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
 
 /// The thread's side. On its own for the same reason as `compose`.
 #[inline(never)]
-fn server(last: Option<&'static Report>, channels: Channels<'static, AXES>) -> &'static mut Server<'static, AXES> {
+fn server(fault: Option<dispatcher::Fault>, channels: Channels<'static, AXES>) -> &'static mut Server<'static, AXES> {
     SERVER.init_with(|| {
         Server::new(
             dispatcher::Board {
@@ -174,7 +178,7 @@ fn server(last: Option<&'static Report>, channels: Channels<'static, AXES>) -> &
                 general_outputs: board::GENERAL_OUTPUTS,
                 indexes: board::INDEXES,
                 step_limit: board::STEP_LIMIT,
-                fault: last.map(|report| dispatcher::Fault { kind: report.kind(), text: report.text() }),
+                fault,
             },
             channels,
         )

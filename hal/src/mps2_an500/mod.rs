@@ -77,6 +77,8 @@ pub struct Board {
     pub trace: Option<uart::Tx>,
     /// The machine of the axes, which is told the levels of inputs on the trace's UART.
     pub machine: machine::Machine<AXES>,
+    /// Why there shall be no light: never, here.
+    pub contradiction: Option<&'static str>,
 }
 
 /// Brings the board up: priorities set, UARTs open, all interrupts still off. `None` from the second
@@ -100,6 +102,7 @@ pub fn take() -> Option<Board> {
             link: uart::open(uart::Place::Link),
             trace: Some(trace),
             machine: machine::Machine::new(TICK_NS, switchboard),
+            contradiction: None,
         })
     }
 }

@@ -91,6 +91,11 @@ impl Adc {
                 command(|w| w.set_adstart(true));
                 Stage::FirstRound
             }
+            // Within four of its clocks after a calibration the chip takes ADEN back (RM0433 25.4.9): once more.
+            Stage::Ready => {
+                command(|w| w.set_aden(true));
+                Stage::Ready
+            }
             Stage::FirstRound if ADC3.isr().read().jeos() => Stage::Runs,
             waits => waits,
         };

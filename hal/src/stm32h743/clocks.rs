@@ -4,7 +4,7 @@
 //! RCC's tree. Fails: a flag that does not come in time is for the watchdog, which runs by then and resets. A clock from the ST-LINK that stops
 //! later rests the laser outputs by itself and ends in the fault path ([`CLOCK_LOST`]).
 use stm32_metapac::rcc::vals::{Hpre, Plldiv, Pllm, Plln, Pllrge, Pllsrc, Pllvcosel, Ppre, Sw, Usbsel};
-use stm32_metapac::{FLASH, PWR, RCC, SYSCFG, pwr};
+use stm32_metapac::{DBGMCU, FLASH, PWR, RCC, SYSCFG, pwr};
 
 /// The core.
 pub const CORE_HZ: u32 = 480_000_000;
@@ -27,6 +27,33 @@ pub fn await_source() {
     RCC.cr().modify(|w| w.set_hsebyp(true));
     RCC.cr().modify(|w| w.set_hseon(true));
     wait(|| RCC.cr().read().hserdy());
+}
+
+/// Whether this is one of the first revisions, Z and Y, which reach neither VOS0 nor [`CORE_HZ`] (RM0433 60.5.8, ES0392).
+pub fn is_too_old() -> bool {
+    matches!(DBGMCU.idc().read().rev_id(), 0x1001 | 0x1003)
+}
+
+/// A core that a debugger holds does not feed the watchdog. What was told ahead is played meanwhile, two ticks at most.
+pub fn spare_debuggers() {
+    DBGMCU.apb4fzr1().modify(|w| w.set_iwdg1(true));
+}
+
+/// SYSCFG_CFGR (RM0433 12.3.6), which the metadata leaves out.
+const BREAKS: usize = 0x18;
+/// PVDL, CM7L: low supply and a core that is locked up break the timers. Only a reset takes them back.
+const SUPPLY_AND_LOCKUP: u32 = 1 << 2 | 1 << 6;
+/// 2.7 V, falling (RM0433 6.8.1, PLS).
+const LEAST_SUPPLY: u8 = 0b101;
+
+/// Lasers rest by hardware where the supply falls below 2.7 V, or where the core is locked up. The supply is at its level.
+pub fn break_with_the_chip() {
+    PWR.cr1().modify(|w| {
+        w.set_pls(LEAST_SUPPLY);
+        w.set_pvde(true);
+    });
+    // SAFETY: the register is there, and only this function writes it.
+    unsafe { SYSCFG.as_ptr().cast::<u8>().add(BREAKS).cast::<u32>().write_volatile(SUPPLY_AND_LOCKUP) };
 }
 
 /// Everything at full speed, behind [`await_source`].

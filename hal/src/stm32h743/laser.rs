@@ -10,7 +10,7 @@ use super::rounds::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, places};
 use core::sync::atomic::AtomicU32;
 use servo::laser::{CHANNELS, Energy, HELD_WORDS, Held, Places, Plan, Scale, Switches};
 use stm32_metapac::timer::TimAdv;
-use stm32_metapac::timer::vals::{Bkp, Mms, Msm, OcmGp, Ossi, Ossr, Sms, Ts, Urs};
+use stm32_metapac::timer::vals::{Bkinp, Bkp, Mms, Msm, OcmGp, Ossi, Ossr, Sms, Ts, Urs};
 use stm32_metapac::{RCC, TIM1, TIM2, TIM8};
 
 const SCALE: Scale = Scale::of_mhz(TIMER_MHZ);
@@ -67,6 +67,8 @@ pub struct Lasers {
     /// The channel's outputs follow their timers.
     is_live: [bool; CHANNELS],
     was_late: bool,
+    /// The timers have counted: they may stand within a burst.
+    is_used: bool,
 }
 
 /// Timers with their outputs at rest, before any pin shows them.
@@ -86,10 +88,57 @@ pub unsafe fn open() -> Lasers {
     // Read back, so that the clock is there (RM0433 8.5.8).
     RCC.apb2enr().read();
     RCC.ahb1enr().read();
+    set_up();
+    // SAFETY: the caller's promise.
+    let energy_timers = unsafe { [Timer::new(LASER_0, &RING_0, [0; 3]), Timer::new(LASER_1, &RING_1, [0; 3])] };
+    // SAFETY: the caller's promise.
+    let switch_timer = unsafe { Timer::new(SWITCHES, &RING_SWITCHES, [0, 0, NEVER, 0, 0, NEVER]) };
+    Lasers {
+        state: State::Stands,
+        next: 0,
+        lasts: 0,
+        held: [Held::new(&HELD_0), Held::new(&HELD_1)],
+        energies: [const { Energy::from(BEGIN, SCALE) }; CHANNELS],
+        energy_timers,
+        switches: Switches::from(BEGIN, SCALE),
+        switch_timer,
+        is_live: [false; CHANNELS],
+        was_late: false,
+        is_used: false,
+    }
+}
+
+/// The timers as after a reset: what of a burst was still to come is forgotten. Their outputs are released for as long as that takes.
+#[cold]
+#[inline(never)]
+fn reset() {
+    RCC.apb2rstr().modify(|w| {
+        w.set_tim1rst(true);
+        w.set_tim8rst(true);
+        w.set_tim15rst(true);
+    });
+    RCC.apb2rstr().modify(|w| {
+        w.set_tim1rst(false);
+        w.set_tim8rst(false);
+        w.set_tim15rst(false);
+    });
+    RCC.apb2rstr().read();
+    set_up();
+}
+
+/// What does not change while they count: outputs at rest, the break input.
+#[cold]
+#[inline(never)]
+fn set_up() {
     for timer in [TIM1, TIM8, TIM15] {
         timer.cr1().write(|w| {
             w.set_arpe(true);
             w.set_urs(Urs::COUNTER_ONLY);
+        });
+        // The pin, as it is; what the register holds after a reset differs from source to source.
+        timer.af1().write(|w| {
+            w.set_bkine(true);
+            w.set_bkinp(Bkinp::NOT_INVERTED);
         });
         // Outputs have idle levels while they are disabled; a high level at the break input disables them.
         timer.bdtr().write(|w| {
@@ -124,22 +173,32 @@ pub unsafe fn open() -> Lasers {
         });
     }
     lines(TIM8, &[1, 2]);
-    // SAFETY: the caller's promise.
-    let energy_timers = unsafe { [Timer::new(LASER_0, &RING_0, [0; 3]), Timer::new(LASER_1, &RING_1, [0; 3])] };
-    // SAFETY: the caller's promise.
-    let switch_timer = unsafe { Timer::new(SWITCHES, &RING_SWITCHES, [0, 0, NEVER, 0, 0, NEVER]) };
-    Lasers {
-        state: State::Stands,
-        next: 0,
-        lasts: 0,
-        held: [Held::new(&HELD_0), Held::new(&HELD_1)],
-        energies: [const { Energy::from(BEGIN, SCALE) }; CHANNELS],
-        energy_timers,
-        switches: Switches::from(BEGIN, SCALE),
-        switch_timer,
-        is_live: [false; CHANNELS],
-        was_late: false,
-    }
+}
+
+/// The first timer whose break flag does not show the level of its pin (RM0433 38.4.5: the flag comes back while the input is active), as
+/// a sentence. To be asked once, when the pins are the timers'.
+pub fn contradiction(levels: [bool; 3]) -> Option<&'static str> {
+    // By the level of the pin: low, high.
+    const TEXTS: [[&str; 2]; 3] = [
+        ["TIM1 breaks although its input PE15 is low", "TIM1 does not break although its input PE15 is high"],
+        ["TIM15 breaks although its input PE3 is low", "TIM15 does not break although its input PE3 is high"],
+        ["TIM8 breaks although its input PG2 is low", "TIM8 does not break although its input PG2 is high"],
+    ];
+    [TIM1, TIM15, TIM8].into_iter().zip(levels).zip(TEXTS).find_map(|((timer, level), [low, high])| {
+        clear_break(timer);
+        // The input passes a synchronizer.
+        cortex_m::asm::delay(64);
+        let text = if level { high } else { low };
+        (timer.sr().read().bif(0) != level).then_some(text)
+    })
+}
+
+/// Zeros clear, ones leave.
+fn clear_break(timer: TimAdv) {
+    timer.sr().write(|w| {
+        w.0 = !0;
+        w.set_bif(0, false);
+    });
 }
 
 /// Both lines of these channels are outputs; active is low at +, high at −.
@@ -189,11 +248,7 @@ pub fn was_broken() -> bool {
     for timer in [TIM1, TIM8, TIM15] {
         if timer.sr().read().bif(0) {
             broken = true;
-            // Zeros clear, ones leave.
-            timer.sr().write(|w| {
-                w.0 = !0;
-                w.set_bif(0, false);
-            });
+            clear_break(timer);
         }
     }
     broken
@@ -243,6 +298,10 @@ impl Lasers {
     /// The next tick is where the timers begin to count.
     #[cold]
     fn arm(&mut self) {
+        // Their streams stand by now: nothing more of a burst comes.
+        if core::mem::replace(&mut self.is_used, true) {
+            reset();
+        }
         self.next = 0;
         self.energies = [const { Energy::from(BEGIN, SCALE) }; CHANNELS];
         self.switches = Switches::from(BEGIN, SCALE);

@@ -31,11 +31,13 @@ pub struct Machine {
     /// General outputs that the tick behind that drives: they are as far behind the plan as the steps.
     comes: u32,
     lasers: Lasers,
+    /// The board contradicts itself: as an interlock that stays open.
+    is_blocked: bool,
 }
 
 impl Machine {
     /// At rest at zero.
-    pub fn new(lasers: Lasers, analog: Analog, adc: Adc) -> Machine {
+    pub fn new(lasers: Lasers, analog: Analog, adc: Adc, is_blocked: bool) -> Machine {
         Machine {
             levels: Levels::LOW,
             steps: Steps::AT_REST,
@@ -43,6 +45,7 @@ impl Machine {
             analog,
             adc,
             lasers,
+            is_blocked,
             stands: [0; AXES],
             goes_to: [0; AXES],
             driven: (0, 0),
@@ -124,7 +127,7 @@ impl Port for Machine {
 
     fn interlock(&mut self) -> bool {
         // A break that is over again has rested the outputs too.
-        laser::was_broken() | self.levels.interlock()
+        laser::was_broken() | self.levels.interlock() | self.is_blocked
     }
 
     fn laser(&mut self, channel: usize, plan: &Plan) {

@@ -74,6 +74,8 @@ pub struct Board {
     pub trace: Option<uart::Tx>,
     /// The machine of the axes.
     pub machine: machine::Machine,
+    /// Why there shall be no light: what the board measures of itself contradicts what it is built for.
+    pub contradiction: Option<&'static str>,
 }
 
 /// What an NMI says on this board, if it is not the watchdog's.
@@ -84,6 +86,14 @@ pub const NMI: Option<&str> = Some(clocks::CLOCK_LOST);
 pub fn take() -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
     clocks::await_source();
+    if clocks::is_too_old() {
+        // Nothing of this image runs on it as it is meant to: all pins stay as the reset left them, but for a lamp.
+        pins::show_refusal();
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+    clocks::spare_debuggers();
     watchdog::start();
     guard::below(&mut core.MPU, STACK);
     guard::null(&mut core.MPU);
@@ -106,14 +116,17 @@ pub fn take() -> Option<Board> {
     unsafe {
         pins::open();
         let lasers = laser::open();
+        clocks::break_with_the_chip();
         // Their outputs are at rest before a pin shows them.
         pins::open_lasers();
+        let contradiction = laser::contradiction(pins::Levels::read().breaks());
         encoders::open();
         Some(Board {
+            contradiction,
             timer: timer::TickTimer::take(),
             link: uart::open(),
             trace: None,
-            machine: machine::Machine::new(lasers, analog::Analog::open(), adc::Adc::open()),
+            machine: machine::Machine::new(lasers, analog::Analog::open(), adc::Adc::open(), contradiction.is_some()),
         })
     }
 }

@@ -63,6 +63,9 @@ const DAC: [Pin; 2] = [(GPIOC, 10), (GPIOC, 12)];
 const DAC_FUNCTION: u8 = 6;
 const DAC_SELECT: Pin = (GPIOC, 11);
 
+/// The switch of the USB connector's 5 V (UM2407): a device feeds no bus.
+const USB_POWER: Pin = (GPIOD, 10);
+
 /// D− and D+, and the host's 5 V.
 const USB: [Pin; 2] = [(GPIOA, 11), (GPIOA, 12)];
 const USB_FUNCTION: u8 = 10;
@@ -101,7 +104,9 @@ pub unsafe fn open() {
         STEPS.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::MEDIUM_SPEED));
         STEPS.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
     }
-    for (port, pin) in ENABLE.into_iter().chain(GENERAL_OUT) {
+    let (port, pin) = USB_POWER;
+    port.bsrr().write(|w| w.set_br(pin, true));
+    for (port, pin) in ENABLE.into_iter().chain(GENERAL_OUT).chain([USB_POWER]) {
         port.ospeedr().modify(|w| w.set_ospeedr(pin, Ospeedr::LOW_SPEED));
         port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
     }
@@ -125,6 +130,14 @@ pub unsafe fn open() {
         port.moder().modify(|w| w.set_moder(pin, Moder::OUTPUT));
         DAC.into_iter().for_each(|pin| give(pin, DAC_FUNCTION, Ospeedr::HIGH_SPEED));
     }
+}
+
+/// LD3, the red one, alone: the image refuses this chip.
+pub fn show_refusal() {
+    RCC.ahb4enr().modify(|w| w.set_gpioben(true));
+    RCC.ahb4enr().read();
+    GPIOB.bsrr().write(|w| w.set_bs(14, true));
+    GPIOB.moder().modify(|w| w.set_moder(14, Moder::OUTPUT));
 }
 
 /// Gives a pin to a peripheral.
@@ -235,6 +248,11 @@ impl Levels {
     /// General inputs, bit 0 the first.
     pub fn general(&self) -> u32 {
         GENERAL_IN.iter().zip(0..).fold(0, |bits, (pin, bit)| bits | u32::from(self.at(*pin)) << bit)
+    }
+
+    /// The interlock's inputs: those of TIM1, TIM15 and TIM8.
+    pub fn breaks(&self) -> [bool; 3] {
+        INTERLOCK.map(|pin| self.at(pin))
     }
 
     /// Whether any of the interlock's inputs is high.

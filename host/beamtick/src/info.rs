@@ -37,6 +37,7 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         1 => say!("last fault  panic: {text}"),
         2 => say!("last fault  core fault: {text}"),
         3 => say!("last fault  interrupt that nobody serves: {text}"),
+        5 => say!("no light    {text}"),
         _ => say!("last fault  watchdog: {text}"),
     }
     for channel in 0..version.lasers {

@@ -64,6 +64,8 @@ pub struct Adc {
     kernel: Option<Time>,
     regulated: Time,
     calibrated: Time,
+    /// How often ADEN is taken back, as within four cycles after a calibration (RM0433 25.4.9).
+    pub withdraws: u32,
     linear: bool,
     ready: Time,
     started: Time,
@@ -87,6 +89,7 @@ impl Default for Adc {
             kernel: None,
             regulated: NEVER,
             calibrated: NEVER,
+            withdraws: 0,
             linear: false,
             ready: NEVER,
             started: NEVER,
@@ -170,7 +173,9 @@ impl Adc {
             let cycles = OFFSET + if new & ADCALLIN != 0 { LINEARITY } else { 0 };
             self.calibrated = at + cycles * self.cycle();
         }
-        if new & ADEN != 0 && self.cr & ADEN == 0 {
+        if new & ADEN != 0 && self.withdraws > 0 {
+            self.withdraws -= 1;
+        } else if new & ADEN != 0 && self.cr & ADEN == 0 {
             if !powered || self.calibrated > at || !self.linear {
                 self.complain("it is switched on before it is calibrated");
             }

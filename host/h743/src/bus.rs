@@ -12,7 +12,7 @@ use crate::exceptions::{Exceptions, NMI};
 use crate::gpio::{Gpio, Pin};
 use crate::memory::{BACKUP, Memory, Region};
 use crate::spi::Spi;
-use crate::supply::{Flash, Pwr, Syscfg};
+use crate::supply::{Dbgmcu, Flash, Pwr, Syscfg};
 use crate::time::{NEVER, Time};
 use crate::timer::{KINDS, Timer};
 use crate::usart::Usart;
@@ -33,7 +33,7 @@ struct Place {
 }
 
 /// Each peripheral, in the order of [`Bus::device`].
-const PLACES: [Place; 12 + KINDS.len()] = [
+const PLACES: [Place; 13 + KINDS.len()] = [
     Place { base: 0x5802_4400, size: 0x400, clock: None },
     Place { base: 0x5802_4800, size: 0x400, clock: None },
     Place { base: 0x5200_2000, size: 0x400, clock: None },
@@ -46,6 +46,7 @@ const PLACES: [Place; 12 + KINDS.len()] = [
     Place { base: 0x4000_3c00, size: 0x400, clock: Some((APB1LENR, 15)) },
     Place { base: 0x5802_6000, size: 0x400, clock: Some((AHB4ENR, 24)) },
     Place { base: 0x4008_0000, size: 0x2_0000, clock: Some((AHB1ENR, 27)) },
+    Place { base: 0x5c00_1000, size: 0x400, clock: None },
     Place { base: 0x4001_0000, size: 0x400, clock: Some((APB2ENR, 0)) },
     Place { base: 0x4000_0000, size: 0x400, clock: Some((APB1LENR, 0)) },
     Place { base: 0x4000_0400, size: 0x400, clock: Some((APB1LENR, 1)) },
@@ -70,7 +71,8 @@ const DAC1: usize = 8;
 const SPI3: usize = 9;
 const ADC3: usize = 10;
 const USB: usize = 11;
-const TIMERS: usize = 12;
+const DBGMCU: usize = 12;
+const TIMERS: usize = 13;
 
 /// The interrupt of USART3 (RM0433 table 148).
 const USART3_LINE: usize = 39;
@@ -109,6 +111,8 @@ pub struct Bus {
     pub adc: Adc,
     /// USB, with the host behind the cable.
     pub usb: Usb,
+    /// What the chip is, and what stands still under a debugger.
+    pub dbgmcu: Dbgmcu,
     /// Timers, in the order of [`KINDS`].
     pub timers: [Timer; KINDS.len()],
     clocks: Clocks,
@@ -142,6 +146,7 @@ impl Bus {
             spi: Spi::default(),
             adc: Adc::default(),
             usb: Usb::default(),
+            dbgmcu: Dbgmcu::default(),
             timers: KINDS.map(Timer::new),
             clocks: Clocks::RESET,
             next: NEVER,
@@ -165,6 +170,7 @@ impl Bus {
             SPI3 => &mut self.spi,
             ADC3 => &mut self.adc,
             USB => &mut self.usb,
+            DBGMCU => &mut self.dbgmcu,
             _ => &mut self.timers[n - TIMERS],
         }
     }

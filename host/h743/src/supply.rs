@@ -222,3 +222,41 @@ impl Device for Syscfg {
         *self = Syscfg::default();
     }
 }
+
+/// What the chip is (RM0433 60.5.8), and what stands still under a debugger.
+#[derive(Debug, Clone)]
+pub struct Dbgmcu {
+    /// Revision: 0x2003 is V.
+    pub revision: u16,
+    others: [u32; 24],
+}
+
+impl Default for Dbgmcu {
+    fn default() -> Self {
+        Dbgmcu { revision: 0x2003, others: [0; 24] }
+    }
+}
+
+impl Device for Dbgmcu {
+    fn read(&mut self, offset: u32, _: Time, _: &mut Vec<Signal>) -> Option<u32> {
+        match offset {
+            0 => Some(u32::from(self.revision) << 16 | 0x450),
+            _ => self.others.get(offset as usize / 4).copied(),
+        }
+    }
+
+    fn write(&mut self, offset: u32, value: u32, mask: u32, _: Time, _: &mut Vec<Signal>) -> Option<()> {
+        let place = self.others.get_mut(offset as usize / 4).filter(|_| offset != 0)?;
+        *place = *place & !mask | value & mask;
+        Some(())
+    }
+
+    fn next(&self) -> Time {
+        NEVER
+    }
+
+    fn advance(&mut self, _: Time, _: &mut Vec<Signal>) {}
+
+    /// Only power-on resets it (RM0433 60.5.8).
+    fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {}
+}

@@ -70,6 +70,23 @@ fn last_light(machine: &Machine, since: Time) -> Option<Time> {
     machine.chip.bus.gpio.changes.iter().rev().find(|change| is_light(change)).map(|c| c.at).filter(|&at| at > since)
 }
 
+/// The + lines are at rest.
+fn assert_plus_rests(machine: &Machine) {
+    for (plus, _) in LINES {
+        assert_eq!(machine.chip.bus.gpio.level(pin(plus)), Level::Driven(true), "{plus}");
+    }
+}
+
+/// A break at this instant, in a pulse, has left the − lines lit for two counts of their timers, and no longer.
+fn assert_minus_rested(machine: &Machine, at: Time) {
+    const TWO_COUNTS: Time = 8;
+    for (_, minus) in LINES {
+        let rested = |change: &&h743::gpio::Change| change.pin == pin(minus) && change.level == Level::Driven(false);
+        let first = machine.chip.bus.gpio.changes.iter().filter(|change| change.at >= at).find(rested);
+        assert_eq!(first.map(|change| change.at), Some(at + TWO_COUNTS), "{minus}");
+    }
+}
+
 #[test]
 fn the_interlock_ends_a_pulse_without_an_instruction() {
     let Some((client, _, shared)) = lit() else { return };
@@ -81,11 +98,9 @@ fn the_interlock_ends_a_pulse_without_an_instruction() {
         let (now, instructions) = (machine.chip.now, machine.chip.instructions);
         INTERLOCK.iter().for_each(|name| machine.drive(pin(name), Some(true)));
         assert_eq!((machine.chip.now, machine.chip.instructions), (now, instructions));
-        for (plus, minus) in LINES {
-            let levels = [plus, minus].map(|name| machine.chip.bus.gpio.level(pin(name)));
-            assert_eq!(levels, [Level::Driven(true), Level::Driven(false)], "{plus}, {minus}");
-        }
+        assert_plus_rests(&machine);
         machine.run(20 * MILLISECOND);
+        assert_minus_rested(&machine, now);
         assert_eq!(last_light(&machine, now), None);
         now
     };
@@ -109,11 +124,9 @@ fn a_clock_that_stops_ends_a_pulse_without_an_instruction_and_is_told() {
         let (now, instructions) = (machine.chip.now, machine.chip.instructions);
         machine.give_clock(false);
         assert_eq!((machine.chip.now, machine.chip.instructions), (now, instructions));
-        for (plus, minus) in LINES {
-            let levels = [plus, minus].map(|name| machine.chip.bus.gpio.level(pin(name)));
-            assert_eq!(levels, [Level::Driven(true), Level::Driven(false)], "{plus}, {minus}");
-        }
+        assert_plus_rests(&machine);
         assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
+        assert_minus_rested(&machine, now);
         assert_eq!(machine.run(300 * MILLISECOND), Stop::Time);
         machine.give_clock(true);
         assert_eq!(machine.run(50 * MILLISECOND), Stop::Time);

@@ -127,6 +127,10 @@ pub struct Timer {
     levels: [[Option<bool>; 2]; 4],
     /// Levels at the inputs.
     inputs: [bool; 4],
+    /// Until when outputs that were disabled have their inactive levels.
+    settles: Option<Time>,
+    /// BKINP means the opposite: sources differ on it.
+    pub is_odd: bool,
     /// What was set that is not modelled.
     pub complaint: Option<String>,
 }
@@ -146,7 +150,7 @@ impl Timer {
             arr: top,
             rcr: 0,
             dcr: 0,
-            others: [1, 1, 0],
+            others: [0; 3],
             divider: 0,
             top,
             repeat: 0,
@@ -159,6 +163,8 @@ impl Timer {
             burst_asks: 0,
             levels: [[None; 2]; 4],
             inputs: [false; 4],
+            settles: None,
+            is_odd: false,
             complaint: None,
         }
     }
@@ -255,12 +261,21 @@ impl Timer {
     }
 
     fn look_at_break(&mut self, out: &mut Vec<Signal>, at: Time) {
-        if self.brake.is_broken(self.others[0]) {
+        if self.brake.is_broken(self.others[0], self.is_odd) {
             self.sr |= BIF;
-            self.brake.bdtr &= !Break::MOE;
+            self.disable(at);
         }
         self.show(at, out);
         self.tell(out);
+    }
+
+    /// The main output is disabled. Lines are inactive first, which the complement's idle level is not (RM0433 38.3.16: for the dead time
+    /// and what the two clocks' synchronization takes).
+    fn disable(&mut self, at: Time) {
+        if self.brake.bdtr & Break::MOE != 0 {
+            self.brake.bdtr &= !Break::MOE;
+            self.settles = Some(at + 2 * self.kernel);
+        }
     }
 
     /// Works out the outputs and tells what changed.
@@ -272,7 +287,7 @@ impl Timer {
             let (reference, idle) = (channel.combined(references[n ^ 1]), self.cr2 >> (8 + 2 * n));
             // An input drives nothing.
             let enables = if channel.captures() { 0 } else { channel.enables };
-            let levels = self.brake.levels(enables, reference, self.kind.advanced, idle);
+            let levels = self.brake.levels(enables, reference, self.kind.advanced, idle, self.settles.is_some());
             for (level, complementary) in levels.into_iter().zip([false, true]) {
                 let place = &mut self.levels[n][usize::from(complementary)];
                 if *place != level {
@@ -338,7 +353,7 @@ impl Timer {
                 }
             }
             // AOE: outputs come back by themselves at an update, if the break is over.
-            if self.brake.bdtr & 1 << 14 != 0 && !self.brake.is_active(self.others[0]) {
+            if self.brake.bdtr & 1 << 14 != 0 && !self.brake.is_active(self.others[0], self.is_odd) {
                 self.brake.bdtr |= Break::MOE;
             }
             if self.cr1 & OPM != 0 {
@@ -397,7 +412,7 @@ impl Timer {
         }
         if value & BIF != 0 {
             self.sr |= BIF;
-            self.brake.bdtr &= !Break::MOE;
+            self.disable(at);
         }
     }
 

@@ -102,19 +102,19 @@ impl Break {
     pub const MOE: u32 = 1 << 15;
 
     /// Whether the input is at its active level (BKP, and BKINP of AF1), or the clock is lost.
-    pub fn is_active(&self, af1: u32) -> bool {
+    pub fn is_active(&self, af1: u32, is_odd: bool) -> bool {
         let connected = af1 & 1 != 0;
-        let high = self.input != (af1 & 1 << 9 != 0);
+        let high = self.input != ((af1 & 1 << 9 != 0) != is_odd);
         self.clock_lost || connected && high == (self.bdtr & 1 << 13 != 0)
     }
 
-    /// Whether outputs are on that the break ends.
-    pub fn is_broken(&self, af1: u32) -> bool {
-        self.bdtr & 1 << 12 != 0 && self.is_active(af1) && self.bdtr & Break::MOE != 0
+    /// Whether the break acts: by its level, so that its flag cannot be cleared meanwhile (RM0433 38.4.5).
+    pub fn is_broken(&self, af1: u32, is_odd: bool) -> bool {
+        self.bdtr & 1 << 12 != 0 && self.is_active(af1, is_odd)
     }
 
     /// Levels of output and complementary output for CCER's bits of a channel. `idle` holds OISx and OISxN.
-    pub fn levels(&self, enables: u32, reference: bool, advanced: bool, idle: u32) -> [Option<bool>; 2] {
+    pub fn levels(&self, enables: u32, reference: bool, advanced: bool, idle: u32, settles: bool) -> [Option<bool>; 2] {
         let bit = |n: u32| enables & 1 << n != 0;
         let (on, low, on_n, low_n) = (bit(0), bit(1), bit(2), bit(3));
         if !advanced {
@@ -125,6 +125,9 @@ impl Break {
             // OSSI: driven at the idle state, if anything of the channel is on.
             if !off_state(10) || !(on || on_n) {
                 return [None, None];
+            }
+            if settles {
+                return [Some(low), Some(low_n)];
             }
             return [Some(idle & 1 != 0), Some(idle & 2 != 0)];
         }

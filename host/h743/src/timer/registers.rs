@@ -133,17 +133,21 @@ impl Device for Timer {
                 if value & 1 << 24 != 0 {
                     self.complain("a second break input");
                 }
-                self.brake.bdtr = value;
+                let ends = before & !value & Break::MOE != 0;
+                self.brake.bdtr = value | before & Break::MOE;
+                if ends {
+                    self.disable(at);
+                }
                 // MOE cannot be set while the break is active.
-                if value & 1 << 12 != 0 && self.brake.is_active(self.others[0]) && before & Break::MOE == 0 {
-                    self.brake.bdtr &= !Break::MOE;
+                if before & Break::MOE == 0 && value & Break::MOE != 0 {
+                    let broken = self.brake.is_broken(self.others[0], self.is_odd);
+                    self.brake.bdtr = value & !if broken { Break::MOE } else { 0 };
+                    self.settles = None;
                 }
             }
             BDTR => {}
-            DCR => {
-                self.dcr = value;
-                self.burst = 0;
-            }
+            // Where a burst stands it does not tell, and no source says that this takes it back (RM0433 38.4.20).
+            DCR => self.dcr = value,
             DMAR => {
                 let target = self.burst_target();
                 if self.burst != 0 && self.burst_asks != 0 {
@@ -154,7 +158,7 @@ impl Device for Timer {
             AF1..=TISEL => self.others[(offset - AF1) as usize / 4] = value,
             _ => return None,
         }
-        if self.brake.is_broken(self.others[0]) {
+        if self.brake.is_broken(self.others[0], self.is_odd) {
             self.look_at_break(out, at);
         }
         self.show(at, out);
@@ -163,13 +167,14 @@ impl Device for Timer {
     }
 
     fn next(&self) -> Time {
+        let settles = self.settles.unwrap_or(NEVER);
         if !self.counts() {
-            return NEVER;
+            return settles;
         }
         // The count at the epoch is enough: past the top it is only where a write left it so.
         let top = if self.held > self.top { self.widest() } else { self.top };
         let wrap = self.after(Time::from(top) + 1);
-        (0..4).map(|n| self.meeting(n)).min().unwrap_or(NEVER).min(wrap)
+        (0..4).map(|n| self.meeting(n)).min().unwrap_or(NEVER).min(wrap).min(settles)
     }
 
     fn advance(&mut self, to: Time, out: &mut Vec<Signal>) {
@@ -177,6 +182,9 @@ impl Device for Timer {
             let due = self.next();
             if due > to {
                 break;
+            }
+            if self.settles.is_some_and(|at| at <= due) {
+                self.settles = None;
             }
             for n in 0..4 {
                 if self.meeting(n) == due {
@@ -200,12 +208,14 @@ impl Device for Timer {
 
     fn reset(&mut self, at: Time, out: &mut Vec<Signal>) {
         let (input, kernel, levels, inputs) = (self.brake.input, self.kernel, self.levels, self.inputs);
+        let is_odd = self.is_odd;
         let complaint = self.complaint.take();
         *self = Timer::new(self.kind);
         self.brake.input = input;
         self.kernel = kernel;
         self.levels = levels;
         self.inputs = inputs;
+        self.is_odd = is_odd;
         self.complaint = complaint;
         self.show(at, out);
         self.tell(out);

@@ -1,0 +1,166 @@
+//! Facts of the chip on which sources differ, or which no source promises: what the image does where they are otherwise. Where
+//! BEAMTICK_H743_IMAGE names it.
+use client::{Client, Options};
+use h743::link::{EmulatedLink, Shared, lock};
+use h743::{Level, MILLISECOND, Machine, Pin, Stop};
+use protocol::command::{
+    ClrLaserFault, GetAdc, GetEvents, GetFault, GetLaserFault, LaserOn, LaserOutFrq, LaserPrfCmd, LaserStatus,
+    SetAxisMode, SetHSIOOpt,
+};
+use std::sync::{Arc, Mutex};
+
+/// Timers of the lasers, and the inputs that break them.
+const BREAKS: [(u8, &str); 3] = [(1, "PE15"), (15, "PE3"), (8, "PG2")];
+
+/// The board after start-up; `before` sets what is otherwise. `None` without an image.
+fn started(before: impl FnOnce(&mut Machine)) -> Option<Machine> {
+    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
+        println!("skipped: BEAMTICK_H743_IMAGE names no image");
+        return None;
+    };
+    let mut machine = Machine::new().unwrap();
+    machine.boot(&std::fs::read(path).unwrap()).unwrap();
+    BREAKS.iter().for_each(|(_, name)| machine.drive(Pin::named(name).unwrap(), Some(false)));
+    before(&mut machine);
+    assert_eq!(machine.run(20 * MILLISECOND), Stop::Time);
+    Some(machine)
+}
+
+fn linked(machine: Machine) -> (Client, Shared) {
+    let shared: Shared = Arc::new(Mutex::new(machine));
+    let client = Client::open(Box::new(EmulatedLink::new(shared.clone())), Options::default()).unwrap();
+    (client, shared)
+}
+
+fn fault(client: &Client) -> (u8, String) {
+    let (reply, text) = client.call_items(GetFault {}, &[]).unwrap();
+    (reply.kind, text.iter().map(|byte| char::from(byte.value)).collect())
+}
+
+fn cause(client: &Client, channel: i16) -> i16 {
+    client.call(GetLaserFault { core: 1.into(), channel: channel.into() }).unwrap().value.get()
+}
+
+#[test]
+fn a_break_that_is_not_its_pins_is_told_and_there_is_no_light() {
+    for (number, name) in BREAKS {
+        for open in [false, true] {
+            let Some(machine) = started(|machine| {
+                machine.chip.bus.timer(number).unwrap().is_odd = true;
+                machine.drive(Pin::named(name).unwrap(), Some(open));
+            }) else {
+                return;
+            };
+            let (client, shared) = linked(machine);
+            let told = if open {
+                format!("TIM{number} does not break although its input {name} is high")
+            } else {
+                format!("TIM{number} breaks although its input {name} is low")
+            };
+            assert_eq!(fault(&client), (5, told));
+            // Closing the circuit and clearing does not help.
+            BREAKS.iter().for_each(|(_, name)| lock(&shared).drive(Pin::named(name).unwrap(), Some(false)));
+            for channel in 0..2 {
+                assert_eq!(cause(&client, channel), 1, "TIM{number}, {name} {open}");
+                assert!(client.call(LaserOn { core: 1.into(), channel: channel.into() }).is_err());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_board_that_is_as_it_should_be_says_nothing_of_its_breaks() {
+    for open in [false, true] {
+        let Some(machine) = started(|machine| {
+            BREAKS.iter().for_each(|(_, name)| machine.drive(Pin::named(name).unwrap(), Some(open)));
+        }) else {
+            return;
+        };
+        let (client, _shared) = linked(machine);
+        assert_eq!(fault(&client), (0, String::new()));
+        assert_eq!(cause(&client, 0), i16::from(open));
+    }
+}
+
+#[test]
+fn revisions_that_are_too_slow_are_refused() {
+    for revision in [0x1001, 0x1003] {
+        let Some(machine) = started(|machine| machine.chip.bus.dbgmcu.revision = revision) else { return };
+        assert_eq!(machine.chip.bus.gpio.level(Pin::named("PB14").unwrap()), Level::Driven(true));
+        // Nothing else is driven, and the watchdog does not bite.
+        for name in ["PE9", "PE8", "PC7", "PB0", "PF8", "PG0", "PD8"] {
+            assert_eq!(machine.chip.bus.gpio.level(Pin::named(name).unwrap()), Level::Floating, "{name}");
+        }
+        assert!(machine.resets.is_empty());
+    }
+}
+
+#[test]
+fn a_converter_that_is_switched_on_too_early_is_switched_on_again() {
+    let Some(mut machine) = started(|machine| machine.chip.bus.adc.withdraws = 3) else { return };
+    let at = machine.chip.now;
+    // At A2: 0 to 3.3 V stand for −12.5 to 12.5 V.
+    machine.chip.bus.adc.apply(1, 0.75 * 3.3, at);
+    machine.run(30 * MILLISECOND);
+    assert_eq!(machine.chip.bus.adc.withdraws, 0);
+    let (client, _shared) = linked(machine);
+    let (_, values) = client.call_items(GetAdc { core: 1.into(), adc: 1.into(), count: 1.into() }, &[]).unwrap();
+    assert!((values[0].value.get() - 6.25).abs() < 0.01, "{}", values[0].value.get());
+}
+
+#[test]
+fn the_supply_and_a_locked_up_core_break_the_lasers_too() {
+    let Some(mut machine) = started(|_| {}) else { return };
+    let chip = &mut machine.chip;
+    let now = chip.now;
+    let cfgr = chip.bus.read(0x5800_0418, now, &mut chip.scs.exceptions);
+    assert_eq!(cfgr, Some(1 << 2 | 1 << 6), "PVDL, CM7L");
+    let cr1 = chip.bus.read(0x5802_4800, now, &mut chip.scs.exceptions).unwrap();
+    assert_eq!((cr1 >> 4 & 1, cr1 >> 5 & 7), (1, 5), "PVDE, PLS");
+}
+
+const TIM1_DMAR: u32 = 0x4001_004c;
+const DMA1_S0CR: u32 = 0x4002_0010;
+/// A kind of event: ticks that overran.
+const OVERRUN: u8 = 5;
+
+#[test]
+fn timers_that_stopped_within_a_burst_begin_with_its_first_register() {
+    let Some(machine) = started(|_| {}) else { return };
+    let (client, shared) = linked(machine);
+    let (core, channel) = (1.into(), 0.into());
+    client.call(SetAxisMode { core, axis: 7.into(), mode: 1.into() }).unwrap();
+    client.call(LaserOutFrq { core, frequency: 10.0.into(), channel }).unwrap();
+    client.call(LaserPrfCmd { core, power: 50.0.into(), channel }).unwrap();
+    client.call(SetHSIOOpt { core, value: 1.into(), channel }).unwrap();
+    lock(&shared).run(5 * MILLISECOND);
+    // The stream ends, with one transfer of a burst done; a tick finds that out.
+    {
+        let mut machine = lock(&shared);
+        let chip = &mut machine.chip;
+        for (register, bits) in [(DMA1_S0CR, 1), (TIM1_DMAR, u32::MAX)] {
+            let at = chip.now;
+            chip.bus.write(register, 0, bits, at, &mut chip.scs.exceptions).unwrap();
+        }
+        machine.run(5 * MILLISECOND);
+    }
+    let state = client.call(LaserStatus { core, channel }).unwrap();
+    assert_eq!((state.light, state.fault.get()), (0, 3), "an overrun");
+    let (_, events) = client.call_items(GetEvents {}, &[]).unwrap();
+    let overruns: Vec<u16> =
+        events.iter().filter(|event| event.kind == OVERRUN).map(|event| event.reason.get()).collect();
+    assert_eq!(overruns, [1], "they began anew once, and were read as they should be");
+    client.call(ClrLaserFault { core, channel }).unwrap();
+    client.call(SetHSIOOpt { core, value: 1.into(), channel }).unwrap();
+    let mut machine = lock(&shared);
+    machine.run(5 * MILLISECOND);
+    let begin = machine.chip.now;
+    machine.run(2 * MILLISECOND);
+    let plus = Pin::named("PE9").unwrap();
+    let edges: Vec<_> = machine.chip.bus.gpio.changes.iter().filter(|c| c.pin == plus && c.at >= begin).collect();
+    assert!(edges.len() >= 38, "{} edges in 2 ms of 10 kHz", edges.len());
+    for pair in edges.windows(2) {
+        let lasts = pair[1].at - pair[0].at;
+        assert!((lasts as i64 - 48_000).abs() <= 4, "{lasts} units of light or dark");
+    }
+}
