@@ -256,6 +256,11 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
         self.bye = bye;
     }
 
+    /// A client's sign of life goes out with the next bytes, before it is due.
+    pub fn keep_alive(&mut self) {
+        self.keep_alive_due |= self.role == Role::Client && matches!(self.state, State::Open);
+    }
+
     /// Lets the timers act. [`Self::take_tx`] does it too.
     pub fn poll(&mut self, now: Ns) {
         match self.state {

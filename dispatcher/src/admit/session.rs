@@ -101,7 +101,8 @@ pub fn trace<const AXES: usize>(case: &mut Case<AXES>, r: &Trace) -> Admitted<An
 
 pub fn link_loss<const AXES: usize>(case: &mut Case<AXES>, r: &SetLinkLoss) -> Admitted<Answer> {
     let ms = within(0, r.time_ms.get(), 0, LINK_LOSS_MAX_MS)?.unsigned_abs();
-    stage_watch(case, Watch { link_loss_ms: ms, stop_all: r.stop_all.get() != 0, ..case.books.watch });
+    let stop_all = choice(1, r.stop_all.get(), 0, 1)? == 1;
+    stage_watch(case, Watch { link_loss_ms: ms, stop_all, ..case.books.watch });
     Ok(Answer::Done)
 }
 

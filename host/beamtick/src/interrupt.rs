@@ -7,7 +7,10 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Duration;
 
 /// The runner has this long to stop a job; the whole stays below a second (SPEC 10).
-const GRACE: Duration = Duration::from_millis(900);
+const GRACE: Duration = Duration::from_millis(850);
+
+/// What is said last may take so long to be read.
+pub const LAST_WORDS: Duration = Duration::from_millis(50);
 
 static CAME: AtomicU8 = AtomicU8::new(0);
 static HELD: AtomicBool = AtomicBool::new(false);
@@ -72,16 +75,29 @@ fn arrived(number: u8) {
             );
         }
     }
+    crate::printer::finish(Some(LAST_WORDS));
     std::process::exit(signal.exit_code().into());
 }
 
 /// From now on signals do as the module says; for the program itself, not for tests that call its library.
 #[cfg(unix)]
 pub fn watch() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    // A file that grows beyond its limit is an error of that file, and no end of the program.
+    let _ = signal_hook::flag::register(SIGXFSZ, std::sync::Arc::new(AtomicBool::new(false)));
+    // `nohup` means it.
+    let taken = if ignores_hangups() { vec![SIGINT, SIGTERM] } else { vec![SIGHUP, SIGINT, SIGTERM] };
     // Without it a signal ends the program at once, and the link that is lost stops what it can.
-    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM]) else { return };
+    let Ok(mut signals) = signal_hook::iterator::Signals::new(taken) else { return };
     std::thread::spawn(move || signals.forever().for_each(|number| arrived(number as u8)));
+}
+
+/// Whether whoever started the program has HUP ignored; known on Linux only.
+#[cfg(unix)]
+fn ignores_hangups() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 1 == 1)
 }
 
 /// The same for Ctrl-C and for a console window that is closed.

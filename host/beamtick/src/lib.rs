@@ -5,20 +5,18 @@
 //! errors on the error stream with file, line and reason. Exit codes: 0 done, 1 the job or the link
 //! failed, 2 the command line or the job file is wrong, 130, 143 and 129 after INT, TERM and HUP. A library, so that tests run jobs over links of their own.
 
-/// A line on the standard output. Where nobody reads it any more, the job runs on all the same.
+/// A line on the standard output, whenever that is read.
 macro_rules! say {
-    ($($part:tt)*) => {{
-        use std::io::Write;
-        let _ = writeln!(std::io::stdout(), $($part)*);
-    }};
+    ($($part:tt)*) => {
+        crate::printer::say(crate::printer::Stream::Out, format!($($part)*) + "\n")
+    };
 }
 
-/// A line on the error stream.
+/// A line on the error stream, whenever that is read.
 macro_rules! complain {
-    ($($part:tt)*) => {{
-        use std::io::Write;
-        let _ = writeln!(std::io::stderr(), $($part)*);
-    }};
+    ($($part:tt)*) => {
+        crate::printer::say(crate::printer::Stream::Error, format!($($part)*) + "\n")
+    };
 }
 
 mod command_line;
@@ -29,6 +27,7 @@ mod interrupt;
 mod listing;
 mod output;
 mod points;
+mod printer;
 mod profile;
 mod record;
 mod reply;
@@ -71,7 +70,14 @@ impl From<trace::TraceError> for Failure {
 /// The program: does what the command line says.
 pub fn main() -> ExitCode {
     interrupt::watch();
-    match obey(&CommandLine::parse()) {
+    let code = ended(obey(&CommandLine::parse()));
+    // Nothing of ours is lit or moving any more: a reader may take its time, unless a signal asks to end.
+    printer::finish(interrupt::came().map(|_| interrupt::LAST_WORDS));
+    code
+}
+
+fn ended(outcome: Result<(), Failure>) -> ExitCode {
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Job(text)) => {
             complain!("{}", text.trim_end());

@@ -4,9 +4,9 @@
 //! stream is a terminal. It remembers which axes the script left moving, and which lasers on.
 use crate::entries::{Entry, From};
 use crate::source::Source;
-use crate::{interrupt, profile, reply};
+use crate::{interrupt, printer, profile, reply};
 use client::{Answer, Dry, Error, Observer, Progress};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use job::{Action, Severity};
 use protocol::command::{AxisStatus, LaserStatus, VersionReply};
 use protocol::reason::{Reason, Refusal};
@@ -38,7 +38,7 @@ impl<'a> Report<'a> {
     /// A report on a job's entries.
     pub fn new(source: &'a Source, entries: &'a [Entry], version: VersionReply, quiet: bool) -> Self {
         // Drawn only where the error stream is a terminal.
-        let bar = ProgressBar::with_draw_target(Some(entries.len() as u64), ProgressDrawTarget::stderr());
+        let bar = ProgressBar::with_draw_target(Some(entries.len() as u64), printer::bars());
         if let Ok(style) = ProgressStyle::with_template("{elapsed:>5} [{bar:30}] {pos}/{len} {msg}") {
             bar.set_style(style);
         }

@@ -391,14 +391,16 @@ impl Drop for Client {
 /// Pumps the link while nobody calls.
 fn keep_alive(shared: &Shared) {
     let mut stop = shared.stop.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut idle = IDLE;
     while !*stop {
         drop(stop);
         if let Ok(mut inner) = shared.inner.try_lock() {
             // A failure is kept and told by the next call.
             let _ = inner.pump(Duration::from_micros(100));
+            idle = IDLE.min(Duration::from_nanos(inner.session.silence() / 2));
         }
         stop = shared.stop.lock().unwrap_or_else(PoisonError::into_inner);
-        stop = shared.wake.wait_timeout_while(stop, IDLE, |s| !*s).unwrap_or_else(PoisonError::into_inner).0;
+        stop = shared.wake.wait_timeout_while(stop, idle, |s| !*s).unwrap_or_else(PoisonError::into_inner).0;
     }
 }
 

@@ -6,11 +6,12 @@
 use crate::call::Call;
 use crate::error::{self, Error, Result};
 use protocol::MAX_PAYLOAD;
-use protocol::command::opcode;
+use protocol::command::{SetLinkLoss, opcode};
 use protocol::frame::Busy;
-use protocol::link::{ALIVE_NS, Counters, Endpoint, Identity, Role, State};
+use protocol::link::{ALIVE_NS, Counters, Endpoint, Identity, KEEP_ALIVE_NS, Role, State};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use std::collections::{HashMap, VecDeque};
+use zerocopy::FromBytes;
 
 /// Messages under way at once.
 const WINDOW: usize = 32;
@@ -46,6 +47,10 @@ pub(crate) struct Session {
     frames: u32,
     /// A call changes the controller, or may.
     commanded: bool,
+    /// Longest silence of ours, ns: a quarter of the link-loss time, where that was set short.
+    silence: u64,
+    /// When bytes went out last.
+    sent_at: u64,
     /// Bytes of a trace that came over the link.
     trace: Vec<u8>,
 }
@@ -64,6 +69,8 @@ impl Session {
             next_tag: 0,
             frames: 0,
             commanded: false,
+            silence: KEEP_ALIVE_NS,
+            sent_at: now,
             trace: Vec::new(),
         }
     }
@@ -110,6 +117,14 @@ impl Session {
             (Lane::Immediate, opcode::Abort) => false,
             _ => self.commanded || !call.only_reads(),
         };
+        if call.opcode == opcode::SetLinkLoss
+            && let Ok(set) = SetLinkLoss::read_from_bytes(&call.payload)
+        {
+            self.silence = match u64::try_from(set.time_ms.get()) {
+                Ok(ms @ 1..) => (ms * 1_000_000 / 4).min(KEEP_ALIVE_NS),
+                _ => KEEP_ALIVE_NS,
+            };
+        }
         self.outbox.push_back(Outgoing { tag, lane, opcode: call.opcode, payload: call.payload.clone() });
         Ok(tag)
     }
@@ -141,6 +156,10 @@ impl Session {
     pub fn send(&mut self, now: u64, out: &mut Vec<u8>) {
         self.pack();
         self.endpoint.poll(now);
+        if now.saturating_sub(self.sent_at) >= self.silence {
+            self.endpoint.keep_alive();
+        }
+        let before = out.len();
         let mut bytes = [0; 2048];
         loop {
             let n = self.endpoint.take_tx(now, &mut bytes);
@@ -149,6 +168,14 @@ impl Session {
             }
             out.extend_from_slice(&bytes[..n]);
         }
+        if out.len() > before {
+            self.sent_at = now;
+        }
+    }
+
+    /// Longest silence of ours, ns.
+    pub fn silence(&self) -> u64 {
+        self.silence
     }
 
     /// Packs queued calls into messages, as many as a message and the window hold.
@@ -206,7 +233,11 @@ impl Session {
 
     /// When [`Self::send`] has something to do at the latest.
     pub fn next_deadline(&self) -> u64 {
-        self.endpoint.next_deadline().unwrap_or(u64::MAX)
+        let alive = match self.endpoint.state() {
+            State::Open => self.sent_at.saturating_add(self.silence),
+            _ => u64::MAX,
+        };
+        self.endpoint.next_deadline().unwrap_or(u64::MAX).min(alive)
     }
 }
 

@@ -1,7 +1,8 @@
 //! An opened controller, and the places for seventeen of them: the one of `GT_`/`GTN_`, and cards 0 to 15.
 //!
 //! Owns the client, the queue of PT data, the files of a trace, and where time has to be driven or a queue sent, a
-//! thread for it. A place is locked for the whole of a call: calls of several threads follow each other.
+//! thread for it. A place is locked for the whole of a call: calls of several threads follow each other. An Abort, a Close and the end
+//! of the process go first.
 
 use crate::recorder::{Claim, Recorder};
 use crate::settings::{Road, Settings};
@@ -10,7 +11,7 @@ use client::error::{CANNOT_OPEN, NO_ANSWER};
 use client::{Call, Client, Error, Options, Profile, Result};
 use protocol::command::{GetSts, Trace, opcode};
 use std::ffi::{CString, c_char, c_short};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, Once, PoisonError, TryLockError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -21,7 +22,9 @@ const TICK_US: u32 = 250;
 /// Time between two looks of the thread.
 const LOOK: Duration = Duration::from_millis(1);
 /// At the end of the process, calls of other threads are waited for no longer than this.
-const FINISH: Duration = Duration::from_millis(300);
+const FINISH: Duration = Duration::from_secs(1);
+/// Between two looks of a call that lets another one go first.
+const GIVE_WAY: Duration = Duration::from_micros(100);
 /// Bit 10 of the status word: the profile runs.
 const RUNNING: i32 = 1 << 10;
 
@@ -32,6 +35,9 @@ pub struct Slot(usize);
 /// Cards that the family for several has, and the one of the other two.
 const SLOTS: usize = 17;
 static STATES: [Mutex<State>; SLOTS] = [const { Mutex::new(State { card: None, version: None }) }; SLOTS];
+
+/// Calls that the others let go first, for each place.
+static FIRST: [AtomicUsize; SLOTS] = [const { AtomicUsize::new(0) }; SLOTS];
 
 /// All places.
 pub fn all() -> impl Iterator<Item = Slot> {
@@ -52,8 +58,46 @@ impl Slot {
         self.0.checked_sub(1)
     }
 
-    /// The place for this thread alone.
+    /// The place for this thread alone, once nobody goes first.
     pub fn lock(self) -> MutexGuard<'static, State> {
+        loop {
+            while self.is_asked_for() {
+                std::thread::sleep(GIVE_WAY);
+            }
+            let state = self.wait();
+            // A lock is not given in the order in which it was asked for.
+            if !self.is_asked_for() {
+                return state;
+            }
+        }
+    }
+
+    /// The place for this thread alone, before all calls that have not begun.
+    pub fn lock_first(self) -> MutexGuard<'static, State> {
+        FIRST[self.0].fetch_add(1, Ordering::SeqCst);
+        let state = self.wait();
+        FIRST[self.0].fetch_sub(1, Ordering::SeqCst);
+        state
+    }
+
+    /// The same, if that takes no longer than until `end`.
+    fn lock_first_until(self, end: Instant) -> Option<MutexGuard<'static, State>> {
+        FIRST[self.0].fetch_add(1, Ordering::SeqCst);
+        let state = loop {
+            match self.try_lock() {
+                None if Instant::now() < end => std::thread::sleep(GIVE_WAY),
+                state => break state,
+            }
+        };
+        FIRST[self.0].fetch_sub(1, Ordering::SeqCst);
+        state
+    }
+
+    fn is_asked_for(self) -> bool {
+        FIRST[self.0].load(Ordering::SeqCst) != 0
+    }
+
+    fn wait(self) -> MutexGuard<'static, State> {
         STATES[self.0].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -126,18 +170,11 @@ impl State {
 /// At the end of the process: what programs leave open is closed, so that nothing stays lit and traces are complete.
 extern "C" fn finish() {
     let _ = std::panic::catch_unwind(|| {
-        let began = Instant::now();
+        let end = Instant::now() + FINISH;
         for slot in all() {
-            // Another thread may be in a call, or call without end.
-            loop {
-                if let Some(mut state) = slot.try_lock() {
-                    let _ = state.close();
-                    break;
-                }
-                if began.elapsed() > FINISH {
-                    break;
-                }
-                std::thread::yield_now();
+            // Another thread may be in a call that does not end.
+            if let Some(mut state) = slot.lock_first_until(end) {
+                let _ = state.close();
             }
         }
     });

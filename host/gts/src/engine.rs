@@ -395,7 +395,8 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
         // SAFETY: the caller's text has `size` bytes.
         return unsafe { last_reason(slot, prepared, args) }.map(|()| None);
     }
-    let mut state = slot.lock();
+    let goes_first = matches!(prepared.name(), "Abort" | "Close");
+    let mut state = if goes_first { slot.lock_first() } else { slot.lock() };
     if prepared.prototype.function.shape == Shape::Host {
         return match prepared.name() {
             "Open" => {

@@ -143,7 +143,7 @@ fn a_card_that_is_closed_or_left_open_at_the_end_leaves_no_light() {
     let served = virtual_board::serve(listener, None, virtual_board::Config::default()).unwrap();
     let link = format!("tcp:{}", served.address());
     // Each finds the controller dark and without a fault, and its on command works.
-    for how in ["close", "exit", "leave", "close"] {
+    for how in ["close", "exit", "leave", "read", "light", "read", "light", "read", "light", "close"] {
         let mut child = command(&built, &[("BEAMTICK_LINK", &link)]).arg(how).stdout(Stdio::piped()).spawn().unwrap();
         let status = child.wait().unwrap();
         // At once, not when the link is lost.

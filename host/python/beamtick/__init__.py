@@ -21,12 +21,15 @@ The library is looked for where ``BEAMTICK_LIBRARY`` says, beside this file, in 
 and where the system looks. Which controller is opened the environment says (docs/c.md).
 """
 
+import atexit
 import ctypes
 import ctypes.util
 import inspect
 import os
 import pathlib
+import signal
 import sys
+import threading
 
 from . import table
 
@@ -234,17 +237,27 @@ for _name, (_about, _parameters) in table.FUNCTIONS.items():
 
 class Controller:
     """The controller for the length of a ``with``: opened by ``GT_Open``, or with ``gtn`` by ``GTN_Open``, whose arguments
-    these are, and closed however the block ends. Closing aborts: every laser is shut off at once, all motion is brought to
-    rest smoothly."""
+    these are, and closed however the block ends, by TERM or HUP too. Closing aborts: every laser is shut off at once, all motion
+    is brought to rest smoothly."""
 
     def __init__(self, *args, gtn=False, **named):
         self._open = lambda: globals()["GTN_Open" if gtn else "GT_Open"](*args, **named)
+        self._handlers = {}
 
     def __enter__(self):
         self._open()
+        if threading.current_thread() is threading.main_thread():
+            for name in ("SIGTERM", "SIGHUP"):
+                number = getattr(signal, name, None)
+                # Left alone where the program has a handler of its own, or is to ignore it.
+                if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+                    self._handlers[number] = signal.signal(number, _leave)
         return self
 
     def __exit__(self, kind, error, trace):
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)
+        self._handlers.clear()
         try:
             globals()["GT_Close"]()
         except GtsError:
@@ -254,6 +267,28 @@ class Controller:
         return False
 
 
+def _leave(number, frame):
+    raise SystemExit(128 + number)
+
+
+def _close():
+    try:
+        globals()["GT_Close"]()
+    except GtsError:
+        pass
+
+
+# A script that ends by Ctrl-C ends without the exit functions of C.
+atexit.register(_close)
+
+# A signal is heard between two of these, ms.
+_SLEEP = 100
+
+
 def sleep(milliseconds):
-    """Waits for so many ms of the open controller's time (docs/c.md), of the wall clock's if none is open."""
-    _lib.beamtick_sleep(ctypes.c_ulong(int(milliseconds)))
+    """Waits for so many ms of the open controller's time (docs/c.md), of the wall clock's if none is open. Ctrl-C ends it."""
+    left = int(milliseconds)
+    while left > _SLEEP:
+        _lib.beamtick_sleep(ctypes.c_ulong(_SLEEP))
+        left -= _SLEEP
+    _lib.beamtick_sleep(ctypes.c_ulong(left))

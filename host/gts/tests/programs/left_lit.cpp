@@ -1,7 +1,9 @@
 // A card that is closed, and a program that ends without closing it, leave no light; the next on command works.
-// argv[1]: close, exit, or leave. The controller is a served one, which outlives the program.
+// argv[1]: close, exit, leave, or read or light: a thread ends the program while another one reads, or lights. The controller is a served one, which outlives the program.
 #include "gts.h"
 #include "check.h"
+#include <chrono>
+#include <thread>
 
 int main(int count, char **arguments)
 {
@@ -25,5 +27,21 @@ int main(int count, char **arguments)
         return 1;
     if (strcmp(how, "exit") == 0)
         exit(failed);
+    bool reads = strcmp(how, "read") == 0;
+    if (reads || strcmp(how, "light") == 0)
+    {
+        std::thread([failed] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            exit(failed);
+        }).detach();
+        double position;
+        for (;;)
+        {
+            if (reads)
+                GT_GetPrfPos(1, &position);
+            else
+                GT_LaserOn(0);
+        }
+    }
     return failed;
 }
