@@ -26,7 +26,7 @@ use crate::slaves::Switched;
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use crate::view::{AxisView, Event, LaserView, Sample, Speeds, StopReason, Traced, View};
-use crate::work::Budget;
+use crate::work::{self, Budget};
 use ring::{Consumer, Producer, Writer};
 
 /// Events between two looks of the thread.
@@ -465,12 +465,13 @@ impl<const AXES: usize> Tick<AXES> {
         let Lanes { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
         let mut reach = Reach { events, samples, segments, tables: *tables, paths };
         let (mut budget, mut drops) = (Budget::of(self.period), false);
+        let mut calls = work::calls(self.period);
         // Entries are read where they lie: a copy of one costs as much as what it does.
-        while let Some(entry) = immediate.peek() {
+        while calls > 0
+            && let Some(entry) = immediate.peek()
+        {
+            calls = calls.wrapping_sub(1);
             let weight = self.weigh(&entry.op);
-            if !budget.takes(weight) {
-                return;
-            }
             match entry.op {
                 Op::ProgramRun => {
                     self.script.begin(self.now);

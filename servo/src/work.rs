@@ -6,7 +6,8 @@
 //! An entry weighs so many units of about 128 instructions. Set-up goes on from tick to tick, with half of each tick. What
 //! others see (a start, an output, a light) begins in a tick that carries out everything from there to the end of the
 //! instant, as far as the ring holds it: neighbours act together. If that is more than a tick takes, starts are prepared in
-//! the ticks before it. A Reset takes as many ticks as it needs, and what follows it waits.
+//! the ticks before it. A Reset takes as many ticks as it needs, and what follows it waits. Calls of the immediate lane are
+//! counted, and what they weigh is taken from the program.
 use crate::execute::Reach;
 use crate::op::{Entry, Op, Supervision};
 use crate::tick::{PROGRAM, Tick};
@@ -40,6 +41,12 @@ mod weight {
 
 /// Units of set-up in the shortest tick; in a longer one a unit for each 512 ns, half of its instructions.
 const LEAST: u32 = 16;
+
+/// Calls of the immediate lane that act in a tick: so many in the shortest, and in a longer one a call for each 512 ns, as
+/// far as the larger ring goes. They come one by one, for no instant.
+pub(crate) fn calls(period: Ns) -> u32 {
+    ((period.0 >> 9) as u32).clamp(64, PROGRAM as u32)
+}
 
 /// What a tick still takes.
 #[derive(Debug, Clone, Copy)]

@@ -113,8 +113,12 @@ fn a_late_entry_acts_at_once_is_counted_and_shifts_nothing() {
 
 #[test]
 fn so_many_entries_act_in_a_tick_the_immediate_lane_first() {
-    // 16 of set-up in the shortest tick, one for each 512 ns of a longer one.
-    for (period, most) in [(10, 19), (50, 97), (100, 195)] {
+    // A call and an entry of set-up for each 512 ns; in the shortest tick 64 calls, and 19 entries.
+    for (period, done) in [
+        (10, [(64, 0), (100, 0), (100, 19), (100, 38), (100, 57)]),
+        (50, [(97, 0), (100, 94), (100, 191), (100, 200), (100, 200)]),
+        (100, [(100, 95), (100, 200), (100, 200), (100, 200), (100, 200)]),
+    ] {
         let mut bench = Bench::ready(period, Mode::PtStatic);
         let run = bench.now(Op::ProgramRun);
         for _ in 0..99 {
@@ -123,11 +127,11 @@ fn so_many_entries_act_in_a_tick_the_immediate_lane_first() {
         for _ in 0..200 {
             bench.then(0, Op::Mark);
         }
-        for tick in 1..6 {
-            let (view, done) = (bench.tick(), (tick * most).min(300));
-            let immediate = done.min(100);
-            assert_eq!((view.done_immediate - run + 1, view.done_program), (immediate, done - immediate));
+        for done in done {
+            let view = bench.tick();
+            assert_eq!((view.done_immediate - run + 1, view.done_program), done, "{period} µs");
         }
+        assert_eq!(bench.tick().late, 0, "what did not fit into its tick was put off");
     }
     // The larger ring's content in a long tick.
     let mut bench = Bench::ready(1000, Mode::PtStatic);

@@ -281,6 +281,11 @@ impl Lasers {
         }
     }
 
+    /// Whether every channel has a place for one more entry of a path.
+    pub(crate) fn has_room(&self) -> bool {
+        self.channels.iter().all(Channel::has_room)
+    }
+
     /// A path comes to rest at an instant of the interval that is planned next.
     pub(crate) fn crd_rests(&mut self, run: Run, at: Ns, rest: Rest) {
         let (end, cause) = match rest {
