@@ -21,16 +21,23 @@ pub(crate) struct Script {
     pub(crate) first_late: u32,
     /// Number of the last entry executed when the first tick of the program took too long, 0 if none has.
     pub(crate) overran: u32,
-    /// A laser command was late.
+    /// A laser command that changes light was late.
     pub(crate) late_light: bool,
     /// Whether the lane runs; else it is held.
     pub(crate) runs: bool,
-    /// The instant whose work goes on in another tick than its own.
-    spread: Ns,
+    spread: Spread,
 }
 
-/// [`Script::spread`] of no instant.
-const NONE: Ns = Ns(u64::MAX);
+/// Which instant's work goes on in another tick than its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Spread {
+    /// None.
+    None,
+    /// That of the entry that comes next.
+    Next,
+    /// That of the entry executed last.
+    Clock,
+}
 
 impl Script {
     pub(crate) const HELD: Script = Script {
@@ -42,7 +49,7 @@ impl Script {
         first_late: 0,
         overran: 0,
         late_light: false,
-        spread: NONE,
+        spread: Spread::None,
     };
 
     /// The clock is zero at the tick in force.
@@ -68,22 +75,29 @@ impl Script {
 
     /// What an entry of that instant asks goes on in the tick that comes next, and is not late for it.
     pub(crate) fn put_off(&mut self, instant: Ns, now: Ns) {
-        if now.0 <= self.zero.0.saturating_add(instant.0) {
-            self.spread = instant;
+        if !self.was_put_off(instant) {
+            let in_time = now.0 <= self.zero.0.saturating_add(instant.0);
+            self.spread = if in_time { Spread::Next } else { Spread::None };
         }
     }
 
-    /// Whether that instant's work was put off before.
+    /// Whether the work of the instant of the entry that comes next was put off before.
     pub(crate) fn was_put_off(&self, instant: Ns) -> bool {
-        self.spread == instant
+        match self.spread {
+            Spread::None => false,
+            Spread::Next => true,
+            Spread::Clock => self.clock == instant,
+        }
     }
 
     /// An entry of that instant is executed in the tick after `now`. It is late if an earlier tick
     /// came after its instant, that is, if its instant is before the tick in force, but for work that was put off.
     pub(crate) fn execute(&mut self, instant: Ns, now: Ns, seq: u32, lights: bool) {
+        let put_off = self.was_put_off(instant);
+        self.spread = if put_off { Spread::Clock } else { Spread::None };
         self.clock = instant;
         let late = now.0.saturating_sub(self.zero.0.saturating_add(instant.0));
-        if late > 0 && !self.was_put_off(instant) {
+        if late > 0 && !put_off {
             if self.late == 0 {
                 self.first_late = seq;
             }

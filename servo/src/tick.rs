@@ -175,8 +175,8 @@ pub struct Tick<const AXES: usize> {
     /// Whether there is anything of that.
     pub(crate) aborts: bool,
     pub(crate) supervision: Supervision,
-    /// Axes of the Reset in hand that are not at power-on state yet.
-    pub(crate) resetting: AxisMask,
+    /// Where a Reset in hand goes on: at the axis before this one, counted from 1; 0 if there is none.
+    pub(crate) resetting: u8,
     /// Axes that may wait for an index edge.
     indexed: AxisMask,
     /// What an axis that follows goes in a tick at most, units of Pos, and what that is made of.
@@ -206,7 +206,7 @@ impl<const AXES: usize> Tick<AXES> {
             aborted: (AxisMask(0), CrdMask(0)),
             aborts: false,
             supervision: Supervision::DEFAULT,
-            resetting: AxisMask(0),
+            resetting: 0,
             done_immediate: 0,
             done_program: 0,
             script: Script::HELD,
@@ -480,7 +480,7 @@ impl<const AXES: usize> Tick<AXES> {
                     }
                 }
                 // A Reset of the program that has begun is carried out as a whole, and nothing after it.
-                Op::ProgramDrop if self.resetting.0 != 0 => {
+                Op::ProgramDrop if self.resetting != 0 => {
                     drops = true;
                     break;
                 }
@@ -523,7 +523,8 @@ impl<const AXES: usize> Tick<AXES> {
                 break;
             }
             budget.spend(self.weigh(&entry.op));
-            self.script.execute(instant, self.now, entry.seq, matches!(entry.op, Op::Laser { .. }));
+            let lights = self.lights(&entry.op);
+            self.script.execute(instant, self.now, entry.seq, lights);
             match entry.op {
                 Op::ProgramEnd => self.script.runs = false,
                 Op::Reset { .. } => {}

@@ -351,7 +351,7 @@ pub struct View<const AXES: usize> {
     pub first_late: u32,
     /// Number of the last entry executed when the first tick of the program took too long, 0 if none has.
     pub overran: u32,
-    /// A laser command was late.
+    /// A laser command that changes light, or what is output without, was late.
     pub late_light: bool,
     /// Whether the program lane runs; else it is held.
     pub program_runs: bool,

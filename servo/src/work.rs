@@ -3,7 +3,7 @@
 //! In: the entries of an instant in the program lane, the state that they meet. Out: whether the next one is carried out
 //! in this tick. Owns nothing. Fails: never.
 //!
-//! An entry weighs so many units of about 128 instructions. Set-up goes on from tick to tick, with half of each tick. What
+//! An entry weighs so many units of about 128 instructions. Set-up goes on from tick to tick, with a quarter of each tick. What
 //! others see (a start, an output, a light) begins in a tick that carries out everything from there to the end of the
 //! instant, as far as the ring holds it: neighbours act together. If that is more than a tick takes, starts are prepared in
 //! the ticks before it. A Reset takes as many ticks as it needs, and what follows it waits. Calls of the immediate lane are
@@ -36,11 +36,15 @@ mod weight {
     pub const PATH_READY: u32 = 28;
     pub const FRAME: u32 = 20;
     /// A change of a laser channel.
-    pub const LASER: u32 = 2;
+    pub const LASER: u32 = 6;
 }
 
-/// Units of set-up in the shortest tick; in a longer one a unit for each 512 ns, half of its instructions.
-const LEAST: u32 = 16;
+/// Units of set-up in the shortest tick; in a longer one a unit for each 1024 ns, a quarter of its instructions: an axis
+/// to which something was done costs as much again in the tick and in the one after it.
+const LEAST: u32 = 8;
+
+/// Starts are prepared for less than 2 to this power ticks; all axes have their turn in that time.
+const PATIENCE: u32 = 6;
 
 /// Calls of the immediate lane that act in a tick: so many in the shortest, and in a longer one a call for each 512 ns, as
 /// far as the larger ring goes. They come one by one, for no instant.
@@ -60,7 +64,7 @@ pub(crate) struct Budget {
 
 impl Budget {
     pub(crate) fn of(period: Ns) -> Budget {
-        let whole = ((period.0 >> 9) as u32).max(LEAST);
+        let whole = ((period.0 >> 10) as u32).max(LEAST);
         Budget { left: whole, whole, acting: None }
     }
 
@@ -75,7 +79,7 @@ impl Budget {
 
     /// Units that may act beside what was spent: with set-up, three quarters of a tick.
     fn room(&self) -> u32 {
-        self.left.wrapping_add(self.whole >> 1)
+        self.left.wrapping_add(self.whole << 1)
     }
 }
 
@@ -109,6 +113,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::Zero { axes } | Op::Synchronise { axes } | Op::ClearStatus { axes } => many(axes),
             Op::CrdFrame { .. } => FRAME,
             Op::Laser { .. } => LASER,
+            Op::ProgramRun => 0,
             _ => 1,
         }
     }
@@ -116,6 +121,11 @@ impl<const AXES: usize> Tick<AXES> {
     fn moving(&self, axes: AxisMask) -> u32 {
         let runs = |axis: &Axis| self.axes.get(axis.index()).is_some_and(|state| state.runs());
         self.in_use(axes).axes().filter(runs).count() as u32
+    }
+
+    /// Whether an operation changes light, or what a laser outputs without.
+    pub(crate) fn lights(&self, op: &Op) -> bool {
+        matches!(op, Op::Laser { .. }) && self.is_seen(op)
     }
 
     /// Whether others see at once what an operation does, so that its neighbours must not come in another tick.
@@ -158,7 +168,8 @@ impl<const AXES: usize> Tick<AXES> {
         }
         let weight = neighbours(program).fold(0u32, |sum, entry| sum.saturating_add(self.weigh(&entry.op)));
         let fits = weight <= budget.room();
-        if !fits && self.prepare(program, budget, lanes) {
+        let waited = self.now.0.saturating_sub(self.script.zero.0.saturating_add(instant.0));
+        if !fits && waited < self.period.0 << PATIENCE && self.prepare(program, budget, lanes) {
             return false;
         }
         // A tick of its own is all that it can have.
@@ -212,7 +223,7 @@ impl<const AXES: usize> Tick<AXES> {
         budget: &mut Budget,
         lanes: &mut Reach<'_, '_, AXES>,
     ) -> bool {
-        if self.resetting.0 == 0 {
+        if self.resetting == 0 {
             self.supervision = Supervision::DEFAULT;
             self.clear &= !axes.0;
             self.enable &= !axes.0;
@@ -220,16 +231,18 @@ impl<const AXES: usize> Tick<AXES> {
             self.settle_crds(next, lanes);
             self.lasers.reset(next);
             self.drop_frames(axes);
-            self.resetting = self.in_use(axes);
+            self.resetting = 1;
         }
-        for axis in self.resetting.axes() {
+        let done = (1u64 << (self.resetting.wrapping_sub(1) & 63)).wrapping_sub(1);
+        for axis in self.in_use(AxisMask(axes.0 & !done)).axes() {
             if !budget.takes(weight::RESET) {
+                self.resetting = (axis.index() as u8).wrapping_add(1);
                 return false;
             }
             budget.spend(weight::RESET);
             self.reset_axis(axis);
-            self.resetting.0 &= !axis.mask().0;
         }
+        self.resetting = 0;
         true
     }
 }

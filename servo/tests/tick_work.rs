@@ -29,7 +29,7 @@ fn trap(bench: &mut Bench, index: usize) {
 
 #[test]
 fn a_reset_takes_the_ticks_that_it_needs_and_what_follows_waits_for_it() {
-    for (period, ticks) in [(10, 3), (20, 2), (50, 1), (250, 1)] {
+    for (period, ticks) in [(10, 8), (20, 3), (50, 1), (250, 1)] {
         let mut bench = Bench::ready(period, Mode::Jog);
         for index in 0..AXES {
             bench.now(Op::SetPosition { axis: axis(index), pos: Pos::pulses(7) });
@@ -60,8 +60,8 @@ fn a_reset_by_the_immediate_lane_keeps_its_order_too() {
     let reset = bench.now(Op::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
     bench.now(output(0));
     let done: Vec<(bool, u32)> =
-        (0..4).map(|_| bench.tick()).map(|view| (view.done_immediate >= reset, view.general_outputs)).collect();
-    assert_eq!(done, [(false, 0), (false, 0), (true, 1), (true, 1)]);
+        (0..9).map(|_| bench.tick()).map(|view| (view.done_immediate >= reset, view.general_outputs)).collect();
+    assert_eq!((&done[..7], &done[7..]), (&[(false, 0); 7][..], &[(true, 1); 2][..]));
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn a_reset_that_has_begun_is_carried_out_whole_where_its_program_is_dropped() {
     assert!(bench.tick().done_program < reset);
     bench.now(Op::ProgramDrop);
     bench.now(output(1));
-    let view = bench.ticks(6);
+    let view = bench.ticks(10);
     assert!(view.axes.iter().all(|axis| axis.mode == Mode::Trap), "no axis is left out");
     assert_eq!((view.done_program, view.program_runs), (reset, false));
     assert_eq!(view.general_outputs, 2, "what followed was dropped");
@@ -118,7 +118,7 @@ fn starts_and_outputs_of_one_instant_begin_in_one_tick() {
 
 #[test]
 fn set_up_that_fits_does_not_put_off_its_start() {
-    // Eight axes at 50 µs: all of it is the first tick's.
+    // Eight axes at 50 µs: all of it is the work of the first tick.
     let mut bench = Bench::new(50);
     bench.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
     bench.tick();
@@ -147,9 +147,9 @@ fn an_instant_that_another_keeps_waiting_is_late_by_its_own_account() {
             break view;
         }
     };
-    // 60 marks are four ticks; the instants 1 and 13 µs would have been those of the first and the second.
-    assert_eq!(acted, [0, 0, 0, 3]);
-    assert_eq!((view.late, view.first_late, view.worst_late), (2, 61, Ns(29 * US)));
+    // 60 marks are seven ticks; the instants 1 and 13 µs would have been those of the first and the second.
+    assert_eq!(acted, [0, 0, 0, 0, 0, 0, 3]);
+    assert_eq!((view.late, view.first_late, view.worst_late), (2, 61, Ns(59 * US)));
 }
 
 #[test]

@@ -259,7 +259,7 @@ impl<'a> Program<'a> {
                 desk.lane.push(Op::ProgramRun, Change::None, 0, &mut desk.ahead);
                 self.run = Some(desk.lane.last());
                 self.clock = 0;
-                self.overruns[1] = self.overruns[0];
+                (self.overruns[1], self.answered) = (self.overruns[0], (0, 0));
                 self.strict = start.strict != 0;
                 self.state = State::Running;
                 Ok(Some(Answer::Program))

@@ -91,6 +91,11 @@ impl<'a> Report<'a> {
         self.source.show(step, severity, format!("{name} returned {}: {reason}", answer.code), help)
     }
 
+    /// Whether an entry is of the script, and not of its end.
+    pub fn is_scripted(&self, entry: u32) -> bool {
+        self.entries.get(entry as usize).and_then(|entry| entry.step(u16::MAX)).is_some()
+    }
+
     /// The call of an entry and its line, as a sentence has them.
     pub fn place(&self, entry: u32) -> String {
         let step = self.entries.get(entry as usize).and_then(|entry| entry.step(u16::MAX));

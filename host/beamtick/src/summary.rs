@@ -134,7 +134,9 @@ fn taken(run: &Run<'_>) -> Option<String> {
     let dark: Vec<String> =
         used.filter(|channel| progress.darkened() >> channel & 1 == 1).map(|channel| channel.to_string()).collect();
     let place = |entry: Option<u32>| entry.map_or(String::new(), |entry| format!(" after {}", report.place(entry)));
-    if !dark.is_empty() {
+    // One at the end, which is dark anyway, takes nothing.
+    let during = progress.overran.is_some_and(|entry| report.is_scripted(entry));
+    if !dark.is_empty() && during {
         return Some(format!(
             "{}: a servo tick took too long{}, and laser {} was kept dark: what was to be lit from there on was not. \
              A longer tick (--tick-us), or fewer calls at one instant, helps.",

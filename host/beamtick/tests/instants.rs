@@ -188,7 +188,7 @@ fn the_emulated_board_resets_within_its_ticks_and_shows_the_light_of_sim() {
         [(8, 1, "gus", "20"), (8, 1, "gus", "25"), (24, 1, "r688c-024", "50"), (8, 1, "gus", "250")]
     {
         let job = job(folder.path(), &crowded(axes, cores));
-        let settings = ["--profile", profile, "--tick-us", tick, "--trace"];
+        let settings = ["--profile", profile, "--tick-us", tick, "--every", "10", "--trace"];
         let (out, code) =
             beamtick(&[&["sim", job.to_str().unwrap()], &settings[..], &[sim.to_str().unwrap()]].concat());
         assert_eq!(code, 0, "{profile} {tick}: {out}");
@@ -212,5 +212,5 @@ fn ticks_that_take_too_long_are_told_where_no_laser_is_used_too() {
     let words = ["run", job.to_str().unwrap(), "--link", "qemu", "--profile", "gsn-048", "--tick-us", "10"];
     let (out, code) = beamtick(&words);
     assert_eq!(code, 0, "{out}");
-    assert!(out.contains("servo ticks took longer than 10 us, the first one after GT_SetDoBit (line 1)"), "{out}");
+    assert!(out.contains("servo ticks took longer than 10 us"), "{out}");
 }
