@@ -118,8 +118,8 @@ fn a_job_that_ends_in_reset_says_that_its_coordinate_system_drives_nothing_any_m
     assert!(out.contains("crd 1: drives no axis any more"), "{out}");
 }
 
-/// Set-up, outputs and starts of many axes at one instant, under light that was switched on with them.
-fn crowded(axes: u32, cores: u32) -> String {
+/// Reset and set-up of many axes at one instant; outputs, starts of `starts` of them and light at another one.
+fn crowded(axes: u32, cores: u32, starts: u32) -> String {
     let mut text = String::new();
     for core in 1..=cores {
         text.push_str(&format!("GTN_Reset({core});\n"));
@@ -140,7 +140,7 @@ fn crowded(axes: u32, cores: u32) -> String {
         text.push_str(&format!("GT_SetDoBit(12, {output}, 0);\n"));
     }
     for core in 1..=cores {
-        for axis in 1..=axes {
+        for axis in 1..=starts {
             text.push_str(&format!("GTN_Update({core}, {});\n", 1u32 << (axis - 1)));
         }
     }
@@ -164,7 +164,7 @@ fn all_that_one_instant_starts_begins_in_one_tick() {
     for (axes, cores, profile, tick) in
         [(8, 1, "gus", "10"), (8, 1, "gus", "20"), (8, 1, "gus", "50"), (24, 2, "gsn-048", "50")]
     {
-        let job = job(folder.path(), &crowded(axes, cores));
+        let job = job(folder.path(), &crowded(axes, cores, axes));
         let words =
             ["sim", job.to_str().unwrap(), "--profile", profile, "--tick-us", tick, "--trace", trace.to_str().unwrap()];
         let (out, code) = beamtick(&words);
@@ -184,10 +184,11 @@ fn the_emulated_board_resets_within_its_ticks_and_shows_the_light_of_sim() {
     }
     let folder = tempfile::tempdir().unwrap();
     let (sim, board) = (folder.path().join("sim.csv"), folder.path().join("board.csv"));
-    for (axes, cores, profile, tick) in
-        [(8, 1, "gus", "20"), (8, 1, "gus", "25"), (24, 1, "r688c-024", "50"), (8, 1, "gus", "250")]
+    // The emulated board steps 48 axes in each tick, whatever the profile is.
+    for (axes, starts, profile, tick) in
+        [(8, 4, "gus", "25"), (8, 8, "gus", "50"), (24, 16, "r688c-024", "50"), (8, 8, "gus", "250")]
     {
-        let job = job(folder.path(), &crowded(axes, cores));
+        let job = job(folder.path(), &crowded(axes, 1, starts));
         let settings = ["--profile", profile, "--tick-us", tick, "--every", "10", "--trace"];
         let (out, code) =
             beamtick(&[&["sim", job.to_str().unwrap()], &settings[..], &[sim.to_str().unwrap()]].concat());
