@@ -153,6 +153,54 @@ pub enum Change {
     LaserFine(bool),
 }
 
+impl Change {
+    /// Whether its execution may end what keeps a command from an axis, a table or a coordinate system now: a motion, a
+    /// latched fault, a use.
+    pub fn may_free(&self) -> bool {
+        match self {
+            Change::Reset { .. }
+            | Change::Servo { on: false, .. }
+            | Change::Stopped { .. }
+            | Change::Aborted
+            | Change::Cleared { .. }
+            | Change::Table { .. }
+            | Change::Rest { .. }
+            | Change::Emptied { .. }
+            | Change::FollowEmptied { .. }
+            | Change::Switched { .. }
+            | Change::Crd { .. } => true,
+            Change::None
+            | Change::Servo { on: true, .. }
+            | Change::Watch(_)
+            | Change::Placed { .. }
+            | Change::Started { .. }
+            | Change::PvtStarted { .. }
+            | Change::TablePasses { .. }
+            | Change::TableFilled { .. }
+            | Change::Mode { .. }
+            | Change::Memory { .. }
+            | Change::Data { .. }
+            | Change::FollowMaster { .. }
+            | Change::FollowEvent { .. }
+            | Change::FollowDirection { .. }
+            | Change::FollowMemory { .. }
+            | Change::FollowData { .. }
+            | Change::Dec { .. }
+            | Change::Band { .. }
+            | Change::Soft { .. }
+            | Change::PosErr { .. }
+            | Change::Trap { .. }
+            | Change::Jog { .. }
+            | Change::Vel { .. }
+            | Change::Pos { .. }
+            | Change::Analog { .. }
+            | Change::Laser { .. }
+            | Change::CrdStarted { .. }
+            | Change::LaserFine(_) => false,
+        }
+    }
+}
+
 /// One set of books.
 #[derive(Debug, Clone, Copy)]
 pub struct Books<const AXES: usize> {

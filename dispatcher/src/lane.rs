@@ -142,6 +142,10 @@ impl<'a, const N: usize> Lane<'a, N> {
     pub fn in_flight(&self) -> bool {
         !self.log.is_empty()
     }
+    /// Whether one of them may end what keeps a command from being taken now.
+    pub fn may_free(&self) -> bool {
+        self.log.iter().any(|(_, change)| change.may_free())
+    }
     /// Pushes one operation; false if there is no room.
     pub fn push<const AXES: usize>(&mut self, op: Op, change: Change, delay: u64, ahead: &mut Books<AXES>) -> bool {
         if self.room() == 0 {

@@ -64,7 +64,7 @@ impl Limits {
 }
 
 /// Entries with effects that may stand between two motions which are passed at speed; more make the path wait.
-const EFFECTS: u32 = 8;
+const EFFECTS: u32 = 32;
 /// Lowest speed and acceleration that an entry takes.
 const LEAST: f64 = 1.0 / 1048576.0;
 
@@ -216,7 +216,7 @@ impl<const N: usize> LookAhead<N> {
             return false;
         }
         self.moves &= !entry.is_wait();
-        self.effects = self.effects.saturating_add(1);
+        self.effects = self.effects.saturating_add(entry.load());
         self.push(Slot::Other(entry, entry.is_wait()));
         true
     }

@@ -334,3 +334,116 @@ fn a_new_session_finds_no_old_program() {
     assert_eq!(bench.done(ProgramStatus {}).state, 0);
     assert!(runs(&mut bench)[0], "motion goes on");
 }
+
+/// Axis 1 jogs; at 10 ms an output is set, `refused` is asked, and another output is set: when they are set, after 10 ms,
+/// and what is refused for.
+fn beside_a_refusal<R: Request>(refused: R) -> (Vec<u64>, Reason, ProgramReply) {
+    let (core, profile) = (CORE.into(), 1.into());
+    let mut bench = Bench::gus();
+    bench.servo_on(1);
+    bench.done(PrfJog { core, profile });
+    bench.done(SetJogPrm { core, profile, acc: 1.0.into(), dec: 1.0.into(), smooth: 0.0.into() });
+    bench.done(SetVel { core, profile, vel: 5.0.into() });
+    let output = |index: i16| SetDoBit { core, do_type: 12.into(), index: index.into(), value: 1.into() };
+    let requests = [
+        entry(Update { core, mask: 1.into() }),
+        entry(sleep(10)),
+        entry(output(1)),
+        may_fail(refused),
+        entry(output(2)),
+        entry(ProgramEnd {}),
+    ];
+    let tags = bench.post_all(&requests);
+    let started = bench.post(Lane::Immediate, ProgramStart { strict: 0 }, &[]);
+    bench.wait(started);
+    let (zero, mut edges, mut before) = (bench.server.view().script_zero.0, Vec::new(), bench.machine.outputs.2);
+    while !bench.answers.contains_key(tags.last().unwrap()) {
+        bench.step();
+        let new = bench.machine.outputs.2 & !before;
+        before = bench.machine.outputs.2;
+        edges.extend((0..new.count_ones()).map(|_| bench.now().0 - zero - 10 * MS));
+    }
+    let answer = bench.answers[&tags[3]].clone();
+    assert_ne!(answer.code, 0);
+    (edges, answer.reason(), bench.done(ProgramStatus {}))
+}
+
+#[test]
+fn what_follows_a_refused_entry_acts_in_the_tick_of_what_stands_before_it() {
+    let (core, profile) = (CORE.into(), 1.into());
+    let all = [
+        beside_a_refusal(PrfPt { core, profile, mode: 0.into() }),
+        beside_a_refusal(ZeroPos { core, axis: profile, count: 1.into() }),
+        beside_a_refusal(PrfPvt { core, profile }),
+        beside_a_refusal(SetFollowMaster {
+            core,
+            profile,
+            master_index: 1.into(),
+            master_type: 2.into(),
+            master_item: 0.into(),
+        }),
+    ];
+    let reasons: Vec<Reason> = all.iter().map(|(_, reason, _)| *reason).collect();
+    assert_eq!(reasons, [Reason::Moving, Reason::Moving, Reason::Moving, Reason::WrongMode]);
+    for (edges, reason, status) in all {
+        assert_eq!(edges, [250_000; 2], "{reason:?}");
+        assert_eq!(status.late.get(), 0, "{reason:?}");
+    }
+}
+
+#[test]
+fn a_command_after_an_abrupt_stop_of_its_instant_is_decided_after_it() {
+    let (core, profile) = (CORE.into(), 1.into());
+    let mut bench = Bench::gus();
+    bench.servo_on(1);
+    bench.done(PrfJog { core, profile });
+    bench.done(SetJogPrm { core, profile, acc: 1.0.into(), dec: 1.0.into(), smooth: 0.0.into() });
+    bench.done(SetVel { core, profile, vel: 5.0.into() });
+    let stop = Stop { core, mask: 1.into(), option: 1.into(), form: 0 };
+    let requests = [
+        entry(Update { core, mask: 1.into() }),
+        entry(sleep(10)),
+        entry(stop),
+        may_fail(PrfPt { core, profile, mode: 0.into() }),
+        entry(ProgramEnd {}),
+    ];
+    let tags = bench.post_all(&requests);
+    let started = bench.post(Lane::Immediate, ProgramStart { strict: 0 }, &[]);
+    bench.wait(started);
+    assert_eq!(bench.wait(*tags.last().unwrap()).code, 0);
+    assert_eq!(bench.answers[&tags[3]].code, 0, "the axis rests by then");
+}
+
+#[test]
+fn the_status_names_the_first_late_record_and_the_one_after_which_a_tick_took_too_long() {
+    let core = CORE.into();
+    let mut bench = Bench::gus();
+    let output = |index: i16| SetDoBit { core, do_type: 12.into(), index: index.into(), value: 1.into() };
+    let tags = bench.post_all(&[entry(output(1)), entry(sleep(5)), entry(output(2))]);
+    let started = bench.post(Lane::Immediate, ProgramStart { strict: 0 }, &[]);
+    bench.wait(started);
+    bench.run_ms(5);
+    let status = bench.done(ProgramStatus {});
+    assert_eq!((status.overruns.get(), status.told), (0, 0));
+    while bench.machine.outputs.2 != 3 {
+        bench.step();
+    }
+    bench.overrun();
+    bench.run_ms(20);
+    // Its instant is long past.
+    let late = bench.post_all(&[entry(sleep(1)), entry(output(3)), entry(output(4))]);
+    bench.wait(late[2]);
+    let status = bench.done(ProgramStatus {});
+    assert_eq!((status.overruns.get(), status.late.get()), (1, 2));
+    assert_eq!((status.overran_tag.get(), status.late_tag.get()), (tags[2], late[1]));
+    // Both lasers went dark for it.
+    assert_eq!(status.told, 1 | 2 | 3 << 4);
+    // The next program has an account of its own.
+    bench.done(ProgramClear {});
+    let tag = bench.post(Lane::Program, ProgramEnd {}, &[]);
+    let started = bench.post(Lane::Immediate, ProgramStart { strict: 0 }, &[]);
+    bench.wait(started);
+    bench.wait(tag);
+    let status = bench.done(ProgramStatus {});
+    assert_eq!((status.overruns.get(), status.late.get(), status.told), (0, 0, 0));
+}

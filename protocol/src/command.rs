@@ -170,10 +170,12 @@ wire_structs! {
     Clock { clock_ms: U32, ticks: U32 }
     /// The program queue: entries accepted, executed and waiting, free bytes, late entries, state
     /// (0 empty, 1 held, 2 running, 3 stopped by a failure, 4 stopped by Stop or link loss), and
-    /// the script clock in ns.
+    /// the script clock in ns. Since the program's start: servo ticks that took too long; the tags of the record that
+    /// was late first and of the last one executed when a tick took too long first, if bits 0, 1 of `told` are set. Bit 2: a
+    /// laser command that changes light was late; bits 4 and 5: laser channels 0 and 1 went dark because a tick took too long.
     ProgramReply {
         accepted: U32, executed: U32, space_bytes: U32, late: U32, worst_late_us: U32, state: u8,
-        clock_ns: U64,
+        clock_ns: U64, overruns: U32, late_tag: U16, overran_tag: U16, told: u8,
     }
     /// What ended the run before this one: 0 nothing but power-off or a reset from outside, 1 a panic,
     /// 2 a fault of the core, 3 an interrupt that nobody claims, 4 the watchdog; and how many bytes of text follow (UTF-8).

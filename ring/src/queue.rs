@@ -143,13 +143,18 @@ impl<T: Copy, const N: usize> Producer<'_, T, N> {
 impl<T: Copy, const N: usize> Consumer<'_, T, N> {
     /// The oldest value, left in its place.
     pub fn peek(&self) -> Option<&T> {
-        // Acquire: sees the value that was written before the count.
-        if self.ring.pushed.load(observe()) == self.popped {
+        self.peek_at(0)
+    }
+
+    /// The value with `before` others before it, left in its place.
+    pub fn peek_at(&self, before: u32) -> Option<&T> {
+        // Acquire: sees the values that were written before the count.
+        if self.ring.pushed.load(observe()).wrapping_sub(self.popped) <= before {
             return None;
         }
         // SAFETY: `pushed` is past this place, so it holds a value and the producer leaves it alone until
         // `popped` passes it, which needs `&mut self` and so ends this borrow.
-        Some(self.ring.place(self.popped).with(|place| unsafe { (*place).assume_init_ref() }))
+        Some(self.ring.place(self.popped.wrapping_add(before)).with(|place| unsafe { (*place).assume_init_ref() }))
     }
 
     /// Takes the oldest value.

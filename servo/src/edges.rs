@@ -1,15 +1,15 @@
 //! Outputs that change at instants inside the coming interval.
 //!
 //! In: changes with their instants, in the order in which they are found, which is that of time for each coordinate
-//! system. Out: the same in the order of time, to the machine. Owns: those of one tick. Fails: never; there is room
-//! for all that the coordinate systems may do in a tick.
+//! system. Out: the same in the order of time, to the machine. Owns: those of one tick; of an instant one for each group and
+//! each analog output. Fails: never; a path holds where there is no room for more.
 use crate::op::DoGroup;
-use crate::path::EFFECTS;
+use crate::path::INSTANTS;
 use crate::port::Port;
 use crate::units::Crd;
 
-/// Every effect of a tick may be one.
-const ROOM: usize = Crd::MAX * EFFECTS as usize;
+/// One at each instant at which a path may carry out something.
+const ROOM: usize = Crd::MAX * INSTANTS as usize;
 
 /// What changes.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +18,26 @@ pub(crate) enum Change {
     Digital { group: DoGroup, mask: u64, value: u64 },
     /// An analog output.
     Analog { channel: u8, value: i16 },
+}
+
+impl Change {
+    /// Whether a later change of the same instant is a part of this one from now on.
+    fn takes(&mut self, later: Change) -> bool {
+        match (self, later) {
+            (Change::Digital { group, mask, value }, Change::Digital { group: of, mask: also, value: levels })
+                if *group == of =>
+            {
+                *value = *value & !also | levels & also;
+                *mask |= also;
+                true
+            }
+            (Change::Analog { channel, value }, Change::Analog { channel: of, value: level }) if *channel == of => {
+                *value = level;
+                true
+            }
+            _ => false,
+        }
+    }
 }
 
 /// The changes of one tick.
@@ -42,8 +62,22 @@ impl Edges {
         self.count == 0
     }
 
-    /// A change `at` ns after the tick computed; behind those of the same instant.
+    /// Whether one more change has a place.
+    pub(crate) fn has_room(&self) -> bool {
+        self.count < ROOM
+    }
+
+    /// A change `at` ns after the tick computed; after those of the same instant, of which it may be a part.
     pub(crate) fn add(&mut self, at: u32, change: Change) {
+        let list = self.list.get_mut(..self.count).unwrap_or_default();
+        if list
+            .iter_mut()
+            .rev()
+            .take_while(|before| before.0 >= at)
+            .any(|before| before.0 == at && before.1.takes(change))
+        {
+            return;
+        }
         let mut place = self.count.min(ROOM - 1);
         self.count = place + 1;
         while place > 0

@@ -5,7 +5,7 @@
 //! its mask and is told as [`Event::Refused`]; whatever else does not fit any more has no effect.
 use crate::axis::{AxisState, Jog};
 use crate::follow::Method;
-use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op, Supervision};
+use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op};
 use crate::path::EntryStore;
 use crate::port::Port;
 use crate::pvt::TableStores;
@@ -35,7 +35,7 @@ impl<'r, 'a, const AXES: usize> Reach<'r, 'a, AXES> {
 
 impl<const AXES: usize> Reach<'_, '_, AXES> {
     /// What the motion of an axis is read from.
-    fn source(&self, axis: Axis) -> Option<Source<'_>> {
+    pub(crate) fn source(&self, axis: Axis) -> Option<Source<'_>> {
         Some(Source { segments: self.segments.get(axis.index())?, tables: self.tables })
     }
 }
@@ -53,7 +53,8 @@ impl<const AXES: usize> Tick<AXES> {
         lanes: &mut Reach<'_, '_, AXES>,
     ) {
         match entry.op {
-            Op::Mark | Op::ProgramRun | Op::ProgramDrop | Op::ProgramEnd | Op::WaitRest { .. } => {}
+            // Those that are not here have been carried out already.
+            Op::Mark | Op::ProgramRun | Op::ProgramDrop | Op::ProgramEnd | Op::WaitRest { .. } | Op::Reset { .. } => {}
             Op::Stop { axes, abrupt, crds, crds_abrupt } => {
                 let named = CrdMask(crds.0 | self.holders(axes).0 | self.drivers(axes).0);
                 self.lasers.crd_stops(self.crds.known(named), next);
@@ -83,16 +84,6 @@ impl<const AXES: usize> Tick<AXES> {
                 DoGroup::General => self.general = self.general & !(mask as u32) | (value & mask) as u32,
             },
             Op::Analog { channel, value } => port.analog_out(0, channel as usize, value),
-            Op::Reset { axes } => {
-                self.supervision = Supervision::DEFAULT;
-                self.clear &= !axes.0;
-                self.enable &= !axes.0;
-                self.halt(axes, StopReason::Reset, next, lanes);
-                self.settle_crds(next, lanes);
-                self.lasers.reset(next);
-                self.drop_frames(axes);
-                self.all(axes, AxisState::reset);
-            }
             Op::Update { axes } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_update()) {
                     self.sourced(axes, lanes, |state, source| state.update(next, source));
@@ -213,6 +204,11 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
+    /// An axis at rest is as at power-on.
+    pub(crate) fn reset_axis(&mut self, axis: Axis) {
+        self.one(axis, AxisState::reset);
+    }
+
     fn all(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState)) {
         self.each(axes, |_, state| {
             change(state);
@@ -300,7 +296,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Stops axes where they stand, and the paths that drive them.
-    fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    pub(crate) fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         self.stop_crds(self.drivers(axes), true, reason, next, lanes);
         for axis in self.in_use(axes).axes() {
             if let Some(state) = self.axes.get_mut(axis.index())

@@ -32,3 +32,4 @@ mod trace;
 pub mod units;
 pub mod view;
 pub mod wide;
+mod work;

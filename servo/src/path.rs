@@ -15,7 +15,7 @@ mod sine;
 mod store;
 
 pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Rate, Refused, Sweep};
-pub(crate) use run::EFFECTS;
+pub(crate) use run::{EFFECTS, INSTANTS};
 pub use run::{Effects, Feed, GEARS, Path, Rest, Rules, Sight, Step, Told, Wake};
 pub use shape::Bend;
 pub use store::{ENTRIES, Entries, EntryStore};

@@ -1,7 +1,8 @@
 //! The script clock: when a program's entries are due (SPEC 7).
 //!
 //! In: the delays of entries, the ticks. Out: whether an entry acts in this tick. Owns: the clock and
-//! the count of entries that came late. A late entry acts at once and shifts nothing behind it.
+//! the count of entries that came late. A late entry acts at once and shifts nothing after it. What a tick has put
+//! off because its instant asks more than a tick carries out (`work`) is not late.
 use crate::units::Ns;
 
 /// The program lane's clock; in the order of the view.
@@ -16,12 +17,40 @@ pub(crate) struct Script {
     pub(crate) worst_late: Ns,
     /// Entries executed late.
     pub(crate) late: u32,
+    /// Number of the first of them, 0 if there is none.
+    pub(crate) first_late: u32,
+    /// Number of the last entry executed when the first tick of the program took too long, 0 if none has.
+    pub(crate) overran: u32,
+    /// A laser command that changes light was late.
+    pub(crate) late_light: bool,
     /// Whether the lane runs; else it is held.
     pub(crate) runs: bool,
+    spread: Spread,
+}
+
+/// Which instant's work goes on in another tick than its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Spread {
+    /// None.
+    None,
+    /// That of the entry that comes next.
+    Next,
+    /// That of the entry executed last.
+    Clock,
 }
 
 impl Script {
-    pub(crate) const HELD: Script = Script { runs: false, zero: Ns(0), clock: Ns(0), late: 0, worst_late: Ns(0) };
+    pub(crate) const HELD: Script = Script {
+        runs: false,
+        zero: Ns(0),
+        clock: Ns(0),
+        late: 0,
+        worst_late: Ns(0),
+        first_late: 0,
+        overran: 0,
+        late_light: false,
+        spread: Spread::None,
+    };
 
     /// The clock is zero at the tick in force.
     pub(crate) fn begin(&mut self, now: Ns) {
@@ -44,14 +73,44 @@ impl Script {
         Ns(controller.0.saturating_sub(self.zero.0))
     }
 
+    /// What an entry of that instant asks goes on in the tick that comes next, and is not late for it.
+    pub(crate) fn put_off(&mut self, instant: Ns, now: Ns) {
+        if !self.was_put_off(instant) {
+            let in_time = now.0 <= self.zero.0.saturating_add(instant.0);
+            self.spread = if in_time { Spread::Next } else { Spread::None };
+        }
+    }
+
+    /// Whether the work of the instant of the entry that comes next was put off before.
+    pub(crate) fn was_put_off(&self, instant: Ns) -> bool {
+        match self.spread {
+            Spread::None => false,
+            Spread::Next => true,
+            Spread::Clock => self.clock == instant,
+        }
+    }
+
     /// An entry of that instant is executed in the tick after `now`. It is late if an earlier tick
-    /// came after its instant, that is, if its instant is before the tick in force.
-    pub(crate) fn execute(&mut self, instant: Ns, now: Ns) {
+    /// came after its instant, that is, if its instant is before the tick in force, but for work that was put off.
+    pub(crate) fn execute(&mut self, instant: Ns, now: Ns, seq: u32, lights: bool) {
+        let put_off = self.was_put_off(instant);
+        self.spread = if put_off { Spread::Clock } else { Spread::None };
         self.clock = instant;
         let late = now.0.saturating_sub(self.zero.0.saturating_add(instant.0));
-        if late > 0 {
+        if late > 0 && !put_off {
+            if self.late == 0 {
+                self.first_late = seq;
+            }
             self.late = self.late.saturating_add(1);
             self.worst_late = Ns(self.worst_late.0.max(late));
+            self.late_light |= lights;
+        }
+    }
+
+    /// A tick took too long; `done` is the last entry executed.
+    pub(crate) fn overrun(&mut self, done: u32) {
+        if self.runs && self.overran == 0 {
+            self.overran = done;
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: the inputs of a [`Port`] at the tick in force (n), entries of two lanes. Out: set-points and
 //! outputs for tick n + 1, a view of it, events, trace samples. Owns: the state of all axes, controller
-//! time, the script clock. Budget: at most [`ENTRIES_PER_TICK`] of them and a step an axis, no loop whose
+//! time, the script clock. Budget: entries by weight (`work`) and a step an axis, no loop whose
 //! length depends on data. Fails: never; a full ring back to the thread is counted in the view.
 //!
 //! Order within a tick: inputs are sampled, then entries act, then every coordinate system that runs takes its step,
@@ -26,13 +26,11 @@ use crate::slaves::Switched;
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use crate::view::{AxisView, Event, LaserView, Sample, Speeds, StopReason, Traced, View};
+use crate::work::{self, Budget};
 use ring::{Consumer, Producer, Writer};
 
 /// Events between two looks of the thread.
 pub const EVENTS: usize = 64;
-/// Entries that act in one tick, both lanes together: so many in the shortest, and in a longer one an entry for
-/// each 512 ns, as far as the larger ring goes. One takes about 100 instructions, but for starts.
-pub const ENTRIES_PER_TICK: core::ops::RangeInclusive<u32> = 64..=PROGRAM as u32;
 /// Shortest and longest period, ns.
 pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
 
@@ -177,6 +175,8 @@ pub struct Tick<const AXES: usize> {
     /// Whether there is anything of that.
     pub(crate) aborts: bool,
     pub(crate) supervision: Supervision,
+    /// Where a Reset in hand goes on: at the axis before this one, counted from 1; 0 if there is none.
+    pub(crate) resetting: u8,
     /// Axes that may wait for an index edge.
     indexed: AxisMask,
     /// What an axis that follows goes in a tick at most, units of Pos, and what that is made of.
@@ -206,6 +206,7 @@ impl<const AXES: usize> Tick<AXES> {
             aborted: (AxisMask(0), CrdMask(0)),
             aborts: false,
             supervision: Supervision::DEFAULT,
+            resetting: 0,
             done_immediate: 0,
             done_program: 0,
             script: Script::HELD,
@@ -239,6 +240,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The machine found that a tick began late: counted, shown in the view, and a cause to shut off light.
     pub fn overrun(&mut self) {
         self.overruns = self.overruns.saturating_add(1);
+        self.script.overrun(self.done_program);
         self.lasers.trip(Cause::Overrun);
     }
 
@@ -436,9 +438,10 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline]
     fn show(&self, port: &mut impl Port, view: &mut View<AXES>) {
         (view.now, view.period) = (self.now, self.period);
-        let Script { zero, clock, worst_late, late, runs } = self.script;
+        let Script { zero, clock, worst_late, late, first_late, overran, late_light, runs, .. } = self.script;
         (view.script_zero, view.script, view.worst_late) = (zero, clock, worst_late);
-        (view.late, view.program_runs, view.aborts) = (late, runs, self.aborts);
+        (view.late, view.first_late, view.overran) = (late, first_late, overran);
+        (view.late_light, view.program_runs, view.aborts) = (late_light, runs, self.aborts);
         (view.enable, view.clear) = (self.enable, self.clear);
         (view.general_outputs, view.tick) = (self.general, self.ticks);
         (view.done_immediate, view.done_program) = (self.done_immediate, self.done_program);
@@ -456,23 +459,30 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Carries out what is due: the immediate lane, then the program lane, in order.
+    /// Carries out what is due: the immediate lane, then the program lane, in order, as far as the tick takes it (`work`).
     #[inline(never)]
     fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let Lanes { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
         let mut reach = Reach { events, samples, segments, tables: *tables, paths };
-        let mut left = ((self.period.0 >> 9) as u32).clamp(*ENTRIES_PER_TICK.start(), *ENTRIES_PER_TICK.end());
+        let (mut budget, mut drops) = (Budget::of(self.period), false);
+        let mut calls = work::calls(self.period);
         // Entries are read where they lie: a copy of one costs as much as what it does.
-        while left > 0
+        while calls > 0
             && let Some(entry) = immediate.peek()
         {
-            left = left.wrapping_sub(1);
+            calls = calls.wrapping_sub(1);
+            let weight = self.weigh(&entry.op);
             match entry.op {
                 Op::ProgramRun => {
                     self.script.begin(self.now);
                     if let Some((row, chosen)) = self.trace.begin_armed() {
                         self.emit(row, chosen, reach.samples);
                     }
+                }
+                // A Reset of the program that has begun is carried out as a whole, and nothing after it.
+                Op::ProgramDrop if self.resetting != 0 => {
+                    drops = true;
+                    break;
                 }
                 Op::ProgramDrop => {
                     program.clear();
@@ -481,13 +491,18 @@ impl<const AXES: usize> Tick<AXES> {
                 Op::Trace { every, axes, crds, lasers, edges, outputs } if !self.script.runs && every != 0 => {
                     self.trace.arm(every, Chosen { axes, crds, lasers, edges, outputs })
                 }
+                Op::Reset { axes } => {
+                    if !self.reset(axes, next, &mut budget, &mut reach) {
+                        return;
+                    }
+                }
                 _ => self.execute(Lane::Immediate, entry, next, period, port, &mut reach),
             }
+            budget.spend(weight);
             self.done_immediate = entry.seq;
             immediate.skip();
         }
-        while left > 0
-            && self.script.runs
+        while self.script.runs
             && let Some(entry) = program.peek()
         {
             let mut instant = self.script.instant(entry.delay);
@@ -499,14 +514,27 @@ impl<const AXES: usize> Tick<AXES> {
                 let Some(since) = self.rest_since(axes, crds) else { break };
                 instant = instant.max(self.script.of(since));
             }
-            left = left.wrapping_sub(1);
-            self.script.execute(instant, self.now);
+            let goes_on = match entry.op {
+                Op::Reset { axes } => self.reset(axes, next, &mut budget, &mut reach),
+                _ => self.admits(program, entry, instant, &mut budget, &reach),
+            };
+            if !goes_on {
+                self.script.put_off(instant, self.now);
+                break;
+            }
+            budget.spend(self.weigh(&entry.op));
+            let lights = self.lights(&entry.op);
+            self.script.execute(instant, self.now, entry.seq, lights);
             match entry.op {
                 Op::ProgramEnd => self.script.runs = false,
+                Op::Reset { .. } => {}
                 _ => self.execute(Lane::Program, entry, next, period, port, &mut reach),
             }
             self.done_program = entry.seq;
             program.skip();
+            if drops {
+                break;
+            }
         }
     }
 

@@ -347,6 +347,12 @@ pub struct View<const AXES: usize> {
     pub worst_late: Ns,
     /// Program entries executed late.
     pub late: u32,
+    /// Number of the first of them, 0 if there is none.
+    pub first_late: u32,
+    /// Number of the last entry executed when the first tick of the program took too long, 0 if none has.
+    pub overran: u32,
+    /// A laser command that changes light, or what is output without, was late.
+    pub late_light: bool,
     /// Whether the program lane runs; else it is held.
     pub program_runs: bool,
     /// An abort is in progress: on commands of lasers are refused until everything has come to rest.
@@ -411,6 +417,9 @@ impl<const AXES: usize> View<AXES> {
         done_immediate: 0,
         done_program: 0,
         program_runs: false,
+        first_late: 0,
+        overran: 0,
+        late_light: false,
         aborts: false,
         script: Ns(0),
         script_zero: Ns(0),

@@ -506,28 +506,55 @@ fn starts_without_data_or_while_it_runs_are_refused() {
     assert!(bench.path.refuses_start(0, bench.feed), "it has run out");
 }
 
-/// Eight effects a tick; the ninth waits for the next one, and before so many the path comes to rest.
+/// 32 effects a tick; the 33rd waits for the next one, and before so many the path comes to rest.
 #[test]
-fn at_most_eight_effects_run_in_a_tick() {
+fn at_most_32_effects_run_in_a_tick() {
     let s = speeds(10.0, 1.0, 10.0);
     let mut entries = vec![Entry::planar([100, 0], s)];
-    entries.extend((0..20).map(mark));
+    entries.extend((0..80).map(mark));
     entries.push(Entry::planar([200, 0], s));
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
     bench.finish();
     // 100 pulses from rest to rest take 20 ms; that is a tick, whose step tells the boundary.
     let at: Vec<u64> = bench.marks().iter().map(|m| (m.0 * 1e6).round() as u64).collect();
-    let expected: Vec<u64> = (0..20).map(|i| 20_000_000 + i / 8 * 250_000).collect();
+    let expected: Vec<u64> = (0..80).map(|i| 20_000_000 + i / 32 * 250_000).collect();
     assert_eq!(at, expected);
-    // Eight are passed at speed.
-    let mut entries = vec![Entry::planar([100, 0], s)];
-    entries.extend((0..8).map(mark));
-    entries.push(Entry::planar([200, 0], s));
+    // 8, 9 and 32 are passed at speed.
+    for count in [8, 9, 32] {
+        let mut entries = vec![Entry::planar([100, 0], s)];
+        entries.extend((0..count).map(mark));
+        entries.push(Entry::planar([200, 0], s));
+        let mut bench = Bench::new(entries, 250_000);
+        bench.start(0);
+        bench.finish();
+        assert_eq!(bench.marks().len(), count as usize);
+        assert!(bench.marks().iter().all(|m| near(m.0, 15.0)), "{:?}", bench.marks());
+    }
+}
+
+/// At eight instants of a tick there may be effects; at the ninth the path stands until the next tick, as before.
+#[test]
+fn effects_of_a_tick_lie_at_eight_instants_at_most() {
+    let s = speeds(1000.0, 1000.0, 1000.0);
+    // At 1000 pulse/ms a motion of 10 pulses takes 10 µs.
+    let mut entries = vec![Entry::planar([1000, 0], s)];
+    for k in 0..12 {
+        entries.extend([mark(2 * k), mark(2 * k + 1)]);
+        entries.push(Entry::planar([1010 + 10 * k as i32, 0], s));
+    }
+    entries.push(Entry::planar([9000, 0], s));
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
     bench.finish();
-    assert!(bench.marks().iter().all(|m| near(m.0, 15.0)), "{:?}", bench.marks());
+    let mut ticks = std::collections::BTreeMap::new();
+    for mark in bench.marks() {
+        let at = (mark.0 * 1e6).round() as u64;
+        let instants: &mut std::collections::BTreeSet<u64> = ticks.entry((at - 1) / 250_000).or_default();
+        instants.insert(at);
+    }
+    let most = ticks.values().map(|instants| instants.len()).max().unwrap();
+    assert_eq!((most, ticks.values().map(|instants| instants.len()).sum::<usize>()), (8, 12), "{ticks:?}");
 }
 
 #[test]

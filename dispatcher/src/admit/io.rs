@@ -8,6 +8,7 @@ use protocol::reason::Reason;
 use servo::follow::Input;
 use servo::laser::Mode;
 use servo::op::{DoGroup, Op};
+use servo::units::{AxisMask, CrdMask};
 
 /// I/O types of the manuals (SPEC 3).
 pub mod kind {
@@ -63,15 +64,22 @@ pub fn set_outputs<const AXES: usize>(case: &mut Case<AXES>, r: &SetDo) -> Admit
     if value & !all != 0 {
         return Err(Refused::new(Reason::OutOfRange).field(2).got(value as f64).limits(0.0, all as f64));
     }
-    case.stage(Op::Output { group, mask: all << first, value: value << first });
+    stage_output(case, group, all << first, value << first);
     Ok(Answer::Done)
 }
 
 pub fn set_output<const AXES: usize>(case: &mut Case<AXES>, r: &SetDoBit) -> Admitted<Answer> {
     let (group, bit, high) = output(case, r.core.get(), 1, (r.do_type.get(), r.index.get(), r.value.get()))?;
     let mask = 1u64 << bit;
-    case.stage(Op::Output { group, mask, value: if high { mask } else { 0 } });
+    stage_output(case, group, mask, if high { mask } else { 0 });
     Ok(Answer::Done)
+}
+
+/// Levels of outputs. A servo that is switched off stops its axis, and the path that drives it.
+fn stage_output<const AXES: usize>(case: &mut Case<AXES>, group: DoGroup, mask: u64, value: u64) {
+    let off = AxisMask(if group == DoGroup::Enable { mask & !value } else { 0 });
+    let change = if off.0 == 0 { Change::None } else { Change::Stopped { axes: off, crds: CrdMask(0) } };
+    case.stage_with(Op::Output { group, mask, value }, change);
 }
 
 /// One output: its group, its bit in it, its level. Type, index and value are fields from `field` on.

@@ -65,9 +65,9 @@ impl Program<'_> {
         out: &mut ReplyWriter,
     ) -> bool {
         let Some((head, _)) = self.records.front().filter(|(head, _)| head.may_fail) else { return false };
-        if !(self.is_reached(view) || is_final(refused.reason))
-            || out.refused(head.opcode, head.tag, &refused.wire).is_err()
-        {
+        let known =
+            self.is_reached(view) || is_final(refused.reason) || is_of_motion(refused.reason) && self.is_settled(view);
+        if !known || out.refused(head.opcode, head.tag, &refused.wire).is_err() {
             return false;
         }
         self.records.pop();
@@ -149,6 +149,9 @@ impl Program<'_> {
             } else if !item.discarded {
                 self.done = self.done.wrapping_add(1);
             }
+            if let Some(seq) = item.seq.filter(|_| item.own) {
+                self.answered = (seq, item.tag);
+            }
             for _ in 0..item.answer.waiting() {
                 self.values.pop();
             }
@@ -189,19 +192,42 @@ impl Program<'_> {
     }
 }
 
+/// Whether it is a motion, a use or a fault of an axis, a table or a coordinate system that makes the record wrong: only what
+/// ends these makes it right ([`Change::may_free`]).
+fn is_of_motion(reason: Reason) -> bool {
+    use Reason::{AxisFault, CrdFifoInUse, CrdRuns, FifoInUse, Moving, OnlyAtRest, TableInUse};
+    matches!(reason, AxisFault | CrdFifoInUse | CrdRuns | FifoInUse | Moving | OnlyAtRest | TableInUse)
+}
+
 /// Whether no later state of the machine makes the record right: only what stands before it in its program
 /// could, and that has been admitted.
 fn is_final(reason: Reason) -> bool {
     use Reason::{
-        AboveLow, AnalogInUse, AxisGoesAlong, AxisInCrd, AxisLeftCrd, BelowMinimum, Between, BeyondTravel, CentreOff,
-        CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty, GearsFull,
-        LaserConnector, LaserNotMapped, Length, NoAcceleration, NoCoordinate, NoIndex, NoLaserOutput, NoLength,
-        NotFinite, NotForProgram, NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, RadiusTooLarge,
-        RadiusTooSmall, Selector, ServoOff, StepLimit, TooMany, UnknownCommand, WrongMode,
+        AboveLow, AboveVelMax, AnalogInUse, AxisGoesAlong, AxisInCrd, AxisLeftCrd, BelowMinimum, Between, BeyondTravel,
+        CentreOff, CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty,
+        GearsFull, LaserConnector, LaserNotMapped, Length, NegativeProgress, NoAcceleration, NoCoordinate,
+        NoDisplacement, NoIndex, NoLaserOutput, NoLength, NotAboveMinimum, NotFinite, NotForProgram, NotInDynamic,
+        NotInFamily, NotInProgram, NotInitialised, OutOfRange, OwnMaster, PlaneAxis, PlaneX, PlaneY, PointOfAxis,
+        PointTime, RadiusTooLarge, RadiusTooSmall, Selector, ServoOff, StepLimit, TablePlaces, TableRange, TableShort,
+        TooMany, UnknownCommand, VelocityUnreachable, WrongMode,
     };
     matches!(
         reason,
         AboveLow
+            | AboveVelMax
+            | NegativeProgress
+            | NoDisplacement
+            | NotAboveMinimum
+            | OwnMaster
+            | PlaneAxis
+            | PlaneX
+            | PlaneY
+            | PointOfAxis
+            | PointTime
+            | TablePlaces
+            | TableRange
+            | TableShort
+            | VelocityUnreachable
             | AxisGoesAlong
             | AxisInCrd
             | AxisLeftCrd

@@ -29,6 +29,7 @@ use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
 use protocol::reason::Reason;
 use protocol::record::{Full, Lane as Road, ReplyWriter, RequestRecord};
 use ring::Producer;
+use servo::laser::Cause;
 use servo::op::{Entry, Op};
 use servo::view::View;
 use zerocopy::{FromBytes, IntoBytes};
@@ -89,6 +90,27 @@ pub struct Program<'a> {
     clock: u64,
     accepted: u32,
     done: u32,
+    /// Ticks that took too long: in the last view, and before the program.
+    overruns: [u32; 2],
+    /// Tags of the records whose entry was the first late one, and the last one executed when a tick took too long.
+    late_tag: u16,
+    overran_tag: u16,
+    /// The entry and the tag of the record that was answered last: a tick that took too long is told a tick later.
+    answered: (u32, u16),
+    /// Which of them there are, and what light was taken; the bits are those of `ProgramReply`.
+    told: u8,
+}
+
+/// Bits of `ProgramReply::told`; from the last one on one for each laser channel.
+mod told {
+    /// `late_tag` is one.
+    pub const LATE: u8 = 1;
+    /// `overran_tag` is one.
+    pub const OVERRAN: u8 = 2;
+    /// A laser command was late.
+    pub const LATE_LIGHT: u8 = 4;
+    /// Laser channel 0 has gone dark because a tick took too long.
+    pub const DARK: u8 = 16;
 }
 
 impl<'a> Program<'a> {
@@ -119,12 +141,18 @@ impl<'a> Program<'a> {
             clock: 0,
             accepted: 0,
             done: 0,
+            overruns: [0; 2],
+            late_tag: 0,
+            overran_tag: 0,
+            answered: (0, 0),
+            told: 0,
         }
     }
 
     /// The counts and the clock of a new program.
     fn begin(&mut self) {
-        (self.accepted, self.done, self.delay, self.instant) = (0, 0, 0, 0);
+        (self.accepted, self.done, self.delay, self.instant, self.told) = (0, 0, 0, 0, 0);
+        self.overruns[1] = self.overruns[0];
     }
 
     /// Whether its clock runs in the tick that `view` shows.
@@ -138,6 +166,15 @@ impl<'a> Program<'a> {
         let instant = view.script_zero.0.saturating_add(view.script.0).saturating_add(self.delay);
         let quiet = !self.lane.in_flight() && !self.gathers();
         self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0)
+    }
+
+    /// Whether the view is the last one before the tick on which the record in hand would act, and nothing that is on its way
+    /// before it may end what keeps it from being taken.
+    fn is_settled<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        let of_clock = self.instant.saturating_add(self.delay);
+        let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
+        let begun = self.state == State::Running && self.run.is_some();
+        begun && !self.lane.may_free() && zero.saturating_add(of_clock) < view.now.0.saturating_add(view.period.0)
     }
 
     /// Whether the record in hand acts soon, and nothing is on its way before it.
@@ -222,6 +259,7 @@ impl<'a> Program<'a> {
                 desk.lane.push(Op::ProgramRun, Change::None, 0, &mut desk.ahead);
                 self.run = Some(desk.lane.last());
                 self.clock = 0;
+                (self.overruns[1], self.answered) = (self.overruns[0], (0, 0));
                 self.strict = start.strict != 0;
                 self.state = State::Running;
                 Ok(Some(Answer::Program))
@@ -271,6 +309,10 @@ impl<'a> Program<'a> {
             worst_late_us: u32::try_from(view.worst_late.0.div_ceil(1000)).unwrap_or(u32::MAX).into(),
             state: self.state as u8,
             clock_ns: clock.into(),
+            overruns: view.overruns.wrapping_sub(self.overruns[1]).into(),
+            late_tag: self.late_tag.into(),
+            overran_tag: self.overran_tag.into(),
+            told: self.told,
         };
         out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
     }
@@ -278,6 +320,37 @@ impl<'a> Program<'a> {
     /// Enters into `now` what the tick has executed.
     pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Books<AXES>) {
         self.lane.retire(view, now);
+        self.overruns[0] = view.overruns;
+        if self.runs(view) && (view.late != 0 || self.overruns[0] != self.overruns[1]) {
+            self.note(view);
+        }
+    }
+
+    /// What was late or took too long, while the replies of these entries wait.
+    fn note<const AXES: usize>(&mut self, view: &View<AXES>) {
+        // The record of an entry is the first one whose last entry is that one or comes after it.
+        let tag = |seq: u32| {
+            let reaches =
+                |last: u32| last & PROGRAM_FLAG != 0 && last.wrapping_sub(seq) & !PROGRAM_FLAG < PROGRAM_FLAG >> 1;
+            let waiting = || self.awaiting.iter().find(|item| item.own && item.seq.is_some_and(reaches));
+            let (last, tag) = self.answered;
+            if reaches(last) { Some(tag) } else { waiting().map(|item| item.tag) }
+        };
+        let (late, overran) = (tag(view.first_late), tag(view.overran));
+        if let Some(tag) = late.filter(|_| view.first_late != 0 && self.told & told::LATE == 0) {
+            (self.late_tag, self.told) = (tag, self.told | told::LATE);
+        }
+        if let Some(tag) = overran.filter(|_| view.overran != 0 && self.told & told::OVERRAN == 0) {
+            (self.overran_tag, self.told) = (tag, self.told | told::OVERRAN);
+        }
+        if view.late_light {
+            self.told |= told::LATE_LIGHT;
+        }
+        if self.overruns[0] != self.overruns[1] {
+            for (channel, laser) in view.lasers.iter().enumerate().take(4) {
+                self.told |= if laser.fault == Cause::Overrun { told::DARK << channel } else { 0 };
+            }
+        }
     }
 
     /// Renews the numbers of what was executed.

@@ -264,6 +264,11 @@ impl<const AXES: usize> Bench<AXES> {
         }
     }
 
+    /// The machine tells that the last tick took too long.
+    pub fn overrun(&mut self) {
+        self.tick.overrun();
+    }
+
     /// One tick, and the thread if its turn has come.
     pub fn step(&mut self) {
         self.tick.run(&mut self.machine, &mut self.lanes);

@@ -91,6 +91,25 @@ impl<'a> Report<'a> {
         self.source.show(step, severity, format!("{name} returned {}: {reason}", answer.code), help)
     }
 
+    /// Whether an entry is of the script, and not of its end.
+    pub fn is_scripted(&self, entry: u32) -> bool {
+        self.entries.get(entry as usize).and_then(|entry| entry.step(u16::MAX)).is_some()
+    }
+
+    /// The call of an entry and its line, as a sentence has them.
+    pub fn place(&self, entry: u32) -> String {
+        let step = self.entries.get(entry as usize).and_then(|entry| entry.step(u16::MAX));
+        let Some(step) = step.and_then(|step| self.source.job.steps.get(step)) else {
+            return "the end of the script".to_owned();
+        };
+        let name = match &step.action {
+            Action::Call(call) => call.function.as_str(),
+            Action::Sleep { .. } => "Sleep",
+            Action::WaitStop { .. } | Action::WaitAll => "WaitStop",
+        };
+        format!("{name} (line {})", step.line)
+    }
+
     /// What a laser call did not take as it was given is shown at its line.
     fn held(&self, answer: &Answer) {
         let texts = reply::held(answer.opcode, &answer.reply);

@@ -6,9 +6,10 @@ use crate::record::Recorded;
 use crate::report::Report;
 use crate::runner::{RUNNING, place, states};
 use crate::source::Source;
-use client::{Client, Counters, Progress, laser_cause};
+use client::{Client, Counters, Error, Progress, laser_cause};
 use job::{Axis, Crd};
 use protocol::command::{AxisItem, CrdInfo, CrdState, GetPtState, LaserState, LaserStatus};
+use protocol::reason::{Reason, Refusal};
 use std::time::Duration;
 
 /// Profile mode PT.
@@ -49,11 +50,22 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         let seconds = took.as_secs_f64().max(1e-9);
         say!("  simulated in {seconds:.3} s: {:.0} x real time", clock / seconds);
     }
+    let at =
+        |entry: Option<u32>, of: &str| entry.map_or(String::new(), |entry| format!("{of} {}", run.report.place(entry)));
     match progress.queue.late.get() {
         0 => say!("  no late entries"),
         late => say!(
-            "  {late} late entries, the worst by {} us: they acted at once (--strict stops instead)",
-            progress.queue.worst_late_us
+            "  {late} late entries, the worst by {} us{}: they acted at once (--strict stops instead)",
+            progress.queue.worst_late_us,
+            at(progress.first_late, ", the first one is")
+        ),
+    }
+    match progress.queue.overruns.get() {
+        0 => {}
+        overruns => say!(
+            "  OVERRUN: {overruns} servo ticks took longer than {} us{}",
+            version.tick_us,
+            at(progress.overran, ", the first one after")
         ),
     }
     if run.report.warned > 0 {
@@ -77,9 +89,12 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         if place(crd.core, crd.crd, version.cores, version.crds_per_core).is_none() {
             continue;
         }
-        let state = client.call(CrdInfo { core: crd.core.into(), crd: crd.crd.into() })?;
         let speed = speed(run.recorded, crd);
-        say!("  {}: {}{speed}; {}", crd_name(crd), path(&state), path_end(&state));
+        match client.call(CrdInfo { core: crd.core.into(), crd: crd.crd.into() }) {
+            Ok(state) => say!("  {}: {}{speed}; {}", crd_name(crd), path(&state), path_end(&state)),
+            Err(error) if is_without_axes(&error) => say!("  {}: drives no axis any more{speed}", crd_name(crd)),
+            Err(error) => return Err(error.into()),
+        }
     }
     for channel in lasers(&run.source.job, version) {
         let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
@@ -109,7 +124,38 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         None if !run.source.job.axes.is_empty() => say!("  peak velocities are shown with --trace, --vcd or --plot"),
         None => {}
     }
-    Ok(())
+    taken(run).map_or(Ok(()), |text| Err(Failure::Job(text)))
+}
+
+/// What took light from the job, if anything did.
+fn taken(run: &Run<'_>) -> Option<String> {
+    let (progress, report) = (run.progress, run.report);
+    let used = lasers(&run.source.job, run.client.version());
+    let dark: Vec<String> =
+        used.filter(|channel| progress.darkened() >> channel & 1 == 1).map(|channel| channel.to_string()).collect();
+    let place = |entry: Option<u32>| entry.map_or(String::new(), |entry| format!(" after {}", report.place(entry)));
+    // One at the end, which is dark anyway, takes nothing.
+    let during = progress.overran.is_some_and(|entry| report.is_scripted(entry));
+    if !dark.is_empty() && during {
+        return Some(format!(
+            "{}: a servo tick took too long{}, and laser {} was kept dark: what was to be lit from there on was not. \
+             A longer tick (--tick-us), or fewer calls at one instant, helps.",
+            run.source.name,
+            place(progress.overran),
+            dark.join(", ")
+        ));
+    }
+    (progress.is_light_late() && run.source.job.lasers != 0).then(|| {
+        let first = progress
+            .first_late
+            .map_or(String::new(), |entry| format!(", the first late entry is {}", report.place(entry)));
+        format!("{}: a laser command came late{first}: light was not where it was asked for", run.source.name)
+    })
+}
+
+/// Whether a coordinate system has been taken its axes, by a Reset or by another one.
+fn is_without_axes(error: &Error) -> bool {
+    error.refusal.as_ref().and_then(Refusal::reason) == Some(Reason::CrdNotSet)
 }
 
 /// A laser channel in a line: what it does now, how long it gave light, its fault.

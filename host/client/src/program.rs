@@ -76,14 +76,36 @@ pub struct Progress {
     pub answered: u32,
     /// The controller's own account: accepted, executed, free bytes, late entries, state, clock.
     pub queue: ProgramReply,
+    /// The entry that was late first.
+    pub first_late: Option<u32>,
+    /// The last entry that had been executed when a servo tick took too long for the first time.
+    pub overran: Option<u32>,
     /// One row for each PT stream that got data, in order of its first data.
     pub streams: Vec<Dry>,
+}
+
+/// Bits of `ProgramReply::told`.
+mod told {
+    pub const LATE: u8 = 1;
+    pub const OVERRAN: u8 = 2;
+    pub const LATE_LIGHT: u8 = 4;
+    pub const DARK: u8 = 4;
 }
 
 impl Progress {
     /// The script clock.
     pub fn clock(&self) -> Duration {
         Duration::from_nanos(self.queue.clock_ns.get())
+    }
+
+    /// Whether a laser command was late.
+    pub fn is_light_late(&self) -> bool {
+        self.queue.told & told::LATE_LIGHT != 0
+    }
+
+    /// Laser channels that went dark because a servo tick took too long; bit 0 is channel 0.
+    pub fn darkened(&self) -> u8 {
+        self.queue.told >> told::DARK
     }
 }
 
@@ -201,6 +223,8 @@ struct Run<'a> {
     going_back: bool,
     /// The last entry done that may light or move anything was an Abort.
     settled: bool,
+    /// The entry that each tag was given to last.
+    tags: Vec<u32>,
     progress: Progress,
     failed: Option<Answer>,
 }
@@ -225,6 +249,7 @@ pub(crate) fn run(
         stuck: 0,
         going_back: false,
         settled: false,
+        tags: vec![0; 1 << 16],
         progress: Progress::default(),
         failed: None,
     };
@@ -310,6 +335,9 @@ impl Run<'_> {
                 *behind += cost;
             }
             let tag = inner.session.post(if call.may_fail { Lane::ProgramMayFail } else { Lane::Program }, &call)?;
+            if let Some(entry) = self.tags.get_mut(usize::from(tag)) {
+                *entry = index;
+            }
             self.progress.sent = self.progress.sent.max((index + 1).min(self.progress.entries));
             self.flight.push_back(Sent { tag, index, call });
         }
@@ -329,6 +357,7 @@ impl Run<'_> {
                 self.stuck = if moved { 0 } else { self.stuck + 1 };
                 self.room = queue.space_bytes.get().saturating_sub(behind);
                 self.progress.queue = queue;
+                self.note();
             }
         }
         if self.look.is_none() && now >= self.look_at() {
@@ -336,6 +365,17 @@ impl Run<'_> {
             self.look = Some((inner.session.post(Lane::Immediate, &Call::of(ProgramStatus {}))?, 0));
         }
         Ok(())
+    }
+
+    /// Which entries a reply tells of.
+    fn note(&mut self) {
+        let queue = self.progress.queue;
+        let entry =
+            |bit: u8, tag: u16| (queue.told & bit != 0).then(|| self.tags.get(usize::from(tag)).copied()).flatten();
+        let (late, overran) = (entry(told::LATE, queue.late_tag.get()), entry(told::OVERRAN, queue.overran_tag.get()));
+        // Tags are used again: the first look that tells of one has it.
+        self.progress.first_late = self.progress.first_late.or(late);
+        self.progress.overran = self.progress.overran.or(overran);
     }
 
     /// When the next look is due.

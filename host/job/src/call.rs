@@ -14,6 +14,8 @@ use crate::{Action, Axis, Call, Crd};
 use protocol::reserved::RESERVED;
 use std::ops::Range;
 
+/// Entries between two motions that a path passes at speed; those of a servo tick (SPEC 5).
+const EFFECTS: u32 = 32;
 /// Profiles that a TCrdPrm can map.
 const MAPPED: usize = 8;
 /// A count beyond this names no more axes: no profile has them.
@@ -198,6 +200,7 @@ impl Reader<'_> {
             _ => {}
         }
         self.lasers |= lasers(function, bound);
+        self.count_between(function, core, bound, span);
         match function.name {
             "Reset" => {
                 self.reset.insert(core);
@@ -208,6 +211,39 @@ impl Reader<'_> {
                 self.parameters.insert((core, first, &function.name[3..]), values);
             }
             _ => {}
+        }
+    }
+
+    /// Counts what stands between two motions of a path; where it is more than a servo tick carries out, the path stops there.
+    fn count_between(&mut self, function: &Function, core: i16, bound: &Bound, span: &Range<usize>) {
+        let value = |wanted: &str| match bound.values.iter().find(|(name, _)| *name == wanted) {
+            Some((_, Value::Int(number))) => *number,
+            _ => 0,
+        };
+        let crd = value("crd") as i16;
+        let load = match function.name {
+            "SetCrdPrm" => {
+                self.between.retain(|(of, other, _), _| (*of, *other) != (core, crd));
+                return;
+            }
+            "BufMove" => 4,
+            name if name == "CrdClear"
+                || name == "BufDelay"
+                || ["Ln", "Arc", "CrdData"].iter().any(|begin| name.starts_with(begin)) =>
+            {
+                0
+            }
+            name if name.starts_with("Buf") => 1,
+            _ => return,
+        };
+        let count = self.between.entry((core, crd, value("fifo"))).or_default();
+        let before = core::mem::replace(count, if load == 0 { 0 } else { count.saturating_add(load) });
+        if load != 0 && before <= EFFECTS && before + load > EFFECTS {
+            let message = format!(
+                "more than {EFFECTS} entries stand between two motions of coordinate system {crd}: its path stops here, for a servo \
+                 tick with every {EFFECTS} of them"
+            );
+            self.warn(span.clone(), message, "a BufMove counts as four; put some of them at another place of the path");
         }
     }
 

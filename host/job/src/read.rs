@@ -61,6 +61,8 @@ pub(crate) struct Reader<'a> {
     pub(crate) parameters: BTreeMap<(i16, i16, &'static str), Vec<Value>>,
     /// A Reset was called: parameters that were not set since have their power-on values.
     pub(crate) reset: BTreeSet<i16>,
+    /// Entries since the last motion of a path, by core, coordinate system and FIFO.
+    pub(crate) between: BTreeMap<(i16, i16, i64), u32>,
 }
 
 impl<'a> Reader<'a> {
@@ -89,6 +91,7 @@ impl<'a> Reader<'a> {
             motions: Motions::default(),
             parameters: BTreeMap::new(),
             reset: BTreeSet::new(),
+            between: BTreeMap::new(),
         }
     }
 

@@ -566,3 +566,22 @@ fn what_a_path_moves_is_used() {
     let named: Vec<i16> = job.named.iter().map(|axis| axis.axis).collect();
     assert_eq!(named, [0, 2, 3, 5, 7], "the mask of CrdStart names no axes");
 }
+
+#[test]
+fn more_entries_between_two_motions_than_a_tick_takes_are_warned_of_once() {
+    let texts =
+        |text: &str| good(text).warnings.iter().map(|found| (found.line, found.message.clone())).collect::<Vec<_>>();
+    let io = "GT_BufIO(1, 12, 1, 1, 0);\n";
+    let path = |count: usize| format!("GT_LnXY(1, 10, 0, 5, 1, 5);\n{}GT_LnXY(1, 20, 0, 5, 1, 5);\n", io.repeat(count));
+    assert_eq!(texts(&path(32)), []);
+    let found = texts(&path(80));
+    assert_eq!((found.len(), found[0].0), (1, 34), "{found:?}");
+    assert!(found[0].1.contains("its path stops here"), "{found:?}");
+    // Motions and waits end the count, each FIFO and each coordinate system has its own, and a move counts as four.
+    assert_eq!(texts(&format!("{}{}", path(20), path(20))), []);
+    assert_eq!(texts(&format!("{0}GT_BufDelay(1, 5, 0);\n{0}", io.repeat(32))), []);
+    assert_eq!(texts(&format!("{}{}", io.repeat(32), "GT_BufIO(1, 12, 1, 1, 1); GT_BufIO(2, 12, 1, 1, 0);\n")), []);
+    let moves = "GT_BufMove(1, 5, 10, 1, 1, 0, 0);\n";
+    assert_eq!(texts(&moves.repeat(8)), []);
+    assert_eq!(texts(&moves.repeat(9)).len(), 1);
+}

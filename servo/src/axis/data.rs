@@ -71,6 +71,17 @@ impl AxisState {
         self.begin(next, Supply::Pvt(PvtRun::begin(next, self.exact, self.table, tables)));
     }
 
+    /// The same at once, whether or not more may be done to the axis.
+    pub(crate) fn get_ready_now(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
+        self.unready = 1;
+        self.get_ready(source)
+    }
+
+    /// Whether a start plans nothing more: it is ready.
+    pub(crate) fn starts_at_once(&self) -> bool {
+        !self.runs() && !self.is_unready()
+    }
+
     /// At rest, makes the first piece of what a start would begin, as things stand: of the FIFO committed last, of
     /// the table selected, of the Jog or the Trap that is set, of the first FIFO of Follow with data. Whether it took any time.
     #[inline(never)]

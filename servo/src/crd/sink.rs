@@ -120,6 +120,10 @@ impl Effects for Sink<'_> {
         0
     }
 
+    fn has_room(&self) -> bool {
+        self.edges.has_room() && self.lasers.has_room()
+    }
+
     fn rest(&mut self, at: Fine, rest: Rest) {
         self.rest = Some(rest);
         self.lasers.crd_rests(self.run(), self.ns(at), if self.fault { Rest::Obstructed } else { rest });

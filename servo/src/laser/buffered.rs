@@ -129,8 +129,11 @@ pub(super) enum Event {
     Rest(Run, End, Cause),
 }
 
-/// Events that an interval may have: eight entries of each of four paths, and their rests, and more than that never.
+/// Events that an interval may have: a full vertex of one path and some of the others', and the rests of all.
 const EVENTS: usize = 48;
+/// Places that rests keep.
+const RESTS: usize = 2 * Crd::MAX;
+const _: () = assert!(EVENTS >= crate::path::EFFECTS as usize + RESTS);
 
 /// What an empty place holds.
 const NOTHING: Event = Event::Rest(Run { crd: Crd::FIRST, fifo: 0 }, End::RanOut, Cause::None);
@@ -168,6 +171,13 @@ impl Agenda {
     #[inline(always)]
     pub(super) fn next(&self) -> Ns {
         self.next
+    }
+
+    /// Whether an entry of a path has a place.
+    #[inline]
+    pub(super) fn has_room(&self) -> bool {
+        let len = if self.is_empty() { 0 } else { self.len };
+        len.wrapping_add(RESTS) < EVENTS
     }
 
     /// One more.

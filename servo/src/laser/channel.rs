@@ -285,6 +285,11 @@ impl Channel {
         self.wake = self.wake.min(at);
     }
 
+    /// Whether one more entry of a path has a place, beside the rests of all paths.
+    pub(super) fn has_room(&self) -> bool {
+        self.agenda.has_room()
+    }
+
     /// What is due takes place.
     pub(super) fn attend(&mut self, now: Ns) {
         while let Some(event) = self.agenda.take(now) {

@@ -6,12 +6,12 @@
 //! An action is a word, and behind it the counts of its train that are others than those of the train of its kind before it
 //! (of light, and of standby): within a tick few are.
 use super::plan::{Action, Count, PLACES, Plan, Train};
-use crate::path::EFFECTS;
+use crate::path::INSTANTS;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Words that hold any plan of the tick: all actions, and the trains of those that begin the interval, which are two, and of
-/// what paths carry, which are [`EFFECTS`] for each of two.
-pub const WORDS: usize = PLACES + 8 * (2 + 2 * EFFECTS as usize);
+/// what paths carry, which is one at each of [`INSTANTS`] for each of two.
+pub const WORDS: usize = PLACES + 8 * (2 + 2 * INSTANTS as usize);
 
 /// Of an action's word: its instant, what it is, a level or a cut, and whether counts follow.
 const INSTANT: u32 = (1 << 20) - 1;

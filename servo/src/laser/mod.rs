@@ -254,6 +254,16 @@ impl Lasers {
         self.channels.get(channel as usize).map_or(rest, Channel::carried)
     }
 
+    /// Whether outputs show a change of this channel at once: it gives light or what it gives without, or is about to.
+    pub(crate) fn shows(&self, channel: u8, change: &Change) -> bool {
+        let begins = matches!(change, Change::Gate { .. } | Change::Standby(Some(_)) | Change::PreVoltage(Some(_)));
+        begins
+            || self.channels.get(channel as usize).is_some_and(|channel| {
+                let LaserView { commanded, gate, light, power, .. } = channel.shown;
+                commanded || gate || light || power != Power::ZERO
+            })
+    }
+
     /// Carries out a change at an instant of the interval that is planned next.
     #[inline(never)]
     pub(crate) fn change(&mut self, channel: u8, at: Ns, change: &Change) {
@@ -269,6 +279,11 @@ impl Lasers {
         {
             channel.expect(at, Event::Change(run, change));
         }
+    }
+
+    /// Whether every channel has a place for one more entry of a path.
+    pub(crate) fn has_room(&self) -> bool {
+        self.channels.iter().all(Channel::has_room)
     }
 
     /// A path comes to rest at an instant of the interval that is planned next.

@@ -438,6 +438,11 @@ impl Entry {
         kind & 15 == kind::DELAY || kind & 15 == kind::MOVE && kind & kind::MODAL != 0
     }
 
+    /// How many of the effects of a tick it counts as, if it is no motion: a move of another axis is planned when it begins.
+    pub fn load(&self) -> u32 {
+        if self.kind() & 15 == kind::MOVE { 4 } else { 1 }
+    }
+
     /// What it is.
     pub fn item(&self) -> Item {
         let [a, b, c, d, e, f, g, h] = self.0;

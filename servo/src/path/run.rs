@@ -30,9 +30,11 @@ use crate::units::{Axis, Exact, Ns, Pos};
 use cursor::{Cursor, Gear, ORIGIN};
 use short::Turn;
 
-/// Entries with effects in a tick (SPEC 5); the path holds before the next one until the next tick. As many may stand
-/// between two motions that are passed at speed.
-pub(crate) const EFFECTS: u32 = 8;
+/// Entries with effects in a tick, a move counted [`Entry::load`] times; the path holds before the next one until the next
+/// tick. As many may stand between two motions that are passed at speed.
+pub(crate) const EFFECTS: u32 = 32;
+/// Instants of a tick at which they take effect.
+pub(crate) const INSTANTS: u32 = 8;
 /// Motions entered in a tick; the same holds.
 const MOTIONS: u32 = 32;
 /// What the path does now.
@@ -187,8 +189,31 @@ impl Made {
 /// What a step may still do, and until when the path holds if that is not enough.
 struct Budget {
     effects: u32,
+    /// Instants left, and the last one with an effect.
+    instants: u32,
+    last: Fine,
     motions: u32,
     hold: Fine,
+}
+
+impl Budget {
+    /// Of a tick at whose end the path goes on if this is not enough.
+    fn new(hold: Fine) -> Budget {
+        Budget { effects: EFFECTS, instants: INSTANTS, last: Fine::MAX, motions: MOTIONS, hold }
+    }
+
+    /// Whether an effect of this load at this instant is carried out in this tick.
+    #[inline]
+    fn takes(&mut self, load: u32, at: Fine) -> bool {
+        let more = (at != self.last) as u32;
+        if self.effects < load || self.instants < more {
+            return false;
+        }
+        self.effects = self.effects.wrapping_sub(load);
+        self.instants = self.instants.wrapping_sub(more);
+        self.last = at;
+        true
+    }
 }
 
 impl Path {
@@ -494,7 +519,7 @@ impl Path {
     ) -> Told {
         let now = (next.0 as Fine) << 32;
         let until = now.wrapping_add((period.0 as Fine) << 32);
-        let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
+        let mut budget = Budget::new(until);
         // A tick that enters something or makes a piece does not make anything ahead.
         let mut has_time = may_prepare && self.pieced;
         if self.is_due(next) {
@@ -526,7 +551,7 @@ impl Path {
     #[inline(always)]
     pub fn go_through(&mut self, next: Ns, period: Ns, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
         let until = ((next.0.wrapping_add(period.0)) as Fine) << 32;
-        let mut budget = Budget { effects: EFFECTS, motions: MOTIONS, hold: until };
+        let mut budget = Budget::new(until);
         self.walk(until, &mut budget, feed, source, sink);
         self.line_up();
     }

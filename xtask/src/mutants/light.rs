@@ -212,8 +212,8 @@ pub const LIGHT: &[Mutant] = &[
     },
     Mutant {
         name: "interlock: a Reset keeps what the user chose",
-        file: EXECUTE,
-        text: "                self.supervision = Supervision::DEFAULT;\n",
+        file: "servo/src/work.rs",
+        text: "            self.supervision = Supervision::DEFAULT;\n",
         broken: "",
         test: ABORT,
     },

@@ -261,9 +261,9 @@ pub const SURVIVED: &[Mutant] = &[
     ),
     mutant(
         "a Reset leaves servos on",
-        "servo/src/execute.rs",
-        "                self.enable &= !axes.0;\n                self.halt",
-        "                self.halt",
+        "servo/src/work.rs",
+        "            self.enable &= !axes.0;\n            self.halt",
+        "            self.halt",
         GUARDS,
     ),
     mutant(

@@ -188,8 +188,8 @@ impl Path {
         feed: Feed,
         source: &impl Entries,
     ) {
-        let end = end_of(feed, fifo);
-        for _ in 0..=EFFECTS {
+        let (end, mut effects) = (end_of(feed, fifo), 0u32);
+        while effects <= EFFECTS {
             if counter == end {
                 return;
             }
@@ -202,6 +202,7 @@ impl Path {
                 return;
             }
             counter = counter.wrapping_add(1);
+            effects = effects.wrapping_add(entry.load());
         }
     }
 
@@ -280,8 +281,8 @@ impl Path {
 
     /// What stands behind a motion, from this entry on.
     fn behind(&self, fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) -> Behind {
-        let end = end_of(feed, fifo);
-        for _ in 0..=EFFECTS {
+        let (end, mut effects) = (end_of(feed, fifo), 0u32);
+        while effects <= EFFECTS {
             if counter == end {
                 return Behind::Nothing;
             }
@@ -293,6 +294,7 @@ impl Path {
                 return Behind::Halt;
             }
             counter = counter.wrapping_add(1);
+            effects = effects.wrapping_add(entry.load());
         }
         Behind::Halt
     }

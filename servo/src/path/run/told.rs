@@ -25,6 +25,10 @@ pub trait Effects {
     fn geared(&mut self, axis: Axis, pulses: i32);
     /// More axes than a path can take along with one motion; this one stays.
     fn surplus(&mut self, _axis: Axis) {}
+    /// Whether one more effect of this tick has a place.
+    fn has_room(&self) -> bool {
+        true
+    }
     /// Whether the path may be at this place; else it comes to rest before it.
     fn admits(&mut self, _place: &[Pos; DIMENSIONS]) -> bool {
         true

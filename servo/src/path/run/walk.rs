@@ -173,12 +173,18 @@ impl Path {
             let prepared = self.is_known(counter);
             let entry = (!prepared).then(|| source.entry(self.fifo, counter));
             let moves = entry.is_none_or(|entry| entry.is_motion());
-            let left = if moves { &mut budget.motions } else { &mut budget.effects };
-            if *left == 0 {
+            let takes = match &entry {
+                Some(entry) if !moves => sink.has_room() && budget.takes(entry.load(), self.time),
+                _ => {
+                    let left = budget.motions != 0;
+                    budget.motions = budget.motions.saturating_sub(1);
+                    left
+                }
+            };
+            if !takes {
                 self.wait(budget.hold);
                 return;
             }
-            *left = left.wrapping_sub(1);
             self.cursor(self.fifo).next = counter.wrapping_add(1);
             match &entry {
                 None => self.enter_prepared(self.here, Exact(0), feed, source),

@@ -1,0 +1,217 @@
+//! What a job asks at one instant, and how it ends where a servo tick or an entry was too late for its light.
+use beamtick::Failure;
+use client::Link;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+use virtual_board::{Board, Config, Shared, VirtualLink, share};
+
+/// A virtual controller, one of whose ticks takes too long, and whose host is away for a while.
+struct Faulty {
+    link: VirtualLink,
+    board: Shared,
+    overrun_at: Option<u64>,
+    away_at: Option<u64>,
+}
+
+impl Link for Faulty {
+    fn name(&self) -> &str {
+        "virtual"
+    }
+    fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
+        self.link.send(bytes)
+    }
+    fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
+        let now = self.link.now();
+        if self.away_at.is_some_and(|at| now >= at) {
+            self.away_at = None;
+            self.link.run(Duration::from_millis(40));
+        }
+        if self.overrun_at.is_some_and(|at| now >= at) {
+            self.overrun_at = None;
+            self.board.lock().unwrap().overrun();
+        }
+        self.link.receive(buf, wait.min(Duration::from_micros(250)))
+    }
+    fn now(&mut self) -> u64 {
+        self.link.now()
+    }
+    fn real_time(&self) -> bool {
+        false
+    }
+}
+
+/// Writes a job and runs it over a faulty link.
+fn run(folder: &Path, text: &str, overrun_at: Option<u64>, away_at: Option<u64>) -> Result<(), String> {
+    let job = folder.join("job.gts");
+    fs::write(&job, text).unwrap();
+    let board = share(Board::new(Config::default()));
+    let link = Faulty { link: VirtualLink::new(Shared::clone(&board)), board, overrun_at, away_at };
+    match beamtick::run_over(Box::new(link), &[job.to_str().unwrap()]) {
+        Ok(()) => Ok(()),
+        Err(Failure::Job(text)) => Err(text),
+        Err(other) => panic!("{other:?}"),
+    }
+}
+
+const MS: u64 = 1_000_000;
+const LASER: &str = "GT_Reset();\nGT_SetAxisMode(7, 1);\nGT_LaserOutFrq(10, 0);\nGT_LaserPrfCmd(50, 0);\n";
+
+#[test]
+fn a_job_whose_light_an_overrun_took_fails_and_names_the_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = format!("{LASER}Sleep(20);\nGT_SetHSIOOpt(1, 0);\nSleep(100);\nGT_SetHSIOOpt(0, 0);\nSleep(5);\n");
+    assert_eq!(run(folder.path(), &job, None, None), Ok(()));
+    let text = run(folder.path(), &job, Some(80 * MS), None).unwrap_err();
+    assert!(
+        text.contains("a servo tick took too long after GT_SetHSIOOpt (line 6), and laser 0 was kept dark"),
+        "{text}"
+    );
+    // Where no light is used, it is told and is no failure.
+    let job = "GT_SetDoBit(12, 1, 1);\nSleep(100);\nGT_SetDoBit(12, 1, 0);\n";
+    assert_eq!(run(folder.path(), job, Some(50 * MS), None), Ok(()));
+}
+
+#[test]
+fn a_job_whose_laser_command_came_late_fails_and_names_the_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut job = LASER.to_owned();
+    for k in 0..4000 {
+        job.push_str(&format!("GT_SetHSIOOpt({}, 0); Sleep(0.02);\n", k & 1));
+    }
+    assert_eq!(run(folder.path(), &job, None, None), Ok(()));
+    let text = run(folder.path(), &job, None, Some(45 * MS)).unwrap_err();
+    let (_, place) =
+        text.split_once("a laser command came late, the first late entry is GT_SetHSIOOpt (line ").expect(&text);
+    let line: u32 = place.split(')').next().unwrap().parse().unwrap();
+    assert!((5..4005).contains(&line), "{text}");
+    // The same of what is no laser's.
+    let other = job.replace("GT_SetHSIOOpt(", "GT_SetDoBit(12, 1, ").replace(", 0);", ");").replace(LASER, "");
+    let other = other.split_once("GT_SetDoBit").map(|(_, rest)| format!("GT_SetDoBit{rest}")).unwrap();
+    assert_eq!(run(folder.path(), &other, None, Some(45 * MS)), Ok(()));
+}
+
+/// What `beamtick` says, and its exit code.
+fn beamtick(arguments: &[&str]) -> (String, i32) {
+    let output = Command::new(assert_cmd::cargo::cargo_bin("beamtick")).args(arguments).output().unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    (String::from_utf8(text).unwrap(), output.status.code().unwrap_or(-1))
+}
+
+fn job(folder: &Path, text: &str) -> PathBuf {
+    let job = folder.join("job.gts");
+    fs::write(&job, text).unwrap();
+    job
+}
+
+#[test]
+fn a_job_that_ends_in_reset_says_that_its_coordinate_system_drives_nothing_any_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = job(
+        folder.path(),
+        "GT_Reset();\nTCrdPrm crd = {2, {1, 2, 0, 0, 0, 0, 0, 0}, 100, 5, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}};\n\
+         GT_SetCrdPrm(1, &crd);\nSleep(10);\nGT_Reset();\n",
+    );
+    let (out, code) = beamtick(&["sim", job.to_str().unwrap()]);
+    assert_eq!(code, 0, "{out}");
+    assert!(out.contains("crd 1: drives no axis any more"), "{out}");
+}
+
+/// Reset and set-up of many axes at one instant; outputs, starts of `starts` of them and light at another one.
+fn crowded(axes: u32, cores: u32, starts: u32) -> String {
+    let mut text = String::new();
+    for core in 1..=cores {
+        text.push_str(&format!("GTN_Reset({core});\n"));
+    }
+    text.push_str("GT_SetAxisMode(7, 1);\nGT_LaserOutFrq(10, 0);\nGT_LaserPrfCmd(50, 0);\n");
+    text.push_str("TTrapPrm trap;\ntrap.acc = 1; trap.dec = 1; trap.velStart = 0; trap.smoothTime = 0;\n");
+    for core in 1..=cores {
+        for axis in 1..=axes {
+            text.push_str(&format!(
+                "GTN_LmtsOff({core}, {axis}); GTN_AlarmOff({core}, {axis}); GTN_AxisOn({core}, {axis});\n\
+                 GTN_PrfTrap({core}, {axis}); GTN_SetTrapPrm({core}, {axis}, &trap);\n\
+                 GTN_SetVel({core}, {axis}, 5); GTN_SetPos({core}, {axis}, 100);\n"
+            ));
+        }
+    }
+    text.push_str("Sleep(2);\n");
+    for output in 1..=16 {
+        text.push_str(&format!("GT_SetDoBit(12, {output}, 0);\n"));
+    }
+    for core in 1..=cores {
+        for axis in 1..=starts {
+            text.push_str(&format!("GTN_Update({core}, {});\n", 1u32 << (axis - 1)));
+        }
+    }
+    text + "GT_SetHSIOOpt(1, 0);\nSleep(60);\n"
+}
+
+/// Rows of a trace: the first one at which an axis moves, of each axis.
+fn begins(trace: &Path) -> Vec<usize> {
+    let text = fs::read_to_string(trace).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let of = |column: usize| rows.iter().position(|row| row[column].parse::<f64>().unwrap() != 0.0).unwrap();
+    (0..names.len()).filter(|column| names[*column].ends_with("_vel")).map(of).collect()
+}
+
+#[test]
+fn all_that_one_instant_starts_begins_in_one_tick() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = folder.path().join("t.csv");
+    for (axes, cores, profile, tick) in
+        [(8, 1, "gus", "10"), (8, 1, "gus", "20"), (8, 1, "gus", "50"), (24, 2, "gsn-048", "50")]
+    {
+        let job = job(folder.path(), &crowded(axes, cores, axes));
+        let words =
+            ["sim", job.to_str().unwrap(), "--profile", profile, "--tick-us", tick, "--trace", trace.to_str().unwrap()];
+        let (out, code) = beamtick(&words);
+        assert_eq!(code, 0, "{profile} {tick}: {out}");
+        assert!(out.contains("no late entries"), "{profile} {tick}: {out}");
+        let begins = begins(&trace);
+        assert_eq!(begins.len(), (axes * cores) as usize);
+        assert!(begins.iter().all(|begin| *begin == begins[0]), "{profile} {tick}: {begins:?}");
+    }
+}
+
+#[test]
+fn the_emulated_board_resets_within_its_ticks_and_shows_the_light_of_sim() {
+    if std::env::var_os("BEAMTICK_IMAGE").is_none() {
+        println!("skipped: BEAMTICK_IMAGE names no image");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (sim, board) = (folder.path().join("sim.csv"), folder.path().join("board.csv"));
+    // The emulated board steps 48 axes in each tick, whatever the profile is.
+    for (axes, starts, profile, tick) in
+        [(8, 4, "gus", "25"), (8, 8, "gus", "50"), (24, 16, "r688c-024", "50"), (8, 8, "gus", "250")]
+    {
+        let job = job(folder.path(), &crowded(axes, 1, starts));
+        let settings = ["--profile", profile, "--tick-us", tick, "--every", "10", "--trace"];
+        let (out, code) =
+            beamtick(&[&["sim", job.to_str().unwrap()], &settings[..], &[sim.to_str().unwrap()]].concat());
+        assert_eq!(code, 0, "{profile} {tick}: {out}");
+        let on_board = ["run", job.to_str().unwrap(), "--link", "qemu"];
+        let (out, code) = beamtick(&[&on_board, &settings[..], &[board.to_str().unwrap()]].concat());
+        assert_eq!(code, 0, "{profile} {tick}: {out}");
+        assert!(!out.contains("OVERRUN"), "{profile} {tick}: {out}");
+        assert!(fs::read(&sim).unwrap() == fs::read(&board).unwrap(), "{profile} {tick}: other rows");
+    }
+}
+
+#[test]
+fn ticks_that_take_too_long_are_told_where_no_laser_is_used_too() {
+    if std::env::var_os("BEAMTICK_IMAGE").is_none() {
+        println!("skipped: BEAMTICK_IMAGE names no image");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    // 48 axes do not fit into 10 µs at an instruction in 2 ns.
+    let job = job(folder.path(), "GT_SetDoBit(12, 1, 1);\nSleep(5);\n");
+    let words = ["run", job.to_str().unwrap(), "--link", "qemu", "--profile", "gsn-048", "--tick-us", "10"];
+    let (out, code) = beamtick(&words);
+    assert_eq!(code, 0, "{out}");
+    assert!(out.contains("servo ticks took longer than 10 us"), "{out}");
+}
