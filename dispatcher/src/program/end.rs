@@ -197,7 +197,7 @@ fn is_final(reason: Reason) -> bool {
         CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty, GearsFull,
         LaserConnector, LaserNotMapped, Length, NoAcceleration, NoCoordinate, NoIndex, NoLaserOutput, NoLength,
         NotFinite, NotForProgram, NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, RadiusTooLarge,
-        RadiusTooSmall, Selector, ServoOff, StepLimit, TooMany, UnknownCommand, WrongMode,
+        RadiusTooSmall, Selector, ServoOff, SlowPulses, StepLimit, TooMany, UnknownCommand, WrongMode,
     };
     matches!(
         reason,
@@ -226,6 +226,7 @@ fn is_final(reason: Reason) -> bool {
             | NotInFamily
             | AnalogInUse
             | OutOfRange
+            | SlowPulses
             | NotFinite
             | Length
             | TooMany
