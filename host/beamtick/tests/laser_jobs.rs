@@ -185,7 +185,7 @@ fn signals_and_reads_show_analog_outputs_of_calls_and_paths() {
     let folder = tempfile::tempdir().unwrap();
     let (vcd, path) = (folder.path().join("t.vcd"), folder.path().join("job.gts"));
     let text = "GT_AxisOn(1); GT_AxisOn(2);
-        TCrdPrm p; p.dimension = 2; p.profile[0] = 1; p.profile[1] = 2; p.synVelMax = 500; p.synAccMax = 10; p.evenTime = 0;
+        TCrdPrm p = {0}; p.dimension = 2; p.profile[0] = 1; p.profile[1] = 2; p.synVelMax = 500; p.synAccMax = 10; p.evenTime = 0;
         p.setOriginFlag = 1; GT_SetCrdPrm(1, &p); GT_CrdClear(1, 0);
         short v = 16384; GT_SetDac(4, &v);
         GT_LnXY(1, 100, 0, 10, 1, 10, 0); GT_BufDA(1, 3, -12000, 0); GT_LnXY(1, 400, 0, 10, 1, 0, 0);
