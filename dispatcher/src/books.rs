@@ -141,8 +141,6 @@ pub enum Change {
     Vel { axis: Axis, vel: f64 },
     /// Target position.
     Pos { axis: Axis, pos: i32 },
-    /// An analog output, from 0.
-    Analog { channel: u8, value: i16 },
     /// A laser channel, from 0.
     Laser { channel: u8, change: LaserChange },
     /// A coordinate system.
@@ -208,8 +206,6 @@ pub struct Books<const AXES: usize> {
     pub axes: [AxisBook; AXES],
     /// The coordinate systems.
     pub crds: [CrdBook; Crd::MAX],
-    /// The analog outputs.
-    pub analog: [i16; 8],
     /// The laser channels.
     pub lasers: [LaserBook; CHANNELS],
     /// Resolution of their frequencies.
@@ -230,7 +226,6 @@ impl<const AXES: usize> Books<AXES> {
         Books {
             axes: [AxisBook::default(); AXES],
             crds: [CrdBook::default(); Crd::MAX],
-            analog: [0; 8],
             lasers: [LaserBook::power_on(true, false); CHANNELS],
             laser_fine: true,
             aborted: None,
@@ -551,11 +546,6 @@ impl<const AXES: usize> Books<AXES> {
                 });
             }
             Change::LaserFine(fine) => self.laser_fine = fine,
-            Change::Analog { channel, value } => {
-                if let Some(output) = self.analog.get_mut(usize::from(channel)) {
-                    *output = value;
-                }
-            }
         }
     }
 }

@@ -447,7 +447,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     /// What reads look at.
     fn reading<'d>(&'d self, view: &'d View<AXES>) -> Reading<'d, AXES> {
         let Desk { now, site, board, log, .. } = self;
-        Reading { view, now, site, board, log }
+        Reading { view, now, site, board, log, tables: self.tables.lasers }
     }
 }
 

@@ -13,7 +13,7 @@ use crate::log::{HELD, Log};
 use crate::server::{Board, FAULT_TEXT_MAX};
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};
-use servo::laser::{CHANNELS, Count, Power};
+use servo::laser::{CHANNELS, Count, Mode, Power, Tables, dac_counts};
 use servo::piece::Scaled;
 use servo::status::RUNNING;
 use servo::units::{Axis, Pos};
@@ -32,6 +32,8 @@ pub struct Reading<'x, const AXES: usize> {
     pub board: &'x Board,
     /// What happened.
     pub log: &'x Log,
+    /// Where the tick keeps the analog outputs.
+    pub tables: &'x Tables,
 }
 
 /// 2^exponent, exactly, for exponents of normal numbers; beyond them 0 or infinity.
@@ -255,8 +257,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
             opcode::GetDac => {
                 let mut items = [command::Short::default(); 8];
                 let count = usize::from(query.count).min(8);
-                for (item, value) in items.iter_mut().zip(self.now.analog.iter().skip(usize::from(query.first))) {
-                    item.value = (*value).into();
+                for (item, output) in items.iter_mut().zip(usize::from(query.first)..) {
+                    item.value = self.analog_output(output).into();
                 }
                 out.done::<command::GetDac>(tag, &command::Count { count: (count as u16).into() }, &items[..count])
             }
@@ -366,6 +368,14 @@ impl<const AXES: usize> Reading<'_, AXES> {
             }
             // GetHSIOOpt, LaserOnStatus: the command, not the output (SPEC 6).
             other => out.push_raw(other, tag, 0, &[short(seen.commanded.into()).as_bytes()]),
+        }
+    }
+
+    /// What an analog output, from 0, carries: what a laser in analog mode makes of it, or what it was set to last.
+    fn analog_output(&self, output: usize) -> i16 {
+        match self.view.lasers.get(output) {
+            Some(laser) if laser.mode == Mode::Analog => dac_counts(laser.power),
+            _ => self.tables.analog(output),
         }
     }
 

@@ -7,7 +7,7 @@ use crate::books::executed;
 use crate::case::{Site, ones};
 use protocol::trace::{self, AxisId, CrdId, CrdSample, Encoder, Full, Head, Ids, LaserId, LaserSample, Samples, kind};
 use ring::Consumer;
-use servo::laser::{Action, CHANNELS, Count, Train};
+use servo::laser::{Action, CHANNELS, Count, Rate, Train};
 use servo::units::{AxisMask, Crd, CrdMask};
 use servo::view::{Sample, Traced, View};
 
@@ -187,6 +187,11 @@ impl<const AXES: usize> TraceOut<AXES> {
                 let outputs = trace::Outputs { tick: sample.row.into(), at: at.into(), levels: levels.into() };
                 return self.encoder.outputs(&outputs).is_ok();
             }
+            Traced::Analog { at, channel, value } => {
+                let (tick, at, value) = (sample.row.into(), at.into(), value.into());
+                let set = trace::Action { tick, at, channel, kind: kind::ANALOG, value, ..trace::Action::default() };
+                return self.encoder.action(&set).is_ok();
+            }
         };
         if place != self.gathered {
             self.gathered = 0;
@@ -213,7 +218,7 @@ impl<const AXES: usize> TraceOut<AXES> {
                     *to = CrdSample { vel_mantissa: velocity.m.into(), vel_exponent: velocity.e.into() };
                 }
             }
-            Traced::Action { .. } | Traced::Rest { .. } | Traced::Outputs { .. } => {}
+            Traced::Action { .. } | Traced::Rest { .. } | Traced::Outputs { .. } | Traced::Analog { .. } => {}
         }
         self.row = sample.row;
         if place + 1 < self.count() {
@@ -246,6 +251,9 @@ impl<const AXES: usize> TraceOut<AXES> {
             Action::Change(train) => (kind::CHANGE, 0, train),
             Action::Dark { standby, cut } => (kind::DARK, cut.into(), standby),
             Action::Volts(code) => (kind::VOLTS, code, Train::NONE),
+            Action::Rate(Rate { period, width, scale, shift }) => {
+                (kind::RATE, 0, Train { period, width: Count { whole: scale, part: width, of: shift } })
+            }
         };
         let (period, width) = (count(train.period), count(train.width));
         let (tick, at, value) = (tick.into(), at.into(), value.into());

@@ -331,6 +331,78 @@ fn lsr_takes_the_nearest_bound_and_tells_it() {
     assert_eq!(({ told.scale }.map(f64::from), told.held), ([1.0, 1000.0, 65_536.0, 1.0], 0b1101));
 }
 
+/// GetDac reads what is output: of a call, of a path, of a laser.
+#[test]
+fn a_read_of_analog_outputs_tells_what_is_output() {
+    fn outputs(bench: &mut Bench<8>) -> Vec<i16> {
+        let read = GetDac { core: 1.into(), dac: 1.into(), count: 4.into() };
+        bench.call(read).items::<GetDac>().iter().map(|item| item.value.get()).collect()
+    }
+    let mut bench = bench(GUS);
+    let b = &mut bench;
+    let given = [700.into(), (-5).into()].map(|value| Short { value });
+    b.call_items(SetDac { core: 1.into(), dac: 1.into(), count: 2.into() }, &given).reply::<SetDac>();
+    assert_eq!(outputs(b), [700, -5, 0, 0]);
+    // 60 pulses at 10 pulse/ms, then the path's value.
+    b.done(line(60, 0, 10.0));
+    b.done(BufDA { core: 1.into(), crd: 1.into(), channel: 3.into(), value: (-12_000).into(), fifo: 0.into() });
+    b.done(BufDA { core: 1.into(), crd: 1.into(), channel: 2.into(), value: 44.into(), fifo: 0.into() });
+    b.done(line(600, 0, 10.0));
+    assert_eq!(outputs(b), [700, -5, 0, 0], "the path has not come there");
+    b.done(start());
+    b.run_ms(100);
+    assert_eq!(outputs(b), [700, 44, -12_000, 0]);
+    // A laser in analog mode takes its output, and leaves it at 0 V.
+    b.done(LaserPowerMode { mode: 2.into(), max: 10.0.into(), ..duty() });
+    b.done(SetPreVltg { core: 1.into(), mode: 1.into(), voltage: 2.5.into(), channel: 0.into() });
+    b.run_ms(1);
+    assert_eq!(outputs(b), [8192, 44, -12_000, 0], "2.5 V");
+    b.done(duty());
+    b.run_ms(1);
+    assert_eq!(outputs(b), [0, 44, -12_000, 0]);
+}
+
+/// What entries of a path make of the pulse width: told for the power, and for the most that a follow may come to.
+#[test]
+fn a_width_that_reaches_the_period_is_told_of_entries_too() {
+    const LIMITED: u8 = 0x80;
+    for family in [GUS, LSR] {
+        let mut bench = bench(family);
+        let b = &mut bench;
+        b.done(LaserPowerMode { mode: 1.into(), max: 24.0.into(), ..duty() });
+        b.done(SetPulseWidth { core: 1.into(), width_us: 50.into(), channel: 0.into() });
+        assert_eq!(b.done(buf_power(19.0)).held, 0);
+        assert_eq!(b.done(buf_power(20.0)).held, LIMITED);
+        assert_eq!(b.done(follow_mode(0, Some(20.0))).held, LIMITED);
+        assert_eq!(b.done(follow_mode(0, None)).held, 0);
+        assert_eq!(b.done(prf_follow(0.1, 0, 19)).held, 0);
+        assert_eq!(b.done(prf_follow(0.1, 0, 20)).held, LIMITED);
+        assert_eq!(b.done(ratio_follow(0.1, 0.0, 19.9)).held, 0);
+        assert_eq!(b.done(ratio_follow(0.1, 0.0, 20.5)).held, LIMITED);
+        // The bounds of the mode hold the rate.
+        b.done(LaserPowerMode { mode: 1.into(), max: 19.0.into(), ..duty() });
+        assert_eq!(b.done(buf_power(20.0)).held, 0);
+        assert_eq!(b.done(ratio_follow(0.1, 0.0, 20.5)).held, 0);
+        // In a duty mode there is no width.
+        b.done(duty());
+        assert_eq!(b.done(buf_power(50.0)).held, 0);
+    }
+}
+
+#[test]
+fn a_rate_below_1_hz_is_refused_of_entries_too() {
+    for (family, high) in [(GUS, 2000), (LSR, 24)] {
+        let mut bench = bench(family);
+        let b = &mut bench;
+        b.done(LaserPowerMode { mode: 1.into(), max: 24.0.into(), ..duty() });
+        let text = format!("is 0.0005 kHz; it must be 0, or from 0.001 to {high}");
+        refused(b, buf_power(0.0005), &[], 7, &format!("BufLaserPrfCmd: power {text}"));
+        refused(b, follow_mode(0, Some(0.0005)), &[], 7, &format!("BufLaserFollowMode: start_power {text}"));
+        assert_eq!(b.done(buf_power(0.0)).held, 0);
+        assert_eq!(b.done(buf_power(0.001)).held, 0);
+    }
+}
+
 #[test]
 fn every_entry_takes_a_place_and_the_reply_tells_it() {
     let mut bench = bench(GUS);

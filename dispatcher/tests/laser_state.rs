@@ -215,7 +215,9 @@ fn a_power_command_tells_what_the_timers_reach() {
             bench.done(switch(1, 0));
             bench.run_ms(1);
             let train = seen(&mut bench, 0).train;
-            let counts = |count: Count| count.whole as f64 + f64::from(count.part) / f64::from(count.of.max(1));
+            let counts = |Count { whole, part, of }: Count| {
+                whole as f64 + f64::from(part) / if of == 0 { 4_294_967_296.0 } else { f64::from(of) }
+            };
             // The clock of the machine is 1 GHz.
             let (period, width) = (counts(train.period), counts(train.width));
             let reached = if of == 0 { width / period * 100.0 } else { 1e6 / period };

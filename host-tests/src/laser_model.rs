@@ -326,16 +326,51 @@ impl Story<'_> {
         pulses
     }
 
+    /// Light whose pulse in progress does not outlast it: what comes at once, the open switch, and a level, that of the settings
+    /// before what acts with its end.
+    fn is_cut(&self, light: Span, end: Event) -> bool {
+        end != Event::Off || self.at(light.begin).mode == Mode::Open || self.at(light.end - 1).is_level()
+    }
+
+    /// Pulses of a rate in a span: one where the rate is first above 0, and one wherever its integral since the last one
+    /// reaches 1. A pulse has the width of the settings at its beginning, and ends a ns before the next one at the latest.
+    fn rate(&self, span: Span) -> Vec<Span> {
+        let mut pulses: Vec<Span> = Vec::new();
+        // What is left of the integral until the next pulse; the first one is due at once.
+        let mut left = whole(0);
+        let mut from = span.begin;
+        while from < span.end {
+            let until = self.next_change(from).unwrap_or(span.end).min(span.end);
+            if let Some(train) = self.at(from).train() {
+                let mut next = whole(from.into()) + left * train.period;
+                while next.floor() < whole(until.into()) {
+                    let begin = next.floor().to_integer() as Ns;
+                    pulses.push(Span { begin, end: begin + times(train.width, 1) });
+                    next += train.period;
+                }
+                left = (next - whole(until.into())) / train.period;
+            }
+            from = until;
+        }
+        for index in 1..pulses.len() {
+            let latest = pulses[index].begin - 1;
+            pulses[index - 1].end = pulses[index - 1].end.min(latest);
+        }
+        pulses
+    }
+
     fn energy(&self, light: &[(Span, Event)], cuts: &[Ns], horizon: Ns) -> Vec<Edge<bool>> {
         let mut pulses = Vec::new();
         let mut dark_from = 0;
         for (index, &(span, end)) in light.iter().enumerate() {
             self.standby(Span { begin: dark_from, end: span.begin }, cuts, &mut pulses);
-            let open = self.at(span.begin).mode == Mode::Open;
+            let cut = self.is_cut(span, end);
             let next = light.get(index + 1).map_or(Ns::MAX, |(next, _)| next.begin);
             dark_from = span.end;
-            for pulse in self.pulses(span, Settings::train) {
-                let finished = end == Event::Off && !open && pulse.end <= span.end + 100_000;
+            let in_phase = self.at(span.begin).mode == Mode::Frequency;
+            let train = if in_phase { self.rate(span) } else { self.pulses(span, Settings::train) };
+            for pulse in train {
+                let finished = !cut && pulse.end <= span.end + 100_000;
                 let mut last = if finished { pulse.end } else { pulse.end.min(span.end) };
                 last = last.min(next);
                 // What comes at once also cuts a pulse that is being finished.
@@ -397,8 +432,7 @@ impl Story<'_> {
                 left = if cut { 0 } else { (left - (end - at)).max(0) + pulse };
                 at = end;
             }
-            let finishes = end == Event::Off && self.at(next.begin).mode != Mode::Open;
-            (at, left) = (next.end, if finishes { 100_000 } else { 0 });
+            (at, left) = (next.end, if self.is_cut(next, end) { 0 } else { 100_000 });
         }
         darks
     }

@@ -53,7 +53,7 @@ fn csv_has_three_columns_for_each_laser() {
 #[test]
 fn vcd_shows_pulses_switch_and_voltage_to_the_nanosecond() {
     let mut out = Vec::new();
-    let mut vcd = VcdWriter::new(&mut out, &header(&[0, 1]), &[(2, false)]).unwrap();
+    let mut vcd = VcdWriter::new(&mut out, &header(&[0, 1]), &[(2, false)], &[]).unwrap();
     let lasers = || vec![LaserPoint::default(); 2];
     vcd.row(&row(0, 0.0, lasers())).unwrap();
     vcd.change(0, &Change::Switch { at: 3, level: true });

@@ -138,7 +138,7 @@ fn changes(vcd: &[u8], name: &str) -> Vec<(u64, bool)> {
 fn vcd_shows_every_step_once_and_evenly() {
     let header = Header { axes: vec![axis(1), axis(2)], lasers: vec![], crds: vec![], period_ns: 1_000_000, every: 1 };
     let mut out = Vec::new();
-    let mut vcd = VcdWriter::new(&mut out, &header, &[(1, true), (4, false)]).unwrap();
+    let mut vcd = VcdWriter::new(&mut out, &header, &[(1, true), (4, false)], &[]).unwrap();
     let still = Scaled::default();
     // Axis 1: 4 pulses, then 3 back. Axis 2 stays at 7.4, which is pulse 7.
     let rest = 7 * PULSE + PULSE * 2 / 5;
@@ -166,7 +166,7 @@ fn vcd_shows_every_step_once_and_evenly() {
 #[test]
 fn vcd_refuses_what_its_scale_cannot_show() {
     let header = Header { axes: vec![axis(5)], lasers: vec![], crds: vec![], period_ns: 10_000, every: 1 };
-    let mut vcd = VcdWriter::new(Vec::new(), &header, &[]).unwrap();
+    let mut vcd = VcdWriter::new(Vec::new(), &header, &[], &[]).unwrap();
     vcd.row(&row(0, 10_000, &[(0, Scaled::default())])).unwrap();
     vcd.row(&row(1, 10_000, &[(5_000 * PULSE, Scaled::default())])).unwrap();
     let error = vcd.row(&row(2, 10_000, &[(-2 * PULSE, Scaled::default())])).unwrap_err();

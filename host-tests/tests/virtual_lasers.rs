@@ -117,7 +117,7 @@ fn the_trace_tells_every_edge_of_the_outputs() {
                 .feed(bytes, |item| {
                     match item {
                         Item::Header(header) => assert_eq!(header.lasers.len(), 2),
-                        Item::Light { .. } | Item::Output(_) => {}
+                        Item::Light { .. } | Item::Output(_) | Item::Analog(_) => {}
                         Item::Laser { laser, change } => told.0[laser].add(&change, 0),
                         Item::Row(row) => told.2 = row.t_ns,
                         Item::End { .. } => told.1 = true,
@@ -330,7 +330,7 @@ fn the_trace_tells_that_everything_rests() {
             match item {
                 Item::Laser { laser, change } => told.0[laser].add(&change, 0),
                 Item::Row(row) => told.1 = row.t_ns,
-                Item::Header(_) | Item::Light { .. } | Item::Output(_) | Item::End { .. } => {}
+                Item::Header(_) | Item::Light { .. } | Item::Output(_) | Item::Analog(_) | Item::End { .. } => {}
             }
             Ok(())
         });

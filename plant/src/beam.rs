@@ -5,7 +5,7 @@
 //! to action in closed form, so that a train costs the same whatever its pulses are. Fails never; actions
 //! beyond those of two plans that wait at one time have no place and are dropped; more never wait.
 use crate::pulses::{Burst, Rest};
-use servo::laser::{Action, FINISH_NS, PLACES, Plan, Train};
+use servo::laser::{Action, FINISH_NS, PLACES, Plan, Rate, Train};
 
 /// What an output did. Instants are ns of the clock by which the plans are told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +34,9 @@ pub enum Change {
         code: i16,
     },
 }
+
+/// Where a period ends that stands still.
+const NEVER: u64 = u64::MAX;
 
 /// A pulse that has begun.
 #[derive(Debug, Clone, Copy)]
@@ -180,6 +183,7 @@ impl Stage {
                 Action::Light(train) => self.begin(at, train, true),
                 Action::Dark { standby, cut } => self.begin(at, standby, cut),
                 Action::Change(train) => self.change(at, train),
+                Action::Rate(rate) => self.rate(at, &rate),
             }
         }
         if self.first == self.end {
@@ -233,6 +237,35 @@ impl Stage {
         if let Some((begin, end)) = &mut self.period {
             *end = (*end).min(begin.saturating_add(train.period.whole).max(at).max(pulse_end));
         }
+    }
+
+    /// Pulses go on at another rate, in phase, or pause: then their period has no end, and what is left of it stands where none
+    /// begins.
+    fn rate(&mut self, at: u64, rate: &Rate) {
+        let left = match self.period {
+            None => 0,
+            Some((_, NEVER)) => self.begins,
+            Some((_, end)) => end.saturating_sub(at),
+        };
+        self.train = rate.train();
+        if rate.is_pause() {
+            if let Some((_, end)) = &mut self.period {
+                (self.begins, *end) = (left, NEVER);
+            }
+            return;
+        }
+        let (left, part) = rate.left(left, self.period_rest.part());
+        let mut next = at.saturating_add(left);
+        if let Some(pulse) = self.pulse.as_mut().filter(|pulse| pulse.end > at && pulse.end >= next) {
+            next = next.max(at.wrapping_add(1));
+            pulse.end = next.wrapping_sub(1);
+        }
+        match &mut self.period {
+            Some((_, end)) => *end = next,
+            None => self.begins = next,
+        }
+        self.begin_pattern();
+        self.period_rest = Rest::of_rate(part);
     }
 
     /// Follows the train to `to`, not included.

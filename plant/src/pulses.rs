@@ -15,6 +15,16 @@ impl Rest {
     /// Nothing: a pattern begins.
     pub const NONE: Rest = Rest { gathered: 0, of: 0 };
 
+    /// Of a rate: so many 2⁻³² counts.
+    pub const fn of_rate(part: u32) -> Rest {
+        Rest { gathered: part, of: 0 }
+    }
+
+    /// What periods of a rate have left over, 2⁻³² counts.
+    pub const fn part(self) -> u32 {
+        if self.of == 0 { self.gathered } else { 0 }
+    }
+
     /// A pattern of another denominator begins anew.
     const fn gathered(self, count: Count) -> u32 {
         if self.goes_on(count) { self.gathered } else { 0 }

@@ -146,6 +146,7 @@ reasons! {
     147 LaserMapInUse State "laser channel {got}: coordinate system {axis} runs, or has light of this channel that would come back; stop it, and switch the light off first";
     148 Aborting State "after an abort lasers are switched on once everything has come to rest; wait for that";
     149 NoLaserOutput State "laser channel {got}: this board has no output for its power in this mode";
+    158 SlowPulses Range "{field} is {got} kHz; it must be 0, or from {low} to {high}";
 }
 
 /// The payload of a refusing reply.

@@ -79,6 +79,11 @@ pub mod kind {
     pub const DARK: u8 = 4;
     /// The analog output goes to `value`.
     pub const VOLTS: u8 = 5;
+    /// Pulses of a rate go on in phase (`servo::laser::Rate`): period as `period`; `width` holds its scale in `whole`, the width of a
+    /// pulse in counts in `part`, its shift in `of`.
+    pub const RATE: u8 = 6;
+    /// Of no laser: the analog output `channel`, from 0, is set to `value`.
+    pub const ANALOG: u8 = 7;
 }
 
 const SAMPLES_MAX: usize =

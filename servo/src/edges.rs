@@ -40,6 +40,15 @@ impl Change {
     }
 }
 
+/// What a change has set.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Set {
+    /// The general outputs.
+    General(u32),
+    /// An analog output.
+    Analog { channel: u8, value: i16 },
+}
+
 /// The changes of one tick.
 #[derive(Debug)]
 pub(crate) struct Edges {
@@ -94,10 +103,10 @@ impl Edges {
         }
     }
 
-    /// Hands them to the machine, whose outputs have these levels at the tick computed, and the general outputs with
+    /// Hands them to the machine, whose outputs have these levels at the tick computed, and the general and analog outputs with
     /// their instants to `told`; the levels at the end.
     #[inline(never)]
-    pub(crate) fn flush(&mut self, mut levels: Levels, port: &mut impl Port, mut told: impl FnMut(u32, u32)) -> Levels {
+    pub(crate) fn flush(&mut self, mut levels: Levels, port: &mut impl Port, mut told: impl FnMut(u32, Set)) -> Levels {
         for &(at, change) in self.list.iter().take(self.count) {
             match change {
                 Change::Digital { group, mask, value } => {
@@ -108,9 +117,12 @@ impl Edges {
                         DoGroup::General => levels.general = set(levels.general as u64) as u32,
                     }
                     port.outputs(at, levels.enable, levels.clear, levels.general);
-                    told(at, levels.general);
+                    told(at, Set::General(levels.general));
                 }
-                Change::Analog { channel, value } => port.analog_out(at, channel as usize, value),
+                Change::Analog { channel, value } => {
+                    port.analog_out(at, channel as usize, value);
+                    told(at, Set::Analog { channel, value });
+                }
             }
         }
         self.count = 0;

@@ -5,6 +5,7 @@
 //! its mask and is told as [`Event::Refused`]; whatever else does not fit any more has no effect.
 use crate::axis::{AxisState, Jog};
 use crate::follow::Method;
+use crate::laser::{self, Change};
 use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op};
 use crate::path::EntryStore;
 use crate::port::Port;
@@ -83,7 +84,10 @@ impl<const AXES: usize> Tick<AXES> {
                 DoGroup::Clear => self.clear = self.clear & !mask | value & mask,
                 DoGroup::General => self.general = self.general & !(mask as u32) | (value & mask) as u32,
             },
-            Op::Analog { channel, value } => port.analog_out(0, channel as usize, value),
+            Op::Analog { channel, value } => {
+                port.analog_out(0, channel as usize, value);
+                self.tell_analog(channel, value, lanes.tables.lasers, lanes.samples);
+            }
             Op::Update { axes } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_update()) {
                     self.sourced(axes, lanes, |state, source| state.update(next, source));
@@ -105,7 +109,13 @@ impl<const AXES: usize> Tick<AXES> {
                     *period = Ns(ns as u64);
                 }
             }
-            Op::Laser { channel, change } => self.lasers.change(channel, next, &change),
+            Op::Laser { channel, change } => {
+                if matches!(change, Change::Mode { mode: laser::Mode::Analog, .. }) {
+                    // From here on the laser drives it, and leaves it at 0 V.
+                    self.tell_analog(channel, 0, lanes.tables.lasers, lanes.samples);
+                }
+                self.lasers.change(channel, next, &change);
+            }
             Op::FollowEnd { crds } => self.lasers.end_follow(crds, next),
             Op::Link { lost } => {
                 // Paths that ran at an abort, or in the session before, light nothing any more.
@@ -118,6 +128,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::Trace { every, axes, crds, lasers, edges, outputs } => {
                 let chosen = Chosen { axes, crds, lasers, edges, outputs };
                 if let Some((row, chosen)) = self.trace.begin(every, chosen) {
+                    self.trace.tell_analog_carried(lanes.tables.lasers, lanes.samples);
                     self.emit(row, chosen, lanes.samples);
                 }
             }

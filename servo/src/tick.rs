@@ -11,7 +11,7 @@
 use crate::axis::{AxisState, Glide};
 pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
 use crate::crd::Crds;
-use crate::edges::{Edges, Levels};
+use crate::edges::{Edges, Levels, Set};
 use crate::execute::Reach;
 use crate::follow::{self, Entries, Order};
 use crate::laser::{Cause, Clock, Lasers};
@@ -476,6 +476,7 @@ impl<const AXES: usize> Tick<AXES> {
                 Op::ProgramRun => {
                     self.script.begin(self.now);
                     if let Some((row, chosen)) = self.trace.begin_armed() {
+                        self.trace.tell_analog_carried(reach.tables.lasers, reach.samples);
                         self.emit(row, chosen, reach.samples);
                     }
                 }
@@ -542,14 +543,32 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     fn flush_edges(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let before = Levels { enable: self.enable, clear: self.clear, general: self.general };
-        let (trace, samples) = (&mut self.trace, &mut lanes.samples);
+        let (trace, samples, tables) = (&mut self.trace, &mut lanes.samples, lanes.tables.lasers);
         trace.tell_outputs(0, before.general, samples);
-        let after = self.edges.flush(before, port, |at, levels| trace.tell_outputs(at, levels, samples));
+        let after = self.edges.flush(before, port, |at, set| match set {
+            Set::General(levels) => trace.tell_outputs(at, levels, samples),
+            Set::Analog { channel, value } => {
+                tables.set_analog(channel, value);
+                trace.tell_analog(at, channel, value, samples);
+            }
+        });
         (self.clear, self.general) = (after.clear, after.general);
         let (on, off) = (after.enable & !before.enable, before.enable & !after.enable);
         if on | off != 0 {
             self.switch_servos(Switched { on, off }, next, lanes);
         }
+    }
+
+    /// An analog output is set from the tick computed on.
+    pub(crate) fn tell_analog(
+        &mut self,
+        channel: u8,
+        value: i16,
+        tables: &crate::laser::Tables,
+        samples: &mut Producer<'_, Sample, SAMPLES>,
+    ) {
+        tables.set_analog(channel, value);
+        self.trace.tell_analog(0, channel, value, samples);
     }
 
     /// Since when all of these are at rest; none while one runs.

@@ -3,7 +3,7 @@
 //! In: the motion of every axis and the plans of laser channels, a tick at a time. Out: samples into a ring.
 //! Owns: the counters of rows and ticks.
 //! Fails: a full ring loses the sample and counts it; the row numbers show which.
-use crate::laser::{Action, Plan};
+use crate::laser::{ANALOG, Action, Plan, Tables};
 use crate::tick::SAMPLES;
 use crate::units::{AxisMask, CrdMask};
 use crate::view::{Sample, Traced};
@@ -103,6 +103,31 @@ impl Trace {
         if self.chosen.outputs && levels != self.levels && self.every != 0 {
             self.levels = levels;
             self.put(Sample { row: self.tick.wrapping_add(1), of: Traced::Outputs { at, levels } }, samples);
+        }
+    }
+
+    /// The analog outputs when the trace begins.
+    pub(crate) fn tell_analog_carried(&mut self, tables: &Tables, samples: &mut Producer<'_, Sample, SAMPLES>) {
+        if self.chosen.outputs {
+            for channel in 0..ANALOG as u8 {
+                let value = tables.analog(channel.into());
+                if value != 0 {
+                    self.put(Sample { row: 0, of: Traced::Analog { at: 0, channel, value } }, samples);
+                }
+            }
+        }
+    }
+
+    /// An analog output from `at` ns after the next tick on.
+    pub(crate) fn tell_analog(
+        &mut self,
+        at: u32,
+        channel: u8,
+        value: i16,
+        samples: &mut Producer<'_, Sample, SAMPLES>,
+    ) {
+        if self.chosen.outputs && self.every != 0 {
+            self.put(Sample { row: self.tick.wrapping_add(1), of: Traced::Analog { at, channel, value } }, samples);
         }
     }
 

@@ -507,6 +507,15 @@ pub enum Traced {
         /// Bit 0 is the first.
         levels: u32,
     },
+    /// An analog output is set, in the same manner.
+    Analog {
+        /// ns from the beginning of the interval.
+        at: u32,
+        /// Which one, from 0.
+        channel: u8,
+        /// −32768…32767 is −10…10 V.
+        value: i16,
+    },
 }
 
 /// News that must not be missed, from the tick to the thread.

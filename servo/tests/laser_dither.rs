@@ -131,7 +131,7 @@ fn a_power_that_nobody_planned_is_as_exact() {
 }
 
 #[test]
-fn a_rate_that_nobody_planned_is_as_exact() {
+fn a_rate_is_exact_to_the_fraction_that_keeps_its_phase() {
     let mut chance = Chance::new(7);
     for clock in clocks() {
         for fine in [true, false] {
@@ -145,7 +145,14 @@ fn a_rate_that_nobody_planned_is_as_exact() {
                 let view = bench.tick();
                 let train = view.train;
                 assert!(rate_holds(&counts(train.period), khz, clock), "{khz} kHz: {train:?}");
-                assert_eq!(train.period.of == 0, !fine, "the plan of the thread is taken if there is one");
+                assert_eq!(train.period.of, 0);
+                // Up to the next 2⁻³² counts, of the power as it is held, 2⁻⁴⁴ kHz; to 60 bits, where a period is longer than that.
+                let exact = ratio(clock.mhz() as u64 * 1000, 1) * ratio(1 << 44, power(khz).raw() as u64);
+                let up = counts(train.period) - &exact;
+                let slack = &exact * ratio(1, 1 << 60);
+                assert!(up >= -slack.clone() && up < ratio(1, 1 << 32) + slack, "{khz} kHz: {up}");
+                let is_short = exact < ratio(1 << 30, 1);
+                assert!(!(is_short && exact.is_integer()) || counts(train.period) == exact, "{khz} kHz");
                 let whole = clock.mhz() as u64;
                 let limited = whole >= train.period.whole;
                 assert_eq!((train.width.whole, train.width.part), (whole.min(train.period.whole - 1), 0));

@@ -151,8 +151,8 @@ fn a_gate_on_during_a_first_pulse_begins_a_new_one() {
     bench.until(30 * MS);
     // Pulses 1 … 3.5 and 3 … 5.5 are one. The first mark is shorter than its shift: no light.
     assert_eq!(bench.switch(), [(MS, true), (5500 * US, false)]);
-    // The light ends at 10.1 ms; the period that began at 9.2 ms ends 100 µs later, and so is finished.
-    assert_eq!(bench.pulses(), [(5200 * US, 10_200 * US)]);
+    // The light ends at 10.1 ms, and with it the level of full duty, whose last period would end 100 µs later.
+    assert_eq!(bench.pulses(), [(5200 * US, 10_100 * US)]);
 }
 
 #[test]

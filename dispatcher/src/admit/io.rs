@@ -1,6 +1,5 @@
 //! Digital and analog inputs and outputs.
 use super::many;
-use crate::books::Change;
 use crate::case::{Answer, Case, Query, ones};
 use crate::refuse::{Admitted, Refused, choice};
 use protocol::command::{GetAdc, GetDac, GetDi, GetDo, SetDac, SetDo, SetDoBit, opcode};
@@ -152,7 +151,7 @@ pub fn set_analog<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admi
     free_analog(case, 1, first, values.len())?;
     for (channel, value) in (first..).zip(values) {
         let value = value.value.get();
-        case.stage_with(Op::Analog { channel, value }, Change::Analog { channel, value });
+        case.stage(Op::Analog { channel, value });
     }
     Ok(Answer::Done)
 }

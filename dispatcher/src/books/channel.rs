@@ -49,6 +49,8 @@ pub struct LaserBook {
     pub width_us: u16,
     /// Standby pulses: kHz and %.
     pub standby: Option<(Power, Power)>,
+    /// They are output only while both channels are PWM (LSR, SetWaitPulseEx).
+    pub paired: bool,
     /// The axis connector carries the laser.
     pub connector: bool,
     /// Crds over all cores, bit 0 is crd 1 of core 1.
@@ -76,6 +78,7 @@ impl LaserBook {
             carrier: None,
             width_us: 0,
             standby: None,
+            paired: false,
             connector,
             map: u8::MAX,
             cleared: None,
@@ -131,7 +134,7 @@ impl LaserBook {
             LaserChange::Power(power) => self.power = power,
             LaserChange::Carrier(carrier) => self.carrier = Some(carrier),
             LaserChange::Width(width_us) => self.width_us = width_us,
-            LaserChange::Standby(standby) => self.standby = standby,
+            LaserChange::Standby(standby, paired) => (self.standby, self.paired) = (standby, paired),
             LaserChange::Connector(laser) => self.connector = laser,
             LaserChange::Map(map) => self.map = map,
             LaserChange::Cleared => self.cleared = Some(seq),
@@ -160,8 +163,8 @@ pub enum LaserChange {
     Carrier(Carrier),
     /// Pulse width, µs.
     Width(u16),
-    /// Standby pulses: kHz and %.
-    Standby(Option<(Power, Power)>),
+    /// Standby pulses: kHz and %; whether only while both channels are PWM.
+    Standby(Option<(Power, Power)>, bool),
     /// What the axis connector carries.
     Connector(bool),
     /// Crd map.

@@ -208,8 +208,8 @@ fn is_final(reason: Reason) -> bool {
         GearsFull, LaserConnector, LaserNotMapped, Length, NegativeProgress, NoAcceleration, NoCoordinate,
         NoDisplacement, NoIndex, NoLaserOutput, NoLength, NotAboveMinimum, NotFinite, NotForProgram, NotInDynamic,
         NotInFamily, NotInProgram, NotInitialised, OutOfRange, OwnMaster, PlaneAxis, PlaneX, PlaneY, PointOfAxis,
-        PointTime, RadiusTooLarge, RadiusTooSmall, Selector, ServoOff, StepLimit, TablePlaces, TableRange, TableShort,
-        TooMany, UnknownCommand, VelocityUnreachable, WrongMode,
+        PointTime, RadiusTooLarge, RadiusTooSmall, Selector, ServoOff, SlowPulses, StepLimit, TablePlaces, TableRange,
+        TableShort, TooMany, UnknownCommand, VelocityUnreachable, WrongMode,
     };
     matches!(
         reason,
@@ -252,6 +252,7 @@ fn is_final(reason: Reason) -> bool {
             | NotInFamily
             | AnalogInUse
             | OutOfRange
+            | SlowPulses
             | NotFinite
             | Length
             | TooMany

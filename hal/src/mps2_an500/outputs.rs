@@ -66,6 +66,7 @@ pub fn set_laser(channel: usize, plan: &Plan) {
         match action {
             Action::Switch(level) => laser.switch.store(*level, Ordering::Relaxed),
             Action::Light(train) | Action::Change(train) | Action::Dark { standby: train, .. } => laser.pulses(train),
+            Action::Rate(rate) => laser.pulses(&rate.train()),
             Action::Volts(code) => laser.dac.store(*code, Ordering::Relaxed),
         }
     }

@@ -92,6 +92,11 @@ impl Settings {
         self.power.max(self.min).min(self.max)
     }
 
+    /// Light of full duty: a level, no pulses that could be finished.
+    pub fn is_level(&self) -> bool {
+        matches!(self.mode, Mode::Duty | Mode::Open) && self.train().is_some_and(|train| train.width >= train.period)
+    }
+
     /// Pulses of light; none where something is missing.
     pub fn train(&self) -> Option<Train> {
         let power = self.bounded();

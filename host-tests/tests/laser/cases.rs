@@ -253,6 +253,61 @@ fn last_pulse() -> Vec<Case> {
                 duty(&[(50, mode(Mode::Frequency, 1000)), (50, width(10)), (50, power(20)), (100, ON), (400, OFF)])
             })
         },
+        // 20 kHz for 30 µs are 0.6 of a pulse: at 10 kHz the rest takes 40 µs.
+        Case {
+            switch: light(400),
+            light: light(400),
+            energy: vec![(100, 110), (170, 180), (270, 280), (370, 380)],
+            ..case("a_slower_rate_keeps_its_phase", {
+                let set = [(50, mode(Mode::Frequency, 1000)), (50, width(10)), (50, power(20)), (100, ON)];
+                duty(&[&set[..], &[(130, power(10)), (400, OFF)]].concat())
+            })
+        },
+        // 10 kHz for 30 µs are 0.3 of a pulse: at 50 kHz the rest takes 14 µs.
+        Case {
+            switch: light(200),
+            light: light(200),
+            energy: vec![(100, 105), (144, 149), (164, 169), (184, 189)],
+            ..case("a_quicker_rate_keeps_its_phase", {
+                let set = [(50, mode(Mode::Frequency, 1000)), (50, width(5)), (50, power(10)), (100, ON)];
+                duty(&[&set[..], &[(130, power(50)), (200, OFF)]].concat())
+            })
+        },
+        // 0.3 of a pulse, then nothing for 200 µs, then 0.7 at 20 kHz: 35 µs.
+        Case {
+            switch: light(430),
+            light: light(430),
+            energy: vec![(100, 110), (365, 375), (415, 425)],
+            ..case("a_rate_of_0_holds_the_phase", {
+                let set = [(50, mode(Mode::Frequency, 1000)), (50, width(10)), (50, power(10)), (100, ON)];
+                duty(&[&set[..], &[(130, power(0)), (330, power(20)), (430, OFF)]].concat())
+            })
+        },
+        // The first pulse comes with the first rate.
+        Case {
+            switch: light(400),
+            light: light(400),
+            energy: vec![(250, 260), (300, 310), (350, 360)],
+            ..case("the_first_pulse_begins_with_the_first_rate", {
+                let set = [(50, mode(Mode::Frequency, 1000)), (50, width(10)), (100, ON)];
+                duty(&[&set[..], &[(250, power(20)), (400, OFF)]].concat())
+            })
+        },
+        // A level is no pulse that could be finished.
+        Case {
+            switch: light(250),
+            light: light(250),
+            energy: light(250),
+            ..case("full_duty_ends_with_the_gate", duty(&[(60, power(100)), (100, ON), (250, OFF)]))
+        },
+        Case {
+            switch: light(250),
+            light: light(250),
+            energy: light(250),
+            ..case("full_duty_ends_with_the_gate_that_ends_with_its_power", {
+                duty(&[(60, power(100)), (100, ON), (250, power(0)), (250, OFF)])
+            })
+        },
         Case {
             switch: vec![(100, HORIZON)],
             light: vec![(100, HORIZON)],

@@ -1,7 +1,7 @@
 //! Carries out a channel's plans as `servo::laser::plan` words them: outputs as lists of events, to the ns.
 use super::bench::Outputs;
 use host_tests::laser_model::{Edge, Ns, Span};
-use servo::laser::{Action, FINISH_NS, Pattern, Plan, Train};
+use servo::laser::{Action, FINISH_NS, Pattern, Plan, Rate, Train};
 
 /// A period that has begun.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +18,8 @@ pub struct Player {
     period: Option<Period>,
     /// A train begins here: a pulse is being finished until then.
     begins: Ns,
+    /// What was left of the period when the pulses paused.
+    paused: Option<u64>,
     pattern: Pattern,
     pulses: Vec<Span>,
     switch: Vec<Edge<bool>>,
@@ -51,6 +53,7 @@ impl Player {
                 Action::Light(train) => self.begin(at, train, true),
                 Action::Dark { standby, cut } => self.begin(at, standby, cut),
                 Action::Change(train) => self.change(at, train),
+                Action::Rate(rate) => self.rate(at, &rate),
             }
         }
     }
@@ -65,7 +68,7 @@ impl Player {
                 self.begins = last.end;
             }
         }
-        (self.train, self.period) = (train, None);
+        (self.train, self.period, self.paused) = (train, None, None);
         self.pattern = Pattern::BEGIN;
     }
 
@@ -80,8 +83,36 @@ impl Player {
         }
     }
 
+    fn rate(&mut self, at: Ns, rate: &Rate) {
+        let left = match (self.paused, self.period) {
+            (Some(left), _) => left,
+            (None, Some(period)) => (period.end - at) as u64,
+            (None, None) => 0,
+        };
+        self.train = rate.train();
+        if rate.is_pause() {
+            self.paused = self.period.map(|_| left);
+            return;
+        }
+        self.paused = None;
+        let (left, part) = rate.left(left, self.pattern.part());
+        let mut next = at + Ns::try_from(left).unwrap_or(Ns::MAX / 2);
+        if let Some(last) = self.pulses.last_mut().filter(|last| last.end > at && last.end >= next) {
+            next = next.max(at + 1);
+            last.end = next - 1;
+        }
+        match &mut self.period {
+            Some(period) => period.end = next,
+            None => self.begins = next,
+        }
+        self.pattern = Pattern::of_rate(part);
+    }
+
     /// Periods that begin before this instant.
     fn pulse_to(&mut self, at: Ns) {
+        if self.paused.is_some() {
+            return;
+        }
         loop {
             let begin = match self.period {
                 Some(period) => period.end,

@@ -30,6 +30,7 @@ struct Sinks {
     plot: Option<(Output, PlotOptions)>,
     xy: Option<XyPlot>,
     outputs: Vec<u8>,
+    analog: Vec<u8>,
     open: Option<Open>,
 }
 
@@ -58,10 +59,14 @@ pub struct Recorded {
 }
 
 impl Recording {
-    /// Creates the files. `digital` are the general outputs that the job sets, from 1, which go into the VCD.
+    /// Creates the files. `digital` and `analog` are the general and analog outputs that the job sets, from 1, which go into the VCD.
     ///
     /// `title` and `subtitle` stand above the plot.
-    pub fn new(outputs: &Outputs, (title, subtitle): (&str, String), digital: Vec<u8>) -> Result<Self, Failure> {
+    pub fn new(
+        outputs: &Outputs,
+        (title, subtitle): (&str, String),
+        (digital, analog): (Vec<u8>, Vec<u8>),
+    ) -> Result<Self, Failure> {
         let options = PlotOptions {
             title: title.to_owned(),
             subtitle,
@@ -93,6 +98,7 @@ impl Recording {
                 plot: plot.map(|output| (output, options.clone())),
                 xy: xy.map(|output| (output, outputs.xy_axes, options)),
                 outputs: digital,
+                analog,
                 open: None,
             },
             failed: None,
@@ -190,6 +196,12 @@ impl Sinks {
                 }
                 Ok(())
             }
+            Item::Analog(edge) => {
+                if let Some(vcd) = self.open.as_mut().and_then(|open| open.vcd.as_mut()) {
+                    vcd.analog(edge);
+                }
+                Ok(())
+            }
             Item::Row(row) => self.open.as_mut().map_or(Ok(()), |open| open.row(&row)),
             Item::End { .. } => Ok(()),
         }
@@ -201,7 +213,7 @@ impl Sinks {
         let vcd = self
             .vcd
             .take()
-            .map(|file| VcdWriter::new(BufWriter::new(Spool::new(file)), &header, &levels))
+            .map(|file| VcdWriter::new(BufWriter::new(Spool::new(file)), &header, &levels, &self.analog))
             .transpose()?;
         let plot = self.plot.as_ref().map(|(_, options)| Plot::new(&header, options.clone())).transpose()?;
         let xy = self.xy.as_ref().map(|(_, axes, options)| xy(&header, *axes, options)).transpose()?;

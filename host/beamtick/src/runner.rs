@@ -14,7 +14,8 @@ use crate::{output, profile, summary};
 use client::{Call as Packed, Client, Link, Progress, decode};
 use job::{Action, Axis, Call, Job, Severity};
 use protocol::command::{
-    Abort, AxisItem, AxisStatus, BufDoBit, BufIO, FollowDoBitEx, LaserStatus, Request, SetDo, SetDoBit, Trace,
+    Abort, AxisItem, AxisStatus, BufDA, BufDoBit, BufIO, FollowDoBitEx, LaserStatus, Request, SetDac, SetDo, SetDoBit,
+    Trace,
 };
 use protocol::reason::{Reason, Refusal};
 use std::path::PathBuf;
@@ -176,8 +177,9 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
     };
     let subtitle =
         format!("{}, profile {}{family}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
-    let digital = digital(&source.job);
-    let recording = Recording::new(outputs, (&source.name, subtitle), digital.clone())?;
+    let (digital, analog) = (digital(&source.job), analog(&source.job));
+    let shows_outputs = !(digital.is_empty() && analog.is_empty()) && outputs.vcd.is_some();
+    let recording = Recording::new(outputs, (&source.name, subtitle), (digital, analog))?;
     let recording = Arc::new(Mutex::new(Some(recording)));
     let sink = Arc::clone(&recording);
     client.trace_to(move |bytes| {
@@ -192,9 +194,8 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
             (1, outputs.every.max(least_every(rate, row, version.tick_us.get())))
         }
     };
-    // What lasers do between rows is for pictures and signals only; general outputs are signals.
-    let edges =
-        u8::from(lasers != 0 && outputs.shows_edges()) | u8::from(!digital.is_empty() && outputs.vcd.is_some()) << 1;
+    // What lasers do between rows is for pictures and signals only; general and analog outputs are signals.
+    let edges = u8::from(lasers != 0 && outputs.shows_edges()) | u8::from(shows_outputs) << 1;
     if every > outputs.every {
         complain!("{}: the trace has a row every {every} ticks: this link does not carry more", client.name());
     }
@@ -279,6 +280,24 @@ fn digital(job: &Job) -> Vec<u8> {
     let mask = job.steps.iter().filter_map(|step| if let Action::Call(call) = &step.action { set(call) } else { None });
     let mask = mask.filter(|(kind, _)| *kind == GENERAL).fold(0, |all, (_, mask)| all | mask);
     (1..=32).filter(|output| mask >> (output - 1) & 1 == 1).collect()
+}
+
+/// Analog outputs that the job sets, from 1.
+fn analog(job: &Job) -> Vec<u8> {
+    let mut outputs = std::collections::BTreeSet::new();
+    for step in &job.steps {
+        let Action::Call(call) = &step.action else { continue };
+        let set = match call.opcode {
+            SetDac::OPCODE => {
+                SetDac::read_from_prefix(&call.body).ok().map(|(set, _)| (set.dac.get(), set.count.get()))
+            }
+            BufDA::OPCODE => BufDA::read_from_bytes(&call.body).ok().map(|set| (set.channel.get(), 1)),
+            _ => None,
+        };
+        let Some((first, count)) = set else { continue };
+        outputs.extend((0..count).filter_map(|k| u8::try_from(i32::from(first) + i32::from(k)).ok()));
+    }
+    outputs.into_iter().collect()
 }
 
 /// The kind of outputs that a call sets, and which.

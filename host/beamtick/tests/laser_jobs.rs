@@ -178,6 +178,41 @@ fn the_signals_show_the_edge_that_ends_a_job() {
     assert!(end.split('#').next().unwrap().contains("0\""), "{signals}");
 }
 
+/// Analog outputs that the job sets, at their instants: the path's one at the corner, 15 ms after its start on the first tick. Reads tell
+/// what is output, whoever set it.
+#[test]
+fn signals_and_reads_show_analog_outputs_of_calls_and_paths() {
+    let folder = tempfile::tempdir().unwrap();
+    let (vcd, path) = (folder.path().join("t.vcd"), folder.path().join("job.gts"));
+    let text = "GT_AxisOn(1); GT_AxisOn(2);
+        TCrdPrm p = {0}; p.dimension = 2; p.profile[0] = 1; p.profile[1] = 2; p.synVelMax = 500; p.synAccMax = 10; p.evenTime = 0;
+        p.setOriginFlag = 1; GT_SetCrdPrm(1, &p); GT_CrdClear(1, 0);
+        short v = 16384; GT_SetDac(4, &v);
+        GT_LnXY(1, 100, 0, 10, 1, 10, 0); GT_BufDA(1, 3, -12000, 0); GT_LnXY(1, 400, 0, 10, 1, 0, 0);
+        GT_CrdStart(1, 0); WaitStop(1 << 8);
+        short d[2]; GT_GetDac(3, &d[0], 2);";
+    fs::write(&path, text).unwrap();
+    let (out, errors, code) =
+        beamtick(&["sim", path.to_str().unwrap(), "--tick-us", "250", "--vcd", vcd.to_str().unwrap()]);
+    assert_eq!(code, 0, "{out}{errors}");
+    assert_eq!(reads(&out), ["-12000 16384"], "{out}");
+    let signals = fs::read_to_string(&vcd).unwrap();
+    let id = |name: &str| {
+        let line =
+            signals.lines().find(|line| line.contains(&format!(" {name} "))).unwrap_or_else(|| panic!("{signals}"));
+        assert!(line.starts_with("$var real 64 "), "{line}");
+        line.split(' ').nth(3).unwrap().to_owned()
+    };
+    // 10 V are 32767.
+    let changes = [("250000", "5000.153", id("ao4_mv")), ("15250000", "-3662.221", id("ao3_mv"))];
+    for (at, value, id) in changes {
+        let instant = signals.split(&format!("\n#{at}\n")).nth(1).unwrap_or_else(|| panic!("{at}: {signals}"));
+        let shown = instant.split('#').next().unwrap();
+        assert!(shown.contains(&format!("r{value} {id}")), "{at}: {shown}");
+    }
+    assert!(!signals.contains("ao1_mv"), "only those that the job sets");
+}
+
 #[test]
 fn trace_signals_and_plot_show_the_laser() {
     let folder = tempfile::tempdir().unwrap();

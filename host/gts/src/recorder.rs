@@ -17,6 +17,8 @@ use trace::{CsvWriter, Header, Item, Reader, TraceError, VcdWriter};
 
 /// General outputs that a VCD shows.
 const OUTPUTS: u8 = 16;
+/// Analog outputs that it shows.
+const ANALOG: u8 = 8;
 /// A trace's end comes within this controller time.
 const END: Duration = Duration::from_secs(1);
 
@@ -139,6 +141,12 @@ impl Recorder {
                     }
                     Ok(())
                 }
+                Item::Analog(edge) => {
+                    if let Some(vcd) = vcd.writer() {
+                        vcd.analog(edge);
+                    }
+                    Ok(())
+                }
                 Item::Row(row) => {
                     if let Some(csv) = csv.writer() {
                         csv.row(&row)?;
@@ -161,7 +169,8 @@ fn begin(
 ) -> trace::Result<()> {
     csv.begin(|file| CsvWriter::new(file, header))?;
     let outputs: Vec<(u8, bool)> = (1..=OUTPUTS).map(|output| (output, false)).collect();
-    vcd.begin(|file| VcdWriter::new(file, header, &outputs))
+    let analog: Vec<u8> = (1..=ANALOG).collect();
+    vcd.begin(|file| VcdWriter::new(file, header, &outputs, &analog))
 }
 
 /// Ends the trace and closes the files; 1 if it has failed.

@@ -19,7 +19,7 @@ pub use csv_file::CsvWriter;
 pub use plant::beam::Change;
 pub use plot::{Plot, PlotOptions, Xy};
 pub use reader::{Item, Reader};
-pub use row::{AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
+pub use row::{AnalogEdge, AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
 pub use vcd_file::VcdWriter;
 
 /// Why a trace could not be read or written.

@@ -3,11 +3,11 @@
 //! In: bytes in any portions. Out: [`Item`]s in order. Owns the decoder, the last header, and an output stage
 //! for each laser, which makes edges of what the channel was told. The first error is the last thing that
 //! comes out: a gap is never passed over.
-use crate::row::{AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
+use crate::row::{AnalogEdge, AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, OutputEdge, PowerUnit, Row};
 use crate::{Result, TraceError};
 use plant::beam::{Change, Stage};
 use protocol::trace::{self, Columns, Decoder, Event, TraceError as Fault, kind};
-use servo::laser::{Action, Clock, Count, Power, Train};
+use servo::laser::{Action, Clock, Count, Power, Rate, Train};
 use servo::piece::Scaled;
 use servo::units::Pos;
 
@@ -35,6 +35,8 @@ pub enum Item {
     },
     /// A general output changed, if they are traced. It comes before the row of its tick, in the order of time.
     Output(OutputEdge),
+    /// An analog output was set, in the same manner.
+    Analog(AnalogEdge),
     /// A row.
     Row(Row),
     /// The trace is over, after this many rows.
@@ -149,14 +151,19 @@ impl Made {
     }
 
     fn action(&mut self, told: &trace::Action, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
+        if told.kind == kind::ANALOG {
+            let t_ns = u64::from(told.tick.get()) * self.header.period_ns + u64::from(told.at.get());
+            let edge = AnalogEdge { t_ns, output: told.channel.saturating_add(1), code: told.value.get() };
+            return sink(Item::Analog(edge));
+        }
         let unknown = TraceError::Damaged { after: self.rows, what: "a laser is told what this client does not know" };
         let Some(laser) = self.header.lasers.iter().position(|name| name.0 == told.channel) else {
             return Err(unknown);
         };
         let Some(stage) = self.stages.get_mut(laser) else { return Err(unknown) };
         let clock = self.clock;
-        let count = |c: trace::Count| in_ns(Count { whole: c.whole.get(), part: c.part.get(), of: c.of.get() }, clock);
-        let train = Train { period: count(told.period), width: count(told.width) };
+        let given = |c: trace::Count| Count { whole: c.whole.get(), part: c.part.get(), of: c.of.get() };
+        let train = Train { period: in_ns(given(told.period), clock), width: in_ns(given(told.width), clock) };
         let value = told.value.get();
         let tick = u64::from(told.tick.get());
         // It was told a tick ahead; what is before cannot change any more.
@@ -173,6 +180,11 @@ impl Made {
             kind::CHANGE => Action::Change(train),
             kind::DARK => Action::Dark { standby: train, cut: value != 0 },
             kind::VOLTS => Action::Volts(value),
+            kind::RATE => {
+                let Count { whole: scale, part: width, of: shift } = given(told.width);
+                let width = in_ns(Count { whole: width.into(), part: 0, of: 1 }, clock).whole as u32;
+                Action::Rate(Rate { period: train.period, width, scale, shift })
+            }
             _ => return Err(unknown),
         };
         let at = tick * self.header.period_ns + u64::from(told.at.get());

@@ -122,6 +122,17 @@ pub struct Row {
     pub crds: Vec<Scaled>,
 }
 
+/// An analog output that was set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AnalogEdge {
+    /// Time since the job's start.
+    pub t_ns: u64,
+    /// Number of the output, from 1.
+    pub output: u8,
+    /// From then on: −32768…32767 is −10…10 V.
+    pub code: i16,
+}
+
 /// A general output that changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OutputEdge {

@@ -1,11 +1,11 @@
-//! Rows as a VCD of 1 ns (SPEC 8): `axisN_step`, `axisN_dir`, `doN`, `laserK_energy`, `laserK_switch`,
+//! Rows as a VCD of 1 ns (SPEC 8): `axisN_step`, `axisN_dir`, `doN`, `aoN_mv`, `laserK_energy`, `laserK_switch`,
 //! `laserK_dac_mv`.
 //!
 //! In: rows, and what digital and laser outputs did before each of them. Out: value changes. The whole
 //! pulses between two rows are spread over the time between them as `servo::steps` says; a step is
 //! high for half the distance to the next. A level that lasts for no time is not shown. Owns at most one
 //! row's changes.
-use crate::row::{AxisName, Header, OutputEdge, Row};
+use crate::row::{AnalogEdge, AxisName, Header, OutputEdge, Row};
 use crate::{Result, TraceError};
 use plant::beam::Change;
 use servo::steps;
@@ -48,6 +48,7 @@ pub struct VcdWriter<W: Write> {
     signals: Vec<Signal>,
     axes: Vec<AxisSignals>,
     outputs: Vec<(u8, usize)>,
+    analog: Vec<(u8, usize)>,
     lasers: Vec<LaserSignals>,
     /// Instant, signal, and what it shows from then on.
     changes: Vec<(u64, usize, Shown)>,
@@ -57,8 +58,9 @@ pub struct VcdWriter<W: Write> {
 
 impl<W: Write> VcdWriter<W> {
     /// Declares the signals: two for each axis of the header, one for each output (its number from 1, and
-    /// its level at the start), three for each laser, which begin at rest.
-    pub fn new(out: W, header: &Header, outputs: &[(u8, bool)]) -> Result<Self> {
+    /// its level at the start), one for each analog output (its number from 1), which begin at 0, three for each laser, which begin
+    /// at rest.
+    pub fn new(out: W, header: &Header, outputs: &[(u8, bool)], analog: &[u8]) -> Result<Self> {
         let mut out = vcd::Writer::new(out);
         out.timescale(1, TimescaleUnit::NS)?;
         out.add_module("beamtick")?;
@@ -86,6 +88,10 @@ impl<W: Write> VcdWriter<W> {
         for &(n, level) in outputs {
             places.push((n, declare(&mut out, format!("do{n}"), Shown::Level(level))?));
         }
+        let mut volts = Vec::new();
+        for &n in analog {
+            volts.push((n, declare(&mut out, format!("ao{n}_mv"), Shown::Number(0.0))?));
+        }
         let mut lasers = Vec::new();
         for laser in &header.lasers {
             lasers.push(LaserSignals {
@@ -100,13 +106,21 @@ impl<W: Write> VcdWriter<W> {
         for signal in &signals {
             show(&mut out, signal)?;
         }
-        Ok(VcdWriter { out, signals, axes, outputs: places, lasers, changes: Vec::new(), row: None, time: 0 })
+        let changes = Vec::new();
+        Ok(VcdWriter { out, signals, axes, outputs: places, analog: volts, lasers, changes, row: None, time: 0 })
     }
 
     /// Takes a general output's edge; it is written with the row after it.
     pub fn edge(&mut self, edge: OutputEdge) {
         if let Some((_, signal)) = self.outputs.iter().find(|(n, _)| *n == edge.output) {
             self.changes.push((edge.t_ns, *signal, Shown::Level(edge.level)));
+        }
+    }
+
+    /// Takes what an analog output was set to; it is written with the row after it.
+    pub fn analog(&mut self, edge: AnalogEdge) {
+        if let Some((_, signal)) = self.analog.iter().find(|(n, _)| *n == edge.output) {
+            self.changes.push((edge.t_ns, *signal, Shown::Number(millivolts(edge.code))));
         }
     }
 

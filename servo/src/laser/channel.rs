@@ -84,6 +84,8 @@ pub(super) struct Channel {
     /// Power and train in light.
     power: Power,
     train: Train,
+    /// The rate of the pulses that light has, or had before it paused; 0 before its first one.
+    rate: Power,
     /// What the width of its pulses is of each power, where nothing else changes with that.
     plain: Plain,
     news: u8,
@@ -121,6 +123,7 @@ impl Channel {
             out: Outputs::REST,
             power: Power::ZERO,
             train: Train::NONE,
+            rate: Power::ZERO,
             plain: Plain::NONE,
             news: news::CHANGED,
             wake: NEVER,

@@ -7,9 +7,9 @@
 //! What the thread knows ahead (a carrier, standby, a fixed power) repeats after the fewest periods that hold
 //! [`PPM`] and [`DUTY_STEPS`]; what changes from tick to tick has 32 fraction bits.
 use super::Mode;
-use super::plan::{Count, Train};
+use super::plan::{Count, Rate, Train};
 use super::power::{Power, Refused};
-use crate::wide::{Recip, umul};
+use crate::wide::{Recip, umul, umulhi};
 
 /// A frequency is off by at most one part in this many.
 pub const PPM: u64 = 1_000_000;
@@ -46,16 +46,32 @@ impl Clock {
         (self.mhz as u64 * 1000) << Power::FRAC_BITS
     }
 
-    /// The period of a frequency, to the nearest 2⁻³² counts, so that whole counts come out whole; for 0 as of
-    /// the least frequency.
-    pub(super) fn period(self, khz: Power) -> Count {
+    /// The period of a rate, rounded up to 2⁻³² counts, so that whole counts, and whole counts of several periods, come out
+    /// whole; for 0 as of the least rate.
+    pub fn period(self, khz: Power) -> Count {
         let Recip { m, shift } = Recip::of(khz.raw() as u64);
         let per_ms = self.per_ms();
         // per_ms·(2^64 + m)·2^(shift - 128) in 2^-32; the shift is at most 63.
         let product = (per_ms as u128).wrapping_add(umul(per_ms, m).0 as u128);
-        let half = 1u128.wrapping_shl(63u32.wrapping_sub(shift));
-        let fixed = (product << 32).wrapping_add(half).wrapping_shr(64u32.wrapping_sub(shift));
+        let down = 64u32.wrapping_sub(shift);
+        let up = 1u128.wrapping_shl(down).wrapping_sub(1);
+        let fixed = (product << 32).wrapping_add(up).wrapping_shr(down);
         Count { whole: (fixed >> 32) as u64, part: fixed as u32, of: 0 }
+    }
+
+    /// The rate that follows one of `before` (0: none), whose period is `period`.
+    pub(super) fn rate(before: Power, now: Power, period: Count, width: u32) -> Rate {
+        if before == Power::ZERO {
+            return Rate { period, width, ..Rate::PAUSE };
+        }
+        // before/now; it is rounded down by less than two units of 2^-64.
+        let Recip { m, shift } = Recip::of(now.raw() as u64);
+        let up = (before.raw() as u64).leading_zeros();
+        let before = (before.raw() as u64).wrapping_shl(up);
+        let (sum, carry) = before.overflowing_add(umulhi(before, m));
+        let scale = if carry { sum >> 1 | 1 << 63 } else { sum };
+        let shift = up.wrapping_add(64).wrapping_sub(shift).wrapping_sub(carry as u32);
+        Rate { period, width, scale: scale.saturating_add(2), shift }
     }
 }
 
@@ -232,29 +248,25 @@ impl Standby {
 /// that is as exact and repeats later.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fine {
-    /// The carrier; 0 in frequency mode.
+    /// The carrier.
     khz: Power,
     power: Power,
     train: Train,
 }
 
 impl Fine {
-    /// The plan of a power (held in its bounds) in a mode; in the duty modes over this carrier. None where
-    /// there is nothing to plan.
+    /// The plan of a power (held in its bounds) in the duty modes, over this carrier. None where there is nothing to plan: a
+    /// rate keeps its phase over changes, to 2⁻³² counts ([`super::Rate`]).
     pub fn plan(mode: Mode, power: Power, carrier: Option<&Carrier>, clock: Clock) -> Option<Fine> {
         match (mode, carrier) {
             (Mode::Duty | Mode::DutyOpen, Some(carrier)) => {
                 Some(Fine { khz: carrier.khz, power, train: fixed(carrier.khz, power, clock) })
             }
-            (Mode::Frequency, _) if power > Power::ZERO => {
-                let train = Train { period: fixed_period(power, clock), ..Train::NONE };
-                Some(Fine { khz: Power::ZERO, power, train })
-            }
             _ => None,
         }
     }
 
-    /// Whether it is of this carrier (0 in frequency mode) and power.
+    /// Whether it is of this carrier and power.
     #[inline]
     pub(super) fn is_of(&self, khz: Power, power: Power) -> bool {
         self.power == power && self.khz == khz
@@ -265,7 +277,7 @@ impl Fine {
         (self.khz == khz).then_some(self.power)
     }
 
-    /// As it is output; in frequency mode the width is that of the pulses then set.
+    /// As it is output.
     pub const fn train(&self) -> &Train {
         &self.train
     }
@@ -309,6 +321,16 @@ impl Pattern {
     /// At the beginning of a train.
     pub const BEGIN: Pattern =
         Pattern { period: Bresenham { gathered: 0, of: 0 }, width: Bresenham { gathered: 0, of: 0 }, owed: 0 };
+
+    /// Of a rate, so many 2⁻³² counts of a period before the train's next one.
+    pub const fn of_rate(part: u32) -> Pattern {
+        Pattern { period: Bresenham { gathered: part, of: 0 }, ..Pattern::BEGIN }
+    }
+
+    /// What periods of a rate have left over, 2⁻³² counts.
+    pub const fn part(&self) -> u32 {
+        if self.period.of == 0 { self.period.gathered } else { 0 }
+    }
 
     /// One more period, and the width of its pulse, in counts.
     #[inline]

@@ -109,10 +109,7 @@ impl Energy {
 
     /// Power as a rate of pulses.
     fn rate(&self, power: Power, us: NonZeroU16, clock: Clock, train: &mut Train) -> bool {
-        let period = match &self.fine {
-            Some(fine) if fine.is_of(Power::ZERO, power) => fine.train().period,
-            _ => clock.period(power),
-        };
+        let period = clock.period(power);
         let width = (us.get() as u32 * clock.mhz() as u32) as u64;
         let limit = period.whole.saturating_sub(1);
         (train.period, train.width) = (period, Count { whole: width.min(limit), part: 0, of: 1 });
@@ -166,7 +163,7 @@ impl Energy {
 }
 
 /// 0 to 10 V as the DAC counts: 10 V are 32767, to the nearest.
-fn counts(volts: Power) -> i16 {
+pub fn counts(volts: Power) -> i16 {
     let scaled = (volts.raw().clamp(0, Mode::Analog.full_scale().raw()) as u64).wrapping_mul(32767);
     let tenfold = (scaled.wrapping_add(5 << Power::FRAC_BITS) >> Power::FRAC_BITS) as u32;
     (tenfold / 10) as i16

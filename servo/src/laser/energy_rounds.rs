@@ -7,8 +7,11 @@
 //! takes its place: that one is not output. It takes light or standby that is cut within 350 ns of a pulse's beginning, and
 //! the pulse has ended before; carriers never come near.
 use super::dither::Pattern;
-use super::plan::{Action, FINISH_NS, Train};
+use super::plan::{Action, FINISH_NS, Rate, Train};
 use super::rounds::{LATE, Lengths, MOST, Scale};
+
+/// Where a period ends that stands still.
+const NEVER: u64 = u64::MAX;
 
 /// The shortest round, in counts: 350 ns at 240 MHz, in which DMA brings three half-words.
 pub const LEAST: u32 = 84;
@@ -86,6 +89,10 @@ impl Energy {
                     self.pulses_to(at, sink);
                     self.change(at, &train);
                 }
+                Action::Rate(rate) => {
+                    self.pulses_to(at, sink);
+                    self.take_rate(at, &rate);
+                }
                 Action::Switch(_) | Action::Volts(_) => {}
             }
         }
@@ -125,6 +132,37 @@ impl Energy {
             let end = self.period_begin.saturating_add(train.period.whole).max(at).max(self.pulse_end);
             self.period_end = self.period_end.min(end);
         }
+    }
+
+    /// Pulses go on at another rate, in phase, or pause.
+    #[inline(never)]
+    fn take_rate(&mut self, at: u64, rate: &Rate) {
+        let is_paused = self.runs && self.period_end == NEVER;
+        let left = match (self.runs, is_paused) {
+            (false, _) => 0,
+            // Where a period stands still, what is left of it stands where none begins.
+            (true, true) => self.begins,
+            (true, false) => self.period_end.saturating_sub(at),
+        };
+        self.train = rate.train();
+        if rate.is_pause() {
+            if self.runs {
+                (self.begins, self.period_end) = (left, NEVER);
+            }
+            return;
+        }
+        let (left, part) = rate.left(left, self.pattern.part());
+        let mut next = at.saturating_add(left);
+        if self.pulse_end > at && self.pulse_end >= next {
+            next = next.max(at.wrapping_add(1));
+            self.cut(next.wrapping_sub(1));
+        }
+        if self.runs {
+            self.period_end = next
+        } else {
+            self.begins = next
+        }
+        self.pattern = Pattern::of_rate(part);
     }
 
     /// Follows the train to `to`, not included.

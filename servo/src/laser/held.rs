@@ -5,7 +5,7 @@
 //!
 //! An action is a word, and behind it the counts of its train that are others than those of the train of its kind before it
 //! (of light, and of standby): within a tick few are.
-use super::plan::{Action, Count, PLACES, Plan, Train};
+use super::plan::{Action, Count, PLACES, Plan, Rate, Train};
 use crate::path::INSTANTS;
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -84,6 +84,13 @@ impl Held {
                 }
                 Action::Light(train) => (LIGHT << KIND, Some(train)),
                 Action::Change(train) => (CHANGE << KIND, Some(train)),
+                Action::Rate(rate) => {
+                    if !self.add_rate(CHANGE << KIND | FLAG | at & INSTANT, rate) {
+                        self.clear();
+                        return false;
+                    }
+                    continue;
+                }
                 Action::Dark { standby, cut } => (DARK << KIND | if *cut { FLAG } else { 0 }, Some(standby)),
                 Action::Volts(_) => continue,
             };
@@ -93,6 +100,14 @@ impl Held {
             }
         }
         true
+    }
+
+    /// A word, and all of a rate.
+    #[inline(never)]
+    fn add_rate(&mut self, word: u32, rate: &Rate) -> bool {
+        let Rate { period, width, scale, shift } = rate;
+        self.lights |= !rate.is_pause();
+        self.add(word) && self.add_count(period) && self.add_count(&Count { whole: *scale, part: *width, of: *shift })
     }
 
     /// A word, and what is new of its train.
@@ -129,6 +144,14 @@ impl Replay<'_> {
         self.words.get(at).map(|word| word.load(Ordering::Relaxed))
     }
 
+    /// All of a rate.
+    #[inline(never)]
+    fn rate(&mut self) -> Action {
+        let (period, other) = (self.skip(), self.skip());
+        let Count { whole: scale, part: width, of: shift } = self.counts(other);
+        Action::Rate(Rate { period: self.counts(period), width, scale, shift })
+    }
+
     /// The place of counts that come next.
     fn skip(&mut self) -> usize {
         let at = self.next;
@@ -156,6 +179,9 @@ impl Iterator for Replay<'_> {
         let (at, kind, flag) = (word & INSTANT, word >> KIND & 3, word & FLAG != 0);
         if kind == SWITCH {
             return Some((at, Action::Switch(flag)));
+        }
+        if kind == CHANGE && flag {
+            return Some((at, self.rate()));
         }
         let (mut period, mut width) = (0, 0);
         if word & PERIOD != 0 {

@@ -5,6 +5,7 @@
 //!
 //! A machine carries out the actions in their order; those of one instant follow each other there, and come
 //! before a period that would begin at it.
+use crate::wide::umul;
 
 /// Actions that a plan holds.
 pub const PLACES: usize = 64;
@@ -55,6 +56,12 @@ impl Train {
         self.is_none() || self.width.whole == 0 && self.width.part == 0
     }
 
+    /// Whether it is an unbroken level: no pulse of it ends by itself.
+    #[inline]
+    pub const fn is_level(&self) -> bool {
+        !self.is_none() && self.is_full()
+    }
+
     /// Whether the width reaches the period: an unbroken level. Each pulse is then as long as its period,
     /// wherever the odd counts of the two would fall.
     #[inline]
@@ -65,6 +72,59 @@ impl Train {
         }
         // part·of of the other: below 2³²·2³².
         (width.part as u64).wrapping_mul(period.denominator()) >= (period.part as u64).wrapping_mul(width.denominator())
+    }
+}
+
+/// Light goes on with pulses at another rate (frequency mode), in phase: what is left of the period in progress is longer or
+/// shorter by as much as the period is. So the next pulse comes when the integral of the rate since the last one reaches 1.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Rate {
+    /// From pulse to pulse, in 2⁻³² counts (its `of` is 0). A whole of 0 is a pause: what is left stands still until the next rate.
+    pub period: Count,
+    /// Width of a pulse, counts.
+    pub width: u32,
+    /// The period before, or the one before the pause, times scale·2^-shift is this one. 0: there was none, and the first pulse
+    /// begins at the action's instant.
+    pub scale: u64,
+    /// See `scale`; 8 to 119.
+    pub shift: u32,
+}
+
+impl Rate {
+    /// No pulses until the next rate.
+    pub const PAUSE: Rate = Rate { period: Train::NONE.period, width: 0, scale: 0, shift: 64 };
+
+    /// Whether it is a pause.
+    #[inline]
+    pub const fn is_pause(&self) -> bool {
+        self.period.whole == 0
+    }
+
+    /// The pulses as a train.
+    #[inline]
+    pub const fn train(&self) -> Train {
+        Train { period: self.period, width: Count { whole: self.width as u64, part: 0, of: 1 } }
+    }
+
+    /// What is left of the period in progress at this rate, where `whole` + `part`·2⁻³² counts were left at the one before; rounded
+    /// up, so that what is a whole count is not missed by one.
+    #[inline(never)]
+    pub fn left(&self, whole: u64, part: u32) -> (u64, u32) {
+        if self.scale == 0 {
+            return (0, 0);
+        }
+        let up = whole.leading_zeros().min(32);
+        let fixed = whole.wrapping_shl(up) | (part as u64) >> 32u32.wrapping_sub(up);
+        let (high, low) = umul(fixed, self.scale);
+        let product = (high as u128) << 64 | low as u128;
+        // It is in 2^-down counts; 2^-32 are asked for.
+        let down = up.wrapping_add(self.shift);
+        if down < 32 {
+            // More than 2^40 counts, stretched by more than 2^32.
+            return (u64::MAX >> 1, 0);
+        }
+        let counts = product.wrapping_shr(down.wrapping_sub(32)).wrapping_add(1);
+        (((counts >> 32).min((u64::MAX >> 1) as u128)) as u64, counts as u32)
     }
 }
 
@@ -85,6 +145,8 @@ pub enum Action {
     Light(Train),
     /// Light, or standby, goes on with this train at its period's end.
     Change(Train),
+    /// Light goes on with pulses at this rate. The pulse in progress ends a count before the next one at the latest.
+    Rate(Rate),
     /// Light ends: the pulse in progress is over here; unless `cut`, it is finished if it ends within
     /// [`FINISH_NS`]. Where it is over, the standby train begins with a pulse at full width.
     Dark {

@@ -130,12 +130,30 @@ pub struct Tables {
     nodes: Store<2, { CHANNELS * BANKS * NODES }>,
     /// How much power each axis may add or take away, and 1; 0 is no limit.
     limits: Store<2, { CHANNELS * BANKS * DISTANCES }>,
+    /// Analog outputs as SetDac and paths have set them; the tick writes them. 0 of one that a laser has taken.
+    analog: Store<1, ANALOG>,
 }
+
+/// Analog outputs, of which the first are those of the laser channels.
+pub(crate) const ANALOG: usize = 8;
 
 impl Tables {
     /// All tables empty.
     pub const fn new() -> Tables {
-        Tables { points: Store::new(), counts: Store::new(), nodes: Store::new(), limits: Store::new() }
+        let (points, counts, nodes, limits) = (Store::new(), Store::new(), Store::new(), Store::new());
+        Tables { points, counts, nodes, limits, analog: Store::new() }
+    }
+
+    /// What an analog output, from 0, was set to last, −32768…32767 for −10…10 V.
+    pub fn analog(&self, output: usize) -> i16 {
+        if output < ANALOG { self.analog.word(output as u32, 0) as i16 } else { 0 }
+    }
+
+    /// An analog output was set.
+    pub(crate) fn set_analog(&self, output: u8, value: i16) {
+        if (output as usize) < ANALOG {
+            self.analog.write(output as u32, [value as u16 as u32]);
+        }
     }
 
     /// Point `index` of a table of powers: a velocity from the bits of a double, 0 to 2³² pulse/ms, above that of the

@@ -4,7 +4,8 @@
 use ring::{Latest, Producer, Reader, Ring};
 use servo::crd::Frame;
 use servo::laser::{
-    Action, Bounds, Buffered, CHANNELS, Carrier, Change, Clock, FINISH_NS, Fine, Mode, Pattern, Plan, Power, Train,
+    Action, Bounds, Buffered, CHANNELS, Carrier, Change, Clock, FINISH_NS, Fine, Mode, Pattern, Plan, Power, Rate,
+    Train,
 };
 use servo::op::{Entry, Op};
 use servo::path::{self, EntryStore};
@@ -25,6 +26,8 @@ pub const MS: u64 = 1_000_000;
 struct Pwm {
     train: Train,
     pattern: Pattern,
+    /// Of pulses that pause: what was left of their period.
+    paused: Option<u64>,
     /// A period in progress: its beginning, the end of its pulse, its end.
     period: Option<(u64, u64, u64)>,
     /// A last pulse in progress: its end, and what comes then.
@@ -36,7 +39,7 @@ impl Pwm {
     fn begin(&mut self, train: Train, at: u64) {
         self.train = train;
         self.pattern = Pattern::BEGIN;
-        self.period = None;
+        (self.period, self.paused) = (None, None);
         if !train.is_none() {
             self.next(at);
         }
@@ -115,8 +118,36 @@ impl Pwm {
                     }
                 }
             }
+            Action::Rate(rate) => self.rate(at, &rate),
             Action::Switch(_) | Action::Volts(_) => unreachable!(),
         }
+    }
+
+    fn rate(&mut self, at: u64, rate: &Rate) {
+        // A period that stands still has its end beyond all time, and what is left of it aside.
+        let left = self.paused.or(self.period.map(|(_, _, end)| end - at)).unwrap_or(0);
+        self.train = rate.train();
+        if rate.is_pause() {
+            if let Some((_, _, end)) = &mut self.period {
+                (self.paused, *end) = (Some(left), u64::MAX);
+            }
+            return;
+        }
+        self.paused = None;
+        let (left, part) = rate.left(left, self.pattern.part());
+        self.pattern = Pattern::of_rate(part);
+        let mut next = at + left;
+        let (start, pulse, _) = self.period.unwrap_or((at, at, at));
+        let (mut start, mut pulse) = (start, pulse);
+        if pulse > at && pulse >= next {
+            next = next.max(at + 1);
+            pulse = next - 1;
+            self.pulses.last_mut().unwrap().1 = pulse;
+        }
+        if self.period.is_none() {
+            (start, pulse) = (at, at);
+        }
+        self.period = Some((start, pulse, next));
     }
 }
 

@@ -5,7 +5,7 @@
 //! command does; ranges are those of the power mode at the call, and the tick holds what a later mode narrows.
 use super::Case;
 use super::distance::source;
-use super::energy::{own_bounds, power, powers};
+use super::energy::{direct_powers, limited, own_bounds, power, powers};
 use super::range::Taking;
 use super::tables::table;
 use crate::admit::one;
@@ -117,10 +117,13 @@ fn mapped<const AXES: usize>(case: &Case<AXES>, core: i16, crd: i16, channel: u8
 
 /// A direct power, with its field.
 fn direct<const AXES: usize>(case: &Case<AXES>, channel: u8, (field, got): (u8, f64)) -> Admitted<(Power, Took)> {
-    let range = powers(case.laser(channel).mode, case.is_lsr(), case.books.laser_fine);
+    let book = case.laser(channel);
+    let range = direct_powers(book.mode, case.is_lsr(), case.books.laser_fine);
     let mut taking = Taking::new(case.is_lsr());
     let value = taking.take(field, 0, got, range)?;
-    Ok((power(field, value)?, took(&[value], taking.held)))
+    let power = power(field, value)?;
+    let limited = limited(book.mode, book.width_us, book.bounds.hold(power));
+    Ok((power, took(&[value], taking.held | limited)))
 }
 
 /// How much power a speed makes: above 0 in both families.
@@ -140,7 +143,8 @@ fn bounds<const AXES: usize>(
     min: (u8, f64),
     max: (u8, f64),
 ) -> Admitted<(Bounds, Took)> {
-    let mode = case.laser(channel).mode;
+    let book = case.laser(channel);
+    let mode = book.mode;
     let range = powers(mode, case.is_lsr(), case.books.laser_fine);
     if max.1 <= min.1 {
         return Err(Refused::new(Reason::NotAboveMinimum)
@@ -151,7 +155,9 @@ fn bounds<const AXES: usize>(
     let mut taking = Taking::new(case.is_lsr());
     let (low, high) = (taking.take(min.0, 1, min.1, range)?, taking.take(max.0, 0, max.1, range)?);
     let bounds = own_bounds(mode, (min.0, low), (max.0, high))?;
-    Ok((bounds, took(&[high, low], taking.held)))
+    // The most that the follow may come to.
+    let limited = limited(mode, book.width_us, book.bounds.hold(bounds.max()));
+    Ok((bounds, took(&[high, low], taking.held | limited)))
 }
 
 fn took(values: &[f64], held: u8) -> Took {

@@ -24,31 +24,42 @@ const DUTY: Range = Range::new(0.0, 100.0);
 const VOLTS: Range = Range::new(0.0, 10.0);
 /// Highest frequency of the GUS family, kHz.
 const GUS_KHZ: f64 = 2000.0;
-/// Highest frequency and step of the LSR family's low (SetLaserMode 0) and high resolution (1), kHz.
-const LSR_KHZ: [(f64, f64); 2] = [(96.0, 0.006), (24.0, 0.0015)];
+/// Highest frequency of the LSR family's low (SetLaserMode 0) and high resolution (1), kHz.
+const LSR_KHZ: [f64; 2] = [96.0, 24.0];
 /// Longest pulse of the families, µs.
 const WIDTH_MAX_US: (u16, u16) = (65_535, 4_000);
 /// Bit of `held` that tells of a pulse width limited to just under the period.
 const WIDTH_LIMITED: u8 = 1 << 7;
 
-/// Highest and lowest frequency; GUS has no lowest.
-fn frequencies(lsr: bool, fine: bool) -> (f64, f64) {
-    if lsr { LSR_KHZ[usize::from(fine)] } else { (GUS_KHZ, 0.0) }
+/// The highest frequency.
+fn highest(lsr: bool, fine: bool) -> f64 {
+    if lsr { LSR_KHZ[usize::from(fine)] } else { GUS_KHZ }
 }
 
 /// What a carrier may be.
 fn carriers(lsr: bool, fine: bool) -> Range {
-    let (high, least) = frequencies(lsr, fine);
-    Range::frequency(least, high)
+    Range::frequency(highest(lsr, fine))
 }
 
-/// What a power may be in a mode.
+/// What a bound of the power may be in a mode.
 pub fn powers(mode: Mode, lsr: bool, fine: bool) -> Range {
     match mode {
         Mode::Duty | Mode::DutyOpen => DUTY,
-        Mode::Frequency => Range::new(0.0, frequencies(lsr, fine).0),
+        Mode::Frequency => Range::new(0.0, highest(lsr, fine)),
         Mode::Analog => VOLTS,
     }
+}
+
+/// What a direct power may be in a mode: a rate other than 0 is 1 Hz at least.
+pub fn direct_powers(mode: Mode, lsr: bool, fine: bool) -> Range {
+    if mode == Mode::Frequency { Range::rate(highest(lsr, fine)) } else { powers(mode, lsr, fine) }
+}
+
+/// Bit of `held` that tells that pulses of so many µs reach the period at this power.
+pub fn limited(mode: Mode, width_us: u16, power: Power) -> u8 {
+    // µs times kHz: a period is 1000.
+    let reaches = f64::from(width_us) * units(power) >= 1000.0;
+    if reaches && mode == Mode::Frequency { WIDTH_LIMITED } else { 0 }
 }
 
 /// A checked number as the tick has it. The checks allow nothing that it refuses.
@@ -64,7 +75,7 @@ pub fn own_bounds(mode: Mode, min: (u8, f64), max: (u8, f64)) -> Admitted<Bounds
 }
 
 fn carrier(field: u8, khz: f64, clock: Clock) -> Admitted<Carrier> {
-    let no = |_| Refused::new(Reason::AboveLow).field(field).got(khz).limits(0.0, GUS_KHZ);
+    let no = |_| Refused::new(Reason::OutOfRange).field(field).got(khz).limits(0.0, GUS_KHZ);
     Carrier::admit(power(field, khz)?, clock).map_err(no)
 }
 
@@ -86,19 +97,17 @@ impl LaserBook {
 
     /// What is output of the power that this channel holds, in the mode's unit; `fine` is its train.
     fn reached(&self, fine: Option<Fine>, clock: Clock) -> f64 {
+        let power = self.bounds.hold(self.power);
         match (self.mode, fine) {
-            (Mode::Frequency, Some(fine)) => khz(fine.train().period, clock),
+            (Mode::Frequency, _) if power > Power::ZERO => khz(clock.period(power), clock),
             (_, Some(fine)) => percent(fine.train()),
-            (_, None) => units(self.bounds.hold(self.power)),
+            (_, None) => units(power),
         }
     }
 
     /// Whether the width reaches the period of the pulses that it outputs.
     fn is_limited(&self) -> u8 {
-        // µs times kHz: a period is 1000.
-        let reaches = f64::from(self.width_us) * units(self.bounds.hold(self.power)) >= 1000.0;
-        let reaches = reaches && self.mode == Mode::Frequency;
-        if reaches { WIDTH_LIMITED } else { 0 }
+        limited(self.mode, self.width_us, self.bounds.hold(self.power))
     }
 }
 
@@ -117,14 +126,16 @@ pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPowerMode) -> Adm
     // GUS always applies the delays and knows no such parameter.
     let delayed = !lsr || choice(5, r.delay_mode.get(), 0, 1)? == 1;
     let (max, min) = (r.max.get(), r.min.get());
-    if max < min {
+    // LSR looks at what is taken: a minimum outside its range is not above the maximum.
+    if !lsr && max < min {
         return Err(Refused::new(Reason::BelowMinimum).field(2).got(max).limits(min, min));
     }
     let range = powers(mode, lsr, case.books.laser_fine);
     let mut taking = Taking::new(lsr);
-    let (max, min) = (taking.take(2, 0, max, range)?, taking.take(3, 1, min, range)?);
+    let (max, min) = (taking.maximum(2, 0, max, range)?, taking.minimum(3, 1, min, range)?);
     let bounds = own_bounds(mode, (3, min), (2, max))?;
     let mut book = *case.laser(channel);
+    let before = book.mode;
     book.set_mode(mode, bounds, delayed);
     let fine = book.fine(case.clock()?);
     case.change_with(
@@ -132,6 +143,9 @@ pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPowerMode) -> Adm
         Change::Mode { mode, bounds, delayed, fine },
         LaserChange::Mode { mode, bounds, delayed },
     );
+    if (before == Mode::Analog) != (mode == Mode::Analog) {
+        pair_standby(case, (channel, mode))?;
+    }
     Ok(took(case, &[max, min], taking.held | book.is_limited()))
 }
 
@@ -140,7 +154,7 @@ pub fn direct<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPrfCmd) -> Admi
     let channel = case.channel(r.core.get(), 2, r.channel.get())?;
     let mut book = *case.laser(channel);
     let mut taking = Taking::new(case.is_lsr());
-    let range = powers(book.mode, case.is_lsr(), case.books.laser_fine);
+    let range = direct_powers(book.mode, case.is_lsr(), case.books.laser_fine);
     let value = taking.take(1, 0, r.power.get(), range)?;
     book.power = power(1, value)?;
     let clock = case.clock()?;
@@ -182,10 +196,35 @@ pub fn width<const AXES: usize>(case: &mut Case<AXES>, r: &SetPulseWidth) -> Adm
     Ok(took(case, &[width_us.into()], taking.held | book.is_limited()))
 }
 
-/// Standby pulses of some channels. To switch them off, frequency and duty may be 0.
+/// SetWaitPulseEx of the LSR family acts while both channels are PWM (LSR, command 21): its pulses are output where they are, and
+/// not while one of them is analog. One channel is about to have another mode.
+fn pair_standby<const AXES: usize>(case: &mut Case<AXES>, changed: (u8, Mode)) -> Admitted<()> {
+    let clock = case.clock()?;
+    let analog = !are_pwm(case, Some(changed));
+    for channel in 0..CHANNELS as u8 {
+        let book = *case.laser(channel);
+        if let Some((khz, duty)) = book.standby.filter(|_| book.paired) {
+            let none = |_| Refused::new(Reason::OutOfRange);
+            let pulses = if analog { None } else { Some(Standby::admit(khz, duty, clock).map_err(none)?) };
+            case.change(channel, Change::Standby(pulses));
+        }
+    }
+    Ok(())
+}
+
+/// Whether both channels are PWM, of which one may be about to have another mode.
+fn are_pwm<const AXES: usize>(case: &Case<AXES>, changed: Option<(u8, Mode)>) -> bool {
+    (0..CHANNELS as u8).all(|channel| {
+        let mode = changed.filter(|(of, _)| *of == channel).map_or(case.laser(channel).mode, |(_, mode)| mode);
+        mode != Mode::Analog
+    })
+}
+
+/// Standby pulses of some channels. To switch them off, frequency and duty may be 0. `paired`: they act while both are PWM.
 fn standby<const AXES: usize>(
     case: &mut Case<AXES>,
     channels: core::ops::Range<u8>,
+    paired: bool,
     (mode, frequency, duty): (u16, f64, f64),
 ) -> Admitted<Answer> {
     let on = choice(1, mode, 0, 1)? == 1;
@@ -196,14 +235,15 @@ fn standby<const AXES: usize>(
     let duty = taking.take(3, 1, duty, DUTY)?;
     let clock = case.clock()?;
     let pulses = if on {
-        let none = |_| Refused::new(Reason::AboveLow).field(2).got(frequency).limits(0.0, GUS_KHZ);
+        let none = |_| Refused::new(Reason::OutOfRange).field(2).got(frequency).limits(0.0, GUS_KHZ);
         Some(Standby::admit(power(2, frequency)?, power(3, duty)?, clock).map_err(none)?)
     } else {
         None
     };
+    let output = pulses.filter(|_| !paired || are_pwm(case, None));
     for channel in channels {
         let book = pulses.map(|pulses| (pulses.khz(), pulses.duty()));
-        case.change_with(channel, Change::Standby(pulses), LaserChange::Standby(book));
+        case.change_with(channel, Change::Standby(output), LaserChange::Standby(book, paired));
     }
     let reached = pulses.map_or((frequency, duty), |pulses| {
         let train = pulses.train();
@@ -214,12 +254,13 @@ fn standby<const AXES: usize>(
 
 pub fn standby_one<const AXES: usize>(case: &mut Case<AXES>, r: &SetWaitPulse) -> Admitted<Answer> {
     let channel = case.channel(r.core.get(), 4, r.channel.get())?;
-    standby(case, channel..channel + 1, (r.mode.get(), r.frequency.get(), r.duty.get()))
+    standby(case, channel..channel + 1, false, (r.mode.get(), r.frequency.get(), r.duty.get()))
 }
 
 pub fn standby_all<const AXES: usize>(case: &mut Case<AXES>, r: &SetWaitPulseEx) -> Admitted<Answer> {
     case.core(r.core.get())?;
-    standby(case, 0..CHANNELS as u8, (r.mode.get(), r.frequency.get(), r.duty.get()))
+    let paired = case.is_lsr();
+    standby(case, 0..CHANNELS as u8, paired, (r.mode.get(), r.frequency.get(), r.duty.get()))
 }
 
 pub fn pre_voltage<const AXES: usize>(case: &mut Case<AXES>, r: &SetPreVltg) -> Admitted<Answer> {
@@ -239,7 +280,7 @@ pub fn resolution<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserMode) ->
     let fine = choice(1, r.mode.get(), 0, 1)? == 1;
     case.stage_with(Op::Mark, Entered::LaserFine(fine));
     if case.is_lsr() {
-        let highest = power(1, frequencies(true, fine).0)?;
+        let highest = power(1, highest(true, fine))?;
         for channel in 0..CHANNELS as u8 {
             hold_frequencies(case, channel, highest)?;
         }
@@ -255,8 +296,10 @@ fn hold_frequencies<const AXES: usize>(case: &mut Case<AXES>, channel: u8, highe
         stage_carrier(case, channel, Carrier::admit(highest, clock).map_err(none)?)?;
     }
     if let Some((_, duty)) = book.standby.filter(|(khz, _)| *khz > highest) {
-        let pulses = Standby::admit(highest, duty, clock).map_err(none)?;
-        case.change_with(channel, Change::Standby(Some(pulses)), LaserChange::Standby(Some((highest, duty))));
+        let pulses = Some(Standby::admit(highest, duty, clock).map_err(none)?);
+        let output = pulses.filter(|_| !book.paired || are_pwm(case, None));
+        let entered = LaserChange::Standby(Some((highest, duty)), book.paired);
+        case.change_with(channel, Change::Standby(output), entered);
     }
     if book.mode == Mode::Frequency && (book.bounds.max() > highest || book.power > highest) {
         let bounds = Bounds::admit(book.mode, book.bounds.max().min(highest), book.bounds.min().min(highest));

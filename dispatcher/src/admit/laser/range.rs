@@ -4,35 +4,56 @@
 use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 
-/// Frequencies below this are none: half of the tick's unit, kHz.
-const LEAST_KHZ: f64 = 1.0 / (1u64 << 45) as f64;
+/// The least frequency, kHz: 1 Hz.
+const LEAST_KHZ: f64 = 0.001;
+
+/// Values that are refused in both families.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Never {
+    /// None but what is no number.
+    Nothing,
+    /// Below 1 Hz.
+    Slow,
+    /// Above 0 and below 1 Hz.
+    SlowPulses,
+}
 
 /// The values that a quantity may have.
 #[derive(Debug, Clone, Copy)]
 pub struct Range {
     low: f64,
     high: f64,
-    /// `low` itself is outside; what lies there or below is taken as this.
-    above: Option<f64>,
+    never: Never,
 }
 
 impl Range {
     /// Both bounds belong to it.
     pub const fn new(low: f64, high: f64) -> Self {
-        Range { low, high, above: None }
+        Range { low, high, never: Never::Nothing }
     }
 
-    /// Frequencies above 0; `least` is the lowest that LSR takes one of 0 for.
-    pub const fn frequency(least: f64, high: f64) -> Self {
-        Range { low: 0.0, high, above: Some(least) }
+    /// A carrier or a standby frequency, kHz: 1 Hz at least.
+    pub const fn frequency(high: f64) -> Self {
+        Range { low: LEAST_KHZ, high, never: Never::Slow }
+    }
+
+    /// A rate of pulses, kHz: 0, or 1 Hz at least.
+    pub const fn rate(high: f64) -> Self {
+        Range { low: 0.0, high, never: Never::SlowPulses }
+    }
+
+    /// Whether a value is refused in both families.
+    fn refuses(&self, value: f64) -> bool {
+        match self.never {
+            Never::Nothing => false,
+            Never::Slow => value < LEAST_KHZ,
+            Never::SlowPulses => value > 0.0 && value < LEAST_KHZ,
+        }
     }
 
     /// `value` held in it.
     pub fn nearest(&self, value: f64) -> f64 {
-        match self.above {
-            Some(least) if value < LEAST_KHZ => least,
-            _ => value.max(self.low).min(self.high),
-        }
+        value.max(self.low).min(self.high)
     }
 }
 
@@ -56,15 +77,30 @@ impl Taking {
             return Err(Refused::new(Reason::NotFinite).field(field).got(got));
         }
         let nearest = range.nearest(got);
-        if nearest == got {
+        if nearest == got && !range.refuses(got) {
             return Ok(got);
         }
-        if self.holds {
+        if self.holds && !range.refuses(got) {
             self.held |= 1 << place;
             return Ok(nearest);
         }
-        let reason = if range.above.is_some() { Reason::AboveLow } else { Reason::OutOfRange };
-        Err(Refused::new(reason).field(field).got(got).limits(range.low, range.high))
+        let slow = range.never == Never::SlowPulses && range.refuses(got);
+        let (reason, low) = if slow { (Reason::SlowPulses, LEAST_KHZ) } else { (Reason::OutOfRange, range.low) };
+        Err(Refused::new(reason).field(field).got(got).limits(low, range.high))
+    }
+
+    /// The maximum of LaserPowerMode: a negative one is refused in both families.
+    pub fn maximum(&mut self, field: u8, place: u8, got: f64, range: Range) -> Admitted<f64> {
+        if got < 0.0 {
+            return Err(Refused::new(Reason::OutOfRange).field(field).got(got).limits(range.low, range.high));
+        }
+        self.take(field, place, got, range)
+    }
+
+    /// The minimum of LaserPowerMode: one outside its range, on either side, is taken as the range's minimum (LSR, command 11).
+    pub fn minimum(&mut self, field: u8, place: u8, got: f64, range: Range) -> Admitted<f64> {
+        let taken = self.take(field, place, got, range)?;
+        Ok(if taken == got { taken } else { range.low })
     }
 
     /// The same for whole numbers of at most 16 bits.

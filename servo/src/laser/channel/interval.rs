@@ -5,10 +5,10 @@
 use super::{Channel, Outputs, later, news};
 use crate::laser::energy::{Energy, Plain};
 use crate::laser::owner::Fact;
-use crate::laser::plan::{Action, PLACES, Plan, Train};
+use crate::laser::plan::{Action, PLACES, Plan, Rate, Train};
 use crate::laser::power::Power;
 use crate::laser::safety::Cause;
-use crate::laser::{Mode, NEVER, Surroundings};
+use crate::laser::{Clock, Mode, NEVER, Surroundings};
 use crate::units::Ns;
 
 /// What an instant may need in a plan: an end of light and a beginning, a switch edge, a voltage.
@@ -74,8 +74,8 @@ impl Channel {
     fn retrain_light(&mut self, around: &Surroundings<'_>, plan: &mut Plan) {
         self.shown.limited = self.energy.light(self.power, around.clock, &mut self.train);
         if self.train != self.out.train {
-            self.out.train = self.train;
-            plan.push(0, Action::Change(self.train));
+            let action = self.go_on();
+            plan.push(0, action);
         }
         if self.energy.mode == Mode::Analog {
             self.drive(0, true, plan);
@@ -274,9 +274,12 @@ impl Channel {
         if light != self.out.light {
             if light {
                 (self.out.light, self.out.train) = (true, self.train);
+                self.rate = if self.train.is_none() { Power::ZERO } else { self.power };
                 plan.push(at, Action::Light(self.train));
             } else {
-                self.darken(at, self.energy.mode == Mode::DutyOpen, plan);
+                // A level is no pulse that could be finished.
+                let is_level = self.energy.mode == Mode::DutyOpen || self.out.train.is_level();
+                self.darken(at, is_level, plan);
             }
         } else if anew {
             self.retrain(at, plan);
@@ -317,8 +320,26 @@ impl Channel {
         if train == self.out.train {
             return;
         }
-        self.out.train = train;
-        plan.push(at, Action::Change(train));
+        let action = if self.out.light {
+            self.go_on()
+        } else {
+            self.out.train = train;
+            Action::Change(train)
+        };
+        plan.push(at, action);
+    }
+
+    /// Light goes on with its train, which is another one: a carrier from its next period on, a rate in phase.
+    fn go_on(&mut self) -> Action {
+        self.out.train = self.train;
+        if self.energy.mode != Mode::Frequency {
+            return Action::Change(self.train);
+        }
+        if self.train.is_none() {
+            return Action::Rate(Rate::PAUSE);
+        }
+        let before = core::mem::replace(&mut self.rate, self.power);
+        Action::Rate(Clock::rate(before, self.power, self.train.period, self.train.width.whole as u32))
     }
 
     /// What is being output, as the thread sees it.
