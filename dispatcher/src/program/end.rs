@@ -195,9 +195,9 @@ fn is_final(reason: Reason) -> bool {
     use Reason::{
         AboveLow, AnalogInUse, AxisGoesAlong, AxisInCrd, AxisLeftCrd, BelowMinimum, Between, BeyondTravel, CentreOff,
         CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty, GearsFull,
-        LaserConnector, LaserNotMapped, Length, NoAcceleration, NoCoordinate, NoIndex, NoLaserOutput, NoLength,
-        NotFinite, NotForProgram, NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, RadiusTooLarge,
-        RadiusTooSmall, Selector, ServoOff, StepLimit, TooMany, UnknownCommand, WrongMode,
+        LaserConnector, LaserNotMapped, Length, NoAcceleration, NoCoordinate, NoDeceleration, NoIndex, NoLaserOutput,
+        NoLength, NotFinite, NotForProgram, NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange,
+        RadiusTooLarge, RadiusTooSmall, Selector, ServoOff, StepLimit, TooMany, UnknownCommand, WrongMode,
     };
     matches!(
         reason,
@@ -238,6 +238,7 @@ fn is_final(reason: Reason) -> bool {
             | ServoOff
             | NotInDynamic
             | NoAcceleration
+            | NoDeceleration
             | NotInProgram
             | NotInitialised
             | NotForProgram
