@@ -218,17 +218,18 @@ impl<'x, const AXES: usize> Case<'x, AXES> {
             .filter(|axis| axis.index() < AXES)
             .ok_or_else(|| Refused::new(Reason::NotInitialised).axis(index as i16 + 1))
     }
-    /// The first of `count` axes of a core (fields 0, 1, 2) and their number.
+    /// The first of `count` axes of a core (fields 0, 1, 2) and how many of them there are: a read may reach past the last
+    /// one (GXN table 5-1, note 2).
     pub fn span(&self, core: i16, axis: i16, count: i16) -> Admitted<(Axis, u8)> {
         let first = self.axis(core, axis)?;
         let left = i16::from(self.site.profile.axes_per_core) - axis + 1;
-        let count = choice(2, count, 1, left)?;
-        Ok((first, count as u8))
+        Ok((first, choice(2, count, 1, i16::MAX)?.min(left) as u8))
     }
-    /// As [`Case::span`], as a set.
+    /// `count` axes of a core as a set. All of them are there.
     pub fn span_mask(&self, core: i16, axis: i16, count: i16) -> Admitted<AxisMask> {
-        let (first, count) = self.span(core, axis, count)?;
-        Ok(AxisMask(ones(usize::from(count)) << first.index()))
+        let (first, have) = self.span(core, axis, count)?;
+        choice(2, count, 1, i16::from(have))?;
+        Ok(AxisMask(ones(usize::from(have)) << first.index()))
     }
     /// The axes of a core that the bits name.
     pub fn mask(&self, core: i16, bits: i32, field: u8) -> Admitted<AxisMask> {

@@ -18,7 +18,7 @@ use crate::lane::{Deque, Lane, Staged};
 use crate::log::{Kind, Log, ShutOff};
 use crate::path_queue::PathQueue;
 use crate::program::Program;
-use crate::read::{Reading, took_reply, values_reply};
+use crate::read::{Reading, pulses, took_reply, values_reply};
 use crate::refuse::{Admitted, Refused};
 use crate::server::{Board, IMMEDIATE};
 use crate::trace_out::TraceOut;
@@ -31,7 +31,7 @@ use servo::op::{Entry, Mode, Op};
 use servo::path::EntryStore;
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
-use servo::status::SERVO_ON;
+use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
 use servo::units::{Axis, AxisMask, Crd, CrdMask};
 use servo::view::View;
 
@@ -340,8 +340,36 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             Refuser::Crd(crd) => return self.explain_crd(view, crd),
             Refuser::Nobody => return Refused::new(Reason::Late),
         };
-        let reason = if status & SERVO_ON == 0 { Reason::ServoOff } else { Reason::AxisFault };
-        Refused::new(reason).axis(self.site.number_of(axis)).got(status.into())
+        let blocked = view.axes.get(axis.index()).is_some_and(|seen| seen.blocked != 0);
+        let limit = self.limit_ahead(view, axis, status);
+        let (reason, got) = match limit.filter(|_| !blocked) {
+            _ if status & SERVO_ON == 0 => (Reason::ServoOff, status.into()),
+            Some(limit) => limit,
+            None if blocked => (Reason::AxisFault, status.into()),
+            None if status & RUNNING != 0 => (Reason::Moving, status.into()),
+            None => (Reason::StateChanged, status.into()),
+        };
+        Refused::new(reason).axis(self.site.number_of(axis)).got(got)
+    }
+
+    /// The limit at which an axis in Jog or Trap stands, if its target lies beyond: nothing is latched then.
+    fn limit_ahead(&self, view: &View<AXES>, axis: Axis, status: u32) -> Option<(Reason, f64)> {
+        let (book, at) = (self.now.axis(axis), pulses(view.axes.get(axis.index())?.pos));
+        let way = match book.mode {
+            Mode::Jog => book.vel,
+            Mode::Trap => f64::from(book.pos) - at,
+            _ => 0.0,
+        };
+        let (soft, beyond, switch) = match way {
+            way if way > 0.0 => (book.soft.0, book.soft.0 != i32::MAX && at >= book.soft.0.into(), LIMIT_POSITIVE),
+            way if way < 0.0 => (book.soft.1, book.soft.1 != i32::MIN && at <= book.soft.1.into(), LIMIT_NEGATIVE),
+            _ => return None,
+        };
+        if beyond {
+            Some((Reason::AtSoftLimit, soft.into()))
+        } else {
+            (status & switch != 0).then_some((Reason::AtLimitSwitch, 0.0))
+        }
     }
 
     /// A coordinate system that could not start.

@@ -62,7 +62,7 @@ pub fn counts(count: Count) -> f64 {
 }
 
 /// Pulses.
-fn pulses(pos: Pos) -> f64 {
+pub fn pulses(pos: Pos) -> f64 {
     pos.0 as f64 * power(-(Pos::FRAC_BITS as i32))
 }
 

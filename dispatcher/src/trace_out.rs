@@ -183,6 +183,10 @@ impl<const AXES: usize> TraceOut<AXES> {
             }
             Traced::Action { channel, at, action } => return self.action(sample.row, channel, at, action).is_ok(),
             Traced::Rest { channel } => return self.rest(sample.row, channel).is_ok(),
+            Traced::Period { ns } => {
+                let period = trace::Period { tick: sample.row.into(), period_ns: ns.into() };
+                return self.encoder.period(&period).is_ok();
+            }
             Traced::Outputs { at, levels } => {
                 let outputs = trace::Outputs { tick: sample.row.into(), at: at.into(), levels: levels.into() };
                 return self.encoder.outputs(&outputs).is_ok();
@@ -218,7 +222,11 @@ impl<const AXES: usize> TraceOut<AXES> {
                     *to = CrdSample { vel_mantissa: velocity.m.into(), vel_exponent: velocity.e.into() };
                 }
             }
-            Traced::Action { .. } | Traced::Rest { .. } | Traced::Outputs { .. } | Traced::Analog { .. } => {}
+            Traced::Action { .. }
+            | Traced::Rest { .. }
+            | Traced::Outputs { .. }
+            | Traced::Analog { .. }
+            | Traced::Period { .. } => {}
         }
         self.row = sample.row;
         if place + 1 < self.count() {

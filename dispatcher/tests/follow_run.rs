@@ -73,7 +73,8 @@ fn a_fifo_that_was_left_is_found_empty_by_polling() {
     bench.done(data(2, 500, 1000.0, 1, 1));
     bench.done(switch(2));
     assert_eq!(status(&mut bench), (0, 1));
-    assert_eq!(bench.refused(clear(2, 1)).1, Reason::FifoInUse, "it is what comes next");
+    assert_eq!(told(bench.refused(clear(2, 1))), (1, Reason::SwitchPending, 2, 1.0), "it is what comes next");
+    assert_eq!(told(bench.refused(clear(2, 0))), (1, Reason::FifoInUse, 2, 0.0), "it is what runs");
     let mut polls = 0;
     while bench.done(space_of(2, 0)).value.get() != 16 {
         polls += 1;

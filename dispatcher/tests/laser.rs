@@ -490,7 +490,7 @@ fn axis_connectors_belong_to_the_gus_family() {
         for number in [0, 1, 3] {
             b.done(LaserPowerMode { channel: channel.into(), ..mode(number, 10.0, 0.0) });
             let text = format!(
-                "laser channel {channel}: axis connector {axis} carries step pulses; call SetAxisMode({axis}, 1) first"
+                "laser channel {channel}: axis connector {axis} carries step pulses; call SetAxisMode({axis}, 1) first, or choose family lsr, where it is the laser's"
             );
             refused(b, on, 1, &format!("LaserOn: {text}"));
             let switch = SetHSIOOpt { channel: channel.into(), ..switch(1) };
@@ -510,7 +510,7 @@ fn axis_connectors_belong_to_the_gus_family() {
         b,
         switch(1),
         1,
-        "SetHSIOOpt: laser channel 0: axis connector 7 carries step pulses; call SetAxisMode(7, 1) first",
+        "SetHSIOOpt: laser channel 0: axis connector 7 carries step pulses; call SetAxisMode(7, 1) first, or choose family lsr, where it is the laser's",
     );
     // Not while its axis moves.
     b.servo_on(7);

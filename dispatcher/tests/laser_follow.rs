@@ -285,7 +285,7 @@ fn gus_refuses_powers_out_of_range() {
     // Without its connector there would be no light.
     b.done(LaserPowerMode { max: 100.0.into(), ..duty() });
     b.done(SetAxisMode { core: 1.into(), axis: 7.into(), mode: 0.into() });
-    let text = "BufLaserOn: laser channel 0: axis connector 7 carries step pulses; call SetAxisMode(7, 1) first";
+    let text = "BufLaserOn: laser channel 0: axis connector 7 carries step pulses; call SetAxisMode(7, 1) first, or choose family lsr, where it is the laser's";
     refused(b, buf_on(1, 0, 0), &[], 1, text);
     b.done(LaserPowerMode { mode: 2.into(), max: 10.0.into(), ..duty() });
     b.done(buf_on(1, 0, 0));
@@ -612,7 +612,7 @@ fn tables_of_ratios_are_checked_point_by_point() {
         refused(b, plane([2, 2], one, 0), &all, 7, &is("axis names axis 2 twice; a plane has two"));
         refused(b, plane([1, 2], [0, 2], 0), &all, 7, &is("count is 0; it must be from 1 to 32 (item 1)"));
         refused(b, plane([1, 2], [2, 33], 0), &all, 7, &is("count is 33; it must be from 1 to 32 (item 2)"));
-        refused(b, plane([1, 2], [32, 9], 0), &all, 7, &is("value is 288; at most 256 fit"));
+        refused(b, plane([1, 2], [32, 9], 0), &all, 7, &is("count is 288; at most 256 fit"));
         let text = "must be a whole number of pulses, greater than";
         let x = format!("a position of X is 0; it {text} 0, that of the point before (item 2)");
         refused(b, plane([1, 2], one, 0), &with(1, 0.0), 7, &is(&x));

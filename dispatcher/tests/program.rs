@@ -161,7 +161,7 @@ fn a_trace_over_the_link_is_that_of_its_own_stream() {
             Event::Row(row, samples) => {
                 rows.push((row, samples.axes.iter().map(|s| (s.pos.get(), s.vel_mantissa.get())).collect::<Vec<_>>()))
             }
-            Event::Action(_) | Event::Outputs(_) => panic!("nobody asked for that"),
+            Event::Action(_) | Event::Outputs(_) | Event::Period(_) => panic!("nobody asked for that"),
             Event::End { lost, .. } => ended = lost == 0,
         });
         assert!(ended);
@@ -219,7 +219,7 @@ fn the_trace_has_every_row_and_the_planned_motion() {
             rows.push((row, sample.pos.get(), velocity));
             assert_eq!(samples.iter().nth(1).unwrap().pos.get(), 0);
         }
-        Event::Action(_) | Event::Outputs(_) => panic!("nobody asked for that"),
+        Event::Action(_) | Event::Outputs(_) | Event::Period(_) => panic!("nobody asked for that"),
         Event::End { rows, lost } => end = Some((rows, lost)),
     });
     assert_eq!(head, Some((250_000, 2)));

@@ -45,6 +45,30 @@ fn status(bench: &mut Bench<8>, axis: i16) -> (i16, f64) {
     (found.table.get(), found.time.get())
 }
 
+/// A chunk holds what a message holds, of every description.
+#[test]
+fn a_chunk_is_as_long_as_its_message() {
+    let mut bench = ready(1);
+    let (core, number) = (1.into(), 1.into());
+    let count = protocol::record::BODY_MAX - size_of::<PvtTableComplete>();
+    let count = count / size_of::<PvtKnot>();
+    assert!(count >= protocol::record::ITEM_BYTES / size_of::<PvtKnot>());
+    let knots: Vec<PvtKnot> = (0..count).map(|i| PvtKnot { time: (i as f64).into(), pos: (i as f64).into() }).collect();
+    let one = 1.0.into();
+    let whole = PvtTableComplete {
+        core,
+        table: number,
+        count: (count as i32).into(),
+        first: 0.into(),
+        vel_begin: one,
+        vel_end: one,
+    };
+    assert_eq!(bench.call_items(whole, &knots).code, 0);
+    bench.done(start(1));
+    bench.run_ms(30);
+    assert_eq!(bench.pos(1).round(), 30.0);
+}
+
 /// A table of ten pulses in ten ms.
 const TEN: [(f64, f64, f64); 2] = [(0.0, 0.0, 1.0), (10.0, 10.0, 1.0)];
 
@@ -84,7 +108,7 @@ fn chunks_out_of_order_begin_again_with_the_first() {
     // Another table drops the one that was begun.
     assert_eq!(load(&mut bench, 3, &TEN).0, 0);
     assert_eq!(refused(&mut bench, 4).0, 7);
-    bench.done(select(1, 2));
+    assert_eq!(bench.refused(select(1, 2)).1, Reason::TableEmpty);
     assert_eq!(bench.refused(start(1)).1, Reason::TableEmpty);
     // A chunk that reaches beyond the count.
     let answer = bench.call_items(table(2, 3, 0), &points(&all));
@@ -260,6 +284,11 @@ fn starts_are_refused_in_another_mode_at_speed_and_without_a_table() {
     let mut bench = ready(2);
     let (code, reason, refusal) = bench.refused(start(1));
     assert_eq!((code, reason, refusal.axis.get(), refusal.got.get()), (1, Reason::TableEmpty, 1, 1.0));
+    // Nor is a table without points selected at rest (GXN command 46).
+    let (code, reason, refusal) = bench.refused(select(1, 9));
+    assert_eq!((code, reason, refusal.axis.get(), refusal.got.get()), (1, Reason::TableEmpty, 1, 9.0));
+    let shown = bench.call(PvtStatus { core: 1.into(), profile: 1.into(), count: 1.into() }).items::<PvtStatus>();
+    assert_eq!(shown[0].table.get(), 1, "nothing has changed");
     assert_eq!(load(&mut bench, 1, &TEN).0, 0);
     let (code, reason, refusal) = bench.refused(start(0b101));
     assert_eq!((code, reason, refusal.axis.get()), (1, Reason::WrongMode, 3), "all or nothing");

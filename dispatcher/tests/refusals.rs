@@ -3,7 +3,7 @@ mod bench;
 use bench::{Bench, body, pt_data, pt_item};
 use dispatcher::{Fault, FaultKind};
 use protocol::command::*;
-use protocol::reason::Reason;
+use protocol::reason::{Reason, describe_opcode};
 use protocol::record::Lane;
 
 fn pt_static(bench: &mut Bench<8>, axis: i16) {
@@ -23,11 +23,22 @@ fn axes_and_cores_that_do_not_exist() {
         let (code, reason, refusal) = bench.refused(AxisOn { core: core.into(), axis: 1.into() });
         assert_eq!((code, reason, refusal.field), (7, Reason::Selector, 0));
     }
-    for (axis, count) in [(1, 9), (8, 2), (1, 0), (1, -1)] {
-        let (code, _, refusal) = bench.refused(GetSts { core: 1.into(), axis: axis.into(), count: count.into() });
+    for count in [0, -1, i16::MIN] {
+        let (code, _, refusal) = bench.refused(GetSts { core: 1.into(), axis: 1.into(), count: count.into() });
         assert_eq!((code, refusal.field), (7, 2));
     }
-    assert_eq!(bench.call(GetSts { core: 1.into(), axis: 1.into(), count: 8.into() }).items::<GetSts>().len(), 8);
+    // A read may reach past the last axis (GXN table 5-1, note 2); its first axis is there.
+    for (axis, count, have) in [(1, 8, 8), (1, 9, 8), (8, 2, 1), (3, i16::MAX, 6)] {
+        let reply = bench.call(GetSts { core: 1.into(), axis: axis.into(), count: count.into() });
+        assert_eq!(reply.reply::<GetSts>().count.get(), have);
+        assert_eq!(reply.items::<GetSts>().len(), usize::from(have));
+    }
+    assert_eq!(bench.refused(GetSts { core: 1.into(), axis: 9.into(), count: 1.into() }).2.field, 1);
+    // What changes something does not.
+    for (axis, count) in [(1, 9), (8, 2), (1, 0)] {
+        assert_eq!(bench.refused(ZeroPos { core: 1.into(), axis: axis.into(), count: count.into() }).2.field, 2);
+        assert_eq!(bench.refused(ClrSts { core: 1.into(), axis: axis.into(), count: count.into() }).2.field, 2);
+    }
     // A mask that names axis 9 of 8.
     let (code, _, refusal) = bench.refused(PtStart { core: 1.into(), mask: 0x101.into(), option: 0.into() });
     assert_eq!((code, refusal.field, refusal.got.get()), (7, 1, 257.0));
@@ -208,7 +219,7 @@ fn jog_and_trap() {
     assert_eq!(bench.refused(SetTrapPrm { acc: f64::NAN.into(), ..trap }).1, Reason::NotFinite);
     assert_eq!(bench.done(GetTrapPrm { core, profile }), TrapPrm::default());
     bench.done(SetTrapPrm { dec: 0.0.into(), ..trap });
-    assert_eq!(bench.refused(Update { core, mask: 1.into() }).1, Reason::NoAcceleration);
+    assert_eq!(bench.refused(Update { core, mask: 1.into() }).1, Reason::NoDeceleration);
     bench.done(SetTrapPrm { smooth_time_ms: 25.into(), ..trap });
     assert_eq!(bench.done(GetTrapPrm { core, profile }).smooth_time_ms.get(), 25);
     assert_eq!(bench.refused(Update { core, mask: 1.into() }).1, Reason::ServoOff);
@@ -225,7 +236,10 @@ fn jog_and_trap() {
         assert_eq!(bench.refused(SetJogPrm { smooth: smooth.into(), ..jog }).0, 7);
     }
     bench.servo_on(1);
-    assert_eq!(bench.refused(Update { core, mask: 1.into() }).1, Reason::NoAcceleration);
+    let (_, reason, refusal) = bench.refused(Update { core, mask: 1.into() });
+    assert_eq!(reason, Reason::NoAcceleration);
+    let text = describe_opcode(Update::OPCODE, refusal).to_string();
+    assert!(text.starts_with("Update: axis 1: its acceleration is 0; "), "{text}");
     bench.done(jog);
     bench.done(SetVel { core, profile, vel: 2.0.into() });
     // A Jog dec of 0 means acc.
@@ -263,6 +277,50 @@ fn a_latched_fault_and_the_servo() {
     bench.done(AxisOff { core, axis: profile });
     assert_eq!(bench.status_word(1) & (1 << 9 | 1 << 10), 0);
     assert_eq!(bench.refused(start).1, Reason::ServoOff);
+}
+
+/// Nothing is latched at a limit on which an axis stands: what is refused is the direction, and ClrSts changes nothing.
+#[test]
+fn an_update_towards_a_limit_names_the_limit() {
+    let mut bench = Bench::gus();
+    let (core, profile) = (1.into(), 1.into());
+    let text = |bench: &mut Bench<8>| {
+        let (code, reason, refusal) = bench.refused(Update { core, mask: 1.into() });
+        assert_eq!(code, 1);
+        (reason, describe_opcode(Update::OPCODE, refusal).to_string())
+    };
+    bench.servo_on(1);
+    let (acc, dec) = (1.0.into(), 1.0.into());
+    bench.done(SetTrapPrm { core, profile, acc, dec, vel_start: 0.0.into(), smooth_time_ms: 0.into() });
+    bench.done(SetVel { core, profile, vel: 5.0.into() });
+    bench.done(SetSoftLimit { core, axis: profile, positive: 10.into(), negative: (-20).into() });
+    let soft = "Update: axis 1 stands at its software limit of 10 pulses; it can only move away from it";
+    let other = "Update: axis 1 stands at its software limit of -20 pulses; it can only move away from it";
+    for (to, beyond, says) in [(10, 50, soft), (-20, -21, other)] {
+        bench.done(SetPos { core, profile, pos: to.into() });
+        bench.done(Update { core, mask: 1.into() });
+        bench.run_ms(40);
+        assert_eq!(bench.pos(1), f64::from(to));
+        assert_eq!(bench.status_word(1) & (1 << 5 | 1 << 6), 0, "it came to its target: nothing is latched");
+        bench.done(SetPos { core, profile, pos: beyond.into() });
+        assert_eq!(text(&mut bench), (Reason::AtSoftLimit, says.into()));
+        bench.done(ClrSts { core, axis: profile, count: 1.into() });
+        assert_eq!(text(&mut bench).0, Reason::AtSoftLimit);
+    }
+    bench.done(PrfJog { core, profile });
+    bench.done(SetJogPrm { core, profile, acc, dec, smooth: 0.0.into() });
+    bench.done(SetVel { core, profile, vel: (-1.0).into() });
+    assert_eq!(text(&mut bench), (Reason::AtSoftLimit, other.into()));
+    // A switch that is active blocks everything until ClrSts, and its own direction as long as it is active.
+    bench.done(LmtsOn { core, axis: profile, limit_type: 0.into() });
+    bench.machine.inputs[0].limit_positive = true;
+    bench.run_ms(1);
+    bench.done(SetVel { core, profile, vel: 1.0.into() });
+    assert_eq!(text(&mut bench).0, Reason::AxisFault);
+    bench.done(ClrSts { core, axis: profile, count: 1.into() });
+    let says = "Update: axis 1: the limit switch in this direction is active; it can only move away from it";
+    assert_eq!(text(&mut bench), (Reason::AtLimitSwitch, says.into()));
+    assert_eq!(bench.pos(1), -20.0);
 }
 
 #[test]
@@ -341,6 +399,10 @@ fn inputs_and_outputs() {
     assert_eq!(bench.call(GetDac { core, dac: 6.into(), count: 3.into() }).items::<GetDac>(), values);
     assert_eq!(bench.call_items(SetDac { dac: 7.into(), ..dac }, &values).refusal().field, 2);
     assert_eq!(bench.call_items(SetDac { dac: 0.into(), ..dac }, &values).refusal().field, 1);
+    assert_eq!(bench.call(GetDac { core, dac: 7.into(), count: 9.into() }).items::<GetDac>(), values[1..]);
+    assert_eq!(bench.refused(GetDac { core, dac: 9.into(), count: 1.into() }).2.field, 1);
+    let all = bench.call(GetAdc { core, adc: 1.into(), count: 100.into() }).items::<GetAdc>().len();
+    assert_eq!(bench.call(GetAdc { core, adc: (all as i16).into(), count: 2.into() }).items::<GetAdc>().len(), 1);
     let adc = bench.call(GetAdc { core, adc: 2.into(), count: 1.into() }).items::<GetAdc>()[0].value.get();
     assert!((adc - 1.0).abs() < 1e-3, "{adc}");
 }

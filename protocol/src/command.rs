@@ -482,6 +482,23 @@ commands! {
     0x0903 SetLaserDisTable2D { core: I16, axis: [I16; 2], count: [I16; 2], min: F64, max: F64, limit: [F64; 2], channel: I16, limits_given: u8, first: U16 } [LaserDisValue] -> LaserBounds [Nothing];
 }
 
+/// Bytes of a field, by its type as [`Wire::FIELDS`] prints it.
+pub fn width(of: &str) -> usize {
+    let array = of.strip_prefix('[').and_then(|of| of.strip_suffix(']')).and_then(|of| of.split_once("; "));
+    match (array, of) {
+        (Some((of, count)), _) => width(of).saturating_mul(count.parse::<usize>().unwrap_or(0)),
+        (None, "F64" | "U64") => 8,
+        (None, "I32" | "U32") => 4,
+        (None, "I16" | "U16") => 2,
+        _ => 1,
+    }
+}
+
+/// Bytes of a row of fields.
+pub fn widths(fields: &[(&str, &str)]) -> usize {
+    fields.iter().map(|(_, of)| width(of)).fold(0, usize::saturating_add)
+}
+
 /// The row of the table with this number.
 pub fn info(opcode: u16) -> Option<&'static CommandInfo> {
     COMMANDS.iter().find(|command| command.opcode == opcode)

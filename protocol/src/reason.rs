@@ -69,7 +69,7 @@ reasons! {
     35 AxisFault State "axis {axis} has a latched fault (status {got}); clear its cause and call ClrSts";
     36 FifoInUse State "axis {axis}: FIFO {got} is running; it can be cleared at rest";
     37 NotInDynamic State "axis {axis}: not available in dynamic PT mode";
-    38 NoAcceleration State "axis {axis}: {field} is 0; set the motion parameters first";
+    38 NoAcceleration State "axis {axis}: its acceleration is 0; set the motion parameters first (SetJogPrm, SetTrapPrm)";
     39 ProgramRuns State "a program is running; only reads and Stop are taken beside it";
     40 QueueFull State "the program queue is full; {high} bytes fit";
     41 NotInProgram State "this command is only for the program queue";
@@ -82,6 +82,11 @@ reasons! {
     48 TraceLost State "the trace lost rows: the link does not carry {got} rows a second";
     49 NotForProgram State "this command cannot be an entry of a program";
     50 LinkLost State "not executed: nothing came from the host for longer than the link-loss time, and the program was dropped";
+    51 NoDeceleration State "axis {axis}: its deceleration is 0; set the motion parameters first (SetTrapPrm)";
+    52 AtSoftLimit State "axis {axis} stands at its software limit of {got} pulses; it can only move away from it";
+    53 AtLimitSwitch State "axis {axis}: the limit switch in this direction is active; it can only move away from it";
+    54 SwitchPending State "axis {axis}: a FIFO switch is pending; neither FIFO can be cleared before it has happened";
+    55 StateChanged State "axis {axis} cannot start: its state has changed since the call was taken (status {got})";
     60 TableInUse State "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
     61 TableEmpty State "axis {axis}: PVT table {got} is empty";
     62 TablePlaces Range "the table does not fit: its points need more than {high} places";
@@ -106,7 +111,7 @@ reasons! {
     101 BelowMinimum Range "{field} is {got}; it must not be below the minimum, {low}";
     102 LaserFault State "laser channel {got} is kept dark by a fault: {cause}; once that is over call ClrLaserFault";
     103 LaserCause State "laser channel {got}: the cause of its fault is still there: {cause}";
-    104 LaserConnector State "laser channel {got}: axis connector {high} carries step pulses; call SetAxisMode({high}, 1) first";
+    104 LaserConnector State "laser channel {got}: axis connector {high} carries step pulses; call SetAxisMode({high}, 1) first, or choose family lsr, where it is the laser's";
     105 AnalogInUse State "analog output {got} belongs to laser channel {low}, which is in analog mode";
     106 NotInFamily Unknown "the laser connectors of this family are fixed: it has no such call";
     107 FollowTableInUse State "follow table {got} of laser channel {low} is named by an entry of a path or by the follow in force; it can be replaced when neither is there";
@@ -209,6 +214,7 @@ impl Refusal {
 /// Why an axis or a coordinate system came to rest, by the number that an event carries.
 pub const fn stop_reason(number: u16) -> &'static str {
     match number {
+        0 => "it has not moved",
         1 => "it has ended",
         2 => "a smooth Stop",
         3 => "an abrupt Stop",

@@ -6,6 +6,7 @@
 //! Nothing here knows a command: [`Request`](crate::command::Request) names the layouts.
 
 use crate::command::{Request, Wire, wire_structs};
+use crate::frame::MAX_PAYLOAD;
 use crate::reason::{Code, Reason, Refusal};
 use core::marker::PhantomData;
 use zerocopy::little_endian::{F64, I16, U16};
@@ -18,6 +19,13 @@ wire_structs! {
     /// Before each reply: number and tag of the request, return code, length of the body.
     ReplyHead { opcode: U16, tag: U16, code: I16, len: U16 }
 }
+
+/// Longest body of a request: with its head it fills a message.
+pub const BODY_MAX: usize = MAX_PAYLOAD - size_of::<RequestHead>();
+
+/// Most bytes of items that a client puts into one request; a controller takes all that a message holds. What is more
+/// goes in requests of its own, one after the other.
+pub const ITEM_BYTES: usize = 960;
 
 /// Where a request goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -33,6 +33,7 @@ const LAYOUTS: &[(&str, Fields)] = &[
     ("TraceCrdSample", trace::CrdSample::FIELDS),
     ("TraceAction", trace::Action::FIELDS),
     ("TraceOutputs", trace::Outputs::FIELDS),
+    ("TracePeriod", trace::Period::FIELDS),
     ("TraceEnd", trace::EndLayout::FIELDS),
 ];
 

@@ -7,7 +7,7 @@
 //! A row carries positions in units of 2^-22 pulse, velocities as mantissa and exponent, and powers and
 //! frequencies of lasers in units of 2^-44, exactly as the servo holds them; whoever reads makes numbers of
 //! them. Between rows come, where they are asked for, the [`Action`]s that a laser channel was told to do, and the
-//! levels of the general [`Outputs`] when they change.
+//! levels of the general [`Outputs`] when they change. A change of the servo tick is told by a [`Period`].
 
 use crate::command::{Wire, wire_structs};
 use crate::deframe::{Deframer, Outcome};
@@ -16,7 +16,7 @@ use zerocopy::little_endian::{I16, I64, U16, U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 /// Version of this stream.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 /// Most axes in a trace.
 pub const MAX_AXES: usize = 64;
 /// Most laser channels in a trace.
@@ -35,6 +35,7 @@ const END: u8 = 0x83;
 const ROW: u8 = 1;
 const ACTION: u8 = 2;
 const OUTPUTS: u8 = 3;
+const PERIOD: u8 = 4;
 
 wire_structs! {
     /// The first frame, behind its kind: servo tick in ns, ticks from row to row, clock of the laser timers,
@@ -57,6 +58,8 @@ wire_structs! {
     CrdSample { vel_mantissa: I64, vel_exponent: I16 }
     /// General outputs, bit 0 the first: their levels from `at` ns after the tick `tick` (from row 0 on).
     Outputs { tick: U32, at: U32, levels: U32 }
+    /// The servo tick from the tick `tick` (from row 0) on, ns.
+    Period { tick: U32, period_ns: U32 }
     /// A number of counts of the laser timers: whole + part/of, where 0 stands for 2^32.
     Count { whole: U64, part: U32, of: U32 }
     /// What a laser channel was told for the tick `tick` (from row 0 on), `at` ns after it. `kind`: see [`kind`].
@@ -204,6 +207,14 @@ impl Encoder {
         self.add(&[&[OUTPUTS], outputs.as_bytes()])
     }
 
+    /// Adds a change of the servo tick, behind the row of the tick from which on it holds.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn period(&mut self, period: &Period) -> Result<(), Full> {
+        self.add(&[&[PERIOD], period.as_bytes()])
+    }
+
     fn add(&mut self, parts: &[&[u8]]) -> Result<(), Full> {
         let size = parts.iter().fold(0usize, |sum, part| sum.saturating_add(part.len()));
         if self.len.saturating_add(size) > MAX_BODY {
@@ -294,6 +305,8 @@ pub enum Event<'a> {
     Action(Action),
     /// The general outputs change.
     Outputs(Outputs),
+    /// The servo tick changes.
+    Period(Period),
     /// It is over: rows sent, and rows that the controller could not send.
     End {
         /// Rows sent.
@@ -501,6 +514,10 @@ fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut
             }),
             OUTPUTS => Outputs::read_from_prefix(behind).ok().map(|(outputs, after)| {
                 sink(Ok(Event::Outputs(outputs)));
+                after
+            }),
+            PERIOD => Period::read_from_prefix(behind).ok().map(|(period, after)| {
+                sink(Ok(Event::Period(period)));
                 after
             }),
             _ => None,

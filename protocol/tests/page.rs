@@ -373,6 +373,8 @@ fn a_trace_is_that_of_the_page() {
     };
     drain(&mut encoder);
     encoder.row(0, &samples(0)).unwrap();
+    let period = trace::Period { tick: 0.into(), period_ns: 50_000.into() };
+    encoder.period(&period).unwrap();
     encoder.action(&action).unwrap();
     encoder.outputs(&outputs).unwrap();
     encoder.row(1, &samples(1)).unwrap();
@@ -397,11 +399,12 @@ fn a_trace_is_that_of_the_page() {
                 }
                 trace::Event::Action(got) => assert_eq!(got, action),
                 trace::Event::Outputs(got) => assert_eq!(got, outputs),
+                trace::Event::Period(got) => assert_eq!(got, period),
                 trace::Event::End { rows, lost } => assert_eq!((rows, lost), (2, 0)),
             }
             came += 1;
         });
     }
-    assert_eq!(came, 6);
+    assert_eq!(came, 7);
     assert!(decoder.ended());
 }

@@ -2,11 +2,11 @@
 //! agrees with the `cobs` crate, in any portions, and finds its way back after garbage.
 
 use proptest::prelude::*;
-use protocol::command::{COMMANDS, PtData, PtDataMany, PtItem};
+use protocol::command::{COMMANDS, PtData, PtDataMany, PtItem, SetCrdPrm, Wire, widths};
 use protocol::deframe::{Deframer, Outcome};
 use protocol::frame::{self, Header, MAX_PAYLOAD, MAX_WIRE};
 use protocol::link::{Endpoint, Identity, Role, State};
-use protocol::record::{Lane, RequestWriter, replies, requests};
+use protocol::record::{BODY_MAX, ITEM_BYTES, Lane, RequestWriter, replies, requests};
 use protocol::{reason, trace};
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -207,4 +207,22 @@ fn frames_of_every_length_survive() {
     }
     assert_eq!(frame::encode(Header::default(), &[0; MAX_PAYLOAD + 1], &mut [0; 2 * MAX_WIRE]), None);
     assert_eq!(frame::encode(Header::default(), &[], &mut [0; 4]), None);
+}
+
+/// What a client packs into one request, a message holds, whatever the command.
+#[test]
+fn items_fit_behind_every_head() {
+    let mut carriers = 0;
+    for command in COMMANDS.iter().filter(|command| !command.items.is_empty()) {
+        let (head, item) = (widths(command.fields), widths(command.items));
+        assert!(head + ITEM_BYTES / item * item <= BODY_MAX, "{}: {head} bytes, items of {item}", command.name);
+        let body = vec![0; BODY_MAX];
+        let mut message = [0; MAX_PAYLOAD];
+        RequestWriter::new(&mut message).push_raw(command.opcode, Lane::Program, 1, &[&body]).unwrap();
+        assert_eq!(requests(&message).next().unwrap().unwrap().body.len(), BODY_MAX);
+        carriers += 1;
+    }
+    assert!(carriers > 10, "{carriers}");
+    assert_eq!(widths(<PtDataMany as Wire>::FIELDS), size_of::<PtDataMany>());
+    assert_eq!(widths(<SetCrdPrm as Wire>::FIELDS), size_of::<SetCrdPrm>());
 }

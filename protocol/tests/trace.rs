@@ -117,6 +117,7 @@ fn read_of(wire: &[u8], (axes, lasers, crds): (usize, usize, usize)) -> (u32, u3
                     systems.iter().enumerate().all(|(n, id)| usize::from(id.core) * 2 + usize::from(id.crd) == n + 1)
                 );
             }
+            Ok(Event::Period(_)) => panic!("the tick did not change"),
             Ok(Event::End { .. }) => {}
             Err(error) => errors.push(error),
         });

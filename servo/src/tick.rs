@@ -308,11 +308,19 @@ impl<const AXES: usize> Tick<AXES> {
 
         self.now = next;
         if period != self.period {
-            (self.period, self.step_limit) = (period, in_a_tick(self.limit_per_us, period.0));
+            self.renew_period(period, &mut lanes.samples);
         }
         self.ticks = self.ticks.wrapping_add(1);
         self.show(port, lanes.view.buffer());
         lanes.view.publish();
+    }
+
+    /// The ticks behind the one that was computed have another period.
+    #[cold]
+    #[inline(never)]
+    fn renew_period(&mut self, period: Ns, samples: &mut Producer<'_, Sample, SAMPLES>) {
+        (self.period, self.step_limit) = (period, in_a_tick(self.limit_per_us, period.0));
+        self.trace.tell_period(period.0 as u32, samples);
     }
 
     /// The interlock opens or closes: the lasers see it by themselves, motion brakes as it is to.

@@ -131,6 +131,13 @@ impl Trace {
         }
     }
 
+    /// From the tick that was computed on, the ticks have this period.
+    pub(crate) fn tell_period(&mut self, ns: u32, samples: &mut Producer<'_, Sample, SAMPLES>) {
+        if self.every != 0 {
+            self.put(Sample { row: self.tick, of: Traced::Period { ns } }, samples);
+        }
+    }
+
     /// A channel's plan for the interval that begins with the next tick.
     #[inline]
     pub(crate) fn tell(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {

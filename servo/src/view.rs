@@ -500,6 +500,11 @@ pub enum Traced {
         /// Which channel, from 0.
         channel: u8,
     },
+    /// From the tick `row` (ticks since row 0) on, the ticks have another period. It comes behind the row of that tick.
+    Period {
+        /// ns.
+        ns: u32,
+    },
     /// The general outputs have these levels from here on: like an action, before the row of the tick `row`.
     Outputs {
         /// ns from the beginning of the interval.

@@ -64,13 +64,7 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         | opcode::GetFollowStatusEx => {
             // They all have the same two fields.
             let r: GetFollowMaster = one(body)?;
-            let axis = following(case, mode, r.core.get(), r.profile.get())?;
-            if matches!(number, opcode::GetFollowMaster | opcode::GetFollowMasterEx)
-                && case.book(axis).follow.master.is_none()
-            {
-                return Err(case.no(Reason::NoMaster, axis));
-            }
-            Ok(query(number, axis))
+            following(case, mode, r.core.get(), r.profile.get()).map(|axis| query(number, axis))
         }
         other => Err(Refused::new(Reason::UnknownCommand).got(other.into())),
     }
@@ -191,9 +185,12 @@ fn clear<const AXES: usize>(case: &mut Case<AXES>, mode: Mode, r: &FollowClear) 
     let fifo = choice(2, r.fifo.get(), 0, 1)? as u8;
     let (book, seen) = (case.book(axis), case.seen(axis));
     known(case, axis, 2)?;
-    let switching = case.decided && seen.switching;
-    if case.may_run(axis) && (switching || book.running_fifo(case.view, seen) == fifo) {
-        return Err(case.no(Reason::FifoInUse, axis).field(2).got(fifo.into()));
+    if case.may_run(axis) {
+        let running = book.running_fifo(case.view, seen) == fifo;
+        if running || case.decided && seen.switching {
+            let reason = if running { Reason::FifoInUse } else { Reason::SwitchPending };
+            return Err(case.no(reason, axis).field(2).got(fifo.into()));
+        }
     }
     case.stage_with(Op::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo });
     Ok(Answer::Done)

@@ -114,11 +114,11 @@ pub fn input<const AXES: usize>(
     Ok((input, first + index, choice(field + 2, value, 0, 1)? == 1))
 }
 
-/// The first of `count` channels from 1, checked against how many there are.
+/// The first of `count` channels from 1 (fields 1, 2), and how many of them there are: a read may reach past the last one.
 fn channels(first: i16, count: i16, have: u8) -> Admitted<(u8, u8)> {
     let have = i16::from(have.min(8));
     let first = choice(1, first, 1, have)?;
-    let count = choice(2, count, 1, have - first + 1)?;
+    let count = choice(2, count, 1, i16::MAX)?.min(have - first + 1);
     Ok((first as u8 - 1, count as u8))
 }
 
@@ -147,7 +147,8 @@ pub fn set_analog<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admi
     let (request, values) = many::<SetDac>(body, |r| r.count.get())?;
     case.core(request.core.get())?;
     let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
-    let (first, _) = channels(request.dac.get(), count, case.board.analog_outputs)?;
+    let (first, have) = channels(request.dac.get(), count, case.board.analog_outputs)?;
+    choice(2, count, 1, i16::from(have))?;
     free_analog(case, 1, first, values.len())?;
     for (channel, value) in (first..).zip(values) {
         let value = value.value.get();

@@ -125,7 +125,8 @@ pub fn update<const AXES: usize>(case: &mut Case<AXES>, r: &Update) -> Admitted<
             _ => (book.jog.acc.get(), book.jog.acc.get()),
         };
         if acc == 0.0 || dec == 0.0 {
-            return Err(case.no(Reason::NoAcceleration, axis));
+            let reason = if acc == 0.0 { Reason::NoAcceleration } else { Reason::NoDeceleration };
+            return Err(case.no(reason, axis));
         }
     }
     all_startable(case, axes)?;

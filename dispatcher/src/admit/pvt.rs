@@ -2,13 +2,13 @@
 use super::axis::all_startable;
 use super::query;
 use crate::books::Change;
-use crate::case::{Answer, Case, Query};
+use crate::case::{Answer, Case, Query, ones};
 use crate::refuse::{Admitted, Refused, choice, within};
 use crate::tables::TABLES;
 use protocol::command::{GetPvtLoop, PrfPvt, PvtStart, PvtStatus, PvtTableSelect, SetPvtLoop, opcode};
 use protocol::reason::Reason;
 use servo::op::{Mode, Op};
-use servo::units::Axis;
+use servo::units::{Axis, AxisMask};
 
 /// Index over all cores of a table that the user calls by its number in its core.
 pub fn table<const AXES: usize>(case: &Case<AXES>, core: i16, field: u8, number: i16) -> Admitted<u8> {
@@ -56,9 +56,8 @@ pub fn passes<const AXES: usize>(case: &mut Case<AXES>, r: &GetPvtLoop) -> Admit
 
 /// Tables and times of consecutive axes in one tick.
 pub fn status<const AXES: usize>(case: &mut Case<AXES>, r: &PvtStatus) -> Admitted<Answer> {
-    let (core, profile, count) = (r.core.get(), r.profile.get(), r.count.get());
-    let (first, number) = case.span(core, profile, count)?;
-    for axis in case.each(case.span_mask(core, profile, count)?) {
+    let (first, number) = case.span(r.core.get(), r.profile.get(), r.count.get())?;
+    for axis in case.each(AxisMask(ones(usize::from(number)) << first.index())) {
         case.in_mode(axis, case.book(axis).mode == Mode::Pvt)?;
     }
     Ok(Answer::Read(Query { opcode: opcode::PvtStatus, first: first.index() as u8, count: number, which: 0 }))
@@ -72,14 +71,12 @@ fn not_empty<const AXES: usize>(case: &Case<AXES>, axis: Axis, table: u8) -> Adm
     }
 }
 
-/// At rest any table, which may be filled later; while the axis runs one that it can go on with.
+/// Takes effect at once at rest, else when the pass in force ends. The table holds points (GXN command 46).
 pub fn select<const AXES: usize>(case: &mut Case<AXES>, r: &PvtTableSelect) -> Admitted<Answer> {
     let axis = pvt_axis(case, r.core.get(), r.profile.get())?;
     let table = table(case, r.core.get(), 2, r.table.get())?;
     let pending = case.may_run(axis);
-    if pending {
-        not_empty(case, axis, table)?;
-    }
+    not_empty(case, axis, table)?;
     case.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending });
     Ok(Answer::Done)
 }

@@ -12,15 +12,16 @@ use crate::case::Case;
 use crate::refuse::{Admitted, Refused};
 use crate::tables::{Beside, Draft, Fields, Kind, Scratch, VALUES};
 use protocol::command::{
-    PvtContinuousCalculate, PvtPercentCalculate, PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx,
-    PvtTablePercent, Wire, opcode,
+    PvtContinuousCalculate, PvtContinuousPoint, PvtPercentCalculate, PvtPercentPoint, PvtTable, PvtTableComplete,
+    PvtTableContinuous, PvtTableEx, PvtTablePercent, Wire, opcode,
 };
 use protocol::reason::Reason;
 use servo::pvt::{HEADER_WORDS, PlaceStore, TABLES, TableStores, Tables};
 use servo::units::StepLimit;
 
-/// Most points of a chunk: what a message holds of the shortest kind that has an answer.
-pub const CHUNK: usize = protocol::MAX_PAYLOAD / 24;
+/// Most points of a chunk that are answered: what a message holds of them. A chunk of a table may be as long as its message.
+pub const CHUNK: usize = protocol::record::BODY_MAX / size_of::<PvtPercentPoint>();
+const _: () = assert!(size_of::<PvtPercentPoint>() <= size_of::<PvtContinuousPoint>());
 
 /// What a command's number says of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,13 +112,12 @@ impl<'b> Chunk<'b> {
         Ok(chunk)
     }
 
-    /// The points, if there are any and not too many.
+    /// The points, if there are any.
     fn points(&self) -> Admitted<impl Iterator<Item = ([f64; VALUES], usize)> + 'b> {
         let values = self.key.kind.values();
         let width = values * size_of::<f64>();
-        let count = self.points.len() / width;
-        if count == 0 || count > CHUNK {
-            return Err(super::length(self.len, self.len - self.points.len() + count.clamp(1, CHUNK) * width));
+        if self.points.is_empty() {
+            return Err(super::length(self.len, self.len + width));
         }
         Ok(self.points.chunks_exact(width).map(move |point| {
             let mut numbers = [0.0; VALUES];

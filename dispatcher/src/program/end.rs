@@ -206,10 +206,10 @@ fn is_final(reason: Reason) -> bool {
         AboveLow, AboveVelMax, AnalogInUse, AxisGoesAlong, AxisInCrd, AxisLeftCrd, BelowMinimum, Between, BeyondTravel,
         CentreOff, CentreOnStart, CoordinateMissing, CoordinateTwice, CrdEmpty, CrdNotOnBoard, CrdNotSet, FifoEmpty,
         GearsFull, LaserConnector, LaserNotMapped, Length, NegativeProgress, NoAcceleration, NoCoordinate,
-        NoDisplacement, NoIndex, NoLaserOutput, NoLength, NotAboveMinimum, NotFinite, NotForProgram, NotInDynamic,
-        NotInFamily, NotInProgram, NotInitialised, OutOfRange, OwnMaster, PlaneAxis, PlaneX, PlaneY, PointOfAxis,
-        PointTime, RadiusTooLarge, RadiusTooSmall, Selector, ServoOff, SlowPulses, StepLimit, TablePlaces, TableRange,
-        TableShort, TooMany, UnknownCommand, VelocityUnreachable, WrongMode,
+        NoDeceleration, NoDisplacement, NoIndex, NoLaserOutput, NoLength, NotAboveMinimum, NotFinite, NotForProgram,
+        NotInDynamic, NotInFamily, NotInProgram, NotInitialised, OutOfRange, OwnMaster, PlaneAxis, PlaneX, PlaneY,
+        PointOfAxis, PointTime, RadiusTooLarge, RadiusTooSmall, Selector, ServoOff, SlowPulses, StepLimit, TablePlaces,
+        TableRange, TableShort, TooMany, UnknownCommand, VelocityUnreachable, WrongMode,
     };
     matches!(
         reason,
@@ -265,6 +265,7 @@ fn is_final(reason: Reason) -> bool {
             | ServoOff
             | NotInDynamic
             | NoAcceleration
+            | NoDeceleration
             | NotInProgram
             | NotInitialised
             | NotForProgram

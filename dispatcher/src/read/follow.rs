@@ -8,6 +8,9 @@ use servo::units::Axis;
 use servo::view::AxisView;
 use zerocopy::IntoBytes;
 
+/// What GetFollowMaster tells before SetFollowMaster: no axis, and the type and item that are left out (PROFILE, 0).
+const NO_MASTER: [i16; 3] = [0, 2, 0];
+
 impl<const AXES: usize> Reading<'_, AXES> {
     /// Reads of an axis that follows.
     pub(super) fn follow(
@@ -22,7 +25,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         let mut say = |reply: &[u8]| out.push_raw(query.opcode, tag, 0, &[reply]);
         match query.opcode {
             opcode::GetFollowMaster | opcode::GetFollowMasterEx => {
-                let [index, kind, item] = follow.master.map_or([0; 3], |(_, given)| given);
+                let [index, kind, item] = follow.master.map_or(NO_MASTER, |(_, given)| given);
                 let reply = command::FollowMasterReply {
                     master_index: index.into(),
                     master_type: kind.into(),

@@ -1,5 +1,7 @@
 //! The command line.
+use clap::builder::RangedI64ValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use trace::AxisName;
 
@@ -46,8 +48,15 @@ pub enum Command {
     Info(Info),
 }
 
+/// Servo ticks of the boards, us.
+pub const TICKS_US: RangeInclusive<u32> = 10..=1000;
+
+fn tick_parser() -> RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(i64::from(*TICKS_US.start())..=i64::from(*TICKS_US.end()))
+}
+
 /// Families of the laser manuals.
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FamilyName {
     /// The GUS controllers.
     Gus,
@@ -58,8 +67,8 @@ pub enum FamilyName {
 /// The controller's settings.
 #[derive(Debug, Clone, Args)]
 pub struct Settings {
-    /// Servo tick in µs.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1000))]
+    /// Servo tick in µs. A job may say it by `#pragma tick`, family and profile likewise.
+    #[arg(long, value_name = "N", value_parser = tick_parser())]
     pub tick_us: Option<u32>,
     /// Family, which decides where the two laser manuals differ. Without it a job runs in gus, and `info` leaves the
     /// controller in its own.
@@ -212,7 +221,7 @@ pub struct Serve {
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:5000")]
     pub listen: String,
     /// Servo tick at power-on in µs.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1000))]
+    #[arg(long, value_name = "N", value_parser = tick_parser())]
     pub tick_us: Option<u32>,
     #[command(flatten)]
     #[allow(missing_docs)]

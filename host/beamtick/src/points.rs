@@ -3,36 +3,21 @@
 //! In: a call. Out: calls that follow each other, each with the index of its first point, or the number of its axes.
 //! Calls of other commands stay as they are.
 use client::Call;
-use protocol::command::{ConfigItem, LoadConfig, Request, info};
+use protocol::command::{ConfigItem, LoadConfig, Request, info, widths};
+use protocol::record::ITEM_BYTES;
 use zerocopy::{FromBytes, IntoBytes};
-
-/// Bytes of points in a record.
-const POINTS: usize = 960;
-
-/// Bytes of a field.
-fn size(of: &str) -> usize {
-    let array = of.strip_prefix('[').and_then(|of| of.strip_suffix(']')).and_then(|of| of.split_once("; "));
-    match (array, of) {
-        (Some((of, count)), _) => size(of) * count.parse::<usize>().unwrap_or(0),
-        (None, "F64" | "U64") => 8,
-        (None, "I32" | "U32") => 4,
-        (None, "I16" | "U16") => 2,
-        _ => 1,
-    }
-}
 
 /// Head, point, and place of `first` of a command that carries points: it has such a field.
 fn layout(number: u16) -> Option<(usize, usize, usize)> {
     let command = info(number)?;
     let place = command.fields.iter().position(|(name, _)| *name == "first")?;
-    let bytes = |fields: &[(&str, &str)]| fields.iter().map(|(_, of)| size(of)).sum();
-    Some((bytes(command.fields), bytes(command.items), bytes(command.fields.get(..place)?)))
+    Some((widths(command.fields), widths(command.items), widths(command.fields.get(..place)?)))
 }
 
 /// A configuration of many axes as several of fewer. Each is refused or loaded as a whole.
 fn configurations(call: Call) -> Vec<Call> {
     let Ok((head, items)) = LoadConfig::read_from_prefix(&call.payload) else { return vec![call] };
-    let each = POINTS / size_of::<ConfigItem>();
+    let each = ITEM_BYTES / size_of::<ConfigItem>();
     if items.len() <= each * size_of::<ConfigItem>() {
         return vec![call];
     }
@@ -50,10 +35,10 @@ pub fn records(call: Call) -> Vec<Call> {
     }
     let Some((head, point, first)) = layout(call.opcode) else { return vec![call] };
     let Some((head, points)) = call.payload.split_at_checked(head) else { return vec![call] };
-    if points.len() <= POINTS {
+    if points.len() <= ITEM_BYTES {
         return vec![call];
     }
-    let each = POINTS / point;
+    let each = ITEM_BYTES / point;
     let record = |(number, part): (usize, &[u8])| {
         let mut payload = [head, part].concat();
         let index = u16::try_from(number * each).unwrap_or(u16::MAX);

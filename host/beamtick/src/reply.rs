@@ -1,5 +1,6 @@
 //! Packed requests and replies as text, by the protocol's own table.
-use protocol::command::{COMMANDS, Request, SetLaserDisTable1D, SetLaserDisTable2D};
+use protocol::command::{COMMANDS, CommandInfo, Request, SetLaserDisTable1D, SetLaserDisTable2D, widths};
+use protocol::reason::stop_reason;
 
 /// Fields of `bytes`, as far as they reach.
 fn fields(layout: &[(&'static str, &'static str)], bytes: &mut &[u8]) -> Vec<(&'static str, String)> {
@@ -44,8 +45,19 @@ pub fn request(opcode: u16, mut body: &[u8]) -> String {
     text.join(", ")
 }
 
-/// What a reply says: `name value`, a value for each item.
-pub fn reply(opcode: u16, mut body: &[u8]) -> String {
+/// Items that a read asks for; none for a command whose items go in pieces.
+fn asked(info: &CommandInfo, mut request: &[u8]) -> usize {
+    let values = fields(info.fields, &mut request);
+    let value = |wanted: &str| values.iter().find(|(name, _)| *name == wanted).map(|(_, value)| value);
+    match (value("count"), value("first")) {
+        (Some(count), None) if !info.reply_items.is_empty() => count.parse().unwrap_or(0),
+        _ => 0,
+    }
+}
+
+/// What the reply to a request says: `name value`, a value for each item that was asked for. What lies past the last axis
+/// is 0.
+pub fn reply(opcode: u16, request: &[u8], mut body: &[u8]) -> String {
     let Some(info) = COMMANDS.iter().find(|info| info.opcode == opcode) else { return String::new() };
     let mut text: Vec<String> = Vec::new();
     for (name, value) in fields(info.reply, &mut body) {
@@ -56,11 +68,18 @@ pub fn reply(opcode: u16, mut body: &[u8]) -> String {
             _ => text.push(format!("{name} {value}")),
         }
     }
-    while !body.is_empty() {
-        let item = fields(info.reply_items, &mut body);
+    let nothing = vec![0; widths(info.reply_items)];
+    let mut left = asked(info, request);
+    let mut rest = body;
+    while !rest.is_empty() || left > 0 {
+        if rest.is_empty() {
+            rest = &nothing;
+        }
+        let item = fields(info.reply_items, &mut rest);
         if item.is_empty() {
             break;
         }
+        left = left.saturating_sub(1);
         let values: Vec<String> = item.into_iter().map(|(_, value)| value).collect();
         let shown = values.join("/");
         text.push(match shown.parse::<i32>() {
@@ -69,6 +88,14 @@ pub fn reply(opcode: u16, mut body: &[u8]) -> String {
         });
     }
     text.join(" ")
+}
+
+/// Why motion stopped, of a reply that tells it: the number and the text.
+pub fn stop(opcode: u16, mut body: &[u8]) -> Option<String> {
+    let info = COMMANDS.iter().find(|info| info.opcode == opcode)?;
+    let values = fields(&[info.reply, info.reply_items].concat(), &mut body);
+    let (_, number) = values.iter().find(|(name, _)| *name == "reason")?;
+    Some(format!("{number} ({})", stop_reason(number.parse().ok()?)))
 }
 
 /// What a laser command did not take as it was given: a text for each bit of its reply's `held`.
@@ -133,16 +160,18 @@ mod tests {
             fifo: 0.into(),
         };
         assert_eq!(request(PtData::OPCODE, data.as_bytes()), "core 1, profile 2, pos 0.5, time_ms 16, kind 2, fifo 0");
-        assert_eq!(reply(PtSpace::OPCODE, Short { value: 32.into() }.as_bytes()), "32");
+        assert_eq!(reply(PtSpace::OPCODE, &[], Short { value: 32.into() }.as_bytes()), "32");
         let mut bytes = Reals { clock_ms: 5.into(), count: 2.into() }.as_bytes().to_vec();
         bytes.extend([Real { value: 1.5.into() }, Real { value: (-2.0).into() }].as_bytes());
-        assert_eq!(reply(GetPrfPos::OPCODE, &bytes), "1.5 -2");
+        assert_eq!(reply(GetPrfPos::OPCODE, &[], &bytes), "1.5 -2");
         let mut bytes = Reals { clock_ms: 5.into(), count: 1.into() }.as_bytes().to_vec();
         bytes.extend(Long { value: 0xa00.into() }.as_bytes());
-        assert_eq!(reply(GetSts::OPCODE, &bytes), "0xa00");
+        assert_eq!(reply(GetSts::OPCODE, &[], &bytes), "0xa00");
+        let past = GetSts { core: 1.into(), axis: 8.into(), count: 3.into() };
+        assert_eq!(reply(GetSts::OPCODE, past.as_bytes(), &bytes), "0xa00 0x0 0x0");
         let jog = JogPrm { acc: 1.0.into(), dec: 0.5.into(), smooth: 0.0.into() };
-        assert_eq!(reply(GetJogPrm::OPCODE, jog.as_bytes()), "acc 1 dec 0.5 smooth 0");
-        assert_eq!(reply(PtSpace::OPCODE, &[1]), "");
+        assert_eq!(reply(GetJogPrm::OPCODE, &[], jog.as_bytes()), "acc 1 dec 0.5 smooth 0");
+        assert_eq!(reply(PtSpace::OPCODE, &[], &[1]), "");
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::source::Source;
 use crate::{interrupt, printer, profile, reply};
 use client::{Answer, Dry, Error, Observer, Progress};
 use indicatif::{ProgressBar, ProgressStyle};
+use job::api::{self, Function};
 use job::{Action, Severity};
 use protocol::command::{AxisStatus, LaserStatus, VersionReply};
 use protocol::reason::{Reason, Refusal};
@@ -129,17 +130,25 @@ impl<'a> Report<'a> {
         if call.outs.is_empty() || self.quiet {
             return;
         }
-        let names: Vec<&str> = call.outs.iter().map(|out| out.variable.as_str()).collect();
+        let tells_stop = api::function(bare(&call.function)).is_some_and(Function::tells_stop);
+        let stop = reply::stop(answer.opcode, &answer.reply).filter(|_| tells_stop);
+        let names: Vec<String> = call.outs.iter().map(|out| job::tidy(&format!("`{}`", out.variable))).collect();
+        let names: Vec<&str> = names.iter().map(|name| name.trim_matches('`')).collect();
         let text = format!(
             "{}:{}: {} {} = {}",
             self.source.name,
             step.line,
             call.function,
             names.join(", "),
-            reply::reply(answer.opcode, &answer.reply)
+            stop.unwrap_or_else(|| reply::reply(answer.opcode, &call.body, &answer.reply))
         );
         self.bar.suspend(|| say!("{text}"));
     }
+}
+
+/// A function's name without its prefix.
+fn bare(name: &str) -> &str {
+    name.strip_prefix("GTN_").or(name.strip_prefix("GT_")).unwrap_or(name)
 }
 
 /// Ends the waiting for the program once a signal has come.

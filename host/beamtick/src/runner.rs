@@ -47,18 +47,20 @@ type Tape = Arc<Mutex<Option<Recording>>>;
 /// Runs a job in the virtual controller.
 pub fn sim(arguments: &Sim) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
+    let settings = source.settings(&arguments.settings)?;
     output::check(&source.files, &arguments.outputs.files())?;
-    let client = simulated(&arguments.settings, arguments.steps, Some(profile::of_job(&source.job)))?;
+    let client = simulated(&settings, arguments.steps, Some(profile::of_job(&source.job)))?;
     execute(&source, &client, true, &arguments.outputs)
 }
 
 /// Runs a job on a board: over `link`, or over the one that the command line names.
 pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> {
     let source = Source::open(&arguments.job)?;
+    let settings = source.settings(&arguments.settings)?;
     output::check(&source.files, &arguments.outputs.files())?;
     let profile = profile::of_job(&source.job);
     let link = link.map_or_else(|| named(&arguments.link, &arguments.way), Ok)?;
-    let client = linked(link, &arguments.settings, Some(profile))?;
+    let client = linked(link, &settings, Some(profile))?;
     execute(&source, &client, false, &arguments.outputs)
 }
 

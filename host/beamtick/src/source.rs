@@ -1,6 +1,8 @@
 //! A job file: its text, what it compiles to, and how places in it are shown.
 use crate::Failure;
-use job::{Diagnostic, Files, Folder, Job, Severity, Step};
+use crate::command_line::{FamilyName, Settings, TICKS_US};
+use client::{Family, Profile};
+use job::{Diagnostic, Files, Folder, Job, Pragma, Severity, Step};
 use std::cell::RefCell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -41,7 +43,10 @@ impl Source {
             Failure::Input(format!("{name}:{line}: the file is not UTF-8 text; save it as UTF-8"))
         })?;
         let files = Noted { folder: Folder::of(path), read: RefCell::new(vec![path.to_owned()]) };
-        match job::compile(&text, &files) {
+        match job::compile(&text, &files).and_then(|job| match unknown_values(&job) {
+            wrong if wrong.is_empty() => Ok(job),
+            wrong => Err(wrong),
+        }) {
             Ok(job) => {
                 for warning in &job.warnings {
                     complain!("{}", show(warning, &name, &text).trim_end());
@@ -60,6 +65,44 @@ impl Source {
         }
     }
 
+    /// The settings of the command line with those that the job's pragmas stand for.
+    ///
+    /// # Errors
+    /// An option that says otherwise than its pragma.
+    pub fn settings(&self, given: &Settings) -> Result<Settings, Failure> {
+        let mut settings = given.clone();
+        for pragma in &self.job.pragmas {
+            let Ok(value) = value(pragma) else { continue };
+            let (option, said) = match value {
+                Value::Family(family) => {
+                    let said = settings.family.filter(|said| *said != family).map(|said| match said {
+                        FamilyName::Gus => "gus".to_owned(),
+                        FamilyName::Lsr => "lsr".to_owned(),
+                    });
+                    settings.family = Some(family);
+                    ("--family", said)
+                }
+                Value::Profile(profile) => {
+                    let said = settings.profile.filter(|said| !said.eq_ignore_ascii_case(profile.name()));
+                    settings.profile = Some(profile.name().to_owned());
+                    ("--profile", said)
+                }
+                Value::Tick(us) => {
+                    let said = settings.tick_us.filter(|said| *said != us).map(|said| said.to_string());
+                    settings.tick_us = Some(us);
+                    ("--tick-us", said)
+                }
+            };
+            if let Some(said) = said {
+                let message =
+                    format!("{option} {said} is given, and the job says #pragma {} {}", pragma.name, pragma.value);
+                let wrong = complaint(pragma, message, "leave out one of them, or let them agree".to_owned());
+                return Err(Failure::Input(show(&wrong, &self.name, &self.text)));
+            }
+        }
+        Ok(settings)
+    }
+
     /// A message about one step, with the script's line.
     pub fn show(&self, step: &Step, severity: Severity, message: String, help: &str) -> String {
         let diagnostic = Diagnostic {
@@ -72,6 +115,47 @@ impl Source {
         };
         show(&diagnostic, &self.name, &self.text)
     }
+}
+
+/// What a pragma says.
+enum Value {
+    Family(FamilyName),
+    Profile(Profile),
+    Tick(u32),
+}
+
+/// The value of a pragma, or what is allowed.
+fn value(pragma: &Pragma) -> Result<Value, String> {
+    let text = pragma.value.as_str();
+    match pragma.name {
+        "family" => match Family::named(text) {
+            Some(Family::Gus) => Ok(Value::Family(FamilyName::Gus)),
+            Some(Family::Lsr) => Ok(Value::Family(FamilyName::Lsr)),
+            None => Err("families are gus and lsr".to_owned()),
+        },
+        "profile" => Profile::named(text).map(Value::Profile).ok_or_else(|| {
+            let known: Vec<&str> = Profile::ALL.iter().map(|(_, name)| *name).collect();
+            format!("profiles are {}", known.join(", "))
+        }),
+        _ => match text.parse() {
+            Ok(us) if TICKS_US.contains(&us) => Ok(Value::Tick(us)),
+            _ => Err(format!("it is a whole number of us from {} to {}", TICKS_US.start(), TICKS_US.end())),
+        },
+    }
+}
+
+/// Pragmas whose value nothing has.
+fn unknown_values(job: &Job) -> Vec<Diagnostic> {
+    let wrong = |pragma: &Pragma| {
+        let help = value(pragma).err()?;
+        Some(complaint(pragma, format!("#pragma {} has the value `{}`", pragma.name, pragma.value), help))
+    };
+    job.pragmas.iter().filter_map(wrong).collect()
+}
+
+fn complaint(pragma: &Pragma, message: String, help: String) -> Diagnostic {
+    let Pragma { line, column, ref span, .. } = *pragma;
+    Diagnostic { severity: Severity::Error, line, column, span: span.clone(), message, help: Some(help) }
 }
 
 fn show(diagnostic: &Diagnostic, name: &str, text: &str) -> String {

@@ -336,3 +336,103 @@ fn times_of_a_plot_are_checked_before_the_job_runs() {
     sim("pt_static.gts", &["--plot", &plot, "--from", "1000.1", "--to", "1000.2", "--tick-us", "1000"]);
     assert!(Path::new(&plot).exists());
 }
+
+/// A job of its own, with more words behind it.
+fn job(text: impl AsRef<[u8]>, words: &[&str]) -> (String, String, i32) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("own.gts");
+    fs::write(&path, text).unwrap();
+    beamtick(&[&["sim", path.to_str().unwrap()], words].concat())
+}
+
+#[test]
+fn pragmas_stand_for_options() {
+    let text = "#pragma family lsr\n#pragma profile gtn-016\n#pragma tick 100\nGT_PrfTrap(1);\n";
+    for words in [&[][..], &["--family", "lsr", "--profile", "GTN-016", "--tick-us", "100"]] {
+        let (out, errors, code) = job(text, words);
+        assert_eq!((code, errors.as_str()), (0, ""), "{out}");
+        assert!(out.contains("profile gtn-016") && out.contains("servo tick 100 us"), "{out}");
+    }
+    // The family decides: LSR takes the nearest bound, GUS refuses.
+    let power = "GT_LaserPowerMode(0, 150, 0);\n";
+    assert_eq!(job(format!("#pragma family lsr\n{power}"), &[]).2, 0);
+    assert_eq!(job(format!("#pragma family gus\n{power}"), &[]).2, 1);
+    // An option that says otherwise.
+    for (words, says, place) in [
+        (["--family", "gus"], "--family gus is given, and the job says #pragma family lsr", ":1:1"),
+        (["--profile", "gus"], "--profile gus is given, and the job says #pragma profile gtn-016", ":2:1"),
+        (["--tick-us", "250"], "--tick-us 250 is given, and the job says #pragma tick 100", ":3:1"),
+    ] {
+        let (_, errors, code) = job(text, &words);
+        assert_eq!(code, 2, "{errors}");
+        assert!(errors.contains(says) && errors.contains(place), "{errors}");
+    }
+    // What nothing has, with what there is.
+    for (text, says, allowed) in [
+        ("#pragma family gts\n", "#pragma family has the value `gts`", "families are gus and lsr"),
+        ("#pragma profile gtn-999\n", "#pragma profile has the value `gtn-999`", "gus, gtn-016, gtn-024, gsn-008-lt"),
+        ("#pragma tick 9\n", "#pragma tick has the value `9`", "from 10 to 1000"),
+        ("#pragma tick 1001\n", "`1001`", "from 10 to 1000"),
+        ("#pragma tick fast\n", "`fast`", "from 10 to 1000"),
+        ("#pragma tick\n", "#pragma tick needs a value", ""),
+        (
+            "#pragma tick 50\n#pragma tick 100\n",
+            "#pragma tick is `100` here and `50` in line 1",
+            "leave one of them out",
+        ),
+    ] {
+        let (_, errors, code) = job(text, &[]);
+        assert_eq!(code, 2, "{text}: {errors}");
+        assert!(errors.contains(says) && errors.contains(allowed), "{text}: {errors}");
+    }
+    let (_, errors, code) = job("#pragma once\n", &[]);
+    assert_eq!(code, 0, "{errors}");
+    assert!(
+        errors.contains("this pragma is ignored") && errors.contains("continue, family, profile and tick"),
+        "{errors}"
+    );
+}
+
+#[test]
+fn messages_show_no_control_characters_and_quote_little() {
+    let long = "x".repeat(50_000);
+    for text in [
+        "GT_Foo\u{0}bar(1);\n".to_owned(),
+        "GT_LoadConfig(\"a\u{1b}[2J\u{7}\u{0}b.cfg\");\n".to_owned(),
+        "/* \u{0}\u{1b}]0;x\u{7} */ GT_Foo(1);\n".to_owned(),
+        "#pragma family \u{8}\u{8}gus\n".to_owned(),
+        format!("GT_{long}(1);\n"),
+        format!("GT_LoadConfig(\"{long}\");\n"),
+        format!("#pragma family {long}\n"),
+        format!("/* {long} */ GT_Foo(1);\n"),
+        format!("GT_PrfPt({long});\n"),
+        format!("GT_SetPos(99, 1{});\n", "+1".repeat(20_000)),
+    ] {
+        let (out, errors, code) = job(&text, &[]);
+        let odd = |letter: char| letter.is_control() && letter != '\n';
+        let head: String = text.chars().take(60).collect();
+        assert!(code == 1 || code == 2, "{head:?}: {code} {errors}");
+        assert!(!errors.contains(odd) && !out.contains(odd), "{head:?}: {errors:?}");
+        let longest = errors.split(|letter| letter != 'x').map(str::len).max().unwrap_or(0);
+        assert!(longest <= 80, "{head:?}: {longest} of {long:.10}…");
+        assert!(errors.len() < 3000, "{head:?}: {} bytes", errors.len());
+    }
+}
+
+#[test]
+fn why_motion_has_stopped_is_read_by_a_job() {
+    let text = "short reason; char text[80]; TCrdPrm prm; memset(&prm, 0, sizeof(prm)); prm.dimension = 1; prm.profile[2] = 1; \
+                prm.synVelMax = 10; prm.synAccMax = 1; GT_SetCrdPrm(1, &prm);\nGT_AxisOn(1);\nGT_PrfPt(1, PT_MODE_DYNAMIC);\nGT_GetStopReason(1, &reason);\n\
+                GT_PtData(1, 10, 10);\nGT_PtStart(1);\nWaitStop(1);\nSleep(1);\nGT_GetStopReason(1, &reason, text, 80);\n\
+                GTN_GetCrdStopReason(1, 1, &reason);\ndouble pos[4];\nGT_GetPrfPos(8, pos, 3);\n";
+    let (out, errors, code) = job(text, &[]);
+    assert_eq!(code, 0, "{errors}");
+    for says in [
+        ":4: GT_GetStopReason reason = 0 (it has not moved)",
+        ":9: GT_GetStopReason reason, text = 10 (an underrun)",
+        ":10: GTN_GetCrdStopReason reason = 0 (it has not moved)",
+        ":12: GT_GetPrfPos pos = 0 0 0",
+    ] {
+        assert!(out.lines().any(|line| line.ends_with(says)), "{says}: {out}");
+    }
+}

@@ -5,11 +5,10 @@
 //! session, 3 when versions differ, −5 when a message is no row of replies.
 use crate::call::Call;
 use crate::error::{self, Error, Result};
-use protocol::MAX_PAYLOAD;
 use protocol::command::{SetLinkLoss, opcode};
 use protocol::frame::Busy;
 use protocol::link::{ALIVE_NS, Counters, Endpoint, Identity, KEEP_ALIVE_NS, Role, State};
-use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
+use protocol::record::{BODY_MAX, Lane, RequestWriter, TRACE_RECORD, replies};
 use std::collections::{HashMap, VecDeque};
 use zerocopy::FromBytes;
 
@@ -97,10 +96,14 @@ impl Session {
 
     /// Queues a call; its reply is found under the number returned.
     pub fn post(&mut self, lane: Lane, call: &Call) -> Result<u16> {
-        if call.payload.len() + 16 > MAX_PAYLOAD {
+        if call.payload.len() > BODY_MAX {
             return Err(Error::new(
                 7,
-                format!("{}: {} bytes are too long for a message", crate::call::name(call.opcode), call.payload.len()),
+                format!(
+                    "{}: {} bytes are too long for a message, which holds {BODY_MAX}",
+                    crate::call::name(call.opcode),
+                    call.payload.len()
+                ),
             ));
         }
         if self.waiting.len() >= MAX_WAITING {

@@ -201,6 +201,8 @@ GT_API GT_SetAxisBand(short axis, long band, long time);
 GT_API GT_GetAxisBand(short axis, long *band, long *time);
 /* Status words of count axes, of one tick. */
 GT_API GT_GetSts(short axis, long *sts, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Why the axis stopped last, as a number and as a text cut to size. */
+GT_API GT_GetStopReason(short axis, short *reason, char *text GT_DEFAULT(NULL), short size GT_DEFAULT(0));
 /* Planned positions of count axes in pulses, of one tick. */
 GT_API GT_GetPrfPos(short profile, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
 /* Planned velocities of count axes in pulse/ms, of one tick. */
@@ -343,6 +345,8 @@ GT_API GT_CrdStart(short mask, short option GT_DEFAULT(0));
 GT_API GT_CrdStop(long mask, long option GT_DEFAULT(0));
 /* Whether a coordinate system runs, and how many segments are done. */
 GT_API GT_CrdStatus(short crd, short *run, long *segment, short fifo GT_DEFAULT(0));
+/* Why the coordinate system stopped last, as a number and as a text cut to size. */
+GT_API GT_GetCrdStopReason(short crd, short *reason, char *text GT_DEFAULT(NULL), short size GT_DEFAULT(0));
 /* Coordinates, pulses: one for each dimension. */
 GT_API GT_GetCrdPos(short crd, double *pos);
 /* Speed along the path, pulse/ms. */
@@ -609,6 +613,8 @@ GT_API GTN_SetAxisBand(short core, short axis, long band, long time);
 GT_API GTN_GetAxisBand(short core, short axis, long *band, long *time);
 /* Status words of count axes, of one tick. */
 GT_API GTN_GetSts(short core, short axis, long *sts, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Why the axis stopped last, as a number and as a text cut to size. */
+GT_API GTN_GetStopReason(short core, short axis, short *reason, char *text GT_DEFAULT(NULL), short size GT_DEFAULT(0));
 /* Planned positions of count axes in pulses, of one tick. */
 GT_API GTN_GetPrfPos(short core, short profile, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
 /* Planned velocities of count axes in pulse/ms, of one tick. */
@@ -751,6 +757,8 @@ GT_API GTN_CrdStart(short core, short mask, short option GT_DEFAULT(0));
 GT_API GTN_CrdStop(short core, long mask, long option GT_DEFAULT(0));
 /* Whether a coordinate system runs, and how many segments are done. */
 GT_API GTN_CrdStatus(short core, short crd, short *run, long *segment, short fifo GT_DEFAULT(0));
+/* Why the coordinate system stopped last, as a number and as a text cut to size. */
+GT_API GTN_GetCrdStopReason(short core, short crd, short *reason, char *text GT_DEFAULT(NULL), short size GT_DEFAULT(0));
 /* Coordinates, pulses: one for each dimension. */
 GT_API GTN_GetCrdPos(short core, short crd, double *pos);
 /* Speed along the path, pulse/ms. */

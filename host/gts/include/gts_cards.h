@@ -173,6 +173,7 @@ typedef struct TCrdData {
 #define GT_SetAxisBand GTM_SetAxisBand
 #define GT_GetAxisBand GTM_GetAxisBand
 #define GT_GetSts GTM_GetSts
+#define GT_GetStopReason GTM_GetStopReason
 #define GT_GetPrfPos GTM_GetPrfPos
 #define GT_GetPrfVel GTM_GetPrfVel
 #define GT_GetPrfAcc GTM_GetPrfAcc
@@ -240,6 +241,7 @@ typedef struct TCrdData {
 #define GT_CrdStart GTM_CrdStart
 #define GT_CrdStop GTM_CrdStop
 #define GT_CrdStatus GTM_CrdStatus
+#define GT_GetCrdStopReason GTM_GetCrdStopReason
 #define GT_GetCrdPos GTM_GetCrdPos
 #define GT_GetCrdVel GTM_GetCrdVel
 #define GT_GetRemainderSegNum GTM_GetRemainderSegNum
@@ -389,6 +391,8 @@ GT_API GT_SetAxisBand(short cardNum, short axis, long band, long time);
 GT_API GT_GetAxisBand(short cardNum, short axis, long *band, long *time);
 /* Status words of count axes, of one tick. */
 GT_API GT_GetSts(short cardNum, short axis, long *sts, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Why the axis stopped last, as a number and as a text cut to size. */
+GT_API GT_GetStopReason(short cardNum, short axis, short *reason, char *text GT_DEFAULT(NULL), short size GT_DEFAULT(0));
 /* Planned positions of count axes in pulses, of one tick. */
 GT_API GT_GetPrfPos(short cardNum, short profile, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
 /* Planned velocities of count axes in pulse/ms, of one tick. */
@@ -531,6 +535,8 @@ GT_API GT_CrdStart(short cardNum, short mask, short option GT_DEFAULT(0));
 GT_API GT_CrdStop(short cardNum, long mask, long option GT_DEFAULT(0));
 /* Whether a coordinate system runs, and how many segments are done. */
 GT_API GT_CrdStatus(short cardNum, short crd, short *run, long *segment, short fifo GT_DEFAULT(0));
+/* Why the coordinate system stopped last, as a number and as a text cut to size. */
+GT_API GT_GetCrdStopReason(short cardNum, short crd, short *reason, char *text GT_DEFAULT(NULL), short size GT_DEFAULT(0));
 /* Coordinates, pulses: one for each dimension. */
 GT_API GT_GetCrdPos(short cardNum, short crd, double *pos);
 /* Speed along the path, pulse/ms. */

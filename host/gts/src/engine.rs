@@ -10,22 +10,15 @@ use crate::prototype::{self, Form, Kind, Prototype, Scalar};
 use crate::reason;
 use crate::request::{self, Number, fields, put, size};
 use client::{Call, Error, Result};
-use job::api::{Pass, Shape, Size, Type};
+use job::api::{Pass, Shape, Size, Type, counts};
 use protocol::command::{CommandInfo, ConfigItem, LoadConfig, opcode};
-use protocol::reason::{Reason, describe_opcode};
+use protocol::reason::{Reason, describe_opcode, stop_reason};
+use protocol::record::ITEM_BYTES;
 use servo::laser::NODES;
 use std::ffi::{CStr, c_char, c_short, c_void};
 
-/// Bytes of items in a message.
-const ITEM_BYTES: usize = 960;
 /// Axes of a configuration in a message, with place for one more.
 const CONFIG_ITEMS: usize = ITEM_BYTES / size_of::<ConfigItem>() - 1;
-/// Points of a PVT table (GXN chapter 4).
-const POINTS: (i64, i64) = (2, servo::pvt::PLACES as i64);
-/// Points of a laser's table; lines of its plane in each direction.
-const LINES: (i64, i64) = (1, servo::laser::POINTS as i64);
-/// Values of SetDac and axes of PtStartPro.
-const VALUES: (i64, i64) = (1, 32);
 /// What stands for a parameter that was left out (`GT_NOT_GIVEN` of the header).
 const NOT_GIVEN: f64 = f64::MIN;
 
@@ -106,15 +99,9 @@ impl Prepared {
         }
     }
 
-    /// The range of `count` of a function that reads arrays.
+    /// The range of `count` of a function that reads arrays. One that is not known here reads nothing; a test looks at all.
     fn bounds(&self) -> (i64, i64) {
-        match self.name() {
-            "SetDac" | "PtStartPro" => VALUES,
-            "SetLaserFollowTable" | "SetLaserDisTable1D" | "SetLaserDisTable2D" => LINES,
-            name if name.starts_with("Pvt") => POINTS,
-            // One that is not known here reads nothing; a test looks at all.
-            _ => (0, 0),
-        }
+        counts(self.name()).unwrap_or((0, 0))
     }
 
     /// The first address that must be there and is not.
@@ -199,6 +186,9 @@ impl Prepared {
                         "form",
                     )?,
                     "first" => put(&mut payload, wire, Arg::Int((part * each) as i64), self.name(), "first")?,
+                    "count" if !self.prototype.function.has("count") => {
+                        put(&mut payload, wire, Arg::Int(1), self.name(), "count")?;
+                    }
                     name if name.ends_with("_given") => payload.push(told.into()),
                     _ => {
                         if let Some(given) = values.next() {
@@ -332,6 +322,83 @@ impl Prepared {
     }
 }
 
+impl Prepared {
+    /// Stores zeros for what `count` asks for and no reply brought: it lies past the last axis (GXN table 5-1, note 2).
+    ///
+    /// # Safety
+    /// As for [`call`].
+    unsafe fn store_rest(&self, args: &[Arg], stored: usize) {
+        let items = self.command.is_some_and(|command| !command.reply_items.is_empty());
+        let Some(Arg::Int(count)) = self.count.filter(|_| items).and_then(|count| args.get(count)) else { return };
+        for index in stored..usize::try_from(*count).unwrap_or(0) {
+            for (argument, of, _) in &self.outs {
+                let clock = self.prototype.arguments.get(*argument).is_some_and(|argument| argument.name == "clock");
+                if let Some(Arg::Address(address)) = args.get(*argument).filter(|_| !clock)
+                    && !address.is_null()
+                {
+                    // SAFETY: the caller's address is that of as many values as it asked for.
+                    unsafe { request::store(address.byte_add(index * size(*of)), *of, Number::Int(0)) };
+                }
+            }
+        }
+    }
+}
+
+/// Functions that fill a text.
+impl Prepared {
+    /// Where the text goes, and bytes of its room; nothing where none is wanted.
+    fn room(&self, args: &[Arg]) -> Option<(*mut u8, i64)> {
+        let place = |wanted: &str| self.prototype.arguments.iter().position(|argument| argument.name == wanted);
+        match (args.get(place("text")?), args.get(place("size")?)) {
+            (Some(Arg::Address(text)), Some(Arg::Int(size))) if !text.is_null() => Some((text.cast(), *size)),
+            _ => None,
+        }
+    }
+
+    /// A text that is wanted needs room for its end.
+    fn check_room(&self, args: &[Arg]) -> Result<()> {
+        match self.room(args) {
+            Some((_, size @ ..=0)) => {
+                Err(reason::wrong(self.name(), "size", Reason::OutOfRange, size as f64, 1.0, f64::from(i16::MAX)))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes a text into its room, cut to it.
+    ///
+    /// # Safety
+    /// The text has `size` bytes.
+    unsafe fn store_text(&self, args: &[Arg], told: &str) {
+        let Some((text, size)) = self.room(args) else { return };
+        let Some(most) = usize::try_from(size).ok().and_then(|size| size.checked_sub(1)) else { return };
+        let mut end = told.len().min(most);
+        while !told.is_char_boundary(end) {
+            end -= 1;
+        }
+        // SAFETY: `end` is less than `size`.
+        unsafe {
+            text.copy_from_nonoverlapping(told.as_ptr(), end);
+            text.add(end).write(0);
+        }
+    }
+
+    /// The text of the reason that a reply tells.
+    ///
+    /// # Safety
+    /// As for [`call`].
+    unsafe fn store_stop(&self, args: &[Arg], mut reply: &[u8]) {
+        let Some(command) = self.command else { return };
+        let layout = [command.reply, command.reply_items].concat();
+        let values = fields(&layout, &mut reply).unwrap_or_default();
+        let number = layout.iter().zip(&values).find(|((name, _), _)| *name == "reason");
+        if let Some([Number::Int(number)]) = number.map(|(_, values)| values.as_slice()) {
+            // SAFETY: as the caller says.
+            unsafe { self.store_text(args, stop_reason(*number as u16)) };
+        }
+    }
+}
+
 /// Two lists of axes and FIFOs as the masks of PtStart.
 fn masks(function: &str, lists: &[Given]) -> Result<Vec<Given>> {
     let [(_, axes), (_, options)] = lists else { return Ok(Vec::new()) };
@@ -392,8 +459,10 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
     let core = if prepared.prototype.form == Form::Gtn { lead } else { 1 };
     if prepared.name() == "GetLastReason" {
         prepared.check_addresses(args)?;
+        prepared.check_room(args)?;
         // SAFETY: the caller's text has `size` bytes.
-        return unsafe { last_reason(slot, prepared, args) }.map(|()| None);
+        unsafe { prepared.store_text(args, &reason::last(slot)) };
+        return Ok(None);
     }
     let goes_first = matches!(prepared.name(), "Abort" | "Close");
     let mut state = if goes_first { slot.lock_first() } else { slot.lock() };
@@ -426,6 +495,9 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
             return card.passed(true).map(|()| None);
         }
         _ => {
+            if prepared.prototype.function.tells_stop() {
+                prepared.check_room(args)?;
+            }
             // SAFETY: as the caller says.
             let calls = unsafe { prepared.requests(core, args)? };
             let Some(replies) = card.send(prepared.reads(), &calls)? else {
@@ -435,6 +507,12 @@ pub unsafe fn call(slot: Slot, prepared: &Prepared, lead: c_short, args: &[Arg])
             for reply in &replies {
                 // SAFETY: as the caller says.
                 before = unsafe { prepared.store(args, reply, before)? };
+            }
+            // SAFETY: as the caller says.
+            unsafe { prepared.store_rest(args, before) };
+            if let Some(reply) = replies.first().filter(|_| prepared.prototype.function.tells_stop()) {
+                // SAFETY: as the caller says.
+                unsafe { prepared.store_stop(args, reply) };
             }
             if is_start(prepared) {
                 card.started = true;
@@ -482,26 +560,6 @@ fn held(prepared: &Prepared, mut reply: &[u8]) -> Option<String> {
         texts.push("the pulse width reaches the period; it is limited to just under it".to_owned());
     }
     Some(format!("{}: {}", prepared.name(), texts.join("; ")))
-}
-
-/// # Safety
-/// The text has `size` bytes.
-unsafe fn last_reason(slot: Slot, prepared: &Prepared, args: &[Arg]) -> Result<()> {
-    let [Arg::Address(text), Arg::Int(room)] = args else { return Ok(()) };
-    let Some(room) = usize::try_from(*room).ok().filter(|room| *room > 0) else {
-        return Err(reason::wrong(prepared.name(), "size", Reason::OutOfRange, *room as f64, 1.0, f64::from(i16::MAX)));
-    };
-    let last = reason::last(slot);
-    let mut end = last.len().min(room - 1);
-    while !last.is_char_boundary(end) {
-        end -= 1;
-    }
-    // SAFETY: `end` is less than `size`, and the text is NUL-terminated within it.
-    unsafe {
-        text.cast::<u8>().copy_from_nonoverlapping(last.as_ptr(), end);
-        text.cast::<u8>().add(end).write(0);
-    }
-    Ok(())
 }
 
 /// # Safety

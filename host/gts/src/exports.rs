@@ -28,6 +28,7 @@ gt!(GT_GetStopDec "GetStopDec" (profile: c_short, decSmoothStop: *mut c_double, 
 gt!(GT_SetAxisBand "SetAxisBand" (axis: c_short, band: c_long, time: c_long));
 gt!(GT_GetAxisBand "GetAxisBand" (axis: c_short, band: *mut c_long, time: *mut c_long));
 gt!(GT_GetSts "GetSts" (axis: c_short, sts: *mut c_long, count: c_short, clock: *mut c_ulong));
+gt!(GT_GetStopReason "GetStopReason" (axis: c_short, reason: *mut c_short, text: *mut c_char, size: c_short));
 gt!(GT_GetPrfPos "GetPrfPos" (profile: c_short, value: *mut c_double, count: c_short, clock: *mut c_ulong));
 gt!(GT_GetPrfVel "GetPrfVel" (profile: c_short, value: *mut c_double, count: c_short, clock: *mut c_ulong));
 gt!(GT_GetPrfAcc "GetPrfAcc" (profile: c_short, value: *mut c_double, count: c_short, clock: *mut c_ulong));
@@ -95,6 +96,7 @@ gt!(GT_CrdSpace "CrdSpace" (crd: c_short, space: *mut c_long, fifo: c_short));
 gt!(GT_CrdStart "CrdStart" (mask: c_short, option: c_short));
 gt!(GT_CrdStop "CrdStop" (mask: c_long, option: c_long));
 gt!(GT_CrdStatus "CrdStatus" (crd: c_short, run: *mut c_short, segment: *mut c_long, fifo: c_short));
+gt!(GT_GetCrdStopReason "GetCrdStopReason" (crd: c_short, reason: *mut c_short, text: *mut c_char, size: c_short));
 gt!(GT_GetCrdPos "GetCrdPos" (crd: c_short, pos: *mut c_double));
 gt!(GT_GetCrdVel "GetCrdVel" (crd: c_short, synVel: *mut c_double));
 gt!(GT_GetRemainderSegNum "GetRemainderSegNum" (crd: c_short, segment: *mut c_long, fifo: c_short));
@@ -217,6 +219,7 @@ gtn!(GTN_GetStopDec "GetStopDec" (profile: c_short, decSmoothStop: *mut c_double
 gtn!(GTN_SetAxisBand "SetAxisBand" (axis: c_short, band: c_long, time: c_long));
 gtn!(GTN_GetAxisBand "GetAxisBand" (axis: c_short, band: *mut c_long, time: *mut c_long));
 gtn!(GTN_GetSts "GetSts" (axis: c_short, sts: *mut c_long, count: c_short, clock: *mut c_ulong));
+gtn!(GTN_GetStopReason "GetStopReason" (axis: c_short, reason: *mut c_short, text: *mut c_char, size: c_short));
 gtn!(GTN_GetPrfPos "GetPrfPos" (profile: c_short, value: *mut c_double, count: c_short, clock: *mut c_ulong));
 gtn!(GTN_GetPrfVel "GetPrfVel" (profile: c_short, value: *mut c_double, count: c_short, clock: *mut c_ulong));
 gtn!(GTN_GetPrfAcc "GetPrfAcc" (profile: c_short, value: *mut c_double, count: c_short, clock: *mut c_ulong));
@@ -284,6 +287,7 @@ gtn!(GTN_CrdSpace "CrdSpace" (crd: c_short, space: *mut c_long, fifo: c_short));
 gtn!(GTN_CrdStart "CrdStart" (mask: c_short, option: c_short));
 gtn!(GTN_CrdStop "CrdStop" (mask: c_long, option: c_long));
 gtn!(GTN_CrdStatus "CrdStatus" (crd: c_short, run: *mut c_short, segment: *mut c_long, fifo: c_short));
+gtn!(GTN_GetCrdStopReason "GetCrdStopReason" (crd: c_short, reason: *mut c_short, text: *mut c_char, size: c_short));
 gtn!(GTN_GetCrdPos "GetCrdPos" (crd: c_short, pos: *mut c_double));
 gtn!(GTN_GetCrdVel "GetCrdVel" (crd: c_short, synVel: *mut c_double));
 gtn!(GTN_GetRemainderSegNum "GetRemainderSegNum" (crd: c_short, segment: *mut c_long, fifo: c_short));
@@ -406,6 +410,7 @@ cards!(GTM_GetStopDec "GetStopDec" (profile: c_short, decSmoothStop: *mut c_doub
 cards!(GTM_SetAxisBand "SetAxisBand" (axis: c_short, band: c_long, time: c_long));
 cards!(GTM_GetAxisBand "GetAxisBand" (axis: c_short, band: *mut c_long, time: *mut c_long));
 cards!(GTM_GetSts "GetSts" (axis: c_short, sts: *mut c_long, count: c_short, clock: *mut c_ulong));
+cards!(GTM_GetStopReason "GetStopReason" (axis: c_short, reason: *mut c_short, text: *mut c_char, size: c_short));
 cards!(GTM_GetPrfPos "GetPrfPos" (profile: c_short, value: *mut c_double, count: c_short, clock: *mut c_ulong));
 cards!(GTM_GetPrfVel "GetPrfVel" (profile: c_short, value: *mut c_double, count: c_short, clock: *mut c_ulong));
 cards!(GTM_GetPrfAcc "GetPrfAcc" (profile: c_short, value: *mut c_double, count: c_short, clock: *mut c_ulong));
@@ -473,6 +478,7 @@ cards!(GTM_CrdSpace "CrdSpace" (crd: c_short, space: *mut c_long, fifo: c_short)
 cards!(GTM_CrdStart "CrdStart" (mask: c_short, option: c_short));
 cards!(GTM_CrdStop "CrdStop" (mask: c_long, option: c_long));
 cards!(GTM_CrdStatus "CrdStatus" (crd: c_short, run: *mut c_short, segment: *mut c_long, fifo: c_short));
+cards!(GTM_GetCrdStopReason "GetCrdStopReason" (crd: c_short, reason: *mut c_short, text: *mut c_char, size: c_short));
 cards!(GTM_GetCrdPos "GetCrdPos" (crd: c_short, pos: *mut c_double));
 cards!(GTM_GetCrdVel "GetCrdVel" (crd: c_short, synVel: *mut c_double));
 cards!(GTM_GetRemainderSegNum "GetRemainderSegNum" (crd: c_short, segment: *mut c_long, fifo: c_short));

@@ -220,6 +220,8 @@ const FORMS: &[(&str, &str, Scalar, Scalar)] = &[
     ("EnaFPK", "time2", Scalar::UShort, Scalar::UShort),
     ("EnaFPK", "laserOffDelay", Scalar::UShort, Scalar::UShort),
     ("GetHSIOOpt", "value", Scalar::UShort, Scalar::UShort),
+    ("GetStopReason", "reason", Scalar::Short, Scalar::Short),
+    ("GetCrdStopReason", "reason", Scalar::Short, Scalar::Short),
 ];
 
 /// Parameters that only scripts may leave out; in C++ an overload has none of them.
@@ -282,7 +284,7 @@ pub fn prototype(function: &'static Function, form: Form) -> Prototype {
                 let field = places.next().flatten().and_then(|place| fields.get(place));
                 match function.name {
                     "GetVersion" => Kind::TextAddress,
-                    "GetLastReason" => Kind::Room,
+                    _ if param.name == "text" => Kind::Room,
                     _ => Kind::Out(field.map_or(Scalar::ULong, |(_, of)| Scalar::of_wire(of))),
                 }
             }

@@ -7,6 +7,7 @@
 use crate::about::about;
 use crate::prototype::{Argument, Form, Kind, Prototype, all, command, members};
 use job::api::{CONSTANTS, Size, Type};
+use protocol::command::CommandInfo;
 use std::fmt::Write;
 
 /// How long an array is, in words.
@@ -21,8 +22,10 @@ fn size(of: Size) -> String {
 }
 
 fn kind(prototype: &Prototype, argument: &Argument) -> String {
-    let items = command(prototype.function).is_some_and(|command| !command.reply_items.is_empty());
-    let counted = prototype.arguments.iter().any(|argument| argument.name == "count");
+    // A request with a `count` that no argument fills asks for one.
+    let counted = prototype.function.has("count");
+    let several = |command: &CommandInfo| counted || command.fields.iter().all(|(field, _)| *field != "count");
+    let items = command(prototype.function).is_some_and(|command| !command.reply_items.is_empty() && several(command));
     match argument.kind {
         Kind::Value(of) => of.name().to_owned(),
         Kind::Array(of, lasts) => format!("{}[{}]", of.name(), size(lasts)),

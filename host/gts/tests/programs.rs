@@ -24,6 +24,34 @@ fn near(found: f64, wanted: f64, within: f64, what: &str) {
     assert!((found - wanted).abs() <= within, "{what}: {found}, wanted {wanted}");
 }
 
+/// A program that changes the servo tick: every row stands at the time of its tick, and a motion of 100 ms takes 100 ms in it.
+#[test]
+fn a_trace_keeps_time_when_the_tick_changes() {
+    let text = "#include \"gts.h\"\n#include <windows.h>\nint main(void)\n{\n    if (GT_Open(0, 1) || GT_AxisOn(1) || GT_PrfPt(1, 0)) return 1;\n\
+                Sleep(10);\n    if (GT_SetTick(50) || GT_PtData(1, 100, 50, 0, 0) || GT_PtData(1, 200, 100, 2, 0) || GT_PtStart(1, 0)) return 2;\n\
+                Sleep(150);\n    if (GT_SetTick(1000)) return 3;\n    Sleep(20);\n    return GT_Close();\n}\n";
+    let Some(built) = toolchain::build(Language::C, "set_tick", text) else { return };
+    let trace = scratch().join("set_tick.csv");
+    let name = trace.to_string_lossy().into_owned();
+    output(&built, &[("BEAMTICK_LINK", "virtual:max"), ("BEAMTICK_TRACE", name.as_str())]);
+    let trace = Trace::read(&trace);
+    let times = trace.column("t_ms");
+    let steps: Vec<f64> = times.windows(2).map(|pair| ((pair[1] - pair[0]) * 1e6).round() / 1e6).collect();
+    let mut runs: Vec<(f64, usize)> = Vec::new();
+    for step in steps {
+        match runs.last_mut() {
+            Some((last, count)) if *last == step => *count += 1,
+            _ => runs.push((step, 1)),
+        }
+    }
+    let [(0.25, before), (0.05, between), (1.0, after)] = runs[..] else { panic!("{runs:?}") };
+    assert!(before >= 40 && between >= 3000 && after >= 20, "{runs:?}");
+    let start = trace.start("axis1");
+    near(trace.at(start + 50.0, "axis1_pos"), 100.0, 1e-6, "position");
+    near(trace.at(start + 100.0, "axis1_pos"), 200.0, 1e-6, "position");
+    near(trace.at(start + 75.0, "axis1_vel"), 2.0, 1e-6, "velocity");
+}
+
 #[test]
 fn pt_static() {
     let Some((text, trace)) = traced("pt_static", &[], &[]) else { return };

@@ -75,6 +75,11 @@ fn calls_in_the_wrong_state_are_refused_with_a_reason() {
 }
 
 #[test]
+fn why_motion_has_stopped_is_told() {
+    passes_with_tools("stop_reason", &[FAST]);
+}
+
+#[test]
 fn batches_change_no_return_value() {
     passes("pt_stream", &[FAST]);
 }

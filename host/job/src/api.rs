@@ -104,6 +104,9 @@ const FIFO: Param = short("fifo").or(0);
 const CHANNEL: Param = short("channel").or(0);
 const COUNT: Param = short("count").or(1);
 const CLOCK: Param = out("clock").or(0);
+/// The host's text of a reason, and the room that there is for it.
+const REASON_TEXT: Param = out("text").or(0);
+const REASON_SIZE: Param = short("size").or(0);
 const CRD: Param = short("crd");
 const X: Param = long("x");
 const Y: Param = long("y");
@@ -118,7 +121,7 @@ const DIR: Param = short("circleDir");
 /// `first` (0) and `…_given` (see [`Function::told`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// The request's other fields are the parameters that go in, in order.
+    /// The request's other fields are the parameters that go in, in order; a `count` that no parameter fills is 1.
     Plain,
     /// As `Plain` without the arrays; the items, a value of each array in turn, follow the request.
     Points,
@@ -189,6 +192,7 @@ pub const FUNCTIONS: &[Function] = &[
     call("SetAxisBand", c::SetAxisBand::OPCODE, &[AXIS, long("band"), long("time")]),
     read("GetAxisBand", c::GetAxisBand::OPCODE, &[AXIS, out("band"), out("time")]),
     read("GetSts", c::GetSts::OPCODE, &[AXIS, out("sts"), COUNT, CLOCK]),
+    read("GetStopReason", c::AxisStatus::OPCODE, &[AXIS, out("reason"), REASON_TEXT, REASON_SIZE]),
     read("GetPrfPos", c::GetPrfPos::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
     read("GetPrfVel", c::GetPrfVel::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
     read("GetPrfAcc", c::GetPrfAcc::OPCODE, &[PROFILE, out("value"), COUNT, CLOCK]),
@@ -281,6 +285,7 @@ pub const FUNCTIONS: &[Function] = &[
     call("CrdStart", c::CrdStart::OPCODE, &[short("mask"), short("option").or(0)]),
     call("CrdStop", c::CrdStop::OPCODE, &[MASK, long("option").or(0)]),
     read("CrdStatus", c::CrdStatus::OPCODE, &[CRD, out("run"), out("segment"), FIFO]),
+    read("GetCrdStopReason", c::CrdInfo::OPCODE, &[CRD, out("reason"), REASON_TEXT, REASON_SIZE]),
     read("GetCrdPos", c::GetCrdPos::OPCODE, &[CRD, out("pos")]),
     read("GetCrdVel", c::GetCrdVel::OPCODE, &[CRD, out("synVel")]),
     read("GetRemainderSegNum", c::GetRemainderSegNum::OPCODE, &[CRD, out("segment"), FIFO]),
@@ -597,6 +602,29 @@ pub const FUNCTIONS: &[Function] = &[
         &[double("masterPos"), double("v1"), double("v2"), double("p"), double("p1"), out("slavePos")],
     ),
 ];
+
+impl Function {
+    /// Whether a parameter fills this field of the request.
+    pub fn has(&self, field: &str) -> bool {
+        self.params.iter().any(|param| param.name == field)
+    }
+
+    /// It tells why motion has stopped: a number, and the host's text of it.
+    pub fn tells_stop(&self) -> bool {
+        matches!(self.name, "GetStopReason" | "GetCrdStopReason")
+    }
+}
+
+/// How many values the arrays of a function hold, at least and at most; of a plane, in each direction. A controller may have
+/// room for fewer.
+pub fn counts(name: &str) -> Option<(i64, i64)> {
+    match name {
+        "SetDac" | "PtStartPro" => Some((1, 32)),
+        "SetLaserFollowTable" | "SetLaserDisTable1D" | "SetLaserDisTable2D" => Some((1, 32)),
+        name if name.starts_with("Pvt") => Some((2, 1024)),
+        _ => None,
+    }
+}
 
 /// The function named `name` without its prefix.
 pub fn function(name: &str) -> Option<&'static Function> {

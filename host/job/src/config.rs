@@ -5,6 +5,7 @@
 //! [`ConfigItem`] for each axis that is named, and a warning that lists keys without a meaning here.
 //! `docs/jobs.md` lists the keys.
 
+use crate::diagnostic::{quoted, tidy};
 use ini::Ini;
 use protocol::command::ConfigItem;
 use serde::Deserialize;
@@ -49,9 +50,18 @@ pub fn bytes(items: &[ConfigItem]) -> Vec<u8> {
 /// # Errors
 /// What is wrong with it, and in which line or key.
 pub fn read(path: &str, text: &str) -> Result<Config, String> {
+    let found = read_text(&quoted(path), text, is_toml(path)).map_err(|error| tidy(&error))?;
+    let warnings = found.warnings.iter().map(|warning| tidy(warning)).collect();
+    Ok(Config { warnings, ..found })
+}
+
+fn is_toml(path: &str) -> bool {
+    path.to_lowercase().ends_with(".toml")
+}
+
+fn read_text(path: &str, text: &str, toml: bool) -> Result<Config, String> {
     let text = text.trim_start_matches('\u{feff}');
-    let ours =
-        path.to_lowercase().ends_with(".toml") || text.lines().any(|line| line.trim_start().starts_with("[axis."));
+    let ours = toml || text.lines().any(|line| line.trim_start().starts_with("[axis."));
     let (axes, unknown) =
         if ours { toml_axes(text) } else { ini_axes(text) }.map_err(|error| format!("{path}: {error}"))?;
     let mut warnings = Vec::new();
@@ -182,7 +192,13 @@ struct File {
 }
 
 fn toml_axes(text: &str) -> Result<Axes, String> {
-    let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
+    let file: File = toml::from_str(text).map_err(|error| {
+        // Its own text quotes the line, however long that is.
+        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or("");
+        let number = before.matches('\n').count();
+        let line = quoted(text.lines().nth(number).unwrap_or("").trim());
+        format!("line {}, `{line}`: {}", number + 1, error.message())
+    })?;
     let mut unknown: BTreeSet<String> = file.unknown.into_keys().collect();
     let mut tables = Vec::new();
     for (name, keys) in file.axis {

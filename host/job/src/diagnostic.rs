@@ -29,8 +29,73 @@ pub struct Diagnostic {
     pub help: Option<String>,
 }
 
+/// Characters of its input that a message quotes, at most (SPEC 10).
+pub const QUOTED_MAX: usize = 80;
+/// Characters of a whole message, at most.
+const MESSAGE_MAX: usize = 600;
+
+/// At most so many characters; what is cut off is marked.
+fn cut(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    text.chars().take(most.saturating_sub(1)).chain(['…']).collect()
+}
+
+/// A text in which control characters are shown as escapes.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            // Some turn the direction of the line, which hides as well as a control character does.
+            letter if letter.is_control() || matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}') => {
+                out.extend(letter.escape_default());
+            }
+            letter => out.push(letter),
+        }
+    }
+    out
+}
+
+/// A part of the input as a message may quote it.
+pub fn quoted(text: &str) -> String {
+    cut(&escaped(text), QUOTED_MAX)
+}
+
+/// A message as it may be shown: control characters that came with the input are escaped, and no quotation is longer than
+/// [`QUOTED_MAX`].
+pub fn tidy(message: &str) -> String {
+    let mut out = String::with_capacity(message.len());
+    for (number, part) in escaped(message).split('`').enumerate() {
+        if number > 0 {
+            out.push('`');
+        }
+        out += &if number % 2 == 1 { cut(part, QUOTED_MAX) } else { texts_cut(part) };
+    }
+    cut(&out, MESSAGE_MAX)
+}
+
+/// The same of texts in quotation marks.
+fn texts_cut(part: &str) -> String {
+    let parts = part.split('"').enumerate();
+    let parts: Vec<String> =
+        parts.map(|(number, part)| if number % 2 == 1 { cut(part, QUOTED_MAX) } else { part.to_owned() }).collect();
+    parts.join("\"")
+}
+
 /// Renders `diagnostic` with `file:line:column`, the source line and a mark under the place.
 pub fn render(diagnostic: &Diagnostic, file: &str, text: &str, colour: bool) -> String {
+    let message = tidy(&diagnostic.message);
+    let help = diagnostic.help.as_deref().map(tidy);
+    let (begin, end) = (diagnostic.span.start.min(text.len()), diagnostic.span.end.min(text.len()));
+    let line_begin = text.get(..begin).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
+    let line_end = text.get(end..).and_then(|after| after.find('\n')).map_or(text.len(), |at| end + at);
+    let shown = text.get(line_begin..line_end).unwrap_or("");
+    let hidden = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t' | '\r');
+    if shown.chars().count() > QUOTED_MAX || shown.contains(hidden) || escaped(file) != file {
+        let place = (escaped(file), begin.saturating_sub(line_begin));
+        return excerpt(diagnostic, place, shown, &message, help.as_deref());
+    }
     let kind = match diagnostic.severity {
         Severity::Error => ReportKind::Error,
         Severity::Warning => ReportKind::Warning,
@@ -42,15 +107,43 @@ pub fn render(diagnostic: &Diagnostic, file: &str, text: &str, colour: bool) -> 
     let place = (file, diagnostic.span.clone());
     let mut report = Report::build(kind, place.clone())
         .with_config(Config::default().with_color(colour).with_index_type(IndexType::Byte))
-        .with_message(&diagnostic.message)
+        .with_message(&message)
         .with_label(Label::new(place).with_color(mark).with_message("here"));
-    if let Some(help) = &diagnostic.help {
+    if let Some(help) = &help {
         report = report.with_help(help);
     }
     let mut out = Vec::new();
     // Writing to a Vec does not fail; a report that could not be drawn still has its text.
     if report.finish().write((file, Source::from(text)), &mut out).is_err() {
-        return format!("{file}:{}:{}: {}\n", diagnostic.line, diagnostic.column, diagnostic.message);
+        return format!("{file}:{}:{}: {message}\n", diagnostic.line, diagnostic.column);
     }
     String::from_utf8_lossy(&out).into_owned()
+}
+
+/// The same where the source cannot be shown as it is: a part of its line, with control characters escaped. `at` is where in
+/// `line` the place begins.
+fn excerpt(
+    diagnostic: &Diagnostic,
+    (file, at): (String, usize),
+    line: &str,
+    message: &str,
+    help: Option<&str>,
+) -> String {
+    /// Characters before the place that are shown.
+    const BEFORE: usize = 30;
+    let before = escaped(line.get(..at).unwrap_or(""));
+    let count = before.chars().count();
+    let lead: String = before.chars().skip(count.saturating_sub(BEFORE)).collect();
+    let lead = if count > BEFORE { format!("…{lead}") } else { lead };
+    let behind = line.get(at..).unwrap_or("").lines().next().unwrap_or("").trim_end_matches('\r');
+    let room = QUOTED_MAX - lead.chars().count();
+    let rest: String = escaped(&behind.chars().take(room).collect::<String>());
+    let rest = cut(&rest, room);
+    let kind = if diagnostic.severity == Severity::Error { "Error" } else { "Warning" };
+    let indent = " ".repeat(lead.chars().count());
+    let help = help.map_or(String::new(), |help| format!("   │ Help: {help}\n"));
+    format!(
+        "{kind}: {message}\n   ╭─[ {file}:{}:{} ]\n   │ {lead}{rest}\n   │ {indent}─ here\n{help}───╯\n",
+        diagnostic.line, diagnostic.column
+    )
 }

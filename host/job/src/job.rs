@@ -7,6 +7,8 @@ use crate::Diagnostic;
 pub struct Job {
     /// What it does, in order.
     pub steps: Vec<Step>,
+    /// Pragmas that stand for options of the command line, each once, in order.
+    pub pragmas: Vec<Pragma>,
     /// What was accepted although it is odd: misspelt names, stray braces, assumed values.
     pub warnings: Vec<Diagnostic>,
     /// Axes that the job uses (it sets their mode or position, or maps them to a coordinate system, or a path moves
@@ -19,6 +21,21 @@ pub struct Job {
     /// Every core and axis that a call or a configuration file names, ascending; axis 0 stands for the
     /// core alone. What no controller has is among them.
     pub named: Vec<Axis>,
+}
+
+/// `#pragma family`, `profile` or `tick`. Its value is looked at by whoever has the options.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pragma {
+    /// `family`, `profile` or `tick`.
+    pub name: &'static str,
+    /// What stands behind the name.
+    pub value: String,
+    /// Line of the script, from 1.
+    pub line: u32,
+    /// Column in characters, from 1.
+    pub column: u32,
+    /// Its bytes in the script.
+    pub span: std::ops::Range<usize>,
 }
 
 /// An axis of a core, both counted from 1.

@@ -27,8 +27,8 @@ mod statement;
 mod value;
 mod wait;
 
-pub use diagnostic::{Diagnostic, Severity, render};
-pub use job::{Action, Axis, Call, Crd, Job, Out, Step};
+pub use diagnostic::{Diagnostic, QUOTED_MAX, Severity, quoted, render, tidy};
+pub use job::{Action, Axis, Call, Crd, Job, Out, Pragma, Step};
 
 use std::path::{Path, PathBuf};
 
@@ -57,8 +57,9 @@ impl Folder {
 impl Files for Folder {
     fn text(&self, path: &str) -> Result<String, String> {
         let full = self.place(path);
-        let bytes = std::fs::read(&full).map_err(|error| format!("{}: {error}", full.display()))?;
-        String::from_utf8(bytes).map_err(|_| format!("{}: not UTF-8 text", full.display()))
+        let name = || quoted(&full.display().to_string());
+        let bytes = std::fs::read(&full).map_err(|error| format!("{}: {error}", name()))?;
+        String::from_utf8(bytes).map_err(|_| format!("{}: not UTF-8 text", name()))
     }
 }
 
@@ -76,6 +77,7 @@ pub fn compile(text: &str, files: &dyn Files) -> Result<Job, Vec<Diagnostic>> {
     }
     Ok(Job {
         steps: reader.steps,
+        pragmas: reader.pragmas,
         warnings: reader.warnings,
         axes: reader.axes.into_iter().collect(),
         crds: reader.crds.into_iter().collect(),

@@ -1,6 +1,6 @@
 //! Checked parameters as the bytes of a request.
 
-use crate::api::{Function, Shape};
+use crate::api::{Function, Shape, counts};
 use crate::bind::Bound;
 use crate::read::{Fault, Reader};
 use crate::value::{Value, show};
@@ -38,7 +38,7 @@ impl Reader<'_> {
                 }
             }
             Shape::StartList => {
-                values = vec_masks(bound).map_err(|message| Fault::new(span.clone(), message, ""))?;
+                values = vec_masks(function, bound).map_err(|message| Fault::new(span.clone(), message, ""))?;
                 if let Some(Value::Int(mask)) = values.first() {
                     self.name_mask(core, *mask as u32);
                 }
@@ -69,6 +69,7 @@ impl Reader<'_> {
                 "core" => i64::from(core),
                 "form" => i64::from(!several_cores),
                 "first" => 0,
+                "count" if function.shape == Shape::Plain && !function.has("count") => 1,
                 name if name.ends_with("_given") => i64::from(bound.told),
                 _ => {
                     fill(&mut body, of, &mut values);
@@ -113,8 +114,14 @@ fn items_of(function: &Function, bound: &Bound) -> Vec<u8> {
 }
 
 /// Two lists of axes and FIFOs as the masks of PtStart.
-fn vec_masks(bound: &Bound) -> Result<Vec<Value>, String> {
+fn vec_masks(function: &Function, bound: &Bound) -> Result<Vec<Value>, String> {
     let [axes, options] = &bound.lists[..] else { return Err("two arrays are needed".into()) };
+    // No `count` travels.
+    if let Some((low, high)) =
+        counts(function.name).filter(|(low, high)| !(*low..=*high).contains(&(axes.len() as i64)))
+    {
+        return Err(format!("`count` is {}; it must be from {low} to {high} (return value 7)", axes.len()));
+    }
     let (mut mask, mut option) = (0u32, 0u32);
     for (axis, fifo) in axes.iter().zip(options) {
         match (axis, fifo) {

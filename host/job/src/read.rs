@@ -7,7 +7,7 @@
 use crate::endless::Motions;
 use crate::scan::{self, Kind, Lines, Token, diagnostic};
 use crate::value::{Value, Variables};
-use crate::{Action, Axis, Crd, Diagnostic, Files, Severity, Step};
+use crate::{Action, Axis, Crd, Diagnostic, Files, Pragma, Severity, Step};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
@@ -38,6 +38,7 @@ pub(crate) struct Reader<'a> {
     pub(crate) files: &'a dyn Files,
     lines: Lines,
     pub(crate) tokens: Vec<Token>,
+    pub(crate) pragmas: Vec<Pragma>,
     pub(crate) at: usize,
     nesting: usize,
     pub(crate) variables: Variables,
@@ -67,13 +68,14 @@ pub(crate) struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     pub(crate) fn new(text: &'a str, files: &'a dyn Files) -> Self {
-        let (tokens, errors) = scan::tokens(text);
-        let (errors, warnings) = errors.into_iter().partition(|found| found.severity == Severity::Error);
+        let scan::Scanned { tokens, pragmas, problems } = scan::scan(text);
+        let (errors, warnings) = problems.into_iter().partition(|found| found.severity == Severity::Error);
         Reader {
             text,
             files,
             lines: Lines::of(text),
             tokens,
+            pragmas,
             at: 0,
             nesting: 0,
             variables: Variables::new(),

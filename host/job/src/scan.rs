@@ -4,7 +4,7 @@
 //! In: the text. Out: [`Token`]s, each with its place in the text as it was given. Fails with
 //! diagnostics: an unfinished comment or string, a directive that scripts do not have.
 
-use crate::{Diagnostic, Severity};
+use crate::{Diagnostic, Pragma, Severity};
 use logos::Logos;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -133,8 +133,21 @@ pub fn diagnostic(
     Diagnostic { severity, line, column, span, message, help }
 }
 
-/// All tokens of `text`, an `End` last.
-pub fn tokens(text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
+/// Pragmas that stand for an option of the command line.
+const OPTIONS: [&str; 3] = ["family", "profile", "tick"];
+
+/// What the text of a script is made of.
+pub struct Scanned {
+    /// All tokens, an `End` last.
+    pub tokens: Vec<Token>,
+    /// Pragmas that stand for options, each once.
+    pub pragmas: Vec<Pragma>,
+    /// What is wrong with the text.
+    pub problems: Vec<Diagnostic>,
+}
+
+/// The tokens of `text`.
+pub fn scan(text: &str) -> Scanned {
     let mut flat = String::with_capacity(text.len());
     let mut origin = Vec::with_capacity(text.len() + 1);
     for (at, character) in text.char_indices() {
@@ -184,11 +197,12 @@ pub fn tokens(text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
         let help = Some("put // before it".to_owned());
         problems.push(diagnostic(text, Severity::Warning, given(span), message, help));
     }
-    let mut out = Expansion { text, flat: &flat, given: &given, macros: HashMap::new(), out: Vec::new(), problems };
+    let (macros, pragmas) = (HashMap::new(), Vec::new());
+    let mut out = Expansion { text, flat: &flat, given: &given, macros, out: Vec::new(), pragmas, problems };
     for line in found.split(|(raw, _)| *raw == Raw::Newline) {
         out.line(line);
     }
-    let Expansion { out: mut tokens, mut problems, .. } = out;
+    let Expansion { out: mut tokens, pragmas, mut problems, .. } = out;
     if tokens.len() >= MOST_TOKENS {
         let message = format!("this script is too long: {MOST_TOKENS} words and marks fit");
         problems.push(diagnostic(text, Severity::Error, 0..0, message, Some("split it, or use the C library".into())));
@@ -198,7 +212,7 @@ pub fn tokens(text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
         text: "the end of the script".into(),
         span: text.trim_end().len()..text.len(),
     });
-    (tokens, problems)
+    Scanned { tokens, pragmas, problems }
 }
 
 /// The preprocessor: directives and the macros they define.
@@ -208,6 +222,7 @@ struct Expansion<'a, G: Fn(&Range<usize>) -> Range<usize>> {
     given: &'a G,
     macros: HashMap<String, Vec<Token>>,
     out: Vec<Token>,
+    pragmas: Vec<Pragma>,
     problems: Vec<Diagnostic>,
 }
 
@@ -300,9 +315,10 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
         let text = match words[..] {
             ["continue"] => "on",
             ["continue", "off"] => "off",
+            [name, ..] if OPTIONS.contains(&name) => return self.option(name, whole, &rest[1..]),
             _ => {
                 let given = (self.given)(whole);
-                let help = "the only one with a meaning here is #pragma continue".to_owned();
+                let help = "those with a meaning here are #pragma continue, family, profile and tick".to_owned();
                 self.problems.push(diagnostic(
                     self.text,
                     Severity::Warning,
@@ -314,6 +330,24 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
             }
         };
         self.out.push(Token { kind: Kind::Continue, text: text.into(), span: (self.given)(whole) });
+    }
+
+    /// `#pragma family gus`: said once, or again with the same value.
+    fn option(&mut self, name: &str, whole: &Range<usize>, rest: &[(Raw, Range<usize>)]) {
+        let (Some(name), Some((_, first))) = (OPTIONS.into_iter().find(|known| *known == name), rest.first()) else {
+            return self.refuse(whole, format!("#pragma {name} needs a value"), "write it behind the name");
+        };
+        let value = self.flat[first.start..whole.end].trim().to_owned();
+        let span = (self.given)(whole);
+        let (line, column) = Lines::of(self.text).place(self.text, span.start);
+        match self.pragmas.iter().find(|known| known.name == name) {
+            None => self.pragmas.push(Pragma { name, value, line, column, span }),
+            Some(known) if known.value == value => {}
+            Some(known) => {
+                let message = format!("#pragma {name} is `{value}` here and `{}` in line {}", known.value, known.line);
+                self.refuse(whole, message, "leave one of them out");
+            }
+        }
     }
 
     fn refuse(&mut self, whole: &Range<usize>, message: String, help: &str) {

@@ -179,8 +179,11 @@ def _function(symbol, about, parameters):
         bound.apply_defaults()
         given = bound.arguments
         passed, results = [], []
-        for name, kind, _ in parameters:
+        for name, kind, default in parameters:
             if kind in ("clock", "working"):
+                passed.append(None)
+            elif kind == "out text" and default == "NULL" and given["size"] == 0:
+                # Not wanted.
                 passed.append(None)
             elif kind == "text":
                 passed.append(ctypes.c_char_p(os.fsencode(given[name])))
@@ -202,8 +205,8 @@ def _function(symbol, about, parameters):
             elif kind.startswith("out "):
                 of, _, words = kind[4:].partition("[")
                 if words:
-                    # What no controller takes is refused there; here it only makes room.
-                    room = max(1, min(_length(words[:-1], given), 4096))
+                    # A count of a read is a short, and the library fills as many; a greater one is refused before it is looked at.
+                    room = max(1, min(_length(words[:-1], given), 32767))
                     array = (_NUMBERS[of] * room)()
                     single = words == "count]" and room == 1
                     results.append(lambda array=array, single=single: array[0] if single else list(array))

@@ -39,6 +39,24 @@ class Controller(unittest.TestCase):
         gts.GT_Open()
         self.addCleanup(gts.GT_Close)
 
+    def test_why_motion_has_stopped(self):
+        self.assertEqual(gts.GT_GetStopReason(1), 0)
+        gts.GT_AxisOn(1)
+        gts.GT_PrfPt(1, gts.PT_MODE_DYNAMIC)
+        gts.GT_PtData(1, 10, 10)
+        gts.GT_PtStart(1)
+        gts.sleep(20)
+        self.assertEqual(gts.GT_GetStopReason(1, size=80), (10, "an underrun"))
+        self.assertEqual(gts.GTN_GetStopReason(1, 1), 10)
+        gts.GT_SetCrdPrm(1, {"dimension": 1, "profile": [0, 1], "synVelMax": 10, "synAccMax": 1})
+        self.assertEqual(gts.GT_GetCrdStopReason(1, size=4), (0, "it "))
+
+    def test_a_read_past_the_last_axis_gives_zeros(self):
+        gts.GT_SetPrfPos(8, 5)
+        self.assertEqual(gts.GT_GetPrfPos(8, count=3), [5.0, 0.0, 0.0])
+        for count in (1000, 5000, 32767):
+            self.assertEqual(gts.GT_GetPrfPos(8, count=count), [5.0] + [0.0] * (count - 1))
+
     def test_values_come_back(self):
         gts.GT_SetPrfPos(2, 500)
         self.assertEqual(gts.GT_GetPrfPos(2), 500.0)
@@ -114,7 +132,8 @@ class Controller(unittest.TestCase):
             lambda: gts.GT_AxisOn(1 << 20),
             lambda: gts.GT_AxisOn(1.5),
             lambda: gts.GT_PvtTable(1, 3, [0, 1], [0, 1, 2], [0, 0, 0]),
-            lambda: gts.GT_GetSts(1, count=1000),
+            lambda: gts.GT_GetSts(1, count=0),
+            lambda: gts.GT_GetSts(1, count=40000),
         ):
             with self.assertRaises(gts.GtsError) as caught:
                 call()

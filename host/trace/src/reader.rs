@@ -53,9 +53,36 @@ pub struct Reader {
     made: Made,
 }
 
+/// When ticks are: the servo tick may change between rows.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ticks {
+    /// The tick from which on the period holds, and its instant, ns.
+    since: (u64, u64),
+    period_ns: u64,
+    /// The period before it.
+    before_ns: u64,
+}
+
+impl Ticks {
+    /// The instant of a tick: after the last change, or after the one before it.
+    fn at(&self, tick: u64) -> u64 {
+        let (since, at) = self.since;
+        match tick.checked_sub(since) {
+            Some(ticks) => at.saturating_add(ticks.saturating_mul(self.period_ns)),
+            None => at.saturating_sub((since - tick).saturating_mul(self.before_ns)),
+        }
+    }
+
+    /// From this tick on the period is another one.
+    fn renew(&mut self, tick: u64, period_ns: u64) {
+        *self = Ticks { since: (tick, self.at(tick)), period_ns, before_ns: self.period_ns };
+    }
+}
+
 /// What rows and edges are made of.
 struct Made {
     header: Header,
+    ticks: Ticks,
     /// Of the laser timers.
     clock: Clock,
     rows: u32,
@@ -70,6 +97,7 @@ impl Default for Made {
     fn default() -> Self {
         Made {
             header: Header::default(),
+            ticks: Ticks::default(),
             clock: Clock::GHZ,
             rows: 0,
             stages: Vec::new(),
@@ -117,13 +145,15 @@ impl Made {
                 let crds = crds.iter().map(|c| CrdName { core: c.core.saturating_add(1), crd: c.crd }).collect();
                 self.stages = vec![Stage::new(); lasers.len()];
                 self.header = Header { axes, lasers, crds, period_ns: head.period_ns.into(), every: head.every };
+                let period_ns = head.period_ns.into();
+                self.ticks = Ticks { since: (0, 0), period_ns, before_ns: period_ns };
                 (self.rows, self.levels) = (0, 0);
                 self.lights.clear();
                 sink(Item::Header(self.header.clone()))
             }
             Event::Row(index, samples) => {
                 self.rows = index.wrapping_add(1);
-                let t_ns = u64::from(index) * self.header.row_ns();
+                let t_ns = self.ticks.at(u64::from(index) * u64::from(self.header.every));
                 for (laser, stage) in self.stages.iter_mut().enumerate() {
                     passed(|mut sink| stage.run_to(t_ns, &mut sink), laser, sink)?;
                 }
@@ -138,12 +168,16 @@ impl Made {
             }
             Event::Action(action) => self.action(&action, sink),
             Event::Outputs(outputs) => {
-                let t_ns = u64::from(outputs.tick.get()) * self.header.period_ns + u64::from(outputs.at.get());
+                let t_ns = self.ticks.at(outputs.tick.get().into()) + u64::from(outputs.at.get());
                 let (before, after) = (self.levels, outputs.levels.get());
                 self.levels = after;
                 for bit in (0..32u8).filter(|bit| (before ^ after) >> bit & 1 == 1) {
                     sink(Item::Output(OutputEdge { t_ns, output: bit + 1, level: after >> bit & 1 == 1 }))?;
                 }
+                Ok(())
+            }
+            Event::Period(period) => {
+                self.ticks.renew(period.tick.get().into(), period.period_ns.get().into());
                 Ok(())
             }
             Event::End { rows, .. } => sink(Item::End { rows }),
@@ -167,7 +201,7 @@ impl Made {
         let value = told.value.get();
         let tick = u64::from(told.tick.get());
         // It was told a tick ahead; what is before cannot change any more.
-        let now = tick.saturating_sub(1) * self.header.period_ns;
+        let now = self.ticks.at(tick.saturating_sub(1));
         passed(|mut sink| stage.run_to(now, &mut sink), laser, sink)?;
         let action = match told.kind {
             kind::REST => {
@@ -187,7 +221,7 @@ impl Made {
             }
             _ => return Err(unknown),
         };
-        let at = tick * self.header.period_ns + u64::from(told.at.get());
+        let at = self.ticks.at(tick) + u64::from(told.at.get());
         match action {
             Action::Light(_) => self.lights.push((laser, at, true)),
             Action::Dark { .. } => self.lights.push((laser, at, false)),
@@ -259,6 +293,53 @@ fn name(fault: Fault, after: u32) -> TraceError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Rows, outputs and actions are at the ticks of the period that held then.
+    #[test]
+    fn the_tick_may_change_between_rows() {
+        let mut encoder = trace::Encoder::new();
+        let axes = [trace::AxisId { core: 0, axis: 1 }];
+        let head = trace::Head { schema: 1, period_ns: 250_000, every: 2, timer_mhz: 1000 };
+        encoder.head(&head, &trace::Ids { axes: &axes, lasers: &[], crds: &[] }).unwrap();
+        let (mut bytes, mut out) = (Vec::new(), [0; 2000]);
+        let mut drain = |encoder: &mut trace::Encoder| {
+            let length = encoder.take(&mut out);
+            bytes.extend_from_slice(&out[..length]);
+        };
+        drain(&mut encoder);
+        let samples = [trace::Sample::default()];
+        let outputs =
+            |tick: u32, levels: u32| trace::Outputs { tick: tick.into(), at: 7.into(), levels: levels.into() };
+        let period = |tick: u32, ns: u32| trace::Period { tick: tick.into(), period_ns: ns.into() };
+        for row in 0..6u32 {
+            encoder.row(row, &trace::Samples { axes: &samples, lasers: &[], crds: &[] }).unwrap();
+            match row {
+                // Between the rows at ticks 2 and 4.
+                1 => {
+                    encoder.outputs(&outputs(3, 1)).unwrap();
+                    encoder.period(&period(3, 50_000)).unwrap();
+                }
+                3 => encoder.period(&period(6, 1_000_000)).unwrap(),
+                4 => encoder.outputs(&outputs(9, 0)).unwrap(),
+                _ => {}
+            }
+        }
+        drain(&mut encoder);
+        let (mut rows, mut edges) = (Vec::new(), Vec::new());
+        let mut reader = Reader::new();
+        reader
+            .feed(&bytes, |item| {
+                match item {
+                    Item::Row(row) => rows.push(row.t_ns),
+                    Item::Output(edge) => edges.push(edge.t_ns),
+                    _ => {}
+                }
+                Ok(())
+            })
+            .unwrap();
+        assert_eq!(rows, [0, 500_000, 800_000, 900_000, 2_900_000, 4_900_000]);
+        assert_eq!(edges, [750_007, 3_900_007]);
+    }
 
     #[test]
     fn counts_of_any_clock_are_ns_to_the_nearest_part() {

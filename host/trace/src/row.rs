@@ -60,14 +60,14 @@ pub struct Header {
     pub lasers: Vec<LaserName>,
     /// Traced coordinate systems, ascending.
     pub crds: Vec<CrdName>,
-    /// Servo tick in ns.
+    /// Servo tick in ns when the trace begins.
     pub period_ns: u64,
     /// Ticks from one row to the next, at least 1.
     pub every: u32,
 }
 
 impl Header {
-    /// Time from one row to the next, in ns.
+    /// Time from one row to the next, in ns, as long as the servo tick is that of the begin.
     pub fn row_ns(&self) -> u64 {
         self.period_ns * u64::from(self.every)
     }

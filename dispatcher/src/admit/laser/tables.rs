@@ -286,7 +286,7 @@ impl Loading {
         }
         let [columns, rows] = counts;
         if columns * rows > NODES {
-            let refused = Refused::new(Reason::TooMany).field(9).got((columns * rows) as f64);
+            let refused = Refused::new(Reason::TooMany).field(2).got((columns * rows) as f64);
             return Err(refused.limits(1.0, NODES as f64));
         }
         let limits = (5, &r.limit[..], r.limits_given != 0);

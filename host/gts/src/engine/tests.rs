@@ -11,6 +11,9 @@ fn every_function_that_reads_arrays_has_a_range_of_counts() {
         }
     }
     assert!(seen >= 10, "{seen}");
+    // What the controller holds.
+    assert_eq!(counts("PvtTable"), Some((2, servo::pvt::PLACES as i64)));
+    assert_eq!(counts("SetLaserFollowTable"), Some((1, servo::laser::POINTS as i64)));
 }
 
 /// Bytes of C's memory, exactly as many; without Miri, which sees it itself, with others around them that must stay.

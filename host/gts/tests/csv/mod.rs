@@ -45,8 +45,11 @@ impl Trace {
 
     /// The value in force at a time.
     pub fn at(&self, ms: f64, name: &str) -> f64 {
-        let column = self.column(name);
-        column[((ms / self.period()).round() as usize).min(column.len() - 1)]
+        // The nearest row: the servo tick may change in a trace.
+        let times = self.column("t_ms");
+        let after = times.partition_point(|time| *time < ms).min(times.len() - 1);
+        let nearer = after.saturating_sub(usize::from(after > 0 && ms - times[after - 1] < times[after] - ms));
+        self.column(name)[nearer]
     }
 
     /// The last value.

@@ -59,6 +59,9 @@ static void axes()
     DONE(GT_GetPrfAcc(1, value, 8));
     DONE(GT_GetEncVel(1, value, 8));
     DONE(GT_GetSts(1, status, 8, &clock));
+    short stopped = -1;
+    DONE(GT_GetStopReason(1, &stopped));
+    TRUE(stopped == 0);
     TRUE((status[0] & 0x200) && !(status[7] & 0x200) && clock > 0);
     DONE(GT_GetPrfMode(1, mode, 8));
     TRUE(mode[0] == 0);
@@ -362,6 +365,10 @@ static void paths(bool lsr)
     } while (runs);
     TRUE(segment == 11);
     DONE(GT_GetCrdPos(1, pos));
+    short stopped = -1;
+    char text[80];
+    DONE(GT_GetCrdStopReason(1, &stopped, text, sizeof text));
+    TRUE(stopped == 1 && strcmp(text, "it has ended") == 0);
     TRUE(pos[0] == 500 && pos[1] == 100 && pos[3] == 100);
 
     DONE(GT_CrdClear(1, 1));

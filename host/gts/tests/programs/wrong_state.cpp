@@ -25,6 +25,7 @@ static void wrong_mode()
     double time[3] = {0, 100, 200}, pos[3] = {0, 100, 200}, at;
     static const char mode[] = "is not in the mode";
     DONE(GT_PrfPvt(1));
+    REFUSED(1, "PVT table 1 is empty", GT_PvtStart(1));
     REFUSED(1, mode, GT_SetTrapPrm(1, &trap));
     REFUSED(1, mode, GT_GetTrapPrm(1, &trap));
     REFUSED(1, mode, GT_SetJogPrm(1, &jog));
@@ -78,9 +79,11 @@ static void nothing_to_do()
     REFUSED(1, "servo is off", GT_PtStart(2));
     DONE(GT_AxisOn(2));
     DONE(GT_PrfPvt(3));
-    DONE(GT_PvtTableSelect(3, 9));
-    REFUSED(1, "PVT table 9 is empty", GT_PvtStart(1 << 2));
+    REFUSED(1, "PVT table 9 is empty", GT_PvtTableSelect(3, 9));
     DONE(GT_PrfFollow(4));
+    short master = -1, type = -1, item = -1;
+    DONE(GT_GetFollowMaster(4, &master, &type, &item));
+    TRUE(master == 0 && type == 2 && item == 0);
     DONE(GT_FollowData(4, 100, 100));
     REFUSED(1, "SetFollowMaster", GT_FollowStart(1 << 3));
     DONE(GT_SetFollowMaster(4, 5));

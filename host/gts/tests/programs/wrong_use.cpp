@@ -87,11 +87,18 @@ int main()
     REFUSED(7, "tableId is NULL", GTN_PvtStatus(1, 1, NULL, value));
     REFUSED(7, "ratio is NULL", GT_SetLaserDisRatio(NULL, 0, 100));
 
-    // Counts of 0 and 1000.
+    // Counts of 0 and 1000. A read may reach past the last axis: zeros there (GXN table 5-1, note 2).
     REFUSED(7, "count is 0", GTN_GetSts(1, 1, numbers, 0));
-    REFUSED(7, "count is 1000", GTN_GetSts(1, 1, numbers, 1000));
+    numbers[31] = -1;
+    DONE(GTN_GetSts(1, 1, numbers, 32));
+    TRUE(numbers[31] == 0);
     REFUSED(7, "count is -1", GTN_GetPrfPos(1, 1, value, -1));
-    REFUSED(7, "count is 1000", GTN_GetPrfVel(1, 1, value, 1000));
+    value[999] = value[1000] = -1;
+    DONE(GTN_GetPrfVel(1, 1, value, 1000));
+    TRUE(value[999] == 0 && value[1000] == -1);
+    for (int n = 0; n < 1024; n++) {
+        value[n] = n;
+    }
     REFUSED(7, "count is 0", GTN_ClrSts(1, 1, 0));
     REFUSED(7, "count is 1000", GTN_ZeroPos(1, 1, 1000));
     REFUSED(7, "count is 0", GTN_SetDac(1, 1, shorts, 0));
@@ -103,7 +110,8 @@ int main()
     REFUSED(7, "count is 1025", GTN_PvtTable(1, 1, 1025, value, table, table));
     REFUSED(7, "count is -3", GTN_PvtTableComplete(1, 1, -3, value, table, NULL, NULL, NULL));
     REFUSED(7, "count is 2000000000", GTN_PvtPercentCalculate(1, 2000000000, value, table, value, 0, value));
-    REFUSED(7, "count", GTN_GetAdc(1, 1, value, 1000));
+    REFUSED(7, "count", GTN_GetAdc(1, 1, value, 0));
+    REFUSED(7, "adc", GTN_GetAdc(1, 1000, value, 1));
     REFUSED(7, "count", GTN_GetDac(1, 1, shorts, 0));
 
     // The same with arrays that are no longer than what is taken at most.
