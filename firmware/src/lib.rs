@@ -171,6 +171,7 @@ fn server(last: Option<&'static Report>, channels: Channels<'static, AXES>) -> &
                 tick_us: board::TICK_US,
                 analog_outputs: board::ANALOG_OUTPUTS,
                 analog_inputs: board::ANALOG_INPUTS,
+                planned_inputs: board::PLANNED_INPUTS,
                 general_outputs: board::GENERAL_OUTPUTS,
                 indexes: board::INDEXES,
                 step_limit: board::STEP_LIMIT,

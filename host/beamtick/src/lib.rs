@@ -38,6 +38,7 @@ mod serve;
 mod source;
 mod spool;
 mod summary;
+mod waits;
 
 use clap::Parser;
 use client::Link;

@@ -235,13 +235,26 @@ for _name, (_about, _parameters) in table.FUNCTIONS.items():
 class Controller:
     """The controller for the length of a ``with``: opened by ``GT_Open``, or with ``gtn`` by ``GTN_Open``, whose arguments
     these are, and closed however the block ends. Closing aborts: every laser is shut off at once, all motion is brought to
-    rest smoothly."""
+    rest smoothly. ``inputs`` names a CSV of what the inputs do from then on (docs/jobs.md), for the virtual and the emulated
+    board."""
 
-    def __init__(self, *args, gtn=False, **named):
+    def __init__(self, *args, gtn=False, inputs=None, **named):
         self._open = lambda: globals()["GTN_Open" if gtn else "GT_Open"](*args, **named)
+        self._inputs = inputs
 
     def __enter__(self):
-        self._open()
+        if self._inputs is None:
+            self._open()
+            return self
+        before = os.environ.get("BEAMTICK_INPUTS")
+        os.environ["BEAMTICK_INPUTS"] = os.fspath(self._inputs)
+        try:
+            self._open()
+        finally:
+            if before is None:
+                del os.environ["BEAMTICK_INPUTS"]
+            else:
+                os.environ["BEAMTICK_INPUTS"] = before
         return self
 
     def __exit__(self, kind, error, trace):
