@@ -10,23 +10,38 @@ use client::inputs::{Inputs, name};
 use client::{Answer, Client, Error, Observer, Progress};
 use job::{Action, Severity, Step};
 use protocol::command::{
-    AxisItem, AxisStatus, CrdStatus, GetVel, GetWait, Request, Sleep, VersionReply, WaitReply, WaitStop,
+    AxisItem, AxisStatus, CrdStatus, FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx,
+    FollowDiBitEx, FollowDoBitEx, FollowSwitchNowEx, GetVel, GetWait, Request, Sleep, VersionReply, WaitReply,
+    WaitStop,
 };
 use std::time::{Duration, Instant};
 use zerocopy::FromBytes;
 
 /// A wait is named after this time.
 const NAMED: Duration = Duration::from_secs(1);
+/// On a board the controller is asked again after this time at the latest; in virtual time after as long again.
+const SELDOM: Duration = Duration::from_secs(10);
 /// Code of the error that ends a job whose wait nothing ends; not one of SPEC 3.
 pub const ENDLESS: i16 = i16::MIN + 1;
 /// Bit 10 of the status word: the profile runs.
 const RUNNING: u32 = 1 << 10;
 /// Modes of GetPrfMode.
 const JOG: i16 = 1;
+const FOLLOW: i16 = 4;
 const FOLLOW_EX: i16 = 10;
 /// Kinds of [`WaitReply`].
 const INPUT: u8 = 1;
 const PASS: u8 = 2;
+/// Entries of Follow and FollowEx: core and axis stand first.
+const FOLLOWS: [u16; 7] = [
+    FollowData::OPCODE,
+    FollowDataPercentEx::OPCODE,
+    FollowSwitchNowEx::OPCODE,
+    FollowDoBitEx::OPCODE,
+    FollowDelayEx::OPCODE,
+    FollowDiBitEx::OPCODE,
+    FollowDataPercent2Ex::OPCODE,
+];
 /// Axes of an AxisStatus.
 const AXES: i16 = 16;
 
@@ -48,8 +63,15 @@ struct Looked {
     /// The script clock then.
     clock_ns: u64,
     wall: Instant,
+    /// How long the wait lasts when the controller is asked next.
+    due: Duration,
     /// What has been said of it.
     said: Vec<String>,
+}
+
+/// The little-endian `i16` at `at`.
+fn short(bytes: &[u8], at: usize) -> Option<i16> {
+    bytes.get(at..at + 2)?.try_into().ok().map(i16::from_le_bytes)
 }
 
 /// The time of a Sleep.
@@ -147,8 +169,11 @@ impl<'r, 'a> Watch<'r, 'a> {
             Action::WaitStop { core, axes, .. } => (step, vec![(core, axes)]),
             Action::WaitAll => (step, cores.map(|core| (core, u32::MAX)).collect()),
             // Data that finds no room waits for its motion.
-            Action::Call(ref call) if !call.outs.is_empty() => return None,
-            Action::Call(_) => (step, cores.map(|core| (core, u32::MAX)).collect()),
+            Action::Call(ref call) if FOLLOWS.contains(&call.opcode) => {
+                let (core, axis) = (short(&call.body, 0)?, short(&call.body, 2)?);
+                (step, vec![(core, 1u32.checked_shl(u32::try_from(axis - 1).ok()?)?)])
+            }
+            Action::Call(_) => return None,
             Action::Sleep { .. } => return None,
         })
     }
@@ -176,9 +201,10 @@ impl<'r, 'a> Watch<'r, 'a> {
                 let count = AXES.min(i16::from(axes_per_core) - first + 1);
                 let read = AxisStatus { core: core.into(), axis: first.into(), count: count.into() };
                 for (axis, item) in (first..).zip(self.client.call_items(read, &[])?.1) {
-                    let wait = match item.status.get() & RUNNING {
-                        0 => WaitReply::default(),
-                        _ => self.client.call(GetWait { core: core.into(), axis: axis.into() })?,
+                    let follows = matches!(item.mode.get(), FOLLOW | FOLLOW_EX) && item.status.get() & RUNNING != 0;
+                    let wait = match follows {
+                        false => WaitReply::default(),
+                        true => self.client.call(GetWait { core: core.into(), axis: axis.into() })?,
                     };
                     axes.push(Axis { core, axis, item, wait });
                 }
@@ -213,16 +239,18 @@ impl<'r, 'a> Watch<'r, 'a> {
         }
         let Some((step, masks)) = self.waits(answered) else { return Ok(()) };
         let clock_ns = progress.queue.clock_ns.get();
+        let slept = self.slept(answered);
         let Some(looked) = self.looked.as_mut().filter(|looked| looked.answered == answered) else {
-            self.looked = Some(Looked { answered, clock_ns, wall: Instant::now(), said: Vec::new() });
+            self.looked = Some(Looked { answered, clock_ns, wall: Instant::now(), due: NAMED, said: Vec::new() });
             return Ok(());
         };
         let (begun_ns, wall) = (looked.clock_ns, looked.wall.elapsed());
-        let slept = self.slept(answered);
         let lasts = Duration::from_nanos(clock_ns.saturating_sub(begun_ns).saturating_sub(slept));
-        if lasts < NAMED {
+        if lasts < looked.due {
             return Ok(());
         }
+        // Long waits are ordinary: they cost few looks.
+        looked.due = lasts + if self.knowledge.virtual_time { lasts } else { lasts.min(SELDOM) };
         let axes = self.axes()?;
         let named = |axis: &&Axis| {
             let bit = 1u32.checked_shl(axis.axis as u32 - 1).unwrap_or(0);

@@ -147,6 +147,10 @@ static void inputs_and_outputs()
     DONE(GTN_SimInput(1, MC_INTERLOCK, 1, 1));
     DONE(GT_SimInput(MC_INTERLOCK, 1, 0));
     DONE(GT_ClrSts(1, 8));
+    /* A read lasts a tick, which samples the interlock. */
+    DONE(GT_GetDi(MC_GPI, &bits));
+    DONE(GT_ClrLaserFault(0));
+    DONE(GT_ClrLaserFault(1));
     DONE(GT_SimAdc(2, -3.5));
     DONE(GT_GetAdc(1, adc, 2));
     TRUE(adc[0] == 0 && adc[1] > -3.501 && adc[1] < -3.499);
