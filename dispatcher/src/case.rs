@@ -35,7 +35,7 @@ impl Site {
         };
         Site { number, profile, family }
     }
-    fn per_core(&self) -> usize {
+    pub fn per_core(&self) -> usize {
         usize::from(self.profile.axes_per_core)
     }
     /// A coordinate system's number in its core, as the user knows it.

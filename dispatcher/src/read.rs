@@ -13,6 +13,7 @@ use crate::log::{HELD, Log};
 use crate::server::{Board, FAULT_TEXT_MAX};
 use protocol::command::{self, opcode};
 use protocol::record::{Full, ReplyWriter};
+use servo::follow::{Awaited, Input};
 use servo::laser::{CHANNELS, Count, Mode, Power, Tables, dac_counts};
 use servo::piece::Scaled;
 use servo::status::RUNNING;
@@ -251,6 +252,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             opcode::GetEncPos => self.reals::<command::GetEncPos>(tag, query, out, |axis| axis.encoder as f64),
             opcode::GetEncVel => self.reals::<command::GetEncVel>(tag, query, out, |axis| self.encoder_velocity(axis)),
             opcode::GetCaptureStatus => self.captures(tag, query, out),
+            opcode::GetWait => out.done::<command::GetWait>(tag, &self.wait(seen), &[]),
             opcode::AxisStatus => self.statuses(tag, query, out),
             opcode::GetDi => out.done::<command::GetDi>(tag, &command::Long { value: self.inputs(query).into() }, &[]),
             opcode::GetDo => out.done::<command::GetDo>(tag, &command::Long { value: self.outputs(query).into() }, &[]),
@@ -489,6 +491,32 @@ impl<const AXES: usize> Reading<'_, AXES> {
         }
         let head = command::Reals { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
         out.done::<command::AxisStatus>(tag, &head, &items[..axes.len()])
+    }
+
+    /// What an axis waits for; it is numbered on its own core.
+    fn wait(&self, axis: &AxisView) -> command::WaitReply {
+        let per_core = self.site.per_core().max(1);
+        match axis.waits.what() {
+            None => command::WaitReply::default(),
+            Some(Awaited::Pass) => command::WaitReply { kind: 2, ..Default::default() },
+            Some(Awaited::Input { input, index, high, limited }) => {
+                let (di_type, of) = match input {
+                    Input::LimitPositive => (kind::LIMIT_POSITIVE, per_core),
+                    Input::LimitNegative => (kind::LIMIT_NEGATIVE, per_core),
+                    Input::Alarm => (kind::ALARM, per_core),
+                    Input::Home => (kind::HOME, per_core),
+                    Input::Arrive => (kind::ARRIVE, per_core),
+                    Input::General => (kind::GPI, 256),
+                };
+                command::WaitReply {
+                    kind: 1,
+                    di_type: di_type.into(),
+                    index: ((usize::from(index) % of) as i16 + 1).into(),
+                    level: i16::from(high).into(),
+                    limited: limited.into(),
+                }
+            }
+        }
     }
 
     /// Levels of the core's axes from bit 0, or the general inputs.

@@ -48,6 +48,8 @@ pub struct Board {
     pub analog_outputs: u8,
     /// Analog inputs (at most 8).
     pub analog_inputs: u8,
+    /// Rows that a plan of its inputs holds: none of a board whose inputs are wired, and which no call may set.
+    pub planned_inputs: u16,
     /// General outputs (at most 32).
     pub general_outputs: u8,
     /// Axes whose encoder's index is captured.

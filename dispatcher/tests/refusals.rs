@@ -3,7 +3,7 @@ mod bench;
 use bench::{Bench, body, pt_data, pt_item};
 use dispatcher::{Fault, FaultKind};
 use protocol::command::*;
-use protocol::reason::{Reason, describe_opcode};
+use protocol::reason::{Reason, Refusal, describe_opcode};
 use protocol::record::Lane;
 
 fn pt_static(bench: &mut Bench<8>, axis: i16) {
@@ -379,6 +379,14 @@ fn inputs_and_outputs() {
     assert_eq!(bench.done(GetDi { core, di_type: 1.into() }).value.get(), 1);
     assert_eq!(bench.done(GetDi { core, di_type: 4.into() }).value.get(), 0x5a);
     assert_eq!(bench.refused(GetDi { core, di_type: 6.into() }).2.field, 1);
+    // The bench's inputs are wired: whatever is asked for, the state forbids it.
+    let wired = |refused: (i16, Reason, Refusal)| assert_eq!((refused.0, refused.1), (1, Reason::InputsWired));
+    for di_type in [4, 9] {
+        wired(bench.refused(SimInput { core, di_type: di_type.into(), index: 1.into(), level: 1.into() }));
+    }
+    wired(bench.refused(SimAdc { core, adc: 1.into(), volts: 0.0.into() }));
+    wired(bench.refused(SimPlan { core, di_type: 4.into(), index: 1.into(), ..SimPlan::default() }));
+    assert_eq!(bench.done(GetDi { core, di_type: 4.into() }).value.get(), 0x5a);
     assert_eq!(bench.refused(GetDo { core, do_type: 9.into() }).2.field, 1);
     bench.done(SetDo { core, do_type: 12.into(), value: 0xa5a5.into() });
     assert_eq!(bench.done(GetDo { core, do_type: 12.into() }).value.get(), 0xa5a5);

@@ -369,7 +369,17 @@ fn lane(from: &mut Source) -> Lane {
 
 /// Whether the command could touch what is the model's whatever it names.
 fn matters(number: u16) -> bool {
-    matches!(number, opcode::Reset | opcode::Choose | opcode::SetTick | opcode::SetDac | opcode::BufDA)
+    matches!(
+        number,
+        opcode::Reset
+            | opcode::Choose
+            | opcode::SetTick
+            | opcode::SetDac
+            | opcode::BufDA
+            | opcode::SimInput
+            | opcode::SimAdc
+            | opcode::SimPlan
+    )
 }
 
 fn size_of_fields(info: &protocol::command::CommandInfo) -> usize {

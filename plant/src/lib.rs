@@ -12,6 +12,7 @@
 //! `τ·x' = s − x` up to the rounding of one step (2⁻²² pulse).
 
 pub mod beam;
+pub mod inputs;
 pub mod pulses;
 
 /// Fraction bits of a set-point.

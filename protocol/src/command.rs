@@ -97,6 +97,9 @@ macro_rules! commands {
     };
 }
 
+/// The type of the interlock (or emergency-stop) input for SimInput and SimPlan: the manuals have none.
+pub const INTERLOCK: i16 = 90;
+
 wire_structs! {
     /// No fields.
     Nothing {}
@@ -191,6 +194,9 @@ wire_structs! {
     LinkLossReply { time_ms: F64, stop_all: I16 }
     /// Home or index capture.
     CaptureReply { status: I16, value: I32, clock_ms: U32 }
+    /// What an axis in FollowEx waits for: 0 nothing, 1 an input, 2 the master's crossing of a position (PASS); of an
+    /// input its type, its number on the core, the level that ends the wait, and whether a time limit ends it too.
+    WaitReply { kind: u8, di_type: I16, index: I16, level: I16, limited: u8 }
     /// Raw bytes.
     Byte { value: u8 }
     /// One 32-bit value without a sign.
@@ -339,6 +345,10 @@ commands! {
     0x0144 SetDac { core: I16, dac: I16, count: U16 } [Short] -> Nothing [Nothing];
     0x0145 GetDac { core: I16, dac: I16, count: I16 } [Nothing] -> Count [Short];
     0x0146 GetAdc { core: I16, adc: I16, count: I16 } [Nothing] -> Reals [Real];
+    0x0147 SimInput { core: I16, di_type: I16, index: I16, level: I16 } [Nothing] -> Nothing [Nothing];
+    0x0148 SimAdc { core: I16, adc: I16, volts: F64 } [Nothing] -> Nothing [Nothing];
+    0x0149 SimPlan { core: I16, row: U16, from: u8, at_ns: U64, di_type: I16, index: I16, value: F64 } [Nothing] -> Nothing [Nothing];
+    0x014A GetWait { core: I16, axis: I16 } [Nothing] -> WaitReply [Nothing];
     // -- PT (GXN chapter 2) -------------------------------------------------------------------
     0x0200 PrfPt { core: I16, profile: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
     0x0201 PtSpace { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];

@@ -152,6 +152,8 @@ reasons! {
     148 Aborting State "after an abort lasers are switched on once everything has come to rest; wait for that";
     149 NoLaserOutput State "laser channel {got}: this board has no output for its power in this mode";
     158 SlowPulses Range "{field} is {got} kHz; it must be 0, or from {low} to {high}";
+    160 InputsWired State "the inputs of this board are wired; only those of the virtual and the emulated board are set by a call";
+    161 InputType Range "{field} is {got}; allowed are {low} to {high}, and 90, the interlock";
 }
 
 /// The payload of a refusing reply.

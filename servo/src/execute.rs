@@ -4,11 +4,11 @@
 //! nothing. Fails: a start or an Update that the machine's state forbids does nothing to any axis of
 //! its mask and is told as [`Event::Refused`]; whatever else does not fit any more has no effect.
 use crate::axis::{AxisState, Jog};
-use crate::follow::Method;
+use crate::follow::{Input, Method};
 use crate::laser::{self, Change};
 use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op};
 use crate::path::EntryStore;
-use crate::port::Port;
+use crate::port::{Due, Port, Simulated};
 use crate::pvt::TableStores;
 use crate::tick::{EVENTS, Lanes, PERIOD_NS, SAMPLES, SegmentStore, Source, Tick, tell};
 use crate::trace::Chosen;
@@ -44,13 +44,13 @@ impl<const AXES: usize> Reach<'_, '_, AXES> {
 impl<const AXES: usize> Tick<AXES> {
     /// Carries out one entry.
     #[inline(never)]
-    pub(crate) fn execute(
+    pub(crate) fn execute<P: Port>(
         &mut self,
         lane: Lane,
         entry: &Entry,
         next: Ns,
         period: &mut Ns,
-        port: &mut impl Port,
+        port: &mut P,
         lanes: &mut Reach<'_, '_, AXES>,
     ) {
         match entry.op {
@@ -73,7 +73,10 @@ impl<const AXES: usize> Tick<AXES> {
                 self.aborted = self.running();
                 self.look_at_abort(next);
             }
-            Op::NewSession => self.lasers.new_session(next),
+            Op::NewSession => {
+                self.lasers.new_session(next);
+                port.forget_plan();
+            }
             Op::Supervision(supervision) => self.supervision = supervision,
             Op::Servo { axis, on } => self.servo(axis.mask(), on, next, lanes),
             Op::Output { group, mask, value } => match group {
@@ -87,6 +90,16 @@ impl<const AXES: usize> Tick<AXES> {
             Op::Analog { channel, value } => {
                 port.analog_out(0, channel as usize, value);
                 self.tell_analog(channel, value, lanes.tables.lasers, lanes.samples);
+            }
+            Op::Simulate(input) => {
+                if P::SIMULATED {
+                    self.simulate(input, port);
+                }
+            }
+            Op::Plan { row, after, of_script, input } => {
+                let due =
+                    if of_script { Due::OfScript(after) } else { Due::At(Ns(self.now.0.saturating_add(after.0))) };
+                port.plan(row, due, input);
             }
             Op::Update { axes } => {
                 if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_update()) {
@@ -204,6 +217,20 @@ impl<const AXES: usize> Tick<AXES> {
             Op::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
             Op::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
             Op::CrdRate { crd, rate } => self.set_rate(crd, rate, next, lanes),
+        }
+    }
+
+    /// An input of a machine without wires changes with the tick computed: that tick shows it and ends the waits for it, and
+    /// its interrupt samples it for everything else.
+    #[inline(never)]
+    pub(crate) fn simulate(&mut self, input: Simulated, port: &mut impl Port) {
+        port.simulate(input);
+        if let Simulated::Level { input, index, .. } = input
+            && input != Input::General
+            && let Some(axis) = Axis::new(index as usize)
+        {
+            let levels = port.inputs(axis);
+            self.one(axis, |state| state.raw = levels);
         }
     }
 

@@ -23,7 +23,7 @@ pub use entry::{Chain, ENTRIES, Entry, Input, Part, Refused, STOPS, Tail};
 pub use follower::Follower;
 pub(crate) use follower::{Path, Seen};
 pub(crate) use order::Order;
-pub use run::{ACTIONS, Context, Deeds, FollowRun, State};
+pub use run::{ACTIONS, Awaited, Awaits, Context, Deeds, FollowRun, State};
 pub use setup::Setup;
 pub use store::Entries;
 pub(crate) use velocity::{compose, led, of as motion_of, straight};

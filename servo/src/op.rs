@@ -4,6 +4,7 @@
 //! changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`]. Two lanes lead in:
 //! the immediate lane acts on the next tick; the program lane is timed (SPEC 7): an entry's instant
 //! is that of the entry before plus `delay`, and it acts on the first tick after that instant.
+use crate::port::Simulated;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::{crd, follow, path};
 
@@ -205,6 +206,11 @@ pub enum Op {
     Capture { axis: Axis, mode: u8 },
     /// Sets the masked bits of a group.
     Output { group: DoGroup, mask: u64, value: u64 },
+    /// Sets an input of a machine that has no wires.
+    Simulate(Simulated),
+    /// The same later, as row `row` of a plan; `after` counts from the tick that executes this, or from the zero of the next
+    /// program's script clock.
+    Plan { row: u16, after: Ns, of_script: bool, input: Simulated },
     /// Analog output.
     Analog { channel: u8, value: i16 },
     /// Jog parameters, effective with the next Update.

@@ -1,6 +1,7 @@
 //! What the tick needs from a machine. `hal` and `host/virtual` implement it.
+use crate::follow::Input;
 use crate::laser::Plan;
-use crate::units::{Axis, Pos};
+use crate::units::{Axis, Ns, Pos};
 
 /// Levels of the digital inputs of one axis, sampled once a tick; true is the high level.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -41,6 +42,52 @@ impl AxisInputs {
     }
 }
 
+impl AxisInputs {
+    /// One of them gets a level; those that are not of an axis stay.
+    pub fn set(&mut self, input: Input, high: bool) {
+        match input {
+            Input::LimitPositive => self.limit_positive = high,
+            Input::LimitNegative => self.limit_negative = high,
+            Input::Alarm => self.alarm = high,
+            Input::Home => self.home = high,
+            Input::Arrive => self.arrive = high,
+            Input::General => {}
+        }
+    }
+}
+
+/// An input of a machine that has no wires, as its user sets it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Simulated {
+    /// The level at a terminal: of an axis over all cores, or of a general input, both from 0.
+    Level {
+        /// Which kind.
+        input: Input,
+        /// Its axis or number.
+        index: u8,
+        /// The high level.
+        high: bool,
+    },
+    /// The interlock or emergency-stop input; high wants every laser at rest.
+    Interlock(bool),
+    /// The code of an analog input from 0, as [`Port::analog`] tells it.
+    Analog {
+        /// Which.
+        channel: u8,
+        /// −32768…32767 for −12.5…12.5 V.
+        code: i16,
+    },
+}
+
+/// When a planned input changes: on the first tick after this.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Due {
+    /// An instant of controller time.
+    At(Ns),
+    /// So long after the zero of the script clock of the next program.
+    OfScript(Ns),
+}
+
 /// A machine, as the tick sees it. No call may wait.
 pub trait Port {
     /// Inputs of one axis now.
@@ -67,6 +114,19 @@ pub trait Port {
     /// Whether the interlock (or emergency-stop) input wants every laser output at rest now. The hardware
     /// rests PWM and switch by itself; the tick latches it and rests what the hardware cannot.
     fn interlock(&mut self) -> bool;
+    /// Whether its inputs are set by [`Port::simulate`] and [`Port::plan`]; of a machine with wires, nothing of the tick's
+    /// code for that remains.
+    const SIMULATED: bool = false;
+    /// An input has this from now on: the interrupt of the next tick samples it.
+    fn simulate(&mut self, _: Simulated) {}
+    /// Row `row` (from 0, in order) of a plan of inputs; row 0 begins another plan.
+    fn plan(&mut self, _row: u16, _due: Due, _: Simulated) {}
+    /// Takes the next row of the plan if it is due before `next`. `zero` is the script clock's zero, while a program runs.
+    fn planned(&mut self, _next: Ns, _zero: Option<Ns>) -> Option<Simulated> {
+        None
+    }
+    /// Rows that wait for a program wait no longer: their session is over.
+    fn forget_plan(&mut self) {}
     /// What a laser channel does in the interval that begins with the next tick and ends with the one after.
     fn laser(&mut self, channel: usize, plan: &Plan);
 }

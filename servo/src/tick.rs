@@ -250,7 +250,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Computes the next tick: called once at every tick, at the instant [`Tick::now`].
-    pub fn run(&mut self, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
+    pub fn run<P: Port>(&mut self, port: &mut P, lanes: &mut Lanes<'_, AXES>) {
         let now = self.now;
         let next = Ns(now.0.wrapping_add(self.period.0));
         let mut period = self.period;
@@ -274,6 +274,12 @@ impl<const AXES: usize> Tick<AXES> {
         }
         if !lanes.immediate.is_empty() || self.script.runs {
             self.execute_due(next, &mut period, port, lanes);
+        }
+        if P::SIMULATED {
+            let zero = self.script.runs.then_some(self.script.zero);
+            while let Some(input) = port.planned(next, zero) {
+                self.simulate(input, port);
+            }
         }
 
         if self.crds.running.0 != 0 {

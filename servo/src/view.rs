@@ -8,7 +8,7 @@ pub use laser::LaserView;
 pub(crate) use speeds::Speeds;
 
 use crate::crd::share;
-use crate::follow::{compose, straight};
+use crate::follow::{Awaits, compose, straight};
 use crate::laser::{Action, CHANNELS, Power};
 use crate::op::{Lane, Mode};
 use crate::piece::{Motion, Scaled};
@@ -78,6 +78,8 @@ pub struct AxisView {
     pub fifo: u8,
     /// Follow: the other FIFO takes over at the end of the pass.
     pub switching: bool,
+    /// Follow: what it waits for, as the tick that computed this left it.
+    pub waits: Awaits,
     /// Follow: times a switch has emptied each FIFO. `passes` are those of the FIFO that runs; they go down
     /// when the master goes back (direction 0).
     pub cleared: [u32; 2],
@@ -114,6 +116,7 @@ impl AxisView {
         table_until: Ns(0),
         fifo: 0,
         switching: false,
+        waits: Awaits::NOTHING,
         cleared: [0; 2],
         captured: None,
     };
@@ -147,6 +150,7 @@ impl AxisView {
             table_until,
             fifo,
             switching,
+            waits,
             cleared: _,
             captured,
         } = self;
@@ -157,6 +161,7 @@ impl AxisView {
         (*status, *blocked, *mode, *lead) = (on.status, on.blocked, on.mode, on.lead);
         (*drive, *pt_state, *table, *pending) = (on.drive, on.pt_state, on.table, on.pending);
         (*table_until, *fifo, *switching, *captured) = (on.table_until, on.fifo, on.switching, on.captured);
+        *waits = on.waits;
     }
 
     /// The axis is in another piece.
@@ -229,6 +234,7 @@ impl AxisView {
         let [first, second] = now.cleared;
         (self.lead, self.drive) = (now.lead, now.drive);
         (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, [first, second]);
+        self.waits = now.waits;
         (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
     }

@@ -36,6 +36,8 @@ const LONG: [(&str, &[u32]); 12] = [
 
 /// Jobs with lasers, and one with outputs: their signals are compared too.
 const LASER: &str = "laser_";
+/// Jobs whose inputs a file beside them sets.
+const INPUTS: &str = "inputs";
 const OUTPUTS: &str = "follow_ex";
 /// Jobs of the LSR manual say so in their names; the others are of the GUS family, which is the default.
 const LSR: &str = "laser_lsr_";
@@ -127,6 +129,7 @@ pub fn name(job: &Path) -> String {
 /// Traces are compared, and every edge of lasers and outputs.
 fn compare(runner: &Runner, job: &Path, tick_us: u32, folder: &Path) -> Outcome<usize> {
     let job_text = job.to_string_lossy();
+    let inputs = job.with_extension("csv").to_string_lossy().into_owned();
     let tick = tick_us.to_string();
     let has_signals = name(job).starts_with(LASER) || name(job) == OUTPUTS;
     let file = |way: &str, extension: &str| folder.join(format!("{}-{tick_us}-{way}.{extension}", name(job)));
@@ -140,6 +143,9 @@ fn compare(runner: &Runner, job: &Path, tick_us: u32, folder: &Path) -> Outcome<
         let mut words = [&[way, &*job_text], more, &common[..], &["--trace", &csv_text]].concat();
         if has_signals {
             words.extend(["--vcd", &vcd_text]);
+        }
+        if name(job) == INPUTS {
+            words.extend(["--inputs", &inputs]);
         }
         once_more_if_held_up(&mut runner.call(&words))?;
         files.push((csv, vcd));

@@ -20,6 +20,7 @@ pub mod pt;
 mod pvt;
 pub mod pvt_table;
 mod session;
+mod simulated;
 
 use crate::case::{Answer, Case, Query};
 use crate::refuse::{Admitted, Refused, within};
@@ -154,6 +155,10 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::SetDac => io::set_analog(case, body),
         opcode::GetDac => to!(GetDac, io::analog_outputs),
         opcode::GetAdc => to!(GetAdc, io::analog_inputs),
+        opcode::SimInput => to!(SimInput, simulated::input),
+        opcode::SimAdc => to!(SimAdc, simulated::analog),
+        opcode::SimPlan => to!(SimPlan, simulated::plan),
+        opcode::GetWait => to!(axis GetWait, axis),
 
         opcode::PrfPt => to!(PrfPt, pt::mode),
         opcode::PtSpace => to!(PtSpace, pt::space),
@@ -253,6 +258,7 @@ pub fn is_read(number: u16) -> bool {
             | opcode::GetDo
             | opcode::GetDac
             | opcode::GetAdc
+            | opcode::GetWait
             | opcode::GetLaserOnTime
             | opcode::GetLaserCrdMap
             | opcode::GetLaserPower

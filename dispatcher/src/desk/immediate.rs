@@ -69,6 +69,9 @@ impl<const AXES: usize> Desk<'_, AXES> {
                 | opcode::Choose
                 | opcode::LaserOff
                 | opcode::ClrLaserFault
+                | opcode::SimInput
+                | opcode::SimAdc
+                | opcode::SimPlan
         ) || switches_off(record);
         if program.is_active() && !beside && !is_read(record.opcode) {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);

@@ -158,6 +158,7 @@ impl<const AXES: usize> Bench<AXES> {
             tick_us: 10..=1000,
             analog_outputs: 8,
             analog_inputs: 8,
+            planned_inputs: 0,
             general_outputs: 16,
             indexes: AxisMask(0b1),
             step_limit,

@@ -1,14 +1,22 @@
-//! The machine behind the emulated board: a plant that follows, inputs at rest, recorded outputs.
+//! The machine behind the emulated board: a plant that follows, inputs as they are set, recorded outputs.
 //!
-//! In: set-points and outputs of the tick, bytes on the trace's UART. Out: encoders of the plant and inputs that
-//! nothing moves but the interlock: a byte `1` makes it active, `0` ends that.
-//! Owns the plant; outputs go to [`outputs`], and the tick's view carries both over the link. Fails never.
+//! In: set-points and outputs of the tick, inputs and a plan of them, bytes on the trace's UART. Out: encoders of the plant and
+//! inputs as SimInput, SimAdc and the plan set them, low at power-on. A byte `1` makes the interlock active, `0` ends that: so it can
+//! be active before the link is there.
+//! Owns the plant and the inputs; outputs go to [`outputs`], and the tick's view carries both over the link. Fails never.
 use super::outputs;
 use super::uart::Rx;
+use plant::inputs::{Plan as InputPlan, Row};
 use plant::{Gain, Plant};
+use servo::follow::Input;
 use servo::laser::Plan;
-use servo::port::{AxisInputs, Port};
-use servo::units::{Axis, Pos};
+use servo::port::{AxisInputs, Due, Port, Simulated};
+use servo::units::{Axis, Ns, Pos};
+
+/// Analog inputs.
+pub const ANALOG_INPUTS: usize = 8;
+/// Rows of a plan of inputs.
+pub const ROWS: usize = 256;
 
 /// The machine of `AXES` axes.
 #[derive(Debug)]
@@ -18,12 +26,32 @@ pub struct Machine<const AXES: usize> {
     period_ns: u32,
     switchboard: Rx,
     interlock: bool,
+    inputs: [AxisInputs; AXES],
+    general: u32,
+    analog: [i16; ANALOG_INPUTS],
+    plan: InputPlan<[Row; ROWS]>,
 }
 
 impl<const AXES: usize> Machine<AXES> {
     /// At rest at zero, with ticks of `period_ns`; `switchboard` tells the inputs.
     pub const fn new(period_ns: u32, switchboard: Rx) -> Self {
-        Machine { plant: Plant::new(), gain: Gain::of_period(period_ns), period_ns, switchboard, interlock: false }
+        Machine {
+            plant: Plant::new(),
+            gain: Gain::of_period(period_ns),
+            period_ns,
+            switchboard,
+            interlock: false,
+            inputs: [AxisInputs {
+                limit_positive: false,
+                limit_negative: false,
+                alarm: false,
+                home: false,
+                arrive: false,
+            }; AXES],
+            general: 0,
+            analog: [0; ANALOG_INPUTS],
+            plan: InputPlan::new([Row::NONE; ROWS]),
+        }
     }
 
     /// A tick begins: the shafts have moved since the last one. The ticks to come have `period_ns`.
@@ -42,9 +70,8 @@ impl<const AXES: usize> Machine<AXES> {
 }
 
 impl<const AXES: usize> Port for Machine<AXES> {
-    fn inputs(&mut self, _: Axis) -> AxisInputs {
-        // Nothing is wired: every input has its resting (low) level, at which power-on sense is inactive.
-        AxisInputs::default()
+    fn inputs(&mut self, axis: Axis) -> AxisInputs {
+        self.inputs.get(axis.index()).copied().unwrap_or_default()
     }
 
     fn encoder(&mut self, axis: Axis) -> i64 {
@@ -52,11 +79,45 @@ impl<const AXES: usize> Port for Machine<AXES> {
     }
 
     fn general_inputs(&mut self) -> u32 {
-        0
+        self.general
     }
 
-    fn analog(&mut self, _: usize) -> i16 {
-        0
+    fn analog(&mut self, channel: usize) -> i16 {
+        self.analog.get(channel).copied().unwrap_or(0)
+    }
+
+    const SIMULATED: bool = true;
+
+    fn simulate(&mut self, input: Simulated) {
+        match input {
+            Simulated::Level { input: Input::General, index, high } => {
+                let bit = 1u32 << (index & 31);
+                self.general = if high { self.general | bit } else { self.general & !bit };
+            }
+            Simulated::Level { input, index, high } => {
+                if let Some(inputs) = self.inputs.get_mut(index as usize) {
+                    inputs.set(input, high);
+                }
+            }
+            Simulated::Interlock(active) => self.interlock = active,
+            Simulated::Analog { channel, code } => {
+                if let Some(place) = self.analog.get_mut(channel as usize) {
+                    *place = code;
+                }
+            }
+        }
+    }
+
+    fn plan(&mut self, row: u16, due: Due, input: Simulated) {
+        self.plan.put(row, due, input);
+    }
+
+    fn planned(&mut self, next: Ns, zero: Option<Ns>) -> Option<Simulated> {
+        self.plan.take(next, zero)
+    }
+
+    fn forget_plan(&mut self) {
+        self.plan.forget();
     }
 
     fn set_point(&mut self, axis: Axis, pos: Pos) {

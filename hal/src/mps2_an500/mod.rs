@@ -27,8 +27,11 @@ pub const TICK_NS: u32 = 250_000;
 /// Tick periods that the board can run, in µs.
 pub const TICK_US: core::ops::RangeInclusive<u32> = 10..=1000;
 
-/// Analog inputs of the board; nothing is wired to them, they read 0.
-pub const ANALOG_INPUTS: u8 = 8;
+/// Analog inputs of the board; nothing is wired to them: they read what SimAdc sets, 0 at power-on.
+pub const ANALOG_INPUTS: u8 = machine::ANALOG_INPUTS as u8;
+
+/// Rows that a plan of its inputs holds.
+pub const PLANNED_INPUTS: u16 = machine::ROWS as u16;
 /// The clock in which laser plans are counted: a count is a ns.
 pub const LASER_CLOCK: servo::laser::Clock = servo::laser::Clock::GHZ;
 

@@ -42,6 +42,9 @@ pub const TICK_US: core::ops::RangeInclusive<u32> = 10..=250;
 /// Analog inputs of the board.
 pub const ANALOG_INPUTS: u8 = adc::INPUTS as u8;
 
+/// Rows that a plan of its inputs holds: its inputs are wired.
+pub const PLANNED_INPUTS: u16 = 0;
+
 /// The clock in which laser plans are counted: that of the timers.
 pub const LASER_CLOCK: servo::laser::Clock = match servo::laser::Clock::from_mhz(clocks::TIMER_MHZ) {
     Some(clock) => clock,

@@ -24,6 +24,7 @@ Examples:
   beamtick sim examples/laser_duty.gts --plot pulses.png --from 10 --to 12
   beamtick sim examples/pvt_percent.gts --xy path.png
   beamtick sim examples/pt_static.gts --step-limit 1000
+  beamtick sim examples/inputs.gts --inputs examples/inputs.csv --trace t.csv
   beamtick run examples/pt_static.gts --link qemu --vcd t.vcd
   beamtick run examples/jog_trap.gts --link tcp:192.168.1.20:5000 --strict
   beamtick run examples/jog_trap.gts --link serial:/dev/ttyACM0:921600
@@ -87,6 +88,17 @@ pub struct Steps {
     /// follows and would be faster stops. The STM32H743 board has 1000. Without it, full scale.
     #[arg(long = "step-limit", value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     pub limit: Option<u64>,
+}
+
+/// What the inputs do.
+#[derive(Debug, Clone, Default, Args)]
+pub struct InputFile {
+    /// Sets the inputs of the virtual or the emulated board: a CSV with the columns t_ms, input, level. t_ms counts from the zero of
+    /// the script clock (`serve`: from power-on) and never goes back. Inputs are gpi1, home1, limit_positive1, limit_negative1,
+    /// alarm1, arrive1 with their numbers (core2_home1 on another core) and interlock, levels 0 and 1 at the terminal, before
+    /// sense; and adc1, level in V. A board with wires refuses it.
+    #[arg(long, value_name = "FILE.csv")]
+    pub inputs: Option<PathBuf>,
 }
 
 /// What is recorded and shown.
@@ -162,6 +174,9 @@ pub struct Sim {
     pub steps: Steps,
     #[command(flatten)]
     #[allow(missing_docs)]
+    pub inputs: InputFile,
+    #[command(flatten)]
+    #[allow(missing_docs)]
     pub outputs: Outputs,
 }
 
@@ -188,6 +203,9 @@ pub struct Run {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub settings: Settings,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub inputs: InputFile,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub outputs: Outputs,
@@ -226,6 +244,9 @@ pub struct Serve {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub steps: Steps,
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub inputs: InputFile,
     /// Profile at power-on. Without it the board has room for every profile; with one of 8 axes, for 8 axes only.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,

@@ -37,6 +37,7 @@ mod serve;
 mod source;
 mod spool;
 mod summary;
+mod waits;
 
 use clap::Parser;
 use client::Link;

@@ -52,6 +52,11 @@ impl<'a> Report<'a> {
         &self.source.name
     }
 
+    /// Says something beside the bar.
+    pub fn aside(&self, say: impl FnOnce()) {
+        self.bar.suspend(say);
+    }
+
     /// Takes the bar away.
     pub fn end(&self) {
         self.bar.finish_and_clear();

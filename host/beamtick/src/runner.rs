@@ -3,14 +3,16 @@
 //! In: the command line. Out: reads, files, a summary. However a job ends, it ends with Abort: as the script's last entry,
 //! or at once where a call fails or a signal comes. No job ends lit.
 use crate::Failure;
-use crate::command_line::{Outputs, Run, Sim};
+use crate::command_line::{InputFile, Outputs, Run, Sim};
 use crate::connect::{linked, named, simulated};
 use crate::entries::{Entry, entries, lasers};
 use crate::interrupt::{self, Held};
 use crate::record::{Recorded, Recording};
 use crate::report::{INTERRUPTED, Report};
 use crate::source::Source;
+use crate::waits::{ENDLESS, Knowledge, Watch};
 use crate::{output, profile, summary};
+use client::inputs::{Inputs, Zero};
 use client::{Call as Packed, Client, Link, Progress, decode};
 use job::{Action, Axis, Call, Job, Severity};
 use protocol::command::{
@@ -28,6 +30,8 @@ use zerocopy::FromBytes;
 pub const RUNNING: u32 = 1 << 10;
 /// General outputs, as SetDo names them.
 const GENERAL: i32 = 12;
+/// A parameter is out of range.
+const RANGE: i16 = 7;
 /// The firmware does not know a command.
 const UNKNOWN: i16 = 8;
 /// A trace's end comes within this time of the program's, on the link's clock.
@@ -46,25 +50,45 @@ type Tape = Arc<Mutex<Option<Recording>>>;
 
 /// Runs a job in the virtual controller.
 pub fn sim(arguments: &Sim) -> Result<(), Failure> {
-    let source = Source::open(&arguments.job)?;
+    let mut source = Source::open(&arguments.job)?;
     let settings = source.settings(&arguments.settings)?;
+    let inputs = inputs(&mut source, &arguments.inputs)?;
     output::check(&source.files, &arguments.outputs.files())?;
     let client = simulated(&settings, arguments.steps, Some(profile::of_job(&source.job)))?;
-    execute(&source, &client, true, &arguments.outputs)
+    let knowledge = Knowledge { all_known: true, virtual_time: true, inputs: inputs.as_ref() };
+    execute(&source, &client, knowledge, &arguments.outputs)
 }
 
 /// Runs a job on a board: over `link`, or over the one that the command line names.
 pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> {
-    let source = Source::open(&arguments.job)?;
+    let mut source = Source::open(&arguments.job)?;
     let settings = source.settings(&arguments.settings)?;
+    let inputs = inputs(&mut source, &arguments.inputs)?;
     output::check(&source.files, &arguments.outputs.files())?;
     let profile = profile::of_job(&source.job);
+    // Nobody else reaches the inputs of a board that this process starts.
+    let all_known = link.is_none() && arguments.link == "qemu";
     let link = link.map_or_else(|| named(&arguments.link, &arguments.way), Ok)?;
     let client = linked(link, &settings, Some(profile))?;
-    execute(&source, &client, false, &arguments.outputs)
+    let knowledge = Knowledge { all_known, virtual_time: false, inputs: inputs.as_ref() };
+    execute(&source, &client, knowledge, &arguments.outputs)
 }
 
-fn execute(source: &Source, client: &Client, simulated: bool, outputs: &Outputs) -> Result<(), Failure> {
+/// The file of inputs, which no output may overwrite.
+fn inputs(source: &mut Source, file: &InputFile) -> Result<Option<Inputs>, Failure> {
+    let Some(path) = &file.inputs else { return Ok(None) };
+    source.files.push(path.clone());
+    Inputs::open(path).map(Some).map_err(Failure::Input)
+}
+
+fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: &Outputs) -> Result<(), Failure> {
+    if let Some(inputs) = knowledge.inputs {
+        inputs.plan(client, Zero::Program).map_err(|error| match error.code {
+            RANGE => Failure::Input(error.reason),
+            _ => error.into(),
+        })?;
+    }
+    let simulated = knowledge.virtual_time;
     let version = *client.version();
     let job = &source.job;
     let recording = match outputs.traces() {
@@ -75,7 +99,8 @@ fn execute(source: &Source, client: &Client, simulated: bool, outputs: &Outputs)
     let mut report = Report::new(source, &entries, version, outputs.quiet);
     let began = Instant::now();
     let held = Held::new();
-    let outcome = drive(client, &mut report, &entries, outputs.strict);
+    let watch = Watch::new(&mut report, source, &entries, client, knowledge);
+    let outcome = drive(client, watch, &entries, outputs.strict);
     let took = began.elapsed();
     report.end();
     let progress = match outcome {
@@ -128,10 +153,13 @@ fn execute(source: &Source, client: &Client, simulated: bool, outputs: &Outputs)
 }
 
 /// Runs the entries.
-fn drive(client: &Client, report: &mut Report<'_>, entries: &[Entry], strict: bool) -> Result<Progress, Failure> {
+fn drive(client: &Client, mut watch: Watch<'_, '_>, entries: &[Entry], strict: bool) -> Result<Progress, Failure> {
     let calls = entries.iter().map(|entry| entry.call.clone());
-    let summary = client.run(calls, strict, report).map_err(|error| match error.code {
+    let summary = client.run(calls, strict, &mut watch);
+    let report = watch.report();
+    let summary = summary.map_err(|error| match error.code {
         INTERRUPTED => interrupted(report.job()),
+        ENDLESS => Failure::Job(error.reason),
         _ => error.into(),
     })?;
     match summary.failed {

@@ -3,8 +3,10 @@ use crate::Failure;
 use crate::command_line::Serve;
 use crate::connect;
 use crate::profile;
-use client::Profile;
+use client::inputs::{Inputs, Zero};
+use client::{Client, Options, Profile};
 use std::net::TcpListener;
+use virtual_board::{Board, VirtualLink, share};
 
 /// Serves until the process is ended.
 pub fn serve(arguments: &Serve) -> Result<(), Failure> {
@@ -14,9 +16,16 @@ pub fn serve(arguments: &Serve) -> Result<(), Failure> {
         None => Profile::Gsn048,
     };
     let config = connect::config(arguments.tick_us, shown, arguments.steps);
+    let inputs = arguments.inputs.inputs.as_deref().map(Inputs::open).transpose().map_err(Failure::Input)?;
     let failed = |error| Failure::Job(format!("{}: cannot listen there: {error}", arguments.listen));
     let listener = TcpListener::bind(&arguments.listen).map_err(failed)?;
-    let served = virtual_board::serve(listener, None, config).map_err(failed)?;
+    let board = share(Board::new(config));
+    if let Some(inputs) = &inputs {
+        // A session before the first one: it has no connection, so nobody has to wait for its end.
+        let client = Client::open(Box::new(VirtualLink::new(board.clone())), Options::default())?;
+        inputs.plan(&client, Zero::Now).map_err(|error| Failure::Input(error.reason))?;
+    }
+    let served = virtual_board::serve_board(listener, None, board).map_err(failed)?;
     say!(
         "virtual controller at tcp:{}, profile {}, servo tick {} us; one client at a time; Ctrl-C ends it",
         served.address(),

@@ -23,6 +23,7 @@
 //! Calls may come from several threads at once. Every failure is an [`Error`] with a return code of
 //! SPEC 3 and a reason.
 pub mod error;
+pub mod inputs;
 pub mod link;
 pub mod qemu;
 pub mod serial;

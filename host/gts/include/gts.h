@@ -115,6 +115,7 @@ typedef struct TCrdData {
 #define MC_CONTROL 32
 #define MC_LASER 71
 #define MC_POS_COMPARE 80
+#define MC_INTERLOCK 90
 #define CAPTURE_HOME 1
 #define CAPTURE_INDEX 2
 #define CAPTURE_PROBE 3
@@ -265,7 +266,7 @@ GT_API GT_GetVel(short profile, double *vel);
 GT_API GT_Update(long mask);
 
 /* Digital and analog inputs and outputs */
-/* Digital inputs of a type as bits. */
+/* Levels of the digital inputs of a type as bits, as they are at the terminals: no sense (LmtSns) is applied. */
 GT_API GT_GetDi(short diType, long *value);
 /* Sets all digital outputs of a type. */
 GT_API GT_SetDo(short doType, long value);
@@ -279,6 +280,10 @@ GT_API GT_SetDac(short dac, short *value, short count GT_DEFAULT(1));
 GT_API GT_GetDac(short dac, short *value, short count GT_DEFAULT(1));
 /* Voltages of count analog inputs. */
 GT_API GT_GetAdc(short adc, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Sets a digital input of the virtual or the emulated board: its level at the terminal, before sense. A real board returns 1. */
+GT_API GT_SimInput(short diType, short index, short level);
+/* Sets an analog input of the virtual or the emulated board, -12.5 to 12.5 V. A real board returns 1. */
+GT_API GT_SimAdc(short adc, double volts);
 
 /* Laser */
 /* Gives axis connector 7 or 8 to step pulses (0) or to a laser (1); GUS family. */
@@ -677,7 +682,7 @@ GT_API GTN_GetVel(short core, short profile, double *vel);
 GT_API GTN_Update(short core, long mask);
 
 /* Digital and analog inputs and outputs */
-/* Digital inputs of a type as bits. */
+/* Levels of the digital inputs of a type as bits, as they are at the terminals: no sense (LmtSns) is applied. */
 GT_API GTN_GetDi(short core, short diType, long *value);
 /* Sets all digital outputs of a type. */
 GT_API GTN_SetDo(short core, short doType, long value);
@@ -691,6 +696,10 @@ GT_API GTN_SetDac(short core, short dac, short *value, short count GT_DEFAULT(1)
 GT_API GTN_GetDac(short core, short dac, short *value, short count GT_DEFAULT(1));
 /* Voltages of count analog inputs. */
 GT_API GTN_GetAdc(short core, short adc, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Sets a digital input of the virtual or the emulated board: its level at the terminal, before sense. A real board returns 1. */
+GT_API GTN_SimInput(short core, short diType, short index, short level);
+/* Sets an analog input of the virtual or the emulated board, -12.5 to 12.5 V. A real board returns 1. */
+GT_API GTN_SimAdc(short core, short adc, double volts);
 
 /* Laser */
 /* Gives axis connector 7 or 8 to step pulses (0) or to a laser (1); GUS family. */

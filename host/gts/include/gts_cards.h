@@ -115,6 +115,7 @@ typedef struct TCrdData {
 #define MC_CONTROL 32
 #define MC_LASER 71
 #define MC_POS_COMPARE 80
+#define MC_INTERLOCK 90
 #define CAPTURE_HOME 1
 #define CAPTURE_INDEX 2
 #define CAPTURE_PROBE 3
@@ -210,6 +211,8 @@ typedef struct TCrdData {
 #define GT_SetDac GTM_SetDac
 #define GT_GetDac GTM_GetDac
 #define GT_GetAdc GTM_GetAdc
+#define GT_SimInput GTM_SimInput
+#define GT_SimAdc GTM_SimAdc
 #define GT_SetAxisMode GTM_SetAxisMode
 #define GT_LaserOn GTM_LaserOn
 #define GT_LaserOff GTM_LaserOff
@@ -455,7 +458,7 @@ GT_API GT_GetVel(short cardNum, short profile, double *vel);
 GT_API GT_Update(short cardNum, long mask);
 
 /* Digital and analog inputs and outputs */
-/* Digital inputs of a type as bits. */
+/* Levels of the digital inputs of a type as bits, as they are at the terminals: no sense (LmtSns) is applied. */
 GT_API GT_GetDi(short cardNum, short diType, long *value);
 /* Sets all digital outputs of a type. */
 GT_API GT_SetDo(short cardNum, short doType, long value);
@@ -469,6 +472,10 @@ GT_API GT_SetDac(short cardNum, short dac, short *value, short count GT_DEFAULT(
 GT_API GT_GetDac(short cardNum, short dac, short *value, short count GT_DEFAULT(1));
 /* Voltages of count analog inputs. */
 GT_API GT_GetAdc(short cardNum, short adc, double *value, short count GT_DEFAULT(1), unsigned long *clock GT_DEFAULT(NULL));
+/* Sets a digital input of the virtual or the emulated board: its level at the terminal, before sense. A real board returns 1. */
+GT_API GT_SimInput(short cardNum, short diType, short index, short level);
+/* Sets an analog input of the virtual or the emulated board, -12.5 to 12.5 V. A real board returns 1. */
+GT_API GT_SimAdc(short cardNum, short adc, double volts);
 
 /* Laser */
 /* Gives axis connector 7 or 8 to step pulses (0) or to a laser (1); GUS family. */

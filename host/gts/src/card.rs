@@ -8,6 +8,7 @@ use crate::recorder::{Claim, Recorder};
 use crate::settings::{Road, Settings};
 use crate::stream::Stream;
 use client::error::{CANNOT_OPEN, NO_ANSWER};
+use client::inputs::{Inputs, Zero};
 use client::{Call, Client, Error, Options, Profile, Result};
 use protocol::command::{GetSts, Trace, opcode};
 use std::ffi::{CString, c_char, c_short};
@@ -209,6 +210,10 @@ pub struct Card {
 
 impl Card {
     fn open(opening: Opening, settings: Settings) -> Result<Card> {
+        let wrong =
+            |error: Error| Error { code: CANNOT_OPEN, reason: format!("BEAMTICK_INPUTS: {}", error.reason), ..error };
+        let inputs = settings.inputs.as_deref().map(Inputs::open).transpose();
+        let inputs = inputs.map_err(|reason| wrong(Error::new(CANNOT_OPEN, reason)))?;
         let files = Claim::of(opening.slot, &settings)?;
         let mut options = Options { profile: settings.profile, family: settings.family, ..Options::default() };
         let mut is_virtual = false;
@@ -242,6 +247,9 @@ impl Card {
             true => Some(Recorder::start(&client, &settings)?),
             false => None,
         };
+        if let Some(inputs) = inputs {
+            inputs.plan(&client, Zero::Now).map_err(wrong)?;
+        }
         let client = Arc::new(client);
         let keeper = match &time {
             Time::Calls => None,

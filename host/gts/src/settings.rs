@@ -1,6 +1,7 @@
 //! What the environment says about the controller that Open opens.
 //!
-//! In: `BEAMTICK_LINK`, `BEAMTICK_PROFILE`, `BEAMTICK_FAMILY`, `BEAMTICK_TRACE`, `BEAMTICK_VCD`, `BEAMTICK_BATCHES`, each for a card of
+//! In: `BEAMTICK_LINK`, `BEAMTICK_PROFILE`, `BEAMTICK_FAMILY`, `BEAMTICK_INPUTS`, `BEAMTICK_TRACE`, `BEAMTICK_VCD`,
+//! `BEAMTICK_BATCHES`, each for a card of
 //! its own too (`BEAMTICK_LINK_3`). Fails with −6 and the variable's name.
 
 use crate::card::Slot;
@@ -28,6 +29,8 @@ pub struct Settings {
     pub profile: Option<Profile>,
     /// The family.
     pub family: Option<Family>,
+    /// What the inputs do, from Open on.
+    pub inputs: Option<PathBuf>,
     /// Where a trace goes as CSV.
     pub trace: Option<PathBuf>,
     /// Where a trace goes as VCD.
@@ -81,6 +84,7 @@ impl Settings {
             road,
             profile,
             family,
+            inputs: value("BEAMTICK_INPUTS").map(PathBuf::from),
             trace: value("BEAMTICK_TRACE").map(PathBuf::from),
             vcd: value("BEAMTICK_VCD").map(PathBuf::from),
             batches: value("BEAMTICK_BATCHES").as_deref() != Some("off"),

@@ -130,6 +130,8 @@ fn every_command_of_the_protocol_is_a_function() {
         "LaserStatus",
         "LnXYMany",
         "LnXYZMany",
+        "SimPlan",
+        "GetWait",
         "CrdInfo",
     ];
     let one = declared(&gts::header::gts());

@@ -240,6 +240,8 @@ pub const FUNCTIONS: &[Function] = &[
     ),
     read("GetDac", c::GetDac::OPCODE, &[short("dac"), out("value"), COUNT]),
     read("GetAdc", c::GetAdc::OPCODE, &[short("adc"), out("value"), COUNT, CLOCK]),
+    call("SimInput", c::SimInput::OPCODE, &[short("diType"), short("index"), short("level")]),
+    call("SimAdc", c::SimAdc::OPCODE, &[short("adc"), double("volts")]),
     // -- laser (GUS chapter 2, LSR chapter 2) ------------------------------------------------------
     call("SetAxisMode", c::SetAxisMode::OPCODE, &[AXIS, short("mode")]),
     call("LaserOn", c::LaserOn::OPCODE, &[CHANNEL]),
@@ -701,6 +703,8 @@ pub const CONSTANTS: &[(&str, i64)] = &[
     ("MC_CONTROL", 32),
     ("MC_LASER", 71),
     ("MC_POS_COMPARE", 80),
+    // Ours: the interlock (or emergency-stop) input, for SimInput.
+    ("MC_INTERLOCK", c::INTERLOCK as i64),
     ("CAPTURE_HOME", 1),
     ("CAPTURE_INDEX", 2),
     ("CAPTURE_PROBE", 3),

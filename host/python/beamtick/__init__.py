@@ -241,14 +241,16 @@ for _name, (_about, _parameters) in table.FUNCTIONS.items():
 class Controller:
     """The controller for the length of a ``with``: opened by ``GT_Open``, or with ``gtn`` by ``GTN_Open``, whose arguments
     these are, and closed however the block ends, by TERM or HUP too. Closing aborts: every laser is shut off at once, all motion
-    is brought to rest smoothly."""
+    is brought to rest smoothly. ``inputs`` names a CSV of what the inputs do from then on (docs/jobs.md), for the virtual and the
+    emulated board."""
 
-    def __init__(self, *args, gtn=False, **named):
+    def __init__(self, *args, gtn=False, inputs=None, **named):
         self._open = lambda: globals()["GTN_Open" if gtn else "GT_Open"](*args, **named)
+        self._inputs = inputs
         self._handlers = {}
 
     def __enter__(self):
-        self._open()
+        self._enter()
         if threading.current_thread() is threading.main_thread():
             for name in ("SIGTERM", "SIGHUP"):
                 number = getattr(signal, name, None)
@@ -256,6 +258,20 @@ class Controller:
                 if number is not None and signal.getsignal(number) is signal.SIG_DFL:
                     self._handlers[number] = signal.signal(number, _leave)
         return self
+
+    def _enter(self):
+        if self._inputs is None:
+            self._open()
+            return
+        before = os.environ.get("BEAMTICK_INPUTS")
+        os.environ["BEAMTICK_INPUTS"] = os.fspath(self._inputs)
+        try:
+            self._open()
+        finally:
+            if before is None:
+                del os.environ["BEAMTICK_INPUTS"]
+            else:
+                os.environ["BEAMTICK_INPUTS"] = before
 
     def __exit__(self, kind, error, trace):
         for number, handler in self._handlers.items():

@@ -28,6 +28,28 @@ class Context(unittest.TestCase):
             gts.GT_GetClock()
         self.assertEqual(caught.exception.code, -7)
 
+    def test_a_file_of_inputs_counts_from_open(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "in.csv"
+            path.write_text("t_ms,input,level\n20,gpi3,1\n40,adc1,3.125\n", encoding="utf-8")
+            with gts.Controller(inputs=path):
+                self.assertEqual(gts.GT_GetDi(gts.MC_GPI), 0)
+                gts.sleep(30)
+                self.assertEqual((gts.GT_GetDi(gts.MC_GPI), gts.GT_GetAdc(1)), (4, 0.0))
+                gts.sleep(20)
+                self.assertEqual(gts.GT_GetAdc(1), 3.125)
+            self.assertNotIn("BEAMTICK_INPUTS", os.environ)
+            for text, reason in (
+                ("t_ms,input,level\n0,home9,1\n", "in.csv:2: input: the number is 9; allowed are 1 to 8"),
+                ("t_ms,input,level\n0,home1,7\n", "in.csv:2: level: 7; it is 0 (low) or 1 (high)"),
+            ):
+                path.write_text(text, encoding="utf-8")
+                with self.assertRaises(gts.GtsError) as caught:
+                    with gts.Controller(inputs=path):
+                        self.fail("it was opened")
+                self.assertEqual(caught.exception.code, -6)
+                self.assertIn(reason, caught.exception.reason)
+
     def test_what_ended_a_with_is_told_not_that_it_was_closed_already(self):
         with self.assertRaises(KeyError):
             with gts.Controller():
@@ -67,6 +89,32 @@ class Controller(unittest.TestCase):
         self.assertIn("profile gus", gts.GT_GetVersion())
         clock, ticks = gts.GT_GetClock()
         self.assertEqual(ticks // 4, clock)
+
+    def test_inputs_are_set_and_read(self):
+        kinds = (gts.MC_LIMIT_POSITIVE, gts.MC_LIMIT_NEGATIVE, gts.MC_ALARM, gts.MC_HOME, gts.MC_GPI, gts.MC_ARRIVE)
+        for kind in kinds:
+            gts.GT_SimInput(kind, 3, 1)
+            self.assertEqual(gts.GT_GetDi(kind), 4)
+            gts.GTN_SimInput(1, kind, index=3, level=0)
+            self.assertEqual(gts.GT_GetDi(kind), 0)
+        gts.GT_SimAdc(2, 6.25)
+        self.assertEqual(gts.GT_GetAdc(1, count=3), [0.0, 6.25, 0.0])
+        gts.GT_SetAxisMode(7, 1)
+        gts.GT_SimInput(gts.MC_INTERLOCK, 1, 1)
+        gts.sleep(1)
+        self.assertEqual(gts.GT_GetLaserFault(0), 1)
+        for arguments, reason in (
+            ((6, 1, 1), "di_type is 6; allowed are 0 to 5, and 90, the interlock"),
+            ((gts.MC_HOME, 9, 1), "index is 9; allowed are 1 to 8"),
+            ((gts.MC_GPI, 1, -1), "level is -1; allowed are 0 to 1"),
+        ):
+            with self.assertRaises(gts.GtsError) as caught:
+                gts.GT_SimInput(*arguments)
+            self.assertEqual(caught.exception.code, 7)
+            self.assertIn(reason, caught.exception.reason)
+        with self.assertRaises(gts.GtsError) as caught:
+            gts.GT_SimAdc(1, 12.6)
+        self.assertIn("volts is 12.6; it must be from -12.5 to 12.5", caught.exception.reason)
 
     def test_structs(self):
         gts.GT_PrfJog(1)

@@ -6,7 +6,7 @@
 //! The thread runs when there is something for it to do: bytes came, the tick executed an entry or
 //! stopped an axis, a time of the thread's own is reached, or [`THREAD_TICKS`] have passed. Between these
 //! it would find nothing but a newer view.
-use crate::machine::{Beam, Edge, Inputs, Machine, Outputs};
+use crate::machine::{Beam, Edge, Inputs, Machine, Outputs, PLANNED_INPUTS};
 use dispatcher::{Channels, PathQueue, SecondWire, Server};
 use plant::beam::Levels;
 use ring::{Latest, Ring};
@@ -326,6 +326,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             tick_us: 10..=1000,
             analog_outputs: 8,
             analog_inputs: 8,
+            planned_inputs: PLANNED_INPUTS,
             general_outputs: 16,
             // Its encoders are the set-points, which have no index.
             indexes: AxisMask(0),

@@ -19,7 +19,7 @@ pub use board::{Board, Config, Controller, Memory};
 pub use link::{Shared, VirtualLink, share};
 pub use machine::{Beam, Edge, Inputs, Output, Outputs};
 pub use paced::{Pace, PacedLink};
-pub use serve::{Served, serve};
+pub use serve::{Served, serve, serve_board};
 
 #[cfg(test)]
 mod tests {

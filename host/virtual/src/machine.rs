@@ -1,10 +1,15 @@
 //! The machine behind the tick: inputs that a test sets, encoders of the plant, outputs and their
 //! edges, the lasers' output stages.
 use plant::beam::{Change, Levels, Stage};
+use plant::inputs::{Plan as InputPlan, Row};
 use plant::{Gain, Plant};
+use servo::follow::Input;
 use servo::laser::{CHANNELS, Plan};
-use servo::port::{AxisInputs, Port};
-use servo::units::{Axis, Pos};
+use servo::port::{AxisInputs, Due, Port, Simulated};
+use servo::units::{Axis, Ns, Pos};
+
+/// Rows that a plan of inputs holds.
+pub const PLANNED_INPUTS: u16 = u16::MAX;
 
 /// Input levels, set from outside; true is the high level. All are low at power-on.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -84,6 +89,8 @@ pub(crate) struct Machine<const AXES: usize> {
     /// Instant of the tick in force.
     now_ns: u64,
     pub inputs: Inputs,
+    /// What sets them by itself.
+    plan: InputPlan<Vec<Row>>,
     pub outputs: Outputs,
     pub edges: std::collections::VecDeque<Edge>,
     stages: [Stage; CHANNELS],
@@ -104,6 +111,7 @@ impl<const AXES: usize> Machine<AXES> {
             next_ns: 0,
             now_ns: 0,
             inputs: Inputs { axes: vec![AxisInputs::default(); AXES], general: 0, analog: [0; 8], interlock: false },
+            plan: InputPlan::new(Vec::new()),
             outputs: Outputs::default(),
             edges: std::collections::VecDeque::new(),
             stages: [const { Stage::new() }; CHANNELS],
@@ -221,6 +229,46 @@ impl<const AXES: usize> Port for Machine<AXES> {
         if let Some(place) = self.outputs.analog.get_mut(channel) {
             *place = value;
         }
+    }
+
+    const SIMULATED: bool = true;
+
+    fn simulate(&mut self, input: Simulated) {
+        let Inputs { axes, general, analog, interlock } = &mut self.inputs;
+        match input {
+            Simulated::Level { input: Input::General, index, high } => {
+                let bit = 1 << (index & 31);
+                *general = if high { *general | bit } else { *general & !bit };
+            }
+            Simulated::Level { input, index, high } => {
+                if let Some(inputs) = axes.get_mut(usize::from(index)) {
+                    inputs.set(input, high);
+                }
+            }
+            // The lasers' hardware sees it when the next tick begins: `see_interlock`.
+            Simulated::Interlock(active) => *interlock = active,
+            Simulated::Analog { channel, code } => {
+                if let Some(place) = analog.get_mut(usize::from(channel)) {
+                    *place = code;
+                }
+            }
+        }
+    }
+
+    fn plan(&mut self, row: u16, due: Due, input: Simulated) {
+        let places = self.plan.places();
+        if places.len() <= usize::from(row) {
+            places.resize(usize::from(row) + 1, Row::NONE);
+        }
+        self.plan.put(row, due, input);
+    }
+
+    fn planned(&mut self, next: Ns, zero: Option<Ns>) -> Option<Simulated> {
+        self.plan.take(next, zero)
+    }
+
+    fn forget_plan(&mut self) {
+        self.plan.forget();
     }
 
     fn interlock(&mut self) -> bool {

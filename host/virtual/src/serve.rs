@@ -76,13 +76,17 @@ impl Drop for Served {
 
 /// Serves a virtual controller on `listener`, its trace stream on `trace`.
 pub fn serve(listener: TcpListener, trace: Option<TcpListener>, config: Config) -> io::Result<Served> {
+    serve_board(listener, trace, share(Board::new(config)))
+}
+
+/// The same for a controller that is there already; from now on its time is the wall clock's.
+pub fn serve_board(listener: TcpListener, trace: Option<TcpListener>, board: Shared) -> io::Result<Served> {
     listener.set_nonblocking(true)?;
     if let Some(trace) = &trace {
         trace.set_nonblocking(true)?;
     }
     let address = listener.local_addr()?;
     let trace_address = trace.as_ref().map(TcpListener::local_addr).transpose()?;
-    let board = share(Board::new(config));
     let stop = Arc::new(AtomicBool::new(false));
     let (theirs, ends) = (Arc::clone(&board), Arc::clone(&stop));
     let worker = std::thread::spawn(move || {

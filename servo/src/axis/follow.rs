@@ -3,7 +3,7 @@
 //! In: the master as it stands in the tick computed, entries, inputs. Out: as of any axis, and what entries do to
 //! outputs. Owns: the [`Follower`] in its profile.
 use super::{AxisState, exact};
-use crate::follow::{Context, Deeds, Entries, FollowRun, Follower, Input, Method, Path, Seen, State, Value};
+use crate::follow::{Awaits, Context, Deeds, Entries, FollowRun, Follower, Input, Method, Path, Seen, State, Value};
 use crate::inputs::reading;
 use crate::op::Mode;
 use crate::piece::Motion;
@@ -252,8 +252,9 @@ impl AxisState {
         let emptied = run.take_emptied();
         let shown = &mut self.shown;
         shown.passes = run.passes();
-        if emptied != 0 || run.fifo() != shown.fifo || run.is_switching() != shown.switching {
-            (shown.fifo, shown.switching) = (run.fifo(), run.is_switching());
+        let (fifo, switching, waits) = (run.fifo(), run.is_switching(), run.awaits());
+        if emptied != 0 || (fifo, switching, waits) != (shown.fifo, shown.switching, shown.waits) {
+            (shown.fifo, shown.switching, shown.waits) = (fifo, switching, waits);
             for (fifo, count) in shown.cleared.iter_mut().enumerate() {
                 *count = count.wrapping_add((emptied >> fifo & 1) as u32);
             }
@@ -325,5 +326,6 @@ impl AxisState {
     /// It follows no longer.
     pub(super) fn leave_master(&mut self) {
         (self.shown.lead, self.shown.lead_way, self.shown.switching) = (None, 0, false);
+        self.shown.waits = Awaits::NOTHING;
     }
 }

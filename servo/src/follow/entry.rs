@@ -80,6 +80,20 @@ pub enum Input {
     General = 5,
 }
 
+impl Input {
+    /// From its number, of which the low three bits count.
+    pub(crate) const fn of_bits(bits: u8) -> Input {
+        match bits & 7 {
+            0 => Input::LimitPositive,
+            1 => Input::LimitNegative,
+            2 => Input::Alarm,
+            3 => Input::Home,
+            4 => Input::Arrive,
+            _ => Input::General,
+        }
+    }
+}
+
 /// Ratio inside a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -483,14 +497,7 @@ impl Entry {
             }
             DELAY => Stop::Delay { cycles: number },
             WAIT => {
-                let input = match selector {
-                    0 => Input::LimitPositive,
-                    1 => Input::LimitNegative,
-                    2 => Input::Alarm,
-                    3 => Input::Home,
-                    4 => Input::Arrive,
-                    _ => Input::General,
-                };
+                let input = Input::of_bits(selector as u8);
                 Stop::Wait { input, index, high, timeout_ms: number }
             }
             _ => Stop::Switch(if selector == 1 { Method::Table } else { Method::Segment }),

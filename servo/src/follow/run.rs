@@ -76,6 +76,48 @@ enum Wait {
     Input { input: Input, index: u8, high: bool, until: Option<Fine> },
 }
 
+/// What a slave waits for, in 16 bits: 0 nothing, 1 PASS, 2 an input, whose level is bit 2, its time limit bit 3, its kind
+/// bits 4 to 6, its number the high byte.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Awaits(u16);
+
+/// The same, to be looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Awaited {
+    /// The master's crossing of the position of PASS.
+    Pass,
+    /// A level of an input.
+    Input {
+        /// Which kind.
+        input: Input,
+        /// Its axis over all cores, or its number, from 0.
+        index: u8,
+        /// The high level.
+        high: bool,
+        /// A time ends the wait, too.
+        limited: bool,
+    },
+}
+
+impl Awaits {
+    /// It goes, or rests for a time.
+    pub const NOTHING: Awaits = Awaits(0);
+
+    /// What it is.
+    pub fn what(self) -> Option<Awaited> {
+        match self.0 & 3 {
+            0 => None,
+            1 => Some(Awaited::Pass),
+            _ => Some(Awaited::Input {
+                input: Input::of_bits((self.0 >> 4) as u8),
+                index: (self.0 >> 8) as u8,
+                high: self.0 & 4 != 0,
+                limited: self.0 & 8 != 0,
+            }),
+        }
+    }
+}
+
 /// A ratio that the chain of the data does not know: how much more the segment `from` of pass `pass` starts with,
 /// and with changing sign the NORMAL segments behind it.
 #[derive(Debug, Clone, Copy)]
@@ -323,6 +365,17 @@ impl FollowRun {
             end = end.or_else(|| self.go(stretch, context, track.as_deref_mut()));
         }
         end.or_else(|| self.close(way.now(), to, named, context)).unwrap_or(State::Running)
+    }
+
+    /// What it waits for.
+    pub(crate) fn awaits(&self) -> Awaits {
+        match self.wait {
+            Wait::No | Wait::Start | Wait::Until(_) => Awaits::NOTHING,
+            Wait::Pass { .. } => Awaits(1),
+            Wait::Input { input, index, high, until } => Awaits(
+                2 | (high as u16) << 2 | (until.is_some() as u16) << 3 | (input as u16) << 4 | (index as u16) << 8,
+            ),
+        }
     }
 
     /// A tick begins with the master at `from`, and ends at `to`: data that was added counts, inputs are looked at.

@@ -133,6 +133,31 @@ static void inputs_and_outputs()
     DONE(GT_GetDac(3, dac_read, 2));
     TRUE(dac_read[0] == 16384 && dac_read[1] == -16384);
     DONE(GT_GetAdc(1, adc, 2));
+    /* What is set is read at once, also under LmtSns: levels are those of the terminals. */
+    const short types[] = {MC_LIMIT_POSITIVE, MC_LIMIT_NEGATIVE, MC_ALARM, MC_HOME, MC_GPI, MC_ARRIVE};
+    for (short type : types) {
+        DONE(GT_SimInput(type, 8, 1));
+        DONE(GT_GetDi(type, &bits));
+        TRUE(bits == 0x80);
+        DONE(GT_SimInput(type, 8, 0));
+        DONE(GTN_GetDi(1, type, &bits));
+        TRUE(bits == 0);
+    }
+    DONE(GT_LmtSns(0x8000));
+    DONE(GT_GetDi(MC_LIMIT_NEGATIVE, &bits));
+    TRUE(bits == 0);
+    DONE(GT_LmtSns(0));
+    DONE(GTN_SimInput(1, MC_INTERLOCK, 1, 1));
+    DONE(GT_SimInput(MC_INTERLOCK, 1, 0));
+    DONE(GT_ClrSts(1, 8));
+    /* A read lasts a tick, which samples the interlock. */
+    DONE(GT_GetDi(MC_GPI, &bits));
+    DONE(GT_ClrLaserFault(0));
+    DONE(GT_ClrLaserFault(1));
+    DONE(GT_SimAdc(2, -3.5));
+    DONE(GT_GetAdc(1, adc, 2));
+    TRUE(adc[0] == 0 && adc[1] > -3.501 && adc[1] < -3.499);
+    DONE(GTN_SimAdc(1, 2, 0));
 }
 
 static void pt()

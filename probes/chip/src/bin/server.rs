@@ -40,6 +40,7 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
         tick_us: 50..=1000,
         analog_outputs: 8,
         analog_inputs: 8,
+        planned_inputs: 0,
         general_outputs: 16,
         indexes: AxisMask(0),
         step_limit: StepLimit::FULL_SCALE,

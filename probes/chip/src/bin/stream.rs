@@ -239,6 +239,7 @@ fn main() -> ! {
         tick_us: 10..=1000,
         analog_outputs: 8,
         analog_inputs: 8,
+        planned_inputs: 0,
         general_outputs: 16,
         step_limit: StepLimit::FULL_SCALE,
         indexes: AxisMask(0),

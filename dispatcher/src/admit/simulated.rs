@@ -1,0 +1,105 @@
+//! Inputs of a board that has no wires: the virtual and the emulated one (SPEC 7).
+//!
+//! In: a level or a voltage at a terminal, before sense. Out: an operation of the tick. Owns nothing. Fails: on a board with wires
+//! always, with a reason.
+use super::io::{self, kind};
+use crate::case::{Answer, Case};
+use crate::refuse::{Admitted, Refused, choice, real, within};
+use protocol::command::{INTERLOCK, SimAdc, SimInput, SimPlan};
+use protocol::reason::Reason;
+use servo::op::Op;
+use servo::port::Simulated;
+use servo::units::Ns;
+
+/// An analog input counts 2⁻¹⁵ of this many volts.
+const VOLTS: f64 = 12.5;
+/// The type of an analog input in a plan.
+const ADC: i16 = 24;
+/// The latest row of a plan: a year, in ns.
+const LATEST_NS: u64 = 365 * 86_400 * 1_000_000_000;
+
+/// Refuses on a board whose inputs are wired.
+fn unwired<const AXES: usize>(case: &Case<AXES>) -> Admitted<u16> {
+    match case.board.planned_inputs {
+        0 => Err(Refused::new(Reason::InputsWired)),
+        rows => Ok(rows),
+    }
+}
+
+/// A digital input; type, number and level are fields from `field` on.
+fn digital<const AXES: usize>(
+    case: &Case<AXES>,
+    core: i16,
+    field: u8,
+    (which, index, level): (i16, i16, i16),
+) -> Admitted<Simulated> {
+    match which {
+        INTERLOCK => {
+            case.core(core)?;
+            choice(field + 1, index, 1, 1)?;
+            Ok(Simulated::Interlock(choice(field + 2, level, 0, 1)? == 1))
+        }
+        kind::LIMIT_POSITIVE..=kind::ARRIVE => {
+            let (input, index, high) = io::input(case, core, field, (which, index, level))?;
+            Ok(Simulated::Level { input, index, high })
+        }
+        _ => {
+            case.core(core)?;
+            let limits = (kind::LIMIT_POSITIVE.into(), kind::ARRIVE.into());
+            Err(Refused::new(Reason::InputType).field(field).got(which.into()).limits(limits.0, limits.1))
+        }
+    }
+}
+
+/// An analog input: its number and its voltage, which are these fields.
+fn voltage<const AXES: usize>(
+    case: &Case<AXES>,
+    core: i16,
+    fields: (u8, u8),
+    adc: i16,
+    volts: f64,
+) -> Admitted<Simulated> {
+    case.core(core)?;
+    let channel = choice(fields.0, adc, 1, i16::from(case.board.analog_inputs.min(8)))? as u8 - 1;
+    let volts = real(fields.1, volts, -VOLTS, VOLTS)?;
+    // To the nearest code, as a converter does; the highest stands for its end, too.
+    let code = libm::round(volts * (32768.0 / VOLTS)).min(32767.0) as i16;
+    Ok(Simulated::Analog { channel, code })
+}
+
+pub fn input<const AXES: usize>(case: &mut Case<AXES>, r: &SimInput) -> Admitted<Answer> {
+    unwired(case)?;
+    let input = digital(case, r.core.get(), 1, (r.di_type.get(), r.index.get(), r.level.get()))?;
+    case.stage(Op::Simulate(input));
+    Ok(Answer::Done)
+}
+
+pub fn analog<const AXES: usize>(case: &mut Case<AXES>, r: &SimAdc) -> Admitted<Answer> {
+    unwired(case)?;
+    let input = voltage(case, r.core.get(), (1, 2), r.adc.get(), r.volts.get())?;
+    case.stage(Op::Simulate(input));
+    Ok(Answer::Done)
+}
+
+/// A row of a plan: rows come in order of time, row 0 begins another plan.
+pub fn plan<const AXES: usize>(case: &mut Case<AXES>, r: &SimPlan) -> Admitted<Answer> {
+    let rows = unwired(case)?;
+    let row = within(1, r.row.get(), 0, rows - 1)?;
+    let of_script = within(2, r.from, 0, 1)? == 1;
+    let after = r.at_ns.get();
+    if after > LATEST_NS {
+        return Err(Refused::new(Reason::OutOfRange).field(3).got(after as f64).limits(0.0, LATEST_NS as f64));
+    }
+    let (core, value) = (r.core.get(), r.value.get());
+    let input = if r.di_type.get() == ADC {
+        voltage(case, core, (5, 6), r.index.get(), value)?
+    } else {
+        let level = real(6, value, 0.0, 1.0)?;
+        if level != 0.0 && level != 1.0 {
+            return Err(Refused::new(Reason::Selector).field(6).got(level).limits(0.0, 1.0));
+        }
+        digital(case, core, 4, (r.di_type.get(), r.index.get(), level as i16))?
+    };
+    case.stage(Op::Plan { row, after: Ns(after), of_script, input });
+    Ok(Answer::Done)
+}

@@ -1,0 +1,306 @@
+//! Waits of a job that last: what waits, for what, since when, and what ends it.
+//!
+//! In: where the program is, looks at the controller. Out: a warning at the wait's line once it has lasted a second; an error where
+//! nothing can end it any more: an axis in FollowEx waits for an input without a time limit, and nobody is left who could set it.
+//! It owns no file and sends nothing but reads.
+use crate::entries::{Entry, From};
+use crate::report::Report;
+use crate::source::Source;
+use client::inputs::{Inputs, name};
+use client::{Answer, Client, Error, Observer, Progress};
+use job::{Action, Severity, Step};
+use protocol::command::{
+    AxisItem, AxisStatus, CrdStatus, FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx,
+    FollowDiBitEx, FollowDoBitEx, FollowSwitchNowEx, GetVel, GetWait, Request, Sleep, VersionReply, WaitReply,
+    WaitStop,
+};
+use std::time::{Duration, Instant};
+use zerocopy::FromBytes;
+
+/// A wait is named after this time.
+const NAMED: Duration = Duration::from_secs(1);
+/// On a board the controller is asked again after this time at the latest; in virtual time after as long again.
+const SELDOM: Duration = Duration::from_secs(10);
+/// Code of the error that ends a job whose wait nothing ends; not one of SPEC 3.
+pub const ENDLESS: i16 = i16::MIN + 1;
+/// Bit 10 of the status word: the profile runs.
+const RUNNING: u32 = 1 << 10;
+/// Modes of GetPrfMode.
+const JOG: i16 = 1;
+const FOLLOW: i16 = 4;
+const FOLLOW_EX: i16 = 10;
+/// Kinds of [`WaitReply`].
+const INPUT: u8 = 1;
+const PASS: u8 = 2;
+/// Entries of Follow and FollowEx: core and axis stand first.
+const FOLLOWS: [u16; 7] = [
+    FollowData::OPCODE,
+    FollowDataPercentEx::OPCODE,
+    FollowSwitchNowEx::OPCODE,
+    FollowDoBitEx::OPCODE,
+    FollowDelayEx::OPCODE,
+    FollowDiBitEx::OPCODE,
+    FollowDataPercent2Ex::OPCODE,
+];
+/// Axes of an AxisStatus.
+const AXES: i16 = 16;
+
+/// What can set the controller's inputs.
+#[derive(Debug, Clone, Copy)]
+pub struct Knowledge<'a> {
+    /// Only the job and the file of inputs: the controller has no wires.
+    pub all_known: bool,
+    /// Its time is not the wall clock's.
+    pub virtual_time: bool,
+    /// The file.
+    pub inputs: Option<&'a Inputs>,
+}
+
+/// A wait that has been looked at.
+struct Looked {
+    /// Entries that were answered then.
+    answered: u32,
+    /// The script clock then.
+    clock_ns: u64,
+    wall: Instant,
+    /// How long the wait lasts when the controller is asked next.
+    due: Duration,
+    /// What has been said of it.
+    said: Vec<String>,
+}
+
+/// The little-endian `i16` at `at`.
+fn short(bytes: &[u8], at: usize) -> Option<i16> {
+    bytes.get(at..at + 2)?.try_into().ok().map(i16::from_le_bytes)
+}
+
+/// The time of a Sleep.
+fn sleep(entry: &Entry) -> Option<u64> {
+    let is = entry.call.opcode == Sleep::OPCODE;
+    is.then(|| Sleep::read_from_bytes(&entry.call.payload).map_or(0, |sleep| sleep.ns.get()))
+}
+
+/// Watches the program of a job, and reports.
+pub struct Watch<'r, 'a> {
+    report: &'r mut Report<'a>,
+    source: &'a Source,
+    entries: &'a [Entry],
+    client: &'a Client,
+    knowledge: Knowledge<'a>,
+    looked: Option<Looked>,
+    /// Answered entries at the progress before.
+    before: u32,
+}
+
+/// An axis that is waited for.
+struct Axis {
+    core: i16,
+    axis: i16,
+    item: AxisItem,
+    wait: WaitReply,
+}
+
+impl Axis {
+    fn is_running(&self) -> bool {
+        self.item.status.get() & RUNNING != 0
+    }
+
+    /// It rests until an input has a level, however long that takes.
+    fn is_held(&self) -> bool {
+        self.is_running() && self.wait.kind == INPUT && self.wait.limited == 0
+    }
+
+    /// It may switch outputs by entries of its own, some time.
+    fn may_act(&self) -> bool {
+        self.is_running() && self.item.mode.get() == FOLLOW_EX && !self.is_held()
+    }
+
+    fn name(&self) -> String {
+        if self.core == 1 { format!("axis {}", self.axis) } else { format!("axis {} of core {}", self.axis, self.core) }
+    }
+
+    /// What it does that does not end by itself.
+    fn says(&self, client: &Client) -> client::Result<Option<String>> {
+        let axis = self.name();
+        Ok(match self.wait.kind {
+            _ if !self.is_running() => None,
+            INPUT => {
+                let WaitReply { di_type, index, level, limited, .. } = self.wait;
+                let input = name(self.core, di_type.get(), index.get());
+                let level = if level.get() == 0 { "0 (low)" } else { "1 (high)" };
+                let limit = if limited == 0 { ", without a time limit" } else { ", or its time is over" };
+                Some(format!("{axis} rests until {input} is {level}{limit} (FollowDiBitEx)"))
+            }
+            PASS => Some(format!("{axis} rests until its master passes the position of its PASS event")),
+            _ if self.item.mode.get() == JOG => {
+                let vel = client.call(GetVel { core: self.core.into(), profile: self.axis.into() })?.value.get();
+                Some(format!("{axis} runs in Jog mode at {vel} pulse/ms, which a Stop, a limit or a fault ends"))
+            }
+            _ => None,
+        })
+    }
+}
+
+impl<'r, 'a> Watch<'r, 'a> {
+    /// Of a job's entries.
+    pub fn new(
+        report: &'r mut Report<'a>,
+        source: &'a Source,
+        entries: &'a [Entry],
+        client: &'a Client,
+        knowledge: Knowledge<'a>,
+    ) -> Self {
+        Watch { report, source, entries, client, knowledge, looked: None, before: u32::MAX }
+    }
+
+    /// What it reports to.
+    pub fn report(self) -> &'r mut Report<'a> {
+        self.report
+    }
+
+    /// The wait that the program may be in: its step, and core, axes and coordinate systems.
+    fn waits(&self, answered: u32) -> Option<(&'a Step, Vec<(i16, u32)>)> {
+        let entry = self.entries.get(answered as usize)?;
+        let From::Step(number) = entry.from else { return None };
+        let step = self.source.job.steps.get(number)?;
+        let version = self.client.version();
+        let cores = 1..=i16::from(version.cores);
+        Some(match step.action {
+            Action::WaitStop { core, axes, .. } => (step, vec![(core, axes)]),
+            Action::WaitAll => (step, cores.map(|core| (core, u32::MAX)).collect()),
+            // Data that finds no room waits for its motion.
+            Action::Call(ref call) if FOLLOWS.contains(&call.opcode) => {
+                let (core, axis) = (short(&call.body, 0)?, short(&call.body, 2)?);
+                (step, vec![(core, 1u32.checked_shl(u32::try_from(axis - 1).ok()?)?)])
+            }
+            Action::Call(_) => return None,
+            Action::Sleep { .. } => return None,
+        })
+    }
+
+    /// Script time of the sleeps right before the entry that waits: they are answered when they begin.
+    fn slept(&self, answered: u32) -> u64 {
+        self.before(answered).rev().map_while(sleep).sum()
+    }
+
+    /// Where the script clock stands at that entry, if nothing before it waited.
+    fn begun(&self, answered: u32) -> Option<u64> {
+        let waited = |entry: &Entry| entry.call.opcode == WaitStop::OPCODE;
+        (!self.before(answered).any(waited)).then(|| self.before(answered).filter_map(sleep).sum())
+    }
+
+    fn before(&self, answered: u32) -> impl DoubleEndedIterator<Item = &Entry> {
+        self.entries.get(..answered as usize).unwrap_or_default().iter()
+    }
+
+    fn axes(&self) -> client::Result<Vec<Axis>> {
+        let VersionReply { cores, axes_per_core, .. } = *self.client.version();
+        let mut axes = Vec::new();
+        for core in 1..=i16::from(cores) {
+            for first in (1..=i16::from(axes_per_core)).step_by(AXES as usize) {
+                let count = AXES.min(i16::from(axes_per_core) - first + 1);
+                let read = AxisStatus { core: core.into(), axis: first.into(), count: count.into() };
+                for (axis, item) in (first..).zip(self.client.call_items(read, &[])?.1) {
+                    let follows = matches!(item.mode.get(), FOLLOW | FOLLOW_EX) && item.status.get() & RUNNING != 0;
+                    let wait = match follows {
+                        false => WaitReply::default(),
+                        true => self.client.call(GetWait { core: core.into(), axis: axis.into() })?,
+                    };
+                    axes.push(Axis { core, axis, item, wait });
+                }
+            }
+        }
+        Ok(axes)
+    }
+
+    /// Whether a coordinate system runs, whose entries may switch outputs.
+    fn paths_run(&self) -> client::Result<bool> {
+        let VersionReply { cores, crds_per_core, .. } = *self.client.version();
+        for core in 1..=i16::from(cores) {
+            for crd in 1..=i16::from(crds_per_core) {
+                let fifo = 0.into();
+                // One that the board has no memory for does not run.
+                let state = self.client.call(CrdStatus { core: core.into(), crd: crd.into(), fifo });
+                match state {
+                    Ok(state) if state.run.get() != 0 => return Ok(true),
+                    Err(error) if error.refusal.is_none() => return Err(error),
+                    _ => {}
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    fn look(&mut self, progress: &Progress) -> client::Result<()> {
+        let answered = progress.answered;
+        if self.before != answered {
+            (self.before, self.looked) = (answered, None);
+            return Ok(());
+        }
+        let Some((step, masks)) = self.waits(answered) else { return Ok(()) };
+        let clock_ns = progress.queue.clock_ns.get();
+        let slept = self.slept(answered);
+        let Some(looked) = self.looked.as_mut().filter(|looked| looked.answered == answered) else {
+            self.looked = Some(Looked { answered, clock_ns, wall: Instant::now(), due: NAMED, said: Vec::new() });
+            return Ok(());
+        };
+        let (begun_ns, wall) = (looked.clock_ns, looked.wall.elapsed());
+        let lasts = Duration::from_nanos(clock_ns.saturating_sub(begun_ns).saturating_sub(slept));
+        if lasts < looked.due {
+            return Ok(());
+        }
+        // Long waits are ordinary: they cost few looks.
+        looked.due = lasts + if self.knowledge.virtual_time { lasts } else { lasts.min(SELDOM) };
+        let axes = self.axes()?;
+        let named = |axis: &&Axis| {
+            let bit = 1u32.checked_shl(axis.axis as u32 - 1).unwrap_or(0);
+            masks.iter().any(|(core, mask)| *core == axis.core && mask & bit != 0)
+        };
+        let mut says = Vec::new();
+        for axis in axes.iter().filter(named) {
+            says.extend(axis.says(self.client)?);
+        }
+        if says.is_empty() {
+            return Ok(());
+        }
+        let rows = self.knowledge.inputs.map_or(&[][..], Inputs::rows);
+        let over = rows.last().is_none_or(|row| row.at_ns < clock_ns);
+        let held = axes.iter().any(|axis| named(&axis) && axis.is_held());
+        let ends = self.knowledge.all_known && held && over && !axes.iter().any(Axis::may_act) && !self.paths_run()?;
+        let since = match self.begun(answered) {
+            Some(begun) => format!("{:.3}", begun as f64 / 1e6),
+            None => format!("about {:.0}", begun_ns.saturating_add(slept) as f64 / 1e6),
+        };
+        let what = format!("waits since {since} ms of the script clock: {}", says.join("; "));
+        if ends {
+            let left = match self.knowledge.inputs {
+                None => "no file of inputs is given (--inputs)".to_owned(),
+                Some(inputs) => match rows.last() {
+                    Some(row) => format!("the last row of {} was at {} ms", inputs.name(), row.at_ns as f64 / 1e6),
+                    None => format!("{} has no rows", inputs.name()),
+                },
+            };
+            let help = "a row of --inputs, a GT_SimInput before the wait, or a time limit of GT_FollowDiBitEx ends it";
+            let text = format!("this {what}; nothing will end that: {left}");
+            return Err(Error::new(ENDLESS, self.source.show(step, Severity::Error, text, help)));
+        }
+        let due = if self.knowledge.virtual_time { wall >= NAMED } else { true };
+        if let Some(looked) = self.looked.as_mut().filter(|looked| due && looked.said != says) {
+            looked.said = says;
+            let text = self.source.show(step, Severity::Warning, format!("this {what}"), "");
+            self.report.aside(|| complain!("{}", text.trim_end()));
+        }
+        Ok(())
+    }
+}
+
+impl Observer for Watch<'_, '_> {
+    fn answered(&mut self, answer: Answer) -> client::Result<()> {
+        self.report.answered(answer)
+    }
+
+    fn progress(&mut self, progress: &Progress) -> client::Result<()> {
+        self.report.progress(progress)?;
+        self.look(progress)
+    }
+}

@@ -1,0 +1,232 @@
+//! Inputs of a job: GT_SimInput, GT_SimAdc, `--inputs`, and waits that nothing ends.
+use assert_cmd::cargo::cargo_bin;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use tempfile::TempDir;
+
+/// Output, errors, exit code of `beamtick` in a folder.
+fn beamtick(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
+    let output = Command::new(cargo_bin("beamtick")).args(arguments).current_dir(folder).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (text(output.stdout), text(output.stderr), output.status.code().unwrap())
+}
+
+/// A folder with a job and a file of inputs.
+fn folder(job: &str, inputs: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("job.gts"), job).unwrap();
+    fs::write(folder.path().join("in.csv"), inputs).unwrap();
+    folder
+}
+
+/// A column of a trace with its times.
+fn column(folder: &Path, name: &str) -> Vec<(f64, f64)> {
+    let text = fs::read_to_string(folder.join("t.csv")).unwrap();
+    let mut lines = text.lines();
+    let place = lines.next().unwrap().split(',').position(|column| column == name).unwrap();
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    lines.map(|line| line.split(',').collect::<Vec<_>>()).map(|row| (number(row[0]), number(row[place]))).collect()
+}
+
+/// The time of the first row in which a column has a value.
+fn first(rows: &[(f64, f64)], is: impl Fn(f64) -> bool) -> f64 {
+    rows.iter().find(|(_, value)| is(*value)).expect("a row").0
+}
+
+/// The slave waits for general input 3.
+const WAITS: &str = "\
+GT_AxisOn(1); GT_AxisOn(2);
+TJogPrm jog; jog.acc = 1; jog.dec = 1; jog.smooth = 0;
+GT_PrfJog(1); GT_SetJogPrm(1, &jog); GT_SetVel(1, 10); GT_Update(1);
+GT_PrfFollowEx(2); GT_SetFollowMasterEx(2, 1);
+GT_FollowDiBitEx(2, MC_GPI, 3, 1);
+GT_FollowDataPercentEx(2, 1000, 500);
+GT_FollowStartEx(1 << 1);
+";
+
+#[test]
+fn every_kind_is_set_by_a_call_at_its_instant() {
+    let job = "\
+double volts; long value;
+GT_GetDi(MC_HOME, &value);
+Sleep(1);
+GT_SimInput(MC_LIMIT_POSITIVE, 1, 1); GT_SimInput(MC_LIMIT_NEGATIVE, 2, 1); GT_SimInput(MC_ALARM, 3, 1);
+GT_SimInput(MC_HOME, 4, 1); GT_SimInput(MC_GPI, 32, 1); GT_SimInput(MC_ARRIVE, 8, 1); GT_SimAdc(2, -5.5);
+GT_GetDi(MC_LIMIT_POSITIVE, &value); GT_GetDi(MC_LIMIT_NEGATIVE, &value); GT_GetDi(MC_ALARM, &value);
+GT_GetDi(MC_HOME, &value); GT_GetDi(MC_GPI, &value); GT_GetDi(MC_ARRIVE, &value); GT_GetAdc(2, &volts);
+Sleep(1);
+GT_SimInput(MC_HOME, 4, 0); GT_SimAdc(2, 12.5);
+Sleep(1);
+GT_GetDi(MC_HOME, &value); GT_GetAdc(2, &volts); GT_GetSts(1, &value); GT_GetSts(3, &value);
+GT_LmtSns(1); GT_GetDi(MC_LIMIT_POSITIVE, &value);
+";
+    let folder = folder(job, "");
+    let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts"]);
+    assert_eq!(code, 0, "{out}{errors}");
+    let read: Vec<&str> = out.lines().filter_map(|line| line.split_once(" = ").map(|(_, value)| value)).collect();
+    assert_eq!(
+        read,
+        [
+            "0",
+            "1",
+            "2",
+            "4",
+            "8",
+            "-2147483648",
+            "128",
+            "-5.500030517578125",
+            "0",
+            "12.499618530273438",
+            "0x820",
+            "0x802",
+            "1"
+        ],
+        "{out}"
+    );
+}
+
+#[test]
+fn a_wait_ends_on_the_first_tick_after_the_instant_of_a_call_or_a_row() {
+    let by_call = WAITS.to_owned() + "Sleep(100); GT_SimInput(MC_GPI, 3, 1); WaitStop(2);\n";
+    let by_row = WAITS.to_owned() + "WaitStop(2);\n";
+    let called = folder(&by_call, "");
+    let (out, errors, code) = beamtick(called.path(), &["sim", "job.gts", "--trace", "t.csv"]);
+    assert_eq!(code, 0, "{out}{errors}");
+    let planned = folder(&by_row, "t_ms,input,level\n0,gpi3,0\n100,gpi3,1\n");
+    let (out, errors, code) = beamtick(planned.path(), &["sim", "job.gts", "--inputs", "in.csv", "--trace", "t.csv"]);
+    assert_eq!((code, errors.as_str()), (0, ""), "{out}{errors}");
+    let slave = column(called.path(), "axis2_pos");
+    assert_eq!(slave, column(planned.path(), "axis2_pos"));
+    assert_eq!(column(called.path(), "axis1_pos"), column(planned.path(), "axis1_pos"));
+    // The tick of 100.25 ms ends the wait: the slave rests where its master is at 100 ms, and goes from there.
+    assert_eq!(first(&slave, |pos| pos != 0.0), 100.25);
+}
+
+#[test]
+fn a_limit_in_a_file_stops_its_axis_and_home_is_captured() {
+    let job = "\
+short status; long home;
+GT_AxisOn(1); GT_SetCaptureMode(1, CAPTURE_HOME);
+TJogPrm jog; jog.acc = 1; jog.dec = 1; jog.smooth = 0;
+GT_PrfJog(1); GT_SetJogPrm(1, &jog); GT_SetVel(1, 10); GT_Update(1);
+WaitStop(1);
+GT_GetCaptureStatus(1, &status, &home); GT_GetSts(1, &home);
+";
+    let folder = folder(job, "t_ms,input,level\n40,home1,1\n41,home1,0\n100,limit_positive1,1\n");
+    let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--inputs", "in.csv", "--trace", "t.csv"]);
+    assert_eq!((code, errors.lines().filter(|line| line.contains("error")).count()), (0, 0), "{out}{errors}");
+    let speed = column(folder.path(), "axis1_vel");
+    assert_eq!(
+        first(&speed[10..], |vel| vel == 0.0),
+        100.5,
+        "the level of 100.25 ms is sampled there, and stops the next tick"
+    );
+    assert!(out.contains("GT_GetCaptureStatus status, home = 1/339/"), "{out}");
+    assert!(out.contains("stopped by the positive limit input"), "{out}");
+}
+
+#[test]
+fn the_interlock_in_a_file_shuts_off_the_laser() {
+    let job = "\
+GT_SetAxisMode(7, 1); GT_LaserOutFrq(20); GT_LaserPrfCmd(50); GT_LaserOn(0);
+Sleep(100);
+short cause; GT_GetLaserFault(0, &cause);
+";
+    let folder = folder(job, "t_ms,input,level\n20,interlock,1\n30,interlock,0\n");
+    let arguments = ["sim", "job.gts", "--inputs", "in.csv", "--trace", "t.csv"];
+    let (out, errors, code) = beamtick(folder.path(), &arguments);
+    assert_eq!(code, 0, "{out}{errors}");
+    let gate = column(folder.path(), "laser0_gate");
+    let lit: Vec<f64> = gate.iter().filter(|(_, gate)| *gate != 0.0).map(|(t, _)| *t).collect();
+    assert_eq!(
+        (lit[0], lit[lit.len() - 1]),
+        (0.25, 20.25),
+        "dark from the tick of 20.5 ms on, also once the input is low again"
+    );
+    assert!(out.contains("GT_GetLaserFault cause = 1"), "{out}");
+}
+
+#[test]
+fn a_wait_that_nothing_ends_ends_the_job_with_its_name() {
+    let job = WAITS.to_owned() + "Sleep(250);\nWaitStop(2);\n";
+    let folder = folder(&job, "t_ms,input,level\n2000,gpi4,1\n");
+    let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts"]);
+    assert_eq!(code, 1, "{out}{errors}");
+    for part in [
+        "job.gts:9",
+        "this waits since 250.000 ms of the script clock: axis 2 rests until gpi3 is 1 (high), without a time limit",
+        "nothing will end that: no file of inputs is given (--inputs)",
+        "Light is off. What still moved (axis 1, axis 2) was stopped smoothly.",
+    ] {
+        assert!(errors.contains(part), "{part}: {errors}");
+    }
+    let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--inputs", "in.csv"]);
+    assert_eq!(code, 1, "{out}{errors}");
+    assert!(errors.contains("nothing will end that: the last row of in.csv was at 2000 ms"), "{errors}");
+    // The last row ends it, however late it comes: nothing is said of the wait.
+    fs::write(folder.path().join("in.csv"), "t_ms,input,level\n60000,gpi3,1\n").unwrap();
+    let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--inputs", "in.csv"]);
+    assert_eq!((code, errors.contains("error")), (0, false), "{out}{errors}");
+    // One with a time limit ends by itself.
+    fs::write(folder.path().join("job.gts"), job.replace("3, 1);", "3, 1, 5000);")).unwrap();
+    let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts"]);
+    assert_eq!((code, errors.contains("error")), (0, false), "{out}{errors}");
+    assert!(out.contains("an input that FollowDiBitEx waits for did not come in time"), "{out}");
+}
+
+#[test]
+fn what_is_wrong_with_a_file_is_told_before_anything_runs() {
+    let job = "GT_AxisOn(1); Sleep(1);\n";
+    for (inputs, told) in [
+        ("t_ms,input,level\n0,gpi0,1\n", "in.csv:2: input: `0` is no number of gpi; it is from 1 to 32"),
+        ("t_ms,input,level\n0,home9,1\n", "in.csv:2: input: the number is 9; allowed are 1 to 8"),
+        ("t_ms,input,level\n0,core2_home1,1\n", "in.csv:2: input: the core is 2; allowed are 1 to 1"),
+        ("t_ms,input\n", "in.csv:1: the columns are `t_ms,input`; they are t_ms,input,level"),
+    ] {
+        let folder = folder(job, inputs);
+        let (out, errors, code) =
+            beamtick(folder.path(), &["sim", "job.gts", "--inputs", "in.csv", "--trace", "t.csv"]);
+        assert_eq!((code, out.as_str(), errors.trim_end()), (2, "", told));
+        assert!(!folder.path().join("t.csv").exists());
+    }
+    let folder = folder(job, "t_ms,input,level\n");
+    let (_, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--inputs", "none.csv"]);
+    assert!(code == 2 && errors.starts_with("none.csv: the inputs cannot be read: "), "{errors}");
+    let (_, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--inputs", "in.csv", "--trace", "in.csv"]);
+    assert!(code == 2 && errors.contains("would overwrite a file: the job reads in.csv"), "{errors}");
+}
+
+#[test]
+fn a_call_that_is_wrong_names_parameter_and_limit() {
+    for (call, told) in [
+        ("GT_SimInput(6, 1, 1);", "di_type is 6; allowed are 0 to 5, and 90, the interlock"),
+        ("GT_SimInput(-1, 1, 1);", "di_type is -1; allowed are 0 to 5, and 90, the interlock"),
+        ("GT_SimInput(MC_HOME, 9, 1);", "index is 9; allowed are 1 to 8"),
+        ("GT_SimInput(MC_GPI, 33, 1);", "index is 33; allowed are 1 to 32"),
+        ("GT_SimInput(MC_GPI, 0, 1);", "index is 0; allowed are 1 to 32"),
+        ("GT_SimInput(MC_INTERLOCK, 2, 1);", "index is 2; allowed are 1 to 1"),
+        ("GT_SimInput(MC_GPI, 1, 2);", "level is 2; allowed are 0 to 1"),
+        ("GTN_SimInput(2, MC_GPI, 1, 1);", "core is 2; allowed are 1 to 1"),
+        ("GT_SimAdc(0, 1);", "adc is 0; allowed are 1 to 8"),
+        ("GT_SimAdc(9, 1);", "adc is 9; allowed are 1 to 8"),
+        ("GT_SimAdc(1, 12.6);", "volts is 12.6; it must be from -12.5 to 12.5"),
+    ] {
+        let folder = folder(&format!("{call}\n"), "");
+        let (_, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--profile", "gus"]);
+        assert!(code == 1 && errors.contains(told), "{call}: {errors}");
+    }
+}
+
+#[test]
+fn the_example_waits_for_its_sensor() {
+    let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let folder = TempDir::new().unwrap();
+    let trace = folder.path().join("t.csv");
+    let arguments = ["sim", "inputs.gts", "--inputs", "inputs.csv", "--trace", trace.to_str().unwrap()];
+    let (out, errors, code) = beamtick(Path::new(examples), &arguments);
+    assert_eq!((code, errors.as_str()), (0, ""), "{out}");
+    let knife = column(folder.path(), "axis2_pos");
+    assert_eq!(first(&knife, |pos| pos != 0.0), 100.25);
+    assert_eq!(knife.last().unwrap().1, 1000.0);
+}

@@ -1,0 +1,132 @@
+//! A plan of inputs: what the machines without wires carry out by themselves.
+//!
+//! In: rows in order of time, the instant of the next tick, the zero of the script clock while a program runs. Out: the row that is
+//! due. Owns the rows. Rows that count from a program begin with the next one that starts, and end with it.
+//! Fails never: a row for which there is no place is not kept; who admits rows knows how many there are.
+use servo::port::{Due, Simulated};
+use servo::units::Ns;
+
+/// One row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Row {
+    due: Due,
+    input: Simulated,
+}
+
+impl Row {
+    /// What stands where no row was put.
+    pub const NONE: Row = Row { due: Due::At(Ns(0)), input: Simulated::Interlock(false) };
+}
+
+/// See the module text. `S` holds the rows.
+#[derive(Debug, Clone)]
+pub struct Plan<S> {
+    rows: S,
+    len: usize,
+    at: usize,
+    /// The zero of the program that it counts from, once that has begun.
+    zero: Option<Ns>,
+}
+
+impl<S: AsRef<[Row]> + AsMut<[Row]>> Plan<S> {
+    /// An empty one; it holds as many rows as there are places.
+    pub const fn new(rows: S) -> Self {
+        Plan { rows, len: 0, at: 0, zero: None }
+    }
+
+    /// The places, to make more of them.
+    pub fn places(&mut self) -> &mut S {
+        &mut self.rows
+    }
+
+    /// Row `row`; row 0 begins another plan.
+    pub fn put(&mut self, row: u16, due: Due, input: Simulated) {
+        if row == 0 {
+            (self.len, self.at, self.zero) = (0, 0, None);
+        }
+        if let Some(place) = self.rows.as_mut().get_mut(row as usize) {
+            *place = Row { due, input };
+            self.len = row as usize + 1;
+        }
+    }
+
+    /// The next row that is due before `next`, at most once each.
+    pub fn take(&mut self, next: Ns, zero: Option<Ns>) -> Option<Simulated> {
+        let row = *self.rows.as_ref().get(..self.len)?.get(self.at)?;
+        let due = match row.due {
+            Due::At(at) => at,
+            Due::OfScript(after) => match (self.zero, zero) {
+                (None, None) => return None,
+                (Some(begun), now) if now != Some(begun) => {
+                    // Its program is over.
+                    self.len = 0;
+                    return None;
+                }
+                (_, now) => {
+                    self.zero = now;
+                    Ns(now?.0.saturating_add(after.0))
+                }
+            },
+        };
+        if due.0 >= next.0 {
+            return None;
+        }
+        self.at += 1;
+        Some(row.input)
+    }
+
+    /// Rows that count from a program count no more.
+    pub fn forget(&mut self) {
+        if matches!(self.rows.as_ref().get(self.at), Some(Row { due: Due::OfScript(_), .. })) {
+            self.len = 0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    const fn interlock(high: bool) -> Simulated {
+        Simulated::Interlock(high)
+    }
+
+    #[test]
+    fn rows_come_on_the_first_tick_after_their_instant_and_once() {
+        let mut plan = Plan::new([Row::NONE; 4]);
+        for (row, at) in [(0, 0), (1, 100), (2, 100), (3, 250)] {
+            plan.put(row, Due::At(Ns(at)), interlock(row & 1 == 1));
+        }
+        let mut taken = |next| std::iter::from_fn(|| plan.take(Ns(next), None)).count();
+        assert_eq!([taken(0), taken(100), taken(200), taken(250), taken(300), taken(999)], [0, 1, 2, 0, 1, 0]);
+    }
+
+    #[test]
+    fn a_row_without_a_place_is_not_kept() {
+        let mut plan = Plan::new([Row::NONE; 1]);
+        plan.put(0, Due::At(Ns(0)), interlock(true));
+        plan.put(1, Due::At(Ns(0)), interlock(false));
+        assert_eq!((plan.take(Ns(1), None), plan.take(Ns(1), None)), (Some(interlock(true)), None));
+    }
+
+    #[test]
+    fn rows_of_a_program_begin_with_it_and_end_with_it() {
+        let mut plan = Plan::new([Row::NONE; 2]);
+        plan.put(0, Due::OfScript(Ns(10)), interlock(true));
+        plan.put(1, Due::OfScript(Ns(20)), interlock(false));
+        assert_eq!(plan.take(Ns(1000), None), None);
+        assert_eq!(plan.take(Ns(1010), Some(Ns(1000))), None);
+        assert_eq!(plan.take(Ns(1011), Some(Ns(1000))), Some(interlock(true)));
+        // The next program is another one.
+        assert_eq!(plan.take(Ns(2000), None), None);
+        assert_eq!(plan.take(Ns(3000), Some(Ns(2000))), None);
+        // And so is the next session.
+        plan.put(0, Due::OfScript(Ns(10)), interlock(true));
+        plan.forget();
+        assert_eq!(plan.take(Ns(3000), Some(Ns(2000))), None);
+        plan.put(0, Due::At(Ns(10)), interlock(true));
+        plan.forget();
+        assert_eq!(plan.take(Ns(3000), None), Some(interlock(true)));
+    }
+}
