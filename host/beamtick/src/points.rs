@@ -2,11 +2,11 @@
 //!
 //! In: a call. Out: calls that follow each other, each with the index of its first point, or the number of its axes.
 //! Calls of other commands stay as they are.
-use client::Call;
+use client::{Call, LONGEST_CALL};
 use protocol::command::{ConfigItem, LoadConfig, Request, info};
 use zerocopy::{FromBytes, IntoBytes};
 
-/// Bytes of points in a record.
+/// Bytes of points in a record, at most.
 const POINTS: usize = 960;
 
 /// Bytes of a field.
@@ -50,10 +50,12 @@ pub fn records(call: Call) -> Vec<Call> {
     }
     let Some((head, point, first)) = layout(call.opcode) else { return vec![call] };
     let Some((head, points)) = call.payload.split_at_checked(head) else { return vec![call] };
-    if points.len() <= POINTS {
+    // What a long head leaves of a message.
+    let room = POINTS.min(LONGEST_CALL.saturating_sub(head.len()));
+    if points.len() <= room {
         return vec![call];
     }
-    let each = POINTS / point;
+    let each = room / point;
     let record = |(number, part): (usize, &[u8])| {
         let mut payload = [head, part].concat();
         let index = u16::try_from(number * each).unwrap_or(u16::MAX);
@@ -77,6 +79,25 @@ mod tests {
         assert_eq!(layout(PvtContinuousCalculate::OPCODE), Some(continuous));
         let plane = (size_of::<SetLaserDisTable2D>(), size_of::<LaserDisValue>(), 45);
         assert_eq!(layout(SetLaserDisTable2D::OPCODE), Some(plane));
+    }
+
+    #[test]
+    fn a_record_of_any_table_fits_in_a_message() {
+        let mut tables = 0;
+        for command in protocol::command::COMMANDS {
+            let Some((head, point, _)) = layout(command.opcode) else { continue };
+            tables += 1;
+            for points in [1, POINTS / point, POINTS / point + 1, 300] {
+                let payload = vec![0; head + points * point];
+                let found = records(Call { opcode: command.opcode, payload, may_fail: false });
+                let carried: usize = found.iter().map(|call| (call.payload.len() - head) / point).sum();
+                assert_eq!(carried, points, "{}", command.name);
+                for call in found {
+                    assert!(call.payload.len() <= LONGEST_CALL, "{}: {} bytes", command.name, call.payload.len());
+                }
+            }
+        }
+        assert_eq!(tables, 10);
     }
 
     #[test]

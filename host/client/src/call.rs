@@ -1,8 +1,12 @@
 //! One call as bytes, and its reply back as fields.
 use crate::error::{self, Error, Result};
+use protocol::MAX_PAYLOAD;
 use protocol::command::{CommandInfo, Request, info, opcode};
 use protocol::reason::{Refusal, describe_opcode};
 use zerocopy::{FromBytes, IntoBytes};
+
+/// Bytes of the longest request with its items: a message without the head of its record, and some to spare.
+pub const LONGEST_CALL: usize = MAX_PAYLOAD - 16;
 
 /// A request with its items, as it travels.
 #[derive(Debug, Clone, PartialEq, Eq)]

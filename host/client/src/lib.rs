@@ -34,7 +34,7 @@ mod options;
 mod program;
 mod session;
 
-pub use call::{Call, decode};
+pub use call::{Call, LONGEST_CALL, decode};
 pub use client::Client;
 pub use error::{Error, Result};
 pub use link::Link;

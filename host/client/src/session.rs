@@ -3,9 +3,8 @@
 //! In: packed calls, received bytes. Out: bytes to send, one [`Reply`] for each call. Owns the link's
 //! state machine and the calls that wait for their reply. Fails with −3 when the controller ends the
 //! session, 3 when versions differ, −5 when a message is no row of replies.
-use crate::call::Call;
+use crate::call::{Call, LONGEST_CALL};
 use crate::error::{self, Error, Result};
-use protocol::MAX_PAYLOAD;
 use protocol::command::opcode;
 use protocol::frame::Busy;
 use protocol::link::{ALIVE_NS, Counters, Endpoint, Identity, Role, State};
@@ -90,7 +89,7 @@ impl Session {
 
     /// Queues a call; its reply is found under the number returned.
     pub fn post(&mut self, lane: Lane, call: &Call) -> Result<u16> {
-        if call.payload.len() + 16 > MAX_PAYLOAD {
+        if call.payload.len() > LONGEST_CALL {
             return Err(Error::new(
                 7,
                 format!("{}: {} bytes are too long for a message", crate::call::name(call.opcode), call.payload.len()),

@@ -9,14 +9,14 @@ use crate::card::{self, Card, Opening, Slot};
 use crate::prototype::{self, Form, Kind, Prototype, Scalar};
 use crate::reason;
 use crate::request::{self, Number, fields, put, size};
-use client::{Call, Error, Result};
+use client::{Call, Error, LONGEST_CALL, Result};
 use job::api::{Pass, Shape, Size, Type};
 use protocol::command::{CommandInfo, ConfigItem, LoadConfig, opcode};
 use protocol::reason::{Reason, describe_opcode};
 use servo::laser::NODES;
 use std::ffi::{CStr, c_char, c_short, c_void};
 
-/// Bytes of items in a message.
+/// Bytes of items in a message, at most.
 const ITEM_BYTES: usize = 960;
 /// Axes of a configuration in a message, with place for one more.
 const CONFIG_ITEMS: usize = ITEM_BYTES / size_of::<ConfigItem>() - 1;
@@ -182,7 +182,10 @@ impl Prepared {
     /// The request's bytes with its first items, and the rest of them in requests of their own.
     fn pack(&self, core: c_short, told: bool, values: &[Given], items: &[u8], item: usize) -> Result<Vec<Call>> {
         let Some(command) = self.command else { return Ok(Vec::new()) };
-        let each = ITEM_BYTES.checked_div(item).unwrap_or(1).max(1);
+        // What a long head leaves of a message.
+        let head: usize = command.fields.iter().map(|(_, wire)| request::bytes(wire)).sum();
+        let room = ITEM_BYTES.min(LONGEST_CALL.saturating_sub(head));
+        let each = room.checked_div(item).unwrap_or(1).max(1);
         let parts: Vec<&[u8]> = if items.is_empty() { vec![&[]] } else { items.chunks(each * item).collect() };
         let mut calls = Vec::with_capacity(parts.len());
         for (part, bytes) in parts.into_iter().enumerate() {

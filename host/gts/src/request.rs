@@ -68,6 +68,18 @@ pub fn elements(wire: &str) -> (&str, usize) {
     array.map_or((wire, 1), |(of, length)| (of, length.parse().unwrap_or(0)))
 }
 
+/// Bytes of a wire type.
+pub fn bytes(wire: &str) -> usize {
+    let (of, length) = elements(wire);
+    let each = match of {
+        "F64" | "U64" => 8,
+        "I32" | "U32" => 4,
+        "I16" | "U16" => 2,
+        _ => 1,
+    };
+    each * length
+}
+
 /// Takes the fields of one layout from the front of `bytes`, each with its elements; nothing if it is too short.
 pub fn fields(layout: &[(&str, &str)], bytes: &mut &[u8]) -> Option<Vec<Vec<Number>>> {
     let field = |(_, wire): &(&str, &str)| {
