@@ -115,6 +115,9 @@ fn items_of(function: &Function, bound: &Bound) -> Vec<u8> {
 /// Two lists of axes and FIFOs as the masks of PtStart.
 fn vec_masks(bound: &Bound) -> Result<Vec<Value>, String> {
     let [axes, options] = &bound.lists[..] else { return Err("two arrays are needed".into()) };
+    if axes.is_empty() {
+        return Err("`count` is 0; it must be from 1 to 32 (return value 7)".into());
+    }
     let (mut mask, mut option) = (0u32, 0u32);
     for (axis, fifo) in axes.iter().zip(options) {
         match (axis, fifo) {
