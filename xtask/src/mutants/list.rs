@@ -383,10 +383,10 @@ pub const LIST: &[Mutant] = &[
         FATES,
     ),
     mutant(
-        "fates: the timer of a message is not set again",
+        "fates: the timer of the message after an acknowledged one is not set",
         TRANSMIT,
-        "        self.retry_at = Some(now.saturating_add(self.retry));\n        true",
-        "        self.retry_at = None;\n        true",
+        "self.retry_at = (self.base != self.sent).then(|| now.saturating_add(self.retry));",
+        "self.retry_at = None;",
         FATES,
     ),
     // -- invariants of fuzzing -----------------------------------------------------------------
