@@ -10,6 +10,7 @@ mod fuzz;
 mod image;
 mod mutants;
 mod probes;
+mod proofs;
 mod setup;
 mod shares;
 mod shell;
@@ -40,6 +41,7 @@ cargo xtask COMMAND
                   mixed work for 10^9 ticks, or as many as are given, in the virtual controller (about 15 minutes)
   mutants [NAME]  breaks the code on purpose, place by place, and sees that the tests fail
   mutants --check sees that every place is still there
+  proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
 ";
@@ -71,6 +73,7 @@ fn main() -> ExitCode {
         ["mutants"] => mutants::run(""),
         ["mutants", "--check"] => mutants::check(),
         ["mutants", name] => mutants::run(name),
+        ["proofs"] => proofs::run(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",
             "-p",
