@@ -16,6 +16,8 @@
 //! the receiver has room for. A message's place is free when the user is done with it
 //! ([`Endpoint::done_with_message`]), so messages left untaken close the window without being sent again.
 
+#[cfg(test)]
+mod fates;
 mod receive;
 mod transmit;
 

@@ -7,8 +7,8 @@
 //! Nearly all pieces are *near*: shorter than 2.14 s and longer than 1 µs, coefficients below 2²¹ pulses. What their
 //! evaluation needs is made with the piece (`near`), so that a tick multiplies 64-bit coefficients by a time of 32 bits:
 //! error 2⁻²³ for rounding to a [`Pos`] and less than 2⁻²⁸ for the rest. Others
-//! take exact products: 2⁻²³ for the start, 2⁻²³ for rounding, 4 units of the coefficients' last bit
-//! (`tests/pt_exact.rs`, `tests/ramp_exact.rs`, the dispatcher's `tables_exact.rs`).
+//! take exact products: 2⁻²³ for the start, 2⁻²³ for rounding, 6.1 units of the coefficients' last bit
+//! (`proofs/wide.gappa`; `tests/pt_exact.rs`, `tests/ramp_exact.rs`, the dispatcher's `tables_exact.rs`).
 mod near;
 
 use crate::units::{Exact, Ns, Pos};

@@ -10,6 +10,7 @@ mod fuzz;
 mod image;
 mod mutants;
 mod probes;
+mod proofs;
 mod setup;
 mod shares;
 mod shell;
@@ -41,6 +42,7 @@ cargo xtask COMMAND
   mutants [NAME]  breaks the code on purpose, place by place, and sees that the tests fail
   mutants --check sees that every place is still there
   planted [NAME]  plants faults of light, and counts in how many programs the judge of light finds each
+  proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
 ";
@@ -74,6 +76,7 @@ fn main() -> ExitCode {
         ["planted", name] => mutants::plant(name),
         ["mutants", "--check"] => mutants::check(),
         ["mutants", name] => mutants::run(name),
+        ["proofs"] => proofs::run(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",
             "-p",

@@ -4,6 +4,7 @@
 //! In: the machine as it is. Out: what was missing is installed and named. On Debian and Ubuntu apt
 //! installs it; elsewhere this says what to install and how. Where rustup cannot fetch the target,
 //! Debian's `rustc-web` with its source package builds `core` itself ([`Compiler::Debian`]).
+use crate::proofs::GAPPA;
 use crate::shell::{self, Outcome, cargo, program, read, works};
 use std::path::Path;
 use std::process::Command;
@@ -112,6 +113,15 @@ fn qemu() -> Outcome {
         "install QEMU with its Arm system emulator: `brew install qemu` on macOS, `dnf install \
          qemu-system-arm` on Fedora, `pacman -S qemu-system-arm` on Arch, or the installer of qemu.org on Windows",
     )
+}
+
+/// Gappa, which proves bounds of rounding.
+pub fn gappa() -> Outcome {
+    if works(program(GAPPA).arg("--version")) {
+        return Ok(());
+    }
+    println!("set-up: installing {GAPPA}");
+    install(&["gappa"], "install Gappa (https://gappa.gitlabpages.inria.fr, or opam's package `gappa`)")
 }
 
 /// Nothing needs it to pass, so a machine without it is none to refuse.

@@ -4,7 +4,7 @@
 //! Calls of other commands stay as they are.
 use client::Call;
 use protocol::command::{ConfigItem, LoadConfig, Request, info, widths};
-use protocol::record::ITEM_BYTES;
+use protocol::record::{BODY_MAX, ITEM_BYTES};
 use zerocopy::{FromBytes, IntoBytes};
 
 /// Head, point, and place of `first` of a command that carries points: it has such a field.
@@ -35,10 +35,12 @@ pub fn records(call: Call) -> Vec<Call> {
     }
     let Some((head, point, first)) = layout(call.opcode) else { return vec![call] };
     let Some((head, points)) = call.payload.split_at_checked(head) else { return vec![call] };
-    if points.len() <= ITEM_BYTES {
+    // What a long head leaves of a message.
+    let room = ITEM_BYTES.min(BODY_MAX.saturating_sub(head.len()));
+    if points.len() <= room {
         return vec![call];
     }
-    let each = ITEM_BYTES / point;
+    let each = room / point;
     let record = |(number, part): (usize, &[u8])| {
         let mut payload = [head, part].concat();
         let index = u16::try_from(number * each).unwrap_or(u16::MAX);
@@ -62,6 +64,25 @@ mod tests {
         assert_eq!(layout(PvtContinuousCalculate::OPCODE), Some(continuous));
         let plane = (size_of::<SetLaserDisTable2D>(), size_of::<LaserDisValue>(), 45);
         assert_eq!(layout(SetLaserDisTable2D::OPCODE), Some(plane));
+    }
+
+    #[test]
+    fn a_record_of_any_table_fits_in_a_message() {
+        let mut tables = 0;
+        for command in protocol::command::COMMANDS {
+            let Some((head, point, _)) = layout(command.opcode) else { continue };
+            tables += 1;
+            for points in [1, POINTS / point, POINTS / point + 1, 300] {
+                let payload = vec![0; head + points * point];
+                let found = records(Call { opcode: command.opcode, payload, may_fail: false });
+                let carried: usize = found.iter().map(|call| (call.payload.len() - head) / point).sum();
+                assert_eq!(carried, points, "{}", command.name);
+                for call in found {
+                    assert!(call.payload.len() <= BODY_MAX, "{}: {} bytes", command.name, call.payload.len());
+                }
+            }
+        }
+        assert_eq!(tables, 10);
     }
 
     #[test]

@@ -11,9 +11,9 @@ use crate::reason;
 use crate::request::{self, Number, fields, put, size};
 use client::{Call, Error, Result};
 use job::api::{Pass, Shape, Size, Type, counts};
-use protocol::command::{CommandInfo, ConfigItem, LoadConfig, opcode};
+use protocol::command::{CommandInfo, ConfigItem, LoadConfig, opcode, widths};
 use protocol::reason::{Reason, describe_opcode, stop_reason};
-use protocol::record::ITEM_BYTES;
+use protocol::record::{BODY_MAX, ITEM_BYTES};
 use servo::laser::NODES;
 use std::ffi::{CStr, c_char, c_short, c_void};
 
@@ -169,7 +169,9 @@ impl Prepared {
     /// The request's bytes with its first items, and the rest of them in requests of their own.
     fn pack(&self, core: c_short, told: bool, values: &[Given], items: &[u8], item: usize) -> Result<Vec<Call>> {
         let Some(command) = self.command else { return Ok(Vec::new()) };
-        let each = ITEM_BYTES.checked_div(item).unwrap_or(1).max(1);
+        // What a long head leaves of a message.
+        let room = ITEM_BYTES.min(BODY_MAX.saturating_sub(widths(command.fields)));
+        let each = room.checked_div(item).unwrap_or(1).max(1);
         let parts: Vec<&[u8]> = if items.is_empty() { vec![&[]] } else { items.chunks(each * item).collect() };
         let mut calls = Vec::with_capacity(parts.len());
         for (part, bytes) in parts.into_iter().enumerate() {

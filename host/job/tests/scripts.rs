@@ -479,6 +479,7 @@ const WRONG: &[(&str, u32, u32, &str)] = &[
     ("WaitStop(1, 2);", 1, 1, "WaitStop takes 1 or 3 parameters"),
     ("GT_LoadConfig(5);", 1, 15, "`file` of GT_LoadConfig is a text in quotation marks"),
     ("short a[2] = {33, 1}; GTN_PtStartPro(1, a, a, 2);", 1, 23, "axis 33 with FIFO 33"),
+    ("short a[1] = {1}; GTN_PtStartPro(1, a, a, 0);", 1, 19, "`count` is 0; it must be from 1 to 32"),
     (
         "short a[2] = {2, 2}; short o[2] = {0, 1}; GTN_PtStartPro(1, a, o, 2);",
         1,

@@ -127,6 +127,21 @@ impl<const WINDOW: usize> Receiver<WINDOW> {
     }
 }
 
+/// For `fates.rs`.
+#[cfg(test)]
+impl<const WINDOW: usize> Receiver<WINDOW> {
+    /// Everything that decides what the receiver does from here on.
+    pub(super) fn state(&self, into: &mut std::vec::Vec<u8>) {
+        for number in [self.take, self.next, self.held, self.announced, self.due.into()] {
+            into.extend(number.to_le_bytes());
+        }
+        for slot in &self.slots {
+            into.push(slot.full.into());
+            into.extend(if slot.full { slot.message() } else { &[] });
+        }
+    }
+}
+
 fn count(counter: &mut u32) {
     *counter = counter.wrapping_add(1);
 }

@@ -226,6 +226,36 @@ impl<const WINDOW: usize> Transmitter<WINDOW> {
     }
 }
 
+/// For `fates.rs`.
+#[cfg(test)]
+impl<const WINDOW: usize> Transmitter<WINDOW> {
+    /// Everything that decides what the transmitter does from here on; instants count from `now`.
+    pub(super) fn state(&self, now: Ns, into: &mut std::vec::Vec<u8>) {
+        for number in [self.base, self.sent, self.next, self.edge] {
+            into.extend(number.to_le_bytes());
+        }
+        into.extend([self.resend.into(), self.recover.is_some().into(), self.gaps, self.hurried.into()]);
+        into.extend(self.recover.unwrap_or(0).to_le_bytes());
+        let at = |at: Ns| at.wrapping_sub(now);
+        let (timed, since) = self.timed.unwrap_or((0, now));
+        let (mean, deviation) = self.round_trip.unwrap_or((Ns::MAX, 0));
+        into.extend([u8::from(self.timed.is_some()), self.retry_at.is_some().into()]);
+        into.extend(timed.to_le_bytes());
+        for time in [self.retry, self.retry_at.map_or(0, at), at(since), mean, deviation] {
+            into.extend(time.to_le_bytes());
+        }
+        for ahead in 0..self.next.wrapping_sub(self.base) {
+            let sequence = self.base.wrapping_add(ahead);
+            into.extend(self.slots.get(usize::from(sequence) & WINDOW.wrapping_sub(1)).map_or(&[][..], Slot::message));
+        }
+    }
+
+    /// First message not acknowledged.
+    pub(super) fn base(&self) -> u16 {
+        self.base
+    }
+}
+
 impl<const WINDOW: usize> Endpoint<WINDOW> {
     /// Writes what is to be transmitted now into `out`, as many frames as there are and fit; a frame may be
     /// cut and goes on with the next call. Returns the bytes written; 0 when there is nothing to send.

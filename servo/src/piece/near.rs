@@ -4,7 +4,8 @@
 //! x = t/2ᵏ, where 2ᵏ ns is the least power of two that the span stays below: so x has 31 bits and no error, and it is a
 //! shift away. Cannot fail: what is not fit for it is not near, and takes the exact products of the parameter.
 //!
-//! Coefficients are in 2⁻³⁰ pulse; three roundings of them and three of the sums are 2 units at most, 2⁻²⁹ pulse.
+//! Coefficients are in 2⁻³⁰ pulse; three roundings of them, that of the begin and three of the sums are 3.24 units at most
+//! (`proofs/near.gappa`), less than 2⁻²⁸ pulse.
 use super::{CUT, Motion};
 use crate::units::{Exact, Pos};
 use crate::wide::{Recip, mulhi_su, umulhi};

@@ -226,8 +226,8 @@ impl Loading {
     fn lines<const AXES: usize>(&mut self, case: &mut Case<AXES>, tables: &Tables, body: &[u8]) -> Admitted<Answer> {
         let (r, rest) = split::<SetLaserDisTable1D>(body)?;
         let channel = case.channel(r.core.get(), 5, r.channel.get())?;
-        let mut book = running(case, channel)?;
         let count = within(1, r.count.get(), 1, POINTS as i16)?.unsigned_abs() as usize;
+        let mut book = running(case, channel)?;
         let total = DISTANCES * count;
         let limits = (4, &r.limit[..], r.limits_given != 0);
         let (limits, held) = own(case, channel, &mut book, (2, r.min.get(), r.max.get()), limits)?;
@@ -270,7 +270,6 @@ impl Loading {
     fn plane<const AXES: usize>(&mut self, case: &mut Case<AXES>, tables: &Tables, body: &[u8]) -> Admitted<Answer> {
         let (r, rest) = split::<SetLaserDisTable2D>(body)?;
         let channel = case.channel(r.core.get(), 6, r.channel.get())?;
-        let mut book = running(case, channel)?;
         let [x, y] = r.axis.map(|axis| axis.get());
         for (index, axis) in [x, y].into_iter().enumerate() {
             choice(1, axis, 1, DISTANCES as i16).map_err(|refused| refused.item(index))?;
@@ -289,6 +288,7 @@ impl Loading {
             let refused = Refused::new(Reason::TooMany).field(2).got((columns * rows) as f64);
             return Err(refused.limits(1.0, NODES as f64));
         }
+        let mut book = running(case, channel)?;
         let limits = (5, &r.limit[..], r.limits_given != 0);
         let (limits, held) = own(case, channel, &mut book, (3, r.min.get(), r.max.get()), limits)?;
         let total = columns + rows + columns * rows;
