@@ -65,6 +65,8 @@ pub struct Axis {
     pub v: Fix,
     /// Machine position of the name 0.
     pub zero: Fix,
+    /// By ZeroPos or SetPrfPos.
+    pub renamed: bool,
     /// Positions from the tick before to this one.
     pub track: Vec<Fix>,
     pub latched: u32,
@@ -108,6 +110,7 @@ impl Axis {
             x,
             v: Fix::ZERO,
             zero: x,
+            renamed: false,
             track: vec![x, x],
             latched: 0,
             motion: None,

@@ -215,10 +215,29 @@ impl Controller {
                 }
                 None => {}
             }
+            self.count(&axis, was_slave);
             if ran && !axis.runs() {
                 *self.used.entry("motions ended").or_default() += 1;
             }
             self.axes[index] = axis;
+        }
+    }
+
+    /// What the programs tried.
+    fn count(&mut self, axis: &Axis, was_slave: bool) {
+        let moves = axis.track.iter().any(|at| *at != axis.track[0]);
+        let Some(master) = axis.follow.master.filter(|_| was_slave && moves) else { return };
+        let master = &self.axes[master];
+        let mut used = |what| *self.used.entry(what).or_default() += 1;
+        used("ticks in which a slave moves");
+        if matches!(master.motion, Some(Motion::Slave(_))) {
+            used("ticks in which a slave of a slave moves");
+            if master.renamed {
+                used("ticks in which a slave of a slave moves that was renamed");
+            }
+        }
+        if axis.follow.dir < 0 {
+            used("ticks in which a slave of direction -1 moves");
         }
     }
 
@@ -323,6 +342,7 @@ impl Controller {
             Kind::ZeroPos => {
                 check(!axis.runs())?;
                 axis.zero = axis.x;
+                axis.renamed = true;
             }
             Kind::ClrSts => axis.latched = 0,
             Kind::PrfTrap | Kind::PrfJog => {
@@ -348,6 +368,7 @@ impl Controller {
                 let axis = &mut self.axes[axis];
                 check(!axis.runs())?;
                 axis.zero = axis.x - Fix::whole(pos.into());
+                axis.renamed = true;
             }
             Call::SetStopDec { axis, smooth } => {
                 range(smooth > 0.0)?;

@@ -123,7 +123,8 @@ impl Making<'_> {
             5..7 => self.pt_static(axis),
             7 => self.pt_stream(axis),
             8..11 => self.slave(axis),
-            11 => self.again(axis),
+            11 if self.one_in(2) => self.again(axis),
+            11 => self.chain(axis),
             12 | 13 => self.during(axis),
             14 => self.zero(axis),
             15 => self.stop(),
@@ -238,6 +239,56 @@ impl Making<'_> {
         self.follow[axis][fifo] = (master + length, slave);
         let datum = Datum { master: sign * (master + length), slave, kind, percent: 0 };
         self.calls.push(Call::FollowData { axis, datum, fifo: fifo as i16 });
+    }
+
+    /// A slave of a slave, run twice with ZeroPos in between.
+    fn chain(&mut self, first: usize) {
+        let count = self.site.axes.len();
+        let (middle, last) = ((first + 1) % count, (first + 2) % count);
+        for axis in [last, middle, first] {
+            self.calls.push(Call::Stop { mask: 1 << axis, abrupt: 1 << axis });
+            self.calls.push(Call::WaitStop { mask: 1 << axis });
+        }
+        self.sleep(2);
+        for (axis, master) in [(middle, first), (last, middle)] {
+            self.follow_master(axis, master);
+        }
+        for _ in 0..2 {
+            for axis in [last, middle] {
+                self.calls.push(Call::FollowStart { mask: 1 << axis, option: 0 });
+            }
+            self.jog(first);
+            self.sleep(30);
+            if self.one_in(2) {
+                self.velocity(first);
+                self.sleep(30);
+            }
+            for axis in [first, middle, last] {
+                self.calls.push(Call::Stop { mask: 1 << axis, abrupt: 0 });
+                self.calls.push(Call::WaitStop { mask: 1 << axis });
+            }
+            for axis in [first, middle, last] {
+                if self.one_in(2) {
+                    self.plain(Kind::ZeroPos, axis);
+                }
+            }
+            self.sleep(2);
+        }
+    }
+
+    fn follow_master(&mut self, axis: usize, master: usize) {
+        let dir = self.pick(&[0, 0, 1, -1]);
+        self.plain(Kind::PrfTrap, axis);
+        self.calls.push(Call::PrfFollow { axis, dir });
+        self.calls.push(Call::SetFollowMaster { axis, master, kind: 2 });
+        self.calls.push(Call::SetFollowLoop { axis, loops: 0 });
+        self.does[axis] = Does::Follow(dir);
+        self.masters[axis] = Some(master);
+        self.follow[axis] = Default::default();
+        let sign = if dir < 0 { -1.0 } else { 1.0 };
+        for _ in 0..1 + self.below(3) {
+            self.follow_data(axis, 0, sign);
+        }
     }
 
     fn slave(&mut self, axis: usize) {
