@@ -93,6 +93,8 @@ pub struct Axis {
     pub dried: bool,
     /// It came to rest on the tick that is being prepared.
     pub halted: bool,
+    /// How far it may be from here: see `smooth_stop`.
+    pub slack: Fix,
     /// No motion of the tick was faster, pulse/ms.
     pub fastest: Fix,
 }
@@ -146,6 +148,7 @@ impl Axis {
             ended: false,
             dried: false,
             halted: false,
+            slack: Fix::ZERO,
             fastest: Fix::ZERO,
         }
     }
@@ -179,6 +182,7 @@ impl Axis {
         self.pt.dynamic = false;
         self.follow.fifos = Default::default();
         self.follow.master = None;
+        (self.follow.fifo, self.follow.passes, self.pt.passes) = (0, 0, 0);
         self.follow.begin = Begin::Start;
     }
 
@@ -215,6 +219,10 @@ impl Axis {
             return;
         }
         let curve = ramp::stop(self.v, self.stop_dec);
+        if matches!(self.motion, Some(Motion::Slave(_))) {
+            // The velocity of a slave at an instant is known to 2⁻²² pulse/ms only.
+            self.slack += curve.length() * Fix(1 << 42);
+        }
         self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x)));
     }
 

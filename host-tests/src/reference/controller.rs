@@ -35,6 +35,8 @@ pub struct Row {
     pub status: u32,
     /// Rounding decides whether it runs.
     pub open: bool,
+    /// What rounding may have added to the bound of SPEC 11.
+    pub slack: Fix,
     /// How far it may go in the tick at most.
     pub most: Fix,
 }
@@ -157,7 +159,13 @@ impl Controller {
     }
 
     fn rows(&self) -> Vec<Row> {
-        let row = |axis: &Axis| Row { x: axis.x, status: axis.status(), open: axis.open.is_some(), most: axis.fastest };
+        let row = |axis: &Axis| Row {
+            x: axis.x,
+            status: axis.status(),
+            open: axis.open.is_some(),
+            slack: axis.slack,
+            most: axis.fastest,
+        };
         self.axes.iter().map(row).collect()
     }
 
@@ -182,6 +190,12 @@ impl Controller {
             let began = axis.began;
             let master = axis.follow.master.map(|master| &self.axes[master]);
             let lead = master.map(|master| Lead { track: &master.track, velocity: master.v, zero: master.zero });
+            // A controller has few places for a master's way in a tick: between the first and the last of several knots it
+            // goes straight for those that follow it.
+            let follows = was_slave && !began;
+            if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > 4 && turns(lead.track)) {
+                self.open = Some("a master that turns between several knots in a tick");
+            }
             axis.step(before, now, lead.as_ref());
             if let Some(lead) = &lead
                 && was_slave
@@ -643,6 +657,12 @@ impl Controller {
         }
         DONE
     }
+}
+
+/// Whether a way goes beyond its ends.
+fn turns(track: &[Fix]) -> bool {
+    let (Some(first), Some(last)) = (track.first(), track.last()) else { return false };
+    track.iter().any(|at| at < first.min(last) || at > first.max(last))
 }
 
 type Answer = Result<Reply, i16>;

@@ -89,7 +89,7 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
         for (axis, row) in program.rows[tick].iter().enumerate() {
             let (position, status) = told.rows[tick][axis];
             let apart = fixed(position) - row.x;
-            if apart.abs() > BOUND {
+            if apart.abs() > BOUND + row.slack {
                 return Err(format!(
                     "at {} ms axis {axis} is {} pulses from the reference{}",
                     ms(tick),
