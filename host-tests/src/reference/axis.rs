@@ -24,10 +24,18 @@ pub enum Motion {
 }
 
 /// Acceleration and deceleration as they were set; 0 is unset.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Rates {
     pub acc: f64,
     pub dec: f64,
+}
+
+/// A target of Trap, or a velocity of Jog.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aim {
+    rates: Rates,
+    target: i32,
+    speed: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -93,6 +101,8 @@ pub struct Axis {
     pub dried: bool,
     /// It came to rest on the tick that is being prepared.
     pub halted: bool,
+    /// The deceleration of the smooth Stop that it is in.
+    pub braking: Option<f64>,
     /// How far it may be from here: see `smooth_stop`.
     pub slack: Fix,
     /// No motion of the tick was faster, pulse/ms.
@@ -148,6 +158,7 @@ impl Axis {
             ended: false,
             dried: false,
             halted: false,
+            braking: None,
             slack: Fix::ZERO,
             fastest: Fix::ZERO,
         }
@@ -195,30 +206,38 @@ impl Axis {
         if self.follow.memory == 0 { 16 } else { 512 }
     }
 
+    /// What an Update carries: the settings of its instant.
+    pub fn aim(&self) -> Aim {
+        let rates = if self.mode == Mode::Jog { self.jog } else { self.trap };
+        Aim { rates, target: self.target, speed: self.speed }
+    }
+
     /// Trap or Jog, from the velocity that it has.
-    pub fn update(&mut self, now_ns: i64) {
-        let Rates { acc, dec } = if self.mode == Mode::Jog { self.jog } else { self.trap };
+    pub fn update(&mut self, now_ns: i64, aim: Aim) {
+        let Aim { rates: Rates { acc, dec }, target, speed } = aim;
         let dec = if dec == 0.0 { acc } else { dec };
+        self.braking = None;
         let (acc, dec) = (exact(acc), exact(dec));
         let curve = if self.mode == Mode::Jog {
-            ramp::jog(self.v, self.speed, &acc, &dec)
+            ramp::jog(self.v, speed, &acc, &dec)
         } else {
-            let way = Fix::whole(self.target.into()) + self.zero - self.x;
-            ramp::trap(self.v, way, &exact(self.speed.abs()), &acc, &dec)
+            let way = Fix::whole(target.into()) + self.zero - self.x;
+            ramp::trap(self.v, way, &exact(speed.abs()), &acc, &dec)
         };
         self.doubt |= curve.length() == Fix::ZERO && curve.cruise == Fix::ZERO;
         self.began |= !self.runs();
         self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x)));
     }
 
-    pub fn smooth_stop(&mut self, now_ns: i64) {
+    pub fn smooth_stop(&mut self, now_ns: i64, dec: f64) {
         self.leave();
         // A slave that stands still is at rest on the next tick.
         if self.v == Fix::ZERO && !matches!(self.motion, Some(Motion::Slave(_))) {
             self.motion = None;
             return;
         }
-        let curve = ramp::stop(self.v, self.stop_dec);
+        self.braking = Some(dec);
+        let curve = ramp::stop(self.v, dec);
         if matches!(self.motion, Some(Motion::Slave(_))) {
             // The velocity of a slave at an instant is known to 2⁻²² pulse/ms only.
             self.slack += curve.length() * Fix(1 << 42);
@@ -232,6 +251,7 @@ impl Axis {
         self.halted = self.runs();
         self.doubt |= self.halted;
         self.motion = None;
+        self.braking = None;
         self.v = Fix::ZERO;
     }
 
@@ -240,6 +260,7 @@ impl Axis {
         if matches!(self.motion, Some(Motion::Stream(..))) {
             self.pt.fifos[0].clear();
             self.pt.ran = 0;
+            self.dried = true;
         }
     }
 
@@ -336,6 +357,7 @@ impl Axis {
         }
         self.ended = ended;
         if ended {
+            self.braking = None;
             self.dried |= matches!(self.motion, Some(Motion::Stream(..)));
             self.motion = None;
             self.v = Fix::ZERO;

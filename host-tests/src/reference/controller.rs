@@ -2,7 +2,7 @@
 //!
 //! A call made at s acts on the first tick after s. Whether it may act is decided by what the tick before has, with what
 //! the calls before it at the same instant have changed; a motion that begins or brakes there has its time zero at that tick.
-use super::axis::{Axis, Mode, Motion, Rates};
+use super::axis::{Aim, Axis, Mode, Motion, Rates};
 use super::call::{Call, Kind, members};
 use super::follow::{Begin, Datum, Lead};
 use super::number::Fix;
@@ -59,8 +59,9 @@ pub struct Program {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Then {
-    Brake,
-    Update,
+    /// With this deceleration.
+    Brake(f64),
+    Update(Aim),
 }
 
 /// See the module text.
@@ -207,22 +208,25 @@ impl Controller {
                 axis.fastest = axis.fastest * Fix::ms(self.tick_ns);
             }
             match self.then[index].take() {
-                Some(Then::Brake) => {
+                Some(Then::Brake(dec)) => {
                     if let (Some(Motion::Slave(slave)), Some(lead)) = (&axis.motion, &lead)
                         && slave.is_near_knot(lead)
                     {
                         self.open = Some("a Stop where a slave's ratio jumps");
                     }
                     if axis.runs() {
+                        if axis.v.abs() < Fix(1 << 44) && axis.v != Fix::ZERO || axis.v == Fix::ZERO && !was_slave {
+                            axis.open = Some("a Stop within rounding of standstill");
+                        }
                         // Of a motion that began at this instant nobody says whether it was seen to run.
                         if began {
-                            axis.open = Some("a Stop at the instant of a start");
+                            self.open = Some("a Stop at the instant of a start");
                         }
-                        axis.smooth_stop(now);
+                        axis.smooth_stop(now, dec);
                     }
                 }
-                Some(Then::Update) => {
-                    axis.update(now);
+                Some(Then::Update(aim)) => {
+                    axis.update(now, aim);
                     if axis.doubt {
                         axis.open = Some("an Update without a way");
                     }
@@ -424,7 +428,16 @@ impl Controller {
                 axis.halt();
                 self.then[place] = None;
             } else {
-                self.then[place] = Some(Then::Brake);
+                let dec = axis.stop_dec;
+                let pending = match self.then[place] {
+                    Some(Then::Brake(dec)) => Some(dec),
+                    Some(Then::Update(_)) => None,
+                    None => axis.braking,
+                };
+                if pending.is_some_and(|pending| pending != dec) {
+                    self.open = Some("a Stop with another deceleration while it brakes");
+                }
+                self.then[place] = Some(Then::Brake(dec));
             }
         }
         DONE
@@ -445,10 +458,11 @@ impl Controller {
                 self.open = Some("an Update to velocity 0");
                 continue;
             }
+            let aim = self.axes[place].aim();
             if self.axes[place].runs() {
-                self.then[place] = Some(Then::Update);
+                self.then[place] = Some(Then::Update(aim));
             } else {
-                self.axes[place].update(now);
+                self.axes[place].update(now, aim);
             }
         }
         DONE

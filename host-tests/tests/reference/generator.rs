@@ -124,7 +124,8 @@ impl Making<'_> {
             7 => self.pt_stream(axis),
             8..11 => self.slave(axis),
             11 if self.one_in(2) => self.again(axis),
-            11 => self.chain(axis),
+            11 if self.one_in(2) => self.chain(axis),
+            11 => self.braking(axis),
             12 | 13 => self.during(axis),
             14 => self.zero(axis),
             15 => self.stop(),
@@ -273,6 +274,37 @@ impl Making<'_> {
                 }
             }
             self.sleep(2);
+        }
+    }
+
+    /// A master that is planned again while it brakes.
+    fn braking(&mut self, master: usize) {
+        let slave = (master + 1) % self.site.axes.len();
+        for axis in [slave, master] {
+            self.calls.push(Call::Stop { mask: 1 << axis, abrupt: 1 << axis });
+            self.calls.push(Call::WaitStop { mask: 1 << axis });
+        }
+        self.sleep(2);
+        self.follow_master(slave, master);
+        self.calls.push(Call::FollowStart { mask: 1 << slave, option: 0 });
+        match self.below(3) {
+            0 => self.trap(master),
+            _ => self.jog(master),
+        }
+        for _ in 0..2 + self.below(3) {
+            self.sleep(20);
+            self.calls.push(Call::Stop { mask: 1 << master, abrupt: 0 });
+            self.sleep(6);
+            match self.below(3) {
+                0 => {
+                    if self.one_in(8) {
+                        let smooth = self.rate();
+                        self.calls.push(Call::SetStopDec { axis: master, smooth });
+                    }
+                    self.calls.push(Call::Stop { mask: 1 << master, abrupt: 0 });
+                }
+                _ => self.during(master),
+            }
         }
     }
 
