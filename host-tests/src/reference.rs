@@ -14,6 +14,7 @@ mod curve;
 mod follow;
 mod number;
 mod pt;
+mod pvt;
 mod ramp;
 #[cfg(test)]
 mod tests;
@@ -24,3 +25,4 @@ pub use controller::{Controller, Program, Reply, Row, Value};
 pub use curve::Curve;
 pub use follow::Datum;
 pub use number::{Fix, Rational, exact};
+pub use pvt::Points;

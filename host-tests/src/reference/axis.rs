@@ -11,6 +11,7 @@ pub enum Mode {
     Jog = 1,
     Pt = 2,
     Follow = 4,
+    Pvt = 6,
 }
 
 #[derive(Debug, Clone)]
@@ -18,6 +19,7 @@ pub enum Motion {
     /// Trap, Jog, a smooth Stop.
     Ramp(Timed),
     Pt(Timed),
+    Pvt(Timed),
     /// A dynamic PT stream, and how many of its segments have run.
     Stream(Timed, usize),
     Slave(Box<Slave>),
@@ -58,6 +60,8 @@ pub struct FollowData {
     pub loops: i64,
     pub begin: Begin,
     pub fifos: [Vec<Datum>; 2],
+    /// Started since the mode was set: until then nobody says what is read.
+    pub started: bool,
     /// FIFO in force and completed passes, as they are read.
     pub fifo: usize,
     pub passes: i64,
@@ -85,6 +89,8 @@ pub struct Axis {
     pub jog: Rates,
     pub target: i32,
     pub speed: f64,
+    /// PVT: loops, table selected, completed passes.
+    pub pvt: (i64, i16, i64),
     pub pt: PtData,
     /// Of the PT data that runs.
     chain: Chain,
@@ -132,6 +138,7 @@ impl Axis {
             jog: Rates::default(),
             target: 0,
             speed: 0.0,
+            pvt: (1, 1, 0),
             pt: PtData {
                 dynamic: false,
                 memory: 0,
@@ -149,6 +156,7 @@ impl Axis {
                 loops: 1,
                 begin: Begin::Start,
                 fifos: Default::default(),
+                started: false,
                 fifo: 0,
                 passes: 0,
             },
@@ -193,7 +201,7 @@ impl Axis {
         self.pt.dynamic = false;
         self.follow.fifos = Default::default();
         self.follow.master = None;
-        (self.follow.fifo, self.follow.passes, self.pt.passes) = (0, 0, 0);
+        (self.follow.passes, self.pt.passes, self.follow.started) = (0, 0, false);
         self.follow.begin = Begin::Start;
     }
 
@@ -226,7 +234,8 @@ impl Axis {
         };
         self.doubt |= curve.length() == Fix::ZERO && curve.cruise == Fix::ZERO;
         self.began |= !self.runs();
-        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x)));
+        let braked = self.v != Fix::ZERO;
+        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).from_speed(braked)));
     }
 
     pub fn smooth_stop(&mut self, now_ns: i64, dec: f64) {
@@ -242,7 +251,8 @@ impl Axis {
             // The velocity of a slave at an instant is known to 2⁻²² pulse/ms only.
             self.slack += curve.length() * Fix(1 << 42);
         }
-        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x)));
+        let braked = self.v != Fix::ZERO;
+        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).from_speed(braked)));
     }
 
     /// At rest where it was in the tick before.
@@ -289,6 +299,7 @@ impl Axis {
         let data = &self.follow.fifos[fifo];
         let slave = Slave::new(data, fifo, self.follow.dir, self.follow.begin, self.x);
         (self.follow.fifo, self.follow.passes, self.began) = (fifo, 0, true);
+        self.follow.started = true;
         self.motion = Some(Motion::Slave(Box::new(slave)));
     }
 
@@ -312,6 +323,14 @@ impl Axis {
                 let went = timed.step(from_ns, to_ns, self.pt.loops, &mut out);
                 self.v = timed.velocity(to_ns);
                 self.pt.passes = timed.passes;
+                went == Went::Ended
+            }
+            Some(Motion::Pvt(timed)) => {
+                self.fastest = timed.curve.steepest;
+                let went = timed.step(from_ns, to_ns, self.pvt.0, &mut out);
+                self.fastest = self.fastest.max(timed.curve.steepest);
+                self.v = timed.velocity(to_ns);
+                self.pvt.2 = timed.passes;
                 went == Went::Ended
             }
             Some(Motion::Stream(timed, ran)) => {
@@ -345,7 +364,8 @@ impl Axis {
                 }
             },
         };
-        if let Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Stream(timed, _)) = &self.motion
+        if let Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Pvt(timed) | Motion::Stream(timed, _)) =
+            &self.motion
             && timed.open
         {
             self.open = Some("the end of a motion");

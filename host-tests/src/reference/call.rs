@@ -1,5 +1,6 @@
 //! The calls of a program, and how a job writes them.
 use super::follow::Datum;
+use super::pvt::Points;
 
 /// Which axes a program has: logical core and axis of the core, both from 1. Calls name axes by their place here.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,35 +12,145 @@ pub struct Site {
 /// A call, or what moves the script clock. Masks are of places in [`Site`], all of one core.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Call {
-    Sleep { ns: i64 },
-    WaitStop { mask: u32 },
-    Axis { kind: Kind, axis: usize },
-    Stop { mask: u32, abrupt: u32 },
-    SetPrfPos { axis: usize, pos: i32 },
-    SetStopDec { axis: usize, smooth: f64 },
-    SetSoftLimit { axis: usize, positive: i32, negative: i32 },
-    SetTrapPrm { axis: usize, acc: f64, dec: f64 },
-    SetJogPrm { axis: usize, acc: f64, dec: f64 },
-    SetPos { axis: usize, pos: i32 },
-    SetVel { axis: usize, vel: f64 },
-    Update { mask: u32 },
-    PrfPt { axis: usize, mode: i16 },
-    PtData { axis: usize, pos: f64, time_ms: i32, kind: i16, fifo: i16 },
-    PtClear { axis: usize, fifo: i16 },
-    PtSpace { axis: usize, fifo: i16 },
-    SetPtLoop { axis: usize, loops: i32 },
-    SetPtMemory { axis: usize, memory: i16 },
-    PtStart { mask: u32, option: u32 },
-    PrfFollow { axis: usize, dir: i16 },
-    SetFollowMaster { axis: usize, master: usize, kind: i16 },
-    SetFollowLoop { axis: usize, loops: i32 },
-    SetFollowEvent { axis: usize, event: i16, dir: i16, pos: i32 },
-    FollowData { axis: usize, datum: Datum, fifo: i16 },
-    FollowClear { axis: usize, fifo: i16 },
-    FollowSpace { axis: usize, fifo: i16 },
-    FollowStart { mask: u32, option: u32 },
-    FollowSwitch { mask: u32 },
-    SetFollowMemory { axis: usize, memory: i16 },
+    Sleep {
+        ns: i64,
+    },
+    WaitStop {
+        mask: u32,
+    },
+    Axis {
+        kind: Kind,
+        axis: usize,
+    },
+    Stop {
+        mask: u32,
+        abrupt: u32,
+    },
+    SetPrfPos {
+        axis: usize,
+        pos: i32,
+    },
+    SetStopDec {
+        axis: usize,
+        smooth: f64,
+    },
+    SetSoftLimit {
+        axis: usize,
+        positive: i32,
+        negative: i32,
+    },
+    SetTrapPrm {
+        axis: usize,
+        acc: f64,
+        dec: f64,
+    },
+    SetJogPrm {
+        axis: usize,
+        acc: f64,
+        dec: f64,
+    },
+    SetPos {
+        axis: usize,
+        pos: i32,
+    },
+    SetVel {
+        axis: usize,
+        vel: f64,
+    },
+    Update {
+        mask: u32,
+    },
+    PrfPt {
+        axis: usize,
+        mode: i16,
+    },
+    PtData {
+        axis: usize,
+        pos: f64,
+        time_ms: i32,
+        kind: i16,
+        fifo: i16,
+    },
+    PtClear {
+        axis: usize,
+        fifo: i16,
+    },
+    PtSpace {
+        axis: usize,
+        fifo: i16,
+    },
+    SetPtLoop {
+        axis: usize,
+        loops: i32,
+    },
+    SetPtMemory {
+        axis: usize,
+        memory: i16,
+    },
+    PtStart {
+        mask: u32,
+        option: u32,
+    },
+    PrfFollow {
+        axis: usize,
+        dir: i16,
+    },
+    SetFollowMaster {
+        axis: usize,
+        master: usize,
+        kind: i16,
+    },
+    SetFollowLoop {
+        axis: usize,
+        loops: i32,
+    },
+    SetFollowEvent {
+        axis: usize,
+        event: i16,
+        dir: i16,
+        pos: i32,
+    },
+    FollowData {
+        axis: usize,
+        datum: Datum,
+        fifo: i16,
+    },
+    FollowClear {
+        axis: usize,
+        fifo: i16,
+    },
+    FollowSpace {
+        axis: usize,
+        fifo: i16,
+    },
+    FollowStart {
+        mask: u32,
+        option: u32,
+    },
+    FollowSwitch {
+        mask: u32,
+    },
+    SetFollowMemory {
+        axis: usize,
+        memory: i16,
+    },
+    /// A table of the core of this axis.
+    PvtTable {
+        axis: usize,
+        table: i16,
+        points: Points,
+    },
+    PvtTableSelect {
+        axis: usize,
+        table: i16,
+    },
+    SetPvtLoop {
+        axis: usize,
+        loops: i32,
+    },
+    PvtStart {
+        mask: u32,
+    },
 }
 
 /// Calls that name an axis and nothing else.
@@ -51,6 +162,8 @@ pub enum Kind {
     ClrSts,
     PrfTrap,
     PrfJog,
+    PrfPvt,
+    GetPvtLoop,
     GetPtLoop,
     GetFollowLoop,
     GetFollowStatus,
@@ -64,7 +177,7 @@ impl Call {
     /// Whether it is refused while an axis that it names moves.
     pub fn needs_rest(&self) -> bool {
         match self {
-            Call::Axis { kind, .. } => matches!(kind, Kind::ZeroPos | Kind::PrfTrap | Kind::PrfJog),
+            Call::Axis { kind, .. } => matches!(kind, Kind::ZeroPos | Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt),
             Call::SetPrfPos { .. }
             | Call::PrfPt { .. }
             | Call::PtClear { .. }
@@ -75,7 +188,9 @@ impl Call {
             | Call::FollowClear { .. }
             | Call::FollowStart { .. }
             | Call::FollowSwitch { .. }
-            | Call::SetFollowMemory { .. } => true,
+            | Call::SetFollowMemory { .. }
+            | Call::PvtTable { .. }
+            | Call::PvtStart { .. } => true,
             _ => false,
         }
     }
@@ -89,7 +204,8 @@ impl Call {
             | Call::Update { mask }
             | Call::PtStart { mask, .. }
             | Call::FollowStart { mask, .. }
-            | Call::FollowSwitch { mask } => mask,
+            | Call::FollowSwitch { mask }
+            | Call::PvtStart { mask } => mask,
             Call::Axis { axis, .. }
             | Call::SetPrfPos { axis, .. }
             | Call::SetStopDec { axis, .. }
@@ -111,7 +227,10 @@ impl Call {
             | Call::FollowData { axis, .. }
             | Call::FollowClear { axis, .. }
             | Call::FollowSpace { axis, .. }
-            | Call::SetFollowMemory { axis, .. } => 1 << axis,
+            | Call::SetFollowMemory { axis, .. }
+            | Call::PvtTable { axis, .. }
+            | Call::PvtTableSelect { axis, .. }
+            | Call::SetPvtLoop { axis, .. } => 1 << axis,
         }
     }
 }
@@ -134,8 +253,8 @@ impl Site {
         (self.axes[master].1, if same { kind } else { 103 })
     }
 
-    /// A statement of a job.
-    pub fn text(&self, call: &Call) -> String {
+    /// A statement of a job, the one with this number.
+    pub fn text(&self, number: usize, call: &Call) -> String {
         let at = |axis: &usize| {
             let (core, axis) = self.axes[*axis];
             format!("{core},{axis}")
@@ -197,15 +316,20 @@ impl Site {
             Call::FollowStart { mask, option } => format!("GTN_FollowStart({})", both(mask, option)),
             Call::FollowSwitch { mask } => format!("GTN_FollowSwitch({})", of(mask)),
             Call::SetFollowMemory { axis, memory } => format!("GTN_SetFollowMemory({},{memory})", at(axis)),
+            Call::PvtTable { axis, table, points } => return table_text(self.axes[*axis].0, *table, points, number),
+            Call::PvtTableSelect { axis, table } => format!("GTN_PvtTableSelect({},{table})", at(axis)),
+            Call::SetPvtLoop { axis, loops } => format!("GTN_SetPvtLoop({},{loops})", at(axis)),
+            Call::PvtStart { mask } => format!("GTN_PvtStart({})", of(mask)),
         };
         format!("rtn = {written};")
     }
 
     fn plain(&self, kind: Kind, axis: &str) -> String {
         let more = match kind {
-            Kind::AxisOn | Kind::AxisOff | Kind::PrfTrap | Kind::PrfJog => "",
+            Kind::AxisOn | Kind::AxisOff | Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt => "",
             Kind::ZeroPos | Kind::ClrSts => ",1",
             Kind::GetPtLoop | Kind::GetFollowLoop => ",&loops",
+            Kind::GetPvtLoop => ",&loops,&word",
             Kind::GetFollowStatus => ",&fifo,&pending",
             Kind::GetSts | Kind::GetPrfMode => ",&word",
             Kind::GetPrfPos | Kind::GetPrfVel => ",&value",
@@ -218,10 +342,40 @@ impl Site {
         let mut text = format!("#pragma profile {}\n#pragma tick {tick_us}\n#pragma continue\n", self.profile);
         text += "short rtn, space, fifo, pending; long loops, word; double value;\n";
         text += "TTrapPrm trap; TJogPrm jog;\nmemset(&trap,0,sizeof(trap)); memset(&jog,0,sizeof(jog));\n";
-        for call in calls {
-            text += &self.text(call);
+        for (number, call) in calls.enumerate() {
+            text += &self.text(number, call);
             text.push('\n');
         }
         text
     }
+}
+
+/// A table with the declarations of its arrays.
+fn table_text(core: i16, table: i16, points: &Points, number: usize) -> String {
+    let column = |letter: char, values: Vec<f64>| {
+        let values: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+        format!("double {letter}{number}[] = {{{}}}; ", values.join(","))
+    };
+    fn column_of<const N: usize>(points: &[[f64; N]], index: usize) -> Vec<f64> {
+        points.iter().map(|point| point[index]).collect()
+    }
+    fn columns<const N: usize>(points: &[[f64; N]]) -> Vec<Vec<f64>> {
+        (0..N).map(|index| column_of(points, index)).collect()
+    }
+    let (name, columns, more) = match points {
+        Points::Pvt(points) => ("PvtTable", columns(points), String::new()),
+        Points::Ex(points) => ("PvtTableEx", columns(points), String::new()),
+        Points::Complete(points, begin, end) => {
+            let room = vec![0.0; points.len()];
+            let with_room = [columns(points), vec![room.clone(), room.clone(), room]].concat();
+            ("PvtTableComplete", with_room, format!(",{begin:?},{end:?}"))
+        }
+        Points::Percent(points, begin) => ("PvtTablePercent", columns(points), format!(",{begin:?}")),
+        Points::Continuous(points, begin) => ("PvtTableContinuous", columns(points), format!(",{begin:?}")),
+    };
+    let count = points.count();
+    let named = columns.into_iter().zip('a'..='z').collect::<Vec<_>>();
+    let arguments: String = named.iter().map(|(_, letter)| format!(",{letter}{number}")).collect();
+    let arrays: String = named.into_iter().map(|(values, letter)| column(letter, values)).collect();
+    format!("{arrays}rtn = GTN_{name}({core},{table},{count}{arguments}{more});")
 }

@@ -3,10 +3,11 @@
 //! A call made at s acts on the first tick after s. Whether it may act is decided by what the tick before has, with what
 //! the calls before it at the same instant have changed; a motion that begins or brakes there has its time zero at that tick.
 use super::axis::{Aim, Axis, Mode, Motion, Rates};
-use super::call::{Call, Kind, members};
+use super::call::{Call, Kind, Site, members};
 use super::follow::{Begin, Datum, Lead};
 use super::number::Fix;
-use super::pt::Segment;
+use super::pt::{Segment, Timed};
+use super::pvt::Table;
 use std::collections::BTreeMap;
 
 /// What a read gives.
@@ -66,6 +67,10 @@ enum Then {
 
 /// See the module text.
 pub struct Controller {
+    /// Core of each axis.
+    cores: Vec<i16>,
+    /// PVT tables by core and number.
+    tables: BTreeMap<(i16, i16), Table>,
     tick_ns: i64,
     axes: Vec<Axis>,
     /// What begins where the motion before has come to in this tick.
@@ -80,10 +85,22 @@ pub struct Controller {
 
 impl Controller {
     /// At power-on, machine positions in 2⁻²² pulse.
-    pub fn new(tick_ns: i64, positions: &[i64]) -> Controller {
+    pub fn new(site: &Site, tick_ns: i64, positions: &[i64]) -> Controller {
         let axes: Vec<Axis> = positions.iter().map(|position| Axis::new(*position)).collect();
         let then = vec![None; axes.len()];
-        Controller { tick_ns, axes, then, reads: Vec::new(), open: None, contested: [0; 2], used: BTreeMap::new() }
+        let cores = site.axes.iter().map(|axis| axis.0).collect();
+        let tables = BTreeMap::new();
+        Controller {
+            cores,
+            tables,
+            tick_ns,
+            axes,
+            then,
+            reads: Vec::new(),
+            open: None,
+            contested: [0; 2],
+            used: BTreeMap::new(),
+        }
     }
 
     /// Runs a program and `tail` ticks more; `most` ticks at most.
@@ -266,6 +283,7 @@ impl Controller {
                     let axis = &self.axes[axis];
                     match kind {
                         Kind::GetPtLoop => Value::Whole(axis.pt.passes),
+                        Kind::GetPvtLoop => Value::Two(axis.pvt.2, axis.pvt.0),
                         Kind::GetFollowLoop => Value::Whole(axis.follow.passes),
                         Kind::GetFollowStatus => {
                             let pending = matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.switching);
@@ -296,6 +314,7 @@ impl Controller {
                     };
                     match kind {
                         Kind::GetPrfPos | Kind::GetPrfMode => false,
+                        Kind::GetFollowStatus if !axis_of.follow.started => true,
                         Kind::GetPrfVel => knot || self.axes[axis].open.is_some(),
                         _ => self.axes[axis].open.is_some(),
                     }
@@ -313,7 +332,13 @@ impl Controller {
 
     fn call(&mut self, index: usize, call: &Call, now: i64) -> Reply {
         if call.needs_rest() {
-            let axes = members(call.axes()).filter(|axis| self.axes[*axis].runs());
+            // A table is in use by any axis.
+            let all = (1 << self.axes.len()) - 1;
+            let named = if matches!(call, Call::PvtTable { .. }) { all } else { call.axes() };
+            if named == all && self.axes.iter().any(|axis| axis.mode == Mode::Pvt && axis.ended) {
+                self.open = Some("a call that needs standstill, right after its axis came to rest");
+            }
+            let axes = members(named).filter(|axis| self.axes[*axis].runs());
             self.contested[0] |= axes.map(|axis| 1 << axis).sum::<u32>();
         }
         if call.needs_rest() && members(call.axes()).any(|axis| self.axes[axis].ended) {
@@ -343,6 +368,9 @@ impl Controller {
             | Call::FollowClear { .. }
             | Call::FollowSpace { .. }
             | Call::SetFollowMemory { .. } => self.follow(index, call),
+            Call::PvtTable { .. } | Call::PvtTableSelect { .. } | Call::SetPvtLoop { .. } | Call::PvtStart { .. } => {
+                self.pvt(call, now)
+            }
             _ => self.setting(call),
         };
         reply.unwrap_or_else(|code| if code == EITHER { Reply::Open } else { Reply::Code(code) })
@@ -363,12 +391,20 @@ impl Controller {
                 axis.renamed = true;
             }
             Kind::ClrSts => axis.latched = 0,
-            Kind::PrfTrap | Kind::PrfJog => {
+            Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt => {
                 check(!axis.runs())?;
-                axis.set_mode(if kind == Kind::PrfJog { Mode::Jog } else { Mode::Trap });
+                axis.set_mode(match kind {
+                    Kind::PrfJog => Mode::Jog,
+                    Kind::PrfPvt => Mode::Pvt,
+                    _ => Mode::Trap,
+                });
             }
             Kind::GetPtLoop => {
                 check(axis.mode == Mode::Pt && !axis.pt.dynamic)?;
+                return Ok(self.read(index, call, 0));
+            }
+            Kind::GetPvtLoop => {
+                check(axis.mode == Mode::Pvt)?;
                 return Ok(self.read(index, call, 0));
             }
             Kind::GetFollowLoop | Kind::GetFollowStatus => {
@@ -552,6 +588,58 @@ impl Controller {
         let axis = &mut self.axes[place];
         axis.pt.fifos[fifo].push(Segment { pos, time_ms: time_ms.into(), kind });
         axis.pt_grew(fifo);
+        DONE
+    }
+
+    fn pvt(&mut self, call: &Call, now: i64) -> Answer {
+        match call {
+            Call::PvtTable { axis, table, points } => {
+                let core = self.cores[*axis];
+                let uses = |(place, axis): (usize, &Axis)| {
+                    self.cores[place] == core && axis.mode == Mode::Pvt && axis.runs() && axis.pvt.1 == *table
+                };
+                check(!self.axes.iter().enumerate().any(uses))?;
+                self.tables.insert((core, *table), points.table());
+            }
+            Call::PvtTableSelect { axis: place, table } => {
+                let axis = &mut self.axes[*place];
+                check(axis.mode == Mode::Pvt)?;
+                let Some(found) = self.tables.get(&(self.cores[*place], *table)) else { return Err(EITHER) };
+                if let Some(Motion::Pvt(timed)) = &mut axis.motion {
+                    if axis.pvt.1 != *table {
+                        // Which tables are in use until the switch is more than one.
+                        timed.pending = Some(found.curve.clone());
+                        axis.pvt.1 = *table;
+                    } else {
+                        self.open = Some("PvtTableSelect of the table that runs");
+                    }
+                } else if axis.runs() {
+                    self.open = Some("PvtTableSelect while a PVT axis brakes");
+                } else {
+                    axis.pvt.1 = *table;
+                }
+            }
+            Call::SetPvtLoop { axis, loops } => {
+                let axis = &mut self.axes[*axis];
+                either(axis.mode == Mode::Pvt, *loops >= 0)?;
+                axis.pvt.0 = i64::from(*loops);
+            }
+            Call::PvtStart { mask } => {
+                for place in members(*mask) {
+                    let axis = &self.axes[place];
+                    check(axis.mode == Mode::Pvt && !axis.runs() && !axis.blocked())?;
+                    check(self.tables.contains_key(&(self.cores[place], axis.pvt.1)))?;
+                }
+                for place in members(*mask) {
+                    let axis = &mut self.axes[place];
+                    let table = &self.tables[&(self.cores[place], axis.pvt.1)];
+                    let timed = Timed::new(table.curve.clone(), now, axis.x).after(table.begins);
+                    (axis.pvt.2, axis.began) = (0, true);
+                    axis.motion = Some(Motion::Pvt(timed));
+                }
+            }
+            _ => return Ok(Reply::Open),
+        }
         DONE
     }
 

@@ -40,7 +40,7 @@ impl Table {
                 2 => (twice, Rational::zero()),
                 _ => (ratio.clone(), twice - ratio),
             };
-            shaped(&mut curve, &length, &first, &last, datum.percent);
+            shaped(&mut curve, &length, &first, &last, &Rational::from_integer(datum.percent.into()));
             curve.ends_at(Fix::of(&slave));
             (from, begin, ratio) = (master, slave, last);
         }
@@ -49,21 +49,21 @@ impl Table {
 }
 
 /// From one slope to another over a length: the slope's change ramps for percent/200 of it, holds, and ramps down.
-pub fn shaped(curve: &mut Curve, length: &Rational, first: &Rational, last: &Rational, percent: i16) {
+pub fn shaped(curve: &mut Curve, length: &Rational, first: &Rational, last: &Rational, percent: &Rational) {
     let whole = |x: i64| Rational::from_integer(x.into());
     let change = last - first;
-    if percent == 0 || change.is_zero() {
+    if percent.is_zero() || change.is_zero() {
         curve.cubic(length, first, &(change / length), &Rational::zero());
         return;
     }
-    let share = Rational::new(percent.into(), 200.into());
+    let share = percent / whole(200);
     let ramp = length * &share;
     let top = &change / (length * (whole(1) - &share));
     let jerk = &top / &ramp;
     curve.cubic(&ramp, first, &Rational::zero(), &jerk);
     let begin = first + &top * &ramp / whole(2);
     let flat = length - &ramp * whole(2);
-    if !flat.is_zero() {
+    if flat.is_positive() {
         curve.cubic(&flat, &begin, &top, &Rational::zero());
     }
     curve.cubic(&ramp, &(begin + &top * &flat), &top, &-jerk);

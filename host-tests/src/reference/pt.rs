@@ -65,14 +65,18 @@ pub struct Timed {
     /// Progress of the last step.
     at: Fix,
     pub passes: i64,
+    /// It began at a velocity, which is rounded.
+    pub braked: bool,
+    /// PVT: what takes over at the end of the pass.
+    pub pending: Option<Curve>,
     /// Whether it has come to an end is within rounding.
     pub open: bool,
 }
 
 /// 2⁻⁵⁴ ms.
 const ROUNDING: Fix = Fix(1 << 10);
-/// 2⁻³⁰ ms: what rounding of a controller's own numbers may decide.
-const DOUBT: Fix = Fix(1 << 34);
+/// 2⁻¹⁸ ms: what rounding of a controller's own numbers may decide, of which velocities have 2⁻²² pulse/ms.
+const DOUBT: Fix = Fix(1 << 46);
 
 /// How a step ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +87,27 @@ pub enum Went {
 
 impl Timed {
     pub fn new(curve: Curve, start_ns: i64, origin: Fix) -> Timed {
-        Timed { curve, start_ns, origin, began: Fix::ZERO, at: Fix::ZERO, passes: 0, open: false }
+        Timed {
+            curve,
+            start_ns,
+            origin,
+            began: Fix::ZERO,
+            at: Fix::ZERO,
+            passes: 0,
+            pending: None,
+            braked: false,
+            open: false,
+        }
+    }
+
+    /// The same, begun at a velocity or not.
+    pub fn from_speed(self, braked: bool) -> Timed {
+        Timed { braked, ..self }
+    }
+
+    /// The same after a delay, ms.
+    pub fn after(self, delay: Fix) -> Timed {
+        Timed { began: delay, ..self }
     }
 
     fn progress(&self, at_ns: i64) -> Fix {
@@ -113,7 +137,7 @@ impl Timed {
             if apart < ROUNDING {
                 b = end;
             }
-            self.open |= apart >= ROUNDING && apart < DOUBT;
+            self.open |= apart < DOUBT && (self.braked || apart >= ROUNDING);
             if b < end || self.curve.cruise != Fix::ZERO {
                 self.points(a, b, out);
                 return Went::On;
@@ -123,6 +147,10 @@ impl Timed {
             self.began = end;
             self.passes += 1;
             a = end;
+            if let Some(curve) = self.pending.take() {
+                (self.curve, self.passes) = (curve, 0);
+                continue;
+            }
             if loops > 0 && self.passes >= loops {
                 return Went::Ended;
             }

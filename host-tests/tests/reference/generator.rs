@@ -1,6 +1,6 @@
 //! Programs as users write them: set up, move, stop, zero, change the mode, go again, and now and then any call anywhere.
 use super::chance::Chance;
-use host_tests::reference::{Call, Datum, Kind, Site};
+use host_tests::reference::{Call, Datum, Kind, Points, Site};
 
 const MS: i64 = 1_000_000;
 
@@ -27,6 +27,7 @@ enum Does {
     Pt,
     Stream,
     Follow(i16),
+    Pvt,
 }
 
 /// The program of a number.
@@ -43,6 +44,11 @@ pub fn program(seed: u64, site: &Site, calls: usize) -> Program {
     };
     for axis in 0..axes {
         making.plain(Kind::AxisOn, axis);
+        // Else ends of Stops fall on ticks often, where rounding decides.
+        if !making.one_in(8) {
+            let smooth = making.chance.log(0.7, 9.0);
+            making.calls.push(Call::SetStopDec { axis, smooth });
+        }
     }
     let wanted = 10 + making.below(calls as u64) as usize;
     while making.calls.len() < wanted {
@@ -122,6 +128,7 @@ impl Making<'_> {
             3..5 => self.jog(axis),
             5..7 => self.pt_static(axis),
             7 => self.pt_stream(axis),
+            19 => self.pvt(axis),
             8..11 => self.slave(axis),
             11 if self.one_in(2) => self.again(axis),
             11 if self.one_in(2) => self.chain(axis),
@@ -229,6 +236,56 @@ impl Making<'_> {
             }
             self.pt_data(axis, 0);
         }
+    }
+
+    /// A new table of any kind for the core of an axis; its number.
+    fn table(&mut self, axis: usize) -> i16 {
+        let count = 2 + self.below(5) as usize;
+        let begin = if self.one_in(3) { self.number(8) } else { 0.0 };
+        let (mut time, mut pos) = (begin, self.number(50));
+        let mut rows = Vec::new();
+        for _ in 0..count {
+            rows.push((time, pos));
+            time += self.number(12) + 1.0;
+            pos += (self.number(60) + 1.0) * self.chance.sign();
+        }
+        let velocity = |making: &mut Self| making.number(10) * making.chance.sign();
+        let percents = [0.0, 0.0, 30.0, 60.0, 100.0];
+        let points = match self.below(5) {
+            0 => Points::Pvt(rows.iter().map(|&(time, pos)| [time, pos, velocity(self)]).collect()),
+            1 => Points::Ex(rows.iter().map(|&(time, pos)| [time, pos, velocity(self), velocity(self)]).collect()),
+            2 => {
+                let ends = if self.one_in(2) { (0.0, 0.0) } else { (velocity(self), velocity(self)) };
+                Points::Complete(rows.iter().map(|&(time, pos)| [time, pos]).collect(), ends.0, ends.1)
+            }
+            3 => {
+                let first = if self.one_in(2) { 0.0 } else { velocity(self) };
+                Points::Percent(rows.iter().map(|&(time, pos)| [time, pos, self.pick(&percents)]).collect(), first)
+            }
+            _ => {
+                let point = |&(_, pos): &(f64, f64)| {
+                    let most = self.speed();
+                    [pos, 0.0, self.pick(&percents), most, self.rate(), self.rate()]
+                };
+                Points::Continuous(rows.iter().map(point).collect(), begin)
+            }
+        };
+        let table = 1 + self.below(32) as i16;
+        self.calls.push(Call::PvtTable { axis, table, points });
+        table
+    }
+
+    fn pvt(&mut self, axis: usize) {
+        self.rest(axis);
+        self.plain(Kind::PrfPvt, axis);
+        self.does[axis] = Does::Pvt;
+        let table = self.table(axis);
+        self.calls.push(Call::PvtTableSelect { axis, table });
+        if self.one_in(2) {
+            let loops = self.pick(&[0, 1, 2, 3]);
+            self.calls.push(Call::SetPvtLoop { axis, loops });
+        }
+        self.calls.push(Call::PvtStart { mask: 1 << axis });
     }
 
     fn follow_data(&mut self, axis: usize, fifo: usize, sign: f64) {
@@ -420,6 +477,7 @@ impl Making<'_> {
             Does::Jog => self.velocity(axis),
             Does::Pt | Does::Stream => self.calls.push(Call::PtStart { mask, option }),
             Does::Follow(_) => self.calls.push(Call::FollowStart { mask, option }),
+            Does::Pvt => self.calls.push(Call::PvtStart { mask }),
         }
     }
 
@@ -433,6 +491,17 @@ impl Making<'_> {
                 self.pt_data(axis, fifo);
             }
             Does::Stream => self.pt_data(axis, 0),
+            Does::Pvt => match self.below(3) {
+                0 => {
+                    let loops = self.pick(&[0, 1, 2, 3, 5]);
+                    self.calls.push(Call::SetPvtLoop { axis, loops });
+                }
+                1 => {
+                    let table = self.table(axis);
+                    self.calls.push(Call::PvtTableSelect { axis, table });
+                }
+                _ => self.plain(Kind::GetPvtLoop, axis),
+            },
             Does::Follow(_) => {
                 let root = self.root(axis);
                 match self.below(4) {

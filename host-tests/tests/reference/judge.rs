@@ -15,8 +15,8 @@ const TAIL: usize = 8;
 /// No program lasts longer.
 const MOST: usize = 60_000;
 
-fn reference(tick_us: u32, begin: &[i64], calls: &[Call]) -> Program {
-    Controller::new(i64::from(tick_us) * 1000, begin).run(calls, TAIL, MOST)
+fn reference(site: &Site, tick_us: u32, begin: &[i64], calls: &[Call]) -> Program {
+    Controller::new(site, i64::from(tick_us) * 1000, begin).run(calls, TAIL, MOST)
 }
 
 fn same(value: &Value, got: Got, peak: f64) -> bool {
@@ -123,10 +123,10 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
 
 /// The program with some ms after every call that is refused: a refused entry makes others of its instant late by a tick
 /// (docs/jobs.md). `REFERENCE_TOGETHER=1` leaves them together.
-pub fn apart(tick_us: u32, axes: usize, calls: &[Call]) -> Option<Vec<Call>> {
+pub fn apart(site: &Site, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
     let mut calls = calls.to_vec();
     for _ in 0..20 {
-        let program = reference(tick_us, &vec![0; axes], &calls);
+        let program = reference(site, tick_us, &vec![0; site.axes.len()], &calls);
         if !program.complete {
             return None;
         }
@@ -153,9 +153,9 @@ fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tal
     // A program without an end is none.
     let together = std::env::var("REFERENCE_TOGETHER").is_ok();
     let complete = if together {
-        reference(tick_us, &vec![0; site.axes.len()], calls).complete
+        reference(site, tick_us, &vec![0; site.axes.len()], calls).complete
     } else {
-        apart(tick_us, site.axes.len(), calls).is_some_and(|spread| spread == calls)
+        apart(site, tick_us, calls).is_some_and(|spread| spread == calls)
     };
     if !complete {
         *tally.entry("programs without an end".into()).or_default() += 1;
@@ -169,7 +169,7 @@ fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tal
             return Some(reason);
         }
     };
-    let program = reference(tick_us, &told.begin, calls);
+    let program = reference(site, tick_us, &told.begin, calls);
     for (rule, count) in &program.used {
         *tally.entry((*rule).into()).or_default() += count;
     }
@@ -198,7 +198,7 @@ fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tal
 pub fn finding(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
     let mut calls = match std::env::var("REFERENCE_TOGETHER") {
         Ok(_) => calls.to_vec(),
-        Err(_) => apart(tick_us, site.axes.len(), calls)?,
+        Err(_) => apart(site, tick_us, calls)?,
     };
     differs(rig, site, tick_us, &calls, tally)?;
     let mut scratch = Tally::new();

@@ -1,7 +1,7 @@
 //! The virtual controller under a program: every call is an entry of the program queue that may fail, and every tick's
 //! set-points and status words are kept.
 use client::{Answer, Client, Link, Observer, Options, Profile};
-use host_tests::reference::{Call, Fix, Kind, Site};
+use host_tests::reference::{Call, Fix, Kind, Points, Site};
 use protocol::command::*;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -162,6 +162,9 @@ impl Rig {
 
 /// A call as it travels.
 pub fn wire(site: &Site, call: &Call) -> client::Call {
+    if let Call::PvtTable { axis, table, points } = call {
+        return table_of(site.axes[*axis].0, *table, points);
+    }
     use client::Call as Wire;
     let at = |axis: usize| (site.axes[axis].0.into(), site.axes[axis].1.into());
     let of = |mask: u32| {
@@ -286,6 +289,71 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
             let (core, profile) = at(axis);
             Wire::of(SetFollowMemory { core, profile, memory: memory.into() })
         }
+        Call::PvtTable { .. } => unreachable!("done above"),
+        Call::PvtTableSelect { axis, table } => {
+            let (core, profile) = at(axis);
+            Wire::of(PvtTableSelect { core, profile, table: table.into() })
+        }
+        Call::SetPvtLoop { axis, loops } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetPvtLoop { core, profile, loop_count: loops.into() })
+        }
+        Call::PvtStart { mask } => {
+            let (core, mask) = of(mask);
+            Wire::of(PvtStart { core, mask })
+        }
+    }
+}
+
+/// A whole table in one message.
+fn table_of(core: i16, table: i16, points: &Points) -> client::Call {
+    use client::Call as Wire;
+    let (core, table, count, first) = (core.into(), table.into(), (points.count() as i32).into(), 0.into());
+    match points {
+        Points::Pvt(points) => {
+            let items: Vec<PvtPoint> = points
+                .iter()
+                .map(|&[time, pos, vel]| PvtPoint { time: time.into(), pos: pos.into(), vel: vel.into() })
+                .collect();
+            Wire::with_items(PvtTable { core, table, count, first }, &items)
+        }
+        Points::Ex(points) => {
+            let item = |&[time, pos, begin, end]: &[f64; 4]| PvtExPoint {
+                time: time.into(),
+                pos: pos.into(),
+                vel_begin: begin.into(),
+                vel_end: end.into(),
+            };
+            let items: Vec<PvtExPoint> = points.iter().map(item).collect();
+            Wire::with_items(PvtTableEx { core, table, count, first }, &items)
+        }
+        Points::Complete(points, begin, end) => {
+            let items: Vec<PvtKnot> =
+                points.iter().map(|&[time, pos]| PvtKnot { time: time.into(), pos: pos.into() }).collect();
+            let (vel_begin, vel_end) = ((*begin).into(), (*end).into());
+            Wire::with_items(PvtTableComplete { core, table, count, first, vel_begin, vel_end }, &items)
+        }
+        Points::Percent(points, begin) => {
+            let item = |&[time, pos, percent]: &[f64; 3]| PvtPercentPoint {
+                time: time.into(),
+                pos: pos.into(),
+                percent: percent.into(),
+            };
+            let items: Vec<PvtPercentPoint> = points.iter().map(item).collect();
+            Wire::with_items(PvtTablePercent { core, table, count, first, vel_begin: (*begin).into() }, &items)
+        }
+        Points::Continuous(points, begin) => {
+            let item = |&[pos, vel, percent, vel_max, acc, dec]: &[f64; 6]| PvtContinuousPoint {
+                pos: pos.into(),
+                vel: vel.into(),
+                percent: percent.into(),
+                vel_max: vel_max.into(),
+                acc: acc.into(),
+                dec: dec.into(),
+            };
+            let items: Vec<PvtContinuousPoint> = points.iter().map(item).collect();
+            Wire::with_items(PvtTableContinuous { core, table, count, first, time_begin: (*begin).into() }, &items)
+        }
     }
 }
 
@@ -301,6 +369,8 @@ fn plain(kind: Kind, (core, axis): (Short, Short)) -> client::Call {
         Kind::ClrSts => Wire::of(ClrSts { core, axis, count }),
         Kind::PrfTrap => Wire::of(PrfTrap { core, profile }),
         Kind::PrfJog => Wire::of(PrfJog { core, profile }),
+        Kind::PrfPvt => Wire::of(PrfPvt { core, profile }),
+        Kind::GetPvtLoop => Wire::of(GetPvtLoop { core, profile }),
         Kind::GetPtLoop => Wire::of(GetPtLoop { core, profile }),
         Kind::GetFollowLoop => Wire::of(GetFollowLoop { core, profile }),
         Kind::GetFollowStatus => Wire::of(GetFollowStatus { core, profile }),
@@ -327,6 +397,9 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
     let read = match call {
         Call::Axis { kind, .. } => match kind {
             Kind::GetPtLoop => answer.reply::<GetPtLoop>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
+            Kind::GetPvtLoop => answer
+                .reply::<GetPvtLoop>()
+                .map(|(reply, _)| Got::Two(reply.loop_count.get().into(), reply.loop_set.get().into())),
             Kind::GetFollowLoop => {
                 answer.reply::<GetFollowLoop>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
             }
