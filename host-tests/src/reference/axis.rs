@@ -235,7 +235,7 @@ impl Axis {
         self.doubt |= curve.length() == Fix::ZERO && curve.cruise == Fix::ZERO;
         self.began |= !self.runs();
         let braked = self.v != Fix::ZERO;
-        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).from_speed(braked)));
+        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked)));
     }
 
     pub fn smooth_stop(&mut self, now_ns: i64, dec: f64) {
@@ -252,7 +252,7 @@ impl Axis {
             self.slack += curve.length() * Fix(1 << 42);
         }
         let braked = self.v != Fix::ZERO;
-        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).from_speed(braked)));
+        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked)));
     }
 
     /// At rest where it was in the tick before.

@@ -101,7 +101,7 @@ impl Timed {
     }
 
     /// The same, begun at a velocity or not.
-    pub fn from_speed(self, braked: bool) -> Timed {
+    pub fn at_speed(self, braked: bool) -> Timed {
         Timed { braked, ..self }
     }
 
