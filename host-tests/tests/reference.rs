@@ -94,3 +94,28 @@ fn programs_agree_with_the_reference() {
     let told: String = reports.iter().map(|(after, report)| format!("after {after} programs, {report}\n")).collect();
     assert!(reports.is_empty(), "{} of {done} programs differ:\n{told}", reports.len());
 }
+
+struct Nowhere;
+
+impl job::Files for Nowhere {
+    fn text(&self, path: &str) -> Result<String, String> {
+        Err(format!("{path}: a test has no files"))
+    }
+}
+
+/// A finding is printed as a job, which must be one.
+#[test]
+fn listings_of_findings_are_jobs() {
+    for seed in 0..40 {
+        let (site, tick_us) = &sites()[seed as usize % sites().len()];
+        let program = generator::program(seed, site, 200);
+        let text = site.job(*tick_us, program.calls.iter());
+        let job = job::compile(&text, &Nowhere).unwrap_or_else(|found| panic!("program {seed}: {found:?}\n{text}"));
+        assert!(
+            job.steps.len() >= program.calls.len(),
+            "program {seed}: {} of {}",
+            job.steps.len(),
+            program.calls.len()
+        );
+    }
+}
