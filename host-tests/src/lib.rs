@@ -5,3 +5,4 @@ pub mod light_judge;
 pub mod light_model;
 pub mod optimum;
 pub mod path_model;
+pub mod reference;

@@ -1,0 +1,412 @@
+//! One axis: its settings, its data, and the motion that it makes.
+use super::follow::{Begin, Datum, Lead, Slave};
+use super::number::{Fix, exact};
+use super::pt::{Chain, Segment, Timed, Went};
+use super::ramp;
+
+/// Profile mode, as GetPrfMode numbers it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    Trap = 0,
+    Jog = 1,
+    Pt = 2,
+    Follow = 4,
+    Pvt = 6,
+}
+
+#[derive(Debug, Clone)]
+pub enum Motion {
+    /// Trap, Jog, a smooth Stop.
+    Ramp(Timed),
+    Pt(Timed),
+    Pvt(Timed),
+    /// A dynamic PT stream, and how many of its segments have run.
+    Stream(Timed, usize),
+    Slave(Box<Slave>),
+}
+
+/// Acceleration and deceleration as they were set; 0 is unset.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Rates {
+    pub acc: f64,
+    pub dec: f64,
+}
+
+/// A target of Trap, or a velocity of Jog.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aim {
+    rates: Rates,
+    target: i32,
+    speed: f64,
+}
+
+#[derive(Debug, Clone)]
+pub struct PtData {
+    pub dynamic: bool,
+    pub memory: i16,
+    pub loops: i64,
+    pub fifos: [Vec<Segment>; 2],
+    /// Dynamic: how many of `fifos[0]` have run.
+    pub ran: usize,
+    pub running: usize,
+    pub passes: i64,
+}
+
+#[derive(Debug, Clone)]
+pub struct FollowData {
+    pub dir: i16,
+    pub master: Option<usize>,
+    pub memory: i16,
+    pub loops: i64,
+    pub begin: Begin,
+    pub fifos: [Vec<Datum>; 2],
+    /// Started since the mode was set: until then nobody says what is read.
+    pub started: bool,
+    /// FIFO in force and completed passes, as they are read.
+    pub fifo: usize,
+    pub passes: i64,
+}
+
+/// See the module text.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    pub servo: bool,
+    pub mode: Mode,
+    /// Machine position and velocity in force.
+    pub x: Fix,
+    pub v: Fix,
+    /// Machine position of the name 0.
+    pub zero: Fix,
+    /// By ZeroPos or SetPrfPos.
+    pub renamed: bool,
+    /// Positions from the tick before to this one.
+    pub track: Vec<Fix>,
+    pub latched: u32,
+    pub motion: Option<Motion>,
+    pub stop_dec: f64,
+    pub soft: (i32, i32),
+    pub trap: Rates,
+    pub jog: Rates,
+    pub target: i32,
+    pub speed: f64,
+    /// PVT: loops, table selected, completed passes.
+    pub pvt: (i64, i16, i64),
+    pub pt: PtData,
+    /// Of the PT data that runs.
+    chain: Chain,
+    pub follow: FollowData,
+    /// What rounding decides in this tick.
+    pub open: Option<&'static str>,
+    /// A motion without a length began on the tick that is being prepared, or one ended there at once.
+    pub doubt: bool,
+    /// A motion began on the tick that is being prepared.
+    pub began: bool,
+    /// It came to rest in the tick before by itself, and nobody waited for it.
+    pub ended: bool,
+    /// A stream has ended since somebody waited for the axis.
+    pub dried: bool,
+    /// It came to rest on the tick that is being prepared.
+    pub halted: bool,
+    /// The deceleration of the smooth Stop that it is in.
+    pub braking: Option<f64>,
+    /// How far it may be from here: see `smooth_stop`.
+    pub slack: Fix,
+    /// No motion of the tick was faster, pulse/ms.
+    pub fastest: Fix,
+}
+
+pub const POSITIVE: u32 = 1 << 5;
+pub const NEGATIVE: u32 = 1 << 6;
+
+impl Axis {
+    /// At power-on, its machine position in 2⁻²² pulse.
+    pub fn new(position: i64) -> Axis {
+        let x = Fix::of_position(position);
+        Axis {
+            servo: false,
+            mode: Mode::Trap,
+            x,
+            v: Fix::ZERO,
+            zero: x,
+            renamed: false,
+            track: vec![x, x],
+            latched: 0,
+            motion: None,
+            stop_dec: 1.0,
+            soft: (i32::MAX, i32::MIN),
+            trap: Rates::default(),
+            jog: Rates::default(),
+            target: 0,
+            speed: 0.0,
+            pvt: (1, 1, 0),
+            pt: PtData {
+                dynamic: false,
+                memory: 0,
+                loops: 1,
+                fifos: Default::default(),
+                ran: 0,
+                running: 0,
+                passes: 0,
+            },
+            chain: Chain::default(),
+            follow: FollowData {
+                dir: 0,
+                master: None,
+                memory: 0,
+                loops: 1,
+                begin: Begin::Start,
+                fifos: Default::default(),
+                started: false,
+                fifo: 0,
+                passes: 0,
+            },
+            open: None,
+            doubt: false,
+            began: false,
+            ended: false,
+            dried: false,
+            halted: false,
+            braking: None,
+            slack: Fix::ZERO,
+            fastest: Fix::ZERO,
+        }
+    }
+
+    pub fn runs(&self) -> bool {
+        self.motion.is_some()
+    }
+
+    pub fn name(&self) -> Fix {
+        self.x - self.zero
+    }
+
+    /// Bits 5, 6, 9 and 10 of the status word.
+    pub fn status(&self) -> u32 {
+        self.latched | u32::from(self.servo) << 9 | u32::from(self.runs()) << 10
+    }
+
+    /// Whether a start is refused by the servo or by what is latched.
+    pub fn blocked(&self) -> bool {
+        !self.servo || self.latched != 0
+    }
+
+    /// Another mode: data of PT and Follow is gone.
+    pub fn set_mode(&mut self, mode: Mode) {
+        if self.mode == mode {
+            return;
+        }
+        self.mode = mode;
+        self.pt.fifos = Default::default();
+        self.pt.ran = 0;
+        self.pt.dynamic = false;
+        self.follow.fifos = Default::default();
+        self.follow.master = None;
+        (self.follow.passes, self.pt.passes, self.follow.started) = (0, 0, false);
+        self.follow.begin = Begin::Start;
+    }
+
+    pub fn pt_capacity(&self) -> usize {
+        let one = if self.pt.memory == 0 { 32 } else { 1024 };
+        if self.pt.dynamic { 2 * one } else { one }
+    }
+
+    pub fn follow_capacity(&self) -> usize {
+        if self.follow.memory == 0 { 16 } else { 512 }
+    }
+
+    /// What an Update carries: the settings of its instant.
+    pub fn aim(&self) -> Aim {
+        let rates = if self.mode == Mode::Jog { self.jog } else { self.trap };
+        Aim { rates, target: self.target, speed: self.speed }
+    }
+
+    /// Trap or Jog, from the velocity that it has.
+    pub fn update(&mut self, now_ns: i64, aim: Aim) {
+        let Aim { rates: Rates { acc, dec }, target, speed } = aim;
+        let dec = if dec == 0.0 { acc } else { dec };
+        self.braking = None;
+        let (acc, dec) = (exact(acc), exact(dec));
+        let curve = if self.mode == Mode::Jog {
+            ramp::jog(self.v, speed, &acc, &dec)
+        } else {
+            let way = Fix::whole(target.into()) + self.zero - self.x;
+            ramp::trap(self.v, way, &exact(speed.abs()), &acc, &dec)
+        };
+        self.doubt |= curve.length() == Fix::ZERO && curve.cruise == Fix::ZERO;
+        self.began |= !self.runs();
+        let braked = self.v != Fix::ZERO;
+        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked)));
+    }
+
+    pub fn smooth_stop(&mut self, now_ns: i64, dec: f64) {
+        self.leave();
+        // A slave that stands still is at rest on the next tick.
+        if self.v == Fix::ZERO && !matches!(self.motion, Some(Motion::Slave(_))) {
+            self.motion = None;
+            return;
+        }
+        self.braking = Some(dec);
+        let curve = ramp::stop(self.v, dec);
+        if matches!(self.motion, Some(Motion::Slave(_))) {
+            // The velocity of a slave at an instant is known to 2⁻²² pulse/ms only.
+            self.slack += curve.length() * Fix(1 << 42);
+        }
+        let braked = self.v != Fix::ZERO;
+        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked)));
+    }
+
+    /// At rest where it was in the tick before.
+    pub fn halt(&mut self) {
+        self.leave();
+        self.halted = self.runs();
+        self.doubt |= self.halted;
+        self.motion = None;
+        self.braking = None;
+        self.v = Fix::ZERO;
+    }
+
+    /// A motion ends otherwise than by itself: what is left of a stream is cleared.
+    fn leave(&mut self) {
+        if matches!(self.motion, Some(Motion::Stream(..))) {
+            self.pt.fifos[0].clear();
+            self.pt.ran = 0;
+            self.dried = true;
+        }
+    }
+
+    pub fn start_pt(&mut self, fifo: usize, now_ns: i64) {
+        let fifo = if self.pt.dynamic { 0 } else { fifo };
+        self.chain = Chain::of(&self.pt.fifos[fifo]);
+        let timed = Timed::new(self.chain.curve.clone(), now_ns, self.x);
+        (self.pt.running, self.pt.passes, self.began) = (fifo, 0, true);
+        self.motion = Some(if self.pt.dynamic { Motion::Stream(timed, 0) } else { Motion::Pt(timed) });
+    }
+
+    /// Data of the FIFO that runs has changed.
+    pub fn pt_grew(&mut self, fifo: usize) {
+        let running = self.pt.running;
+        if let Some(Motion::Pt(timed) | Motion::Stream(timed, _)) = &mut self.motion
+            && (self.pt.dynamic || running == fifo)
+        {
+            for segment in &self.pt.fifos[running][self.chain.ends.len()..] {
+                self.chain.add(segment);
+            }
+            timed.curve = self.chain.curve.clone();
+        }
+    }
+
+    pub fn start_follow(&mut self, fifo: usize) {
+        let data = &self.follow.fifos[fifo];
+        let slave = Slave::new(data, fifo, self.follow.dir, self.follow.begin, self.x);
+        (self.follow.fifo, self.follow.passes, self.began) = (fifo, 0, true);
+        self.follow.started = true;
+        self.motion = Some(Motion::Slave(Box::new(slave)));
+    }
+
+    /// From the tick before to this one.
+    pub fn step(&mut self, from_ns: i64, to_ns: i64, lead: Option<&Lead>) {
+        self.track = vec![self.x];
+        self.open = None;
+        (self.doubt, self.halted, self.began) = (false, false, false);
+        self.fastest = Fix::ZERO;
+        let mut out = Vec::new();
+        let ended = match &mut self.motion {
+            None => false,
+            Some(Motion::Ramp(timed)) => {
+                self.fastest = timed.curve.steepest;
+                let went = timed.step(from_ns, to_ns, 1, &mut out);
+                self.v = timed.velocity(to_ns);
+                went == Went::Ended
+            }
+            Some(Motion::Pt(timed)) => {
+                self.fastest = timed.curve.steepest;
+                let went = timed.step(from_ns, to_ns, self.pt.loops, &mut out);
+                self.v = timed.velocity(to_ns);
+                self.pt.passes = timed.passes;
+                went == Went::Ended
+            }
+            Some(Motion::Pvt(timed)) => {
+                self.fastest = timed.curve.steepest;
+                let went = timed.step(from_ns, to_ns, self.pvt.0, &mut out);
+                self.fastest = self.fastest.max(timed.curve.steepest);
+                self.v = timed.velocity(to_ns);
+                self.pvt.2 = timed.passes;
+                went == Went::Ended
+            }
+            Some(Motion::Stream(timed, ran)) => {
+                self.fastest = timed.curve.steepest;
+                let went = timed.step(from_ns, to_ns, 1, &mut out);
+                self.v = timed.velocity(to_ns);
+                let place = timed.place(to_ns);
+                *ran = self.chain.ends.partition_point(|end| *end <= place);
+                self.pt.ran = *ran;
+                if went == Went::Ended {
+                    self.pt.fifos[0].clear();
+                    self.pt.ran = 0;
+                }
+                went == Went::Ended
+            }
+            Some(Motion::Slave(slave)) => match lead {
+                None => false,
+                Some(lead) => {
+                    slave.open = false;
+                    self.fastest = slave.table.curve.steepest;
+                    let other = &self.follow.fifos[slave.fifo ^ 1];
+                    let ended = slave.step(lead, other, self.follow.loops, &mut out);
+                    self.v = slave.velocity(lead);
+                    self.fastest = self.fastest.max(slave.table.curve.steepest);
+                    self.open = slave.open.then_some("the end of a pass");
+                    (self.follow.fifo, self.follow.passes) = (slave.fifo, slave.pass);
+                    for fifo in slave.emptied.drain(..) {
+                        self.follow.fifos[fifo].clear();
+                    }
+                    ended
+                }
+            },
+        };
+        if let Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Pvt(timed) | Motion::Stream(timed, _)) =
+            &self.motion
+            && timed.open
+        {
+            self.open = Some("the end of a motion");
+        }
+        self.track.extend(out);
+        self.x = *self.track.last().expect("where it was");
+        if self.track.len() == 1 {
+            self.track.push(self.x);
+        }
+        self.ended = ended;
+        if ended {
+            self.braking = None;
+            self.dried |= matches!(self.motion, Some(Motion::Stream(..)));
+            self.motion = None;
+            self.v = Fix::ZERO;
+        }
+        self.hold();
+    }
+
+    /// No planned position goes beyond a soft limit.
+    fn hold(&mut self) {
+        let limit = |pulses: i32, off: i32| (pulses != off).then(|| Fix::whole(pulses.into()) + self.zero);
+        let (top, bottom) = (limit(self.soft.0, i32::MAX), limit(self.soft.1, i32::MIN));
+        let start = self.track[0];
+        let over = self.track.iter().enumerate().skip(1).find_map(|(index, at)| match (top, bottom) {
+            (Some(top), _) if *at > top => Some((index, top.max(start), POSITIVE)),
+            (_, Some(bottom)) if *at < bottom => Some((index, bottom.min(start), NEGATIVE)),
+            _ => None,
+        });
+        if let Some((index, at, bit)) = over
+            && self.runs_or_ran()
+        {
+            self.track.truncate(index);
+            self.track.push(at);
+            self.x = at;
+            self.latched |= bit;
+            self.halt();
+        }
+    }
+
+    fn runs_or_ran(&self) -> bool {
+        self.track.iter().any(|at| *at != self.track[0])
+    }
+}

@@ -1,0 +1,381 @@
+//! The calls of a program, and how a job writes them.
+use super::follow::Datum;
+use super::pvt::Points;
+
+/// Which axes a program has: logical core and axis of the core, both from 1. Calls name axes by their place here.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Site {
+    pub profile: &'static str,
+    pub axes: Vec<(i16, i16)>,
+}
+
+/// A call, or what moves the script clock. Masks are of places in [`Site`], all of one core.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Call {
+    Sleep {
+        ns: i64,
+    },
+    WaitStop {
+        mask: u32,
+    },
+    Axis {
+        kind: Kind,
+        axis: usize,
+    },
+    Stop {
+        mask: u32,
+        abrupt: u32,
+    },
+    SetPrfPos {
+        axis: usize,
+        pos: i32,
+    },
+    SetStopDec {
+        axis: usize,
+        smooth: f64,
+    },
+    SetSoftLimit {
+        axis: usize,
+        positive: i32,
+        negative: i32,
+    },
+    SetTrapPrm {
+        axis: usize,
+        acc: f64,
+        dec: f64,
+    },
+    SetJogPrm {
+        axis: usize,
+        acc: f64,
+        dec: f64,
+    },
+    SetPos {
+        axis: usize,
+        pos: i32,
+    },
+    SetVel {
+        axis: usize,
+        vel: f64,
+    },
+    Update {
+        mask: u32,
+    },
+    PrfPt {
+        axis: usize,
+        mode: i16,
+    },
+    PtData {
+        axis: usize,
+        pos: f64,
+        time_ms: i32,
+        kind: i16,
+        fifo: i16,
+    },
+    PtClear {
+        axis: usize,
+        fifo: i16,
+    },
+    PtSpace {
+        axis: usize,
+        fifo: i16,
+    },
+    SetPtLoop {
+        axis: usize,
+        loops: i32,
+    },
+    SetPtMemory {
+        axis: usize,
+        memory: i16,
+    },
+    PtStart {
+        mask: u32,
+        option: u32,
+    },
+    PrfFollow {
+        axis: usize,
+        dir: i16,
+    },
+    SetFollowMaster {
+        axis: usize,
+        master: usize,
+        kind: i16,
+    },
+    SetFollowLoop {
+        axis: usize,
+        loops: i32,
+    },
+    SetFollowEvent {
+        axis: usize,
+        event: i16,
+        dir: i16,
+        pos: i32,
+    },
+    FollowData {
+        axis: usize,
+        datum: Datum,
+        fifo: i16,
+    },
+    FollowClear {
+        axis: usize,
+        fifo: i16,
+    },
+    FollowSpace {
+        axis: usize,
+        fifo: i16,
+    },
+    FollowStart {
+        mask: u32,
+        option: u32,
+    },
+    FollowSwitch {
+        mask: u32,
+    },
+    SetFollowMemory {
+        axis: usize,
+        memory: i16,
+    },
+    /// A table of the core of this axis.
+    PvtTable {
+        axis: usize,
+        table: i16,
+        points: Points,
+    },
+    PvtTableSelect {
+        axis: usize,
+        table: i16,
+    },
+    SetPvtLoop {
+        axis: usize,
+        loops: i32,
+    },
+    PvtStart {
+        mask: u32,
+    },
+}
+
+/// Calls that name an axis and nothing else.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    AxisOn,
+    AxisOff,
+    ZeroPos,
+    ClrSts,
+    PrfTrap,
+    PrfJog,
+    PrfPvt,
+    GetPvtLoop,
+    GetPtLoop,
+    GetFollowLoop,
+    GetFollowStatus,
+    GetSts,
+    GetPrfPos,
+    GetPrfVel,
+    GetPrfMode,
+}
+
+impl Call {
+    /// Whether it is refused while an axis that it names moves.
+    pub fn needs_rest(&self) -> bool {
+        match self {
+            Call::Axis { kind, .. } => matches!(kind, Kind::ZeroPos | Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt),
+            Call::SetPrfPos { .. }
+            | Call::PrfPt { .. }
+            | Call::PtClear { .. }
+            | Call::SetPtMemory { .. }
+            | Call::PtStart { .. }
+            | Call::PrfFollow { .. }
+            | Call::SetFollowMaster { .. }
+            | Call::FollowClear { .. }
+            | Call::FollowStart { .. }
+            | Call::FollowSwitch { .. }
+            | Call::SetFollowMemory { .. }
+            | Call::PvtTable { .. }
+            | Call::PvtStart { .. } => true,
+            _ => false,
+        }
+    }
+
+    /// The axes that it names.
+    pub fn axes(&self) -> u32 {
+        match *self {
+            Call::Sleep { .. } => 0,
+            Call::WaitStop { mask }
+            | Call::Stop { mask, .. }
+            | Call::Update { mask }
+            | Call::PtStart { mask, .. }
+            | Call::FollowStart { mask, .. }
+            | Call::FollowSwitch { mask }
+            | Call::PvtStart { mask } => mask,
+            Call::Axis { axis, .. }
+            | Call::SetPrfPos { axis, .. }
+            | Call::SetStopDec { axis, .. }
+            | Call::SetSoftLimit { axis, .. }
+            | Call::SetTrapPrm { axis, .. }
+            | Call::SetJogPrm { axis, .. }
+            | Call::SetPos { axis, .. }
+            | Call::SetVel { axis, .. }
+            | Call::PrfPt { axis, .. }
+            | Call::PtData { axis, .. }
+            | Call::PtClear { axis, .. }
+            | Call::PtSpace { axis, .. }
+            | Call::SetPtLoop { axis, .. }
+            | Call::SetPtMemory { axis, .. }
+            | Call::PrfFollow { axis, .. }
+            | Call::SetFollowMaster { axis, .. }
+            | Call::SetFollowLoop { axis, .. }
+            | Call::SetFollowEvent { axis, .. }
+            | Call::FollowData { axis, .. }
+            | Call::FollowClear { axis, .. }
+            | Call::FollowSpace { axis, .. }
+            | Call::SetFollowMemory { axis, .. }
+            | Call::PvtTable { axis, .. }
+            | Call::PvtTableSelect { axis, .. }
+            | Call::SetPvtLoop { axis, .. } => 1 << axis,
+        }
+    }
+}
+
+/// Places of a mask, ascending.
+pub fn members(mask: u32) -> impl Iterator<Item = usize> {
+    (0..32).filter(move |place| mask >> place & 1 == 1)
+}
+
+impl Site {
+    /// The core of a mask's axes, and the mask as the call carries it.
+    pub fn mask(&self, mask: u32) -> (i16, u32) {
+        let core = members(mask).next().map_or(1, |place| self.axes[place].0);
+        (core, members(mask).map(|place| 1 << (self.axes[place].1 - 1)).sum())
+    }
+
+    /// Master index and type of SetFollowMaster for a slave: 2 profile and 3 axis, of the other core 103.
+    pub fn master(&self, slave: usize, master: usize, kind: i16) -> (i16, i16) {
+        let same = self.axes[slave].0 == self.axes[master].0;
+        (self.axes[master].1, if same { kind } else { 103 })
+    }
+
+    /// A statement of a job, the one with this number.
+    pub fn text(&self, number: usize, call: &Call) -> String {
+        let at = |axis: &usize| {
+            let (core, axis) = self.axes[*axis];
+            format!("{core},{axis}")
+        };
+        let of = |mask: &u32| {
+            let (core, mask) = self.mask(*mask);
+            format!("{core},{mask}")
+        };
+        let both = |mask: &u32, option: &u32| {
+            let (core, bits) = self.mask(*mask);
+            format!("{core},{bits},{}", self.mask(*option & *mask).1)
+        };
+        let written = match call {
+            Call::Sleep { ns } => return format!("Sleep({});", *ns as f64 / 1e6),
+            Call::WaitStop { mask } => {
+                let (core, bits) = self.mask(*mask);
+                return format!("WaitStop({core},{bits},0);");
+            }
+            Call::Axis { kind, axis } => return self.plain(*kind, &at(axis)),
+            Call::Stop { mask, abrupt } => format!("GTN_Stop({})", both(mask, abrupt)),
+            Call::SetPrfPos { axis, pos } => format!("GTN_SetPrfPos({},{pos})", at(axis)),
+            Call::SetStopDec { axis, smooth } => format!("GTN_SetStopDec({},{smooth:?},1000)", at(axis)),
+            Call::SetSoftLimit { axis, positive, negative } => {
+                format!("GTN_SetSoftLimit({},{positive},{negative})", at(axis))
+            }
+            Call::SetTrapPrm { axis, acc, dec } => {
+                return format!("trap.acc = {acc:?}; trap.dec = {dec:?}; rtn = GTN_SetTrapPrm({},&trap);", at(axis));
+            }
+            Call::SetJogPrm { axis, acc, dec } => {
+                return format!("jog.acc = {acc:?}; jog.dec = {dec:?}; rtn = GTN_SetJogPrm({},&jog);", at(axis));
+            }
+            Call::SetPos { axis, pos } => format!("GTN_SetPos({},{pos})", at(axis)),
+            Call::SetVel { axis, vel } => format!("GTN_SetVel({},{vel:?})", at(axis)),
+            Call::Update { mask } => format!("GTN_Update({})", of(mask)),
+            Call::PrfPt { axis, mode } => format!("GTN_PrfPt({},{mode})", at(axis)),
+            Call::PtData { axis, pos, time_ms, kind, fifo } => {
+                format!("GTN_PtData({},{pos:?},{time_ms},{kind},{fifo})", at(axis))
+            }
+            Call::PtClear { axis, fifo } => format!("GTN_PtClear({},{fifo})", at(axis)),
+            Call::PtSpace { axis, fifo } => format!("GTN_PtSpace({},&space,{fifo})", at(axis)),
+            Call::SetPtLoop { axis, loops } => format!("GTN_SetPtLoop({},{loops})", at(axis)),
+            Call::SetPtMemory { axis, memory } => format!("GTN_SetPtMemory({},{memory})", at(axis)),
+            Call::PtStart { mask, option } => format!("GTN_PtStart({})", both(mask, option)),
+            Call::PrfFollow { axis, dir } => format!("GTN_PrfFollow({},{dir})", at(axis)),
+            Call::SetFollowMaster { axis, master, kind } => {
+                let (index, kind) = self.master(*axis, *master, *kind);
+                format!("GTN_SetFollowMaster({},{index},{kind})", at(axis))
+            }
+            Call::SetFollowLoop { axis, loops } => format!("GTN_SetFollowLoop({},{loops})", at(axis)),
+            Call::SetFollowEvent { axis, event, dir, pos } => {
+                format!("GTN_SetFollowEvent({},{event},{dir},{pos})", at(axis))
+            }
+            Call::FollowData { axis, datum, fifo } => {
+                let Datum { master, slave, kind, .. } = datum;
+                format!("GTN_FollowData({},{},{slave:?},{kind},{fifo})", at(axis), *master as i64)
+            }
+            Call::FollowClear { axis, fifo } => format!("GTN_FollowClear({},{fifo})", at(axis)),
+            Call::FollowSpace { axis, fifo } => format!("GTN_FollowSpace({},&space,{fifo})", at(axis)),
+            Call::FollowStart { mask, option } => format!("GTN_FollowStart({})", both(mask, option)),
+            Call::FollowSwitch { mask } => format!("GTN_FollowSwitch({})", of(mask)),
+            Call::SetFollowMemory { axis, memory } => format!("GTN_SetFollowMemory({},{memory})", at(axis)),
+            Call::PvtTable { axis, table, points } => return table_text(self.axes[*axis].0, *table, points, number),
+            Call::PvtTableSelect { axis, table } => format!("GTN_PvtTableSelect({},{table})", at(axis)),
+            Call::SetPvtLoop { axis, loops } => format!("GTN_SetPvtLoop({},{loops})", at(axis)),
+            Call::PvtStart { mask } => format!("GTN_PvtStart({})", of(mask)),
+        };
+        format!("rtn = {written};")
+    }
+
+    fn plain(&self, kind: Kind, axis: &str) -> String {
+        let more = match kind {
+            Kind::AxisOn | Kind::AxisOff | Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt => "",
+            Kind::ZeroPos | Kind::ClrSts => ",1",
+            Kind::GetPtLoop | Kind::GetFollowLoop => ",&loops",
+            Kind::GetPvtLoop => ",&loops,&word",
+            Kind::GetFollowStatus => ",&fifo,&pending",
+            Kind::GetSts | Kind::GetPrfMode => ",&word",
+            Kind::GetPrfPos | Kind::GetPrfVel => ",&value",
+        };
+        format!("rtn = GTN_{kind:?}({axis}{more});")
+    }
+
+    /// A whole job that can be pasted.
+    pub fn job<'a>(&self, tick_us: u32, calls: impl Iterator<Item = &'a Call>) -> String {
+        let mut text = format!("#pragma profile {}\n#pragma tick {tick_us}\n#pragma continue\n", self.profile);
+        text += "short rtn, space, fifo, pending; long loops, word; double value;\n";
+        text += "TTrapPrm trap; TJogPrm jog;\nmemset(&trap,0,sizeof(trap)); memset(&jog,0,sizeof(jog));\n";
+        for (number, call) in calls.enumerate() {
+            text += &self.text(number, call);
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// A table with the declarations of its arrays.
+fn table_text(core: i16, table: i16, points: &Points, number: usize) -> String {
+    let column = |letter: char, values: Vec<f64>| {
+        let values: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+        format!("double {letter}{number}[] = {{{}}}; ", values.join(","))
+    };
+    fn column_of<const N: usize>(points: &[[f64; N]], index: usize) -> Vec<f64> {
+        points.iter().map(|point| point[index]).collect()
+    }
+    fn columns<const N: usize>(points: &[[f64; N]]) -> Vec<Vec<f64>> {
+        (0..N).map(|index| column_of(points, index)).collect()
+    }
+    let (name, columns, more) = match points {
+        Points::Pvt(points) => ("PvtTable", columns(points), String::new()),
+        Points::Ex(points) => ("PvtTableEx", columns(points), String::new()),
+        Points::Complete(points, begin, end) => {
+            let room = vec![0.0; points.len()];
+            let with_room = [columns(points), vec![room.clone(), room.clone(), room]].concat();
+            ("PvtTableComplete", with_room, format!(",{begin:?},{end:?}"))
+        }
+        Points::Percent(points, begin) => ("PvtTablePercent", columns(points), format!(",{begin:?}")),
+        Points::Continuous(points, begin) => ("PvtTableContinuous", columns(points), format!(",{begin:?}")),
+    };
+    let count = points.count();
+    let named = columns.into_iter().zip('a'..='z').collect::<Vec<_>>();
+    let arguments: String = named.iter().map(|(_, letter)| format!(",{letter}{number}")).collect();
+    let arrays: String = named.into_iter().map(|(values, letter)| column(letter, values)).collect();
+    format!("{arrays}rtn = GTN_{name}({core},{table},{count}{arguments}{more});")
+}

@@ -1,0 +1,172 @@
+//! PT data, and motions that are functions of time.
+use super::curve::Curve;
+use super::number::{Fix, Rational, exact};
+use num_traits::Zero;
+
+/// A segment as PtData gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    pub pos: f64,
+    pub time_ms: i64,
+    pub kind: i16,
+}
+
+/// A chain of segments, and where its last one ends.
+#[derive(Debug, Clone)]
+pub struct Chain {
+    pub curve: Curve,
+    pub ends: Vec<Fix>,
+    pos: Rational,
+    time_ms: i64,
+    velocity: Rational,
+}
+
+impl Default for Chain {
+    fn default() -> Chain {
+        let zero = Rational::zero;
+        Chain { curve: Curve::default(), ends: Vec::new(), pos: zero(), time_ms: 0, velocity: zero() }
+    }
+}
+
+impl Chain {
+    pub fn of(segments: &[Segment]) -> Chain {
+        let mut chain = Chain::default();
+        for segment in segments {
+            chain.add(segment);
+        }
+        chain
+    }
+
+    pub fn add(&mut self, segment: &Segment) {
+        let length = Rational::from_integer((segment.time_ms - self.time_ms).into());
+        let pos = exact(segment.pos);
+        let mean = (&pos - &self.pos) / &length;
+        let twice = &mean + &mean;
+        let (begin, end) = match segment.kind {
+            0 => (self.velocity.clone(), &twice - &self.velocity),
+            1 => (mean.clone(), mean),
+            _ => (twice, Rational::zero()),
+        };
+        let acc = (&end - &begin) / &length;
+        self.curve.cubic(&length, &begin, &acc, &Rational::zero());
+        self.curve.ends_at(Fix::of(&pos));
+        self.ends.push(self.curve.length());
+        (self.pos, self.time_ms, self.velocity) = (pos, segment.time_ms, end);
+    }
+}
+
+/// A motion that began at a tick.
+#[derive(Debug, Clone)]
+pub struct Timed {
+    pub curve: Curve,
+    pub start_ns: i64,
+    origin: Fix,
+    began: Fix,
+    /// Progress of the last step.
+    at: Fix,
+    pub passes: i64,
+    /// It began at a velocity, which is rounded.
+    pub braked: bool,
+    /// PVT: what takes over at the end of the pass.
+    pub pending: Option<Curve>,
+    /// Whether it has come to an end is within rounding.
+    pub open: bool,
+}
+
+/// 2⁻⁵⁴ ms.
+const ROUNDING: Fix = Fix(1 << 10);
+/// 2⁻¹⁸ ms: what rounding of a controller's own numbers may decide, of which velocities have 2⁻²² pulse/ms.
+const DOUBT: Fix = Fix(1 << 46);
+
+/// How a step ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Went {
+    On,
+    Ended,
+}
+
+impl Timed {
+    pub fn new(curve: Curve, start_ns: i64, origin: Fix) -> Timed {
+        Timed {
+            curve,
+            start_ns,
+            origin,
+            began: Fix::ZERO,
+            at: Fix::ZERO,
+            passes: 0,
+            pending: None,
+            braked: false,
+            open: false,
+        }
+    }
+
+    /// The same, begun at a velocity or not.
+    pub fn at_speed(self, braked: bool) -> Timed {
+        Timed { braked, ..self }
+    }
+
+    /// The same after a delay, ms.
+    pub fn after(self, delay: Fix) -> Timed {
+        Timed { began: delay, ..self }
+    }
+
+    fn progress(&self, at_ns: i64) -> Fix {
+        Fix::ms(at_ns - self.start_ns)
+    }
+
+    /// Its place in the pass in the tick before, ms.
+    pub fn place_of_last(&self) -> Fix {
+        self.at - self.began
+    }
+
+    /// Its place in the pass, ms.
+    pub fn place(&self, at_ns: i64) -> Fix {
+        self.progress(at_ns) - self.began
+    }
+
+    /// Positions from the tick before to `to_ns`, through everything at which it may turn. `loops` of 0 or less: for ever.
+    pub fn step(&mut self, from_ns: i64, to_ns: i64, loops: i64, out: &mut Vec<Fix>) -> Went {
+        let (mut a, mut b) = (self.progress(from_ns).max(Fix::ZERO), self.progress(to_ns));
+        self.at = b;
+        self.open = false;
+        loop {
+            let length = self.curve.length();
+            let end = self.began + length;
+            // Velocities at an instant are rounded, so that the end of a ramp from one is, too.
+            let apart = (end - b).abs();
+            if apart < ROUNDING {
+                b = end;
+            }
+            self.open |= apart < DOUBT && (self.braked || apart >= ROUNDING);
+            if b < end || self.curve.cruise != Fix::ZERO {
+                self.points(a, b, out);
+                return Went::On;
+            }
+            self.points(a, end, out);
+            self.origin += self.curve.end();
+            self.began = end;
+            self.passes += 1;
+            a = end;
+            if let Some(curve) = self.pending.take() {
+                (self.curve, self.passes) = (curve, 0);
+                continue;
+            }
+            if loops > 0 && self.passes >= loops {
+                return Went::Ended;
+            }
+        }
+    }
+
+    fn points(&self, a: Fix, b: Fix, out: &mut Vec<Fix>) {
+        let first = out.len();
+        self.curve.between(a - self.began, b - self.began, out);
+        out.push(self.curve.at(b - self.began));
+        for point in &mut out[first..] {
+            *point += self.origin;
+        }
+    }
+
+    pub fn velocity(&self, at_ns: i64) -> Fix {
+        self.curve.slope(self.place(at_ns), true)
+    }
+}

@@ -1,0 +1,88 @@
+//! Trap, Jog and the smooth Stop: functions of time that begin at a velocity.
+use super::curve::Curve;
+use super::number::{Fix, Rational, root};
+use num_traits::{Signed, Zero};
+
+fn zero() -> Rational {
+    Rational::zero()
+}
+
+struct Plan {
+    curve: Curve,
+    v: Rational,
+}
+
+impl Plan {
+    fn from(v: Fix) -> Plan {
+        Plan { curve: Curve::default(), v: v.rational() }
+    }
+
+    /// From the present velocity to `v` with an acceleration of this magnitude.
+    fn to(&mut self, v: &Rational, acc: &Rational) {
+        let change = v - &self.v;
+        let length = change.abs() / acc;
+        let acc = if change.is_negative() { -acc } else { acc.clone() };
+        self.curve.cubic(&length, &self.v, &acc, &zero());
+        self.v = v.clone();
+    }
+}
+
+/// Brakes to rest.
+pub fn stop(v: Fix, dec: f64) -> Curve {
+    let mut plan = Plan::from(v);
+    plan.to(&zero(), &super::number::exact(dec));
+    plan.curve
+}
+
+/// Goes on at `vel` for ever: faster with `acc`, slower with `dec`, through rest where it turns.
+pub fn jog(v: Fix, vel: f64, acc: &Rational, dec: &Rational) -> Curve {
+    let mut plan = Plan::from(v);
+    let vel = super::number::exact(vel);
+    if (&plan.v * &vel).is_negative() {
+        plan.to(&zero(), dec);
+    }
+    let slower = vel.abs() < plan.v.abs();
+    plan.to(&vel, if slower { dec } else { acc });
+    plan.curve.cruise = Fix::of(&vel);
+    plan.curve.steepest = plan.curve.steepest.max(plan.curve.cruise.abs());
+    plan.curve
+}
+
+/// Goes by `way` and rests there.
+pub fn trap(v: Fix, way: Fix, vel: &Rational, acc: &Rational, dec: &Rational) -> Curve {
+    let mut plan = Plan::from(v);
+    let two = Rational::from_integer(2.into());
+    loop {
+        let left = (way - plan.curve.end()).rational();
+        let up = if left.is_zero() { plan.v.is_positive() } else { left.is_positive() };
+        let sign = Rational::from_integer(if up { 1 } else { -1 }.into());
+        let speed = &plan.v * &sign;
+        let room = &left * &sign;
+        if room.is_zero() && speed.is_zero() {
+            break;
+        }
+        // It goes the other way, or cannot stop in time: rest first.
+        if speed.is_negative() || &speed * &speed / (&two * dec) > room {
+            plan.to(&zero(), dec);
+            continue;
+        }
+        let peak = if speed > *vel {
+            plan.to(&(vel * &sign), dec);
+            vel.clone()
+        } else {
+            let square = (&two * acc * dec * &room + dec * &speed * &speed) / (acc + dec);
+            let peak = root(&square).rational().min(vel.clone());
+            plan.to(&(&peak * &sign), acc);
+            peak
+        };
+        let left = ((way - plan.curve.end()).rational() * &sign) - &peak * &peak / (&two * dec);
+        // Rounding of the root leaves less than nothing at times.
+        if left.is_positive() && peak.is_positive() {
+            plan.curve.cubic(&(left / &peak), &(&peak * &sign), &zero(), &zero());
+        }
+        plan.to(&zero(), dec);
+        break;
+    }
+    plan.curve.ends_at(way);
+    plan.curve
+}

@@ -1,0 +1,121 @@
+//! Random whole programs on the virtual controller beside the reference controller: see `host_tests::reference`.
+//!
+//! `REFERENCE_PROGRAMS` sets how many programs there are, `REFERENCE_SEED` the first one's number, `REFERENCE_CALLS` how
+//! many calls a program has at most, `REFERENCE_FINDINGS` how many programs that differ are told of before it gives up.
+//! A finding is shrunk and printed as a job.
+#[path = "../../servo/tests/chance/mod.rs"]
+mod chance;
+#[path = "reference/generator.rs"]
+mod generator;
+#[path = "reference/judge.rs"]
+mod judge;
+#[path = "reference/machine.rs"]
+mod machine;
+
+use host_tests::reference::Site;
+use judge::{Tally, finding};
+use machine::Rig;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+/// Sites and ticks in turn.
+fn sites() -> Vec<(Site, u32)> {
+    let gus = Site { profile: "gus", axes: vec![(1, 1), (1, 2), (1, 3), (1, 6)] };
+    let gtn = Site { profile: "gtn-016", axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] };
+    vec![(gus.clone(), 250), (gus.clone(), 1000), (gus.clone(), 500), (gus, 100), (gtn, 250)]
+}
+
+/// What as many programs as run by default, and more, must have tried.
+const NEEDED: &[&str] = &[
+    "calls refused with 1",
+    "calls refused with 7",
+    "motions ended",
+    "values read",
+    "ticks in which a slave moves",
+    "ticks in which a slave of a slave moves",
+    "ticks in which a slave of a slave moves that was renamed",
+    "ticks in which a slave of direction -1 moves",
+];
+
+fn number(name: &str, default: u64) -> u64 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
+#[test]
+fn programs_agree_with_the_reference() {
+    let (count, first) = (number("REFERENCE_PROGRAMS", 1000), number("REFERENCE_SEED", 1));
+    let (most, calls) = (number("REFERENCE_FINDINGS", 1), number("REFERENCE_CALLS", 300) as usize);
+    let (next, found) = (AtomicU64::new(0), AtomicU64::new(0));
+    let (tallies, reports) = (Mutex::new(Tally::new()), Mutex::new(Vec::new()));
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(|| {
+                let sites = sites();
+                let mut rigs: Vec<Option<Rig>> = sites.iter().map(|_| None).collect();
+                let mut tally = Tally::new();
+                loop {
+                    let number = next.fetch_add(1, Relaxed);
+                    if number >= count || found.load(Relaxed) >= most {
+                        break;
+                    }
+                    let seed = first + number;
+                    let kind = (seed % sites.len() as u64) as usize;
+                    let (site, tick_us) = &sites[kind];
+                    let program = generator::program(seed, site, calls);
+                    let rig = &mut rigs[kind];
+                    if let Some(report) = finding(rig, site, *tick_us, &program.calls, &mut tally) {
+                        found.fetch_add(1, Relaxed);
+                        reports.lock().unwrap().push((number + 1, format!("program {seed}: {report}")));
+                    }
+                }
+                let mut all = tallies.lock().unwrap();
+                for (rule, count) in tally {
+                    *all.entry(rule).or_default() += count;
+                }
+            });
+        }
+    });
+    let (tally, mut reports) = (tallies.into_inner().unwrap(), reports.into_inner().unwrap());
+    reports.sort();
+    let done = next.load(Relaxed).min(count);
+    println!("{done} programs, {} differ", reports.len());
+    for (rule, count) in &tally {
+        println!("{count:>9} {rule}");
+    }
+    let tried = |what: &str| tally.get(what).copied().unwrap_or(0);
+    if reports.is_empty() && done >= 1000 {
+        // So that the generator cannot rot unseen.
+        for what in NEEDED {
+            assert!(tried(what) >= 100, "{what}: {}", tried(what));
+        }
+        let open: u64 = tally.iter().filter(|(what, _)| what.starts_with("cut short")).map(|(_, count)| count).sum();
+        assert!(open * 2 < done, "{open} of {done} programs were cut short");
+    }
+    let told: String = reports.iter().map(|(after, report)| format!("after {after} programs, {report}\n")).collect();
+    assert!(reports.is_empty(), "{} of {done} programs differ:\n{told}", reports.len());
+}
+
+struct Nowhere;
+
+impl job::Files for Nowhere {
+    fn text(&self, path: &str) -> Result<String, String> {
+        Err(format!("{path}: a test has no files"))
+    }
+}
+
+/// A finding is printed as a job, which must be one.
+#[test]
+fn listings_of_findings_are_jobs() {
+    for seed in 0..40 {
+        let (site, tick_us) = &sites()[seed as usize % sites().len()];
+        let program = generator::program(seed, site, 200);
+        let text = site.job(*tick_us, program.calls.iter());
+        let job = job::compile(&text, &Nowhere).unwrap_or_else(|found| panic!("program {seed}: {found:?}\n{text}"));
+        assert!(
+            job.steps.len() >= program.calls.len(),
+            "program {seed}: {} of {}",
+            job.steps.len(),
+            program.calls.len()
+        );
+    }
+}

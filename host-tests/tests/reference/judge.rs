@@ -1,0 +1,228 @@
+//! A program on both, and what differs; a program that differs is made as short as it can be.
+use super::machine::{Got, Rig, Told, fixed, got};
+use host_tests::reference::{Call, Controller, Fix, Program, Reply, Site, Value};
+use std::collections::BTreeMap;
+
+/// How often what.
+pub type Tally = BTreeMap<String, u64>;
+
+/// Bits of the status word that are compared: alarm, following error, limits, stops by inputs, servo, profile running.
+const BITS: u32 = 0b0111_1111_0010;
+/// SPEC 11: 2⁻¹⁶ pulse.
+const BOUND: Fix = Fix(1 << 48);
+/// Ticks after the last call that are compared.
+const TAIL: usize = 8;
+/// No program lasts longer.
+const MOST: usize = 60_000;
+
+fn reference(site: &Site, tick_us: u32, begin: &[i64], calls: &[Call]) -> Program {
+    Controller::new(site, i64::from(tick_us) * 1000, begin).run(calls, TAIL, MOST)
+}
+
+fn same(value: &Value, got: Got, peak: f64) -> bool {
+    match (value, got) {
+        (Value::None, Got::Nothing) => true,
+        (Value::Whole(a), Got::Whole(b)) => {
+            // A status word counts by the bits that are compared.
+            *a == b
+        }
+        (Value::Two(a, b), Got::Two(c, d)) => (*a, *b) == (c, d),
+        (Value::Position(a), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16),
+        // SPEC 11: 2⁻¹⁶ of the motion's peak.
+        (Value::Velocity(a), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16) * peak.max(1.0),
+        _ => false,
+    }
+}
+
+/// The first disagreement.
+fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Result<(), String> {
+    if std::env::var("REFERENCE_LATE").is_ok()
+        && program.open.is_none()
+        && told.late != 0
+        && told.answers.iter().all(|answer| answer.code == 0)
+    {
+        return Err(format!("{} entries were late", told.late));
+    }
+    if program.open.is_none() && told.answers.len() != calls.len() {
+        return Err(format!("{} answers to {} calls", told.answers.len(), calls.len()));
+    }
+    for ((index, call), reply) in calls.iter().enumerate().zip(&program.replies) {
+        let Some(answer) = told.answers.get(index) else { break };
+        let good = match reply {
+            Reply::Open => true,
+            Reply::Code(code) => *code == answer.code,
+            Reply::Done(_) if answer.code != 0 => false,
+            Reply::Done(Value::Whole(word))
+                if matches!(call, Call::Axis { kind: host_tests::reference::Kind::GetSts, .. }) =>
+            {
+                matches!(got(call, answer), Got::Whole(theirs) if (theirs as u32 ^ *word as u32) & BITS == 0)
+            }
+            Reply::Done(value) => same(value, got(call, answer), 1000.0),
+        };
+        if !good {
+            return Err(format!(
+                "call {index}, {call:?}, answers {} {:?} ({}), the reference {reply:?}",
+                answer.code,
+                got(call, answer),
+                answer.error.as_ref().map_or("", |error| &error.reason)
+            ));
+        }
+    }
+    let ticks = program.rows.len().min(told.rows.len());
+    let end = program.open.map_or(ticks, |(tick, _)| tick.min(ticks));
+    if program.open.is_none() && ticks < program.rows.len() {
+        return Err(format!("the program lasted {ticks} ticks, the reference {}", program.rows.len()));
+    }
+    let ms = |tick: usize| tick as f64 * f64::from(tick_us) / 1000.0;
+    // Positions from where the program began, theirs and the reference's, around a tick.
+    let around = |tick: usize, axis: usize| -> String {
+        let from = fixed(told.begin[axis]);
+        (tick.saturating_sub(3)..(tick + 3).min(end))
+            .map(|tick| {
+                let ((theirs, status), mine) = (told.rows[tick][axis], program.rows[tick][axis]);
+                let positions = [fixed(theirs), mine.x].map(|x| (x - from).to_f64());
+                format!("\n// {:>10} ms {positions:?} {:#x} {:#x}", ms(tick), status & BITS, mine.status)
+            })
+            .collect()
+    };
+    for tick in 0..end {
+        for (axis, row) in program.rows[tick].iter().enumerate() {
+            let (position, status) = told.rows[tick][axis];
+            let apart = fixed(position) - row.x;
+            if apart.abs() > BOUND + row.slack {
+                return Err(format!(
+                    "at {} ms axis {axis} is {} pulses from the reference{}",
+                    ms(tick),
+                    apart.to_f64(),
+                    around(tick, axis)
+                ));
+            }
+            let went = (fixed(position) - fixed(told.rows[tick.max(1) - 1][axis].0)).abs();
+            if went > row.most + BOUND + BOUND {
+                return Err(format!(
+                    "at {} ms axis {axis} jumps by {} pulses in a tick, its data allow {}{}",
+                    ms(tick),
+                    went.to_f64(),
+                    row.most.to_f64(),
+                    around(tick, axis)
+                ));
+            }
+            if !row.open && (status ^ row.status) & BITS != 0 {
+                return Err(format!(
+                    "at {} ms the status of axis {axis} is {:#x}, the reference's {:#x}{}",
+                    ms(tick),
+                    status & BITS,
+                    row.status & BITS,
+                    around(tick, axis)
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The program with some ms after every call that is refused: a refused entry makes others of its instant late by a tick
+/// (docs/jobs.md). `REFERENCE_TOGETHER=1` leaves them together.
+pub fn apart(site: &Site, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
+    let mut calls = calls.to_vec();
+    for _ in 0..20 {
+        let program = reference(site, tick_us, &vec![0; site.axes.len()], &calls);
+        if !program.complete {
+            return None;
+        }
+        let mut spread = Vec::new();
+        for (index, call) in calls.iter().enumerate() {
+            spread.push(call.clone());
+            let refused = program.refused.contains(&index);
+            if refused
+                && calls.get(index + 1).is_some_and(|next| !matches!(next, Call::Sleep { ns } if *ns >= 3_000_000))
+            {
+                spread.push(Call::Sleep { ns: 3_000_000 });
+            }
+        }
+        if spread.len() == calls.len() {
+            return Some(calls);
+        }
+        calls = spread;
+    }
+    None
+}
+
+/// What differs, if anything.
+fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
+    // A program without an end is none.
+    let together = std::env::var("REFERENCE_TOGETHER").is_ok();
+    let complete = if together {
+        reference(site, tick_us, &vec![0; site.axes.len()], calls).complete
+    } else {
+        apart(site, tick_us, calls).is_some_and(|spread| spread == calls)
+    };
+    if !complete {
+        *tally.entry("programs without an end".into()).or_default() += 1;
+        return None;
+    }
+    let mine = rig.get_or_insert_with(|| Rig::new(site.clone(), tick_us));
+    let told = match mine.run(calls) {
+        Ok(told) => told,
+        Err(reason) => {
+            *rig = None;
+            return Some(reason);
+        }
+    };
+    let program = reference(site, tick_us, &told.begin, calls);
+    for (rule, count) in &program.used {
+        *tally.entry((*rule).into()).or_default() += count;
+    }
+    let mut count = |what: &str, count: u64| *tally.entry(what.into()).or_default() += count;
+    count("programs", 1);
+    count("calls", calls.len() as u64);
+    count("ticks", program.rows.len() as u64);
+    if told.late != 0 && told.answers.iter().all(|answer| answer.code == 0) {
+        count("programs with late entries, though none was refused", 1);
+    }
+    for reply in &program.replies {
+        match reply {
+            Reply::Done(Value::None) => count("calls done", 1),
+            Reply::Done(_) => count("values read", 1),
+            Reply::Code(code) => count(&format!("calls refused with {code}"), 1),
+            Reply::Open => count("answers left open", 1),
+        }
+    }
+    if let Some((_, why)) = program.open {
+        count(&format!("cut short: {why}"), 1);
+    }
+    compare(&program, &told, calls, tick_us).err()
+}
+
+/// A report of a program that differs.
+pub fn finding(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tally: &mut Tally) -> Option<String> {
+    let mut calls = match std::env::var("REFERENCE_TOGETHER") {
+        Ok(_) => calls.to_vec(),
+        Err(_) => apart(site, tick_us, calls)?,
+    };
+    differs(rig, site, tick_us, &calls, tally)?;
+    let mut scratch = Tally::new();
+    let mut reason = String::from("not the same when it ran again");
+    if let Some(again) = differs(rig, site, tick_us, &calls, &mut scratch) {
+        reason = again;
+    }
+    let mut width = calls.len() / 2;
+    let mut tries = 0;
+    while width > 0 && tries < 1500 {
+        let mut at = 0;
+        let mut less = false;
+        while at < calls.len() && tries < 1500 {
+            let mut shorter = calls.clone();
+            shorter.drain(at..(at + width).min(calls.len()));
+            tries += 1;
+            match differs(rig, site, tick_us, &shorter, &mut scratch) {
+                Some(again) => (calls, reason, less) = (shorter, again, true),
+                None => at += width,
+            }
+        }
+        if !less || width > 1 {
+            width = if less { width } else { width / 2 };
+        }
+    }
+    Some(format!("tick {tick_us} µs, {reason}\n{}", site.job(tick_us, calls.iter())))
+}

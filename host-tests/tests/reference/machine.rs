@@ -1,0 +1,427 @@
+//! The virtual controller under a program: every call is an entry of the program queue that may fail, and every tick's
+//! set-points and status words are kept.
+use client::{Answer, Client, Link, Observer, Options, Profile};
+use host_tests::reference::{Call, Fix, Kind, Points, Site};
+use protocol::command::*;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+use virtual_board::{Board, Config, Shared, share};
+
+/// One axis in one tick: set-point in 2⁻²² pulse, status word.
+pub type Seen = (i64, u32);
+
+struct Record {
+    /// Places of the axes over all cores.
+    axes: Vec<usize>,
+    rows: Vec<(u64, Vec<Seen>)>,
+}
+
+/// In lockstep, a tick at a time.
+struct Watched {
+    board: Shared,
+    received: Vec<u8>,
+    taken: usize,
+    record: Arc<Mutex<Record>>,
+}
+
+impl Watched {
+    fn advance(&mut self, wait: Duration) {
+        let mut board = self.board.lock().unwrap();
+        let mut record = self.record.lock().unwrap();
+        let record = &mut *record;
+        let end = board.now() + wait.as_nanos() as u64;
+        while board.now() < end {
+            let period = board.period_ns();
+            let came = board.advance(period, &mut self.received);
+            let at = board.now();
+            let row = record.axes.iter().map(|&axis| (board.set_point(axis), board.axis(axis).status)).collect();
+            record.rows.push((at, row));
+            if came {
+                return;
+            }
+        }
+    }
+}
+
+impl Link for Watched {
+    fn name(&self) -> &str {
+        "virtual"
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
+        self.board.lock().unwrap().feed(bytes);
+        Ok(())
+    }
+
+    fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
+        if self.taken == self.received.len() {
+            self.received.clear();
+            self.taken = 0;
+            self.board.lock().unwrap().take_tx(&mut self.received);
+            if self.received.is_empty() {
+                self.advance(wait);
+            }
+        }
+        let left = &self.received[self.taken..];
+        let n = left.len().min(buf.len());
+        buf[..n].copy_from_slice(&left[..n]);
+        self.taken += n;
+        Ok(n)
+    }
+
+    fn now(&mut self) -> u64 {
+        self.board.lock().unwrap().now()
+    }
+
+    fn real_time(&self) -> bool {
+        false
+    }
+}
+
+/// What a program gave.
+pub struct Told {
+    /// Positions before the program.
+    pub begin: Vec<i64>,
+    pub answers: Vec<Answer>,
+    /// Entries whose tick had passed.
+    pub late: u32,
+    /// From tick 0 of the program on.
+    pub rows: Vec<Vec<Seen>>,
+}
+
+pub struct Rig {
+    board: Shared,
+    client: Client,
+    record: Arc<Mutex<Record>>,
+    pub site: Site,
+    pub tick_us: u32,
+}
+
+struct Kept(Vec<Answer>);
+
+impl Observer for Kept {
+    fn answered(&mut self, answer: Answer) -> client::Result<()> {
+        self.0.push(answer);
+        Ok(())
+    }
+}
+
+impl Rig {
+    pub fn new(site: Site, tick_us: u32) -> Rig {
+        let (profile, number, per_core) = match site.profile {
+            "gus" => (Profile::Gus, 0, 8),
+            _ => (Profile::Gtn016, 1, 8),
+        };
+        let board = share(Board::new(Config { tick_us, profile: number, ..Config::default() }));
+        let axes = site.axes.iter().map(|&(core, axis)| (core as usize - 1) * per_core + axis as usize - 1).collect();
+        let record = Arc::new(Mutex::new(Record { axes, rows: Vec::new() }));
+        let link = Watched { board: board.clone(), received: Vec::new(), taken: 0, record: Arc::clone(&record) };
+        let options = Options { profile: Some(profile), ..Options::default() };
+        let client = Client::open(Box::new(link), options).unwrap();
+        Rig { board, client, record, site, tick_us }
+    }
+
+    fn cores(&self) -> i16 {
+        self.site.axes.iter().map(|axis| axis.0).max().unwrap_or(1)
+    }
+
+    /// Runs it from power-on settings; positions of the machine stay.
+    pub fn run(&mut self, calls: &[Call]) -> Result<Told, String> {
+        self.client.call(SetTick { tick_us: (self.tick_us as i32).into() }).map_err(|e| format!("{e:?}"))?;
+        for core in 1..=self.cores() {
+            self.client.call(Reset { core: core.into() }).map_err(|error| format!("{error:?}"))?;
+        }
+        for &(core, axis) in &self.site.axes {
+            let all = LmtsOff { core: core.into(), axis: axis.into(), limit_type: (-1).into() };
+            self.client.call(all).map_err(|error| format!("{error:?}"))?;
+        }
+        self.client.sleep(Duration::from_millis(3)).map_err(|error| format!("{error:?}"))?;
+        self.record.lock().unwrap().rows.clear();
+        let mut all: Vec<client::Call> = calls.iter().map(|call| wire(&self.site, call)).collect();
+        for call in &mut all {
+            call.may_fail = true;
+        }
+        let mut kept = Kept(Vec::new());
+        let summary = self.client.run(all, false, &mut kept).map_err(|error| format!("{error:?}"))?;
+        if let Some(failed) = summary.failed {
+            return Err(format!("entry {}: {} {:?}", failed.index, failed.code, failed.error));
+        }
+        let late = summary.progress.queue.late.get();
+        self.client.sleep(Duration::from_millis(12)).map_err(|error| format!("{error:?}"))?;
+        let zero = self.board.lock().unwrap().program_zero_ns();
+        // Nothing may run on into the next program.
+        for core in 1..=self.cores() {
+            self.client.call(Reset { core: core.into() }).map_err(|error| format!("{error:?}"))?;
+        }
+        let rows = std::mem::take(&mut self.record.lock().unwrap().rows);
+        let rows: Vec<_> = rows.into_iter().filter(|row| row.0 >= zero).map(|row| row.1).collect();
+        let begin = rows.first().map(|row| row.iter().map(|seen| seen.0).collect()).unwrap_or_default();
+        Ok(Told { begin, answers: kept.0, rows, late })
+    }
+}
+
+/// A call as it travels.
+pub fn wire(site: &Site, call: &Call) -> client::Call {
+    if let Call::PvtTable { axis, table, points } = call {
+        return table_of(site.axes[*axis].0, *table, points);
+    }
+    use client::Call as Wire;
+    let at = |axis: usize| (site.axes[axis].0.into(), site.axes[axis].1.into());
+    let of = |mask: u32| {
+        let (core, mask) = site.mask(mask);
+        (core.into(), mask.cast_signed().into())
+    };
+    let option = |mask: u32, option: u32| site.mask(option & mask).1.cast_signed().into();
+    match *call {
+        Call::Sleep { ns } => Wire::of(Sleep { ns: (ns as u64).into() }),
+        Call::WaitStop { mask } => {
+            let (core, axes) = of(mask);
+            Wire::of(WaitStop { core, axes, crds: 0.into() })
+        }
+        Call::Axis { kind, axis } => plain(kind, at(axis)),
+        Call::Stop { mask, abrupt } => {
+            let (core, bits) = of(mask);
+            Wire::of(Stop { core, mask: bits, option: option(mask, abrupt), form: 0 })
+        }
+        Call::SetPrfPos { axis, pos } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetPrfPos { core, profile, pos: pos.into() })
+        }
+        Call::SetStopDec { axis, smooth } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetStopDec { core, profile, smooth: smooth.into(), abrupt: 1000.0.into() })
+        }
+        Call::SetSoftLimit { axis, positive, negative } => {
+            let (core, axis) = at(axis);
+            Wire::of(SetSoftLimit { core, axis, positive: positive.into(), negative: negative.into() })
+        }
+        Call::SetTrapPrm { axis, acc, dec } => {
+            let (core, profile) = at(axis);
+            let (acc, dec) = (acc.into(), dec.into());
+            Wire::of(SetTrapPrm { core, profile, acc, dec, vel_start: 0.0.into(), smooth_time_ms: 0.into() })
+        }
+        Call::SetJogPrm { axis, acc, dec } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetJogPrm { core, profile, acc: acc.into(), dec: dec.into(), smooth: 0.0.into() })
+        }
+        Call::SetPos { axis, pos } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetPos { core, profile, pos: pos.into() })
+        }
+        Call::SetVel { axis, vel } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetVel { core, profile, vel: vel.into() })
+        }
+        Call::Update { mask } => {
+            let (core, mask) = of(mask);
+            Wire::of(Update { core, mask })
+        }
+        Call::PrfPt { axis, mode } => {
+            let (core, profile) = at(axis);
+            Wire::of(PrfPt { core, profile, mode: mode.into() })
+        }
+        Call::PtData { axis, pos, time_ms, kind, fifo } => {
+            let (core, profile) = at(axis);
+            let (pos, time_ms) = (pos.into(), time_ms.into());
+            Wire::of(PtData { core, profile, pos, time_ms, kind: kind.into(), fifo: fifo.into() })
+        }
+        Call::PtClear { axis, fifo } => {
+            let (core, profile) = at(axis);
+            Wire::of(PtClear { core, profile, fifo: fifo.into() })
+        }
+        Call::PtSpace { axis, fifo } => {
+            let (core, profile) = at(axis);
+            Wire::of(PtSpace { core, profile, fifo: fifo.into() })
+        }
+        Call::SetPtLoop { axis, loops } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetPtLoop { core, profile, loop_count: loops.into() })
+        }
+        Call::SetPtMemory { axis, memory } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetPtMemory { core, profile, memory: memory.into() })
+        }
+        Call::PtStart { mask, option: fifos } => {
+            let (core, bits) = of(mask);
+            Wire::of(PtStart { core, mask: bits, option: option(mask, fifos) })
+        }
+        Call::PrfFollow { axis, dir } => {
+            let (core, profile) = at(axis);
+            Wire::of(PrfFollow { core, profile, dir: dir.into() })
+        }
+        Call::SetFollowMaster { axis, master, kind } => {
+            let (core, profile) = at(axis);
+            let (index, kind) = site.master(axis, master, kind);
+            let (master_index, master_type) = (index.into(), kind.into());
+            Wire::of(SetFollowMaster { core, profile, master_index, master_type, master_item: 0.into() })
+        }
+        Call::SetFollowLoop { axis, loops } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetFollowLoop { core, profile, loop_count: loops.into() })
+        }
+        Call::SetFollowEvent { axis, event, dir, pos } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetFollowEvent { core, profile, event: event.into(), master_dir: dir.into(), pos: pos.into() })
+        }
+        Call::FollowData { axis, datum, fifo } => {
+            let (core, profile) = at(axis);
+            let (master_segment, slave_segment) = ((datum.master as i32).into(), datum.slave.into());
+            let (kind, fifo) = (datum.kind.into(), fifo.into());
+            Wire::of(FollowData { core, profile, master_segment, slave_segment, kind, fifo })
+        }
+        Call::FollowClear { axis, fifo } => {
+            let (core, profile) = at(axis);
+            Wire::of(FollowClear { core, profile, fifo: fifo.into() })
+        }
+        Call::FollowSpace { axis, fifo } => {
+            let (core, profile) = at(axis);
+            Wire::of(FollowSpace { core, profile, fifo: fifo.into() })
+        }
+        Call::FollowStart { mask, option: fifos } => {
+            let (core, bits) = of(mask);
+            Wire::of(FollowStart { core, mask: bits, option: option(mask, fifos) })
+        }
+        Call::FollowSwitch { mask } => {
+            let (core, mask) = of(mask);
+            Wire::of(FollowSwitch { core, mask })
+        }
+        Call::SetFollowMemory { axis, memory } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetFollowMemory { core, profile, memory: memory.into() })
+        }
+        Call::PvtTable { .. } => unreachable!("done above"),
+        Call::PvtTableSelect { axis, table } => {
+            let (core, profile) = at(axis);
+            Wire::of(PvtTableSelect { core, profile, table: table.into() })
+        }
+        Call::SetPvtLoop { axis, loops } => {
+            let (core, profile) = at(axis);
+            Wire::of(SetPvtLoop { core, profile, loop_count: loops.into() })
+        }
+        Call::PvtStart { mask } => {
+            let (core, mask) = of(mask);
+            Wire::of(PvtStart { core, mask })
+        }
+    }
+}
+
+/// A whole table in one message.
+fn table_of(core: i16, table: i16, points: &Points) -> client::Call {
+    use client::Call as Wire;
+    let (core, table, count, first) = (core.into(), table.into(), (points.count() as i32).into(), 0.into());
+    match points {
+        Points::Pvt(points) => {
+            let items: Vec<PvtPoint> = points
+                .iter()
+                .map(|&[time, pos, vel]| PvtPoint { time: time.into(), pos: pos.into(), vel: vel.into() })
+                .collect();
+            Wire::with_items(PvtTable { core, table, count, first }, &items)
+        }
+        Points::Ex(points) => {
+            let item = |&[time, pos, begin, end]: &[f64; 4]| PvtExPoint {
+                time: time.into(),
+                pos: pos.into(),
+                vel_begin: begin.into(),
+                vel_end: end.into(),
+            };
+            let items: Vec<PvtExPoint> = points.iter().map(item).collect();
+            Wire::with_items(PvtTableEx { core, table, count, first }, &items)
+        }
+        Points::Complete(points, begin, end) => {
+            let items: Vec<PvtKnot> =
+                points.iter().map(|&[time, pos]| PvtKnot { time: time.into(), pos: pos.into() }).collect();
+            let (vel_begin, vel_end) = ((*begin).into(), (*end).into());
+            Wire::with_items(PvtTableComplete { core, table, count, first, vel_begin, vel_end }, &items)
+        }
+        Points::Percent(points, begin) => {
+            let item = |&[time, pos, percent]: &[f64; 3]| PvtPercentPoint {
+                time: time.into(),
+                pos: pos.into(),
+                percent: percent.into(),
+            };
+            let items: Vec<PvtPercentPoint> = points.iter().map(item).collect();
+            Wire::with_items(PvtTablePercent { core, table, count, first, vel_begin: (*begin).into() }, &items)
+        }
+        Points::Continuous(points, begin) => {
+            let item = |&[pos, vel, percent, vel_max, acc, dec]: &[f64; 6]| PvtContinuousPoint {
+                pos: pos.into(),
+                vel: vel.into(),
+                percent: percent.into(),
+                vel_max: vel_max.into(),
+                acc: acc.into(),
+                dec: dec.into(),
+            };
+            let items: Vec<PvtContinuousPoint> = points.iter().map(item).collect();
+            Wire::with_items(PvtTableContinuous { core, table, count, first, time_begin: (*begin).into() }, &items)
+        }
+    }
+}
+
+type Short = zerocopy::little_endian::I16;
+
+fn plain(kind: Kind, (core, axis): (Short, Short)) -> client::Call {
+    use client::Call as Wire;
+    let (profile, count) = (axis, 1.into());
+    match kind {
+        Kind::AxisOn => Wire::of(AxisOn { core, axis }),
+        Kind::AxisOff => Wire::of(AxisOff { core, axis }),
+        Kind::ZeroPos => Wire::of(ZeroPos { core, axis, count }),
+        Kind::ClrSts => Wire::of(ClrSts { core, axis, count }),
+        Kind::PrfTrap => Wire::of(PrfTrap { core, profile }),
+        Kind::PrfJog => Wire::of(PrfJog { core, profile }),
+        Kind::PrfPvt => Wire::of(PrfPvt { core, profile }),
+        Kind::GetPvtLoop => Wire::of(GetPvtLoop { core, profile }),
+        Kind::GetPtLoop => Wire::of(GetPtLoop { core, profile }),
+        Kind::GetFollowLoop => Wire::of(GetFollowLoop { core, profile }),
+        Kind::GetFollowStatus => Wire::of(GetFollowStatus { core, profile }),
+        Kind::GetSts => Wire::of(GetSts { core, axis, count }),
+        Kind::GetPrfPos => Wire::of(GetPrfPos { core, profile, count }),
+        Kind::GetPrfVel => Wire::of(GetPrfVel { core, profile, count }),
+        Kind::GetPrfMode => Wire::of(GetPrfMode { core, profile, count }),
+    }
+}
+
+/// What a read gave.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Got {
+    Nothing,
+    Whole(i64),
+    Two(i64, i64),
+    Real(f64),
+}
+
+/// The value of an answer with code 0.
+pub fn got(call: &Call, answer: &Answer) -> Got {
+    let real = |items: Vec<Real>| Got::Real(items.first().map_or(f64::NAN, |item| item.value.get()));
+    let long = |items: Vec<Long>| Got::Whole(items.first().map_or(i64::MIN, |item| item.value.get().into()));
+    let read = match call {
+        Call::Axis { kind, .. } => match kind {
+            Kind::GetPtLoop => answer.reply::<GetPtLoop>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
+            Kind::GetPvtLoop => answer
+                .reply::<GetPvtLoop>()
+                .map(|(reply, _)| Got::Two(reply.loop_count.get().into(), reply.loop_set.get().into())),
+            Kind::GetFollowLoop => {
+                answer.reply::<GetFollowLoop>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+            }
+            Kind::GetFollowStatus => answer
+                .reply::<GetFollowStatus>()
+                .map(|(reply, _)| Got::Two(reply.fifo.get().into(), reply.switch_status.get().into())),
+            Kind::GetSts => answer.reply::<GetSts>().map(|(_, items)| long(items)),
+            Kind::GetPrfMode => answer.reply::<GetPrfMode>().map(|(_, items)| long(items)),
+            Kind::GetPrfPos => answer.reply::<GetPrfPos>().map(|(_, items)| real(items)),
+            Kind::GetPrfVel => answer.reply::<GetPrfVel>().map(|(_, items)| real(items)),
+            _ => None,
+        },
+        Call::PtSpace { .. } => answer.reply::<PtSpace>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
+        Call::FollowSpace { .. } => {
+            answer.reply::<FollowSpace>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+        }
+        _ => None,
+    };
+    read.unwrap_or(Got::Nothing)
+}
+
+/// A set-point as the reference has it.
+pub fn fixed(units: i64) -> Fix {
+    Fix::of_position(units)
+}
