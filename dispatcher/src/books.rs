@@ -191,7 +191,6 @@ impl Change {
             | Change::Jog { .. }
             | Change::Vel { .. }
             | Change::Pos { .. }
-            | Change::Analog { .. }
             | Change::Laser { .. }
             | Change::CrdStarted { .. }
             | Change::LaserFine(_) => false,

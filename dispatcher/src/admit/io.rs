@@ -1,5 +1,6 @@
 //! Digital and analog inputs and outputs.
 use super::many;
+use crate::books::Change;
 use crate::case::{Answer, Case, Query, ones};
 use crate::refuse::{Admitted, Refused, choice};
 use protocol::command::{GetAdc, GetDac, GetDi, GetDo, SetDac, SetDo, SetDoBit, opcode};

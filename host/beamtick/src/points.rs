@@ -72,7 +72,7 @@ mod tests {
         for command in protocol::command::COMMANDS {
             let Some((head, point, _)) = layout(command.opcode) else { continue };
             tables += 1;
-            for points in [1, POINTS / point, POINTS / point + 1, 300] {
+            for points in [1, ITEM_BYTES / point, ITEM_BYTES / point + 1, 300] {
                 let payload = vec![0; head + points * point];
                 let found = records(Call { opcode: command.opcode, payload, may_fail: false });
                 let carried: usize = found.iter().map(|call| (call.payload.len() - head) / point).sum();
