@@ -3,8 +3,8 @@
 //! The timer here is the plainest one: it counts a round after the other. What is compared with it, [`Stage`], knows nothing of rounds.
 use plant::beam::{Change, Stage};
 use servo::laser::{
-    Action, Clock, Count, Energy, HELD_WORDS, Held, LEAST_OF_ENERGY, LEAST_OF_SWITCHES, PLACES, Plan, Power, Round,
-    Scale, Standby, Switches, Train,
+    Action, Clock, Count, Energy, HELD_WORDS, Held, LEAST_OF_ENERGY, LEAST_OF_SWITCHES, PLACES, Plan, Power, Rate,
+    Round, Scale, Standby, Switches, Train,
 };
 use std::sync::atomic::AtomicU32;
 
@@ -58,8 +58,20 @@ impl Random {
                 Action::Dark { standby: if self.below(2) == 0 { Train::NONE } else { train }, cut: self.below(2) == 0 }
             }
             2 => Action::Switch(self.below(2) == 0),
+            3 if self.below(3) == 0 => self.rate(train),
             _ => Action::Change(train),
         }
+    }
+
+    /// A rate, or a pause; what is left of the period in progress becomes up to eight times as long.
+    fn rate(&mut self, train: Train) -> Action {
+        if train.is_none() {
+            return Action::Rate(Rate::PAUSE);
+        }
+        let period = Count { of: 0, ..train.period };
+        let width = train.width.whole.min(period.whole - 1) as u32;
+        let scale = 1 << 63 | self.below(1 << 31) << 32;
+        Action::Rate(Rate { period, width, scale, shift: 60 + self.below(4) as u32 })
     }
 
     fn plan(&mut self, lasts: u32) -> Plan {
@@ -414,6 +426,7 @@ fn a_plan_is_held_as_it_was_or_not_at_all() {
                     !train.is_silent()
                 }
                 Action::Switch(active) => *active,
+                Action::Rate(rate) => !rate.is_pause(),
                 Action::Volts(_) => false,
             };
             assert_eq!(held.lights(), wanted.iter().any(|(_, action)| shows(action)), "seed {seed}");

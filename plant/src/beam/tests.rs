@@ -78,6 +78,7 @@ impl Timer {
                     self.period_left = self.period_left.min(left);
                 }
             }
+            Action::Rate(_) => unreachable!("tests/rounds.rs plays rates"),
             Action::Switch(_) | Action::Volts(_) => {}
         }
     }
