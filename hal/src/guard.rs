@@ -28,10 +28,10 @@ pub fn below(mpu: &mut MPU, stack: u32) {
     unsafe { set(mpu, 0, stack.wrapping_sub(SPAN), on(SPAN.ilog2()) | NO_ACCESS) };
 }
 
-/// Nobody may touch the first KiB any more: null.
+/// Nobody may touch the first 512 bytes any more: null.
 pub fn null(mpu: &mut MPU) {
     // SAFETY: as above.
-    unsafe { set(mpu, 1, 0, on(10) | NO_ACCESS) };
+    unsafe { set(mpu, 1, 0, on(9) | NO_ACCESS) };
 }
 
 /// What other masters of the bus read and write: the 2^`bits` bytes from `base` on, a multiple of that, without the eighths whose
