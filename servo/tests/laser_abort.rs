@@ -80,6 +80,10 @@ fn what_is_output_without_light_waits_for_the_next_command() {
     bench.op(Op::Abort);
     bench.until(4 * MS);
     assert_eq!(bench.view().lasers[0].khz, power(0.0));
+    let pulses = servo::laser::Standby::admit(power(5.0), power(50.0), servo::laser::Clock::GHZ).unwrap();
+    bench.change(Change::PairedStandby(Some(pulses)));
+    bench.until(5 * MS);
+    assert_eq!(bench.view().lasers[0].khz, power(0.0), "a command of the other channel is none of this one");
     bench.direct(50.0);
     bench.until(6 * MS);
     assert_eq!(bench.view().lasers[0].khz, power(5.0));
@@ -174,6 +178,28 @@ fn a_new_session_begins_dark_and_motion_goes_on() {
     bench.gate(true);
     bench.until(300 * MS);
     assert!(!bench.view().crds[0].runs && bench.view().lasers[0].light);
+}
+
+/// The session before has let the power follow; the new client's own light burns with its own power, at once.
+#[test]
+fn a_new_session_ends_what_follows() {
+    let mut bench = ready(250);
+    let ratio = servo::laser::Ratio::admit(1f64.to_bits()).unwrap();
+    let bounds = servo::laser::Bounds::admit_follow(Mode::Duty, power(50.0), power(1.0)).unwrap();
+    bench.path(0, &[buffered(Buffered::PrfFollow { ratio, bounds }), line([100, 0], 10.0, 1.0, 0.0)]);
+    bench.start(1);
+    until_rest(&mut bench);
+    bench.gate(true);
+    bench.tick();
+    assert!(!bench.view().lasers[0].light, "it waits for the path that it follows");
+    bench.gate(false);
+    bench.op(Op::NewSession);
+    bench.tick();
+    bench.gate(true);
+    bench.tick();
+    bench.tick();
+    let view = bench.view().lasers[0];
+    assert_eq!((view.follows, view.light), (None, true));
 }
 
 /// They cannot light: so the loss of a link that nobody uses any more is no fault of theirs.

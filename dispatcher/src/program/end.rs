@@ -1,7 +1,7 @@
 //! How a program ends: answers of what was executed, what becomes of the rest after a failure, a
 //! Stop, link loss or ProgramClear.
 //!
-//! In: what the view says was executed, what the tick refused. Out: replies in order, a ProgramDrop.
+//! In: what the view says was executed, what the tick refused. Out: replies in order, a ProgramDrop, after a failure an Abort.
 //! What was dropped leaves no trace: the *ahead* books go back to the *now* books. A FIFO whose places were
 //! overwritten already is emptied: neither its old data nor the new is there.
 use super::{Program, State};
@@ -83,11 +83,18 @@ impl Program<'_> {
         self.state = state;
     }
 
-    /// Tells the tick to drop what is in the ring, as soon as the lane has room.
+    /// Tells the tick to drop what is in the ring, as soon as the lane has room; after a failure it aborts, too.
     pub(super) fn push_drop<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
-        if self.drop_due && desk.lane.push(Op::ProgramDrop, Change::None, 0, &mut desk.ahead) {
-            self.drop_due = false;
-            self.dropping = Some(desk.lane.last());
+        // A program that has failed lights and moves nothing any more: nobody is asked first.
+        let fails = self.state == State::Failed;
+        if !self.drop_due || desk.lane.room() < 1 + usize::from(fails) {
+            return;
+        }
+        desk.lane.push(Op::ProgramDrop, Change::None, 0, &mut desk.ahead);
+        self.drop_due = false;
+        self.dropping = Some(desk.lane.last());
+        if fails {
+            desk.lane.push(Op::Abort, Change::Aborted, 0, &mut desk.ahead);
         }
     }
 

@@ -465,6 +465,11 @@ impl Builder<'_> {
                 let stopped = |noted: &Noted| matches!(noted.fact.what, What::Rest { why: Why::Stopped, .. });
                 if stopped(a) && stopped(b) { 0 } else { set(crd) | set(other) }
             }
+            (From::Cause, From::Entry(crd)) | (From::Entry(crd), From::Cause)
+                if touch(SAME) && (a.fact.what == What::Session || b.fact.what == What::Session) =>
+            {
+                set(crd)
+            }
             // With nothing to bring to rest an on may wait for the abort's end.
             (From::Call(Do::Abort), From::Entry(crd)) if touch(self.tick) => set(crd),
             (From::Call(call), From::Entry(crd)) | (From::Entry(crd), From::Call(call)) => {

@@ -134,7 +134,8 @@ impl Channel {
     pub(super) fn change(&mut self, at: Ns, change: &Change) {
         // What paths did at this instant before it comes first.
         self.attend(at);
-        self.energy.muted = false;
+        // What the other channel's mode brings along is no command of this one.
+        self.energy.muted &= matches!(change, Change::PairedStandby(_));
         self.news |= match change {
             Change::Gate { .. } => news::MOVED,
             Change::Direct { .. } if self.law.follows().is_none() => news::POWER,
@@ -169,7 +170,7 @@ impl Channel {
                     self.pulse = NEVER;
                 }
             }
-            Change::Standby(standby) => self.energy.standby = *standby,
+            Change::Standby(standby) | Change::PairedStandby(standby) => self.energy.standby = *standby,
             Change::PreVoltage(volts) => self.energy.pre_voltage = volts.unwrap_or(Power::ZERO),
             Change::ZeroOnTime => (self.on_time, self.planned) = (OnTime::ZERO, 0),
             Change::ClearFault => self.clear_latch(at),

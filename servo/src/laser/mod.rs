@@ -158,6 +158,8 @@ pub enum Change {
     Fpk(Option<Fpk>),
     /// Standby pulses; `None` is off.
     Standby(Option<Standby>),
+    /// The same, by a command of the other channel: it does not end the quiet after an abort or a new session.
+    PairedStandby(Option<Standby>),
     /// Pre-voltage, 0 to 10 V; `None` is off.
     PreVoltage(Option<Power>),
     /// On-time counts from 0 again.
@@ -258,7 +260,13 @@ impl Lasers {
 
     /// Whether outputs show a change of this channel at once: it gives light or what it gives without, or is about to.
     pub(crate) fn shows(&self, channel: u8, change: &Change) -> bool {
-        let begins = matches!(change, Change::Gate { .. } | Change::Standby(Some(_)) | Change::PreVoltage(Some(_)));
+        let begins = matches!(
+            change,
+            Change::Gate { .. }
+                | Change::Standby(Some(_))
+                | Change::PairedStandby(Some(_))
+                | Change::PreVoltage(Some(_))
+        );
         begins
             || self.channels.get(channel as usize).is_some_and(|channel| {
                 let LaserView { commanded, gate, light, power, .. } = channel.shown;
@@ -330,8 +338,9 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.abort(at, true));
     }
 
-    /// A new session: the same, but on commands are taken.
+    /// A new session: the same, but on commands are taken, and no power follows what the session before has named.
     pub(crate) fn new_session(&mut self, at: Ns) {
+        self.end_follow(CrdMask(u8::MAX), at);
         self.channels.iter_mut().for_each(|channel| channel.abort(at, false));
     }
 

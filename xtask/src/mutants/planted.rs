@@ -72,7 +72,7 @@ const PLANTED: &[Planted] = &[
     },
     Planted {
         name: "a new session inherits light",
-        places: &[(EXECUTE, "Op::NewSession => self.lasers.new_session(next),", "Op::NewSession => {}")],
+        places: &[(EXECUTE, "                self.lasers.new_session(next);\n", "")],
     },
     Planted {
         name: "the link-loss time outlives Reset",

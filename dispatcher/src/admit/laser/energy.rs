@@ -206,7 +206,7 @@ fn pair_standby<const AXES: usize>(case: &mut Case<AXES>, changed: (u8, Mode)) -
         if let Some((khz, duty)) = book.standby.filter(|_| book.paired) {
             let none = |_| Refused::new(Reason::OutOfRange);
             let pulses = if analog { None } else { Some(Standby::admit(khz, duty, clock).map_err(none)?) };
-            case.change(channel, Change::Standby(pulses));
+            case.change(channel, Change::PairedStandby(pulses));
         }
     }
     Ok(())

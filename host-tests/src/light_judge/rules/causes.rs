@@ -79,6 +79,9 @@ impl Judge {
         for of in &mut self.channels {
             of.cut(now);
             of.quiet = true;
+            if !abort {
+                of.follow = None;
+            }
         }
         for crd in self.crds.iter_mut().filter(|crd| crd.runs) {
             crd.stopping &= !abort;
