@@ -272,7 +272,7 @@ fn what_stands_between_motions_keeps_its_place() {
             now += 250_000;
         }
         let time = (heard.rests[0].0 as f64 / 2f64.powi(32) - 1e6) / 1e6;
-        // But for waits, and for a ninth effect, which waits for the next tick.
+        // But for waits, and for a thirty-third effect, which waits for the next tick.
         assert!(time - ms > -1e-6 && time - ms < 7.01, "{ms} planned, {time} taken");
         (time, time - ms)
     };
@@ -281,9 +281,9 @@ fn what_stands_between_motions_keeps_its_place() {
     let near = |a: f64, b: f64| (a - b).abs() < 0.01 * b;
     let (plain, late) = time(&[]);
     assert!(near(plain, through) && late < 1e-6, "{plain} {late}");
-    assert!(time(&[mark(1); 8]) == (plain, late));
-    let (nine, late) = time(&[mark(1); 9]);
-    assert!(nine > halts && late < 0.251, "{nine} {late}");
+    assert!(time(&[mark(1); 32]) == (plain, late));
+    let (more, late) = time(&[mark(1); 33]);
+    assert!(more > halts && late < 0.251, "{more} {late}");
     let (wait, late) = time(&[mark(1), Entry::delay(7), mark(2)]);
     assert!(near(wait, halts + 7.0) && (late - 7.0).abs() < 1e-6, "{wait} {late}");
 }
