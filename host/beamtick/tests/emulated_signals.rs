@@ -36,7 +36,10 @@ fn signals_at_many_instants_end_dark() {
     let (mut lit, mut dark, mut behind) = (0, 0, 0);
     for instant in 0..count {
         let (signal, name, wanted) = SIGNALS[instant as usize % 3];
-        let mut child = Command::new(cargo_bin("beamtick"))
+        // With HUP as a terminal has it, also where the tests run under `nohup`.
+        let mut child = Command::new("env")
+            .arg("--default-signal=HUP")
+            .arg(cargo_bin("beamtick"))
             .arg("run")
             .args([job.as_os_str(), "--link".as_ref(), "qemu".as_ref(), "--trace".as_ref(), csv.as_os_str()])
             .args(["--every", "1"])

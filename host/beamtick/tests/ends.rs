@@ -65,8 +65,16 @@ fn beamtick(arguments: &[&str]) -> (String, String, i32) {
     (text(output.stdout), text(output.stderr), output.status.code().unwrap_or(-1))
 }
 
+/// With HUP as a terminal has it, also where the tests run under `nohup`.
 fn spawn(arguments: &[&str]) -> Child {
-    Command::new(cargo_bin("beamtick")).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    Command::new("env")
+        .arg("--default-signal=HUP")
+        .arg(cargo_bin("beamtick"))
+        .args(arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
 }
 
 /// Waits for the first line of output, which is what the job reads.
@@ -137,6 +145,27 @@ fn a_refused_call_in_a_jump_before_a_mark_leaves_no_light() {
     let (_, errors, code) = beamtick(&["run", &job, "--link", &served.1]);
     assert!(code == 1 && errors.contains("Light is off."), "{errors}");
     assert!(served.laser().contains("dark") && served.laser().contains("light of 0.000 ms"), "{}", served.laser());
+}
+
+/// The controller aborts by itself: before the host has heard of the refusal, the path would be in the mark.
+#[test]
+fn a_call_refused_a_few_ticks_before_a_mark_leaves_no_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("t.csv").to_str().unwrap().to_owned();
+    // The mark begins 105 ms after the start.
+    for (ms, lights) in [(100, false), (102, false), (103, false), (110, true)] {
+        let job =
+            write(folder.path(), "job.gts", &format!("{}Sleep({ms});\nGT_AxisOn(99);\n", jump_and_mark(5000, 0.2)));
+        let (_, errors, code) = beamtick(&["sim", &job, "--trace", &csv]);
+        assert_eq!(code, 1, "{errors}");
+        let gates = gates(&format!("{csv}.partial"));
+        assert_eq!(gates.iter().any(|(_, on)| *on), lights, "refused after {ms} ms");
+        // In a mark it is dark two ticks after the refusal.
+        let last = gates.iter().rposition(|(_, on)| *on).map_or(0.0, |row| gates[row].0);
+        let first = gates.iter().find(|(_, on)| *on).map_or(0.0, |row| row.0);
+        assert!(!lights || last - first < 6.0, "light from {first} to {last} ms, refused after {ms} ms");
+        std::fs::remove_file(format!("{csv}.partial")).unwrap();
+    }
 }
 
 #[test]

@@ -33,7 +33,10 @@ impl Served {
         text.push_str("GT_LaserOff(0); Sleep(10);\n");
         let job = folder.join("job.gts");
         fs::write(&job, text).unwrap();
-        Command::new(cargo_bin("beamtick"))
+        // With HUP as a terminal has it, also where the tests run under `nohup`.
+        Command::new("env")
+            .arg("--default-signal=HUP")
+            .arg(cargo_bin("beamtick"))
             .args(["run".as_ref(), job.as_os_str(), "--link".as_ref(), self.1.as_ref()])
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

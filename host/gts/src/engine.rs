@@ -188,7 +188,7 @@ impl Prepared {
                         "form",
                     )?,
                     "first" => put(&mut payload, wire, Arg::Int((part * each) as i64), self.name(), "first")?,
-                    "count" if !self.prototype.function.has("count") => {
+                    "count" if self.prototype.function.tells_stop() => {
                         put(&mut payload, wire, Arg::Int(1), self.name(), "count")?;
                     }
                     name if name.ends_with("_given") => payload.push(told.into()),

@@ -69,7 +69,7 @@ impl Reader<'_> {
                 "core" => i64::from(core),
                 "form" => i64::from(!several_cores),
                 "first" => 0,
-                "count" if function.shape == Shape::Plain && !function.has("count") => 1,
+                "count" if function.tells_stop() => 1,
                 name if name.ends_with("_given") => i64::from(bound.told),
                 _ => {
                     fill(&mut body, of, &mut values);
