@@ -36,7 +36,7 @@ mod weight {
     pub const PATH_READY: u32 = 28;
     pub const FRAME: u32 = 20;
     /// A change of a laser channel.
-    pub const LASER: u32 = 6;
+    pub const LASER: u32 = 1;
 }
 
 /// Units of set-up in the shortest tick; in a longer one a unit for each 1024 ns, a quarter of its instructions: an axis

@@ -115,7 +115,7 @@ impl Program<'_> {
             item.open = false;
             true
         });
-        (self.delay, self.instant, self.open, self.open_paths) = (0, 0, [0; 2], [0; 2]);
+        (self.delay, self.instant, self.waits, self.open, self.open_paths) = (0, 0, false, [0; 2], [0; 2]);
         (self.run, self.end, self.config) = (None, None, None);
     }
 

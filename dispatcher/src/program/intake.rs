@@ -243,6 +243,7 @@ impl Program<'_> {
     fn push<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, op: Op, change: Change) {
         if self.lane.push(op, change, self.delay, &mut desk.ahead) {
             self.instant = self.instant.saturating_add(self.delay);
+            self.waits |= matches!(op, Op::WaitRest { .. });
             self.delay = 0;
         }
     }

@@ -63,6 +63,8 @@ pub struct Program<'a> {
     /// The script clock of the last entry pushed, at the earliest: what a WaitStop takes comes on top
     /// once it is over, ns.
     instant: u64,
+    /// A WaitStop is under way, or what was pushed after it is: `instant` is earlier than that is.
+    waits: bool,
     /// Axes with data in FIFO 0, FIFO 1 that the tick does not know of yet.
     open: [u64; 2],
     /// Coordinate systems, the same.
@@ -125,6 +127,7 @@ impl<'a> Program<'a> {
             state: State::Empty,
             delay: 0,
             instant: 0,
+            waits: false,
             open: [0; 2],
             open_paths: [0; 2],
             run: None,
@@ -174,7 +177,8 @@ impl<'a> Program<'a> {
         let of_clock = self.instant.saturating_add(self.delay);
         let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
         let begun = self.state == State::Running && self.run.is_some();
-        begun && !self.lane.may_free() && zero.saturating_add(of_clock) < view.now.0.saturating_add(view.period.0)
+        let known = begun && !self.waits && !self.lane.may_free();
+        known && zero.saturating_add(of_clock) < view.now.0.saturating_add(view.period.0)
     }
 
     /// Whether the record in hand acts soon, and nothing is on its way before it.
@@ -374,6 +378,7 @@ impl<'a> Program<'a> {
         if self.runs(view) {
             self.clock = view.now.0.saturating_sub(view.script_zero.0);
             self.instant = self.instant.max(view.script.0);
+            self.waits &= self.lane.in_flight();
         }
         let mut progress = false;
         if self.drop_due {

@@ -214,12 +214,13 @@ rtn = GT_LnXY(1, 10007, 0, 50, 2);
 rtn = GT_BufLaserPrfCmd(1, 3, 0, 0);
 rtn = GT_LnXY(1, 10007, 2000, 50, 2);
 rtn = GT_BufLaserOff(1, 0, 0);
+Sleep(1); // set-up takes several ticks of 10 us (SPEC 7)
 rtn = GT_CrdStart(1, 0);
 WaitStop(1, 0, 1);
 Sleep(1);";
     for tick_us in [10u32, 50, 250, 1000] {
         let ran = run(&text, "gus", tick_us).good();
-        let start = u64::from(tick_us) * 1000;
+        let start = 1_000_000 + u64::from(tick_us) * 1000;
         let volts: Vec<(u64, f64)> =
             ran.edges("laser0_dac_mv").into_iter().map(|(at, value)| (at, value.parse::<f64>().unwrap())).collect();
         let instants: Vec<u64> = volts.iter().map(|(at, _)| *at).collect();

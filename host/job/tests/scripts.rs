@@ -207,6 +207,8 @@ fn every_function_packs_as_long_as_its_request() {
         "LnXYMany",
         "LnXYZMany",
         "CrdInfo",
+        "GetWait",
+        "SimPlan",
     ];
     for info in c::COMMANDS {
         let reached = job::api::FUNCTIONS.iter().any(|function| function.opcode == info.opcode);

@@ -64,7 +64,10 @@ const PLANTED: &[Planted] = &[
     },
     Planted {
         name: "an on command without an output is remembered",
-        places: &[(OWNER, "_ if !self.output => Order::Ignored(Ignored::NoOutput),", "_ if false => Order::Keep,")],
+        places: &[
+            (OWNER, "_ if !self.output => Order::Ignored(Ignored::NoOutput),", "_ if false => Order::Keep,"),
+            (OWNER, "        if !self.output {\n            return", "        if false {\n            return"),
+        ],
     },
     Planted {
         name: "an Abort, and so GT_Close, leaves light at rest",
@@ -75,8 +78,11 @@ const PLANTED: &[Planted] = &[
         places: &[(EXECUTE, "                self.lasers.new_session(next);\n", "")],
     },
     Planted {
-        name: "the link-loss time outlives Reset",
-        places: &[(BOOKS, "                self.watch = Watch::DEFAULT;\n", "")],
+        name: "the link-loss time outlives Reset and session",
+        places: &[
+            (BOOKS, "                self.watch = Watch::DEFAULT;\n", ""),
+            (DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.ahead.watch;\n"),
+        ],
     },
     Planted {
         name: "the link-loss time outlives the session",
