@@ -160,8 +160,8 @@ fn spiral() {
 #[test]
 fn interrupt() {
     let ran = run("interrupt.gts");
-    ran.stands(100.0, 4375.0, 0.0, 50.0);
-    ran.stands(105.0, 4500.0, 0.0, 0.0);
+    ran.stands(101.0, 4375.0, 0.0, 50.0);
+    ran.stands(106.0, 4500.0, 0.0, 0.0);
     // Aside: 3000 pulses, 25 + 35 + 25 = 85 ms, a delay of 50 ms, and back.
     let last = ran.rows() - 1;
     let lowest = ran.columns["axis2_pos"].iter().copied().fold(0.0, f64::min);
