@@ -256,7 +256,7 @@ fn the_code_of_the_tick_is_read_only_and_null_is_nobodys() {
     }
     // `ldr r0, [r1]`, and `b .` behind it.
     assert!(machine.chip.memory.load(SPARE, &0xe7fe_6808u32.to_le_bytes()));
-    machine.set_register(Register::R(1), 0x3fc);
+    machine.set_register(Register::R(1), 0x1fc);
     machine.set_register(Register::Pc, SPARE | 1);
     assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
     machine.run(100 * MILLISECOND);

@@ -111,6 +111,7 @@ fn eight_axes_in_pvt_take_lines_where_segments_begin() {
     let points: Vec<PvtPoint> = [(0.0, 0.0, 0.0), (2.0, 100.0, 100.0), (4.0, 400.0, 50.0), (6.0, 450.0, 0.0)]
         .map(|(time, pos, vel): (f64, f64, f64)| PvtPoint { time: time.into(), pos: pos.into(), vel: vel.into() })
         .to_vec();
+    client.call_items(PvtTable { core, table, count: 4.into(), first: 0.into() }, &points).unwrap();
     for axis in 1..=8i16 {
         let profile = axis.into();
         client.call(AxisOn { core, axis: profile }).unwrap();
@@ -118,7 +119,6 @@ fn eight_axes_in_pvt_take_lines_where_segments_begin() {
         client.call(SetPvtLoop { core, profile, loop_count: 0.into() }).unwrap();
         client.call(PvtTableSelect { core, profile, table }).unwrap();
     }
-    client.call_items(PvtTable { core, table, count: 4.into(), first: 0.into() }, &points).unwrap();
     client.call(PvtStart { core, mask: 0xff.into() }).unwrap();
     // The client waits for the machine meanwhile; at its end it would abort what runs.
     let mut machine = lock(&shared);

@@ -296,7 +296,8 @@ fn a_break_takes_the_outputs_to_their_idle_levels_without_an_instruction() {
         bench.set(CCR1, 60);
         bench.set(CCMR1, 6 << 4);
         bench.set(CCER, 0b101);
-        // BKE, BKP (active high), MOE.
+        // BKINE; BKE, BKP (active high), MOE.
+        bench.set(0x60, 1);
         bench.set(BDTR, bits | 1 << 12 | 1 << 13 | 1 << 15);
         bench.set(EGR, 1);
         bench.set(DIER, 1 << 7);
@@ -305,11 +306,13 @@ fn a_break_takes_the_outputs_to_their_idle_levels_without_an_instruction() {
         let mut out = Vec::new();
         bench.timer.break_input(true, &mut out, bench.now);
         bench.keep(out, bench.now);
+        assert!(bench.signals.contains(&(bench.now, Signal::Line(24, true))));
+        // Inactive for two counts, then idle.
+        bench.pass(3);
         let last = |bench: &Bench, n| bench.edges(1, n, 0).last().unwrap().1;
         assert_eq!([last(&bench, false), last(&bench, true)], expected);
         assert_eq!(bench.get(BDTR) & 1 << 15, 0, "MOE");
         assert_eq!(bench.get(SR) & 1 << 7, 1 << 7, "BIF");
-        assert!(bench.signals.contains(&(bench.now, Signal::Line(24, true))));
         // Nothing brings them back while the input is active, and nothing but software after it.
         bench.set(BDTR, bits | 1 << 12 | 1 << 13 | 1 << 15);
         assert_eq!(bench.get(BDTR) & 1 << 15, 0);

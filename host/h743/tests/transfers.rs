@@ -414,7 +414,8 @@ fn a_break_at_the_pin_ends_a_pulse_at_that_instant() {
     let pin = Pin::named("PE15").unwrap();
     bench.bus.drive(pin, Some(false), bench.now, &mut bench.exceptions);
     bench.connect("PE15", 1);
-    // OSSI, BKE, BKP; both lines rest low.
+    // BKINE; OSSI, BKE, BKP; both lines rest low.
+    bench.set(TIM1 + 0x60, 1);
     bench.set(TIM1 + BDTR, 1 << 15 | 1 << 13 | 1 << 12 | 1 << 10);
     bench.pass(230);
     let at = bench.now;

@@ -133,11 +133,7 @@ impl Device for Timer {
                 if value & 1 << 24 != 0 {
                     self.complain("a second break input");
                 }
-                let ends = before & !value & Break::MOE != 0;
-                self.brake.bdtr = value | before & Break::MOE;
-                if ends {
-                    self.disable(at);
-                }
+                self.brake.bdtr = value;
                 // MOE cannot be set while the break is active.
                 if before & Break::MOE == 0 && value & Break::MOE != 0 {
                     let broken = self.brake.is_broken(self.others[0], self.is_odd);
