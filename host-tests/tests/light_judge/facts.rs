@@ -386,10 +386,12 @@ impl Builder<'_> {
         }
         let mut facts = Vec::with_capacity(self.noted.len() + doubts.len());
         for (index, noted) in self.noted.iter().enumerate() {
-            for &(_, later, crds) in doubts.iter().filter(|(at, ..)| *at == index) {
-                let lo = noted.fact.lo.min(self.noted[later].fact.lo);
-                facts.push(Fact::at(lo, What::Doubt { crds }));
-            }
+            let begins = doubts.iter().filter(|(at, ..)| *at == index);
+            let mut begins: Vec<Fact> = begins
+                .map(|&(_, later, crds)| Fact::at(noted.fact.lo.min(self.noted[later].fact.lo), What::Doubt { crds }))
+                .collect();
+            begins.sort_by_key(|doubt| doubt.lo);
+            facts.extend(begins);
             facts.push(noted.fact);
             for &(.., crds) in doubts.iter().filter(|(from, to, _)| (*from..=*to).contains(&index)) {
                 facts.push(Fact { what: What::Doubt { crds }, ..noted.fact });

@@ -3,7 +3,7 @@
 //! In: an entry that was reached, or a standstill. Out: the state after it.
 use super::super::fact::{Laser, Why};
 use super::Judge;
-use super::state::{Commanded, Maybe, Owner, set};
+use super::state::{Commanded, Lost, Maybe, Owner, set};
 
 impl Judge {
     pub(super) fn entry(&mut self, crd: usize, channel: usize, laser: Laser) {
@@ -80,7 +80,9 @@ impl Judge {
         for of in &mut self.channels {
             let mapped = of.map & set(crd) != 0;
             let follows = of.follow == Some(crd);
-            if let Some(lost) = of.lost.as_mut().filter(|_| stopped && mapped) {
+            // What a lost link took ends with the entries that lit it.
+            let ended = |lost: &Lost| why != Why::Stopped && lost.owner == Some(Owner::Crd(crd));
+            if let Some(lost) = of.lost.as_mut().filter(|lost| stopped && mapped || ended(lost)) {
                 lost.doubt = true;
             }
             match why {
