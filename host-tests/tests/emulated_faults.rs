@@ -302,7 +302,7 @@ fn power_on_in_every_order_is_dark_and_then_works() {
     assert_eq!(reason(&client).0, 0);
     assert_dark_until_cleared(&client, 2);
 
-    // The host takes its leave: dark at once, and the lost link finds no light to put out.
+    // The host takes its leave: dark at once, and the lost link finds no light to shut off.
     drop(client);
     map.pass(&board, 500);
     let client = board.open();

@@ -1,7 +1,10 @@
 //! Every end of a job is dark (SPEC 9): the script's end, a refused call, INT, TERM and HUP; in virtual time and over TCP.
 //! And who may be at a served controller.
 #![cfg(unix)]
+mod served;
+
 use assert_cmd::cargo::cargo_bin;
+use served::Served;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -19,22 +22,7 @@ const AXES: &str = "GT_Reset(); GT_LmtsOff(1); GT_LmtsOff(2); GT_AlarmOff(1); GT
     GT_SetCrdPrm(1, &crd); GT_CrdClear(1, 0);\n";
 const LASER: &str = "GT_SetAxisMode(7, 1); GT_LaserOutFrq(10, 0); GT_LaserPrfCmd(50, 0);\n";
 
-/// `beamtick serve` on a free port; it ends with the test.
-struct Served(Child, String);
-
 impl Served {
-    fn start() -> Served {
-        let mut child = Command::new(cargo_bin("beamtick"))
-            .args(["serve", "--listen", "127.0.0.1:0"])
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        let link = line.split([' ', ',']).find(|word| word.starts_with("tcp:")).unwrap().to_owned();
-        Served(child, link)
-    }
-
     fn address(&self) -> &str {
         self.1.strip_prefix("tcp:").unwrap()
     }
@@ -48,13 +36,6 @@ impl Served {
     /// The line of channel 0.
     fn laser(&self) -> String {
         self.info().lines().find(|line| line.starts_with("laser 0")).unwrap().to_owned()
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
     }
 }
 

@@ -1,11 +1,14 @@
 //! The program against `beamtick serve`, and against controllers that are not ours.
+mod served;
+
 use assert_cmd::cargo::cargo_bin;
 use protocol::link::{Endpoint, Identity, Role};
+use served::Served;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpListener;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Two axes, 250 ms: one on a trapezoid, one with a jump of the velocity.
@@ -31,30 +34,6 @@ GT_PtStart(3);
 WaitStop(3);
 Sleep(1);
 ";
-
-/// `beamtick serve` on a free port; it ends with the test.
-struct Served(Child, String);
-
-impl Served {
-    fn start() -> Served {
-        let mut child = Command::new(cargo_bin("beamtick"))
-            .args(["serve", "--listen", "127.0.0.1:0"])
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        let link = line.split([' ', ',']).find(|word| word.starts_with("tcp:")).unwrap().to_owned();
-        Served(child, link)
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
 
 /// Output, errors, exit code.
 fn beamtick(arguments: &[&str]) -> (String, String, i32) {

@@ -1,29 +1,18 @@
 //! A reader of what a job says may pause for as long as it likes: the job goes on, and a signal ends it as ever (SPEC 9, 10).
 #![cfg(unix)]
+mod served;
+
 use assert_cmd::cargo::cargo_bin;
+use served::Served;
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// More lines than a pipe of 64 KiB takes.
 const READS: usize = 2500;
 
-struct Served(Child, String);
-
 impl Served {
-    fn start() -> Served {
-        let mut child = Command::new(cargo_bin("beamtick"))
-            .args(["serve", "--listen", "127.0.0.1:0"])
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        let link = line.split([' ', ',']).find(|word| word.starts_with("tcp:")).unwrap().to_owned();
-        Served(child, link)
-    }
-
     /// A job of light that lasts for so many ms, and reads or complains in each.
     fn run(&self, folder: &std::path::Path, call: &str, light: usize) -> Child {
         let mut text = "#pragma continue\nunsigned short on; short rtn;\nGT_Reset(); GT_SetAxisMode(7, 1); GT_LaserOutFrq(10, 0);\n\
@@ -48,13 +37,6 @@ impl Served {
         let output = Command::new(cargo_bin("beamtick")).args(["info", "--link", &self.1]).output().unwrap();
         let text = String::from_utf8(output.stdout).unwrap();
         text.lines().find(|line| line.starts_with("laser 0")).unwrap_or_default().to_owned()
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
     }
 }
 
