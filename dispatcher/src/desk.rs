@@ -28,7 +28,7 @@ use protocol::record::{Full, ReplyWriter, RequestRecord};
 use ring::Producer;
 use servo::laser::CHANNELS;
 use servo::op::{Entry, Mode, Op};
-use servo::path::EntryStore;
+use servo::path::PathStores;
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
 use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
@@ -44,7 +44,7 @@ pub struct Desk<'a, const AXES: usize> {
     /// PT segments.
     pub stores: &'a [SegmentStore; AXES],
     /// FIFOs of coordinate systems.
-    pub entries: &'a [[EntryStore; 2]],
+    pub entries: PathStores<'a>,
     /// What leads to them.
     pub queues: &'a mut [[PathQueue; 2]],
     /// When a path that runs wants to be looked at, controller time in ns; the end of time where none does.
@@ -84,7 +84,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     pub fn new(
         board: Board,
         stores: &'a [SegmentStore; AXES],
-        paths: (&'a [[EntryStore; 2]], &'a mut [[PathQueue; 2]]),
+        paths: (PathStores<'a>, &'a mut [[PathQueue; 2]]),
         tables: TableStores<'a>,
         ring: Producer<'a, Entry, IMMEDIATE>,
     ) -> Self {
@@ -130,7 +130,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             board: &self.board,
             decided,
             near: decided,
-            crds: self.entries.len(),
+            crds: self.entries.count(),
             staged: &mut self.staged,
             effect: Effect::None,
         };
@@ -179,7 +179,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             board: &self.board,
             decided,
             near,
-            crds: self.entries.len(),
+            crds: self.entries.count(),
             staged: &mut self.staged,
             effect: Effect::None,
         };
@@ -218,7 +218,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             board: &self.board,
             decided: false,
             near: false,
-            crds: self.entries.len(),
+            crds: self.entries.count(),
             staged: &mut self.staged,
             effect: Effect::None,
         };
@@ -237,7 +237,7 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             board: &self.board,
             decided: false,
             near: false,
-            crds: self.entries.len(),
+            crds: self.entries.count(),
             staged: &mut self.staged,
             effect: Effect::None,
         };

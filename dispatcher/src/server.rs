@@ -16,7 +16,7 @@ use protocol::reason::Reason;
 use protocol::record::{Lane, ReplyHead, ReplyWriter, TRACE_RECORD, requests};
 use ring::{Consumer, Producer, Reader};
 use servo::op::{Entry, Lane as TickLane};
-use servo::path::EntryStore;
+use servo::path::PathStores;
 use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
 pub use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SEGMENTS};
@@ -102,7 +102,7 @@ pub struct Channels<'a, const AXES: usize> {
     /// PT segments of every axis.
     pub stores: &'a [SegmentStore; AXES],
     /// FIFOs of coordinate systems, as the tick has them.
-    pub paths: &'a [[EntryStore; 2]],
+    pub paths: PathStores<'a>,
     /// What leads to them, as many.
     pub queues: &'a mut [[PathQueue; 2]],
     /// PVT tables.

@@ -24,8 +24,8 @@ use interrupts::{Receiver, Servo};
 use servo::pvt::TableStores;
 use servo::tick::Lanes;
 use statics::{
-    BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PATHS, PENDED, PLACES, PROGRAM_LANE, QUEUES,
-    RECEIVER, RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW,
+    BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PENDED, PLACES, PROGRAM_LANE, QUEUES, RECEIVER,
+    RECEIVING, REPORT, SERVER, SERVO, STORES, TICK, TRACE, VIEW, paths,
 };
 use tasks::LinkParts;
 use wires::{Outflow, Wire, Wires};
@@ -116,7 +116,7 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
             samples: samples_in,
             segments: &STORES,
             tables: TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
-            paths: &PATHS,
+            paths: paths(),
         },
     };
     if last.is_some() {
@@ -137,7 +137,7 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
         events,
         samples,
         stores: &STORES,
-        paths: &PATHS,
+        paths: paths(),
         queues: QUEUES.try_take()?,
         tables: TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
     };

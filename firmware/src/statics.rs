@@ -10,7 +10,7 @@ use hal::board::{self, AXES};
 use ring::{Latest, Ring};
 use servo::laser::Tables;
 use servo::op::Entry;
-use servo::path::EntryStore;
+use servo::path::{EntryStore, PathStores};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES};
 use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::Crd;
@@ -25,7 +25,7 @@ pub static IMMEDIATE_LANE: Ring<Entry, IMMEDIATE> = Ring::new();
 /// Thread to tick: timed operations of a program.
 pub static PROGRAM_LANE: Ring<Entry, PROGRAM> = Ring::new();
 /// Tick to thread: the newest view.
-#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".itcm"))]
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state"))]
 pub static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
 /// Tick to thread: news.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".backup"))]
@@ -43,19 +43,34 @@ pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".dma.headers"))]
 pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Thread to tick: entries of coordinate systems, a pair of FIFOs each.
-#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".paths"))]
+#[cfg(not(feature = "stm32h743"))]
 pub static PATHS: [[EntryStore; 2]; Crd::MAX] = [const { [const { EntryStore::new() }; 2] }; Crd::MAX];
+/// The same, of which no memory has room for both.
+#[cfg(feature = "stm32h743")]
+#[unsafe(link_section = ".paths_0")]
+static PATHS_0: [EntryStore; 2] = [const { EntryStore::new() }; 2];
+#[cfg(feature = "stm32h743")]
+#[unsafe(link_section = ".paths_1")]
+static PATHS_1: [EntryStore; 2] = [const { EntryStore::new() }; 2];
+
+/// Where the FIFOs of coordinate systems lie.
+pub const fn paths() -> PathStores<'static> {
+    #[cfg(not(feature = "stm32h743"))]
+    return PathStores::of(&PATHS);
+    #[cfg(feature = "stm32h743")]
+    PathStores::new([Some(&PATHS_0), Some(&PATHS_1)])
+}
 /// Thread to tick: tables of laser channels.
 pub static LASER_TABLES: Tables = Tables::new();
 /// What leads to them: look-aheads.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; Crd::MAX]> =
     ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; Crd::MAX]);
 /// Link interrupt to task: bytes received.
-#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".thread"))]
 pub static BYTES: Ring<u8, RECEIVED> = Ring::new();
 
 /// The servo tick.
-#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".itcm"))]
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state"))]
 pub static TICK: ConstStaticCell<Tick<AXES>> = ConstStaticCell::new(Tick::new(TickConfig {
     period_ns: board::TICK_NS,
     axes: AXES as u8,
@@ -64,7 +79,7 @@ pub static TICK: ConstStaticCell<Tick<AXES>> = ConstStaticCell::new(Tick::new(Ti
     step_limit: board::STEP_LIMIT,
 }));
 /// What the tick's interrupt owns.
-#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".itcm"))]
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state"))]
 pub static SERVO: Given<Servo> = Given::nothing();
 /// What the link's receive interrupt owns.
 pub static RECEIVER: Given<Receiver> = Given::nothing();

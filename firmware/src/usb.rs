@@ -32,7 +32,6 @@ pub struct Memory {
 
 #[unsafe(link_section = ".thread")]
 static MEMORY: StaticCell<Memory> = StaticCell::new();
-#[unsafe(link_section = ".thread")]
 static DEVICE: StaticCell<Device> = StaticCell::new();
 
 /// The device as the host sees it.

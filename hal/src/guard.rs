@@ -22,10 +22,12 @@ const CODE: u32 = 1 << 19 | 6 << 24;
 /// CTRL: on, the default map for what no region covers.
 const ON: u32 = 1 | 1 << 2;
 
-/// Nobody may touch the [`SPAN`] below `stack` any more, which is a multiple of it.
-pub fn below(mpu: &mut MPU, stack: u32) {
+/// Nobody may touch the [`SPAN`] below `stack` any more, which is a multiple of it, but for the eighths whose bit is set in
+/// `without`, lowest first.
+pub fn below(mpu: &mut MPU, stack: u32, without: u8) {
+    let eighths = (without as u32) << 8;
     // SAFETY: nothing of the program lies there; the region only takes rights away.
-    unsafe { set(mpu, 0, stack.wrapping_sub(SPAN), on(SPAN.ilog2()) | NO_ACCESS) };
+    unsafe { set(mpu, 0, stack.wrapping_sub(SPAN), on(SPAN.ilog2()) | eighths | NO_ACCESS) };
 }
 
 /// Nobody may touch the first 512 bytes any more: null.
@@ -41,10 +43,12 @@ pub fn uncached(mpu: &mut MPU, base: u32, bits: u32, without: u8) {
     unsafe { set(mpu, 2, base, on(bits) | (without as u32) << 8 | UNCACHED) };
 }
 
-/// Nobody may write the 2^`bits` bytes from `base` on, a multiple of that: code that start-up has put there.
-pub fn code(mpu: &mut MPU, base: u32, bits: u32) {
+/// Nobody may write the 2^`bits` bytes from `base` on, a multiple of that: code that start-up has put there. `part` 0 or 1:
+/// code whose length is no power of two has two parts.
+pub fn code(mpu: &mut MPU, part: u32, base: u32, bits: u32) {
+    let region = if part == 0 { 3 } else { 6 };
     // SAFETY: the program writes nothing there any more.
-    unsafe { set(mpu, 3, base, on(bits) | CODE) };
+    unsafe { set(mpu, region, base, on(bits) | CODE) };
 }
 
 /// Nobody may touch memory outside the chip, nor may the core read there ahead, where the default map has normal memory: a board with none.

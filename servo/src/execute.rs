@@ -7,7 +7,7 @@ use crate::axis::{AxisState, Jog};
 use crate::follow::{Input, Method};
 use crate::laser::{self, Change};
 use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op};
-use crate::path::EntryStore;
+use crate::path::PathStores;
 use crate::port::{Due, Port, Simulated};
 use crate::pvt::TableStores;
 use crate::tick::{EVENTS, Lanes, PERIOD_NS, SAMPLES, SegmentStore, Source, Tick, tell};
@@ -22,7 +22,7 @@ pub(crate) struct Reach<'r, 'a, const AXES: usize> {
     pub(crate) samples: &'r mut Producer<'a, Sample, SAMPLES>,
     pub(crate) segments: &'a [SegmentStore; AXES],
     pub(crate) tables: TableStores<'a>,
-    pub(crate) paths: &'a [[EntryStore; 2]],
+    pub(crate) paths: PathStores<'a>,
 }
 
 impl<'r, 'a, const AXES: usize> Reach<'r, 'a, AXES> {
@@ -30,7 +30,7 @@ impl<'r, 'a, const AXES: usize> Reach<'r, 'a, AXES> {
     #[inline(always)]
     pub(crate) fn of(lanes: &'r mut Lanes<'a, AXES>) -> Reach<'r, 'a, AXES> {
         let Lanes { events, samples, segments, tables, paths, .. } = lanes;
-        Reach { events, samples, segments, tables: *tables, paths }
+        Reach { events, samples, segments, tables: *tables, paths: *paths }
     }
 }
 

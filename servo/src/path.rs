@@ -18,7 +18,7 @@ pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Rate, Refused, S
 pub(crate) use run::{EFFECTS, INSTANTS};
 pub use run::{Effects, Feed, GEARS, Path, Rest, Rules, Sight, Step, Told, Wake};
 pub use shape::Bend;
-pub use store::{ENTRIES, Entries, EntryStore};
+pub use store::{ENTRIES, Entries, EntryStore, PathStores};
 
 /// An instant or a duration in 2⁻³² ns; instants count from power-on.
 pub type Fine = u128;

@@ -157,7 +157,7 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     pub(crate) fn switch_servos(&mut self, switched: Switched, next: Ns, lanes: &mut Lanes<'_, AXES>) {
         let Lanes { events, samples, segments, tables, paths, view, .. } = lanes;
-        let mut reach = Reach { events, samples, segments, tables: *tables, paths };
+        let mut reach = Reach { events, samples, segments, tables: *tables, paths: *paths };
         self.servo(AxisMask(switched.on), true, next, &mut reach);
         self.servo(AxisMask(switched.off), false, next, &mut reach);
         for axis in AxisMask(switched.on | switched.off).axes() {

@@ -16,7 +16,7 @@ use crate::execute::Reach;
 use crate::follow::{self, Entries, Order};
 use crate::laser::{Cause, Clock, Lasers};
 use crate::op::{Entry, Lane, Op, Supervision};
-use crate::path::EntryStore;
+use crate::path::PathStores;
 use crate::port::{AxisInputs, Port};
 pub use crate::pt::{SEGMENTS, SegmentStore};
 use crate::pt::{Segment, Segments};
@@ -65,8 +65,8 @@ pub struct Lanes<'a, const AXES: usize> {
     pub segments: &'a [SegmentStore; AXES],
     /// PVT tables.
     pub tables: TableStores<'a>,
-    /// FIFOs of coordinate systems; one behind the end of these does not exist.
-    pub paths: &'a [[EntryStore; 2]],
+    /// FIFOs of coordinate systems.
+    pub paths: PathStores<'a>,
 }
 
 /// What an axis's motion is read from: its own segments, everybody's tables.
@@ -477,7 +477,7 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let Lanes { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
-        let mut reach = Reach { events, samples, segments, tables: *tables, paths };
+        let mut reach = Reach { events, samples, segments, tables: *tables, paths: *paths };
         let (mut budget, mut drops) = (Budget::of(self.period), false);
         let mut calls = work::calls(self.period);
         // Entries are read where they lie: a copy of one costs as much as what it does.

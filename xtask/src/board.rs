@@ -2,6 +2,7 @@
 //!
 //! In: the workspace. Out: ELF, BIN and Intel HEX in `out/`, named with the version, with their checksums; a table of
 //! regions; a flashed board. Fails: with a sentence that says what is missing.
+use crate::floats;
 use crate::setup::compiler;
 use crate::shell::{self, Outcome, program, root, run, target, works};
 use object::Endianness;
@@ -57,14 +58,16 @@ pub fn image() -> Outcome {
         println!("{}: {} bytes, CRC-32 {:08x}", path.display(), content.len(), crc32(content));
     }
     regions(&bytes, &loaded)?;
-    hot(&bytes)
+    hot(&bytes)?;
+    floats::check(&bytes)
 }
 
 /// Prints what the image takes of each region, and what runs from ITCM; the linker has refused what does not fit.
 pub fn size() -> Outcome {
     let bytes = read(&build()?)?;
     regions(&bytes, &loaded(&bytes)?)?;
-    hot(&bytes)
+    hot(&bytes)?;
+    floats::check(&bytes)
 }
 
 /// Flashes the board that is connected.

@@ -6,6 +6,7 @@
 mod board;
 mod checks;
 mod demo;
+mod floats;
 mod fuzz;
 mod image;
 mod mutants;

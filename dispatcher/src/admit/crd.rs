@@ -12,7 +12,7 @@ use protocol::command::{
 use protocol::reason::Reason;
 use servo::crd;
 use servo::op::{Mode, Op};
-use servo::path::{DIMENSIONS, EntryStore, Rate};
+use servo::path::{DIMENSIONS, PathStores, Rate};
 use servo::ramp::Accel;
 use servo::units::{AxisMask, Crd, Pos};
 
@@ -165,7 +165,7 @@ fn startable<const AXES: usize>(case: &Case<AXES>, crd: Crd, fifo: u8) -> Admitt
 pub fn start<const AXES: usize>(
     case: &mut Case<AXES>,
     queues: &mut [[PathQueue; 2]],
-    stores: &[[EntryStore; 2]],
+    stores: PathStores<'_>,
     r: &CrdStart,
 ) -> Admitted<Answer> {
     let crds = case.crd_mask(r.core.get(), r.mask.get().into(), 1)?;

@@ -18,7 +18,7 @@ use crate::refuse::{Admitted, Refused, choice, real};
 use given::{Given, Speeds, Target, Way, What, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
-use servo::path::{Along, DIMENSIONS, Entry, EntryStore, Plane};
+use servo::path::{Along, DIMENSIONS, Entry, EntryStore, PathStores, Plane};
 use servo::units::{Axis, Crd};
 
 /// The lowest speed and acceleration of a motion.
@@ -315,7 +315,7 @@ fn explain(refused: figure::Refused, way: &Way, field: u8) -> Refused {
 pub fn data<const AXES: usize>(
     case: &Case<AXES>,
     queues: &mut [[PathQueue; 2]],
-    stores: &[[EntryStore; 2]],
+    stores: PathStores<'_>,
     number: u16,
     body: &[u8],
 ) -> Admitted<(Written, End)> {
@@ -334,7 +334,7 @@ pub fn data<const AXES: usize>(
 fn light<const AXES: usize>(
     case: &Case<AXES>,
     queues: &mut [[PathQueue; 2]],
-    stores: &[[EntryStore; 2]],
+    stores: PathStores<'_>,
     number: u16,
     body: &[u8],
 ) -> Admitted<(Written, End)> {
@@ -353,7 +353,7 @@ fn light<const AXES: usize>(
 pub fn put<const AXES: usize>(
     case: &Case<AXES>,
     queues: &mut [[PathQueue; 2]],
-    stores: &[[EntryStore; 2]],
+    stores: PathStores<'_>,
     (target, what): &Given,
 ) -> Admitted<(Written, End)> {
     let filling = open(case, target)?;
@@ -416,7 +416,7 @@ pub fn put<const AXES: usize>(
 fn lines<R, const N: usize, const AXES: usize>(
     case: &Case<AXES>,
     queues: &mut [[PathQueue; 2]],
-    stores: &[[EntryStore; 2]],
+    stores: PathStores<'_>,
     body: &[u8],
 ) -> Admitted<(Written, End)>
 where

@@ -10,7 +10,7 @@ use crate::path_queue::PathQueue;
 use crate::refuse::Admitted;
 use protocol::command::{FollowSwitchNowEx, opcode};
 use servo::op::Op;
-use servo::path::EntryStore;
+use servo::path::PathStores;
 use servo::pt::SegmentStore;
 use servo::units::{Axis, Crd};
 
@@ -68,7 +68,7 @@ pub struct Stores<'x, const AXES: usize> {
     /// PT and Follow, a store an axis.
     pub segments: &'x [SegmentStore; AXES],
     /// Both FIFOs of each coordinate system.
-    pub entries: &'x [[EntryStore; 2]],
+    pub entries: PathStores<'x>,
     /// What leads to them.
     pub queues: &'x mut [[PathQueue; 2]],
 }

@@ -32,7 +32,7 @@ impl<const AXES: usize> Desk<'_, AXES> {
     /// Paths that run and whose entries do not last long enough any more get more from their look-aheads.
     pub fn feed_paths(&mut self, view: &View<AXES>) {
         self.feed_due = u64::MAX;
-        for crd in Crd::all().take(self.entries.len()) {
+        for crd in Crd::all().take(self.entries.count()) {
             let (seen, book) = (&view.crds[crd.index()], self.ahead.crd(crd));
             // What a WaitStop has closed is not fed from what comes behind it.
             let started = book.started.is_some_and(|seq| executed(view, seq));
@@ -80,7 +80,7 @@ impl<const AXES: usize> Desk<'_, AXES> {
     /// A program has been dropped: what it had given to FIFOs and is not executed is forgotten. A FIFO is emptied if its
     /// places were overwritten, and if some of what was executed waited in a look-ahead together with what was not.
     pub fn forget_paths(&mut self, view: &View<AXES>) {
-        for crd in Crd::all().take(self.entries.len()) {
+        for crd in Crd::all().take(self.entries.count()) {
             for fifo in 0..2u8 {
                 let ahead = self.ahead.crd(crd).path(fifo);
                 let pending = ahead.last.is_some_and(|seq| seq & PROGRAM_FLAG != 0 && !executed(view, seq));

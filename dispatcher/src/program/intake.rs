@@ -353,7 +353,7 @@ fn wait_stop<const AXES: usize>(
         board: &desk.board,
         decided: false,
         near,
-        crds: desk.entries.len(),
+        crds: desk.entries.count(),
         staged: &mut staged,
         effect: Effect::None,
     };

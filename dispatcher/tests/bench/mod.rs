@@ -11,7 +11,7 @@ use protocol::reason::{Reason, Refusal};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use ring::{Latest, Ring};
 use servo::laser::{Clock, Plan};
-use servo::path::EntryStore;
+use servo::path::{EntryStore, PathStores};
 use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::steps;
@@ -144,7 +144,7 @@ impl<const AXES: usize> Bench<AXES> {
         let stores: &'static [SegmentStore; AXES] = Box::leak(stores);
         let queues: Vec<[PathQueue; 2]> = (0..Crd::MAX).map(|_| Default::default()).collect();
         let queues: &'static mut [[PathQueue; 2]] = queues.leak();
-        let paths: &'static [[EntryStore; 2]] = leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]);
+        let paths = PathStores::of::<{ Crd::MAX }>(leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]));
         let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
         let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores {

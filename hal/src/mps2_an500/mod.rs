@@ -88,7 +88,7 @@ pub struct Board {
 /// call on.
 pub fn take() -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
-    guard::below(&mut core.MPU, STACK);
+    guard::below(&mut core.MPU, STACK, 0);
     // SAFETY: before `listen` nothing runs at these priorities, so no critical section is open.
     unsafe {
         core.NVIC.set_priority(Interrupt::TIMER0, priority::TICK);

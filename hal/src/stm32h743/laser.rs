@@ -32,9 +32,9 @@ static RING_1: Places<ENERGY_PLACES, 3> = places();
 static RING_SWITCHES: Places<SWITCH_PLACES, 6> = places();
 
 /// Plans of a tick.
-#[unsafe(link_section = ".itcm.held_0")]
+#[unsafe(link_section = ".state.held_0")]
 static HELD_0: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
-#[unsafe(link_section = ".itcm.held_1")]
+#[unsafe(link_section = ".state.held_1")]
 static HELD_1: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
 
 /// What the timers do.

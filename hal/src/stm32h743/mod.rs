@@ -98,11 +98,13 @@ pub fn take() -> Option<Board> {
     }
     clocks::spare_debuggers();
     watchdog::start();
-    guard::below(&mut core.MPU, STACK);
+    // The first eighth is the chip's system memory, which holds its unique number (RM0433 61.1).
+    guard::below(&mut core.MPU, STACK, 1);
     guard::null(&mut core.MPU);
     guard::outside(&mut core.MPU);
-    let (base, bits) = CODE;
-    guard::code(&mut core.MPU, base, bits);
+    for (region, (base, bits)) in CODE.into_iter().enumerate() {
+        guard::code(&mut core.MPU, region as u32, base, bits);
+    }
     let (base, bits, without) = DMA_MEMORY;
     guard::uncached(&mut core.MPU, base, bits, without);
     core.SCB.enable_icache();
@@ -134,9 +136,9 @@ pub fn take() -> Option<Board> {
     }
 }
 
-/// The regions STACK and CODE of `memory.x`: where the one begins, and all of the other.
-const STACK: u32 = 0x3000_0000;
-const CODE: (u32, u32) = (0xc000, 14);
+/// The regions STACK and CODE of `memory.x`: where the one begins, and all of the other, 1 KiB and 16.
+const STACK: u32 = 0x2000_0000;
+const CODE: [(u32, u32); 2] = [(0xbc00, 10), (0xc000, 14)];
 
 /// The regions DMA and KEPT of `memory.x`: SRAM 3 without its first two eighths, 24 KiB.
 const DMA_MEMORY: (u32, u32, u8) = (0x3004_0000, 15, 0b11);

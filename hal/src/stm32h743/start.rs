@@ -63,7 +63,7 @@ global_asm!(
     ".word 0x38000000, 0x38010000",
     ".word 0x38800000, 0x38801000",
     ".word 0, 0",
-    ".word __sitcm, __eitcm, __siitcm",
+    ".word __sstate, __estate, __sistate",
     ".word __shot, __ehot, __sihot",
     ".word 0, 0, 0",
     ".ltorg",

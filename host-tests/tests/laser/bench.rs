@@ -199,8 +199,16 @@ impl Bench {
             lasers: leak(servo::laser::Tables::new()),
         };
         let segments: &'static [SegmentStore; 1] = leak([const { SegmentStore::new() }; 1]);
-        let lanes =
-            Lanes { immediate: immediate_out, program, view: view_in, events, samples, segments, tables, paths: &[] };
+        let lanes = Lanes {
+            immediate: immediate_out,
+            program,
+            view: view_in,
+            events,
+            samples,
+            segments,
+            tables,
+            paths: servo::path::PathStores::NONE,
+        };
         Bench { tick: Tick::new(config(0)), lanes, immediate, view }
     }
 

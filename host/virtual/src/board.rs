@@ -12,7 +12,7 @@ use plant::beam::Levels;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
 use servo::op::Entry;
-use servo::path::EntryStore;
+use servo::path::{EntryStore, PathStores};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{AxisMask, Crd, Ns, StepLimit};
@@ -243,7 +243,7 @@ struct Arena<const AXES: usize> {
     places: Box<[PlaceStore; TABLES]>,
     headers: Box<HeaderStore>,
     lasers: Box<servo::laser::Tables>,
-    paths: Box<[[EntryStore; 2]]>,
+    paths: Box<[[EntryStore; 2]; Crd::MAX]>,
     queues: Box<[[PathQueue; 2]]>,
     immediate: Ring<Entry, IMMEDIATE>,
     program: Ring<Entry, PROGRAM>,
@@ -266,7 +266,7 @@ impl<const AXES: usize> Arena<AXES> {
             places: row(PlaceStore::new),
             headers: Box::new(HeaderStore::new()),
             lasers: Box::new(servo::laser::Tables::new()),
-            paths: (0..Crd::MAX).map(|_| Default::default()).collect(),
+            paths: row(Default::default),
             queues: (0..Crd::MAX).map(|_| Default::default()).collect(),
             immediate: Ring::new(),
             program: Ring::new(),
@@ -312,7 +312,7 @@ fn forever<T>(value: T) -> &'static mut T {
 
 impl<'m, const AXES: usize> Whole<'m, AXES> {
     fn new(arena: &'m mut Arena<AXES>, config: Config) -> Self {
-        let (stores, paths): (&[SegmentStore; AXES], &[[EntryStore; 2]]) = (&arena.segments, &arena.paths);
+        let (stores, paths): (&[SegmentStore; AXES], _) = (&arena.segments, PathStores::of(&arena.paths));
         let tables = TableStores { places: &arena.places, headers: &arena.headers, lasers: &arena.lasers };
         let (immediate_in, immediate_out) = arena.immediate.split();
         let (program_in, program_out) = arena.program.split();

@@ -1,9 +1,10 @@
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 //! What the probes share: a tick of 8 axes with its hand-overs, all static, and what counts instructions.
 //!
 //! In: nothing. Out: both halves of everything, once. Owns the statics. Fails with `None` when asked
 //! twice.
+#[allow(unsafe_code, reason = "registers of a timer")]
 pub mod clock;
 pub mod counted;
 pub mod machine;
@@ -13,7 +14,7 @@ use dispatcher::PathQueue;
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::{Clock, Tables};
 use servo::op::Entry;
-use servo::path::EntryStore;
+use servo::path::{EntryStore, PathStores};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::StepLimit;
@@ -38,7 +39,9 @@ pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 /// Headers of PVT tables.
 pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Entries of coordinate systems.
-pub static PATHS: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
+static ENTRIES: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
+/// The same, as everybody is given them.
+pub const PATHS: PathStores<'static> = PathStores::of(&ENTRIES);
 /// What leads to them.
 pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; 2]> =
     ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; 2]);
@@ -84,7 +87,7 @@ pub fn bench() -> Option<(Tick<AXES>, Lanes<'static, AXES>, Thread)> {
         samples: samples_in,
         segments: &STORES,
         tables: TABLE_STORES,
-        paths: &PATHS,
+        paths: PATHS,
     };
     Some((tick, lanes, Thread { immediate: immediate_in, program: program_in, view, events, samples }))
 }

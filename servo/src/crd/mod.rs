@@ -21,7 +21,7 @@ use frame::Lanes;
 pub use frame::{Frame, Refused};
 pub(crate) use share::{share, share_speed};
 
-use crate::path::{EntryStore, Feed, Path};
+use crate::path::{Feed, Path, PathStores};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};
 
@@ -150,7 +150,7 @@ impl Crds {
 
     /// One of those at rest makes something of its next start ready.
     #[inline(never)]
-    pub(crate) fn get_ready(&mut self, ticks: u32, steps: u32, paths: &[[EntryStore; 2]]) {
+    pub(crate) fn get_ready(&mut self, ticks: u32, steps: u32, paths: PathStores<'_>) {
         let resting = CrdMask(self.unready.0 & !self.running.0);
         for crd in resting.crds() {
             if resting.0 != crd.mask().0 && ticks as usize % Crd::MAX != crd.index() {

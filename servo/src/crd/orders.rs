@@ -8,7 +8,7 @@ use super::{CrdState, Frame, LOOKS, Lanes, Room};
 use crate::execute::Reach;
 use crate::laser::{Cause, Run};
 use crate::op::Lane;
-use crate::path::{DIMENSIONS, EntryStore, Feed, Path, Rate, Rules};
+use crate::path::{DIMENSIONS, EntryStore, Feed, Path, PathStores, Rate, Rules};
 use crate::piece::Scaled;
 use crate::ramp::Accel;
 use crate::status;
@@ -37,9 +37,9 @@ pub(super) fn is_fault(reason: StopReason) -> bool {
 
 impl<const AXES: usize> Tick<AXES> {
     /// SetCrdPrm, at rest.
-    pub(crate) fn set_frame(&mut self, crd: Crd, frame: Frame, paths: &[[EntryStore; 2]]) {
+    pub(crate) fn set_frame(&mut self, crd: Crd, frame: Frame, paths: PathStores<'_>) {
         let axes = frame.mask();
-        let known = paths.len() > crd.index() && axes.0 & !self.in_use(axes).0 == 0;
+        let known = paths.get(crd.index()).is_some() && axes.0 & !self.in_use(axes).0 == 0;
         let moving =
             |mask: AxisMask| mask.axes().any(|axis| self.axes.get(axis.index()).is_none_or(|axis| axis.runs()));
         if !known || self.crds.running.has(crd) || moving(axes) {

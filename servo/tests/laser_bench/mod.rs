@@ -8,7 +8,7 @@ use servo::laser::{
     Train,
 };
 use servo::op::{Entry, Op};
-use servo::path::{self, EntryStore};
+use servo::path::{self, EntryStore, PathStores};
 use servo::port::{AxisInputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
@@ -354,7 +354,7 @@ impl Bench {
             outputs: Default::default(),
             runs: clock == Clock::GHZ,
         };
-        let paths: Box<[[EntryStore; 2]]> = (0..2).map(|_| Default::default()).collect();
+        let paths: Box<[[EntryStore; 2]; 2]> = Box::default();
         let lanes = Lanes {
             immediate: immediate_out,
             program,
@@ -363,7 +363,7 @@ impl Bench {
             samples,
             segments,
             tables,
-            paths: Box::leak(paths),
+            paths: PathStores::of(Box::leak(paths)),
         };
         let known = (Mode::Duty, Power::ZERO, None);
         Bench {
@@ -459,7 +459,7 @@ impl Bench {
     pub fn path(&mut self, index: usize, entries: &[path::Entry]) {
         let count = &mut self.pushed[index][0];
         for entry in entries {
-            self.lanes.paths[index][0].write(*count, *entry);
+            self.lanes.paths.get(index).unwrap()[0].write(*count, *entry);
             *count += 1;
         }
         let cleared = self.view.read().crds[index].cleared[0];

@@ -5,7 +5,7 @@ use servo::crd::Frame;
 use servo::follow;
 use servo::laser::{Clock, Plan};
 use servo::op::{DoGroup, Entry, Mode, Op};
-use servo::path::{self, EntryStore};
+use servo::path::{self, EntryStore, PathStores};
 use servo::piece::Scaled;
 use servo::port::{AxisInputs, Port};
 use servo::pt::{Chain, Segment};
@@ -154,7 +154,7 @@ impl Bench {
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::Tables::new()),
         };
-        let paths: &'static [[EntryStore; 2]] = leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]);
+        let paths = PathStores::of::<{ Crd::MAX }>(leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]));
         let segments: &'static [SegmentStore; AXES] = leak([const { SegmentStore::new() }; AXES]);
         let config = TickConfig {
             period_ns: period_us * 1000,
@@ -338,7 +338,7 @@ impl Bench {
     pub fn path_data(&mut self, index: usize, fifo: u8, entries: &[path::Entry]) -> Op {
         let count = &mut self.pushed[index][fifo as usize];
         for entry in entries {
-            self.lanes.paths[index][fifo as usize].write(*count, *entry);
+            self.lanes.paths.get(index).unwrap()[fifo as usize].write(*count, *entry);
             *count += 1;
         }
         let cleared = self.view.read().crds[index].cleared[fifo as usize];

@@ -435,7 +435,7 @@ pub const LIST: &[Mutant] = &[
         "now.wrapping_sub(TURN_SEEN.load(Relaxed)) > TURN << 12",
         FAULTS,
     ),
-    mutant("nothing guards the stack", MPS2, "guard::below(&mut core.MPU, STACK);", "", FAULTS),
+    mutant("nothing guards the stack", MPS2, "guard::below(&mut core.MPU, STACK, 0);", "", FAULTS),
     mutant("the watchdog is not started", MPS2, "    watchdog::start();\n", "", FAULTS),
     mutant(
         "the emulated laser's registers are nobody's",
@@ -513,7 +513,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "H743: nothing guards the end of the stack",
         "hal/src/stm32h743/mod.rs",
-        "    guard::below(&mut core.MPU, STACK);",
+        "    guard::below(&mut core.MPU, STACK, 1);",
         "",
         H743_STACK,
     ),

@@ -21,7 +21,7 @@ use servo::laser::{
     self, Bounds, Buffered, Carrier, Change, Clock, Curve, Distance, POINTS, Power, Ratio, Ratios, Source, Tables,
 };
 use servo::op::{Entry, Mode, Op};
-use servo::path::{self, Along, EntryStore, Plane, Sweep};
+use servo::path::{self, Along, EntryStore, PathStores, Plane, Sweep};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
@@ -109,7 +109,7 @@ impl Bench {
                     samples,
                     segments: &STORES,
                     tables: TABLE_STORES,
-                    paths: &PATHS,
+                    paths: PathStores::of(&PATHS),
                 },
             ),
             immediate,

@@ -53,7 +53,7 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
         events: thread.events,
         samples: thread.samples,
         stores: &STORES,
-        paths: &PATHS,
+        paths: PATHS,
         queues: QUEUES.try_take()?,
         tables: TABLE_STORES,
     };

@@ -252,7 +252,7 @@ fn main() -> ! {
         events: thread.events,
         samples: thread.samples,
         stores: &STORES,
-        paths: &PATHS,
+        paths: PATHS,
         queues: QUEUES.take(),
         tables: TABLE_STORES,
     };
