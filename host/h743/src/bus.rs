@@ -24,40 +24,45 @@ const APB1LENR: u32 = 0xe8;
 const APB2ENR: u32 = 0xf0;
 const APB4ENR: u32 = 0xf4;
 
-/// Where a peripheral is, and which bit of which enable register gives it a clock.
+/// Where a peripheral is, and what gives it a clock.
 #[derive(Debug, Clone, Copy)]
-struct Place {
-    base: u32,
-    size: u32,
-    clock: Option<(u32, u32)>,
+pub struct Place {
+    /// Its name; the first one's, where a model is several in a row.
+    pub name: &'static str,
+    /// Its first address.
+    pub base: u32,
+    /// Bytes that it answers to.
+    pub size: u32,
+    /// Which bit of which enable register of RCC lets it run; `None` where the model runs without.
+    pub clock: Option<(u32, u32)>,
 }
 
 /// Each peripheral, in the order of [`Bus::device`].
-const PLACES: [Place; 13 + KINDS.len()] = [
-    Place { base: 0x5802_4400, size: 0x400, clock: None },
-    Place { base: 0x5802_4800, size: 0x400, clock: None },
-    Place { base: 0x5200_2000, size: 0x400, clock: None },
-    Place { base: 0x5800_0400, size: 0x400, clock: Some((APB4ENR, 1)) },
-    Place { base: 0x5802_0000, size: 0x2c00, clock: Some((AHB4ENR, 0)) },
-    Place { base: 0x4000_4800, size: 0x400, clock: Some((APB1LENR, 18)) },
-    Place { base: 0x5800_4800, size: 0x400, clock: None },
-    Place { base: 0x4002_0000, size: 0xc00, clock: None },
-    Place { base: 0x4000_7400, size: 0x400, clock: Some((APB1LENR, 29)) },
-    Place { base: 0x4000_3c00, size: 0x400, clock: Some((APB1LENR, 15)) },
-    Place { base: 0x5802_6000, size: 0x400, clock: Some((AHB4ENR, 24)) },
-    Place { base: 0x4008_0000, size: 0x2_0000, clock: Some((AHB1ENR, 27)) },
-    Place { base: 0x5c00_1000, size: 0x400, clock: None },
-    Place { base: 0x4001_0000, size: 0x400, clock: Some((APB2ENR, 0)) },
-    Place { base: 0x4000_0000, size: 0x400, clock: Some((APB1LENR, 0)) },
-    Place { base: 0x4000_0400, size: 0x400, clock: Some((APB1LENR, 1)) },
-    Place { base: 0x4000_0800, size: 0x400, clock: Some((APB1LENR, 2)) },
-    Place { base: 0x4000_0c00, size: 0x400, clock: Some((APB1LENR, 3)) },
-    Place { base: 0x4000_1000, size: 0x400, clock: Some((APB1LENR, 4)) },
-    Place { base: 0x4000_1400, size: 0x400, clock: Some((APB1LENR, 5)) },
-    Place { base: 0x4001_0400, size: 0x400, clock: Some((APB2ENR, 1)) },
-    Place { base: 0x4001_4000, size: 0x400, clock: Some((APB2ENR, 16)) },
-    Place { base: 0x4001_4400, size: 0x400, clock: Some((APB2ENR, 17)) },
-    Place { base: 0x4001_4800, size: 0x400, clock: Some((APB2ENR, 18)) },
+pub const PLACES: [Place; 13 + KINDS.len()] = [
+    Place { name: "RCC", base: 0x5802_4400, size: 0x400, clock: None },
+    Place { name: "PWR", base: 0x5802_4800, size: 0x400, clock: None },
+    Place { name: "FLASH", base: 0x5200_2000, size: 0x400, clock: None },
+    Place { name: "SYSCFG", base: 0x5800_0400, size: 0x400, clock: Some((APB4ENR, 1)) },
+    Place { name: "GPIOA", base: 0x5802_0000, size: 0x2c00, clock: Some((AHB4ENR, 0)) },
+    Place { name: "USART3", base: 0x4000_4800, size: 0x400, clock: Some((APB1LENR, 18)) },
+    Place { name: "IWDG1", base: 0x5800_4800, size: 0x400, clock: None },
+    Place { name: "DMA1", base: 0x4002_0000, size: 0xc00, clock: None },
+    Place { name: "DAC1", base: 0x4000_7400, size: 0x400, clock: Some((APB1LENR, 29)) },
+    Place { name: "SPI3", base: 0x4000_3c00, size: 0x400, clock: Some((APB1LENR, 15)) },
+    Place { name: "ADC3", base: 0x5802_6000, size: 0x400, clock: Some((AHB4ENR, 24)) },
+    Place { name: "USB_OTG_FS", base: 0x4008_0000, size: 0x2_0000, clock: Some((AHB1ENR, 27)) },
+    Place { name: "DBGMCU", base: 0x5c00_1000, size: 0x400, clock: None },
+    Place { name: "TIM1", base: 0x4001_0000, size: 0x400, clock: Some((APB2ENR, 0)) },
+    Place { name: "TIM2", base: 0x4000_0000, size: 0x400, clock: Some((APB1LENR, 0)) },
+    Place { name: "TIM3", base: 0x4000_0400, size: 0x400, clock: Some((APB1LENR, 1)) },
+    Place { name: "TIM4", base: 0x4000_0800, size: 0x400, clock: Some((APB1LENR, 2)) },
+    Place { name: "TIM5", base: 0x4000_0c00, size: 0x400, clock: Some((APB1LENR, 3)) },
+    Place { name: "TIM6", base: 0x4000_1000, size: 0x400, clock: Some((APB1LENR, 4)) },
+    Place { name: "TIM7", base: 0x4000_1400, size: 0x400, clock: Some((APB1LENR, 5)) },
+    Place { name: "TIM8", base: 0x4001_0400, size: 0x400, clock: Some((APB2ENR, 1)) },
+    Place { name: "TIM15", base: 0x4001_4000, size: 0x400, clock: Some((APB2ENR, 16)) },
+    Place { name: "TIM16", base: 0x4001_4400, size: 0x400, clock: Some((APB2ENR, 17)) },
+    Place { name: "TIM17", base: 0x4001_4800, size: 0x400, clock: Some((APB2ENR, 18)) },
 ];
 const RCC: usize = 0;
 const PWR: usize = 1;
@@ -82,7 +87,7 @@ const USB_PINS: [Pin; 2] = [Pin(0, 11), Pin(0, 12)];
 const USB_FUNCTION: u32 = 10;
 
 /// Break inputs: the timer, the pin, its alternate function (docs/board-h743.md).
-const BREAKS: [(u8, &str, u32); 3] = [(1, "PE15", 1), (15, "PE3", 4), (8, "PG2", 3)];
+pub const BREAKS: [(u8, &str, u32); 3] = [(1, "PE15", 1), (15, "PE3", 4), (8, "PG2", 3)];
 
 /// See the module text.
 #[derive(Debug, Clone)]
@@ -125,9 +130,9 @@ pub struct Bus {
 }
 
 /// An input of a timer, from 0, and its pin.
-type Input = (usize, &'static str);
+pub type Input = (usize, &'static str);
 /// Pins at an encoder's first two inputs and at the one that latches its index: the timer, its inputs, the alternate function.
-const ENCODERS: [(u8, [Input; 3], u32); 2] =
+pub const ENCODERS: [(u8, [Input; 3], u32); 2] =
     [(3, [(0, "PB4"), (1, "PB5"), (3, "PB1")], 2), (4, [(0, "PD12"), (1, "PD13"), (2, "PD14")], 2)];
 
 impl Bus {

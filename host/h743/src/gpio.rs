@@ -54,7 +54,7 @@ pub struct Change {
 }
 
 /// Signals of alternate functions (data sheet DS12110, tables 10 to 20), for the pins of docs/board-h743.md.
-const FUNCTIONS: [(Pin, u32, Source); 15] = {
+pub const FUNCTIONS: [(Pin, u32, Source); 15] = {
     const A: u8 = 0;
     const B: u8 = 1;
     const C: u8 = 2;

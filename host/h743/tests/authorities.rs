@@ -1,0 +1,243 @@
+//! The models and the image beside ST's own data of the chip: addresses, clocks, interrupts, DMA requests, alternate functions.
+//!
+//! `stm32-metapac` takes them from ST's databases (CubeMX, SVD files), for all its users; nothing of ours is in them. What they
+//! do not hold stands in docs/board-assumptions.md. Tests of the image run where BEAMTICK_H743_IMAGE names it.
+use client::{Client, Options};
+use h743::bus::{BREAKS, ENCODERS, PLACES};
+use h743::device::Source;
+use h743::gpio::FUNCTIONS;
+use h743::link::{EmulatedLink, lock};
+use h743::timer::KINDS;
+use h743::{MILLISECOND, Machine, Pin, Stop};
+use protocol::command::{AxisOn, LaserPrfCmd, PrfJog, SetAxisMode, SetHSIOOpt, SetJogPrm, SetVel, Update};
+use std::sync::{Arc, Mutex};
+use stm32_metapac::metadata::ir::{BitOffset, BlockItemInner};
+use stm32_metapac::metadata::{METADATA, Peripheral};
+
+fn peripheral(name: &str) -> &'static Peripheral {
+    METADATA.peripherals.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("the chip has no {name}"))
+}
+
+/// Offset of a register within its peripheral, and the first bit of one of its fields.
+fn place(of: &str, register: &str, field: &str) -> (u32, u32) {
+    let registers = peripheral(of).registers.as_ref().unwrap();
+    let block = registers.ir.blocks.iter().find(|b| b.name.eq_ignore_ascii_case(registers.block)).unwrap();
+    let item = block.items.iter().find(|item| item.name.eq_ignore_ascii_case(register)).unwrap();
+    let BlockItemInner::Register(shape) = &item.inner else { panic!("{register} is a block") };
+    let fields = registers.ir.fieldsets.iter().find(|f| Some(f.name) == shape.fieldset).unwrap();
+    let field = fields.fields.iter().find(|f| f.name.eq_ignore_ascii_case(field)).unwrap();
+    let BitOffset::Regular(bit) = &field.bit_offset else { panic!("{register} has its bits apart") };
+    (item.byte_offset, bit.offset)
+}
+
+/// Which alternate function gives a pin to a signal.
+fn function(of: &str, signal: &str, pin: &str) -> Option<u32> {
+    let found = peripheral(of).pins.iter().find(|p| p.pin == pin && p.signal == signal)?;
+    found.af.map(u32::from)
+}
+
+fn request(of: &str, signal: &str) -> u32 {
+    peripheral(of).dma_channels.iter().find(|c| c.signal == signal).and_then(|c| c.request).unwrap_or(0)
+}
+
+fn interrupt(of: &str, signal: &str) -> usize {
+    let name = peripheral(of).interrupts.iter().find(|i| i.signal == signal).unwrap().interrupt;
+    METADATA.interrupts.iter().find(|i| i.name == name).unwrap().number as usize
+}
+
+/// The board after start-up with its interlock closed, or nothing where no image is named.
+fn started() -> Option<Machine> {
+    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
+        println!("skipped: BEAMTICK_H743_IMAGE names no image");
+        return None;
+    };
+    let mut machine = Machine::new().unwrap();
+    machine.boot(&std::fs::read(path).unwrap()).unwrap();
+    BREAKS.iter().for_each(|(_, name, _)| machine.drive(Pin::named(name).unwrap(), Some(false)));
+    assert_eq!(machine.run(20 * MILLISECOND), Stop::Time);
+    Some(machine)
+}
+
+fn read(machine: &mut Machine, address: u32) -> u32 {
+    let chip = &mut machine.chip;
+    let now = chip.now;
+    chip.bus.read(address, now, &mut chip.scs.exceptions).unwrap_or_else(|| panic!("nothing at {address:#x}"))
+}
+
+#[test]
+fn peripherals_of_the_model_lie_and_are_clocked_where_st_says() {
+    let mut clocked = 0;
+    for model in PLACES {
+        let chip = peripheral(model.name);
+        assert_eq!(u64::from(model.base), chip.address, "{}", model.name);
+        let Some(clock) = model.clock else { continue };
+        let enable = chip.rcc.as_ref().and_then(|rcc| rcc.enable.as_ref()).unwrap();
+        assert_eq!(clock, place("RCC", enable.register, enable.field), "{}", model.name);
+        clocked += 1;
+    }
+    assert!(clocked >= 15, "{clocked} of them have a clock");
+}
+
+#[test]
+fn memories_of_the_model_are_those_of_the_chip() {
+    let names = [
+        ("ITCM", "ITCM"),
+        ("DTCM", "DTCM"),
+        ("AXI SRAM", "AXISRAM"),
+        ("SRAM 1", "SRAM1"),
+        ("SRAM 2", "SRAM2"),
+        ("SRAM 3", "SRAM3"),
+        ("SRAM 4", "SRAM4"),
+    ];
+    let machine = Machine::new().unwrap();
+    for (ours, theirs) in names {
+        let model = machine.chip.memory.regions().iter().find(|region| region.name == ours).unwrap();
+        let chip = METADATA.memory[0]
+            .iter()
+            .find(|region| region.name.replace('_', "") == theirs)
+            .unwrap_or_else(|| panic!("{theirs} is none of {:?}", METADATA.memory[0]));
+        assert_eq!((model.base, model.size), (chip.address, chip.size), "{ours}");
+    }
+    for (name, register, field) in
+        [("SRAM 1", "AHB2ENR", "SRAM1EN"), ("SRAM 2", "AHB2ENR", "SRAM2EN"), ("SRAM 3", "AHB2ENR", "SRAM3EN")]
+    {
+        let model = machine.chip.memory.regions().iter().find(|region| region.name == name).unwrap();
+        assert_eq!(model.clock, Some(place("RCC", register, field)), "{name}");
+    }
+    let backup = machine.chip.memory.regions().iter().find(|region| region.name == "backup SRAM").unwrap();
+    assert_eq!(backup.clock, Some(place("RCC", "AHB4ENR", "BKPSRAMEN")));
+    // What start-up writes before there is a program: PWR_CR1.DBP is bit 8.
+    assert_eq!(place("PWR", "CR1", "DBP"), (0, 8));
+}
+
+#[test]
+fn interrupts_and_dma_requests_of_timers_are_those_of_the_chip() {
+    for kind in KINDS {
+        let name = format!("TIM{}", kind.number);
+        let signals = if kind.advanced { ["UP", "CC", "BRK"] } else { ["UP"; 3] };
+        assert_eq!(kind.lines, signals.map(|signal| interrupt(&name, signal)), "{name}");
+        let requests = ["CH1", "CH2", "CH3", "CH4", "UP"].map(|signal| request(&name, signal) as u8);
+        // TIM15's second channel asks by nothing that the image could use.
+        for (ours, theirs) in kind.requests.into_iter().zip(requests) {
+            assert!(ours == theirs || ours == 0, "{name}: {:?} where ST has {requests:?}", kind.requests);
+        }
+        assert_eq!(kind.requests[4], requests[4], "{name}");
+    }
+}
+
+#[test]
+fn alternate_functions_of_the_model_are_those_of_the_chip() {
+    for (pin, number, source) in FUNCTIONS {
+        let (of, signal) = match source {
+            Source::Timer(timer, channel, negative) => {
+                (format!("TIM{timer}"), format!("CH{channel}{}", if negative { "N" } else { "" }))
+            }
+            Source::UsartTx(usart) => (format!("USART{usart}"), "TX".into()),
+            Source::SpiClock(spi) => (format!("SPI{spi}"), "SCK".into()),
+            Source::SpiData(spi) => (format!("SPI{spi}"), "MOSI".into()),
+        };
+        assert_eq!(function(&of, &signal, &pin.to_string()), Some(number), "{pin}: {of} {signal}");
+    }
+    for (timer, pin, number) in BREAKS {
+        assert_eq!(function(&format!("TIM{timer}"), "BKIN", pin), Some(number), "{pin}");
+    }
+    for (timer, inputs, number) in ENCODERS {
+        for (input, pin) in inputs {
+            assert_eq!(function(&format!("TIM{timer}"), &format!("CH{}", input + 1), pin), Some(number), "{pin}");
+        }
+    }
+}
+
+/// Every pin that the image gives to a peripheral, and the signal that the board's page promises there.
+const GIVEN: [(&str, &str, &str); 23] = [
+    ("PE9", "TIM1", "CH1"),
+    ("PE8", "TIM1", "CH1N"),
+    ("PE5", "TIM15", "CH1"),
+    ("PE4", "TIM15", "CH1N"),
+    ("PC7", "TIM8", "CH2"),
+    ("PB0", "TIM8", "CH2N"),
+    ("PC8", "TIM8", "CH3"),
+    ("PB15", "TIM8", "CH3N"),
+    ("PE15", "TIM1", "BKIN"),
+    ("PE3", "TIM15", "BKIN"),
+    ("PG2", "TIM8", "BKIN"),
+    ("PD8", "USART3", "TX"),
+    ("PD9", "USART3", "RX"),
+    ("PB4", "TIM3", "CH1"),
+    ("PB5", "TIM3", "CH2"),
+    ("PB1", "TIM3", "CH4"),
+    ("PD12", "TIM4", "CH1"),
+    ("PD13", "TIM4", "CH2"),
+    ("PD14", "TIM4", "CH3"),
+    ("PA11", "USB_OTG_FS", "DM"),
+    ("PA12", "USB_OTG_FS", "DP"),
+    // The pins of the debug port, as the reset has left them; the others of it are inputs of ours.
+    ("PA13", "", ""),
+    ("PA14", "", ""),
+];
+
+#[test]
+fn the_image_gives_each_pin_to_the_signal_that_the_page_promises() {
+    let Some(mut machine) = started() else { return };
+    let mut given = 0;
+    // The others are not clocked: their pins are as the reset has left them.
+    for port in 'A'..='G' {
+        let base = peripheral(&format!("GPIO{port}")).address as u32;
+        let mode = read(&mut machine, base);
+        for pin in 0..16 {
+            if mode >> (2 * pin) & 3 != 2 {
+                continue;
+            }
+            let name = format!("P{port}{pin}");
+            let number = read(&mut machine, base + 0x20 + pin / 8 * 4) >> (pin % 8 * 4) & 0xf;
+            let (_, of, signal) =
+                GIVEN.iter().find(|(of, ..)| *of == name).unwrap_or_else(|| panic!("{name} is given to something"));
+            if of.is_empty() {
+                assert_eq!(number, 0, "{name}: the debug port's");
+                continue;
+            }
+            assert_eq!(function(of, signal, &name), Some(number), "{name}: {of} {signal}");
+            given += 1;
+        }
+    }
+    assert_eq!(given, GIVEN.iter().filter(|(_, of, _)| !of.is_empty()).count());
+}
+
+#[test]
+fn the_image_asks_dma_and_takes_interrupts_by_the_chips_numbers() {
+    let Some(machine) = started() else { return };
+    let shared = Arc::new(Mutex::new(machine));
+    let client = Client::open(Box::new(EmulatedLink::new(shared.clone())), Options::default()).unwrap();
+    // Lasers and steps ask from their first plan on.
+    let core = 1.into();
+    for (axis, channel) in [(7, 0.into()), (8, 1.into())] {
+        client.call(SetAxisMode { core, axis: axis.into(), mode: 1.into() }).unwrap();
+        client.call(LaserPrfCmd { core, power: 50.0.into(), channel }).unwrap();
+        client.call(SetHSIOOpt { core, value: 1.into(), channel }).unwrap();
+    }
+    client.call(AxisOn { core, axis: 1.into() }).unwrap();
+    client.call(PrfJog { core, profile: 1.into() }).unwrap();
+    client.call(SetJogPrm { core, profile: 1.into(), acc: 1.0.into(), dec: 1.0.into(), smooth: 0.0.into() }).unwrap();
+    client.call(SetVel { core, profile: 1.into(), vel: 10.0.into() }).unwrap();
+    client.call(Update { core, mask: 1.into() }).unwrap();
+    let mut machine = lock(&shared);
+    machine.run(20 * MILLISECOND);
+    let multiplexer = peripheral("DMAMUX1").address as u32;
+    // Streams of docs/board-h743.md: DMAMUX1 channels 0 to 7 are of DMA1, 8 to 15 of DMA2.
+    let streams = [
+        (0, "TIM1", "UP"),
+        (1, "TIM8", "UP"),
+        (2, "USART3", "RX"),
+        (8, "TIM15", "UP"),
+        (9, "TIM17", "UP"),
+        (10, "TIM17", "CH1"),
+    ];
+    for channel in 0..16 {
+        let asked = read(&mut machine, multiplexer + 4 * channel) & 0x7f;
+        let stream = streams.iter().find(|(number, ..)| *number == channel);
+        assert_eq!(asked, stream.map_or(0, |(_, of, signal)| request(of, signal)), "channel {channel}");
+    }
+    for (number, name, signal) in [(28, "TIM2", "UP"), (39, "USART3", "GLOBAL"), (101, "USB_OTG_FS", "GLOBAL")] {
+        assert_eq!(interrupt(name, signal), number, "{name}");
+    }
+}
