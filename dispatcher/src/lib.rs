@@ -37,5 +37,5 @@ pub use refuse::Refused;
 pub use second_wire::SecondWire;
 pub use server::{
     Board, Channels, EVENTS, FAULT_TEXT_MAX, Fault, FaultKind, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS,
-    Server,
+    Server, TickTime,
 };

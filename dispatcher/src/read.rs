@@ -210,6 +210,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             }
             opcode::GetFault => self.fault(tag, out),
             opcode::GetEvents => self.events(tag, out),
+            opcode::GetTickTime => out.done::<command::GetTickTime>(tag, &self.tick_time(), &[]),
             opcode::GetLinkLoss => {
                 let stop_all = i16::from(self.now.watch.stop_all);
                 let time_ms = f64::from(self.now.watch.link_loss_ms);
@@ -457,6 +458,17 @@ impl<const AXES: usize> Reading<'_, AXES> {
             crds_per_core: profile.crds_per_core,
             tick_us: ((self.view.period.0 / 1000) as u32).into(),
             step_limit: (self.board.step_limit.pulses_per_ms() as f64).into(),
+        }
+    }
+
+    fn tick_time(&self) -> command::TickTimeReply {
+        let taken = self.board.tick_time.map(|ask| ask());
+        let time = taken.unwrap_or_default();
+        command::TickTimeReply {
+            period_ns: (self.view.period.0 as u32).into(),
+            median_ns: time.median_ns.into(),
+            worst_ns: time.worst_ns.into(),
+            measured: taken.is_some().into(),
         }
     }
 

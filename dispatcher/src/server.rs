@@ -58,6 +58,17 @@ pub struct Board {
     pub step_limit: StepLimit,
     /// What ended the run before this one, if the board remembers it.
     pub fault: Option<Fault>,
+    /// Asks the board how long its ticks take, if it measures them.
+    pub tick_time: Option<fn() -> TickTime>,
+}
+
+/// How long servo ticks take, from the timer's event to the end of the handler.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TickTime {
+    /// Running median.
+    pub median_ns: u32,
+    /// The longest since the start.
+    pub worst_ns: u32,
 }
 
 /// What ended a run.

@@ -2,6 +2,7 @@
 //!
 //! In: interrupts of the board. Out: ticks, bytes for the task, rings of the bell. Budget: the tick's
 //! is held by `cargo xtask ticks`; the others move a byte or a flag.
+use crate::load;
 use crate::statics::{LINK_BELL, RECEIVED, RECEIVER, RECEIVING, SERVO};
 use crate::watch;
 use core::cell::UnsafeCell;
@@ -97,6 +98,9 @@ pub fn tick() {
     let in_time = servo.machine.emit();
     if !in_time || servo.timer.has_overrun() {
         servo.tick.overrun();
+    }
+    if let Some(ns) = servo.timer.taken_ns() {
+        load::tick_took(ns);
     }
     ring_bell();
     watch::tick_ends(servo.tick.now());

@@ -7,6 +7,7 @@
 mod bell;
 mod fault;
 mod interrupts;
+mod load;
 mod statics;
 mod tasks;
 #[cfg(feature = "stm32h743")]
@@ -180,6 +181,10 @@ fn server(fault: Option<dispatcher::Fault>, channels: Channels<'static, AXES>) -
                 indexes: board::INDEXES,
                 step_limit: board::STEP_LIMIT,
                 fault,
+                #[cfg(feature = "stm32h743")]
+                tick_time: Some(load::tick_time),
+                #[cfg(not(feature = "stm32h743"))]
+                tick_time: None,
             },
             channels,
         )

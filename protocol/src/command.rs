@@ -190,6 +190,9 @@ wire_structs! {
     /// admitted did nothing, 8 an abort or a new session shut off the lasers), to which (axes and
     /// coordinate systems over all cores from 1, lasers from 0), and why.
     EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
+    /// The servo tick's period and, if the board measures it (`measured` 1), how long its ticks take from the timer's
+    /// event to the end of the handler: the running median and the longest since the start, in ns.
+    TickTimeReply { period_ns: U32, median_ns: U32, worst_ns: U32, measured: u8 }
     /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop too.
     LinkLossReply { time_ms: F64, stop_all: I16 }
     /// Home or index capture.
@@ -286,6 +289,7 @@ commands! {
     0x000C Abort { core: I16 } [Nothing] -> Nothing [Nothing];
     0x000D GetLinkLoss {} [Nothing] -> LinkLossReply [Nothing];
     0x000E SetInterlock { motion: I16 } [Nothing] -> Nothing [Nothing];
+    0x000F GetTickTime {} [Nothing] -> TickTimeReply [Nothing];
     // -- the program queue (SPEC 7) ----------------------------------------------------------
     0x0010 Sleep { ns: U64 } [Nothing] -> Nothing [Nothing];
     0x0011 WaitStop { core: I16, axes: I32, crds: I32 } [Nothing] -> Nothing [Nothing];

@@ -96,6 +96,7 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::Trace => to!(Trace, session::trace),
         opcode::SetLinkLoss => to!(SetLinkLoss, session::link_loss),
         opcode::GetLinkLoss => one::<command::GetLinkLoss>(body).map(|_| plain(number)),
+        opcode::GetTickTime => one::<command::GetTickTime>(body).map(|_| plain(number)),
         opcode::SetInterlock => to!(SetInterlock, session::interlock),
         opcode::Abort => to!(Abort, session::abort),
         opcode::LoadConfig => session::load_config(case, body),
@@ -237,6 +238,7 @@ pub fn is_read(number: u16) -> bool {
             | opcode::GetFault
             | opcode::GetEvents
             | opcode::GetLinkLoss
+            | opcode::GetTickTime
             | opcode::GetStopDec
             | opcode::GetAxisBand
             | opcode::GetSts

@@ -163,6 +163,7 @@ impl<const AXES: usize> Bench<AXES> {
             indexes: AxisMask(0b1),
             step_limit,
             fault,
+            tick_time: None,
         };
         let mut bench = Bench {
             server: Server::new(

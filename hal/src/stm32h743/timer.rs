@@ -6,6 +6,9 @@ use super::clocks::TIMER_MHZ;
 use stm32_metapac::timer::vals::{Mms, Urs};
 use stm32_metapac::{RCC, TIM2};
 
+/// Nanoseconds of a count of TIM2, times 2¹⁶.
+const NS_PER_COUNT_Q16: u64 = (1000 << 16) / TIMER_MHZ as u64;
+
 /// TIM2, which makes the servo tick. It stands still until [`start`].
 #[derive(Debug)]
 pub struct TickTimer {
@@ -54,6 +57,15 @@ impl TickTimer {
             w.set_uif(false);
         });
         cortex_m::asm::dsb();
+    }
+
+    /// How long ago the tick in progress was due, in ns: from the timer's event, so with the way into the handler. In a tick
+    /// that has overrun, a period and what it has taken of the next one.
+    pub fn taken_ns(&self) -> Option<u32> {
+        let counts = TIM2.cnt().read();
+        // 240 counts a µs: 25/6 ns each, by a multiplication. Counts of two periods of 250 µs at most.
+        let ns = (u64::from(counts) * NS_PER_COUNT_Q16 >> 16) as u32;
+        Some(ns + if self.has_overrun() { self.period_ns } else { 0 })
     }
 
     /// Whether the next tick is due already.

@@ -4,7 +4,9 @@ use crate::command_line::{Info, Steps};
 use crate::connect::{linked, named, simulated};
 use crate::profile;
 use crate::summary::laser;
-use protocol::command::{EventItem, GetClock, GetEvents, GetFault, GetLinkLoss, LaserStatus, LinkLossReply};
+use protocol::command::{
+    EventItem, GetClock, GetEvents, GetFault, GetLinkLoss, GetTickTime, LaserStatus, LinkLossReply, TickTimeReply,
+};
 use protocol::reason::{laser_cause, stop_reason};
 
 /// Prints version, board, profile, counts and limits.
@@ -26,7 +28,7 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         version.crds_per_core,
         version.lasers
     );
-    say!("servo tick  {} us", version.tick_us);
+    say!("servo tick  {}", tick_time(&client.call(GetTickTime {})?));
     say!("clock       {} ms since power-on", clock.clock_ms);
     say!("link loss   {}", link_loss(&client.call(GetLinkLoss {})?));
     let (fault, text) = client.call_items(GetFault {}, &[])?;
@@ -65,6 +67,25 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
         }
     );
     Ok(())
+}
+
+/// How long the period is, and how much of it ticks take.
+fn tick_time(reply: &TickTimeReply) -> String {
+    let us = |ns: u32| f64::from(ns) / 1000.0;
+    let period = reply.period_ns.get();
+    let share = |ns: u32| 100.0 * f64::from(ns) / f64::from(period.max(1));
+    let (median, worst) = (reply.median_ns.get(), reply.worst_ns.get());
+    match reply.measured {
+        0 => format!("{} us; how long ticks take is not measured on this board", us(period)),
+        _ => format!(
+            "{} us; ticks take {:.2} us ({:.0} %) in the median, {:.2} us ({:.0} %) at most since the start",
+            us(period),
+            us(median),
+            share(median),
+            us(worst),
+            share(worst)
+        ),
+    }
 }
 
 /// When the link counts as lost, and what happens then.
@@ -110,6 +131,16 @@ mod tests {
         assert!(text(0.0, 0).starts_with("OFF: "));
         assert_eq!(text(500.0, 0), "after 500 ms of silence lasers are shut off, Jog axes and coordinate systems stop");
         assert_eq!(text(800.0, 1), "after 800 ms of silence lasers are shut off, all motion stops");
+    }
+
+    #[test]
+    fn the_load_of_ticks_is_told_in_time_and_percent() {
+        let text = |measured| {
+            let (period_ns, median_ns, worst_ns) = (50_000.into(), 5_250.into(), 12_500.into());
+            tick_time(&TickTimeReply { period_ns, median_ns, worst_ns, measured })
+        };
+        assert_eq!(text(0), "50 us; how long ticks take is not measured on this board");
+        assert_eq!(text(1), "50 us; ticks take 5.25 us (10 %) in the median, 12.50 us (25 %) at most since the start");
     }
 
     #[test]

@@ -332,6 +332,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             indexes: AxisMask(0),
             step_limit,
             fault: None,
+            tick_time: None,
         };
         let channels = Channels {
             immediate: immediate_in,

@@ -45,6 +45,7 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
         indexes: AxisMask(0),
         step_limit: StepLimit::FULL_SCALE,
         fault: None,
+        tick_time: None,
     };
     let channels = Channels {
         immediate: thread.immediate,

@@ -244,6 +244,7 @@ fn main() -> ! {
         step_limit: StepLimit::FULL_SCALE,
         indexes: AxisMask(0),
         fault: None,
+        tick_time: None,
     };
     let channels = Channels {
         immediate: thread.immediate,

@@ -1,0 +1,31 @@
+//! How long servo ticks take.
+//!
+//! In: the time of each tick, from its handler. Out: median and longest, for the thread. Owns two words. The median is a
+//! running one: each tick moves it by a step towards its own time, so it stands where as many are longer as shorter.
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+#[cfg(feature = "stm32h743")]
+use dispatcher::TickTime;
+
+/// How far a tick moves the median, in ns: 16 ticks to follow a change of 0.25 µs.
+const STEP_NS: u32 = 16;
+
+// Relaxed: written in the tick alone, read one by one.
+static MEDIAN_NS: AtomicU32 = AtomicU32::new(0);
+static WORST_NS: AtomicU32 = AtomicU32::new(0);
+
+/// A tick has taken this long.
+#[inline(always)]
+pub fn tick_took(ns: u32) {
+    let median = MEDIAN_NS.load(Relaxed);
+    let moved = if ns > median { median.wrapping_add(STEP_NS) } else { median.saturating_sub(STEP_NS) };
+    MEDIAN_NS.store(moved, Relaxed);
+    if ns > WORST_NS.load(Relaxed) {
+        WORST_NS.store(ns, Relaxed);
+    }
+}
+
+/// What they took so far.
+#[cfg(feature = "stm32h743")]
+pub fn tick_time() -> TickTime {
+    TickTime { median_ns: MEDIAN_NS.load(Relaxed), worst_ns: WORST_NS.load(Relaxed) }
+}
