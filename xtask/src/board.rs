@@ -43,23 +43,29 @@ pub fn build() -> Outcome<PathBuf> {
     Ok(target().join(crate::setup::TARGET).join("image").join(BIN))
 }
 
-/// Builds it, writes its files and prints what it takes.
+/// Builds every variant, writes their files, and prints what the plain one takes of the chip.
 pub fn image() -> Outcome {
-    let elf = build()?;
-    let bytes = read(&elf)?;
+    // The plain one last: what later commands find is that.
+    for (elf, variant) in [(build_for_dac()?, "-external-dac"), (build()?, "")] {
+        write(&elf, variant)?;
+    }
+    size()
+}
+
+/// Writes the files of a variant.
+fn write(elf: &Path, variant: &str) -> Outcome {
+    let bytes = read(elf)?;
     let loaded = loaded(&bytes)?;
     let folder = root().join("out");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let name = format!("{BIN}-{}", env!("CARGO_PKG_VERSION"));
+    let name = format!("{BIN}{variant}-{}", env!("CARGO_PKG_VERSION"));
     let hex = hex(&loaded);
     for (ending, content) in [("elf", &bytes), ("bin", &loaded.bytes), ("hex", &hex.into_bytes())] {
         let path = folder.join(format!("{name}.{ending}"));
         fs::write(&path, content).map_err(|e| format!("{}: {e}", path.display()))?;
         println!("{}: {} bytes, CRC-32 {:08x}", path.display(), content.len(), crc32(content));
     }
-    regions(&bytes, &loaded)?;
-    hot(&bytes)?;
-    floats::check(&bytes)
+    Ok(())
 }
 
 /// Prints what the image takes of each region, and what runs from ITCM; the linker has refused what does not fit.
