@@ -1,0 +1,136 @@
+//! Calls of every axis: names, modes, settings, Trap and Jog, Stop.
+use super::super::axis::{Mode, Rates};
+use super::super::call::{Call, Kind, members};
+use super::super::number::Fix;
+use super::answer::{Answer, DONE, check, either, range};
+use super::{Controller, Reply, Then};
+
+impl Controller {
+    pub(super) fn plain(&mut self, index: usize, call: &Call, kind: Kind, place: usize) -> Answer {
+        let axis = &mut self.axes[place];
+        match kind {
+            Kind::AxisOn => axis.servo = true,
+            Kind::AxisOff => {
+                axis.servo = false;
+                axis.halt();
+                self.then[place] = None;
+            }
+            Kind::ZeroPos => {
+                check(!axis.runs())?;
+                axis.zero = axis.x;
+                axis.renamed = true;
+            }
+            Kind::ClrSts => axis.latched = 0,
+            Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt => {
+                check(!axis.runs())?;
+                axis.set_mode(match kind {
+                    Kind::PrfJog => Mode::Jog,
+                    Kind::PrfPvt => Mode::Pvt,
+                    _ => Mode::Trap,
+                });
+            }
+            Kind::GetPtLoop => {
+                check(axis.mode == Mode::Pt && !axis.pt.dynamic)?;
+                return Ok(self.read(index, call, 0));
+            }
+            Kind::GetPvtLoop => {
+                check(axis.mode == Mode::Pvt)?;
+                return Ok(self.read(index, call, 0));
+            }
+            Kind::GetFollowLoop | Kind::GetFollowStatus => {
+                check(axis.mode == Mode::Follow)?;
+                return Ok(self.read(index, call, 0));
+            }
+            _ => return Ok(self.read(index, call, 0)),
+        }
+        DONE
+    }
+
+    pub(super) fn setting(&mut self, call: &Call) -> Answer {
+        match *call {
+            Call::SetPrfPos { axis, pos } => {
+                let axis = &mut self.axes[axis];
+                check(!axis.runs())?;
+                axis.zero = axis.x - Fix::whole(pos.into());
+                axis.renamed = true;
+            }
+            Call::SetStopDec { axis, smooth } => {
+                range(smooth > 0.0)?;
+                self.axes[axis].stop_dec = smooth;
+            }
+            Call::SetSoftLimit { axis, positive, negative } => self.axes[axis].soft = (positive, negative),
+            Call::SetTrapPrm { axis, acc, dec } => {
+                let axis = &mut self.axes[axis];
+                either(axis.mode == Mode::Trap, acc >= 0.0 && dec >= 0.0)?;
+                axis.trap = Rates { acc, dec };
+            }
+            Call::SetJogPrm { axis, acc, dec } => {
+                let axis = &mut self.axes[axis];
+                either(axis.mode == Mode::Jog, acc >= 0.0 && dec >= 0.0)?;
+                axis.jog = Rates { acc, dec };
+            }
+            Call::SetPos { axis, pos } => {
+                let axis = &mut self.axes[axis];
+                check(axis.mode == Mode::Trap)?;
+                axis.target = pos;
+            }
+            Call::SetVel { axis, vel } => {
+                let axis = &mut self.axes[axis];
+                check(matches!(axis.mode, Mode::Trap | Mode::Jog))?;
+                axis.speed = vel;
+            }
+            _ => return Ok(Reply::Open),
+        }
+        DONE
+    }
+
+    pub(super) fn stop(&mut self, mask: u32, abrupt: u32) -> Answer {
+        for place in members(mask) {
+            let axis = &mut self.axes[place];
+            if !axis.runs() {
+                continue;
+            }
+            if abrupt >> place & 1 == 1 {
+                axis.halt();
+                self.then[place] = None;
+            } else {
+                let dec = axis.stop_dec;
+                let pending = match self.then[place] {
+                    Some(Then::Brake(dec)) => Some(dec),
+                    Some(Then::Update(_)) => None,
+                    None => axis.braking,
+                };
+                if pending.is_some_and(|pending| pending != dec) {
+                    self.open = Some("a Stop with another deceleration while it brakes");
+                }
+                self.then[place] = Some(Then::Brake(dec));
+            }
+        }
+        DONE
+    }
+
+    pub(super) fn update(&mut self, mask: u32, now: i64) -> Answer {
+        for place in members(mask) {
+            let axis = &self.axes[place];
+            check(match axis.mode {
+                Mode::Trap => axis.trap.acc > 0.0 && axis.trap.dec > 0.0,
+                Mode::Jog => axis.jog.acc > 0.0,
+                _ => false,
+            })?;
+            check(!axis.blocked())?;
+        }
+        for place in members(mask) {
+            if self.axes[place].speed == 0.0 {
+                self.open = Some("an Update to velocity 0");
+                continue;
+            }
+            let aim = self.axes[place].aim();
+            if self.axes[place].runs() {
+                self.then[place] = Some(Then::Update(aim));
+            } else {
+                self.axes[place].update(now, aim);
+            }
+        }
+        DONE
+    }
+}

@@ -1,0 +1,103 @@
+//! PT: data, FIFOs, starts.
+use super::super::axis::{Axis, Mode, Motion};
+use super::super::call::{Call, members};
+use super::super::number::Fix;
+use super::super::pt::Segment;
+use super::answer::{Answer, DONE, check, either};
+use super::{Controller, Reply};
+
+impl Controller {
+    pub(super) fn pt_start(&mut self, mask: u32, option: u32, now: i64) -> Answer {
+        let fifo = |place: usize| (option >> place & 1) as usize;
+        for place in members(mask) {
+            let axis = &self.axes[place];
+            check(axis.mode == Mode::Pt && !axis.runs() && !axis.blocked())?;
+            check(!axis.pt.fifos[if axis.pt.dynamic { 0 } else { fifo(place) }].is_empty())?;
+        }
+        for place in members(mask) {
+            self.axes[place].start_pt(fifo(place), now);
+        }
+        DONE
+    }
+
+    pub(super) fn pt(&mut self, index: usize, call: &Call) -> Answer {
+        match *call {
+            Call::PrfPt { axis, mode } => {
+                let axis = &mut self.axes[axis];
+                either(!axis.runs(), (0..2).contains(&mode))?;
+                let dynamic = mode == 1;
+                if axis.mode == Mode::Pt && axis.pt.dynamic != dynamic {
+                    axis.pt.fifos = Default::default();
+                    axis.pt.ran = 0;
+                }
+                axis.set_mode(Mode::Pt);
+                axis.pt.dynamic = dynamic;
+            }
+            Call::PtData { axis, pos, time_ms, kind, fifo } => return self.pt_data(axis, pos, time_ms, kind, fifo),
+            Call::PtClear { axis, fifo } => {
+                let axis = &mut self.axes[axis];
+                let fifo = axis.pt_fifo(fifo)?;
+                check(!axis.runs() || !axis.pt.dynamic && axis.pt.running != fifo)?;
+                axis.pt.fifos[fifo].clear();
+            }
+            Call::PtSpace { axis, fifo } => {
+                let axis = &self.axes[axis];
+                let fifo = axis.pt_fifo(fifo)?;
+                let runs = axis.runs() && axis.pt.dynamic;
+                let free = if runs { usize::MAX } else { axis.pt_capacity() - axis.pt.fifos[fifo].len() };
+                return Ok(self.read(index, call, free));
+            }
+            Call::SetPtLoop { axis, loops } => {
+                let axis = &mut self.axes[axis];
+                check(axis.mode == Mode::Pt && !axis.pt.dynamic)?;
+                axis.pt.loops = loops.into();
+            }
+            Call::SetPtMemory { axis, memory } => {
+                let axis = &mut self.axes[axis];
+                either(axis.mode == Mode::Pt && !axis.runs(), (0..2).contains(&memory))?;
+                axis.pt.memory = memory;
+                axis.pt.fifos = Default::default();
+            }
+            _ => return Ok(Reply::Open),
+        }
+        DONE
+    }
+
+    pub(super) fn pt_data(&mut self, place: usize, pos: f64, time_ms: i32, kind: i16, fifo: i16) -> Answer {
+        let near = Fix::ms(self.tick_ns);
+        let axis = &self.axes[place];
+        let in_mode = axis.mode == Mode::Pt;
+        let dynamic = axis.pt.dynamic;
+        let bounds = (0..3).contains(&kind) && (dynamic || (0..2).contains(&fifo));
+        either(in_mode, bounds)?;
+        let fifo = if dynamic { 0 } else { fifo as usize };
+        if let Some(Motion::Stream(timed, _)) = &axis.motion
+            && timed.curve.length() - timed.place_of_last() <= near
+        {
+            self.open = Some("data in the tick in which a stream ends");
+        }
+        if let Some(Motion::Pt(timed)) = &axis.motion
+            && axis.pt.running == fifo
+            && timed.curve.length() - timed.place_of_last() <= near
+        {
+            self.open = Some("data in the tick in which a pass ends");
+        }
+        let held = axis.pt.fifos[fifo].len() - if dynamic && axis.runs() { axis.pt.ran } else { 0 };
+        let last = axis.pt.fifos[fifo].last().map_or(0, |segment| segment.time_ms);
+        either(held < axis.pt_capacity(), i64::from(time_ms) > last)?;
+        if dynamic && axis.dried {
+            self.open = Some("data after a stream that ran dry");
+        }
+        let axis = &mut self.axes[place];
+        axis.pt.fifos[fifo].push(Segment { pos, time_ms: time_ms.into(), kind });
+        axis.pt_grew(fifo);
+        DONE
+    }
+}
+
+impl Axis {
+    fn pt_fifo(&self, fifo: i16) -> Result<usize, i16> {
+        either(self.mode == Mode::Pt, self.pt.dynamic || (0..2).contains(&fifo))?;
+        Ok(if self.pt.dynamic { 0 } else { fifo as usize })
+    }
+}

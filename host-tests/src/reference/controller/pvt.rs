@@ -1,0 +1,60 @@
+//! PVT: tables, selections, starts.
+use super::super::axis::{Axis, Mode, Motion};
+use super::super::call::{Call, members};
+use super::super::pt::Timed;
+use super::answer::{Answer, DONE, EITHER, check, either};
+use super::{Controller, Reply};
+
+impl Controller {
+    pub(super) fn pvt(&mut self, call: &Call, now: i64) -> Answer {
+        match call {
+            Call::PvtTable { axis, table, points } => {
+                let core = self.cores[*axis];
+                let uses = |(place, axis): (usize, &Axis)| {
+                    self.cores[place] == core && axis.mode == Mode::Pvt && axis.runs() && axis.pvt.1 == *table
+                };
+                check(!self.axes.iter().enumerate().any(uses))?;
+                self.tables.insert((core, *table), points.table());
+            }
+            Call::PvtTableSelect { axis: place, table } => {
+                let axis = &mut self.axes[*place];
+                check(axis.mode == Mode::Pvt)?;
+                let Some(found) = self.tables.get(&(self.cores[*place], *table)) else { return Err(EITHER) };
+                if let Some(Motion::Pvt(timed)) = &mut axis.motion {
+                    if axis.pvt.1 != *table {
+                        // Which tables are in use until the switch is more than one.
+                        timed.pending = Some(found.curve.clone());
+                        axis.pvt.1 = *table;
+                    } else {
+                        self.open = Some("PvtTableSelect of the table that runs");
+                    }
+                } else if axis.runs() {
+                    self.open = Some("PvtTableSelect while a PVT axis brakes");
+                } else {
+                    axis.pvt.1 = *table;
+                }
+            }
+            Call::SetPvtLoop { axis, loops } => {
+                let axis = &mut self.axes[*axis];
+                either(axis.mode == Mode::Pvt, *loops >= 0)?;
+                axis.pvt.0 = i64::from(*loops);
+            }
+            Call::PvtStart { mask } => {
+                for place in members(*mask) {
+                    let axis = &self.axes[place];
+                    check(axis.mode == Mode::Pvt && !axis.runs() && !axis.blocked())?;
+                    check(self.tables.contains_key(&(self.cores[place], axis.pvt.1)))?;
+                }
+                for place in members(*mask) {
+                    let axis = &mut self.axes[place];
+                    let table = &self.tables[&(self.cores[place], axis.pvt.1)];
+                    let timed = Timed::new(table.curve.clone(), now, axis.x).after(table.begins);
+                    (axis.pvt.2, axis.began) = (0, true);
+                    axis.motion = Some(Motion::Pvt(timed));
+                }
+            }
+            _ => return Ok(Reply::Open),
+        }
+        DONE
+    }
+}

@@ -1,0 +1,61 @@
+//! Reads: what they answer at the end of the tick in which they act.
+use super::super::axis::Motion;
+use super::super::call::{Call, Kind};
+use super::super::follow::Lead;
+use super::{Controller, Program, Reply, Value};
+
+impl Controller {
+    pub(super) fn answer(&mut self, program: &mut Program) {
+        for (index, call, free) in std::mem::take(&mut self.reads) {
+            let value = match call {
+                Call::Axis { kind, axis } => {
+                    let axis = &self.axes[axis];
+                    match kind {
+                        Kind::GetPtLoop => Value::Whole(axis.pt.passes),
+                        Kind::GetPvtLoop => Value::Two(axis.pvt.2, axis.pvt.0),
+                        Kind::GetFollowLoop => Value::Whole(axis.follow.passes),
+                        Kind::GetFollowStatus => {
+                            let pending = matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.switching);
+                            Value::Two(axis.follow.fifo as i64, pending.into())
+                        }
+                        Kind::GetSts => Value::Whole(axis.status().into()),
+                        Kind::GetPrfPos => Value::Position(axis.name()),
+                        Kind::GetPrfVel => Value::Velocity(axis.v),
+                        _ => Value::Whole(axis.mode as i64),
+                    }
+                }
+                Call::PtSpace { axis, .. } => {
+                    // At rest in the order of calls; while it runs, as it is at the tick.
+                    let axis = &self.axes[axis];
+                    let held = axis.pt.fifos[0].len() - axis.pt.ran;
+                    Value::Whole(if free == usize::MAX { axis.pt_capacity() - held } else { free } as i64)
+                }
+                _ => Value::Whole(free as i64),
+            };
+            let open = match call {
+                Call::Axis { kind, axis } => {
+                    let axis_of = &self.axes[axis];
+                    let master = axis_of.follow.master.map(|master| &self.axes[master]);
+                    let lead = master.map(|of| Lead { track: &of.track, velocity: of.v, zero: of.zero });
+                    let knot = match (&axis_of.motion, &lead) {
+                        (Some(Motion::Slave(slave)), Some(lead)) => slave.is_near_knot(lead),
+                        _ => false,
+                    };
+                    match kind {
+                        Kind::GetPrfPos | Kind::GetPrfMode => false,
+                        Kind::GetFollowStatus if !axis_of.follow.started => true,
+                        Kind::GetPrfVel => knot || self.axes[axis].open.is_some(),
+                        _ => self.axes[axis].open.is_some(),
+                    }
+                }
+                _ => false,
+            };
+            program.replies[index] = if open { Reply::Open } else { Reply::Done(value) };
+        }
+    }
+
+    pub(super) fn read(&mut self, index: usize, call: &Call, free: usize) -> Reply {
+        self.reads.push((index, call.clone(), free));
+        Reply::Open
+    }
+}
