@@ -11,11 +11,13 @@ mod axis;
 mod call;
 mod controller;
 mod curve;
+mod effect;
 mod follow;
 mod number;
 mod pt;
 mod pvt;
 mod ramp;
+mod slave;
 #[cfg(test)]
 mod tests;
 
@@ -23,6 +25,7 @@ pub use axis::{Axis, Mode};
 pub use call::{Call, Kind, Site};
 pub use controller::{Controller, Program, Reply, Row, Value};
 pub use curve::Curve;
-pub use follow::Datum;
+pub use effect::{Effect, Levels};
+pub use follow::{Datum, Item};
 pub use number::{Fix, Rational, exact};
 pub use pvt::Points;

@@ -5,6 +5,8 @@
 //! A finding is shrunk and printed as a job.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
+#[path = "reference/found.rs"]
+mod found;
 #[path = "reference/generator.rs"]
 mod generator;
 #[path = "reference/judge.rs"]
@@ -35,6 +37,9 @@ const NEEDED: &[&str] = &[
     "ticks in which a slave of a slave moves",
     "ticks in which a slave of a slave moves that was renamed",
     "ticks in which a slave of direction -1 moves",
+    "ticks in which a slave of FollowEx moves",
+    "ticks in which a slave of an encoder moves",
+    "outputs set by FollowEx",
 ];
 
 fn number(name: &str, default: u64) -> u64 {

@@ -1,8 +1,9 @@
 //! One axis: its settings, its data, and the motion that it makes.
-use super::follow::{Begin, Datum, Lead, Slave};
+use super::follow::Item;
 use super::number::{Fix, exact};
 use super::pt::{Chain, Segment, Timed, Went};
 use super::ramp;
+use super::slave::{Around, Begin, Lead, Outcome, Slave};
 
 /// Profile mode, as GetPrfMode numbers it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,7 +12,9 @@ pub enum Mode {
     Jog = 1,
     Pt = 2,
     Follow = 4,
+    Crd = 5,
     Pvt = 6,
+    FollowEx = 10,
 }
 
 #[derive(Debug, Clone)]
@@ -52,14 +55,22 @@ pub struct PtData {
     pub passes: i64,
 }
 
+/// Whom an axis follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Master {
+    pub axis: usize,
+    /// 1 its encoder, 2 its planned position, 3 the same as an axis.
+    pub kind: i16,
+}
+
 #[derive(Debug, Clone)]
 pub struct FollowData {
     pub dir: i16,
-    pub master: Option<usize>,
+    pub master: Option<Master>,
     pub memory: i16,
     pub loops: i64,
     pub begin: Begin,
-    pub fifos: [Vec<Datum>; 2],
+    pub fifos: [Vec<Item>; 2],
     /// Started since the mode was set: until then nobody says what is read.
     pub started: bool,
     /// FIFO in force and completed passes, as they are read.
@@ -79,8 +90,14 @@ pub struct Axis {
     pub zero: Fix,
     /// By ZeroPos or SetPrfPos.
     pub renamed: bool,
-    /// Positions from the tick before to this one.
+    /// Positions from the tick before to this one, and when it was there, ms: `Fix::FAR` where nobody knows.
     pub track: Vec<Fix>,
+    pub times: Vec<Fix>,
+    /// The motion of the tick, where it has ended or was replaced at its end.
+    past: Option<Motion>,
+    /// Encoder counts in the tick before and in this one, and the count with the name 0.
+    pub encoder: [Fix; 2],
+    pub encoder_zero: Fix,
     pub latched: u32,
     pub motion: Option<Motion>,
     pub stop_dec: f64,
@@ -97,6 +114,8 @@ pub struct Axis {
     pub follow: FollowData,
     /// What rounding decides in this tick.
     pub open: Option<&'static str>,
+    /// What the contract leaves open.
+    pub unsaid: Option<&'static str>,
     /// A motion without a length began on the tick that is being prepared, or one ended there at once.
     pub doubt: bool,
     /// A motion began on the tick that is being prepared.
@@ -105,14 +124,25 @@ pub struct Axis {
     pub ended: bool,
     /// A stream has ended since somebody waited for the axis.
     pub dried: bool,
+    /// Data came for it on the tick that is being prepared, while it runs.
+    pub given: bool,
     /// It came to rest on the tick that is being prepared.
     pub halted: bool,
+    /// General outputs that its entries have set in this tick.
+    pub outputs: Vec<(i16, bool)>,
+    /// Its motion ended because an input did not come.
+    pub timed_out: bool,
     /// The deceleration of the smooth Stop that it is in.
     pub braking: Option<f64>,
     /// How far it may be from here: see `smooth_stop`.
     pub slack: Fix,
     /// No motion of the tick was faster, pulse/ms.
     pub fastest: Fix,
+}
+
+/// The nearest whole pulse.
+pub fn whole(x: Fix) -> Fix {
+    Fix::whole(((x.0 + (1 << 63)) >> 64) as i64)
 }
 
 pub const POSITIVE: u32 = 1 << 5;
@@ -130,6 +160,10 @@ impl Axis {
             zero: x,
             renamed: false,
             track: vec![x, x],
+            times: vec![Fix::ZERO; 2],
+            past: None,
+            encoder: [whole(x); 2],
+            encoder_zero: whole(x),
             latched: 0,
             motion: None,
             stop_dec: 1.0,
@@ -161,11 +195,15 @@ impl Axis {
                 passes: 0,
             },
             open: None,
+            unsaid: None,
             doubt: false,
             began: false,
             ended: false,
             dried: false,
+            given: false,
             halted: false,
+            outputs: Vec::new(),
+            timed_out: false,
             braking: None,
             slack: Fix::ZERO,
             fastest: Fix::ZERO,
@@ -174,6 +212,28 @@ impl Axis {
 
     pub fn runs(&self) -> bool {
         self.motion.is_some()
+    }
+
+    /// A controller may say 1 to what concerns FIFOs, though the contract allows it: the tick may switch them, and something
+    /// has come before at the same instant.
+    pub fn is_undecided(&self) -> bool {
+        let switches = |item: &Item| matches!(item, Item::Switch { table: true });
+        (self.given || self.began) && self.follow.fifos.iter().flatten().any(switches)
+    }
+
+    /// How far the encoder went in this tick.
+    pub fn counts(&self) -> Fix {
+        (self.encoder[1] - self.encoder[0]).abs()
+    }
+
+    /// Whether it was a slave in this tick.
+    pub fn follow_moves(&self) -> bool {
+        matches!(self.past.as_ref().or(self.motion.as_ref()), Some(Motion::Slave(_)))
+    }
+
+    /// Follow or FollowEx.
+    pub fn is_follow(&self) -> bool {
+        matches!(self.mode, Mode::Follow | Mode::FollowEx)
     }
 
     pub fn name(&self) -> Fix {
@@ -202,6 +262,7 @@ impl Axis {
         self.follow.fifos = Default::default();
         self.follow.master = None;
         (self.follow.passes, self.pt.passes, self.follow.started) = (0, 0, false);
+        self.pvt.2 = 0;
         self.follow.begin = Begin::Start;
     }
 
@@ -235,14 +296,15 @@ impl Axis {
         self.doubt |= curve.length() == Fix::ZERO && curve.cruise == Fix::ZERO;
         self.began |= !self.runs();
         let braked = self.v != Fix::ZERO;
-        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked)));
+        let ramp = Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked));
+        self.past = self.motion.replace(ramp);
     }
 
     pub fn smooth_stop(&mut self, now_ns: i64, dec: f64) {
         self.leave();
         // A slave that stands still is at rest on the next tick.
         if self.v == Fix::ZERO && !matches!(self.motion, Some(Motion::Slave(_))) {
-            self.motion = None;
+            self.past = self.motion.take();
             return;
         }
         self.braking = Some(dec);
@@ -252,7 +314,8 @@ impl Axis {
             self.slack += curve.length() * Fix(1 << 42);
         }
         let braked = self.v != Fix::ZERO;
-        self.motion = Some(Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked)));
+        let ramp = Motion::Ramp(Timed::new(curve, now_ns, self.x).at_speed(braked));
+        self.past = self.motion.replace(ramp);
     }
 
     /// At rest where it was in the tick before.
@@ -304,10 +367,11 @@ impl Axis {
     }
 
     /// From the tick before to this one.
-    pub fn step(&mut self, from_ns: i64, to_ns: i64, lead: Option<&Lead>) {
-        self.track = vec![self.x];
+    pub fn step(&mut self, from_ns: i64, to_ns: i64, lead: Option<&Lead>, inputs: u32) {
+        (self.track, self.times) = (vec![self.x], vec![Fix::ms(from_ns)]);
+        self.past = None;
         self.open = None;
-        (self.doubt, self.halted, self.began) = (false, false, false);
+        (self.doubt, self.halted, self.began, self.given) = (false, false, false, false);
         self.fastest = Fix::ZERO;
         let mut out = Vec::new();
         let ended = match &mut self.motion {
@@ -349,18 +413,27 @@ impl Axis {
             Some(Motion::Slave(slave)) => match lead {
                 None => false,
                 Some(lead) => {
-                    slave.open = false;
+                    slave.open = None;
                     self.fastest = slave.table.curve.steepest;
                     let other = &self.follow.fifos[slave.fifo ^ 1];
-                    let ended = slave.step(lead, other, self.follow.loops, &mut out);
+                    let around = Around { other, loops: self.follow.loops, inputs };
+                    let mut places = Vec::new();
+                    let outcome = slave.step(lead, &around, &mut places);
+                    out.extend(places.into_iter().map(|place| (Fix::FAR, place)));
                     self.v = slave.velocity(lead);
+                    self.slack += slave.slack;
+                    self.outputs.append(&mut slave.outputs);
+                    if outcome == Outcome::TimedOut {
+                        self.timed_out = true;
+                    }
                     self.fastest = self.fastest.max(slave.table.curve.steepest);
-                    self.open = slave.open.then_some("the end of a pass");
+                    self.open = slave.open;
+                    self.unsaid = slave.unsaid;
                     (self.follow.fifo, self.follow.passes) = (slave.fifo, slave.pass);
                     for fifo in slave.emptied.drain(..) {
                         self.follow.fifos[fifo].clear();
                     }
-                    ended
+                    outcome != Outcome::On
                 }
             },
         };
@@ -370,19 +443,35 @@ impl Axis {
         {
             self.open = Some("the end of a motion");
         }
-        self.track.extend(out);
+        for (when, place) in out {
+            self.times.push(when);
+            self.track.push(place);
+        }
         self.x = *self.track.last().expect("where it was");
         if self.track.len() == 1 {
+            self.times.push(Fix::ZERO);
             self.track.push(self.x);
         }
+        *self.times.last_mut().expect("two of them") = Fix::ms(to_ns);
         self.ended = ended;
         if ended {
             self.braking = None;
             self.dried |= matches!(self.motion, Some(Motion::Stream(..)));
-            self.motion = None;
+            self.past = self.motion.take();
             self.v = Fix::ZERO;
         }
         self.hold();
+    }
+
+    /// Where it was at an instant of the tick, ms.
+    pub fn at(&self, ms: Fix) -> Option<Fix> {
+        match self.past.as_ref().or(self.motion.as_ref()) {
+            None => Some(self.x),
+            Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Pvt(timed) | Motion::Stream(timed, _)) => {
+                timed.at(ms)
+            }
+            Some(Motion::Slave(_)) => None,
+        }
     }
 
     /// No planned position goes beyond a soft limit.
@@ -399,7 +488,9 @@ impl Axis {
             && self.runs_or_ran()
         {
             self.track.truncate(index);
+            self.times.truncate(index);
             self.track.push(at);
+            self.times.push(Fix::FAR);
             self.x = at;
             self.latched |= bit;
             self.halt();

@@ -1,5 +1,6 @@
 //! The calls of a program, and how a job writes them.
-use super::follow::Datum;
+use super::effect::Effect;
+use super::follow::{Datum, Item};
 use super::pvt::Points;
 
 /// Which axes a program has: logical core and axis of the core, both from 1. Calls name axes by their place here.
@@ -151,6 +152,21 @@ pub enum Call {
     PvtStart {
         mask: u32,
     },
+    /// The call of FollowEx with the same parameters as this one of Follow.
+    Ex(Box<Call>),
+    /// FollowDataPercentEx, or an entry of FollowEx that is no segment.
+    FollowEntry {
+        axis: usize,
+        item: Item,
+        fifo: i16,
+    },
+    /// FollowSwitchNowEx with `buffer` 0.
+    FollowSwitchNow {
+        axis: usize,
+        table: bool,
+    },
+    /// Outputs and inputs.
+    Effect(Effect),
 }
 
 /// Calls that name an axis and nothing else.
@@ -167,7 +183,16 @@ pub enum Kind {
     GetPtLoop,
     GetFollowLoop,
     GetFollowStatus,
+    GetFollowLoopEx,
+    GetFollowStatusEx,
+    GetFollowMemory,
+    GetFollowMemoryEx,
+    GetFollowEvent,
+    GetFollowEventEx,
+    GetFollowMaster,
+    GetFollowMasterEx,
     GetSts,
+    GetEncPos,
     GetPrfPos,
     GetPrfVel,
     GetPrfMode,
@@ -191,14 +216,18 @@ impl Call {
             | Call::SetFollowMemory { .. }
             | Call::PvtTable { .. }
             | Call::PvtStart { .. } => true,
+            Call::Ex(of) => of.needs_rest(),
             _ => false,
         }
     }
 
     /// The axes that it names.
     pub fn axes(&self) -> u32 {
+        if let Call::Ex(of) = self {
+            return of.axes();
+        }
         match *self {
-            Call::Sleep { .. } => 0,
+            Call::Sleep { .. } | Call::Effect(_) | Call::Ex(_) => 0,
             Call::WaitStop { mask }
             | Call::Stop { mask, .. }
             | Call::Update { mask }
@@ -230,6 +259,8 @@ impl Call {
             | Call::SetFollowMemory { axis, .. }
             | Call::PvtTable { axis, .. }
             | Call::PvtTableSelect { axis, .. }
+            | Call::FollowEntry { axis, .. }
+            | Call::FollowSwitchNow { axis, .. }
             | Call::SetPvtLoop { axis, .. } => 1 << axis,
         }
     }
@@ -247,10 +278,11 @@ impl Site {
         (core, members(mask).map(|place| 1 << (self.axes[place].1 - 1)).sum())
     }
 
-    /// Master index and type of SetFollowMaster for a slave: 2 profile and 3 axis, of the other core 103.
+    /// Master index and type of SetFollowMaster for a slave: 1 encoder, 2 profile and 3 axis, of the other core 101 and 103.
     pub fn master(&self, slave: usize, master: usize, kind: i16) -> (i16, i16) {
         let same = self.axes[slave].0 == self.axes[master].0;
-        (self.axes[master].1, if same { kind } else { 103 })
+        let other = if kind == 1 { 101 } else { 103 };
+        (self.axes[master].1, if same { kind } else { other })
     }
 
     /// A statement of a job, the one with this number.
@@ -320,6 +352,12 @@ impl Site {
             Call::PvtTableSelect { axis, table } => format!("GTN_PvtTableSelect({},{table})", at(axis)),
             Call::SetPvtLoop { axis, loops } => format!("GTN_SetPvtLoop({},{loops})", at(axis)),
             Call::PvtStart { mask } => format!("GTN_PvtStart({})", of(mask)),
+            Call::Ex(of) => return ex(&self.text(number, of)),
+            Call::FollowEntry { axis, item, fifo } => entry_text(&at(axis), item, *fifo),
+            Call::FollowSwitchNow { axis, table } => {
+                format!("GTN_FollowSwitchNowEx({},{},0,0)", at(axis), if *table { 2 } else { 1 })
+            }
+            Call::Effect(effect) => return effect.text(),
         };
         format!("rtn = {written};")
     }
@@ -328,11 +366,14 @@ impl Site {
         let more = match kind {
             Kind::AxisOn | Kind::AxisOff | Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt => "",
             Kind::ZeroPos | Kind::ClrSts => ",1",
-            Kind::GetPtLoop | Kind::GetFollowLoop => ",&loops",
+            Kind::GetPtLoop | Kind::GetFollowLoop | Kind::GetFollowLoopEx => ",&loops",
             Kind::GetPvtLoop => ",&loops,&word",
-            Kind::GetFollowStatus => ",&fifo,&pending",
+            Kind::GetFollowStatus | Kind::GetFollowStatusEx => ",&fifo,&pending",
+            Kind::GetFollowMemory | Kind::GetFollowMemoryEx => ",&fifo",
+            Kind::GetFollowEvent | Kind::GetFollowEventEx => ",&fifo,&pending,&word",
+            Kind::GetFollowMaster | Kind::GetFollowMasterEx => ",&fifo,&pending,&space",
             Kind::GetSts | Kind::GetPrfMode => ",&word",
-            Kind::GetPrfPos | Kind::GetPrfVel => ",&value",
+            Kind::GetPrfPos | Kind::GetPrfVel | Kind::GetEncPos => ",&value",
         };
         format!("rtn = GTN_{kind:?}({axis}{more});")
     }
@@ -347,6 +388,26 @@ impl Site {
             text.push('\n');
         }
         text
+    }
+}
+
+/// A statement of Follow as one of FollowEx.
+fn ex(text: &str) -> String {
+    text.replacen('(', "Ex(", 1)
+}
+
+fn entry_text(at: &str, item: &Item, fifo: i16) -> String {
+    match item {
+        Item::Segment(datum) => {
+            let Datum { master, slave, kind, percent } = datum;
+            format!("GTN_FollowDataPercentEx({at},{master:?},{slave:?},{kind},{percent},{fifo})")
+        }
+        Item::Output { index, level } => format!("GTN_FollowDoBitEx({at},12,{index},{},{fifo})", i16::from(*level)),
+        Item::Delay { cycles } => format!("GTN_FollowDelayEx({at},{cycles},{fifo})"),
+        Item::Wait { index, level, ms } => {
+            format!("GTN_FollowDiBitEx({at},4,{index},{},{ms},{fifo})", i16::from(*level))
+        }
+        Item::Switch { table } => format!("GTN_FollowSwitchNowEx({at},{},1,{fifo})", if *table { 2 } else { 1 }),
     }
 }
 

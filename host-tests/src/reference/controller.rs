@@ -3,6 +3,8 @@
 //! A call made at s acts on the first tick after s. Whether it may act is decided by what the tick before has, with what
 //! the calls before it at the same instant have changed; a motion that begins or brakes there has its time zero at that tick.
 mod answer;
+mod effects;
+mod encoders;
 mod follow;
 mod plain;
 mod pt;
@@ -11,7 +13,7 @@ mod reads;
 
 use super::axis::{Aim, Axis, Mode, Motion};
 use super::call::{Call, Site, members};
-use super::follow::Lead;
+use super::effect::Levels;
 use super::number::Fix;
 use super::pvt::Table;
 use answer::EITHER;
@@ -23,6 +25,7 @@ pub enum Value {
     None,
     Whole(i64),
     Two(i64, i64),
+    Three(i64, i64, i64),
     Position(Fix),
     Velocity(Fix),
 }
@@ -57,6 +60,10 @@ pub struct Program {
     pub refused: Vec<usize>,
     /// From tick 0 on, a row an axis.
     pub rows: Vec<Vec<Row>>,
+    /// General and analog outputs in force, from tick 0 on.
+    pub outputs: Vec<Levels>,
+    /// An encoder that is not where the machine must have it: tick, axis, how far.
+    pub astray: Option<(usize, usize, f64)>,
     /// The contract leaves open what happens from this tick on, and why.
     pub open: Option<(usize, &'static str)>,
     /// It came to its end in the ticks that it was given.
@@ -74,6 +81,7 @@ enum Then {
 
 /// See the module text.
 pub struct Controller {
+    site: Site,
     /// Core of each axis.
     cores: Vec<i16>,
     /// PVT tables by core and number.
@@ -85,6 +93,8 @@ pub struct Controller {
     /// Reads that this tick answers.
     reads: Vec<(usize, Call, usize)>,
     open: Option<&'static str>,
+    levels: Levels,
+    machine: encoders::Machine,
     /// Axes that were asked in this tick and the one before for what needs standstill.
     contested: [u32; 2],
     used: BTreeMap<&'static str, u64>,
@@ -97,7 +107,11 @@ impl Controller {
         let then = vec![None; axes.len()];
         let cores = site.axes.iter().map(|axis| axis.0).collect();
         let tables = BTreeMap::new();
+        let machine = encoders::Machine::new(tick_ns, &axes);
         Controller {
+            site: site.clone(),
+            machine,
+            levels: Levels::default(),
             cores,
             tables,
             tick_ns,
@@ -110,15 +124,32 @@ impl Controller {
         }
     }
 
+    /// With encoder counts as they were recorded, an axis each, from tick 0 on. Without them they are those of a machine
+    /// that lags as the contract says.
+    pub fn with_encoders(mut self, recorded: Vec<Vec<i64>>) -> Controller {
+        self.machine.recorded = recorded;
+        self
+    }
+
+    /// With output levels as they are before the program.
+    pub fn with_outputs(mut self, levels: Levels) -> Controller {
+        self.levels = levels;
+        self
+    }
+
     /// Runs a program and `tail` ticks more; `most` ticks at most.
     pub fn run(mut self, calls: &[Call], tail: usize, most: usize) -> Program {
         let mut program = Program { replies: vec![Reply::Open; calls.len()], ..Program::default() };
         program.rows.push(self.rows());
+        program.outputs.push(self.levels.clone());
+        self.encoders(0);
+        self.axes.iter_mut().for_each(|axis| axis.encoder_zero = axis.encoder[1]);
         let (mut clock, mut waiting, mut next, mut left) = (0, None, 0, tail);
         let mut first = 0;
         for number in 1..=most {
             let (before, now) = ((number as i64 - 1) * self.tick_ns, number as i64 * self.tick_ns);
             let earlier = std::mem::replace(&mut first, next);
+            self.encoders(number);
             while waiting.is_none() && next < calls.len() && clock < now {
                 match &calls[next] {
                     Call::Sleep { ns } => {
@@ -156,6 +187,7 @@ impl Controller {
             }
             self.answer(&mut program);
             program.rows.push(self.rows());
+            program.outputs.push(self.levels.clone());
             if let Some(mask) = waiting {
                 if let Some(why) = members(mask).find_map(|axis| self.axes[axis].open) {
                     self.open = Some(why);
@@ -180,6 +212,7 @@ impl Controller {
             }
         }
         program.used = self.used;
+        program.astray = self.machine.astray;
         program
     }
 
@@ -199,8 +232,8 @@ impl Controller {
         let mut order = Vec::new();
         while order.len() < self.axes.len() {
             for axis in 0..self.axes.len() {
-                let master = self.axes[axis].follow.master.filter(|_| self.axes[axis].mode == Mode::Follow);
-                if !order.contains(&axis) && master.is_none_or(|master| order.contains(&master)) {
+                let master = self.axes[axis].follow.master.filter(|_| self.axes[axis].is_follow());
+                if !order.contains(&axis) && master.is_none_or(|master| order.contains(&master.axis)) {
                     order.push(axis);
                 }
             }
@@ -213,15 +246,23 @@ impl Controller {
             let mut axis = std::mem::replace(&mut self.axes[index], Axis::new(0));
             let (ran, was_slave) = (axis.runs(), matches!(axis.motion, Some(Motion::Slave(_))));
             let began = axis.began;
-            let master = axis.follow.master.map(|master| &self.axes[master]);
-            let lead = master.map(|master| Lead { track: &master.track, velocity: master.v, zero: master.zero });
+            let master = axis.follow.master;
+            let then = self.then[index].take();
+            let mut open = None;
+            let place = |at: Fix| master.and_then(|master| self.place_of(master, at, before, now));
+            let times = [Fix::ms(before), Fix::ms(now)];
+            let lead = master.map(|master| self.lead(master, &times, &place));
             // A controller has few places for a master's way in a tick: between the first and the last of several knots it
             // goes straight for those that follow it.
             let follows = was_slave && !began;
             if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > 4 && turns(lead.track)) {
-                self.open = Some("a master that turns between several knots in a tick");
+                open = Some("a master that turns between several knots in a tick");
             }
-            axis.step(before, now, lead.as_ref());
+            let led_by_slave = master.is_some_and(|master| self.axes[master.axis].follow_moves());
+            if follows && led_by_slave && lead.as_ref().is_some_and(|lead| turns(lead.track)) {
+                open = Some("a slave that turns within a tick is followed");
+            }
+            axis.step(before, now, lead.as_ref(), self.levels.inputs);
             if let Some(lead) = &lead
                 && was_slave
             {
@@ -231,12 +272,17 @@ impl Controller {
             } else {
                 axis.fastest = axis.fastest * Fix::ms(self.tick_ns);
             }
-            match self.then[index].take() {
+            match then {
                 Some(Then::Brake(dec)) => {
                     if let (Some(Motion::Slave(slave)), Some(lead)) = (&axis.motion, &lead)
                         && slave.is_near_knot(lead)
                     {
-                        self.open = Some("a Stop where a slave's ratio jumps");
+                        open = Some("a Stop where a slave's ratio jumps");
+                    }
+                    let counted = master.filter(|master| was_slave && master.kind == 1);
+                    if counted.is_some_and(|master| self.axes[master.axis].counts() < Fix::whole(4)) {
+                        // What speed that is depends on the tick.
+                        open = Some("a Stop of a slave of an encoder that hardly moves");
                     }
                     if axis.runs() {
                         if axis.v.abs() < Fix(1 << 44) && axis.v != Fix::ZERO || axis.v == Fix::ZERO && !was_slave {
@@ -244,7 +290,7 @@ impl Controller {
                         }
                         // Of a motion that began at this instant nobody says whether it was seen to run.
                         if began {
-                            self.open = Some("a Stop at the instant of a start");
+                            open = Some("a Stop at the instant of a start");
                         }
                         axis.smooth_stop(now, dec);
                     }
@@ -257,9 +303,14 @@ impl Controller {
                 }
                 None => {}
             }
+            self.open = self.open.or(open).or(axis.unsaid);
             self.count(&axis, was_slave);
             if ran && !axis.runs() {
                 *self.used.entry("motions ended").or_default() += 1;
+            }
+            for (index, level) in axis.outputs.drain(..) {
+                self.levels.set(index, level);
+                *self.used.entry("outputs set by FollowEx").or_default() += 1;
             }
             self.axes[index] = axis;
         }
@@ -269,9 +320,16 @@ impl Controller {
     fn count(&mut self, axis: &Axis, was_slave: bool) {
         let moves = axis.track.iter().any(|at| *at != axis.track[0]);
         let Some(master) = axis.follow.master.filter(|_| was_slave && moves) else { return };
-        let master = &self.axes[master];
+        let by_encoder = master.kind == 1;
+        let master = &self.axes[master.axis];
         let mut used = |what| *self.used.entry(what).or_default() += 1;
         used("ticks in which a slave moves");
+        if by_encoder {
+            used("ticks in which a slave of an encoder moves");
+        }
+        if axis.mode == Mode::FollowEx {
+            used("ticks in which a slave of FollowEx moves");
+        }
         if matches!(master.motion, Some(Motion::Slave(_))) {
             used("ticks in which a slave of a slave moves");
             if master.renamed {
@@ -304,8 +362,8 @@ impl Controller {
             Call::Axis { kind, axis } => self.plain(index, call, *kind, *axis),
             Call::Stop { mask, abrupt } => self.stop(*mask, *abrupt),
             Call::PtStart { mask, option } => self.pt_start(*mask, *option, now),
-            Call::FollowStart { mask, option } => self.follow_start(*mask, *option),
-            Call::FollowSwitch { mask } => self.follow_switch(*mask),
+            Call::FollowStart { mask, option } => self.follow_start(*mask, *option, Mode::Follow),
+            Call::FollowSwitch { mask } => self.follow_switch(*mask, Mode::Follow),
             Call::Update { mask } => self.update(*mask, now),
             Call::PrfPt { .. }
             | Call::PtData { .. }
@@ -320,7 +378,15 @@ impl Controller {
             | Call::FollowData { .. }
             | Call::FollowClear { .. }
             | Call::FollowSpace { .. }
-            | Call::SetFollowMemory { .. } => self.follow(index, call),
+            | Call::SetFollowMemory { .. } => self.follow(index, call, Mode::Follow),
+            Call::Ex(of) => match &**of {
+                Call::FollowStart { mask, option } => self.follow_start(*mask, *option, Mode::FollowEx),
+                Call::FollowSwitch { mask } => self.follow_switch(*mask, Mode::FollowEx),
+                of => self.follow(index, of, Mode::FollowEx),
+            },
+            Call::FollowEntry { axis, item, fifo } => self.follow_item(*axis, *item, *fifo, Mode::FollowEx),
+            Call::FollowSwitchNow { axis, table } => self.follow_switch_now(*axis, *table),
+            Call::Effect(effect) => self.effect(index, call, effect),
             Call::PvtTable { .. } | Call::PvtTableSelect { .. } | Call::SetPvtLoop { .. } | Call::PvtStart { .. } => {
                 self.pvt(call, now)
             }

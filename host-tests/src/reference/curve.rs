@@ -130,24 +130,24 @@ impl Curve {
         self.pieces.get(index).map_or(self.cruise, |piece| piece.slope(piece.share(u)))
     }
 
-    /// Values at knots and turns between `a` and `b`, in the order of the way from `a` to `b`.
-    pub fn between(&self, a: Fix, b: Fix, out: &mut Vec<Fix>) {
+    /// Knots and turns between `a` and `b`, and the values there, in the order of the way from `a` to `b`.
+    pub fn between(&self, a: Fix, b: Fix, out: &mut Vec<(Fix, Fix)>) {
         let (low, high) = (a.min(b), a.max(b));
         let first = out.len();
         let index = self.pieces.partition_point(|piece| piece.to <= low);
         for piece in self.pieces[index..].iter().take_while(|piece| piece.from < high) {
             if piece.from > low {
-                out.push(piece.value(Fix::ZERO));
+                out.push((piece.from, piece.value(Fix::ZERO)));
             }
             for &turn in &piece.turns {
                 let u = piece.from + turn * (piece.to - piece.from);
                 if u > low && u < high {
-                    out.push(piece.value(turn));
+                    out.push((u, piece.value(turn)));
                 }
             }
         }
         if self.length > low && self.length < high {
-            out.push(self.end);
+            out.push((self.length, self.end));
         }
         if b < a {
             out[first..].reverse();

@@ -71,6 +71,8 @@ pub struct Timed {
     pub pending: Option<Curve>,
     /// Whether it has come to an end is within rounding.
     pub open: bool,
+    /// It has come to its end.
+    over: bool,
 }
 
 /// 2⁻⁵⁴ ms.
@@ -97,6 +99,7 @@ impl Timed {
             pending: None,
             braked: false,
             open: false,
+            over: false,
         }
     }
 
@@ -124,8 +127,9 @@ impl Timed {
         self.progress(at_ns) - self.began
     }
 
-    /// Positions from the tick before to `to_ns`, through everything at which it may turn. `loops` of 0 or less: for ever.
-    pub fn step(&mut self, from_ns: i64, to_ns: i64, loops: i64, out: &mut Vec<Fix>) -> Went {
+    /// Instants in ms and positions from the tick before to `to_ns`, through everything at which it may turn. `loops` of 0 or
+    /// less: for ever.
+    pub fn step(&mut self, from_ns: i64, to_ns: i64, loops: i64, out: &mut Vec<(Fix, Fix)>) -> Went {
         let (mut a, mut b) = (self.progress(from_ns).max(Fix::ZERO), self.progress(to_ns));
         self.at = b;
         self.open = false;
@@ -152,18 +156,32 @@ impl Timed {
                 continue;
             }
             if loops > 0 && self.passes >= loops {
+                self.over = true;
                 return Went::Ended;
             }
         }
     }
 
-    fn points(&self, a: Fix, b: Fix, out: &mut Vec<Fix>) {
+    fn points(&self, a: Fix, b: Fix, out: &mut Vec<(Fix, Fix)>) {
         let first = out.len();
-        self.curve.between(a - self.began, b - self.began, out);
-        out.push(self.curve.at(b - self.began));
-        for point in &mut out[first..] {
+        let place = b - self.began;
+        self.curve.between(a - self.began, place, out);
+        out.push((place, self.curve.at(place)));
+        let start = Fix::ms(self.start_ns) + self.began;
+        for (when, point) in &mut out[first..] {
+            *when += start;
             *point += self.origin;
         }
+    }
+
+    /// Where it is, or was within the tick, at an instant in ms. None: another curve was in force.
+    pub fn at(&self, ms: Fix) -> Option<Fix> {
+        let place = ms - Fix::ms(self.start_ns) - self.began;
+        if place >= Fix::ZERO || self.passes == 0 {
+            return Some(self.origin + if self.over { Fix::ZERO } else { self.curve.at(place) });
+        }
+        let earlier = place + self.curve.length();
+        (earlier >= Fix::ZERO).then(|| self.origin - self.curve.end() + self.curve.at(earlier))
     }
 
     pub fn velocity(&self, at_ns: i64) -> Fix {

@@ -2,6 +2,11 @@
 use super::chance::Chance;
 use host_tests::reference::{Call, Datum, Kind, Points, Site};
 
+#[path = "generator/follow_ex.rs"]
+mod follow_ex;
+#[path = "generator/outputs.rs"]
+mod outputs;
+
 const MS: i64 = 1_000_000;
 
 pub struct Program {
@@ -27,6 +32,7 @@ enum Does {
     Pt,
     Stream,
     Follow(i16),
+    FollowEx(i16),
     Pvt,
 }
 
@@ -123,7 +129,11 @@ impl Making<'_> {
 
     fn phrase(&mut self) {
         let axis = self.axis();
-        match self.below(20) {
+        match self.below(25) {
+            20 | 21 => self.slave_ex(axis),
+            22 => self.outputs(),
+            23 => self.by_encoder(axis),
+            24 => self.entries(axis),
             0..3 => self.trap(axis),
             3..5 => self.jog(axis),
             5..7 => self.pt_static(axis),
@@ -384,7 +394,8 @@ impl Making<'_> {
         let mut master = self.axis();
         // A chain now and then: an axis that follows already.
         if self.one_in(2)
-            && let Some(other) = (0..self.does.len()).find(|other| matches!(self.does[*other], Does::Follow(_)))
+            && let Some(other) =
+                (0..self.does.len()).find(|other| matches!(self.does[*other], Does::Follow(_) | Does::FollowEx(_)))
         {
             master = other;
         }
@@ -453,7 +464,7 @@ impl Making<'_> {
         let mut root = axis;
         for _ in 0..self.does.len() {
             match (self.does[root], self.masters[root]) {
-                (Does::Follow(_), Some(master)) => root = master,
+                (Does::Follow(_) | Does::FollowEx(_), Some(master)) => root = master,
                 _ => break,
             }
         }
@@ -477,6 +488,7 @@ impl Making<'_> {
             Does::Jog => self.velocity(axis),
             Does::Pt | Does::Stream => self.calls.push(Call::PtStart { mask, option }),
             Does::Follow(_) => self.calls.push(Call::FollowStart { mask, option }),
+            Does::FollowEx(_) => self.ex(Call::FollowStart { mask, option }),
             Does::Pvt => self.calls.push(Call::PvtStart { mask }),
         }
     }
@@ -502,6 +514,7 @@ impl Making<'_> {
                 }
                 _ => self.plain(Kind::GetPvtLoop, axis),
             },
+            Does::FollowEx(_) => self.during_ex(axis),
             Does::Follow(_) => {
                 let root = self.root(axis);
                 match self.below(4) {
@@ -551,6 +564,15 @@ impl Making<'_> {
             Kind::GetPtLoop,
             Kind::GetFollowLoop,
             Kind::GetFollowStatus,
+            Kind::GetFollowLoopEx,
+            Kind::GetFollowStatusEx,
+            Kind::GetFollowMemory,
+            Kind::GetFollowMemoryEx,
+            Kind::GetFollowEvent,
+            Kind::GetFollowEventEx,
+            Kind::GetFollowMaster,
+            Kind::GetFollowMasterEx,
+            Kind::GetEncPos,
         ];
         let kind = self.pick(&kinds);
         self.plain(kind, axis);

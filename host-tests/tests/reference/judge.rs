@@ -1,6 +1,6 @@
 //! A program on both, and what differs; a program that differs is made as short as it can be.
 use super::machine::{Got, Rig, Told, fixed, got};
-use host_tests::reference::{Call, Controller, Fix, Program, Reply, Site, Value};
+use host_tests::reference::{Call, Controller, Fix, Levels, Program, Reply, Site, Value};
 use std::collections::BTreeMap;
 
 /// How often what.
@@ -19,6 +19,19 @@ fn reference(site: &Site, tick_us: u32, begin: &[i64], calls: &[Call]) -> Progra
     Controller::new(site, i64::from(tick_us) * 1000, begin).run(calls, TAIL, MOST)
 }
 
+/// Beside a program that has run: encoder counts and levels before it are those of the machine.
+fn beside(site: &Site, tick_us: u32, told: &Told, calls: &[Call]) -> Program {
+    let levels = told.more.first().map_or_else(Levels::default, |first| {
+        let mut levels = Levels { general: first.general, ..Levels::default() };
+        levels.analog[..8].copy_from_slice(&first.analog);
+        levels
+    });
+    Controller::new(site, i64::from(tick_us) * 1000, &told.begin)
+        .with_encoders(told.more.iter().map(|more| more.encoders.clone()).collect())
+        .with_outputs(levels)
+        .run(calls, TAIL, MOST)
+}
+
 fn same(value: &Value, got: Got, peak: f64) -> bool {
     match (value, got) {
         (Value::None, Got::Nothing) => true,
@@ -26,7 +39,10 @@ fn same(value: &Value, got: Got, peak: f64) -> bool {
             // A status word counts by the bits that are compared.
             *a == b
         }
+        // A start condition that has no direction and position.
+        (Value::Whole(a), Got::Three(b, ..)) => *a == b,
         (Value::Two(a, b), Got::Two(c, d)) => (*a, *b) == (c, d),
+        (Value::Three(a, b, c), Got::Three(d, e, f)) => (*a, *b, *c) == (d, e, f),
         (Value::Position(a), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16),
         // SPEC 11: 2⁻¹⁶ of the motion's peak.
         (Value::Velocity(a), Got::Real(b)) => (a.to_f64() - b).abs() <= 2f64.powi(-16) * peak.max(1.0),
@@ -86,6 +102,10 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
             .collect()
     };
     for tick in 0..end {
+        let (mine, theirs) = (&program.outputs[tick], &told.more[tick]);
+        if mine.general != theirs.general || mine.analog[..8] != theirs.analog {
+            return Err(format!("at {} ms the outputs are {theirs:?}, the reference's {mine:?}", ms(tick)));
+        }
         for (axis, row) in program.rows[tick].iter().enumerate() {
             let (position, status) = told.rows[tick][axis];
             let apart = fixed(position) - row.x;
@@ -117,6 +137,9 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
                 ));
             }
         }
+    }
+    if let Some((tick, axis, apart)) = program.astray.filter(|(tick, ..)| *tick < end) {
+        return Err(format!("at {} ms the encoder of axis {axis} is {apart} from where the machine is", ms(tick)));
     }
     Ok(())
 }
@@ -169,7 +192,7 @@ fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tal
             return Some(reason);
         }
     };
-    let program = reference(site, tick_us, &told.begin, calls);
+    let program = beside(site, tick_us, &told, calls);
     for (rule, count) in &program.used {
         *tally.entry((*rule).into()).or_default() += count;
     }

@@ -1,10 +1,14 @@
 //! The virtual controller under a program: every call is an entry of the program queue that may fail, and every tick's
 //! set-points and status words are kept.
 use client::{Answer, Client, Link, Observer, Options, Profile};
-use host_tests::reference::{Call, Fix, Kind, Points, Site};
+use host_tests::reference::{Call, Effect, Fix, Kind, Points, Site};
 use protocol::command::*;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
+
+#[path = "machine/effects.rs"]
+mod effects;
+
 use virtual_board::{Board, Config, Shared, share};
 
 /// One axis in one tick: set-point in 2⁻²² pulse, status word.
@@ -14,6 +18,16 @@ struct Record {
     /// Places of the axes over all cores.
     axes: Vec<usize>,
     rows: Vec<(u64, Vec<Seen>)>,
+    /// Encoder counts, general and analog outputs, of the same ticks.
+    more: Vec<More>,
+}
+
+/// What a tick has beside its axes.
+#[derive(Debug, Clone, Default)]
+pub struct More {
+    pub encoders: Vec<i64>,
+    pub general: u32,
+    pub analog: [i16; 8],
 }
 
 /// In lockstep, a tick at a time.
@@ -23,6 +37,9 @@ struct Watched {
     taken: usize,
     record: Arc<Mutex<Record>>,
 }
+
+/// Ticks that a program may last.
+const MOST: usize = 100_000;
 
 impl Watched {
     fn advance(&mut self, wait: Duration) {
@@ -36,6 +53,9 @@ impl Watched {
             let at = board.now();
             let row = record.axes.iter().map(|&axis| (board.set_point(axis), board.axis(axis).status)).collect();
             record.rows.push((at, row));
+            let encoders = record.axes.iter().map(|&axis| board.encoder(axis)).collect();
+            let outputs = board.outputs();
+            record.more.push(More { encoders, general: outputs.general, analog: outputs.analog });
             if came {
                 return;
             }
@@ -59,6 +79,9 @@ impl Link for Watched {
             self.taken = 0;
             self.board.lock().unwrap().take_tx(&mut self.received);
             if self.received.is_empty() {
+                if self.record.lock().unwrap().rows.len() > MOST {
+                    return Err(client::Error::new(client::error::NO_ANSWER, "the program goes on for ever"));
+                }
                 self.advance(wait);
             }
         }
@@ -87,6 +110,7 @@ pub struct Told {
     pub late: u32,
     /// From tick 0 of the program on.
     pub rows: Vec<Vec<Seen>>,
+    pub more: Vec<More>,
 }
 
 pub struct Rig {
@@ -114,7 +138,7 @@ impl Rig {
         };
         let board = share(Board::new(Config { tick_us, profile: number, ..Config::default() }));
         let axes = site.axes.iter().map(|&(core, axis)| (core as usize - 1) * per_core + axis as usize - 1).collect();
-        let record = Arc::new(Mutex::new(Record { axes, rows: Vec::new() }));
+        let record = Arc::new(Mutex::new(Record { axes, rows: Vec::new(), more: Vec::new() }));
         let link = Watched { board: board.clone(), received: Vec::new(), taken: 0, record: Arc::clone(&record) };
         let options = Options { profile: Some(profile), ..Options::default() };
         let client = Client::open(Box::new(link), options).unwrap();
@@ -128,6 +152,8 @@ impl Rig {
     /// Runs it from power-on settings; positions of the machine stay.
     pub fn run(&mut self, calls: &[Call]) -> Result<Told, String> {
         self.client.call(SetTick { tick_us: (self.tick_us as i32).into() }).map_err(|e| format!("{e:?}"))?;
+        // Encoders come to rest, so that Reset names the place of the set-point.
+        self.client.sleep(Duration::from_millis(25)).map_err(|error| format!("{error:?}"))?;
         for core in 1..=self.cores() {
             self.client.call(Reset { core: core.into() }).map_err(|error| format!("{error:?}"))?;
         }
@@ -136,7 +162,12 @@ impl Rig {
             self.client.call(all).map_err(|error| format!("{error:?}"))?;
         }
         self.client.sleep(Duration::from_millis(3)).map_err(|error| format!("{error:?}"))?;
-        self.record.lock().unwrap().rows.clear();
+        self.board.lock().unwrap().inputs_mut().general = 0;
+        {
+            let mut record = self.record.lock().unwrap();
+            record.rows.clear();
+            record.more.clear();
+        }
         let mut all: Vec<client::Call> = calls.iter().map(|call| wire(&self.site, call)).collect();
         for call in &mut all {
             call.may_fail = true;
@@ -153,10 +184,13 @@ impl Rig {
         for core in 1..=self.cores() {
             self.client.call(Reset { core: core.into() }).map_err(|error| format!("{error:?}"))?;
         }
-        let rows = std::mem::take(&mut self.record.lock().unwrap().rows);
+        let mut record = self.record.lock().unwrap();
+        let (rows, mut more) = (std::mem::take(&mut record.rows), std::mem::take(&mut record.more));
+        drop(record);
+        more.drain(..rows.iter().take_while(|row| row.0 < zero).count());
         let rows: Vec<_> = rows.into_iter().filter(|row| row.0 >= zero).map(|row| row.1).collect();
         let begin = rows.first().map(|row| row.iter().map(|seen| seen.0).collect()).unwrap_or_default();
-        Ok(Told { begin, answers: kept.0, rows, late })
+        Ok(Told { begin, answers: kept.0, rows, more, late })
     }
 }
 
@@ -164,6 +198,13 @@ impl Rig {
 pub fn wire(site: &Site, call: &Call) -> client::Call {
     if let Call::PvtTable { axis, table, points } = call {
         return table_of(site.axes[*axis].0, *table, points);
+    }
+    match call {
+        Call::Ex(of) => return effects::ex(site, of),
+        Call::FollowEntry { axis, item, fifo } => return effects::entry(site, *axis, item, *fifo),
+        Call::FollowSwitchNow { axis, table } => return effects::switch_now(site, *axis, *table, 0, 0.into()),
+        Call::Effect(effect) => return effects::effect(effect),
+        _ => {}
     }
     use client::Call as Wire;
     let at = |axis: usize| (site.axes[axis].0.into(), site.axes[axis].1.into());
@@ -289,7 +330,11 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
             let (core, profile) = at(axis);
             Wire::of(SetFollowMemory { core, profile, memory: memory.into() })
         }
-        Call::PvtTable { .. } => unreachable!("done above"),
+        Call::PvtTable { .. }
+        | Call::Ex(_)
+        | Call::FollowEntry { .. }
+        | Call::FollowSwitchNow { .. }
+        | Call::Effect(_) => unreachable!("done above"),
         Call::PvtTableSelect { axis, table } => {
             let (core, profile) = at(axis);
             Wire::of(PvtTableSelect { core, profile, table: table.into() })
@@ -357,9 +402,9 @@ fn table_of(core: i16, table: i16, points: &Points) -> client::Call {
     }
 }
 
-type Short = zerocopy::little_endian::I16;
+type I16 = zerocopy::little_endian::I16;
 
-fn plain(kind: Kind, (core, axis): (Short, Short)) -> client::Call {
+fn plain(kind: Kind, (core, axis): (I16, I16)) -> client::Call {
     use client::Call as Wire;
     let (profile, count) = (axis, 1.into());
     match kind {
@@ -374,6 +419,15 @@ fn plain(kind: Kind, (core, axis): (Short, Short)) -> client::Call {
         Kind::GetPtLoop => Wire::of(GetPtLoop { core, profile }),
         Kind::GetFollowLoop => Wire::of(GetFollowLoop { core, profile }),
         Kind::GetFollowStatus => Wire::of(GetFollowStatus { core, profile }),
+        Kind::GetFollowLoopEx => Wire::of(GetFollowLoopEx { core, profile }),
+        Kind::GetFollowStatusEx => Wire::of(GetFollowStatusEx { core, profile }),
+        Kind::GetFollowMemory => Wire::of(GetFollowMemory { core, profile }),
+        Kind::GetFollowMemoryEx => Wire::of(GetFollowMemoryEx { core, profile }),
+        Kind::GetFollowEvent => Wire::of(GetFollowEvent { core, profile }),
+        Kind::GetFollowEventEx => Wire::of(GetFollowEventEx { core, profile }),
+        Kind::GetFollowMaster => Wire::of(GetFollowMaster { core, profile }),
+        Kind::GetFollowMasterEx => Wire::of(GetFollowMasterEx { core, profile }),
+        Kind::GetEncPos => Wire::of(GetEncPos { core, encoder: profile, count }),
         Kind::GetSts => Wire::of(GetSts { core, axis, count }),
         Kind::GetPrfPos => Wire::of(GetPrfPos { core, profile, count }),
         Kind::GetPrfVel => Wire::of(GetPrfVel { core, profile, count }),
@@ -387,7 +441,23 @@ pub enum Got {
     Nothing,
     Whole(i64),
     Two(i64, i64),
+    Three(i64, i64, i64),
     Real(f64),
+}
+
+fn short(answer: &Answer) -> Option<Got> {
+    let of = |reply: protocol::command::Short| Got::Whole(reply.value.get().into());
+    let ex = answer.reply::<GetFollowMemoryEx>().map(|(reply, _)| of(reply));
+    ex.or_else(|| answer.reply::<GetFollowMemory>().map(|(reply, _)| of(reply)))
+}
+
+fn event(reply: &FollowEventReply) -> Got {
+    Got::Three(reply.event.get().into(), reply.master_dir.get().into(), reply.pos.get().into())
+}
+
+fn master(reply: &FollowMasterReply) -> Got {
+    let kind = reply.master_type.get().into();
+    Got::Three(reply.master_index.get().into(), kind, reply.master_item.get().into())
 }
 
 /// The value of an answer with code 0.
@@ -406,6 +476,19 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
             Kind::GetFollowStatus => answer
                 .reply::<GetFollowStatus>()
                 .map(|(reply, _)| Got::Two(reply.fifo.get().into(), reply.switch_status.get().into())),
+            Kind::GetFollowLoopEx => {
+                answer.reply::<GetFollowLoopEx>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+            }
+            Kind::GetFollowStatusEx => answer
+                .reply::<GetFollowStatusEx>()
+                .map(|(reply, _)| Got::Two(reply.fifo.get().into(), reply.switch_status.get().into())),
+            // Both forms have one layout.
+            Kind::GetFollowMemory | Kind::GetFollowMemoryEx => short(answer),
+            Kind::GetFollowEvent => answer.reply::<GetFollowEvent>().map(|(reply, _)| event(&reply)),
+            Kind::GetFollowEventEx => answer.reply::<GetFollowEventEx>().map(|(reply, _)| event(&reply)),
+            Kind::GetFollowMaster => answer.reply::<GetFollowMaster>().map(|(reply, _)| master(&reply)),
+            Kind::GetFollowMasterEx => answer.reply::<GetFollowMasterEx>().map(|(reply, _)| master(&reply)),
+            Kind::GetEncPos => answer.reply::<GetEncPos>().map(|(_, items)| real(items)),
             Kind::GetSts => answer.reply::<GetSts>().map(|(_, items)| long(items)),
             Kind::GetPrfMode => answer.reply::<GetPrfMode>().map(|(_, items)| long(items)),
             Kind::GetPrfPos => answer.reply::<GetPrfPos>().map(|(_, items)| real(items)),
@@ -416,6 +499,16 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
         Call::FollowSpace { .. } => {
             answer.reply::<FollowSpace>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }
+        Call::Ex(of) if matches!(**of, Call::FollowSpace { .. }) => {
+            answer.reply::<FollowSpaceEx>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+        }
+        Call::Effect(Effect::GetDo { .. }) => {
+            answer.reply::<GetDo>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+        }
+        Call::Effect(Effect::GetDac { .. }) => answer.reply::<GetDac>().and_then(|(_, items)| {
+            let first = items.first()?;
+            Some(Got::Whole(first.value.get().into()))
+        }),
         _ => None,
     };
     read.unwrap_or(Got::Nothing)

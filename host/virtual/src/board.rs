@@ -173,6 +173,11 @@ impl<'m> Controller<'m> {
         self.core.set_point(axis)
     }
 
+    /// The encoder count of an axis as the tick in force has read it, whatever the controller calls it.
+    pub fn encoder(&self, axis: usize) -> i64 {
+        self.core.encoder(axis)
+    }
+
     /// An axis (from 0 over all cores) in the tick computed last.
     pub fn axis(&mut self, axis: usize) -> AxisView {
         self.core.axis(axis)
@@ -227,6 +232,7 @@ trait Core {
     fn overrun(&mut self);
     fn restarted(&mut self);
     fn set_point(&self, axis: usize) -> i64;
+    fn encoder(&self, axis: usize) -> i64;
     fn axis(&mut self, axis: usize) -> AxisView;
     fn crd(&mut self, crd: usize) -> CrdView;
     fn laser_view(&mut self, channel: usize) -> LaserView;
@@ -496,6 +502,10 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
 
     fn set_point(&self, axis: usize) -> i64 {
         self.machine.set_point_of(axis)
+    }
+
+    fn encoder(&self, axis: usize) -> i64 {
+        self.machine.encoder_of(axis)
     }
 
     fn axis(&mut self, axis: usize) -> AxisView {

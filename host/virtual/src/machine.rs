@@ -180,6 +180,11 @@ impl<const AXES: usize> Machine<AXES> {
         self.plant.set_point_of(axis)
     }
 
+    /// The encoder count of an axis.
+    pub fn encoder_of(&self, axis: usize) -> i64 {
+        self.plant.encoder(axis)
+    }
+
     fn note(&mut self, at_ns: u64, before: u64, after: u64, output: fn(u8) -> Output) {
         let mut changed = before ^ after;
         while changed != 0 {

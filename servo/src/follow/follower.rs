@@ -241,7 +241,14 @@ pub(super) fn trail(
 ) {
     let (from, to) = (stretch.from, stretch.to);
     let mut leg = (before, from.after);
-    if piece.begin != old.begin && piece.span != 0 && old.span != 0 {
+    if old.span == 0 && piece.span != 0 {
+        // The slave was held, or had not begun: its progress before says nothing of where it went from.
+        let knot = piece.begin.0 as i64;
+        let pos = Pos(if down { knot.wrapping_neg() } else { knot });
+        let after = stretch.when(pos.clamp(from.pos.min(to.pos), from.pos.max(to.pos)));
+        track.push(after, piece.start);
+        leg = (knot, after);
+    } else if piece.begin != old.begin && piece.span != 0 && old.span != 0 {
         let up = progress > before;
         // Exact at the begin of a piece.
         let edge = |piece: &Piece, end: bool| {

@@ -1,16 +1,17 @@
 //! Follow: masters, data, FIFOs, starts, switches.
-use super::super::axis::{Mode, Motion};
+use super::super::axis::{Master, Mode, Motion};
 use super::super::call::{Call, members};
-use super::super::follow::{Begin, Datum};
+use super::super::follow::{Item, is_down, segments};
+use super::super::slave::Begin;
 use super::answer::{Answer, DONE, check, either};
 use super::{Controller, Reply};
 
 impl Controller {
-    pub(super) fn follow_start(&mut self, mask: u32, option: u32) -> Answer {
+    pub(super) fn follow_start(&mut self, mask: u32, option: u32, mode: Mode) -> Answer {
         let fifo = |place: usize| (option >> place & 1) as usize;
         for place in members(mask) {
             let axis = &self.axes[place];
-            check(axis.mode == Mode::Follow && !axis.runs() && !axis.blocked() && axis.follow.master.is_some())?;
+            check(axis.mode == mode && !axis.runs() && !axis.blocked() && axis.follow.master.is_some())?;
             check(!axis.follow.fifos[fifo(place)].is_empty())?;
         }
         for place in members(mask) {
@@ -19,11 +20,14 @@ impl Controller {
         DONE
     }
 
-    pub(super) fn follow_switch(&mut self, mask: u32) -> Answer {
+    pub(super) fn follow_switch(&mut self, mask: u32, mode: Mode) -> Answer {
         for place in members(mask) {
             let axis = &self.axes[place];
-            check(axis.mode == Mode::Follow)?;
+            check(axis.mode == mode)?;
             let Some(Motion::Slave(slave)) = &axis.motion else { return Err(1) };
+            if slave.now.is_some() {
+                self.open = Some("two switches at one instant");
+            }
             if axis.began {
                 self.open = Some("FollowSwitch at the instant of FollowStart");
             }
@@ -37,40 +41,49 @@ impl Controller {
         DONE
     }
 
-    pub(super) fn follow(&mut self, index: usize, call: &Call) -> Answer {
+    pub(super) fn follow(&mut self, index: usize, call: &Call, mode: Mode) -> Answer {
         match *call {
             Call::PrfFollow { axis, dir } => {
                 let axis = &mut self.axes[axis];
                 check(!axis.runs())?;
-                check(axis.mode != Mode::Follow || axis.follow.dir == dir.signum())?;
-                axis.set_mode(Mode::Follow);
+                check(axis.mode != mode || axis.follow.dir == dir.signum())?;
+                axis.set_mode(mode);
                 axis.follow.dir = dir.signum();
             }
-            Call::SetFollowMaster { axis: place, master, .. } => {
+            Call::SetFollowMaster { axis: place, master, kind } => {
                 let axis = &self.axes[place];
-                either(axis.mode == Mode::Follow && !axis.runs(), place != master)?;
+                either(axis.mode == mode && !axis.runs(), place != master)?;
                 let mut above = Some(master);
                 while let Some(index) = above {
                     check(index != place)?;
-                    above = self.axes[index].follow.master.filter(|_| self.axes[index].mode == Mode::Follow);
+                    let next = self.axes[index].follow.master.filter(|_| self.axes[index].is_follow());
+                    above = next.map(|master| master.axis);
                 }
-                self.axes[place].follow.master = Some(master);
+                self.axes[place].follow.master = Some(Master { axis: master, kind });
             }
             Call::SetFollowLoop { axis, loops } => {
                 let axis = &mut self.axes[axis];
-                either(axis.mode == Mode::Follow, loops >= 0)?;
+                either(axis.mode == mode, loops >= 0)?;
                 axis.follow.loops = loops.into();
             }
             Call::SetFollowEvent { axis, event, dir, pos } => {
                 let axis = &mut self.axes[axis];
-                either(axis.mode == Mode::Follow, (1..3).contains(&event))?;
+                either(axis.mode == mode, (1..3).contains(&event))?;
                 let begin = Begin::Pass { up: dir > 0, name: pos.into() };
                 axis.follow.begin = if event == 1 { Begin::Start } else { begin };
             }
-            Call::FollowData { axis, datum, fifo } => return self.follow_data(axis, datum, fifo),
+            Call::FollowData { axis, datum, fifo } => {
+                return self.follow_item(axis, Item::Segment(datum), fifo, mode);
+            }
             Call::FollowClear { axis, fifo } => {
                 let axis = &mut self.axes[axis];
-                either(axis.mode == Mode::Follow, (0..2).contains(&fifo))?;
+                either(axis.mode == mode, (0..2).contains(&fifo))?;
+                if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.now == Some(true)) {
+                    self.open = Some("two switches at one instant");
+                }
+                if axis.is_undecided() {
+                    self.open = Some("FollowClear at an instant with data, a switch being queued");
+                }
                 if axis.began {
                     self.open = Some("FollowClear at the instant of FollowStart");
                 }
@@ -83,7 +96,13 @@ impl Controller {
             }
             Call::FollowSpace { axis, fifo } => {
                 let axis = &self.axes[axis];
-                either(axis.mode == Mode::Follow, (0..2).contains(&fifo))?;
+                either(axis.mode == mode, (0..2).contains(&fifo))?;
+                if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.now == Some(true)) {
+                    self.open = Some("two switches at one instant");
+                }
+                if axis.is_undecided() {
+                    self.open = Some("FollowSpace at an instant with data, a switch being queued");
+                }
                 if axis.began {
                     self.open = Some("FollowSpace at the instant of FollowStart");
                 }
@@ -92,7 +111,7 @@ impl Controller {
             }
             Call::SetFollowMemory { axis, memory } => {
                 let axis = &mut self.axes[axis];
-                either(axis.mode == Mode::Follow && !axis.runs(), (0..2).contains(&memory))?;
+                either(axis.mode == mode && !axis.runs(), (0..2).contains(&memory))?;
                 axis.follow.memory = memory;
                 axis.follow.fifos = Default::default();
             }
@@ -101,20 +120,37 @@ impl Controller {
         DONE
     }
 
-    pub(super) fn follow_data(&mut self, place: usize, datum: Datum, fifo: i16) -> Answer {
+    pub(super) fn follow_item(&mut self, place: usize, item: Item, fifo: i16, mode: Mode) -> Answer {
         let axis = &mut self.axes[place];
-        either(axis.mode == Mode::Follow, (0..2).contains(&fifo) && (0..4).contains(&datum.kind))?;
+        let good_kind = item.segment().is_none_or(|datum| (0..4).contains(&datum.kind));
+        let good_percent = item.segment().is_none_or(|datum| (0..=100).contains(&datum.percent));
+        either(axis.mode == mode, (0..2).contains(&fifo) && good_kind && good_percent)?;
         let fifo = fifo as usize;
         let data = &axis.follow.fifos[fifo];
-        let down = data.first().map_or(datum.master < 0.0, |first| first.master < 0.0);
-        let last = data.last().map_or(0.0, |last| last.master);
-        let good = if down { datum.master < last } else { datum.master > last };
         // What follows it at the same instant is a tick late at times, against docs/follow.md.
-        if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.switching) {
+        if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.switching || slave.now.is_some()) {
             self.open = Some("FollowData under a pending switch");
         }
-        either(data.len() < axis.follow_capacity(), good && !(datum.master < 0.0 && axis.follow.dir > 0))?;
-        axis.follow.fifos[fifo].push(datum);
+        if axis.is_undecided() {
+            self.open = Some("FollowData at an instant with other data, a switch being queued");
+        }
+        let room = data.len() < axis.follow_capacity();
+        match item {
+            Item::Segment(datum) => {
+                let any = segments(data).next().is_some();
+                let down = if any { is_down(data) } else { datum.master < 0.0 };
+                let last = segments(data).next_back().map_or(0.0, |last| last.master);
+                let good = if down { datum.master < last } else { datum.master > last };
+                either(room, good && !(datum.master < 0.0 && axis.follow.dir > 0))?;
+            }
+            Item::Output { index, .. } | Item::Wait { index, .. } => {
+                either(room, (1..=32).contains(&index))?;
+                check(entries(data) < ENTRIES)?;
+            }
+            Item::Delay { .. } | Item::Switch { .. } => check(room && entries(data) < ENTRIES)?,
+        }
+        axis.follow.fifos[fifo].push(item);
+        axis.given |= axis.runs();
         if let Some(Motion::Slave(slave)) = &mut axis.motion
             && slave.fifo == fifo
         {
@@ -122,4 +158,34 @@ impl Controller {
         }
         DONE
     }
+
+    pub(super) fn follow_switch_now(&mut self, place: usize, table: bool) -> Answer {
+        let axis = &self.axes[place];
+        check(axis.mode == Mode::FollowEx && axis.runs())?;
+        if table && axis.is_undecided() {
+            self.open = Some("SwitchNow at an instant with data, a switch being queued");
+        }
+        let Some(Motion::Slave(slave)) = &axis.motion else {
+            self.open = Some("SwitchNow while the axis brakes");
+            return DONE;
+        };
+        if axis.began || slave.now.is_some() {
+            self.open = Some("two switches at one instant");
+        }
+        if self.then[place].is_some() {
+            self.open = Some("SwitchNow and Stop at one instant");
+        }
+        check(!table || !axis.follow.fifos[slave.fifo ^ 1].is_empty())?;
+        if let Some(Motion::Slave(slave)) = &mut self.axes[place].motion {
+            slave.now = Some(table);
+        }
+        DONE
+    }
+}
+
+/// FollowEx: places for what is no segment.
+const ENTRIES: usize = 16;
+
+fn entries(items: &[Item]) -> usize {
+    items.iter().filter(|item| item.segment().is_none()).count()
 }

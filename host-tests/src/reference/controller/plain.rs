@@ -3,7 +3,7 @@ use super::super::axis::{Mode, Rates};
 use super::super::call::{Call, Kind, members};
 use super::super::number::Fix;
 use super::answer::{Answer, DONE, check, either, range};
-use super::{Controller, Reply, Then};
+use super::{Controller, Reply, Then, Value};
 
 impl Controller {
     pub(super) fn plain(&mut self, index: usize, call: &Call, kind: Kind, place: usize) -> Answer {
@@ -18,6 +18,7 @@ impl Controller {
             Kind::ZeroPos => {
                 check(!axis.runs())?;
                 axis.zero = axis.x;
+                axis.encoder_zero = axis.encoder[1];
                 axis.renamed = true;
             }
             Kind::ClrSts => axis.latched = 0,
@@ -37,13 +38,28 @@ impl Controller {
                 check(axis.mode == Mode::Pvt)?;
                 return Ok(self.read(index, call, 0));
             }
-            Kind::GetFollowLoop | Kind::GetFollowStatus => {
+            Kind::GetFollowLoop | Kind::GetFollowStatus | Kind::GetFollowMemory | Kind::GetFollowEvent => {
                 check(axis.mode == Mode::Follow)?;
                 return Ok(self.read(index, call, 0));
+            }
+            Kind::GetFollowLoopEx | Kind::GetFollowStatusEx | Kind::GetFollowMemoryEx | Kind::GetFollowEventEx => {
+                check(axis.mode == Mode::FollowEx)?;
+                return Ok(self.read(index, call, 0));
+            }
+            Kind::GetFollowMaster | Kind::GetFollowMasterEx => {
+                check(axis.mode == if kind == Kind::GetFollowMaster { Mode::Follow } else { Mode::FollowEx })?;
+                return Ok(self.master_of(place));
             }
             _ => return Ok(self.read(index, call, 0)),
         }
         DONE
+    }
+
+    /// GetFollowMaster: axis of its core, type, item. Before SetFollowMaster it is axis 0 with type 2.
+    fn master_of(&self, place: usize) -> Reply {
+        let Some(master) = self.axes[place].follow.master else { return Reply::Done(Value::Three(0, 2, 0)) };
+        let (index, kind) = self.site.master(place, master.axis, master.kind);
+        Reply::Done(Value::Three(index.into(), kind.into(), 0))
     }
 
     pub(super) fn setting(&mut self, call: &Call) -> Answer {

@@ -1,7 +1,9 @@
 //! Reads: what they answer at the end of the tick in which they act.
 use super::super::axis::Motion;
 use super::super::call::{Call, Kind};
-use super::super::follow::Lead;
+use super::super::effect::Effect;
+use super::super::number::Fix;
+use super::super::slave::Begin;
 use super::{Controller, Program, Reply, Value};
 
 impl Controller {
@@ -13,8 +15,14 @@ impl Controller {
                     match kind {
                         Kind::GetPtLoop => Value::Whole(axis.pt.passes),
                         Kind::GetPvtLoop => Value::Two(axis.pvt.2, axis.pvt.0),
-                        Kind::GetFollowLoop => Value::Whole(axis.follow.passes),
-                        Kind::GetFollowStatus => {
+                        Kind::GetFollowLoop | Kind::GetFollowLoopEx => Value::Whole(axis.follow.passes),
+                        Kind::GetFollowMemory | Kind::GetFollowMemoryEx => Value::Whole(axis.follow.memory.into()),
+                        Kind::GetFollowEvent | Kind::GetFollowEventEx => match axis.follow.begin {
+                            Begin::Start => Value::Whole(1),
+                            Begin::Pass { up, name } => Value::Three(2, if up { 1 } else { -1 }, name),
+                        },
+                        Kind::GetEncPos => Value::Position(axis.encoder[1] - axis.encoder_zero),
+                        Kind::GetFollowStatus | Kind::GetFollowStatusEx => {
                             let pending = matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.switching);
                             Value::Two(axis.follow.fifo as i64, pending.into())
                         }
@@ -30,20 +38,23 @@ impl Controller {
                     let held = axis.pt.fifos[0].len() - axis.pt.ran;
                     Value::Whole(if free == usize::MAX { axis.pt_capacity() - held } else { free } as i64)
                 }
+                Call::Effect(Effect::GetDac { dac, .. }) => Value::Whole(self.levels.analog[dac as usize - 1].into()),
+                Call::Effect(_) => Value::Whole(self.levels.general.cast_signed().into()),
                 _ => Value::Whole(free as i64),
             };
             let open = match call {
                 Call::Axis { kind, axis } => {
                     let axis_of = &self.axes[axis];
-                    let master = axis_of.follow.master.map(|master| &self.axes[master]);
-                    let lead = master.map(|of| Lead { track: &of.track, velocity: of.v, zero: of.zero });
+                    let tick = [Fix::ZERO, Fix::ONE];
+                    let by_encoder = axis_of.follow.master.is_some_and(|master| master.kind == 1);
+                    let lead = axis_of.follow.master.map(|master| self.lead(master, &tick, &|_| None));
                     let knot = match (&axis_of.motion, &lead) {
-                        (Some(Motion::Slave(slave)), Some(lead)) => slave.is_near_knot(lead),
+                        (Some(Motion::Slave(slave)), Some(lead)) => by_encoder || slave.is_near_knot(lead),
                         _ => false,
                     };
                     match kind {
-                        Kind::GetPrfPos | Kind::GetPrfMode => false,
-                        Kind::GetFollowStatus if !axis_of.follow.started => true,
+                        Kind::GetPrfPos | Kind::GetPrfMode | Kind::GetEncPos => false,
+                        Kind::GetFollowStatus | Kind::GetFollowStatusEx if !axis_of.follow.started => true,
                         Kind::GetPrfVel => knot || self.axes[axis].open.is_some(),
                         _ => self.axes[axis].open.is_some(),
                     }

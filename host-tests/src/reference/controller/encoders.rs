@@ -1,0 +1,87 @@
+//! Encoders: counts as the machine recorded them, beside a machine that lags behind its set-points.
+//!
+//! SPEC says nothing of the virtual machine; its own page says that every axis is a first-order lag of 1 ms behind its
+//! set-point. Recorded counts are the truth for slaves, but must be within a count of that.
+use super::super::axis::{Axis, Master, whole};
+use super::super::number::Fix;
+use super::super::slave::Lead;
+use super::Controller;
+
+/// 1 ms.
+const LAG_NS: f64 = 1e6;
+/// Counts that a recorded encoder may be from the lag: half of one for the rounding, and some for its arithmetic.
+const APART: f64 = 0.6;
+
+/// See the module text.
+pub struct Machine {
+    pub recorded: Vec<Vec<i64>>,
+    /// Of each axis from where it began, pulses: where it is, and the set-point in force since the tick before.
+    shafts: Vec<[f64; 2]>,
+    begin: Vec<Fix>,
+    share: f64,
+    pub astray: Option<(usize, usize, f64)>,
+}
+
+impl Machine {
+    pub fn new(tick_ns: i64, axes: &[Axis]) -> Machine {
+        Machine {
+            recorded: Vec::new(),
+            shafts: vec![[0.0; 2]; axes.len()],
+            begin: axes.iter().map(|axis| axis.x).collect(),
+            share: 1.0 - (-(tick_ns as f64) / LAG_NS).exp(),
+            astray: None,
+        }
+    }
+}
+
+impl Controller {
+    /// The counts of a tick, before it moves anything.
+    pub(super) fn encoders(&mut self, tick: usize) {
+        for (place, axis) in self.axes.iter_mut().enumerate() {
+            let machine = &mut self.machine;
+            let [shaft, in_force] = &mut machine.shafts[place];
+            if tick > 0 {
+                *shaft += (*in_force - *shaft) * machine.share;
+                *in_force = (axis.x - machine.begin[place]).to_f64();
+            }
+            let modelled = machine.begin[place] + Fix::of_f64(*shaft);
+            let count = machine.recorded.get(tick).map(|row| Fix::whole(row[place]));
+            if let Some(count) = count {
+                let apart = (count - modelled).to_f64();
+                if apart.abs() > APART && machine.astray.is_none() {
+                    machine.astray = Some((tick, place, apart));
+                }
+            }
+            axis.encoder = [axis.encoder[1], count.unwrap_or(whole(modelled))];
+            if tick == 0 {
+                axis.encoder[0] = axis.encoder[1];
+            }
+        }
+    }
+
+    /// Where a master was at an instant of the tick.
+    pub(super) fn place_of(&self, master: Master, at: Fix, before: i64, now: i64) -> Option<Fix> {
+        let axis = &self.axes[master.axis];
+        if master.kind != 1 {
+            return axis.at(at);
+        }
+        let [from, to] = axis.encoder;
+        let (begin, end) = (Fix::ms(before), Fix::ms(now));
+        Some(from + (to - from) * (at - begin).over(end - begin))
+    }
+
+    /// A master as its slave has it.
+    pub(super) fn lead<'a>(
+        &'a self,
+        master: Master,
+        tick: &'a [Fix; 2],
+        at: &'a dyn Fn(Fix) -> Option<Fix>,
+    ) -> Lead<'a> {
+        let axis = &self.axes[master.axis];
+        if master.kind == 1 {
+            let velocity = (axis.encoder[1] - axis.encoder[0]).over(tick[1] - tick[0]);
+            return Lead { track: &axis.encoder, times: tick, at, velocity, zero: axis.encoder_zero };
+        }
+        Lead { track: &axis.track, times: &axis.times, at, velocity: axis.v, zero: axis.zero }
+    }
+}

@@ -1,0 +1,56 @@
+//! Outputs and inputs of a core: calls, and levels.
+
+/// A call. Indices of general outputs and inputs, and of analog outputs, are from 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Effect {
+    SetDo { core: i16, value: i32 },
+    SetDoBit { core: i16, index: i16, level: bool },
+    GetDo { core: i16 },
+    SetDac { core: i16, dac: i16, value: i16 },
+    GetDac { core: i16, dac: i16 },
+    SimInput { core: i16, index: i16, level: bool },
+}
+
+impl Effect {
+    /// A statement of a job.
+    pub fn text(&self) -> String {
+        let level = |level: bool| i16::from(level);
+        match *self {
+            Effect::SetDo { core, value } => format!("rtn = GTN_SetDo({core},12,{value});"),
+            Effect::SetDoBit { core, index, level: of } => {
+                format!("rtn = GTN_SetDoBit({core},12,{index},{});", level(of))
+            }
+            Effect::GetDo { core } => format!("rtn = GTN_GetDo({core},12,&word);"),
+            Effect::SetDac { core, dac, value } => {
+                format!("space = {value}; rtn = GTN_SetDac({core},{dac},&space);")
+            }
+            Effect::GetDac { core, dac } => format!("rtn = GTN_GetDac({core},{dac},&space);"),
+            Effect::SimInput { core, index, level: of } => {
+                format!("rtn = GTN_SimInput({core},4,{index},{});", level(of))
+            }
+        }
+    }
+}
+
+/// Levels of a core.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Levels {
+    /// General outputs, bit 0 is output 1.
+    pub general: u32,
+    /// Analog outputs.
+    pub analog: [i16; 16],
+    /// General inputs.
+    pub inputs: u32,
+}
+
+impl Levels {
+    pub fn set(&mut self, index: i16, level: bool) {
+        let bit = 1 << (index - 1);
+        self.general = if level { self.general | bit } else { self.general & !bit };
+    }
+
+    pub fn input(&mut self, index: i16, level: bool) {
+        let bit = 1 << (index - 1);
+        self.inputs = if level { self.inputs | bit } else { self.inputs & !bit };
+    }
+}

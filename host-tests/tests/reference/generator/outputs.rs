@@ -1,0 +1,22 @@
+//! Outputs and inputs by calls.
+use super::Making;
+use host_tests::reference::{Call, Effect};
+
+impl Making<'_> {
+    pub(super) fn outputs(&mut self) {
+        for _ in 0..1 + self.below(4) {
+            let core = self.pick(&[1, self.site.axes.last().map_or(1, |axis| axis.0)]);
+            let index = if self.one_in(30) { self.pick(&[0, 33, -1]) } else { 1 + self.below(6) as i16 };
+            let dac = if self.one_in(30) { self.pick(&[0, 9]) } else { 1 + self.below(8) as i16 };
+            let effect = match self.below(8) {
+                0 => Effect::SetDo { core, value: self.below(64) as i32 },
+                1 | 2 => Effect::SetDoBit { core, index, level: self.one_in(2) },
+                3 | 4 => Effect::GetDo { core },
+                5 => Effect::SetDac { core, dac, value: self.below(65536) as u16 as i16 },
+                6 => Effect::GetDac { core, dac },
+                _ => Effect::SimInput { core, index, level: self.one_in(2) },
+            };
+            self.calls.push(Call::Effect(effect));
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! FollowEx, outputs and inputs, as calls travel.
+use super::wire;
+use client::Call as Wire;
+use host_tests::reference::{Call, Effect, Item, Site};
+use protocol::command::*;
+
+/// The request of FollowEx with the layout of one of Follow.
+pub fn ex(site: &Site, of: &Call) -> Wire {
+    let mut call = wire(site, of);
+    call.opcode = match call.opcode {
+        opcode::PrfFollow => opcode::PrfFollowEx,
+        opcode::SetFollowMaster => opcode::SetFollowMasterEx,
+        opcode::SetFollowLoop => opcode::SetFollowLoopEx,
+        opcode::SetFollowEvent => opcode::SetFollowEventEx,
+        opcode::FollowClear => opcode::FollowClearEx,
+        opcode::FollowSpace => opcode::FollowSpaceEx,
+        opcode::FollowStart => opcode::FollowStartEx,
+        opcode::FollowSwitch => opcode::FollowSwitchEx,
+        opcode::SetFollowMemory => opcode::SetFollowMemoryEx,
+        other => panic!("{other:#x} is no call of Follow with one of FollowEx"),
+    };
+    call
+}
+
+pub fn entry(site: &Site, axis: usize, item: &Item, fifo: i16) -> Wire {
+    let (core, profile) = (site.axes[axis].0.into(), site.axes[axis].1.into());
+    let fifo = fifo.into();
+    match *item {
+        Item::Segment(datum) => Wire::of(FollowDataPercentEx {
+            core,
+            profile,
+            master_segment: datum.master.into(),
+            slave_segment: datum.slave.into(),
+            kind: datum.kind.into(),
+            percent: datum.percent.into(),
+            fifo,
+        }),
+        Item::Output { index, level } => {
+            let (index, value) = (index.into(), i16::from(level).into());
+            Wire::of(FollowDoBitEx { core, profile, do_type: 12.into(), index, value, fifo })
+        }
+        Item::Delay { cycles } => Wire::of(FollowDelayEx { core, profile, delay_cycles: cycles.into(), fifo }),
+        Item::Wait { index, level, ms } => {
+            let (index, value, time_ms) = (index.into(), i16::from(level).into(), ms.into());
+            Wire::of(FollowDiBitEx { core, profile, di_type: 4.into(), index, value, time_ms, fifo })
+        }
+        Item::Switch { table } => switch_now(site, axis, table, 1, fifo),
+    }
+}
+
+pub fn switch_now(site: &Site, axis: usize, table: bool, buffer: i16, fifo: zerocopy::little_endian::I16) -> Wire {
+    let (core, profile) = (site.axes[axis].0.into(), site.axes[axis].1.into());
+    let method = if table { 2 } else { 1 }.into();
+    Wire::of(FollowSwitchNowEx { core, profile, method, buffer: buffer.into(), fifo })
+}
+
+pub fn effect(effect: &Effect) -> Wire {
+    match *effect {
+        Effect::SetDo { core, value } => Wire::of(SetDo { core: core.into(), do_type: 12.into(), value: value.into() }),
+        Effect::SetDoBit { core, index, level } => {
+            let value = i16::from(level).into();
+            Wire::of(SetDoBit { core: core.into(), do_type: 12.into(), index: index.into(), value })
+        }
+        Effect::GetDo { core } => Wire::of(GetDo { core: core.into(), do_type: 12.into() }),
+        Effect::SetDac { core, dac, value } => {
+            let request = SetDac { core: core.into(), dac: dac.into(), count: 1.into() };
+            Wire::with_items(request, &[Short { value: value.into() }])
+        }
+        Effect::GetDac { core, dac } => Wire::of(GetDac { core: core.into(), dac: dac.into(), count: 1.into() }),
+        Effect::SimInput { core, index, level } => {
+            let level = i16::from(level).into();
+            Wire::of(SimInput { core: core.into(), di_type: 4.into(), index: index.into(), level })
+        }
+    }
+}
