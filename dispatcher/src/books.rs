@@ -455,7 +455,14 @@ impl<const AXES: usize> Books<AXES> {
             Change::Rest { axes, crds } => {
                 let crds = CrdMask(crds.0 | self.drivers(axes).0);
                 let driven = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
-                self.with(AxisMask(axes.0 | driven), |_, book| book.started = None);
+                self.with(axes, |_, book| book.started = None);
+                // An axis that has left its coordinate system is not waited for with it.
+                let rests = |book: &AxisBook| book.mode == Mode::Crd && crds.has(book.crd);
+                self.with(AxisMask(driven), |_, book| {
+                    if rests(book) {
+                        book.started = None;
+                    }
+                });
                 self.with_crds(crds, &CrdChange::Rest, seq);
             }
             Change::Mode { axis, mode } => one(axis, &|book| {
