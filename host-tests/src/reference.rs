@@ -10,10 +10,12 @@
 mod axis;
 mod call;
 mod controller;
+mod crd;
 mod curve;
 mod effect;
 mod follow;
 mod number;
+mod path;
 mod pt;
 mod pvt;
 mod ramp;
@@ -23,9 +25,10 @@ mod tests;
 
 pub use axis::{Axis, Mode};
 pub use call::{Call, Kind, Site};
-pub use controller::{Controller, Program, Reply, Row, Value};
+pub use controller::{Controller, Edge, Program, Reply, Row, Value};
 pub use curve::Curve;
 pub use effect::{Effect, Levels};
 pub use follow::{Datum, Item};
 pub use number::{Fix, Rational, exact};
+pub use path::{Path, PathCall, Round, Speeds};
 pub use pvt::Points;

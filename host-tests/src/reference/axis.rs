@@ -124,6 +124,17 @@ pub struct Axis {
     pub ended: bool,
     /// A stream has ended since somebody waited for the axis.
     pub dried: bool,
+    /// Its coordinate system, whether that runs, and what it made of it in this tick: instants and places.
+    pub crd: Option<(i16, i16)>,
+    pub driven: bool,
+    pub carried: Option<Vec<(Fix, Fix)>>,
+    pub bent: bool,
+    on_path: bool,
+    pub path_open: bool,
+    pub path_ended: bool,
+    pub path_most: Fix,
+    /// A Stop named it on the tick that is being prepared.
+    pub stopped: bool,
     /// Data came for it on the tick that is being prepared, while it runs.
     pub given: bool,
     /// It came to rest on the tick that is being prepared.
@@ -200,6 +211,15 @@ impl Axis {
             began: false,
             ended: false,
             dried: false,
+            crd: None,
+            driven: false,
+            carried: None,
+            bent: false,
+            on_path: false,
+            path_open: false,
+            path_ended: false,
+            path_most: Fix::ZERO,
+            stopped: false,
             given: false,
             halted: false,
             outputs: Vec::new(),
@@ -211,7 +231,7 @@ impl Axis {
     }
 
     pub fn runs(&self) -> bool {
-        self.motion.is_some()
+        self.motion.is_some() || self.driven
     }
 
     /// A controller may say 1 to what concerns FIFOs, though the contract allows it: the tick may switch them, and something
@@ -372,6 +392,7 @@ impl Axis {
         self.past = None;
         self.open = None;
         (self.doubt, self.halted, self.began, self.given) = (false, false, false, false);
+        self.stopped = false;
         self.fastest = Fix::ZERO;
         let mut out = Vec::new();
         let ended = match &mut self.motion {
@@ -454,6 +475,14 @@ impl Axis {
         }
         *self.times.last_mut().expect("two of them") = Fix::ms(to_ns);
         self.ended = ended;
+        self.on_path = self.carried.is_some();
+        if let Some(way) = self.carried.take() {
+            (self.times, self.track) = way.into_iter().unzip();
+            self.x = *self.track.last().expect("where it was");
+            self.open = self.path_open.then_some("the end of a path");
+            self.ended = std::mem::take(&mut self.path_ended);
+            self.fastest = self.path_most;
+        }
         if ended {
             self.braking = None;
             self.dried |= matches!(self.motion, Some(Motion::Stream(..)));
@@ -466,6 +495,7 @@ impl Axis {
     /// Where it was at an instant of the tick, ms.
     pub fn at(&self, ms: Fix) -> Option<Fix> {
         match self.past.as_ref().or(self.motion.as_ref()) {
+            None if self.on_path => None,
             None => Some(self.x),
             Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Pvt(timed) | Motion::Stream(timed, _)) => {
                 timed.at(ms)

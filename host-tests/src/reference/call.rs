@@ -1,6 +1,7 @@
 //! The calls of a program, and how a job writes them.
 use super::effect::Effect;
 use super::follow::{Datum, Item};
+use super::path::{Path, PathCall};
 use super::pvt::Points;
 
 /// Which axes a program has: logical core and axis of the core, both from 1. Calls name axes by their place here.
@@ -167,6 +168,8 @@ pub enum Call {
     },
     /// Outputs and inputs.
     Effect(Effect),
+    /// Coordinate systems.
+    Path(PathCall),
 }
 
 /// Calls that name an axis and nothing else.
@@ -217,17 +220,23 @@ impl Call {
             | Call::PvtTable { .. }
             | Call::PvtStart { .. } => true,
             Call::Ex(of) => of.needs_rest(),
+            Call::Path(PathCall { what: Path::Set { .. }, .. }) => true,
             _ => false,
         }
     }
 
     /// The axes that it names.
     pub fn axes(&self) -> u32 {
-        if let Call::Ex(of) = self {
-            return of.axes();
+        match self {
+            Call::Ex(of) => return of.axes(),
+            Call::Path(PathCall { what: Path::Set { axes, .. }, .. }) => {
+                return axes.iter().fold(0, |mask, axis| mask | 1 << axis);
+            }
+            _ => {}
         }
         match *self {
             Call::Sleep { .. } | Call::Effect(_) | Call::Ex(_) => 0,
+            Call::Path(_) => 0,
             Call::WaitStop { mask }
             | Call::Stop { mask, .. }
             | Call::Update { mask }
@@ -358,6 +367,7 @@ impl Site {
                 format!("GTN_FollowSwitchNowEx({},{},0,0)", at(axis), if *table { 2 } else { 1 })
             }
             Call::Effect(effect) => return effect.text(),
+            Call::Path(of) => return of.text(self),
         };
         format!("rtn = {written};")
     }
@@ -382,6 +392,7 @@ impl Site {
     pub fn job<'a>(&self, tick_us: u32, calls: impl Iterator<Item = &'a Call>) -> String {
         let mut text = format!("#pragma profile {}\n#pragma tick {tick_us}\n#pragma continue\n", self.profile);
         text += "short rtn, space, fifo, pending; long loops, word; double value;\n";
+        text += "double place[4]; TCrdPrm prm; memset(&prm,0,sizeof(prm));\n";
         text += "TTrapPrm trap; TJogPrm jog;\nmemset(&trap,0,sizeof(trap)); memset(&jog,0,sizeof(jog));\n";
         for (number, call) in calls.enumerate() {
             text += &self.text(number, call);

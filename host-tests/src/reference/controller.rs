@@ -6,15 +6,19 @@ mod answer;
 mod effects;
 mod encoders;
 mod follow;
+mod paths;
 mod plain;
 mod pt;
 mod pvt;
 mod reads;
+mod tally;
 
 use super::axis::{Aim, Axis, Mode, Motion};
 use super::call::{Call, Site, members};
+use super::crd::Crd;
 use super::effect::Levels;
 use super::number::Fix;
+use super::path::{Path, PathCall};
 use super::pvt::Table;
 use answer::EITHER;
 use std::collections::BTreeMap;
@@ -26,6 +30,8 @@ pub enum Value {
     Whole(i64),
     Two(i64, i64),
     Three(i64, i64, i64),
+    /// Coordinates.
+    Place([f64; 4]),
     Position(Fix),
     Velocity(Fix),
 }
@@ -62,6 +68,8 @@ pub struct Program {
     pub rows: Vec<Vec<Row>>,
     /// General and analog outputs in force, from tick 0 on.
     pub outputs: Vec<Levels>,
+    /// Changes of general outputs.
+    pub edges: Vec<Edge>,
     /// An encoder that is not where the machine must have it: tick, axis, how far.
     pub astray: Option<(usize, usize, f64)>,
     /// The contract leaves open what happens from this tick on, and why.
@@ -70,6 +78,15 @@ pub struct Program {
     pub complete: bool,
     /// How often what happened.
     pub used: BTreeMap<&'static str, u64>,
+}
+
+/// A general output changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edge {
+    pub ms: f64,
+    /// From 0.
+    pub bit: u8,
+    pub level: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +111,13 @@ pub struct Controller {
     reads: Vec<(usize, Call, usize)>,
     open: Option<&'static str>,
     levels: Levels,
+    /// Changes of general outputs in this tick: when, ms, which bits, their levels.
+    changes: Vec<(f64, u32, u32)>,
+    edges: Vec<Edge>,
+    crds: BTreeMap<paths::Name, Crd>,
+    path_then: Vec<(paths::Name, paths::PathThen)>,
+    /// No time has passed since a WaitStop.
+    waited: bool,
     machine: encoders::Machine,
     /// Axes that were asked in this tick and the one before for what needs standstill.
     contested: [u32; 2],
@@ -112,6 +136,11 @@ impl Controller {
             site: site.clone(),
             machine,
             levels: Levels::default(),
+            changes: Vec::new(),
+            edges: Vec::new(),
+            crds: BTreeMap::new(),
+            path_then: Vec::new(),
+            waited: false,
             cores,
             tables,
             tick_ns,
@@ -154,13 +183,21 @@ impl Controller {
                 match &calls[next] {
                     Call::Sleep { ns } => {
                         clock += ns;
+                        self.waited &= *ns < 3_000_000;
                         program.replies[next] = Reply::Done(Value::None);
                     }
                     Call::WaitStop { mask } => {
+                        self.waited = true;
                         program.replies[next] = Reply::Done(Value::None);
                         let runs = members(*mask).any(|axis| self.axes[axis].runs() || self.axes[axis].halted);
                         waiting = runs.then_some(*mask);
                         members(*mask).for_each(|axis| self.axes[axis].dried = false);
+                    }
+                    Call::Path(PathCall { core, what: Path::Wait { mask } }) => {
+                        self.waited = true;
+                        program.replies[next] = Reply::Done(Value::None);
+                        let axes = self.path_axes(*core, *mask);
+                        waiting = self.paths_run(*core, *mask).then_some(axes);
                     }
                     call => {
                         let reply = self.call(next, call, now);
@@ -185,7 +222,7 @@ impl Controller {
             if members(asked | before_that).any(|axis| self.axes[axis].ended) {
                 self.open = Some("a call that needs standstill, just before its axis comes to rest");
             }
-            self.answer(&mut program);
+            self.answer(&mut program, now);
             program.rows.push(self.rows());
             program.outputs.push(self.levels.clone());
             if let Some(mask) = waiting {
@@ -212,6 +249,7 @@ impl Controller {
             }
         }
         program.used = self.used;
+        program.edges = self.edges;
         program.astray = self.machine.astray;
         program
     }
@@ -242,6 +280,7 @@ impl Controller {
     }
 
     fn step(&mut self, before: i64, now: i64) {
+        self.step_paths(before, now);
         for index in self.order() {
             let mut axis = std::mem::replace(&mut self.axes[index], Axis::new(0));
             let (ran, was_slave) = (axis.runs(), matches!(axis.motion, Some(Motion::Slave(_))));
@@ -257,6 +296,10 @@ impl Controller {
             let follows = was_slave && !began;
             if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > 4 && turns(lead.track)) {
                 open = Some("a master that turns between several knots in a tick");
+            }
+            let arc = master.is_some_and(|master| master.kind != 1 && self.axes[master.axis].bent);
+            if follows && arc {
+                open = Some("a slave of an axis on an arc");
             }
             let led_by_slave = master.is_some_and(|master| self.axes[master.axis].follow_moves());
             if follows && led_by_slave && lead.as_ref().is_some_and(|lead| turns(lead.track)) {
@@ -280,6 +323,9 @@ impl Controller {
                         open = Some("a Stop where a slave's ratio jumps");
                     }
                     let counted = master.filter(|master| was_slave && master.kind == 1);
+                    if master.is_some_and(|master| was_slave && self.axes[master.axis].mode == Mode::Crd) {
+                        open = Some("a Stop of a slave of a path's axis");
+                    }
                     if counted.is_some_and(|master| self.axes[master.axis].counts() < Fix::whole(4)) {
                         // What speed that is depends on the tick.
                         open = Some("a Stop of a slave of an encoder that hardly moves");
@@ -309,36 +355,13 @@ impl Controller {
                 *self.used.entry("motions ended").or_default() += 1;
             }
             for (index, level) in axis.outputs.drain(..) {
-                self.levels.set(index, level);
+                let bit = 1 << (index - 1);
+                self.changes.push((now as f64 / 1e6, bit, if level { bit } else { 0 }));
                 *self.used.entry("outputs set by FollowEx").or_default() += 1;
             }
             self.axes[index] = axis;
         }
-    }
-
-    /// What the programs tried.
-    fn count(&mut self, axis: &Axis, was_slave: bool) {
-        let moves = axis.track.iter().any(|at| *at != axis.track[0]);
-        let Some(master) = axis.follow.master.filter(|_| was_slave && moves) else { return };
-        let by_encoder = master.kind == 1;
-        let master = &self.axes[master.axis];
-        let mut used = |what| *self.used.entry(what).or_default() += 1;
-        used("ticks in which a slave moves");
-        if by_encoder {
-            used("ticks in which a slave of an encoder moves");
-        }
-        if axis.mode == Mode::FollowEx {
-            used("ticks in which a slave of FollowEx moves");
-        }
-        if matches!(master.motion, Some(Motion::Slave(_))) {
-            used("ticks in which a slave of a slave moves");
-            if master.renamed {
-                used("ticks in which a slave of a slave moves that was renamed");
-            }
-        }
-        if axis.follow.dir < 0 {
-            used("ticks in which a slave of direction -1 moves");
-        }
+        self.change_outputs();
     }
 
     fn call(&mut self, index: usize, call: &Call, now: i64) -> Reply {
@@ -386,7 +409,8 @@ impl Controller {
             },
             Call::FollowEntry { axis, item, fifo } => self.follow_item(*axis, *item, *fifo, Mode::FollowEx),
             Call::FollowSwitchNow { axis, table } => self.follow_switch_now(*axis, *table),
-            Call::Effect(effect) => self.effect(index, call, effect),
+            Call::Effect(effect) => self.effect(index, call, effect, now),
+            Call::Path(of) => self.path(index, call, of, now),
             Call::PvtTable { .. } | Call::PvtTableSelect { .. } | Call::SetPvtLoop { .. } | Call::PvtStart { .. } => {
                 self.pvt(call, now)
             }

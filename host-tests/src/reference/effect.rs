@@ -44,11 +44,6 @@ pub struct Levels {
 }
 
 impl Levels {
-    pub fn set(&mut self, index: i16, level: bool) {
-        let bit = 1 << (index - 1);
-        self.general = if level { self.general | bit } else { self.general & !bit };
-    }
-
     pub fn input(&mut self, index: i16, level: bool) {
         let bit = 1 << (index - 1);
         self.inputs = if level { self.inputs | bit } else { self.inputs & !bit };

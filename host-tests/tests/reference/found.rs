@@ -1,6 +1,6 @@
 //! Programs that differed once, as short as they could be made: what was wrong is said at each.
 use super::judge::{Tally, finding};
-use host_tests::reference::{Call, Datum, Item, Kind, Site};
+use host_tests::reference::{Call, Datum, Item, Kind, Path, PathCall, Site};
 
 const MS: i64 = 1_000_000;
 
@@ -57,6 +57,29 @@ fn a_slave_of_a_slave_that_a_delay_held() {
             Call::Sleep { ns: 21 * MS - 85_870 },
             Call::FollowSwitchNow { axis: 0, table: false },
             Call::Sleep { ns: 10 * MS },
+        ],
+    );
+}
+
+/// A WaitStop of one axis of a coordinate system made another one, which had left it and ran, count as waited for: its mode
+/// could be set while it ran.
+#[test]
+fn a_wait_for_an_axis_says_nothing_of_one_that_left_its_coordinate_system() {
+    let set = Path::Set { crd: 1, axes: vec![2, 1, 0], vel: 15.0, acc: 2.0, even_ms: 0, origin: None };
+    let datum = Datum { master: 478.0, slave: 324.0, kind: 3, percent: 0 };
+    agrees(
+        250,
+        &[
+            plain(Kind::AxisOn, 2),
+            Call::Path(PathCall { core: 1, what: set }),
+            Call::PrfFollow { axis: 2, dir: 0 },
+            Call::SetFollowMaster { axis: 2, master: 3, kind: 1 },
+            Call::FollowData { axis: 2, datum, fifo: 0 },
+            Call::FollowStart { mask: 4, option: 0 },
+            Call::WaitStop { mask: 1 },
+            plain(Kind::PrfTrap, 2),
+            plain(Kind::GetPrfMode, 2),
+            plain(Kind::GetSts, 2),
         ],
     );
 }

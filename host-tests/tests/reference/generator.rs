@@ -1,11 +1,15 @@
 //! Programs as users write them: set up, move, stop, zero, change the mode, go again, and now and then any call anywhere.
 use super::chance::Chance;
-use host_tests::reference::{Call, Datum, Kind, Points, Site};
+use host_tests::reference::{Call, Datum, Kind, Site};
 
 #[path = "generator/follow_ex.rs"]
 mod follow_ex;
 #[path = "generator/outputs.rs"]
 mod outputs;
+#[path = "generator/paths.rs"]
+mod paths;
+#[path = "generator/pvt.rs"]
+mod pvt;
 
 const MS: i64 = 1_000_000;
 
@@ -23,6 +27,8 @@ struct Making<'a> {
     /// Last time and position given to each FIFO of PT, last positions of Follow.
     pt: Vec<[(i32, f64); 2]>,
     follow: Vec<[(f64, f64); 2]>,
+    /// Coordinate systems by core and number.
+    crds: Vec<paths::Made>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +40,7 @@ enum Does {
     Follow(i16),
     FollowEx(i16),
     Pvt,
+    Path,
 }
 
 /// The program of a number.
@@ -47,6 +54,7 @@ pub fn program(seed: u64, site: &Site, calls: usize) -> Program {
         masters: vec![None; axes],
         pt: vec![[(0, 0.0); 2]; axes],
         follow: vec![[(0.0, 0.0); 2]; axes],
+        crds: Vec::new(),
     };
     for axis in 0..axes {
         making.plain(Kind::AxisOn, axis);
@@ -129,7 +137,9 @@ impl Making<'_> {
 
     fn phrase(&mut self) {
         let axis = self.axis();
-        match self.below(25) {
+        match self.below(29) {
+            25..28 => self.paths(axis),
+            28 => self.during_paths(axis),
             20 | 21 => self.slave_ex(axis),
             22 => self.outputs(),
             23 => self.by_encoder(axis),
@@ -246,56 +256,6 @@ impl Making<'_> {
             }
             self.pt_data(axis, 0);
         }
-    }
-
-    /// A new table of any kind for the core of an axis; its number.
-    fn table(&mut self, axis: usize) -> i16 {
-        let count = 2 + self.below(5) as usize;
-        let begin = if self.one_in(3) { self.number(8) } else { 0.0 };
-        let (mut time, mut pos) = (begin, self.number(50));
-        let mut rows = Vec::new();
-        for _ in 0..count {
-            rows.push((time, pos));
-            time += self.number(12) + 1.0;
-            pos += (self.number(60) + 1.0) * self.chance.sign();
-        }
-        let velocity = |making: &mut Self| making.number(10) * making.chance.sign();
-        let percents = [0.0, 0.0, 30.0, 60.0, 100.0];
-        let points = match self.below(5) {
-            0 => Points::Pvt(rows.iter().map(|&(time, pos)| [time, pos, velocity(self)]).collect()),
-            1 => Points::Ex(rows.iter().map(|&(time, pos)| [time, pos, velocity(self), velocity(self)]).collect()),
-            2 => {
-                let ends = if self.one_in(2) { (0.0, 0.0) } else { (velocity(self), velocity(self)) };
-                Points::Complete(rows.iter().map(|&(time, pos)| [time, pos]).collect(), ends.0, ends.1)
-            }
-            3 => {
-                let first = if self.one_in(2) { 0.0 } else { velocity(self) };
-                Points::Percent(rows.iter().map(|&(time, pos)| [time, pos, self.pick(&percents)]).collect(), first)
-            }
-            _ => {
-                let point = |&(_, pos): &(f64, f64)| {
-                    let most = self.speed();
-                    [pos, 0.0, self.pick(&percents), most, self.rate(), self.rate()]
-                };
-                Points::Continuous(rows.iter().map(point).collect(), begin)
-            }
-        };
-        let table = 1 + self.below(32) as i16;
-        self.calls.push(Call::PvtTable { axis, table, points });
-        table
-    }
-
-    fn pvt(&mut self, axis: usize) {
-        self.rest(axis);
-        self.plain(Kind::PrfPvt, axis);
-        self.does[axis] = Does::Pvt;
-        let table = self.table(axis);
-        self.calls.push(Call::PvtTableSelect { axis, table });
-        if self.one_in(2) {
-            let loops = self.pick(&[0, 1, 2, 3]);
-            self.calls.push(Call::SetPvtLoop { axis, loops });
-        }
-        self.calls.push(Call::PvtStart { mask: 1 << axis });
     }
 
     fn follow_data(&mut self, axis: usize, fifo: usize, sign: f64) {
@@ -490,6 +450,7 @@ impl Making<'_> {
             Does::Follow(_) => self.calls.push(Call::FollowStart { mask, option }),
             Does::FollowEx(_) => self.ex(Call::FollowStart { mask, option }),
             Does::Pvt => self.calls.push(Call::PvtStart { mask }),
+            Does::Path => self.during_paths(axis),
         }
     }
 
@@ -515,6 +476,7 @@ impl Making<'_> {
                 _ => self.plain(Kind::GetPvtLoop, axis),
             },
             Does::FollowEx(_) => self.during_ex(axis),
+            Does::Path => self.during_paths(axis),
             Does::Follow(_) => {
                 let root = self.root(axis);
                 match self.below(4) {

@@ -8,8 +8,10 @@ use std::time::Duration;
 
 #[path = "machine/effects.rs"]
 mod effects;
+#[path = "machine/paths.rs"]
+mod paths;
 
-use virtual_board::{Board, Config, Shared, share};
+use virtual_board::{Board, Config, Edge, Output, Shared, share};
 
 /// One axis in one tick: set-point in 2⁻²² pulse, status word.
 pub type Seen = (i64, u32);
@@ -111,6 +113,8 @@ pub struct Told {
     /// From tick 0 of the program on.
     pub rows: Vec<Vec<Seen>>,
     pub more: Vec<More>,
+    /// Changes of general outputs: ns of the program, from 0, level.
+    pub edges: Vec<(i64, u8, bool)>,
 }
 
 pub struct Rig {
@@ -163,6 +167,7 @@ impl Rig {
         }
         self.client.sleep(Duration::from_millis(3)).map_err(|error| format!("{error:?}"))?;
         self.board.lock().unwrap().inputs_mut().general = 0;
+        self.board.lock().unwrap().take_edges();
         {
             let mut record = self.record.lock().unwrap();
             record.rows.clear();
@@ -184,13 +189,19 @@ impl Rig {
         for core in 1..=self.cores() {
             self.client.call(Reset { core: core.into() }).map_err(|error| format!("{error:?}"))?;
         }
+        let taken = self.board.lock().unwrap().take_edges();
+        let edge = |edge: &Edge| match edge.output {
+            Output::General(bit) => Some((edge.at_ns as i64 - zero as i64, bit, edge.level)),
+            _ => None,
+        };
+        let edges = taken.iter().filter_map(edge).collect();
         let mut record = self.record.lock().unwrap();
         let (rows, mut more) = (std::mem::take(&mut record.rows), std::mem::take(&mut record.more));
         drop(record);
         more.drain(..rows.iter().take_while(|row| row.0 < zero).count());
         let rows: Vec<_> = rows.into_iter().filter(|row| row.0 >= zero).map(|row| row.1).collect();
         let begin = rows.first().map(|row| row.iter().map(|seen| seen.0).collect()).unwrap_or_default();
-        Ok(Told { begin, answers: kept.0, rows, more, late })
+        Ok(Told { begin, answers: kept.0, rows, more, edges, late })
     }
 }
 
@@ -204,6 +215,7 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         Call::FollowEntry { axis, item, fifo } => return effects::entry(site, *axis, item, *fifo),
         Call::FollowSwitchNow { axis, table } => return effects::switch_now(site, *axis, *table, 0, 0.into()),
         Call::Effect(effect) => return effects::effect(effect),
+        Call::Path(of) => return paths::wire(site, of),
         _ => {}
     }
     use client::Call as Wire;
@@ -334,6 +346,7 @@ pub fn wire(site: &Site, call: &Call) -> client::Call {
         | Call::Ex(_)
         | Call::FollowEntry { .. }
         | Call::FollowSwitchNow { .. }
+        | Call::Path(_)
         | Call::Effect(_) => unreachable!("done above"),
         Call::PvtTableSelect { axis, table } => {
             let (core, profile) = at(axis);
@@ -442,6 +455,7 @@ pub enum Got {
     Whole(i64),
     Two(i64, i64),
     Three(i64, i64, i64),
+    Place([f64; 4]),
     Real(f64),
 }
 
@@ -502,6 +516,7 @@ pub fn got(call: &Call, answer: &Answer) -> Got {
         Call::Ex(of) if matches!(**of, Call::FollowSpace { .. }) => {
             answer.reply::<FollowSpaceEx>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }
+        Call::Path(of) => paths::got(of, answer),
         Call::Effect(Effect::GetDo { .. }) => {
             answer.reply::<GetDo>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
         }

@@ -1,8 +1,8 @@
 //! Outputs and inputs.
-use super::super::call::Call;
+use super::super::call::{Call, members};
 use super::super::effect::Effect;
-use super::Controller;
 use super::answer::{Answer, DONE, range};
+use super::{Controller, Edge};
 
 /// General outputs of the virtual controller.
 const OUTPUTS: i16 = 32;
@@ -10,12 +10,13 @@ const OUTPUTS: i16 = 32;
 const ANALOG: i16 = 8;
 
 impl Controller {
-    pub(super) fn effect(&mut self, index: usize, call: &Call, effect: &Effect) -> Answer {
+    pub(super) fn effect(&mut self, index: usize, call: &Call, effect: &Effect, now: i64) -> Answer {
         match *effect {
-            Effect::SetDo { value, .. } => self.levels.general = value.cast_unsigned(),
+            Effect::SetDo { value, .. } => self.changes.push((now as f64 / 1e6, u32::MAX, value.cast_unsigned())),
             Effect::SetDoBit { index, level, .. } => {
                 range((1..=OUTPUTS).contains(&index))?;
-                self.levels.set(index, level);
+                let bit = 1 << (index - 1);
+                self.changes.push((now as f64 / 1e6, bit, if level { bit } else { 0 }));
             }
             Effect::SetDac { dac, value, .. } => {
                 range((1..=ANALOG).contains(&dac))?;
@@ -32,5 +33,18 @@ impl Controller {
             }
         }
         DONE
+    }
+
+    /// General outputs, in the order of time.
+    pub(super) fn change_outputs(&mut self) {
+        let mut changes = std::mem::take(&mut self.changes);
+        changes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (ms, mask, value) in changes {
+            let after = self.levels.general & !mask | value & mask;
+            for bit in members(after ^ self.levels.general) {
+                self.edges.push(Edge { ms, bit: bit as u8, level: after >> bit & 1 == 1 });
+            }
+            self.levels.general = after;
+        }
     }
 }

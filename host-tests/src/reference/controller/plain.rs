@@ -11,6 +11,9 @@ impl Controller {
         match kind {
             Kind::AxisOn => axis.servo = true,
             Kind::AxisOff => {
+                if axis.driven {
+                    self.open = Some("AxisOff of an axis on a path");
+                }
                 axis.servo = false;
                 axis.halt();
                 self.then[place] = None;
@@ -103,6 +106,13 @@ impl Controller {
     pub(super) fn stop(&mut self, mask: u32, abrupt: u32) -> Answer {
         for place in members(mask) {
             let axis = &mut self.axes[place];
+            axis.stopped = true;
+            if axis.driven {
+                if let Some(name) = axis.crd {
+                    self.stop_path(name, abrupt >> place & 1 == 1);
+                }
+                continue;
+            }
             if !axis.runs() {
                 continue;
             }

@@ -1,5 +1,5 @@
 //! Reads: what they answer at the end of the tick in which they act.
-use super::super::axis::Motion;
+use super::super::axis::{Mode, Motion};
 use super::super::call::{Call, Kind};
 use super::super::effect::Effect;
 use super::super::number::Fix;
@@ -7,8 +7,13 @@ use super::super::slave::Begin;
 use super::{Controller, Program, Reply, Value};
 
 impl Controller {
-    pub(super) fn answer(&mut self, program: &mut Program) {
+    pub(super) fn answer(&mut self, program: &mut Program, now: i64) {
         for (index, call, free) in std::mem::take(&mut self.reads) {
+            if let Call::Path(of) = &call {
+                let (value, open) = self.read_path(of, free, now);
+                program.replies[index] = if open { Reply::Open } else { Reply::Done(value) };
+                continue;
+            }
             let value = match call {
                 Call::Axis { kind, axis } => {
                     let axis = &self.axes[axis];
@@ -43,6 +48,8 @@ impl Controller {
                 _ => Value::Whole(free as i64),
             };
             let open = match call {
+                // An entry of a path may set one in the tick that follows.
+                Call::Effect(Effect::GetDo { .. }) => self.crds.values().any(|crd| crd.runs),
                 Call::Axis { kind, axis } => {
                     let axis_of = &self.axes[axis];
                     let tick = [Fix::ZERO, Fix::ONE];
@@ -55,7 +62,9 @@ impl Controller {
                     match kind {
                         Kind::GetPrfPos | Kind::GetPrfMode | Kind::GetEncPos => false,
                         Kind::GetFollowStatus | Kind::GetFollowStatusEx if !axis_of.follow.started => true,
-                        Kind::GetPrfVel => knot || self.axes[axis].open.is_some(),
+                        Kind::GetPrfVel => {
+                            axis_of.driven || axis_of.mode == Mode::Crd || knot || self.axes[axis].open.is_some()
+                        }
                         _ => self.axes[axis].open.is_some(),
                     }
                 }

@@ -1,0 +1,381 @@
+//! Coordinate systems: what their calls answer, and how they take their axes along.
+use super::super::axis::Mode;
+use super::super::call::{Call, members};
+use super::super::crd::{CAPACITY, Crd, Entry, Rest, Set};
+use super::super::number::Fix;
+use super::super::path::{Path, PathCall, Round, Speeds};
+use super::answer::{Answer, DONE, check, either, range};
+use super::{Controller, Reply, Value};
+use crate::path_model::{Figure, Frame, Rates};
+
+/// Core and number.
+pub type Name = (i16, i16);
+/// To a core.
+const CRDS: i16 = 2;
+/// Speeds and accelerations of SetCrdPrm are below this.
+const MOST: f64 = 32767.0;
+/// The lowest speed and acceleration.
+const LEAST: f64 = 1.0 / 1048576.0;
+
+/// What a Stop or an override does at the instant of a tick. (An abrupt Stop of an axis shows the set-point of the tick before;
+/// one of a path leaves it where it is at the tick.)
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PathThen {
+    Brake,
+    Halt,
+    Rate(f64),
+}
+
+fn ms(ns: i64) -> f64 {
+    ns as f64 / 1e6
+}
+
+impl Controller {
+    fn crd(&mut self, core: i16, crd: i16) -> Result<&mut Crd, i16> {
+        range((1..=CRDS).contains(&crd))?;
+        let crd = self.crds.entry((core, crd)).or_default();
+        let Some(set) = &crd.set else { return Err(1) };
+        if !crd.runs {
+            // Coordinates are names: ZeroPos and SetPrfPos change them.
+            for (coordinate, axis) in set.axes.iter().enumerate() {
+                let Some(axis) = *axis else { continue };
+                crd.place[coordinate] = (self.axes[axis].name() - set.zero[coordinate]).to_f64();
+            }
+        }
+        Ok(crd)
+    }
+
+    pub(super) fn path(&mut self, index: usize, call: &Call, of: &PathCall, now: i64) -> Answer {
+        let core = of.core;
+        match &of.what {
+            Path::Set { crd, axes, vel, acc, even_ms, origin } => {
+                return self.set_frame((core, *crd), axes, (*vel, *acc), *even_ms, origin.as_deref());
+            }
+            Path::Clear { crd, fifo } => {
+                let of = self.crd(core, *crd)?;
+                either(!of.runs, (0..2).contains(fifo))?;
+                of.fifos[*fifo as usize] = Default::default();
+            }
+            Path::Start { mask, option } => return self.start_paths(core, *mask, *option, now),
+            Path::Stop { mask, option } => {
+                range(*mask >> CRDS == 0 && *mask >= 0)?;
+                for crd in 1..=CRDS {
+                    if mask >> (crd - 1) & 1 == 1 {
+                        self.stop_path((core, crd), option >> (crd - 1) & 1 == 1);
+                    }
+                }
+            }
+            Path::StopDec { crd, smooth } => {
+                let of = self.crd(core, *crd)?;
+                range(*smooth > 0.0 && *smooth < MOST)?;
+                if of.brakes {
+                    self.open = Some("SetCrdStopDec while it brakes");
+                }
+                self.crd(core, *crd)?.stop_dec = *smooth;
+            }
+            Path::Override { crd, ratio } => {
+                self.crd(core, *crd)?;
+                range(*ratio >= LEAST && *ratio <= 1.0)?;
+                self.path_then.push(((core, *crd), PathThen::Rate(*ratio)));
+            }
+            Path::Line { crd, to, speeds, fifo } => {
+                let of = self.crd(core, *crd)?;
+                range((0..2).contains(fifo))?;
+                let dimension = of.set.as_ref().map_or(0, |set| set.axes.iter().flatten().count());
+                let begin = self.begin((core, *crd), *fifo as usize, false);
+                let mut target = begin;
+                for (place, to) in target.iter_mut().zip(to) {
+                    *place = f64::from(*to);
+                }
+                range(to.iter().enumerate().all(|(index, to)| *to == 0 || index < dimension))?;
+                range(target != begin)?;
+                let figure = Figure::line(begin, target);
+                return self.motion((core, *crd), *fifo as usize, figure, target, speeds);
+            }
+            Path::Arc { crd, plane, to, round, ccw, speeds, fifo } => {
+                let of = self.crd(core, *crd)?;
+                range((0..2).contains(fifo))?;
+                let dimension = of.set.as_ref().map_or(0, |set| set.axes.iter().flatten().count());
+                let (first, second) = plane.axes();
+                range(first < dimension && second < dimension)?;
+                let begin = self.begin((core, *crd), *fifo as usize, true);
+                let end = (f64::from(to[0]), f64::from(to[1]));
+                let chord = (end.0 - begin[first], end.1 - begin[second]);
+                let half = chord.0.hypot(chord.1) / 2.0;
+                let figure = match *round {
+                    Round::Radius(radius) => {
+                        if half > 0.0 && (0.0..2.0).contains(&(half - radius.abs())) {
+                            self.open = Some("a radius a little too small");
+                        }
+                        Figure::arc_by_radius(begin, *plane, end, radius, *ccw)
+                    }
+                    Round::Centre(x, y) => {
+                        // So much that the path leaves the arc is refused; how much that is depends on the arc.
+                        if half > 0.0 && (half - (x * chord.0 + y * chord.1) / (2.0 * half)).abs() > 0.7 {
+                            self.open = Some("a centre that is not equally far from both ends");
+                        }
+                        Figure::arc_by_centre(begin, *plane, end, (x, y), *ccw)
+                    }
+                };
+                let Some(figure) = figure else { return Err(7) };
+                let mut target = begin;
+                (target[first], target[second]) = end;
+                return self.motion((core, *crd), *fifo as usize, figure, target, speeds);
+            }
+            Path::Delay { crd, ms, fifo } => {
+                self.crd(core, *crd)?;
+                range((0..2).contains(fifo))?;
+                return self.put((core, *crd), *fifo as usize, Entry::Delay(f64::from(*ms)));
+            }
+            Path::Outputs { crd, mask, value, fifo } => {
+                self.crd(core, *crd)?;
+                range((0..2).contains(fifo))?;
+                let entry = Entry::Outputs((*mask).into(), (*value).into());
+                return self.put((core, *crd), *fifo as usize, entry);
+            }
+            Path::GetPrm { crd } | Path::Pos { crd } | Path::Vel { crd } => {
+                self.crd(core, *crd)?;
+                return Ok(self.read(index, call, 0));
+            }
+            Path::Space { crd, fifo } | Path::Status { crd, fifo } | Path::Remainder { crd, fifo } => {
+                self.crd(core, *crd)?;
+                range((0..2).contains(fifo))?;
+                let held = self.crd(core, *crd)?.fifos[*fifo as usize].entries.len();
+                return Ok(self.read(index, call, held));
+            }
+            Path::Wait { .. } => return Ok(Reply::Open),
+        }
+        DONE
+    }
+
+    fn begin(&mut self, name: Name, fifo: usize, is_arc: bool) -> [f64; 4] {
+        let of = &self.crds[&name];
+        let begin = of.begin(fifo);
+        let left = |axis: &usize| {
+            let axis = &self.axes[*axis];
+            axis.mode != Mode::Crd || axis.crd != Some(name) || is_arc && axis.stopped
+        };
+        if of.set.as_ref().is_some_and(|set| set.axes.iter().flatten().any(left)) {
+            self.open = Some("a motion whose begin an axis has left, or a Stop of this instant decides");
+        }
+        if is_arc && self.waited && of.fifos[fifo].begins().is_none() {
+            // An arc needs to know where it begins: docs/crd.md.
+            self.open = Some("a path that begins directly after a WaitStop");
+        }
+        if begin.is_none() {
+            self.open = Some("a motion whose begin is not known yet");
+        }
+        begin.unwrap_or(of.place)
+    }
+
+    fn motion(&mut self, name: Name, fifo: usize, figure: Figure, to: [f64; 4], speeds: &Speeds) -> Answer {
+        let Speeds { vel, acc, end } = *speeds;
+        range(vel >= LEAST && acc >= LEAST && end >= 0.0)?;
+        self.put(name, fifo, Entry::Motion(figure, Rates { speed: vel, acc, end }, to))
+    }
+
+    fn put(&mut self, name: Name, fifo: usize, entry: Entry) -> Answer {
+        let of = self.crds.get_mut(&name).ok_or(1i16)?;
+        check(of.fifos[fifo].waiting() < CAPACITY)?;
+        if of.runs && of.fifo == fifo && of.fifos[fifo].waiting() <= 1 {
+            of.late = true;
+        }
+        of.fifos[fifo].entries.push(entry);
+        DONE
+    }
+
+    fn set_frame(
+        &mut self,
+        name: Name,
+        axes: &[usize],
+        (speed, acc): (f64, f64),
+        even_ms: i16,
+        origin: Option<&[i32]>,
+    ) -> Answer {
+        let (core, number) = name;
+        range((1..=CRDS).contains(&number) && (1..=4).contains(&axes.len()))?;
+        let limits = |x: f64| (LEAST..MOST).contains(&x);
+        range(limits(speed) && limits(acc) && even_ms >= 0)?;
+        range(axes.iter().all(|axis| self.cores[*axis] == core))?;
+        range(axes.iter().enumerate().all(|(index, axis)| !axes[..index].contains(axis)))?;
+        check(self.crds.get(&name).is_none_or(|crd| !crd.runs))?;
+        for &axis in axes {
+            check(!self.axes[axis].runs())?;
+            let other = self.axes[axis].crd.filter(|other| *other != name && self.axes[axis].mode == Mode::Crd);
+            let drives = |crd: &Crd| crd.set.as_ref().is_some_and(|set| set.axes.contains(&Some(axis)));
+            check(!other.is_some_and(|other| drives(&self.crds[&other])))?;
+        }
+        let (mut zero, mut place, mut of) = ([Fix::ZERO; 4], [0.0; 4], [None; 4]);
+        for (index, &axis) in axes.iter().enumerate() {
+            let axis_of = &mut self.axes[axis];
+            axis_of.set_mode(Mode::Crd);
+            axis_of.crd = Some(name);
+            zero[index] = match origin {
+                Some(origin) => Fix::whole(origin[index].into()),
+                None => axis_of.name(),
+            };
+            place[index] = (axis_of.name() - zero[index]).to_f64();
+            of[index] = Some(axis);
+        }
+        let frame = Frame { speed, acc, even_ms: f64::from(even_ms) };
+        let crd = Crd { set: Some(Set { frame, axes: of, zero }), place, stop_dec: acc, ..Crd::default() };
+        self.crds.insert(name, crd);
+        DONE
+    }
+
+    fn start_paths(&mut self, core: i16, mask: i16, option: i16, now: i64) -> Answer {
+        range(mask >= 0 && mask >> CRDS == 0)?;
+        let named = || (1..=CRDS).filter(move |crd| mask >> (crd - 1) & 1 == 1);
+        let fifo = |crd: i16| (option >> (crd - 1) & 1) as usize;
+        for crd in named() {
+            if self.path_then.iter().any(|(of, _)| *of == (core, crd)) {
+                self.open = Some("a start of a path at the instant of a Stop");
+            }
+            let of = self.crd(core, crd)?;
+            check(!of.runs)?;
+            let (axes, waiting) = (of.set.as_ref().map_or([None; 4], |set| set.axes), of.fifos[fifo(crd)].waiting());
+            for axis in axes.into_iter().flatten() {
+                let axis = &self.axes[axis];
+                check(axis.mode == Mode::Crd && axis.crd == Some((core, crd)) && !axis.runs() && !axis.blocked())?;
+            }
+            check(waiting > 0)?;
+        }
+        for crd in named() {
+            let fifo = fifo(crd);
+            let of = self.crd(core, crd)?;
+            let begins = of.fifos[fifo].begins();
+            let place = of.place;
+            let apart = |begin: [f64; 4]| begin.iter().zip(place).any(|(a, b)| (a - b).abs() > 1e-6);
+            let elsewhere = begins.is_some_and(apart);
+            of.start(fifo, ms(now));
+            let axes = of.set.as_ref().map_or([None; 4], |set| set.axes);
+            if elsewhere {
+                self.open = Some("a FIFO that begins elsewhere");
+            }
+            axes.into_iter().flatten().for_each(|axis| (self.axes[axis].driven, self.axes[axis].began) = (true, true));
+            *self.used.entry("paths started").or_default() += 1;
+        }
+        DONE
+    }
+
+    /// A Stop of a coordinate system.
+    pub(super) fn stop_path(&mut self, name: Name, abrupt: bool) {
+        let Some(of) = self.crds.get_mut(&name).filter(|of| of.runs) else { return };
+        if of.started_here {
+            self.open = Some("a Stop at the instant of a start");
+        }
+        let axes = of.set.as_ref().map_or([None; 4], |set| set.axes);
+        // Whether they count as resting for what follows at this instant.
+        axes.into_iter().flatten().for_each(|axis| self.axes[axis].doubt = true);
+        let then = if abrupt { PathThen::Halt } else { PathThen::Brake };
+        self.path_then.push((name, then));
+    }
+
+    /// The axes of coordinate systems of a core.
+    pub(super) fn path_axes(&self, core: i16, mask: u32) -> u32 {
+        let of = |crd: usize| self.crds.get(&(core, crd as i16 + 1)).and_then(|of| of.set.as_ref());
+        let sets = members(mask).filter_map(of);
+        sets.flat_map(|set| set.axes.into_iter().flatten()).fold(0, |mask, axis| mask | 1 << axis)
+    }
+
+    /// Whether WaitStop goes on waiting for these of a core.
+    pub(super) fn paths_run(&self, core: i16, mask: u32) -> bool {
+        let of = |crd: usize| self.crds.get(&(core, crd as i16 + 1));
+        members(mask).any(|crd| of(crd).is_some_and(|of| of.runs))
+    }
+
+    /// From the tick before to this one.
+    pub(super) fn step_paths(&mut self, before: i64, now: i64) {
+        let then = std::mem::take(&mut self.path_then);
+        self.axes.iter_mut().for_each(|axis| axis.bent = false);
+        for (name, of) in &mut self.crds {
+            of.started_here = false;
+            let ran = of.runs;
+            of.run(ms(now));
+            if std::mem::take(&mut of.late) && (!of.runs || of.open || of.dry) {
+                self.open = Some("data in the tick in which a path ends");
+            }
+            for (_, then) in then.iter().filter(|(of, _)| of == name) {
+                match *then {
+                    PathThen::Rate(rate) => of.change_rate(rate),
+                    PathThen::Brake | PathThen::Halt if !of.runs => {}
+                    PathThen::Brake | PathThen::Halt => {
+                        if of.open || of.speed < 1e-3 && of.speed != 0.0 {
+                            self.open = Some("a Stop where a path comes to rest or to an entry");
+                        }
+                        if *then == PathThen::Halt { of.halt() } else { of.brake() }
+                    }
+                }
+            }
+            self.open = self.open.or(of.unsaid);
+            for (at, mask, value) in of.outputs.drain(..) {
+                self.changes.push((at, mask, value));
+                *self.used.entry("outputs set by paths").or_default() += 1;
+            }
+            let Some(set) = of.set.as_ref().filter(|_| ran) else { continue };
+            *self.used.entry("ticks of paths").or_default() += 1;
+            for (coordinate, axis) in set.axes.iter().enumerate() {
+                let Some(axis) = *axis else { continue };
+                let axis = &mut self.axes[axis];
+                let zero = axis.zero + set.zero[coordinate];
+                let at = |place: &[f64; 4]| zero + Fix::of_f64(place[coordinate]);
+                let mut way = vec![(Fix::ms(before), axis.x)];
+                way.extend(of.knots.iter().map(|(when, place)| (Fix::of_f64(*when), at(place))));
+                axis.x = at(&of.place);
+                way.push((Fix::ms(now), axis.x));
+                axis.carried = Some(way);
+                axis.bent = !of.is_straight;
+                axis.path_open = of.open;
+                axis.path_most = Fix::of_f64(set.frame.speed);
+                axis.driven = of.runs;
+                axis.path_ended = of.rest == Some(Rest::Done) && !of.runs;
+            }
+            if !of.runs {
+                *self.used.entry("paths ended").or_default() += 1;
+            }
+        }
+    }
+
+    /// Of what lies in a FIFO a call says how much was there when it was made. A path is ahead of the tick: what ends in the
+    /// tick that follows may count already.
+    pub(super) fn read_path(&self, of: &PathCall, held: usize, now: i64) -> (Value, bool) {
+        let of_core = of.core;
+        let crd = |crd: i16| &self.crds[&(of_core, crd)];
+        let soon = |of: &Crd| of.open || of.changes_by(ms(now + self.tick_ns) + 1e-6);
+        match of.what {
+            Path::Space { crd: number, fifo } => {
+                let of = crd(number);
+                let waiting = of.fifos[fifo as usize].waiting_of(held);
+                let more = of.runs && of.fifos[fifo as usize].entries.len() != held;
+                (Value::Whole((CAPACITY - waiting) as i64), more || soon(of))
+            }
+            Path::Status { crd: number, fifo } => {
+                let of = crd(number);
+                (Value::Two(of.runs.into(), of.fifos[fifo as usize].segments(held)[0]), soon(of))
+            }
+            Path::Remainder { crd: number, fifo } => {
+                let of = crd(number);
+                let more = of.runs && of.fifos[fifo as usize].entries.len() != held;
+                (Value::Whole(of.fifos[fifo as usize].segments(held)[1]), more || soon(of))
+            }
+            Path::Vel { crd: number } => {
+                let of = crd(number);
+                (Value::Velocity(Fix::of_f64(of.speed)), of.open)
+            }
+            Path::Pos { crd: number } => {
+                let of = crd(number);
+                let set = of.set.as_ref();
+                let place = |coordinate: usize| {
+                    let axis = set.and_then(|set| set.axes[coordinate]);
+                    let zero = set.map_or(Fix::ZERO, |set| set.zero[coordinate]);
+                    axis.map_or(0.0, |axis| (self.axes[axis].name() - zero).to_f64())
+                };
+                let name = Some((of_core, number));
+                let left = |axis: &usize| self.axes[*axis].mode != Mode::Crd || self.axes[*axis].crd != name;
+                let has_left = set.is_some_and(|set| set.axes.iter().flatten().any(left));
+                (Value::Place(std::array::from_fn(place)), has_left)
+            }
+            _ => (Value::None, true),
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! A coordinate system: what lies in its FIFOs, and how it goes along them.
+//!
+//! Speeds are those of SPEC 5 without look-ahead, by [`crate::path_model`]: doubles, of which a position within these programs
+//! is off by less than 2⁻³⁰ pulse. Instants are ms of the program.
+use crate::path_model::speed::{Phase, Profile, limits, profile};
+use crate::path_model::{Figure, Frame, Rates};
+
+/// Entries that a FIFO holds.
+pub const CAPACITY: usize = 1024;
+/// Within this, ms, rounding decides which came first.
+const SAME: f64 = 1e-7;
+
+/// What lies in a FIFO.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Entry {
+    Motion(Figure, Rates, [f64; 4]),
+    Delay(f64),
+    /// BufIO: these bits, and their levels.
+    Outputs(u32, u32),
+}
+
+/// What SetCrdPrm said.
+#[derive(Debug, Clone)]
+pub struct Set {
+    pub frame: Frame,
+    /// The axis of each coordinate, and where it has the coordinate 0.
+    pub axes: [Option<usize>; 4],
+    /// The name that each axis has there.
+    pub zero: [super::Fix; 4],
+}
+
+/// A FIFO.
+#[derive(Debug, Clone, Default)]
+pub struct Fifo {
+    pub entries: Vec<Entry>,
+    /// The entry in progress, and how much of it is done: pulses or ms.
+    pub next: usize,
+    done: f64,
+    /// So many entries were there at the tick before.
+    seen: usize,
+    /// Where it was left, if it was left within its data.
+    pub left: Option<[f64; 4]>,
+}
+
+impl Fifo {
+    pub fn waiting(&self) -> usize {
+        self.entries.len() - self.next
+    }
+
+    /// Where the first motion that is left goes on.
+    pub fn begins(&self) -> Option<[f64; 4]> {
+        let motion = self.entries[self.next..].iter().position(|entry| matches!(entry, Entry::Motion(..)))?;
+        let Entry::Motion(figure, ..) = &self.entries[self.next + motion] else { return None };
+        Some(figure.at(if motion == 0 { self.done } else { 0.0 }))
+    }
+
+    /// The same of the first so many entries.
+    pub fn waiting_of(&self, held: usize) -> usize {
+        held.saturating_sub(self.next)
+    }
+
+    /// Motions completed, and left of the first so many entries.
+    pub fn segments(&self, held: usize) -> [i64; 2] {
+        let count = |entries: &[Entry]| entries.iter().filter(|entry| matches!(entry, Entry::Motion(..))).count();
+        let held = held.clamp(self.next, self.entries.len());
+        [count(&self.entries[..self.next]) as i64, count(&self.entries[self.next..held]) as i64]
+    }
+}
+
+/// How a coordinate system came to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rest {
+    Done,
+    Stopped,
+}
+
+/// See the module text.
+#[derive(Debug, Clone)]
+pub struct Crd {
+    pub set: Option<Set>,
+    pub fifos: [Fifo; 2],
+    /// The FIFO in force.
+    pub fifo: usize,
+    pub runs: bool,
+    pub brakes: bool,
+    pub stop_dec: f64,
+    pub rate: f64,
+    pub place: [f64; 4],
+    pub speed: f64,
+    pub(super) now: f64,
+    /// The plan of the motion in progress, from where and when, and whether something follows it.
+    pub(super) plan: Option<(Profile, f64, bool)>,
+    /// General outputs that were set: when, which bits, their levels.
+    pub outputs: Vec<(f64, u32, u32)>,
+    /// Places passed in a tick where it may turn, and whether that is all of them.
+    pub knots: Vec<(f64, [f64; 4])>,
+    pub is_straight: bool,
+    /// Rounding decides on which side of a tick something fell.
+    pub open: bool,
+    pub rest: Option<Rest>,
+    /// It was started on the tick that is being prepared; data came for the end of its FIFO.
+    pub started_here: bool,
+    pub late: bool,
+    /// What was there at the tick before has come to its end.
+    pub dry: bool,
+    pub unsaid: Option<&'static str>,
+}
+
+impl Default for Crd {
+    fn default() -> Crd {
+        Crd {
+            set: None,
+            fifos: Default::default(),
+            fifo: 0,
+            runs: false,
+            brakes: false,
+            stop_dec: 0.0,
+            rate: 1.0,
+            place: [0.0; 4],
+            speed: 0.0,
+            now: 0.0,
+            plan: None,
+            outputs: Vec::new(),
+            knots: Vec::new(),
+            is_straight: true,
+            open: false,
+            rest: None,
+            started_here: false,
+            late: false,
+            dry: false,
+            unsaid: None,
+        }
+    }
+}
+
+/// A smooth Stop in a motion: its deceleration, but never faster than the motion would have been, which may brake harder to its
+/// speed at first, and to its end at last.
+fn braked(speed: f64, left: f64, limits: &Rates, dec: f64) -> Profile {
+    let whole = profile(speed, left, limits, 0.0);
+    let [to_speed, _, to_end] = whole.phases;
+    let none = Phase { acc: 0.0, ms: 0.0 };
+    let first = if to_speed.acc < -dec { to_speed } else { none };
+    let from = speed + first.acc * first.ms;
+    let left = left - (speed + from) / 2.0 * first.ms;
+    let square = from * from;
+    if to_end.acc < -dec {
+        let acc = -to_end.acc;
+        // Pulses before the end at which both have one speed.
+        let meet = ((square - whole.end * whole.end - 2.0 * dec * left) / (2.0 * (acc - dec))).min(left);
+        let there = square - 2.0 * dec * (left - meet);
+        if meet > 0.0 && there > 0.0 {
+            let there = there.sqrt();
+            let brakes = Phase { acc: -dec, ms: ((from - there) / dec).max(0.0) };
+            let last = Phase { acc: -acc, ms: ((there - whole.end) / acc).max(0.0) };
+            return Profile { phases: [first, brakes, last], end: whole.end };
+        }
+    }
+    let end = (square - 2.0 * dec * left).max(0.0).sqrt();
+    Profile { phases: [first, Phase { acc: -dec, ms: (from - end) / dec }, none], end }
+}
+
+impl Crd {
+    /// Where data that comes next begins.
+    pub fn begin(&self, fifo: usize) -> Option<[f64; 4]> {
+        let of = &self.fifos[fifo];
+        let motion = |entry: &Entry| if let Entry::Motion(_, _, to) = entry { Some(*to) } else { None };
+        let last = of.entries[of.next.min(of.entries.len())..].iter().rev().find_map(motion);
+        let here = (!self.runs || self.fifo == fifo).then_some(self.place);
+        last.or(of.left).or(here)
+    }
+
+    pub fn start(&mut self, fifo: usize, at: f64) {
+        (self.runs, self.brakes, self.fifo, self.now, self.speed) = (true, false, fifo, at, 0.0);
+        (self.plan, self.rest, self.started_here) = (None, None, true);
+        let of = &mut self.fifos[fifo];
+        (of.left, of.seen) = (None, of.entries.len());
+    }
+
+    /// At once, where it was.
+    pub fn halt(&mut self) {
+        if self.runs {
+            self.come_to_rest(Rest::Stopped);
+        }
+    }
+
+    /// A smooth Stop, at the instant up to which it has run.
+    pub fn brake(&mut self) {
+        if self.runs && self.speed <= 0.0 {
+            self.come_to_rest(Rest::Stopped);
+        } else if self.runs {
+            self.brakes = true;
+            self.plan = None;
+        }
+    }
+
+    /// SetOverride, at the instant up to which it has run.
+    pub fn change_rate(&mut self, rate: f64) {
+        self.rate = rate;
+        self.plan_again();
+    }
+
+    /// What was planned holds no longer.
+    pub fn plan_again(&mut self) {
+        if let Some(set) = &self.set
+            && set.frame.even_ms > 0.0
+            && self.plan.is_some()
+        {
+            self.unsaid = Some("the least time at constant speed, planned again on the way");
+        }
+        self.plan = None;
+    }
+
+    /// Whether an entry ends by an instant, or one that is no motion is in progress.
+    pub fn changes_by(&self, until: f64) -> bool {
+        let mut ahead = self.clone();
+        ahead.run(until);
+        let fifo = &self.fifos[self.fifo];
+        let waits = matches!(fifo.entries.get(fifo.next), Some(Entry::Delay(_)));
+        waits || ahead.fifos[self.fifo].next != fifo.next || ahead.runs != self.runs
+    }
+
+    fn come_to_rest(&mut self, rest: Rest) {
+        (self.runs, self.brakes, self.speed, self.plan) = (false, false, 0.0, None);
+        self.rest = Some(rest);
+        let place = self.place;
+        let of = &mut self.fifos[self.fifo];
+        of.left = (of.waiting() > 0).then_some(place);
+    }
+
+    fn goes_on(&self) -> bool {
+        let of = &self.fifos[self.fifo];
+        let next = of.entries[of.next + 1..of.seen].iter().find(|entry| !matches!(entry, Entry::Outputs(..)));
+        matches!(next, Some(Entry::Motion(..)))
+    }
+
+    /// Up to an instant.
+    pub fn run(&mut self, until: f64) {
+        self.knots.clear();
+        (self.is_straight, self.open) = (true, false);
+        let mut effects = 0;
+        while self.runs && self.now < until {
+            let of = &mut self.fifos[self.fifo];
+            match of.entries[..of.seen].get(of.next) {
+                None => self.come_to_rest(Rest::Done),
+                Some(Entry::Outputs(mask, value)) => {
+                    self.outputs.push((self.now, *mask, *value));
+                    of.next += 1;
+                    effects += 1;
+                    if effects > 24 {
+                        self.unsaid = Some("more entries than a tick carries out");
+                    }
+                }
+                // A Stop that came to it at speed.
+                Some(Entry::Delay(_)) if self.brakes => self.come_to_rest(Rest::Stopped),
+                Some(Entry::Delay(ms)) => {
+                    let left = ms - of.done;
+                    self.open |= (left - (until - self.now)).abs() < SAME;
+                    self.speed = 0.0;
+                    if left > until - self.now {
+                        of.done += until - self.now;
+                        self.now = until;
+                    } else {
+                        self.now += left;
+                        (of.next, of.done) = (of.next + 1, 0.0);
+                        self.mark(until);
+                    }
+                }
+                Some(Entry::Motion(..)) => self.motion(until),
+            }
+        }
+        let of = &mut self.fifos[self.fifo];
+        let ends = |entry: &Entry| matches!(entry, Entry::Outputs(..)) || *entry == Entry::Delay(0.0);
+        self.dry = of.entries[..of.seen].get(of.next..).is_none_or(|rest| rest.iter().all(ends));
+        of.seen = of.entries.len();
+        if self.runs && self.now >= until {
+            // What comes at the instant of a tick is reached there.
+            let of = &self.fifos[self.fifo];
+            let rest = &of.entries[of.next..];
+            self.open |= rest.iter().all(ends);
+        }
+    }
+
+    /// Something fell on an instant.
+    fn mark(&mut self, until: f64) {
+        self.open |= (until - self.now).abs() < SAME;
+        self.knots.push((self.now, self.place));
+    }
+
+    fn motion(&mut self, until: f64) {
+        let follows = self.goes_on();
+        let Some(set) = &self.set else { return };
+        let of = &mut self.fifos[self.fifo];
+        let Entry::Motion(figure, rates, to) = of.entries[of.next].clone() else { return };
+        self.is_straight &= matches!(figure, Figure::Line { .. });
+        let left = (figure.length() - of.done).max(0.0);
+        let plan = match &self.plan {
+            Some((profile, left_of, same)) if *same == follows => (*profile, *left_of, *same),
+            _ => {
+                let mut limits = limits(&set.frame, &rates, self.rate);
+                if !follows {
+                    limits.end = 0.0;
+                }
+                let even = set.frame.even_ms;
+                let planned = if self.brakes {
+                    if self.speed > limits.speed && -limits.acc < -self.stop_dec {
+                        // Whether it brakes harder below that velocity, too.
+                        self.unsaid = Some("a Stop in a motion that was entered above its velocity");
+                    }
+                    braked(self.speed, left, &limits, self.stop_dec)
+                } else {
+                    profile(self.speed, left, &limits, even)
+                };
+                if self.plan.is_some() && even > 0.0 {
+                    self.unsaid = Some("the least time at constant speed, planned again on the way");
+                }
+                (planned, 0.0, follows)
+            }
+        };
+        let (profile, mut gone, _) = plan;
+        let total: f64 = profile.phases.iter().map(|phase| phase.ms).sum();
+        let step = (until - self.now).min(total - gone);
+        // What is left of each phase.
+        let mut left_of_step = step;
+        let mut before = gone;
+        for phase in profile.phases {
+            let rest = (phase.ms - before).max(0.0);
+            before = (before - phase.ms).max(0.0);
+            let ms = rest.min(left_of_step);
+            if ms > 0.0 {
+                of.done += self.speed * ms + phase.acc * ms * ms / 2.0;
+                self.speed += phase.acc * ms;
+                left_of_step -= ms;
+            }
+        }
+        gone += step;
+        self.now += step;
+        let length = figure.length();
+        self.open |= (total - gone).abs() < SAME && (until - self.now).abs() < SAME;
+        if total - gone > 1e-12 {
+            self.place = figure.at(of.done.clamp(0.0, length));
+            self.plan = Some((profile, gone, follows));
+            return;
+        }
+        self.plan = None;
+        self.speed = profile.end;
+        if self.brakes && length - of.done > 1e-9 * length {
+            self.place = figure.at(of.done.clamp(0.0, length));
+            self.open |= (until - self.now).abs() < SAME;
+            if length - of.done < 1e-5 {
+                self.unsaid = Some("a Stop that rests where a motion ends");
+            }
+            self.come_to_rest(Rest::Stopped);
+            return;
+        }
+        self.place = to;
+        (of.next, of.done) = (of.next + 1, 0.0);
+        self.mark(until);
+        if self.brakes && self.speed < 1e-5 {
+            // It rests before what stands after the motion, or a little before its end.
+            self.unsaid = Some("a Stop that rests where a motion ends");
+            self.come_to_rest(Rest::Stopped);
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! The calls of coordinate systems. Axes are named by their place in the site; crds and FIFOs are those of a core.
+use super::call::Site;
+use crate::path_model::Plane;
+
+/// A call.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathCall {
+    pub core: i16,
+    pub what: Path,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Path {
+    /// The axis of each coordinate; an origin, or where the axes are.
+    Set {
+        crd: i16,
+        axes: Vec<usize>,
+        vel: f64,
+        acc: f64,
+        even_ms: i16,
+        origin: Option<Vec<i32>>,
+    },
+    GetPrm {
+        crd: i16,
+    },
+    Clear {
+        crd: i16,
+        fifo: i16,
+    },
+    Space {
+        crd: i16,
+        fifo: i16,
+    },
+    Start {
+        mask: i16,
+        option: i16,
+    },
+    Stop {
+        mask: i32,
+        option: i32,
+    },
+    Status {
+        crd: i16,
+        fifo: i16,
+    },
+    Remainder {
+        crd: i16,
+        fifo: i16,
+    },
+    Pos {
+        crd: i16,
+    },
+    Vel {
+        crd: i16,
+    },
+    StopDec {
+        crd: i16,
+        smooth: f64,
+    },
+    Override {
+        crd: i16,
+        ratio: f64,
+    },
+    Line {
+        crd: i16,
+        to: Vec<i32>,
+        speeds: Speeds,
+        fifo: i16,
+    },
+    Arc {
+        crd: i16,
+        plane: Plane,
+        to: [i32; 2],
+        round: Round,
+        ccw: bool,
+        speeds: Speeds,
+        fifo: i16,
+    },
+    Delay {
+        crd: i16,
+        ms: u16,
+        fifo: i16,
+    },
+    Outputs {
+        crd: i16,
+        mask: u16,
+        value: u16,
+        fifo: i16,
+    },
+    /// WaitStop of coordinate systems.
+    Wait {
+        mask: u32,
+    },
+}
+
+/// synVel, synAcc, velEnd.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Speeds {
+    pub vel: f64,
+    pub acc: f64,
+    pub end: f64,
+}
+
+/// What an arc is around.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Round {
+    Radius(f64),
+    /// From the start.
+    Centre(f64, f64),
+}
+
+impl PathCall {
+    /// The elements of TCrdPrm.
+    pub fn profile(site: &Site, axes: &[usize]) -> [i16; 8] {
+        let mut profile = [0; 8];
+        for (coordinate, axis) in axes.iter().enumerate() {
+            profile[site.axes[*axis].1 as usize - 1] = coordinate as i16 + 1;
+        }
+        profile
+    }
+
+    /// originPos by the axis.
+    pub fn origins(site: &Site, axes: &[usize], origin: &[i32]) -> [i32; 8] {
+        let mut origins = [0; 8];
+        for (axis, at) in axes.iter().zip(origin) {
+            origins[site.axes[*axis].1 as usize - 1] = *at;
+        }
+        origins
+    }
+
+    /// A statement of a job.
+    pub fn text(&self, site: &Site) -> String {
+        let core = self.core;
+        let tail = |speeds: &Speeds, fifo: i16| {
+            let Speeds { vel, acc, end } = speeds;
+            format!("{vel:?},{acc:?},{end:?},{fifo})")
+        };
+        let call = match &self.what {
+            Path::Set { crd, axes, vel, acc, even_ms, origin } => {
+                let mut text = format!("prm.dimension = {}; ", axes.len());
+                for (index, coordinate) in PathCall::profile(site, axes).iter().enumerate() {
+                    text += &format!("prm.profile[{index}] = {coordinate}; ");
+                }
+                if let Some(origin) = origin {
+                    for (index, at) in PathCall::origins(site, axes, origin).iter().enumerate() {
+                        text += &format!("prm.originPos[{index}] = {at}; ");
+                    }
+                }
+                text += &format!("prm.synVelMax = {vel:?}; prm.synAccMax = {acc:?}; prm.evenTime = {even_ms}; ");
+                text += &format!("prm.setOriginFlag = {}; ", i16::from(origin.is_some()));
+                return text + &format!("rtn = GTN_SetCrdPrm({core},{crd},&prm);");
+            }
+            Path::Wait { mask } => return format!("WaitStop({core},0,{mask});"),
+            Path::GetPrm { crd } => format!("GTN_GetCrdPrm({core},{crd},&prm)"),
+            Path::Clear { crd, fifo } => format!("GTN_CrdClear({core},{crd},{fifo})"),
+            Path::Space { crd, fifo } => format!("GTN_CrdSpace({core},{crd},&word,{fifo})"),
+            Path::Start { mask, option } => format!("GTN_CrdStart({core},{mask},{option})"),
+            Path::Stop { mask, option } => format!("GTN_CrdStop({core},{mask},{option})"),
+            Path::Status { crd, fifo } => format!("GTN_CrdStatus({core},{crd},&fifo,&word,{fifo})"),
+            Path::Remainder { crd, fifo } => format!("GTN_GetRemainderSegNum({core},{crd},&word,{fifo})"),
+            Path::Pos { crd } => format!("GTN_GetCrdPos({core},{crd},&place[0])"),
+            Path::Vel { crd } => format!("GTN_GetCrdVel({core},{crd},&value)"),
+            Path::StopDec { crd, smooth } => format!("GTN_SetCrdStopDec({core},{crd},{smooth:?},1000)"),
+            Path::Override { crd, ratio } => format!("GTN_SetOverride({core},{crd},{ratio:?})"),
+            Path::Line { crd, to, speeds, fifo } => {
+                let name = ["XY", "XYZ", "XYZA"][to.len() - 2];
+                let to: String = to.iter().map(|x| format!("{x},")).collect();
+                format!("GTN_Ln{name}({core},{crd},{to}{}", tail(speeds, *fifo))
+            }
+            Path::Arc { crd, plane, to, round, ccw, speeds, fifo } => {
+                let around = match round {
+                    Round::Radius(radius) => format!("{radius:?}"),
+                    Round::Centre(x, y) => format!("{x:?},{y:?}"),
+                };
+                let kind = if matches!(round, Round::Radius(_)) { "R" } else { "C" };
+                let (to, ccw) = (format!("{},{}", to[0], to[1]), i16::from(*ccw));
+                format!("GTN_Arc{plane:?}{kind}({core},{crd},{to},{around},{ccw},{}", tail(speeds, *fifo))
+            }
+            Path::Delay { crd, ms, fifo } => format!("GTN_BufDelay({core},{crd},{ms},{fifo})"),
+            Path::Outputs { crd, mask, value, fifo } => format!("GTN_BufIO({core},{crd},12,{mask},{value},{fifo})"),
+        };
+        format!("rtn = {call};")
+    }
+}

@@ -1,0 +1,123 @@
+//! Coordinate systems, as calls travel and as they are answered.
+use super::Got;
+use client::{Answer, Call as Wire};
+use host_tests::path_model::Plane;
+use host_tests::reference::{Path, PathCall, Round, Site};
+use protocol::command::*;
+
+pub fn wire(site: &Site, of: &PathCall) -> Wire {
+    let core = of.core.into();
+    match &of.what {
+        Path::Set { crd, axes, vel, acc, even_ms, origin } => {
+            let profile = PathCall::profile(site, axes).map(Into::into);
+            let origins = origin.as_ref().map_or([0; 8], |origin| PathCall::origins(site, axes, origin));
+            Wire::of(SetCrdPrm {
+                core,
+                crd: (*crd).into(),
+                dimension: (axes.len() as i16).into(),
+                profile,
+                syn_vel_max: (*vel).into(),
+                syn_acc_max: (*acc).into(),
+                even_time_ms: (*even_ms).into(),
+                set_origin_flag: i16::from(origin.is_some()).into(),
+                origin_pos: origins.map(Into::into),
+            })
+        }
+        Path::Wait { mask } => Wire::of(WaitStop { core, axes: 0.into(), crds: mask.cast_signed().into() }),
+        &Path::GetPrm { crd } => Wire::of(GetCrdPrm { core, crd: crd.into() }),
+        &Path::Clear { crd, fifo } => Wire::of(CrdClear { core, crd: crd.into(), fifo: fifo.into() }),
+        &Path::Space { crd, fifo } => Wire::of(CrdSpace { core, crd: crd.into(), fifo: fifo.into() }),
+        &Path::Start { mask, option } => Wire::of(CrdStart { core, mask: mask.into(), option: option.into() }),
+        &Path::Stop { mask, option } => Wire::of(CrdStop { core, mask: mask.into(), option: option.into() }),
+        &Path::Status { crd, fifo } => Wire::of(CrdStatus { core, crd: crd.into(), fifo: fifo.into() }),
+        &Path::Remainder { crd, fifo } => Wire::of(GetRemainderSegNum { core, crd: crd.into(), fifo: fifo.into() }),
+        &Path::Pos { crd } => Wire::of(GetCrdPos { core, crd: crd.into() }),
+        &Path::Vel { crd } => Wire::of(GetCrdVel { core, crd: crd.into() }),
+        &Path::StopDec { crd, smooth } => {
+            Wire::of(SetCrdStopDec { core, crd: crd.into(), smooth: smooth.into(), abrupt: 1000.0.into() })
+        }
+        &Path::Override { crd, ratio } => Wire::of(SetOverride { core, crd: crd.into(), ratio: ratio.into() }),
+        &Path::Delay { crd, ms, fifo } => {
+            Wire::of(BufDelay { core, crd: crd.into(), delay_ms: ms.into(), fifo: fifo.into() })
+        }
+        &Path::Outputs { crd, mask, value, fifo } => {
+            let (do_type, do_mask, do_value) = (12.into(), mask.into(), value.into());
+            Wire::of(BufIO { core, crd: crd.into(), do_type, do_mask, do_value, fifo: fifo.into() })
+        }
+        Path::Line { crd, to, speeds, fifo } => {
+            let (crd, fifo) = ((*crd).into(), (*fifo).into());
+            let (syn_vel, syn_acc, vel_end) = (speeds.vel.into(), speeds.acc.into(), speeds.end.into());
+            let at = |index: usize| to[index].into();
+            match to.len() {
+                2 => Wire::of(LnXY { core, crd, x: at(0), y: at(1), syn_vel, syn_acc, vel_end, fifo }),
+                3 => Wire::of(LnXYZ { core, crd, x: at(0), y: at(1), z: at(2), syn_vel, syn_acc, vel_end, fifo }),
+                _ => Wire::of(LnXYZA {
+                    core,
+                    crd,
+                    x: at(0),
+                    y: at(1),
+                    z: at(2),
+                    a: at(3),
+                    syn_vel,
+                    syn_acc,
+                    vel_end,
+                    fifo,
+                }),
+            }
+        }
+        Path::Arc { crd, plane, to, round, ccw, speeds, fifo } => {
+            let (crd, fifo, circle_dir) = ((*crd).into(), (*fifo).into(), i16::from(*ccw).into());
+            let (syn_vel, syn_acc, vel_end) = (speeds.vel.into(), speeds.acc.into(), speeds.end.into());
+            let (x, y) = (to[0].into(), to[1].into());
+            // The three planes have one layout.
+            let mut call = match *round {
+                Round::Radius(radius) => {
+                    let radius = radius.into();
+                    Wire::of(ArcXYR { core, crd, x, y, radius, circle_dir, syn_vel, syn_acc, vel_end, fifo })
+                }
+                Round::Centre(a, b) => {
+                    let (x_center, y_center) = (a.into(), b.into());
+                    Wire::of(ArcXYC {
+                        core,
+                        crd,
+                        x,
+                        y,
+                        x_center,
+                        y_center,
+                        circle_dir,
+                        syn_vel,
+                        syn_acc,
+                        vel_end,
+                        fifo,
+                    })
+                }
+            };
+            call.opcode += match plane {
+                Plane::XY => 0,
+                Plane::YZ => opcode::ArcYZR - opcode::ArcXYR,
+                Plane::ZX => opcode::ArcZXR - opcode::ArcXYR,
+            };
+            call
+        }
+    }
+}
+
+pub fn got(of: &PathCall, answer: &Answer) -> Option<Got> {
+    match of.what {
+        Path::Space { .. } => answer.reply::<CrdSpace>().map(|(reply, _)| Got::Whole(reply.value.get().into())),
+        Path::Remainder { .. } => {
+            answer.reply::<GetRemainderSegNum>().map(|(reply, _)| Got::Whole(reply.value.get().into()))
+        }
+        Path::Status { .. } => {
+            let two = |reply: CrdStatusReply| Got::Two(reply.run.get().into(), reply.segment.get().into());
+            answer.reply::<CrdStatus>().map(|(reply, _)| two(reply))
+        }
+        Path::Vel { .. } => answer.reply::<GetCrdVel>().map(|(reply, _)| Got::Real(reply.value.get())),
+        Path::Pos { .. } => answer.reply::<GetCrdPos>().map(|(_, items)| {
+            let mut place = [0.0; 4];
+            place.iter_mut().zip(items).for_each(|(place, item)| *place = item.value.get());
+            Got::Place(place)
+        }),
+        _ => None,
+    }
+}
