@@ -40,6 +40,9 @@ const NEEDED: &[&str] = &[
     "ticks in which a slave of FollowEx moves",
     "ticks in which a slave of an encoder moves",
     "outputs set by FollowEx",
+    "outputs set by paths",
+    "paths ended",
+    "ticks of paths",
 ];
 
 fn number(name: &str, default: u64) -> u64 {

@@ -116,8 +116,9 @@ pub struct Controller {
     edges: Vec<Edge>,
     crds: BTreeMap<paths::Name, Crd>,
     path_then: Vec<(paths::Name, paths::PathThen)>,
-    /// No time has passed since a WaitStop.
-    waited: bool,
+    /// Where an arc begins may be known a tick late (docs/crd.md): 2 after a Stop, 1 after the WaitStop that follows it, until
+    /// some time has passed.
+    unsettled: u8,
     machine: encoders::Machine,
     /// Axes that were asked in this tick and the one before for what needs standstill.
     contested: [u32; 2],
@@ -140,7 +141,7 @@ impl Controller {
             edges: Vec::new(),
             crds: BTreeMap::new(),
             path_then: Vec::new(),
-            waited: false,
+            unsettled: 0,
             cores,
             tables,
             tick_ns,
@@ -183,18 +184,20 @@ impl Controller {
                 match &calls[next] {
                     Call::Sleep { ns } => {
                         clock += ns;
-                        self.waited &= *ns < 3_000_000;
+                        if *ns >= 3_000_000 && self.unsettled == 1 {
+                            self.unsettled = 0;
+                        }
                         program.replies[next] = Reply::Done(Value::None);
                     }
                     Call::WaitStop { mask } => {
-                        self.waited = true;
+                        self.unsettled = 1;
                         program.replies[next] = Reply::Done(Value::None);
                         let runs = members(*mask).any(|axis| self.axes[axis].runs() || self.axes[axis].halted);
                         waiting = runs.then_some(*mask);
                         members(*mask).for_each(|axis| self.axes[axis].dried = false);
                     }
                     Call::Path(PathCall { core, what: Path::Wait { mask } }) => {
-                        self.waited = true;
+                        self.unsettled = 1;
                         program.replies[next] = Reply::Done(Value::None);
                         let axes = self.path_axes(*core, *mask);
                         waiting = self.paths_run(*core, *mask).then_some(axes);

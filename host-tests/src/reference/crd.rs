@@ -101,6 +101,8 @@ pub struct Crd {
     /// It was started on the tick that is being prepared; data came for the end of its FIFO.
     pub started_here: bool,
     pub late: bool,
+    /// No Stop has come since it was set up at rest.
+    pub certain: bool,
     /// What was there at the tick before has come to its end.
     pub dry: bool,
     pub unsaid: Option<&'static str>,
@@ -127,6 +129,7 @@ impl Default for Crd {
             rest: None,
             started_here: false,
             late: false,
+            certain: false,
             dry: false,
             unsaid: None,
         }

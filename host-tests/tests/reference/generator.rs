@@ -27,6 +27,8 @@ struct Making<'a> {
     /// Last time and position given to each FIFO of PT, last positions of Follow.
     pt: Vec<[(i32, f64); 2]>,
     follow: Vec<[(f64, f64); 2]>,
+    /// It follows an encoder: how fast it is then depends on the tick, so that it is stopped abruptly.
+    counted: Vec<bool>,
     /// Coordinate systems by core and number.
     crds: Vec<paths::Made>,
 }
@@ -54,6 +56,7 @@ pub fn program(seed: u64, site: &Site, calls: usize) -> Program {
         masters: vec![None; axes],
         pt: vec![[(0, 0.0); 2]; axes],
         follow: vec![[(0.0, 0.0); 2]; axes],
+        counted: vec![false; axes],
         crds: Vec::new(),
     };
     for axis in 0..axes {
@@ -127,7 +130,7 @@ impl Making<'_> {
             return;
         }
         let mask = 1 << axis;
-        let abrupt = if self.one_in(2) { mask } else { 0 };
+        let abrupt = if self.counted[axis] || self.one_in(2) { mask } else { 0 };
         self.calls.push(Call::Stop { mask, abrupt });
         self.calls.push(Call::WaitStop { mask });
         if !self.one_in(3) {

@@ -59,6 +59,7 @@ impl Controller {
             Path::Start { mask, option } => return self.start_paths(core, *mask, *option, now),
             Path::Stop { mask, option } => {
                 range(*mask >> CRDS == 0 && *mask >= 0)?;
+                self.unsettle();
                 for crd in 1..=CRDS {
                     if mask >> (crd - 1) & 1 == 1 {
                         self.stop_path((core, crd), option >> (crd - 1) & 1 == 1);
@@ -158,9 +159,9 @@ impl Controller {
         if of.set.as_ref().is_some_and(|set| set.axes.iter().flatten().any(left)) {
             self.open = Some("a motion whose begin an axis has left, or a Stop of this instant decides");
         }
-        if is_arc && self.waited && of.fifos[fifo].begins().is_none() {
+        if is_arc && (self.unsettled != 0 || !of.certain) && of.fifos[fifo].begins().is_none() {
             // An arc needs to know where it begins: docs/crd.md.
-            self.open = Some("a path that begins directly after a WaitStop");
+            self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
         if begin.is_none() {
             self.open = Some("a motion whose begin is not known yet");
@@ -218,7 +219,8 @@ impl Controller {
             of[index] = Some(axis);
         }
         let frame = Frame { speed, acc, even_ms: f64::from(even_ms) };
-        let crd = Crd { set: Some(Set { frame, axes: of, zero }), place, stop_dec: acc, ..Crd::default() };
+        let set = Some(Set { frame, axes: of, zero });
+        let crd = Crd { set, place, stop_dec: acc, certain: self.unsettled == 0 && origin.is_none(), ..Crd::default() };
         self.crds.insert(name, crd);
         DONE
     }
@@ -256,6 +258,12 @@ impl Controller {
             *self.used.entry("paths started").or_default() += 1;
         }
         DONE
+    }
+
+    /// A Stop: where paths are may be known later than it is so.
+    pub(super) fn unsettle(&mut self) {
+        self.unsettled = 2;
+        self.crds.values_mut().for_each(|crd| crd.certain = false);
     }
 
     /// A Stop of a coordinate system.
@@ -347,7 +355,7 @@ impl Controller {
                 let of = crd(number);
                 let waiting = of.fifos[fifo as usize].waiting_of(held);
                 let more = of.runs && of.fifos[fifo as usize].entries.len() != held;
-                (Value::Whole((CAPACITY - waiting) as i64), more || soon(of))
+                (Value::Whole((CAPACITY - waiting) as i64), more || !of.certain || soon(of))
             }
             Path::Status { crd: number, fifo } => {
                 let of = crd(number);

@@ -104,6 +104,7 @@ impl Controller {
     }
 
     pub(super) fn stop(&mut self, mask: u32, abrupt: u32) -> Answer {
+        self.unsettle();
         for place in members(mask) {
             let axis = &mut self.axes[place];
             axis.stopped = true;

@@ -73,6 +73,7 @@ impl Making<'_> {
             self.plain(host_tests::reference::Kind::PrfTrap, axis);
         }
         let kind = self.master_kind();
+        self.counted[axis] = kind == 1;
         self.ex(Call::PrfFollow { axis, dir });
         self.ex(Call::SetFollowMaster { axis, master, kind });
         self.does[axis] = Does::FollowEx(dir);
@@ -193,6 +194,7 @@ impl Making<'_> {
         self.plain(host_tests::reference::Kind::PrfTrap, axis);
         self.calls.push(Call::PrfFollow { axis, dir });
         self.calls.push(Call::SetFollowMaster { axis, master, kind: 1 });
+        self.counted[axis] = true;
         self.does[axis] = Does::Follow(dir);
         self.masters[axis] = Some(master);
         self.follow[axis] = Default::default();

@@ -47,6 +47,8 @@ impl Making<'_> {
                 self.plain(Kind::PrfTrap, axis);
             }
         }
+        // An arc needs to know where it begins (docs/crd.md).
+        self.calls.push(Call::Sleep { ns: 4_000_000 });
         let speed = self.chance.log(2.0, 100.0);
         let acc = speed / self.chance.log(0.7, 9.0);
         let even_ms = if self.one_in(6) { 1 + self.below(3) as i16 } else { 0 };
@@ -155,13 +157,16 @@ impl Making<'_> {
                 self.calls.push(Call::Stop { mask, abrupt });
             }
             3 => {
-                let ratio = self.pick(&[1.0, 0.5, 0.25, 0.8]);
+                let ratio = self.pick(&[1.0, 0.5, 0.25, 0.8, 1.5, 0.0]);
                 self.path(core, Path::Override { crd, ratio });
             }
             4 | 5 => self.fill_path(index, fifo),
             6 => self.path(core, Path::Status { crd, fifo: fifo as i16 }),
             7 => self.path(core, Path::Remainder { crd, fifo: fifo as i16 }),
-            8 => self.path(core, Path::Space { crd, fifo: fifo as i16 }),
+            8 => {
+                let fifo = self.pick(&[0, 1, 2]);
+                self.path(core, Path::Space { crd, fifo });
+            }
             9 => self.path(core, Path::Pos { crd }),
             10 => self.path(core, Path::Vel { crd }),
             _ => self.path(core, Path::Start { mask, option }),
@@ -174,6 +179,9 @@ impl Making<'_> {
         let Some(index) = self.crds.iter().position(|made| made.core == core && made.axes.contains(&axis)) else {
             return;
         };
+        if self.crds[index].axes.iter().any(|axis| self.does[*axis] != Does::Path) {
+            return;
+        }
         let (crd, fifo) = (self.crds[index].crd, self.below(2) as usize);
         match self.below(4) {
             0 => {
@@ -181,6 +189,7 @@ impl Making<'_> {
             }
             1 => {
                 self.path(core, Path::Wait { mask: 1 << (crd - 1) });
+                self.calls.push(Call::Sleep { ns: 4_000_000 });
                 self.fill_path(index, fifo);
                 self.path(core, Path::Start { mask: 1 << (crd - 1), option: (fifo as i16) << (crd - 1) });
             }
