@@ -10,15 +10,17 @@ mod crd;
 mod follow;
 
 use crate::case::Watch;
+use crate::profile::{LONG_TICK, Profile};
 pub use axis::{AxisBook, FifoBook};
 pub use channel::{DistanceBook, LaserBook, LaserChange};
 pub use crd::{CAPACITY, CrdBook, CrdChange, Frame, Look, PathBook, PathData, place_of};
 pub use follow::Fifo;
 use protocol::command::{JogPrm, TrapPrm};
+use servo::Fifos;
 use servo::laser::CHANNELS;
 use servo::op::{Mode, Op};
 use servo::pvt::TABLES;
-use servo::units::{Axis, AxisMask, Crd, CrdMask, Pos};
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use servo::view::View;
 
 /// Set in the numbers of the program lane, so that a number tells its lane.
@@ -149,6 +151,8 @@ pub enum Change {
     CrdStarted { crds: CrdMask, fifo1: CrdMask },
     /// Resolution of the lasers' frequencies (LSR): high (SetLaserMode 1) or low.
     LaserFine(bool),
+    /// A servo tick.
+    Tick { period: Ns },
 }
 
 impl Change {
@@ -193,7 +197,8 @@ impl Change {
             | Change::Pos { .. }
             | Change::Laser { .. }
             | Change::CrdStarted { .. }
-            | Change::LaserFine(_) => false,
+            | Change::LaserFine(_)
+            | Change::Tick { .. } => false,
         }
     }
 }
@@ -209,6 +214,8 @@ pub struct Books<const AXES: usize> {
     pub lasers: [LaserBook; CHANNELS],
     /// Resolution of their frequencies.
     pub laser_fine: bool,
+    /// Whether the servo tick is one of at least [`LONG_TICK`]; none while it is that of power-on.
+    long_tick: Option<bool>,
     /// The last Abort.
     aborted: Option<u32>,
     /// Link loss and interlock.
@@ -227,6 +234,7 @@ impl<const AXES: usize> Books<AXES> {
             crds: [CrdBook::default(); Crd::MAX],
             lasers: [LaserBook::power_on(true, false); CHANNELS],
             laser_fine: true,
+            long_tick: None,
             aborted: None,
             watch: Watch::DEFAULT,
             filled: 0,
@@ -266,7 +274,7 @@ impl<const AXES: usize> Books<AXES> {
     }
 
     /// FIFOs that may hold an entry that names a follow table: bit 2·crd + FIFO.
-    pub fn naming(&self) -> u8 {
+    pub fn naming(&self) -> Fifos {
         self.lasers.iter().flat_map(|laser| laser.named).fold(0, |all, named| all | named)
     }
 
@@ -287,6 +295,15 @@ impl<const AXES: usize> Books<AXES> {
     pub fn spoil_fifos(&mut self, axis: Axis, fifos: u8) {
         if let Some(book) = self.axes.get_mut(axis.index()) {
             book.spoiled |= fifos & (u8::from(book.holds(0)) | u8::from(book.holds(1)) << 1);
+        }
+    }
+
+    /// Coordinate systems that a core has at the servo tick of these books.
+    pub fn crds_per_core(&self, profile: &Profile, view: &View<AXES>) -> u8 {
+        match self.long_tick {
+            Some(true) => profile.crds_per_core,
+            Some(false) => profile.crds_in_short_ticks,
+            None => profile.crds_at(view.period),
         }
     }
 
@@ -424,6 +441,7 @@ impl<const AXES: usize> Books<AXES> {
                 self.with_crds(CrdMask(u8::MAX), &CrdChange::Stopped, seq);
             }
             Change::Watch(watch) => self.watch = watch,
+            Change::Tick { period } => self.long_tick = Some(period >= LONG_TICK),
             Change::Placed { axes, pos } => {
                 self.with(axes, |_, book| book.placed = Some((seq, pos)));
                 let crds = self.drivers(axes);

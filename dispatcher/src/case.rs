@@ -253,17 +253,40 @@ impl<'x, const AXES: usize> Case<'x, AXES> {
     /// A coordinate system of a core.
     pub fn crd(&self, core: i16, crd: i16) -> Admitted<Crd> {
         let core = self.core(core)?;
-        let per_core = self.site.profile.crds_per_core;
-        let index = choice(1, crd, 1, i16::from(per_core))?.unsigned_abs() as usize - 1;
-        Crd::new(core * usize::from(per_core) + index)
+        let per_core = usize::from(self.site.profile.crds_per_core);
+        let most = self.crds_per_core();
+        let index = self.of_tick(choice(1, crd, 1, most.into()), most)?.unsigned_abs() as usize - 1;
+        Crd::new(core * per_core + index)
             .filter(|crd| crd.index() < self.crds)
             .ok_or_else(|| Refused::new(Reason::CrdNotOnBoard).axis(crd).limits(0.0, self.crds as f64))
     }
+    /// How many coordinate systems a core has at the servo tick on which the command acts.
+    pub fn crds_per_core(&self) -> u8 {
+        self.books.crds_per_core(&self.site.profile, self.view)
+    }
+    /// A refusal of what is there at a longer tick says so.
+    fn of_tick<T>(&self, checked: Admitted<T>, most: u8) -> Admitted<T> {
+        let fewer = most < self.site.profile.crds_per_core;
+        checked.map_err(|refused| match refused.reason {
+            Reason::Selector | Reason::OutOfRange if fewer && refused.wire.field != 0 => {
+                refused.reason(Reason::CrdOfTick)
+            }
+            _ => refused,
+        })
+    }
     /// The coordinate systems of a core that the bits name.
     pub fn crd_mask(&self, core: i16, bits: i32, field: u8) -> Admitted<CrdMask> {
+        let most = self.crds_per_core();
+        self.of_tick(self.crds_among(core, bits, field, most), most)
+    }
+    /// The same of a wait: those that are there at a longer tick are at rest.
+    pub fn crds_waited_for(&self, core: i16, bits: i32, field: u8) -> Admitted<CrdMask> {
+        self.crds_among(core, bits, field, self.site.profile.crds_per_core)
+    }
+    fn crds_among(&self, core: i16, bits: i32, field: u8, most: u8) -> Admitted<CrdMask> {
         let core = self.core(core)?;
         let per_core = u32::from(self.site.profile.crds_per_core);
-        let (bits, all) = (bits.cast_unsigned(), (1u32 << per_core) - 1);
+        let (bits, all) = (bits.cast_unsigned(), (1u32 << most) - 1);
         if bits & !all != 0 {
             return Err(Refused::new(Reason::OutOfRange).field(field).got(bits.into()).limits(0.0, all.into()));
         }

@@ -30,6 +30,8 @@ pub enum Kind {
     Ignored = 7,
     /// The lasers were shut off, for a [`ShutOff`].
     ShutOff = 8,
+    /// The rate of a laser's light reached the width of its pulses, which is limited since (SPEC 6), so many times.
+    Limited = 9,
 }
 
 /// Why the lasers were shut off without a fault.
@@ -48,6 +50,7 @@ pub struct Log {
     total: u32,
     faults: [u16; CHANNELS],
     ignored: [u8; CHANNELS],
+    limits: [u8; CHANNELS],
     overruns: u32,
     lost: u32,
 }
@@ -61,7 +64,15 @@ impl Log {
             of: 0,
             reason: zerocopy::little_endian::U16::ZERO,
         };
-        Log { items: [NONE; HELD], total: 0, faults: [0; CHANNELS], ignored: [0; CHANNELS], overruns: 0, lost: 0 }
+        Log {
+            items: [NONE; HELD],
+            total: 0,
+            faults: [0; CHANNELS],
+            ignored: [0; CHANNELS],
+            limits: [0; CHANNELS],
+            overruns: 0,
+            lost: 0,
+        }
     }
 
     /// Something happened.
@@ -97,6 +108,16 @@ impl Log {
                 self.put(view.now, Kind::Ignored, channel, shown.ignored as u16);
             }
         }
+        for (channel, shown) in (0..).zip(&view.lasers) {
+            if let Some(before) = self.limits.get_mut(usize::from(channel)) {
+                // Every second change is a beginning.
+                let begun = |count: u8| count.wrapping_add(1) >> 1;
+                let times = begun(shown.limits).wrapping_sub(begun(core::mem::replace(before, shown.limits))) & 127;
+                if times != 0 {
+                    self.limited(view.now, channel, times.into());
+                }
+            }
+        }
         let more = |now: u32, before: &mut u32| now.wrapping_sub(core::mem::replace(before, now)).min(0xffff) as u16;
         let (overruns, lost) = (more(view.overruns, &mut self.overruns), more(view.events_lost, &mut self.lost));
         if overruns != 0 {
@@ -104,6 +125,17 @@ impl Log {
         }
         if lost != 0 {
             self.put(view.now, Kind::Lost, 0, lost);
+        }
+    }
+
+    /// Limited once more: one event counts all those that nothing else came between.
+    fn limited(&mut self, at: Ns, channel: u8, times: u16) {
+        let newest = self.items.get_mut(self.total.wrapping_sub(1) as usize % HELD);
+        match newest {
+            Some(newest) if self.total != 0 && (newest.kind, newest.of) == (Kind::Limited as u8, channel) => {
+                newest.reason = newest.reason.get().saturating_add(times).into();
+            }
+            _ => self.put(at, Kind::Limited, channel, times),
         }
     }
 

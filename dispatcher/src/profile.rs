@@ -3,6 +3,8 @@
 //! In: the number a client chose. Out: the counts. Owns nothing; a build whose capacity is too small
 //! for a profile refuses it with code 3. Source: SPEC section 2, GXN manual tables 5-1 to 5-3.
 
+use servo::units::Ns;
+
 /// The counts of one product.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Profile {
@@ -12,8 +14,14 @@ pub struct Profile {
     pub cores: u8,
     /// Axes of each core.
     pub axes_per_core: u8,
-    /// Coordinate systems of each core.
+    /// Coordinate systems of each core, as many as there are at any tick.
     pub crds_per_core: u8,
+    /// How many of them there are at a tick below [`LONG_TICK`] (GXN table 5-1: GSN).
+    pub crds_in_short_ticks: u8,
+    /// General inputs of the controller. They belong to all cores, and so do the outputs.
+    pub general_inputs: u8,
+    /// Its general outputs.
+    pub general_outputs: u8,
     /// Laser channels of the controller.
     pub lasers: u8,
 }
@@ -23,23 +31,48 @@ impl Profile {
     pub const fn axes(&self) -> usize {
         self.cores as usize * self.axes_per_core as usize
     }
+
+    /// Coordinate systems of a core at this tick.
+    pub const fn crds_at(&self, period: Ns) -> u8 {
+        if period.0 < LONG_TICK.0 { self.crds_in_short_ticks } else { self.crds_per_core }
+    }
 }
 
-const fn row(name: &'static str, cores: u8, axes_per_core: u8, crds_per_core: u8) -> Profile {
-    Profile { name, cores, axes_per_core, crds_per_core, lasers: 2 }
+/// From this servo tick on GSN has all its coordinate systems (GXN table 5-1).
+pub const LONG_TICK: Ns = Ns(500_000);
+
+/// `crds`: below [`LONG_TICK`], and from there on. `general`: inputs and outputs.
+const fn row(
+    name: &'static str,
+    (cores, axes_per_core): (u8, u8),
+    crds: (u8, u8),
+    (general_inputs, general_outputs): (u8, u8),
+) -> Profile {
+    let (crds_in_short_ticks, crds_per_core) = crds;
+    Profile {
+        name,
+        cores,
+        axes_per_core,
+        crds_per_core,
+        crds_in_short_ticks,
+        general_inputs,
+        general_outputs,
+        lasers: 2,
+    }
 }
 
-/// Every profile; its place is its number in `Choose` and `Version`.
+/// Every profile; its place is its number in `Choose` and `Version`. No manual counts the inputs and outputs of GUS: one word
+/// each.
 pub const PROFILES: &[Profile] = &[
-    row("gus", 1, 8, 2),
-    row("gtn-016", 2, 8, 2),
-    row("gtn-024", 2, 12, 2),
-    row("gsn-008-lt", 1, 8, 2),
-    row("gsn-024", 2, 12, 2),
-    row("gsn-048", 2, 24, 2),
-    row("r688c-024", 1, 24, 2),
-    row("r688s-016", 1, 16, 4),
-    row("r688s-032", 1, 32, 4),
+    row("gus", (1, 8), (2, 2), (32, 32)),
+    row("gtn-016", (2, 8), (2, 2), (44, 20)),
+    row("gtn-024", (2, 12), (2, 2), (66, 30)),
+    row("gsn-008-lt", (1, 8), (2, 4), (100, 40)),
+    row("gsn-024", (2, 12), (2, 4), (100, 40)),
+    row("gsn-048", (2, 24), (2, 4), (100, 40)),
+    row("r688c-024", (1, 24), (2, 2), (100, 64)),
+    row("r688s-016", (1, 16), (4, 4), (64, 64)),
+    row("r688s-032", (1, 32), (4, 4), (64, 64)),
 ];
 
 /// The families of SPEC 2: 0 is GUS, 1 is LSR.

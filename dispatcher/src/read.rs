@@ -6,16 +6,17 @@ mod crd;
 mod follow;
 
 use crate::admit::pvt_table::CHUNK;
-use crate::admit::{is_follow, kind, number_of};
+use crate::admit::{WORD, WORDS, is_follow, kind, number_of};
 use crate::books::Books;
 use crate::case::{Query, Site, mode_number, ones};
 use crate::log::{HELD, Log};
 use crate::server::{Board, FAULT_TEXT_MAX};
-use protocol::command::{self, opcode};
+use protocol::command::{self, Request, opcode};
 use protocol::record::{Full, ReplyWriter};
 use servo::follow::{Awaited, Input};
 use servo::laser::{CHANNELS, Count, Mode, Power, Tables, dac_counts};
 use servo::piece::Scaled;
+use servo::port::AxisInputs;
 use servo::status::RUNNING;
 use servo::units::{Axis, Pos};
 use servo::view::{AxisView, LaserView, View};
@@ -255,8 +256,10 @@ impl<const AXES: usize> Reading<'_, AXES> {
             opcode::GetCaptureStatus => self.captures(tag, query, out),
             opcode::GetWait => out.done::<command::GetWait>(tag, &self.wait(seen), &[]),
             opcode::AxisStatus => self.statuses(tag, query, out),
-            opcode::GetDi => out.done::<command::GetDi>(tag, &command::Long { value: self.inputs(query).into() }, &[]),
-            opcode::GetDo => out.done::<command::GetDo>(tag, &command::Long { value: self.outputs(query).into() }, &[]),
+            opcode::GetDi => out.done::<command::GetDi>(tag, &self.levels(query)[0], &[]),
+            opcode::GetDo => out.done::<command::GetDo>(tag, &self.levels(query)[0], &[]),
+            opcode::GetDiEx => self.words::<command::GetDiEx>(tag, query, out),
+            opcode::GetDoEx => self.words::<command::GetDoEx>(tag, query, out),
             opcode::GetDac => {
                 let mut items = [command::Short::default(); 8];
                 let count = usize::from(query.count).min(8);
@@ -347,9 +350,11 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 out.done::<command::GetLaserOnTime>(tag, &command::ULong { value: seen.on_time.into() }, &[])
             }
             opcode::GetLaserCrdMap => {
-                let crds = u32::from(self.site.profile.crds_per_core);
-                let map = u32::from(self.now.lasers[index].map) >> (u32::from(query.which) * crds);
-                out.done::<command::GetLaserCrdMap>(tag, &short((map & ((1 << crds) - 1)) as i16), &[])
+                let profile = &self.site.profile;
+                let map = u32::from(self.now.lasers[index].map);
+                let map = map >> (u32::from(query.which) * u32::from(profile.crds_per_core));
+                let own = (1 << profile.crds_at(self.view.period)) - 1;
+                out.done::<command::GetLaserCrdMap>(tag, &short((map & own) as i16), &[])
             }
             opcode::GetLaserPower => {
                 out.done::<command::GetLaserPower>(tag, &command::Real { value: units(seen.power).into() }, &[])
@@ -456,6 +461,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
             axes_per_core: profile.axes_per_core,
             lasers: profile.lasers,
             crds_per_core: profile.crds_per_core,
+            general_inputs: profile.general_inputs.min(self.board.general_inputs),
+            general_outputs: profile.general_outputs.min(self.board.general_outputs),
             tick_us: ((self.view.period.0 / 1000) as u32).into(),
             step_limit: (self.board.step_limit.pulses_per_ms() as f64).into(),
         }
@@ -531,29 +538,44 @@ impl<const AXES: usize> Reading<'_, AXES> {
         }
     }
 
-    /// Levels of the core's axes from bit 0, or the general inputs.
-    fn inputs(&self, query: &Query) -> i32 {
-        let which = i16::from(query.which);
-        if which == kind::GPI {
-            return self.view.general_inputs.cast_signed();
-        }
-        let axes = self.view.inputs.iter().skip(usize::from(query.first)).take(usize::from(query.count).min(32));
-        let level = |inputs: &servo::port::AxisInputs| match which {
-            kind::LIMIT_POSITIVE => inputs.limit_positive,
-            kind::LIMIT_NEGATIVE => inputs.limit_negative,
-            kind::ALARM => inputs.alarm,
-            kind::HOME => inputs.home,
-            _ => inputs.arrive,
+    /// Words of 32 levels: of the core's axes from bit 0, or of the general inputs or outputs.
+    fn levels(&self, query: &Query) -> [command::Long; WORDS] {
+        let (first, axes) = (usize::from(query.first) * self.site.per_core(), self.site.per_core());
+        let of_axes = |bits: u64| u128::from(bits >> first & ones(axes));
+        let of_inputs = |level: fn(&AxisInputs) -> bool| {
+            let levels = self.view.inputs.iter().skip(first).take(axes).map(level);
+            (0..).zip(levels).fold(0, |word, (bit, level)| word | u128::from(level) << bit)
         };
-        axes.enumerate().fold(0u32, |word, (bit, inputs)| word | u32::from(level(inputs)) << bit).cast_signed()
+        let profile = &self.site.profile;
+        let levels = match i16::from(query.which) {
+            kind::LIMIT_POSITIVE => of_inputs(|inputs| inputs.limit_positive),
+            kind::LIMIT_NEGATIVE => of_inputs(|inputs| inputs.limit_negative),
+            kind::ALARM => of_inputs(|inputs| inputs.alarm),
+            kind::HOME => of_inputs(|inputs| inputs.home),
+            kind::ARRIVE => of_inputs(|inputs| inputs.arrive),
+            kind::GPI => {
+                let unused = 128 - u32::from(profile.general_inputs.clamp(1, 128));
+                (self.view.general_inputs as u128) & u128::MAX >> unused
+            }
+            kind::ENABLE => of_axes(self.view.enable),
+            kind::CLEAR => of_axes(self.view.clear),
+            _ => u128::from(self.view.general_outputs),
+        };
+        let mut words = [command::Long::default(); WORDS];
+        for (word, at) in words.iter_mut().zip((0..).step_by(WORD)) {
+            word.value = ((levels >> at) as u32).cast_signed().into();
+        }
+        words
     }
 
-    fn outputs(&self, query: &Query) -> i32 {
-        let word = match i16::from(query.which) {
-            kind::ENABLE => self.view.enable,
-            kind::CLEAR => self.view.clear,
-            _ => return self.view.general_outputs.cast_signed(),
-        };
-        (word >> query.first & ones(usize::from(query.count).min(32))) as u32 as i32
+    /// The reply to a read of levels, word by word.
+    fn words<R: Request<Reply = command::Count, ReplyItem = command::Long>>(
+        &self,
+        tag: u16,
+        query: &Query,
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
+        let count = usize::from(query.count).min(WORDS);
+        out.done::<R>(tag, &command::Count { count: (count as u16).into() }, &self.levels(query)[..count])
     }
 }

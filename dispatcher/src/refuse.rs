@@ -19,6 +19,12 @@ impl Refused {
         let wire = Refusal { reason: (reason as u16).into(), field: 255, item: 65535.into(), ..Refusal::default() };
         Refused { reason, wire }
     }
+    /// The same for another reason, which says more.
+    pub fn reason(mut self, reason: Reason) -> Self {
+        self.reason = reason;
+        self.wire.reason = (reason as u16).into();
+        self
+    }
     /// Names the parameter by its place in the request.
     pub fn field(mut self, field: u8) -> Self {
         self.wire.field = field;

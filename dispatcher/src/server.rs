@@ -50,7 +50,9 @@ pub struct Board {
     pub analog_inputs: u8,
     /// Rows that a plan of its inputs holds: none of a board whose inputs are wired, and which no call may set.
     pub planned_inputs: u16,
-    /// General outputs (at most 32).
+    /// General inputs and outputs that it has.
+    pub general_inputs: u8,
+    /// The same of outputs.
     pub general_outputs: u8,
     /// Axes whose encoder's index is captured.
     pub indexes: AxisMask,

@@ -188,7 +188,7 @@ impl<const AXES: usize> TraceOut<AXES> {
                 return self.encoder.period(&period).is_ok();
             }
             Traced::Outputs { at, levels } => {
-                let outputs = trace::Outputs { tick: sample.row.into(), at: at.into(), levels: levels.into() };
+                let outputs = trace::Outputs { tick: sample.row.into(), at: at.into(), levels: (levels as u64).into() };
                 return self.encoder.outputs(&outputs).is_ok();
             }
             Traced::Analog { at, channel, value } => {

@@ -243,7 +243,7 @@ fn the_trace_has_every_row_and_the_planned_motion() {
 
 /// Outputs that a program sets 2 ms behind its begin, and behind a Sleep of 10 ms and `ns`, in which `ns` pass at once: when,
 /// and the clock that the program tells, both without `ns`.
-fn clock_after(ns: u64) -> (Vec<(u64, u32)>, u64, u32) {
+fn clock_after(ns: u64) -> (Vec<(u64, u64)>, u64, u32) {
     let core = CORE.into();
     let mut bench = Bench::gus();
     bench.done(SetLinkLoss { time_ms: 0.into(), stop_all: 0.into() });

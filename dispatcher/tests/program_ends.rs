@@ -107,7 +107,7 @@ fn may_fail<R: Request>(request: R) -> (u16, Lane, Vec<u8>) {
 
 /// Axis 1 jogs from 0 on; at 10 ms it is asked for a mode, which it cannot take while it moves. What stands
 /// behind acts at 10 and 15 ms.
-fn passed_over(with: bool) -> (Vec<bench::Answer>, Vec<(u64, u32)>, ProgramReply) {
+fn passed_over(with: bool) -> (Vec<bench::Answer>, Vec<(u64, u64)>, ProgramReply) {
     let (core, profile) = (CORE.into(), 1.into());
     let mut bench = Bench::gus();
     bench.servo_on(1);

@@ -177,6 +177,7 @@ fn server(fault: Option<dispatcher::Fault>, channels: Channels<'static, AXES>) -
                 analog_outputs: board::ANALOG_OUTPUTS,
                 analog_inputs: board::ANALOG_INPUTS,
                 planned_inputs: board::PLANNED_INPUTS,
+                general_inputs: board::GENERAL_INPUTS,
                 general_outputs: board::GENERAL_OUTPUTS,
                 indexes: board::INDEXES,
                 step_limit: board::STEP_LIMIT,

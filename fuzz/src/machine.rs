@@ -211,7 +211,7 @@ impl Game<'_> {
                     axis.home = levels & 8 != 0;
                     axis.arrive = levels & 16 != 0;
                 } else if which == 8 {
-                    inputs.general = u32::from(levels);
+                    inputs.general = levels.into();
                 } else {
                     inputs.analog[usize::from(levels & 7)] = from.word().cast_signed();
                 }

@@ -167,7 +167,7 @@ wire_structs! {
     /// What a controller is; step_limit is what its step outputs make of an axis, pulse/ms (2^32 is full scale: none).
     VersionReply {
         major: U16, minor: U16, patch: U16, schema: U32, board: [u8; 16], profile: u8, family: u8,
-        cores: u8, axes_per_core: u8, lasers: u8, crds_per_core: u8, tick_us: U32, step_limit: F64,
+        cores: u8, axes_per_core: u8, lasers: u8, crds_per_core: u8, general_inputs: u8, general_outputs: u8, tick_us: U32, step_limit: F64,
     }
     /// Controller time: ms and servo ticks since power-on.
     Clock { clock_ms: U32, ticks: U32 }
@@ -187,8 +187,8 @@ wire_structs! {
     EventsReply { total: U32, count: U16 }
     /// What happened by itself: when, what (1 an axis and 2 a coordinate system came to rest, 3 a laser went dark or was
     /// cleared, 4 the link was lost or came back, 5 servo ticks took too long, 6 events were lost, 7 a laser command that was
-    /// admitted did nothing, 8 an abort or a new session shut off the lasers), to which (axes and
-    /// coordinate systems over all cores from 1, lasers from 0), and why.
+    /// admitted did nothing, 8 an abort or a new session shut off the lasers, 9 a pulse width was limited so many times), to
+    /// which (axes and coordinate systems over all cores from 1, lasers from 0), and why.
     EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
     /// The servo tick's period and, if the board measures it (`measured` 1), how long its ticks take from the timer's
     /// event to the end of the handler: the running median and the longest since the start, in ns.
@@ -353,6 +353,9 @@ commands! {
     0x0148 SimAdc { core: I16, adc: I16, volts: F64 } [Nothing] -> Nothing [Nothing];
     0x0149 SimPlan { core: I16, row: U16, from: u8, at_ns: U64, di_type: I16, index: I16, value: F64 } [Nothing] -> Nothing [Nothing];
     0x014A GetWait { core: I16, axis: I16 } [Nothing] -> WaitReply [Nothing];
+    0x014B GetDiEx { core: I16, di_type: I16, count: I16 } [Nothing] -> Count [Long];
+    0x014C SetDoEx { core: I16, do_type: I16, count: U16 } [Long] -> Nothing [Nothing];
+    0x014D GetDoEx { core: I16, do_type: I16, count: I16 } [Nothing] -> Count [Long];
     // -- PT (GXN chapter 2) -------------------------------------------------------------------
     0x0200 PrfPt { core: I16, profile: I16, mode: I16 } [Nothing] -> Nothing [Nothing];
     0x0201 PtSpace { core: I16, profile: I16, fifo: I16 } [Nothing] -> Short [Nothing];

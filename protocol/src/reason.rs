@@ -61,6 +61,7 @@ reasons! {
     20 UnknownCommand Unknown "the firmware does not know command number {got}";
     21 Mismatch Mismatch "client and firmware speak different protocol versions: {got} here, {high} there";
     22 ProfileTooLarge Mismatch "this board cannot hold the profile: it has room for {high} axes, {got} are asked for";
+    23 ProfileOutputs Mismatch "this board cannot hold the profile: it has room for {high} general inputs or outputs, {got} are asked for";
     30 WrongMode State "axis {axis} is not in the mode that this command is for; its mode is {got}";
     31 Moving State "axis {axis} is moving; stop it first";
     32 FifoFull State "axis {axis}: the FIFO is full; {high} segments fit";
@@ -141,6 +142,8 @@ reasons! {
     131 CrdNotOnBoard Mismatch "this board has memory for {high} coordinate systems";
     132 StepLimit Range "{field}: axis {axis} would go at {got} pulse/ms; the board's steps are limited to {high}";
     133 NoIndex Range "{field} is {got}, the index, but the board captures none of encoder {axis}; allowed are {low} to {high}";
+    134 CrdOfTick Range "{field} is {got}; at this servo tick it must be from {low} to {high}: the others are there at 500 us and more";
+    135 CrdNeedsTick State "coordinate system {axis} of core {low} drives axes; below a tick of 500 us a core has {high}; reset its axes first";
     140 NotAboveMinimum Range "{field} is {got}; it must be above the minimum, {low}";
     141 PointOfAxis Range "{field} of axis {axis} is {got}; it must be greater than {low}, that of the point before";
     142 PlaneAxis Range "{field} names axis {got} twice; a plane has two";

@@ -57,7 +57,7 @@ wire_structs! {
     /// One coordinate system in one row: speed along its path, `vel_mantissa * 2^-vel_exponent` pulse/ms.
     CrdSample { vel_mantissa: I64, vel_exponent: I16 }
     /// General outputs, bit 0 the first: their levels from `at` ns after the tick `tick` (from row 0 on).
-    Outputs { tick: U32, at: U32, levels: U32 }
+    Outputs { tick: U32, at: U32, levels: U64 }
     /// The servo tick from the tick `tick` (from row 0) on, ns.
     Period { tick: U32, period_ns: U32 }
     /// A number of counts of the laser timers: whole + part/of, where 0 stands for 2^32.

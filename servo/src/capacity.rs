@@ -13,8 +13,14 @@ mod sizes {
     pub const SAMPLES: usize = 1024;
     /// PVT tables of a controller: 32 for each of two cores.
     pub const TABLES: usize = 64;
-    /// Coordinate systems.
-    pub const CRDS: usize = 4;
+    /// Coordinate systems: four for each of two cores.
+    pub const CRDS: usize = 8;
+    /// A bit for each general input, bit 0 is GPI 1.
+    pub type GeneralInputs = u128;
+    /// A bit for each general output, bit 0 is GPO 1.
+    pub type GeneralOutputs = u64;
+    /// A bit for each FIFO of each coordinate system.
+    pub type Fifos = u16;
     /// Gate edges of a laser channel that may be pending: 128 marks inside the longest delay (65 ms).
     pub const EDGES: usize = 256;
 }
@@ -32,6 +38,12 @@ mod sizes {
     pub const TABLES: usize = 32;
     /// Coordinate systems.
     pub const CRDS: usize = 2;
+    /// A bit for each general input, bit 0 is GPI 1.
+    pub type GeneralInputs = u32;
+    /// A bit for each general output, bit 0 is GPO 1.
+    pub type GeneralOutputs = u32;
+    /// A bit for each FIFO of each coordinate system.
+    pub type Fifos = u8;
     /// Gate edges of a laser channel that may be pending: 64 marks inside the longest delay (65 ms).
     pub const EDGES: usize = 128;
 }

@@ -3,6 +3,7 @@
 //! In: changes with their instants, in the order in which they are found, which is that of time for each coordinate
 //! system. Out: the same in the order of time, to the machine. Owns: those of one tick; of an instant one for each group and
 //! each analog output. Fails: never; a path holds where there is no room for more.
+use crate::capacity::GeneralOutputs;
 use crate::op::DoGroup;
 use crate::path::INSTANTS;
 use crate::port::Port;
@@ -44,7 +45,7 @@ impl Change {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Set {
     /// The general outputs.
-    General(u32),
+    General(GeneralOutputs),
     /// An analog output.
     Analog { channel: u8, value: i16 },
 }
@@ -61,7 +62,7 @@ pub(crate) struct Edges {
 pub(crate) struct Levels {
     pub(crate) enable: u64,
     pub(crate) clear: u64,
-    pub(crate) general: u32,
+    pub(crate) general: GeneralOutputs,
 }
 
 impl Edges {
@@ -114,7 +115,10 @@ impl Edges {
                     match group {
                         DoGroup::Enable => levels.enable = set(levels.enable),
                         DoGroup::Clear => levels.clear = set(levels.clear),
-                        DoGroup::General => levels.general = set(levels.general as u64) as u32,
+                        DoGroup::General => {
+                            let (mask, value) = (mask as GeneralOutputs, value as GeneralOutputs);
+                            levels.general = levels.general & !mask | value & mask;
+                        }
                     }
                     port.outputs(at, levels.enable, levels.clear, levels.general);
                     told(at, Set::General(levels.general));

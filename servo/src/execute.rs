@@ -4,6 +4,7 @@
 //! nothing. Fails: a start or an Update that the machine's state forbids does nothing to any axis of
 //! its mask and is told as [`Event::Refused`]; whatever else does not fit any more has no effect.
 use crate::axis::{AxisState, Jog};
+use crate::capacity::GeneralOutputs;
 use crate::follow::{Input, Method};
 use crate::laser::{self, Change};
 use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op};
@@ -85,7 +86,9 @@ impl<const AXES: usize> Tick<AXES> {
                     self.servo(AxisMask(mask & !value), false, next, lanes);
                 }
                 DoGroup::Clear => self.clear = self.clear & !mask | value & mask,
-                DoGroup::General => self.general = self.general & !(mask as u32) | (value & mask) as u32,
+                DoGroup::General => {
+                    self.general = self.general & !(mask as GeneralOutputs) | (value & mask) as GeneralOutputs
+                }
             },
             Op::Analog { channel, value } => {
                 port.analog_out(0, channel as usize, value);

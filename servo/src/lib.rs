@@ -8,6 +8,7 @@
 mod age;
 mod axis;
 mod capacity;
+pub use capacity::Fifos;
 pub mod crd;
 mod edges;
 mod execute;

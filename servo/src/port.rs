@@ -1,4 +1,5 @@
 //! What the tick needs from a machine. `hal` and `host/virtual` implement it.
+pub use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::follow::Input;
 use crate::laser::Plan;
 use crate::units::{Axis, Ns, Pos};
@@ -100,7 +101,7 @@ pub trait Port {
         None
     }
     /// General inputs now, bit 0 is GPI 1.
-    fn general_inputs(&mut self) -> u32;
+    fn general_inputs(&mut self) -> GeneralInputs;
     /// Analog input now, −32768…32767 is −12.5…12.5 V, from 0.
     fn analog(&mut self, channel: usize) -> i16;
     /// The set-point in force from the next tick on; the machine turns the whole pulses between two
@@ -108,7 +109,7 @@ pub trait Port {
     fn set_point(&mut self, axis: Axis, pos: Pos);
     /// Servo enable and alarm-clear outputs, and general outputs, from `at` ns after the next tick on. Once a tick with 0,
     /// then with growing instants where entries of a path change them within the interval that the next tick begins.
-    fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: u32);
+    fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: GeneralOutputs);
     /// Analog output, −32768…32767 is −10…10 V, from `at` ns after the next tick on, in the same order.
     fn analog_out(&mut self, at: u32, channel: usize, value: i16);
     /// Whether the interlock (or emergency-stop) input wants every laser output at rest now. The hardware

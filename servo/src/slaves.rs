@@ -4,6 +4,7 @@
 //! masters before their slaves; what their entries do to outputs. Owns: nothing. Work: as of any axis, and a tick
 //! without slaves does not come here.
 use crate::axis::AxisState;
+use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::execute::Reach;
 use crate::follow::{Deeds, Input, Value};
 use crate::piece::Motion;
@@ -118,7 +119,7 @@ impl<const AXES: usize> Tick<AXES> {
         let seen = state.master().and_then(|(axis, value)| Some(others.at(axis.index())?.seen(value, now, period)));
         let stopped = if let Some(seen) = seen {
             let levels = |input: Input, index: u8| match input {
-                Input::General => general >> (index & 31) & 1 == 1,
+                Input::General => general >> (index as u32 & GeneralInputs::BITS.wrapping_sub(1)) & 1 == 1,
                 _ => level(others.at(index as usize).map_or(raw, |other| other.raw), input),
             };
             state.step_follow(&seen, led, limit, (store, levels, &mut deeds))
@@ -147,7 +148,10 @@ impl<const AXES: usize> Tick<AXES> {
             match group {
                 0 => switched.take(mask, high),
                 1 => self.clear = set(self.clear),
-                _ => self.general = set(self.general as u64) as u32,
+                _ => {
+                    let mask = mask as GeneralOutputs;
+                    self.general = if high { self.general | mask } else { self.general & !mask };
+                }
             }
         }
         follows && brakes.is_none()

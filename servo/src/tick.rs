@@ -9,6 +9,7 @@
 //! then every axis under its guards, slaves behind their masters, then the lasers. So a limit seen now stops the
 //! set-point of the next tick.
 use crate::axis::{AxisState, Glide};
+use crate::capacity::GeneralOutputs;
 pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
 use crate::crd::Crds;
 use crate::edges::{Edges, Levels, Set};
@@ -160,7 +161,7 @@ pub struct Tick<const AXES: usize> {
     pub(crate) script: Script,
     pub(crate) enable: u64,
     pub(crate) clear: u64,
-    pub(crate) general: u32,
+    pub(crate) general: GeneralOutputs,
     /// Ticks since power-on.
     pub(crate) ticks: u32,
     pub(crate) done_immediate: u32,

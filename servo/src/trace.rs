@@ -3,6 +3,7 @@
 //! In: the motion of every axis and the plans of laser channels, a tick at a time. Out: samples into a ring.
 //! Owns: the counters of rows and ticks.
 //! Fails: a full ring loses the sample and counts it; the row numbers show which.
+use crate::capacity::GeneralOutputs;
 use crate::laser::{ANALOG, Action, Plan, Tables};
 use crate::tick::SAMPLES;
 use crate::units::{AxisMask, CrdMask};
@@ -37,7 +38,7 @@ pub(crate) struct Trace {
     /// Channels that rest, and were told of it.
     resting: u8,
     /// General outputs as they were told last.
-    levels: u32,
+    levels: GeneralOutputs,
     chosen: Chosen,
     /// Armed: begins with the program.
     armed: Option<(u32, Chosen)>,
@@ -90,7 +91,7 @@ impl Trace {
     }
 
     /// The general outputs when the trace begins.
-    pub(crate) fn tell_outputs_carried(&mut self, levels: u32, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    pub(crate) fn tell_outputs_carried(&mut self, levels: GeneralOutputs, samples: &mut Producer<'_, Sample, SAMPLES>) {
         if self.chosen.outputs {
             self.levels = levels;
             self.put(Sample { row: 0, of: Traced::Outputs { at: 0, levels } }, samples);
@@ -99,7 +100,12 @@ impl Trace {
 
     /// The general outputs from `at` ns after the next tick on.
     #[inline]
-    pub(crate) fn tell_outputs(&mut self, at: u32, levels: u32, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    pub(crate) fn tell_outputs(
+        &mut self,
+        at: u32,
+        levels: GeneralOutputs,
+        samples: &mut Producer<'_, Sample, SAMPLES>,
+    ) {
         if self.chosen.outputs && levels != self.levels && self.every != 0 {
             self.levels = levels;
             self.put(Sample { row: self.tick.wrapping_add(1), of: Traced::Outputs { at, levels } }, samples);

@@ -7,6 +7,7 @@ pub use crd::{CrdView, Drive};
 pub use laser::LaserView;
 pub(crate) use speeds::Speeds;
 
+use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::crd::share;
 use crate::follow::{Awaits, compose, straight};
 use crate::laser::{Action, CHANNELS, Power};
@@ -368,7 +369,7 @@ pub struct View<const AXES: usize> {
     /// Alarm-clear outputs.
     pub clear: u64,
     /// General outputs.
-    pub general_outputs: u32,
+    pub general_outputs: GeneralOutputs,
     /// Ticks since power-on.
     pub tick: u32,
     /// Last entry of the immediate lane that was executed.
@@ -382,7 +383,7 @@ pub struct View<const AXES: usize> {
     /// Trace samples lost because nobody took them.
     pub trace_lost: u32,
     /// General inputs.
-    pub general_inputs: u32,
+    pub general_inputs: GeneralInputs,
     /// Analog inputs.
     pub analog: [i16; 8],
     /// The clock of the machine's laser timers, MHz; 0 before the first tick.
@@ -516,7 +517,7 @@ pub enum Traced {
         /// ns from the beginning of the interval.
         at: u32,
         /// Bit 0 is the first.
-        levels: u32,
+        levels: GeneralOutputs,
     },
     /// An analog output is set, in the same manner.
     Analog {

@@ -29,7 +29,7 @@ fn ready(period_us: u32) -> Bench {
 }
 
 /// Runs until nothing runs; every tick's edges with their instants in ns after `zero`.
-fn edges(bench: &mut Bench, zero: u64) -> Vec<(u64, u32)> {
+fn edges(bench: &mut Bench, zero: u64) -> Vec<(u64, u64)> {
     let mut found = Vec::new();
     let mut last = bench.machine.outputs.2;
     loop {
@@ -75,7 +75,7 @@ fn outputs_change_at_the_instant_of_their_boundary() {
         bench.machine.analog_edges.clear();
         let zero = bench.tick.now().0 + u64::from(period) * 1000;
         let found = edges(&mut bench, zero);
-        let values: Vec<u32> = found.iter().map(|(_, value)| value & 0xff).collect();
+        let values: Vec<u64> = found.iter().map(|(_, value)| value & 0xff).collect();
         assert_eq!(values, [1, 2, 3, 4, 5], "{period}");
         // 50 pulses to 10 pulse/ms in 10 ms, 5 ms more; 50 pulses of braking; a delay; a circle of 50·2π from rest to rest.
         let (first, second) = (15.0, 25.0);

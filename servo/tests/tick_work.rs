@@ -59,7 +59,7 @@ fn a_reset_by_the_immediate_lane_keeps_its_order_too() {
     let mut bench = Bench::ready(10, Mode::Jog);
     let reset = bench.now(Op::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
     bench.now(output(0));
-    let done: Vec<(bool, u32)> =
+    let done: Vec<(bool, u64)> =
         (0..9).map(|_| bench.tick()).map(|view| (view.done_immediate >= reset, view.general_outputs)).collect();
     assert_eq!((&done[..7], &done[7..]), (&[(false, 0); 7][..], &[(true, 1); 2][..]));
 }
@@ -102,7 +102,7 @@ fn starts_and_outputs_of_one_instant_begin_in_one_tick() {
                 break view;
             }
         };
-        assert_eq!((view.general_outputs, running(&view), view.done_program), (u32::MAX, 7, last), "{period} µs");
+        assert_eq!((view.general_outputs, running(&view), view.done_program), (0xffff_ffff, 7, last), "{period} µs");
         assert_eq!((bench.tick().late, view.first_late), (0, 0), "{period} µs: what was spread is not late");
         // All are as far, to the bit, tick after tick.
         for _ in 0..50 {

@@ -3,7 +3,7 @@ use super::many;
 use crate::books::Change;
 use crate::case::{Answer, Case, Query, ones};
 use crate::refuse::{Admitted, Refused, choice};
-use protocol::command::{GetAdc, GetDac, GetDi, GetDo, SetDac, SetDo, SetDoBit, opcode};
+use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, GetDo, GetDoEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
 use protocol::reason::Reason;
 use servo::follow::Input;
 use servo::laser::Mode;
@@ -23,22 +23,49 @@ pub mod kind {
     pub const GPO: i16 = 12;
 }
 
-/// A read of this type: `first` is the core's first axis.
-fn read<const AXES: usize>(case: &Case<AXES>, opcode: u16, core: i16, which: i16) -> Admitted<Answer> {
+/// Bits of a word of levels.
+pub const WORD: usize = 32;
+/// Words of a read or a call of levels: no type of any product has more.
+pub const WORDS: usize = 4;
+
+/// A read of this type, that of field 1: `first` is the core's index, `count` the words of 32 levels. One that asks for more
+/// words than there are gets those that there are.
+fn read<const AXES: usize>(
+    case: &Case<AXES>,
+    opcode: u16,
+    core: i16,
+    (which, low, high): (i16, i16, i16),
+    count: i16,
+) -> Admitted<Answer> {
     let core = case.core(core)?;
-    let per_core = case.site.profile.axes_per_core;
-    Ok(Answer::Read(Query { opcode, first: core as u8 * per_core, count: per_core, which: which as u8 }))
+    let which = choice(1, which, low, high)? as u8;
+    let count = choice(2, count, 1, i16::MAX)?.min(WORDS as i16) as u8;
+    Ok(Answer::Read(Query { opcode, first: core as u8, count, which }))
 }
 
 /// Raw levels of the core's axes from bit 0, or the general inputs, which belong to all cores.
 pub fn inputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDi) -> Admitted<Answer> {
-    let which = choice(1, r.di_type.get(), kind::LIMIT_POSITIVE, kind::ARRIVE)?;
-    read(case, opcode::GetDi, r.core.get(), which)
+    read(case, opcode::GetDi, r.core.get(), (r.di_type.get(), kind::LIMIT_POSITIVE, kind::ARRIVE), 1)
+}
+
+/// The same, word by word.
+pub fn input_words<const AXES: usize>(case: &mut Case<AXES>, r: &GetDiEx) -> Admitted<Answer> {
+    let which = (r.di_type.get(), kind::LIMIT_POSITIVE, kind::ARRIVE);
+    read(case, opcode::GetDiEx, r.core.get(), which, r.count.get())
 }
 
 pub fn outputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDo) -> Admitted<Answer> {
-    let which = choice(1, r.do_type.get(), kind::ENABLE, kind::GPO)?;
-    read(case, opcode::GetDo, r.core.get(), which)
+    read(case, opcode::GetDo, r.core.get(), (r.do_type.get(), kind::ENABLE, kind::GPO), 1)
+}
+
+/// The same, word by word.
+pub fn output_words<const AXES: usize>(case: &mut Case<AXES>, r: &GetDoEx) -> Admitted<Answer> {
+    read(case, opcode::GetDoEx, r.core.get(), (r.do_type.get(), kind::ENABLE, kind::GPO), r.count.get())
+}
+
+/// General inputs that a program can name: those of the profile, as far as the board has them.
+fn general_inputs<const AXES: usize>(case: &Case<AXES>) -> u8 {
+    case.site.profile.general_inputs.min(case.board.general_inputs)
 }
 
 /// The group, the place of its bit 0, and how many bits a core has of it. `field` names the type.
@@ -53,18 +80,39 @@ pub fn group<const AXES: usize>(
     Ok(match choice(field, which, kind::ENABLE, kind::GPO)? {
         kind::ENABLE => (DoGroup::Enable, first, axes),
         kind::CLEAR => (DoGroup::Clear, first, axes),
-        _ => (DoGroup::General, 0, usize::from(case.board.general_outputs.min(32))),
+        _ => (DoGroup::General, 0, usize::from(case.site.profile.general_outputs.min(case.board.general_outputs))),
     })
 }
 
-/// Bits of outputs that do not exist must be 0.
+/// The first word of outputs. Bits of outputs that do not exist must be 0.
 pub fn set_outputs<const AXES: usize>(case: &mut Case<AXES>, r: &SetDo) -> Admitted<Answer> {
     let (group, first, count) = group(case, r.core.get(), 1, r.do_type.get())?;
-    let (value, all) = (u64::from(r.value.get().cast_unsigned()), ones(count));
+    let (value, all) = (u64::from(r.value.get().cast_unsigned()), ones(count.min(WORD)));
     if value & !all != 0 {
         return Err(Refused::new(Reason::OutOfRange).field(2).got(value as f64).limits(0.0, all as f64));
     }
     stage_output(case, group, all << first, value << first);
+    Ok(Answer::Done)
+}
+
+/// Words of outputs, from the first one; what no word holds stays. Bits of outputs that do not exist must be 0.
+pub fn set_output_words<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admitted<Answer> {
+    let (request, values) = many::<SetDoEx>(body, |r| r.count.get())?;
+    let (group, first, have) = group(case, request.core.get(), 1, request.do_type.get())?;
+    let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
+    choice(2, count, 1, have.div_ceil(WORD).max(1) as i16)?;
+    let mut levels = 0;
+    for (item, value) in values.iter().enumerate() {
+        let value = u64::from(value.value.get().cast_unsigned());
+        let all = ones(have.saturating_sub(WORD * item).min(WORD));
+        if value & !all != 0 {
+            let refused = Refused::new(Reason::OutOfRange).field(3).item(item);
+            return Err(refused.got(value as f64).limits(0.0, all as f64));
+        }
+        levels |= value << (WORD * item);
+    }
+    let all = ones(have.min(WORD * values.len()));
+    stage_output(case, group, all << first, levels << first);
     Ok(Answer::Done)
 }
 
@@ -108,7 +156,7 @@ pub fn input<const AXES: usize>(
         kind::LIMIT_NEGATIVE => (Input::LimitNegative, first, axes),
         kind::ALARM => (Input::Alarm, first, axes),
         kind::HOME => (Input::Home, first, axes),
-        kind::GPI => (Input::General, 0, 32),
+        kind::GPI => (Input::General, 0, general_inputs(case)),
         _ => (Input::Arrive, first, axes),
     };
     let index = choice(field + 1, index, 1, i16::from(count))?.unsigned_abs() as u8 - 1;

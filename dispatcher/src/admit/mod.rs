@@ -10,7 +10,7 @@ mod follow;
 mod follow_data;
 mod io;
 pub use follow::is_follow;
-pub use io::kind;
+pub use io::{WORD, WORDS, kind};
 pub use pvt::number_of;
 mod jog_trap;
 mod laser;
@@ -153,6 +153,9 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::SetDo => to!(SetDo, io::set_outputs),
         opcode::GetDo => to!(GetDo, io::outputs),
         opcode::SetDoBit => to!(SetDoBit, io::set_output),
+        opcode::GetDiEx => to!(GetDiEx, io::input_words),
+        opcode::GetDoEx => to!(GetDoEx, io::output_words),
+        opcode::SetDoEx => io::set_output_words(case, body),
         opcode::SetDac => io::set_analog(case, body),
         opcode::GetDac => to!(GetDac, io::analog_outputs),
         opcode::GetAdc => to!(GetAdc, io::analog_inputs),
@@ -258,6 +261,8 @@ pub fn is_read(number: u16) -> bool {
             | opcode::GetVel
             | opcode::GetDi
             | opcode::GetDo
+            | opcode::GetDiEx
+            | opcode::GetDoEx
             | opcode::GetDac
             | opcode::GetAdc
             | opcode::GetWait

@@ -13,7 +13,8 @@ use protocol::command::{
 use protocol::reason::Reason;
 use servo::laser::CHANNELS;
 use servo::op::{Guarded, Guards, Op};
-use servo::units::{AxisMask, CrdMask};
+use servo::port::{GeneralInputs, GeneralOutputs};
+use servo::units::{AxisMask, Crd, CrdMask, Ns};
 
 /// Tick periods of SPEC 11 and issue 2, in µs.
 const TICK_US: (i32, i32) = (10, 1000);
@@ -53,8 +54,26 @@ pub fn tick<const AXES: usize>(case: &mut Case<AXES>, r: &SetTick) -> Admitted<A
     let high = TICK_US.1.min(i32::try_from(*case.board.tick_us.end()).unwrap_or(i32::MAX));
     let us = within(0, r.tick_us.get(), low, high)?;
     case.all_at_rest(case.site.all(), Reason::OnlyAtRest)?;
-    case.stage(Op::TickPeriod { ns: us.unsigned_abs() * 1000 });
+    let ns = us.unsigned_abs() * 1000;
+    let period = Ns(ns.into());
+    loses_no_crd(case, period)?;
+    case.stage_with(Op::TickPeriod { ns }, Change::Tick { period });
     Ok(Answer::Done)
+}
+
+/// Refuses a tick at which a coordinate system that drives axes would not be there (GXN table 5-1: GSN).
+fn loses_no_crd<const AXES: usize>(case: &Case<AXES>, period: Ns) -> Admitted<()> {
+    let profile = &case.site.profile;
+    let most = profile.crds_at(period);
+    let lost = |crd: &Crd| case.site.crd_number(*crd) > most.into() && case.crd_book(*crd).frame.is_some();
+    match case.site.all_crds().crds().find(lost) {
+        None => Ok(()),
+        Some(crd) => {
+            let core = crd.index() / usize::from(profile.crds_per_core.max(1)) + 1;
+            let number = case.site.crd_number(crd);
+            Err(Refused::new(Reason::CrdNeedsTick).axis(number).limits(core as f64, most.into()))
+        }
+    }
 }
 
 /// Choosing what is shown already changes nothing. Another family puts the lasers to power-on state and may be
@@ -68,6 +87,13 @@ pub fn choose<const AXES: usize>(case: &mut Case<AXES>, r: &Choose) -> Admitted<
             .field(0)
             .got(site.profile.axes() as f64)
             .limits(0.0, AXES as f64));
+    }
+    let words =
+        [(site.profile.general_inputs, GeneralInputs::BITS), (site.profile.general_outputs, GeneralOutputs::BITS)];
+    for (count, room) in words {
+        if u32::from(count) > room {
+            return Err(Refused::new(Reason::ProfileOutputs).field(0).got(count.into()).limits(0.0, room.into()));
+        }
     }
     if number != case.site.number {
         let axes = AxisMask(case.site.all().0 | site.all().0);

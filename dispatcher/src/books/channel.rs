@@ -1,5 +1,6 @@
 //! What the thread knows of one laser channel.
 use super::executed;
+use servo::Fifos;
 use servo::laser::{self, BANKS, Bounds, Carrier, DISTANCES, POWER_TABLES, Power, Ratios, Source};
 use servo::view::View;
 
@@ -64,7 +65,7 @@ pub struct LaserBook {
     /// Follow tables that hold points, a bit each.
     pub tables: u8,
     /// For each follow table the FIFOs that were given an entry that names it: bit 2·crd + FIFO.
-    pub named: [u8; POWER_TABLES],
+    pub named: [Fifos; POWER_TABLES],
 }
 
 impl LaserBook {

@@ -358,7 +358,7 @@ fn wait_stop<const AXES: usize>(
         effect: Effect::None,
     };
     let axes = case.mask(wait.core.get(), wait.axes.get(), 1)?;
-    let crds = case.crd_mask(wait.core.get(), wait.crds.get(), 2)?;
+    let crds = case.crds_waited_for(wait.core.get(), wait.crds.get(), 2)?;
     let all = CrdMask(crds.0 | desk.ahead.drivers(axes).0);
     if !all.crds().all(|crd| desk.flush_path(view, crd, near)) {
         return Ok(false);

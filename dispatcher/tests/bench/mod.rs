@@ -12,7 +12,7 @@ use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use ring::{Latest, Ring};
 use servo::laser::{Clock, Plan};
 use servo::path::{EntryStore, PathStores};
-use servo::port::{AxisInputs, Port};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::steps;
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
@@ -27,7 +27,7 @@ pub const MS: u64 = 1_000_000;
 pub struct Machine<const AXES: usize> {
     pub inputs: [AxisInputs; AXES],
     pub set_points: [Pos; AXES],
-    pub outputs: (u64, u64, u32),
+    pub outputs: (u64, u64, GeneralOutputs),
     pub analog_out: [i16; 8],
     pub interlock: bool,
 }
@@ -39,7 +39,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn encoder(&mut self, axis: Axis) -> i64 {
         steps::whole(self.set_points[axis.index()])
     }
-    fn general_inputs(&mut self) -> u32 {
+    fn general_inputs(&mut self) -> GeneralInputs {
         0x5a
     }
     fn analog(&mut self, channel: usize) -> i16 {
@@ -49,7 +49,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn set_point(&mut self, axis: Axis, pos: Pos) {
         self.set_points[axis.index()] = pos;
     }
-    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: GeneralOutputs) {
         self.outputs = (enable, clear, general);
     }
     fn analog_out(&mut self, _: u32, channel: usize, value: i16) {
@@ -159,7 +159,8 @@ impl<const AXES: usize> Bench<AXES> {
             analog_outputs: 8,
             analog_inputs: 8,
             planned_inputs: 0,
-            general_outputs: 16,
+            general_inputs: 100,
+            general_outputs: if profile == 0 { 16 } else { 64 },
             indexes: AxisMask(0b1),
             step_limit,
             fault,

@@ -10,7 +10,7 @@ use plant::inputs::{Plan as InputPlan, Row};
 use plant::{Gain, Plant};
 use servo::follow::Input;
 use servo::laser::Plan;
-use servo::port::{AxisInputs, Due, Port, Simulated};
+use servo::port::{AxisInputs, Due, GeneralInputs, GeneralOutputs, Port, Simulated};
 use servo::units::{Axis, Ns, Pos};
 
 /// Analog inputs.
@@ -27,7 +27,7 @@ pub struct Machine<const AXES: usize> {
     switchboard: Rx,
     interlock: bool,
     inputs: [AxisInputs; AXES],
-    general: u32,
+    general: GeneralInputs,
     analog: [i16; ANALOG_INPUTS],
     plan: InputPlan<[Row; ROWS]>,
 }
@@ -78,7 +78,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.plant.encoder(axis.index())
     }
 
-    fn general_inputs(&mut self) -> u32 {
+    fn general_inputs(&mut self) -> GeneralInputs {
         self.general
     }
 
@@ -91,7 +91,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
     fn simulate(&mut self, input: Simulated) {
         match input {
             Simulated::Level { input: Input::General, index, high } => {
-                let bit = 1u32 << (index & 31);
+                let bit = GeneralInputs::from(true) << (u32::from(index) & (GeneralInputs::BITS - 1));
                 self.general = if high { self.general | bit } else { self.general & !bit };
             }
             Simulated::Level { input, index, high } => {
@@ -124,7 +124,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.plant.set_point(axis.index(), pos.0);
     }
 
-    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: GeneralOutputs) {
         outputs::set(enable, clear, general);
     }
 

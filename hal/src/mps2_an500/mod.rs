@@ -45,7 +45,9 @@ pub const STEP_LIMIT: servo::units::StepLimit = servo::units::StepLimit::FULL_SC
 const STACK: u32 = 0x2000_0000;
 
 /// General outputs of the board.
-pub const GENERAL_OUTPUTS: u8 = 32;
+pub const GENERAL_OUTPUTS: u8 = servo::port::GeneralOutputs::BITS as u8;
+/// General inputs.
+pub const GENERAL_INPUTS: u8 = servo::port::GeneralInputs::BITS as u8;
 
 /// Axes whose encoder's index is captured: none, for encoders read the set-point.
 pub const INDEXES: servo::units::AxisMask = servo::units::AxisMask(0);

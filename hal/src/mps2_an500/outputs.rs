@@ -8,6 +8,7 @@
 //! actions of the plans.
 use core::sync::atomic::{AtomicBool, AtomicI16, AtomicU32, Ordering};
 use servo::laser::{Action, CHANNELS, Plan, Train};
+use servo::port::GeneralOutputs;
 
 /// Analog channels of the board, each way.
 pub const ANALOG: usize = 8;
@@ -18,7 +19,7 @@ pub const ANALOG: usize = 8;
 static ENABLE: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static CLEAR: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 #[used]
-static GENERAL: AtomicU32 = AtomicU32::new(0);
+static GENERAL: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static DAC: [AtomicI16; ANALOG] = [const { AtomicI16::new(0) }; ANALOG];
 #[used]
 static LASERS: [Laser; CHANNELS] = [const { Laser::at_rest() }; CHANNELS];
@@ -73,14 +74,16 @@ pub fn set_laser(channel: usize, plan: &Plan) {
 }
 
 /// Servo-enable and alarm-clear lines, a bit an axis, and general outputs.
-pub fn set(enable: u64, clear: u64, general: u32) {
+pub fn set(enable: u64, clear: u64, general: GeneralOutputs) {
     for (register, value) in ENABLE.iter().zip(halves(enable)) {
         register.store(value, Ordering::Relaxed);
     }
     for (register, value) in CLEAR.iter().zip(halves(clear)) {
         register.store(value, Ordering::Relaxed);
     }
-    GENERAL.store(general, Ordering::Relaxed);
+    for (register, value) in GENERAL.iter().zip(halves(general as u64)) {
+        register.store(value, Ordering::Relaxed);
+    }
 }
 
 /// An analog output, −32768…32767 is −10…10 V. A channel that the board lacks is not written.

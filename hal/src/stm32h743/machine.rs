@@ -10,7 +10,7 @@ use super::laser::{self, Lasers};
 use super::pins::{self, AXES, Levels};
 use super::steps::Steps;
 use servo::laser::Plan;
-use servo::port::{AxisInputs, Port};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::steps;
 use servo::units::{Axis, Pos};
 
@@ -26,10 +26,10 @@ pub struct Machine {
     stands: [i64; AXES],
     goes_to: [i64; AXES],
     /// Servo enables and general outputs that are driven, and those that the next tick drives.
-    driven: (u64, u32),
-    drives: (u64, u32),
+    driven: (u64, GeneralOutputs),
+    drives: (u64, GeneralOutputs),
     /// General outputs that the tick behind that drives: they are as far behind the plan as the steps.
-    comes: u32,
+    comes: GeneralOutputs,
     lasers: Lasers,
     /// The board contradicts itself: as an interlock that stays open.
     is_blocked: bool,
@@ -100,7 +100,7 @@ impl Port for Machine {
         self.encoders.index(axis.index())
     }
 
-    fn general_inputs(&mut self) -> u32 {
+    fn general_inputs(&mut self) -> GeneralInputs {
         self.levels.general()
     }
 
@@ -114,7 +114,7 @@ impl Port for Machine {
         }
     }
 
-    fn outputs(&mut self, at: u32, enable: u64, _: u64, general: u32) {
+    fn outputs(&mut self, at: u32, enable: u64, _: u64, general: GeneralOutputs) {
         // What changes between two ticks is in what the tick behind it drives from its beginning. Enables do not wait for steps.
         if at == 0 {
             (self.drives.0, self.comes) = (enable, general);

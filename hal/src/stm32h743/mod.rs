@@ -65,6 +65,8 @@ pub const INDEXES: servo::units::AxisMask = servo::units::AxisMask(encoders::FIT
 
 /// General outputs of the board.
 pub const GENERAL_OUTPUTS: u8 = pins::GENERAL_OUTPUTS as u8;
+/// General inputs.
+pub const GENERAL_INPUTS: u8 = pins::GENERAL_INPUTS as u8;
 
 /// Everything of the board that is handed out once.
 #[derive(Debug)]

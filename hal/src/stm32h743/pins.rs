@@ -3,6 +3,7 @@
 //! In: levels of outputs. Out: levels of inputs. Owns the GPIO ports. Until [`open`] every pin is analog, as the reset has
 //! left it; afterwards every pin that is not named here still is. [`rest`] makes the outputs analog again.
 use super::settings::EXTERNAL_DAC;
+use servo::port::{GeneralInputs, GeneralOutputs};
 use stm32_metapac::gpio::Gpio;
 use stm32_metapac::gpio::vals::{Moder, Ospeedr, Pupdr};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF, GPIOG, RCC};
@@ -42,6 +43,8 @@ const ENABLE: [Pin; AXES] =
 /// LD2, LD3, and four more.
 const GENERAL_OUT: [Pin; 6] = [(GPIOE, 1), (GPIOB, 14), (GPIOG, 10), (GPIOG, 12), (GPIOG, 14), (GPIOG, 15)];
 
+/// General inputs.
+pub const GENERAL_INPUTS: usize = GENERAL_IN.len();
 /// General outputs.
 pub const GENERAL_OUTPUTS: usize = GENERAL_OUT.len();
 
@@ -187,7 +190,7 @@ pub fn rest() {
 }
 
 /// Servo-enable lines, a bit an axis, and general outputs; all of a port change at once.
-pub fn set(enable: u64, general: u32) {
+pub fn set(enable: u64, general: GeneralOutputs) {
     for port in OUT {
         let mut word = 0;
         let outputs = ENABLE.iter().zip(0..).map(|(pin, bit)| (pin, enable >> bit & 1 == 1));
@@ -246,8 +249,8 @@ impl Levels {
     }
 
     /// General inputs, bit 0 the first.
-    pub fn general(&self) -> u32 {
-        GENERAL_IN.iter().zip(0..).fold(0, |bits, (pin, bit)| bits | u32::from(self.at(*pin)) << bit)
+    pub fn general(&self) -> GeneralInputs {
+        GENERAL_IN.iter().zip(0..).fold(0, |bits, (pin, bit)| bits | GeneralInputs::from(self.at(*pin)) << bit)
     }
 
     /// The interlock's inputs: those of TIM1, TIM15 and TIM8.

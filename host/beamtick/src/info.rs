@@ -21,12 +21,14 @@ pub fn show(arguments: &Info) -> Result<(), Failure> {
     say!("firmware    {}.{}.{}, schema {:#010x}", version.major, version.minor, version.patch, version.schema);
     say!("profile     {}, family {}", profile::shown(version), if version.family == 0 { "gus" } else { "lsr" });
     say!(
-        "counts      {} core{} of {} axes and {} coordinate systems; {} lasers",
+        "counts      {} core{} of {} axes and {} coordinate systems; {} lasers; {} general inputs and {} outputs",
         version.cores,
         if version.cores == 1 { "" } else { "s" },
         version.axes_per_core,
         version.crds_per_core,
-        version.lasers
+        version.lasers,
+        version.general_inputs,
+        version.general_outputs
     );
     say!("servo tick  {}", tick_time(&client.call(GetTickTime {})?));
     say!("clock       {} ms since power-on", clock.clock_ms);
@@ -114,6 +116,10 @@ fn event(item: &EventItem) -> String {
         (7, 2) => format!("laser {of}: an on command did nothing: the channel has no output"),
         (7, 3) => format!("laser {of}: an on command did nothing: an abort was in progress"),
         (7, _) => format!("laser {of}: a command did nothing"),
+        (9, 1) => format!("laser {of}: its pulse width reached the period and was limited to just under it"),
+        (9, _) => {
+            format!("laser {of}: its pulse width reached the period and was limited to just under it, {reason} times")
+        }
         (8, 1) => "every laser shut off: an abort".to_owned(),
         (8, 2) => "every laser shut off: a new session began".to_owned(),
         (5, _) => format!("{reason} servo ticks took longer than a period"),
@@ -151,5 +157,9 @@ mod tests {
         assert_eq!(text(3, 0, 0), "laser 0 cleared");
         assert_eq!(text(4, 0, 1), "the host link was lost");
         assert_eq!(text(8, 0, 1), "every laser shut off: an abort");
+        assert!(
+            text(9, 1, 1).ends_with("laser 1: its pulse width reached the period and was limited to just under it")
+        );
+        assert!(text(9, 0, 7).ends_with("just under it, 7 times"));
     }
 }

@@ -16,8 +16,8 @@ use client::inputs::{Inputs, Zero};
 use client::{Call as Packed, Client, Link, Progress, decode};
 use job::{Action, Axis, Call, Job, Severity};
 use protocol::command::{
-    Abort, AxisItem, AxisStatus, BufDA, BufDoBit, BufIO, FollowDoBitEx, LaserStatus, Request, SetDac, SetDo, SetDoBit,
-    Trace,
+    Abort, AxisItem, AxisStatus, BufDA, BufDoBit, BufIO, FollowDoBitEx, GetEvents, LaserStatus, Request, SetDac, SetDo,
+    SetDoBit, SetDoEx, Trace, VersionReply,
 };
 use protocol::reason::{Reason, Refusal};
 use std::path::PathBuf;
@@ -97,6 +97,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
     };
     let entries = entries(job, &version, recording.is_some());
     let mut report = Report::new(source, &entries, version, outputs.quiet);
+    let events = if job.lasers == 0 { 0 } else { client.call(GetEvents {})?.total.get() };
     let began = Instant::now();
     let held = Held::new();
     let watch = Watch::new(&mut report, source, &entries, client, knowledge);
@@ -146,6 +147,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
         client,
         report: &report,
         progress: &progress,
+        events,
         recorded: recorded.as_ref(),
         every: outputs.every,
         took: simulated.then_some(took),
@@ -207,7 +209,7 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
     };
     let subtitle =
         format!("{}, profile {}{family}, servo tick {} us", client.board(), profile::shown(version), version.tick_us);
-    let (digital, analog) = (digital(&source.job), analog(&source.job));
+    let (digital, analog) = (digital(&source.job, version), analog(&source.job));
     let shows_outputs = !(digital.is_empty() && analog.is_empty()) && outputs.vcd.is_some();
     let recording = Recording::new(outputs, (&source.name, subtitle), (digital, analog))?;
     let recording = Arc::new(Mutex::new(Some(recording)));
@@ -306,10 +308,10 @@ pub fn place(core: i16, number: i16, cores: u8, per_core: u8) -> Option<u32> {
 }
 
 /// General outputs that the job sets, from 1.
-fn digital(job: &Job) -> Vec<u8> {
+fn digital(job: &Job, version: &VersionReply) -> Vec<u8> {
     let mask = job.steps.iter().filter_map(|step| if let Action::Call(call) = &step.action { set(call) } else { None });
     let mask = mask.filter(|(kind, _)| *kind == GENERAL).fold(0, |all, (_, mask)| all | mask);
-    (1..=32).filter(|output| mask >> (output - 1) & 1 == 1).collect()
+    (1..=version.general_outputs.min(64)).filter(|output| mask >> (output - 1) & 1 == 1).collect()
 }
 
 /// Analog outputs that the job sets, from 1.
@@ -331,11 +333,16 @@ fn analog(job: &Job) -> Vec<u8> {
 }
 
 /// The kind of outputs that a call sets, and which.
-fn set(call: &Call) -> Option<(i32, u32)> {
-    let bit = |index: i32| u32::try_from(index - 1).ok().and_then(|bit| 1u32.checked_shl(bit)).unwrap_or(0);
+fn set(call: &Call) -> Option<(i32, u64)> {
+    let bit = |index: i32| u32::try_from(index - 1).ok().and_then(|bit| 1u64.checked_shl(bit)).unwrap_or(0);
+    let words = |count: u16| 1u64.checked_shl(32 * u32::from(count)).unwrap_or(0).wrapping_sub(1);
     let body = &call.body[..];
     Some(match call.opcode {
-        SetDo::OPCODE => (SetDo::read_from_bytes(body).ok()?.do_type.get().into(), 0xffff),
+        SetDo::OPCODE => (SetDo::read_from_bytes(body).ok()?.do_type.get().into(), words(1)),
+        SetDoEx::OPCODE => {
+            let set = SetDoEx::read_from_prefix(body).ok()?.0;
+            (set.do_type.get().into(), words(set.count.get()))
+        }
         SetDoBit::OPCODE => {
             let set = SetDoBit::read_from_bytes(body).ok()?;
             (set.do_type.get().into(), bit(set.index.get().into()))

@@ -8,10 +8,12 @@ use crate::runner::{RUNNING, place, states};
 use crate::source::Source;
 use client::{Client, Counters, Error, Progress, laser_cause};
 use job::{Axis, Crd};
-use protocol::command::{AxisItem, CrdInfo, CrdState, GetPtState, LaserState, LaserStatus};
+use protocol::command::{AxisItem, CrdInfo, CrdState, EventItem, GetEvents, GetPtState, LaserState, LaserStatus};
 use protocol::reason::{Reason, Refusal};
 use std::time::Duration;
 
+/// Kind of [`EventItem`]: a pulse width was limited.
+const LIMITED: u8 = 9;
 /// Profile mode PT.
 const MODE_PT: i16 = 2;
 
@@ -25,6 +27,8 @@ pub struct Run<'a> {
     pub report: &'a Report<'a>,
     /// Where the program was at its end.
     pub progress: &'a Progress,
+    /// Events that there were before, of a job that uses a laser.
+    pub events: u32,
     /// What a trace showed.
     pub recorded: Option<&'a Recorded>,
     /// Ticks from row to row that were asked for.
@@ -101,6 +105,7 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         let end = if run.report.lit.contains(&channel) { "; was on when the script ended: shut off" } else { "" };
         say!("  laser {channel}: {}{end}", laser(&state));
     }
+    limited(run)?;
     for (dry, least) in &run.report.streams {
         let least = least.map_or(String::new(), |least| format!("; least seen {least} ms"));
         say!(
@@ -125,6 +130,28 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         None => {}
     }
     taken(run).map_or(Ok(()), |text| Err(Failure::Job(text)))
+}
+
+/// Where a rate that followed something reached the pulse width: how often, and when first after power-on.
+fn limited(run: &Run<'_>) -> Result<(), Failure> {
+    if run.source.job.lasers == 0 {
+        return Ok(());
+    }
+    let (head, items) = run.client.call_items(GetEvents {}, &[])?;
+    let new = head.total.get().wrapping_sub(run.events) as usize;
+    let new = &items[items.len().saturating_sub(new)..];
+    for channel in lasers(&run.source.job, run.client.version()) {
+        let of_it = |item: &&EventItem| (item.kind, item.of) == (LIMITED, channel);
+        let times: u32 = new.iter().filter(of_it).map(|item| u32::from(item.reason.get())).sum();
+        if times != 0 {
+            say!(
+                "  laser {channel}: WIDTH LIMITED {times} time{}: its rate followed to where the pulse width reaches the period; \
+                 pulses there are just under the period",
+                if times == 1 { "" } else { "s" }
+            );
+        }
+    }
+    Ok(())
 }
 
 /// What took light from the job, if anything did.

@@ -179,7 +179,7 @@ fn a_wait_that_nothing_ends_ends_the_job_with_its_name() {
 fn what_is_wrong_with_a_file_is_told_before_anything_runs() {
     let job = "GT_AxisOn(1); Sleep(1);\n";
     for (inputs, told) in [
-        ("t_ms,input,level\n0,gpi0,1\n", "in.csv:2: input: `0` is no number of gpi; it is from 1 to 32"),
+        ("t_ms,input,level\n0,gpi0,1\n", "in.csv:2: input: `0` is no number of gpi; it is from 1 to 100"),
         ("t_ms,input,level\n0,home9,1\n", "in.csv:2: input: the number is 9; allowed are 1 to 8"),
         ("t_ms,input,level\n0,core2_home1,1\n", "in.csv:2: input: the core is 2; allowed are 1 to 1"),
         ("t_ms,input\n", "in.csv:1: the columns are `t_ms,input`; they are t_ms,input,level"),
@@ -229,4 +229,93 @@ fn the_example_waits_for_its_sensor() {
     let knife = column(folder.path(), "axis2_pos");
     assert_eq!(first(&knife, |pos| pos != 0.0), 100.25);
     assert_eq!(knife.last().unwrap().1, 1000.0);
+}
+
+/// Inputs and outputs above 32, by their numbers and by words: in calls, entries of a path and of FollowEx, files and the VCD.
+#[test]
+fn products_have_more_than_a_word_of_inputs_and_outputs() {
+    let job = "\
+#pragma profile gsn-024
+long in[4], out[2] = {0x80000000, 0x80};
+GTN_AxisOn(1, 1); GTN_AxisOn(1, 2); GTN_AxisOn(2, 3); GTN_AxisOn(2, 4);
+GTN_SimInput(2, MC_GPI, 33, 1); GTN_SimInput(1, MC_GPI, 100, 1);
+GTN_GetDiEx(1, MC_GPI, &in[0], 4);
+GTN_SetDoEx(2, MC_GPO, &out[0], 2);
+Sleep(2);
+GTN_SetDoBit(1, MC_GPO, 40, 0); GTN_SetDoBit(2, MC_GPO, 33, 1);
+TCrdPrm crd = {2, {1, 2, 0, 0, 0, 0, 0, 0}, 100, 1, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}};
+GTN_SetCrdPrm(1, 1, &crd);
+GTN_BufDoBit(1, 1, MC_GPO, 39, 1, 0); GTN_LnXY(1, 1, 100, 0, 10, 1, 0, 0); GTN_BufDoBit(1, 1, MC_GPO, 39, 0, 0);
+GTN_CrdStart(1, 1, 0); WaitStop(1, 0, 1);
+TJogPrm jog; jog.acc = 1; jog.dec = 1; jog.smooth = 0;
+GTN_PrfJog(2, 3); GTN_SetJogPrm(2, 3, &jog); GTN_SetVel(2, 3, 10); GTN_Update(2, 4);
+GTN_PrfFollowEx(2, 4); GTN_SetFollowMasterEx(2, 4, 3);
+GTN_FollowDiBitEx(2, 4, MC_GPI, 66, 1, 0, 0); GTN_FollowDoBitEx(2, 4, MC_GPO, 38, 1, 0);
+GTN_FollowDataPercentEx(2, 4, 100, 50, 0, 0, 0); GTN_FollowStartEx(2, 8);
+WaitStop(2, 8, 0);
+GTN_GetDoEx(1, MC_GPO, &out[0], 2);
+";
+    let folder = folder(job, "t_ms,input,level\n100,gpi66,1\n");
+    let arguments = ["sim", "job.gts", "--inputs", "in.csv", "--vcd", "t.vcd"];
+    let (out, errors, code) = beamtick(folder.path(), &arguments);
+    assert_eq!(code, 0, "{out}{errors}");
+    assert!(out.contains("GTN_GetDiEx in[0] = 0 1 0 8"), "{out}");
+    assert!(out.contains("GTN_GetDoEx out[0] = -2147483648 33"), "{out}");
+    let vcd = fs::read_to_string(folder.path().join("t.vcd")).unwrap();
+    let mut code = std::collections::HashMap::new();
+    for line in vcd.lines().filter(|line| line.contains(" do")) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        code.insert(words[4].to_owned(), words[3].to_owned());
+    }
+    assert_eq!(code.len(), 40, "the outputs of the product that the job sets");
+    let mut at = 0u64;
+    let mut edges = Vec::new();
+    for line in vcd.lines() {
+        if let Some(time) = line.strip_prefix('#') {
+            at = time.parse().unwrap();
+        }
+        for number in [32, 33, 38, 39, 40] {
+            if at > 0
+                && (line == format!("0{}", code[&format!("do{number}")])
+                    || line == format!("1{}", code[&format!("do{number}")]))
+            {
+                edges.push((number, line.starts_with('1'), at as f64 / 1e6));
+            }
+        }
+    }
+    let of = |number: i32| -> Vec<(bool, f64)> {
+        edges.iter().filter(|edge| edge.0 == number).map(|edge| (edge.1, edge.2)).collect()
+    };
+    assert_eq!(of(32), [(true, 0.25)]);
+    assert_eq!(of(40), [(true, 0.25), (false, 2.25)]);
+    assert_eq!(of(33), [(true, 2.25)]);
+    assert_eq!(of(39), [(true, 2.25), (false, 22.25)], "100 pulses at 1 pulse/ms²");
+    assert_eq!(of(38).len(), 1);
+    assert!((100.0..101.0).contains(&of(38)[0].1), "{:?}", of(38));
+}
+
+/// One beyond the product's count is refused with it.
+#[test]
+fn a_number_beyond_the_products_count_names_it() {
+    for (profile, call, told) in [
+        ("gtn-016", "GTN_SetDoBit(1, MC_GPO, 21, 1);", "index is 21; allowed are 1 to 20"),
+        ("gtn-024", "GTN_SimInput(1, MC_GPI, 67, 1);", "index is 67; allowed are 1 to 66"),
+        ("gtn-024", "GTN_SetDo(1, MC_GPO, 0x40000000);", "value is 1073741824; it must be from 0 to 1073741823"),
+        ("gsn-048", "GTN_SetDoBit(1, MC_GPO, 41, 1);", "index is 41; allowed are 1 to 40"),
+        (
+            "gsn-048",
+            "long v[2] = {0, 256}; GTN_SetDoEx(1, MC_GPO, &v[0], 2);",
+            "value is 256; it must be from 0 to 255",
+        ),
+        (
+            "gsn-024",
+            "TCrdPrm p = {2, {1, 2, 0, 0, 0, 0, 0, 0}, 1, 1, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}}; GTN_AxisOn(1, 1); GTN_AxisOn(1, 2); GTN_SetCrdPrm(1, 3, &p);",
+            "crd is 3; at this servo tick it must be from 1 to 2",
+        ),
+        ("r688s-016", "GTN_SimInput(1, MC_GPI, 65, 1);", "index is 65; allowed are 1 to 64"),
+    ] {
+        let folder = folder(&format!("#pragma profile {profile}\n{call}\n"), "");
+        let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts"]);
+        assert!(code == 1 && errors.contains(told), "{call}: {out}{errors}");
+    }
 }

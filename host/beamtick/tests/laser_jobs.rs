@@ -254,3 +254,32 @@ fn trace_signals_and_plot_show_the_laser() {
     );
     assert!(part.contains("laser 0 pulses") && part.contains("time (µs)") && part.contains("305"), "{part}");
 }
+
+/// A rate that follows the speed reaches the pulse width during the motion: the summary says how often. Pulses of half the width, or
+/// a path half as fast, are not limited.
+#[test]
+fn a_width_that_a_follow_limits_is_reported() {
+    let text = |width: u32, speed: u32| {
+        format!(
+            "GT_LaserPowerMode(1, 100, 0, 0); GT_SetAxisMode(7, 1); GT_SetPulseWidth({width}, 0);
+             GT_AxisOn(1); GT_AxisOn(2);
+             TCrdPrm crd = {{2, {{1, 2, 0, 0, 0, 0, 0, 0}}, 100, 5, 0, 0, {{0, 0, 0, 0, 0, 0, 0, 0}}}};
+             GT_SetCrdPrm(1, &crd);
+             GT_BufLaserPrfFollow(1, 1, 0, 100, 0, 0);
+             GT_BufLaserOn(1, 0, 0); GT_LnXY(1, 5000, 0, {speed}, 5, 0, 0); GT_BufLaserOff(1, 0, 0);
+             GT_BufDelay(1, 10, 0);
+             GT_BufLaserOn(1, 0, 0); GT_LnXY(1, 10000, 0, 45, 5, 0, 0); GT_LnXY(1, 15000, 0, {speed}, 5, 0, 0);
+             GT_BufLaserOff(1, 0, 0);
+             GT_CrdStart(1, 0); WaitStop(256);"
+        )
+    };
+    for (width, speed, times) in [(20, 80, 2), (10, 80, 0), (20, 40, 0)] {
+        let (out, errors, code) = job(&text(width, speed), "gus");
+        assert_eq!(code, 0, "{out}{errors}");
+        let told = format!(
+            "laser 0: WIDTH LIMITED {times} times: its rate followed to where the pulse width reaches the period"
+        );
+        assert_eq!(out.contains(&told), times != 0, "{out}");
+        assert_eq!(out.contains("WIDTH LIMITED"), times != 0, "{out}");
+    }
+}

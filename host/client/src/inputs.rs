@@ -28,7 +28,7 @@ const NAMES: [(&str, i16, i16); 7] = [
     ("limit_negative", 1, 32),
     ("alarm", 2, 32),
     ("home", 3, 32),
-    ("gpi", 4, 32),
+    ("gpi", 4, 100),
     ("arrive", 5, 32),
     ("adc", ADC, 8),
 ];

@@ -268,10 +268,16 @@ GT_API GT_Update(long mask);
 /* Digital and analog inputs and outputs */
 /* Levels of the digital inputs of a type as bits, as they are at the terminals: no sense (LmtSns) is applied. */
 GT_API GT_GetDi(short diType, long *value);
-/* Sets all digital outputs of a type. */
+/* Sets the digital outputs of a type, the first 32 of the general ones. */
 GT_API GT_SetDo(short doType, long value);
-/* Digital outputs of a type as bits. */
+/* Digital outputs of a type as bits, the first 32 of the general ones. */
 GT_API GT_GetDo(short doType, long *value);
+/* As GetDi in count words of 32: bit 0 of the second word is input 33. */
+GT_API GT_GetDiEx(short diType, long *value, short count GT_DEFAULT(1));
+/* As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay. */
+GT_API GT_SetDoEx(short doType, long *value, short count GT_DEFAULT(1));
+/* As GetDo in count words of 32. */
+GT_API GT_GetDoEx(short doType, long *value, short count GT_DEFAULT(1));
 /* Sets one digital output, counted from 1. */
 GT_API GT_SetDoBit(short doType, short index, short value);
 /* Sets count analog outputs, -32768 to 32767 for -10 to 10 V. */
@@ -684,10 +690,16 @@ GT_API GTN_Update(short core, long mask);
 /* Digital and analog inputs and outputs */
 /* Levels of the digital inputs of a type as bits, as they are at the terminals: no sense (LmtSns) is applied. */
 GT_API GTN_GetDi(short core, short diType, long *value);
-/* Sets all digital outputs of a type. */
+/* Sets the digital outputs of a type, the first 32 of the general ones. */
 GT_API GTN_SetDo(short core, short doType, long value);
-/* Digital outputs of a type as bits. */
+/* Digital outputs of a type as bits, the first 32 of the general ones. */
 GT_API GTN_GetDo(short core, short doType, long *value);
+/* As GetDi in count words of 32: bit 0 of the second word is input 33. */
+GT_API GTN_GetDiEx(short core, short diType, long *value, short count GT_DEFAULT(1));
+/* As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay. */
+GT_API GTN_SetDoEx(short core, short doType, long *value, short count GT_DEFAULT(1));
+/* As GetDo in count words of 32. */
+GT_API GTN_GetDoEx(short core, short doType, long *value, short count GT_DEFAULT(1));
 /* Sets one digital output, counted from 1. */
 GT_API GTN_SetDoBit(short core, short doType, short index, short value);
 /* Sets count analog outputs, -32768 to 32767 for -10 to 10 V. */

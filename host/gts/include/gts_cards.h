@@ -207,6 +207,9 @@ typedef struct TCrdData {
 #define GT_GetDi GTM_GetDi
 #define GT_SetDo GTM_SetDo
 #define GT_GetDo GTM_GetDo
+#define GT_GetDiEx GTM_GetDiEx
+#define GT_SetDoEx GTM_SetDoEx
+#define GT_GetDoEx GTM_GetDoEx
 #define GT_SetDoBit GTM_SetDoBit
 #define GT_SetDac GTM_SetDac
 #define GT_GetDac GTM_GetDac
@@ -460,10 +463,16 @@ GT_API GT_Update(short cardNum, long mask);
 /* Digital and analog inputs and outputs */
 /* Levels of the digital inputs of a type as bits, as they are at the terminals: no sense (LmtSns) is applied. */
 GT_API GT_GetDi(short cardNum, short diType, long *value);
-/* Sets all digital outputs of a type. */
+/* Sets the digital outputs of a type, the first 32 of the general ones. */
 GT_API GT_SetDo(short cardNum, short doType, long value);
-/* Digital outputs of a type as bits. */
+/* Digital outputs of a type as bits, the first 32 of the general ones. */
 GT_API GT_GetDo(short cardNum, short doType, long *value);
+/* As GetDi in count words of 32: bit 0 of the second word is input 33. */
+GT_API GT_GetDiEx(short cardNum, short diType, long *value, short count GT_DEFAULT(1));
+/* As SetDo in count words of 32: bit 0 of the second word is output 33. Further outputs stay. */
+GT_API GT_SetDoEx(short cardNum, short doType, long *value, short count GT_DEFAULT(1));
+/* As GetDo in count words of 32. */
+GT_API GT_GetDoEx(short cardNum, short doType, long *value, short count GT_DEFAULT(1));
 /* Sets one digital output, counted from 1. */
 GT_API GT_SetDoBit(short cardNum, short doType, short index, short value);
 /* Sets count analog outputs, -32768 to 32767 for -10 to 10 V. */

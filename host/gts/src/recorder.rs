@@ -15,8 +15,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use trace::{CsvWriter, Header, Item, Reader, TraceError, VcdWriter};
 
-/// General outputs that a VCD shows.
-const OUTPUTS: u8 = 16;
 /// Analog outputs that it shows.
 const ANALOG: u8 = 8;
 /// A trace's end comes within this controller time.
@@ -27,6 +25,8 @@ pub struct Recorder {
     reader: Reader,
     csv: Sink<CsvWriter<BufWriter<File>>>,
     vcd: Sink<VcdWriter<BufWriter<File>>>,
+    /// General outputs of the controller.
+    outputs: u8,
     failed: Option<TraceError>,
 }
 
@@ -107,6 +107,7 @@ impl Recorder {
             reader: Reader::new(),
             csv: Sink::create(settings.trace.as_ref())?,
             vcd: Sink::create(settings.vcd.as_ref())?,
+            outputs: client.version().general_outputs,
             failed: None,
         };
         let shared = Arc::new(Mutex::new(recorder));
@@ -125,10 +126,10 @@ impl Recorder {
         if self.failed.is_some() {
             return;
         }
-        let Recorder { reader, csv, vcd, failed } = self;
+        let Recorder { reader, csv, vcd, outputs, failed } = self;
         let mut take = |item: Item| -> trace::Result<()> {
             match item {
-                Item::Header(header) => begin(csv, vcd, &header),
+                Item::Header(header) => begin(csv, vcd, *outputs, &header),
                 Item::Laser { laser, change } => {
                     if let Some(vcd) = vcd.writer() {
                         vcd.change(laser, &change);
@@ -165,10 +166,11 @@ impl Recorder {
 fn begin(
     csv: &mut Sink<CsvWriter<BufWriter<File>>>,
     vcd: &mut Sink<VcdWriter<BufWriter<File>>>,
+    outputs: u8,
     header: &Header,
 ) -> trace::Result<()> {
     csv.begin(|file| CsvWriter::new(file, header))?;
-    let outputs: Vec<(u8, bool)> = (1..=OUTPUTS).map(|output| (output, false)).collect();
+    let outputs: Vec<(u8, bool)> = (1..=outputs).map(|output| (output, false)).collect();
     let analog: Vec<u8> = (1..=ANALOG).collect();
     vcd.begin(|file| VcdWriter::new(file, header, &outputs, &analog))
 }

@@ -231,6 +231,14 @@ pub const FUNCTIONS: &[Function] = &[
     read("GetDi", c::GetDi::OPCODE, &[short("diType"), out("value")]),
     call("SetDo", c::SetDo::OPCODE, &[short("doType"), long("value")]),
     read("GetDo", c::GetDo::OPCODE, &[short("doType"), out("value")]),
+    read("GetDiEx", c::GetDiEx::OPCODE, &[short("diType"), out("value"), COUNT]),
+    shaped(
+        Shape::Points,
+        "SetDoEx",
+        c::SetDoEx::OPCODE,
+        &[short("doType"), sized("value", Type::Long, Size::Count), COUNT],
+    ),
+    read("GetDoEx", c::GetDoEx::OPCODE, &[short("doType"), out("value"), COUNT]),
     call("SetDoBit", c::SetDoBit::OPCODE, &[short("doType"), short("index"), short("value")]),
     shaped(
         Shape::Points,
@@ -622,6 +630,7 @@ impl Function {
 pub fn counts(name: &str) -> Option<(i64, i64)> {
     match name {
         "SetDac" | "PtStartPro" => Some((1, 32)),
+        "SetDoEx" => Some((1, 4)),
         "SetLaserFollowTable" | "SetLaserDisTable1D" | "SetLaserDisTable2D" => Some((1, 32)),
         name if name.starts_with("Pvt") => Some((2, 1024)),
         _ => None,

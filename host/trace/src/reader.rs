@@ -90,7 +90,7 @@ struct Made {
     /// What light is told to do: laser, instant, on; for each laser in the order of time.
     lights: Vec<(usize, u64, bool)>,
     /// Levels of the general outputs.
-    levels: u32,
+    levels: u64,
 }
 
 impl Default for Made {
@@ -171,7 +171,7 @@ impl Made {
                 let t_ns = self.ticks.at(outputs.tick.get().into()) + u64::from(outputs.at.get());
                 let (before, after) = (self.levels, outputs.levels.get());
                 self.levels = after;
-                for bit in (0..32u8).filter(|bit| (before ^ after) >> bit & 1 == 1) {
+                for bit in (0..64u8).filter(|bit| (before ^ after) >> bit & 1 == 1) {
                     sink(Item::Output(OutputEdge { t_ns, output: bit + 1, level: after >> bit & 1 == 1 }))?;
                 }
                 Ok(())
@@ -309,7 +309,7 @@ mod tests {
         drain(&mut encoder);
         let samples = [trace::Sample::default()];
         let outputs =
-            |tick: u32, levels: u32| trace::Outputs { tick: tick.into(), at: 7.into(), levels: levels.into() };
+            |tick: u32, levels: u64| trace::Outputs { tick: tick.into(), at: 7.into(), levels: levels.into() };
         let period = |tick: u32, ns: u32| trace::Period { tick: tick.into(), period_ns: ns.into() };
         for row in 0..6u32 {
             encoder.row(row, &trace::Samples { axes: &samples, lasers: &[], crds: &[] }).unwrap();

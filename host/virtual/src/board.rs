@@ -333,7 +333,8 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             analog_outputs: 8,
             analog_inputs: 8,
             planned_inputs: PLANNED_INPUTS,
-            general_outputs: 16,
+            general_inputs: servo::port::GeneralInputs::BITS as u8,
+            general_outputs: servo::port::GeneralOutputs::BITS as u8,
             // Its encoders are the set-points, which have no index.
             indexes: AxisMask(0),
             step_limit,

@@ -5,7 +5,7 @@ use plant::inputs::{Plan as InputPlan, Row};
 use plant::{Gain, Plant};
 use servo::follow::Input;
 use servo::laser::{CHANNELS, Plan};
-use servo::port::{AxisInputs, Due, Port, Simulated};
+use servo::port::{AxisInputs, Due, GeneralInputs, GeneralOutputs, Port, Simulated};
 use servo::units::{Axis, Ns, Pos};
 
 /// Rows that a plan of inputs holds.
@@ -17,7 +17,7 @@ pub struct Inputs {
     /// Inputs of each axis, from 0 over all cores.
     pub axes: Vec<AxisInputs>,
     /// General inputs, bit 0 is GPI 1.
-    pub general: u32,
+    pub general: GeneralInputs,
     /// Analog inputs as SetDac counts.
     pub analog: [i16; 8],
     /// Interlock (or emergency stop); high wants every laser at rest.
@@ -32,7 +32,7 @@ pub struct Outputs {
     /// Alarm clear, a bit an axis.
     pub clear: u64,
     /// General outputs.
-    pub general: u32,
+    pub general: GeneralOutputs,
     /// Analog outputs.
     pub analog: [i16; 8],
 }
@@ -207,7 +207,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.plant.encoder(axis.index())
     }
 
-    fn general_inputs(&mut self) -> u32 {
+    fn general_inputs(&mut self) -> GeneralInputs {
         self.inputs.general
     }
 
@@ -219,13 +219,13 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.plant.set_point(axis.index(), pos.0);
     }
 
-    fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: GeneralOutputs) {
         let before = self.outputs;
         if (before.enable, before.clear, before.general) != (enable, clear, general) {
             let at_ns = self.next_ns + u64::from(at);
             self.note(at_ns, before.enable, enable, Output::Enable);
             self.note(at_ns, before.clear, clear, Output::Clear);
-            self.note(at_ns, before.general.into(), general.into(), Output::General);
+            self.note(at_ns, before.general, general, Output::General);
             self.outputs = Outputs { enable, clear, general, ..before };
         }
     }
@@ -242,7 +242,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         let Inputs { axes, general, analog, interlock } = &mut self.inputs;
         match input {
             Simulated::Level { input: Input::General, index, high } => {
-                let bit = 1 << (index & 31);
+                let bit = 1 << (u32::from(index) & (GeneralInputs::BITS - 1));
                 *general = if high { *general | bit } else { *general & !bit };
             }
             Simulated::Level { input, index, high } => {

@@ -2,13 +2,13 @@
 //!
 //! In: the tick's outputs. Out: inputs at rest, and set-points read back as encoders. Owns what it stored. Cannot fail.
 use servo::laser::Plan;
-use servo::port::{AxisInputs, Port};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::units::{Axis, Pos};
 
 /// The machine, of so many axes.
 pub struct Sink<const AXES: usize> {
     set_points: [Pos; AXES],
-    outputs: (u64, u64, u32),
+    outputs: (u64, u64, GeneralOutputs),
     analog: [i16; 8],
 }
 
@@ -24,7 +24,7 @@ impl<const AXES: usize> Port for Sink<AXES> {
     fn encoder(&mut self, axis: Axis) -> i64 {
         self.set_points.get(axis.index()).map_or(0, |pos| pos.0 >> Pos::FRAC_BITS)
     }
-    fn general_inputs(&mut self) -> u32 {
+    fn general_inputs(&mut self) -> GeneralInputs {
         0
     }
     fn analog(&mut self, _: usize) -> i16 {
@@ -35,7 +35,7 @@ impl<const AXES: usize> Port for Sink<AXES> {
             *place = pos;
         }
     }
-    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, _: u32, enable: u64, clear: u64, general: GeneralOutputs) {
         self.outputs = (enable, clear, general);
     }
     fn analog_out(&mut self, _: u32, channel: usize, value: i16) {

@@ -336,9 +336,11 @@ impl Speeds {
     pub(super) fn put(&mut self, place: usize, speed: PathSpeed) {
         if let Some(to) = self.of.get_mut(place) {
             *to = speed;
-            self.fed |= 1 << (place & 7);
+            self.fed |= 1 << (place & PLACES);
         }
     }
 }
 
-const _: () = assert!(2 * Crd::MAX <= 8, "a bit of a byte each");
+/// The bits of a place.
+pub(super) const PLACES: usize = 2 * Crd::MAX - 1;
+const _: () = assert!(2 * Crd::MAX <= 32 && PLACES & (2 * Crd::MAX) == 0, "a bit of a word each");

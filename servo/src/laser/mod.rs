@@ -193,7 +193,7 @@ impl Surroundings<'_> {
     /// One of the speeds of paths, [`Speeds::place`].
     #[inline(always)]
     fn speed(&self, place: usize) -> PathSpeed {
-        if self.speeds.fed >> (place & 7) & 1 == 0 {
+        if self.speeds.fed >> (place & law::PLACES) & 1 == 0 {
             return PathSpeed::REST;
         }
         self.speeds.of.get(place).copied().unwrap_or_default()

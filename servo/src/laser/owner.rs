@@ -29,6 +29,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::capacity::Fifos;
 use crate::units::{Crd, CrdMask};
 
 /// A path that runs one of its FIFOs.
@@ -60,17 +61,27 @@ enum Light {
     Waits(Who),
 }
 
-/// Paths whose Stop holds light dark: a bit for each FIFO of each coordinate system.
+/// Paths whose Stop holds light dark: a bit for each FIFO 0 of a coordinate system, then one for each FIFO 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-struct Holders(u8);
+struct Holders(Fifos);
+
+/// Bits of one FIFO.
+const HALF: u32 = Fifos::BITS / 2;
+const _: () = assert!(Crd::MAX <= HALF as usize && HALF.is_power_of_two(), "a bit each");
 
 impl Holders {
     const fn of(run: Run) -> Holders {
-        Holders(Holders::both(run.crd) & if run.fifo & 1 == 0 { 0x55 } else { 0xaa })
+        let first = Holders::first(run.crd);
+        Holders(if run.fifo & 1 == 0 { first } else { first << HALF })
     }
 
-    const fn both(crd: Crd) -> u8 {
-        3 << ((crd.index() as u32 & 3) << 1)
+    const fn first(crd: Crd) -> Fifos {
+        1 << (crd.index() as u32 & (HALF - 1))
+    }
+
+    const fn both(crd: Crd) -> Fifos {
+        let first = Holders::first(crd);
+        first | first << HALF
     }
 
     const fn has(self, run: Run) -> bool {
@@ -92,8 +103,8 @@ impl Holders {
 
     /// The coordinate systems among them.
     const fn crds(self) -> CrdMask {
-        let any = self.0 | self.0 >> 1;
-        CrdMask(any & 1 | any >> 1 & 2 | any >> 2 & 4 | any >> 3 & 8)
+        let any = self.0 | self.0 >> HALF;
+        CrdMask((any & Fifos::MAX >> HALF) as u8)
     }
 }
 

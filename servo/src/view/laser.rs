@@ -21,6 +21,8 @@ pub struct LaserView {
     pub light: bool,
     /// The pulse width is limited to just under the period.
     pub limited: bool,
+    /// Counts the changes of that in light: odd while it is so. It wraps.
+    pub limits: u8,
     /// Direct power.
     pub direct: Power,
     /// What is being output, in the mode's unit: the power of the light, else standby or pre-voltage; 0 when
@@ -78,6 +80,7 @@ impl LaserView {
         switch: false,
         light: false,
         limited: false,
+        limits: 0,
         connector: false,
         delayed: false,
         fault: Cause::None,
@@ -127,6 +130,7 @@ impl LaserView {
         self.turns = now.turns;
         (self.commanded, self.gate, self.switch) = (now.commanded, now.gate, now.switch);
         (self.light, self.limited, self.owners) = (now.light, now.limited, now.owners);
+        self.limits = now.limits;
         (self.direct, self.khz, self.train) = (now.direct, now.khz, now.train);
     }
 }

@@ -9,7 +9,7 @@ use servo::laser::{
 };
 use servo::op::{Entry, Op};
 use servo::path::{self, EntryStore, PathStores};
-use servo::port::{AxisInputs, Port};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, Crd, CrdMask, Ns, Pos, StepLimit};
@@ -250,14 +250,14 @@ impl Port for Machine {
     fn encoder(&mut self, axis: Axis) -> i64 {
         self.encoders[axis.index()]
     }
-    fn general_inputs(&mut self) -> u32 {
+    fn general_inputs(&mut self) -> GeneralInputs {
         0
     }
     fn analog(&mut self, _: usize) -> i16 {
         0
     }
     fn set_point(&mut self, _: Axis, _: Pos) {}
-    fn outputs(&mut self, _: u32, _: u64, _: u64, _: u32) {}
+    fn outputs(&mut self, _: u32, _: u64, _: u64, _: GeneralOutputs) {}
     fn analog_out(&mut self, _: u32, _: usize, _: i16) {}
     fn interlock(&mut self) -> bool {
         self.interlock

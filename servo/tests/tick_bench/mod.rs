@@ -7,7 +7,7 @@ use servo::laser::{Clock, Plan};
 use servo::op::{DoGroup, Entry, Mode, Op};
 use servo::path::{self, EntryStore, PathStores};
 use servo::piece::Scaled;
-use servo::port::{AxisInputs, Port};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::pt::{Chain, Segment};
 use servo::pvt::{Header, HeaderStore, Place, PlaceStore, TABLES, TableStores};
 use servo::ramp::{Accel, Speed};
@@ -26,11 +26,11 @@ pub struct Machine {
     pub slip: [i64; AXES],
     /// Counts at index edges of the tick that begins.
     pub index: [Option<i64>; AXES],
-    pub outputs: (u64, u64, u32),
+    pub outputs: (u64, u64, GeneralOutputs),
     pub analog_out: [i16; 8],
-    pub general: u32,
+    pub general: GeneralInputs,
     /// Digital outputs as they were told inside an interval: its tick, ns after it, levels.
-    pub edges: Vec<(u32, u64, u64, u32)>,
+    pub edges: Vec<(u32, u64, u64, GeneralOutputs)>,
     pub analog_edges: Vec<(u32, usize, i16)>,
 }
 
@@ -44,7 +44,7 @@ impl Port for Machine {
     fn index(&mut self, axis: Axis) -> Option<i64> {
         self.index[axis.index()].take()
     }
-    fn general_inputs(&mut self) -> u32 {
+    fn general_inputs(&mut self) -> GeneralInputs {
         self.general
     }
     fn analog(&mut self, channel: usize) -> i16 {
@@ -53,7 +53,7 @@ impl Port for Machine {
     fn set_point(&mut self, axis: Axis, pos: Pos) {
         self.set_points[axis.index()] = pos;
     }
-    fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: u32) {
+    fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: GeneralOutputs) {
         if at != 0 {
             self.edges.push((at, enable, clear, general));
         }

@@ -221,10 +221,10 @@ pub fn zero_on_time<const AXES: usize>(case: &mut Case<AXES>, r: &ZeroLaserOnTim
 pub fn map<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserCrdMap) -> Admitted<Answer> {
     let channel = case.channel(r.core.get(), 1, r.channel.get())?;
     let core = case.core(r.core.get())?;
-    let crds = case.site.profile.crds_per_core;
+    let crds = case.crds_per_core();
     let given = choice(2, r.map.get(), 0, (1 << crds) - 1)? as u8;
     let (before, own) = (case.laser(channel).map, case.crds_of(core));
-    let map = before & !own | given << (core as u8 * crds);
+    let map = before & !own | given << (core as u8 * case.site.profile.crds_per_core);
     let seen = &case.view.lasers[usize::from(channel).min(CHANNELS - 1)];
     for crd in CrdMask((before | map) & own).crds() {
         let ahead = !case.decided && case.crd_book(crd).may_be_stopped(case.view);

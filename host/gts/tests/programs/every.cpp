@@ -129,6 +129,18 @@ static void inputs_and_outputs()
     DONE(GT_SetDoBit(MC_GPO, 2, 1));
     DONE(GT_GetDo(MC_GPO, &bits));
     TRUE((bits & 0xf) == 0x7);
+    long words[4] = {-1, -1, -1, -1};
+    DONE(GT_SetDoEx(MC_GPO, words, 1));
+    DONE(GT_GetDoEx(MC_GPO, words, 4));
+    TRUE(words[0] == -1 && words[1] == 0 && words[2] == 0 && words[3] == 0);
+    words[0] = 7;
+    DONE(GTN_SetDoEx(1, MC_GPO, words, 1));
+    DONE(GTN_GetDoEx(1, MC_GPO, words));
+    TRUE(words[0] == 7);
+    words[3] = 9;
+    DONE(GT_GetDiEx(MC_GPI, words, 4));
+    TRUE(words[0] == 0 && words[3] == 0);
+    DONE(GTN_GetDiEx(1, MC_GPI, words));
     DONE(GT_SetDac(3, dac, 2));
     DONE(GT_GetDac(3, dac_read, 2));
     TRUE(dac_read[0] == 16384 && dac_read[1] == -16384);

@@ -5,7 +5,7 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use probes::AXES;
 use servo::laser::Plan;
-use servo::port::{AxisInputs, Port};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
 use servo::tick::{Lanes, Tick};
 use servo::units::{Axis, Pos};
 
@@ -31,7 +31,7 @@ impl Port for Short {
     fn encoder(&mut self, _: Axis) -> i64 {
         0
     }
-    fn general_inputs(&mut self) -> u32 {
+    fn general_inputs(&mut self) -> GeneralInputs {
         0
     }
     fn analog(&mut self, _: usize) -> i16 {
@@ -40,7 +40,7 @@ impl Port for Short {
     fn set_point(&mut self, axis: Axis, pos: Pos) {
         self.set_points[axis.index()] = pos;
     }
-    fn outputs(&mut self, _: u32, _: u64, _: u64, _: u32) {}
+    fn outputs(&mut self, _: u32, _: u64, _: u64, _: GeneralOutputs) {}
     fn analog_out(&mut self, _: u32, _: usize, _: i16) {}
     fn interlock(&mut self) -> bool {
         false

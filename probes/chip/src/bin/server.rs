@@ -41,6 +41,7 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
         analog_outputs: 8,
         analog_inputs: 8,
         planned_inputs: 0,
+        general_inputs: 16,
         general_outputs: 16,
         indexes: AxisMask(0),
         step_limit: StepLimit::FULL_SCALE,

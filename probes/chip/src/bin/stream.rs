@@ -240,6 +240,7 @@ fn main() -> ! {
         analog_outputs: 8,
         analog_inputs: 8,
         planned_inputs: 0,
+        general_inputs: 16,
         general_outputs: 16,
         step_limit: StepLimit::FULL_SCALE,
         indexes: AxisMask(0),

@@ -353,6 +353,8 @@ impl Channel {
         let shown = &mut self.shown;
         (shown.moves, shown.turns) = (shown.moves.wrapping_add(1), shown.turns.wrapping_add(1));
         (shown.power, shown.khz) = (power, khz);
+        let limited = (shown.limited & self.out.light) as u8;
+        shown.limits = shown.limits.wrapping_add(shown.limits & 1 ^ limited);
         shown.train = if khz == Power::ZERO { Train::NONE } else { self.out.train };
     }
 
