@@ -319,7 +319,7 @@ mod tests {
             ("x,gpi1,1", "f.csv:3: t_ms: `x` is no number"),
             ("nan,gpi1,1", "f.csv:3: t_ms: nan ms; it must be from 0 to 31536000000"),
             ("-1,gpi1,1", "f.csv:3: t_ms: -1 ms; it must be from 0 to 31536000000"),
-            ("1,gpi33,1", "f.csv:3: input: `33` is no number of gpi; it is from 1 to 32"),
+            ("1,gpi101,1", "f.csv:3: input: `101` is no number of gpi; it is from 1 to 100"),
             ("1,home0,1", "f.csv:3: input: `0` is no number of home; it is from 1 to 32"),
             ("1,home,1", "f.csv:3: input: `` is no number of home; it is from 1 to 32"),
             ("1,adc9,1", "f.csv:3: input: `9` is no number of adc; it is from 1 to 8"),

@@ -46,12 +46,35 @@ pub(crate) struct Session {
     frames: u32,
     /// A call changes the controller, or may.
     commanded: bool,
-    /// Longest silence of ours, ns: a quarter of the link-loss time, where that was set short.
-    silence: u64,
+    silence: Silence,
     /// When bytes went out last.
     sent_at: u64,
     /// Bytes of a trace that came over the link.
     trace: Vec<u8>,
+}
+
+/// How long this end may be silent, ns: a quarter of the link-loss time, where that is short.
+struct Silence {
+    /// By the time in force.
+    set: u64,
+    /// By the times that are under way, with their calls: until one is answered, the shortest counts.
+    asked: Vec<(u16, u64)>,
+}
+
+impl Silence {
+    fn longest(&self) -> u64 {
+        self.asked.iter().fold(self.set, |least, (_, silence)| least.min(*silence))
+    }
+
+    /// A SetLinkLoss is answered: it is in force, unless it was refused.
+    fn answered(&mut self, tag: u16, code: i16) {
+        if let Some(place) = self.asked.iter().position(|(waits, _)| *waits == tag) {
+            let (_, silence) = self.asked.remove(place);
+            if code == 0 {
+                self.set = silence;
+            }
+        }
+    }
 }
 
 impl Session {
@@ -68,7 +91,7 @@ impl Session {
             next_tag: 0,
             frames: 0,
             commanded: false,
-            silence: KEEP_ALIVE_NS,
+            silence: Silence { set: KEEP_ALIVE_NS, asked: Vec::new() },
             sent_at: now,
             trace: Vec::new(),
         }
@@ -123,10 +146,11 @@ impl Session {
         if call.opcode == opcode::SetLinkLoss
             && let Ok(set) = SetLinkLoss::read_from_bytes(&call.payload)
         {
-            self.silence = match u64::try_from(set.time_ms.get()) {
+            let silence = match u64::try_from(set.time_ms.get()) {
                 Ok(ms @ 1..) => (ms * 1_000_000 / 4).min(KEEP_ALIVE_NS),
                 _ => KEEP_ALIVE_NS,
             };
+            self.silence.asked.push((tag, silence));
         }
         self.outbox.push_back(Outgoing { tag, lane, opcode: call.opcode, payload: call.payload.clone() });
         Ok(tag)
@@ -159,7 +183,7 @@ impl Session {
     pub fn send(&mut self, now: u64, out: &mut Vec<u8>) {
         self.pack();
         self.endpoint.poll(now);
-        if now.saturating_sub(self.sent_at) >= self.silence {
+        if now.saturating_sub(self.sent_at) >= self.silence() {
             self.endpoint.keep_alive();
         }
         let before = out.len();
@@ -178,7 +202,7 @@ impl Session {
 
     /// Longest silence of ours, ns.
     pub fn silence(&self) -> u64 {
-        self.silence
+        self.silence.longest()
     }
 
     /// Packs queued calls into messages, as many as a message and the window hold.
@@ -214,6 +238,7 @@ impl Session {
                     self.trace.extend_from_slice(reply.body);
                     continue;
                 }
+                self.silence.answered(reply.tag, reply.code);
                 // A reply that nobody waits for belongs to a program that was given up.
                 if let Some(place) = self.waiting.get_mut(&reply.tag) {
                     *place = Some(Reply { code: reply.code, payload: reply.body.to_vec() });
@@ -237,7 +262,7 @@ impl Session {
     /// When [`Self::send`] has something to do at the latest.
     pub fn next_deadline(&self) -> u64 {
         let alive = match self.endpoint.state() {
-            State::Open => self.sent_at.saturating_add(self.silence),
+            State::Open => self.sent_at.saturating_add(self.silence()),
             _ => u64::MAX,
         };
         self.endpoint.next_deadline().unwrap_or(u64::MAX).min(alive)
@@ -268,4 +293,114 @@ fn mismatch(name: &str, ours: Identity, theirs: Identity) -> Error {
             ours.version, ours.schema, theirs.version, theirs.schema
         ),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protocol::reason::{Reason, Refusal};
+    use protocol::record::{ReplyWriter, requests};
+
+    const MS: u64 = 1_000_000;
+
+    /// Both ends, and a time that passes in quarters of a ms.
+    struct Wire {
+        session: Session,
+        controller: Endpoint<8>,
+        now: u64,
+        /// Whether the controller answers at all.
+        answers: bool,
+        refuses: bool,
+    }
+
+    impl Wire {
+        fn open() -> Wire {
+            let session = Session::open("test", 0, 1, Identity::OURS);
+            let controller = Endpoint::new(Role::Controller, Identity::OURS);
+            let mut wire = Wire { session, controller, now: 0, answers: true, refuses: false };
+            wire.longest_silence(5);
+            assert_eq!(wire.session.is_open(), Ok(true));
+            wire
+        }
+
+        /// The longest time between two sendings of the client within so many ms.
+        fn longest_silence(&mut self, ms: u64) -> u64 {
+            let (end, mut sent, mut longest) = (self.now + ms * MS, self.now, 0);
+            let mut bytes = [0; 2048];
+            while self.now < end {
+                self.now += MS / 4;
+                let mut out = Vec::new();
+                self.session.send(self.now, &mut out);
+                longest = longest.max(self.now - sent);
+                sent = if out.is_empty() { sent } else { self.now };
+                self.controller.feed(self.now, &out);
+                self.controller.poll(self.now);
+                self.answer();
+                let count = self.controller.take_tx(self.now, &mut bytes);
+                self.session.feed(self.now, &bytes[..count]).unwrap();
+            }
+            longest
+        }
+
+        fn answer(&mut self) {
+            if !self.answers || !self.controller.can_send() {
+                return;
+            }
+            let Some(message) = self.controller.message() else { return };
+            let calls: Vec<(u16, u16)> =
+                requests(message).map(|call| call.unwrap()).map(|call| (call.opcode, call.tag)).collect();
+            self.controller.done_with_message();
+            let mut buffer = [0; 512];
+            let mut writer = ReplyWriter::new(&mut buffer);
+            for (opcode, tag) in calls {
+                let refusal = Refusal::new(Reason::OutOfRange);
+                match self.refuses {
+                    true => writer.refused(opcode, tag, &refusal).unwrap(),
+                    false => writer.push_raw(opcode, tag, 0, &[]).unwrap(),
+                }
+            }
+            let len = writer.len();
+            self.controller.send(&buffer[..len]).unwrap();
+        }
+
+        fn set(&mut self, ms: i32) {
+            let call = Call::of(SetLinkLoss { time_ms: ms.into(), stop_all: 0.into() });
+            self.session.post(Lane::Immediate, &call).unwrap();
+        }
+    }
+
+    /// A session that says nothing speaks often enough for a short link-loss time: four times in it.
+    #[test]
+    fn a_short_link_loss_time_is_kept_alive() {
+        let mut wire = Wire::open();
+        assert_eq!(wire.longest_silence(1000), 100 * MS, "by itself");
+        for (ms, quarter) in [(40, 10), (4, 1), (1000, 100), (400, 100), (100, 25)] {
+            wire.set(ms);
+            wire.longest_silence(200);
+            assert_eq!(wire.longest_silence(1000), quarter * MS, "{ms} ms");
+        }
+        // Without supervision there is no hurry.
+        wire.set(0);
+        wire.longest_silence(200);
+        assert_eq!(wire.longest_silence(1000), 100 * MS);
+    }
+
+    /// A longer time counts once the controller has taken it, a shorter one from the call on; one that is refused never.
+    #[test]
+    fn a_link_loss_time_counts_as_the_controller_takes_it() {
+        let mut wire = Wire::open();
+        wire.set(40);
+        wire.longest_silence(50);
+        (wire.refuses, wire.answers) = (true, true);
+        wire.set(-1);
+        wire.longest_silence(50);
+        assert_eq!(wire.longest_silence(500), 10 * MS, "the refused one changes nothing");
+        wire.answers = false;
+        wire.set(20);
+        wire.set(1000);
+        assert_eq!(wire.longest_silence(300).max(MS), 5 * MS, "neither is answered: the shorter one counts");
+        (wire.refuses, wire.answers) = (false, true);
+        wire.longest_silence(50);
+        assert_eq!(wire.longest_silence(500), 100 * MS);
+    }
 }
