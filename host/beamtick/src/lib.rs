@@ -71,10 +71,22 @@ impl From<trace::TraceError> for Failure {
 /// The program: does what the command line says.
 pub fn main() -> ExitCode {
     interrupt::watch();
-    let code = ended(obey(&CommandLine::parse()));
+    let outcome = obey(&CommandLine::parse());
+    let done = outcome.is_ok();
+    let code = ended(outcome);
     // Nothing of ours is lit or moving any more: a reader may take its time, unless a signal asks to end.
-    printer::finish(interrupt::came().map(|_| interrupt::LAST_WORDS));
-    code
+    let finish = || printer::finish(interrupt::came().map(|_| interrupt::LAST_WORDS));
+    finish();
+    match printer::failed() {
+        Some(error) if done => {
+            let text =
+                format!("the standard output cannot be written: {error}; what is missing there was done all the same");
+            let code = ended(Err(Failure::Job(text)));
+            finish();
+            code
+        }
+        _ => code,
+    }
 }
 
 fn ended(outcome: Result<(), Failure>) -> ExitCode {

@@ -1,6 +1,7 @@
 //! Files that a job writes: beside their names while they grow, renamed when they are whole.
 //!
-//! In: names from the command line. Out: files. One that was cut off keeps its name with `.partial`. What is no plain file
+//! In: names from the command line. Out: files. One that was cut off keeps its name with `.partial`. A file of an earlier run
+//! is `.old` from the beginning on, so that it cannot pass for this run's; it goes when this one is whole. What is no plain file
 //! (a device, a pipe) is written directly. Nothing is overwritten that the job reads or that another output is.
 use crate::Failure;
 use std::fs::{self, File};
@@ -11,12 +12,32 @@ pub struct Output {
     name: PathBuf,
     /// Where it grows; none where that is its own name.
     staged: Option<PathBuf>,
+    /// The file of an earlier run, under its new name.
+    older: Option<PathBuf>,
+}
+
+/// What a run that was cut off leaves of an output.
+#[derive(Debug, Default)]
+pub struct Kept {
+    /// What was recorded, if anything was.
+    pub partial: Option<PathBuf>,
+    /// The name of an earlier run's file, and what it is called now.
+    pub older: Option<(PathBuf, PathBuf)>,
 }
 
 /// The name of a file that was cut off.
 fn partial(name: &Path) -> PathBuf {
+    longer(name, ".partial")
+}
+
+/// The name of an earlier run's file while this one is written.
+fn old(name: &Path) -> PathBuf {
+    longer(name, ".old")
+}
+
+fn longer(name: &Path, by: &str) -> PathBuf {
     let mut text = name.as_os_str().to_owned();
-    text.push(".partial");
+    text.push(by);
     PathBuf::from(text)
 }
 
@@ -42,14 +63,26 @@ impl Output {
         let found = fs::metadata(name);
         if found.as_ref().is_ok_and(|found| !found.is_file()) {
             let file = File::options().write(true).open(name).map_err(failed)?;
-            return Ok((Output { name: name.to_owned(), staged: None }, file));
+            return Ok((Output { name: name.to_owned(), staged: None, older: None }, file));
         }
         if found.is_ok() {
             // What may not be written is not replaced either.
             File::options().append(true).open(name).map_err(failed)?;
         }
         let file = File::create(&staged).map_err(failed)?;
-        Ok((Output { name: name.to_owned(), staged: Some(staged) }, file))
+        Ok((Output { name: name.to_owned(), staged: Some(staged), older: None }, file))
+    }
+
+    /// The run begins: a file of an earlier one gets its other name.
+    pub fn set_older_aside(&mut self) -> Result<(), Failure> {
+        if self.staged.is_some() && self.name.exists() {
+            let older = old(&self.name);
+            fs::rename(&self.name, &older).map_err(|error| {
+                Failure::Input(format!("{}: cannot be renamed {}: {error}", self.name.display(), older.display()))
+            })?;
+            self.older = Some(older);
+        }
+        Ok(())
     }
 
     /// Where to write.
@@ -63,18 +96,23 @@ impl Output {
         fs::rename(staged, &self.name)
             .map_err(|error| Failure::Job(format!("{}: cannot be written: {error}", self.name.display())))?;
         let _ = fs::remove_file(partial(&self.name));
-        Ok(())
+        self.older.map_or(Ok(()), |older| {
+            fs::remove_file(&older)
+                .map_err(|error| Failure::Job(format!("{}: cannot be removed: {error}", older.display())))
+        })
     }
 
-    /// The file was cut off; its name then, if there is anything in it.
-    pub fn cut_off(self) -> Option<PathBuf> {
-        let staged = self.staged?;
+    /// The file was cut off.
+    pub fn cut_off(self) -> Kept {
+        let Some(staged) = self.staged else { return Kept::default() };
         let partial = partial(&self.name);
+        let older = self.older.map(|older| (self.name, older));
         if fs::metadata(&staged).is_ok_and(|found| found.len() == 0) {
             let _ = fs::remove_file(&staged);
-            return None;
+            return Kept { partial: None, older };
         }
-        (staged == partial || fs::rename(&staged, &partial).is_ok()).then_some(partial)
+        let kept = staged == partial || fs::rename(&staged, &partial).is_ok();
+        Kept { partial: kept.then_some(partial), older }
     }
 }
 
@@ -97,7 +135,7 @@ pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), 
             continue;
         }
         let staged = if *drawn { picture(name) } else { partial(name) };
-        let names = [name.to_path_buf(), staged, partial(name)].map(|name| place(&name));
+        let names = [name.to_path_buf(), staged, partial(name), old(name)].map(|name| place(&name));
         if let Some((_, what)) = taken.iter().find(|(taken, _)| names.contains(taken)) {
             return Err(Failure::Input(format!(
                 "{option} {} would overwrite a file: {what}; name another one. The job was not run",

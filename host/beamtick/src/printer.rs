@@ -7,7 +7,7 @@
 use indicatif::{ProgressDrawTarget, TermLike};
 use std::io::{self, IsTerminal, Write};
 use std::sync::mpsc::{Sender, channel};
-use std::sync::{Condvar, LazyLock, Mutex, PoisonError};
+use std::sync::{Condvar, LazyLock, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// So long a line waits for those of the other stream that were said before it.
@@ -39,6 +39,8 @@ struct Count {
 }
 
 static COUNT: LazyLock<Mutex<Count>> = LazyLock::new(Mutex::default);
+/// Why the standard output could not be written; not that its reader has gone.
+static FAILED: OnceLock<io::Error> = OnceLock::new();
 static WRITTEN: Condvar = Condvar::new();
 static WRITERS: LazyLock<Mutex<[Sender<Piece>; 2]>> =
     LazyLock::new(|| Mutex::new([Stream::Out, Stream::Error].map(writer)));
@@ -58,11 +60,16 @@ fn writer(stream: Stream) -> Sender<Piece> {
                 WRITTEN.wait_timeout_while(count(), TURN, behind).unwrap_or_else(PoisonError::into_inner);
             now.stuck[other] |= late.timed_out();
             drop(now);
-            // Where nobody reads any more, the job runs on all the same.
-            let _ = match stream {
+            // Where nobody reads any more, or nothing can be written, the job runs on all the same.
+            let done = match stream {
                 Stream::Out => write(&mut io::stdout(), &piece.text),
-                Stream::Error => write(&mut io::stderr(), &piece.text),
+                Stream::Error => write(&mut io::stderr(), &piece.text).or(Ok(())),
             };
+            if let Err(error) = done
+                && error.kind() != io::ErrorKind::BrokenPipe
+            {
+                let _ = FAILED.set(error);
+            }
             let mut now = count();
             now.written[own] += 1;
             now.stuck[own] = false;
@@ -95,6 +102,11 @@ pub fn finish(patience: Option<Duration>) {
         None => drop(WRITTEN.wait_while(count(), open)),
         Some(time) => drop(WRITTEN.wait_timeout_while(count(), time, open)),
     }
+}
+
+/// Why lines of the standard output are missing, if they are and somebody could read them.
+pub fn failed() -> Option<&'static io::Error> {
+    FAILED.get()
 }
 
 /// Where a progress bar is drawn: on the error stream, if that is a terminal.

@@ -4,7 +4,7 @@
 //! ends the recording and is told at its end: a gap is never passed over.
 use crate::Failure;
 use crate::command_line::Outputs;
-use crate::output::Output;
+use crate::output::{Kept, Output};
 use crate::spool::Spool;
 use std::fs::File;
 use std::io::BufWriter;
@@ -88,7 +88,8 @@ impl Recording {
         };
         let (csv, vcd) = (stream(&outputs.trace)?, stream(&outputs.vcd)?);
         let drawn = |path: &Option<PathBuf>| path.as_ref().map(|path| Output::picture(path)).transpose();
-        let (plot, xy) = (drawn(&outputs.plot)?, drawn(&outputs.xy)?);
+        let (mut plot, mut xy) = (drawn(&outputs.plot)?, drawn(&outputs.xy)?);
+        streams.iter_mut().chain(&mut plot).chain(&mut xy).try_for_each(Output::set_older_aside)?;
         Ok(Recording {
             reader: Reader::new(),
             sinks: Sinks {
@@ -149,12 +150,12 @@ impl Recording {
     }
 
     /// The job has failed: what there is is written and drawn, under names that say so. These names.
-    pub fn cut_off(mut self) -> Vec<PathBuf> {
+    pub fn cut_off(mut self) -> Vec<Kept> {
         // What cannot be written or drawn is not there; the job's own failure is what is told.
         let _ = self.sinks.write();
         let Sinks { streams, plot, xy, .. } = self.sinks;
         let files = streams.into_iter().chain(plot.map(|(output, _)| output)).chain(xy.map(|(output, ..)| output));
-        files.filter_map(Output::cut_off).collect()
+        files.map(Output::cut_off).collect()
     }
 }
 

@@ -7,6 +7,7 @@ use crate::command_line::{InputFile, Outputs, Run, Sim};
 use crate::connect::{linked, named, simulated};
 use crate::entries::{Entry, entries, lasers};
 use crate::interrupt::{self, Held};
+use crate::output::Kept;
 use crate::record::{Recorded, Recording};
 use crate::report::{INTERRUPTED, Report};
 use crate::source::Source;
@@ -20,7 +21,6 @@ use protocol::command::{
     SetDoBit, SetDoEx, Trace, VersionReply,
 };
 use protocol::reason::{Reason, Refusal};
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use trace::AxisName;
@@ -130,8 +130,7 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
                 Failure::Input(text) => Failure::Input(text),
             };
             let kept = recording.map_or_else(Vec::new, |recording| cut_off(client, &recording));
-            let kept = kept.iter().map(|file| format!("\nWhat was recorded until then is in {}.", file.display()));
-            let kept: String = kept.collect();
+            let kept: String = kept.iter().map(left_behind).collect();
             return Err(match failure {
                 Failure::Job(text) => Failure::Job(text + &kept),
                 Failure::Interrupted(signal, _) => Failure::Interrupted(signal, kept.trim_start().to_owned()),
@@ -152,6 +151,18 @@ fn execute(source: &Source, client: &Client, knowledge: Knowledge<'_>, outputs: 
         every: outputs.every,
         took: simulated.then_some(took),
     })
+}
+
+/// Lines about what an output that was cut off leaves.
+fn left_behind(kept: &Kept) -> String {
+    let mut text = String::new();
+    if let Some(file) = &kept.partial {
+        text.push_str(&format!("\nWhat was recorded until then is in {}.", file.display()));
+    }
+    if let Some((name, older)) = &kept.older {
+        text.push_str(&format!("\n{} of an earlier run is {} now.", name.display(), older.display()));
+    }
+    text
 }
 
 /// Runs the entries.
@@ -278,7 +289,7 @@ fn close(client: &Client, recording: &Tape) -> Result<Recorded, Failure> {
 }
 
 /// Ends the trace of a job that has failed; the files that hold what there is of it.
-fn cut_off(client: &Client, recording: &Tape) -> Vec<PathBuf> {
+fn cut_off(client: &Client, recording: &Tape) -> Vec<Kept> {
     let began = Instant::now();
     if client.call(Trace::default()).is_ok() {
         while !is_over(recording) && began.elapsed() < TRACE_CUT_OFF && client.sleep(Duration::from_millis(5)).is_ok() {

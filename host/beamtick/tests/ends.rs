@@ -346,3 +346,60 @@ fn no_output_overwrites_an_input_or_another_output() {
     names.sort();
     assert_eq!(names, ["job.gts", "link.csv", "off.toml", "t.csv", "t.svg"]);
 }
+
+/// A file of an earlier run does not pass for that of a run that was cut off; one that is whole leaves nothing of the earlier one.
+#[test]
+fn an_older_file_does_not_pass_for_the_new_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = write(folder.path(), "good.gts", "GT_PrfTrap(1); GT_AxisOn(1); Sleep(1);\n");
+    let bad = write(folder.path(), "bad.gts", "GT_PrfTrap(1); GT_AxisOn(1); Sleep(1);\nGT_AxisOn(99);\n");
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (csv, svg) = (file("t.csv"), file("t.svg"));
+    let names = || {
+        let entries = fs::read_dir(folder.path()).unwrap();
+        let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names.retain(|name| name.starts_with('t'));
+        names
+    };
+    let run = |job: &str| beamtick(&["sim", job, "--trace", &csv, "--plot", &svg]);
+    assert_eq!(run(&good).2, 0);
+    assert_eq!(names(), ["t.csv", "t.svg"]);
+    let first = fs::read(&csv).unwrap();
+    let (_, errors, code) = run(&bad);
+    assert_eq!(code, 1, "{errors}");
+    for told in [format!("is in {csv}.partial."), format!("{csv} of an earlier run is {csv}.old now.")] {
+        assert!(errors.contains(&told), "{told}: {errors}");
+    }
+    assert_eq!(names(), ["t.csv.old", "t.csv.partial", "t.svg.old", "t.svg.partial"]);
+    assert_eq!(fs::read(file("t.csv.old")).unwrap(), first);
+    // An output that cannot be begun leaves the others as they are.
+    assert_eq!(run(&good).2, 0);
+    let (_, _, code) = beamtick(&["sim", &good, "--trace", &csv, "--vcd", &file("none/t.vcd")]);
+    assert_eq!((code, fs::read(&csv).unwrap() == first), (2, true));
+    // What is set aside is no place for another output.
+    let (_, errors, code) = beamtick(&["sim", &good, "--trace", &csv, "--vcd", &format!("{csv}.old")]);
+    assert!(code == 2 && errors.contains("would overwrite a file"), "{errors}");
+}
+
+/// A standard output that takes nothing is an error; one whose reader has gone is none.
+#[test]
+fn a_standard_output_that_is_full_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = write(folder.path(), "job.gts", "GT_PrfTrap(1); GT_AxisOn(1); Sleep(1);\n");
+    let with = |stdout: std::process::Stdio| {
+        let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("beamtick"))
+            .args(["sim", &job])
+            .stdout(stdout)
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let (code, errors) = with(full.into());
+    assert!(code == 1 && errors.contains("the standard output cannot be written: No space left"), "{code} {errors}");
+    assert_eq!(with(std::process::Stdio::piped()), (0, String::new()));
+}

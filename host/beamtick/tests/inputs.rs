@@ -319,3 +319,33 @@ fn a_number_beyond_the_products_count_names_it() {
         assert!(code == 1 && errors.contains(told), "{call}: {out}{errors}");
     }
 }
+
+/// Reads of outputs show what is output, whoever set it: paths of either core, of coordinate systems that only a longer tick has, and
+/// entries of FollowEx.
+#[test]
+fn outputs_are_read_whoever_set_them() {
+    let crd = "{2, {1, 2, 0, 0, 0, 0, 0, 0}, 100, 1, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}}";
+    let other = "{2, {0, 0, 1, 2, 0, 0, 0, 0}, 100, 1, 0, 0, {0, 0, 0, 0, 0, 0, 0, 0}}";
+    let job = format!(
+        "#pragma profile gsn-048
+#pragma tick 500
+short dac[2]; long out[2];
+TCrdPrm first = {crd}, fourth = {other};
+GTN_AxisOn(1, 1); GTN_AxisOn(1, 2); GTN_AxisOn(2, 3); GTN_AxisOn(2, 4);
+GTN_SetCrdPrm(1, 1, &first); GTN_SetCrdPrm(2, 4, &fourth);
+GTN_BufDA(1, 1, 5, 1000, 0); GTN_BufDoBit(1, 1, MC_GPO, 1, 1, 0); GTN_LnXY(1, 1, 100, 0, 10, 1, 0, 0);
+GTN_BufDA(2, 4, 6, -2000, 0); GTN_BufDoBit(2, 4, MC_GPO, 40, 1, 0); GTN_LnXY(2, 4, 100, 0, 10, 1, 0, 0);
+GTN_CrdStart(1, 1, 0); GTN_CrdStart(2, 8, 0);
+WaitStop(1, 0, 1); WaitStop(2, 0, 8);
+GTN_GetDac(1, 5, &dac[0], 2);
+GTN_GetDoEx(2, MC_GPO, &out[0], 2);
+"
+    );
+    let folder = folder(&job, "t_ms,input,level\n");
+    let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--trace", "t.csv"]);
+    assert_eq!(code, 0, "{out}{errors}");
+    assert!(out.contains("GTN_GetDac dac[0] = 1000 -2000"), "{out}");
+    assert!(out.contains("GTN_GetDoEx out[0] = 1 128"), "{out}");
+    let fourth = column(folder.path(), "core2_crd4_vel");
+    assert!(fourth.iter().any(|(_, vel)| *vel == 10.0), "its speed is in the trace");
+}
