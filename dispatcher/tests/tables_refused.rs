@@ -60,6 +60,23 @@ fn more_places_than_fit() {
     assert!(scratch.used() == 0 && draft.finish(&mut scratch).is_none());
 }
 
+/// SPEC 5: a point where the velocity jumps takes two of the 1024 places, so 513 points hold where it jumps at every inner one.
+#[test]
+fn a_jump_of_the_velocity_takes_a_second_place() {
+    let steps = |count: usize| -> Vec<Vec<f64>> {
+        (0..count).map(|i| vec![i as f64, 10.0 * i as f64, 5.0 + (i % 7) as f64, 12.0 + (i % 5) as f64]).collect()
+    };
+    let mut shelf = Shelf::default();
+    shelf.add(Kind::PvtEx, &steps(513)).unwrap();
+    assert_eq!(shelf.header_of(0).places, 1024);
+    is(Shelf::default().add(Kind::PvtEx, &steps(514)).unwrap_err(), Reason::TablePlaces, 513, NONE);
+    // Without jumps the manual's 1024 points are held.
+    let smooth: Vec<Vec<f64>> = (0..1024).map(|i| vec![i as f64, 10.0 * i as f64, 10.0, 10.0]).collect();
+    let mut shelf = Shelf::default();
+    shelf.add(Kind::PvtEx, &smooth).unwrap();
+    assert_eq!(shelf.header_of(0).places, 1024);
+}
+
 #[test]
 fn times() {
     for kind in [Kind::Pvt, Kind::PvtEx, COMPLETE, PERCENT] {

@@ -90,7 +90,7 @@ reasons! {
     55 StateChanged State "axis {axis} cannot start: its state has changed since the call was taken (status {got})";
     60 TableInUse State "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
     61 TableEmpty State "axis {axis}: PVT table {got} is empty";
-    62 TablePlaces Range "the table does not fit: its points need more than {high} places";
+    62 TablePlaces Range "the table does not fit: its points need more than {high} places (two where the velocity jumps; a Percent point up to 3, a Continuous point up to 8)";
     63 PointTime Range "{field} is {got}; it must be greater than {low}, that of the point before";
     64 VelocityUnreachable Range "the velocity of the next point cannot be reached: the way is {got} pulses, the change of velocity needs {low}";
     65 NoDisplacement Range "the next point has the same position; a Continuous segment needs a displacement";

@@ -482,7 +482,7 @@ GT_API GT_PvtStart(long mask);
 GT_API GT_PvtTableSelect(short profile, short tableId);
 /* Fills a table with times, positions and velocities. */
 GT_API GT_PvtTable(short tableId, long count, double *time, double *pos, double *vel);
-/* Fills a table with velocities at the begin and the end of each segment. */
+/* Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 places. */
 GT_API GT_PvtTableEx(short tableId, long count, double *time, double *pos, double *velBegin, double *velEnd);
 /* Fills a table whose acceleration is continuous. */
 GT_API GT_PvtTableComplete(short tableId, long count, double *time, double *pos, double *a, double *b, double *c, double velBegin GT_DEFAULT(0), double velEnd GT_DEFAULT(0));
@@ -904,7 +904,7 @@ GT_API GTN_PvtStart(short core, long mask);
 GT_API GTN_PvtTableSelect(short core, short profile, short tableId);
 /* Fills a table with times, positions and velocities. */
 GT_API GTN_PvtTable(short core, short tableId, long count, double *time, double *pos, double *vel);
-/* Fills a table with velocities at the begin and the end of each segment. */
+/* Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 places. */
 GT_API GTN_PvtTableEx(short core, short tableId, long count, double *time, double *pos, double *velBegin, double *velEnd);
 /* Fills a table whose acceleration is continuous. */
 GT_API GTN_PvtTableComplete(short core, short tableId, long count, double *time, double *pos, double *a, double *b, double *c, double velBegin GT_DEFAULT(0), double velEnd GT_DEFAULT(0));

@@ -677,7 +677,7 @@ GT_API GT_PvtStart(short cardNum, long mask);
 GT_API GT_PvtTableSelect(short cardNum, short profile, short tableId);
 /* Fills a table with times, positions and velocities. */
 GT_API GT_PvtTable(short cardNum, short tableId, long count, double *time, double *pos, double *vel);
-/* Fills a table with velocities at the begin and the end of each segment. */
+/* Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 places. */
 GT_API GT_PvtTableEx(short cardNum, short tableId, long count, double *time, double *pos, double *velBegin, double *velEnd);
 /* Fills a table whose acceleration is continuous. */
 GT_API GT_PvtTableComplete(short cardNum, short tableId, long count, double *time, double *pos, double *a, double *b, double *c, double velBegin GT_DEFAULT(0), double velEnd GT_DEFAULT(0));

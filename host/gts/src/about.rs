@@ -180,7 +180,10 @@ const ABOUT: &[(&str, &str)] = &[
     ("PvtStart", "Starts axes in PVT, all on one tick."),
     ("PvtTableSelect", "Chooses an axis's table; while it runs, from the next pass on."),
     ("PvtTable", "Fills a table with times, positions and velocities."),
-    ("PvtTableEx", "Fills a table with velocities at the begin and the end of each segment."),
+    (
+        "PvtTableEx",
+        "Fills a table with velocities at the begin and the end of each segment; a point where they differ takes two of 1024 places.",
+    ),
     ("PvtTableComplete", "Fills a table whose acceleration is continuous."),
     ("PvtTablePercent", "Fills a table with percentages of S-shape."),
     ("PvtPercentCalculate", "The velocities of a Percent table."),
