@@ -44,6 +44,8 @@ struct Model<'a> {
     outcome: Outcome,
     /// Shafts of axes 1 to 4 at each row: what the encoders round.
     shafts: Vec<[f64; 4]>,
+    /// Their velocities at each row behind the filter of 1 ms, for each row at which it may have begun.
+    filtered: Vec<Vec<[f64; 4]>>,
 }
 
 impl<'a> Model<'a> {
@@ -52,7 +54,7 @@ impl<'a> Model<'a> {
         // The script's last call, a read, is answered a tick behind it.
         let mut outcome = outcome(setup.family, &light.job, made.horizon + tick);
         outcome.switch.retain(|edge| edge.0 < made.horizon);
-        let mut model = Model { setup, made, tick, light, outcome, shafts: vec![[0.0; 4]] };
+        let mut model = Model { setup, made, tick, light, outcome, shafts: vec![[0.0; 4]], filtered: Vec::new() };
         // The plant: a lag of 1 ms behind a set-point that is held from tick to tick.
         let gain = 1.0 - (-(tick as f64) / 1e6).exp();
         for row in 0..made.horizon / tick + 2 {
@@ -60,7 +62,31 @@ impl<'a> Model<'a> {
             let last = model.shafts[row as usize];
             model.shafts.push(std::array::from_fn(|axis| last[axis] + (planned[axis] - last[axis]) * gain));
         }
+        let follows = |row: &usize| {
+            let power = model.light.power(*row as Ns * tick);
+            power.source == Source::Encoder && power.follow.is_some()
+        };
+        let first = (0..model.shafts.len()).find(follows).unwrap_or(0);
+        model.filtered = [first, first.saturating_sub(1), first + 1, 0].map(|from| model.filter(from)).into();
         model
+    }
+
+    /// Velocities behind the filter, which takes the first one of the row `from` as it is and rests with the path.
+    fn filter(&self, from: usize) -> Vec<[f64; 4]> {
+        let ms = self.tick as f64 / 1e6;
+        let (share, mut state) = (-(-ms).exp_m1(), [0.0; 4]);
+        let mut all = vec![state];
+        for (row, pair) in self.shafts.windows(2).enumerate().map(|(row, pair)| (row + 1, pair)) {
+            let now: [f64; 4] = std::array::from_fn(|axis| (pair[1][axis] - pair[0][axis]) / ms);
+            let runs = self.made.course.runs(row as f64 * ms);
+            state = match row {
+                _ if row < from || !runs => [0.0; 4],
+                _ if row == from => now,
+                _ => std::array::from_fn(|axis| state[axis] + (now[axis] - state[axis]) * share),
+            };
+            all.push(state);
+        }
+        all
     }
 
     fn planned(&self, at: Ns) -> [f64; 4] {
@@ -77,12 +103,10 @@ impl<'a> Model<'a> {
             return [(way(row + self.tick) - way(row)) / (self.tick as f64 / 1e6); 3];
         }
         let ms = self.tick as f64 / 1e6;
-        let apart = |index: usize| {
-            let (a, b) = (self.shafts[index.saturating_sub(1)], self.shafts[index]);
-            (0..4).map(|axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt() / ms
-        };
         // Of the sample in force or of the one before, in whole pulses.
-        let near = [apart(row), apart(row.saturating_sub(1)), apart((row + 1).min(self.shafts.len() - 1))];
+        let rows = [row, row.saturating_sub(1), (row + 1).min(self.shafts.len() - 1)];
+        let norm = |velocity: [f64; 4]| velocity.iter().map(|part| part.powi(2)).sum::<f64>().sqrt();
+        let near: Vec<f64> = self.filtered.iter().flat_map(|filtered| rows.map(|row| norm(filtered[row]))).collect();
         let pulse = 2.0 / ms;
         let least = near.iter().copied().fold(f64::MAX, f64::min) - pulse;
         // A coordinate system that rests has no speed, though its axes still settle.

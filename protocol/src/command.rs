@@ -492,6 +492,8 @@ commands! {
     0x0820 LnXYMany { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXY] -> CrdTaken [Nothing];
     0x0821 LnXYZMany { core: I16, crd: I16, fifo: I16, count: U16, syn_vel: F64, syn_acc: F64, vel_end: F64 } [PathXYZ] -> CrdTaken [Nothing];
     0x0822 CrdInfo { core: I16, crd: I16 } [Nothing] -> CrdState [Nothing];
+    0x0823 SetLaserFollowFilter { core: I16, crd: I16, time_ms: F64 } [Nothing] -> Nothing [Nothing];
+    0x0824 GetLaserFollowFilter { core: I16, crd: I16 } [Nothing] -> Real [Nothing];
     // -- distance follow (GUS chapter 5, LSR chapter 4) ------------------------------------------
     0x0900 SetLaserDisMode { core: I16, mode: I16, source: I16, pos: [I32; 4], scale: [F64; 4], channel: I16 } [Nothing] -> LaserScales [Nothing];
     0x0901 SetLaserDisRatio { core: I16, ratio: [F64; 4], min: F64, max: F64, channel: I16, bounds_given: u8 } [Nothing] -> LaserBounds [Nothing];

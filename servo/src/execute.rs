@@ -220,6 +220,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
             Op::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
             Op::CrdRate { crd, rate } => self.set_rate(crd, rate, next, lanes),
+            Op::CrdLag { crd, lag } => self.set_encoder_lag(crd, lag),
         }
     }
 

@@ -21,6 +21,7 @@ mod way;
 
 pub use entry::{Chain, ENTRIES, Entry, Input, Part, Refused, STOPS, Tail};
 pub use follower::Follower;
+pub(crate) use follower::share;
 pub(crate) use follower::{Path, Seen};
 pub(crate) use order::Order;
 pub use run::{ACTIONS, Awaited, Awaits, Context, Deeds, FollowRun, State};

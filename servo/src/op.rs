@@ -279,6 +279,8 @@ pub enum Op {
     CrdStopDec { crd: Crd, dec: crate::ramp::Accel },
     /// Override.
     CrdRate { crd: Crd, rate: path::Rate },
+    /// The filter of its encoders' speed.
+    CrdLag { crd: Crd, lag: crate::laser::Lag },
     /// A laser channel (from 0) changes.
     Laser { channel: u8, change: crate::laser::Change },
     /// Ends the velocity follows that entries of these coordinate systems began (Stop, bits 10 and 11).

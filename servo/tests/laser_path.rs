@@ -3,10 +3,10 @@
 //! All paths here go along X with 1 pulse/ms², so that a speed is reached after as many ms and half its square in pulses.
 mod laser_bench;
 use laser_bench::*;
-use servo::laser::{Bounds, Buffered, Cause, Change, Distance, Family, Mode, Power, Ratio, Ratios, Source};
+use servo::laser::{Bounds, Buffered, Cause, Change, Distance, Family, Lag, Mode, Power, Ratio, Ratios, Source};
 use servo::op::{DoGroup, Op};
 use servo::path::Entry;
-use servo::units::{AxisMask, CrdMask};
+use servo::units::{AxisMask, Crd, CrdMask};
 
 const PERIODS: [u32; 5] = [10, 50, 73, 250, 1000];
 
@@ -661,10 +661,19 @@ fn both_follows_add_up() {
     }
 }
 
-/// The encoders' path speed, of the interval before.
+/// The encoders' path speed, of the interval before, without a filter and with that of power-on: 1 ms.
 #[test]
 fn the_encoders_of_a_path_may_be_followed() {
+    for filtered in [false, true] {
+        encoders_are_followed(filtered);
+    }
+}
+
+fn encoders_are_followed(filtered: bool) {
     let mut bench = ready(1000);
+    if !filtered {
+        bench.op(Op::CrdLag { crd: Crd::FIRST, lag: Lag::NONE });
+    }
     let mode = Buffered::FollowMode { source: Source::Encoder, start: None };
     let bounds = Bounds::admit_follow(Mode::Duty, power(100.0), power(1.0)).unwrap();
     let ratio = Ratio::admit(2f64.to_bits()).unwrap();
@@ -681,7 +690,13 @@ fn the_encoders_of_a_path_may_be_followed() {
     for k in 0..20 {
         bench.machine.encoders = [3 * k, -4 * k, 77 * k, 0];
         bench.tick();
-        let want = if k < 1 { 1.0 } else { 2.0 * 5.0 + 1.0 };
-        assert_eq!(number(bench.view().lasers[0].power), want, "{k}");
+        let found = number(bench.view().lasers[0].power);
+        let gone = (k - 1).max(0) as f64 + f64::from(k > 0);
+        if filtered {
+            let want = 2.0 * 5.0 * -(-gone).exp_m1() + 1.0;
+            assert!((found - want).abs() < 1e-6, "{k}: {found}, not {want}");
+        } else {
+            assert_eq!(found, if k < 1 { 1.0 } else { 2.0 * 5.0 + 1.0 }, "{k}");
+        }
     }
 }

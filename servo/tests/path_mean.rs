@@ -106,11 +106,13 @@ fn a_piece_is_not_left() {
 #[test]
 fn encoders_are_the_norm_of_their_velocities() {
     let one = 1u64 << PathSpeed::FRAC_BITS;
-    assert_eq!(PathSpeed::measured([3, -4, 0, 0], Ns(1_000_000)).raw(), 5 * one);
-    assert_eq!(PathSpeed::measured([1, 1, -1, 1], Ns(250_000)).raw(), 8 * one);
-    assert_eq!(PathSpeed::measured([0, 7, 0, 0], Ns(10_000)).raw(), 700 * one);
+    let measured =
+        |pulses: [i64; 4], period: Ns| PathSpeed::measured(pulses.map(|by| by << PathSpeed::COUNT_BITS), period);
+    assert_eq!(measured([3, -4, 0, 0], Ns(1_000_000)).raw(), 5 * one);
+    assert_eq!(measured([1, 1, -1, 1], Ns(250_000)).raw(), 8 * one);
+    assert_eq!(measured([0, 7, 0, 0], Ns(10_000)).raw(), 700 * one);
     // sqrt(2)·20 to the nearest 2^-30.
-    let diagonal = PathSpeed::measured([1, 0, 0, 1], Ns(50_000)).raw();
+    let diagonal = measured([1, 0, 0, 1], Ns(50_000)).raw();
     assert_eq!(diagonal, (20.0 * 2f64.sqrt() * one as f64).round() as u64);
     // Far beyond what an axis can do it saturates.
     assert_eq!(PathSpeed::measured([i64::MIN; 4], Ns(10_000)).raw(), u64::MAX);

@@ -7,14 +7,20 @@ use crate::path_queue::PathQueue;
 use crate::refuse::{Admitted, Refused, choice, real, within};
 use protocol::command::{
     CrdClear, CrdInfo, CrdSpace, CrdStart, CrdStatus, CrdStop, GetCrdLimit, GetCrdPos, GetCrdPrm, GetCrdVel,
-    GetRemainderSegNum, InitLookAhead, SetCrdLimit, SetCrdPrm, SetCrdStopDec, SetOverride, opcode,
+    GetLaserFollowFilter, GetRemainderSegNum, InitLookAhead, SetCrdLimit, SetCrdPrm, SetCrdStopDec,
+    SetLaserFollowFilter, SetOverride, opcode,
 };
 use protocol::reason::Reason;
 use servo::crd;
+use servo::laser::Lag;
 use servo::op::{Mode, Op};
 use servo::path::{DIMENSIONS, PathStores, Rate};
 use servo::ramp::Accel;
 use servo::units::{AxisMask, Crd, Pos};
+
+/// Time constants of the filter of encoder speeds, ms; and 2⁶⁴.
+const LAG_MS: (f64, f64) = (0.01, 1000.0);
+const NS_64: f64 = 18_446_744_073_709_551_616.0;
 
 /// Speeds, accelerations and times of a coordinate system are below this.
 pub const MOST: f64 = 32767.0;
@@ -223,6 +229,18 @@ pub fn set_override<const AXES: usize>(case: &mut Case<AXES>, r: &SetOverride) -
     Ok(Answer::Done)
 }
 
+/// The filter of the encoder speed that lasers follow: 0 is none.
+pub fn set_follow_filter<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserFollowFilter) -> Admitted<Answer> {
+    let crd = known(case, r.core.get(), r.crd.get())?;
+    let ms = real(2, r.time_ms.get(), 0.0, LAG_MS.1)?;
+    if ms != 0.0 && ms < LAG_MS.0 {
+        return Err(Refused::new(Reason::OutOfRange).field(2).got(ms).limits(LAG_MS.0, LAG_MS.1));
+    }
+    let lag = if ms == 0.0 { Lag::NONE } else { Lag::of_inverse((NS_64 / (ms * 1e6)) as u64) };
+    case.stage_with(Op::CrdLag { crd, lag }, Change::Crd { crd, change: CrdChange::Lag(ms) });
+    Ok(Answer::Done)
+}
+
 /// `count` 0 switches the look-ahead off; more than the board holds are taken as that many. The FIFO is empty, or all
 /// of it has run.
 pub fn look_ahead<const AXES: usize>(case: &mut Case<AXES>, r: &InitLookAhead) -> Admitted<Answer> {
@@ -275,6 +293,7 @@ pub fn read<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8]) 
         opcode::GetCrdPos => one::<GetCrdPos>(body).map(|r| (r.core, r.crd, 0))?,
         opcode::GetCrdVel => one::<GetCrdVel>(body).map(|r| (r.core, r.crd, 0))?,
         opcode::CrdInfo => one::<CrdInfo>(body).map(|r| (r.core, r.crd, 0))?,
+        opcode::GetLaserFollowFilter => one::<GetLaserFollowFilter>(body).map(|r| (r.core, r.crd, 0))?,
         opcode::CrdStatus => one::<CrdStatus>(body).and_then(|r| Ok((r.core, r.crd, fifo(2, r.fifo.get())?)))?,
         opcode::GetRemainderSegNum => {
             one::<GetRemainderSegNum>(body).and_then(|r| Ok((r.core, r.crd, fifo(2, r.fifo.get())?)))?

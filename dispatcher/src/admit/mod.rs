@@ -211,6 +211,7 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::CrdStop => to!(CrdStop, crd::stop),
         opcode::SetCrdStopDec => to!(SetCrdStopDec, crd::stop_dec),
         opcode::SetOverride => to!(SetOverride, crd::set_override),
+        opcode::SetLaserFollowFilter => to!(SetLaserFollowFilter, crd::set_follow_filter),
         opcode::InitLookAhead => to!(InitLookAhead, crd::look_ahead),
         opcode::SetCrdLimit => to!(SetCrdLimit, crd::limit),
         opcode::GetCrdPrm
@@ -219,6 +220,7 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         | opcode::GetCrdVel
         | opcode::GetRemainderSegNum
         | opcode::GetCrdLimit
+        | opcode::GetLaserFollowFilter
         | opcode::CrdInfo => crd::read(case, number, body),
         opcode::SetLaserDisMode => to!(SetLaserDisMode, laser::distance::mode),
         opcode::SetLaserDisRatio => to!(SetLaserDisRatio, laser::distance::ratios),
@@ -281,6 +283,7 @@ pub fn is_read(number: u16) -> bool {
             | opcode::GetRemainderSegNum
             | opcode::GetCrdLimit
             | opcode::CrdInfo
+            | opcode::GetLaserFollowFilter
             | opcode::PtSpace
             | opcode::GetPtLoop
             | opcode::GetPtMemory

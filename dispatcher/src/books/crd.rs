@@ -131,6 +131,8 @@ pub struct CrdBook {
     pub dec: (f64, f64),
     /// Override.
     pub rate: f64,
+    /// Time constant of the filter of its encoders' speed, ms.
+    pub lag_ms: f64,
     /// The FIFOs.
     pub fifos: [PathBook; 2],
 }
@@ -149,6 +151,7 @@ impl Default for CrdBook {
             last: None,
             dec: (0.0, 0.0),
             rate: 1.0,
+            lag_ms: 1.0,
             fifos: [PathBook::default(); 2],
         }
     }
@@ -285,6 +288,7 @@ impl CrdBook {
             }
             CrdChange::Dec(dec) => self.dec = dec,
             CrdChange::Rate(rate) => self.rate = rate,
+            CrdChange::Lag(ms) => self.lag_ms = ms,
             CrdChange::Started { fifo } => {
                 (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
                 (self.stopped, self.here) = (false, None);
@@ -346,6 +350,8 @@ pub enum CrdChange {
     Dec((f64, f64)),
     /// Override.
     Rate(f64),
+    /// Time constant of the filter of its encoders' speed, ms.
+    Lag(f64),
     /// Where it is is what only the tick knows.
     Placed,
     /// It starts.

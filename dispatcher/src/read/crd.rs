@@ -20,6 +20,7 @@ pub fn is_crd(number: u16) -> bool {
             | opcode::GetCrdVel
             | opcode::GetRemainderSegNum
             | opcode::GetCrdLimit
+            | opcode::GetLaserFollowFilter
             | opcode::CrdInfo
     )
 }
@@ -60,6 +61,10 @@ impl<const AXES: usize> Reading<'_, AXES> {
             opcode::GetCrdVel => {
                 let value = number(seen.motion.velocity()).into();
                 out.done::<command::GetCrdVel>(tag, &command::Real { value }, &[])
+            }
+            opcode::GetLaserFollowFilter => {
+                let value = book.lag_ms.into();
+                out.done::<command::GetLaserFollowFilter>(tag, &command::Real { value }, &[])
             }
             opcode::GetCrdLimit => {
                 let (vel, acc) = book.limits.get(usize::from(fifo)).copied().unwrap_or_default();

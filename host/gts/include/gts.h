@@ -368,6 +368,10 @@ GT_API GT_GetRemainderSegNum(short crd, long *segment, short fifo GT_DEFAULT(0))
 GT_API GT_SetCrdStopDec(short crd, double decSmoothStop, double decAbruptStop);
 /* Sets the share of the programmed speed that is run, above 0 to 1. */
 GT_API GT_SetOverride(short crd, double synVelRatio);
+/* Sets the time constant, ms, of the filter of the encoder speed that lasers follow; 0: none. After SetCrdPrm it is 1. */
+GT_API GT_SetLaserFollowFilter(short crd, double time);
+/* The time constant of the filter of the encoder speed that lasers follow, ms. */
+GT_API GT_GetLaserFollowFilter(short crd, double *time);
 /* Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments. */
 GT_API GT_InitLookAhead(short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
 /* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2. */
@@ -790,6 +794,10 @@ GT_API GTN_GetRemainderSegNum(short core, short crd, long *segment, short fifo G
 GT_API GTN_SetCrdStopDec(short core, short crd, double decSmoothStop, double decAbruptStop);
 /* Sets the share of the programmed speed that is run, above 0 to 1. */
 GT_API GTN_SetOverride(short core, short crd, double synVelRatio);
+/* Sets the time constant, ms, of the filter of the encoder speed that lasers follow; 0: none. After SetCrdPrm it is 1. */
+GT_API GTN_SetLaserFollowFilter(short core, short crd, double time);
+/* The time constant of the filter of the encoder speed that lasers follow, ms. */
+GT_API GTN_GetLaserFollowFilter(short core, short crd, double *time);
 /* Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments. */
 GT_API GTN_InitLookAhead(short core, short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
 /* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2. */

@@ -253,6 +253,8 @@ typedef struct TCrdData {
 #define GT_GetRemainderSegNum GTM_GetRemainderSegNum
 #define GT_SetCrdStopDec GTM_SetCrdStopDec
 #define GT_SetOverride GTM_SetOverride
+#define GT_SetLaserFollowFilter GTM_SetLaserFollowFilter
+#define GT_GetLaserFollowFilter GTM_GetLaserFollowFilter
 #define GT_InitLookAhead GTM_InitLookAhead
 #define GT_SetCrdLimit GTM_SetCrdLimit
 #define GT_GetCrdLimit GTM_GetCrdLimit
@@ -563,6 +565,10 @@ GT_API GT_GetRemainderSegNum(short cardNum, short crd, long *segment, short fifo
 GT_API GT_SetCrdStopDec(short cardNum, short crd, double decSmoothStop, double decAbruptStop);
 /* Sets the share of the programmed speed that is run, above 0 to 1. */
 GT_API GT_SetOverride(short cardNum, short crd, double synVelRatio);
+/* Sets the time constant, ms, of the filter of the encoder speed that lasers follow; 0: none. After SetCrdPrm it is 1. */
+GT_API GT_SetLaserFollowFilter(short cardNum, short crd, double time);
+/* The time constant of the filter of the encoder speed that lasers follow, ms. */
+GT_API GT_GetLaserFollowFilter(short cardNum, short crd, double *time);
 /* Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments. */
 GT_API GT_InitLookAhead(short cardNum, short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
 /* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2. */

@@ -143,6 +143,11 @@ const ABOUT: &[(&str, &str)] = &[
     ("GetRemainderSegNum", "Segments of a FIFO that are not done."),
     ("SetCrdStopDec", "Sets the decelerations of smooth and abrupt stops along the path, pulse/ms^2."),
     ("SetOverride", "Sets the share of the programmed speed that is run, above 0 to 1."),
+    (
+        "SetLaserFollowFilter",
+        "Sets the time constant, ms, of the filter of the encoder speed that lasers follow; 0: none. After SetCrdPrm it is 1.",
+    ),
+    ("GetLaserFollowFilter", "The time constant of the filter of the encoder speed that lasers follow, ms."),
     ("InitLookAhead", "Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments."),
     ("SetCrdLimit", "Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2."),
     ("GetCrdLimit", "The limits of one coordinate for look-ahead."),

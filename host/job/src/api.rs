@@ -301,6 +301,8 @@ pub const FUNCTIONS: &[Function] = &[
     read("GetRemainderSegNum", c::GetRemainderSegNum::OPCODE, &[CRD, out("segment"), FIFO]),
     call("SetCrdStopDec", c::SetCrdStopDec::OPCODE, &[CRD, double("decSmoothStop"), double("decAbruptStop")]),
     call("SetOverride", c::SetOverride::OPCODE, &[CRD, double("synVelRatio")]),
+    call("SetLaserFollowFilter", c::SetLaserFollowFilter::OPCODE, &[CRD, double("time")]),
+    read("GetLaserFollowFilter", c::GetLaserFollowFilter::OPCODE, &[CRD, out("time")]),
     call(
         "InitLookAhead",
         c::InitLookAhead::OPCODE,

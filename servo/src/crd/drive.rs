@@ -185,6 +185,7 @@ impl<const AXES: usize> Tick<AXES> {
             let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
             let led = masters.0 != 0 && state.leads(masters);
             let went = if led { Went::Nowhere } else { state.glide(&mut self.axes, next, until) };
+            let used = state.encoders.is_used();
             // A tick that enters something does not make anything ahead.
             if went != Went::Over
                 && let Some(now) = self.tend(crd, went, next, lanes)
@@ -192,8 +193,9 @@ impl<const AXES: usize> Tick<AXES> {
                 wants = now;
                 continue;
             }
-            if wants.encoder.has(crd) {
-                self.feed_lasers(crd, next, wants);
+            let measures = wants.encoder.has(crd) | used;
+            if measures {
+                self.feed_lasers(crd, next, wants, measures);
             } else if wants.planned.has(crd)
                 && let Some(state) = self.crds.get(crd)
             {
@@ -334,8 +336,9 @@ impl<const AXES: usize> Tick<AXES> {
         shown.released = [state.path.released(0), state.path.released(1)];
         shown.turns = shown.turns.wrapping_add(1);
         let wants = self.lasers.wants();
-        if wants.planned.has(crd) || wants.encoder.has(crd) {
-            self.feed_lasers(crd, next, wants);
+        let measures = wants.encoder.has(crd) || state.encoders.is_used();
+        if wants.planned.has(crd) || measures {
+            self.feed_lasers(crd, next, wants, measures);
         }
         let left = AxisMask(geared.0 & !gone.0);
         if left.0 != 0 || !runs {
@@ -351,20 +354,20 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Channels follow the speed of the path.
     #[inline(never)]
-    fn feed_lasers(&mut self, crd: Crd, next: Ns, wants: Wants) {
+    fn feed_lasers(&mut self, crd: Crd, next: Ns, wants: Wants, measures: bool) {
         let period = self.period;
-        let Some(state) = self.crds.get(crd) else { return };
+        let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
         let (mut planned, mut encoder) = (PathSpeed::REST, PathSpeed::REST);
         if wants.planned.has(crd) {
             planned = state.path.mean(&state.shown.motion, next, period);
         }
-        if wants.encoder.has(crd) {
+        if measures {
             let mapped = state.shown.frame.map_or([None; 4], |frame| frame.axes());
             let gone = mapped.map(|axis| {
                 let shown = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.shown);
                 shown.map_or(0, |shown| shown.encoder.wrapping_sub(shown.encoder_before))
             });
-            encoder = PathSpeed::measured(gone, period);
+            encoder = state.encoders.step(gone, period);
         }
         self.lasers.feed(crd, planned, encoder);
     }

@@ -21,6 +21,7 @@ use frame::Lanes;
 pub use frame::{Frame, Refused};
 pub(crate) use share::{share, share_speed};
 
+use crate::laser::EncoderSpeed;
 use crate::path::{Feed, Path, PathStores};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};
@@ -64,6 +65,8 @@ pub(crate) struct CrdState {
     pub(crate) rest_since: Ns,
     /// What stopped it: an axis, and a place where it must not go.
     obstacle: Option<(Axis, Pos)>,
+    /// How fast its encoders go.
+    encoders: EncoderSpeed,
 }
 
 impl CrdState {
@@ -79,6 +82,7 @@ impl CrdState {
         awaited: None,
         room: [Room::Unknown; 2],
         obstacle: None,
+        encoders: EncoderSpeed::POWER_ON,
     };
 
     fn feed(&self) -> Feed {

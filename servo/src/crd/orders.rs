@@ -6,7 +6,7 @@
 use super::sink::Sink;
 use super::{CrdState, Frame, LOOKS, Lanes, Room};
 use crate::execute::Reach;
-use crate::laser::{Cause, Run};
+use crate::laser::{Cause, EncoderSpeed, Lag, Run};
 use crate::op::Lane;
 use crate::path::{DIMENSIONS, EntryStore, Feed, Path, PathStores, Rate, Rules};
 use crate::piece::Scaled;
@@ -62,6 +62,7 @@ impl<const AXES: usize> Tick<AXES> {
         if let Some(state) = self.crds.get_mut(crd) {
             state.path.rules = Rules::POWER_ON;
             state.path.rules.set_even(frame.even_ms());
+            state.encoders = EncoderSpeed::POWER_ON;
             (state.shown.frame, state.shown.origin, state.lanes) = (Some(frame), origin, frame.lanes());
         }
         self.rename_crd(crd);
@@ -87,11 +88,13 @@ impl<const AXES: usize> Tick<AXES> {
             ending,
             rest_since: _,
             obstacle,
+            encoders,
         } = state;
         (*geared, *lanes, *awaited, *likely) = (AxisMask(0), Lanes::NONE, None, 0);
         (*ending, *obstacle) = (StopReason::None, None);
         path.place([Pos(0); DIMENSIONS]);
         path.rules = Rules::POWER_ON;
+        *encoders = EncoderSpeed::POWER_ON;
         state.shown.drop_frame();
         state.touch();
         for axis in mapped.axes() {
@@ -193,6 +196,7 @@ impl<const AXES: usize> Tick<AXES> {
             self.lasers.crd_starts(Run { crd, fifo }, next, state.path.goes_on(fifo));
             state.path.start(next, fifo, feed, source);
             state.room = [Room::Unknown; 2];
+            state.encoders.begin();
             (state.ending, state.shown.runs, state.awaited) = (StopReason::StopSmooth, true, None);
             state.touch();
             let frame = state.shown.frame;
@@ -321,6 +325,13 @@ impl<const AXES: usize> Tick<AXES> {
             path.replan(next, feed, source);
         });
         self.crds.get_mut(crd);
+    }
+
+    /// The filter of its encoders' speed.
+    pub(crate) fn set_encoder_lag(&mut self, crd: Crd, lag: Lag) {
+        if let Some(state) = self.crds.get_mut(crd) {
+            state.encoders.set(lag);
+        }
     }
 
     /// Stop deceleration.

@@ -201,7 +201,7 @@ impl Filter {
     /// l + (way − l·u)·share, as exp(−u) = 1 − u·share.
     fn step(&mut self, to: Pos, period: Ns) -> Pos {
         if period != self.period {
-            (self.period, self.share) = (period, share(period));
+            (self.period, self.share) = (period, share(period.0 << 42));
         }
         let way = to.0.wrapping_sub(self.from.unwrap_or(to).0);
         self.from = Some(to);
@@ -213,9 +213,9 @@ impl Filter {
     }
 }
 
-/// (1 − exp(−u))/u of u = period/2²² ns, in 2⁻⁶⁴: 1 − u/2·(1 − u/3·(1 − u/4·…)). The longest period is less than a quarter of
-/// 2²² ns: what follows u¹³/14! is less than 2⁻⁶⁸.
-fn share(period: Ns) -> u64 {
+/// (1 − exp(−u))/u in 2⁻⁶⁴ of u, 2⁻⁶⁴, below a quarter: 1 − u/2·(1 − u/3·(1 − u/4·…)). What follows u¹³/14! is less than 2⁻⁶⁸.
+/// The longest period is less than a quarter of 2²² ns.
+pub(crate) fn share(u: u64) -> u64 {
     /// 1/14 to 1/2, 2⁻⁶⁴.
     const PARTS: [u64; 13] = {
         let mut parts = [0; 13];
@@ -226,7 +226,6 @@ fn share(period: Ns) -> u64 {
         }
         parts
     };
-    let u = period.0 << 42;
     PARTS.iter().fold(u64::MAX, |rest, &part| !umulhi(umulhi(u, rest), part))
 }
 
@@ -288,7 +287,7 @@ fn image(piece: &Piece, (from, to): (i64, i64), (begin, end): (u64, u64), track:
 
 #[cfg(test)]
 mod tests {
-    use super::{Ns, share};
+    use super::share;
     use num_bigint::BigInt;
     use num_rational::BigRational;
 
@@ -307,7 +306,7 @@ mod tests {
             let [above, below] =
                 bounds.map(|sum| (sum * BigRational::from_integer(BigInt::from(1) << 64)).floor().to_integer());
             assert_eq!(above, below);
-            let off = BigInt::from(share(Ns(ns))) - below;
+            let off = BigInt::from(share(ns << 42)) - below;
             assert!(BigInt::from(-2) <= off && off <= BigInt::from(2), "{off} off at {ns} ns");
         }
     }

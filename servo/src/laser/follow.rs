@@ -30,6 +30,8 @@ pub struct PathSpeed(u64);
 impl PathSpeed {
     /// Fraction bits.
     pub const FRAC_BITS: u32 = 30;
+    /// Fraction bits of counts a tick, as [`PathSpeed::measured`] takes them.
+    pub const COUNT_BITS: u32 = 28;
     /// At rest.
     pub const REST: PathSpeed = PathSpeed(0);
 
@@ -84,14 +86,14 @@ impl PathSpeed {
         PathSpeed(speed.to_fixed(PathSpeed::FRAC_BITS as i32).clamp(0, u64::MAX as i128) as u64)
     }
 
-    /// Of encoders that have counted so many pulses in the last interval of `period`: the norm of their velocities.
-    pub fn measured(pulses: [i64; 4], period: Ns) -> PathSpeed {
-        let squares = pulses.map(|by| {
-            let by = by.unsigned_abs().min(u32::MAX as u64);
-            by.wrapping_mul(by)
+    /// Of encoders that count so much in an interval of `period`, 2⁻²⁸ pulse: the norm of their velocities.
+    pub fn measured(counts: [i64; 4], period: Ns) -> PathSpeed {
+        let sum = counts.iter().fold(0u128, |sum, by| {
+            let by = by.unsigned_abs().min(1 << 60);
+            let (high, low) = umul(by, by);
+            sum.wrapping_add((high as u128) << 64 | low as u128)
         });
-        let sum = squares.iter().fold(0u64, |sum, square| sum.saturating_add(*square));
-        PathSpeed::per_ms(Real::from_fixed(sum as u128, 0).sqrt(), period)
+        PathSpeed::per_ms(Real::from_fixed(sum, 2 * PathSpeed::COUNT_BITS as i32).sqrt(), period)
     }
 }
 

@@ -350,6 +350,12 @@ static void paths(bool lsr)
     TRUE(crd_read.dimension == 4 && crd_read.profile[3] == 4 && crd_read.originPos[1] == 50);
     DONE(GT_SetCrdStopDec(1, 1, 10));
     DONE(GT_SetOverride(1, 1));
+    DONE(GT_GetLaserFollowFilter(1, &vel));
+    TRUE(vel == 1);
+    DONE(GT_SetLaserFollowFilter(1, 0.5));
+    DONE(GTN_GetLaserFollowFilter(1, 1, &vel));
+    TRUE(vel == 0.5);
+    DONE(GTN_SetLaserFollowFilter(1, 1, 1));
     DONE(GT_SetCrdLimit(1, 1, 100, 1));
     DONE(GT_GetCrdLimit(1, 1, &vel, pos));
     TRUE(vel == 100);

@@ -93,6 +93,13 @@ fn of(function: &Function) -> Vec<Length> {
                 make(count, 8, data, reset, format!("GTN_SetDac(1, 1, value, {count})"), "")
             })
             .into(),
+        // No product that is shown by itself has more than a word.
+        "SetDoEx" => [0, 1, 2, 4, 5]
+            .map(|count| {
+                let data = steady("long", "value", count, 5.0);
+                make(count, 1, data, reset, format!("GTN_SetDoEx(1, 12, value, {count})"), "")
+            })
+            .into(),
         "PtStartPro" => [0, 1, 2, 32, 33]
             .map(|count| {
                 let data = steady("short", "axis", count, 1.0) + &steady("short", "option", count, 0.0);

@@ -1,0 +1,167 @@
+//! How fast the encoders of a path go: filtered, so that one count is no flicker (SPEC 6, "Energy").
+//!
+//! In: what each encoder has counted in a tick. Out: a [`PathSpeed`]. Owns the filtered velocities. Fails never.
+//!
+//! Each velocity goes through a lag of first order of the same time constant, and the norm is that of the filtered ones: the norm
+//! of single counts would be too large for slow paths across two axes. A channel that follows an encoder makes the filter run from
+//! there on in every tick of the path, lit or not. It begins with the path at 0, or with the velocity of the tick in which it is
+//! asked for first.
+use super::PathSpeed;
+use crate::follow::share;
+use crate::units::Ns;
+use crate::wide::{mulhi_su, umulhi};
+
+/// How much of a new velocity counts in a tick when there is no filter.
+const ALL: u64 = u64::MAX;
+
+/// The inverse of a filter's time constant, in 2⁻⁶⁴ per ns; 0 is none, no filter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Lag(u64);
+
+impl Lag {
+    /// No filter.
+    pub const NONE: Lag = Lag(0);
+    /// 1 ms.
+    pub const POWER_ON: Lag = Lag((1 << 63) / 500_000);
+
+    /// From the inverse of a time constant of 2 ns at least.
+    pub const fn of_inverse(inverse: u64) -> Lag {
+        Lag(inverse)
+    }
+}
+
+/// The filtered velocities of the coordinates of a path.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EncoderSpeed {
+    /// Somebody has followed it.
+    used: bool,
+    /// There is a tick before.
+    goes_on: bool,
+    lag: Lag,
+    /// The period for which `share` was computed.
+    period: Ns,
+    /// How much of a new velocity counts in a tick, 2⁻⁶⁴.
+    share: u64,
+    /// 2⁻²⁸ pulse a tick.
+    velocity: [i64; 4],
+}
+
+impl EncoderSpeed {
+    pub(crate) const POWER_ON: EncoderSpeed =
+        EncoderSpeed { used: false, goes_on: false, lag: Lag::POWER_ON, period: Ns(0), share: ALL, velocity: [0; 4] };
+
+    /// Another time constant.
+    pub(crate) fn set(&mut self, lag: Lag) {
+        (self.lag, self.period) = (lag, Ns(0));
+    }
+
+    /// The path begins, at rest.
+    pub(crate) fn begin(&mut self) {
+        (self.goes_on, self.velocity) = (self.used, [0; 4]);
+    }
+
+    /// Whether it takes part in every tick.
+    #[inline]
+    pub(crate) fn is_used(&self) -> bool {
+        self.used
+    }
+
+    /// A tick of `period` has passed, in which the encoders have counted so much.
+    pub(crate) fn step(&mut self, pulses: [i64; 4], period: Ns) -> PathSpeed {
+        if period != self.period {
+            (self.period, self.share) = (period, self.lag.share(period));
+        }
+        let share = if self.goes_on { self.share } else { ALL };
+        (self.used, self.goes_on) = (true, true);
+        for (velocity, by) in self.velocity.iter_mut().zip(pulses) {
+            let now = by.clamp(-(u32::MAX as i64), u32::MAX as i64) << PathSpeed::COUNT_BITS;
+            *velocity = match share {
+                ALL => now,
+                // Twice the gap, and a half of the rest: to the nearest.
+                _ => velocity.wrapping_add(mulhi_su(now.wrapping_sub(*velocity) << 1, share).wrapping_add(1) >> 1),
+            };
+        }
+        PathSpeed::measured(self.velocity, period)
+    }
+}
+
+impl Lag {
+    /// 1 − exp(−period/τ), 2⁻⁶⁴.
+    #[inline(never)]
+    fn share(self, period: Ns) -> u64 {
+        let mut u = (self.0 as u128).wrapping_mul(period.0 as u128);
+        if self.0 == 0 || u >> 64 >= 44 {
+            return ALL;
+        }
+        // exp(−u) is the square of exp(−u/2), and so on: the series wants a quarter.
+        let mut halved = 0;
+        while u >> 62 != 0 {
+            (u, halved) = (u >> 1, halved + 1u32);
+        }
+        let mut rest = !umulhi(u as u64, share(u as u64));
+        for _ in 0..halved {
+            rest = umulhi(rest, rest);
+        }
+        !rest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lag(ms: f64) -> Lag {
+        Lag::of_inverse((2f64.powi(64) / (ms * 1e6)) as u64)
+    }
+
+    /// Against the exponential, over all time constants and periods that can be set.
+    #[test]
+    fn a_tick_counts_by_the_time_constant() {
+        assert_eq!(Lag::POWER_ON, lag(1.0));
+        for ms in [0.01, 0.1, 0.25, 1.0, 3.0, 100.0, 1000.0] {
+            for us in [10, 20, 50, 250, 500, 1000] {
+                let share = lag(ms).share(Ns(us * 1000)) as f64 * 2f64.powi(-64);
+                let want = -(-(us as f64) / (ms * 1e3)).exp_m1();
+                assert!((share - want).abs() < 1e-10 * want, "{ms} ms, {us} us: {share}, not {want}");
+            }
+        }
+        assert_eq!(Lag::NONE.share(Ns(10_000)), ALL);
+    }
+
+    /// A step of the velocity is there to 1 − 1/e after the time constant, whatever the tick is.
+    #[test]
+    fn a_step_is_answered_in_the_time_constant() {
+        for us in [10u64, 50, 250] {
+            let mut speed = EncoderSpeed::POWER_ON;
+            speed.used = true;
+            speed.begin();
+            let counts = us as i64 * 3;
+            let mut found = PathSpeed::REST;
+            for _ in 0..1000 / us {
+                found = speed.step([counts, 0, -(us as i64) * 4, 0], Ns(us * 1000));
+            }
+            let found = found.raw() as f64 * 2f64.powi(-30);
+            let want = 5000.0 * (1.0 - (-1f64).exp());
+            assert!((found - want).abs() < 1e-3, "{us} us: {found}, not {want}");
+        }
+    }
+
+    /// One count is a thousandth of what it would be, in a tick of 10 us, and dies away to nothing.
+    #[test]
+    fn one_count_is_no_flicker() {
+        let mut speed = EncoderSpeed::POWER_ON;
+        speed.used = true;
+        speed.begin();
+        let first = speed.step([1, 0, 0, 0], Ns(10_000)).raw() as f64 * 2f64.powi(-30);
+        assert!((0.9..1.0).contains(&first), "{first} of 100 pulse/ms");
+        let mut last = PathSpeed::REST;
+        for _ in 0..3000 {
+            last = speed.step([0; 4], Ns(10_000));
+        }
+        assert!(last.raw() < 1 << 16, "{last:?}");
+        // Without a filter it is the tick's.
+        speed.set(Lag::NONE);
+        assert_eq!(speed.step([1, 0, 0, 0], Ns(10_000)).raw(), 100 << 30);
+        assert_eq!(speed.step([0; 4], Ns(10_000)), PathSpeed::REST);
+    }
+}
