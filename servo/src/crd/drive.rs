@@ -367,7 +367,9 @@ impl<const AXES: usize> Tick<AXES> {
                 let shown = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.shown);
                 shown.map_or(0, |shown| shown.encoder.wrapping_sub(shown.encoder_before))
             });
-            encoder = state.encoders.step(gone, period);
+            // All of them: an entry within the coming interval may begin a follow.
+            let follows = wants.encoder.0 != u8::MAX && wants.encoder.has(crd);
+            encoder = state.encoders.step(gone, (next, period), follows);
         }
         self.lasers.feed(crd, planned, encoder);
     }

@@ -196,7 +196,7 @@ impl<const AXES: usize> Tick<AXES> {
             self.lasers.crd_starts(Run { crd, fifo }, next, state.path.goes_on(fifo));
             state.path.start(next, fifo, feed, source);
             state.room = [Room::Unknown; 2];
-            state.encoders.begin();
+            state.encoders.begin(next);
             (state.ending, state.shown.runs, state.awaited) = (StopReason::StopSmooth, true, None);
             state.touch();
             let frame = state.shown.frame;

@@ -35,8 +35,8 @@ impl Lag {
 pub(crate) struct EncoderSpeed {
     /// Somebody has followed it.
     used: bool,
-    /// There is a tick before.
-    goes_on: bool,
+    /// The tick up to which it goes on; of another one the velocity is taken as it is.
+    next: Ns,
     lag: Lag,
     /// The period for which `share` was computed.
     period: Ns,
@@ -48,16 +48,16 @@ pub(crate) struct EncoderSpeed {
 
 impl EncoderSpeed {
     pub(crate) const POWER_ON: EncoderSpeed =
-        EncoderSpeed { used: false, goes_on: false, lag: Lag::POWER_ON, period: Ns(0), share: ALL, velocity: [0; 4] };
+        EncoderSpeed { used: false, next: Ns(0), lag: Lag::POWER_ON, period: Ns(0), share: ALL, velocity: [0; 4] };
 
     /// Another time constant.
     pub(crate) fn set(&mut self, lag: Lag) {
         (self.lag, self.period) = (lag, Ns(0));
     }
 
-    /// The path begins, at rest.
-    pub(crate) fn begin(&mut self) {
-        (self.goes_on, self.velocity) = (self.used, [0; 4]);
+    /// The path begins, at rest, with the tick `next`.
+    pub(crate) fn begin(&mut self, next: Ns) {
+        (self.next, self.velocity) = (next, [0; 4]);
     }
 
     /// Whether it takes part in every tick.
@@ -66,19 +66,21 @@ impl EncoderSpeed {
         self.used
     }
 
-    /// A tick of `period` has passed, in which the encoders have counted so much.
-    pub(crate) fn step(&mut self, pulses: [i64; 4], period: Ns) -> PathSpeed {
+    /// A tick of `period` has passed at `now`, in which the encoders have counted so much. `follows`: somebody does follow them, and not only
+    /// may from within the coming interval on.
+    pub(crate) fn step(&mut self, pulses: [i64; 4], (now, period): (Ns, Ns), follows: bool) -> PathSpeed {
         if period != self.period {
             (self.period, self.share) = (period, self.lag.share(period));
         }
-        let share = if self.goes_on { self.share } else { ALL };
-        (self.used, self.goes_on) = (true, true);
+        let share = if now == self.next { self.share } else { ALL };
+        self.used |= follows;
+        self.next = Ns(now.0.wrapping_add(period.0));
         for (velocity, by) in self.velocity.iter_mut().zip(pulses) {
-            let now = by.clamp(-(u32::MAX as i64), u32::MAX as i64) << PathSpeed::COUNT_BITS;
+            let new = by.clamp(-(u32::MAX as i64), u32::MAX as i64) << PathSpeed::COUNT_BITS;
             *velocity = match share {
-                ALL => now,
+                ALL => new,
                 // Twice the gap, and a half of the rest: to the nearest.
-                _ => velocity.wrapping_add(mulhi_su(now.wrapping_sub(*velocity) << 1, share).wrapping_add(1) >> 1),
+                _ => velocity.wrapping_add(mulhi_su(new.wrapping_sub(*velocity) << 1, share).wrapping_add(1) >> 1),
             };
         }
         PathSpeed::measured(self.velocity, period)
@@ -133,12 +135,12 @@ mod tests {
     fn a_step_is_answered_in_the_time_constant() {
         for us in [10u64, 50, 250] {
             let mut speed = EncoderSpeed::POWER_ON;
-            speed.used = true;
-            speed.begin();
+            speed.begin(Ns(0));
             let counts = us as i64 * 3;
             let mut found = PathSpeed::REST;
-            for _ in 0..1000 / us {
-                found = speed.step([counts, 0, -(us as i64) * 4, 0], Ns(us * 1000));
+            for tick in 0..1000 / us {
+                let at = (Ns(tick * us * 1000), Ns(us * 1000));
+                found = speed.step([counts, 0, -(us as i64) * 4, 0], at, true);
             }
             let found = found.raw() as f64 * 2f64.powi(-30);
             let want = 5000.0 * (1.0 - (-1f64).exp());
@@ -150,18 +152,18 @@ mod tests {
     #[test]
     fn one_count_is_no_flicker() {
         let mut speed = EncoderSpeed::POWER_ON;
-        speed.used = true;
-        speed.begin();
-        let first = speed.step([1, 0, 0, 0], Ns(10_000)).raw() as f64 * 2f64.powi(-30);
+        speed.begin(Ns(0));
+        let at = |tick: u64| (Ns(tick * 10_000), Ns(10_000));
+        let first = speed.step([1, 0, 0, 0], at(0), true).raw() as f64 * 2f64.powi(-30);
         assert!((0.9..1.0).contains(&first), "{first} of 100 pulse/ms");
         let mut last = PathSpeed::REST;
-        for _ in 0..3000 {
-            last = speed.step([0; 4], Ns(10_000));
+        for tick in 1..3000 {
+            last = speed.step([0; 4], at(tick), true);
         }
         assert!(last.raw() < 1 << 16, "{last:?}");
         // Without a filter it is the tick's.
         speed.set(Lag::NONE);
-        assert_eq!(speed.step([1, 0, 0, 0], Ns(10_000)).raw(), 100 << 30);
-        assert_eq!(speed.step([0; 4], Ns(10_000)), PathSpeed::REST);
+        assert_eq!(speed.step([1, 0, 0, 0], at(3000), true).raw(), 100 << 30);
+        assert_eq!(speed.step([0; 4], at(3001), true), PathSpeed::REST);
     }
 }
