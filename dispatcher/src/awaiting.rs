@@ -38,7 +38,7 @@ impl Awaiting {
     };
 }
 
-/// A start that the tick refused.
+/// A start, or an on command of a laser, that the tick refused.
 pub type TickRefusal = (u32, Refuser);
 
 /// Because of whom.
@@ -50,6 +50,8 @@ pub enum Refuser {
     Axis(Axis, u32),
     /// A coordinate system.
     Crd(Crd),
+    /// A laser channel that a fault keeps dark.
+    Laser(u8),
 }
 
 /// What became of a record.

@@ -11,7 +11,7 @@ mod follow;
 
 use crate::case::Watch;
 use crate::profile::{LONG_TICK, Profile};
-pub use axis::{AxisBook, FifoBook};
+pub use axis::{AxisBook, BEGINS_SHIFT, FifoBook};
 pub use channel::{DistanceBook, LaserBook, LaserChange};
 pub use crd::{CAPACITY, CrdBook, CrdChange, Frame, Look, PathBook, PathData, place_of};
 pub use follow::Fifo;
@@ -93,8 +93,8 @@ pub enum Change {
     Placed { axes: AxisMask, pos: Option<Pos> },
     /// Latched bits are cleared.
     Cleared { axes: AxisMask },
-    /// The axes start.
-    Started { axes: AxisMask, fifo1: AxisMask },
+    /// The axes start, at this script clock (ns).
+    Started { axes: AxisMask, fifo1: AxisMask, script_ns: u64 },
     /// PVT starts with the tables that are selected.
     PvtStarted { axes: AxisMask },
     /// A PVT table is selected; `pending` if the axis may be running and go on with it.
@@ -166,12 +166,13 @@ impl Change {
             | Change::Aborted
             | Change::Cleared { .. }
             | Change::Table { .. }
-            | Change::Rest { .. }
             | Change::Emptied { .. }
             | Change::FollowEmptied { .. }
             | Change::Switched { .. }
             | Change::Crd { .. } => true,
+            // What comes after a WaitStop is known when that is over.
             Change::None
+            | Change::Rest { .. }
             | Change::Servo { on: true, .. }
             | Change::Watch(_)
             | Change::Placed { .. }
@@ -428,16 +429,19 @@ impl<const AXES: usize> Books<AXES> {
             Change::Servo { axis, on } => {
                 one(axis, &|book| book.servo = Some((seq, on)));
                 if !on {
+                    one(axis, &|book| book.stop(seq));
                     let crds = self.drivers(axis.mask());
                     self.with_crds(crds, &CrdChange::Stopped, seq);
                 }
             }
             Change::Stopped { axes, crds } => {
+                self.with(axes, |_, book| book.stop(seq));
                 let crds = CrdMask(self.drivers(axes).0 | crds.0);
                 self.with_crds(crds, &CrdChange::Stopped, seq);
             }
             Change::Aborted => {
                 self.aborted = Some(seq);
+                self.with(AxisMask(u64::MAX), |_, book| book.stop(seq));
                 self.with_crds(CrdMask(u8::MAX), &CrdChange::Stopped, seq);
             }
             Change::Watch(watch) => self.watch = watch,
@@ -448,8 +452,10 @@ impl<const AXES: usize> Books<AXES> {
                 self.with_crds(crds, &CrdChange::Placed, seq);
             }
             Change::Cleared { axes } => self.with(axes, |_, book| book.cleared = Some(seq)),
-            Change::Started { axes, fifo1 } => self.with(axes, |axis, book| {
+            Change::Started { axes, fifo1, script_ns } => self.with(axes, |axis, book| {
                 book.started = Some(seq);
+                let begins = u32::try_from(script_ns >> BEGINS_SHIFT).unwrap_or(u32::MAX).saturating_add(1);
+                book.streams = if book.is_dynamic() { begins } else { 0 };
                 book.busy = Some(seq);
                 book.fifo = u8::from(fifo1.has(axis));
             }),

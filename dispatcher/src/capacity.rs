@@ -29,7 +29,7 @@ mod sizes {
     pub const QUEUE_BYTES: usize = 2048;
     /// Replies of a program that wait for the execution of their entries. As many records of data may stand before
     /// the start of their stream.
-    pub const AWAITING: usize = 112;
+    pub const AWAITING: usize = 110;
     /// Values of Calculate commands that wait with them: two messages full.
     pub const VALUES: usize = 128;
 }

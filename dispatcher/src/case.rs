@@ -11,7 +11,7 @@ use crate::server::Board;
 use crate::trace_out::Columns;
 use protocol::reason::Reason;
 use servo::op::{Brake, Op, Supervision};
-use servo::status::SERVO_ON;
+use servo::status::{RUNNING, SERVO_ON};
 use servo::units::{Axis, AxisMask, Crd, CrdMask};
 use servo::view::{AxisView, CrdView, View};
 
@@ -144,6 +144,34 @@ pub struct Query {
     pub which: u8,
 }
 
+/// What is known of the instant at which a command acts.
+#[derive(Debug, Clone, Copy)]
+pub struct Due {
+    /// The view shows the state in which the command acts: everything admitted before it has been executed, and
+    /// its instant has come.
+    pub decided: bool,
+    /// Its instant is near: a look-ahead may take what is given to a path that runs.
+    pub near: bool,
+    /// From the view to the instant, ns; `u64::MAX` where nobody knows.
+    pub until_ns: u64,
+    /// It acts on the first tick of a program that is held: axes at rest stay so.
+    pub first: bool,
+    /// Script clock of the instant, ns, if no WaitStop takes time before it.
+    pub script_ns: u64,
+    /// The last WaitStop before it.
+    pub wait: Option<u32>,
+}
+
+impl Due {
+    /// At once; `decided` where nothing is on its way before it.
+    pub const fn at_once(decided: bool) -> Due {
+        Due { decided, near: true, until_ns: 0, first: false, script_ns: 0, wait: None }
+    }
+    /// Nobody asks.
+    pub const UNKNOWN: Due =
+        Due { decided: false, near: false, until_ns: u64::MAX, first: false, script_ns: u64::MAX, wait: None };
+}
+
 /// One admission.
 pub struct Case<'x, const AXES: usize> {
     /// The newest view.
@@ -154,11 +182,10 @@ pub struct Case<'x, const AXES: usize> {
     pub site: &'x Site,
     /// Constants of the board.
     pub board: &'x Board,
-    /// The view shows the state in which the command acts: everything admitted before it has been executed, and
-    /// its instant has come.
-    pub decided: bool,
-    /// Its instant is near: a look-ahead may take what is given to a path that runs.
-    pub near: bool,
+    /// Books after everything that was executed.
+    pub now: &'x Books<AXES>,
+    /// When it acts.
+    pub due: Due,
     /// Coordinate systems that the board holds.
     pub crds: usize,
     /// Where the operations go.
@@ -197,6 +224,24 @@ impl<'x, const AXES: usize> Case<'x, AXES> {
     /// The axis's part of the view; the last one for an axis beyond the capacity.
     pub fn seen(&self, axis: Axis) -> &'x AxisView {
         &self.view.axes[axis.index().min(AXES - 1)]
+    }
+    /// Whether the axis comes to the tick on which the command acts as the view shows it: no step of it comes between.
+    pub fn is_due(&self, axis: Axis) -> bool {
+        let rests = self.seen(axis).status & RUNNING == 0;
+        self.due.until_ns < self.view.period.0 || self.due.first && rests
+    }
+    /// Whether the places of a FIFO of PT or Follow may still be read by the tick, though its data is over in the lane.
+    pub fn is_outgoing(&self, axis: Axis, fifo: u8) -> bool {
+        let (book, seen) = (self.book(axis), self.seen(axis));
+        // Without a step in between, the tick reads the one FIFO that runs.
+        if self.is_due(axis) && book.leaves_alone(self.view, seen, fifo) {
+            return false;
+        }
+        if book.is_follow() {
+            book.is_follow_outgoing(self.view, seen, fifo)
+        } else {
+            book.is_outgoing(self.view, seen)
+        }
     }
     /// The axis's book.
     pub fn book(&self, axis: Axis) -> &'x AxisBook {

@@ -13,7 +13,7 @@ use crate::admit::pvt_table::{Loading, Road, road};
 use crate::admit::{admit, config_item, crd, many, one, power_on, tables};
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
 use crate::books::{Books, CAPACITY, Change, Renewed, executed};
-use crate::case::{Answer, Case, Effect, Site, Watch};
+use crate::case::{Answer, Case, Due, Effect, Site, Watch};
 use crate::lane::{Deque, Lane, Staged};
 use crate::log::{Kind, Log, ShutOff};
 use crate::path_queue::PathQueue;
@@ -120,16 +120,16 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         desk
     }
 
-    /// Admits a command on the *ahead* books; its operations are staged. For `decided` see [`Case`].
-    pub fn admit(&mut self, view: &View<AXES>, decided: bool, number: u16, body: &[u8]) -> Admitted<(Answer, Effect)> {
+    /// Admits a command on the *ahead* books; its operations are staged.
+    pub fn admit(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<(Answer, Effect)> {
         self.staged.clear();
         let mut case = Case {
             view,
             books: &self.ahead,
             site: &self.site,
             board: &self.board,
-            decided,
-            near: decided,
+            now: &self.now,
+            due,
             crds: self.entries.count(),
             staged: &mut self.staged,
             effect: Effect::None,
@@ -164,21 +164,14 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
     }
 
     /// Admits data of a FIFO, writes it to the store and enters it into the *ahead* books; its commit is still to come.
-    pub fn admit_data(
-        &mut self,
-        view: &View<AXES>,
-        decided: bool,
-        near: bool,
-        number: u16,
-        body: &[u8],
-    ) -> Admitted<data::Written> {
+    pub fn admit_data(&mut self, view: &View<AXES>, due: Due, number: u16, body: &[u8]) -> Admitted<data::Written> {
         let case = Case {
             view,
             books: &self.ahead,
             site: &self.site,
             board: &self.board,
-            decided,
-            near,
+            now: &self.now,
+            due,
             crds: self.entries.count(),
             staged: &mut self.staged,
             effect: Effect::None,
@@ -216,8 +209,8 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             books: &self.ahead,
             site: &self.site,
             board: &self.board,
-            decided: false,
-            near: false,
+            now: &self.now,
+            due: Due::UNKNOWN,
             crds: self.entries.count(),
             staged: &mut self.staged,
             effect: Effect::None,
@@ -235,8 +228,8 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
             books: &self.ahead,
             site: &self.site,
             board: &self.board,
-            decided: false,
-            near: false,
+            now: &self.now,
+            due: Due::UNKNOWN,
             crds: self.entries.count(),
             staged: &mut self.staged,
             effect: Effect::None,
@@ -338,6 +331,10 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         let (axis, status) = match refuser {
             Refuser::Axis(axis, status) => (axis, status),
             Refuser::Crd(crd) => return self.explain_crd(view, crd),
+            Refuser::Laser(channel) => {
+                let fault = view.lasers.get(usize::from(channel)).map_or(0, |laser| laser.fault as u8);
+                return Refused::new(Reason::LaserFault).got(channel.into()).limits(0.0, fault.into());
+            }
             Refuser::Nobody => return Refused::new(Reason::Late),
         };
         let blocked = view.axes.get(axis.index()).is_some_and(|seen| seen.blocked != 0);

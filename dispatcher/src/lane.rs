@@ -142,6 +142,10 @@ impl<'a, const N: usize> Lane<'a, N> {
     pub fn in_flight(&self) -> bool {
         !self.log.is_empty()
     }
+    /// What they change, and their numbers, the oldest first.
+    pub fn changes(&self) -> impl Iterator<Item = &(u32, Change)> {
+        self.log.iter()
+    }
     /// Whether one of them may end what keeps a command from being taken now.
     pub fn may_free(&self) -> bool {
         self.log.iter().any(|(_, change)| change.may_free())

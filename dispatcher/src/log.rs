@@ -4,7 +4,7 @@
 //! Fails never: older ones go. Times are of the tick for stops, and else of the view that told first, which is the same
 //! but where the link task came late.
 use protocol::command::EventItem;
-use servo::laser::CHANNELS;
+use servo::laser::{CHANNELS, Ignored};
 use servo::units::Ns;
 use servo::view::{StopReason, View};
 
@@ -104,6 +104,8 @@ impl Log {
         for (channel, shown) in (0..).zip(&view.lasers) {
             if let Some(before) = self.ignored.get_mut(usize::from(channel))
                 && core::mem::replace(before, shown.ignored_count) != shown.ignored_count
+                // The fault is an event.
+                && shown.ignored != Ignored::Fault
             {
                 self.put(view.now, Kind::Ignored, channel, shown.ignored as u16);
             }

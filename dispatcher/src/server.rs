@@ -208,6 +208,12 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
                 Event::CrdRefused { lane: TickLane::Program, seq, crd } => {
                     self.program.tick_refused((seq, Refuser::Crd(crd)))
                 }
+                Event::LaserRefused { lane: TickLane::Immediate, seq, channel } => {
+                    self.desk.tick_refused((seq, Refuser::Laser(channel)))
+                }
+                Event::LaserRefused { lane: TickLane::Program, seq, channel } => {
+                    self.program.tick_refused((seq, Refuser::Laser(channel)))
+                }
                 Event::Stopped { axis, reason, now } => {
                     self.desk.log.stopped(now, Kind::AxisStopped, axis.index(), reason)
                 }

@@ -284,3 +284,55 @@ fn an_entry_waits_while_its_instant_may_still_come() {
     bench.done(ProgramStart { strict: 1 });
     assert_eq!(bench.wait(tags[6]).code, 0);
 }
+
+/// Codes and positions of a program that gives the first segments of a stream, does `then`, and gives the next one, which would
+/// also fit after the first; it starts that one where `starts` is set.
+fn a_stream_and_another(then: &[(u16, Lane, Vec<u8>)]) {
+    let mut bench = Bench::gus();
+    let (core, profile) = (CORE.into(), 1.into());
+    let mut entries = vec![
+        entry(AxisOn { core, axis: profile }),
+        entry(PrfPt { core, profile, mode: 1.into() }),
+        entry(PtData { kind: 1.into(), ..pt_data(1, 10.0, 10) }),
+        entry(start(1)),
+    ];
+    entries.extend_from_slice(then);
+    let rest = entries.len();
+    entries.extend([
+        entry(PtSpace { core, profile, fifo: 0.into() }),
+        entry(PtData { kind: 1.into(), ..pt_data(1, 25.0, 50) }),
+        entry(PtSpace { core, profile, fifo: 0.into() }),
+        entry(read_pos(1)),
+        entry(start(1)),
+        entry(wait_stop(1)),
+        entry(read_pos(1)),
+        entry(ProgramEnd {}),
+    ]);
+    let tags = bench.post_all(&entries);
+    bench.done(ProgramStart { strict: 0 });
+    for (index, &tag) in tags.iter().enumerate() {
+        let answer = bench.wait(tag);
+        assert_eq!(answer.code, 0, "entry {index}: {answer:?}");
+    }
+    let space = |index: usize| bench.answers[&tags[rest + index]].reply::<PtSpace>().value.get();
+    assert_eq!((space(0), space(2)), (64, 63), "one segment, of a new stream");
+    let [before, after] = [3, 6].map(|index| position(&bench.answers[&tags[rest + index]]));
+    assert_eq!(after - before, 25.0, "it counts from 0 where the axis stands");
+}
+
+#[test]
+fn data_after_a_stream_that_ran_dry_begins_another() {
+    // 2 ms and 1 ms later, a tick later, and long after.
+    for ns in [12 * MS, 11 * MS, 10 * MS + 250_000, 300 * MS] {
+        a_stream_and_another(&[entry(Sleep { ns: ns.into() })]);
+    }
+}
+
+#[test]
+fn data_after_a_stop_of_a_stream_begins_another() {
+    let stop = |option: i32| entry(Stop { core: CORE.into(), mask: 1.into(), option: option.into(), form: 0 });
+    a_stream_and_another(&[entry(sleep(4)), stop(1)]);
+    a_stream_and_another(&[entry(sleep(4)), stop(1), entry(sleep(1))]);
+    a_stream_and_another(&[stop(1)]);
+    a_stream_and_another(&[entry(sleep(4)), stop(0), entry(sleep(3))]);
+}

@@ -175,7 +175,8 @@ wire_structs! {
     /// (0 empty, 1 held, 2 running, 3 stopped by a failure, 4 stopped by Stop or link loss), and
     /// the script clock in ns. Since the program's start: servo ticks that took too long; the tags of the record that
     /// was late first and of the last one executed when a tick took too long first, if bits 0, 1 of `told` are set. Bit 2: a
-    /// laser command that changes light was late; bits 4 and 5: laser channels 0 and 1 went dark because a tick took too long.
+    /// laser command that changes light was late; bits 4 and 5: laser channels 0 and 1 went dark because a tick
+    /// took too long, or another fault took their light or kept it from coming.
     ProgramReply {
         accepted: U32, executed: U32, space_bytes: U32, late: U32, worst_late_us: U32, state: u8,
         clock_ns: U64, overruns: U32, late_tag: U16, overran_tag: U16, told: u8,

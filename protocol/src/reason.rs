@@ -267,6 +267,7 @@ pub const fn laser_ignored(number: u16) -> &'static str {
         1 => "the channel is not mapped to the coordinate system of the entry",
         2 => "the command met no output: the axis connector carries step pulses",
         3 => "an abort was in progress",
+        4 => "a fault keeps the channel dark",
         _ => "an unknown reason",
     }
 }

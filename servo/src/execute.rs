@@ -2,7 +2,8 @@
 //!
 //! In: one admitted entry, the state of the axes as it is now. Out: changed state, events. Owns
 //! nothing. Fails: a start or an Update that the machine's state forbids does nothing to any axis of
-//! its mask and is told as [`Event::Refused`]; whatever else does not fit any more has no effect.
+//! its mask and is told as [`Event::Refused`], an on command of a laser that a fault keeps dark as
+//! [`Event::LaserRefused`]; whatever else does not fit any more has no effect.
 use crate::axis::{AxisState, Jog};
 use crate::capacity::GeneralOutputs;
 use crate::follow::{Input, Method};
@@ -130,7 +131,10 @@ impl<const AXES: usize> Tick<AXES> {
                     // From here on the laser drives it, and leaves it at 0 V.
                     self.tell_analog(channel, 0, lanes.tables.lasers, lanes.samples);
                 }
-                self.lasers.change(channel, next, &change);
+                if self.lasers.change(channel, next, &change) {
+                    let refusal = Event::LaserRefused { lane, seq: entry.seq, channel };
+                    tell(lanes.events, &mut self.events_lost, refusal);
+                }
             }
             Op::FollowEnd { crds } => self.lasers.end_follow(crds, next),
             Op::Link { lost } => {

@@ -543,4 +543,6 @@ pub enum Event {
     /// A CrdStart did nothing because of this coordinate system's state: it runs, has nothing to do, is not where it
     /// was left, or one of its axes is not its own any more.
     CrdRefused { lane: Lane, seq: u32, crd: Crd },
+    /// An on command lit nothing because a fault keeps this laser channel dark.
+    LaserRefused { lane: Lane, seq: u32, channel: u8 },
 }

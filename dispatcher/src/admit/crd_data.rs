@@ -91,7 +91,7 @@ fn open<'x, const AXES: usize>(case: &Case<'x, AXES>, target: &Target) -> Admitt
     }
     let at_once = path.look.is_some() && case.crd_may_run(crd);
     // The look-ahead of a path that runs looks no further ahead than the host that feeds it.
-    if at_once && (!case.near || path.loose || pending(path.last)) {
+    if at_once && (!case.due.near || path.loose || pending(path.last)) {
         return Err(in_use());
     }
     let space = book.space(seen, fifo);

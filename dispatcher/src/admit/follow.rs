@@ -79,7 +79,8 @@ pub fn following<const AXES: usize>(case: &Case<AXES>, mode: Mode, core: i16, pr
 
 /// Refuses until it is known which FIFO runs when the command acts.
 pub fn known<const AXES: usize>(case: &Case<AXES>, axis: Axis, field: u8) -> Admitted<()> {
-    if case.decided || !case.book(axis).may_switch(case.view, case.seen(axis)) {
+    // The tick switches in its steps, and there is none between the view and the instant.
+    if case.is_due(axis) || !case.book(axis).may_switch(case.view, case.seen(axis)) {
         return Ok(());
     }
     Err(case.no(Reason::FifoInUse, axis).field(field).got(case.seen(axis).fifo.into()))
@@ -187,7 +188,7 @@ fn clear<const AXES: usize>(case: &mut Case<AXES>, mode: Mode, r: &FollowClear) 
     known(case, axis, 2)?;
     if case.may_run(axis) {
         let running = book.running_fifo(case.view, seen) == fifo;
-        if running || case.decided && seen.switching {
+        if running || book.is_switching(case.view, seen) {
             let reason = if running { Reason::FifoInUse } else { Reason::SwitchPending };
             return Err(case.no(reason, axis).field(2).got(fifo.into()));
         }
@@ -232,7 +233,7 @@ fn start<const AXES: usize>(case: &mut Case<AXES>, mode: Mode, r: &FollowStart) 
         filled(case, axis, u8::from(fifo1.has(axis)))?;
     }
     all_startable(case, axes)?;
-    case.stage_with(Op::FollowStart { axes, fifo1 }, Change::Started { axes, fifo1 });
+    case.stage_with(Op::FollowStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: 0 });
     Ok(Answer::Done)
 }
 

@@ -247,9 +247,9 @@ fn open<'x, const AXES: usize>(
 ) -> Admitted<Filling<'x>> {
     let fifo = choice(field, fifo, 0, 1)? as u8;
     known(case, axis, field)?;
-    let (book, seen) = (case.book(axis), case.seen(axis));
+    let book = case.book(axis);
     // The places of data that is over in the program are free only when the tick is through with them.
-    if book.is_follow_outgoing(case.view, seen, fifo) {
+    if case.is_outgoing(axis, fifo) {
         return Err(case.no(Reason::FifoInUse, axis).field(field).got(fifo.into()));
     }
     let Some(store) = stores.get(axis.index()) else { return Err(case.no(Reason::NotInitialised, axis)) };

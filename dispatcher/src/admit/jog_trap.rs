@@ -130,6 +130,6 @@ pub fn update<const AXES: usize>(case: &mut Case<AXES>, r: &Update) -> Admitted<
         }
     }
     all_startable(case, axes)?;
-    case.stage_with(Op::Update { axes }, Change::Started { axes, fifo1: servo::units::AxisMask(0) });
+    case.stage_with(Op::Update { axes }, Change::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 });
     Ok(Answer::Done)
 }

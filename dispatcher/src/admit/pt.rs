@@ -2,7 +2,7 @@
 use super::axis::all_startable;
 use super::data::{End, Of, Written};
 use super::{many, one, query};
-use crate::books::{Change, FifoBook};
+use crate::books::{AxisBook, BEGINS_SHIFT, Change, FifoBook, executed};
 use crate::case::{Answer, Case, Query};
 use crate::refuse::{Admitted, Refused, choice};
 use protocol::command::{
@@ -16,6 +16,10 @@ use servo::units::{Axis, AxisMask, StepLimit};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
 const FIFO_SLOTS: u32 = 1024;
+/// `GetPtState` of a stream that runs.
+const PT_RUNNING: u8 = 1;
+/// Ticks after which the tick has looked again how long its data lasts, and one.
+const LOOKS: u64 = 9;
 /// ±2⁴⁰ pulses.
 const TRAVEL: f64 = 1_099_511_627_776.0;
 
@@ -38,12 +42,15 @@ fn fifo<const AXES: usize>(case: &Case<AXES>, axis: Axis, field: u8, fifo: i16) 
     if case.book(axis).is_dynamic() { Ok(0) } else { Ok(choice(field, fifo, 0, 1)? as u8) }
 }
 
-/// At rest the books alone say it; while the axis runs the tick does.
+/// Where no stream runs the books alone say it; else the tick does.
 pub fn space<const AXES: usize>(case: &mut Case<AXES>, r: &PtSpace) -> Admitted<Answer> {
     let axis = pt_axis(case, r.core.get(), r.profile.get())?;
     let which = fifo(case, axis, 2, r.fifo.get())?;
     let (book, seen) = (case.book(axis), case.seen(axis));
-    if book.may_run(case.view, seen) && book.is_dynamic() {
+    if !knows_stream(case, axis) {
+        return Err(case.no(Reason::FifoInUse, axis).field(2).got(which.into()));
+    }
+    if streams(case, axis) && !book.is_outgoing(case.view, seen) {
         return Ok(Answer::Read(Query { opcode: opcode::PtSpace, first: axis.index() as u8, count: 1, which }));
     }
     Ok(Answer::Space(book.space(case.view, seen, usize::from(which)) as i16))
@@ -116,7 +123,7 @@ pub fn start<const AXES: usize>(case: &mut Case<AXES>, r: &PtStart) -> Admitted<
         }
     }
     all_startable(case, axes)?;
-    case.stage_with(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1 });
+    case.stage_with(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: case.due.script_ns });
     Ok(Answer::Done)
 }
 
@@ -152,6 +159,35 @@ pub fn data<const AXES: usize>(
     written
 }
 
+/// Whether a dynamic stream runs, or is going to.
+fn streams<const AXES: usize>(case: &Case<AXES>, axis: Axis) -> bool {
+    let (book, runs) = (case.book(axis), case.seen(axis).pt_state == PT_RUNNING);
+    book.is_dynamic() && book.started.is_some_and(|start| runs || !executed(case.view, start))
+}
+
+/// Whether it is certain to which stream data of this instant belongs: to the one that runs, or, where that has ended by then,
+/// to the next one, whose times and positions begin at 0.
+fn knows_stream<const AXES: usize>(case: &Case<AXES>, axis: Axis) -> bool {
+    let (view, due, book, seen) = (case.view, case.due, case.book(axis), case.seen(axis));
+    let Some(start) = book.started.filter(|_| book.is_dynamic()) else { return true };
+    let length_ms = |book: &AxisBook| book.fifos[0].chain.time_ms().unsigned_abs();
+    let before = |ns: u64, ms: u32| ns < u64::from(ms) * 1_000_000;
+    if !executed(view, start) {
+        // A WaitStop in between takes a time that nobody knows.
+        let after_wait = due.wait.is_none_or(|wait| (start.wrapping_sub(wait) << 1).cast_signed() > 0);
+        let since = due.script_ns.saturating_sub(u64::from(book.streams.saturating_sub(1)) << BEGINS_SHIFT);
+        return after_wait && book.streams != u32::MAX && before(since, length_ms(book));
+    }
+    // At its instant the view tells; a stream that has ended does not begin again by itself.
+    if case.is_due(axis) || !streams(case, axis) {
+        return true;
+    }
+    // What the tick looked at eight ticks ago at most, and what was committed since.
+    let more = length_ms(book).saturating_sub(length_ms(case.now.axis(axis)));
+    let stale = view.period.0.saturating_mul(LOOKS);
+    seen.dry_ms != 0 && before(due.until_ns.saturating_add(stale), seen.dry_ms.saturating_add(more))
+}
+
 fn push<const AXES: usize>(
     case: &Case<AXES>,
     stores: &[SegmentStore; AXES],
@@ -171,7 +207,7 @@ fn push<const AXES: usize>(
             .limits(0.0, book.capacity().into()));
     }
     // The places of data that is over in the program are free only when the tick is through with them.
-    if book.is_outgoing(case.view, seen) {
+    if case.is_outgoing(axis, fifo) || !knows_stream(case, axis) {
         return Err(case.no(Reason::FifoInUse, axis).field(fifo_field).got(fifo.into()));
     }
     let Some(store) = stores.get(axis.index()) else { return Err(case.no(Reason::NotInitialised, axis)) };

@@ -17,6 +17,9 @@ pub struct FifoBook {
     pub chain: Chain,
 }
 
+/// Units of [`AxisBook::streams`]: 65.5 µs, for 78 hours.
+pub const BEGINS_SHIFT: u32 = 16;
+
 /// One axis.
 #[derive(Debug, Clone, Copy)]
 pub struct AxisBook {
@@ -32,6 +35,9 @@ pub struct AxisBook {
     pub epoch: u32,
     /// The last start, until the axis is known to be at rest at this place of its lane.
     pub started: Option<u32>,
+    /// Script clock of the start of a dynamic stream that runs or is going to, in 2^[`BEGINS_SHIFT`] ns, rounded down, and 1;
+    /// `u32::MAX` is more than it holds, 0: there is no such stream.
+    pub streams: u32,
     /// The last start, until the axis has been seen at rest.
     pub busy: Option<u32>,
     /// The last entry that set the planned position, and to what, until it is executed.
@@ -82,6 +88,7 @@ impl Default for AxisBook {
             fifos: [FifoBook::default(); 2],
             epoch: 0,
             started: None,
+            streams: 0,
             busy: None,
             placed: None,
             crd: Crd::default(),
@@ -121,6 +128,19 @@ impl AxisBook {
     /// The FIFO of Follow that runs when the next entry acts, if the axis does and does not switch.
     pub fn running_fifo<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> u8 {
         if self.busy.is_some_and(|seq| !executed(view, seq)) { self.fifo } else { axis.fifo }
+    }
+    /// Whether a switch to the other FIFO is pending when the next entry acts.
+    pub fn is_switching<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        axis.switching || self.follow.is_to_switch(view)
+    }
+    /// Whether what runs when the next entry acts runs from the other FIFO, and stays there in the tick.
+    pub fn leaves_alone<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
+        if self.is_follow() {
+            let switches = self.is_switching(view, axis) || self.follow.has_switches();
+            self.running_fifo(view, axis) != fifo && !switches
+        } else {
+            self.mode == Mode::PtStatic && self.fifo != fifo
+        }
     }
     /// Whether only the instant at which a command acts can tell what it does to the FIFOs of Follow.
     pub fn may_switch<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
@@ -184,6 +204,12 @@ impl AxisBook {
         self.leaving = self.busy;
         self.spoiled &= !fifos;
     }
+    /// Entry `seq` stops it: a stream that runs then is over, and its data with it.
+    pub(super) fn stop(&mut self, seq: u32) {
+        if core::mem::take(&mut self.streams) != 0 {
+            self.empty(seq, 0);
+        }
+    }
     /// Whether a FIFO holds data, in the present mode.
     pub(super) fn holds(&self, fifo: u8) -> bool {
         if self.is_follow() {
@@ -207,6 +233,9 @@ impl AxisBook {
     pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, axis: &AxisView) {
         if self.epoch != axis.epoch {
             self.epoch = axis.epoch;
+            if self.started.is_none_or(|seq| executed(view, seq)) {
+                self.streams = 0;
+            }
             if self.is_dynamic() {
                 self.fifos = [FifoBook::default(); 2];
             }

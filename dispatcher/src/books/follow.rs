@@ -80,8 +80,15 @@ impl FollowBook {
     }
     /// Whether the tick may switch FIFOs at a time that nothing here tells, if it is `busy` with the axis.
     pub fn may_switch<const AXES: usize>(&self, view: &View<AXES>, seen: &AxisView, busy: bool) -> bool {
-        let coming = self.switch.is_some_and(|seq| !executed(view, seq));
-        busy && (coming || seen.switching || self.fifos.iter().any(|fifo| fifo.switches))
+        busy && (self.is_to_switch(view) || seen.switching || self.has_switches())
+    }
+    /// Whether an entry of a FIFO switches to the other one.
+    pub fn has_switches(&self) -> bool {
+        self.fifos.iter().any(|fifo| fifo.switches)
+    }
+    /// Whether an entry that switches is on its way.
+    pub fn is_to_switch<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        self.switch.is_some_and(|seq| !executed(view, seq))
     }
     /// Whether the places of a FIFO that was emptied may still be read by the tick. `idle` says that it is known to
     /// run the other one.

@@ -8,7 +8,7 @@ use crate::admit::is_read;
 use crate::admit::pvt_table::{Road, road};
 use crate::awaiting::Step;
 use crate::books::Change;
-use crate::case::{Answer, Effect, TAKEN_MAX};
+use crate::case::{Answer, Due, Effect, TAKEN_MAX};
 use crate::lane::STAGED;
 use crate::log::{Kind, ShutOff};
 use crate::program::Program;
@@ -77,7 +77,7 @@ impl<const AXES: usize> Desk<'_, AXES> {
             return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
         }
         if data::is_data(record.opcode, record.body) {
-            return match self.admit_data(view, self.is_quiet(), true, record.opcode, record.body) {
+            return match self.admit_data(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
                 Ok(written) => self.take_data(record, &written),
                 Err(refused) => self.refuse(record, refused, out),
             };
@@ -98,7 +98,7 @@ impl<const AXES: usize> Desk<'_, AXES> {
                 Err(refused) => self.refuse(record, refused, out),
             };
         }
-        match self.admit(view, self.is_quiet(), record.opcode, record.body) {
+        match self.admit(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
             Err(refused) => self.refuse(record, refused, out),
             Ok((Answer::Read(query), Effect::None)) => {
                 if !self.is_quiet() {

@@ -4,7 +4,7 @@
 //! In: what the view says was executed, what the tick refused. Out: replies in order, a ProgramDrop, after a failure an Abort.
 //! What was dropped leaves no trace: the *ahead* books go back to the *now* books. A FIFO whose places were
 //! overwritten already is emptied: neither its old data nor the new is there.
-use super::{Program, State};
+use super::{Pauses, Program, State};
 use crate::awaiting::{Refuser, TickRefusal};
 use crate::books::{Change, PROGRAM_FLAG, executed};
 use crate::desk::Desk;
@@ -115,7 +115,7 @@ impl Program<'_> {
             item.open = false;
             true
         });
-        (self.delay, self.instant, self.waits, self.open, self.open_paths) = (0, 0, false, [0; 2], [0; 2]);
+        (self.delay, self.instant, self.pauses, self.open, self.open_paths) = (0, 0, Pauses::default(), [0; 2], [0; 2]);
         (self.run, self.end, self.config) = (None, None, None);
     }
 
@@ -202,8 +202,13 @@ impl Program<'_> {
 /// Whether it is a motion, a use or a fault of an axis, a table or a coordinate system that makes the record wrong: only what
 /// ends these makes it right ([`Change::may_free`]).
 fn is_of_motion(reason: Reason) -> bool {
-    use Reason::{AxisFault, CrdFifoInUse, CrdRuns, FifoInUse, Moving, OnlyAtRest, TableInUse};
-    matches!(reason, AxisFault | CrdFifoInUse | CrdRuns | FifoInUse | Moving | OnlyAtRest | TableInUse)
+    use Reason::{
+        AxisFault, CrdFifoInUse, CrdRuns, FifoFull, FifoInUse, Moving, NotIncreasing, OnlyAtRest, TableInUse,
+    };
+    matches!(
+        reason,
+        AxisFault | CrdFifoInUse | CrdRuns | FifoFull | FifoInUse | Moving | NotIncreasing | OnlyAtRest | TableInUse
+    )
 }
 
 /// Whether no later state of the machine makes the record right: only what stands before it in its program

@@ -13,7 +13,7 @@ use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{CHUNK, Road, road};
 use crate::awaiting::{Awaiting, Step};
 use crate::books::Change;
-use crate::case::{Answer, Case, Effect, TAKEN_MAX};
+use crate::case::{Answer, Case, Due, Effect, TAKEN_MAX};
 use crate::desk::Desk;
 use crate::lane::{FEW, Staged};
 use crate::refuse::{Admitted, Refused};
@@ -138,7 +138,7 @@ impl Program<'_> {
 
     /// Admits the record in hand and pushes what it becomes.
     fn take_record<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) -> Admitted<Step> {
-        let (decided, near) = (self.is_reached(view), self.is_near(view));
+        let due = self.due(view);
         let Some((head, body)) = self.records.front() else { return Ok(Step::Wait) };
         let (answer, effect, own) = match head.opcode {
             opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus | opcode::SetTick | opcode::Choose => {
@@ -154,7 +154,7 @@ impl Program<'_> {
                 return Ok(Step::Taken);
             }
             number if data::is_data(number, body) => {
-                let written = desk.admit_data(view, decided, near, head.opcode, body)?;
+                let written = desk.admit_data(view, due, head.opcode, body)?;
                 self.take_data(desk, head.opcode, head.tag, &written);
                 return Ok(Step::Taken);
             }
@@ -172,7 +172,7 @@ impl Program<'_> {
             }
             opcode::WaitStop => {
                 let wait = WaitStop::read_from_bytes(body).map_err(|_| length::<WaitStop>(body))?;
-                if !wait_stop(desk, view, near, &wait)? {
+                if self.pauses.is_full() || !wait_stop(desk, view, due, &wait)? {
                     self.urgent = self.runs(view);
                     return Ok(Step::Wait);
                 }
@@ -188,7 +188,7 @@ impl Program<'_> {
             }
             _ if self.config.is_some() => (Answer::Done, Effect::Config, true),
             other => {
-                let (answer, effect) = desk.admit(view, decided, other, body)?;
+                let (answer, effect) = desk.admit(view, due, other, body)?;
                 (answer, effect, true)
             }
         };
@@ -243,7 +243,7 @@ impl Program<'_> {
     fn push<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, op: Op, change: Change) {
         if self.lane.push(op, change, self.delay, &mut desk.ahead) {
             self.instant = self.instant.saturating_add(self.delay);
-            self.waits |= matches!(op, Op::WaitRest { .. });
+            self.pauses.push(&op, self.lane.last(), self.instant);
             self.delay = 0;
         }
     }
@@ -341,7 +341,7 @@ impl Program<'_> {
 fn wait_stop<const AXES: usize>(
     desk: &mut Desk<'_, AXES>,
     view: &View<AXES>,
-    near: bool,
+    due: Due,
     wait: &WaitStop,
 ) -> Admitted<bool> {
     desk.staged.clear();
@@ -351,8 +351,8 @@ fn wait_stop<const AXES: usize>(
         books: &desk.ahead,
         site: &desk.site,
         board: &desk.board,
-        decided: false,
-        near,
+        now: &desk.now,
+        due,
         crds: desk.entries.count(),
         staged: &mut staged,
         effect: Effect::None,
@@ -360,10 +360,12 @@ fn wait_stop<const AXES: usize>(
     let axes = case.mask(wait.core.get(), wait.axes.get(), 1)?;
     let crds = case.crds_waited_for(wait.core.get(), wait.crds.get(), 2)?;
     let all = CrdMask(crds.0 | desk.ahead.drivers(axes).0);
-    if !all.crds().all(|crd| desk.flush_path(view, crd, near)) {
+    // Else nothing that it names runs at its instant, which is yet to come.
+    let runs = all.0 != 0 || due.until_ns == 0 || case.each(axes).any(|axis| case.may_run(axis));
+    if !all.crds().all(|crd| desk.flush_path(view, crd, due.near)) {
         return Ok(false);
     }
-    if axes.0 != 0 || crds.0 != 0 {
+    if runs {
         desk.staged.add(Op::WaitRest { axes, crds }, Change::Rest { axes, crds });
     }
     Ok(true)

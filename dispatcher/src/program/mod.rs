@@ -15,21 +15,23 @@
 //! client goes back and sends them again, and no order is lost. So lane 0 never waits behind lane 1.
 mod end;
 mod intake;
+mod pauses;
 
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
 use crate::books::{Books, Change, PROGRAM_FLAG, executed, renew};
 use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
 use crate::capacity::{AWAITING, VALUES};
-use crate::case::Answer;
+use crate::case::{Answer, Due};
 use crate::desk::Desk;
 use crate::lane::{Deque, Lane};
 use crate::refuse::{Admitted, Refused};
 use crate::server::PROGRAM;
+use pauses::Pauses;
 use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
 use protocol::reason::Reason;
 use protocol::record::{Full, Lane as Road, ReplyWriter, RequestRecord};
 use ring::Producer;
-use servo::laser::Cause;
+use servo::laser::{CHANNELS, Cause, Ignored};
 use servo::op::{Entry, Op};
 use servo::view::View;
 use zerocopy::{FromBytes, IntoBytes};
@@ -63,8 +65,8 @@ pub struct Program<'a> {
     /// The script clock of the last entry pushed, at the earliest: what a WaitStop takes comes on top
     /// once it is over, ns.
     instant: u64,
-    /// A WaitStop is under way, or what was pushed after it is: `instant` is earlier than that is.
-    waits: bool,
+    /// WaitStops on their way.
+    pauses: Pauses,
     /// Axes with data in FIFO 0, FIFO 1 that the tick does not know of yet.
     open: [u64; 2],
     /// Coordinate systems, the same.
@@ -99,6 +101,9 @@ pub struct Program<'a> {
     overran_tag: u16,
     /// The entry and the tag of the record that was answered last: a tick that took too long is told a tick later.
     answered: (u32, u16),
+    /// Laser channels that are lit or are to be, a bit each, and how many on commands of them did nothing.
+    lit: u8,
+    ignored: [u8; CHANNELS],
     /// Which of them there are, and what light was taken; the bits are those of `ProgramReply`.
     told: u8,
 }
@@ -111,7 +116,7 @@ mod told {
     pub const OVERRAN: u8 = 2;
     /// A laser command was late.
     pub const LATE_LIGHT: u8 = 4;
-    /// Laser channel 0 has gone dark because a tick took too long.
+    /// Laser channel 0 has gone dark because a tick took too long, or a fault took its light.
     pub const DARK: u8 = 16;
 }
 
@@ -127,7 +132,7 @@ impl<'a> Program<'a> {
             state: State::Empty,
             delay: 0,
             instant: 0,
-            waits: false,
+            pauses: Pauses::default(),
             open: [0; 2],
             open_paths: [0; 2],
             run: None,
@@ -148,6 +153,8 @@ impl<'a> Program<'a> {
             late_tag: 0,
             overran_tag: 0,
             answered: (0, 0),
+            lit: 0,
+            ignored: [0; CHANNELS],
             told: 0,
         }
     }
@@ -177,7 +184,7 @@ impl<'a> Program<'a> {
         let of_clock = self.instant.saturating_add(self.delay);
         let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
         let begun = self.state == State::Running && self.run.is_some();
-        let known = begun && !self.waits && !self.lane.may_free();
+        let known = begun && !self.pauses.wait() && !self.lane.may_free();
         known && zero.saturating_add(of_clock) < view.now.0.saturating_add(view.period.0)
     }
 
@@ -186,6 +193,20 @@ impl<'a> Program<'a> {
         let instant = view.script_zero.0.saturating_add(self.instant).saturating_add(self.delay);
         let quiet = !self.lane.in_flight() && !self.gathers();
         self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::NEAR_NS)
+    }
+
+    /// What is known of the instant of the record in hand.
+    fn due<const AXES: usize>(&self, view: &View<AXES>) -> Due {
+        let decided = self.is_reached(view);
+        let instant = view.script_zero.0.saturating_add(self.instant).saturating_add(self.delay);
+        let script_ns = self.instant.saturating_add(self.delay);
+        let until_ns = match self.runs(view) {
+            _ if decided => 0,
+            true if !self.pauses.wait() => instant.saturating_sub(view.now.0),
+            _ => u64::MAX,
+        };
+        let first = self.state == State::Held && script_ns < view.period.0 && !self.pauses.wait();
+        Due { decided, near: self.is_near(view), until_ns, first, script_ns, wait: self.pauses.last }
     }
 
     /// Whether it is held or runs.
@@ -213,8 +234,7 @@ impl<'a> Program<'a> {
     ) -> Step {
         if self.takes_at_once::<AXES>(record.opcode, record.body) {
             // Where it is refused it waits in the queue, and is refused from there.
-            let (reached, near) = (self.is_reached(view), self.is_near(view));
-            if let Ok(written) = desk.admit_data(view, reached, near, record.opcode, record.body) {
+            if let Ok(written) = desk.admit_data(view, self.due(view), record.opcode, record.body) {
                 self.accepted = self.accepted.wrapping_add(1);
                 self.take_data(desk, record.opcode, record.tag, &written);
                 return Step::Taken;
@@ -328,6 +348,22 @@ impl<'a> Program<'a> {
         if self.runs(view) && (view.late != 0 || self.overruns[0] != self.overruns[1]) {
             self.note(view);
         }
+        self.note_light(view);
+    }
+
+    /// Light that a fault took, or kept from coming, while the program runs.
+    fn note_light<const AXES: usize>(&mut self, view: &View<AXES>) {
+        let runs = self.runs(view);
+        for ((channel, laser), before) in (0..).zip(&view.lasers).zip(&mut self.ignored) {
+            let bit = 1 << channel;
+            let kept = *before != laser.ignored_count && laser.ignored == Ignored::Fault;
+            if runs && laser.fault != Cause::None && (kept || self.lit & bit != 0) {
+                self.told |= told::DARK << channel;
+            }
+            let lit = laser.fault == Cause::None && (laser.commanded || laser.light);
+            self.lit = self.lit & !bit | if lit { bit } else { 0 };
+            *before = laser.ignored_count;
+        }
     }
 
     /// What was late or took too long, while the replies of these entries wait.
@@ -360,6 +396,7 @@ impl<'a> Program<'a> {
     /// Renews the numbers of what was executed.
     pub fn renew<const AXES: usize>(&mut self, view: &View<AXES>) {
         [&mut self.run, &mut self.end, &mut self.dropping].into_iter().flatten().for_each(|seq| renew(view, seq));
+        self.pauses.renew(view);
     }
 
     /// As if so many entries more had gone through the lane.
@@ -377,8 +414,7 @@ impl<'a> Program<'a> {
         self.urgent = false;
         if self.runs(view) {
             self.clock = view.now.0.saturating_sub(view.script_zero.0);
-            self.instant = self.instant.max(view.script.0);
-            self.waits &= self.lane.in_flight();
+            self.instant = self.pauses.resolve(view, self.instant, || self.lane.changes());
         }
         let mut progress = false;
         if self.drop_due {

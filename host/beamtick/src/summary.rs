@@ -100,10 +100,12 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
             Err(error) => return Err(error.into()),
         }
     }
+    let mut faults = Vec::new();
     for channel in lasers(&run.source.job, version) {
         let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
         let end = if run.report.lit.contains(&channel) { "; was on when the script ended: shut off" } else { "" };
         say!("  laser {channel}: {}{end}", laser(&state));
+        faults.push((channel, state.fault.get()));
     }
     limited(run)?;
     for (dry, least) in &run.report.streams {
@@ -129,7 +131,7 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         None if !run.source.job.axes.is_empty() => say!("  peak velocities are shown with --trace, --vcd or --plot"),
         None => {}
     }
-    taken(run).map_or(Ok(()), |text| Err(Failure::Job(text)))
+    taken(run, &faults).map_or(Ok(()), |text| Err(Failure::Job(text)))
 }
 
 /// Where a rate that followed something reached the pulse width: how often, and when first after power-on.
@@ -154,12 +156,25 @@ fn limited(run: &Run<'_>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What took light from the job, if anything did.
-fn taken(run: &Run<'_>) -> Option<String> {
+/// The cause of a tick that took too long.
+const OVERRUN: i16 = 3;
+
+/// What took light from the job, if anything did. `faults` are the causes that keep its lasers dark now, by channel.
+fn taken(run: &Run<'_>, faults: &[(u8, i16)]) -> Option<String> {
     let (progress, report) = (run.progress, run.report);
-    let used = lasers(&run.source.job, run.client.version());
-    let dark: Vec<String> =
-        used.filter(|channel| progress.darkened() >> channel & 1 == 1).map(|channel| channel.to_string()).collect();
+    let lost = faults.iter().filter(|(channel, _)| progress.darkened() >> channel & 1 == 1);
+    let (overran, other): (Vec<_>, Vec<_>) = lost.partition(|(_, cause)| *cause == OVERRUN);
+    if let Some((channel, cause)) = other.first() {
+        let cause = match cause {
+            0 => "a fault, which was cleared since",
+            cause => laser_cause(*cause),
+        };
+        return Some(format!(
+            "{}: {cause}: laser {channel} was kept dark, and light that the job asks for is missing",
+            run.source.name
+        ));
+    }
+    let dark: Vec<String> = overran.iter().map(|(channel, _)| channel.to_string()).collect();
     let place = |entry: Option<u32>| entry.map_or(String::new(), |entry| format!(" after {}", report.place(entry)));
     // One at the end, which is dark anyway, takes nothing.
     let during = progress.overran.is_some_and(|entry| report.is_scripted(entry));

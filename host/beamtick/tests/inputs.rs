@@ -136,7 +136,9 @@ short cause; GT_GetLaserFault(0, &cause);
     let folder = folder(job, "t_ms,input,level\n20,interlock,1\n30,interlock,0\n");
     let arguments = ["sim", "job.gts", "--inputs", "in.csv", "--trace", "t.csv"];
     let (out, errors, code) = beamtick(folder.path(), &arguments);
-    assert_eq!(code, 0, "{out}{errors}");
+    assert_eq!(code, 1, "{out}{errors}");
+    let lost = "job.gts: the interlock or emergency-stop input is active: laser 0 was kept dark, and light that the job asks for";
+    assert!(errors.contains(lost), "{errors}");
     let gate = column(folder.path(), "laser0_gate");
     let lit: Vec<f64> = gate.iter().filter(|(_, gate)| *gate != 0.0).map(|(t, _)| *t).collect();
     assert_eq!(
@@ -145,6 +147,42 @@ short cause; GT_GetLaserFault(0, &cause);
         "dark from the tick of 20.5 ms on, also once the input is low again"
     );
     assert!(out.contains("GT_GetLaserFault cause = 1"), "{out}");
+}
+
+#[test]
+fn light_that_a_fault_keeps_from_a_job_is_no_success() {
+    // It was admitted before the interlock opened; its tick refuses it.
+    let job = "\
+GT_SetAxisMode(7, 1); GT_LaserOutFrq(20); GT_LaserPrfCmd(50);
+Sleep(100);
+GT_LaserOn(0);
+Sleep(100);
+";
+    let inputs = "t_ms,input,level\n20,interlock,1\n30,interlock,0\n";
+    let files = folder(job, inputs);
+    let (out, errors, code) = beamtick(files.path(), &["sim", "job.gts", "--inputs", "in.csv"]);
+    assert_eq!(code, 1, "{out}{errors}");
+    let told = "laser channel 0 is kept dark by a fault: the interlock or emergency-stop input is active";
+    assert!(errors.contains("job.gts:3") && errors.contains(told), "{errors}");
+    // The entries of a path meet a channel that is dark before it starts; a job that lights nothing there is none of that.
+    for (entries, expected) in [("GT_BufLaserOn(1); GT_LnXY(1, 200, 0, 10, 1); GT_BufLaserOff(1);", 1), ("", 0)] {
+        let job = format!(
+            "\
+TCrdPrm prm; memset(&prm, 0, sizeof(prm)); prm.dimension = 2; prm.profile[0] = 1; prm.profile[1] = 2; prm.synVelMax = 50; prm.synAccMax = 1;
+GT_SetAxisMode(7, 1); GT_LaserOutFrq(20); GT_LaserPrfCmd(50);
+GT_AxisOn(1); GT_AxisOn(2); GT_SetCrdPrm(1, &prm);
+GT_LnXY(1, 100, 0, 10, 1); {entries}
+Sleep(50);
+GT_CrdStart(1, 0);
+WaitStop(1, 0, 1);
+"
+        );
+        let files = folder(&job, inputs);
+        let (out, errors, code) = beamtick(files.path(), &["sim", "job.gts", "--inputs", "in.csv"]);
+        assert_eq!(code, expected, "{out}{errors}");
+        assert!(out.contains("KEPT DARK"), "{out}");
+        assert_eq!(errors.contains("light that the job asks for is missing"), expected == 1, "{errors}");
+    }
 }
 
 #[test]

@@ -103,7 +103,7 @@ impl Progress {
         self.queue.told & told::LATE_LIGHT != 0
     }
 
-    /// Laser channels that went dark because a servo tick took too long; bit 0 is channel 0.
+    /// Laser channels whose light a fault took, or kept from coming; bit 0 is channel 0.
     pub fn darkened(&self) -> u8 {
         self.queue.told >> told::DARK
     }

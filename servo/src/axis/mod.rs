@@ -258,7 +258,7 @@ impl AxisState {
         (self.shown.mode, self.crd) = (mode, None);
         self.profile.unready();
         self.shown.pt_state = 0;
-        self.shown.passes = 0;
+        (self.shown.passes, self.shown.fifo) = (0, 0);
         self.clear_data();
     }
 

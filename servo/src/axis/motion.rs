@@ -94,6 +94,10 @@ impl AxisState {
         if !self.runs || self.ending.is_brake() {
             return;
         }
+        // What begins on this very tick has not been seen to run, and does not move.
+        if self.shown.status & status::RUNNING == 0 {
+            return self.halt(next, reason);
+        }
         if let Some(follower) = self.profile.follower_mut() {
             follower.braking = Some(reason);
             return;

@@ -130,8 +130,8 @@ impl Channel {
         }
     }
 
-    /// Carries out a change; `at` lies in the interval that is planned next.
-    pub(super) fn change(&mut self, at: Ns, change: &Change) {
+    /// Carries out a change; `at` lies in the interval that is planned next. Whether it is an on command that a fault forbids.
+    pub(super) fn change(&mut self, at: Ns, change: &Change) -> bool {
         // What paths did at this instant before it comes first.
         self.attend(at);
         // What the other channel's mode brings along is no command of this one.
@@ -185,6 +185,7 @@ impl Channel {
             Change::Distance(distance) => self.law.set_distance(*distance),
             Change::Reset { family } => self.reset(at, *family),
         }
+        matches!(change, Change::Gate { on: true }) && self.owner.is_latched()
     }
 
     /// The owner takes a fact; the gate carries out what it orders.

@@ -277,12 +277,10 @@ impl Lasers {
             })
     }
 
-    /// Carries out a change at an instant of the interval that is planned next.
+    /// Carries out a change at an instant of the interval that is planned next. Whether it is an on command that a fault forbids.
     #[inline(never)]
-    pub(crate) fn change(&mut self, channel: u8, at: Ns, change: &Change) {
-        if let Some(channel) = self.channels.get_mut(channel as usize) {
-            channel.change(at, change);
-        }
+    pub(crate) fn change(&mut self, channel: u8, at: Ns, change: &Change) -> bool {
+        self.channels.get_mut(channel as usize).is_some_and(|channel| channel.change(at, change))
     }
 
     /// An entry of a path takes effect at an instant of the interval that is planned next: that of

@@ -192,6 +192,8 @@ pub enum Ignored {
     NoOutput = 2,
     /// An abort is in progress.
     Aborting = 3,
+    /// A fault keeps the channel dark.
+    Fault = 4,
 }
 
 /// See the module text.
@@ -242,6 +244,11 @@ impl Owner {
     /// Whether the gate is commanded on.
     pub(super) const fn is_lit(&self) -> bool {
         matches!(self.light, Light::On(_))
+    }
+
+    /// Whether a fault keeps the channel dark.
+    pub(super) fn is_latched(&self) -> bool {
+        self.latch != Latch::None
     }
 
     /// The coordinate systems whose light is on, or would come back with their CrdStart.
@@ -348,7 +355,7 @@ impl Owner {
 
     fn command_on(&mut self) -> Order {
         match self.light {
-            _ if self.latch != Latch::None => Order::Keep,
+            _ if self.is_latched() => Order::Ignored(Ignored::Fault),
             _ if self.aborting => Order::Ignored(Ignored::Aborting),
             _ if !self.output => Order::Ignored(Ignored::NoOutput),
             Light::On(Who::Path(_)) => Order::Keep,
@@ -360,8 +367,11 @@ impl Owner {
     }
 
     fn entry_on(&mut self, crd: Crd) -> Order {
-        if self.latch != Latch::None || self.dead.has(crd) || self.vetoed && self.stopping.has(crd) {
+        if self.dead.has(crd) || self.vetoed && self.stopping.has(crd) {
             return Order::Keep;
+        }
+        if self.is_latched() {
+            return Order::Ignored(Ignored::Fault);
         }
         if self.aborting {
             return Order::Ignored(Ignored::Aborting);

@@ -227,7 +227,7 @@ pub fn map<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserCrdMap) -> Admi
     let map = before & !own | given << (core as u8 * case.site.profile.crds_per_core);
     let seen = &case.view.lasers[usize::from(channel).min(CHANNELS - 1)];
     for crd in CrdMask((before | map) & own).crds() {
-        let ahead = !case.decided && case.crd_book(crd).may_be_stopped(case.view);
+        let ahead = !case.due.decided && case.crd_book(crd).may_be_stopped(case.view);
         if ahead || case.crd_may_run(crd) || seen.owners.has(crd) {
             return Err(case.no_crd(Reason::LaserMapInUse, crd).got(channel.into()));
         }
