@@ -9,11 +9,14 @@
 #![allow(missing_docs, reason = "fields and variants have the manuals' names")]
 mod axis;
 mod call;
+#[path = "../../servo/tests/chance/mod.rs"]
+pub mod chance;
 mod controller;
 mod crd;
 mod curve;
 mod effect;
 mod follow;
+pub mod generator;
 mod number;
 mod path;
 mod pt;

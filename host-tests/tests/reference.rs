@@ -3,18 +3,14 @@
 //! `REFERENCE_PROGRAMS` sets how many programs there are, `REFERENCE_SEED` the first one's number, `REFERENCE_CALLS` how
 //! many calls a program has at most, `REFERENCE_FINDINGS` how many programs that differ are told of before it gives up.
 //! A finding is shrunk and printed as a job.
-#[path = "../../servo/tests/chance/mod.rs"]
-mod chance;
 #[path = "reference/found.rs"]
 mod found;
-#[path = "reference/generator.rs"]
-mod generator;
 #[path = "reference/judge.rs"]
 mod judge;
 #[path = "reference/machine.rs"]
 mod machine;
 
-use host_tests::reference::Site;
+use host_tests::reference::{Site, generator};
 use judge::{Tally, finding};
 use machine::Rig;
 use std::sync::Mutex;

@@ -1,6 +1,6 @@
 //! Outputs and inputs by calls.
 use super::Making;
-use host_tests::reference::{Call, Effect};
+use crate::reference::{Call, Effect};
 
 impl Making<'_> {
     pub(super) fn outputs(&mut self) {

@@ -1,6 +1,6 @@
 //! FollowEx: segments with entries between them, switches at once, loops, FIFOs exactly full; and encoders as masters.
 use super::{Does, Making};
-use host_tests::reference::{Call, Datum, Effect, Item};
+use crate::reference::{Call, Datum, Effect, Item};
 
 /// Programs set these inputs and outputs only.
 const PLACES: u64 = 6;
@@ -70,7 +70,7 @@ impl Making<'_> {
         self.rest(axis);
         let dir = self.pick(&[0, 0, 1, -1]);
         if self.does[axis] != Does::FollowEx(dir) {
-            self.plain(host_tests::reference::Kind::PrfTrap, axis);
+            self.plain(crate::reference::Kind::PrfTrap, axis);
         }
         let kind = self.master_kind();
         self.counted[axis] = kind == 1;
@@ -160,7 +160,7 @@ impl Making<'_> {
             self.calls.push(Call::WaitStop { mask: 1 << axis });
         }
         self.sleep(2);
-        self.plain(host_tests::reference::Kind::PrfTrap, axis);
+        self.plain(crate::reference::Kind::PrfTrap, axis);
         let dir = self.pick(&[0, 1, -1]);
         self.ex(Call::PrfFollow { axis, dir });
         self.ex(Call::SetFollowMaster { axis, master, kind: 2 });
@@ -191,7 +191,7 @@ impl Making<'_> {
         let master = (axis + 1) % self.site.axes.len();
         self.rest(axis);
         let dir = self.pick(&[0, 1, -1]);
-        self.plain(host_tests::reference::Kind::PrfTrap, axis);
+        self.plain(crate::reference::Kind::PrfTrap, axis);
         self.calls.push(Call::PrfFollow { axis, dir });
         self.calls.push(Call::SetFollowMaster { axis, master, kind: 1 });
         self.counted[axis] = true;

@@ -1,7 +1,7 @@
 //! Coordinate systems: set up, filled, started, stopped, gone on with, and what is asked of them on the way.
 use super::{Does, Making};
-use host_tests::path_model::Plane;
-use host_tests::reference::{Call, Kind, Path, PathCall, Round, Speeds};
+use crate::path_model::Plane;
+use crate::reference::{Call, Kind, Path, PathCall, Round, Speeds};
 
 /// A coordinate system as it was set up.
 #[derive(Debug, Clone)]

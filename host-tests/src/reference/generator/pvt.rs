@@ -1,6 +1,6 @@
 //! PVT tables of every kind.
 use super::{Does, Making};
-use host_tests::reference::{Call, Kind, Points};
+use crate::reference::{Call, Kind, Points};
 
 impl Making<'_> {
     /// A new table of any kind for the core of an axis; its number.

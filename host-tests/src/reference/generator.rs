@@ -1,14 +1,10 @@
 //! Programs as users write them: set up, move, stop, zero, change the mode, go again, and now and then any call anywhere.
 use super::chance::Chance;
-use host_tests::reference::{Call, Datum, Kind, Site};
+use super::{Call, Datum, Kind, Site};
 
-#[path = "generator/follow_ex.rs"]
 mod follow_ex;
-#[path = "generator/outputs.rs"]
 mod outputs;
-#[path = "generator/paths.rs"]
 mod paths;
-#[path = "generator/pvt.rs"]
 mod pvt;
 
 const MS: i64 = 1_000_000;
