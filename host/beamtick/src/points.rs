@@ -28,12 +28,26 @@ fn configurations(call: Call) -> Vec<Call> {
     items.chunks(each * size_of::<ConfigItem>()).map(record).collect()
 }
 
+/// A call whose items go in one message. More than a message holds are more than its count may be: those that fit go along, and
+/// the controller refuses the count.
+fn whole(mut call: Call) -> Call {
+    if let Some(command) = info(call.opcode)
+        && let item @ 1.. = widths(command.items)
+        && call.payload.len() > BODY_MAX
+    {
+        let head = widths(command.fields);
+        let room = ITEM_BYTES.min(BODY_MAX.saturating_sub(head));
+        call.payload.truncate(head + room / item * item);
+    }
+    call
+}
+
 /// The records of a call.
 pub fn records(call: Call) -> Vec<Call> {
     if call.opcode == LoadConfig::OPCODE {
         return configurations(call);
     }
-    let Some((head, point, first)) = layout(call.opcode) else { return vec![call] };
+    let Some((head, point, first)) = layout(call.opcode) else { return vec![whole(call)] };
     let Some((head, points)) = call.payload.split_at_checked(head) else { return vec![call] };
     // What a long head leaves of a message.
     let room = ITEM_BYTES.min(BODY_MAX.saturating_sub(head.len()));
@@ -54,7 +68,8 @@ pub fn records(call: Call) -> Vec<Call> {
 mod tests {
     use super::*;
     use protocol::command::{
-        LaserDisValue, PvtContinuousCalculate, PvtContinuousPoint, PvtPoint, PvtTable, Request, SetLaserDisTable2D,
+        LaserDisValue, PvtContinuousCalculate, PvtContinuousPoint, PvtPoint, PvtTable, Request, SetDac,
+        SetLaserDisTable2D, Short,
     };
     use zerocopy::FromBytes;
 
@@ -83,6 +98,20 @@ mod tests {
             }
         }
         assert_eq!(tables, 10);
+    }
+
+    #[test]
+    fn items_of_one_message_are_those_that_fit() {
+        let values = vec![Short { value: 7.into() }; 1024];
+        let head = |count: u16| SetDac { core: 1.into(), dac: 1.into(), count: count.into() };
+        let long = Call::with_items(head(1024), &values);
+        let found = records(long);
+        assert_eq!(found.len(), 1);
+        assert!(found[0].payload.len() <= BODY_MAX, "{} bytes", found[0].payload.len());
+        let (head, rest) = SetDac::read_from_prefix(&found[0].payload).unwrap();
+        assert_eq!((head.count.get(), rest.len() % size_of::<Short>()), (1024, 0));
+        let short = Call::with_items(head(8), &values[..8]);
+        assert_eq!(records(short.clone()), [short]);
     }
 
     #[test]

@@ -4,7 +4,12 @@
 //! The controller's time passes in calls of C and Python, and not in those of a job. So each call is followed by a pause, what a call
 //! gives may not depend on when it is made, and traces are compared without the rows in which nothing changes.
 
+mod chosen;
+mod listing;
+mod player;
 mod program;
+mod random;
+mod rules;
 mod text;
 #[path = "../../../gts/tests/toolchain/mod.rs"]
 mod toolchain;
@@ -67,12 +72,14 @@ struct Table(BTreeMap<&'static str, [(u32, u32); 4]>);
 
 impl Table {
     fn count(&mut self, door: usize, steps: &[Step], run: &Run) {
-        for (step, answer) in steps.iter().zip(&run.answers) {
-            if let Step::Call(call) = step {
-                let row = self.0.entry(call.function.name).or_default();
-                row[door].0 += 1;
-                row[door].1 += u32::from(answer.code == 0);
-            }
+        steps.iter().zip(&run.answers).for_each(|(step, answer)| self.note(door, step, answer.code));
+    }
+
+    fn note(&mut self, door: usize, step: &Step, code: i32) {
+        if let Step::Call(call) = step {
+            let row = self.0.entry(call.function.name).or_default();
+            row[door].0 += 1;
+            row[door].1 += u32::from(code == 0);
         }
     }
 }

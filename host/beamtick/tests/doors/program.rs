@@ -21,6 +21,8 @@ pub enum Value {
 #[derive(Debug, Clone)]
 pub struct Call {
     pub function: &'static Function,
+    /// The core of `GTN_`; nothing: it is called as `GT_`.
+    pub core: Option<i16>,
     pub values: Vec<Value>,
 }
 
@@ -28,6 +30,11 @@ pub struct Call {
 pub enum Step {
     Call(Call),
     Sleep(u32),
+    /// Until these axes of a core are at rest, or for so long as [`crate::player::PATIENCE_MS`] says.
+    Wait {
+        core: i16,
+        axes: u32,
+    },
 }
 
 impl Call {
@@ -122,7 +129,7 @@ fn step(line: &str) -> Step {
         rest = rest[end..].trim_start();
     }
     assert_eq!(values.len(), function.params.len(), "{line}: every parameter of the table has a value");
-    Step::Call(Call { function, values })
+    Step::Call(Call { function, core: None, values })
 }
 
 fn words(text: &str) -> Vec<String> {

@@ -1,5 +1,6 @@
 //! The doors that take a text: a job, a program in C, a program in Python.
 
+use crate::player::Programme;
 use crate::program::{Call, Step, Value, format_of};
 use crate::toolchain::{self, Language};
 use crate::{Answer, Run, Trace};
@@ -20,6 +21,7 @@ pub fn job(name: &str, family: &str, steps: &[Step]) -> Run {
     for (number, step) in steps.iter().enumerate() {
         match step {
             Step::Sleep(ms) => _ = writeln!(text, "Sleep({ms});"),
+            Step::Wait { .. } => unreachable!("descriptions have none"),
             Step::Call(call) => {
                 let given = job_values(number, call, &mut text);
                 lines.insert(text.lines().count() + 1, number);
@@ -37,7 +39,67 @@ pub fn job(name: &str, family: &str, steps: &[Step]) -> Run {
     let (said, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     let failure = errors.find("\nerror").or_else(|| errors.find("Error: ")).unwrap_or(0);
     assert!(output.status.success(), "{name}: {}", &errors[failure..]);
-    let mut answers: Vec<Answer> = steps.iter().map(|_| Answer::default()).collect();
+    let answers = job_answers(steps.len(), &lines, &said, &errors);
+    Run { answers, trace: Trace::read(&trace) }
+}
+
+/// Runs a program as a job that makes each call at the tick at which another door made it: `ticks`, and one for the end.
+/// Calls of `left_out` are not made.
+pub fn scheduled_job(
+    name: &str,
+    programme: &Programme,
+    ticks: &[u32],
+    left_out: &[usize],
+    trace: &Path,
+) -> Result<Vec<Answer>, String> {
+    let mut text = format!("#pragma continue\n#pragma tick {}\nshort rtn;\n", programme.tick_us);
+    let mut lines = HashMap::new();
+    // Halves of ticks, so that no call stands on a boundary.
+    let tick_us = f64::from(programme.tick_us);
+    let (mut clock, mut count) = (0u64, 3);
+    for (number, (step, tick)) in programme.steps.iter().map(Some).chain([None]).zip(ticks).enumerate() {
+        let reads = matches!(step, Some(Step::Call(call)) if call.function.reads);
+        let due = 2 * u64::from(tick - ticks[0]) + LEAD - 2 * u64::from(reads);
+        let _ = writeln!(text, "Sleep({});", (due - clock) as f64 * tick_us / 2000.0);
+        (clock, count) = (due, count + 1);
+        if let Some(Step::Call(call)) = step
+            && !left_out.contains(&number)
+        {
+            let before = text.len();
+            let given = job_values(number, call, &mut text).join(", ");
+            count += text[before..].lines().count() + 1;
+            lines.insert(count, number);
+            let name = call.function.name;
+            let _ = match call.core {
+                None => writeln!(text, "rtn = GT_{name}({given});"),
+                Some(core) if given.is_empty() => writeln!(text, "rtn = GTN_{name}({core});"),
+                Some(core) => writeln!(text, "rtn = GTN_{name}({core}, {given});"),
+            };
+        }
+    }
+    let file = Temporary::new(root().join("examples").join(format!("doors-{name}.gts")), &text);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_beamtick"));
+    command.arg("sim").arg(&file.0).args(["--profile", programme.profile, "--family", programme.family, "--trace"]);
+    let output = command.arg(trace).output().unwrap();
+    let (said, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let kept = toolchain::scratch().join(format!("doors-{name}.gts"));
+    std::fs::write(&kept, &text).unwrap();
+    // A job that is late makes its calls at other ticks than the other doors.
+    let late = |line: &&str| line.contains(" late entries, the worst") || line.contains(" overruns");
+    let about = said.lines().find(late);
+    if !output.status.success() || about.is_some() {
+        let about = about.unwrap_or_default();
+        return Err(format!("{}: {about}{errors}", kept.display()));
+    }
+    Ok(job_answers(programme.steps.len(), &lines, &said, &errors))
+}
+
+/// Half ticks before the first call of a scheduled job.
+const LEAD: u64 = 41;
+
+/// What a job said of the calls in these lines.
+fn job_answers(steps: usize, lines: &HashMap<usize, usize>, said: &str, errors: &str) -> Vec<Answer> {
+    let mut answers: Vec<Answer> = (0..steps).map(|_| Answer::default()).collect();
     let line_of = |place: &str| -> Option<usize> {
         let (_, rest) = place.split_once(".gts:")?;
         rest.split(':').next()?.trim().parse().ok()
@@ -52,7 +114,7 @@ pub fn job(name: &str, family: &str, steps: &[Step]) -> Run {
     let mut code = None;
     for line in errors.lines() {
         if let Some((_, rest)) = line.split_once(" returned ")
-            && line.starts_with("Warning: GT_")
+            && line.starts_with("Warning: GT")
         {
             let (number, reason) = rest.split_once(": ").unwrap();
             code = Some((number.parse().unwrap(), reason.to_owned()));
@@ -63,7 +125,7 @@ pub fn job(name: &str, family: &str, steps: &[Step]) -> Run {
             (answers[*step].code, answers[*step].reason) = (code, reason);
         }
     }
-    Run { answers, trace: Trace::read(&trace) }
+    answers
 }
 
 /// A file that is removed at the end.
@@ -83,7 +145,7 @@ impl Drop for Temporary {
 }
 
 /// Numbers of a line; names of fields and marks between them are passed over.
-fn numbers(text: &str) -> Vec<f64> {
+pub fn numbers(text: &str) -> Vec<f64> {
     let number = |word: &str| match word.strip_prefix("0x") {
         Some(hex) => u32::from_str_radix(hex, 16).ok().map(f64::from),
         None => word.parse().ok(),
@@ -91,12 +153,12 @@ fn numbers(text: &str) -> Vec<f64> {
     text.split([' ', '/', ',']).filter_map(number).collect()
 }
 
-fn root() -> &'static Path {
+pub fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
 /// What stands between the parentheses; what must be declared goes into `text` before it.
-fn job_values(step: usize, call: &Call, text: &mut String) -> Vec<String> {
+pub fn job_values(step: usize, call: &Call, text: &mut String) -> Vec<String> {
     let mut given = Vec::new();
     for (place, (param, value)) in call.function.params.iter().zip(&call.values).enumerate() {
         let name = format!("v{step}_{place}");
@@ -155,6 +217,7 @@ pub fn c(name: &str, family: &str, steps: &[Step]) -> Option<Run> {
     for (number, step) in steps.iter().enumerate() {
         match step {
             Step::Sleep(ms) => _ = writeln!(text, "    Sleep({ms});"),
+            Step::Wait { .. } => unreachable!("descriptions have none"),
             Step::Call(call) => c_call(number, call, &mut text),
         }
     }
@@ -265,6 +328,7 @@ pub fn python(name: &str, family: &str, steps: &[Step]) -> Option<Run> {
     for (number, step) in steps.iter().enumerate() {
         match step {
             Step::Sleep(ms) => _ = writeln!(text, "gts.sleep({ms})"),
+            Step::Wait { .. } => unreachable!("descriptions have none"),
             Step::Call(call) => {
                 let given: Vec<String> =
                     call.function.params.iter().zip(&call.values).filter_map(python_value).collect();
@@ -285,7 +349,7 @@ pub fn python(name: &str, family: &str, steps: &[Step]) -> Option<Run> {
 }
 
 /// What Python has in this place; what a call fills, and what the library works in, it has not.
-fn python_value((param, value): (&Param, &Value)) -> Option<String> {
+pub fn python_value((param, value): (&Param, &Value)) -> Option<String> {
     if matches!(param.pass, Pass::Out | Pass::OutStruct(_) | Pass::Working) {
         return None;
     }

@@ -1,5 +1,6 @@
 //! The door without a client: records, written here by the table of docs/protocol.md, in frames of the link's own end.
 
+use crate::player::{Programme, Told};
 use crate::program::{Call, Step, Value};
 use crate::text::PAUSE_MS;
 use crate::{Answer, Run, Trace};
@@ -9,23 +10,25 @@ use protocol::link::{Endpoint, Identity, Role, State};
 use protocol::reason::{Refusal, describe_opcode};
 use std::path::Path;
 use trace::{CsvWriter, Item, Reader};
-use virtual_board::{Board, Config};
+use virtual_board::{Config, Controller, Memory};
 use zerocopy::FromBytes;
 
 /// Bytes of items that this door puts into a message.
 const ITEM_BYTES: usize = 960;
 
-struct Wire {
-    board: Board,
+struct Wire<'m> {
+    board: Controller<'m>,
     end: Endpoint<8>,
     tag: u16,
     rows: Vec<u8>,
+    /// Ticks that have passed.
+    ticks: u64,
 }
 
-impl Wire {
-    fn open() -> Wire {
-        let (board, end) = (Board::new(Config::default()), Endpoint::new(Role::Client, Identity::OURS));
-        let mut wire = Wire { board, end, tag: 0, rows: Vec::new() };
+impl<'m> Wire<'m> {
+    fn open(memory: &'m mut Memory) -> Wire<'m> {
+        let (board, end) = (Controller::on(memory), Endpoint::new(Role::Client, Identity::OURS));
+        let mut wire = Wire { board, end, tag: 0, rows: Vec::new(), ticks: 0 };
         wire.end.open(wire.board.now(), 77);
         while wire.end.state() != State::Open {
             wire.turn();
@@ -44,6 +47,7 @@ impl Wire {
         self.board.advance(period, &mut back);
         self.end.feed(self.board.now(), &back);
         self.board.take_trace(&mut self.rows);
+        self.ticks += 1;
     }
 
     fn sleep(&mut self, ms: u32) {
@@ -59,24 +63,44 @@ impl Wire {
     }
 
     fn record(&mut self, lane: u8, opcode: u16, body: &[u8]) -> (i16, Vec<u8>) {
-        self.tag = self.tag.wrapping_add(1);
-        let mut record = Vec::new();
-        for number in [opcode, self.tag, u16::try_from(body.len()).unwrap()] {
-            record.extend(number.to_le_bytes());
-        }
-        record.push(lane);
-        record.extend(body);
-        self.end.send(&record).unwrap();
-        loop {
+        self.records(lane, opcode, &[body.to_vec()]).remove(0)
+    }
+
+    /// The replies to records that go as they find room, without waiting for each other's replies.
+    fn records(&mut self, lane: u8, opcode: u16, bodies: &[Vec<u8>]) -> Vec<(i16, Vec<u8>)> {
+        let first = self.tag.wrapping_add(1);
+        let (mut waiting, mut replies) = (bodies.iter(), Vec::new());
+        let mut next = waiting.next();
+        while replies.len() < bodies.len() {
+            while let Some(body) = next {
+                let mut record = Vec::new();
+                for number in [opcode, self.tag.wrapping_add(1), u16::try_from(body.len()).unwrap()] {
+                    record.extend(number.to_le_bytes());
+                }
+                record.push(lane);
+                record.extend(body);
+                if self.end.send(&record).is_err() {
+                    break;
+                }
+                self.tag = self.tag.wrapping_add(1);
+                next = waiting.next();
+            }
             self.turn();
-            if let Some(reply) = self.end.message() {
-                let word = |at: usize| u16::from_le_bytes([reply[at], reply[at + 1]]);
-                assert_eq!((word(0), word(2), usize::from(word(6))), (opcode, self.tag, reply.len() - 8));
-                let found = (word(4).cast_signed(), reply[8..].to_vec());
+            while let Some(reply) = self.end.message() {
+                let (mut rest, mut expected) = (reply, first.wrapping_add(replies.len() as u16));
+                // Replies to several records may lie in a message.
+                while !rest.is_empty() {
+                    let word = |at: usize| u16::from_le_bytes([rest[at], rest[at + 1]]);
+                    assert_eq!((word(0), word(2)), (opcode, expected));
+                    let length = usize::from(word(6));
+                    replies.push((word(4).cast_signed(), rest[8..8 + length].to_vec()));
+                    expected = expected.wrapping_add(1);
+                    rest = &rest[8 + length..];
+                }
                 self.end.done_with_message();
-                return found;
             }
         }
+        replies
     }
 
     fn call(&mut self, call: &Call) -> (Answer, Vec<f64>) {
@@ -92,8 +116,7 @@ impl Wire {
         let filled = filled.zip(outs(call.function)).filter(|((_, value), _)| **value == Value::Out);
         let mut columns: Vec<(usize, Vec<f64>)> =
             filled.filter_map(|(_, place)| place).map(|place| (place, Vec::new())).collect();
-        for body in requests {
-            let (code, reply) = self.ask(table.opcode, &body);
+        for (code, reply) in self.records(0, table.opcode, &requests) {
             if code != 0 {
                 let refusal = Refusal::read_from_bytes(&reply).unwrap();
                 let reason = describe_opcode(table.opcode, refusal).to_string();
@@ -120,17 +143,9 @@ impl Wire {
 
 /// Runs the steps. The values of each call are those of the parameters that it fills; beside them all those of its reply.
 pub fn wire(name: &str, family: &str, steps: &[Step]) -> (Run, Vec<Vec<f64>>) {
-    let mut wire = Wire::open();
-    let chosen = wire.ask(protocol::command::opcode::Choose, &[0, u8::from(family == "lsr")]);
-    assert_eq!(chosen.0, 0, "the family is chosen");
-    // Every tick, all axes, lasers and coordinate systems, on a stream of its own.
-    let mut trace = 1u32.to_le_bytes().to_vec();
-    trace.extend(0xFFu64.to_le_bytes());
-    trace.extend([3, 3, 0, 0]);
-    assert_eq!(wire.ask(protocol::command::opcode::Trace, &trace).0, 0, "a trace is asked for");
-    // It waits for a program, here of no entries.
-    assert_eq!(wire.ask(protocol::command::opcode::ProgramStart, &[0]).0, 0, "the trace begins");
-    assert_eq!(wire.record(1, protocol::command::opcode::ProgramEnd, &[]).0, 0, "the program ends");
+    let mut memory = Memory::new(Config::default());
+    let mut wire = Wire::open(&mut memory);
+    let trace = wire.begin(0, family, 0xFF, [3, 3]);
     let (mut answers, mut all) = (Vec::new(), Vec::new());
     for step in steps {
         let (answer, values) = match step {
@@ -143,16 +158,102 @@ pub fn wire(name: &str, family: &str, steps: &[Step]) -> (Run, Vec<Vec<f64>>) {
                 wire.sleep(PAUSE_MS);
                 found
             }
+            Step::Wait { .. } => unreachable!("descriptions have none"),
         };
         answers.push(answer);
         all.push(values);
     }
-    trace[..4].fill(0);
-    assert_eq!(wire.ask(protocol::command::opcode::Trace, &trace).0, 0, "the trace ends");
-    wire.sleep(20);
+    wire.finish(trace);
     let path = crate::toolchain::scratch().join(format!("{name}-{family}-wire.csv"));
     write(&wire.rows, &path);
     (Run { answers, trace: Trace::read(&path) }, all)
+}
+
+impl Wire<'_> {
+    /// Chooses profile and family and begins a trace of these axes, lasers and coordinate systems, every tick, on a stream
+    /// of its own.
+    fn begin(&mut self, profile: u8, family: &str, axes: u64, [lasers, crds]: [u8; 2]) -> Vec<u8> {
+        let chosen = self.ask(protocol::command::opcode::Choose, &[profile, u8::from(family == "lsr")]);
+        assert_eq!(chosen.0, 0, "the family is chosen");
+        let mut trace = 1u32.to_le_bytes().to_vec();
+        trace.extend(axes.to_le_bytes());
+        trace.extend([lasers, crds, 0, 0]);
+        assert_eq!(self.ask(protocol::command::opcode::Trace, &trace).0, 0, "a trace is asked for");
+        // It waits for a program, here of no entries.
+        assert_eq!(self.ask(protocol::command::opcode::ProgramStart, &[0]).0, 0, "the trace begins");
+        assert_eq!(self.record(1, protocol::command::opcode::ProgramEnd, &[]).0, 0, "the program ends");
+        trace
+    }
+
+    fn finish(&mut self, mut trace: Vec<u8>) {
+        trace[..4].fill(0);
+        assert_eq!(self.ask(protocol::command::opcode::Trace, &trace).0, 0, "the trace ends");
+        self.sleep(20);
+    }
+}
+
+/// Runs a program whose calls were made at these ticks through another door.
+pub fn scheduled(programme: &Programme, ticks: &[u32], path: &Path) -> Vec<(Told, Vec<f64>)> {
+    let (number, axes, profile) = match programme.profile {
+        "gus" => (0, 0xFF, 0),
+        _ => (1, 0xFFFF, 1),
+    };
+    let mut memory = Memory::new(Config { profile, ..Config::default() });
+    let mut wire = Wire::open(&mut memory);
+    let trace = wire.begin(number, programme.family, axes, if number == 0 { [3, 3] } else { [3, 15] });
+    let us = i32::try_from(programme.tick_us).unwrap().to_le_bytes();
+    assert_eq!(wire.ask(protocol::command::opcode::SetTick, &us).0, 0, "the tick is set");
+    wire.sleep(5);
+    let begin = wire.ticks;
+    let mut found = Vec::new();
+    for (step, tick) in programme.steps.iter().zip(ticks) {
+        let due = begin + u64::from(tick - ticks[0]);
+        while wire.ticks < due {
+            wire.turn();
+        }
+        let now = wire.ticks;
+        let (answer, all) = match step {
+            Step::Call(call) => wire.call(call),
+            _ => Default::default(),
+        };
+        if let Step::Call(call) = step
+            && let Some(wrong) = wire.is_output(call, &answer)
+        {
+            panic!("{wrong}");
+        }
+        let told = Told {
+            tick: ticks[0] + u32::try_from(now - begin).unwrap(),
+            code: answer.code,
+            values: answer.values,
+            reason: answer.reason,
+        };
+        found.push((told, all));
+    }
+    let end = begin + u64::from(ticks[ticks.len() - 1] - ticks[0]);
+    while wire.ticks < end {
+        wire.turn();
+    }
+    wire.finish(trace);
+    write(&wire.rows, path);
+    found
+}
+
+impl Wire<'_> {
+    /// What GetDac and GetDo tell is what the machine outputs (SPEC 4).
+    fn is_output(&self, call: &Call, answer: &Answer) -> Option<String> {
+        let outputs = self.board.outputs();
+        let expected: Vec<f64> = match (call.function.name, call.number("dac"), call.number("doType")) {
+            ("GetDac", Some(dac @ 1..), _) => {
+                outputs.analog.iter().skip(dac as usize - 1).map(|value| f64::from(*value)).collect()
+            }
+            ("GetDo", _, Some(12)) => vec![f64::from(outputs.general)],
+            _ => return None,
+        };
+        let differs = answer.code == 0 && answer.values.iter().zip(&expected).any(|(told, output)| told != output);
+        differs.then(|| {
+            format!("{:?} {:?}: {:?} is told, {expected:?} is output", call.function.name, call.values, answer.values)
+        })
+    }
 }
 
 fn write(rows: &[u8], path: &Path) {
@@ -289,8 +390,8 @@ fn requests(call: &Call) -> Result<Vec<Vec<u8>>, String> {
         let (mut body, mut values) = (Vec::new(), values.iter());
         for (name, of) in table.fields {
             match *name {
-                "core" => put(&mut body, of, "1"),
-                "form" => put(&mut body, of, "1"),
+                "core" => put(&mut body, of, &call.core.unwrap_or(1).to_string()),
+                "form" => put(&mut body, of, if call.core.is_some() { "0" } else { "1" }),
                 "first" => put(&mut body, of, &(number * part).to_string()),
                 name if name.ends_with("_given") => {
                     let told = call.function.params.iter().position(|param| Some(param.name) == call.function.told);
