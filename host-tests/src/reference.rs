@@ -9,6 +9,7 @@
 #![allow(missing_docs, reason = "fields and variants have the manuals' names")]
 mod axis;
 mod call;
+#[allow(clippy::should_implement_trait, reason = "numbers without an end are no iterator here")]
 #[path = "../../servo/tests/chance/mod.rs"]
 pub mod chance;
 mod controller;

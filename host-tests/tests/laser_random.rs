@@ -96,7 +96,8 @@ fn check(bench: &mut Bench, setups: &[Setup], number: u64) -> usize {
         if let Err(reason) = difference(&model, done, horizon, setup.wild) {
             let (job, reason) = shortest(bench, setup, job, period, horizon, plans, reason);
             panic!(
-                "job {number}, channel {channel}, {setup:?}, tick {period} ns, planned ahead {plans}: {reason}\n{}",
+                "found after {} programs: job {number}, channel {channel}, {setup:?}, tick {period} ns, planned ahead {plans}: {reason}\n{}",
+                number + 1,
                 listed(&job)
             );
         }

@@ -2,7 +2,7 @@
 //!
 //! `REFERENCE_PROGRAMS` sets how many programs there are, `REFERENCE_SEED` the first one's number, `REFERENCE_CALLS` how
 //! many calls a program has at most, `REFERENCE_FINDINGS` how many programs that differ are told of before it gives up.
-//! A finding is shrunk and printed as a job.
+//! A finding is shrunk and printed as a job. `REFERENCE_TABLE` names a file for how often each function was called.
 #[path = "reference/found.rs"]
 mod found;
 #[path = "reference/judge.rs"]
@@ -86,6 +86,13 @@ fn programs_agree_with_the_reference() {
     for (rule, count) in &tally {
         println!("{count:>9} {rule}");
     }
+    if let Some(path) = std::env::var_os("REFERENCE_TABLE") {
+        let row = |(what, tried): (&String, &u64)| {
+            let name = what.strip_prefix("tried ")?;
+            Some(format!("{name} {tried} {}\n", tally[&format!("done {name}")]))
+        };
+        std::fs::write(path, tally.iter().filter_map(row).collect::<String>()).unwrap();
+    }
     let tried = |what: &str| tally.get(what).copied().unwrap_or(0);
     if reports.is_empty() && done >= 1000 {
         // So that the generator cannot rot unseen.
@@ -95,7 +102,8 @@ fn programs_agree_with_the_reference() {
         let open: u64 = tally.iter().filter(|(what, _)| what.starts_with("cut short")).map(|(_, count)| count).sum();
         assert!(open * 2 < done, "{open} of {done} programs were cut short");
     }
-    let told: String = reports.iter().map(|(after, report)| format!("after {after} programs, {report}\n")).collect();
+    let told: String =
+        reports.iter().map(|(after, report)| format!("found after {after} programs: {report}\n")).collect();
     assert!(reports.is_empty(), "{} of {done} programs differ:\n{told}", reports.len());
 }
 

@@ -6,6 +6,7 @@
 mod board;
 mod checks;
 mod demo;
+mod doors;
 mod floats;
 mod fuzz;
 mod image;
@@ -42,7 +43,8 @@ cargo xtask COMMAND
                   mixed work for 10^9 ticks, or as many as are given, in the virtual controller (about 15 minutes)
   mutants [NAME]  breaks the code on purpose, place by place, and sees that the tests fail
   mutants --check sees that every place is still there
-  planted [NAME]  plants faults of light, and counts in how many programs the judge of light finds each
+  planted [NAME]  plants faults that were found, and counts in how many random programs each is found
+  doors           runs 1,000 random programs through every door and writes the table of docs/doors.md
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
         ["planted", name] => mutants::plant(name),
         ["mutants", "--check"] => mutants::check(),
         ["mutants", name] => mutants::run(name),
+        ["doors"] => doors::write(),
         ["proofs"] => proofs::run(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",

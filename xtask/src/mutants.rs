@@ -5,6 +5,7 @@
 //! the tree under `target/mutants`, so that the checkout stays as it is. The tests must pass in that copy before anything
 //! is broken, or their failures would say nothing. A mutant of `firmware/` or `hal/` is seen by tests in QEMU, of its image, or by
 //! those of the reference board's image in emulation.
+mod found;
 mod light;
 mod list;
 mod planted;
@@ -71,7 +72,7 @@ pub fn check() -> Outcome {
     Err(format!("{}\nthe text has changed: bring the lists in xtask/src/mutants up to date", wrong.join("\n")))
 }
 
-/// Plants the faults that the judge of light must find, those whose name holds `only`.
+/// Plants the faults that random programs must find, those whose name holds `only`.
 pub fn plant(only: &str) -> Outcome {
     check()?;
     planted::run(only)

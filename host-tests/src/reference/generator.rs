@@ -157,6 +157,7 @@ impl Making<'_> {
             15 => self.stop(),
             16 => self.read(axis),
             17 => self.any(axis),
+            18 if self.one_in(4) => self.burst(),
             _ => {}
         }
         match self.below(16) {
@@ -301,6 +302,31 @@ impl Making<'_> {
             }
             self.sleep(2);
         }
+    }
+
+    /// As much set-up as a tick of 100 µs carries out, and starts side by side at its end.
+    fn burst(&mut self) {
+        let axes = [0, 1];
+        for axis in axes {
+            self.calls.push(Call::Stop { mask: 1 << axis, abrupt: 1 << axis });
+            self.calls.push(Call::WaitStop { mask: 1 << axis });
+        }
+        self.sleep(3);
+        for axis in axes {
+            self.plain(Kind::PrfTrap, axis);
+            let (acc, dec, vel) = (self.rate(), self.rate(), self.speed());
+            self.calls.push(Call::SetTrapPrm { axis, acc, dec });
+            self.calls.push(Call::SetVel { axis, vel });
+            self.does[axis] = Does::Trap;
+        }
+        for number in 0..50 + self.below(30) as usize {
+            let pos = 1 + self.below(900) as i32;
+            self.calls.push(Call::SetPos { axis: axes[number & 1], pos });
+        }
+        for axis in axes {
+            self.calls.push(Call::Update { mask: 1 << axis });
+        }
+        self.sleep(9);
     }
 
     /// A master that is planned again while it brakes.

@@ -1,6 +1,8 @@
 //! A program on both, and what differs; a program that differs is made as short as it can be.
 use super::machine::{Got, Rig, Told, fixed, got};
 use host_tests::reference::{Call, Controller, Fix, Levels, Path, PathCall, Program, Reply, Site, Value};
+use servo::steps;
+use servo::units::Pos;
 use std::collections::BTreeMap;
 
 /// How often what.
@@ -10,6 +12,8 @@ pub type Tally = BTreeMap<String, u64>;
 const BITS: u32 = 0b0111_1111_0010;
 /// SPEC 11: 2⁻¹⁶ pulse.
 const BOUND: Fix = Fix(1 << 48);
+/// Half a pulse: a step output stands no further from where the axis is to be.
+const HALF: Fix = Fix(1 << 63);
 /// Ticks after the last call that are compared.
 const TAIL: usize = 8;
 /// No program lasts longer.
@@ -104,6 +108,9 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
             })
             .collect()
     };
+    // Where the step outputs stand: whole pulses.
+    let mut stands: Vec<i64> =
+        told.rows.first().map(|row| row.iter().map(|seen| steps::whole(Pos(seen.0))).collect()).unwrap_or_default();
     for tick in 0..end {
         let (mine, theirs) = (&program.outputs[tick].analog, &told.more[tick].analog);
         if mine[..8] != *theirs {
@@ -111,6 +118,16 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
         }
         for (axis, row) in program.rows[tick].iter().enumerate() {
             let (position, status) = told.rows[tick][axis];
+            stands[axis] += steps::between(Pos(told.rows[tick.max(1) - 1][axis].0), Pos(position));
+            if (Fix::whole(stands[axis]) - row.x).abs() > HALF + BOUND + row.slack {
+                return Err(format!(
+                    "at {} ms the step output of axis {axis} stands at {}, further than half a pulse from the reference's {}{}",
+                    ms(tick),
+                    stands[axis],
+                    row.x.to_f64(),
+                    around(tick, axis)
+                ));
+            }
             let apart = fixed(position) - row.x;
             if apart.abs() > BOUND + row.slack {
                 return Err(format!(
@@ -243,6 +260,14 @@ fn differs(rig: &mut Option<Rig>, site: &Site, tick_us: u32, calls: &[Call], tal
     count("ticks", program.rows.len() as u64);
     if told.late != 0 && told.answers.iter().all(|answer| answer.code == 0) {
         count("programs with late entries, though none was refused", 1);
+    }
+    if std::env::var_os("REFERENCE_TABLE").is_some() {
+        for (call, reply) in calls.iter().zip(&program.replies) {
+            let text = site.text(0, call);
+            let Some(name) = text.split("GTN_").nth(1).and_then(|rest| rest.split('(').next()) else { continue };
+            count(&format!("tried {name}"), 1);
+            count(&format!("done {name}"), matches!(reply, Reply::Done(_)).into());
+        }
     }
     for reply in &program.replies {
         match reply {

@@ -57,7 +57,7 @@ impl Watched {
             record.rows.push((at, row));
             let encoders = record.axes.iter().map(|&axis| board.encoder(axis)).collect();
             let outputs = board.outputs();
-            record.more.push(More { encoders, general: outputs.general, analog: outputs.analog });
+            record.more.push(More { encoders, general: outputs.general as u32, analog: outputs.analog });
             if came {
                 return;
             }

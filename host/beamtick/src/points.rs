@@ -108,8 +108,8 @@ mod tests {
         let found = records(long);
         assert_eq!(found.len(), 1);
         assert!(found[0].payload.len() <= BODY_MAX, "{} bytes", found[0].payload.len());
-        let (head, rest) = SetDac::read_from_prefix(&found[0].payload).unwrap();
-        assert_eq!((head.count.get(), rest.len() % size_of::<Short>()), (1024, 0));
+        let (sent, rest) = SetDac::read_from_prefix(&found[0].payload).unwrap();
+        assert_eq!((sent.count.get(), rest.len() % size_of::<Short>()), (1024, 0));
         let short = Call::with_items(head(8), &values[..8]);
         assert_eq!(records(short.clone()), [short]);
     }

@@ -1,19 +1,63 @@
-//! Faults that the judge of light must find alone, each planted in a build of its own, and in how many random programs it does.
+//! Faults that random programs must find alone, each planted in a build of its own, and in how many of them they do.
 //!
-//! In: the list below. Out: a table; an error if one is not found, does not compile, or if its text is not in its place.
-//! They are those faults that programs from outside found, before the rules of SPEC 6 and 9 were revised.
+//! In: the list below and [`FOUND`]. Out: a table, also in `target/mutants/planted.md`; an error if one is not found, does not compile, or
+//! if its text is not in its place. Those below programs from outside found before the rules of SPEC 6 and 9 were revised.
+use super::found::FOUND;
 use super::{copy, replaced, write};
 use crate::shell::{self, Outcome, cargo, target};
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
-/// Within so many programs.
-const PROGRAMS: u32 = 20_000;
+/// Which random programs find it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum By {
+    /// The judge of light.
+    Light,
+    /// The reference controller, in exact arithmetic.
+    Reference,
+    /// The same program as a job, in C, in Python and as records.
+    Doors,
+    /// The exact model of a laser channel's edges.
+    Lasers,
+}
 
-/// A fault, and the places in which it is planted: file, text, and what stands there instead.
-struct Planted {
-    name: &'static str,
-    places: &'static [(&'static str, &'static str, &'static str)],
+impl By {
+    fn name(self) -> &'static str {
+        match self {
+            By::Light => "judge of light",
+            By::Reference => "reference",
+            By::Doors => "doors",
+            By::Lasers => "laser model",
+        }
+    }
+
+    /// Package, test file, its test, the variable of the number of programs, and within how many it must be found.
+    fn test(self) -> [&'static str; 5] {
+        match self {
+            By::Light => ["beamtick-host-tests", "light_judge", "", "LIGHT_PROGRAMS", "20000"],
+            By::Reference => ["beamtick-host-tests", "reference", "programs_agree", "REFERENCE_PROGRAMS", "50000"],
+            By::Doors => ["beamtick", "doors", "random_programs", "DOORS_PROGRAMS", "50000"],
+            By::Lasers => ["beamtick-host-tests", "laser_random", "every_edge", "LASER_JOBS", "50000"],
+        }
+    }
+
+    /// The test in a tree, built in a folder.
+    fn command(self, tree: &Path, folder: &Path) -> Command {
+        let [package, file, test, variable, programs] = self.test();
+        let mut command = cargo();
+        command.current_dir(tree).env("CARGO_TARGET_DIR", folder);
+        command.args(["test", "--release", "-p", package, "--test", file, "--", "--nocapture", test]);
+        command.envs([("LIGHT_PLANTED", "1"), ("LIGHT_SEED", "1"), (variable, programs)]);
+        command
+    }
+}
+
+/// A fault, who finds it, and the places in which it is planted: file, text, and what stands there instead.
+pub struct Planted {
+    pub name: &'static str,
+    pub by: By,
+    pub places: &'static [(&'static str, &'static str, &'static str)],
 }
 
 const OWNER: &str = "servo/src/laser/owner.rs";
@@ -21,21 +65,25 @@ const EXECUTE: &str = "servo/src/execute.rs";
 const DESK: &str = "dispatcher/src/desk.rs";
 const BOOKS: &str = "dispatcher/src/books.rs";
 
-const PLANTED: &[Planted] = &[
+const LIGHT: &[Planted] = &[
     Planted {
         name: "on entries live on through an Abort",
+        by: By::Light,
         places: &[(OWNER, "self.dead.0 |= self.running.0;", "self.dead.0 |= 0;")],
     },
     Planted {
         name: "an immediate off does not hold while the path brakes",
+        by: By::Light,
         places: &[(OWNER, " || self.vetoed && self.stopping.has(crd)", "")],
     },
     Planted {
         name: "an entry lights a channel that is not mapped",
+        by: By::Light,
         places: &[(OWNER, "Fact::Entry { run, .. } if !self.map.has(run.crd) =>", "Fact::Entry { .. } if false =>")],
     },
     Planted {
         name: "a map may be changed during a mark",
+        by: By::Light,
         places: &[(
             "dispatcher/src/admit/laser/mod.rs",
             "if ahead || case.crd_may_run(crd) || seen.owners.has(crd) {",
@@ -44,6 +92,7 @@ const PLANTED: &[Planted] = &[
     },
     Planted {
         name: "a redundant on command takes the light over",
+        by: By::Light,
         places: &[(
             OWNER,
             "            Light::On(Who::Path(_)) => Order::Keep,\n            Light::Off | Light::On(Who::Call)",
@@ -52,10 +101,12 @@ const PLANTED: &[Planted] = &[
     },
     Planted {
         name: "light under a velocity follow lights at rest",
+        by: By::Light,
         places: &[(OWNER, "if self.follow.is_some_and(|crd| !self.running.has(crd)) {", "if false {")],
     },
     Planted {
         name: "a Stop shuts off the light of its own path only",
+        by: By::Light,
         places: &[(
             OWNER,
             "(Light::On(who), End::Stopped) if is_mapped => {",
@@ -64,6 +115,7 @@ const PLANTED: &[Planted] = &[
     },
     Planted {
         name: "an on command without an output is remembered",
+        by: By::Light,
         places: &[
             (OWNER, "_ if !self.output => Order::Ignored(Ignored::NoOutput),", "_ if false => Order::Keep,"),
             (OWNER, "        if !self.output {\n            return", "        if false {\n            return"),
@@ -71,14 +123,17 @@ const PLANTED: &[Planted] = &[
     },
     Planted {
         name: "an Abort, and so GT_Close, leaves light at rest",
+        by: By::Light,
         places: &[(EXECUTE, "                self.lasers.abort(next);\n", "")],
     },
     Planted {
         name: "a new session inherits light",
+        by: By::Light,
         places: &[(EXECUTE, "                self.lasers.new_session(next);\n", "")],
     },
     Planted {
         name: "the link-loss time outlives Reset and session",
+        by: By::Light,
         places: &[
             (BOOKS, "                self.watch = Watch::DEFAULT;\n", ""),
             (DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.ahead.watch;\n"),
@@ -86,14 +141,18 @@ const PLANTED: &[Planted] = &[
     },
     Planted {
         name: "the link-loss time outlives the session",
+        by: By::Light,
         places: &[(DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.ahead.watch;\n")],
     },
 ];
 
+fn all() -> impl Iterator<Item = &'static Planted> {
+    FOUND.iter().chain(LIGHT)
+}
+
 /// Every place is still there.
 pub fn check(root: &Path) -> Vec<String> {
-    PLANTED
-        .iter()
+    all()
         .flat_map(|fault| fault.places.iter().map(move |place| (fault, place)))
         .filter_map(|(fault, &(file, text, broken))| replaced(root, fault.name, file, (text, broken)).err())
         .collect()
@@ -101,7 +160,7 @@ pub fn check(root: &Path) -> Vec<String> {
 
 /// Plants those whose name holds `only`, one at a time, and asks the judge.
 pub fn run(only: &str) -> Outcome {
-    let chosen: Vec<&Planted> = PLANTED.iter().filter(|fault| fault.name.contains(only)).collect();
+    let chosen: Vec<&Planted> = all().filter(|fault| fault.name.contains(only)).collect();
     if chosen.is_empty() {
         return Err(format!("no planted fault is called {only}"));
     }
@@ -115,23 +174,33 @@ pub fn run(only: &str) -> Outcome {
             before.push((path.clone(), fs::read_to_string(&path).map_err(|e| format!("{file}: {e}"))?));
             write(&path, &replaced(&tree, fault.name, file, (text, broken))?)?;
         }
-        let mut test = cargo();
-        test.current_dir(&tree).env("CARGO_TARGET_DIR", &folder);
-        test.args(["test", "--release", "-p", "beamtick-host-tests", "--test", "light_judge", "--", "--nocapture"]);
-        test.envs([("LIGHT_PLANTED", "1"), ("LIGHT_PROGRAMS", &PROGRAMS.to_string()), ("LIGHT_SEED", "1")]);
+        let mut test = fault.by.command(&tree, &folder);
         let output = test.output().map_err(|e| format!("`{}`: {e}", shell::line(&test)));
         for (path, text) in &before {
             write(path, text)?;
         }
-        let said = String::from_utf8_lossy(&output?.stdout).into_owned();
-        let found = said.lines().find_map(|line| line.strip_prefix("found after ")?.strip_suffix(" programs:"));
-        let row = format!("| {} | {} |", fault.name, found.unwrap_or("NOT FOUND"));
+        let output = output?;
+        let said = [output.stdout, output.stderr].concat();
+        let found = within(&String::from_utf8_lossy(&said));
+        let row = format!("| {} | {} | {} |", fault.name, fault.by.name(), found.as_deref().unwrap_or("NOT FOUND"));
         println!("{row}");
+        write(&target().join("mutants").join("said.txt"), &String::from_utf8_lossy(&said))?;
         rows.push((found.is_some(), row));
+        let table: Vec<&str> = rows.iter().map(|(_, row)| row.as_str()).collect();
+        write(&target().join("mutants").join("planted.md"), &(table.join("\n") + "\n"))?;
     }
-    println!("\n| planted | found in program |\n| --- | --- |");
+    println!("\n| planted | found by | in program |\n| --- | --- | --- |");
     rows.iter().for_each(|(_, row)| println!("{row}"));
     let found = rows.iter().filter(|(found, _)| *found).count();
-    println!("{found} of {} found by the judge alone", rows.len());
-    if found == rows.len() { Ok(()) } else { Err("the judge does not find a planted fault".into()) }
+    println!("{found} of {} found by random programs alone", rows.len());
+    if found == rows.len() { Ok(()) } else { Err("a planted fault is not found".into()) }
+}
+
+/// The least number of programs after which a finding is told: `found after 12 programs`.
+fn within(said: &str) -> Option<String> {
+    let told = said.lines().filter_map(|line| {
+        let (_, rest) = line.split_once("found after ")?;
+        rest.split(' ').next()?.parse::<u64>().ok()
+    });
+    told.min().map(|programs| programs.to_string())
 }

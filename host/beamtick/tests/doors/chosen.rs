@@ -7,6 +7,7 @@ use crate::PROGRAMS;
 use crate::listing::Listing;
 use crate::player::Programme;
 use crate::program::{Call, Step, Value, read};
+use gts::prototype::{Form, prototype};
 use host_tests::reference::chance::Chance;
 use host_tests::reference::{Site, generator};
 use job::api::{Pass, Type};
@@ -55,14 +56,27 @@ pub fn programme(seed: u64, calls: usize) -> Programme {
     let mut streams = HashMap::new();
     steps.retain(|step| is_certain(&mut streams, step));
     let batches = !appends(&steps);
-    Programme { steps, tick_us, profile: site.profile, family, cores, batches }
+    Programme { steps, tick_us, profile: site.profile, family, cores, batches, rests: false }
 }
 
 fn with_core(steps: &mut Vec<Step>, more: Vec<Step>, core: Option<i16>) {
     steps.extend(more.into_iter().map(|step| match step {
-        Step::Call(call) => Step::Call(Call { core, ..call }),
+        Step::Call(call) if core.is_some() => Step::Call(in_gtn(Call { core, ..call })),
         other => other,
     }));
+}
+
+/// What the form with a core has no parameter for is the default.
+fn in_gtn(mut call: Call) -> Call {
+    let form = prototype(call.function, Form::Gtn);
+    for (param, value) in call.function.params.iter().zip(&mut call.values) {
+        if let (Pass::In(_), Some(default)) = (param.pass, param.default)
+            && !form.arguments.iter().any(|argument| argument.name == param.name)
+        {
+            *value = Value::Number(default.to_string());
+        }
+    }
+    call
 }
 
 /// An axis, of the first core, whose streams do not run dry.
@@ -162,6 +176,7 @@ fn extra(chance: &mut Chance, descriptions: &[Vec<Step>]) -> Vec<Step> {
         }
         3 => lengths(chance, descriptions),
         4 if chance.below(3) == 0 => laser(chance),
+        4 if chance.below(3) == 0 => vertex(chance),
         4 => outputs(chance),
         _ => vec![other(chance, &description[at])],
     };
@@ -177,7 +192,8 @@ fn extra(chance: &mut Chance, descriptions: &[Vec<Step>]) -> Vec<Step> {
 fn other(chance: &mut Chance, step: &Step) -> Step {
     let Step::Call(call) = step else { return step.clone() };
     let places: Vec<usize> = (0..call.values.len())
-        .filter(|place| matches!(call.values[*place], Value::Number(_)) && call.function.params[*place].name != "count")
+        .filter(|place| matches!(call.values[*place], Value::Number(_)))
+        .filter(|place| !["count", "size"].contains(&call.function.params[*place].name))
         .collect();
     let Some(place) = places.get(chance.below(places.len().max(1) as u64) as usize) else { return step.clone() };
     let Value::Number(text) = &call.values[*place] else { return step.clone() };
@@ -224,12 +240,25 @@ fn laser(chance: &mut Chance) -> Vec<Step> {
              sleep 8\nGetLaserFault 0 *\nGetLaserPower 0 *\nLaserOff 0"
         ),
         _ => format!(
-            "LaserPowerMode 2 10 0 0 0\nLaserPowerMode {first} 10 0 0 0\nLaserPowerMode 2 10 0 0 1\n\
-             LaserPowerMode {second} 10 0 0 1\nLaserOff 0\nLaserOff 1\nSetWaitPulseEx 1 5 8\nsleep 8\n\
+            "LaserPowerMode 2 10 0 0 0\nLaserPowerMode {first} 10 0 0 0\nLaserPowerMode 2 10 0 1 0\n\
+             LaserPowerMode {second} 10 0 1 0\nLaserOff 0\nLaserOff 1\nSetWaitPulseEx 1 5 8\nsleep 8\n\
              GetLaserFault 0 *\nGetLaserPower 0 *"
         ),
     };
     read(&format!("SetAxisMode 7 1\n{text}\nSetWaitPulseEx 0 0 0"))
+}
+
+/// Two lines of 400 pulses, 60 ms without a stop, and as many entries between them as a tick carries out.
+fn vertex(chance: &mut Chance) -> Vec<Step> {
+    let mut text = String::from(
+        "CrdClear 1 0\nSetCrdPrm 1 {dimension=2 profile=1,2 synVelMax=100 synAccMax=1}\nCrdClear 1 0\nSetOverride 1 1\n\
+         LnXY 1 400 0 20 1 20 0\n",
+    );
+    for _ in 0..9 + chance.below(22) {
+        text += &format!("BufIO 1 12 255 {} 0\n", chance.below(256));
+    }
+    text += "LnXY 1 800 0 20 1 0 0\nCrdStart 1 0\nsleep 66\nCrdStatus 1 * * 0";
+    read(&text)
 }
 
 /// Outputs by calls and from a path, and what is read of them.

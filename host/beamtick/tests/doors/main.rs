@@ -5,6 +5,7 @@
 //! gives may not depend on when it is made, and traces are compared without the rows in which nothing changes.
 
 mod chosen;
+mod lengths;
 mod listing;
 mod player;
 mod program;
@@ -18,6 +19,7 @@ mod wire;
 use job::api::{FUNCTIONS, Pass, Shape, Type};
 use program::{Call, Step, Value, is_timeless, read};
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::Path;
 
 /// The doors, in the order of the table.
@@ -77,10 +79,38 @@ impl Table {
 
     fn note(&mut self, door: usize, step: &Step, code: i32) {
         if let Step::Call(call) = step {
-            let row = self.0.entry(call.function.name).or_default();
-            row[door].0 += 1;
-            row[door].1 += u32::from(code == 0);
+            self.note_name(door, call.function.name, code);
+            if code != 0 {
+                // How a door tells why.
+                self.note_name(door, "GetLastReason", 0);
+            }
         }
+    }
+
+    fn note_name(&mut self, door: usize, name: &'static str, code: i32) {
+        let row = self.0.entry(name).or_default();
+        row[door].0 += 1;
+        row[door].1 += u32::from(code == 0);
+    }
+
+    /// Each door opens and closes for a program; a job has its tick from a pragma, or from `--tick-us`.
+    fn note_session(&mut self) {
+        for door in 0..DOORS.len() {
+            self.note_name(door, "Open", 0);
+            self.note_name(door, "Close", 0);
+        }
+        self.note_name(0, "SetTick", 0);
+    }
+
+    /// Adds the counts to the file that `DOORS_TABLE` names, for `cargo xtask doors`.
+    fn publish(&self) {
+        let Some(path) = std::env::var_os("DOORS_TABLE") else { return };
+        let row = |(name, row): (&&str, &[(u32, u32); 4])| {
+            format!("{name} {}\n", row.map(|(calls, done)| format!("{calls} {done}")).join(" "))
+        };
+        let text: String = self.0.iter().map(row).collect();
+        let mut file = std::fs::OpenOptions::new().append(true).create(true).open(path).unwrap();
+        file.write_all(text.as_bytes()).unwrap();
     }
 }
 
@@ -95,6 +125,7 @@ fn compare(name: &str, family: &str, steps: &[Step], table: &mut Table) -> Vec<S
     let job = text::job(name, family, steps);
     let runs = [&job, &c, &python, &wire];
     runs.iter().enumerate().for_each(|(door, run)| table.count(door, steps, run));
+    table.note_session();
     let mut differences = Vec::new();
     for (number, step) in steps.iter().enumerate() {
         let Step::Call(call) = step else { continue };
@@ -130,8 +161,10 @@ fn compare(name: &str, family: &str, steps: &[Step], table: &mut Table) -> Vec<S
         // What a job shows ends with what the reply ends with: the clock and the count before it are not shown.
         // Among the values of GetCaptureStatus is a clock.
         let timed = call.function.name == "GetCaptureStatus";
-        if shows && !timed && codes[0] == 0 && !padded(&all[number]).ends_with(job_values) {
-            differences.push(format!("step {number}: {}: job {job_values:?}, wire {:?}", shown(call), all[number]));
+        // Of what a reply of many fields says, these show one.
+        let reply = if call.function.tells_stop() { &wire.answers[number].values } else { &all[number] };
+        if shows && !timed && codes[0] == 0 && !padded(reply).ends_with(job_values) {
+            differences.push(format!("step {number}: {}: job {job_values:?}, wire {reply:?}", shown(call)));
         }
     }
     let names: Vec<String> =
@@ -175,12 +208,30 @@ fn calls() -> Vec<Call> {
 }
 
 /// Functions that have a request.
-/// What the wire knows by that name: what GetStopReason and GetCrdStopReason tell is a field of AxisStatus and CrdInfo there.
 fn functions() -> impl Iterator<Item = &'static str> {
-    FUNCTIONS
-        .iter()
-        .filter(|function| function.shape != Shape::Host && !function.tells_stop())
-        .map(|function| function.name)
+    FUNCTIONS.iter().filter(|function| function.shape != Shape::Host).map(|function| function.name)
+}
+
+/// Every function of the API has a row in docs/doors.md, and every door of it a number.
+#[test]
+fn the_page_of_doors_has_every_function_and_no_empty_cell() {
+    let page = std::fs::read_to_string(text::root().join("docs/doors.md")).unwrap();
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| `")?.split_once("` | "));
+    let rows: BTreeMap<&str, Vec<&str>> = rows.map(|(name, rest)| (name, rest.split('|').collect())).collect();
+    let missing: Vec<&str> =
+        FUNCTIONS.iter().map(|function| function.name).filter(|name| !rows.contains_key(name)).collect();
+    assert!(missing.is_empty(), "no row of {missing:?}; `cargo xtask doors` writes the page");
+    let unknown: Vec<&&str> = rows.keys().filter(|name| job::api::function(name).is_none()).collect();
+    assert!(unknown.is_empty(), "rows of no function: {unknown:?}");
+    for (name, cells) in &rows {
+        let doors = &cells[..DOORS.len()];
+        let tried = |cell: &str| {
+            let numbers: Vec<u64> = cell.split(',').filter_map(|number| number.trim().parse().ok()).collect();
+            matches!(numbers[..], [calls, done] if calls > 0 && done > 0)
+        };
+        assert!(doors.iter().all(|cell| tried(cell)), "{name}: {doors:?}");
+        assert!(!cells[DOORS.len()].trim().is_empty(), "{name}: nothing checks what it does");
+    }
 }
 
 #[test]
@@ -195,6 +246,7 @@ fn one_program_is_the_same_through_every_door() {
     if table.0.is_empty() {
         return;
     }
+    table.publish();
     println!("| function | {} |", DOORS.map(|door| format!("{door}: calls, done")).join(" | "));
     for name in functions() {
         let row = table.0.get(name).unwrap_or_else(|| panic!("{name} is called by no program"));
@@ -206,55 +258,13 @@ fn one_program_is_the_same_through_every_door() {
     }
 }
 
-/// Arrays and counts of 0, 1, a message and one more, the limit and one more.
-#[test]
-fn every_length_is_the_same_through_every_door() {
-    let mut table = Table::default();
-    let calls = calls();
-    let mut seen = Vec::new();
-    let (mut tables, mut reads) = (Vec::new(), Vec::new());
-    for call in &calls {
-        if seen.contains(&call.function.name) || !call.function.params.iter().any(|param| param.name == "count") {
-            continue;
-        }
-        seen.push(call.function.name);
-        let lists = call.function.params.iter().any(|param| matches!(param.pass, Pass::Many(..)));
-        let limit = match call.function.name {
-            name if name.starts_with("Pvt") && lists => servo::pvt::PLACES,
-            "SetLaserDisTable2D" => 32,
-            name if name.starts_with("SetLaser") => servo::laser::POINTS,
-            _ => 8,
-        };
-        let lengths = [0, 1, 2, 3, 8, 9, 20, 21, 40, 41, 42, 43, 60, 61, limit - 1, limit, limit + 1];
-        for length in lengths.into_iter().filter(|length| *length <= limit + 1) {
-            let steps = if lists { &mut tables } else { &mut reads };
-            // A job is refused before it runs: a test of its own.
-            if !(call.function.name == "PtStartPro" && length == 0) {
-                steps.push(Step::Call(call.of_length(length)));
-            }
-        }
-    }
-    assert!(seen.len() > 20, "{seen:?}");
-    let mut differences = compare("lengths", "gus", &tables, &mut table);
-    let mut follows = read("SetAxisMode 7 1\nLaserPowerMode 0 100 0 0 0\nSetLaserDisMode 1 0 [0 0 0 0] [1 1 1 1] 0");
-    follows.extend(
-        tables.iter().filter(|step| matches!(step, Step::Call(call) if call.function.name.contains("Laser"))).cloned(),
-    );
-    differences.extend(compare("lengths-follow", "gus", &follows, &mut table));
-    differences.extend(compare("reads", "gus", &reads, &mut table));
-    assert!(differences.is_empty(), "{}", differences.join("\n"));
-    for (name, row) in &table.0 {
-        println!("| {name} | {} |", row.map(|(calls, done)| format!("{calls}, {done}")).join(" | "));
-    }
-}
-
 /// Every function with each of its integers at the ends of its type, and with axes, channels and FIFOs that nobody has.
 #[test]
 fn every_integer_at_its_ends_is_the_same_through_every_door() {
     let mut table = Table::default();
     let mut seen = Vec::new();
     let mut steps = Vec::new();
-    // A count is a length: the test above. A tick is as long as it is asked for, and the time of all doors with it; and who says that
+    // A tick is as long as it is asked for, and the time of all doors with it; and who says that
     // silence may last 1 ms has lost the link at the next pause.
     for call in calls().iter().filter(|call| !["SetTick", "SetLinkLoss", "LoadConfig"].contains(&call.function.name)) {
         if seen.contains(&call.function.name) {
@@ -263,7 +273,8 @@ fn every_integer_at_its_ends_is_the_same_through_every_door() {
         seen.push(call.function.name);
         for (place, param) in call.function.params.iter().enumerate() {
             let ends: &[i64] = match param.pass {
-                Pass::In(_) if param.name == "count" => &[],
+                // A count is a length, and so is the room of a text, which Python makes itself.
+                Pass::In(_) if ["count", "size"].contains(&param.name) => &[],
                 Pass::In(Type::Short) => &[i16::MIN as i64, -1, 0, 1, 2, 8, 9, i16::MAX as i64],
                 Pass::In(Type::UShort) => &[0, 1, 2, 17, u16::MAX as i64],
                 Pass::In(Type::Long) => &[i32::MIN as i64, -1, 0, 1, i32::MAX as i64],
@@ -283,4 +294,5 @@ fn every_integer_at_its_ends_is_the_same_through_every_door() {
         .flat_map(|(number, part)| compare(&format!("ends{number}"), "gus", &[part, &end].concat(), &mut table))
         .collect();
     assert!(differences.is_empty(), "{}", differences.join("\n"));
+    table.publish();
 }

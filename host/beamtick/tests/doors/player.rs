@@ -24,6 +24,8 @@ pub struct Programme {
     pub cores: bool,
     /// PT data may travel in batches.
     pub batches: bool,
+    /// Nothing moves: what is full stays full, and a job does not wait for room.
+    pub rests: bool,
 }
 
 /// What a step gave; a step that is no call gives the tick alone.

@@ -47,7 +47,7 @@ impl Rows {
     }
 
     /// From the row before the first change on: ns since then, and the values of these columns.
-    fn from_change<'a>(&'a self, names: &[String]) -> Vec<(i64, Vec<&'a str>)> {
+    fn since_change<'a>(&'a self, names: &[String]) -> Vec<(i64, Vec<&'a str>)> {
         let places: Vec<usize> =
             names.iter().map(|name| self.names.iter().position(|own| own == name).unwrap()).collect();
         let values = |row: &'a Vec<String>| places.iter().map(|place| row[*place].as_str()).collect::<Vec<_>>();
@@ -104,9 +104,10 @@ fn answers(programme: &Programme, run: &Run) -> Option<(usize, String)> {
             let values = [&c[number].values, &python[number].values, &wired];
             return Some((number, format!("step {number}: {}: values of C, Python, wire: {values:?}", shown(call))));
         }
-        let mut all = run.all[number].clone();
+        // Of what a reply of many fields says, these show one.
+        let mut all = if call.function.tells_stop() { wired.clone() } else { run.all[number].clone() };
         all.resize(all.len() + missing, 0.0);
-        let told = all.ends_with(&job[number].values);
+        let told = all.ends_with(&job[number].values) || run.all[number].ends_with(&job[number].values);
         if shows && !timed && !run.left_out.contains(&number) && !told {
             return Some((
                 number,
@@ -142,7 +143,7 @@ fn traces(paths: &[PathBuf; 4]) -> Option<String> {
         .filter(|name| traces.iter().all(|trace| trace.names.contains(name)))
         .cloned()
         .collect();
-    let rows: Vec<_> = traces.iter().map(|trace| trace.from_change(&names)).collect();
+    let rows: Vec<_> = traces.iter().map(|trace| trace.since_change(&names)).collect();
     let length = rows.iter().map(Vec::len).min().unwrap().saturating_sub(END);
     let first = (0..length).find(|at| rows.iter().any(|door| door[*at] != rows[3][*at]))?;
     let around = first.saturating_sub(2)..first + 3;
@@ -156,10 +157,21 @@ fn traces(paths: &[PathBuf; 4]) -> Option<String> {
 }
 
 /// The step, where it is one's answer, and how the doors differ.
-type Differs = Option<(Option<usize>, String)>;
+pub type Differs = Option<(Option<usize>, String)>;
 
 /// Runs programs through all doors; what differs in each. Nothing where a door is not here.
 fn compare(player: &Path, name: &str, programmes: &[Programme], table: &Mutex<Table>) -> Option<Vec<Differs>> {
+    run(player, name, programmes, table, &|_, _| {})
+}
+
+/// The same; `check` is shown the code of each call.
+pub fn run(
+    player: &Path,
+    name: &str,
+    programmes: &[Programme],
+    table: &Mutex<Table>,
+    check: &dyn Fn(usize, i32),
+) -> Option<Vec<Differs>> {
     let folder = toolchain::scratch();
     let path = |door: &str, number: usize| folder.join(format!("{name}-{number}-{door}.csv"));
     let all = |door: &str| (0..programmes.len()).map(|number| path(door, number)).collect::<Vec<_>>();
@@ -169,7 +181,7 @@ fn compare(player: &Path, name: &str, programmes: &[Programme], table: &Mutex<Ta
     for (number, ((programme, c), python)) in programmes.iter().zip(c).zip(python).enumerate() {
         let ticks: Vec<u32> = c.iter().map(|told| told.tick).collect();
         let waits = |number: &usize| match &programme.steps[*number] {
-            Step::Call(call) => c[*number].code == 1 && waits_in_jobs(call),
+            Step::Call(call) => !programme.rests && c[*number].code == 1 && waits_in_jobs(call),
             _ => false,
         };
         let left_out: Vec<usize> = (0..programme.steps.len()).filter(waits).collect();
@@ -199,12 +211,16 @@ fn compare(player: &Path, name: &str, programmes: &[Programme], table: &Mutex<Ta
             reason: answer.reason,
         });
         let run = Run { told: [job.collect(), c, python, wire], all, left_out };
+        for (number, told) in run.told[1].iter().enumerate().take(programme.steps.len()) {
+            check(number, told.code);
+        }
         for (door, told) in run.told.iter().enumerate() {
             let calls = programme.steps.iter().zip(told).enumerate();
             let made = calls.filter(|(number, _)| door != 0 || !run.left_out.contains(number));
             let mut table = table.lock().unwrap();
             made.for_each(|(_, (step, told))| table.note(door, step, told.code));
         }
+        table.lock().unwrap().note_session();
         let paths = ["job", "c", "python", "wire"].map(|door| path(door, number));
         found.push(
             answers(programme, &run)
@@ -263,9 +279,11 @@ fn random_programs_are_the_same_through_every_door() {
     found.sort();
     let ties = ties.into_inner();
     println!("{count} programs, {} differ, {ties} ties at the end of a piece", found.len());
-    for (name, row) in &table.into_inner().unwrap().0 {
+    let table = table.into_inner().unwrap();
+    for (name, row) in &table.0 {
         println!("| {name} | {} |", row.map(|(calls, done)| format!("{calls}, {done}")).join(" | "));
     }
+    table.publish();
     let text: String =
         found.iter().map(|(after, report)| format!("found after {after} programs:\n{report}\n")).collect();
     assert!(found.is_empty(), "{text}");
