@@ -45,6 +45,7 @@ cargo xtask COMMAND
   mutants --check sees that every place is still there
   planted [NAME]  plants faults that were found, and counts in how many random programs each is found
   doors           runs 1,000 random programs through every door and writes the table of docs/doors.md
+  doors --page    writes the table from the counts of the last run
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   c-api           writes the headers and exports of the C library from the table of functions
   check-all       everything that must pass before a change is accepted
@@ -80,6 +81,7 @@ fn main() -> ExitCode {
         ["mutants", "--check"] => mutants::check(),
         ["mutants", name] => mutants::run(name),
         ["doors"] => doors::write(),
+        ["doors", "--page"] => doors::page(),
         ["proofs"] => proofs::run(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",

@@ -327,6 +327,9 @@ impl Making<'_> {
             self.calls.push(Call::Update { mask: 1 << axis });
         }
         self.sleep(9);
+        if self.one_in(4) {
+            self.calls.push(Call::PrfPt { axis: 0, mode: 2 });
+        }
     }
 
     /// A master that is planned again while it brakes.
