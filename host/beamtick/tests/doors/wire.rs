@@ -246,7 +246,7 @@ impl Wire<'_> {
             ("GetDac", Some(dac @ 1..), _) => {
                 outputs.analog.iter().skip(dac as usize - 1).map(|value| f64::from(*value)).collect()
             }
-            ("GetDo", _, Some(12)) => vec![f64::from(outputs.general)],
+            ("GetDo", _, Some(12)) => vec![f64::from(outputs.general as u32)],
             _ => return None,
         };
         let differs = answer.code == 0 && answer.values.iter().zip(&expected).any(|(told, output)| told != output);
