@@ -21,7 +21,7 @@ fn crd_sample(row: u32, crd: usize) -> CrdSample {
 }
 
 fn levels(row: u32) -> Outputs {
-    Outputs { tick: (2 * row).into(), at: 12.into(), levels: (!row).into() }
+    Outputs { tick: (2 * row).into(), at: 12.into(), levels: (!u64::from(row)).into() }
 }
 
 fn laser_action(row: u32) -> Action {

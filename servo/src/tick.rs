@@ -288,7 +288,7 @@ impl<const AXES: usize> Tick<AXES> {
             self.step_crds(next, &mut reach);
         }
         if self.crds.unready.0 & !self.crds.running.0 != 0 {
-            self.crds.get_ready(self.ticks, self.made_ahead(), lanes.paths);
+            self.crds.get_ready(self.made_ahead(), lanes.paths);
         }
         if self.order.slaves.0 == 0 {
             self.step_axes::<false>(next, port, lanes);

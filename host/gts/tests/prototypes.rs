@@ -117,6 +117,7 @@ fn every_command_of_the_protocol_is_a_function() {
         "Choose",
         "GetFault",
         "GetEvents",
+        "GetTickTime",
         "Sleep",
         "WaitStop",
         "ProgramStart",

@@ -116,6 +116,8 @@ pub(crate) struct Crds {
     alarms: CrdMask,
     /// Counts changes of what any of them shows.
     pub(crate) moves: u32,
+    /// Those that have had their turn in making a start ready.
+    turn: u8,
 }
 
 impl Crds {
@@ -125,6 +127,7 @@ impl Crds {
         unready: CrdMask(0),
         alarms: CrdMask(0),
         moves: 0,
+        turn: 0,
     };
 
     /// Those of these that have been set up.
@@ -152,28 +155,28 @@ impl Crds {
         Some(state)
     }
 
-    /// One of those at rest makes something of its next start ready.
+    /// One of those at rest makes something of its next start ready: the next in turn, lowest first.
     #[inline(never)]
-    pub(crate) fn get_ready(&mut self, ticks: u32, steps: u32, paths: PathStores<'_>) {
+    pub(crate) fn get_ready(&mut self, steps: u32, paths: PathStores<'_>) {
         let resting = CrdMask(self.unready.0 & !self.running.0);
-        for crd in resting.crds() {
-            if resting.0 != crd.mask().0 && ticks as usize % Crd::MAX != crd.index() {
-                continue;
+        let after = CrdMask(resting.0 & !self.turn);
+        let Some(crd) = (if after.0 == 0 { resting } else { after }).crds().next() else { return };
+        // Those up to it have had their turn.
+        let own = crd.mask().0;
+        self.turn = own | own.wrapping_sub(1);
+        let more = match (self.states.get_mut(crd.index()), paths.get(crd.index())) {
+            (Some(state), _) if state.looks > 0 => {
+                state.looks = state.looks.wrapping_sub(1);
+                true
             }
-            let more = match (self.states.get_mut(crd.index()), paths.get(crd.index())) {
-                (Some(state), _) if state.looks > 0 => {
-                    state.looks = state.looks.wrapping_sub(1);
-                    true
-                }
-                (Some(state), Some(source)) => {
-                    let (fifo, feed) = (state.likely, state.feed());
-                    (0..steps).all(|_| state.path.get_ready(fifo, feed, source))
-                }
-                _ => false,
-            };
-            if !more {
-                self.unready.0 &= !crd.mask().0;
+            (Some(state), Some(source)) => {
+                let (fifo, feed) = (state.likely, state.feed());
+                (0..steps).all(|_| state.path.get_ready(fifo, feed, source))
             }
+            _ => false,
+        };
+        if !more {
+            self.unready.0 &= !own;
         }
     }
 
