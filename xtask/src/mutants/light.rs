@@ -17,15 +17,15 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "light: an on command counts while a cause is latched",
         file: OWNER,
-        text: "_ if self.latch != Latch::None => Order::Keep,",
-        broken: "_ if self.latch == Latch::Other => Order::Keep,",
+        text: "_ if self.is_latched() => Order::Ignored(Ignored::Fault),",
+        broken: "_ if self.latch == Latch::Other => Order::Ignored(Ignored::Fault),",
         test: STATES,
     },
     Mutant {
         name: "light: an on entry counts while a cause is latched",
         file: OWNER,
-        text: "if self.latch != Latch::None || self.dead.has(crd)",
-        broken: "if self.dead.has(crd)",
+        text: "        if self.is_latched() {\n            return Order::Ignored(Ignored::Fault);\n        }\n        if self.aborting {\n            return Order::Ignored(Ignored::Aborting);",
+        broken: "        if self.aborting {\n            return Order::Ignored(Ignored::Aborting);",
         test: STATES,
     },
     Mutant {
