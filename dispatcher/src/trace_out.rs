@@ -188,7 +188,9 @@ impl<const AXES: usize> TraceOut<AXES> {
                 return self.encoder.period(&period).is_ok();
             }
             Traced::Outputs { at, levels } => {
-                let outputs = trace::Outputs { tick: sample.row.into(), at: at.into(), levels: (levels as u64).into() };
+                #[allow(clippy::unnecessary_cast, reason = "a small board has fewer bits")]
+                let levels = (levels as u64).into();
+                let outputs = trace::Outputs { tick: sample.row.into(), at: at.into(), levels };
                 return self.encoder.outputs(&outputs).is_ok();
             }
             Traced::Analog { at, channel, value } => {
