@@ -81,7 +81,7 @@ pub fn set(enable: u64, clear: u64, general: GeneralOutputs) {
     for (register, value) in CLEAR.iter().zip(halves(clear)) {
         register.store(value, Ordering::Relaxed);
     }
-    for (register, value) in GENERAL.iter().zip(halves(general as u64)) {
+    for (register, value) in GENERAL.iter().zip(halves(general)) {
         register.store(value, Ordering::Relaxed);
     }
 }
