@@ -64,7 +64,7 @@ impl TickTimer {
     pub fn taken_ns(&self) -> Option<u32> {
         let counts = TIM2.cnt().read();
         // 240 counts a µs: 25/6 ns each, by a multiplication. Counts of two periods of 250 µs at most.
-        let ns = (u64::from(counts) * NS_PER_COUNT_Q16 >> 16) as u32;
+        let ns = ((u64::from(counts) * NS_PER_COUNT_Q16) >> 16) as u32;
         Some(ns + if self.has_overrun() { self.period_ns } else { 0 })
     }
 

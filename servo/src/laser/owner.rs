@@ -104,7 +104,9 @@ impl Holders {
     /// The coordinate systems among them.
     const fn crds(self) -> CrdMask {
         let any = self.0 | self.0 >> HALF;
-        CrdMask((any & Fifos::MAX >> HALF) as u8)
+        #[allow(clippy::unnecessary_cast, reason = "with few coordinate systems it is a byte")]
+        let crds = (any & Fifos::MAX >> HALF) as u8;
+        CrdMask(crds)
     }
 }
 
