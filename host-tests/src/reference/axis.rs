@@ -3,7 +3,7 @@ use super::follow::Item;
 use super::number::{Fix, exact};
 use super::pt::{Chain, Segment, Timed, Went};
 use super::ramp;
-use super::slave::{Around, Begin, Lead, Outcome, Slave};
+use super::slave::{Around, Begin, Lead, NEAR, Outcome, Slave};
 
 /// Profile mode, as GetPrfMode numbers it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,8 +71,6 @@ pub struct FollowData {
     pub loops: i64,
     pub begin: Begin,
     pub fifos: [Vec<Item>; 2],
-    /// Started since the mode was set: until then nobody says what is read.
-    pub started: bool,
     /// FIFO in force and completed passes, as they are read.
     pub fifo: usize,
     pub passes: i64,
@@ -99,6 +97,9 @@ pub struct Axis {
     pub encoder: [Fix; 2],
     pub encoder_zero: Fix,
     pub latched: u32,
+    /// Soft limits beyond which it stands, and limits that refuse a start.
+    causes: u32,
+    blocks: u32,
     pub motion: Option<Motion>,
     pub stop_dec: f64,
     pub soft: (i32, i32),
@@ -108,6 +109,8 @@ pub struct Axis {
     pub speed: f64,
     /// PVT: loops, table selected, completed passes.
     pub pvt: (i64, i16, i64),
+    /// The table that runs, until the one selected takes over.
+    pub table: i16,
     pub pt: PtData,
     /// Of the PT data that runs.
     chain: Chain,
@@ -122,14 +125,12 @@ pub struct Axis {
     pub began: bool,
     /// It came to rest in the tick before by itself, and nobody waited for it.
     pub ended: bool,
-    /// A stream has ended since somebody waited for the axis.
-    pub dried: bool,
     /// Its coordinate system, whether that runs, and what it made of it in this tick: instants and places.
     pub crd: Option<(i16, i16)>,
     pub driven: bool,
     pub carried: Option<Vec<(Fix, Fix)>>,
     pub bent: bool,
-    on_path: bool,
+    pub on_path: bool,
     pub path_open: bool,
     pub path_ended: bool,
     pub path_most: Fix,
@@ -145,6 +146,11 @@ pub struct Axis {
     pub timed_out: bool,
     /// The deceleration of the smooth Stop that it is in.
     pub braking: Option<f64>,
+    /// A limit ended or refused a stream, which data that was taken ahead of it does not know, and nobody has waited since.
+    pub broken: bool,
+    /// It came to a soft limit in this tick, or within rounding of one.
+    pub limited: bool,
+    pub brink: bool,
     /// How far it may be from here: see `smooth_stop`.
     pub slack: Fix,
     /// No motion of the tick was faster, pulse/ms.
@@ -176,6 +182,8 @@ impl Axis {
             encoder: [whole(x); 2],
             encoder_zero: whole(x),
             latched: 0,
+            causes: 0,
+            blocks: 0,
             motion: None,
             stop_dec: 1.0,
             soft: (i32::MAX, i32::MIN),
@@ -184,6 +192,7 @@ impl Axis {
             target: 0,
             speed: 0.0,
             pvt: (1, 1, 0),
+            table: 1,
             pt: PtData {
                 dynamic: false,
                 memory: 0,
@@ -201,7 +210,6 @@ impl Axis {
                 loops: 1,
                 begin: Begin::Start,
                 fifos: Default::default(),
-                started: false,
                 fifo: 0,
                 passes: 0,
             },
@@ -210,7 +218,6 @@ impl Axis {
             doubt: false,
             began: false,
             ended: false,
-            dried: false,
             crd: None,
             driven: false,
             carried: None,
@@ -225,6 +232,9 @@ impl Axis {
             outputs: Vec::new(),
             timed_out: false,
             braking: None,
+            broken: false,
+            limited: false,
+            brink: false,
             slack: Fix::ZERO,
             fastest: Fix::ZERO,
         }
@@ -267,7 +277,28 @@ impl Axis {
 
     /// Whether a start is refused by the servo or by what is latched.
     pub fn blocked(&self) -> bool {
-        !self.servo || self.latched != 0
+        !self.servo || self.blocks != 0
+    }
+
+    /// What a tick sees before its calls: beyond a soft limit an axis at rest latches its bit, and is refused a start from then
+    /// on until ClrSts.
+    pub fn sample(&mut self) {
+        let causes = if self.runs() { 0 } else { self.beyond() };
+        self.blocks |= causes & !self.causes;
+        self.causes = causes;
+        self.latched |= causes;
+    }
+
+    /// Limits beyond which it is.
+    pub fn beyond(&self) -> u32 {
+        let (top, bottom) = self.limits();
+        u32::from(top.is_some_and(|top| self.x > top)) * POSITIVE
+            | u32::from(bottom.is_some_and(|bottom| self.x < bottom)) * NEGATIVE
+    }
+
+    /// ClrSts.
+    pub fn clear(&mut self) {
+        (self.latched, self.blocks) = (self.causes, 0);
     }
 
     /// Another mode: data of PT and Follow is gone.
@@ -281,8 +312,7 @@ impl Axis {
         self.pt.dynamic = false;
         self.follow.fifos = Default::default();
         self.follow.master = None;
-        (self.follow.passes, self.pt.passes, self.follow.started) = (0, 0, false);
-        self.pvt.2 = 0;
+        (self.follow.passes, self.follow.fifo, self.pt.passes, self.pvt.2) = (0, 0, 0, 0);
         self.follow.begin = Begin::Start;
     }
 
@@ -353,7 +383,6 @@ impl Axis {
         if matches!(self.motion, Some(Motion::Stream(..))) {
             self.pt.fifos[0].clear();
             self.pt.ran = 0;
-            self.dried = true;
         }
     }
 
@@ -382,7 +411,6 @@ impl Axis {
         let data = &self.follow.fifos[fifo];
         let slave = Slave::new(data, fifo, self.follow.dir, self.follow.begin, self.x);
         (self.follow.fifo, self.follow.passes, self.began) = (fifo, 0, true);
-        self.follow.started = true;
         self.motion = Some(Motion::Slave(Box::new(slave)));
     }
 
@@ -416,6 +444,9 @@ impl Axis {
                 self.fastest = self.fastest.max(timed.curve.steepest);
                 self.v = timed.velocity(to_ns);
                 self.pvt.2 = timed.passes;
+                if timed.pending.is_none() {
+                    self.table = self.pvt.1;
+                }
                 went == Went::Ended
             }
             Some(Motion::Stream(timed, ran)) => {
@@ -485,7 +516,6 @@ impl Axis {
         }
         if ended {
             self.braking = None;
-            self.dried |= matches!(self.motion, Some(Motion::Stream(..)));
             self.past = self.motion.take();
             self.v = Fix::ZERO;
         }
@@ -494,6 +524,9 @@ impl Axis {
 
     /// Where it was at an instant of the tick, ms.
     pub fn at(&self, ms: Fix) -> Option<Fix> {
+        if self.limited {
+            return None;
+        }
         match self.past.as_ref().or(self.motion.as_ref()) {
             None if self.on_path => None,
             None => Some(self.x),
@@ -504,30 +537,46 @@ impl Axis {
         }
     }
 
-    /// No planned position goes beyond a soft limit.
-    fn hold(&mut self) {
+    /// Places of the soft limits, upper and lower, as machine positions.
+    fn limits(&self) -> (Option<Fix>, Option<Fix>) {
         let limit = |pulses: i32, off: i32| (pulses != off).then(|| Fix::whole(pulses.into()) + self.zero);
-        let (top, bottom) = (limit(self.soft.0, i32::MAX), limit(self.soft.1, i32::MIN));
-        let start = self.track[0];
-        let over = self.track.iter().enumerate().skip(1).find_map(|(index, at)| match (top, bottom) {
-            (Some(top), _) if *at > top => Some((index, top.max(start), POSITIVE)),
-            (_, Some(bottom)) if *at < bottom => Some((index, bottom.min(start), NEGATIVE)),
+        (limit(self.soft.0, i32::MAX), limit(self.soft.1, i32::MIN))
+    }
+
+    /// No planned position of a tick goes further beyond a soft limit.
+    fn hold(&mut self) {
+        let (top, bottom) = self.limits();
+        let (start, at) = (self.track[0], self.x);
+        let brink = |limit: Option<Fix>| limit.is_some_and(|limit| at != limit && (at - limit).abs() < NEAR);
+        self.brink = at != start && (brink(top) || brink(bottom));
+        let over = match (top, bottom) {
+            (Some(top), _) if at > top && at > start => Some((top.max(start), POSITIVE)),
+            (_, Some(bottom)) if at < bottom && at < start => Some((bottom.min(start), NEGATIVE)),
             _ => None,
-        });
-        if let Some((index, at, bit)) = over
-            && self.runs_or_ran()
-        {
-            self.track.truncate(index);
-            self.times.truncate(index);
-            self.track.push(at);
-            self.times.push(Fix::FAR);
+        };
+        self.limited = over.is_some();
+        if let Some((at, bit)) = over {
+            self.track = vec![start, at];
+            self.times = vec![self.times[0], self.times[self.times.len() - 1]];
+            self.past = self.motion.clone().or(self.past.take());
             self.x = at;
             self.latched |= bit;
+            self.blocks |= bit;
+            self.broken |= matches!(self.motion, Some(Motion::Stream(..)));
             self.halt();
+            // By itself, and not by a call of this instant.
+            (self.ended, self.halted, self.doubt) = (true, false, false);
         }
     }
 
-    fn runs_or_ran(&self) -> bool {
-        self.track.iter().any(|at| *at != self.track[0])
+    /// Whether an Update goes towards a soft limit at which the axis stands.
+    pub fn obstructed(&self) -> bool {
+        let up = match self.mode {
+            Mode::Jog => Fix::of_f64(self.speed),
+            _ => Fix::whole(self.target.into()) - self.name(),
+        };
+        let (top, bottom) = self.limits();
+        up > Fix::ZERO && top.is_some_and(|top| self.x >= top)
+            || up < Fix::ZERO && bottom.is_some_and(|bottom| self.x <= bottom)
     }
 }

@@ -180,6 +180,7 @@ impl Controller {
             let (before, now) = ((number as i64 - 1) * self.tick_ns, number as i64 * self.tick_ns);
             let earlier = std::mem::replace(&mut first, next);
             self.encoders(number);
+            self.axes.iter_mut().for_each(Axis::sample);
             while waiting.is_none() && next < calls.len() && clock < now {
                 match &calls[next] {
                     Call::Sleep { ns } => {
@@ -194,7 +195,7 @@ impl Controller {
                         program.replies[next] = Reply::Done(Value::None);
                         let runs = members(*mask).any(|axis| self.axes[axis].runs() || self.axes[axis].halted);
                         waiting = runs.then_some(*mask);
-                        members(*mask).for_each(|axis| self.axes[axis].dried = false);
+                        members(*mask).for_each(|axis| self.axes[axis].broken = false);
                     }
                     Call::Path(PathCall { core, what: Path::Wait { mask } }) => {
                         self.unsettled = 1;
@@ -318,7 +319,17 @@ impl Controller {
             } else {
                 axis.fastest = axis.fastest * Fix::ms(self.tick_ns);
             }
-            match then {
+            // Beyond a limit the tick of its end is that of its bit, or the one before.
+            if axis.beyond() != 0 && axis.open.is_some() {
+                open = axis.open;
+            }
+            if axis.brink {
+                open = Some("within rounding of a soft limit");
+            }
+            if axis.limited && axis.on_path {
+                open = Some("a path that comes to a soft limit");
+            }
+            match then.filter(|_| !axis.limited) {
                 Some(Then::Brake(dec)) => {
                     if let (Some(Motion::Slave(slave)), Some(lead)) = (&axis.motion, &lead)
                         && slave.is_near_knot(lead)
@@ -337,15 +348,12 @@ impl Controller {
                         if axis.v.abs() < Fix(1 << 44) && axis.v != Fix::ZERO || axis.v == Fix::ZERO && !was_slave {
                             axis.open = Some("a Stop within rounding of standstill");
                         }
-                        // Of a motion that began at this instant nobody says whether it was seen to run.
-                        if began {
-                            open = Some("a Stop at the instant of a start");
-                        }
                         axis.smooth_stop(now, dec);
                     }
                 }
                 Some(Then::Update(aim)) => {
                     axis.update(now, aim);
+                    axis.began = false;
                     if axis.doubt {
                         axis.open = Some("an Update without a way");
                     }
@@ -354,6 +362,9 @@ impl Controller {
             }
             self.open = self.open.or(open).or(axis.unsaid);
             self.count(&axis, was_slave);
+            if axis.limited {
+                *self.used.entry("motions ended by a soft limit").or_default() += 1;
+            }
             if ran && !axis.runs() {
                 *self.used.entry("motions ended").or_default() += 1;
             }

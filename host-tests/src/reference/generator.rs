@@ -158,6 +158,7 @@ impl Making<'_> {
             16 => self.read(axis),
             17 => self.any(axis),
             18 if self.one_in(4) => self.burst(),
+            18 => self.soft(axis),
             _ => {}
         }
         match self.below(16) {
@@ -195,7 +196,7 @@ impl Making<'_> {
     }
 
     fn velocity(&mut self, axis: usize) {
-        let vel = self.speed() * self.chance.sign();
+        let vel = if self.one_in(16) { 0.0 } else { self.speed() * self.chance.sign() };
         self.calls.push(Call::SetVel { axis, vel });
         self.calls.push(Call::Update { mask: 1 << axis });
     }
@@ -530,6 +531,30 @@ impl Making<'_> {
         } else {
             let pos = self.below(2000) as i32 - 1000;
             self.calls.push(Call::SetPrfPos { axis, pos });
+        }
+        self.start(axis);
+    }
+
+    /// Soft limits around where it stands, mostly, and a way out of them.
+    fn soft(&mut self, axis: usize) {
+        if self.one_in(3) {
+            self.plain(Kind::ClrSts, axis);
+            self.calls.push(Call::SetSoftLimit { axis, positive: i32::MAX, negative: i32::MIN });
+            return;
+        }
+        self.rest(axis);
+        if self.one_in(2) {
+            self.plain(Kind::ZeroPos, axis);
+        }
+        let (top, bottom) = (self.below(400) as i32 + 1, -(self.below(400) as i32) - 1);
+        let positive = if self.one_in(4) { i32::MAX } else { top };
+        let negative = if self.one_in(4) { i32::MIN } else { bottom };
+        self.calls.push(Call::SetSoftLimit { axis, positive, negative });
+        self.start(axis);
+        self.sleep(40);
+        self.plain(Kind::GetSts, axis);
+        if !self.one_in(4) {
+            self.plain(Kind::ClrSts, axis);
         }
         self.start(axis);
     }

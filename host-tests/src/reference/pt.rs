@@ -117,11 +117,6 @@ impl Timed {
         Fix::ms(at_ns - self.start_ns)
     }
 
-    /// Its place in the pass in the tick before, ms.
-    pub fn place_of_last(&self) -> Fix {
-        self.at - self.began
-    }
-
     /// Its place in the pass, ms.
     pub fn place(&self, at_ns: i64) -> Fix {
         self.progress(at_ns) - self.began

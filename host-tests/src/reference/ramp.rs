@@ -48,9 +48,13 @@ pub fn jog(v: Fix, vel: f64, acc: &Rational, dec: &Rational) -> Curve {
     plan.curve
 }
 
-/// Goes by `way` and rests there.
+/// Goes by `way` and rests there; without a velocity it brakes.
 pub fn trap(v: Fix, way: Fix, vel: &Rational, acc: &Rational, dec: &Rational) -> Curve {
     let mut plan = Plan::from(v);
+    if vel.is_zero() {
+        plan.to(&zero(), dec);
+        return plan.curve;
+    }
     let two = Rational::from_integer(2.into());
     loop {
         let left = (way - plan.curve.end()).rational();

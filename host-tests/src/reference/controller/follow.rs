@@ -28,9 +28,6 @@ impl Controller {
             if slave.now.is_some() {
                 self.open = Some("two switches at one instant");
             }
-            if axis.began {
-                self.open = Some("FollowSwitch at the instant of FollowStart");
-            }
             check(!axis.follow.fifos[slave.fifo ^ 1].is_empty() && self.then[place].is_none())?;
         }
         for place in members(mask) {
@@ -84,9 +81,6 @@ impl Controller {
                 if axis.is_undecided() {
                     self.open = Some("FollowClear at an instant with data, a switch being queued");
                 }
-                if axis.began {
-                    self.open = Some("FollowClear at the instant of FollowStart");
-                }
                 if let Some(Motion::Slave(slave)) = &axis.motion {
                     check(!slave.switching && slave.fifo != fifo as usize)?;
                 } else if axis.runs() {
@@ -102,9 +96,6 @@ impl Controller {
                 }
                 if axis.is_undecided() {
                     self.open = Some("FollowSpace at an instant with data, a switch being queued");
-                }
-                if axis.began {
-                    self.open = Some("FollowSpace at the instant of FollowStart");
                 }
                 let free = axis.follow_capacity() - axis.follow.fifos[fifo as usize].len();
                 return Ok(self.read(index, call, free));
@@ -127,9 +118,8 @@ impl Controller {
         either(axis.mode == mode, (0..2).contains(&fifo) && good_kind && good_percent)?;
         let fifo = fifo as usize;
         let data = &axis.follow.fifos[fifo];
-        // What follows it at the same instant is a tick late at times, against docs/follow.md.
-        if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.switching || slave.now.is_some()) {
-            self.open = Some("FollowData under a pending switch");
+        if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.now.is_some()) {
+            self.open = Some("FollowData at the instant of SwitchNow");
         }
         if axis.is_undecided() {
             self.open = Some("FollowData at an instant with other data, a switch being queued");

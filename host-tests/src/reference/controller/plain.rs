@@ -24,7 +24,7 @@ impl Controller {
                 axis.encoder_zero = axis.encoder[1];
                 axis.renamed = true;
             }
-            Kind::ClrSts => axis.latched = 0,
+            Kind::ClrSts => axis.clear(),
             Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt => {
                 check(!axis.runs())?;
                 axis.set_mode(match kind {
@@ -117,20 +117,19 @@ impl Controller {
             if !axis.runs() {
                 continue;
             }
-            if abrupt >> place & 1 == 1 {
+            // What begins at this instant does not move.
+            if abrupt >> place & 1 == 1 || axis.began {
                 axis.halt();
                 self.then[place] = None;
             } else {
-                let dec = axis.stop_dec;
-                let pending = match self.then[place] {
-                    Some(Then::Brake(dec)) => Some(dec),
-                    Some(Then::Update(_)) => None,
-                    None => axis.braking,
+                let brakes = match self.then[place] {
+                    Some(then) => matches!(then, Then::Brake(_)),
+                    None => axis.braking.is_some(),
                 };
-                if pending.is_some_and(|pending| pending != dec) {
-                    self.open = Some("a Stop with another deceleration while it brakes");
+                // What brakes goes on with the deceleration of its first Stop.
+                if !brakes {
+                    self.then[place] = Some(Then::Brake(axis.stop_dec));
                 }
-                self.then[place] = Some(Then::Brake(dec));
             }
         }
         DONE
@@ -144,13 +143,9 @@ impl Controller {
                 Mode::Jog => axis.jog.acc > 0.0,
                 _ => false,
             })?;
-            check(!axis.blocked())?;
+            check(!axis.blocked() && !axis.obstructed())?;
         }
         for place in members(mask) {
-            if self.axes[place].speed == 0.0 {
-                self.open = Some("an Update to velocity 0");
-                continue;
-            }
             let aim = self.axes[place].aim();
             if self.axes[place].runs() {
                 self.then[place] = Some(Then::Update(aim));

@@ -1,7 +1,6 @@
 //! PT: data, FIFOs, starts.
 use super::super::axis::{Axis, Mode, Motion};
 use super::super::call::{Call, members};
-use super::super::number::Fix;
 use super::super::pt::Segment;
 use super::answer::{Answer, DONE, check, either};
 use super::{Controller, Reply};
@@ -9,6 +8,10 @@ use super::{Controller, Reply};
 impl Controller {
     pub(super) fn pt_start(&mut self, mask: u32, option: u32, now: i64) -> Answer {
         let fifo = |place: usize| (option >> place & 1) as usize;
+        for place in members(mask) {
+            let axis = &mut self.axes[place];
+            axis.broken |= axis.pt.dynamic && axis.blocked();
+        }
         for place in members(mask) {
             let axis = &self.axes[place];
             check(axis.mode == Mode::Pt && !axis.runs() && !axis.blocked())?;
@@ -43,7 +46,11 @@ impl Controller {
             Call::PtSpace { axis, fifo } => {
                 let axis = &self.axes[axis];
                 let fifo = axis.pt_fifo(fifo)?;
-                let runs = axis.runs() && axis.pt.dynamic;
+                if axis.broken && axis.pt.dynamic {
+                    self.open = Some("data after a stream that a limit ended");
+                    return Ok(Reply::Open);
+                }
+                let runs = matches!(axis.motion, Some(Motion::Stream(..)));
                 let free = if runs { usize::MAX } else { axis.pt_capacity() - axis.pt.fifos[fifo].len() };
                 return Ok(self.read(index, call, free));
             }
@@ -64,30 +71,18 @@ impl Controller {
     }
 
     pub(super) fn pt_data(&mut self, place: usize, pos: f64, time_ms: i32, kind: i16, fifo: i16) -> Answer {
-        let near = Fix::ms(self.tick_ns);
         let axis = &self.axes[place];
+        if axis.broken && axis.pt.dynamic {
+            self.open = Some("data after a stream that a limit ended");
+        }
         let in_mode = axis.mode == Mode::Pt;
         let dynamic = axis.pt.dynamic;
         let bounds = (0..3).contains(&kind) && (dynamic || (0..2).contains(&fifo));
         either(in_mode, bounds)?;
         let fifo = if dynamic { 0 } else { fifo as usize };
-        if let Some(Motion::Stream(timed, _)) = &axis.motion
-            && timed.curve.length() - timed.place_of_last() <= near
-        {
-            self.open = Some("data in the tick in which a stream ends");
-        }
-        if let Some(Motion::Pt(timed)) = &axis.motion
-            && axis.pt.running == fifo
-            && timed.curve.length() - timed.place_of_last() <= near
-        {
-            self.open = Some("data in the tick in which a pass ends");
-        }
         let held = axis.pt.fifos[fifo].len() - if dynamic && axis.runs() { axis.pt.ran } else { 0 };
         let last = axis.pt.fifos[fifo].last().map_or(0, |segment| segment.time_ms);
         either(held < axis.pt_capacity(), i64::from(time_ms) > last)?;
-        if dynamic && axis.dried {
-            self.open = Some("data after a stream that ran dry");
-        }
         let axis = &mut self.axes[place];
         axis.pt.fifos[fifo].push(Segment { pos, time_ms: time_ms.into(), kind });
         axis.pt_grew(fifo);

@@ -11,7 +11,10 @@ impl Controller {
             Call::PvtTable { axis, table, points } => {
                 let core = self.cores[*axis];
                 let uses = |(place, axis): (usize, &Axis)| {
-                    self.cores[place] == core && axis.mode == Mode::Pvt && axis.runs() && axis.pvt.1 == *table
+                    self.cores[place] == core
+                        && axis.mode == Mode::Pvt
+                        && axis.runs()
+                        && (axis.pvt.1 == *table || axis.table == *table)
                 };
                 check(!self.axes.iter().enumerate().any(uses))?;
                 self.tables.insert((core, *table), points.table());
@@ -49,7 +52,7 @@ impl Controller {
                     let axis = &mut self.axes[place];
                     let table = &self.tables[&(self.cores[place], axis.pvt.1)];
                     let timed = Timed::new(table.curve.clone(), now, axis.x).after(table.begins);
-                    (axis.pvt.2, axis.began) = (0, true);
+                    (axis.pvt.2, axis.began, axis.table) = (0, true, axis.pvt.1);
                     axis.motion = Some(Motion::Pvt(timed));
                 }
             }

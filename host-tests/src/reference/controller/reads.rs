@@ -61,7 +61,6 @@ impl Controller {
                     };
                     match kind {
                         Kind::GetPrfPos | Kind::GetPrfMode | Kind::GetEncPos => false,
-                        Kind::GetFollowStatus | Kind::GetFollowStatusEx if !axis_of.follow.started => true,
                         Kind::GetPrfVel => {
                             axis_of.driven || axis_of.mode == Mode::Crd || knot || self.axes[axis].open.is_some()
                         }
