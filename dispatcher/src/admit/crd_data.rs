@@ -95,7 +95,9 @@ fn open<'x, const AXES: usize>(case: &Case<'x, AXES>, target: &Target) -> Admitt
         return Err(in_use());
     }
     let space = book.space(seen, fifo);
-    let begin = book.begin(case.view, seen, fifo).unwrap_or([f64::NAN; DIMENSIONS]);
+    let mut begin = book.begin(case.view, seen, fifo).unwrap_or([f64::NAN; DIMENSIONS]);
+    // A coordinate that no axis drives stays 0, whatever is known of the others.
+    begin.iter_mut().skip(frame.dimension.into()).for_each(|at| *at = 0.0);
     let number = case.site.crd_number(crd);
     let limit = case.board.step_limit.pulses_per_ms() as f64;
     let (site, field) = (case.site, target.fifo_field);
