@@ -267,6 +267,18 @@ fn origin_and_mapping() {
     assert_eq!(bench.refused(line(1, 1, 50.0, 2.0)).1, Reason::CrdNotSet);
 }
 
+/// Twice to one place is no way, also where only the tick knows the place at which the first line begins.
+#[test]
+fn a_line_to_where_the_one_before_ends_is_refused_while_the_path_runs() {
+    let mut bench = Bench::gus();
+    plane(&mut bench);
+    bench.done(line(1000, 0, 50.0, 2.0));
+    bench.done(start_crd(1));
+    let other = LnXY { fifo: 1.into(), ..line(9, 5, 50.0, 2.0) };
+    bench.done(other);
+    assert_eq!(bench.refused(other).1, Reason::NoLength);
+}
+
 /// Lines of one record: all or none.
 #[test]
 fn many_lines_are_all_or_none() {
