@@ -292,8 +292,9 @@ impl Axis {
     /// Limits beyond which it is.
     pub fn beyond(&self) -> u32 {
         let (top, bottom) = self.limits();
-        u32::from(top.is_some_and(|top| self.x > top)) * POSITIVE
-            | u32::from(bottom.is_some_and(|bottom| self.x < bottom)) * NEGATIVE
+        let above = if top.is_some_and(|top| self.x > top) { POSITIVE } else { 0 };
+        let below = if bottom.is_some_and(|bottom| self.x < bottom) { NEGATIVE } else { 0 };
+        above | below
     }
 
     /// ClrSts.
