@@ -194,8 +194,8 @@ fn serve_sets_inputs_by_a_file_from_power_on() {
     program.run(false, &mut client::Quiet).unwrap();
     assert_eq!(levels(&client, 4), 4);
     drop(client);
-    fs::write(&file, "t_ms,input,level\n0,gpi40,1\n").unwrap();
+    fs::write(&file, "t_ms,input,level\n0,gpi101,1\n").unwrap();
     let arguments = ["serve", "--listen", "127.0.0.1:0", "--inputs", "in.csv"];
     let (_, errors, code) = beamtick(folder.path(), &arguments);
-    assert_eq!((code, errors.trim_end()), (2, "in.csv:2: input: `40` is no number of gpi; it is from 1 to 32"));
+    assert_eq!((code, errors.trim_end()), (2, "in.csv:2: input: `101` is no number of gpi; it is from 1 to 100"));
 }

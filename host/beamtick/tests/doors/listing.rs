@@ -7,6 +7,9 @@ use crate::program::{Call, Step, Value};
 use job::api::{Pass, function};
 use std::collections::HashMap;
 
+/// What the doors wait for a path, ms.
+const PATH_MS: u32 = 40;
+
 /// What the variables of a listing hold.
 #[derive(Default)]
 pub struct Listing {
@@ -38,6 +41,10 @@ impl Listing {
         }
         if statement.starts_with("WaitStop") {
             let words: Vec<i64> = inside(statement).iter().map(|word| word.parse().unwrap()).collect();
+            // A path's end: long enough for most, and the same at every door.
+            if words[2] != 0 {
+                return Some(Step::Sleep(PATH_MS));
+            }
             return Some(Step::Wait { core: words[0] as i16, axes: words[1] as u32 });
         }
         let (left, right) = statement.split_once('=').unwrap_or_else(|| panic!("no statement: {statement}"));
@@ -80,7 +87,12 @@ impl Listing {
             match (param.pass, word) {
                 (Pass::Out | Pass::OutStruct(_), Some(_)) => Value::Out,
                 (Pass::Working, _) => Value::Null,
-                (Pass::Many(..) | Pass::Fixed(..), Some(word)) => Value::List(self.arrays[word].clone()),
+                (Pass::Many(..) | Pass::Fixed(..), Some(word)) => {
+                    // An array, or the address of a variable or of an array's first place.
+                    let name = word.trim_start_matches('&').trim_end_matches("[0]");
+                    let list = self.arrays.get(name).unwrap_or_else(|| panic!("{text}: {name} was never given values"));
+                    Value::List(list.clone())
+                }
                 (Pass::Struct(_) | Pass::StructOrNull(_), Some(word)) if word != "NULL" => {
                     Value::Fields(self.structs[word.trim_start_matches('&')].clone())
                 }
