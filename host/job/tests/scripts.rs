@@ -203,6 +203,7 @@ fn every_function_packs_as_long_as_its_request() {
         "Version",
         "GetFault",
         "GetEvents",
+        "GetTickTime",
         "LaserStatus",
         "LnXYMany",
         "LnXYZMany",
