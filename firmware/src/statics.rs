@@ -44,6 +44,7 @@ pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
 pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Thread to tick: entries of coordinate systems, a pair of FIFOs each.
 #[cfg(not(feature = "stm32h743"))]
+#[unsafe(link_section = ".psram")]
 pub static PATHS: [[EntryStore; 2]; Crd::MAX] = [const { [const { EntryStore::new() }; 2] }; Crd::MAX];
 /// The same, of which no memory has room for both.
 #[cfg(feature = "stm32h743")]
