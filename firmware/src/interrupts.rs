@@ -96,10 +96,11 @@ pub fn tick() {
     servo.timer.begin();
     servo.tick.run(&mut servo.machine, &mut servo.lanes);
     let in_time = servo.machine.emit();
-    if !in_time || servo.timer.has_overrun() {
+    let (overran, took) = servo.timer.taken();
+    if !in_time || overran {
         servo.tick.overrun();
     }
-    if let Some(ns) = servo.timer.taken_ns() {
+    if let Some(ns) = took {
         load::tick_took(ns);
     }
     ring_bell();

@@ -66,15 +66,11 @@ impl TickTimer {
         write(INT, 1);
     }
 
-    /// How long the tick in progress has taken: an emulator's time is none to be told.
-    pub fn taken_ns(&self) -> Option<u32> {
-        None
-    }
-
-    /// Whether the tick that began has taken longer than a period.
-    pub fn has_overrun(&self) -> bool {
+    /// Whether the tick that began has taken longer than a period; how long it has taken is `None`, for an emulator's time
+    /// is none to be told.
+    pub fn taken(&self) -> (bool, Option<u32>) {
         let counts = self.began.wrapping_sub(SYST::get_current()) & SPAN;
-        counts >= self.period_ns / NS_PER_COUNT
+        (counts >= self.period_ns / NS_PER_COUNT, None)
     }
 }
 

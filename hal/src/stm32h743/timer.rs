@@ -9,6 +9,9 @@ use stm32_metapac::{RCC, TIM2};
 /// Nanoseconds of a count of TIM2, times 2¹⁶.
 const NS_PER_COUNT_Q16: u64 = (1000 << 16) / TIMER_MHZ as u64;
 
+/// The copy of `SR.UIF` in the counter.
+const OVERRUN: u32 = 1 << 31;
+
 /// TIM2, which makes the servo tick. It stands still until [`start`].
 #[derive(Debug)]
 pub struct TickTimer {
@@ -28,7 +31,11 @@ impl TickTimer {
         // The timers of the lasers start with a tick.
         TIM2.cr2().write(|w| w.set_mms(Mms::UPDATE));
         // Only an overflow interrupts.
-        TIM2.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
+        // Bit 31 of the counter is UIF: one read has both, of the same instant (RM0433 39.4.10).
+        TIM2.cr1().write(|w| {
+            w.set_urs(Urs::COUNTER_ONLY);
+            w.set_uifremap(true);
+        });
         TIM2.dier().write(|w| w.set_uie(true));
         TickTimer { period_ns: 0 }
     }
@@ -43,7 +50,7 @@ impl TickTimer {
         let last = (period_ns / 1000).max(1) * u32::from(TIMER_MHZ) - 1;
         // Not preloaded: it counts for the interval in progress.
         TIM2.arr().write_value(last);
-        if TIM2.cnt().read() > last {
+        if TIM2.cnt().read() & !OVERRUN > last {
             // It is over already: the next tick is due.
             TIM2.cnt().write_value(last);
         }
@@ -59,18 +66,14 @@ impl TickTimer {
         cortex_m::asm::dsb();
     }
 
-    /// How long ago the tick in progress was due, in ns: from the timer's event, so with the way into the handler. In a tick
-    /// that has overrun, a period and what it has taken of the next one.
-    pub fn taken_ns(&self) -> Option<u32> {
-        let counts = TIM2.cnt().read();
-        // 240 counts a µs: 25/6 ns each, by a multiplication. Counts of two periods of 250 µs at most.
-        let ns = ((u64::from(counts) * NS_PER_COUNT_Q16) >> 16) as u32;
-        Some(ns + if self.has_overrun() { self.period_ns } else { 0 })
-    }
-
-    /// Whether the next tick is due already.
-    pub fn has_overrun(&self) -> bool {
-        TIM2.sr().read().uif()
+    /// Whether the next tick is due already, and how long ago the one in progress was due, in ns: from the timer's event, so
+    /// with the way into the handler. In a tick that has overrun, a period and what it has taken of the next one.
+    pub fn taken(&self) -> (bool, Option<u32>) {
+        let read = TIM2.cnt().read();
+        let overran = read & OVERRUN != 0;
+        // 240 counts a µs: 25/6 ns each, by a multiplication. Counts of two periods of 1 ms at most.
+        let ns = ((u64::from(read & !OVERRUN) * NS_PER_COUNT_Q16) >> 16) as u32;
+        (overran, Some(ns + if overran { self.period_ns } else { 0 }))
     }
 }
 

@@ -111,20 +111,40 @@ impl Lag {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_bigint::BigInt;
 
-    fn lag(ms: f64) -> Lag {
-        Lag::of_inverse((2f64.powi(64) / (ms * 1e6)) as u64)
+    /// Fraction bits of what is exact here.
+    const BITS: u32 = 256;
+
+    /// Of a time constant in µs.
+    fn lag(us: u64) -> Lag {
+        Lag::of_inverse(((1u128 << 64) / (us as u128 * 1000)) as u64)
+    }
+
+    /// exp(−num/den), 2⁻²⁵⁶, to 2⁻²³⁰ and better: a series of the 1024th part, squared ten times.
+    fn exp_of_minus(num: u64, den: u64) -> BigInt {
+        let u = (BigInt::from(num) << (BITS - 10)) / den;
+        let (mut term, mut sum) = (BigInt::from(1) << BITS, BigInt::from(0));
+        for k in 1..60 {
+            sum += &term;
+            term = (-(&term * &u) >> BITS) / k;
+        }
+        for _ in 0..10 {
+            sum = (&sum * &sum) >> BITS;
+        }
+        sum
     }
 
     /// Against the exponential, over all time constants and periods that can be set.
     #[test]
     fn a_tick_counts_by_the_time_constant() {
-        assert_eq!(Lag::POWER_ON, lag(1.0));
-        for ms in [0.01, 0.1, 0.25, 1.0, 3.0, 100.0, 1000.0] {
+        assert_eq!(Lag::POWER_ON, lag(1000));
+        for tau_us in [10, 100, 250, 1000, 3000, 100_000, 1_000_000] {
             for us in [10, 20, 50, 250, 500, 1000] {
-                let share = lag(ms).share(Ns(us * 1000)) as f64 * 2f64.powi(-64);
-                let want = -(-(us as f64) / (ms * 1e3)).exp_m1();
-                assert!((share - want).abs() < 1e-10 * want, "{ms} ms, {us} us: {share}, not {want}");
+                let share = BigInt::from(lag(tau_us).share(Ns(us * 1000))) << (BITS - 64);
+                let want = (BigInt::from(1) << BITS) - exp_of_minus(us, tau_us);
+                let off = (&share - &want).magnitude() * 10_000_000_000u64;
+                assert!(&off < want.magnitude(), "{tau_us} us, tick {us} us: {share}, not {want}");
             }
         }
         assert_eq!(Lag::NONE.share(Ns(10_000)), ALL);
@@ -142,9 +162,10 @@ mod tests {
                 let at = (Ns(tick * us * 1000), Ns(us * 1000));
                 found = speed.step([counts, 0, -(us as i64) * 4, 0], at, true);
             }
-            let found = found.raw() as f64 * 2f64.powi(-30);
-            let want = 5000.0 * (1.0 - (-1f64).exp());
-            assert!((found - want).abs() < 1e-3, "{us} us: {found}, not {want}");
+            // 2⁻³⁰ pulse/ms, to a thousandth.
+            let want: BigInt = (((BigInt::from(1) << BITS) - exp_of_minus(1, 1)) * 5000) >> (BITS - 30);
+            let off = BigInt::from(found.raw()) - &want;
+            assert!(off.magnitude() < &(1u32 << 20).into(), "{us} us: {found:?}, not {want}");
         }
     }
 
@@ -154,8 +175,8 @@ mod tests {
         let mut speed = EncoderSpeed::POWER_ON;
         speed.begin(Ns(0));
         let at = |tick: u64| (Ns(tick * 10_000), Ns(10_000));
-        let first = speed.step([1, 0, 0, 0], at(0), true).raw() as f64 * 2f64.powi(-30);
-        assert!((0.9..1.0).contains(&first), "{first} of 100 pulse/ms");
+        let first = speed.step([1, 0, 0, 0], at(0), true).raw();
+        assert!(((9 << 30) / 10..1 << 30).contains(&first), "{first} of 100 << 30");
         let mut last = PathSpeed::REST;
         for tick in 1..3000 {
             last = speed.step([0; 4], at(tick), true);
