@@ -38,7 +38,21 @@ impl Awaiting {
     };
 }
 
-/// A start, or an on command of a laser, that the tick refused.
+impl Awaiting {
+    /// Whether it is data that waits for this entry, which the tick refused: then the answer says so.
+    pub fn loses(&mut self, (seq, refuser): TickRefusal) -> bool {
+        let data = matches!(self.answer, Answer::Taken { .. } | Answer::Entered { .. } | Answer::Lost { .. });
+        match refuser {
+            Refuser::Axis(axis, status) if data && self.own && self.seq == Some(seq) => {
+                self.answer = Answer::Lost { axis, status };
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+/// A start, data, or an on command of a laser, that the tick refused.
 pub type TickRefusal = (u32, Refuser);
 
 /// Because of whom.

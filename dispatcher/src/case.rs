@@ -109,6 +109,8 @@ pub enum Answer {
     Path { crd: Crd, fifo: u8, count: u16, lasts_ms: u32 },
     /// A number that only the books have.
     Long(i32),
+    /// A refusal: the tick did not take the data of this axis, whose status is that.
+    Lost { axis: Axis, status: u32 },
     /// Places free in a FIFO of Follow, and for FollowDataPercent2Ex the share of the first half, percent.
     Entered { axis: Axis, fifo: u8, percent1: i16 },
     /// A number that was computed at admission.

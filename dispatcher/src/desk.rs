@@ -12,7 +12,7 @@ use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{Loading, Road, road};
 use crate::admit::{admit, config_item, crd, many, one, power_on, tables};
 use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
-use crate::books::{Books, CAPACITY, Change, Renewed, executed};
+use crate::books::{AxisBook, Books, CAPACITY, Change, Renewed, executed};
 use crate::case::{Answer, Case, Due, Effect, Site, Watch};
 use crate::lane::{Deque, Lane, Staged};
 use crate::log::{Kind, Log, ShutOff};
@@ -33,7 +33,7 @@ use servo::pt::SegmentStore;
 use servo::pvt::TableStores;
 use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
 use servo::units::{Axis, AxisMask, Crd, CrdMask};
-use servo::view::View;
+use servo::view::{AxisView, View};
 
 /// The desk.
 pub struct Desk<'a, const AXES: usize> {
@@ -262,6 +262,13 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         self.lane.retire(view, &mut self.now);
         // What the view shows of it would else look as if the tick had done it by itself.
         program.retire(view, &mut self.now);
+        // Data that gathers for what has ended goes to the tick as it is, which refuses it at its instant.
+        let ended = |(book, seen): (&AxisBook, &AxisView)| {
+            book.epoch != seen.epoch || book.is_follow() && book.follow.cleared != seen.cleared
+        };
+        if program.gathers() && self.ahead.axes.iter().zip(&view.axes).any(ended) {
+            program.flush(self);
+        }
         for ((now, ahead), seen) in self.now.axes.iter_mut().zip(&mut self.ahead.axes).zip(&view.axes) {
             now.follow(view, seen);
             ahead.follow(view, seen);
@@ -292,9 +299,16 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
         }
     }
 
-    /// The tick refused a start of the immediate lane.
+    /// The tick refused a start or data of the immediate lane.
     pub fn tick_refused(&mut self, refusal: TickRefusal) {
-        self.refused.push(refusal);
+        let mut data = false;
+        self.awaiting.amend_back(|item| {
+            data |= item.loses(refusal);
+            true
+        });
+        if !data {
+            self.refused.push(refusal);
+        }
     }
 
     /// The reply to an executed command; `taken` are the numbers of its lane that wait, oldest first.
@@ -320,6 +334,18 @@ impl<'a, const AXES: usize> Desk<'a, AXES> {
                 reading.entered(item.opcode, item.tag, *axis, *fifo, *percent1, out)
             }
             Answer::Taken { axis, fifo, count } => reading.taken(item.opcode, item.tag, *axis, *fifo, *count, out),
+            Answer::Lost { axis, status } => {
+                let lost = match item.opcode {
+                    // At once it is no data, but answered like it.
+                    opcode::FollowSwitchNowEx => self.explain(view, Refuser::Axis(*axis, *status)),
+                    _ => {
+                        let stop = view.axes.get(axis.index()).map_or(0, |seen| seen.stop as u16);
+                        let lost = Refused::new(Reason::StreamEnded).axis(self.site.number_of(*axis));
+                        lost.got((*status).into()).limits(0.0, stop.into())
+                    }
+                };
+                out.refused(item.opcode, item.tag, &lost.wire)
+            }
             Answer::Values(count) => values_reply(item.opcode, item.tag, taken.take((*count).into()), out),
             Answer::Took { held, .. } => took_reply(item.opcode, item.tag, taken, *held, out),
             Answer::Program => program.status(view, item.opcode, item.tag, out),

@@ -30,7 +30,7 @@ macro_rules! reasons {
         pub enum Reason { $( #[doc = $text] $name = $number, )* }
         /// Every reason: its number, its return code and its text. In the text `{field}` is the
         /// parameter's name, `{got}` what was given, `{low}` and `{high}` the limits, `{axis}` the axis, `{cause}`
-        /// the [`laser_cause`] whose number is `high`.
+        /// the [`laser_cause`] and `{stop}` the [`stop_reason`] whose number is `high`.
         pub const REASONS: &[(Reason, Code, &str)] = &[$( (Reason::$name, Code::$code, $text), )*];
         impl Reason {
             /// The reason with this number.
@@ -88,6 +88,7 @@ reasons! {
     53 AtLimitSwitch State "axis {axis}: the limit switch in this direction is active; it can only move away from it";
     54 SwitchPending State "axis {axis}: a FIFO switch is pending; neither FIFO can be cleared before it has happened";
     55 StateChanged State "axis {axis} cannot start: its state has changed since the call was taken (status {got})";
+    56 StreamEnded State "axis {axis}: the motion that this data belongs to ended before it ({stop}); the data was not taken";
     60 TableInUse State "PVT table {got} is in use by axis {axis}; it can be replaced when no axis runs it";
     61 TableEmpty State "axis {axis}: PVT table {got} is empty";
     62 TablePlaces Range "the table does not fit: its points need more than {high} places (two where the velocity jumps; a Percent point up to 3, a Continuous point up to 8)";
@@ -317,6 +318,7 @@ impl Display for Description<'_> {
                 "low" => plain(f, refusal.low.get())?,
                 "high" => plain(f, refusal.high.get())?,
                 "cause" => f.write_str(laser_cause(refusal.high.get() as i16))?,
+                "stop" => f.write_str(stop_reason(refusal.high.get() as u16))?,
                 "axis" => write!(f, "{}", refusal.axis.get())?,
                 _ => write!(f, "{{{name}}}")?,
             }

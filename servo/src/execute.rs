@@ -185,7 +185,13 @@ impl<const AXES: usize> Tick<AXES> {
             }),
             Op::TargetSpeed { axis, speed } => self.one(axis, |state| state.trap.speed = speed),
             Op::TargetPosition { axis, pulses } => self.one(axis, |state| state.trap.target = pulses),
-            Op::PtCommit { axis, fifo, end, epoch } => self.one(axis, |state| state.commit(fifo, end, epoch)),
+            Op::PtCommit { axis, fifo, end, epoch } => {
+                let mut counts = true;
+                self.one(axis, |state| counts = state.commit(fifo, end, epoch));
+                if !counts {
+                    self.tell_void((lane, entry.seq), axis, lanes);
+                }
+            }
             Op::PtClear { axis, fifo } => self.one(axis, |state| state.clear_fifo(fifo)),
             Op::PvtSelect { axis, table } => self.one(axis, |state| state.select(table)),
             Op::PvtLoop { axis, passes } => self.one(axis, |state| state.set_table_passes(passes)),
@@ -194,8 +200,12 @@ impl<const AXES: usize> Tick<AXES> {
             Op::FollowEvent { axis, event } => self.one(axis, |state| state.follow.event = event),
             Op::FollowLoop { axis, passes } => self.one(axis, |state| state.set_follow_passes(passes)),
             Op::FollowCommit { axis, fifo, end, cleared, tail } => {
+                let mut counts = true;
                 if let Some(store) = lanes.segments.get(axis.index()) {
-                    self.one(axis, |state| state.commit_entries(fifo, end, cleared, tail, store));
+                    self.one(axis, |state| counts = state.commit_entries(fifo, end, cleared, tail, store));
+                }
+                if !counts {
+                    self.tell_void((lane, entry.seq), axis, lanes);
                 }
             }
             Op::FollowClear { axis, fifo } => self.one(axis, |state| state.clear_entries(fifo)),
@@ -362,6 +372,14 @@ impl<const AXES: usize> Tick<AXES> {
         }
         self.enable = if on { self.enable | self.in_use(axes).0 } else { self.enable & !axes.0 };
         self.all(axes, |state| state.servo_on = on);
+    }
+
+    /// What a commit was meant for has ended meanwhile: its data is lost, and that is told.
+    #[cold]
+    #[inline(never)]
+    fn tell_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, lanes: &mut Reach<'_, '_, AXES>) {
+        let status = self.axes.get(axis.index()).map_or(0, AxisState::status);
+        tell(lanes.events, &mut self.events_lost, Event::Refused { lane, seq, axis, status });
     }
 
     /// Whether one axis of the mask forbids the start; then it is told, and none starts.

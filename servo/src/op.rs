@@ -224,7 +224,7 @@ pub enum Op {
     /// Jog and Trap of these axes begin, or change, with the present targets.
     Update { axes: AxisMask },
     /// The FIFO's data now ends at this count of segments pushed since it was cleared. In dynamic mode
-    /// it counts only if `epoch` is that of the axis: what was meant for a stream that ended is void.
+    /// it counts only if `epoch` is that of the axis: what was meant for a stream that ended is refused.
     PtCommit { axis: Axis, fifo: u8, end: u32, epoch: u32 },
     /// Empties a FIFO that is not running (both in dynamic mode, at rest); its count begins at 0 again.
     PtClear { axis: Axis, fifo: u8 },

@@ -536,7 +536,7 @@ pub enum Traced {
 pub enum Event {
     /// An axis came to rest for this reason.
     Stopped { axis: Axis, reason: StopReason, now: Ns },
-    /// A start or Update did nothing because of this axis's state.
+    /// A start, an Update or a commit did nothing because of this axis's state.
     Refused { lane: Lane, seq: u32, axis: Axis, status: u32 },
     /// A coordinate system came to rest for this reason; its axes are not told of.
     CrdStopped { crd: Crd, reason: StopReason, now: Ns },

@@ -1,6 +1,6 @@
 //! Follow through the tick: order, starts, turning points, switches, guards, what readers see.
 mod tick_bench;
-use servo::follow::{Direction, Event as Start, Method, Value};
+use servo::follow::{Chain, Direction, Event as Start, Method, Value};
 use servo::op::{Mode, Op};
 use servo::status;
 use servo::units::Pos;
@@ -412,6 +412,9 @@ fn switches_at_the_end_of_a_pass_and_at_once() {
     let (x0, s0) = (pulses(view.axes[0].pos), pulses(view.axes[1].pos));
     assert!((s0 - truth(x0)).abs() < 1e-5);
     assert_eq!((view.axes[1].fifo, view.axes[1].cleared), (0, [1, 1]));
+    // Data for what the FIFO held before the switch is refused.
+    let (end, tail) = (3, Chain::default().tail());
+    let void = bench.now(Op::FollowCommit { axis: axis(1), fifo: 1, end, cleared: 0, tail });
     for _ in 0..70 {
         let view = bench.tick();
         let x = pulses(view.axes[0].pos) - x0;
@@ -420,6 +423,7 @@ fn switches_at_the_end_of_a_pass_and_at_once() {
             if x < 10.0 { inside(2.0, 10.0, 10.0, x / 10.0) } else { 10.0 + inside(0.0, 10.0, 10.0, x / 10.0 - 1.0) };
         assert!((pulses(view.axes[1].pos) - s0 - s).abs() < 1e-5, "{} for {s} at {x}", pulses(view.axes[1].pos) - s0);
     }
+    assert!(matches!(bench.event(), Some(Event::Refused { seq, .. }) if seq == void));
     // In the last segment, a switch by segment ends the pass; here, the motion.
     bench.now(Op::FollowSwitchNow { axis: axis(1), method: Method::Segment });
     let view = bench.tick();

@@ -106,10 +106,11 @@ fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
     assert_eq!((shown.epoch, shown.released), (1, 0));
     assert!(!has(&shown, status::RUNNING));
     assert_eq!(stopped(bench.event()), (0, StopReason::Underrun));
-    // A commit that was on its way to the stream that ended is void; it starts nothing.
-    bench.now(Op::PtCommit { axis: axis(0), fifo: 0, end: 3, epoch: 0 });
+    // A commit that was on its way to the stream that ended is refused; it starts nothing.
+    let void = bench.now(Op::PtCommit { axis: axis(0), fifo: 0, end: 3, epoch: 0 });
     let seq = bench.start(&[0]);
     bench.tick();
+    assert!(matches!(bench.event(), Some(Event::Refused { seq: s, lane: Lane::Immediate, .. }) if s == void));
     assert!(matches!(bench.event(), Some(Event::Refused { seq: s, lane: Lane::Immediate, .. }) if s == seq));
     // The next stream counts from 0, and needs no ClearStatus.
     bench.forget(0);

@@ -7,6 +7,7 @@
 use super::{Pauses, Program, State};
 use crate::awaiting::{Refuser, TickRefusal};
 use crate::books::{Change, PROGRAM_FLAG, executed};
+use crate::case::Answer;
 use crate::desk::Desk;
 use crate::refuse::Refused;
 use protocol::reason::Reason;
@@ -46,11 +47,21 @@ impl Program<'_> {
         self.overflowed = false;
     }
 
-    /// The tick refused a start: the program has failed there, unless the entry may fail.
+    /// The tick refused a start or data: the program has failed there, unless the entry may fail. One entry may stand for
+    /// the data of many records.
     pub fn tick_refused(&mut self, refusal: TickRefusal) {
-        self.refused.push(refusal);
-        let may_fail = self.awaiting.iter().any(|item| item.own && item.may_fail && item.seq == Some(refusal.0));
-        if self.is_active() && !may_fail {
+        let (mut data, mut asked, mut may_fail) = (false, false, true);
+        self.awaiting.amend_back(|item| {
+            if item.own && item.seq == Some(refusal.0) {
+                data |= item.loses(refusal);
+                (asked, may_fail) = (true, may_fail && item.may_fail);
+            }
+            true
+        });
+        if !data {
+            self.refused.push(refusal);
+        }
+        if self.is_active() && !(asked && may_fail) {
             self.cut(State::Failed);
         }
     }
@@ -153,7 +164,7 @@ impl Program<'_> {
             }
             if refusal.is_some() {
                 self.refused.pop();
-            } else if !item.discarded {
+            } else if !item.discarded && !matches!(item.answer, Answer::Lost { .. }) {
                 self.done = self.done.wrapping_add(1);
             }
             if let Some(seq) = item.seq.filter(|_| item.own) {

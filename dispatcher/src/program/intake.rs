@@ -12,7 +12,7 @@ use super::{Program, State, length};
 use crate::admit::data::{self, Of};
 use crate::admit::pvt_table::{CHUNK, Road, road};
 use crate::awaiting::{Awaiting, Step};
-use crate::books::Change;
+use crate::books::{Change, seq_after, seq_from};
 use crate::case::{Answer, Case, Due, Effect, TAKEN_MAX};
 use crate::desk::Desk;
 use crate::lane::{FEW, Staged};
@@ -95,7 +95,7 @@ impl Program<'_> {
     }
 
     /// Whether there is data that the tick does not know of yet.
-    pub(super) fn gathers(&self) -> bool {
+    pub fn gathers(&self) -> bool {
         self.open[0] | self.open[1] != 0 || self.open_paths[0] | self.open_paths[1] != 0
     }
 
@@ -155,7 +155,7 @@ impl Program<'_> {
             }
             number if data::is_data(number, body) => {
                 let written = desk.admit_data(view, due, head.opcode, body)?;
-                self.take_data(desk, head.opcode, head.tag, &written);
+                self.take_data(desk, (head.opcode, head.tag, head.may_fail), &written);
                 return Ok(Step::Taken);
             }
             number if road(number) == Some(Road::Calculate) => {
@@ -259,8 +259,7 @@ impl Program<'_> {
     pub(super) fn take_data<const AXES: usize>(
         &mut self,
         desk: &mut Desk<'_, AXES>,
-        opcode: u16,
-        tag: u16,
+        (opcode, tag, may_fail): (u16, u16, bool),
         written: &data::Written,
     ) {
         let fifo = usize::from(written.fifo) & 1;
@@ -272,20 +271,22 @@ impl Program<'_> {
             Of::Crd(crd) if written.at_once => {
                 desk.commit_path_now(crd, written.fifo);
                 let (seq, answer) = (Some(desk.lane.last()), written.answer);
-                self.awaiting.push(Awaiting { opcode, tag, seq, own: true, answer, ..Awaiting::BLANK });
+                self.awaiting.push(Awaiting { opcode, tag, seq, own: true, may_fail, answer, ..Awaiting::BLANK });
                 return;
             }
             Of::Crd(crd) => self.open_paths[fifo] |= crd.mask().0,
         }
-        self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, answer: written.answer, ..Awaiting::BLANK });
+        let answer = written.answer;
+        self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, may_fail, answer, ..Awaiting::BLANK });
     }
 
     /// Pushes the commits of the data that gathered. There is room for them: no record is admitted
     /// without it, and data itself takes none.
-    pub(super) fn flush<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
+    pub fn flush<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
         if !self.gathers() || self.lane.room() < self.gathered() {
             return;
         }
+        let (first, count) = (seq_after(self.lane.last()), self.gathered() as u32);
         for fifo in 0..2u8 {
             let mut left = self.open[usize::from(fifo)];
             while let Some(axis) = Axis::new(left.trailing_zeros() as usize) {
@@ -300,14 +301,21 @@ impl Program<'_> {
                 self.push(desk, op, change);
             }
         }
-        (self.open, self.open_paths) = ([0; 2], [0; 2]);
-        let last = self.lane.last();
+        let open = core::mem::take(&mut self.open);
+        self.open_paths = [0; 2];
         self.awaiting.amend_back(|item| {
-            let open = item.open;
-            if open {
-                (item.open, item.seq) = (false, Some(last));
+            let gathered = item.open;
+            if gathered {
+                // Data of an axis waits for its own commit: the tick may refuse that.
+                let before = match item.answer {
+                    Answer::Taken { axis, fifo, .. } | Answer::Entered { axis, fifo, .. } if item.own => {
+                        place_among(&open, axis, fifo)
+                    }
+                    _ => count - 1,
+                };
+                (item.open, item.seq) = (false, Some(seq_from(first, before)));
             }
-            open
+            gathered
         });
     }
 
@@ -334,6 +342,13 @@ impl Program<'_> {
             item = item.saturating_add(1);
         }
     }
+}
+
+/// How many commits of these axes go before that of this one.
+fn place_among(open: &[u64; 2], axis: Axis, fifo: u8) -> u32 {
+    let [first, second] = *open;
+    let below = axis.mask().0 - 1;
+    if fifo & 1 == 0 { (first & below).count_ones() } else { first.count_ones() + (second & below).count_ones() }
 }
 
 /// Stages a WaitStop; false if it cannot be now. What a coordinate system waits for ends with what it was given so far,

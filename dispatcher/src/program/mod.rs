@@ -236,7 +236,8 @@ impl<'a> Program<'a> {
             // Where it is refused it waits in the queue, and is refused from there.
             if let Ok(written) = desk.admit_data(view, self.due(view), record.opcode, record.body) {
                 self.accepted = self.accepted.wrapping_add(1);
-                self.take_data(desk, record.opcode, record.tag, &written);
+                let may_fail = record.lane == Road::ProgramMayFail;
+                self.take_data(desk, (record.opcode, record.tag, may_fail), &written);
                 return Step::Taken;
             }
         }

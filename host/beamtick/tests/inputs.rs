@@ -127,6 +127,23 @@ GT_GetCaptureStatus(1, &status, &home); GT_GetSts(1, &home);
 }
 
 #[test]
+fn data_of_a_stream_that_an_alarm_ended_fails_the_job_at_its_line() {
+    let job = "\
+GT_AxisOn(1); GT_PrfPt(1, PT_MODE_DYNAMIC); GT_PtData(1, 100, 100, PT_SEGMENT_EVEN); GT_PtStart(1); Sleep(50);
+GT_PtData(1, 200, 200, PT_SEGMENT_EVEN);
+Sleep(5); GT_SetDoBit(MC_GPO, 1, 0); WaitStop(1);
+";
+    // Without the alarm it is right.
+    for (rows, ends) in [("", 0), ("20,alarm1,1\n", 1)] {
+        let folder = folder(job, &format!("t_ms,input,level\n{rows}"));
+        let (out, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--inputs", "in.csv"]);
+        assert_eq!(code, ends, "{out}{errors}");
+        let cause = "the motion that this data belongs to ended before it (the drive's alarm)";
+        assert_eq!(errors.contains("job.gts:2") && errors.contains(cause), ends == 1, "{errors}");
+    }
+}
+
+#[test]
 fn the_interlock_in_a_file_shuts_off_the_laser() {
     let job = "\
 GT_SetAxisMode(7, 1); GT_LaserOutFrq(20); GT_LaserPrfCmd(50); GT_LaserOn(0);

@@ -171,10 +171,10 @@ impl AxisState {
         self.shown.released = 0;
     }
 
-    /// What was committed to a FIFO counts from now on.
-    pub(crate) fn commit(&mut self, fifo: u8, end: u32, epoch: u32) {
+    /// What was committed to a FIFO counts from now on. False if its stream has ended meanwhile.
+    pub(crate) fn commit(&mut self, fifo: u8, end: u32, epoch: u32) -> bool {
         if self.shown.mode == Mode::PtDynamic && epoch != self.shown.epoch {
-            return;
+            return false;
         }
         let [first, second] = &mut self.ends;
         *(if fifo == 0 { first } else { second }) = end;
@@ -182,6 +182,7 @@ impl AxisState {
             self.fifo = if self.shown.mode == Mode::PtStatic { fifo } else { 0 };
         }
         self.profile.revise();
+        true
     }
 
     /// Empties a FIFO that is not running.
@@ -204,7 +205,7 @@ impl AxisState {
         }
     }
 
-    /// What was committed to a FIFO of Follow counts from now on, if no switch has emptied it meanwhile.
+    /// What was committed to a FIFO of Follow counts from now on. False if a switch has emptied it meanwhile.
     pub(crate) fn commit_entries(
         &mut self,
         fifo: u8,
@@ -212,12 +213,14 @@ impl AxisState {
         cleared: u32,
         tail: follow::Tail,
         source: &impl follow::Entries,
-    ) {
+    ) -> bool {
         let [first, second] = self.shown.cleared;
-        if cleared == if fifo == 0 { first } else { second } {
+        let counts = cleared == if fifo == 0 { first } else { second };
+        if counts {
             self.follow.commit(fifo, end, tail, source);
             self.revise_run();
         }
+        counts
     }
 
     /// Empties a FIFO of Follow that is not running.
