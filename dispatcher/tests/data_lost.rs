@@ -69,8 +69,8 @@ fn data_of_a_stream_that_a_fault_ended_is_refused_at_its_instant() {
         );
         let clock = bench.done(ProgramStatus {}).clock_ns.get();
         assert!((50 * MS..51 * MS + MS / 2).contains(&clock), "at its instant, {clock}");
-        for index in 0..data + 1 {
-            assert_eq!(bench.wait(tags[index]).code, 0, "gathers {gathers}: entry {index} came before it");
+        for (index, &tag) in tags[..=data].iter().enumerate() {
+            assert_eq!(bench.wait(tag).code, 0, "gathers {gathers}: entry {index} came before it");
         }
         assert_eq!(bench.wait(tags[data + 2]).code, 0, "the other axis has no fault");
         assert_eq!(bench.wait(tags[after]).reason(), Reason::Discarded);

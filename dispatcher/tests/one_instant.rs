@@ -1,5 +1,6 @@
 //! Calls of one instant act on one tick, whatever has to be known of the instant before they are admitted.
 mod bench;
+use bench::follow;
 use bench::{Bench, body, entry, position, pt_data, read_pos, sleep, start, wait_stop};
 use protocol::command::*;
 use protocol::record::Lane;
@@ -36,7 +37,7 @@ fn update() -> Entry {
     entry(Update { core: CORE.into(), mask: 1.into() })
 }
 
-fn follow() -> Entry {
+fn follow_start() -> Entry {
     entry(FollowStart { core: CORE.into(), mask: 2.into(), option: 0.into() })
 }
 
@@ -60,7 +61,7 @@ fn run(mut entries: Vec<Entry>) -> (u32, f64) {
 fn a_stop_at_the_instant_of_a_start_moves_nothing() {
     for option in [0, 2] {
         let mut entries = set_up();
-        entries.extend([update(), entry(sleep(20)), follow(), stop(2, option), entry(sleep(20))]);
+        entries.extend([update(), entry(sleep(20)), follow_start(), stop(2, option), entry(sleep(20))]);
         assert_eq!(run(entries), (0, 0.0), "a slave of a master at speed, option {option}");
         let (core, profile) = (CORE.into(), 2.into());
         let entries = vec![
@@ -79,7 +80,7 @@ fn a_stop_at_the_instant_of_a_start_moves_nothing() {
 fn start_and_more() -> Vec<Entry> {
     let (core, profile) = (CORE.into(), 2.into());
     vec![
-        follow(),
+        follow_start(),
         entry(FollowClear { core, profile, fifo: 1.into() }),
         data(1),
         entry(FollowSwitch { core, mask: 2.into() }),
@@ -100,7 +101,7 @@ fn what_follows_a_follow_start_at_its_instant_is_in_time() {
 #[test]
 fn what_follows_a_wait_stop_at_its_end_is_in_time() {
     let mut entries = set_up();
-    entries.extend([data(1), follow(), update(), entry(sleep(11)), stop(1, 0), stop(2, 2)]);
+    entries.extend([data(1), follow_start(), update(), entry(sleep(11)), stop(1, 0), stop(2, 2)]);
     entries.extend([entry(wait_stop(1)), entry(wait_stop(2))]);
     entries.extend(start_and_more());
     entries.push(entry(sleep(5)));
@@ -127,5 +128,113 @@ fn refused_data_makes_nothing_late() {
     bench.done(ProgramStart { strict: 0 });
     let codes: Vec<i16> = tags.iter().map(|&tag| bench.wait(tag).code).collect();
     assert!(codes.iter().enumerate().all(|(index, code)| *code == if index == refused { 7 } else { 0 }), "{codes:?}");
+    assert_eq!(bench.done(ProgramStatus {}).late.get(), 0);
+}
+
+/// Axis 2 follows axis 1, at 10 pulse/ms, in FollowEx mode; FIFO 0 ends with a queued switch to the other one.
+fn switching() -> Vec<Entry> {
+    let (core, master, slave) = (CORE.into(), 1.into(), 2.into());
+    let prm = SetJogPrm { core, profile: master, acc: 10.0.into(), dec: 10.0.into(), smooth: 0.0.into() };
+    vec![
+        entry(AxisOn { core, axis: master }),
+        entry(AxisOn { core, axis: slave }),
+        entry(PrfJog { core, profile: master }),
+        entry(prm),
+        entry(SetVel { core, profile: master, vel: 10.0.into() }),
+        entry(follow::prf_ex(2, 0)),
+        entry(SetFollowMasterEx {
+            core,
+            profile: slave,
+            master_index: 1.into(),
+            master_type: 2.into(),
+            master_item: 0.into(),
+        }),
+        more(0, 1000.0),
+        queued(2, 0),
+        update(),
+    ]
+}
+
+/// An even segment of FollowEx that ends there, with the ratio 1.
+fn more(fifo: i16, end: f64) -> Entry {
+    entry(follow::data_ex(2, end, end, 1, 0, fifo))
+}
+
+/// SwitchNow: 1 by segment, 2 by table, as a queue entry.
+fn queued(method: i16, fifo: i16) -> Entry {
+    let (core, profile) = (CORE.into(), 2.into());
+    entry(FollowSwitchNowEx { core, profile, method: method.into(), buffer: 1.into(), fifo: fifo.into() })
+}
+
+#[test]
+fn fifos_under_a_queued_switch_take_all_of_an_instant() {
+    let (core, profile) = (CORE.into(), 2.into());
+    let space = |fifo: i16| entry(FollowSpaceEx { core, profile, fifo: fifo.into() });
+    let clear = |fifo: i16| entry(FollowClearEx { core, profile, fifo: fifo.into() });
+    let start = || entry(FollowStartEx { core, mask: 2.into(), option: 0.into() });
+    // What an instant gives, the places that are free then, and how many entries are late.
+    let instants: [(Vec<Entry>, i16, u32); 6] = [
+        (vec![more(1, 1000.0), more(1, 2000.0), space(1)], 14, 0),
+        (vec![more(1, 1000.0), space(1), clear(1), space(1)], 16, 0),
+        (vec![more(1, 500.0), queued(2, 1), more(1, 900.0), space(1)], 13, 0),
+        // Data in places that this instant clears has to wait until they are: the tick may switch to them meanwhile.
+        (vec![more(1, 1000.0), clear(1), more(1, 500.0), space(1)], 15, 1),
+        (vec![more(1, 400.0), clear(1), more(1, 500.0), more(1, 600.0), space(1)], 14, 1),
+        (vec![space(0), more(1, 500.0), space(0), clear(1), more(1, 400.0), space(1)], 15, 1),
+    ];
+    for (number, (instant, free, late)) in instants.iter().enumerate() {
+        for (starts, pause) in [(true, None), (false, Some(20)), (true, Some(20))] {
+            let mut entries = switching();
+            // With the start, or later.
+            if starts {
+                entries.extend(pause.map(|ms| entry(sleep(ms))));
+                entries.push(start());
+            } else {
+                entries.push(start());
+                entries.extend(pause.map(|ms| entry(sleep(ms))));
+            }
+            let first = entries.len();
+            entries.extend_from_slice(instant);
+            let last = entries.len() - 1;
+            for entry in &mut entries[first..] {
+                entry.1 = Lane::ProgramMayFail;
+            }
+            entries.extend([entry(sleep(5)), entry(read_pos(2)), entry(ProgramEnd {})]);
+            let mut bench = Bench::gus();
+            let tags = bench.post_all(&entries);
+            bench.done(ProgramStart { strict: 0 });
+            let codes: Vec<i16> = tags.iter().map(|&tag| bench.wait(tag).code).collect();
+            let told = format!("instant {number}, starts {starts}, after {pause:?}");
+            assert!(codes.iter().all(|code| *code == 0), "{told}: {codes:?}");
+            assert_eq!(bench.answers[&tags[last]].reply::<FollowSpaceEx>().value.get(), *free, "{told}");
+            assert_eq!(bench.done(ProgramStatus {}).late.get(), *late, "{told}");
+        }
+    }
+}
+
+#[test]
+fn the_first_instant_of_a_program_takes_what_concerns_fifos_under_a_queued_switch() {
+    let (core, profile) = (CORE.into(), 2.into());
+    let mut bench = Bench::gus();
+    // The motion runs before the program does.
+    for (opcode, _, body) in switching() {
+        let tag = bench.post_raw(opcode, Lane::Immediate, &body);
+        assert_eq!(bench.wait(tag).code, 0);
+    }
+    bench.done(FollowStartEx { core, mask: 2.into(), option: 0.into() });
+    bench.run_ms(20);
+    let mut entries = vec![
+        more(1, 500.0),
+        entry(FollowSpaceEx { core, profile, fifo: 1.into() }),
+        entry(FollowClearEx { core, profile, fifo: 1.into() }),
+    ];
+    entries.iter_mut().for_each(|entry| entry.1 = Lane::ProgramMayFail);
+    entries.push(entry(ProgramEnd {}));
+    let tags = bench.post_all(&entries);
+    bench.run_ms(2);
+    bench.done(ProgramStart { strict: 0 });
+    let codes: Vec<i16> = tags.iter().map(|&tag| bench.wait(tag).code).collect();
+    assert_eq!(codes, [0; 4]);
+    assert_eq!(bench.answers[&tags[1]].reply::<FollowSpaceEx>().value.get(), 15);
     assert_eq!(bench.done(ProgramStatus {}).late.get(), 0);
 }

@@ -181,11 +181,18 @@ impl<'a> Program<'a> {
     /// Whether the view is the last one before the tick on which the record in hand would act, and nothing that is on its way
     /// before it may end what keeps it from being taken.
     fn is_settled<const AXES: usize>(&self, view: &View<AXES>) -> bool {
-        let of_clock = self.instant.saturating_add(self.delay);
-        let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
+        !self.lane.may_free() && self.until(view) < view.period.0
+    }
+
+    /// From the view to the instant of the record in hand, ns; `u64::MAX` where that is not known. The clock of a program that
+    /// has been told to run begins on the tick after the view.
+    fn until<const AXES: usize>(&self, view: &View<AXES>) -> u64 {
         let begun = self.state == State::Running && self.run.is_some();
-        let known = begun && !self.pauses.wait() && !self.lane.may_free();
-        known && zero.saturating_add(of_clock) < view.now.0.saturating_add(view.period.0)
+        if !begun || self.pauses.wait() {
+            return u64::MAX;
+        }
+        let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
+        zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(view.now.0)
     }
 
     /// Whether the record in hand acts soon, and nothing is on its way before it.
@@ -198,13 +205,8 @@ impl<'a> Program<'a> {
     /// What is known of the instant of the record in hand.
     fn due<const AXES: usize>(&self, view: &View<AXES>) -> Due {
         let decided = self.is_reached(view);
-        let instant = view.script_zero.0.saturating_add(self.instant).saturating_add(self.delay);
         let script_ns = self.instant.saturating_add(self.delay);
-        let until_ns = match self.runs(view) {
-            _ if decided => 0,
-            true if !self.pauses.wait() => instant.saturating_sub(view.now.0),
-            _ => u64::MAX,
-        };
+        let until_ns = if decided { 0 } else { self.until(view) };
         let first = self.state == State::Held && script_ns < view.period.0 && !self.pauses.wait();
         Due { decided, near: self.is_near(view), until_ns, first, script_ns, wait: self.pauses.last }
     }
