@@ -215,3 +215,36 @@ fn ticks_that_take_too_long_are_told_where_no_laser_is_used_too() {
     assert_eq!(code, 0, "{out}");
     assert!(out.contains("servo ticks took longer than 10 us"), "{out}");
 }
+
+/// Tables longer than the controller's queue (8 KiB), after a call that waits for its instant because its axis moves, so that
+/// nothing after it is prepared before.
+#[test]
+fn a_table_longer_than_the_queue_makes_nothing_late_that_comes_well_after_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let list =
+        |values: &mut dyn Iterator<Item = u32>| values.map(|value| value.to_string()).collect::<Vec<_>>().join(",");
+    let (times, rest) = (list(&mut (0..1024)), list(&mut std::iter::repeat_n(0, 1024)));
+    let curve = format!("double t[1024] = {{{times}}}, z[1024] = {{{rest}}};\nrtn = GT_PvtTable(1, 1024, t, z, z);\n");
+    let (ratios, places) = (list(&mut std::iter::repeat_n(1, 1089)), list(&mut (0..33).map(|place| 10 * place)));
+    // One row and column more than there may be: it is refused message by message.
+    let field = format!(
+        "short a[2] = {{1, 2}}, n[2] = {{33, 33}}; double r[1089] = {{{ratios}}}, l[2] = {{100, 100}}; \
+         long p[33] = {{{places}}};\nrtn = GT_SetLaserDisTable2D(a, n, r, p, p, 0, 100, l, 0);\n"
+    );
+    for table in [curve, field] {
+        for tick in [100, 250, 1000] {
+            let text = format!(
+                "#pragma continue\n#pragma tick {tick}\nshort rtn;\nGT_AxisOn(3); TJogPrm jog = {{1, 1, 0}};\n\
+                 GT_PrfJog(3); GT_SetJogPrm(3, &jog); GT_SetVel(3, 1); GT_Update(4); Sleep(100);\n\
+                 rtn = GT_ZeroPos(3, 1); Sleep(1);\n{table}Sleep(24);\nGT_SetDoBit(MC_GPO, 1, 0);\n"
+            );
+            // 24 KiB are three queues full, and each is looked at after 2 ms and some ticks.
+            let (told, code) = beamtick(&["sim", job(folder.path(), &text).to_str().unwrap()]);
+            assert_eq!(code, 0, "{told}");
+            let late = told.lines().find(|line| line.contains("late entries")).unwrap();
+            // Of the table itself the last message may come after its instant.
+            let table = late.contains("  1 late entries") && late.contains("GT_PvtTable");
+            assert!(table || late.contains("no late entries"), "tick {tick}: {late}");
+        }
+    }
+}

@@ -261,8 +261,9 @@ pub(crate) fn run(
     loop {
         let answers = {
             let mut inner = client.lock();
-            run.fill(&mut inner)?;
+            // What a look brings is used before the next wait: that may be a long one.
             run.ask(&mut inner)?;
+            run.fill(&mut inner)?;
             let wait = inner.turn.min(run.until_look(inner.now()));
             inner.pump(wait)?;
             client.check_heard(&mut inner, || "while a program runs".to_owned())?;
