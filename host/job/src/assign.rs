@@ -4,7 +4,7 @@
 
 use crate::expr::{MATHEMATICS, nearest};
 use crate::read::{C_LIBRARY, Fault, Reader};
-use crate::scan::{Kind, Token};
+use crate::scan::Kind;
 use crate::value::{Type, Value, Variable};
 use std::ops::Range;
 
@@ -59,62 +59,6 @@ impl Reader<'_> {
             Value::Int(length @ 1..=1_000_000) => Ok(length as usize),
             _ => Err(Fault::new(span, "an array's length is an integer from 1 to 1000000", "")),
         }
-    }
-
-    pub(crate) fn initial(
-        &mut self,
-        of: Type,
-        length: Option<usize>,
-        open: bool,
-        name: &Token,
-        start: usize,
-    ) -> Result<Variable, Fault> {
-        if self.peek().kind == Kind::Text {
-            let text = self.advance().text;
-            let mut variable = Variable::new(of, length.or(open.then_some(text.len() + 1)));
-            variable.text = Some(text);
-            return Ok(variable);
-        }
-        if !self.is("{") {
-            let mut variable = Variable::new(of, length);
-            let (cell, of) = variable.cell(None, None).map_err(|message| Fault::new(name.span.clone(), message, ""))?;
-            variable.cells[cell] = self.assigned(of, start)?;
-            return Ok(variable);
-        }
-        let mut values = Vec::new();
-        self.values(&mut values)?;
-        let width = Variable::width(of);
-        let length = if open { Some(values.len().div_ceil(width).max(1)) } else { length };
-        let mut variable = Variable::new(of, length);
-        if values.len() > variable.cells.len() {
-            let message = format!("{} values are given, `{}` holds {}", values.len(), name.text, variable.cells.len());
-            return Err(Fault::new(name.span.clone(), message, ""));
-        }
-        let types: Vec<Type> = of.cells().map(|(_, of)| of).collect();
-        for (cell, of) in types.iter().cycle().take(variable.cells.len()).enumerate() {
-            // As in C, what a list leaves out is 0.
-            let (value, span) = values.get(cell).cloned().unwrap_or((Value::Int(0), name.span.clone()));
-            variable.cells[cell] = of.convert(&value).map_err(|message| Fault::new(span, message, ""))?;
-        }
-        Ok(variable)
-    }
-
-    pub(crate) fn values(&mut self, values: &mut Vec<(Value, Range<usize>)>) -> Result<(), Fault> {
-        self.expect("{", "before the values")?;
-        while !self.accept("}") {
-            if self.is("{") {
-                self.nested(|reader| reader.values(values))?;
-            } else {
-                let start = self.here();
-                let value = self.expression()?;
-                values.push((value, start.start..self.before().end));
-            }
-            if !self.accept(",") {
-                self.expect("}", "after the values")?;
-                break;
-            }
-        }
-        Ok(())
     }
 
     /// Reads `x`, `x[i]`, `x.f`, `x[i].f[j]`: variable, cell and type.

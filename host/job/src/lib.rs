@@ -19,6 +19,7 @@ pub mod config;
 mod diagnostic;
 mod endless;
 mod expr;
+mod initial;
 mod job;
 mod pack;
 mod read;
