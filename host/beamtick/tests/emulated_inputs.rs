@@ -1,12 +1,13 @@
 //! Inputs on the emulated board, where BEAMTICK_IMAGE names an image (`cargo xtask check-all` does), and over `beamtick serve`.
+mod served;
 use assert_cmd::cargo::cargo_bin;
 use client::inputs::{Inputs, Zero};
 use client::{Client, Options};
 use protocol::command::{GetAdc, GetDi, SimAdc, SimInput, SimPlan};
+use served::Served;
 use std::fs;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 
 /// Output, errors, exit code.
 fn beamtick(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
@@ -105,33 +106,8 @@ fn the_emulated_board_names_a_wait_that_nothing_ends_and_a_plan_that_is_too_long
     assert!(code == 0 && out.contains("GT_GetDi value = 1"), "{out}{errors}");
 }
 
-/// `beamtick serve` on a free port; it ends with the test.
-struct Served(Child, String);
-
-impl Served {
-    fn start(more: &[&str]) -> Served {
-        let mut child = Command::new(cargo_bin("beamtick"))
-            .args(["serve", "--listen", "127.0.0.1:0"])
-            .args(more)
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        let link = line.split([' ', ',']).find(|word| word.starts_with("tcp:")).unwrap().to_owned();
-        Served(child, link)
-    }
-
-    fn client(&self) -> Client {
-        Client::open(client::link::open(&self.1).unwrap(), Options::default()).unwrap()
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
+fn client_of(served: &Served) -> Client {
+    Client::open(client::link::open(&served.1).unwrap(), Options::default()).unwrap()
 }
 
 fn levels(client: &Client, di_type: i16) -> i32 {
@@ -141,7 +117,7 @@ fn levels(client: &Client, di_type: i16) -> i32 {
 #[test]
 fn a_client_of_serve_sets_inputs_through_the_wire() {
     let served = Served::start(&[]);
-    let client = served.client();
+    let client = client_of(&served);
     let core = 1.into();
     for di_type in 0..=5 {
         let set = |level: i16| SimInput { core, di_type: di_type.into(), index: 2.into(), level: level.into() };
@@ -177,18 +153,18 @@ fn serve_sets_inputs_by_a_file_from_power_on() {
     let file = folder.path().join("in.csv");
     fs::write(&file, "t_ms,input,level\n0,gpi3,1\n1,core2_home12,1\n3600000,gpi1,1\n").unwrap();
     let served = Served::start(&["--inputs", file.to_str().unwrap()]);
-    let client = served.client();
+    let client = client_of(&served);
     client.sleep(std::time::Duration::from_millis(100)).unwrap();
     assert_eq!(levels(&client, 4), 4);
     let home = client.call(GetDi { core: 2.into(), di_type: 3.into() }).unwrap().value.get();
     assert_eq!(home, 1 << 11);
     drop(client);
     // Rows of the file outlast a session; those of a program do not.
-    let client = served.client();
+    let client = client_of(&served);
     let waits = "t_ms,input,level\n0,gpi5,1\n";
     Inputs::read("f", waits.as_bytes()).unwrap().plan(&client, Zero::Program).unwrap();
     drop(client);
-    let client = served.client();
+    let client = client_of(&served);
     let mut program = client.program();
     program.push(protocol::command::Sleep { ns: 50_000_000.into() });
     program.run(false, &mut client::Quiet).unwrap();

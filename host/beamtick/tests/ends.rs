@@ -122,7 +122,7 @@ fn a_refused_call_in_a_jump_before_a_mark_leaves_no_light() {
     let gates = gates(&format!("{csv}.partial"));
     assert!(gates.len() > 400 && gates.iter().all(|(_, on)| !on), "{} rows", gates.len());
     // The same over TCP: what the served controller did shows in its light.
-    let served = Served::start();
+    let served = Served::start(&[]);
     let (_, errors, code) = beamtick(&["run", &job, "--link", &served.1]);
     assert!(code == 1 && errors.contains("Light is off."), "{errors}");
     assert!(served.laser().contains("dark") && served.laser().contains("light of 0.000 ms"), "{}", served.laser());
@@ -158,7 +158,7 @@ fn a_signal_in_a_jump_before_a_mark_leaves_no_light() {
         std::thread::spawn(move || {
             let folder = tempfile::tempdir().unwrap();
             let job = write(folder.path(), "job.gts", &text);
-            let served = Served::start();
+            let served = Served::start(&[]);
             let mut child = spawn(&["run", &job, "--link", &served.1]);
             assert!(first_line(&mut child).contains("GT_GetPrfPos"));
             let (errors, code) = signalled(child, signal);
@@ -179,7 +179,7 @@ fn a_signal_in_light_shuts_it_off_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let text = format!("double p; {LASER}GT_SetHSIOOpt(1, 0); Sleep(100); GT_GetPrfPos(1, &p); Sleep(600000);\n");
     let job = write(folder.path(), "job.gts", &text);
-    let served = Served::start();
+    let served = Served::start(&[]);
     for (signal, name, wanted) in SIGNALS {
         let mut child = spawn(&["run", &job, "--link", &served.1]);
         assert!(first_line(&mut child).contains("GT_GetPrfPos"));
@@ -212,7 +212,7 @@ fn a_light_that_the_path_reaches_after_an_immediate_off_ends_with_the_job() {
     assert!((20.0..30.0).contains(&lit[0]) && lit.last() == Some(&200.0), "{:?} to {:?}", lit[0], lit.last());
     assert!(found.len() > 810 && !found.last().unwrap().1);
 
-    let served = Served::start();
+    let served = Served::start(&[]);
     let (_, errors, code) = beamtick(&["run", &job, "--link", &served.1]);
     assert_eq!(code, 0, "{errors}");
     assert!(served.laser().contains("dark"), "{}", served.laser());
@@ -239,7 +239,7 @@ fn the_link_loss_time_is_shown_and_lasts_for_the_session() {
     let job = write(folder.path(), "job.gts", text);
     let (out, _, _) = beamtick(&["info"]);
     assert!(out.contains("link loss   after 500 ms of silence lasers are shut off"), "{out}");
-    let served = Served::start();
+    let served = Served::start(&[]);
     let mut child = spawn(&["run", &job, "--link", &served.1]);
     let line = first_line(&mut child);
     assert!(line.contains("GT_GetLinkLoss ms, all = time_ms 0 stop_all 1"), "{line}");
@@ -251,7 +251,7 @@ fn the_link_loss_time_is_shown_and_lasts_for_the_session() {
 
 #[test]
 fn connections_without_a_session_hold_nobody_up_and_are_closed() {
-    let served = Served::start();
+    let served = Served::start(&[]);
     let mut silent = TcpStream::connect(served.address()).unwrap();
     let mut noisy = TcpStream::connect(served.address()).unwrap();
     noisy.write_all(&[7; 5000]).unwrap();
@@ -271,7 +271,7 @@ fn a_second_client_is_told_who_is_there() {
     let folder = tempfile::tempdir().unwrap();
     let text = format!("double p; {LASER}GT_SetHSIOOpt(1, 0); Sleep(100); GT_GetPrfPos(1, &p); Sleep(600000);\n");
     let job = write(folder.path(), "job.gts", &text);
-    let served = Served::start();
+    let served = Served::start(&[]);
     let mut child = spawn(&["run", &job, "--link", &served.1]);
     assert!(first_line(&mut child).contains("GT_GetPrfPos"));
     for _ in 0..3 {

@@ -50,7 +50,7 @@ fn traces(folder: &Path, text: &str, sim: &[&str], run: &[&str]) -> (String, Str
     fs::write(file("off.toml"), "[axis.1-2]\nlimits = \"none\"\nalarm = false\n").unwrap();
     let (out, errors, code) = beamtick(&[&["sim", &job, "--trace", &here], sim].concat());
     assert_eq!(code, 0, "{out}{errors}");
-    let served = Served::start();
+    let served = Served::start(&[]);
     let (out, errors, code) = beamtick(&[&["run", &job, "--link", &served.1, "--trace", &there], run].concat());
     assert_eq!(code, 0, "{out}{errors}");
     (fs::read_to_string(&here).unwrap(), fs::read_to_string(&there).unwrap(), out, errors)
@@ -136,7 +136,7 @@ fn a_killed_client_leaves_no_light() {
     let job = file("on.gts", &format!("double pos; {on} Sleep(2000); GT_GetPrfPos(1, &pos, 1, 0); Sleep(60000);"));
     let again = file("again.gts", &format!("{on} Sleep(1);"));
     let cleared = file("cleared.gts", &format!("GT_ClrLaserFault(0); {on} Sleep(1);"));
-    let served = Served::start();
+    let served = Served::start(&[]);
     let info = || {
         let (out, errors, code) = beamtick(&["info", "--link", &served.1]);
         assert_eq!(code, 0, "{out}{errors}");

@@ -48,7 +48,7 @@ fn light_ms(text: &str) -> f64 {
 
 #[test]
 fn a_reader_that_pauses_does_not_hold_the_job_up() {
-    let (served, folder) = (Served::start(), tempfile::tempdir().unwrap());
+    let (served, folder) = (Served::start(&[]), tempfile::tempdir().unwrap());
     let mut child = served.run(folder.path(), "rtn = GT_GetHSIOOpt(&on, 0);", READS);
     // Nobody reads for twice as long as the light shall last.
     std::thread::sleep(Duration::from_millis(2 * READS as u64 + 2000));
@@ -62,7 +62,7 @@ fn a_reader_that_pauses_does_not_hold_the_job_up() {
 
 /// A signal in light, with both streams full of what nobody reads.
 fn signalled(call: &str) {
-    let (served, folder) = (Served::start(), tempfile::tempdir().unwrap());
+    let (served, folder) = (Served::start(&[]), tempfile::tempdir().unwrap());
     for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         let mut child = served.run(folder.path(), call, 20_000);
         std::thread::sleep(Duration::from_millis(3000));

@@ -7,9 +7,11 @@ use std::process::{Child, Command, Stdio};
 pub struct Served(pub Child, pub String);
 
 impl Served {
-    pub fn start() -> Served {
+    /// With these options more.
+    pub fn start(more: &[&str]) -> Served {
         let mut child = Command::new(cargo_bin("beamtick"))
             .args(["serve", "--listen", "127.0.0.1:0"])
+            .args(more)
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
