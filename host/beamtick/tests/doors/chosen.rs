@@ -11,7 +11,6 @@ use gts::prototype::{Form, prototype};
 use host_tests::reference::chance::Chance;
 use host_tests::reference::{Site, generator};
 use job::api::{Pass, Type};
-use std::collections::HashMap;
 
 /// What is about time, the session or the file system, and not about what is called.
 const LEFT_OUT: &[&str] = &["SetTick", "SetLinkLoss", "GetLinkLoss", "GetVersion", "GetClock"];
@@ -53,8 +52,6 @@ pub fn programme(seed: u64, calls: usize) -> Programme {
     if chance.below(12) == 0 {
         with_core(&mut steps, read("Reset\nsleep 30"), cores.then_some(1));
     }
-    let mut streams = HashMap::new();
-    steps.retain(|step| is_certain(&mut streams, step));
     let batches = !appends(&steps);
     Programme { steps, tick_us, profile: site.profile, family, cores, batches, rests: false }
 }
@@ -81,55 +78,6 @@ fn in_gtn(mut call: Call) -> Call {
 
 /// An axis, of the first core, whose streams do not run dry.
 const STREAMED: i64 = 7;
-
-/// A PT stream as far as a program's text tells.
-#[derive(Default)]
-struct Stream {
-    dynamic: bool,
-    rests: bool,
-    /// Time has passed since it was started.
-    aged: bool,
-    started: bool,
-}
-
-/// Whether all doors do the same with a step, however long the data of a stream lasts. A job's data is stored before its instant, for the
-/// stream that runs then: if that has run dry at the instant, the data is void, where another door's data is that of the next stream.
-fn is_certain(streams: &mut HashMap<(i16, i64), Stream>, step: &Step) -> bool {
-    let call = match step {
-        Step::Sleep(_) | Step::Wait { .. } => {
-            for ((core, axis), stream) in streams.iter_mut() {
-                let waits = |of: &i16, axes: &u32| of == core && axes >> (axis - 1) & 1 == 1;
-                stream.rests |= matches!(step, Step::Wait { core, axes } if waits(core, axes));
-                stream.aged |= stream.started;
-            }
-            return true;
-        }
-        Step::Call(call) => call,
-    };
-    let core = call.core.unwrap_or(1);
-    if call.function.name.starts_with("PtStart") {
-        for stream in streams.values_mut() {
-            (stream.started, stream.rests) = (true, false);
-        }
-        return true;
-    }
-    let Some(axis @ 1..=32) = call.number("profile") else { return true };
-    if (core, axis) == (1, STREAMED) {
-        return true;
-    }
-    let stream = streams.entry((core, axis)).or_default();
-    match call.function.name {
-        "PrfPt" => {
-            stream.dynamic = call.number("mode") == Some(1) || stream.dynamic && !stream.rests;
-            stream.aged &= !stream.rests;
-            stream.started &= !stream.rests;
-        }
-        "PtClear" if stream.rests => (stream.aged, stream.started) = (false, false),
-        "PtData" => return !(stream.dynamic && stream.aged),
-        _ => {}
-    }
-    true
-}
 
 /// A stream whose data lasts, to which more is added while it runs.
 fn stream(chance: &mut Chance) -> Vec<Step> {
