@@ -136,8 +136,6 @@ pub struct Axis {
     pub path_most: Fix,
     /// A Stop named it on the tick that is being prepared.
     pub stopped: bool,
-    /// Data came for it on the tick that is being prepared, while it runs.
-    pub given: bool,
     /// It came to rest on the tick that is being prepared.
     pub halted: bool,
     /// General outputs that its entries have set in this tick.
@@ -227,7 +225,6 @@ impl Axis {
             path_ended: false,
             path_most: Fix::ZERO,
             stopped: false,
-            given: false,
             halted: false,
             outputs: Vec::new(),
             timed_out: false,
@@ -242,13 +239,6 @@ impl Axis {
 
     pub fn runs(&self) -> bool {
         self.motion.is_some() || self.driven
-    }
-
-    /// A controller may say 1 to what concerns FIFOs, though the contract allows it: the tick may switch them, and something
-    /// has come before at the same instant.
-    pub fn is_undecided(&self) -> bool {
-        let switches = |item: &Item| matches!(item, Item::Switch { table: true });
-        (self.given || self.began) && self.follow.fifos.iter().flatten().any(switches)
     }
 
     /// How far the encoder went in this tick.
@@ -420,7 +410,7 @@ impl Axis {
         (self.track, self.times) = (vec![self.x], vec![Fix::ms(from_ns)]);
         self.past = None;
         self.open = None;
-        (self.doubt, self.halted, self.began, self.given) = (false, false, false, false);
+        (self.doubt, self.halted, self.began) = (false, false, false);
         self.stopped = false;
         self.fastest = Fix::ZERO;
         let mut out = Vec::new();

@@ -78,9 +78,6 @@ impl Controller {
                 if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.now == Some(true)) {
                     self.open = Some("two switches at one instant");
                 }
-                if axis.is_undecided() {
-                    self.open = Some("FollowClear at an instant with data, a switch being queued");
-                }
                 if let Some(Motion::Slave(slave)) = &axis.motion {
                     check(!slave.switching && slave.fifo != fifo as usize)?;
                 } else if axis.runs() {
@@ -93,9 +90,6 @@ impl Controller {
                 either(axis.mode == mode, (0..2).contains(&fifo))?;
                 if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.now == Some(true)) {
                     self.open = Some("two switches at one instant");
-                }
-                if axis.is_undecided() {
-                    self.open = Some("FollowSpace at an instant with data, a switch being queued");
                 }
                 let free = axis.follow_capacity() - axis.follow.fifos[fifo as usize].len();
                 return Ok(self.read(index, call, free));
@@ -121,9 +115,6 @@ impl Controller {
         if matches!(&axis.motion, Some(Motion::Slave(slave)) if slave.now.is_some()) {
             self.open = Some("FollowData at the instant of SwitchNow");
         }
-        if axis.is_undecided() {
-            self.open = Some("FollowData at an instant with other data, a switch being queued");
-        }
         let room = data.len() < axis.follow_capacity();
         match item {
             Item::Segment(datum) => {
@@ -140,7 +131,6 @@ impl Controller {
             Item::Delay { .. } | Item::Switch { .. } => check(room && entries(data) < ENTRIES)?,
         }
         axis.follow.fifos[fifo].push(item);
-        axis.given |= axis.runs();
         if let Some(Motion::Slave(slave)) = &mut axis.motion
             && slave.fifo == fifo
         {
@@ -152,9 +142,6 @@ impl Controller {
     pub(super) fn follow_switch_now(&mut self, place: usize, table: bool) -> Answer {
         let axis = &self.axes[place];
         check(axis.mode == Mode::FollowEx && axis.runs())?;
-        if table && axis.is_undecided() {
-            self.open = Some("SwitchNow at an instant with data, a switch being queued");
-        }
         let Some(Motion::Slave(slave)) = &axis.motion else {
             self.open = Some("SwitchNow while the axis brakes");
             return DONE;
