@@ -325,10 +325,6 @@ impl Crd {
                 }
                 let even = set.frame.even_ms;
                 let planned = if self.brakes {
-                    if self.speed > limits.speed && -limits.acc < -self.stop_dec {
-                        // Whether it brakes harder below that velocity, too.
-                        self.unsaid = Some("a Stop in a motion that was entered above its velocity");
-                    }
                     braked(self.speed, left, &limits, self.stop_dec)
                 } else {
                     profile(self.speed, left, &limits, even)
