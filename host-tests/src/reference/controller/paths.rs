@@ -158,7 +158,7 @@ impl Controller {
         if of.set.as_ref().is_some_and(|set| set.axes.iter().flatten().any(left)) {
             self.open = Some("a motion whose begin an axis has left, or a Stop of this instant decides");
         }
-        if is_arc && (self.unsettled != 0 || !of.certain) && of.fifos[fifo].begins().is_none() {
+        if is_arc && self.unsettled != 0 && of.fifos[fifo].begins().is_none() {
             // An arc needs to know where it begins: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
