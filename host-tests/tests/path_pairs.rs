@@ -98,7 +98,10 @@ fn outside(chance: &mut Chance, half: &mut Half, start: Ns, tick: Ns) -> Vec<(Ns
     if chance.below(2) == 0 {
         clock += (1 + chance.below(runs(half))) as Ns * MS;
         let abrupt = chance.below(3) == 0;
-        half.command(at(clock), if abrupt { path_model::Command::Abrupt } else { path_model::Command::Stop });
+        half.command(
+            at(clock),
+            if abrupt { path_model::Command::Abrupt(tick as f64 / 1e6) } else { path_model::Command::Stop },
+        );
         events.push((clock, Outside::Stop { abrupt }));
         let rest = half.course.rests.last().unwrap();
         if rest.why == Why::Stopped {

@@ -6,6 +6,7 @@
 //! [`Event::LaserRefused`]; whatever else does not fit any more has no effect.
 use crate::axis::{AxisState, Jog};
 use crate::capacity::GeneralOutputs;
+use crate::crd::Halt;
 use crate::follow::{Input, Method};
 use crate::laser::{self, Change};
 use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op};
@@ -64,8 +65,8 @@ impl<const AXES: usize> Tick<AXES> {
                 let abrupt = AxisMask(axes.0 & abrupt.0);
                 let hard = CrdMask(crds.0 & crds_abrupt.0 | self.drivers(abrupt).0);
                 let all = CrdMask(crds.0 | self.drivers(axes).0);
-                self.stop_crds(hard, true, StopReason::StopAbrupt, next, lanes);
-                self.stop_crds(CrdMask(all.0 & !hard.0), false, StopReason::StopSmooth, next, lanes);
+                self.stop_crds(hard, Halt::Abrupt, StopReason::StopAbrupt, next, lanes);
+                self.stop_crds(CrdMask(all.0 & !hard.0), Halt::Smooth, StopReason::StopSmooth, next, lanes);
                 self.brake_axes(AxisMask(axes.0 & !abrupt.0), StopReason::StopSmooth, next, lanes);
                 self.halt(abrupt, StopReason::StopAbrupt, next, lanes);
             }
@@ -324,11 +325,11 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Brake::All => all,
             Brake::AbruptAll => {
-                self.stop_crds(self.crds.running, true, reason, next, lanes);
+                self.stop_crds(self.crds.running, Halt::Abrupt, reason, next, lanes);
                 return self.halt(all, reason, next, lanes);
             }
         };
-        self.stop_crds(self.crds.running, false, reason, next, lanes);
+        self.stop_crds(self.crds.running, Halt::Smooth, reason, next, lanes);
         self.brake_axes(axes, reason, next, lanes);
     }
 
@@ -353,7 +354,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Stops axes where they stand, and the paths that drive them.
     pub(crate) fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
-        self.stop_crds(self.drivers(axes), true, reason, next, lanes);
+        self.stop_crds(self.drivers(axes), Halt::Abrupt, reason, next, lanes);
         for axis in self.in_use(axes).axes() {
             if let Some(state) = self.axes.get_mut(axis.index())
                 && state.runs()

@@ -48,7 +48,7 @@ impl Seen {
     fn tick(&mut self, now: u64, period: u64, fifos: &Fifos, ahead: bool) {
         let Step { place, heading, bend, motion, .. } = &mut self.step;
         let mut sight = Sight { place, heading, bend, motion, turns: &mut self.turns };
-        let Told { runs, fifo, done } =
+        let Told { runs, fifo, done, .. } =
             self.path.advance(Ns(now), Ns(period), fifos.feed(), fifos, &mut self.heard, &mut sight, ahead);
         (self.step.runs, self.step.fifo, self.step.done) = (runs, fifo, done);
     }

@@ -301,23 +301,39 @@ fn a_gentle_stop_still_brakes_for_corners() {
     assert_eq!(bench.heard.marks.len(), 1);
 }
 
-/// A motion entered above its speed brakes to it at its own acceleration, also while a gentle Stop is in force.
+/// A motion entered above its speed brakes to it at its own acceleration, also while a gentle Stop is in force; from there on with
+/// that of the Stop, and harder again only where the motion itself brakes for its end.
 #[test]
 fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
-    let entries = vec![
-        Entry::planar([100, 0], speeds(10.0, 1.0, 10.0)),
-        Entry::planar([1000, 0], speeds(4.0, 1.0, 4.0)),
-        Entry::planar([2000, 0], speeds(4.0, 1.0, 0.0)),
+    let cases = [
+        (0.01, 1000, 4.0),
+        // It comes to the end of the second, and rests in the third.
+        (0.005, 1000, 4.0),
+        // The second brakes for its end, from 4 to 1 in 7.5 pulses.
+        (0.01, 160, 1.0),
+        // The second is too short to come down to its speed.
+        (0.01, 120, 4.0),
     ];
-    let mut bench = Bench::new(entries, 250_000);
-    bench.path.rules.set_stop(dec(0.01));
-    bench.start(0);
-    bench.until(14_000_000);
-    bench.stop(false);
-    let step = bench.finish();
-    // Just below 10 pulse/ms at the corner: 1 pulse/ms² there takes less than 50 pulses, 0.01 would take 5000.
-    let at = pulses(step.place[0]);
-    assert!(at > 140.0 && at < 150.0, "{at}");
+    for (stop, second, end) in cases {
+        let entries = vec![
+            Entry::planar([100, 0], speeds(10.0, 1.0, 10.0)),
+            Entry::planar([second, 0], speeds(4.0, 1.0, end)),
+            Entry::planar([4000, 0], speeds(4.0, 1.0, 0.0)),
+        ];
+        let mut bench = Bench::new(entries, 250_000);
+        bench.path.rules.set_stop(dec(stop));
+        bench.start(0);
+        bench.until(14_000_000);
+        let way = 50.0 + 10.0 * ((bench.now - BEGIN) as f64 / 1e6 - 10.0);
+        bench.stop(false);
+        let step = bench.finish();
+        let corner = 100.0 - 2.0 * stop * (100.0 - way);
+        // To 4 at 1 pulse/ms², wherever boundaries are.
+        let slow = 100.0 + (corner - 16.0) / 2.0;
+        let rest = if end < 4.0 { f64::from(second) + end * end / (2.0 * stop) } else { slow + 16.0 / (2.0 * stop) };
+        let at = pulses(step.place[0]);
+        assert!((at - rest).abs() < 1e-3, "{stop} {second} {end}: {at}, not {rest}");
+    }
 }
 
 /// What comes while the motion before is under way counts for the next one, though that was planned to stop.

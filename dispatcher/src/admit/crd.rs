@@ -1,6 +1,6 @@
 //! Coordinate systems: their parameters, start and stop, what is read of them. Data of paths is in `crd_data`.
 use super::one;
-use crate::books::{Change, CrdChange, Frame, Look, place_of};
+use crate::books::{Change, CrdChange, Frame, Look, executed, place_of};
 use crate::case::{Answer, Case, Query};
 use crate::figure::Place;
 use crate::path_queue::PathQueue;
@@ -138,13 +138,40 @@ fn known<const AXES: usize>(case: &Case<AXES>, core: i16, crd: i16) -> Admitted<
     Ok(crd)
 }
 
+/// Where the coordinate system rests for what follows; none while only the tick knows.
+///
+/// Entries in flight that move nothing do not hide it: its axes are at rest, and where they are, less the zero, is its place.
+pub fn place_at_rest<const AXES: usize>(case: &Case<AXES>, crd: Crd) -> Option<Place> {
+    let (book, seen) = (case.crd_book(crd), case.crd_seen(crd));
+    if let Some(here) = book.place_at_rest(case.view, seen) {
+        return Some(here);
+    }
+    let frame = book.frame.as_ref().filter(|_| !book.is_busy(case.view, seen))?;
+    let mut place = [0.0; DIMENSIONS];
+    for ((axis, seen_zero), place) in frame.axes().into_iter().zip(seen.origin).zip(&mut place) {
+        let Some(axis) = axis else { continue };
+        let of = case.book(axis);
+        let pos = of.position(case.view, case.seen(axis))?;
+        let zero = if frame.set_origin {
+            Pos::pulses(frame.origin.get(axis.index() - usize::from(frame.first)).copied().unwrap_or(0))
+        } else if of.placed.is_none_or(|(seq, _)| executed(case.view, seq)) {
+            // A SetCrdPrm before what made the place unknown has been executed, too.
+            seen_zero
+        } else {
+            return None;
+        };
+        [*place, ..] = place_of(&[Pos(pos.0.wrapping_sub(zero.0)); DIMENSIONS]);
+    }
+    Some(place)
+}
+
 /// Both FIFOs are cleared at rest only.
 pub fn clear<const AXES: usize>(case: &mut Case<AXES>, r: &CrdClear) -> Admitted<Answer> {
     let crd = known(case, r.core.get(), r.crd.get())?;
     let fifo = fifo(2, r.fifo.get())?;
     case.crd_at_rest(crd)?;
     // Nothing moves by it.
-    let here = case.crd_book(crd).place_at_rest(case.view, case.crd_seen(crd));
+    let here = place_at_rest(case, crd);
     case.stage_with(Op::CrdClear { crd, fifo }, Change::Crd { crd, change: CrdChange::Emptied { fifo, here } });
     Ok(Answer::Done)
 }

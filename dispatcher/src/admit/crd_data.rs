@@ -95,7 +95,7 @@ fn open<'x, const AXES: usize>(case: &Case<'x, AXES>, target: &Target) -> Admitt
         return Err(in_use());
     }
     let space = book.space(seen, fifo);
-    let mut begin = book.begin(case.view, seen, fifo).unwrap_or([f64::NAN; DIMENSIONS]);
+    let mut begin = book.begin(|| super::crd::place_at_rest(case, crd), fifo).unwrap_or([f64::NAN; DIMENSIONS]);
     // A coordinate that no axis drives stays 0, whatever is known of the others.
     begin.iter_mut().skip(frame.dimension.into()).for_each(|at| *at = 0.0);
     let number = case.site.crd_number(crd);
@@ -152,14 +152,14 @@ impl Filling<'_> {
         let begin = self.begin;
         let ccw = |dir: i16, field: u8| Ok(choice(field, dir, 0, 1)? == 1);
         let plane_of = |plane: Plane, to: [i32; 2], field: u8| {
-            self.needs(plane.coordinates())?;
+            // What can never be right is refused at once, whether the begin is known or not.
             for ((coordinate, to), field) in plane.coordinates().into_iter().zip(to).zip(field..) {
                 self.driven(coordinate, to, field)?;
                 if coordinate >= usize::from(self.frame.dimension) {
                     return Err(self.no(Reason::NoCoordinate).field(field).got(to.into()));
                 }
             }
-            Ok(())
+            self.needs(plane.coordinates())
         };
         let (figure, field) = match *way {
             Way::Line { to, count, field } => {

@@ -123,6 +123,8 @@ pub struct CrdBook {
     pub busy: Option<u32>,
     /// It was told to stop since.
     pub stopped: bool,
+    /// Its axes were given other names after that: whether its FIFO was left within its data decides where a motion begins.
+    pub renamed: bool,
     /// Where it is, if that is known ahead of the tick.
     pub here: Option<Place>,
     /// The last entry that concerns it.
@@ -147,6 +149,7 @@ impl Default for CrdBook {
             started: None,
             busy: None,
             stopped: false,
+            renamed: false,
             here: None,
             last: None,
             dec: (0.0, 0.0),
@@ -214,16 +217,20 @@ impl CrdBook {
         let done = if seen.cleared[index] == self.path(fifo).cleared { seen.done[index] } else { 0 };
         (done, self.path(fifo).data.motions.wrapping_sub(done))
     }
-    /// Where a motion that comes next in a FIFO begins; none while only the tick knows.
-    pub fn begin<const AXES: usize>(&self, view: &View<AXES>, seen: &CrdView, fifo: u8) -> Option<Place> {
+    /// Where a motion that comes next in a FIFO begins, of a coordinate system that rests there for what follows; none while
+    /// only the tick knows.
+    pub fn begin(&self, rest: impl Fn() -> Option<Place>, fifo: u8) -> Option<Place> {
         let data = &self.path(fifo).data;
         if !data.open {
-            return self.place_at_rest(view, seen);
+            return rest();
+        }
+        if self.renamed && fifo == self.fifo {
+            return None;
         }
         // What was given before the place was known is no motion of these coordinates: they are where the path rests.
         let mut place = data.place;
         if place.iter().any(|at| at.is_nan())
-            && let Some(rest) = self.place_at_rest(view, seen)
+            && let Some(rest) = rest()
         {
             for (at, rest) in place.iter_mut().zip(rest) {
                 *at = if at.is_nan() { rest } else { *at };
@@ -232,7 +239,7 @@ impl CrdBook {
         Some(place)
     }
 
-    /// Where the coordinate system rests for what follows, if that is known.
+    /// Where the coordinate system rests for what follows, if it is known without a look at its axes.
     pub fn place_at_rest<const AXES: usize>(&self, view: &View<AXES>, seen: &CrdView) -> Option<Place> {
         let known = !self.is_busy(view, seen) && self.last.is_none_or(|seq| executed(view, seq));
         self.here.or_else(|| known.then(|| place_of(&seen.place)))
@@ -275,6 +282,9 @@ impl CrdBook {
                 if path.cleared == cleared && newer {
                     path.data = data;
                     path.loose = seq == 0;
+                    // Where that ends is known, whatever was before it.
+                    self.renamed &= fifo != self.fifo || data.place.iter().any(|at| at.is_nan());
+                    let path = self.path_mut(fifo);
                     if seq != 0 {
                         path.last = Some(seq);
                     }
@@ -291,9 +301,9 @@ impl CrdBook {
             CrdChange::Lag(ms) => self.lag_ms = ms,
             CrdChange::Started { fifo } => {
                 (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
-                (self.stopped, self.here) = (false, None);
+                (self.stopped, self.renamed, self.here) = (false, false, None);
             }
-            CrdChange::Placed => self.here = None,
+            CrdChange::Placed => (self.renamed, self.here) = (self.stopped, None),
             CrdChange::Stopped => self.stopped = true,
             CrdChange::Rest => {
                 let ended = self.started.is_some() && !self.stopped;
@@ -312,22 +322,29 @@ impl CrdBook {
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || seen.runs);
         self.started = over(self.started);
         self.busy = over(self.busy);
-        let quiet = self.busy.is_none() && !seen.runs && self.last.is_none_or(|seq| executed(view, seq));
-        if !quiet {
+        if self.busy.is_some() || seen.runs {
             return;
         }
-        (self.here, self.last) = (None, None);
+        let told = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));
+        let quiet = told(self.last);
+        if quiet {
+            (self.here, self.last) = (None, None);
+        }
         for (((path, cleared), released), fifo) in self.fifos.iter_mut().zip(seen.cleared).zip(seen.released).zip(0u8..)
         {
             path.emptied = path.emptied.filter(|&seq| !executed(view, seq));
             if path.cleared != cleared {
-                // The tick has cleared it otherwise, or has not done what it was told.
-                let look = path.look;
-                *path = PathBook { cleared, look, ..PathBook::default() };
-            } else if !path.loose {
-                // A wait that a Stop has broken off is over for the tick, but not for the path.
+                if quiet {
+                    // The tick has cleared it otherwise, or has not done what it was told.
+                    let look = path.look;
+                    *path = PathBook { cleared, look, ..PathBook::default() };
+                }
+            } else if !path.loose && (quiet || told(path.last)) {
+                // What is in flight, as a Stop, changes nothing of it at rest. A wait that a Stop has broken off is over for the
+                // tick, but not for the path.
                 let waits = seen.rest == Rest::Stopped && seen.fifo == fifo && path.data.given != 0;
                 path.data.open = path.data.given != released || waits;
+                self.renamed &= fifo != self.fifo;
             }
         }
     }

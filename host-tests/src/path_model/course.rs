@@ -10,8 +10,8 @@ pub enum Command {
     Start,
     /// A smooth Stop.
     Stop,
-    /// An abrupt one.
-    Abrupt,
+    /// An abrupt one: its tick shows the place of the tick so many ms before (SPEC 4). What was reached between has been done.
+    Abrupt(f64),
     /// SetOverride.
     Rate(f64),
     /// SetCrdStopDec, pulse/ms².
@@ -128,6 +128,8 @@ struct Run<'a> {
     stopped: bool,
     /// A smooth Stop is in progress.
     brakes: bool,
+    /// Effects before this entry have been carried out.
+    told: usize,
 }
 
 impl Run<'_> {
@@ -174,7 +176,9 @@ impl Run<'_> {
                     return self.rest(why);
                 }
                 Some(Entry::Effect(number)) => {
-                    self.course.effects.push((self.now, *number));
+                    if self.entry >= self.told {
+                        self.course.effects.push((self.now, *number));
+                    }
                     self.entry += 1;
                 }
                 Some(Entry::Delay(ms)) => {
@@ -228,6 +232,33 @@ impl Run<'_> {
         }
     }
 
+    /// What is reached at this instant without any time.
+    fn reach(&mut self) {
+        while let Some(Entry::Effect(number)) = self.entries.get(self.entry).filter(|_| self.runs) {
+            if self.entry >= self.told {
+                self.course.effects.push((self.now, *number));
+            }
+            self.entry += 1;
+        }
+    }
+
+    /// It stands where it was when as many motions had ended, so far in that entry.
+    fn fall_back(&mut self, (entry, way, ends): (usize, f64, usize)) {
+        self.told = self.told.max(self.entry);
+        // In a delay it stands still anyway; one that has ended since is over.
+        let waited = matches!(self.entries.get(entry), Some(Entry::Delay(_)));
+        if !waited || self.entry != entry {
+            (self.entry, self.way) = if waited { (entry + 1, 0.0) } else { (entry, way) };
+            let is_motion = |entry: &Entry| matches!(entry, Entry::Motion(..));
+            if let Some(ahead) = self.entries[self.entry..].iter().position(is_motion) {
+                let (entry, way) = (self.entry + ahead, if ahead == 0 { self.way } else { 0.0 });
+                self.course.pieces.push(Piece { begin: self.now, ms: 0.0, entry, way, speed: 0.0, acc: 0.0 });
+            }
+        }
+        self.course.ends.truncate(ends);
+        self.rest(Why::Stopped);
+    }
+
     fn command(&mut self, command: Command) {
         match command {
             Command::Start => {
@@ -238,11 +269,12 @@ impl Run<'_> {
                 self.brakes = false;
             }
             Command::Stop if self.runs && self.speed > 0.0 => self.brakes = true,
-            Command::Stop | Command::Abrupt => {
+            Command::Stop => {
                 if self.runs {
                     self.rest(Why::Stopped);
                 }
             }
+            Command::Abrupt(_) => unreachable!("it needs to know where it was"),
             Command::Rate(rate) => self.rate = rate,
             Command::StopDec(dec) => self.stop_dec = dec,
         }
@@ -268,8 +300,20 @@ pub fn course(frame: &Frame, entries: &[Entry], commands: &[(f64, Command)], hor
         runs: false,
         stopped: false,
         brakes: false,
+        told: 0,
     };
     for &(at, command) in commands {
+        if let Command::Abrupt(tick) = command {
+            run.run(at - tick);
+            run.reach();
+            let shown = (run.entry, run.way, run.course.ends.len());
+            run.run(at);
+            run.now = at;
+            if run.runs {
+                run.fall_back(shown);
+            }
+            continue;
+        }
         run.run(at);
         run.now = at;
         run.command(command);
@@ -320,5 +364,17 @@ mod tests {
         // 5 pulses into the second: 95 left, with 1 pulse/ms² up and down: 2·√95.
         assert!((stopped.effects[2].0 - (30.0 + 2.0 * 95f64.sqrt())).abs() < 1e-12);
         assert_eq!(stopped.starts, [(1.0, false), (30.0, true)]);
+        // An abrupt one at 18 ms, whose tick shows the place of 14: 20 pulses before the corner, whose effect has been reached.
+        let commands = [(1.0, Command::Start), (18.0, Command::Abrupt(4.0)), (30.0, Command::Start)];
+        let stopped = course(&FRAME, &entries, &commands, 100.0);
+        assert_eq!((stopped.rests[0].at, stopped.speed(17.0), stopped.speed(18.0)), (18.0, 10.0, 0.0));
+        assert_eq!(
+            (stopped.place(&entries, 18.0).unwrap()[0], stopped.place(&entries, 30.0).unwrap()[0]),
+            (80.0, 80.0)
+        );
+        // From rest over 20 pulses it reaches √40 at the corner, and there the speeds of the second line hold.
+        let corner = 30.0 + 40f64.sqrt();
+        assert_eq!(stopped.effects[..2], [(1.0, 0), (16.0, 1)]);
+        assert!(stopped.ends.len() == 3 && (stopped.ends[0] - corner).abs() < 1e-9);
     }
 }

@@ -36,6 +36,8 @@ pub struct Fifo {
     /// The entry in progress, and how much of it is done: pulses or ms.
     pub next: usize,
     done: f64,
+    /// The entries before this one have been carried out.
+    told: usize,
     /// So many entries were there at the tick before.
     seen: usize,
     /// Where it was left, if it was left within its data.
@@ -179,11 +181,27 @@ impl Crd {
         (of.left, of.seen) = (None, of.entries.len());
     }
 
-    /// At once, where it was.
-    pub fn halt(&mut self) {
-        if self.runs {
-            self.come_to_rest(Rest::Stopped);
+    /// At once, where it was shown at the tick before. Outputs that it has reached since have been set, and are not set again.
+    pub fn halt(&mut self, shown: &Crd) {
+        if !self.runs {
+            return;
         }
+        let (was, of) = (&shown.fifos[self.fifo], &mut self.fifos[self.fifo]);
+        of.told = of.told.max(of.next);
+        // What stood at that tick's own instant had been reached.
+        let outputs = was.entries[was.next..].iter().take_while(|entry| matches!(entry, Entry::Outputs(..))).count();
+        let next = was.next + outputs;
+        if of.next != next {
+            // A delay that has ended since is over.
+            let waited = matches!(was.entries.get(next), Some(Entry::Delay(_)));
+            (of.next, of.done) = if waited { (next + 1, 0.0) } else { (next, was.done) };
+        } else if matches!(of.entries[of.next], Entry::Motion(..)) {
+            of.done = was.done;
+        }
+        self.place = shown.place;
+        self.knots.clear();
+        self.is_straight = true;
+        self.come_to_rest(Rest::Stopped);
     }
 
     /// A smooth Stop, at the instant up to which it has run.
@@ -246,7 +264,9 @@ impl Crd {
             match of.entries[..of.seen].get(of.next) {
                 None => self.come_to_rest(Rest::Done),
                 Some(Entry::Outputs(mask, value)) => {
-                    self.outputs.push((self.now, *mask, *value));
+                    if of.next >= of.told {
+                        self.outputs.push((self.now, *mask, *value));
+                    }
                     of.next += 1;
                     effects += 1;
                     if effects > 24 {
@@ -305,10 +325,6 @@ impl Crd {
                 }
                 let even = set.frame.even_ms;
                 let planned = if self.brakes {
-                    if self.speed > limits.speed && -limits.acc < -self.stop_dec {
-                        // Whether it brakes harder below that velocity, too.
-                        self.unsaid = Some("a Stop in a motion that was entered above its velocity");
-                    }
                     braked(self.speed, left, &limits, self.stop_dec)
                 } else {
                     profile(self.speed, left, &limits, even)

@@ -384,8 +384,10 @@ fn attempt(chance: &mut Chance, setup: &Setup, tick: Ns) -> Option<Made> {
                 let abrupt = maker.below(3) == 0;
                 maker.text += if abrupt { "GT_Stop(256,256);\n" } else { "GT_Stop(256,0);\n" };
                 maker.acts.push((maker.acts_at(), Act::Stops { crd: 0 }));
-                commands
-                    .push((at(clock), if abrupt { path_model::Command::Abrupt } else { path_model::Command::Stop }));
+                commands.push((
+                    at(clock),
+                    if abrupt { path_model::Command::Abrupt(tick as f64 / 1e6) } else { path_model::Command::Stop },
+                ));
                 stopped = true;
             }
             // One that finds it at rest.

@@ -243,6 +243,17 @@ pub fn is_undecided(course: &Course) -> bool {
     let mut stops = course.rests.iter().filter(|rest| rest.why == Why::Stopped).map(|rest| rest.at);
     stops.any(|rest| waits_out(rest) || course.effects.iter().any(|(at, _)| same(*at, rest)))
         || course.starts.iter().any(|(at, _)| course.rests.iter().any(|rest| same(*at, rest.at)))
+        || goes_on_to_the_end_at_hand(course)
+}
+
+/// After an abrupt Stop it goes on from the place that was shown, to 2⁻¹⁶ pulse. When it ends depends on that, where hardly
+/// anything of the motion is left.
+fn goes_on_to_the_end_at_hand(course: &Course) -> bool {
+    (0..course.pieces.len()).filter(|index| course.pieces[*index].ms == 0.0).any(|index| {
+        let rest = course.pieces[index + 1..].iter().take_while(|piece| piece.entry == course.pieces[index].entry);
+        let way: f64 = rest.map(|piece| piece.speed * piece.ms + piece.acc * piece.ms * piece.ms / 2.0).sum();
+        way > 0.0 && way < 0.01
+    })
 }
 
 /// The course of a path that is started at 0 and left alone.

@@ -194,32 +194,33 @@ pub const MOTION: &[Rule] = &[
     Rule {
         name: "an_abrupt_stop_rests_on_its_tick",
         body: "GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(20);GT_CrdStart(1);",
-        places: &[(30.0, 1, 275.0), (49.0, 1, 275.0), (55.0, 1, 300.0), (77.5, 1, 500.0)],
+        // 275 at 30 ms: its tick shows the set-point of the tick before. The rest is 227.5: 27.75 ms.
+        places: &[(29.75, 1, 272.5), (30.0, 1, 272.5), (49.0, 1, 272.5), (55.0, 1, 297.5), (77.75, 1, 500.0)],
         ..NONE
     },
     Rule {
         name: "a_stop_of_a_mapped_axis_stops_its_coordinate_system",
         body: "GT_LnXY(1,300,400,10,2);GO Sleep(30);GT_Stop(2,2);Sleep(20);GT_CrdStart(1);",
-        places: &[(30.0, 1, 165.0), (49.0, 1, 165.0), (49.0, 2, 220.0), (55.0, 2, 240.0), (77.5, 1, 300.0)],
+        places: &[(30.0, 1, 163.5), (49.0, 1, 163.5), (49.0, 2, 218.0), (55.0, 2, 238.0), (77.75, 1, 300.0)],
         ..NONE
     },
     Rule {
         name: "crd_stop_is_the_gtn_form",
         body: "GT_LnXY(1,500,0,10,2);GO Sleep(30);GTN_CrdStop(1,1,1);Sleep(20);GT_CrdStart(1);",
-        places: &[(49.0, 1, 275.0), (55.0, 1, 300.0)],
+        places: &[(49.0, 1, 272.5), (55.0, 1, 297.5)],
         ..NONE
     },
     Rule {
         name: "fifo_1_interrupts_fifo_0_and_returns",
-        // 275 at the Stop. There and back by 100 along Y: 15 ms each. The rest is 225: 27.5 ms.
-        body: "GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_LnXY(1,275,100,10,2,0,1);GT_LnXY(1,275,0,10,2,0,1);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
+        // 12.5 in 2.5 ms, 285 at the tick before the Stop. There and back by 100 along Y: 15 ms each. The rest is 215: 24 ms.
+        body: "GT_LnXY(1,500,0,10,4);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_LnXY(1,285,100,10,2,0,1);GT_LnXY(1,285,0,10,2,0,1);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
         places: &[
             (46.0, 2, 100.0),
-            (46.0, 1, 275.0),
+            (46.0, 1, 285.0),
             (61.0, 2, 0.0),
-            (70.0, 1, 275.0),
-            (76.0, 1, 300.0),
-            (98.5, 1, 500.0),
+            (70.0, 1, 285.0),
+            (76.0, 1, 322.5),
+            (95.0, 1, 500.0),
         ],
         ..NONE
     },
@@ -268,7 +269,7 @@ pub const LIGHT: &[Rule] = &[
     Rule {
         name: "a_stop_takes_what_entries_lit_and_the_start_brings_it_back_with_their_delays",
         body: "GT_SetLevelDelay(130,77);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(20);GT_CrdStart(1);",
-        light: &[(0.077, 30.13), (50.077, 77.63)],
+        light: &[(0.077, 30.13), (50.077, 77.88)],
         ..NONE
     },
     Rule {
@@ -282,28 +283,28 @@ pub const LIGHT: &[Rule] = &[
         name: "a_start_behind_a_clear_does_not_resume_light",
         body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_CrdClear(1,0);GT_LnXY(1,500,0,10,2);Sleep(5);GT_CrdStart(1);",
         light: &[(0.0, 30.0)],
-        places: &[(40.0, 1, 275.0), (45.0, 1, 300.0)],
+        places: &[(40.0, 1, 272.5), (45.0, 1, 297.5)],
         ..NONE
     },
     Rule {
         name: "light_that_fifo_1_interrupts_comes_back_with_fifo_0",
-        // FIFO 1 goes 15 ms there and 15 back; 225 pulses are left for 27.5 ms.
-        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_LnXY(1,275,100,10,2,0,1);GT_LnXY(1,275,0,10,2,0,1);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
-        light: &[(0.0, 30.0), (71.0, 98.5)],
-        places: &[(46.0, 2, 100.0), (61.0, 2, 0.0), (76.0, 1, 300.0)],
+        // FIFO 1 goes 15 ms there and 15 back; 215 pulses are left for 24 ms.
+        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,4);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_LnXY(1,285,100,10,2,0,1);GT_LnXY(1,285,0,10,2,0,1);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
+        light: &[(0.0, 30.0), (71.0, 95.0)],
+        places: &[(46.0, 2, 100.0), (61.0, 2, 0.0), (76.0, 1, 322.5)],
         ..NONE
     },
     Rule {
         name: "fifo_1_does_not_go_on_with_the_light_of_fifo_0",
-        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_LnXY(1,275,100,10,2,0,1);GT_LnXY(1,275,0,10,2,0,1);GT_CrdStart(1,1);Sleep(5);GT_Stop(256,256);Sleep(5);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
-        light: &[(0.0, 30.0), (81.0, 108.5)],
+        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,4);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_LnXY(1,285,100,10,2,0,1);GT_LnXY(1,285,0,10,2,0,1);GT_CrdStart(1,1);Sleep(5);GT_Stop(256,256);Sleep(5);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
+        light: &[(0.0, 30.0), (81.0, 105.0)],
         ..NONE
     },
     Rule {
         name: "an_off_command_of_fifo_1_stays",
-        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_BufLaserOff(1,1);GT_LnXY(1,275,100,10,2,0,1);GT_LnXY(1,275,0,10,2,0,1);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
+        body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,4);GO Sleep(30);GT_Stop(256,256);Sleep(1);GT_BufLaserOff(1,1);GT_LnXY(1,285,100,10,2,0,1);GT_LnXY(1,285,0,10,2,0,1);GT_CrdStart(1,1);Sleep(40);GT_CrdStart(1,0);",
         light: &[(0.0, 30.0)],
-        places: &[(76.0, 1, 300.0)],
+        places: &[(76.0, 1, 322.5)],
         ..NONE
     },
     Rule {
@@ -338,7 +339,7 @@ pub const LIGHT: &[Rule] = &[
     },
     Rule {
         // "A Stop of crd k shuts off every channel whose map holds k, whoever lit it"; "The CrdStart that goes on after a Stop
-        // … brings back what that Stop shut off". 225 pulses are left for 27.5 ms, and no entry ends the light.
+        // … brings back what that Stop shut off". 227.5 pulses are left for 27.75 ms, and no entry ends the light.
         name: "a_stop_takes_light_of_a_command_and_the_start_brings_it_back",
         body: "GT_SetHSIOOpt(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(20);GT_CrdStart(1);Sleep(40);",
         light: &[(-10.0, 30.0), (50.0, END)],
@@ -356,7 +357,7 @@ pub const LIGHT: &[Rule] = &[
         name: "a_second_stop_finds_it_at_rest_and_nothing_comes_back",
         body: "GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_Stop(256,0);Sleep(5);GT_CrdStart(1);",
         light: &[(0.0, 30.0)],
-        places: &[(45.0, 1, 300.0)],
+        places: &[(45.0, 1, 297.5)],
         ..NONE
     },
     Rule {
@@ -401,10 +402,10 @@ pub const LIGHT: &[Rule] = &[
     },
     Rule {
         // "Ending or replacing a follow never lights"; the CrdStart that goes on "brings back what that Stop shut off", with
-        // the direct power. 225 pulses are left for 27.5 ms.
+        // the direct power. 227.5 pulses are left for 27.75 ms.
         name: "ending_a_follow_at_rest_does_not_light_and_the_start_does",
         body: "GT_BufLaserPrfFollow(1,0.5,1,9);GT_BufLaserOn(1);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_Stop(1024,0);Sleep(5);GT_CrdStart(1);",
-        light: &[(0.0, 30.0), (40.0, 67.5)],
+        light: &[(0.0, 30.0), (40.0, 67.75)],
         power: &[(20.0, 6.0), (36.0, 0.0), (50.0, 5.0)],
         ..NONE
     },
@@ -412,7 +413,7 @@ pub const LIGHT: &[Rule] = &[
         // "an on command given then lights with the next CrdStart of that crd".
         name: "an_on_command_under_a_follow_at_rest_waits_for_the_start",
         body: "GT_BufLaserPrfFollow(1,0.5,1,9);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_SetHSIOOpt(1);Sleep(5);GT_CrdStart(1);",
-        light: &[(40.0, 67.5)],
+        light: &[(40.0, 67.75)],
         power: &[(36.0, 0.0), (50.0, 6.0)],
         ..NONE
     },
@@ -421,7 +422,7 @@ pub const LIGHT: &[Rule] = &[
         name: "what_waits_does_not_outlive_its_follow",
         body: "GT_BufLaserPrfFollow(1,0.5,1,9);GT_LnXY(1,500,0,10,2);GO Sleep(30);GT_Stop(256,256);Sleep(5);GT_SetHSIOOpt(1);Sleep(5);GT_Stop(1024,0);Sleep(5);GT_CrdStart(1);",
         light: &[],
-        places: &[(50.0, 1, 300.0)],
+        places: &[(50.0, 1, 297.5)],
         ..NONE
     },
     Rule {

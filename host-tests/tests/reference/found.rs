@@ -1,6 +1,7 @@
 //! Programs that differed once, as short as they could be made: what was wrong is said at each.
 use super::judge::{Tally, finding};
-use host_tests::reference::{Call, Datum, Item, Kind, Path, PathCall, Site};
+use host_tests::path_model::Plane;
+use host_tests::reference::{Call, Datum, Item, Kind, Path, PathCall, Round, Site, Speeds};
 
 const MS: i64 = 1_000_000;
 
@@ -82,4 +83,70 @@ fn a_wait_for_an_axis_says_nothing_of_one_that_left_its_coordinate_system() {
             plain(Kind::GetSts, 2),
         ],
     );
+}
+
+fn path(what: Path) -> Call {
+    Call::Path(PathCall { core: 1, what })
+}
+
+fn line(to: Vec<i32>) -> Call {
+    path(Path::Line { crd: 1, to, speeds: Speeds { vel: 9.7, acc: 2.3, end: 0.0 }, fifo: 0 })
+}
+
+fn arc(to: [i32; 2], fifo: i16) -> Call {
+    let (plane, round) = (Plane::XY, Round::Radius(90.0));
+    path(Path::Arc { crd: 1, plane, to, round, ccw: true, speeds: Speeds { vel: 9.7, acc: 2.3, end: 0.0 }, fifo })
+}
+
+fn frame(origin: Option<Vec<i32>>) -> Call {
+    path(Path::Set { crd: 1, axes: vec![0, 1], vel: 50.0, acc: 4.9, even_ms: 0, origin })
+}
+
+/// An arc whose begin entries of its own instant seemed to hide was a tick late: a SetCrdPrm with an origin of its own, from which
+/// nothing moves.
+#[test]
+fn an_arc_after_a_sleep_is_on_time() {
+    let ready = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1)];
+    let go = |fifo: i16| path(Path::Start { mask: 1, option: fifo });
+    for (stop, again) in [(false, false), (true, false), (false, true), (true, true)] {
+        let mut calls = ready.to_vec();
+        calls.extend([frame(Some(vec![-7, 30])), line(vec![120, 40]), go(0), Call::Sleep { ns: 9 * MS }]);
+        if stop {
+            calls.push(path(Path::Stop { mask: 1, option: 0 }));
+        }
+        calls.extend([path(Path::Wait { mask: 1 }), Call::Sleep { ns: 4 * MS }]);
+        if again {
+            calls.push(frame(Some(vec![11, -3])));
+            calls.push(path(Path::Clear { crd: 1, fifo: 1 }));
+        }
+        let fifo = i16::from(stop);
+        calls.extend([arc([150, 80], fifo), arc([20, 10], fifo), go(fifo), Call::Sleep { ns: 9 * MS }]);
+        for tick_us in [250, 100, 1000] {
+            agrees(tick_us, &calls);
+        }
+    }
+}
+
+/// A path had come to its end, and a Stop that was to come hid that: an arc after a ZeroPos was made to begin where the FIFO's last
+/// motion had ended, by the names from before.
+#[test]
+fn an_arc_after_a_stop_that_finds_the_path_at_its_end() {
+    let set = Path::Set { crd: 2, axes: vec![1, 0], vel: 53.9, acc: 43.7, even_ms: 0, origin: None };
+    let speeds = Speeds { vel: 35.0, acc: 22.0, end: 0.0 };
+    let arc = |to: [i32; 2], radius: f64| {
+        path(Path::Arc { crd: 2, plane: Plane::XY, to, round: Round::Radius(radius), ccw: true, speeds, fifo: 0 })
+    };
+    let go = path(Path::Start { mask: 2, option: 0 });
+    let begin = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), path(set), arc([49, 33], 67.4), go.clone()];
+    for case in 0..8 {
+        let [stop, zero, waits] = [1, 2, 4].map(|bit| case & bit != 0);
+        let mut calls = begin.to_vec();
+        calls.push(Call::Sleep { ns: 14_748_341 });
+        calls.extend(stop.then_some(Call::Stop { mask: 1, abrupt: 1 }));
+        calls.extend(waits.then_some(Call::WaitStop { mask: 1 }));
+        calls.extend(zero.then_some(plain(Kind::ZeroPos, 0)));
+        calls.extend([path(Path::Wait { mask: 2 }), Call::Sleep { ns: 4 * MS }, arc([-14, 69], 73.34), go.clone()]);
+        calls.push(Call::Sleep { ns: 8 * MS });
+        agrees(100, &calls);
+    }
 }

@@ -3,7 +3,7 @@
 //! In: the axes as the tick in force left them, entries. Out: where the mapped axes are at the tick computed, what
 //! entries do until the one after. Owns nothing. Cannot fail: what must not go on stops, and the reason is latched.
 use super::sink::Sink;
-use super::{CrdState, Frame, Lanes, Room};
+use super::{CrdState, Frame, Halt, Lanes, Room};
 use crate::axis::AxisState;
 use crate::execute::Reach;
 use crate::laser::{Cause, PathSpeed, Wants};
@@ -70,13 +70,10 @@ impl CrdState {
     /// Over the one boundary that lies between the tick computed and the one at `until`, if there is no more to do.
     #[inline(never)]
     fn turn_behind(&mut self, axes: &[AxisState], until: Ns) -> bool {
-        let Some([now, _]) = self.turn::<true>(axes) else { return false };
-        if self.path.is_due_until(until) {
+        if self.turn::<true>(axes).is_none() || self.path.is_due_until(until) {
             return false;
         }
-        let CrdView { released, turns, .. } = &mut self.shown;
-        released[(self.path.fifo() & 1) as usize] = now;
-        *turns = turns.wrapping_add(1);
+        self.shown.turns = self.shown.turns.wrapping_add(1);
         true
     }
 
@@ -223,7 +220,7 @@ impl<const AXES: usize> Tick<AXES> {
         if went == Went::Nowhere
             && let Some(reason) = self.forbids(crd)
         {
-            self.stop_crds(crd.mask(), true, reason, next, lanes);
+            self.stop_crds(crd.mask(), Halt::Abrupt, reason, next, lanes);
         }
         self.walk_crd(crd, next, went == Went::Short, prepares, lanes);
         Some(self.lasers.wants())
@@ -268,8 +265,9 @@ impl<const AXES: usize> Tick<AXES> {
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), lanes.paths.get(crd.index())) else {
             return;
         };
-        let CrdView { frame: Some(frame), origin, place, heading, bend, motion, turns, ends, fifo, done, .. } =
-            &mut state.shown
+        let CrdView {
+            frame: Some(frame), origin, place, heading, bend, motion, turns, ends, fifo, released, done, ..
+        } = &mut state.shown
         else {
             return;
         };
@@ -304,7 +302,7 @@ impl<const AXES: usize> Tick<AXES> {
             *fifo = told.fifo;
             let [first, second] = done;
             *(if told.fifo == 0 { first } else { second }) = told.done;
-            runs = told.runs;
+            (*released, runs) = (told.released, told.runs);
         }
         let Sink { told: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
         if !there {
@@ -333,7 +331,6 @@ impl<const AXES: usize> Tick<AXES> {
             shown.rest = rest;
             state.obstacle = obstacle;
         }
-        shown.released = [state.path.released(0), state.path.released(1)];
         shown.turns = shown.turns.wrapping_add(1);
         let wants = self.lasers.wants();
         let measures = wants.encoder.has(crd) || state.encoders.is_used();
@@ -348,7 +345,7 @@ impl<const AXES: usize> Tick<AXES> {
             self.come_to_rest(crd, next, lanes);
         } else if unable.is_some() {
             self.lasers.crd_fault(crd, Cause::Fault);
-            self.stop_crds(crd.mask(), true, StopReason::OtherAxis, next, lanes);
+            self.stop_crds(crd.mask(), Halt::Here, StopReason::OtherAxis, next, lanes);
         }
     }
 

@@ -19,6 +19,7 @@ mod sink;
 
 use frame::Lanes;
 pub use frame::{Frame, Refused};
+pub(crate) use orders::Halt;
 pub(crate) use share::{share, share_speed};
 
 use crate::laser::EncoderSpeed;

@@ -35,6 +35,17 @@ pub(super) fn is_fault(reason: StopReason) -> bool {
     !matches!(reason, None | Completed | StopSmooth | StopAbrupt | LinkLoss | Reset | Abort | Interlock)
 }
 
+/// How a path stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Halt {
+    /// Along the path.
+    Smooth,
+    /// At once: the tick computed shows the set-point of the tick before (SPEC 4).
+    Abrupt,
+    /// At once, where it has come to in its step.
+    Here,
+}
+
 impl<const AXES: usize> Tick<AXES> {
     /// SetCrdPrm, at rest.
     pub(crate) fn set_frame(&mut self, crd: Crd, frame: Frame, paths: PathStores<'_>) {
@@ -121,16 +132,26 @@ impl<const AXES: usize> Tick<AXES> {
         Crd::all().for_each(|crd| self.rename_crd(crd));
     }
 
-    fn rename_crd(&mut self, crd: Crd) {
-        let Tick { crds, axes, .. } = self;
-        let Some(state) = crds.states.get_mut(crd.index()).filter(|_| !crds.running.has(crd)) else { return };
-        let Some(frame) = &state.shown.frame else { return };
+    /// The place of a coordinate system at the set-points of its axes.
+    fn place_of(&self, crd: Crd) -> [Pos; DIMENSIONS] {
         let mut here = [Pos(0); DIMENSIONS];
+        let Some(state) = self.crds.get(crd) else { return here };
+        let Some(frame) = &state.shown.frame else { return here };
         for ((here, axis), origin) in here.iter_mut().zip(frame.axes_ref()).zip(&state.shown.origin) {
-            if let Some(axis) = axis.and_then(|axis| axes.get(axis.index())) {
+            if let Some(axis) = axis.and_then(|axis| self.axes.get(axis.index())) {
                 *here = Pos(axis.shown.pos.0.wrapping_sub(origin.0));
             }
         }
+        here
+    }
+
+    fn rename_crd(&mut self, crd: Crd) {
+        if self.crds.running.has(crd) || self.crds.get(crd).is_none_or(|state| state.shown.frame.is_none()) {
+            return;
+        }
+        let here = self.place_of(crd);
+        let Tick { crds, .. } = self;
+        let Some(state) = crds.states.get_mut(crd.index()) else { return };
         if here != state.path.here() {
             state.path.rename(here);
             (state.looks, crds.unready.0) = (LOOKS, crds.unready.0 | crd.mask().0);
@@ -298,21 +319,27 @@ impl<const AXES: usize> Tick<AXES> {
         CrdMask(axes.axes().filter_map(driver).fold(0, |mask, crd| mask | crd.mask().0))
     }
 
-    /// These stop along their paths, for this reason; one that brakes already goes on to, unless it is to stop abruptly.
+    /// These stop, for this reason; one that brakes along its path already goes on to, unless it is to stop at once.
     pub(crate) fn stop_crds(
         &mut self,
         crds: CrdMask,
-        abrupt: bool,
+        halt: Halt,
         reason: StopReason,
         next: Ns,
         lanes: &mut Reach<'_, '_, AXES>,
     ) {
         let running = CrdMask(crds.0 & self.crds.running.0);
         for crd in running.crds() {
+            let shown = self.place_of(crd);
             self.with_path(crd, next, lanes, |path, ending, feed, source, sink| {
-                if abrupt || !path.stops() {
-                    (*ending, sink.fault) = (reason, is_fault(reason));
-                    path.stop(next, abrupt, feed, source, sink);
+                if halt == Halt::Smooth && path.stops() {
+                    return;
+                }
+                (*ending, sink.fault) = (reason, is_fault(reason));
+                match halt {
+                    Halt::Smooth => path.stop(next, false, feed, source, sink),
+                    Halt::Here => path.stop(next, true, feed, source, sink),
+                    Halt::Abrupt => path.stand_still(next, &shown, feed, sink),
                 }
             });
         }

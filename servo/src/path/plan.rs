@@ -183,21 +183,32 @@ impl Plan {
         Todo::Nothing
     }
 
-    /// To rest, or as near to it as the motion is long, and never faster than its own end allows.
-    fn brake(&mut self, v: Real, length: Real, means: &Means, dec: Real) {
+    /// To rest, or as near to it as the motion is long, and never faster than it would go without the Stop: one that is above its
+    /// speed brakes to that at least as hard as it does.
+    fn brake(&mut self, mut v: Real, mut length: Real, means: &Means, dec: Real) {
         let Means { vel, acc, end, .. } = *means;
         if v.is_zero() {
             self.halts = true;
             return;
         }
-        let gentle = if vel.is_less(v) { larger(dec, acc) } else { dec };
-        let (from, to) = (v.mul(v), end.mul(end));
-        let after = |rate: Real| from.sub(rate.mul(length).scale(1));
-        let left = after(gentle);
+        let (mut from, to) = (v.mul(v), end.mul(end));
+        let after = |from: Real, length: Real, rate: Real| from.sub(rate.mul(length).scale(1));
+        let mut gentle = dec;
+        if vel.is_less(v) && dec.is_less(acc) {
+            let (inverse, limit) = (acc.recip(), vel.mul(vel));
+            if reaches(after(from, length, acc), limit) {
+                gentle = acc;
+            } else {
+                self.ramp(v, vel, acc, inverse);
+                length = length.sub(from.sub(limit).mul(inverse).scale(-1));
+                (v, from) = (vel, limit);
+            }
+        }
+        let left = after(from, length, gentle);
         let (rate, left) = if reaches(to, left) || !gentle.is_less(acc) {
             (gentle, left)
         } else {
-            let hard = after(acc);
+            let hard = after(from, length, acc);
             if !reaches(hard, to) {
                 // Gently until the motion's own braking begins.
                 let way = to.sub(hard).div(acc.sub(gentle)).scale(-1);

@@ -12,6 +12,7 @@ mod look;
 mod motions;
 mod ready;
 mod short;
+mod stop;
 mod told;
 mod walk;
 
@@ -27,7 +28,7 @@ use crate::laser::PathSpeed;
 use crate::piece::{Motion, Piece};
 use crate::real::Real;
 use crate::units::{Axis, Exact, Ns, Pos};
-use cursor::{Cursor, Gear, ORIGIN};
+use cursor::{Cursor, Gear, ORIGIN, Past};
 use short::Turn;
 
 /// Entries with effects in a tick, a move counted [`Entry::load`] times; the path holds before the next one until the next
@@ -67,6 +68,8 @@ pub struct Path {
     stand: Stand,
     /// The way since the last look to the end of the last leg that has ended since, if one has.
     swept: Option<Exact>,
+    /// Then: where it stood at that look.
+    past: Past,
     /// The end of the FIFO, if nothing stood behind the motion in force when it was planned.
     open: Option<u32>,
     fifo: u8,
@@ -243,6 +246,7 @@ impl Path {
         follows: None,
         fresh: true,
         swept: None,
+        past: Past::NONE,
         open: None,
         led: false,
         wake: Wake::NONE,
@@ -257,6 +261,7 @@ impl Path {
             stage,
             stand,
             swept,
+            past: _,
             open,
             fifo,
             at: _,
@@ -441,28 +446,6 @@ impl Path {
         }
     }
 
-    /// Smooth: brakes along the path from `next` on. Abrupt: stands still there.
-    pub fn stop(&mut self, next: Ns, abrupt: bool, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
-        let now = (next.0 as Fine) << 32;
-        match self.stage {
-            Stage::Rest => {}
-            Stage::Wait { until } => {
-                self.time = now;
-                self.rest_in_wait(until, feed, sink);
-            }
-            Stage::Move if abrupt => {
-                self.catch_up(now);
-                self.halt(now, Rest::Stopped, feed, sink);
-            }
-            Stage::Move => {
-                self.stopping = true;
-                self.catch_up(now);
-                self.plan_rest(feed, source);
-            }
-        }
-        self.line_up();
-    }
-
     /// The motion in force is planned anew from `next` on, because a rule has changed.
     pub fn replan(&mut self, next: Ns, feed: Feed, source: &impl Entries) {
         if let Stage::Move = self.stage {
@@ -532,11 +515,12 @@ impl Path {
             has_time = false;
         }
         let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.stand.seen);
+        let released = [self.released(0), self.released(1)];
         let moves = self.look(next, sink, sight);
         if moves && !sink.admits(sight.place) {
             self.hold(now, (before.into(), self.stand.seen.into()), sink, feed);
             self.look(next, sink, sight);
-            return Told { runs: false, fifo, done };
+            return Told { runs: false, fifo, done, released };
         }
         let runs = self.runs();
         if self.is_due_before(next, period) {
@@ -544,7 +528,7 @@ impl Path {
         } else if has_time {
             self.prepare(feed, source);
         }
-        Told { runs, fifo, done }
+        Told { runs, fifo, done, released }
     }
 
     /// What lies behind the place at `next` that [`Path::glide`] has told: all boundaries before `next + period`.

@@ -32,6 +32,10 @@ pub struct Machine {
     /// Digital outputs as they were told inside an interval: its tick, ns after it, levels.
     pub edges: Vec<(u32, u64, u64, GeneralOutputs)>,
     pub analog_edges: Vec<(u32, usize, i16)>,
+    /// The interlock is open.
+    pub interlock: bool,
+    /// Levels of general outputs in the order in which they came.
+    pub levels: Vec<GeneralOutputs>,
 }
 
 impl Port for Machine {
@@ -57,6 +61,9 @@ impl Port for Machine {
         if at != 0 {
             self.edges.push((at, enable, clear, general));
         }
+        if self.levels.last() != Some(&general) {
+            self.levels.push(general);
+        }
         self.outputs = (enable, clear, general);
     }
     fn analog_out(&mut self, at: u32, channel: usize, value: i16) {
@@ -64,7 +71,7 @@ impl Port for Machine {
         self.analog_out[channel] = value;
     }
     fn interlock(&mut self) -> bool {
-        false
+        self.interlock
     }
     fn laser(&mut self, _: usize, _: &Plan) {}
 }
@@ -175,6 +182,8 @@ impl Bench {
                 general: 0x5a,
                 edges: Vec::new(),
                 analog_edges: Vec::new(),
+                interlock: false,
+                levels: vec![],
             },
             lanes: Lanes {
                 immediate: immediate_out,

@@ -127,8 +127,8 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "a path brakes for the last order",
         ORDERS,
-        "if abrupt || !path.stops() {",
-        "if abrupt || !path.stops() || reason == StopReason::StopSmooth {",
+        "if halt == Halt::Smooth && path.stops() {",
+        "if halt == Halt::Smooth && path.stops() && reason != StopReason::StopSmooth {",
         CRD_GUARDS,
     ),
     mutant("a path waits for who has come", DRIVE, "awaited.filter(|_| state.path.waits());", "awaited;", CRD_GUARDS),

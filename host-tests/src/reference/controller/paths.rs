@@ -17,8 +17,7 @@ const MOST: f64 = 32767.0;
 /// The lowest speed and acceleration.
 const LEAST: f64 = 1.0 / 1048576.0;
 
-/// What a Stop or an override does at the instant of a tick. (An abrupt Stop of an axis shows the set-point of the tick before;
-/// one of a path leaves it where it is at the tick.)
+/// What a Stop or an override does at the instant of a tick. An abrupt Stop shows the set-points of the tick before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathThen {
     Brake,
@@ -159,7 +158,7 @@ impl Controller {
         if of.set.as_ref().is_some_and(|set| set.axes.iter().flatten().any(left)) {
             self.open = Some("a motion whose begin an axis has left, or a Stop of this instant decides");
         }
-        if is_arc && (self.unsettled != 0 || !of.certain) && of.fifos[fifo].begins().is_none() {
+        if is_arc && self.unsettled != 0 && of.fifos[fifo].begins().is_none() {
             // An arc needs to know where it begins: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
@@ -298,7 +297,7 @@ impl Controller {
         self.axes.iter_mut().for_each(|axis| axis.bent = false);
         for (name, of) in &mut self.crds {
             of.started_here = false;
-            let ran = of.runs;
+            let (ran, shown) = (of.runs, of.clone());
             of.run(ms(now));
             if std::mem::take(&mut of.late) && (!of.runs || of.open || of.dry) {
                 self.open = Some("data in the tick in which a path ends");
@@ -311,7 +310,7 @@ impl Controller {
                         if of.open || of.speed < 1e-3 && of.speed != 0.0 {
                             self.open = Some("a Stop where a path comes to rest or to an entry");
                         }
-                        if *then == PathThen::Halt { of.halt() } else { of.brake() }
+                        if *then == PathThen::Halt { of.halt(&shown) } else { of.brake() }
                     }
                 }
             }

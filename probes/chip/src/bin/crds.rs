@@ -241,19 +241,23 @@ impl Bench {
     }
 
     fn see_them_run(&mut self, case: &str, arcs: bool) {
-        let mut entered = true;
+        let (mut entered, mut last) = (true, None);
         while self.runs() {
             let before = self.done();
             let count = self.counted();
+            // What a tick goes over is over at the next one, which shows it.
             let turned = self.done() != before;
-            let mark = match (turned, entered) {
-                (true, _) => "crd-turn",
-                (false, true) => "crd-enter",
-                _ if arcs => "crd-arc",
-                _ => "crd-line",
-            };
-            hprintln!("{} {} {}", case, mark, count);
-            entered = turned;
+            if let Some(count) = last {
+                let mark = match (turned, entered) {
+                    (true, _) => "crd-turn",
+                    (false, true) => "crd-enter",
+                    _ if arcs => "crd-arc",
+                    _ => "crd-line",
+                };
+                hprintln!("{} {} {}", case, mark, count);
+                entered = turned;
+            }
+            last = Some(count);
         }
     }
 

@@ -33,6 +33,23 @@ pub(super) struct Cursor {
     pub(super) left: Fine,
     pub(super) gears: [Gear; GEARS],
     pub(super) geared: usize,
+    /// It was set back: entries before `told` have been carried out, and are passed.
+    pub(super) again: bool,
+    pub(super) told: u32,
+}
+
+/// Where a FIFO stood at a look.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Past {
+    pub(super) next: u32,
+    pub(super) done: u32,
+    pub(super) inside: bool,
+    pub(super) from: [Pos; DIMENSIONS],
+    pub(super) way: Pos,
+}
+
+impl Past {
+    pub(super) const NONE: Past = Past { next: 0, done: 0, inside: false, from: ORIGIN, way: Pos(0) };
 }
 
 const NO_GEAR: Gear = Gear { axis: Axis::FIRST, pulses: 0, along: Geared::NONE };
@@ -50,6 +67,8 @@ impl Cursor {
         left: 0,
         gears: [NO_GEAR; GEARS],
         geared: 0,
+        again: false,
+        told: 0,
     };
 
     /// Entries that are over.
@@ -60,8 +79,9 @@ impl Cursor {
 
     /// As a new one, whose gears nobody looks at.
     pub(super) fn clear(&mut self) {
-        let Cursor { next, done, inside, kept, place, from, way, left, gears: _, geared } = self;
+        let Cursor { next, done, inside, kept, place, from, way, left, gears: _, geared, again, told: _ } = self;
         let new = &Cursor::NEW;
+        *again = new.again;
         (*next, *done, *inside, *kept) = (new.next, new.done, new.inside, new.kept);
         (*place, *from, *way, *left, *geared) = (new.place, new.from, new.way, new.left, new.geared);
     }

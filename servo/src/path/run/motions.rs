@@ -188,6 +188,10 @@ impl Path {
         feed: Feed,
         source: &impl Entries,
     ) {
+        if self.cursor_of(fifo).again {
+            // It may pass entries before that without carrying them out.
+            return;
+        }
         let (end, mut effects) = (end_of(feed, fifo), 0u32);
         while effects <= EFFECTS {
             if counter == end {

@@ -129,6 +129,9 @@ pub struct Told {
     pub fifo: u8,
     /// Motions of it completed since it was cleared.
     pub done: u32,
+    /// Entries of each FIFO that are over at the look. What lies between it and the next one is not over for good before that
+    /// (see [`Path::stand_still`](super::Path::stand_still)): its places are not free yet.
+    pub released: [u32; 2],
 }
 
 /// What the coordinates did between two ticks, for those that follow one of them.

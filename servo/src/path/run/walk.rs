@@ -38,7 +38,10 @@ impl Path {
                 Stage::Wait { until } => {
                     self.time = until;
                     self.cursor(self.fifo).inside = false;
-                    self.swept = self.swept.or(Some(Exact(0)));
+                    if self.swept.is_none() {
+                        self.keep_past(Pos(0));
+                        self.swept = Some(Exact(0));
+                    }
                     self.go_on(budget, feed, source, sink);
                 }
                 Stage::Move => {
@@ -94,7 +97,8 @@ impl Path {
         // in between: place and speed of the boundary are those of the motions, nothing is ahead, `inside` stays.
         if SWEPT {
             let Leg { length, .. } = plan.leg(self.stand.leg)?;
-            self.swept = Some(self.swept_to(*length));
+            let length = *length;
+            self.sweep(length);
         }
         let cursor = &mut self.cursors[(self.fifo & 1) as usize];
         // The entry of the motion that begins is not over.
@@ -106,20 +110,24 @@ impl Path {
         Some([released, done])
     }
 
-    /// The way since the last look to the end of the leg in force, which is so long.
+    /// To the end of the leg in force, which is so long.
     #[inline(always)]
-    fn swept_to(&self, length: Exact) -> Exact {
-        Exact(length.0.wrapping_add(match self.swept {
+    fn sweep(&mut self, length: Exact) {
+        let so_far = match self.swept {
             Some(swept) => swept.0,
-            None => self.stand.way.0.wrapping_sub(Exact::from(self.stand.seen).0),
-        }))
+            None => {
+                self.keep_past(self.stand.seen);
+                self.stand.way.0.wrapping_sub(Exact::from(self.stand.seen).0)
+            }
+        };
+        self.swept = Some(Exact(length.0.wrapping_add(so_far)));
     }
 
     /// The leg in force is over; whether another one of the motion has begun.
     #[inline(always)]
     fn end_leg(&mut self) -> bool {
         let Some(&Leg { length, .. }) = self.motion().plan.leg(self.stand.leg) else { return false };
-        self.swept = Some(self.swept_to(length));
+        self.sweep(length);
         self.stand.way = Exact(self.stand.way.0.wrapping_add(length.0));
         (self.stand.began, self.time) = (self.stand.over, self.stand.over);
         self.stand.leg = self.stand.leg.wrapping_add(1);
@@ -160,7 +168,9 @@ impl Path {
     /// At a boundary: on to the next motion, wait or rest.
     pub(super) fn go_on(&mut self, budget: &mut Budget, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
         loop {
-            let counter = self.cursor(self.fifo).next;
+            let cursor = self.cursor(self.fifo);
+            let counter = cursor.next;
+            cursor.again &= counter != cursor.told;
             if counter == end_of(feed, self.fifo) {
                 let rest = if self.speed.is_zero() { Rest::Completed } else { Rest::Underrun };
                 self.rest(self.time, rest, feed, sink);
@@ -225,6 +235,7 @@ impl Path {
         match &entry.item() {
             Item::Nothing => None,
             Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
+            Item::Change(_) if self.cursor(self.fifo).again => None,
             Item::Change(change) => {
                 let wait = sink.change(self.time, change);
                 self.cursor(self.fifo).inside = wait != 0;

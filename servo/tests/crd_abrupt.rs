@@ -1,0 +1,208 @@
+//! What stops a path at once: its tick shows the set-points of the tick before (SPEC 4), wherever boundaries lie, and
+//! CrdStart goes on from there as if nothing had been.
+use servo::op::{Brake, DoGroup, Guarded, Guards, Mode, Op, Supervision};
+use servo::path::{Along, Entry};
+use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
+use servo::view::{StopReason, View};
+
+mod chance;
+mod tick_bench;
+use chance::Chance;
+use tick_bench::*;
+
+fn speeds(vel: f64, acc: f64, end: f64) -> Along {
+    Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
+}
+
+fn output(value: u64) -> Entry {
+    Entry::output(DoGroup::General, 0xff, value)
+}
+
+/// Coordinate system 0 on axes 0 and 1, 100 pulses from its zero.
+fn ready(period_us: u32, entries: &[Entry]) -> Bench {
+    let mut bench = Bench::ready(period_us, Mode::Trap);
+    bench.frame(0, &[0, 1], Some([100, -50, 0, 0]));
+    bench.now(Op::Guard { axis: axis(1), on: Guards::set(Guarded::Alarm, true), low: Guards::NONE });
+    bench.now(Op::Supervision(Supervision { interlock: Brake::AbruptAll, ..Supervision::DEFAULT }));
+    bench.tick();
+    bench.path(0, 0, entries);
+    bench.start_path(&[0]);
+    bench.machine.edges.clear();
+    bench
+}
+
+fn at(view: &View<AXES>) -> [Pos; 2] {
+    [view.axes[0].pos, view.axes[1].pos]
+}
+
+/// What stops it, and what lets it go on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Cause {
+    Stop,
+    OneAxis,
+    Servo,
+    Alarm,
+    Interlock,
+}
+
+const CAUSES: [(Cause, StopReason); 5] = [
+    (Cause::Stop, StopReason::StopAbrupt),
+    (Cause::OneAxis, StopReason::StopAbrupt),
+    (Cause::Servo, StopReason::ServoOff),
+    (Cause::Alarm, StopReason::Alarm),
+    (Cause::Interlock, StopReason::Interlock),
+];
+
+fn stop(bench: &mut Bench, cause: Cause) -> View<AXES> {
+    match cause {
+        Cause::Stop => _ = bench.now(Op::stop_crds(CrdMask(1), CrdMask(1))),
+        Cause::OneAxis => _ = bench.now(Op::stop(all(&[1]), all(&[1]))),
+        Cause::Servo => _ = bench.now(Op::Servo { axis: axis(1), on: false }),
+        Cause::Alarm => bench.machine.inputs[1].alarm = true,
+        Cause::Interlock => bench.machine.interlock = true,
+    }
+    bench.tick()
+}
+
+fn let_go(bench: &mut Bench, cause: Cause) {
+    match cause {
+        Cause::Stop | Cause::OneAxis => {}
+        Cause::Servo => _ = bench.now(Op::Servo { axis: axis(1), on: true }),
+        Cause::Alarm => bench.machine.inputs[1].alarm = false,
+        Cause::Interlock => bench.machine.interlock = false,
+    }
+    bench.tick();
+    bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
+    bench.tick();
+}
+
+/// Random paths of lines as long as some ticks or shorter, with outputs and delays between them; levels count up.
+fn entries(chance: &mut Chance) -> (Vec<Entry>, [i32; 2], u64) {
+    let (mut entries, mut to, mut level) = (Vec::new(), [-100, 50], 0);
+    let most = [4, 40, 400][chance.below(3) as usize];
+    for _ in 0..20 + chance.below(60) {
+        let vel = chance.log(5.0, 60.0);
+        let end = if chance.below(5) == 0 { 0.0 } else { vel * chance.unit() };
+        to[0] += 1 + chance.below(most) as i32;
+        to[1] += chance.below(most) as i32 - most as i32 / 2;
+        entries.push(Entry::planar(to, speeds(vel, chance.log(1.0, 60.0), end)));
+        if chance.below(2) == 0 {
+            level += 1;
+            entries.push(output(level));
+        }
+        if chance.below(12) == 0 {
+            entries.push(Entry::delay(chance.below(3) as u16));
+        }
+    }
+    if entries.last().is_some_and(Entry::is_motion) {
+        level += 1;
+        entries.push(output(level));
+    }
+    (entries, to, level)
+}
+
+#[test]
+fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
+    let mut chance = Chance::new(4);
+    let (mut stops, mut within, mut back) = (0, 0, 0);
+    for case in 0..400 {
+        let period = [25, 50, 250, 1000][case % 4];
+        let (entries, end, last) = entries(&mut chance);
+        let mut bench = ready(period, &entries);
+        let mut before = bench.tick();
+        let (mut view, mut wait) = (before, 1 + chance.below(60));
+        let (mut last_done, mut ended) = (0, false);
+        for _ in 0..400_000 {
+            if wait == 0 {
+                wait = if chance.below(4) == 0 { 1 } else { 1 + chance.below(400) };
+                let (cause, reason) = CAUSES[chance.below(5) as usize];
+                let told = !bench.machine.edges.is_empty();
+                before = view;
+                view = stop(&mut bench, cause);
+                let shown = &view.crds[0];
+                assert!(!shown.runs, "{case}: {cause:?}");
+                let over = matches!(shown.stop, StopReason::Completed | StopReason::Underrun);
+                if over {
+                    // It had come to its end before that tick.
+                    assert_eq!(at(&view).map(pulses), [f64::from(end[0]) + 100.0, f64::from(end[1]) - 50.0]);
+                } else {
+                    assert_eq!(shown.stop, reason, "{case}");
+                    assert_eq!((at(&view), shown.done), (at(&before), before.crds[0].done), "{case}: {cause:?}");
+                    assert_eq!(shown.motion, servo::piece::Motion::REST);
+                    stops += 1;
+                    within += (before.crds[0].motion != servo::piece::Motion::REST) as u32;
+                    // An output of what is gone over again has been told.
+                    back += told as u32;
+                }
+                let_go(&mut bench, cause);
+                if over {
+                    ended = true;
+                    break;
+                }
+                bench.start_path(&[0]);
+                bench.machine.edges.clear();
+                let begun = bench.tick();
+                assert!(begun.crds[0].runs, "{case}: {cause:?}");
+                assert_eq!(at(&begun), at(&before), "{case}");
+                view = begun;
+                continue;
+            }
+            wait -= 1;
+            before = view;
+            bench.machine.edges.clear();
+            view = bench.tick();
+            let gone = [0, 1].map(|k| pulses(at(&view)[k]) - pulses(at(&before)[k]));
+            let most = 60.0 * f64::from(period) / 1000.0 + 1e-6;
+            assert!(gone[0].hypot(gone[1]) <= most, "{case}: {gone:?}");
+            assert!(view.crds[0].done[0] >= last_done, "{case}");
+            last_done = view.crds[0].done[0];
+            if !view.crds[0].runs {
+                ended = true;
+                break;
+            }
+        }
+        assert!(ended, "{case}");
+        let motions = entries.iter().filter(|entry| entry.is_motion()).count() as u32;
+        let shown = &bench.tick().crds[0];
+        assert_eq!((shown.done[0], shown.released[0]), (motions, entries.len() as u32), "{case}");
+        assert_eq!(shown.place[..2], end.map(Pos::pulses), "{case}");
+        // Each once, in order.
+        assert_eq!(bench.machine.levels, (0..=last).collect::<Vec<_>>(), "{case}");
+    }
+    assert!(stops > 2000 && within > 1000 && back > 50, "{stops} {within} {back}");
+}
+
+/// A move that the path waits for has begun between both ticks: the start that goes on waits for it again. One that it did not wait
+/// for has been made.
+#[test]
+fn moves_between_both_ticks_are_not_lost_nor_made_twice() {
+    let moves =
+        |modal| Entry::travel(axis(4), 60, (20f64.to_bits(), StepLimit::FULL_SCALE), 10f64.to_bits(), modal).unwrap();
+    for modal in [true, false] {
+        // 40 pulses with 10 pulse/ms² from rest to rest: 4 ms, and 2 ticks more for the start.
+        let lines = [[-60, 50], [-20, 50]].map(|to| Entry::planar(to, speeds(30.0, 10.0, 0.0)));
+        let mut bench = ready(250, &[]);
+        let entries = [lines[0], moves(modal), output(1), lines[1]];
+        bench.path(0, 0, &entries);
+        bench.start_path(&[0]);
+        // The corner lies in the interval after this one.
+        let mut view = bench.tick();
+        while view.axes[4].status & servo::status::RUNNING == 0 {
+            view = bench.tick();
+        }
+        let moved = view;
+        for _ in 0..3 {
+            let before = view;
+            let shown = stop(&mut bench, Cause::Stop);
+            assert_eq!(at(&shown), at(&before), "{modal}");
+            let_go(&mut bench, Cause::Stop);
+            bench.start_path(&[0]);
+            view = bench.ticks(3);
+        }
+        let end = bench.rest();
+        assert_eq!(at(&end).map(pulses), [80.0, 0.0]);
+        assert_eq!((pulses(end.axes[4].pos), end.general_outputs), (60.0, 1), "{modal}");
+        assert_eq!(end.crds[0].stop, StopReason::Completed);
+        assert!(moved.crds[0].runs);
+    }
+}
