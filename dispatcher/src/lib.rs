@@ -9,33 +9,20 @@
 //! Fails how: whatever comes from the wire is answered with a return code and a reason and changes
 //! nothing; nothing in here panics or allocates.
 mod admit;
-mod awaiting;
-mod books;
-mod bytes;
 mod capacity;
-mod case;
-mod desk;
-pub mod figure;
-mod lane;
-mod log;
-pub mod lookahead;
-mod lopsided;
-mod path_queue;
-mod profile;
+pub mod plan;
+mod product;
 mod program;
-mod read;
-mod refuse;
-mod second_wire;
-mod server;
-pub mod tables;
-mod trace_out;
+mod report;
+mod session;
+mod shadow;
 
-pub use bytes::{QUEUE_BYTES, RECORD_BYTES};
-pub use path_queue::{LOOK_AHEAD, PathQueue};
-pub use profile::{FAMILIES, PROFILES, Profile, largest_that_fits};
-pub use refuse::Refused;
-pub use second_wire::SecondWire;
-pub use server::{
+pub use crate::admit::refuse::Refused;
+pub use crate::plan::path_queue::{LOOK_AHEAD, PathQueue};
+pub use crate::product::{FAMILIES, PROFILES, Profile, largest_that_fits};
+pub use crate::program::record_queue::{QUEUE_BYTES, RECORD_BYTES};
+pub use crate::session::second_client::SecondaryTransport;
+pub use crate::session::server::{
     Board, Channels, EVENTS, FAULT_TEXT_MAX, Fault, FaultKind, IMMEDIATE, LINK_WINDOW, PROGRAM, SAMPLES, SEGMENTS,
     Server, TickTime,
 };

@@ -3,8 +3,8 @@ mod bench;
 
 use bench::crd::*;
 use bench::*;
-use dispatcher::figure::Figure;
-use dispatcher::lookahead::{Limits, LookAhead};
+use dispatcher::plan::geometry::Geometry;
+use dispatcher::plan::look_ahead::{Limits, LookAhead};
 use protocol::command::*;
 use protocol::reason::Reason;
 
@@ -30,9 +30,9 @@ fn ideal([x, y]: [i32; 2], points: &[[i32; 2]]) -> f64 {
     let mut look = Box::new(LookAhead::<4096>::new(limits));
     let mut at = [x.into(), y.into(), 0.0, 0.0];
     for to in points {
-        let figure = Figure::planar(&at, *to).unwrap();
-        assert!(look.push_motion(&figure, VEL, ACC));
-        at = figure.end;
+        let geometry = Geometry::planar(&at, *to).unwrap();
+        assert!(look.push_motion(&geometry, VEL, ACC));
+        at = geometry.end;
     }
     let mut ms = 0.0;
     while let Some(planned) = look.take(true) {

@@ -72,7 +72,7 @@ fn commanded(bench: &mut Bench<8>, channel: i16) -> i16 {
 }
 
 /// Duty mode with 40 % of 10 kHz, light off.
-fn ready(bench: &mut Bench<8>, family: u8, channel: i16) {
+fn prepared(bench: &mut Bench<8>, family: u8, channel: i16) {
     if family == GUS {
         bench.done(connector(7 + channel, 1));
     }
@@ -126,7 +126,7 @@ fn settings_arrive_in_the_channel_they_name() {
 fn light_follows_the_script_clock_in_both_families() {
     for family in [GUS, LSR] {
         let mut bench = bench(family);
-        ready(&mut bench, family, 0);
+        prepared(&mut bench, family, 0);
         // Delays: GUS applies them always, LSR where the mode says so.
         for (delay_mode, us) in [(0, if family == GUS { 60 } else { 0 }), (1, 60)] {
             bench.done(mode(0, 100.0, 0.0, 0, delay_mode));
@@ -162,7 +162,7 @@ fn light_follows_the_script_clock_in_both_families() {
 fn reads_tell_the_command_and_the_output() {
     for family in [GUS, LSR] {
         let mut bench = bench(family);
-        ready(&mut bench, family, 1);
+        prepared(&mut bench, family, 1);
         assert_eq!((commanded(&mut bench, 0), commanded(&mut bench, 1)), (0, 0));
         bench.done(mode(0, 100.0, 0.0, 1, 1));
         bench.done(delays(1000, 2000, 1));
@@ -206,7 +206,7 @@ fn reads_tell_the_command_and_the_output() {
 fn a_power_command_tells_what_the_timers_reach() {
     for family in [GUS, LSR] {
         let mut bench = bench(family);
-        ready(&mut bench, family, 0);
+        prepared(&mut bench, family, 0);
         bench.done(SetPulseWidth { core: 1.into(), width_us: 10.into(), channel: 0.into() });
         // What is asked in a mode, and how far off the timers may be (SPEC 11).
         for (of, asked, within) in [(0, 100.0 / 3.0, 1e-3), (1, 7.123_457_1, 7.2e-6)] {
@@ -268,7 +268,7 @@ fn a_family_and_a_reset_put_the_channels_to_power_on() {
     for renew in 0..3 {
         bench.done(SetLaserMode { core: 1.into(), mode: 0.into() });
         bench.done(delays(100, 100, 0));
-        ready(&mut bench, LSR, 0);
+        prepared(&mut bench, LSR, 0);
         bench.done(switch(1, 0));
         bench.run_ms(2);
         assert!(seen(&mut bench, 0).light);
@@ -298,7 +298,7 @@ fn a_family_and_a_reset_put_the_channels_to_power_on() {
 #[test]
 fn step_pulses_take_the_connector_and_the_light() {
     let mut bench = bench(GUS);
-    ready(&mut bench, GUS, 0);
+    prepared(&mut bench, GUS, 0);
     bench.done(switch(1, 0));
     bench.run_ms(1);
     assert!(seen(&mut bench, 0).light);
@@ -315,7 +315,7 @@ fn step_pulses_take_the_connector_and_the_light() {
 #[test]
 fn light_does_not_come_back_with_its_connector_within_the_off_delay() {
     let mut bench = bench(GUS);
-    ready(&mut bench, GUS, 0);
+    prepared(&mut bench, GUS, 0);
     bench.done(delays(20_000, 0, 0));
     bench.done(switch(1, 0));
     bench.run_ms(2);
@@ -350,7 +350,7 @@ fn a_connector_that_is_taken_away_leaves_analog_light() {
 fn interlocked(family: u8) -> Bench<8> {
     let mut bench = bench(family);
     for channel in 0..2 {
-        ready(&mut bench, family, channel);
+        prepared(&mut bench, family, channel);
     }
     bench.done(switch(1, 0));
     bench.run_ms(1);
@@ -490,7 +490,7 @@ fn a_lost_link_puts_out_light() {
     for family in [GUS, LSR] {
         let mut bench = bench(family);
         for channel in 0..2 {
-            ready(&mut bench, family, channel);
+            prepared(&mut bench, family, channel);
         }
         bench.done(switch(1, 0));
         bench.run_ms(1);
@@ -540,7 +540,7 @@ fn what_happened_is_told_with_time_and_reason() {
     let mut told = 0;
     assert_eq!(events(&mut bench, &mut told), []);
     // The link is lost while there is light, and comes back.
-    ready(&mut bench, LSR, 0);
+    prepared(&mut bench, LSR, 0);
     bench.done(switch(1, 0));
     bench.run_ms(1);
     let cut_at = bench.now().0;
@@ -576,7 +576,7 @@ fn what_happened_is_told_with_time_and_reason() {
 #[test]
 fn a_lost_link_puts_out_what_a_running_program_may_light() {
     let mut bench = bench(LSR);
-    ready(&mut bench, LSR, 0);
+    prepared(&mut bench, LSR, 0);
     let program = [entry(sleep(2000)), entry(switch(1, 0)), entry(sleep(10)), entry(ProgramEnd {})];
     bench.post_all(&program);
     bench.done(ProgramStart { strict: 1 });
@@ -588,7 +588,7 @@ fn a_lost_link_puts_out_what_a_running_program_may_light() {
     assert!(!seen(&mut bench, 0).light && on_time_of(&mut bench) == 0);
     // Without light and without a program there is nothing to shut off.
     let mut bench = self::bench(LSR);
-    ready(&mut bench, LSR, 0);
+    prepared(&mut bench, LSR, 0);
     bench.cut = true;
     bench.run_ms(600);
     assert_eq!([seen(&mut bench, 0).fault, seen(&mut bench, 1).fault], [Cause::None; 2]);
@@ -601,7 +601,7 @@ fn on_time_of(bench: &mut Bench<8>) -> u32 {
 #[test]
 fn the_link_loss_time_is_the_users() {
     let mut bench = bench(LSR);
-    ready(&mut bench, LSR, 0);
+    prepared(&mut bench, LSR, 0);
     for (ms, dark) in [(100, true), (0, false)] {
         bench.done(SetLinkLoss { time_ms: ms.into(), stop_all: 0.into() });
         bench.done(ClrLaserFault { core: 1.into(), channel: 0.into() });
@@ -618,7 +618,7 @@ fn the_link_loss_time_is_the_users() {
 #[test]
 fn the_immediate_lane_sets_no_laser_beside_a_program() {
     let mut bench = bench(LSR);
-    ready(&mut bench, LSR, 0);
+    prepared(&mut bench, LSR, 0);
     bench.post_all(&[entry(sleep(50)), entry(ProgramEnd {})]);
     bench.done(ProgramStart { strict: 1 });
     for lane_0 in [

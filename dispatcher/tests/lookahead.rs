@@ -2,10 +2,10 @@
 //!
 //! Paths go through servo's own evaluator; limits are checked on what it does. The time of long ones is held against an
 //! optimum by `host-tests/tests/look_ahead.rs`.
-use dispatcher::figure::{Figure, Place};
-use dispatcher::lookahead::{Limits, LookAhead};
-use servo::path::{Change, Effects, Entries, Entry, Feed, Fine, Path, Plane, Rest};
-use servo::piece::Scaled;
+use dispatcher::plan::geometry::{Geometry, Position};
+use dispatcher::plan::look_ahead::{Limits, LookAhead};
+use servo::path::{Change, Effects, Entries, Entry, Feed, Fine, Path, PathStop, Plane};
+use servo::segment::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
 
 struct Script(Vec<Entry>);
@@ -18,7 +18,7 @@ impl Entries for Script {
 
 #[derive(Default)]
 struct Heard {
-    rests: Vec<(Fine, Rest)>,
+    rests: Vec<(Fine, PathStop)>,
     marks: Vec<Fine>,
 }
 
@@ -27,7 +27,7 @@ impl Effects for Heard {
         self.marks.push(at);
         0
     }
-    fn rest(&mut self, at: Fine, rest: Rest) {
+    fn rest(&mut self, at: Fine, rest: PathStop) {
         self.rests.push((at, rest));
     }
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
@@ -37,7 +37,7 @@ impl Effects for Heard {
 /// A call: its figure, speed and acceleration.
 #[derive(Clone, Copy)]
 struct Call {
-    figure: Figure,
+    geometry: Geometry,
     vel: f64,
     acc: f64,
 }
@@ -54,12 +54,12 @@ impl Chance {
 
 /// Lines through these points.
 fn polyline(points: &[[i32; 2]], vel: f64, acc: f64) -> Vec<Call> {
-    let mut from: Place = [0.0; 4];
+    let mut from: Position = [0.0; 4];
     let mut calls = Vec::new();
     for point in points {
-        if let Ok(figure) = Figure::planar(&from, *point) {
-            from = figure.end;
-            calls.push(Call { figure, vel, acc });
+        if let Ok(geometry) = Geometry::planar(&from, *point) {
+            from = geometry.end;
+            calls.push(Call { geometry, vel, acc });
         }
     }
     calls
@@ -102,7 +102,7 @@ fn plan<const N: usize>(calls: &[Call]) -> Vec<Entry> {
     let mut ahead = Box::new(LookAhead::<N>::new(LIMITS));
     let mut entries = Vec::new();
     for call in calls {
-        while !ahead.push_motion(&call.figure, call.vel, call.acc) {
+        while !ahead.push_motion(&call.geometry, call.vel, call.acc) {
             entries.push(ahead.take(true).unwrap().entry);
         }
         while let Some(planned) = ahead.take(false) {
@@ -127,13 +127,13 @@ fn run(calls: &[Call], entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
     let mut places = Vec::new();
     loop {
         let step = path.step(Ns(now), Ns(TICK as u64), feed, &script, &mut heard);
-        places.push([step.place[0], step.place[1]].map(|x| x.0 as f64 * 2f64.powi(-22)));
+        places.push([step.position[0], step.position[1]].map(|x| x.0 as f64 * 2f64.powi(-22)));
         if !step.runs {
             break;
         }
         now += TICK as u64;
     }
-    let [(at, Rest::Completed)] = heard.rests[..] else { panic!("{:?}", heard.rests) };
+    let [(at, PathStop::Completed)] = heard.rests[..] else { panic!("{:?}", heard.rests) };
     let ns = |at: Fine| at as f64 / 2f64.powi(32) - 1e6;
     let mut fastest = 0.0f64;
     let velocity = |k: usize, i: usize| (places[k + 1][i] - places[k][i]) / TICK * 1e6;
@@ -146,11 +146,11 @@ fn run(calls: &[Call], entries: &[Entry]) -> (Vec<(f64, [f64; 2])>, f64, f64) {
     let mut before = 0.0;
     let mut from = [0.0; 2];
     for (call, at) in calls.iter().zip(&heard.marks) {
-        let to = [call.figure.end[0], call.figure.end[1]];
+        let to = [call.geometry.end[0], call.geometry.end[1]];
         // Ticks within the motion; the speed between two of them is that half way between.
         let (first, last) = ((before / TICK).ceil() as usize, (ns(*at) / TICK) as usize);
         let way = |k: usize| (places[k][0] - from[0]).hypot(places[k][1] - from[1]);
-        let half = call.figure.length / 2.0;
+        let half = call.geometry.length / 2.0;
         let k = first + (first..last).take_while(|k| way(*k) < half).count();
         if k >= first + 2 && k + 2 <= last {
             let part = (half - way(k - 1)) / (way(k) - way(k - 1));
@@ -224,7 +224,7 @@ fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_a
     let corner = polyline(&[[100_000, 0], [100_000, 100_000], [100_000, 0]], 60.0, 0.8);
     let mut ahead = Box::new(LookAhead::<16>::new(LIMITS));
     for call in &corner {
-        assert!(ahead.push_motion(&call.figure, call.vel, call.acc));
+        assert!(ahead.push_motion(&call.geometry, call.vel, call.acc));
     }
     let first = ahead.take(false).unwrap();
     let second = ahead.take(true).unwrap();
@@ -249,7 +249,7 @@ fn corners_of_long_lines_are_taken_at_the_change_of_speed_that_the_corner_time_a
 /// Waits and effects keep their places; a wait stops, effects do not, more than eight in one place do.
 #[test]
 fn what_stands_between_motions_keeps_its_place() {
-    let line = |x: i32, from: i32| Figure::planar(&[from as f64, 0.0, 0.0, 0.0], [x, 0]).unwrap();
+    let line = |x: i32, from: i32| Geometry::planar(&[from as f64, 0.0, 0.0, 0.0], [x, 0]).unwrap();
     let mark = |code| Entry::laser(0, code, [0; 6]);
     let time = |others: &[Entry]| {
         let mut ahead = Box::new(LookAhead::<64>::new(LIMITS));
@@ -296,11 +296,11 @@ fn a_corner_that_comes_late_does_not_brake_harder() {
     let mut ahead = Box::new(LookAhead::<4>::new(LIMITS));
     let mut entries = Vec::new();
     for call in &calls[..2] {
-        assert!(ahead.push_motion(&call.figure, call.vel, call.acc));
+        assert!(ahead.push_motion(&call.geometry, call.vel, call.acc));
     }
     entries.push(ahead.take(true).unwrap().entry);
     for call in &calls[2..] {
-        assert!(ahead.push_motion(&call.figure, call.vel, call.acc));
+        assert!(ahead.push_motion(&call.geometry, call.vel, call.acc));
     }
     while let Some(planned) = ahead.take(true) {
         entries.push(planned.entry);
@@ -328,14 +328,14 @@ fn a_corner_that_comes_late_does_not_brake_harder() {
 #[test]
 fn arcs_keep_the_acceleration_of_their_plane() {
     let mut calls = Vec::new();
-    let mut from: Place = [0.0; 4];
+    let mut from: Position = [0.0; 4];
     for (to, radius, ccw) in [([2000, 0], 1000.0, true), ([4000, 0], 1000.0, false), ([4600, 600], 600.0, true)] {
-        let figure = Figure::arc_radius(&from, Plane::Xy, to, radius, ccw).unwrap();
-        from = figure.end;
-        calls.push(Call { figure, vel: 100.0, acc: 5.0 });
+        let geometry = Geometry::arc_radius(&from, Plane::Xy, to, radius, ccw).unwrap();
+        from = geometry.end;
+        calls.push(Call { geometry, vel: 100.0, acc: 5.0 });
     }
-    let figure = Figure::arc_centre(&from, Plane::Xy, [4600, 600], [0.0, 300.0], true).unwrap();
-    calls.push(Call { figure, vel: 100.0, acc: 5.0 });
+    let geometry = Geometry::arc_centre(&from, Plane::Xy, [4600, 600], [0.0, 300.0], true).unwrap();
+    calls.push(Call { geometry, vel: 100.0, acc: 5.0 });
     let entries = plan::<16>(&calls);
     let script = Script(entries);
     let feed = Feed { ends: [script.0.len() as u32, 0] };
@@ -349,7 +349,7 @@ fn arcs_keep_the_acceleration_of_their_plane() {
             break;
         }
         now += 100_000;
-        let real = |x: servo::piece::Scaled| x.m as f64 * 2f64.powi(-x.e as i32);
+        let real = |x: servo::segment::piece::Scaled| x.m as f64 * 2f64.powi(-x.e as i32);
         let (v, a) = (real(step.motion.velocity()), real(step.motion.acceleration()));
         worst = worst.max((v * v / radii[step.done as usize]).hypot(a));
         fastest = fastest.max(v);
@@ -375,7 +375,7 @@ fn stalls_of_the_host_do_not_slow_it_down() {
             // 10 motions a ms while the host does not stall; none without a place in the queue.
             if !(stall && ms % 300 >= 250) {
                 for _ in 0..10 {
-                    if came < end && ahead.push_motion(&calls[came].figure, calls[came].vel, calls[came].acc) {
+                    if came < end && ahead.push_motion(&calls[came].geometry, calls[came].vel, calls[came].acc) {
                         came += 1;
                     }
                 }
@@ -403,7 +403,7 @@ fn stalls_of_the_host_do_not_slow_it_down() {
             now += 1_000_000;
         }
         assert_eq!(path.done(0) as usize, end);
-        let [(at, Rest::Completed)] = heard.rests[..] else { panic!("{:?}", heard.rests) };
+        let [(at, PathStop::Completed)] = heard.rests[..] else { panic!("{:?}", heard.rests) };
         at as f64 / 2f64.powi(32) - begun.unwrap() as f64
     };
     let steady = time(false, calls.len());

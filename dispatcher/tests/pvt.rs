@@ -14,7 +14,7 @@ fn points(of: &[(f64, f64, f64)]) -> Vec<PvtPoint> {
     of.iter().map(|&(time, pos, vel)| PvtPoint { time: time.into(), pos: pos.into(), vel: vel.into() }).collect()
 }
 
-fn ready(axes: i16) -> Bench<8> {
+fn prepared(axes: i16) -> Bench<8> {
     let mut bench = Bench::gus();
     for axis in 1..=axes {
         bench.servo_on(axis);
@@ -48,7 +48,7 @@ fn status(bench: &mut Bench<8>, axis: i16) -> (i16, f64) {
 /// A chunk holds what a message holds, of every description.
 #[test]
 fn a_chunk_is_as_long_as_its_message() {
-    let mut bench = ready(1);
+    let mut bench = prepared(1);
     let (core, number) = (1.into(), 1.into());
     let count = protocol::record::BODY_MAX - size_of::<PvtTableComplete>();
     let count = count / size_of::<PvtKnot>();
@@ -74,7 +74,7 @@ const TEN: [(f64, f64, f64); 2] = [(0.0, 0.0, 1.0), (10.0, 10.0, 1.0)];
 
 #[test]
 fn a_table_of_many_chunks_runs_through_every_point() {
-    let mut bench = ready(1);
+    let mut bench = prepared(1);
     // p = 3·i at t = i: constant velocity 3, so that every instant is known.
     let all: Vec<(f64, f64, f64)> = (0..1024).map(|i| (f64::from(i), 3.0 * f64::from(i) + 7.0, 3.0)).collect();
     for (number, part) in all.chunks(40).enumerate() {
@@ -94,7 +94,7 @@ fn a_table_of_many_chunks_runs_through_every_point() {
 
 #[test]
 fn chunks_out_of_order_begin_again_with_the_first() {
-    let mut bench = ready(1);
+    let mut bench = prepared(1);
     let all: Vec<(f64, f64, f64)> = (0..6).map(|i| (f64::from(i), 0.0, 0.0)).collect();
     let refused = |bench: &mut Bench<8>, first: usize| {
         let answer = bench.call_items(table(2, 6, first), &points(&all[first..first + 2]));
@@ -122,11 +122,11 @@ fn chunks_out_of_order_begin_again_with_the_first() {
 
 #[test]
 fn bad_points_are_named_and_change_nothing() {
-    let mut bench = ready(1);
+    let mut bench = prepared(1);
     assert_eq!(load(&mut bench, 1, &TEN).0, 0);
     /// Points, and the reason, field and item of the refusal.
-    type Case = (&'static [(f64, f64, f64)], Reason, u8, u16);
-    let cases: [Case; 7] = [
+    type Context = (&'static [(f64, f64, f64)], Reason, u8, u16);
+    let cases: [Context; 7] = [
         (&[(0.0, 0.0, 0.0), (0.0, 1.0, 0.0)], Reason::PointTime, 4, 1),
         (&[(5.0, 0.0, 0.0), (4.0, 1.0, 0.0)], Reason::PointTime, 4, 1),
         (&[(0.0, 0.0, 0.0), (f64::NAN, 1.0, 0.0)], Reason::NotFinite, 4, 1),
@@ -162,7 +162,7 @@ fn bad_points_are_named_and_change_nothing() {
 
 #[test]
 fn bad_percentages_and_limits() {
-    let mut bench = ready(1);
+    let mut bench = prepared(1);
     let percent = |percent: f64| {
         [(0.0, 0.0), (1.0, 1.0)].map(|(time, pos)| PvtPercentPoint {
             time: f64::into(time),
@@ -214,7 +214,7 @@ fn bad_percentages_and_limits() {
 
 #[test]
 fn a_table_in_use_is_not_replaced() {
-    let mut bench = ready(2);
+    let mut bench = prepared(2);
     for number in 1..=3 {
         assert_eq!(load(&mut bench, number, &TEN).0, 0);
     }
@@ -264,7 +264,7 @@ fn a_table_in_use_is_not_replaced() {
 
 #[test]
 fn a_program_that_waits_in_vain_for_a_table_fails_there() {
-    let mut bench = ready(1);
+    let mut bench = prepared(1);
     assert_eq!(load(&mut bench, 1, &TEN).0, 0);
     passes(&mut bench, 1, 0);
     bench.done(start(1));
@@ -281,7 +281,7 @@ fn a_program_that_waits_in_vain_for_a_table_fails_there() {
 
 #[test]
 fn starts_are_refused_in_another_mode_at_speed_and_without_a_table() {
-    let mut bench = ready(2);
+    let mut bench = prepared(2);
     let (code, reason, refusal) = bench.refused(start(1));
     assert_eq!((code, reason, refusal.axis.get(), refusal.got.get()), (1, Reason::TableEmpty, 1, 1.0));
     // Nor is a table without points selected at rest (GXN command 46).
@@ -312,7 +312,7 @@ fn starts_are_refused_in_another_mode_at_speed_and_without_a_table() {
 
 #[test]
 fn loops_accumulate_and_both_counts_are_told() {
-    let mut bench = ready(1);
+    let mut bench = prepared(1);
     let loops = |bench: &mut Bench<8>| {
         let reply = bench.done(GetPvtLoop { core: 1.into(), profile: 1.into() });
         (reply.loop_count.get(), reply.loop_set.get())

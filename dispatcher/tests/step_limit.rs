@@ -273,7 +273,7 @@ fn many(items: &[(i32, i32)], vel: f64, end: f64) -> (LnXYMany, Vec<PathXY>) {
 }
 
 /// Axes 1 and 2 as X and Y, with no other limit than that of the steps.
-fn ready() -> Box<Bench<8>> {
+fn prepared() -> Box<Bench<8>> {
     let mut bench = limited();
     bench.servo_on(1);
     bench.servo_on(2);
@@ -283,7 +283,7 @@ fn ready() -> Box<Bench<8>> {
 
 #[test]
 fn lines_by_the_share_of_each_axis() {
-    let mut bench = ready();
+    let mut bench = prepared();
     let free = space(&mut bench, 0);
     let told = text(&mut bench, line(1000, 0, above(LIMIT), 1.0), &[]);
     assert_eq!(
@@ -312,7 +312,7 @@ fn lines_by_the_share_of_each_axis() {
 
 #[test]
 fn many_lines_are_all_or_none() {
-    let mut bench = ready();
+    let mut bench = prepared();
     let free = space(&mut bench, 0);
     let (head, items) = many(&[(1000, 1000), (2000, 2000), (3000, 2000)], 1400.0, 0.0);
     let told = text(&mut bench, head, &items);
@@ -331,7 +331,7 @@ fn many_lines_are_all_or_none() {
 #[test]
 fn a_motion_is_entered_as_fast_as_the_one_before_ends() {
     let diagonal = |end: f64, x: i32| LnXY { vel_end: end.into(), ..line(x, x, 1400.0, 100.0) };
-    let mut bench = ready();
+    let mut bench = prepared();
     // 1400²/2/100 = 9800 pulses to get there; along X alone then.
     bench.done(diagonal(1400.0, 20_000));
     let told = text(&mut bench, line(40_000, 20_000, 500.0, 100.0), &[]);
@@ -344,15 +344,15 @@ fn a_motion_is_entered_as_fast_as_the_one_before_ends() {
     bench.done(BufDelay { core, crd, delay_ms: 1.into(), fifo });
     bench.done(line(40_000, 20_000, 500.0, 100.0));
     // Too short to be that fast at its end: 1000² = 2·100·5000.
-    let mut bench = ready();
+    let mut bench = prepared();
     bench.done(LnXY { vel_end: 1400.0.into(), ..line(3000, 4000, 1240.0, 100.0) });
     bench.done(line(40_000, 4000, 500.0, 100.0));
-    let mut bench = ready();
+    let mut bench = prepared();
     bench.done(LnXY { vel_end: 1400.0.into(), ..line(3006, 4008, 1240.0, 100.0) });
     let told = text(&mut bench, line(40_000, 4008, 500.0, 100.0), &[]);
     assert!(told.contains("axis 1 would go at 1000.99"), "{told}");
     // The next one brakes, the one behind it is slow enough.
-    let mut bench = ready();
+    let mut bench = prepared();
     bench.done(diagonal(1400.0, 20_000));
     bench.done(LnXY { syn_vel: 500.0.into(), ..diagonal(500.0, 40_000) });
     bench.done(line(60_000, 40_000, 500.0, 100.0));
@@ -363,7 +363,7 @@ fn a_motion_is_entered_as_fast_as_the_one_before_ends() {
 fn arcs_by_what_they_pass() {
     // From (0, 0) about (0, r): counterclockwise the direction turns from +X to +Y in a quarter.
     let quarter = |vel: f64, x: i32, y: i32, dir| ArcXYC { syn_vel: vel.into(), ..arc(x, y, 0.0, 5000.0, dir) };
-    let mut bench = ready();
+    let mut bench = prepared();
     let told = text(&mut bench, quarter(above(LIMIT), 5000, 5000, 1), &[]);
     assert!(told.starts_with("ArcXYC: syn_vel: axis 1 would go at 1000.0000000000001 pulse/ms"), "{told}");
     bench.done(quarter(LIMIT, 5000, 5000, 1));
@@ -375,7 +375,7 @@ fn arcs_by_what_they_pass() {
         ..arc(x, y, 0.0, 0.0, 1)
     };
     let from = || {
-        let mut bench = ready();
+        let mut bench = prepared();
         bench.done(line(4000, 2000, 100.0, 1.0));
         bench
     };
@@ -399,7 +399,7 @@ fn arcs_by_what_they_pass() {
 /// The share of a coordinate of random arcs, against their directions one by one.
 #[test]
 fn shares_of_random_arcs() {
-    use dispatcher::figure::Figure;
+    use dispatcher::plan::geometry::Geometry;
     use servo::path::Plane;
     let mut chance = Chance::new(73);
     for _ in 0..2000 {
@@ -408,9 +408,9 @@ fn shares_of_random_arcs() {
         let (ccw, sign) = (at() & 1 == 0, if at() & 1 == 0 { 1.0 } else { -1.0 });
         let chord = [f64::from(to[0]) - from[0], f64::from(to[1]) - from[1]];
         let radius = sign * (1.0 + f64::from(at().abs()) / 300.0) * chord[0].hypot(chord[1]) / 2.0;
-        let Ok(figure) = Figure::arc_radius(&from, Plane::Xy, to, radius, ccw) else { continue };
-        let [start, _] = figure.tangents;
-        let whole = figure.length / radius.abs() * if ccw { 1.0 } else { -1.0 };
+        let Ok(geometry) = Geometry::arc_radius(&from, Plane::Xy, to, radius, ccw) else { continue };
+        let [start, _] = geometry.tangents;
+        let whole = geometry.length / radius.abs() * if ccw { 1.0 } else { -1.0 };
         let mut most = [0.0f64; 2];
         for step in 0..=4000 {
             let (sin, cos) = (whole * f64::from(step) / 4000.0).sin_cos();
@@ -418,10 +418,10 @@ fn shares_of_random_arcs() {
             most[1] = most[1].max((start[0] * sin + start[1] * cos).abs());
         }
         for (coordinate, most) in most.into_iter().enumerate() {
-            let share = figure.share(coordinate);
-            assert!(share <= most + 2e-6 && share >= most - 1e-9, "{coordinate}: {share} {most} {figure:?}");
+            let share = geometry.share(coordinate);
+            assert!(share <= most + 2e-6 && share >= most - 1e-9, "{coordinate}: {share} {most} {geometry:?}");
         }
-        assert_eq!((figure.share(2), figure.share(3)), (0.0, 0.0));
+        assert_eq!((geometry.share(2), geometry.share(3)), (0.0, 0.0));
     }
 }
 
@@ -429,7 +429,7 @@ fn shares_of_random_arcs() {
 fn axes_that_go_along_or_aside() {
     let (core, crd, fifo) = (1.into(), 1.into(), 0.into());
     let gear = |axis: i16, pos: i32| BufGear { core, crd, axis: axis.into(), pos: pos.into(), fifo };
-    let mut bench = ready();
+    let mut bench = prepared();
     bench.done(gear(3, -500));
     bench.done(gear(4, 2000));
     // Axis 4 goes twice as far as the path.
@@ -461,7 +461,7 @@ fn axes_that_go_along_or_aside() {
 /// With look-ahead the limits of coordinates hold a motion first.
 #[test]
 fn look_ahead() {
-    let mut bench = ready();
+    let mut bench = prepared();
     bench.done(ahead(1.0, 10.0, 50));
     let free = space(&mut bench, 0);
     let told = text(&mut bench, line(1000, 0, 1001.0, 1.0), &[]);
@@ -486,7 +486,7 @@ fn look_ahead() {
 /// An axis that is held to the limit goes at it, and no tick of it is longer.
 #[test]
 fn what_is_taken_keeps_it() {
-    let mut bench = ready();
+    let mut bench = prepared();
     bench.done(LnXY { vel_end: 1200.0.into(), ..line(30_000, 40_000, 1250.0, 100.0) });
     bench.done(LnXY { vel_end: 900.0.into(), ..line(60_000, 80_000, 1250.0, 100.0) });
     bench.done(line(100_000, 80_000, LIMIT, 100.0));

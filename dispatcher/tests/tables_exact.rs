@@ -2,7 +2,7 @@
 //! (SPEC 11): position within 2⁻¹⁶ pulse, or 2⁻⁴⁰ of peak speed × duration where that is more;
 //! velocity within 2⁻¹⁶ of the peak, and in pieces shorter than 2⁻²⁴ of the pass within 2⁻⁴⁰ of the pass over the
 //! piece (16 bytes a place hold no finer times, decision 6); loops that do not drift.
-use dispatcher::tables::Kind;
+use dispatcher::plan::pvt::Kind;
 use protocol::reason::Reason;
 
 #[path = "tables_bench/mod.rs"]

@@ -1,6 +1,6 @@
 //! The tables of GXN chapter 4 as golden tests. Every expected number is worked out by hand, in
 //! the comment beside it, or from a closed form.
-use dispatcher::tables::Kind;
+use dispatcher::plan::pvt::Kind;
 use servo::units::Exact;
 
 #[path = "tables_bench/mod.rs"]
@@ -36,7 +36,7 @@ fn follows<'a>(shelf: &'a Shelf, passes: u32, expected: &[(f64, f64, f64)]) -> B
 fn ends(bench: &mut Bench, t: f64, p: f64) {
     let ns = (t * 1e6).round() as u64;
     let before = bench.step(ns - 1);
-    assert_eq!(before.state, servo::profile::State::Running);
+    assert_eq!(before.state, servo::segment::profile::State::Running);
     let (pos, vel, running) = bench.at_ms(t);
     assert!(!running && vel == 0.0 && (pos - p).abs() <= PULSE, "{pos} {vel} {running}");
     let (pos, _, running) = bench.at_ms(t + 1000.0);
@@ -202,7 +202,7 @@ fn table_4_7_percent() {
     );
     assert_eq!(answers, [0.0, 10.0, 10.0, 0.0]);
     // 3 + 1 + 2 pieces.
-    assert_eq!(shelf.header_of(0).places, 7);
+    assert_eq!(shelf.header_of(0).points, 7);
     // First: ramps of 300 ms; peak A = 10/700; at 300 ms v = A·150, p = A·300²/6.
     // Last: ramps of 500 ms; A = −10/500; in the middle v = 5, p = 15000 + 10·500 − 0.02·500²/6.
     let a = 10.0 / 700.0;
@@ -231,7 +231,7 @@ fn table_4_8_continuous() {
     let kind = Kind::Continuous { time_begin: 0.0 };
     let (first, times) = shelf(kind, &[&[0.0, 0.0, 60.0, 10.0, 0.01, 0.01], &[20000.0, 0.0, 0.0, 10.0, 0.01, 0.01]]);
     assert!(times[0] == 0.0 && (times[1] - 3000.0).abs() < 1e-9, "{times:?}");
-    assert_eq!(first.header_of(0).places, 8);
+    assert_eq!(first.header_of(0).points, 8);
     let a = 10.0 / 700.0;
     let mut bench = follows(
         &first,
@@ -255,7 +255,7 @@ fn table_4_8_continuous() {
     );
     assert!((times[1] - 2800.0).abs() < 1e-9 && (times[2] - 3850.0).abs() < 1e-9, "{times:?}");
     // 3 + 1 + 3 pieces, then cruise and one ramp.
-    assert_eq!(second.header_of(0).places, 10);
+    assert_eq!(second.header_of(0).points, 10);
     let mut bench = Bench::start(&second, 0, 0, Exact(0), 1);
     for (t, p, v) in [
         (1500.0, 10000.0, 10.0),
@@ -392,7 +392,7 @@ fn pvt_ex_jumps() {
         Kind::PvtEx,
         &[&[5.0, 100.0, 10.0, 10.0], &[15.0, 200.0, 20.0, 20.0], &[25.0, 400.0, -30.0, 0.0], &[35.0, 250.0, 0.0, 0.0]],
     );
-    assert_eq!(shelf.header_of(0).places, 6);
+    assert_eq!(shelf.header_of(0).points, 6);
     let mut bench = follows(
         &shelf,
         2,
@@ -412,5 +412,5 @@ fn pvt_ex_jumps() {
     // Without a jump a point takes one place.
     let (smooth, _) =
         self::shelf(Kind::PvtEx, &[&[0.0, 0.0, 0.0, 10.0], &[10.0, 50.0, 10.0, 0.0], &[20.0, 100.0, 3.0, 4.0]]);
-    assert_eq!(smooth.header_of(0).places, 3);
+    assert_eq!(smooth.header_of(0).points, 3);
 }

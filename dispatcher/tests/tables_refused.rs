@@ -1,8 +1,8 @@
 //! Bad points: each is refused with its code, a reason and the point's number, and nothing panics.
 use dispatcher::Refused;
-use dispatcher::tables::{Beside, Draft, Kind, Scratch, TABLES};
+use dispatcher::plan::pvt::{Draft, Kind, Scratch, SplineScratch, TABLES};
 use protocol::reason::{Code, Reason};
-use servo::pvt::PlaceStore;
+use servo::segment::pvt::PointStore;
 use servo::units::StepLimit;
 
 #[path = "tables_bench/mod.rs"]
@@ -28,7 +28,7 @@ const NONE: u8 = 255;
 
 #[test]
 fn counts() {
-    let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
+    let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
     let mut scratch = Scratch::new(&mut beside, &room);
     for kind in [Kind::Pvt, Kind::PvtEx, COMPLETE, PERCENT, CONTINUOUS] {
         for count in [-1, 0, 1, 1025, i32::MAX, i32::MIN] {
@@ -41,7 +41,7 @@ fn counts() {
     let full: Vec<Vec<f64>> = (0..1024).map(|i| vec![i as f64, i as f64, 1.0]).collect();
     let mut shelf = Shelf::default();
     shelf.add(Kind::Pvt, &full).unwrap();
-    assert_eq!(shelf.header_of(0).places, 1024);
+    assert_eq!(shelf.header_of(0).points, 1024);
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn more_places_than_fit() {
     // One place for the first point, three for each one after it: point 342 (from 1) is the first too many.
     is(refused, Reason::TablePlaces, 342, NONE);
     // The Calculate command has no such limit.
-    let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
+    let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
     let mut scratch = Scratch::new(&mut beside, &room);
     let mut draft = Draft::begin(PERCENT, 400, FIELDS, StepLimit::FULL_SCALE, false, &mut scratch).unwrap();
     for point in &points {
@@ -68,14 +68,14 @@ fn a_jump_of_the_velocity_takes_a_second_place() {
     };
     let mut shelf = Shelf::default();
     shelf.add(Kind::PvtEx, &steps(513)).unwrap();
-    assert_eq!(shelf.header_of(0).places, 1024);
+    assert_eq!(shelf.header_of(0).points, 1024);
     // Place 1024 is the first one of the 513th point, which jumps here.
     is(Shelf::default().add(Kind::PvtEx, &steps(514)).unwrap_err(), Reason::TablePlaces, 512, NONE);
     // Without jumps the manual's 1024 points are held.
     let smooth: Vec<Vec<f64>> = (0..1024).map(|i| vec![i as f64, 10.0 * i as f64, 10.0, 10.0]).collect();
     let mut shelf = Shelf::default();
     shelf.add(Kind::PvtEx, &smooth).unwrap();
-    assert_eq!(shelf.header_of(0).places, 1024);
+    assert_eq!(shelf.header_of(0).points, 1024);
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn continuous_data() {
         let times = shelf
             .add(CONTINUOUS, &[vec![0.0, 10.0, 0.0, 10.0, acc, acc], vec![length, 0.0, 0.0, 10.0, acc, acc]])
             .unwrap();
-        assert!((times[1] - 10.0 / acc).abs() < 1e-6 && shelf.header_of(0).places <= 3, "{acc} {times:?}");
+        assert!((times[1] - 10.0 / acc).abs() < 1e-6 && shelf.header_of(0).points <= 3, "{acc} {times:?}");
     }
     // The last point's limits are not used.
     assert!(Shelf::default().add(CONTINUOUS, &[standing.to_vec(), vec![1000.0, 0.0, 0.0, 0.0, 0.0, 0.0]]).is_ok());
@@ -181,7 +181,7 @@ fn continuous_data() {
 
 #[test]
 fn a_point_too_many() {
-    let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
+    let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
     let mut scratch = Scratch::new(&mut beside, &room);
     let mut draft = Draft::begin(Kind::Pvt, 2, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch).unwrap();
     draft.point(&[0.0, 0.0, 0.0], &mut scratch).unwrap();

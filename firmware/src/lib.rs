@@ -17,12 +17,12 @@ mod watch;
 mod wires;
 
 use core::sync::atomic::Ordering;
-use dispatcher::{Channels, FaultKind, SecondWire, Server};
+use dispatcher::{Channels, FaultKind, SecondaryTransport, Server};
 use embassy_executor::raw;
 use fault::Report;
 use hal::board::{self, AXES, idle::Idle};
 use interrupts::{Receiver, Servo};
-use servo::pvt::TableStores;
+use servo::segment::pvt::TableStores;
 use servo::tick::Lanes;
 use statics::{
     BYTES, EXECUTOR, HEADERS, IMMEDIATE_LANE, LASER_TABLES, NEWS, PENDED, PLACES, PROGRAM_LANE, QUEUES, RECEIVER,
@@ -116,7 +116,7 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
             events: events_in,
             samples: samples_in,
             segments: &STORES,
-            tables: TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
+            tables: TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
             paths: paths(),
         },
     };
@@ -140,9 +140,9 @@ fn compose(last: Option<&'static Report>) -> Option<Parts> {
         stores: &STORES,
         paths: paths(),
         queues: QUEUES.try_take()?,
-        tables: TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
+        tables: TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES },
     };
-    let (second, out, answer) = (SecondWire::new(), Outflow::new(), Outflow::new());
+    let (second, out, answer) = (SecondaryTransport::new(), Outflow::new(), Outflow::new());
     #[cfg(feature = "stm32h743")]
     let (device, usb) = usb::open().unzip();
     let wires = Wires {

@@ -11,7 +11,7 @@ use ring::{Latest, Ring};
 use servo::laser::Tables;
 use servo::op::Entry;
 use servo::path::{EntryStore, PathStores};
-use servo::pvt::{HeaderStore, PlaceStore, TABLES};
+use servo::segment::pvt::{HeaderStore, PointStore, TABLES};
 use servo::tick::{EVENTS, IMMEDIATE, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::Crd;
 use servo::view::{Event, Sample, View};
@@ -38,7 +38,7 @@ pub static TRACE: Ring<Sample, SAMPLES> = Ring::new();
 pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 /// Thread to tick: places of PVT tables, a store a table.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".tables"))]
-pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
+pub static PLACES: [PointStore; TABLES] = [const { PointStore::new() }; TABLES];
 /// Thread to tick: their headers.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".dma.headers"))]
 pub static HEADERS: HeaderStore = HeaderStore::new();

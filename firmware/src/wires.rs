@@ -5,7 +5,7 @@
 use crate::statics::RECEIVED;
 #[cfg(feature = "stm32h743")]
 use crate::usb::Port;
-use dispatcher::{SecondWire, Server};
+use dispatcher::{SecondaryTransport, Server};
 use hal::board::AXES;
 use hal::board::uart::Tx;
 use ring::Consumer;
@@ -108,7 +108,7 @@ pub struct Wires {
     /// Where the link is.
     pub link: Wire,
     /// The other wire.
-    pub second: SecondWire,
+    pub second: SecondaryTransport,
     /// What goes out over the link, and over the other wire.
     pub out: Outflow<512>,
     /// See there.

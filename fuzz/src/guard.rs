@@ -78,7 +78,7 @@ fn clears(number: u16) -> bool {
     matches!(number, opcode::ClrSts | opcode::ClrLaserFault | opcode::Reset | opcode::Choose)
 }
 
-fn at_rest(levels: Levels) -> bool {
+fn at_standstill(levels: Levels) -> bool {
     !levels.switch && !levels.energy && levels.dac == 0
 }
 
@@ -209,7 +209,7 @@ impl Guard {
 
     fn channel(&mut self, board: &mut Controller, channel: usize) {
         let (levels, view) = (board.laser(channel), board.laser_view(channel));
-        let resting = at_rest(levels);
+        let resting = at_standstill(levels);
         assert!(resting || self.may_light, "channel {channel} outputs {levels:?}, and nothing asked for it: {view:?}");
         assert!(
             self.aborted.is_none_or(|ticks| ticks <= REACTION) || resting,

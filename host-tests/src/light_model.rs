@@ -543,7 +543,7 @@ mod tests {
     /// Whether there is light after each of these.
     #[track_caller]
     fn lights(acts: &[Act], expected: &str) {
-        let shown: String = (1..=acts.len())
+        let published: String = (1..=acts.len())
             .map(|count| {
                 let acts: Vec<_> = acts[..count].iter().cloned().zip(1..).map(|(act, at)| (at, act)).collect();
                 let job = light(Family::Gus, &acts).job;
@@ -551,7 +551,7 @@ mod tests {
                 if crate::laser_model::level_at(&edges, 999, false) { '#' } else { '_' }
             })
             .collect();
-        assert_eq!(shown, expected, "{acts:?}");
+        assert_eq!(published, expected, "{acts:?}");
     }
 
     const BEGINS: Act = Act::Starts { crd: 0, resumes: false };

@@ -34,5 +34,5 @@ pub use curve::Curve;
 pub use effect::{Effect, Levels};
 pub use follow::{Datum, Item};
 pub use number::{Fix, Rational, exact};
-pub use path::{Path, PathCall, Round, Speeds};
+pub use path::{Cycle, Path, PathCall, Speeds};
 pub use pvt::Points;

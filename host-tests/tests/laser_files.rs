@@ -2,7 +2,7 @@
 use plant::beam::Change;
 use plant::pulses::Burst;
 use servo::laser::{Count, Train};
-use servo::piece::Scaled;
+use servo::segment::piece::Scaled;
 use servo::units::Pos;
 use std::path::PathBuf;
 use trace::{

@@ -464,50 +464,50 @@ fn check(run: i16, count: u32) -> i16 {
 
 #[test]
 fn a_hundred_thousand_commands_arrive_exactly_once_and_in_order() {
-    let shown = Bench::new(Plan::new(0x5EED, 100_000), Honest).go().unwrap();
-    assert_eq!(shown.executed, 100_000);
+    let published = Bench::new(Plan::new(0x5EED, 100_000), Honest).go().unwrap();
+    assert_eq!(published.executed, 100_000);
     // The channel did what it was asked to, and the link met all of it.
-    assert!(shown.channel.iter().all(|&count| count > 500), "{shown:?}");
-    let seen = shown.counters;
+    assert!(published.channel.iter().all(|&count| count > 500), "{published:?}");
+    let seen = published.counters;
     assert!(
         seen.checksum > 100 && seen.duplicates > 100 && seen.timeouts > 10 && seen.fast_retransmits > 10,
         "{seen:?}"
     );
-    println!("{shown:#?}");
+    println!("{published:#?}");
 }
 
 #[test]
 fn every_seed_passes() {
     for seed in 0..50 {
-        let shown = Bench::new(Plan::new(seed, 1_000), Honest).go();
-        assert!(shown.is_ok(), "seed {seed}: {shown:?}");
+        let published = Bench::new(Plan::new(seed, 1_000), Honest).go();
+        assert!(published.is_ok(), "seed {seed}: {published:?}");
     }
 }
 
 #[test]
 fn a_clean_channel_repeats_nothing() {
-    let shown = Bench::new(Plan { faults: CLEAN, ..Plan::new(7, 20_000) }, Honest).go().unwrap();
-    assert_eq!(shown.counters.duplicates, 0, "{shown:?}");
-    assert_eq!(shown.counters.timeouts, 0, "{shown:?}");
-    assert_eq!(shown.counters.beyond_window, 0, "{shown:?}");
+    let published = Bench::new(Plan { faults: CLEAN, ..Plan::new(7, 20_000) }, Honest).go().unwrap();
+    assert_eq!(published.counters.duplicates, 0, "{published:?}");
+    assert_eq!(published.counters.timeouts, 0, "{published:?}");
+    assert_eq!(published.counters.beyond_window, 0, "{published:?}");
 }
 
 #[test]
 fn a_link_without_checksum_is_caught() {
-    let shown = Bench::new(Plan::new(1, 100_000), NoChecksum(Deframer::new())).go();
-    assert!(shown.is_err(), "{shown:?}");
+    let published = Bench::new(Plan::new(1, 100_000), NoChecksum(Deframer::new())).go();
+    assert!(published.is_err(), "{published:?}");
 }
 
 #[test]
 fn a_link_without_duplicate_suppression_is_caught() {
-    let shown = Bench::new(Plan::new(1, 100_000), NoDuplicateSuppression(Deframer::new())).go();
-    assert!(shown.as_ref().is_err_and(|error| error.contains("was due")), "{shown:?}");
+    let published = Bench::new(Plan::new(1, 100_000), NoDuplicateSuppression(Deframer::new())).go();
+    assert!(published.as_ref().is_err_and(|error| error.contains("was due")), "{published:?}");
 }
 
 #[test]
 fn a_link_without_order_is_caught() {
-    let shown = Bench::new(Plan::new(1, 100_000), NoOrder(Deframer::new(), 0)).go();
-    assert!(shown.as_ref().is_err_and(|error| error.contains("was due")), "{shown:?}");
+    let published = Bench::new(Plan::new(1, 100_000), NoOrder(Deframer::new(), 0)).go();
+    assert!(published.as_ref().is_err_and(|error| error.contains("was due")), "{published:?}");
 }
 
 /// Restarts in mid-stream, with old frames coming in for half a second afterwards.
@@ -518,25 +518,25 @@ fn restarts(seed: u64) -> Plan {
 
 #[test]
 fn a_restart_in_mid_stream_never_executes_what_is_stale() {
-    let shown = Bench::new(restarts(3), Honest).go().unwrap();
-    assert!(shown.sessions > 50, "{shown:?}");
-    assert!(shown.counters.stale_session > 100, "old frames must have come: {shown:?}");
+    let published = Bench::new(restarts(3), Honest).go().unwrap();
+    assert!(published.sessions > 50, "{published:?}");
+    assert!(published.counters.stale_session > 100, "old frames must have come: {published:?}");
 }
 
 #[test]
 fn a_link_that_takes_every_session_is_caught() {
-    let shown = Bench::new(restarts(3), EverySession(Deframer::new())).go();
-    assert!(shown.is_err(), "{shown:?}");
+    let published = Bench::new(restarts(3), EverySession(Deframer::new())).go();
+    assert!(published.is_err(), "{published:?}");
 }
 
 #[test]
 fn a_cut_of_five_seconds_is_seen_and_survived() {
     let plan = Plan { cut: Some((500 * MS, 5_500 * MS)), ..Plan::new(11, 20_000) };
-    let shown = Bench::new(plan, Honest).go().unwrap();
-    assert_eq!(shown.executed, 20_000);
-    assert!(shown.longest_silence > 4_000 * MS, "{shown:?}");
+    let published = Bench::new(plan, Honest).go().unwrap();
+    assert_eq!(published.executed, 20_000);
+    assert!(published.longest_silence > 4_000 * MS, "{published:?}");
     let uncut = Bench::new(Plan { cut: None, ..plan }, Honest).go().unwrap();
     // A tenth lost and a tenth damaged, five keep-alives in a row may fail; a cut of seconds stands out.
     assert!(uncut.longest_silence < 1_000 * MS, "{uncut:?}");
-    assert!(shown.took > uncut.took + 3_000 * MS, "the cut must cost its time: {shown:?} {uncut:?}");
+    assert!(published.took > uncut.took + 3_000 * MS, "the cut must cost its time: {published:?} {uncut:?}");
 }

@@ -48,7 +48,7 @@ fn row(rows: &[Row], tick_us: u32, ms: f64) -> &Row {
     &rows[(ms * 1000.0 / f64::from(tick_us)).round() as usize + 1]
 }
 
-fn shown(pos: f64) -> String {
+fn published(pos: f64) -> String {
     format!("{pos:.6}")
 }
 
@@ -62,18 +62,22 @@ fn table_4_2_starts_late_and_loops_without_its_delay() {
         let program = vec![table(1, &DELAYED), loops(1, 3), start(1), wait(1)];
         let (rows, _) = run(tick_us, program);
         for ms in [0.0, 500.0, 999.0, 1000.0] {
-            assert_eq!(position(row(&rows, tick_us, ms).axes[0].pos), shown(0.0), "rests until its first point");
+            assert_eq!(position(row(&rows, tick_us, ms).axes[0].pos), published(0.0), "rests until its first point");
         }
         for pass in 0..3 {
             for (time, pos, _) in &DELAYED[1..] {
                 let at = row(&rows, tick_us, time + 3000.0 * f64::from(pass));
-                assert_eq!(position(at.axes[0].pos), shown(pos + 20000.0 * f64::from(pass)), "{time} in pass {pass}");
+                assert_eq!(
+                    position(at.axes[0].pos),
+                    published(pos + 20000.0 * f64::from(pass)),
+                    "{time} in pass {pass}"
+                );
             }
             // The middle of the constant acceleration of the first segment: ½·0.01·500².
             let at = row(&rows, tick_us, 1500.0 + 3000.0 * f64::from(pass));
-            assert_eq!(position(at.axes[0].pos), shown(1250.0 + 20000.0 * f64::from(pass)));
+            assert_eq!(position(at.axes[0].pos), published(1250.0 + 20000.0 * f64::from(pass)));
         }
-        assert_eq!(position(rows.last().unwrap().axes[0].pos), shown(60000.0));
+        assert_eq!(position(rows.last().unwrap().axes[0].pos), published(60000.0));
     }
 }
 
@@ -97,11 +101,11 @@ fn a_switch_waits_for_the_end_of_the_pass_and_begins_without_a_delay() {
     ];
     let (rows, answers) = run(250, program);
     let at = |ms: f64| position(row(&rows, 250, ms).axes[0].pos);
-    assert_eq!([at(34.0), at(39.0), at(40.0)], [shown(34.0), shown(39.0), shown(40.0)]);
-    assert_eq!([at(42.0), at(50.0), at(60.0)], [shown(39.0), shown(35.0), shown(30.0)]);
+    assert_eq!([at(34.0), at(39.0), at(40.0)], [published(34.0), published(39.0), published(40.0)]);
+    assert_eq!([at(42.0), at(50.0), at(60.0)], [published(39.0), published(35.0), published(30.0)]);
     // Three passes of the new table, counted from its beginning.
-    assert_eq!([at(69.0), at(70.0)], [shown(25.5), shown(25.0)]);
-    assert_eq!(position(rows.last().unwrap().axes[0].pos), shown(25.0));
+    assert_eq!([at(69.0), at(70.0)], [published(25.5), published(25.0)]);
+    assert_eq!(position(rows.last().unwrap().axes[0].pos), published(25.0));
     let found: Vec<(i16, f64)> = answers
         .iter()
         .filter_map(|answer| answer.reply::<PvtStatus>())
@@ -131,8 +135,8 @@ fn stop_brakes_and_the_next_start_begins_the_table_anew() {
     let (rows, _) = run(250, program);
     let last = rows.last().unwrap();
     let rest = row(&rows, 250, 10.0).axes[0].pos;
-    assert_eq!(position(last.axes[1].pos), shown(10.0), "one table, two axes");
+    assert_eq!(position(last.axes[1].pos), published(10.0), "one table, two axes");
     let stopped: f64 = position(rest).parse().unwrap();
     assert!((stopped - 4.5).abs() < 0.3, "{stopped}");
-    assert_eq!(position(last.axes[0].pos), shown(stopped + 10.0), "its displacement from where it stood");
+    assert_eq!(position(last.axes[0].pos), published(stopped + 10.0), "its displacement from where it stood");
 }

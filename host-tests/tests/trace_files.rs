@@ -1,5 +1,5 @@
 //! Trace files against what a person can work out by hand.
-use servo::piece::Scaled;
+use servo::segment::piece::Scaled;
 use servo::units::Pos;
 use std::path::{Path, PathBuf};
 use trace::{

@@ -104,11 +104,11 @@ impl Stage {
     /// A plan, told at `now`, for the interval that begins at `next`. What happened before `now` goes to `sink`.
     #[inline]
     pub fn take(&mut self, now: u64, next: u64, plan: &Plan, mut sink: impl FnMut(Change)) {
-        if !plan.rest && plan.actions().is_empty() {
+        if !plan.safe_state && plan.actions().is_empty() {
             return;
         }
         self.run_to(now, &mut sink);
-        if plan.rest {
+        if plan.safe_state {
             self.rest(now, &mut sink);
         }
         for (at, action) in plan.actions() {

@@ -80,7 +80,7 @@ pub struct Lag {
 
 impl Lag {
     /// An axis at rest at zero.
-    pub const REST: Lag = Lag { shaft: 0, in_force: 0, next: 0 };
+    pub const STANDSTILL: Lag = Lag { shaft: 0, in_force: 0, next: 0 };
 
     /// The set-point in force from the next tick on, in 2⁻²² pulse.
     pub fn set_point(&mut self, pos: i64) {
@@ -124,7 +124,7 @@ pub struct Plant<const AXES: usize> {
 impl<const AXES: usize> Plant<AXES> {
     /// All axes at rest at zero.
     pub const fn new() -> Self {
-        Plant { axes: [Lag::REST; AXES] }
+        Plant { axes: [Lag::STANDSTILL; AXES] }
     }
 
     /// One tick passes for all axes. Call it at the beginning of the tick, before encoders are read.

@@ -2,9 +2,9 @@
 //!
 //! The timer here is the plainest one: it counts a round after the other. What is compared with it, [`Stage`], knows nothing of rounds.
 use plant::beam::{Change, Stage};
-use servo::laser::{
-    Action, Clock, Count, Energy, HELD_WORDS, Held, LEAST_OF_ENERGY, LEAST_OF_SWITCHES, PLACES, Plan, Power, Rate,
-    Round, Scale, Standby, Switches, Train,
+use servo::laser::{Action, Clock, Count, PLACES, Plan, Power, Rate, Standby, Train};
+use servo::output::{
+    Cycle, DELAY_LINE_WORDS, DelayLine, GATE_MIN_COUNTS, GateCycles, PWM_MIN_COUNTS, PwmCycles, Scale,
 };
 use std::sync::atomic::AtomicU32;
 
@@ -177,8 +177,8 @@ impl Told {
 }
 
 /// Room for any plan at all: actions of nine words.
-fn held() -> Held {
-    Held::new((0..PLACES * 9).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak())
+fn held() -> DelayLine {
+    DelayLine::new((0..PLACES * 9).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak())
 }
 
 /// Where the first rounds begin: so far no plan asks for anything.
@@ -186,10 +186,10 @@ const BEGIN: u64 = 336;
 
 /// A channel's edges from rounds and from the model, over so many ticks.
 fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64) {
-    let (mut rounds, mut held) = (Energy::from(BEGIN, SCALE), held());
+    let (mut rounds, mut held) = (PwmCycles::from(BEGIN, SCALE), held());
     let (mut stage, mut scope) = (Stage::counting(FINISH), Scope::default());
     let mut got = Stretches::new();
-    let mut told = Told { end: BEGIN, last: [168, 168], least: LEAST_OF_ENERGY, rounds: 0 };
+    let mut queued = Told { end: BEGIN, last: [168, 168], least: PWM_MIN_COUNTS, rounds: 0 };
     let mut lasts = 50_000;
     let (mut from, mut worst) = (counts(lasts), 0);
     for tick in 0..ticks {
@@ -198,7 +198,7 @@ fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64)
         }
         let plan = random.plan(lasts);
         if tick > 0 {
-            worst = worst.max(from - told.read_by());
+            worst = worst.max(from - queued.read_by());
         }
         let to = from + counts(lasts);
         stage.run_to(from, &mut |change| scope.note(change));
@@ -208,12 +208,12 @@ fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64)
         assert!(held.put(&plan));
         rounds.take(from, to, held.actions(), &mut |length, light, times| {
             assert!(light <= length);
-            for begin in (0..times).map(|n| told.end + u64::from(n * length)) {
+            for begin in (0..times).map(|n| queued.end + u64::from(n * length)) {
                 note(&mut got, begin, begin + u64::from(light));
             }
-            told.rounds(length, times);
+            queued.rounds(length, times);
         });
-        assert_eq!(rounds.told(), told.end);
+        assert_eq!(rounds.queued(), queued.end);
         from = to;
     }
     let mut end = Plan::EMPTY;
@@ -221,12 +221,12 @@ fn energy(random: &mut Random, ticks: usize) -> (Stretches, Stretches, u64, u64)
     stage.push(from, Action::Dark { standby: Train::NONE, cut: true });
     rounds.take(from, from + 60_000, end.actions().iter().copied(), &mut |length, light, times| {
         assert_eq!(times, 1);
-        note(&mut got, told.end, told.end + u64::from(light));
-        told.rounds(length, times);
+        note(&mut got, queued.end, queued.end + u64::from(light));
+        queued.rounds(length, times);
     });
     stage.run_to(from + 60_000, &mut |change| scope.note(change));
     scope.end(from + 60_000);
-    (scope.energy, got, worst, told.rounds)
+    (scope.energy, got, worst, queued.rounds)
 }
 
 /// A pulse is missing that ends before the next one begins, less than the shortest round behind it.
@@ -234,7 +234,7 @@ fn without_lost(stretches: &[(u64, u64)]) -> Stretches {
     let mut kept = Stretches::new();
     for (n, stretch) in stretches.iter().enumerate() {
         let next = stretches.get(n + 1).map_or(u64::MAX, |next| next.0);
-        if next - stretch.0 >= u64::from(LEAST_OF_ENERGY) {
+        if next - stretch.0 >= u64::from(PWM_MIN_COUNTS) {
             kept.push(*stretch);
         }
     }
@@ -247,7 +247,7 @@ fn the_energy_is_the_models_to_a_count() {
     let (mut edges, mut lost, mut worst, mut rounds) = (0, 0, 0, 0);
     for seed in 0..runs {
         let mut random = Random(seed);
-        let (model, got, late, told) = energy(&mut random, 60);
+        let (model, got, late, queued) = energy(&mut random, 60);
         let expected = without_lost(&model);
         let differs = expected.iter().zip(&got).position(|(a, b)| a != b);
         let from = differs.unwrap_or(expected.len().min(got.len()).saturating_sub(2)).saturating_sub(2);
@@ -259,21 +259,21 @@ fn the_energy_is_the_models_to_a_count() {
             got.iter().skip(from).take(5).collect::<Vec<_>>()
         );
         (edges, lost) = (edges + expected.len(), lost + model.len() - expected.len());
-        (worst, rounds) = (worst.max(late), rounds + told);
+        (worst, rounds) = (worst.max(late), rounds + queued);
     }
     println!("{edges} pulses, {lost} lost, {rounds} rounds, read {worst} counts before the end of what is known");
     assert!(edges > 1_000 * runs as usize && lost * 100 < edges, "{edges}, {lost}");
     // Seven rounds of the shortest length, and a count of rounding.
-    assert!(worst <= 7 * u64::from(LEAST_OF_ENERGY) + 1, "{worst}");
+    assert!(worst <= 7 * u64::from(PWM_MIN_COUNTS) + 1, "{worst}");
 }
 
 /// Both switches' edges from rounds and from the models.
 fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2], u64) {
-    let (mut rounds, mut held) = (Switches::from(BEGIN, SCALE), held());
+    let (mut rounds, mut held) = (GateCycles::from(BEGIN, SCALE), held());
     let mut stages = [Stage::counting(FINISH), Stage::counting(FINISH)];
     let mut scopes = [Scope::default(), Scope::default()];
     let mut got = [Stretches::new(), Stretches::new()];
-    let mut told = Told { end: BEGIN, last: [168, 168], least: LEAST_OF_SWITCHES, rounds: 0 };
+    let mut queued = Told { end: BEGIN, last: [168, 168], least: GATE_MIN_COUNTS, rounds: 0 };
     let mut lasts = 50_000;
     let (mut from, mut worst) = (counts(lasts), 0);
     for tick in 0..=ticks {
@@ -281,7 +281,7 @@ fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2
             lasts = (10 + random.below(241) as u32) * 1000;
         }
         if tick > 0 {
-            worst = worst.max(from - told.read_by());
+            worst = worst.max(from - queued.read_by());
         }
         let to = from + counts(lasts);
         let mut plans = [random.plan(lasts), random.plan(lasts)];
@@ -306,15 +306,15 @@ fn switches(random: &mut Random, ticks: usize) -> ([Stretches; 2], [Stretches; 2
         assert!(held.put(&plans[0]));
         rounds.hold(held.actions());
         rounds.take(from, to, plans[1].actions().iter().copied(), &mut |round| {
-            let Round { length, falls, rises } = round;
+            let Cycle { length, falls, rises } = round;
             for ((got, falls), rises) in got.iter_mut().zip(falls).zip(rises) {
                 assert!(falls <= rises && falls <= length && rises <= 65_535);
-                note(got, told.end, told.end + u64::from(falls));
-                note(got, told.end + u64::from(rises.min(length)), told.end + u64::from(length));
+                note(got, queued.end, queued.end + u64::from(falls));
+                note(got, queued.end + u64::from(rises.min(length)), queued.end + u64::from(length));
             }
-            told.rounds(length, 1);
+            queued.rounds(length, 1);
         });
-        assert_eq!(rounds.told(), told.end);
+        assert_eq!(rounds.queued(), queued.end);
         from = to;
     }
     for (stage, scope) in stages.iter_mut().zip(&mut scopes) {
@@ -334,7 +334,7 @@ fn the_switches_are_the_models_to_a_count() {
             let lost: Vec<_> = model.iter().filter(|stretch| !got.contains(stretch)).collect();
             // What differs is missing, and short.
             assert!(
-                lost.iter().all(|(begin, end)| end - begin < u64::from(LEAST_OF_SWITCHES)),
+                lost.iter().all(|(begin, end)| end - begin < u64::from(GATE_MIN_COUNTS)),
                 "seed {seed}: {lost:?} of {model:?}\n{got:?}"
             );
             assert_eq!(got.len() + lost.len(), model.len(), "seed {seed}");
@@ -345,7 +345,7 @@ fn the_switches_are_the_models_to_a_count() {
     println!("{edges} stretches, {missing} missing, read {worst} counts before the end of what is known");
     assert!(edges > 20 * runs as usize, "{edges}");
     assert!(missing > 0 && missing * 4 < edges, "{missing} of {edges}");
-    assert!(worst <= 7 * u64::from(LEAST_OF_SWITCHES) + 1, "{worst}");
+    assert!(worst <= 7 * u64::from(GATE_MIN_COUNTS) + 1, "{worst}");
 }
 
 /// The first so many pulses of a train as a timer carries them out: counts from the first one's beginning to that of the one behind,
@@ -353,21 +353,21 @@ fn the_switches_are_the_models_to_a_count() {
 fn carried_out(train: Train, pulses: u64) -> (u64, u64, u64) {
     let whole = train.period.whole * pulses + u64::from(train.period.part) * pulses / u64::from(train.period.of.max(1));
     let lasts = 250_000;
-    let mut rounds = Energy::from(BEGIN, SCALE);
-    let (mut from, mut told) = (counts(lasts), BEGIN);
+    let mut rounds = PwmCycles::from(BEGIN, SCALE);
+    let (mut from, mut queued) = (counts(lasts), BEGIN);
     let begin = from;
     let (mut light, mut lit, mut begun) = (0, false, 0);
     let mut plan = Plan::EMPTY;
     plan.add(0, Action::Light(train));
-    while told < begin + whole {
+    while queued < begin + whole {
         let to = from + counts(lasts);
         rounds.take(from, to, plan.actions().iter().copied(), &mut |length, on, times| {
             for _ in 0..times {
                 // Of the rounds, what lies in the repetition.
-                let end = (told + u64::from(on)).clamp(begin, begin + whole);
-                light += end - told.clamp(begin, begin + whole);
-                begun += u64::from(on > 0 && !lit && told >= begin && told < begin + whole);
-                told += u64::from(length);
+                let end = (queued + u64::from(on)).clamp(begin, begin + whole);
+                light += end - queued.clamp(begin, begin + whole);
+                begun += u64::from(on > 0 && !lit && queued >= begin && queued < begin + whole);
+                queued += u64::from(length);
                 lit = on == length;
             }
         });
@@ -412,7 +412,7 @@ fn frequencies_and_duties_are_exact_in_the_mean() {
 
 #[test]
 fn a_plan_is_held_as_it_was_or_not_at_all() {
-    let mut held = Held::new((0..HELD_WORDS).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak());
+    let mut held = DelayLine::new((0..DELAY_LINE_WORDS).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak());
     let (mut whole, mut refused) = (0, 0);
     for seed in 0..2_000 {
         let mut random = Random(seed);
@@ -432,7 +432,7 @@ fn a_plan_is_held_as_it_was_or_not_at_all() {
             assert_eq!(held.lights(), wanted.iter().any(|(_, action)| shows(action)), "seed {seed}");
         } else {
             refused += 1;
-            assert!(wanted.len() > HELD_WORDS / 9, "seed {seed}: {} actions", wanted.len());
+            assert!(wanted.len() > DELAY_LINE_WORDS / 9, "seed {seed}: {} actions", wanted.len());
             assert_eq!((held.actions().count(), held.lights()), (0, false));
         }
     }

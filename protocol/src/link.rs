@@ -144,7 +144,7 @@ struct Offer {
 
 /// What [`Endpoint::knock`] has done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Knock {
+pub enum TakeOver {
     /// Nothing: the frame is none of those that open a session.
     Nothing,
     /// So many bytes are to be sent over the wire on which the frame came.

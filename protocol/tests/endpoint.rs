@@ -4,7 +4,7 @@
 use protocol::Ns;
 use protocol::deframe::{Deframer, Outcome};
 use protocol::frame::{self, Header, HelloAck, Kind, MAX_PAYLOAD, MAX_WIRE, OPENING_WIRE};
-use protocol::link::{ALIVE_NS, Endpoint, Identity, KEEP_ALIVE_NS, Knock, RETRY_FIRST_NS, Role, SendError, State};
+use protocol::link::{ALIVE_NS, Endpoint, Identity, KEEP_ALIVE_NS, RETRY_FIRST_NS, Role, SendError, State, TakeOver};
 use zerocopy::IntoBytes;
 
 const MS: Ns = 1_000_000;
@@ -469,7 +469,7 @@ fn a_frame_with_any_bit_damaged_is_none() {
 }
 
 /// What of the wire's bytes comes as frames at the controller's second wire, and what it answers there.
-fn knocks(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> (Vec<u8>, Vec<Knock>) {
+fn knocks(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> (Vec<u8>, Vec<TakeOver>) {
     let mut deframer = Deframer::<MAX_WIRE>::new();
     let (mut rest, mut answers, mut outcomes) = (bytes, Vec::new(), Vec::new());
     while !rest.is_empty() {
@@ -478,7 +478,7 @@ fn knocks(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8]) -> 
         if outcome == Outcome::Frame {
             let mut answer = [0; OPENING_WIRE];
             let knock = controller.knock(now, deframer.frame(), holder, &mut answer);
-            if let Knock::Answered(length) = knock {
+            if let TakeOver::Answered(length) = knock {
                 answers.extend(&answer[..length]);
             }
             outcomes.push(knock);
@@ -496,7 +496,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     second.open(0, 2);
     let hello = out(&mut second, 0);
     let (answer, outcomes) = knocks(&mut controller, 0, None, &hello);
-    assert_eq!(outcomes, [Knock::Answered(answer.len())]);
+    assert_eq!(outcomes, [TakeOver::Answered(answer.len())]);
     // A Hello ends nothing, and its answer is none of the first wire's.
     assert_eq!(controller.session(), session);
     pump(0, &mut first, &mut controller);
@@ -509,7 +509,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     controller.feed(0, &half[..half.len() / 2]);
     controller.send(b"lost").unwrap();
     assert_eq!(controller.take_tx(0, &mut [0; 5]), 5);
-    assert_eq!(knocks(&mut controller, 0, None, &confirmation).1, [Knock::TakenUp]);
+    assert_eq!(knocks(&mut controller, 0, None, &confirmation).1, [TakeOver::TakenUp]);
     assert_ne!(controller.session(), session);
     assert_eq!(controller.message(), None);
     pump(0, &mut second, &mut controller);
@@ -527,7 +527,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
     // From now on the first client is at the second wire: what it sends in its session is nothing.
     first.poll(KEEP_ALIVE_NS);
     let (answer, outcomes) = knocks(&mut controller, KEEP_ALIVE_NS, None, &out(&mut first, KEEP_ALIVE_NS));
-    assert!(answer.is_empty() && !outcomes.is_empty() && outcomes.iter().all(|knock| *knock == Knock::Nothing));
+    assert!(answer.is_empty() && !outcomes.is_empty() && outcomes.iter().all(|knock| *knock == TakeOver::Nothing));
     assert_eq!(controller.session(), second.session());
 }
 
@@ -545,7 +545,7 @@ fn a_session_that_was_not_offered_takes_nothing_up_on_the_second_wire() {
         let now = n * KEEP_ALIVE_NS;
         first.poll(now);
         let (answer, outcomes) = knocks(&mut controller, now, None, &out(&mut first, now));
-        assert_eq!((answer, outcomes), (vec![], vec![Knock::Nothing]), "another session offered: {offered}");
+        assert_eq!((answer, outcomes), (vec![], vec![TakeOver::Nothing]), "another session offered: {offered}");
         assert_eq!(controller.session(), session);
     }
 }
@@ -582,7 +582,7 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
     let last = ALIVE_NS - 1;
     second.open(last, 2);
     let (answer, outcomes) = knocks(&mut controller, last, holder, &out(&mut second, last));
-    assert_eq!(outcomes, [Knock::Answered(answer.len())]);
+    assert_eq!(outcomes, [TakeOver::Answered(answer.len())]);
     second.feed(last, &answer);
     let State::Busy(busy) = second.state() else { panic!("{:?}", second.state()) };
     assert_eq!((busy.held_ms.get(), busy.silent_ms.get(), busy.holder()), (499, 499, &b"127.0.0.1:4711"[..]));
@@ -603,7 +603,7 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
     let confirmation = out(&mut second, now);
     first.poll(now);
     pump(now, &mut first, &mut controller);
-    assert_eq!(knocks(&mut controller, now, holder, &confirmation).1, [Knock::Nothing]);
+    assert_eq!(knocks(&mut controller, now, holder, &confirmation).1, [TakeOver::Nothing]);
     assert_eq!(controller.session(), session);
 
     // It is silent, or its wire is gone: the session is the second one's.
@@ -613,7 +613,7 @@ fn a_second_client_is_told_who_is_there_and_gets_the_session_when_that_one_is_si
         second.open(now, nonce);
         let (answer, _) = knocks(&mut controller, now, holder, &out(&mut second, now));
         second.feed(now, &answer);
-        assert_eq!(knocks(&mut controller, now, holder, &out(&mut second, now)).1, [Knock::TakenUp]);
+        assert_eq!(knocks(&mut controller, now, holder, &out(&mut second, now)).1, [TakeOver::TakenUp]);
         pump(now, &mut second, &mut controller);
         assert_eq!(second.state(), State::Open);
     }

@@ -25,11 +25,11 @@ impl<const AXES: usize> Tick<AXES> {
         self.ticks = self.ticks.wrapping_add(entries);
         let add = |count: &mut u32| *count = count.wrapping_add(entries);
         for axis in &mut self.axes {
-            let AxisView { moves, turns, counts, changes, epoch, cleared: [first, second], .. } = &mut axis.shown;
+            let AxisView { moves, turns, counts, changes, epoch, cleared: [first, second], .. } = &mut axis.published;
             [moves, turns, counts, changes, epoch, first, second].into_iter().for_each(add);
         }
         for crd in &mut self.crds.states {
-            let CrdView { moves, changes, cleared: [first, second], .. } = &mut crd.shown;
+            let CrdView { moves, changes, cleared: [first, second], .. } = &mut crd.published;
             [moves, changes, first, second].into_iter().for_each(add);
         }
         add(&mut self.crds.moves);

@@ -5,8 +5,9 @@
 //! the immediate lane acts on the next tick; the program lane is timed (SPEC 7): an entry's instant
 //! is that of the entry before plus `delay`, and it acts on the first tick after that instant.
 use crate::port::Simulated;
+use crate::segment::follow;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
-use crate::{crd, follow, path};
+use crate::{crd, path};
 
 /// An operation with the number under which its execution is reported and its place on the
 /// script clock.
@@ -193,7 +194,7 @@ pub enum Op {
     /// Mode at rest, any but `Mode::Crd`. Changes of mode or FIFO use clear the PT data.
     SetMode { axis: Axis, mode: Mode },
     /// Stop decelerations.
-    StopDec { axis: Axis, smooth: crate::ramp::Accel, abrupt: crate::ramp::Accel },
+    StopDec { axis: Axis, smooth: crate::segment::ramp::Accel, abrupt: crate::segment::ramp::Accel },
     /// In-position band and time.
     Band { axis: Axis, band: u32, time: Ns },
     /// Soft limits; `None` is off.
@@ -214,11 +215,17 @@ pub enum Op {
     /// Analog output.
     Analog { channel: u8, value: i16 },
     /// Jog parameters, effective with the next Update.
-    JogPrm { axis: Axis, acc: crate::ramp::Accel, dec: crate::ramp::Accel, smooth: u16 },
+    JogPrm { axis: Axis, acc: crate::segment::ramp::Accel, dec: crate::segment::ramp::Accel, smooth: u16 },
     /// Trap parameters, effective with the next Update.
-    TrapPrm { axis: Axis, acc: crate::ramp::Accel, dec: crate::ramp::Accel, vel_start: crate::ramp::Speed, smooth: Ns },
+    TrapPrm {
+        axis: Axis,
+        acc: crate::segment::ramp::Accel,
+        dec: crate::segment::ramp::Accel,
+        vel_start: crate::segment::ramp::Speed,
+        smooth: Ns,
+    },
     /// Target velocity of Jog and Trap.
-    TargetSpeed { axis: Axis, speed: crate::ramp::Speed },
+    TargetSpeed { axis: Axis, speed: crate::segment::ramp::Speed },
     /// Target position of Trap.
     TargetPosition { axis: Axis, pulses: i32 },
     /// Jog and Trap of these axes begin, or change, with the present targets.
@@ -276,7 +283,7 @@ pub enum Op {
     /// These begin or go on; bits of `fifo1` take FIFO 1.
     CrdStart { crds: CrdMask, fifo1: CrdMask },
     /// Stop deceleration.
-    CrdStopDec { crd: Crd, dec: crate::ramp::Accel },
+    CrdStopDec { crd: Crd, dec: crate::segment::ramp::Accel },
     /// Override.
     CrdRate { crd: Crd, rate: path::Rate },
     /// The filter of its encoders' speed.

@@ -7,17 +7,16 @@
 //! period. Instants are [`Fine`], positions of boundaries exact; a segment's speed is a closed form of the time
 //! since it began (`plan.rs`), its place on the line or arc a closed form of the way (`shape.rs`).
 mod entry;
+mod evaluator;
+mod geometry;
 mod pack;
-mod plan;
-mod run;
-mod shape;
-mod sine;
+mod speed_profile;
 mod store;
 
 pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Rate, Refused, Sweep};
-pub(crate) use run::{EFFECTS, INSTANTS};
-pub use run::{Effects, Feed, GEARS, Path, Rest, Rules, Sight, Step, Told, Wake};
-pub use shape::Bend;
+pub(crate) use evaluator::{EFFECTS, INSTANTS};
+pub use evaluator::{Effects, Feed, GEARS, Path, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample};
+pub use geometry::Bend;
 pub use store::{ENTRIES, Entries, EntryStore, PathStores};
 
 /// An instant or a duration in 2⁻³² ns; instants count from power-on.

@@ -1,7 +1,7 @@
 //! What the tick needs from a machine. `hal` and `host/virtual` implement it.
 pub use crate::capacity::{GeneralInputs, GeneralOutputs};
-use crate::follow::Input;
 use crate::laser::Plan;
+use crate::segment::follow::Input;
 use crate::units::{Axis, Ns, Pos};
 
 /// Levels of the digital inputs of one axis, sampled once a tick; true is the high level.

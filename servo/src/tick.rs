@@ -8,27 +8,33 @@
 //! Order within a tick: inputs are sampled, then entries act, then every coordinate system that runs takes its step,
 //! then every axis under its guards, slaves behind their masters, then the lasers. So a limit seen now stops the
 //! set-point of the next tick.
-use crate::axis::{AxisState, Glide};
+pub(crate) mod execute;
+pub(crate) mod script_clock;
+pub(crate) mod slaves;
+pub(crate) mod workload;
+
+use crate::axis::{AxisState, FastStep};
 use crate::capacity::GeneralOutputs;
 pub use crate::capacity::{IMMEDIATE, PROGRAM, SAMPLES};
 use crate::crd::Crds;
-use crate::edges::{Edges, Levels, Set};
-use crate::execute::Reach;
-use crate::follow::{self, Entries, Order};
 use crate::laser::{Cause, Clock, Lasers};
 use crate::op::{Entry, Lane, Op, Supervision};
+use crate::output::general_outputs::{Edges, Levels, Set};
 use crate::path::PathStores;
 use crate::port::{AxisInputs, Port};
-pub use crate::pt::{SEGMENTS, SegmentStore};
-use crate::pt::{Segment, Segments};
-use crate::pvt::{HEADER_WORDS, PLACE_WORDS, TableStores, Tables};
-use crate::script::Script;
-use crate::slaves::Switched;
+use crate::segment::follow;
+use crate::segment::follow::{Entries, Order};
+pub use crate::segment::pt::{SEGMENTS, SegmentStore};
+use crate::segment::pt::{Segment, Segments};
+use crate::segment::pvt::{HEADER_WORDS, POINT_WORDS, TableStores, Tables};
 use crate::trace::{Chosen, Trace};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use crate::view::{AxisView, Event, LaserView, Sample, Speeds, StopReason, Traced, View};
-use crate::work::{self, Budget};
+use execute::Reach;
 use ring::{Consumer, Producer, Writer};
+use script_clock::Script;
+use slaves::Switched;
+use workload::Budget;
 
 /// Events between two looks of the thread.
 pub const EVENTS: usize = 64;
@@ -85,8 +91,8 @@ impl Segments for Source<'_> {
 
 impl Tables for Source<'_> {
     #[inline]
-    fn place(&self, table: u8, index: u32) -> [u32; PLACE_WORDS] {
-        self.tables.place(table, index)
+    fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
+        self.tables.point(table, index)
     }
     #[inline]
     fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
@@ -110,7 +116,7 @@ impl Entries for Source<'_> {
 }
 
 /// The steps of axes that do more than to go on.
-struct Apart<'a, 'l> {
+struct OffFastPath<'a, 'l> {
     next: Ns,
     /// Pieces that may still be made ahead in this tick.
     left: u32,
@@ -121,30 +127,30 @@ struct Apart<'a, 'l> {
     lost: &'a mut u32,
 }
 
-impl Apart<'_, '_> {
-    /// Of one that has come as far as `glide` tells.
+impl OffFastPath<'_, '_> {
+    /// Of one that has come as far as `fast_step` tells.
     #[inline(never)]
-    fn step(&mut self, axis: Axis, mut glide: Glide, state: &mut AxisState, shown: &mut AxisView) {
+    fn step(&mut self, axis: Axis, mut fast_step: FastStep, state: &mut AxisState, published: &mut AxisView) {
         let next = self.next;
-        if glide == Glide::Far {
-            glide = state.glide_far(next, shown);
+        if fast_step == FastStep::Far {
+            fast_step = state.step_general(next, published);
         }
-        if glide == Glide::Shown {
+        if fast_step == FastStep::Shown {
             return;
         }
-        if shown.changes != state.shown.changes
+        if published.changes != state.published.changes
             && let Some(inputs) = self.inputs.get_mut(axis.index())
         {
             *inputs = state.raw;
         }
-        if glide == Glide::Stale {
-            state.show(shown);
+        if fast_step == FastStep::Stale {
+            state.publish(published);
         } else if let Some(store) = self.segments.get(axis.index()) {
             let source = Source { segments: store, tables: self.tables };
             let none = &mut 0;
-            let left = if glide == Glide::Barred { none } else { &mut self.left };
-            if let Some(reason) = state.run(next, left, &source, shown) {
-                tell(self.events, self.lost, Event::Stopped { axis, reason, now: next });
+            let left = if fast_step == FastStep::Barred { none } else { &mut self.left };
+            if let Some(reason) = state.run(next, left, &source, published) {
+                report_event(self.events, self.lost, Event::Stopped { axis, reason, now: next });
             }
         }
     }
@@ -287,8 +293,8 @@ impl<const AXES: usize> Tick<AXES> {
             let mut reach = Reach::of(lanes);
             self.step_crds(next, &mut reach);
         }
-        if self.crds.unready.0 & !self.crds.running.0 != 0 {
-            self.crds.get_ready(self.made_ahead(), lanes.paths);
+        if self.crds.unprepared.0 & !self.crds.running.0 != 0 {
+            self.crds.prepare_start(self.made_ahead(), lanes.paths);
         }
         if self.order.slaves.0 == 0 {
             self.step_axes::<false>(next, port, lanes);
@@ -305,9 +311,9 @@ impl<const AXES: usize> Tick<AXES> {
         }
         let (trace, samples) = (&mut self.trace, &mut lanes.samples);
         let (tables, axes) = (lanes.tables.lasers, &self.axes);
-        self.lasers.run(next, period, tables, axes, port, |channel, plan| trace.tell(channel, plan, samples));
+        self.lasers.run(next, period, tables, axes, port, |channel, plan| trace.record(channel, plan, samples));
         if self.trace.runs() {
-            self.trace.tell_outputs(0, self.general, &mut lanes.samples);
+            self.trace.record_outputs(0, self.general, &mut lanes.samples);
             if let Some((row, chosen)) = self.trace.advance() {
                 self.emit(row, chosen, &mut lanes.samples);
             }
@@ -318,7 +324,7 @@ impl<const AXES: usize> Tick<AXES> {
             self.renew_period(period, &mut lanes.samples);
         }
         self.ticks = self.ticks.wrapping_add(1);
-        self.show(port, lanes.view.buffer());
+        self.publish(port, lanes.view.buffer());
         lanes.view.publish();
     }
 
@@ -327,7 +333,7 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     fn renew_period(&mut self, period: Ns, samples: &mut Producer<'_, Sample, SAMPLES>) {
         (self.period, self.step_limit) = (period, in_a_tick(self.limit_per_us, period.0));
-        self.trace.tell_period(period.0 as u32, samples);
+        self.trace.record_period(period.0 as u32, samples);
     }
 
     /// The interlock opens or closes: the lasers see it by themselves, motion brakes as it is to.
@@ -375,35 +381,42 @@ impl<const AXES: usize> Tick<AXES> {
     fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let left = self.made_ahead();
         let Lanes { view, segments, tables, events, .. } = lanes;
-        let View { axes: shown, inputs, .. } = view.buffer();
+        let View { axes: published, inputs, .. } = view.buffer();
         let states = self.axes.get_mut(..self.used).unwrap_or_default();
         let slaves = self.order.slaves;
-        let mut apart =
-            Apart { next, left, segments: *segments, tables: *tables, inputs, events, lost: &mut self.events_lost };
-        for (index, (state, shown)) in states.iter_mut().zip(shown).enumerate() {
+        let mut off_fast_path = OffFastPath {
+            next,
+            left,
+            segments: *segments,
+            tables: *tables,
+            inputs,
+            events,
+            lost: &mut self.events_lost,
+        };
+        for (index, (state, published)) in states.iter_mut().zip(published).enumerate() {
             let Some(axis) = Axis::new(index) else { break };
             if FOLLOW && slaves.has(axis) {
                 continue;
             }
-            let glide = state.glide_on(next.0 as u32, apart.left, shown);
-            if glide != Glide::Shown {
-                apart.step(axis, glide, state, shown);
+            let fast_step = state.step_fast(next.0 as u32, off_fast_path.left, published);
+            if fast_step != FastStep::Shown {
+                off_fast_path.step(axis, fast_step, state, published);
             }
             port.set_point(axis, state.set_point());
         }
         // Every eighth tick an axis looks how long its data lasts, or makes its next start ready, of all of them one in
         // a tick; each in a tick of its own.
-        let shown = &mut lanes.view.buffer().axes;
+        let published = &mut lanes.view.buffer().axes;
         let (mut index, mut made) = ((self.ticks & 7) as usize, false);
-        while let (Some(state), Some(store), Some(shown)) =
-            (self.axes.get_mut(index), lanes.segments.get(index), shown.get_mut(index))
+        while let (Some(state), Some(store), Some(published)) =
+            (self.axes.get_mut(index), lanes.segments.get(index), published.get_mut(index))
         {
             if state.runs() {
                 let source = Source { segments: store, tables: lanes.tables };
-                state.look_ahead(next, &source, shown);
-            } else if state.is_unready() && !made {
+                state.look_ahead(next, &source, published);
+            } else if state.is_unprepared() && !made {
                 let source = Source { segments: store, tables: lanes.tables };
-                made = state.get_ready(&source);
+                made = state.prepare_start(&source);
             }
             index = index.wrapping_add(8);
         }
@@ -413,36 +426,36 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     pub(crate) fn emit(&mut self, row: u32, chosen: Chosen, samples: &mut Producer<'_, Sample, SAMPLES>) {
         if row == 0 {
-            self.trace.tell_outputs_carried(self.general, samples);
+            self.trace.record_outputs_carried(self.general, samples);
         }
         let mut speeds = Speeds::<AXES>::NONE;
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             let Some(axis) = Axis::new(index) else { break };
             if chosen.axes.has(axis) {
-                let shown = &state.shown;
-                let motion = if shown.lead.is_some() || shown.drive.is_some() {
-                    let axes = |axis: Axis| Some(&self.axes.get(axis.index())?.shown);
-                    let crd = |crd: Crd| Some(&self.crds.get(crd)?.shown);
-                    speeds.motion(Some(axis), shown, axes, crd, self.period)
+                let published = &state.published;
+                let motion = if published.lead.is_some() || published.drive.is_some() {
+                    let axes = |axis: Axis| Some(&self.axes.get(axis.index())?.published);
+                    let crd = |crd: Crd| Some(&self.crds.get(crd)?.published);
+                    speeds.motion(Some(axis), published, axes, crd, self.period)
                 } else {
-                    shown.motion
+                    published.motion
                 };
-                let of = Traced::Axis { axis, pos: shown.pos, motion };
+                let of = Traced::Axis { axis, pos: published.pos, motion };
                 self.trace.put(Sample { row, of }, samples);
             }
         }
         for (crd, state) in Crd::all().zip(&self.crds.states) {
             if chosen.crds.has(crd) {
-                self.trace.put(Sample { row, of: Traced::Crd { crd, motion: state.shown.motion } }, samples);
+                self.trace.put(Sample { row, of: Traced::Crd { crd, motion: state.published.motion } }, samples);
             }
         }
-        for (channel, shown) in (0..).zip(self.lasers.shown()) {
+        for (channel, published) in (0..).zip(self.lasers.published()) {
             if chosen.lasers >> channel & 1 == 1 {
                 if row == 0 && chosen.edges {
                     let actions = self.lasers.carried(channel);
-                    self.trace.tell_carried(channel, actions, samples);
+                    self.trace.record_carried(channel, actions, samples);
                 }
-                let LaserView { mode, switch: gate, power, khz, .. } = *shown;
+                let LaserView { mode, switch: gate, power, khz, .. } = *published;
                 let of = Traced::Laser { channel, mode, gate, power, khz };
                 self.trace.put(Sample { row, of }, samples);
             }
@@ -451,7 +464,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// The part of the view that is not of an axis.
     #[inline]
-    fn show(&self, port: &mut impl Port, view: &mut View<AXES>) {
+    fn publish(&self, port: &mut impl Port, view: &mut View<AXES>) {
         (view.now, view.period) = (self.now, self.period);
         let Script { zero, clock, worst_late, late, first_late, overran, late_light, runs, .. } = self.script;
         (view.script_zero, view.script, view.worst_late) = (zero, clock, worst_late);
@@ -464,10 +477,10 @@ impl<const AXES: usize> Tick<AXES> {
         view.trace_lost = self.trace.lost;
         view.general_inputs = port.general_inputs();
         view.timer_mhz = self.lasers.clock.mhz();
-        self.lasers.show(&mut view.lasers);
+        self.lasers.publish(&mut view.lasers);
         if view.crd_moves != self.crds.moves {
             view.crd_moves = self.crds.moves;
-            self.crds.show(&mut view.crds);
+            self.crds.publish(&mut view.crds);
         }
         for (channel, value) in view.analog.iter_mut().enumerate().take(self.analog_inputs) {
             *value = port.analog(channel);
@@ -480,7 +493,7 @@ impl<const AXES: usize> Tick<AXES> {
         let Lanes { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
         let mut reach = Reach { events, samples, segments, tables: *tables, paths: *paths };
         let (mut budget, mut drops) = (Budget::of(self.period), false);
-        let mut calls = work::calls(self.period);
+        let mut calls = workload::calls(self.period);
         // Entries are read where they lie: a copy of one costs as much as what it does.
         while calls > 0
             && let Some(entry) = immediate.peek()
@@ -491,7 +504,7 @@ impl<const AXES: usize> Tick<AXES> {
                 Op::ProgramRun => {
                     self.script.begin(self.now);
                     if let Some((row, chosen)) = self.trace.begin_armed() {
-                        self.trace.tell_analog_carried(reach.tables.lasers, reach.samples);
+                        self.trace.record_analog_carried(reach.tables.lasers, reach.samples);
                         self.emit(row, chosen, reach.samples);
                     }
                 }
@@ -527,7 +540,7 @@ impl<const AXES: usize> Tick<AXES> {
             }
             if let Op::WaitRest { axes, crds } = entry.op {
                 // The first tick, from its instant on, at which nothing of the masks runs.
-                let Some(since) = self.rest_since(axes, crds) else { break };
+                let Some(since) = self.standstill_since(axes, crds) else { break };
                 instant = instant.max(self.script.of(since));
             }
             let goes_on = match entry.op {
@@ -559,12 +572,12 @@ impl<const AXES: usize> Tick<AXES> {
     fn flush_edges(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let before = Levels { enable: self.enable, clear: self.clear, general: self.general };
         let (trace, samples, tables) = (&mut self.trace, &mut lanes.samples, lanes.tables.lasers);
-        trace.tell_outputs(0, before.general, samples);
+        trace.record_outputs(0, before.general, samples);
         let after = self.edges.flush(before, port, |at, set| match set {
-            Set::General(levels) => trace.tell_outputs(at, levels, samples),
+            Set::General(levels) => trace.record_outputs(at, levels, samples),
             Set::Analog { channel, value } => {
                 tables.set_analog(channel, value);
-                trace.tell_analog(at, channel, value, samples);
+                trace.record_analog(at, channel, value, samples);
             }
         });
         (self.clear, self.general) = (after.clear, after.general);
@@ -575,7 +588,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// An analog output is set from the tick computed on.
-    pub(crate) fn tell_analog(
+    pub(crate) fn record_analog(
         &mut self,
         channel: u8,
         value: i16,
@@ -583,21 +596,22 @@ impl<const AXES: usize> Tick<AXES> {
         samples: &mut Producer<'_, Sample, SAMPLES>,
     ) {
         tables.set_analog(channel, value);
-        self.trace.tell_analog(0, channel, value, samples);
+        self.trace.record_analog(0, channel, value, samples);
     }
 
     /// Since when all of these are at rest; none while one runs.
-    fn rest_since(&self, axes: AxisMask, crds: CrdMask) -> Option<Ns> {
+    fn standstill_since(&self, axes: AxisMask, crds: CrdMask) -> Option<Ns> {
         if crds.0 & self.crds.running.0 != 0 {
             return None;
         }
-        let mut since = crds.crds().filter_map(|crd| Some(self.crds.get(crd)?.rest_since)).max().unwrap_or_default();
+        let mut since =
+            crds.crds().filter_map(|crd| Some(self.crds.get(crd)?.standstill_since)).max().unwrap_or_default();
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             if axes.0 >> index & 1 == 1 {
                 if state.runs() {
                     return None;
                 }
-                since = since.max(state.rest_since);
+                since = since.max(state.standstill_since);
             }
         }
         Some(since)
@@ -611,7 +625,7 @@ const fn in_a_tick(per_us: u64, period_ns: u64) -> u64 {
 }
 
 /// Tells the thread, or counts what could not be told.
-pub(crate) fn tell(events: &mut Producer<'_, Event, EVENTS>, lost: &mut u32, event: Event) {
+pub(crate) fn report_event(events: &mut Producer<'_, Event, EVENTS>, lost: &mut u32, event: Event) {
     if events.push(event).is_err() {
         *lost = lost.saturating_add(1);
     }

@@ -79,7 +79,7 @@ impl Trace {
 
     /// What a channel's outputs carry when the trace begins; the trains before it are not known, so they
     /// begin anew.
-    pub(crate) fn tell_carried(
+    pub(crate) fn record_carried(
         &mut self,
         channel: u8,
         carried: [Action; 3],
@@ -91,7 +91,11 @@ impl Trace {
     }
 
     /// The general outputs when the trace begins.
-    pub(crate) fn tell_outputs_carried(&mut self, levels: GeneralOutputs, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    pub(crate) fn record_outputs_carried(
+        &mut self,
+        levels: GeneralOutputs,
+        samples: &mut Producer<'_, Sample, SAMPLES>,
+    ) {
         if self.chosen.outputs {
             self.levels = levels;
             self.put(Sample { row: 0, of: Traced::Outputs { at: 0, levels } }, samples);
@@ -100,7 +104,7 @@ impl Trace {
 
     /// The general outputs from `at` ns after the next tick on.
     #[inline]
-    pub(crate) fn tell_outputs(
+    pub(crate) fn record_outputs(
         &mut self,
         at: u32,
         levels: GeneralOutputs,
@@ -113,7 +117,7 @@ impl Trace {
     }
 
     /// The analog outputs when the trace begins.
-    pub(crate) fn tell_analog_carried(&mut self, tables: &Tables, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    pub(crate) fn record_analog_carried(&mut self, tables: &Tables, samples: &mut Producer<'_, Sample, SAMPLES>) {
         if self.chosen.outputs {
             for channel in 0..ANALOG as u8 {
                 let value = tables.analog(channel.into());
@@ -125,7 +129,7 @@ impl Trace {
     }
 
     /// An analog output from `at` ns after the next tick on.
-    pub(crate) fn tell_analog(
+    pub(crate) fn record_analog(
         &mut self,
         at: u32,
         channel: u8,
@@ -138,7 +142,7 @@ impl Trace {
     }
 
     /// From the tick that was computed on, the ticks have this period.
-    pub(crate) fn tell_period(&mut self, ns: u32, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    pub(crate) fn record_period(&mut self, ns: u32, samples: &mut Producer<'_, Sample, SAMPLES>) {
         if self.every != 0 {
             self.put(Sample { row: self.tick, of: Traced::Period { ns } }, samples);
         }
@@ -146,17 +150,17 @@ impl Trace {
 
     /// A channel's plan for the interval that begins with the next tick.
     #[inline]
-    pub(crate) fn tell(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    pub(crate) fn record(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {
         let is_chosen = self.every != 0 && self.chosen.edges && self.chosen.lasers >> channel & 1 == 1;
-        if is_chosen && (plan.rest || !plan.actions().is_empty()) {
-            self.tell_all(channel, plan, samples);
+        if is_chosen && (plan.safe_state || !plan.actions().is_empty()) {
+            self.record_all(channel, plan, samples);
         }
     }
 
     #[inline(never)]
-    fn tell_all(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {
+    fn record_all(&mut self, channel: u8, plan: &Plan, samples: &mut Producer<'_, Sample, SAMPLES>) {
         let (row, bit) = (self.tick.wrapping_add(1), 1 << (channel & 7));
-        if !plan.rest {
+        if !plan.safe_state {
             self.resting &= !bit;
         } else if self.resting & bit == 0 {
             self.resting |= bit;

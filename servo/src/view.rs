@@ -9,11 +9,11 @@ pub(crate) use speeds::Speeds;
 
 use crate::capacity::{GeneralInputs, GeneralOutputs};
 use crate::crd::share;
-use crate::follow::{Awaits, compose, straight};
 use crate::laser::{Action, CHANNELS, Power};
 use crate::op::{Lane, Mode};
-use crate::piece::{Motion, Scaled};
 use crate::port::AxisInputs;
+use crate::segment::follow::{Awaits, compose, straight};
+use crate::segment::piece::{Motion, Scaled};
 use crate::units::{Axis, Crd, Ns, Pos};
 
 /// One axis in one tick.
@@ -46,8 +46,8 @@ pub struct AxisView {
     /// PVT: instant at which the time of the table in force was 0 (in later passes: would have been).
     pub table_zero: Ns,
     /// Follow: how far its master went in the tick, in units of Pos.
-    pub lead_way: i64,
-    /// Counts ticks, among those of `turns`, in which something from `dry_ms` to `lead_way` may have changed.
+    pub master_displacement: i64,
+    /// Counts ticks, among those of `turns`, in which something from `dry_ms` to `master_displacement` may have changed.
     pub counts: u32,
     /// Counts changes of what follows.
     pub changes: u32,
@@ -102,10 +102,10 @@ impl AxisView {
         blocked: 0,
         stop: StopReason::None,
         mode: Mode::Trap,
-        motion: Motion::REST,
+        motion: Motion::STANDSTILL,
         lead: None,
         drive: None,
-        lead_way: 0,
+        master_displacement: 0,
         released: 0,
         passes: 0,
         epoch: 0,
@@ -135,7 +135,7 @@ impl AxisView {
             released,
             passes,
             table_zero,
-            lead_way,
+            master_displacement,
             counts: _,
             changes: _,
             status,
@@ -158,7 +158,8 @@ impl AxisView {
         let on = AxisView::POWER_ON;
         *motion = on.motion;
         (*pos, *encoder, *encoder_before, *dry_ms) = (on.pos, on.encoder, on.encoder_before, on.dry_ms);
-        (*released, *passes, *table_zero, *lead_way) = (on.released, on.passes, on.table_zero, on.lead_way);
+        (*released, *passes, *table_zero, *master_displacement) =
+            (on.released, on.passes, on.table_zero, on.master_displacement);
         (*status, *blocked, *mode, *lead) = (on.status, on.blocked, on.mode, on.lead);
         (*drive, *pt_state, *table, *pending) = (on.drive, on.pt_state, on.table, on.pending);
         (*table_until, *fifo, *switching, *captured) = (on.table_until, on.fifo, on.switching, on.captured);
@@ -200,13 +201,13 @@ impl AxisView {
         if self.changes != now.changes {
             self.follow_changes(now);
         }
-        self.follow_place(now);
+        self.publish_position(now);
         self.follow_turn(now);
     }
 
     /// The same of what changes in every tick of an axis that runs.
     #[inline(always)]
-    pub(crate) fn follow_place(&mut self, now: &AxisView) {
+    pub(crate) fn publish_position(&mut self, now: &AxisView) {
         (self.moves, self.pos) = (now.moves, now.pos);
         (self.encoder, self.encoder_before) = (now.encoder, now.encoder_before);
     }
@@ -223,7 +224,7 @@ impl AxisView {
     pub(crate) fn follow_counts(&mut self, now: &AxisView) {
         self.counts = now.counts;
         (self.dry_ms, self.released, self.passes) = (now.dry_ms, now.released, now.passes);
-        (self.table_zero, self.lead_way) = (now.table_zero, now.lead_way);
+        (self.table_zero, self.master_displacement) = (now.table_zero, now.master_displacement);
     }
 
     /// Field by field, which costs a third of what a call of memcpy does.
@@ -261,11 +262,11 @@ pub(crate) fn motion<'v>(
     period: Ns,
 ) -> Motion {
     let mut chain = [None; Axis::MAX];
-    let (mut view, mut leader) = (axis, Motion::REST);
+    let (mut view, mut leader) = (axis, Motion::STANDSTILL);
     for place in &mut chain {
         let Some(lead) = view.lead else {
             leader = match view.drive {
-                Some(drive) => crd(drive.crd()).map_or(Motion::REST, |crd| share(drive, crd)),
+                Some(drive) => crd(drive.crd()).map_or(Motion::STANDSTILL, |crd| share(drive, crd)),
                 None => view.motion,
             };
             break;
@@ -275,7 +276,7 @@ pub(crate) fn motion<'v>(
             Some(Some(master)) => view = master,
             Some(None) => break,
             None => {
-                leader = straight(view.lead_way, period.0);
+                leader = straight(view.master_displacement, period.0);
                 break;
             }
         }

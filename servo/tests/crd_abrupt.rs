@@ -19,8 +19,8 @@ fn output(value: u64) -> Entry {
 }
 
 /// Coordinate system 0 on axes 0 and 1, 100 pulses from its zero.
-fn ready(period_us: u32, entries: &[Entry]) -> Bench {
-    let mut bench = Bench::ready(period_us, Mode::Trap);
+fn prepared(period_us: u32, entries: &[Entry]) -> Bench {
+    let mut bench = Bench::prepared(period_us, Mode::Trap);
     bench.frame(0, &[0, 1], Some([100, -50, 0, 0]));
     bench.now(Op::Guard { axis: axis(1), on: Guards::set(Guarded::Alarm, true), low: Guards::NONE });
     bench.now(Op::Supervision(Supervision { interlock: Brake::AbruptAll, ..Supervision::DEFAULT }));
@@ -108,7 +108,7 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
     for case in 0..400 {
         let period = [25, 50, 250, 1000][case % 4];
         let (entries, end, last) = entries(&mut chance);
-        let mut bench = ready(period, &entries);
+        let mut bench = prepared(period, &entries);
         let mut before = bench.tick();
         let (mut view, mut wait) = (before, 1 + chance.below(60));
         let (mut last_done, mut ended) = (0, false);
@@ -119,18 +119,18 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
                 let told = !bench.machine.edges.is_empty();
                 before = view;
                 view = stop(&mut bench, cause);
-                let shown = &view.crds[0];
-                assert!(!shown.runs, "{case}: {cause:?}");
-                let over = matches!(shown.stop, StopReason::Completed | StopReason::Underrun);
+                let published = &view.crds[0];
+                assert!(!published.runs, "{case}: {cause:?}");
+                let over = matches!(published.stop, StopReason::Completed | StopReason::Underrun);
                 if over {
                     // It had come to its end before that tick.
                     assert_eq!(at(&view).map(pulses), [f64::from(end[0]) + 100.0, f64::from(end[1]) - 50.0]);
                 } else {
-                    assert_eq!(shown.stop, reason, "{case}");
-                    assert_eq!((at(&view), shown.done), (at(&before), before.crds[0].done), "{case}: {cause:?}");
-                    assert_eq!(shown.motion, servo::piece::Motion::REST);
+                    assert_eq!(published.stop, reason, "{case}");
+                    assert_eq!((at(&view), published.done), (at(&before), before.crds[0].done), "{case}: {cause:?}");
+                    assert_eq!(published.motion, servo::segment::piece::Motion::STANDSTILL);
                     stops += 1;
-                    within += (before.crds[0].motion != servo::piece::Motion::REST) as u32;
+                    within += (before.crds[0].motion != servo::segment::piece::Motion::STANDSTILL) as u32;
                     // An output of what is gone over again has been told.
                     back += told as u32;
                 }
@@ -163,9 +163,9 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
         }
         assert!(ended, "{case}");
         let motions = entries.iter().filter(|entry| entry.is_motion()).count() as u32;
-        let shown = &bench.tick().crds[0];
-        assert_eq!((shown.done[0], shown.released[0]), (motions, entries.len() as u32), "{case}");
-        assert_eq!(shown.place[..2], end.map(Pos::pulses), "{case}");
+        let published = &bench.tick().crds[0];
+        assert_eq!((published.done[0], published.released[0]), (motions, entries.len() as u32), "{case}");
+        assert_eq!(published.position[..2], end.map(Pos::pulses), "{case}");
         // Each once, in order.
         assert_eq!(bench.machine.levels, (0..=last).collect::<Vec<_>>(), "{case}");
     }
@@ -181,7 +181,7 @@ fn moves_between_both_ticks_are_not_lost_nor_made_twice() {
     for modal in [true, false] {
         // 40 pulses with 10 pulse/ms² from rest to rest: 4 ms, and 2 ticks more for the start.
         let lines = [[-60, 50], [-20, 50]].map(|to| Entry::planar(to, speeds(30.0, 10.0, 0.0)));
-        let mut bench = ready(250, &[]);
+        let mut bench = prepared(250, &[]);
         let entries = [lines[0], moves(modal), output(1), lines[1]];
         bench.path(0, 0, &entries);
         bench.start_path(&[0]);
@@ -193,8 +193,8 @@ fn moves_between_both_ticks_are_not_lost_nor_made_twice() {
         let moved = view;
         for _ in 0..3 {
             let before = view;
-            let shown = stop(&mut bench, Cause::Stop);
-            assert_eq!(at(&shown), at(&before), "{modal}");
+            let published = stop(&mut bench, Cause::Stop);
+            assert_eq!(at(&published), at(&before), "{modal}");
             let_go(&mut bench, Cause::Stop);
             bench.start_path(&[0]);
             view = bench.ticks(3);

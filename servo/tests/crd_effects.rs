@@ -1,8 +1,8 @@
 //! What entries of a path do to the rest of the machine, through the whole tick: outputs at exact instants, other axes
 //! that are moved or go along, axes that follow a coordinate.
-use servo::follow::{Direction, Value};
 use servo::op::{DoGroup, Mode, Op};
 use servo::path::{Along, Entry, Plane};
+use servo::segment::follow::{Direction, Value};
 use servo::status;
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
 use servo::view::{Event, StopReason, View};
@@ -19,8 +19,8 @@ fn output(value: u32) -> Entry {
 }
 
 /// Coordinate system 0 on axes 0 and 1, coordinate system 1 on axes 2 and 3, all at 0.
-fn ready(period_us: u32) -> Bench {
-    let mut bench = Bench::ready(period_us, Mode::Trap);
+fn prepared(period_us: u32) -> Bench {
+    let mut bench = Bench::prepared(period_us, Mode::Trap);
     bench.frame(0, &[0, 1], None);
     bench.frame(1, &[2, 3], None);
     bench.tick();
@@ -56,7 +56,7 @@ fn edges(bench: &mut Bench, zero: u64) -> Vec<(u64, u64)> {
 fn outputs_change_at_the_instant_of_their_boundary() {
     let mut expected = None;
     for period in [10, 50, 73, 250, 333, 1000] {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         let v = speeds(10.0, 1.0, 10.0);
         let entries = [
             output(1),
@@ -94,7 +94,7 @@ fn outputs_change_at_the_instant_of_their_boundary() {
 /// Two paths in one interval: their edges come in the order of time, and each leaves the other's outputs alone.
 #[test]
 fn outputs_of_two_paths_come_in_order() {
-    let mut bench = ready(1000);
+    let mut bench = prepared(1000);
     let way = |x: i32| Entry::planar([x, 0], speeds(100.0, 100.0, 100.0));
     let on = |bit: u32| Entry::output(DoGroup::General, 1 << bit, 1 << bit);
     // Boundaries of the first at 1.5 and 1.9 ms; of the second at 1.7 ms.
@@ -110,7 +110,7 @@ fn outputs_of_two_paths_come_in_order() {
 #[test]
 fn an_entry_may_switch_a_servo_off() {
     for other in [5, 1] {
-        let mut bench = ready(1000);
+        let mut bench = prepared(1000);
         let way = |x: i32| Entry::planar([x, 0], speeds(100.0, 100.0, 100.0));
         bench.path(0, 0, &[way(100), Entry::output(DoGroup::Enable, 1 << other, 0), way(400)]);
         bench.now(Op::SetMode { axis: axis(5), mode: Mode::Jog });
@@ -135,7 +135,7 @@ fn a_move_takes_an_axis_away_and_a_modal_one_is_waited_for() {
     let mut ends = Vec::new();
     for period in [10, 250, 333, 1000] {
         for modal in [true, false] {
-            let mut bench = ready(period);
+            let mut bench = prepared(period);
             let v = speeds(10.0, 1.0, 0.0);
             let travel =
                 Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal).unwrap();
@@ -165,7 +165,7 @@ fn a_move_takes_an_axis_away_and_a_modal_one_is_waited_for() {
 fn a_move_begins_at_its_boundary() {
     let mut seen = Vec::new();
     for period in [50, 250, 1000] {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         let travel =
             Entry::travel(axis(4), 1000, (20f64.to_bits(), StepLimit::FULL_SCALE), 2f64.to_bits(), false).unwrap();
         bench.path(0, 0, &[Entry::planar([37, 0], speeds(10.0, 1.0, 0.0)), travel]);
@@ -198,7 +198,7 @@ fn a_move_that_fails_stops_the_path() {
         |bench| bench.frame(2, &[4], None),
     ];
     for act in breaks {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         act(&mut bench);
         bench.path(0, 0, &entries(false));
         bench.start_path(&[0]);
@@ -208,7 +208,7 @@ fn a_move_that_fails_stops_the_path() {
         let x = pulses(view.axes[0].pos);
         assert!((36.0..=37.0).contains(&x) && pulses(view.axes[4].pos) == 0.0, "{x}");
     }
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, 0, &entries(true));
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
@@ -232,7 +232,7 @@ fn a_modal_move_that_was_stopped_is_made_to_its_end() {
     let breaks: [(&[Op], f64); 5] =
         [(&[path(0)], -30.0), (&[path(1)], -30.0), (&[other, path(0)], -16.0), (&[other], -16.0), (&[off], -14.0)];
     for (index, (stops, left_at)) in breaks.into_iter().enumerate() {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.path(0, 0, &[Entry::planar([37, 0], v), travel, output(1), Entry::planar([0, 0], v)]);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
@@ -268,7 +268,7 @@ fn a_move_that_was_refused_is_made_once_it_can_be() {
     for modal in [true, false] {
         let v = speeds(10.0, 1.0, 5.0);
         let travel = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), modal);
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.now(Op::Servo { axis: axis(4), on: false });
         bench.path(0, 0, &[Entry::planar([37, 0], v), travel.unwrap(), output(1), Entry::planar([0, 0], v)]);
         bench.start_path(&[0]);
@@ -292,7 +292,7 @@ fn a_move_that_was_refused_is_made_once_it_can_be() {
 #[test]
 fn a_gear_goes_along_with_the_next_motion() {
     for period in [50, 1000] {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.now(Op::SetPosition { axis: axis(4), pos: Pos::pulses(7) });
         let v = speeds(10.0, 1.0, 0.0);
         let entries = [
@@ -338,7 +338,7 @@ fn a_gear_goes_along_with_the_next_motion() {
 /// Gears of one axis add up; one more than a path takes along stops it.
 #[test]
 fn gears_add_up_and_too_many_stop_the_path() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     let way = Entry::planar([300, 400], speeds(10.0, 1.0, 0.0));
     bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::gear(axis(4), -30), way]);
     bench.start_path(&[0]);
@@ -356,7 +356,7 @@ fn gears_add_up_and_too_many_stop_the_path() {
 
 #[test]
 fn a_gear_of_an_axis_that_moves_stops_the_path() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.now(Op::SetMode { axis: axis(4), mode: Mode::Jog });
     bench.jog(4, 1.0, 1.0);
     bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([300, 400], speeds(10.0, 1.0, 0.0))]);
@@ -371,7 +371,7 @@ fn a_gear_of_an_axis_that_moves_stops_the_path() {
 fn an_axis_may_follow_a_coordinate() {
     for (leader, slave) in [(0, 6), (1, 7)] {
         for period in [50, 250, 1000] {
-            let mut bench = ready(period);
+            let mut bench = prepared(period);
             bench.now(Op::SetMode { axis: axis(slave), mode: Mode::Follow });
             bench.follows(slave, leader, Value::Planned);
             bench.tick();
@@ -411,7 +411,7 @@ fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
     ];
     for (entries, most, least) in [(&corner[..], 103.0, 0.0), (&arc, 90.0, -10.0), (&both, 111.0, -11.0)] {
         for period in [50, 250, 1000] {
-            let mut bench = ready(period);
+            let mut bench = prepared(period);
             // The names of positions are nothing to a slave.
             bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(1234) });
             bench.frame(0, &[0, 1], None);
@@ -437,7 +437,7 @@ fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
 /// Two paths that cross in everything but their axes.
 #[test]
 fn two_paths_run_side_by_side() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     let v = speeds(10.0, 1.0, 0.0);
     bench.path(0, 0, &[Entry::planar([300, 400], v), Entry::planar([0, 0], v)]);
     bench.path(1, 0, &[Entry::planar([-60, 80], v)]);

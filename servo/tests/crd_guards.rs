@@ -13,8 +13,8 @@ fn speeds(vel: f64, acc: f64, end: f64) -> Along {
 }
 
 /// Coordinate system 0 on axes 0 and 1, coordinate system 1 on axes 2 and 3, all at 0.
-fn ready(period_us: u32) -> Bench {
-    let mut bench = Bench::ready(period_us, Mode::Trap);
+fn prepared(period_us: u32) -> Bench {
+    let mut bench = Bench::prepared(period_us, Mode::Trap);
     bench.frame(0, &[0, 1], None);
     bench.frame(1, &[2, 3], None);
     bench.tick();
@@ -36,7 +36,7 @@ fn a_soft_limit_holds_whichever_motion_comes_to_it() {
                 .flat_map(move |between| [350, 4500, 6801, 9000].map(|limit| (period, step, between, limit)))
         })
     }) {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.now(Op::SoftLimit { axis: axis(0), positive: Some(limit), negative: None });
         let mut entries = vec![];
         for x in (step..12_000).step_by(step as usize) {
@@ -61,7 +61,7 @@ fn a_soft_limit_holds_whichever_motion_comes_to_it() {
 /// SetCrdPrm that reaches the tick too late changes nothing: its axes move.
 #[test]
 fn a_frame_is_not_set_while_something_of_it_moves() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, 0, &[Entry::planar([400, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     let frame = bench.ticks(40).crds[0].frame;
@@ -85,7 +85,7 @@ fn a_frame_is_not_set_while_something_of_it_moves() {
 #[test]
 fn a_path_does_not_begin_too_far_from_its_zero() {
     for (at, begins) in [(1i64 << 31, true), ((1 << 31) + 1, false), (-(1 << 31), true), (-(1 << 31) - 1, false)] {
-        let mut bench = Bench::ready(250, Mode::Trap);
+        let mut bench = Bench::prepared(250, Mode::Trap);
         bench.frame(0, &[0, 1], Some([0; 4]));
         bench.tick();
         bench.now(Op::SetPosition { axis: axis(1), pos: Pos(at << Pos::FRAC_BITS) });
@@ -100,7 +100,7 @@ fn a_path_does_not_begin_too_far_from_its_zero() {
 /// An axis that went along when the path was stopped must be able to when it goes on.
 #[test]
 fn a_path_does_not_go_on_without_what_went_along() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([100, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     bench.ticks(40);
@@ -129,7 +129,7 @@ fn a_fault_of_an_axis_that_goes_along_stops_the_path() {
         |bench| bench.machine.slip[4] = 100,
     ];
     for (index, act) in breaks.into_iter().enumerate() {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.now(Op::PositionError { axis: axis(4), limit: Some(50) });
         bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([400, 0], speeds(10.0, 1.0, 0.0))]);
         bench.start_path(&[0]);
@@ -145,7 +145,7 @@ fn a_fault_of_an_axis_that_goes_along_stops_the_path() {
 /// Neither along with another path nor away for it: an axis of a coordinate system is its own.
 #[test]
 fn an_axis_of_another_path_does_not_go_along() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, 0, &[Entry::gear(axis(2), 100), Entry::planar([100, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     let view = bench.rest();
@@ -155,7 +155,7 @@ fn an_axis_of_another_path_does_not_go_along() {
 /// An axis that goes along takes no orders of its own, not from a call and not from an entry.
 #[test]
 fn an_axis_that_goes_along_is_sent_nowhere_else() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     let v = speeds(10.0, 1.0, 0.0);
     bench.path(0, 0, &[Entry::gear(axis(4), 100), Entry::planar([100, 0], v)]);
     let away = Entry::travel(axis(4), -30, (2f64.to_bits(), StepLimit::FULL_SCALE), 0.5f64.to_bits(), false).unwrap();
@@ -186,7 +186,7 @@ fn an_axis_that_goes_along_is_sent_nowhere_else() {
 /// What was waited for has come; that the axis is stopped on another way later is nothing to the path.
 #[test]
 fn an_axis_that_was_waited_for_is_free_again() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     let v = speeds(10.0, 1.0, 0.0);
     let away = Entry::travel(axis(4), 30, (10f64.to_bits(), StepLimit::FULL_SCALE), 5f64.to_bits(), true).unwrap();
     bench.path(0, 0, &[away, Entry::planar([900, 0], v)]);
@@ -204,7 +204,7 @@ fn an_axis_that_was_waited_for_is_free_again() {
 /// A Stop, and the link that is lost while it brakes: it was stopped by the Stop.
 #[test]
 fn why_a_path_brakes_is_told_by_the_first_order() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, 0, &[Entry::planar([900, 0], speeds(10.0, 1.0, 0.0))]);
     bench.start_path(&[0]);
     bench.ticks(60);

@@ -19,7 +19,7 @@ fn seen(axis: &AxisView) -> AxisView {
     AxisView { moves: 0, turns: 0, counts: 0, changes: 0, ..*axis }
 }
 
-fn shown(crd: &CrdView) -> CrdView {
+fn published(crd: &CrdView) -> CrdView {
     CrdView { moves: 0, turns: 0, changes: 0, ..*crd }
 }
 
@@ -48,7 +48,11 @@ impl Both {
                 assert_eq!(format!("{a:?}"), format!("{b:?}"), "axis {index}");
             }
             for (index, (one, other)) in a.crds.iter().zip(&b.crds).enumerate() {
-                assert_eq!(format!("{:?}", shown(one)), format!("{:?}", shown(other)), "coordinate system {index}");
+                assert_eq!(
+                    format!("{:?}", published(one)),
+                    format!("{:?}", published(other)),
+                    "coordinate system {index}"
+                );
             }
             let events = [0, 1].map(|k| {
                 let told: Vec<String> = core::iter::from_fn(|| self.0[k].event()).map(|e| format!("{e:?}")).collect();
@@ -112,7 +116,7 @@ fn a_ready_start_is_the_one_that_would_have_been_planned() {
     let (mut chance, mut ran) = (Chance::new(5), 0);
     for _ in 0..25 {
         let period = [10, 50, 250, 1000][chance.below(4) as usize];
-        let mut both = Both([(); 2].map(|_| Bench::ready(period, Mode::Trap)));
+        let mut both = Both([(); 2].map(|_| Bench::prepared(period, Mode::Trap)));
         for index in 0..2 {
             both.each(|bench| bench.frame(index, &[1 + 2 * index, 2 + 2 * index], None));
         }

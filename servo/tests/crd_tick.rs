@@ -1,6 +1,6 @@
 //! Coordinate systems in the tick: where mapped axes are, what stops them, what starts.
 use servo::op::{DoGroup, Guarded, Guards, Lane, Mode, Op};
-use servo::path::{Along, Entry, Plane, Rate, Rest, Sweep};
+use servo::path::{Along, Entry, PathStop, Plane, Rate, Sweep};
 use servo::status;
 use servo::units::{AxisMask, CrdMask, Ns, Pos};
 use servo::view::{Event, StopReason, View};
@@ -17,8 +17,8 @@ fn line(x: i32, y: i32) -> Entry {
 }
 
 /// A coordinate system on axes 2 and 5 with these entries in FIFO 0.
-fn ready(period_us: u32, entries: &[Entry]) -> Bench {
-    let mut bench = Bench::ready(period_us, Mode::Trap);
+fn prepared(period_us: u32, entries: &[Entry]) -> Bench {
+    let mut bench = Bench::prepared(period_us, Mode::Trap);
     bench.frame(0, &[2, 5], Some([100, -50, 0, 0]));
     bench.tick();
     bench.path(0, 0, entries);
@@ -37,7 +37,7 @@ fn a_boundary_just_behind_a_tick_is_behind_it() {
     let (vel, acc) = (10.0, 5.0 / 0.500_000_5);
     let along = speeds(vel, acc, vel);
     let entries: Vec<_> = (1..=6).map(|k| Entry::planar([40 * k - 100, 50], along)).collect();
-    let mut bench = ready(250, &[]);
+    let mut bench = prepared(250, &[]);
     bench.path(0, 0, &entries);
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
@@ -46,7 +46,7 @@ fn a_boundary_just_behind_a_tick_is_behind_it() {
         let view = bench.tick();
         let ms = (view.now.0 - zero) as f64 / 1e6;
         // Its zero is at 100 pulses, -50, and its axes are at 0.
-        let (x, along) = (pulses(view.crds[0].place[0]) + 100.0, way(ms));
+        let (x, along) = (pulses(view.crds[0].position[0]) + 100.0, way(ms));
         assert!((x - along).abs() < 1e-5, "{ms} ms: {x}, not {along}");
     }
 }
@@ -58,7 +58,7 @@ fn every_tick_counts_what_is_over() {
     for (length, count) in [(40, 12u64), (41, 12), (13, 40), (2, 300)] {
         let along = speeds(10.0, 10.0, 10.0);
         let entries: Vec<_> = (1..=count as i32).map(|k| Entry::planar([length * k - 100, 50], along)).collect();
-        let mut bench = ready(250, &[]);
+        let mut bench = prepared(250, &[]);
         bench.path(0, 0, &entries);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
@@ -71,18 +71,18 @@ fn every_tick_counts_what_is_over() {
                 continue;
             }
             let done = (1..count).filter(|k| over(*k) <= now).count() as u32;
-            let shown = &view.crds[0];
-            assert_eq!((shown.done[0], shown.released[0]), (done, done), "{length} pulses, {now} ns");
+            let published = &view.crds[0];
+            assert_eq!((published.done[0], published.released[0]), (done, done), "{length} pulses, {now} ns");
         }
     }
 }
 
 #[test]
 fn a_line_moves_both_axes_by_their_share() {
-    let mut bench = ready(250, &[]);
+    let mut bench = prepared(250, &[]);
     let view = bench.tick();
     // Its zero is at 100, -50; the axes are at 0.
-    assert_eq!(view.crds[0].place[..2], [Pos::pulses(-100), Pos::pulses(50)]);
+    assert_eq!(view.crds[0].position[..2], [Pos::pulses(-100), Pos::pulses(50)]);
     assert_eq!((view.axes[2].mode, view.axes[5].mode, view.axes[0].mode), (Mode::Crd, Mode::Crd, Mode::Trap));
     bench.path(0, 0, &[line(200, 450)]);
     bench.start_path(&[0]);
@@ -125,7 +125,7 @@ fn a_line_moves_both_axes_by_their_share() {
     assert!(begin.axes[2].status & status::IN_POSITION == 0 && later.axes[2].stop == StopReason::Completed);
     assert_eq!(
         (end.crds[0].stop, end.crds[0].rest, end.crds[0].done),
-        (StopReason::Completed, Rest::Completed, [1, 0])
+        (StopReason::Completed, PathStop::Completed, [1, 0])
     );
     assert!(
         matches!(bench.event(), Some(Event::CrdStopped { crd: of, reason: StopReason::Completed, .. }) if of == crd(0))
@@ -164,7 +164,7 @@ fn any_axes_in_any_order_with_any_origin() {
         ([3, 2, 1, 0], None),
         ([6, 0, 7, 4], Some([-1, 1, -1, 1])),
     ] {
-        let mut bench = Bench::ready(1000, Mode::Trap);
+        let mut bench = Bench::prepared(1000, Mode::Trap);
         for (k, index) in axes.into_iter().enumerate() {
             bench.now(Op::SetPosition { axis: axis(index), pos: Pos::pulses(10 * k as i32 + 5) });
         }
@@ -184,7 +184,7 @@ fn any_axes_in_any_order_with_any_origin() {
             bench.path(1, 0, &[entry]);
             bench.start_path(&[1]);
             let view = finish(&mut bench, 1);
-            assert_eq!(view.crds[1].place, expected.map(Pos::pulses));
+            assert_eq!(view.crds[1].position, expected.map(Pos::pulses));
             for ((index, at), zero) in axes.into_iter().zip(expected).zip(zero) {
                 let pos = (i64::from(at) + i64::from(zero)) << Pos::FRAC_BITS;
                 assert_eq!((view.axes[index].pos, view.axes[index].mode), (Pos(pos), Mode::Crd));
@@ -199,7 +199,7 @@ fn axes_on_an_arc_have_their_own_velocity_and_acceleration() {
     let (r, v, a) = (500.0, 20.0, 0.5);
     let centre = [500i64 << 30, 0];
     for ccw in [false, true] {
-        let mut bench = ready(250, &[]);
+        let mut bench = prepared(250, &[]);
         bench.frame(0, &[2, 5], None);
         bench.tick();
         bench.path(0, 0, &[Entry::circle(Plane::Xy, centre, ccw, speeds(v, a, 0.0)).unwrap()]);
@@ -249,7 +249,7 @@ fn a_start_is_all_or_nothing() {
         }),
     ];
     for (what, act) in breaks {
-        let mut bench = ready(250, &entries);
+        let mut bench = prepared(250, &entries);
         bench.frame(1, &[0, 1], None);
         bench.tick();
         bench.path(1, 0, &entries);
@@ -260,7 +260,7 @@ fn a_start_is_all_or_nothing() {
         let seq = bench.now(Op::CrdStart { crds: crd_mask(&[0, 1]), fifo1: CrdMask(0) });
         let after = bench.ticks(40);
         for (crd, other) in before.crds.iter().zip(&after.crds) {
-            assert_eq!((crd.place, crd.runs, crd.moves), (other.place, other.runs, other.moves), "{what}");
+            assert_eq!((crd.position, crd.runs, crd.moves), (other.position, other.runs, other.moves), "{what}");
         }
         assert!(after.axes.iter().all(|axis| axis.status & status::RUNNING == 0), "{what}");
         match bench.event() {
@@ -276,7 +276,7 @@ fn a_start_is_all_or_nothing() {
         assert!(bench.event().is_none());
     }
     // One that runs refuses too, and runs on.
-    let mut bench = ready(250, &entries);
+    let mut bench = prepared(250, &entries);
     bench.start_path(&[0]);
     bench.ticks(10);
     bench.start_path(&[0]);
@@ -289,7 +289,7 @@ fn a_start_is_all_or_nothing() {
 #[test]
 fn a_stop_brakes_along_the_path_and_a_start_goes_on() {
     for period in [10, 250, 1000] {
-        let mut bench = ready(period, &[line(200, 450)]);
+        let mut bench = prepared(period, &[line(200, 450)]);
         bench.now(Op::CrdStopDec { crd: crd(0), dec: accel(2.0) });
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
@@ -300,8 +300,11 @@ fn a_stop_brakes_along_the_path_and_a_start_goes_on() {
         let [x, y] = place(&view, [2, 5]);
         assert!((x - 105.0).abs() < 1e-6 && (y - 140.0).abs() < 1e-6, "{x} {y}");
         assert_eq!(view.now.0 - zero, 25 * MS);
-        let shown = view.crds[0];
-        assert_eq!((shown.stop, shown.rest, shown.done), (StopReason::StopSmooth, Rest::Stopped, [0, 0]));
+        let published = view.crds[0];
+        assert_eq!(
+            (published.stop, published.rest, published.done),
+            (StopReason::StopSmooth, PathStop::Stopped, [0, 0])
+        );
         assert_eq!((view.axes[2].stop, view.axes[5].stop), (StopReason::StopSmooth, StopReason::StopSmooth));
         assert_eq!(stopped_crd(bench.event()), (0, StopReason::StopSmooth));
         bench.start_path(&[0]);
@@ -314,7 +317,7 @@ fn a_stop_brakes_along_the_path_and_a_start_goes_on() {
 #[test]
 fn an_abrupt_stop_has_no_velocity_on_its_tick() {
     for by_crd in [false, true] {
-        let mut bench = ready(250, &[line(200, 450)]);
+        let mut bench = prepared(250, &[line(200, 450)]);
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         bench.until(zero + 20 * MS - 250_000);
@@ -350,15 +353,15 @@ fn faults_and_limits_of_one_axis_stop_all() {
         }),
     ];
     for (reason, bits, act) in breaks {
-        let mut bench = ready(250, &[line(200, 450)]);
+        let mut bench = prepared(250, &[line(200, 450)]);
         bench.now(Op::PositionError { axis: axis(5), limit: Some(50) });
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         bench.until(zero + 15 * MS);
         act(&mut bench);
         let view = finish(&mut bench, 0);
-        let shown = view.crds[0];
-        assert_eq!((shown.stop, view.axes[2].stop, view.axes[5].stop), (reason, reason, reason));
+        let published = view.crds[0];
+        assert_eq!((published.stop, view.axes[2].stop, view.axes[5].stop), (reason, reason, reason));
         assert_eq!(stopped_crd(bench.event()), (0, reason));
         assert!(bench.event().is_none());
         let [x, y] = place(&view, [2, 5]);
@@ -391,7 +394,7 @@ fn faults_and_limits_of_one_axis_stop_all() {
 /// A switch that is active lets an axis move away, and stops the path only when it comes to move against it.
 #[test]
 fn a_path_may_leave_an_active_limit_switch() {
-    let mut bench = ready(250, &[Entry::planar([-200, -150], speeds(10.0, 1.0, 0.0)), line(-200, 0)]);
+    let mut bench = prepared(250, &[Entry::planar([-200, -150], speeds(10.0, 1.0, 0.0)), line(-200, 0)]);
     bench.machine.inputs[5].limit_positive = true;
     bench.tick();
     bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
@@ -416,7 +419,7 @@ fn soft_limits_hold_lines_and_arcs() {
                 Entry::arc(Plane::Xy, [200, 200], sweep, along),
                 Entry::planar([600, 210], along),
             ];
-            let mut bench = Bench::ready(period, Mode::Trap);
+            let mut bench = Bench::prepared(period, Mode::Trap);
             bench.frame(0, &[0, 1], None);
             bench.now(Op::SoftLimit { axis: axis(0), positive: Some(limit), negative: None });
             bench.tick();
@@ -429,7 +432,7 @@ fn soft_limits_hold_lines_and_arcs() {
                     break view;
                 }
             };
-            assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::SoftPositive, Rest::Obstructed));
+            assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::SoftPositive, PathStop::Obstructed));
             assert!(pulses(view.axes[0].pos) > f64::from(limit) - 0.01, "{}", pulses(view.axes[0].pos));
             assert!(has(&view.axes[0], status::LIMIT_POSITIVE));
         }
@@ -443,7 +446,7 @@ fn soft_limits_hold_ends_of_motions() {
     let after = [vec![to(200, 0.0)], vec![to(200, 0.0), Entry::delay(30)], vec![to(200, 97.0), to(0, 0.0)]];
     for entries in after {
         for period in [10, 250, 333, 1000] {
-            let mut bench = Bench::ready(period, Mode::Trap);
+            let mut bench = Bench::prepared(period, Mode::Trap);
             bench.frame(0, &[0, 1], None);
             bench.now(Op::SoftLimit { axis: axis(0), positive: Some(199), negative: None });
             bench.tick();
@@ -472,7 +475,7 @@ fn soft_limits_hold_ends_of_motions() {
 /// A limit switch on a long way: the axis stays where it is, to a thousandth of the way of a tick.
 #[test]
 fn a_stop_by_a_switch_goes_neither_on_nor_back() {
-    let mut bench = ready(1000, &[Entry::planar([1 << 30, 1 << 30], speeds(1000.0, 100.0, 0.0))]);
+    let mut bench = prepared(1000, &[Entry::planar([1 << 30, 1 << 30], speeds(1000.0, 100.0, 0.0))]);
     bench.start_path(&[0]);
     let before = bench.ticks(5000);
     bench.machine.inputs[2].limit_positive = true;
@@ -486,7 +489,7 @@ fn a_stop_by_a_switch_goes_neither_on_nor_back() {
 
 #[test]
 fn running_out_at_speed_is_an_underrun_and_needs_no_clearing() {
-    let mut bench = ready(250, &[Entry::planar([-95, 50], speeds(10.0, 1.0, 0.0)), line(-92, 50)]);
+    let mut bench = prepared(250, &[Entry::planar([-95, 50], speeds(10.0, 1.0, 0.0)), line(-92, 50)]);
     // 5 pulses are too short to come to rest from what the first may end with.
     bench.clear_path(0, 0);
     bench.tick();
@@ -494,7 +497,7 @@ fn running_out_at_speed_is_an_underrun_and_needs_no_clearing() {
     bench.path(0, 0, &[Entry::planar([0, 50], fast), Entry::planar([5, 50], fast)]);
     bench.start_path(&[0]);
     let view = finish(&mut bench, 0);
-    assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::Underrun, Rest::Underrun));
+    assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::Underrun, PathStop::Underrun));
     assert_eq!(place(&view, [2, 5]), [105.0, 0.0]);
     bench.path(0, 0, &[line(0, 0)]);
     bench.start_path(&[0]);
@@ -503,7 +506,7 @@ fn running_out_at_speed_is_an_underrun_and_needs_no_clearing() {
 
 #[test]
 fn fifo_1_interrupts_fifo_0_and_returns() {
-    let mut bench = ready(250, &[line(200, 450)]);
+    let mut bench = prepared(250, &[line(200, 450)]);
     bench.path(0, 1, &[line(0, 0)]);
     bench.start_path(&[0]);
     bench.ticks(100);
@@ -516,10 +519,10 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     bench.start_path(&[0]);
     bench.tick();
     while !matches!(bench.event().unwrap(), Event::CrdRefused { .. }) {}
-    let [x, y] = left.crds[0].place.map(pulses)[..2].try_into().unwrap();
+    let [x, y] = left.crds[0].position.map(pulses)[..2].try_into().unwrap();
     bench.path(0, 1, &[line(x.round() as i32, y.round() as i32)]);
     bench.now(Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(1) });
-    assert_eq!(finish(&mut bench, 0).crds[0].place, left.crds[0].place);
+    assert_eq!(finish(&mut bench, 0).crds[0].position, left.crds[0].position);
     bench.start_path(&[0]);
     let end = finish(&mut bench, 0);
     assert_eq!((place(&end, [2, 5]), end.crds[0].done, end.crds[0].released), ([300.0, 400.0], [1, 2], [1, 2]));
@@ -536,7 +539,7 @@ fn what_is_made_ahead_does_not_outlive_a_change() {
         // Data that comes at once, or after so many ticks, until the second motion has begun to brake.
         let mut seen: Vec<Vec<[Pos; 2]>> = Vec::new();
         for late in [0u64, 3, 20, 28] {
-            let mut bench = ready(period, &first);
+            let mut bench = prepared(period, &first);
             bench.start_path(&[0]);
             let mut places = Vec::new();
             let ticks = late * 1000 / u64::from(period);
@@ -561,7 +564,7 @@ fn what_is_made_ahead_does_not_outlive_a_change() {
 /// A clearing makes the FIFO empty, its counts 0, and what was meant for it before void.
 #[test]
 fn clearing_is_counted_and_old_commits_are_void() {
-    let mut bench = ready(250, &[line(200, 450), line(0, 0)]);
+    let mut bench = prepared(250, &[line(200, 450), line(0, 0)]);
     let old = bench.path_data(0, 0, &[line(5, 5)]);
     bench.start_path(&[0]);
     bench.ticks(300);
@@ -582,7 +585,7 @@ fn clearing_is_counted_and_old_commits_are_void() {
 
 #[test]
 fn an_override_acts_on_the_way() {
-    let mut bench = ready(250, &[line(200, 450)]);
+    let mut bench = prepared(250, &[line(200, 450)]);
     bench.now(Op::CrdRate { crd: crd(0), rate: Rate::admit(0.5f64.to_bits()).unwrap() });
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
@@ -596,18 +599,18 @@ fn an_override_acts_on_the_way() {
 /// SetPrfPos and ZeroPos give the place of the path another name; a path that was left there cannot go on.
 #[test]
 fn naming_a_position_moves_the_coordinates_with_it() {
-    let mut bench = ready(250, &[line(200, 450)]);
+    let mut bench = prepared(250, &[line(200, 450)]);
     bench.now(Op::SetPosition { axis: axis(2), pos: Pos::pulses(350) });
     let set_point = bench.machine.set_points[2];
     let view = bench.tick();
-    assert_eq!((view.crds[0].place[0], bench.machine.set_points[2]), (Pos::pulses(250), set_point));
+    assert_eq!((view.crds[0].position[0], bench.machine.set_points[2]), (Pos::pulses(250), set_point));
     bench.start_path(&[0]);
     bench.ticks(50);
     stop(&mut bench, &[2], &[]);
     finish(&mut bench, 0);
     bench.now(Op::Zero { axes: all(&[2, 5]) });
     let view = bench.tick();
-    assert_eq!(view.crds[0].place[..2], [Pos::pulses(-100), Pos::pulses(50)]);
+    assert_eq!(view.crds[0].position[..2], [Pos::pulses(-100), Pos::pulses(50)]);
     while bench.event().is_some() {}
     bench.start_path(&[0]);
     bench.tick();
@@ -622,7 +625,7 @@ fn naming_a_position_moves_the_coordinates_with_it() {
 /// An axis that goes into another mode leaves its coordinate system; setting that again takes it back.
 #[test]
 fn an_axis_may_leave_and_come_back() {
-    let mut bench = ready(250, &[line(200, 450)]);
+    let mut bench = prepared(250, &[line(200, 450)]);
     bench.now(Op::SetMode { axis: axis(2), mode: Mode::Jog });
     bench.jog(2, 5.0, 1.0);
     bench.ticks(100);
@@ -631,7 +634,7 @@ fn an_axis_may_leave_and_come_back() {
     assert!(view.axes[2].mode == Mode::Jog && pulses(view.axes[2].pos) > 20.0);
     bench.frame(0, &[2, 5], Some([0; 4]));
     let view = bench.tick();
-    assert_eq!((view.axes[2].mode, view.crds[0].place[0]), (Mode::Crd, view.axes[2].pos));
+    assert_eq!((view.axes[2].mode, view.crds[0].position[0]), (Mode::Crd, view.axes[2].pos));
     bench.path(0, 0, &[line(-7, 9)]);
     bench.start_path(&[0]);
     assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [-7.0, 9.0]);
@@ -643,7 +646,7 @@ fn an_axis_may_leave_and_come_back() {
 
 #[test]
 fn a_reset_of_one_axis_leaves_no_frame() {
-    let mut bench = ready(250, &[line(200, 450)]);
+    let mut bench = prepared(250, &[line(200, 450)]);
     bench.start_path(&[0]);
     bench.ticks(100);
     let set_points = bench.machine.set_points;
@@ -660,13 +663,13 @@ fn a_reset_of_one_axis_leaves_no_frame() {
 
 #[test]
 fn a_lost_link_stops_paths_smoothly_and_they_go_on() {
-    let mut bench = ready(250, &[line(200, 450)]);
+    let mut bench = prepared(250, &[line(200, 450)]);
     bench.start_path(&[0]);
     let zero = bench.tick().now.0;
     bench.until(zero + 20 * MS - 250_000);
     bench.now(Op::Link { lost: true });
     let view = finish(&mut bench, 0);
-    assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::LinkLoss, Rest::Stopped));
+    assert_eq!((view.crds[0].stop, view.crds[0].rest), (StopReason::LinkLoss, PathStop::Stopped));
     // 1 pulse/ms² from 10 pulse/ms.
     assert_eq!(view.now.0 - zero, 30 * MS);
     bench.now(Op::Link { lost: false });
@@ -677,7 +680,7 @@ fn a_lost_link_stops_paths_smoothly_and_they_go_on() {
 /// A program waits for a path, and its trace has the path's speed.
 #[test]
 fn a_program_waits_for_a_path_and_traces_it() {
-    let mut bench = ready(250, &[line(200, 450)]);
+    let mut bench = prepared(250, &[line(200, 450)]);
     bench.now(Op::Trace { every: 4, axes: all(&[5]), crds: CrdMask(1), lasers: 0, edges: false, outputs: false });
     bench.now(Op::ProgramRun);
     bench.then(0, Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(0) });
@@ -715,7 +718,7 @@ fn a_program_waits_for_a_path_and_traces_it() {
 /// A guarded input that is switched off stops nothing.
 #[test]
 fn guards_may_be_off() {
-    let mut bench = ready(250, &[line(200, 450)]);
+    let mut bench = prepared(250, &[line(200, 450)]);
     bench.now(Op::Guard { axis: axis(5), on: Guards::set(Guarded::LimitPositive, false), low: Guards::NONE });
     bench.start_path(&[0]);
     bench.ticks(20);

@@ -1,7 +1,7 @@
 //! FollowEx: entries that are no segments, at exact instants; what they do, and how much of it in a tick.
 mod tick_bench;
-use servo::follow::{Direction, Input, Method, Value};
 use servo::op::{DoGroup, Mode, Op};
+use servo::segment::follow::{Direction, Input, Method, Value};
 use servo::status;
 use servo::units::Pos;
 use servo::view::StopReason;
@@ -11,7 +11,7 @@ const GENERAL: DoGroup = DoGroup::General;
 
 /// Axis 0 a master, axis 1 behind it with these entries; both start at the tick returned.
 fn running(period_us: u32, items: &[Item], velocity: f64) -> Bench {
-    let mut bench = Bench::ready(period_us, Mode::FollowEx);
+    let mut bench = Bench::prepared(period_us, Mode::FollowEx);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, items);
@@ -77,7 +77,7 @@ fn a_delay_ends_at_its_exact_instant_whatever_the_tick() {
 #[test]
 fn a_delay_on_a_curve_of_the_master() {
     // The master accelerates: x = t²/4096 pulses, t in ms; reached at t = 64·√10.1.
-    let mut bench = Bench::ready(1000, Mode::FollowEx);
+    let mut bench = Bench::prepared(1000, Mode::FollowEx);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(10.1, 10.1, 1, 0), Item::Delay(9), Item::Data(500.0, 499.9, 1, 0)]);
@@ -216,7 +216,7 @@ fn behind_a_delay_the_ratio_of_the_instant_is_0() {
 #[test]
 fn the_way_back_ends_at_an_entry() {
     let items = [Item::Data(10.0, 10.0, 1, 0), Item::Output(GENERAL, 0, true), Item::Data(20.0, 20.0, 1, 0)];
-    let mut bench = Bench::ready(250, Mode::FollowEx);
+    let mut bench = Bench::prepared(250, Mode::FollowEx);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &items);
@@ -274,7 +274,7 @@ fn a_servo_switched_by_an_entry_stops_its_axis() {
 
 #[test]
 fn added_data_belongs_to_the_present_pass() {
-    let mut bench = Bench::ready(250, Mode::FollowEx);
+    let mut bench = Bench::prepared(250, Mode::FollowEx);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 1, 0)]);
@@ -304,7 +304,7 @@ fn added_data_belongs_to_the_present_pass() {
 
 #[test]
 fn the_way_back_ends_where_data_was_added() {
-    let mut bench = Bench::ready(250, Mode::FollowEx);
+    let mut bench = Bench::prepared(250, Mode::FollowEx);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(10.0, 10.0, 1, 0)]);
@@ -330,7 +330,7 @@ fn the_way_back_ends_where_data_was_added() {
 #[test]
 fn down_counts_downwards_and_up_does_not() {
     for (direction, sign) in [(Direction::Down, 1.0), (Direction::Both, -1.0), (Direction::Down, -1.0)] {
-        let mut bench = Bench::ready(250, Mode::FollowEx);
+        let mut bench = Bench::prepared(250, Mode::FollowEx);
         bench.now(Op::FollowDirection { axis: axis(1), direction });
         bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
         bench.follows(1, 0, Value::Planned);

@@ -4,9 +4,11 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::follow::{Chain, Context, Deeds, Direction, Entry, FollowRun, Part, Refused, Setup, State, Way};
-use servo::piece::{Motion, Scaled};
-use servo::pt::SegmentStore;
+use servo::segment::follow::{
+    Chain, Context, Direction, Entry, FollowRun, MasterPath, OutputActions, Part, Refused, Setup, State,
+};
+use servo::segment::piece::{Motion, Scaled};
+use servo::segment::pt::SegmentStore;
 use servo::units::{Exact, Ns, Pos};
 
 mod chance;
@@ -241,7 +243,7 @@ struct Bench<'a> {
     master: i64,
     now: Ns,
     /// Pieces are made ahead, and what can be done straight is.
-    glides: bool,
+    fast: bool,
 }
 
 impl<'a> Bench<'a> {
@@ -250,25 +252,25 @@ impl<'a> Bench<'a> {
         setup.passes = passes;
         setup.commit(0, chain.entries(), chain.tail(), store);
         let mut bench =
-            Bench { run: FollowRun::begin(&setup, origin, 0), setup, store, master, now: Ns(0), glides: false };
+            Bench { run: FollowRun::begin(&setup, origin, 0), setup, store, master, now: Ns(0), fast: false };
         assert_eq!(bench.go(master), State::Running);
         bench
     }
 
     fn go(&mut self, to: i64) -> State {
-        if self.glides {
+        if self.fast {
             if self.run.is_open() {
                 self.run.prepare(&self.setup, self.store);
             }
-            if self.run.glide(Pos(to)).is_some() {
+            if self.run.fast_step(Pos(to)).is_some() {
                 (self.master, self.now) = (to, Ns(self.now.0 + TICK.0));
                 return State::Running;
             }
         }
-        let way = Way::line(self.now, TICK, Pos(self.master), Pos(to));
-        let mut deeds = Deeds::default();
-        let mut context = Context::new(&mut self.setup, self.store, |_, _| false, &mut deeds);
-        let state = self.run.step(&way, 0, &mut context, None);
+        let path = MasterPath::line(self.now, TICK, Pos(self.master), Pos(to));
+        let mut actions = OutputActions::default();
+        let mut context = Context::new(&mut self.setup, self.store, |_, _| false, &mut actions);
+        let state = self.run.step(&path, 0, &mut context, None);
         (self.master, self.now) = (to, Ns(self.now.0 + TICK.0));
         state
     }
@@ -307,9 +309,9 @@ fn random_tables_both_ways() {
         let origin = Exact(((chance.below(1 << 40) as i128) << 40) - (1 << 79));
         let passes = 1 + chance.below(3) as u32;
         let mut bench = Bench::new(&store, &chain, passes, origin, start);
-        bench.glides = chance.below(2) == 0;
+        bench.fast = chance.below(2) == 0;
         let last = table.last().unwrap();
-        let (length, way) = (last.m1.clone(), &last.s0 + &last.p);
+        let (length, path) = (last.m1.clone(), &last.s0 + &last.p);
         let (peak, bounds) = (peak(&table), bounds(&data, &table));
         let mut check = |bench: &mut Bench, progress: i64, knot: bool| {
             assert_eq!(bench.go(start + sign * progress), State::Running);
@@ -319,7 +321,7 @@ fn random_tables_both_ways() {
             let index = table.iter().position(|t| local < t.m1).unwrap();
             let (segment, bound) = (&table[index], &bounds[index]);
             let slave = if local < BigInt::zero() { BigInt::zero() } else { segment.at(&local) };
-            let truth = (BigInt::from(origin.0) << (BITS - 64)) + &pass * &way + slave;
+            let truth = (BigInt::from(origin.0) << (BITS - 64)) + &pass * &path + slave;
             let error = to_f64(&(&truth - big_pos(bench.pos())).abs());
             assert!(error <= 2f64.powi(-16), "{error:e} at {progress} {data:?}");
             if local >= BigInt::zero() {
@@ -364,7 +366,7 @@ fn random_tables_both_ways() {
             }
         }
         let end = ceil(&(&length * passes));
-        let total = (BigInt::from(origin.0) << (BITS - 64)) + &way * passes;
+        let total = (BigInt::from(origin.0) << (BITS - 64)) + &path * passes;
         let State::Ended { at } = bench.go(start + sign * end) else { panic!("runs on: {data:?}") };
         // A slave position below 2⁻¹¹ pulse is a multiple of 2⁻⁶⁴; the others are exact.
         let error = (total - (BigInt::from(at.0) << (BITS - 64))).abs();
@@ -384,8 +386,8 @@ fn the_pieces_of_a_shaped_segment_meet() {
     let (mut checked, mut used) = (0, 0f64);
     for _ in 0..3000 {
         let percent = [100, 100, 99, 1, 1 + chance.below(100) as i16][chance.below(5) as usize];
-        let mut way = || (1 + (chance.next() >> (14 + chance.below(50)))) as f64 * 2f64.powi(-20);
-        let (first, length) = (way(), way());
+        let mut path = || (1 + (chance.next() >> (14 + chance.below(50)))) as f64 * 2f64.powi(-20);
+        let (first, length) = (path(), path());
         let kind = [0, 2][chance.below(2) as usize];
         let data = [
             Datum { master: first, slave: first, kind: 1, percent: 0, begin: None },
@@ -447,7 +449,7 @@ fn a_million_passes_accumulate_nothing() {
         places.push((progress, bench.pos()));
     }
     // Step by step through many ends of passes, then back to each of them.
-    bench.glides = true;
+    bench.fast = true;
     for step in 0..20_000 {
         assert_eq!(bench.go(places[5].0 - step * 14_000_000), State::Running);
     }

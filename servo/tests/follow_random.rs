@@ -6,13 +6,14 @@ mod chance;
 mod follow_reference;
 mod tick_bench;
 use chance::Chance;
-use follow_reference::{Begin, Datum, Known, Slave, Way, fixed};
-use servo::follow::{Direction, Event as Start, Value};
+use follow_reference::{Begin, Datum, Known, MasterPath, Slave, fixed};
 use servo::op::{Mode, Op};
+use servo::output::step_generator;
 use servo::path::{Along, Entry, Rate};
+use servo::segment::follow::{Direction, Event as Start, Value};
+use servo::status;
 use servo::units::{AxisMask, Ns, Pos};
 use servo::view::{StopReason, View};
-use servo::{status, steps};
 use tick_bench::*;
 
 /// Deviations in the servo, of a slave and of all slaves before it, and in the reference.
@@ -77,7 +78,7 @@ impl Program {
         }
         let kind =
             [Kind::Jog, Kind::Jog, Kind::Trap, Kind::Trap, Kind::Pt, Kind::Pvt, Kind::Crd][chance.below(7) as usize];
-        let mut bench = Bench::ready(period, mode);
+        let mut bench = Bench::prepared(period, mode);
         let depth = 2 + chance.below(3) as usize;
         let links = (1..depth)
             .map(|k| {
@@ -141,14 +142,14 @@ impl Program {
                 2 => end / 2.0,
                 _ => (ratio + end) / 2.0,
             };
-            let way = (mean * length as f64) as i64;
-            let mean = way as f64 / length as f64;
+            let path = (mean * length as f64) as i64;
+            let mean = path as f64 / length as f64;
             ratio = match kind {
                 1 => mean,
                 2 => 0.0,
                 _ => 2.0 * mean - ratio,
             };
-            (master, slave) = (master + length, slave + way);
+            (master, slave) = (master + length, slave + path);
             let percent = if self.mode == Mode::FollowEx && kind != 1 { self.below(101) as i16 } else { 0 };
             data.push((if down { -master } else { master }, slave, kind, percent));
         }
@@ -258,8 +259,8 @@ impl Program {
                 self.now(Op::TrapPrm { axis, acc: accel(acc), dec: accel(dec), vel_start: speed(0.0), smooth });
                 self.now(Op::TargetSpeed { axis, speed: speed(velocity) });
                 let near = (self.view.axes[self.master].pos.0 >> Pos::FRAC_BITS) as i32;
-                let way = self.below(801) as i32 - 400;
-                self.now(Op::TargetPosition { axis, pulses: near + way });
+                let path = self.below(801) as i32 - 400;
+                self.now(Op::TargetPosition { axis, pulses: near + path });
                 self.now(Op::Update { axes: axis.mask() });
             }
             Kind::Pt => {
@@ -272,10 +273,10 @@ impl Program {
                 }
                 let segments: Vec<(f64, i32, i16)> = (0..1 + self.below(6))
                     .map(|_| {
-                        let way = 1 + self.below(30) as i32;
+                        let path = 1 + self.below(30) as i32;
                         let mean = self.real(-2.0, 2.0);
                         let (pos, time) = &mut self.stream;
-                        (*pos, *time) = (*pos + mean * f64::from(way), *time + way);
+                        (*pos, *time) = (*pos + mean * f64::from(path), *time + path);
                         let (pos, time) = self.stream;
                         (pos, time, [0, 1, 1, 2][self.below(4) as usize])
                     })
@@ -375,38 +376,38 @@ impl Program {
     fn tick(&mut self) -> Result<(), String> {
         let before = self.view;
         let counts: [i64; AXES] = std::array::from_fn(|axis| {
-            steps::whole(self.bench.machine.set_points[axis]) + self.bench.machine.slip[axis]
+            step_generator::whole(self.bench.machine.set_points[axis]) + self.bench.machine.slip[axis]
         });
         let (places, counted) = (self.places, self.counts);
         self.view = self.bench.tick();
         (self.places, self.counts) = (self.bench.machine.set_points, counts);
         let view = &self.view;
         let period = view.period.0 as f64 / 1e6;
-        let mut ways = [None; AXES];
+        let mut displacements = [None; AXES];
         for link in &mut self.links {
             let Some(slave) = &mut link.slave else { continue };
             // Only what changes its direction goes further than at both ticks. If its velocity jumps, it may do so twice.
             let beyond = |axis: usize| {
                 let [v0, v1] = [&before, view].map(|view| real(view.velocity(&view.axes[axis])));
                 let [from, to] = [&places, &self.places].map(|places| fixed(places[axis]));
-                let (way, mean) = (follow_reference::pulses(to - from), (v0 + v1) / 2.0 * period);
+                let (path, mean) = (follow_reference::pulses(to - from), (v0 + v1) / 2.0 * period);
                 let pass = |view: &View<AXES>| {
                     let axis = &view.axes[axis];
                     (axis.passes, axis.table, axis.table_zero, axis.fifo)
                 };
-                let straight = v0 * v1 > 0.0 && (way - mean).abs() < mean.abs() * 0.3 && pass(&before) == pass(view);
+                let straight = v0 * v1 > 0.0 && (path - mean).abs() < mean.abs() * 0.3 && pass(&before) == pass(view);
                 let most = 2.0 * v0.abs().max(v1.abs()) * period;
                 (from, to, (!straight).then_some((most * 2f64.powi(48)) as i128))
             };
-            let way = if link.value == Value::Encoder {
+            let path = if link.value == Value::Encoder {
                 let place = |counts: [i64; AXES]| fixed(Pos::pulses(counts[link.master] as i32));
-                Way::within(place(counted), place(counts), 0)
+                MasterPath::within(place(counted), place(counts), 0)
             } else {
                 let (from, to, beyond) = beyond(link.master);
-                let way: Option<Way> = ways[link.master];
-                way.unwrap_or_else(|| Way::within(from, to, beyond.unwrap_or(0)))
+                let path: Option<MasterPath> = displacements[link.master];
+                path.unwrap_or_else(|| MasterPath::within(from, to, beyond.unwrap_or(0)))
             };
-            let Way { from, to, .. } = way;
+            let MasterPath { from, to, .. } = path;
             link.steepest = link.steepest.max(slave.steepest());
             let axis = &view.axes[link.axis];
             let runs = has(axis, status::RUNNING);
@@ -420,15 +421,16 @@ impl Program {
                 continue;
             }
             let turns = beyond(link.axis).2.is_some();
-            let (known, extremes) = slave.step(&way, turns);
+            let (known, extremes) = slave.step(&path, turns);
             link.steepest = link.steepest.max(slave.steepest());
-            let most = way.length() as f64 * link.steepest * 1.0001;
+            let most = path.length() as f64 * link.steepest * 1.0001;
             if let Some((low, high)) = extremes {
                 let (low, high) = (low.min(old).min(place), high.max(old).max(place));
-                ways[link.axis] = Some(Way { from: old, to: place, high: (high, high), low: (low, low) });
+                displacements[link.axis] =
+                    Some(MasterPath { from: old, to: place, high: (high, high), low: (low, low) });
                 self.exact += (low < old.min(place) || high > old.max(place)) as u64;
             } else if turns {
-                ways[link.axis] = Some(Way::within(old, place, most as i128));
+                displacements[link.axis] = Some(MasterPath::within(old, place, most as i128));
             }
             if (place - old).abs() > most as i128 + 2 * CLOSE {
                 return Err(format!(

@@ -1,7 +1,7 @@
 //! Follow where states meet: positions that have other names, masters that are planned again, stopped, switched.
 mod tick_bench;
-use servo::follow::{Direction, Event as Start, Value};
 use servo::op::{Mode, Op};
+use servo::segment::follow::{Direction, Event as Start, Value};
 use servo::units::Pos;
 use tick_bench::*;
 
@@ -16,7 +16,7 @@ fn a_slave_of_a_renamed_slave_stays_where_it_is() {
     for (mode, direction) in
         [Mode::Follow, Mode::FollowEx].into_iter().flat_map(|mode| [Direction::Both, Direction::Up].map(|d| (mode, d)))
     {
-        let mut bench = Bench::ready(250, mode);
+        let mut bench = Bench::prepared(250, mode);
         bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
         for (slave, master) in [(1, 0), (2, 1)] {
             bench.now(Op::FollowDirection { axis: axis(slave), direction });
@@ -35,9 +35,9 @@ fn a_slave_of_a_renamed_slave_stays_where_it_is() {
             for _ in 0..400 {
                 bench.tick();
                 let now = places(&bench);
-                let way = now[0] - begin[0];
+                let path = now[0] - begin[0];
                 // Every NORMAL segment starts at 0, at 2, at 0: twice the length, half of it on the way.
-                assert!((now[2] - begin[2]) >= -1e-5 && now[2] - begin[2] <= 2.0 * way + 80.0, "{now:?} run {run}");
+                assert!((now[2] - begin[2]) >= -1e-5 && now[2] - begin[2] <= 2.0 * path + 80.0, "{now:?} run {run}");
                 let (x, y) = (now[1] - begin[1], now[2] - begin[2]);
                 assert!((y - zigzag(x)).abs() < 1e-4, "{y} where the master has gone {x}, run {run}, {mode:?}");
             }
@@ -65,7 +65,7 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
     for (direction, sign) in [(Direction::Up, 1.0), (Direction::Down, -1.0)] {
         for again in 0..4 {
             for (smooth, after) in [(0, 5), (0, 17), (0, 37), (30_000, 17)] {
-                let mut bench = Bench::ready(250, Mode::Follow);
+                let mut bench = Bench::prepared(250, Mode::Follow);
                 bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
                 bench.follows(1, 0, Value::Planned);
                 bench.now(Op::FollowDirection { axis: axis(1), direction });
@@ -109,7 +109,7 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
 
 /// Axis 1 goes three times as far as axis 0, the furthest place of it upwards.
 fn three_times(period: u32) -> Bench {
-    let mut bench = Bench::ready(period, Mode::Follow);
+    let mut bench = Bench::prepared(period, Mode::Follow);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
     bench.follows(1, 0, Value::Planned);
     bench.now(Op::FollowDirection { axis: axis(1), direction: Direction::Up });
@@ -160,7 +160,7 @@ fn a_master_that_turns_round_as_it_is_planned_again() {
 
 #[test]
 fn a_slave_that_ends_as_it_turns_round_counts_for_its_slaves() {
-    let mut bench = Bench::ready(1000, Mode::Follow);
+    let mut bench = Bench::prepared(1000, Mode::Follow);
     bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
     bench.follows(1, 7, Value::Planned);
     // From ratio 2 to −1: it turns at 14, at master 14, and ends at 13, at master 16.
@@ -186,7 +186,7 @@ fn a_slave_that_ends_as_it_turns_round_counts_for_its_slaves() {
 fn a_slave_of_one_way_stands_from_where_its_master_turns() {
     // EVEN to 8 at 4 ms and back: a jump of the velocity, at a tick.
     for (direction, sign) in [(Direction::Both, 1), (Direction::Up, 1), (Direction::Down, 1), (Direction::Down, -1)] {
-        let mut bench = Bench::ready(250, Mode::Follow);
+        let mut bench = Bench::prepared(250, Mode::Follow);
         bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
         bench.pt(0, 0, &[(8.0 * f64::from(sign), 4, 1), (0.0, 8, 1), (8.0 * f64::from(sign), 12, 1)]);
         bench.follows(1, 0, Value::Planned);
@@ -206,9 +206,9 @@ fn a_slave_of_one_way_stands_from_where_its_master_turns() {
             }
             // All go evenly from tick to tick.
             for slave in [1, 2] {
-                let way = pulses(view.axes[slave].pos) - pulses(before.axes[slave].pos);
+                let path = pulses(view.axes[slave].pos) - pulses(before.axes[slave].pos);
                 let told = real(before.velocity(&before.axes[slave]));
-                assert!((told - way / 0.25).abs() < 1e-3, "{slave}: {told} at {}, {direction:?}", before.now.0);
+                assert!((told - path / 0.25).abs() < 1e-3, "{slave}: {told} at {}, {direction:?}", before.now.0);
                 let motion = before.motion(&before.axes[slave]);
                 assert_eq!((real(motion.velocity()), real(motion.acceleration())), (told, 0.0));
             }
@@ -241,7 +241,7 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
         ([Item::Data(9.5, 10.0, 1, 0), Item::Data(30.0, -10.0, 0, 0)], 0.0),
     ] {
         for direction in [Direction::Up, Direction::Down] {
-            let mut bench = Bench::ready(1000, Mode::Follow);
+            let mut bench = Bench::prepared(1000, Mode::Follow);
             bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
             bench.now(Op::SetPosition { axis: axis(1), pos: Pos::pulses(1234) });
             bench.follows(1, 7, Value::Planned);
@@ -254,7 +254,7 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
             bench.start_follow(&[0, 1]);
             bench.jog(7, 4.1, 1000.0);
             // The same in ticks of 10 us knows its places better.
-            let mut fine = Bench::ready(10, Mode::Follow);
+            let mut fine = Bench::prepared(10, Mode::Follow);
             fine.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
             fine.follows(1, 7, Value::Planned);
             fine.follow(1, 0, &items);
@@ -285,7 +285,7 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
 fn a_crossing_of_the_very_knot_at_which_a_slave_turns_counts() {
     for up in [true, false] {
         let sign = if up { 1.0 } else { -1.0 };
-        let mut bench = Bench::ready(1000, Mode::Follow);
+        let mut bench = Bench::prepared(1000, Mode::Follow);
         bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
         bench.follows(1, 7, Value::Planned);
         bench.follow(1, 0, &[Item::Data(10.3, sign * 40.0, 1, 0), Item::Data(30.0, sign * 20.0, 1, 0)]);

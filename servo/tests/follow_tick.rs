@@ -1,7 +1,7 @@
 //! Follow through the tick: order, starts, turning points, switches, guards, what readers see.
 mod tick_bench;
-use servo::follow::{Chain, Direction, Event as Start, Method, Value};
 use servo::op::{Mode, Op};
+use servo::segment::follow::{Chain, Direction, Event as Start, Method, Value};
 use servo::status;
 use servo::units::Pos;
 use servo::view::{Event, StopReason};
@@ -9,7 +9,7 @@ use tick_bench::*;
 
 /// Axis 0 a jogging master, the others ready to follow.
 fn bench(period_us: u32) -> Bench {
-    let mut bench = Bench::ready(period_us, Mode::Follow);
+    let mut bench = Bench::prepared(period_us, Mode::Follow);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
     bench
 }
@@ -80,7 +80,7 @@ fn the_flying_shear_of_tables_3_2_and_3_3() {
 
 #[test]
 fn a_chain_in_reverse_shows_no_lag() {
-    let mut bench = Bench::ready(250, Mode::Follow);
+    let mut bench = Bench::prepared(250, Mode::Follow);
     bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
     for index in 0..7 {
         bench.follows(index, index + 1, Value::Planned);
@@ -110,7 +110,7 @@ fn a_chain_in_reverse_shows_no_lag() {
 
 #[test]
 fn a_turning_point_of_a_slave_counts_for_its_slaves() {
-    let mut bench = Bench::ready(1000, Mode::Follow);
+    let mut bench = Bench::prepared(1000, Mode::Follow);
     bench.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
     bench.follows(1, 7, Value::Planned);
     // From ratio 2 to −2: it turns at 15, at master 15.
@@ -131,7 +131,7 @@ fn a_turning_point_of_a_slave_counts_for_its_slaves() {
 
 #[test]
 fn a_dithering_encoder_does_not_creep() {
-    let mut bench = Bench::ready(50, Mode::Follow);
+    let mut bench = Bench::prepared(50, Mode::Follow);
     bench.now(Op::FollowDirection { axis: axis(1), direction: Direction::Up });
     bench.follows(1, 0, Value::Encoder);
     bench.follow(1, 0, &[Item::Data(1000.0, 5000.0, 1, 0)]);
@@ -152,7 +152,7 @@ fn a_dithering_encoder_does_not_creep() {
 
 #[test]
 fn an_encoder_is_followed_by_its_sample() {
-    let mut bench = Bench::ready(250, Mode::Follow);
+    let mut bench = Bench::prepared(250, Mode::Follow);
     bench.follows(0, 5, Value::Encoder);
     bench.follow(0, 0, &[Item::Data(100.0, 50.0, 1, 0)]);
     loops(&mut bench, 0, 0);
@@ -256,7 +256,7 @@ fn swing(bench: &mut Bench, target: i32) {
 #[test]
 fn a_pass_is_where_the_master_crosses() {
     for (up, target, event, lands) in [(true, 1000, 300, 700.0), (false, -1000, -300, 700.0)] {
-        let mut bench = Bench::ready(250, Mode::Follow);
+        let mut bench = Bench::prepared(250, Mode::Follow);
         bench.now(Op::SetMode { axis: axis(0), mode: Mode::Trap });
         bench.follows(1, 0, Value::Planned);
         bench.now(Op::FollowEvent { axis: axis(1), event: Start::Pass { up, pos: event } });
@@ -290,7 +290,7 @@ fn a_pass_is_where_the_master_crosses() {
 #[test]
 fn a_crossing_between_ticks_counts() {
     // The master turns round inside a tick, 1/32 pulse beyond the position: at neither tick it is there.
-    let mut bench = Bench::ready(1000, Mode::Follow);
+    let mut bench = Bench::prepared(1000, Mode::Follow);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
     // v = 1 − t/1.5 from 0 on: the peak of 0.75 at 1.5 ms.
     bench.pt(0, 0, &[(1000.0, 1000, 1), (1000.75 - 0.75, 1003, 0), (0.0, 2003, 1)]);
@@ -544,7 +544,7 @@ fn guards_stop_a_slave() {
     assert!((pulses(view.axes[1].pos) / 2f64.powi(32) - 1.0).abs() < 0.15);
     // Soft limit, alarm, servo off, abrupt.
     for case in 0..4 {
-        let mut bench = Bench::ready(250, Mode::Follow);
+        let mut bench = Bench::prepared(250, Mode::Follow);
         bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
         bench.follows(1, 0, Value::Planned);
         bench.follow(1, 0, &[Item::Data(1000.0, 2000.0, 1, 0)]);
@@ -613,7 +613,7 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
 
 #[test]
 fn renaming_the_master_moves_nothing() {
-    let mut bench = Bench::ready(250, Mode::Follow);
+    let mut bench = Bench::prepared(250, Mode::Follow);
     bench.follows(1, 0, Value::Planned);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::Trap });
     bench.follow(1, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
@@ -635,7 +635,7 @@ fn renaming_the_master_moves_nothing() {
 
 #[test]
 fn starts_are_refused_as_a_whole() {
-    let mut bench = Bench::ready(250, Mode::Follow);
+    let mut bench = Bench::prepared(250, Mode::Follow);
     bench.follows(1, 0, Value::Planned);
     bench.follow(1, 0, &[Item::Data(1000.0, 1000.0, 1, 0)]);
     // Axis 2 has no master, then no data.

@@ -5,12 +5,12 @@ use laser_bench::*;
 use servo::laser::{Buffered, Cause, Change, Family, Ignored, Mode};
 use servo::op::{Brake, DoGroup, Mode as AxisMode, Op, Supervision};
 use servo::path;
-use servo::ramp::{Accel, Speed};
+use servo::segment::ramp::{Accel, Speed};
 use servo::units::{AxisMask, CrdMask, StepLimit};
 use servo::view::StopReason;
 
 /// A coordinate system on the first two axes; a carrier of 10 kHz, 100 %, so that light is one pulse.
-fn ready(period_us: u32) -> Bench {
+fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });
     bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
@@ -54,7 +54,7 @@ fn until_rest(bench: &mut Bench) -> u64 {
 #[test]
 fn an_abort_is_dark_at_the_call_without_delays() {
     for period_us in [10, 50, 250, 1000] {
-        let mut bench = ready(period_us);
+        let mut bench = prepared(period_us);
         bench.delays(3000, 0);
         bench.gate(true);
         bench.until(10 * MS);
@@ -73,7 +73,7 @@ fn an_abort_is_dark_at_the_call_without_delays() {
 #[test]
 fn what_is_output_without_light_waits_for_the_next_command() {
     // Standby.
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.standby(Some((5.0, 50.0)));
     bench.until(2 * MS);
     assert_eq!(bench.view().lasers[0].khz, power(5.0));
@@ -88,7 +88,7 @@ fn what_is_output_without_light_waits_for_the_next_command() {
     bench.until(6 * MS);
     assert_eq!(bench.view().lasers[0].khz, power(5.0));
     // Pre-voltage.
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.mode(Mode::Analog, 10.0, 0.0, true);
     bench.change(Change::PreVoltage(Some(power(2.0))));
     bench.until(2 * MS);
@@ -100,7 +100,7 @@ fn what_is_output_without_light_waits_for_the_next_command() {
     bench.until(6 * MS);
     assert_eq!(bench.view().lasers[0].power, power(2.0), "an off command is a command, too");
     // The switch of mode 3.
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.mode(Mode::DutyOpen, 100.0, 0.0, true);
     bench.until(2 * MS);
     assert!(bench.view().lasers[0].switch);
@@ -114,7 +114,7 @@ fn what_is_output_without_light_waits_for_the_next_command() {
 
 #[test]
 fn an_abort_brings_everything_to_rest_and_refuses_on_commands_until_then() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     jog(&mut bench);
     // 10 pulse/ms: it brakes within 10 ms and 50 pulses.
     bench.path(0, &[line([300, 0], 10.0, 1.0, 10.0), light(true), line([2000, 0], 10.0, 1.0, 0.0)]);
@@ -146,7 +146,7 @@ fn an_abort_brings_everything_to_rest_and_refuses_on_commands_until_then() {
 
 #[test]
 fn an_on_entry_behind_the_place_of_the_abort_lights() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, &[line([300, 0], 10.0, 1.0, 10.0), light(true), line([2000, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
     bench.until(15 * MS);
@@ -159,7 +159,7 @@ fn an_on_entry_behind_the_place_of_the_abort_lights() {
 
 #[test]
 fn a_new_session_begins_dark_and_motion_goes_on() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     jog(&mut bench);
     bench.path(
         0,
@@ -183,7 +183,7 @@ fn a_new_session_begins_dark_and_motion_goes_on() {
 /// The session before has let the power follow; the new client's own light burns with its own power, at once.
 #[test]
 fn a_new_session_ends_what_follows() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     let ratio = servo::laser::Ratio::admit(1f64.to_bits()).unwrap();
     let bounds = servo::laser::Bounds::admit_follow(Mode::Duty, power(50.0), power(1.0)).unwrap();
     bench.path(0, &[buffered(Buffered::PrfFollow { ratio, bounds }), line([100, 0], 10.0, 1.0, 0.0)]);
@@ -206,7 +206,7 @@ fn a_new_session_ends_what_follows() {
 #[test]
 fn a_lost_link_is_no_fault_where_the_paths_that_run_are_dead() {
     for op in [Op::Abort, Op::NewSession] {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.path(0, &[line([300, 0], 10.0, 1.0, 10.0), light(true), line([2000, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         bench.until(20 * MS);
@@ -230,7 +230,7 @@ fn a_lost_link_is_no_fault_where_the_paths_that_run_are_dead() {
 
 #[test]
 fn an_on_command_behind_an_abort_at_rest_lights() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.gate(true);
     bench.until(2 * MS);
     bench.op(Op::Abort);
@@ -246,7 +246,7 @@ fn an_on_command_behind_an_abort_at_rest_lights() {
 #[test]
 fn a_stop_at_rest_shuts_off() {
     let case = |map: u8, stop: Op| {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.change(Change::CrdMap { map });
         bench.delays(100, 0);
         bench.gate(true);
@@ -267,7 +267,7 @@ fn a_stop_at_rest_shuts_off() {
 #[test]
 fn an_entry_for_a_channel_that_is_not_mapped_does_nothing_and_is_an_event() {
     for entry in [light(true), light(false), buffered(Buffered::Direct { power: power(3.0) })] {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.path(0, &[line([50, 0], 10.0, 1.0, 10.0), entry, line([300, 0], 10.0, 1.0, 0.0)]);
         bench.change(Change::CrdMap { map: 0b10 });
         bench.gate(true);
@@ -283,7 +283,7 @@ fn an_entry_for_a_channel_that_is_not_mapped_does_nothing_and_is_an_event() {
 
 #[test]
 fn a_map_that_excludes_the_path_of_a_follow_ends_the_follow() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     let ratio = servo::laser::Ratio::admit(1f64.to_bits()).unwrap();
     let bounds = servo::laser::Bounds::admit_follow(Mode::Duty, power(50.0), power(1.0)).unwrap();
     bench.path(0, &[buffered(Buffered::PrfFollow { ratio, bounds }), line([100, 0], 10.0, 1.0, 0.0)]);
@@ -307,7 +307,7 @@ fn a_map_that_excludes_the_path_of_a_follow_ends_the_follow() {
 #[test]
 fn an_open_interlock_brakes_motion_as_it_is_told() {
     let run = |interlock: Brake| {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.op(Op::Supervision(Supervision { interlock, ..Supervision::DEFAULT }));
         jog(&mut bench);
         // A Trap axis: a lost link leaves it alone.
@@ -344,7 +344,7 @@ fn an_open_interlock_brakes_motion_as_it_is_told() {
 
 #[test]
 fn a_reset_puts_the_supervision_to_power_on_state() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.op(Op::Supervision(Supervision { link: Brake::All, interlock: Brake::None }));
     bench.op(Op::Reset { axes: AxisMask(4) });
     jog(&mut bench);
@@ -360,7 +360,7 @@ fn an_underrun_does_not_put_off_an_abort() {
     let mut underruns = 0;
     for at in (11_000..13_000).step_by(250) {
         for shift in 0..4 {
-            let mut bench = ready(250);
+            let mut bench = prepared(250);
             bench.standby(Some((5.0, 50.0)));
             bench.path(
                 0,
@@ -388,7 +388,7 @@ fn an_underrun_does_not_put_off_an_abort() {
 
 #[test]
 fn an_entry_that_is_passed_while_an_abort_brakes_does_not_end_the_quiet() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.standby(Some((5.0, 50.0)));
     let power_of = |value| buffered(Buffered::Direct { power: power(value) });
     let (first, rest) = (line([300, 0], 10.0, 1.0, 10.0), line([2000, 0], 10.0, 1.0, 10.0));
@@ -415,7 +415,7 @@ fn an_entry_that_is_passed_while_an_abort_brakes_does_not_end_the_quiet() {
 #[test]
 fn a_path_that_brakes_for_a_stop_waits_for_no_delay() {
     for at in (20_000..40_000).step_by(250) {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         let first = line([300, 0], 10.0, 1.0, 0.0);
         bench.path(0, &[light(true), first, path::Entry::delay(1000), line([600, 0], 10.0, 1.0, 0.0)]);
         let zero = bench.start(1);
@@ -428,7 +428,7 @@ fn a_path_that_brakes_for_a_stop_waits_for_no_delay() {
         bench.until(rest + 900 * MS);
         let view = bench.view();
         assert!(
-            view.crds[0].runs && view.crds[0].place[0].0 <= 300 << servo::units::Pos::FRAC_BITS,
+            view.crds[0].runs && view.crds[0].position[0].0 <= 300 << servo::units::Pos::FRAC_BITS,
             "{at}: the delay is made"
         );
     }
@@ -438,7 +438,7 @@ fn a_path_that_brakes_for_a_stop_waits_for_no_delay() {
 #[test]
 fn a_reset_clears_a_fault_of_its_own_tick() {
     for after in 0..4 {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.path(0, &[light(true), line([50, 0], 10.0, 1.0, 10.0)]);
         let zero = bench.start(1);
         // It runs out at speed 10 ms after its start.
@@ -451,7 +451,7 @@ fn a_reset_clears_a_fault_of_its_own_tick() {
         assert_eq!((view.fault, view.light, view.commanded), (Cause::None, false, false), "{after}");
     }
     // A cause that is still there stays.
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.machine.interlock = true;
     bench.tick();
     bench.op(Op::Reset { axes: AxisMask(3) });

@@ -8,7 +8,7 @@ use servo::units::{AxisMask, Pos, StepLimit};
 use servo::view::{LaserView, StopReason, View};
 
 /// Coordinate system 1 on axes 1 and 2; channel 0 heeds it, channel 1 heeds coordinate system 2 alone. Both are lit by calls.
-fn ready(period_us: u32) -> Bench {
+fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });
     bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
@@ -45,7 +45,7 @@ fn told(lasers: &[LaserView; 2]) -> [(Cause, bool); 2] {
 #[test]
 fn a_path_at_the_edge_of_travel_puts_out_its_lasers() {
     for (period, way) in [(50, 1), (250, -1), (1000, 1), (1000, -1)] {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.op(Op::SetPosition { axis: axis(0), pos: Pos((Pos::TRAVEL.0 - (100 << Pos::FRAC_BITS)) * way) });
         bench.frame(0, &[0, 1]);
         bench.path(0, &[line([400 * way as i32, 0], 10.0, 1.0, 0.0)]);
@@ -70,7 +70,7 @@ fn a_path_at_the_edge_of_travel_puts_out_its_lasers() {
 #[test]
 fn an_axis_that_refuses_an_entry_puts_out_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
         bench.op(Op::Output { group: DoGroup::Enable, mask: 0b1000, value: 0 });
         let away = Entry::travel(axis(3), 50, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), false).unwrap();
@@ -87,7 +87,7 @@ fn an_axis_that_refuses_an_entry_puts_out_the_lasers_of_its_path() {
 #[test]
 fn an_alarm_of_an_axis_that_goes_along_puts_out_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
         bench.path(0, &[Entry::gear(axis(3), 50), line([400, 0], 10.0, 1.0, 0.0)]);
         let zero = bench.start(1);
@@ -105,7 +105,7 @@ fn an_alarm_of_an_axis_that_goes_along_puts_out_the_lasers_of_its_path() {
 /// The path waits for an axis that is stopped on its way: the same.
 #[test]
 fn an_axis_that_is_waited_for_and_does_not_come_puts_out_the_lasers_of_its_path() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.op(Op::SetMode { axis: axis(3), mode: AxisMode::Trap });
     let away = Entry::travel(axis(3), 500, (2f64.to_bits(), StepLimit::FULL_SCALE), 1f64.to_bits(), true).unwrap();
     bench.path(0, &[line([37, 0], 10.0, 1.0, 0.0), away, line([0, 0], 10.0, 1.0, 0.0)]);
@@ -121,7 +121,7 @@ fn an_axis_that_is_waited_for_and_does_not_come_puts_out_the_lasers_of_its_path(
 /// Ticks of 0.7 ms; the path of coordinate system 1 runs out at speed 12 ms after its start, which is 0.1 ms behind a tick.
 /// Just before the tick of 11.9 ms, when the plan that goes dark at 12 ms is with the machine.
 fn running_out() -> (Bench, u64) {
-    let mut bench = ready(700);
+    let mut bench = prepared(700);
     bench.path(0, &[light(true), line([50, 0], 10.0, 1.0, 10.0), line([68, 0], 10.0, 1.0, 0.0)]);
     let zero = bench.start(1);
     bench.until(zero + 11_900_000);
@@ -166,7 +166,7 @@ fn a_cause_that_comes_before_the_instant_of_an_underrun_is_dark_at_once() {
 #[test]
 fn a_soft_limit_on_a_path_puts_out_its_lasers() {
     for period in [50, 250, 1000] {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.op(Op::SoftLimit { axis: axis(0), positive: Some(60), negative: None });
         bench.path(0, &[line([400, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
@@ -181,7 +181,7 @@ fn a_soft_limit_on_a_path_puts_out_its_lasers() {
 #[test]
 fn a_following_error_puts_out_the_lasers_of_its_path() {
     for runs in [false, true] {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.op(Op::PositionError { axis: axis(1), limit: Some(9) });
         bench.path(0, &[line([400, 0], 10.0, 1.0, 0.0)]);
         if runs {
@@ -200,7 +200,7 @@ fn a_following_error_puts_out_the_lasers_of_its_path() {
 /// An alarm and a limit in one tick: the alarm is told, which lasts.
 #[test]
 fn of_two_causes_in_one_tick_the_graver_is_told() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.until(5 * MS);
     (bench.machine.inputs[0].alarm, bench.machine.inputs[0].limit_positive) = (true, true);
     bench.tick();
@@ -218,7 +218,7 @@ fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
         |bench| bench.op(Op::Servo { axis: axis(1), on: false }),
     ];
     for (index, act) in acts.into_iter().enumerate() {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.op(Op::SetMode { axis: axis(1), mode: AxisMode::Jog });
         bench.until(5 * MS);
         act(&mut bench);
@@ -226,7 +226,7 @@ fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
         assert_eq!(told(&bench.view().lasers), [(Cause::None, true); 2], "{index}");
     }
     // Clearing.
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.until(5 * MS);
     bench.tick.overrun();
     bench.op(Op::SetMode { axis: axis(1), mode: AxisMode::Jog });
@@ -238,7 +238,7 @@ fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
     bench.until(8 * MS);
     assert_eq!(bench.view().lasers[0].fault, Cause::None);
     // What was before.
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.machine.inputs[2].limit_positive = true;
     bench.op(Op::Servo { axis: axis(3), on: false });
     bench.until(5 * MS);

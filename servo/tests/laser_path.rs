@@ -11,7 +11,7 @@ use servo::units::{AxisMask, Crd, CrdMask};
 const PERIODS: [u32; 5] = [10, 50, 73, 250, 1000];
 
 /// Two coordinate systems, X and Y of each; a carrier of 10 kHz, 100 %, so that light is one pulse.
-fn ready(period_us: u32) -> Bench {
+fn prepared(period_us: u32) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });
     bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
@@ -59,7 +59,7 @@ fn corner() -> [Entry; 2] {
 #[test]
 fn the_gate_moves_at_the_instant_of_its_place_with_its_delays() {
     for period in PERIODS {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.delays(123, 77);
         let [first, second] = corner();
         bench.path(0, &[light(true), first, light(false), second]);
@@ -74,7 +74,7 @@ fn the_gate_moves_at_the_instant_of_its_place_with_its_delays() {
 #[test]
 fn direct_power_changes_at_the_corner() {
     for period in PERIODS {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.delays(0, 30);
         let [first, second] = corner();
         bench.path(0, &[light(true), direct(50.0), first, direct(30.0), second]);
@@ -92,7 +92,7 @@ fn direct_power_changes_at_the_corner() {
 /// A follow begins and ends at the instants of its entries, between two ticks.
 #[test]
 fn a_follow_begins_and_ends_at_its_place() {
-    let mut bench = ready(1000);
+    let mut bench = prepared(1000);
     bench.delays(0, 0);
     bench.carrier(100.0);
     bench.direct(20.0);
@@ -126,17 +126,21 @@ fn a_follow_begins_and_ends_at_its_place() {
 #[test]
 fn the_power_follows_the_middle_of_the_interval() {
     for period in [50, 250, 1000] {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.path(0, &[follow(0.1, 10.0, 14.0), light(true), line([4000, 0], 50.0, 1.0, 0.0)]);
         let zero = bench.start(1);
         // 1250 pulses up in 50 ms, 1500 in 30 ms, 50 ms down.
         let mut ticks = 0;
         while bench.tick.now().0 < zero + 129 * MS {
-            let shown = bench.tick();
+            let published = bench.tick();
             let at = (bench.tick.now().0 - zero) as f64 / 1e6 + f64::from(period) / 2e3;
             let v = at.min(50.0).min(130.0 - at);
             let want = (0.1 * v + 10.0).clamp(10.0, 14.0);
-            assert!((number(shown.power) - want).abs() < 1e-7, "{period} at {at}: {} {want}", number(shown.power));
+            assert!(
+                (number(published.power) - want).abs() < 1e-7,
+                "{period} at {at}: {} {want}",
+                number(published.power)
+            );
             ticks += 1;
         }
         assert!(ticks > 100);
@@ -147,7 +151,7 @@ fn the_power_follows_the_middle_of_the_interval() {
 #[test]
 fn energy_per_way_is_the_ratio() {
     for period in [10, 50, 250, 1000] {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.carrier(1000.0);
         bench.path(0, &[follow(2.0, 0.0, 100.0), light(true), line([4000, 0], 50.0, 1.0, 0.0)]);
         let zero = bench.start(1);
@@ -179,7 +183,7 @@ fn energy_per_way_is_the_ratio() {
 /// At a corner and in a BufDelay the speed is 0: the minimum, not darkness.
 #[test]
 fn speed_0_is_the_minimum() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     let entries = [
         follow(1.0, 5.0, 100.0),
         light(true),
@@ -191,8 +195,8 @@ fn speed_0_is_the_minimum() {
     let zero = bench.start(1);
     // 10 ms up, 10 ms down, 7 ms of rest.
     until(&mut bench, zero + 23 * MS);
-    let shown = bench.view().lasers[0];
-    assert_eq!((shown.light, number(shown.power)), (true, 5.0));
+    let published = bench.view().lasers[0];
+    assert_eq!((published.light, number(published.power)), (true, 5.0));
     until(&mut bench, zero + 32 * MS);
     assert!((number(bench.view().lasers[0].power) - 10.125).abs() < 1e-7);
     until(&mut bench, zero + 60 * MS);
@@ -204,7 +208,7 @@ fn speed_0_is_the_minimum() {
 #[test]
 fn a_stop_keeps_light_dark_until_the_path_goes_on() {
     for period in PERIODS {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         let step = u64::from(period) * US;
         bench.delays(123, 77);
         bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
@@ -230,7 +234,7 @@ fn a_stop_keeps_light_dark_until_the_path_goes_on() {
 fn whose_light_goes_off_and_comes_back() {
     // Stopped within its path, with light of an entry; what is done then; whether light is there after a CrdStart.
     let case = |before: &dyn Fn(&mut Bench), meanwhile: &dyn Fn(&mut Bench)| {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         bench.until(20 * MS);
@@ -272,7 +276,7 @@ fn whose_light_goes_off_and_comes_back() {
     };
     assert_eq!(case(&nothing, &ending), (false, true));
     // Ending a follow at rest lights nothing; what the Stop shut off comes back with the start that goes on.
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, &[follow(1.0, 1.0, 50.0), light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
     bench.until(20 * MS);
@@ -297,7 +301,7 @@ fn whose_light_goes_off_and_comes_back() {
 #[test]
 fn a_start_and_an_off_command_of_one_instant_keep_their_order() {
     let stopped = || {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
         bench.start(1);
         bench.until(20 * MS);
@@ -316,7 +320,7 @@ fn a_start_and_an_off_command_of_one_instant_keep_their_order() {
     bench.until(50 * MS);
     assert!(bench.view().lasers[0].light);
     // A Stop, then an on command: off there, and on after its delay.
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
     let zero = bench.start(1);
     bench.until(20 * MS);
@@ -331,7 +335,7 @@ fn a_start_and_an_off_command_of_one_instant_keep_their_order() {
 /// Light that begins while a path speeds up begins with the power of its interval.
 #[test]
 fn light_begins_with_the_power_that_follows() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.delays(30, 130);
     bench.path(0, &[follow(2.0, 0.0, 100.0), line([4000, 0], 50.0, 1.0, 0.0)]);
     let zero = bench.start(1);
@@ -341,11 +345,11 @@ fn light_begins_with_the_power_that_follows() {
         let tick = (bench.tick.now().0 - zero) / 250_000;
         // Off and on within the ticks.
         bench.gate(!tick.is_multiple_of(3));
-        let shown = bench.tick();
+        let published = bench.tick();
         let v = (bench.tick.now().0 - zero) as f64 / 1e6 + 0.125;
-        if shown.light {
+        if published.light {
             lit += 1;
-            assert!((number(shown.power) - 2.0 * v).abs() < 1e-7, "at {v}: {}", number(shown.power));
+            assert!((number(published.power) - 2.0 * v).abs() < 1e-7, "at {v}: {}", number(published.power));
         }
     }
     assert!((40..140).contains(&lit), "{lit}");
@@ -360,7 +364,7 @@ fn light_begins_with_the_power_that_follows() {
 /// Power 0 is no pulses, also in between, and is shown so; then the carrier is there again.
 #[test]
 fn a_follow_passes_0() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     let entries = [
         follow(2.0, 0.0, 100.0),
         light(true),
@@ -370,14 +374,14 @@ fn a_follow_passes_0() {
     ];
     bench.path(0, &entries);
     let zero = bench.start(1);
-    let shown = |bench: &mut Bench, ms: u64| {
+    let published = |bench: &mut Bench, ms: u64| {
         until(bench, zero + ms * MS);
-        let shown = bench.view().lasers[0];
-        (number(shown.power), number(shown.khz), shown.train.is_none())
+        let published = bench.view().lasers[0];
+        (number(published.power), number(published.khz), published.train.is_none())
     };
-    assert_eq!(shown(&mut bench, 8), (16.25, 10.0, false));
-    assert_eq!(shown(&mut bench, 22), (0.0, 0.0, true));
-    assert_eq!(shown(&mut bench, 33), (16.25, 10.0, false));
+    assert_eq!(published(&mut bench, 8), (16.25, 10.0, false));
+    assert_eq!(published(&mut bench, 22), (0.0, 0.0, true));
+    assert_eq!(published(&mut bench, 33), (16.25, 10.0, false));
     let dark = (zero + 20 * MS + 100 * US)..(zero + 25 * MS);
     assert!(bench.pulses().iter().all(|pulse| !dark.contains(&pulse.0)));
 }
@@ -390,7 +394,7 @@ fn underrun(first: Entry) -> [Entry; 3] {
 /// More starts and stops at one instant than a list holds are carried out in their order.
 #[test]
 fn any_number_of_starts_and_stops_at_one_instant() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
     let zero = bench.start(1);
     until(&mut bench, zero + 20 * MS);
@@ -400,15 +404,15 @@ fn any_number_of_starts_and_stops_at_one_instant() {
         bench.start(1);
     }
     bench.until_ms(30);
-    let shown = bench.view().lasers[0];
-    assert_eq!((shown.fault, shown.light, bench.view().crds[0].runs), (Cause::None, true, true));
+    let published = bench.view().lasers[0];
+    assert_eq!((published.fault, published.light, bench.view().crds[0].runs), (Cause::None, true, true));
 }
 
 /// Out of entries at speed: dark there, to the ns, in every output; it stays so until it is cleared.
 #[test]
 fn an_underrun_is_dark_at_its_instant() {
     for period in PERIODS {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.delays(5000, 0);
         bench.standby(Some((20.0, 50.0)));
         bench.path(0, &underrun(light(true)));
@@ -416,8 +420,8 @@ fn an_underrun_is_dark_at_its_instant() {
         until(&mut bench, zero + 40 * MS);
         assert_eq!(edges(&mut bench, zero), [(0, true), (12_000_000, false)], "{period}");
         assert_eq!(bench.pulses().last(), Some(&(zero, zero + 12_000_000)), "{period}");
-        let shown = bench.view().lasers[0];
-        assert_eq!((shown.fault, shown.on_time), (Cause::Underrun, 48), "{period}");
+        let published = bench.view().lasers[0];
+        assert_eq!((published.fault, published.on_time), (Cause::Underrun, 48), "{period}");
         assert_eq!(bench.view().lasers[1].fault, Cause::Underrun);
         bench.gate(true);
         bench.until_ms(60);
@@ -434,7 +438,7 @@ fn an_underrun_is_dark_at_its_instant() {
 #[test]
 fn nothing_is_planned_behind_an_underrun() {
     for (mode, period) in [Mode::Duty, Mode::Frequency, Mode::Analog, Mode::DutyOpen].into_iter().zip(PERIODS) {
-        let mut bench = ready(period);
+        let mut bench = prepared(period);
         bench.mode(mode, 10.0, 0.0, true);
         bench.width(5);
         bench.standby(Some((20.0, 50.0)));
@@ -456,7 +460,7 @@ fn nothing_is_planned_behind_an_underrun() {
 /// In analog mode an underrun takes the DAC to 0 V there, pre-voltage or not.
 #[test]
 fn an_underrun_takes_the_dac_to_0() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.mode(Mode::Analog, 10.0, 0.0, true);
     bench.change(Change::PreVoltage(Some(power(2.0))));
     bench.path(0, &underrun(direct(5.0)));
@@ -473,7 +477,7 @@ fn an_underrun_takes_the_dac_to_0() {
 #[test]
 fn a_fault_of_an_axis_puts_out_what_its_coordinate_system_gates() {
     let lit = |map| {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.change(Change::CrdMap { map });
         bench.op(Op::Laser { channel: 1, change: Change::CrdMap { map: 0b10 } });
         bench.gate(true);
@@ -481,7 +485,7 @@ fn a_fault_of_an_axis_puts_out_what_its_coordinate_system_gates() {
         bench.until(5 * MS);
         bench
     };
-    let faults = |bench: &mut Bench| bench.view().lasers.map(|shown| shown.fault);
+    let faults = |bench: &mut Bench| bench.view().lasers.map(|published| published.fault);
     // An alarm.
     let mut bench = lit(0b01);
     bench.machine.inputs[1].alarm = true;
@@ -532,7 +536,7 @@ fn a_fault_of_an_axis_puts_out_what_its_coordinate_system_gates() {
 #[test]
 fn light_comes_back_after_a_lost_link() {
     let lost = |entries: &[Entry]| {
-        let mut bench = ready(250);
+        let mut bench = prepared(250);
         bench.path(0, entries);
         let zero = bench.start(1);
         until(&mut bench, zero + 20 * MS);
@@ -556,7 +560,7 @@ fn light_comes_back_after_a_lost_link() {
     // So does another follow, which begins on the way: the light is not kept by rest.
     assert!(lost(&[follow(1.0, 1.0, 50.0), light(true), line([170, 0], 10.0, 1.0, 10.0), follow(2.0, 1.0, 50.0), far]));
     // Not if the path goes on before the fault is cleared.
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
     bench.until_ms(20);
@@ -582,7 +586,7 @@ fn light_comes_back_after_a_lost_link() {
 /// A start that goes on, and the loss of the link behind it in the same tick: the light waits for the next start.
 #[test]
 fn a_start_in_the_tick_that_loses_the_link_keeps_its_light_for_the_next() {
-    let mut bench = ready(250);
+    let mut bench = prepared(250);
     bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
     bench.until_ms(20);
@@ -606,7 +610,7 @@ fn a_start_in_the_tick_that_loses_the_link_keeps_its_light_for_the_next() {
 /// Two paths change one channel within one interval: in the order of time.
 #[test]
 fn changes_of_two_paths_come_in_the_order_of_time() {
-    let mut bench = ready(1000);
+    let mut bench = prepared(1000);
     // Boundaries 15.5 ms after the start and 15.9 ms; 15.7 ms.
     let long = |from: i32| line([from + 300, 0], 10.0, 1.0, 0.0);
     let at = |x: i32| line([x, 0], 10.0, 1.0, 10.0);
@@ -621,7 +625,7 @@ fn changes_of_two_paths_come_in_the_order_of_time() {
 #[test]
 fn both_follows_add_up() {
     for family in [Family::Gus, Family::Lsr] {
-        let mut bench = ready(1000);
+        let mut bench = prepared(1000);
         if family == Family::Lsr {
             lsr(&mut bench);
         }
@@ -646,8 +650,8 @@ fn both_follows_add_up() {
         bench.until(zero + 30 * MS);
         // At 250 pulses: 0.05·150 = 7.5; the velocity part 25 → 22 in GUS; in LSR 25 + 7 + 7.5 held in 5 to 22.
         let want = if family == Family::Gus { 29.5 } else { 22.0 };
-        let shown = bench.view().lasers[0];
-        assert_eq!((number(shown.power), shown.light), (want, true), "{family:?}");
+        let published = bench.view().lasers[0];
+        assert_eq!((number(published.power), published.light), (want, true), "{family:?}");
         // At 1250 pulses, GUS: 22 + 57.5, held in the distance's 60.
         bench.until(zero + 130 * MS);
         let want = if family == Family::Gus { 60.0 } else { 22.0 };
@@ -670,7 +674,7 @@ fn the_encoders_of_a_path_may_be_followed() {
 }
 
 fn encoders_are_followed(filtered: bool) {
-    let mut bench = ready(1000);
+    let mut bench = prepared(1000);
     if !filtered {
         bench.op(Op::CrdLag { crd: Crd::FIRST, lag: Lag::NONE });
     }

@@ -11,7 +11,7 @@ use servo::path::Entry;
 type Number = Exact<i128>;
 
 /// One coordinate system, frequency mode, pulses of `width` µs.
-fn ready(period_us: u32, width: u16) -> Bench {
+fn prepared(period_us: u32, width: u16) -> Bench {
     let mut bench = Bench::new(period_us);
     bench.change(Change::Reset { family: Family::Gus });
     bench.op(Op::Output { group: DoGroup::Enable, mask: 0xf, value: 0xf });
@@ -64,7 +64,7 @@ fn pulses_under_a_follow_lie_at_equal_distances() {
     for period_us in [10, 50, 250, 1000] {
         // 2, 1/2, 1/10 and 3/10 pulses of light for one of the path.
         for (n, d) in [(2, 1), (1, 2), (1, 10), (3, 10)] {
-            let mut bench = ready(period_us, 1);
+            let mut bench = prepared(period_us, 1);
             let entries = [light(true), follow(n as f64 / d as f64, 2000.0), line([LENGTH as i32, 0], 10.0, 1.0, 0.0)];
             bench.path(0, &entries);
             let zero = bench.start(1);
@@ -88,7 +88,7 @@ fn pulses_under_a_follow_lie_at_equal_distances() {
 /// The pulse in progress ends a count before the next one, wherever the rate makes that come: pulses never touch. The view says so.
 #[test]
 fn pulses_whose_width_passes_the_period_do_not_touch() {
-    let mut bench = ready(10, 40);
+    let mut bench = prepared(10, 40);
     bench.direct(10.0);
     bench.gate(true);
     let zero = bench.tick.now().0 + 10 * US;
@@ -107,7 +107,7 @@ fn pulses_whose_width_passes_the_period_do_not_touch() {
 fn pulses_of_a_follow_never_touch() {
     for period_us in [10, 50, 250] {
         // 20 µs of each 100 µs at full speed are too long by far at 10 kHz for a ratio of 10.
-        let mut bench = ready(period_us, 20);
+        let mut bench = prepared(period_us, 20);
         bench.path(0, &[light(true), follow(10.0, 2000.0), line([LENGTH as i32, 0], 10.0, 1.0, 0.0)]);
         let zero = bench.start(1);
         bench.until_ms(zero / MS + 30);
@@ -125,7 +125,7 @@ fn pulses_of_a_follow_never_touch() {
 /// A stop at speed 0 in mid-pitch: the phase stands still with it.
 #[test]
 fn a_rest_of_the_path_holds_the_phase() {
-    let mut bench = ready(50, 1);
+    let mut bench = prepared(50, 1);
     // 3.5 pulses, a delay of 7 ms, 6.4 more: a pulse at every ten pulses of the path.
     let lines = |to: i32| line([to, 0], 1.0, 1.0, 0.0);
     let entries = [light(true), follow(0.1, 2000.0), lines(35), Entry::delay(7), lines(99)];

@@ -1,9 +1,9 @@
 //! What a path makes ahead is what it would have made on the spot: two paths, one of which makes nothing ahead, and one
 //! that takes the short way of a coordinate system where it can, through random motions, waits, gears and marks, data that
 //! comes late, Stops, overrides, and ticks in which there is no time. Every place, speed, instant and gear is the same to the bit.
-use servo::path::{Bend, Entry, Feed, Path, Plane, Rate, Sight, Step, Sweep, Told};
-use servo::piece::Motion;
-use servo::ramp::Accel;
+use servo::path::{Bend, Entry, Feed, Path, PathReport, Plane, Rate, Step, StepReport, Sweep};
+use servo::segment::piece::Motion;
+use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
 
 mod chance;
@@ -21,29 +21,29 @@ struct Seen {
 
 impl Seen {
     fn new(path: Path) -> Seen {
-        let (heading, bend, motion) = ([0; 4], Bend::STRAIGHT, Motion::REST);
-        let step = Step { place: [Pos(0); 4], heading, bend, motion, runs: false, fifo: 0, done: 0 };
+        let (heading, bend, motion) = ([0; 4], Bend::STRAIGHT, Motion::STANDSTILL);
+        let step = Step { position: [Pos(0); 4], heading, bend, motion, runs: false, fifo: 0, done: 0 };
         Seen { path, step, turns: 0, heard: Heard::default() }
     }
 
     fn tick(&mut self, now: u64, period: u64, feed: Feed, script: &Script, ahead: bool) {
-        let Step { place, heading, bend, motion, .. } = &mut self.step;
-        let mut sight = Sight { place, heading, bend, motion, turns: &mut self.turns };
-        let Told { runs, fifo, done, .. } =
+        let Step { position: place, heading, bend, motion, .. } = &mut self.step;
+        let mut sight = PathReport { position: place, heading, bend, motion, turns: &mut self.turns };
+        let StepReport { runs, fifo, done, .. } =
             self.path.advance(Ns(now), Ns(period), feed, script, &mut self.heard, &mut sight, ahead);
         (self.step.runs, self.step.fifo, self.step.done) = (runs, fifo, done);
     }
 
     /// The same by the short way that a coordinate system takes where it can; boundaries that it went over.
-    fn glide(&mut self, now: u64, period: u64, feed: Feed, script: &Script, ahead: bool) -> u32 {
+    fn fast_step(&mut self, now: u64, period: u64, feed: Feed, script: &Script, ahead: bool) -> u32 {
         let (mut turns, next, period) = (0, Ns(now), Ns(period));
         if self.path.is_due(next) {
             turns += self.path.turn(feed, |_| true) as u32;
         }
         let fresh = self.path.is_fresh();
-        let Step { place, heading, bend, motion, .. } = &mut self.step;
-        let mut sight = Sight { place, heading, bend, motion, turns: &mut self.turns };
-        let Some(way) = self.path.glide(next, feed, &mut sight) else {
+        let Step { position: place, heading, bend, motion, .. } = &mut self.step;
+        let mut sight = PathReport { position: place, heading, bend, motion, turns: &mut self.turns };
+        let Some(way) = self.path.fast_step(next, feed, &mut sight) else {
             self.tick(now, period.0, feed, script, ahead);
             return turns;
         };
@@ -147,7 +147,7 @@ fn what_is_made_ahead_is_what_would_have_been_made() {
             let ahead = chance.below(4) >= often;
             let [with, without, quick] = &mut both;
             with.tick(now, period, feed, &script, ahead);
-            turns += quick.glide(now, period, feed, &script, ahead);
+            turns += quick.fast_step(now, period, feed, &script, ahead);
             without.tick(now, period, feed, &script, false);
             assert_eq!(with.step, without.step, "case {case} at {now}");
             assert_eq!(quick.step, without.step, "case {case} at {now}, the short way");

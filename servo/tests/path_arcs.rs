@@ -1,7 +1,7 @@
 //! Arcs and circles: on their radius at every tick, as long as they should be, on their target at the end.
 //!
 //! The truth is the circle through both ends with the sweep, in doubles: on 2³¹ pulses they are good to 10⁻⁶ pulse.
-use servo::path::{Entry, Item, Path, Plane, Refused, Rest, Sweep};
+use servo::path::{Entry, Item, Path, PathStop, Plane, Refused, Sweep};
 use servo::units::Pos;
 use std::f64::consts::{PI, TAU};
 
@@ -60,16 +60,16 @@ fn arcs_hold_their_radius_and_their_length() {
         let total = time(length, vel, acc);
         let period = ((total * 1e6 / 60.0) as u64).clamp(10_000, 1 << 40) | 1;
         let mut path = Path::IDLE;
-        path.place(from.map(Pos::pulses));
+        path.position(from.map(Pos::pulses));
         let mut before: Option<f64> = None;
         let mut turned = 0.0;
         let mut last = None;
         let heard = run(&mut path, &Script(entries), period, |_, step| {
             for (k, from) in from.iter().enumerate() {
-                assert!(k == i || k == j || step.place[k] == Pos::pulses(*from), "{case}");
+                assert!(k == i || k == j || step.position[k] == Pos::pulses(*from), "{case}");
             }
-            let x = pulses(Pos(step.place[i].0 - Pos::pulses(from[i]).0)) - centre[0];
-            let y = pulses(Pos(step.place[j].0 - Pos::pulses(from[j]).0)) - centre[1];
+            let x = pulses(Pos(step.position[i].0 - Pos::pulses(from[i]).0)) - centre[0];
+            let y = pulses(Pos(step.position[j].0 - Pos::pulses(from[j]).0)) - centre[1];
             let error = (x.hypot(y) - radius).abs();
             worst = worst.max(error);
             assert!(error < 1e-3, "{case}: {error:e} off a radius of {radius}");
@@ -86,7 +86,7 @@ fn arcs_hold_their_radius_and_their_length() {
                 turned += (at - before + 5.0 * PI).rem_euclid(TAU) - PI;
             }
             before = Some(at);
-            last = Some(step.place);
+            last = Some(step.position);
         });
         assert_eq!(last, Some(to.map(Pos::pulses)), "{case}");
         let signed = if ccw { sweep } else { -sweep };
@@ -120,16 +120,16 @@ fn full_circles_come_back_to_their_start() {
         let circle = Entry::circle(plane, centre, ccw, speeds(vel, acc, 0.0)).unwrap();
         let mut path = Path::IDLE;
         let from = [5, -7, 1000, 3].map(Pos::pulses);
-        path.place(from);
+        path.position(from);
         let (mut last, mut quarter) = (None, None);
         let heard = run(&mut path, &Script(vec![circle, mark(1)]), period, |t, step| {
-            let x = pulses(Pos(step.place[i].0 - from[i].0)) - c[0];
-            let y = pulses(Pos(step.place[j].0 - from[j].0)) - c[1];
+            let x = pulses(Pos(step.position[i].0 - from[i].0)) - c[0];
+            let y = pulses(Pos(step.position[j].0 - from[j].0)) - c[1];
             worst = worst.max((x.hypot(y) - radius).abs());
             if t as f64 > total * 1e6 * 0.2 && quarter.is_none() {
                 quarter = Some(x * -c[1] - y * -c[0]);
             }
-            last = Some(step.place);
+            last = Some(step.position);
         });
         assert_eq!(last, Some(from));
         // A fifth of the time on, a counterclockwise circle lies left of the way from the centre to the start.
@@ -151,15 +151,15 @@ fn planes_turn_as_seen_from_their_third_axis() {
         let sweep = Sweep::admit(0.25f64.to_bits(), false, true).unwrap();
         let entries = vec![Entry::arc(plane, [0, 1000], sweep, speeds(10.0, 1.0, 0.0))];
         let mut path = Path::IDLE;
-        path.place(from.map(Pos::pulses));
+        path.position(from.map(Pos::pulses));
         let mut middle = [0.0; 4];
         let total = time(500.0 * PI, 10.0, 1.0) * 1e6;
         let heard = run(&mut path, &Script(entries), 500_000, |t, step| {
             if t as f64 <= total / 2.0 {
-                middle = step.place.map(pulses);
+                middle = step.position.map(pulses);
             }
         });
-        assert_eq!(heard.rests[0].1, Rest::Completed);
+        assert_eq!(heard.rests[0].1, PathStop::Completed);
         for k in towards {
             assert!((middle[k] - 500f64.sqrt() * 1000f64.sqrt()).abs() < 5.0, "{middle:?}");
         }

@@ -4,8 +4,8 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::path::{Along, Entry, Path, Rest};
-use servo::piece::Motion;
+use servo::path::{Along, Entry, Path, PathStop};
+use servo::segment::piece::Motion;
 use servo::units::Pos;
 
 mod chance;
@@ -199,9 +199,9 @@ fn boundaries_of_random_paths_come_at_their_exact_instants() {
             path.rules.set_even(even);
             let mut end = None;
             let heard = run(&mut path, &script, period, |_, step| end = Some(*step));
-            assert_eq!(end.unwrap().place, place.map(Pos::pulses), "{case}");
+            assert_eq!(end.unwrap().position, place.map(Pos::pulses), "{case}");
             assert_eq!((end.unwrap().done, path.released(0)), (count as u32, script.0.len() as u32));
-            let rest = if underrun { Rest::Underrun } else { Rest::Completed };
+            let rest = if underrun { PathStop::Underrun } else { PathStop::Completed };
             assert_eq!(heard.rests.iter().map(|r| r.1).collect::<Vec<_>>(), [rest], "{case}");
             assert_eq!(heard.marks.len(), expected.len());
             for (n, ((at, code), expected)) in heard.marks.iter().zip(&expected).enumerate() {
@@ -239,7 +239,7 @@ fn positions_on_lines_follow_the_law() {
         let law = law(&whole(0), &length, &fix(speeds.vel), &fix(speeds.acc), &whole(0), &whole(0));
         let period = if far { 997_000_003 } else { 333_331 };
         let mut path = Path::IDLE;
-        path.place(from.map(Pos::pulses));
+        path.position(from.map(Pos::pulses));
         let entry = if flat { Entry::planar([to[0], to[1]], along(speeds)) } else { line(to, speeds) };
         // Numbers of 32 bits cost that much of the way of a ramp, and of the peak; ends of legs are told to 2⁻²¹ ns.
         let packed = if flat { 0.0 } else { 2f64.powi(-32) };
@@ -261,11 +261,11 @@ fn positions_on_lines_follow_the_law() {
             for i in 0..4 {
                 let ideal = whole(from[i] as i64).add(&whole(to[i] as i64 - from[i] as i64).mul(&way).div(&length));
                 let ideal = Fix(ideal.0 << 22).f64();
-                if step.runs && step.motion != Motion::REST {
+                if step.runs && step.motion != Motion::STANDSTILL {
                     let share = whole(to[i] as i64 - from[i] as i64).div(&length).f64();
                     assert!((step.heading[i] as f64 * 2f64.powi(-30) - share).abs() < 2f64.powi(-29), "{case}");
                 }
-                let error = (step.place[i].0 as f64 - ideal).abs() * 2f64.powi(-22);
+                let error = (step.position[i].0 as f64 - ideal).abs() * 2f64.powi(-22);
                 let bound = 2f64.powi(-21) + packed * (ramp + length.f64() * 2f64.powi(-7));
                 assert!(error <= bound, "{case}: {error:e}, bound {bound:e}");
                 let worst = &mut worst[flat as usize];

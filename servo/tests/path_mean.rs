@@ -6,7 +6,7 @@ use chance::Chance;
 use paths::{Heard, Script, speeds};
 use servo::laser::PathSpeed;
 use servo::path::{Entry, Feed, Path};
-use servo::piece::{Motion, Recip};
+use servo::segment::piece::{Motion, Recip};
 use servo::units::Ns;
 
 const BEGIN: u64 = 1_000_000;
@@ -46,7 +46,7 @@ fn run(entries: Vec<Entry>, period: u64, stop: Option<u64>) -> u64 {
             path.stop(Ns(now), false, feed, &script, &mut heard);
         }
         let step = path.step(Ns(now), Ns(period), feed, &script, &mut heard);
-        let x = step.place[0].0 as f64 / (1u64 << 22) as f64;
+        let x = step.position[0].0 as f64 / (1u64 << 22) as f64;
         if let Some((from, mean)) = before {
             let way: f64 = x - from;
             let off: f64 = mean * period as f64 / 1e6 - way;
@@ -87,8 +87,8 @@ fn a_stop_is_followed_too() {
 
 #[test]
 fn at_rest_there_is_no_speed() {
-    assert_eq!(PathSpeed::ahead(&Motion::REST, Ns(1_000_000)), PathSpeed::REST);
-    assert_eq!(PathSpeed::measured([0; 4], Ns(10_000)), PathSpeed::REST);
+    assert_eq!(PathSpeed::ahead(&Motion::STANDSTILL, Ns(1_000_000)), PathSpeed::STANDSTILL);
+    assert_eq!(PathSpeed::measured([0; 4], Ns(10_000)), PathSpeed::STANDSTILL);
 }
 
 /// A piece of 2¹⁷ ns that speeds up from 1 to 3 pulse/ms: what is asked for beyond it is its end.

@@ -2,9 +2,9 @@
 //! which makes nothing ahead, through random FIFOs, Stops of both kinds, clearing, overrides, other names of places, data that
 //! comes while something is being made, and starts with the FIFO that nobody thought of. Every place, speed, instant and gear
 //! is the same to the bit.
-use servo::path::{Along, Bend, Entries, Entry, Feed, Path, Plane, Rate, Sight, Step, Sweep, Told};
-use servo::piece::Motion;
-use servo::ramp::Accel;
+use servo::path::{Along, Bend, Entries, Entry, Feed, Path, PathReport, Plane, Rate, Step, StepReport, Sweep};
+use servo::segment::piece::Motion;
+use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos};
 
 mod chance;
@@ -40,15 +40,15 @@ struct Seen {
 
 impl Seen {
     fn new(path: Path) -> Seen {
-        let (heading, bend, motion) = ([0; 4], Bend::STRAIGHT, Motion::REST);
-        let step = Step { place: [Pos(0); 4], heading, bend, motion, runs: false, fifo: 0, done: 0 };
+        let (heading, bend, motion) = ([0; 4], Bend::STRAIGHT, Motion::STANDSTILL);
+        let step = Step { position: [Pos(0); 4], heading, bend, motion, runs: false, fifo: 0, done: 0 };
         Seen { path, step, turns: 0, heard: Heard::default() }
     }
 
     fn tick(&mut self, now: u64, period: u64, fifos: &Fifos, ahead: bool) {
-        let Step { place, heading, bend, motion, .. } = &mut self.step;
-        let mut sight = Sight { place, heading, bend, motion, turns: &mut self.turns };
-        let Told { runs, fifo, done, .. } =
+        let Step { position: place, heading, bend, motion, .. } = &mut self.step;
+        let mut sight = PathReport { position: place, heading, bend, motion, turns: &mut self.turns };
+        let StepReport { runs, fifo, done, .. } =
             self.path.advance(Ns(now), Ns(period), fifos.feed(), fifos, &mut self.heard, &mut sight, ahead);
         (self.step.runs, self.step.fifo, self.step.done) = (runs, fifo, done);
     }
@@ -104,7 +104,7 @@ fn rest(both: &mut [Seen; 2], fifos: &mut Fifos, chance: &mut Chance) {
             }
             3 if chance.below(9) == 0 => {
                 *fifos = Fifos::default();
-                both.iter_mut().for_each(|seen| seen.path.place([Pos::pulses(3); 4]));
+                both.iter_mut().for_each(|seen| seen.path.position([Pos::pulses(3); 4]));
             }
             _ => {
                 fifos.entries[fifo as usize].extend((0..1 + chance.below(6)).map(|_| entry(chance)));
@@ -114,7 +114,7 @@ fn rest(both: &mut [Seen; 2], fifos: &mut Fifos, chance: &mut Chance) {
         }
         for _ in 0..chance.below(16) {
             let fifo = if chance.below(20) == 0 { likely ^ 1 } else { likely };
-            both[0].path.get_ready(fifo, fifos.feed(), fifos);
+            both[0].path.prepare_start(fifo, fifos.feed(), fifos);
         }
     }
 }
@@ -123,7 +123,7 @@ fn rest(both: &mut [Seen; 2], fifos: &mut Fifos, chance: &mut Chance) {
 #[derive(Default)]
 struct Count {
     starts: u32,
-    ready: u32,
+    prepared: u32,
     resumed: u32,
     stops: u32,
 }
@@ -144,14 +144,14 @@ fn case(chance: &mut Chance, case: u64, count: &mut Count) {
             continue;
         }
         // All that there is to make is made.
-        let ready = chance.below(2) == 0;
+        let prepared = chance.below(2) == 0;
         let mut made = 0;
-        while ready && both[0].path.get_ready(fifo, feed, &fifos) {
+        while prepared && both[0].path.prepare_start(fifo, feed, &fifos) {
             made += 1;
             assert!(made < 20, "it is never ready");
         }
         count.starts += 1;
-        count.ready += (made > 0) as u32;
+        count.prepared += (made > 0) as u32;
         count.resumed += (made > 0 && both[0].path.goes_on(fifo)) as u32;
         both.iter_mut().for_each(|seen| seen.path.start(Ns(now), fifo, feed, &fifos));
         let mut stop = Some(chance.below(60_000_000 / period)).filter(|_| chance.below(3) > 0);
@@ -190,7 +190,10 @@ fn a_ready_start_is_the_start_that_would_have_been_made() {
     for number in 0..cases {
         case(&mut chance, number, &mut count);
     }
-    let Count { starts, ready, resumed, stops } = count;
-    println!("{starts} starts, {ready} ready, {resumed} of these resumed, {stops} Stops");
-    assert!(ready as u64 > cases && resumed as u64 * 4 > cases && stops as u64 > cases, "{ready}, {resumed}, {stops}");
+    let Count { starts, prepared, resumed, stops } = count;
+    println!("{starts} starts, {prepared} ready, {resumed} of these resumed, {stops} Stops");
+    assert!(
+        prepared as u64 > cases && resumed as u64 * 4 > cases && stops as u64 > cases,
+        "{prepared}, {resumed}, {stops}"
+    );
 }

@@ -1,9 +1,9 @@
 //! What a path does besides going along: Stops, FIFOs, waits, effects, data that comes late, overrides.
 //! Expected figures are closed forms: v²/2a for a way of braking, v/a for its time.
 use servo::op::DoGroup;
-use servo::path::{Along, Change, Effects, Entry, Feed, Fine, Path, Rate, Refused, Rest, Step};
-use servo::piece::{Motion, Scaled};
-use servo::ramp::Accel;
+use servo::path::{Along, Change, Effects, Entry, Feed, Fine, Path, PathStop, Rate, Refused, Step};
+use servo::segment::piece::{Motion, Scaled};
+use servo::segment::ramp::Accel;
 use servo::units::{Axis, Ns, Pos, StepLimit};
 
 mod chance;
@@ -87,11 +87,14 @@ fn the_listing_of_the_manual_changes_power_at_the_corner() {
         let middle = bench.until(1_000_000_000);
         assert!(near(speed(&middle.motion), 50.0) && middle.done == 0 && middle.runs);
         let last = bench.finish();
-        assert_eq!((last.place, last.done, last.motion), ([0, 10_000, 0, 0].map(Pos::pulses), 2, Motion::REST));
+        assert_eq!(
+            (last.position, last.done, last.motion),
+            ([0, 10_000, 0, 0].map(Pos::pulses), 2, Motion::STANDSTILL)
+        );
         let [first, corner, end] = &bench.heard.marks[..] else { panic!() };
         assert_eq!((first.0, corner.0), ((BEGIN as Fine) << 32, ((BEGIN + 2_025_000_000) as Fine) << 32));
         assert!(near(since(end.0) / 1e6, 2025.0 + (1e10f64 + 1e8).sqrt() / 50.0 + 25.0));
-        assert_eq!(bench.heard.rests, [(end.0, Rest::Completed)]);
+        assert_eq!(bench.heard.rests, [(end.0, PathStop::Completed)]);
     }
 }
 
@@ -135,7 +138,7 @@ fn speed_goes_through_a_corner_and_to_zero_where_nothing_or_a_wait_follows() {
     for ((at, code), (i, expected)) in bench.marks().iter().zip(times.iter().enumerate()) {
         assert!(*code as usize == i + 1 && near(*at, *expected), "{at} {expected}");
     }
-    assert_eq!(bench.heard.rests[0].1, Rest::Completed);
+    assert_eq!(bench.heard.rests[0].1, PathStop::Completed);
 }
 
 /// A motion too short to brake before a wait: what comes behind the wait begins at rest, however long there is for it
@@ -169,7 +172,7 @@ fn a_path_too_short_to_brake_ends_in_an_underrun_on_its_target() {
     let mut bench = Bench::new(entries, 100_000);
     bench.start(0);
     let last = bench.finish();
-    assert_eq!((last.place[0], bench.heard.rests[0].1), (Pos::pulses(1010), Rest::Underrun));
+    assert_eq!((last.position[0], bench.heard.rests[0].1), (Pos::pulses(1010), PathStop::Underrun));
     // From 10 pulse/ms over 10 pulses at 1 pulse/ms²: sqrt(80), 10 − sqrt(80) ms.
     assert!(near(bench.marks()[0].0, 105.0 + 10.0 - 80f64.sqrt()));
     assert!(!bench.path.runs() && bench.path.refuses_start(0, bench.feed));
@@ -179,9 +182,11 @@ fn a_path_too_short_to_brake_ends_in_an_underrun_on_its_target() {
 #[test]
 fn an_end_that_only_rounding_keeps_from_rest_is_no_underrun() {
     let ideal = 140f64.sqrt();
-    for (vel, rest) in
-        [(ideal.next_up(), Rest::Completed), (ideal + 5e-7, Rest::Completed), (ideal + 1e-5, Rest::Underrun)]
-    {
+    for (vel, rest) in [
+        (ideal.next_up(), PathStop::Completed),
+        (ideal + 5e-7, PathStop::Completed),
+        (ideal + 1e-5, PathStop::Underrun),
+    ] {
         let entries =
             vec![Entry::planar([1000, 0], speeds(20.0, 0.7, vel)), Entry::planar([1100, 0], speeds(20.0, 0.7, 0.0))];
         let mut bench = Bench::new(entries, 100_000);
@@ -247,16 +252,16 @@ fn a_smooth_stop_brakes_through_what_follows_and_goes_on_from_there() {
     assert!(stop.1 > 0.0);
     assert_eq!(bench.heard.rests.len(), 1);
     let (at, rest) = bench.heard.rests[0];
-    assert!(near(since(at) / 1e6, 24.75) && rest == Rest::Stopped);
+    assert!(near(since(at) / 1e6, 24.75) && rest == PathStop::Stopped);
     // 2.5 + 20 + 20 pulses, then 7.5 of the last line.
-    assert!((pulses(step.place[0]) - 127.5).abs() < 1e-6 && (pulses(step.place[1]) - 20.0).abs() < 1e-6);
+    assert!((pulses(step.position[0]) - 127.5).abs() < 1e-6 && (pulses(step.position[1]) - 20.0).abs() < 1e-6);
     assert_eq!(bench.marks().iter().map(|m| m.1).collect::<Vec<_>>(), [1, 2, 3]);
     assert_eq!((step.done, bench.path.released(0)), (3, 6));
     // 872.5 pulses from rest to rest: 87.25 + 10 ms.
     let again = (bench.now - BEGIN) as f64 / 1e6;
     bench.start(0);
     let last = bench.finish();
-    assert_eq!((last.place, last.done), ([1000, 20, 0, 0].map(Pos::pulses), 4));
+    assert_eq!((last.position, last.done), ([1000, 20, 0, 0].map(Pos::pulses), 4));
     assert!(near(bench.marks()[3].0, again + 97.25));
 }
 
@@ -284,7 +289,7 @@ fn a_gentle_stop_still_brakes_for_corners() {
     assert!(fastest <= 2.0 + 1e-9, "{fastest}");
     // From 2 pulse/ms at 0.01 pulse/ms²: 200 pulses behind the corner.
     let step = bench.tick();
-    assert!((pulses(step.place[1]) - 200.0).abs() < 1e-6, "{:?}", step.place);
+    assert!((pulses(step.position[1]) - 200.0).abs() < 1e-6, "{:?}", step.position);
     // A corner at 0 ends the Stop.
     let entries =
         vec![Entry::planar([100, 0], speeds(10.0, 1.0, 0.0)), mark(1), Entry::planar([200, 0], speeds(10.0, 1.0, 0.0))];
@@ -294,7 +299,7 @@ fn a_gentle_stop_still_brakes_for_corners() {
     bench.until(5_000_000);
     bench.stop(false);
     let step = bench.finish();
-    assert_eq!((step.place[0], bench.heard.rests[0].1), (Pos::pulses(100), Rest::Stopped));
+    assert_eq!((step.position[0], bench.heard.rests[0].1), (Pos::pulses(100), PathStop::Stopped));
     assert!(bench.heard.marks.is_empty(), "what stands behind the corner waits for the start");
     bench.start(0);
     bench.finish();
@@ -331,7 +336,7 @@ fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
         // To 4 at 1 pulse/ms², wherever boundaries are.
         let slow = 100.0 + (corner - 16.0) / 2.0;
         let rest = if end < 4.0 { f64::from(second) + end * end / (2.0 * stop) } else { slow + 16.0 / (2.0 * stop) };
-        let at = pulses(step.place[0]);
+        let at = pulses(step.position[0]);
         assert!((at - rest).abs() < 1e-3, "{stop} {second} {end}: {at}, not {rest}");
     }
 }
@@ -348,7 +353,7 @@ fn data_that_comes_before_a_motion_is_entered_is_taken_up() {
     while bench.path.runs() {
         let step = bench.tick();
         // One more, ten ticks after a motion has begun: before it the next one ends the path.
-        if step.done == done && step.place[0].0 > Pos::pulses(200 * done as i32 + 50).0 {
+        if step.done == done && step.position[0].0 > Pos::pulses(200 * done as i32 + 50).0 {
             done += 1;
             bench.feed.ends[0] = (done + 2).min(11);
         }
@@ -365,11 +370,11 @@ fn an_abrupt_stop_stands_still_on_its_tick() {
     let now = (bench.now - BEGIN) as f64 / 1e6;
     bench.stop(true);
     let step = bench.tick();
-    assert!(!step.runs && step.motion == Motion::REST);
-    assert!(near(pulses(step.place[0]), 50.0 + (now - 10.0) * 10.0));
-    assert_eq!(bench.heard.rests, [(((BEGIN as f64 + now * 1e6) as Fine) << 32, Rest::Stopped)]);
+    assert!(!step.runs && step.motion == Motion::STANDSTILL);
+    assert!(near(pulses(step.position[0]), 50.0 + (now - 10.0) * 10.0));
+    assert_eq!(bench.heard.rests, [(((BEGIN as f64 + now * 1e6) as Fine) << 32, PathStop::Stopped)]);
     bench.start(0);
-    assert_eq!(bench.finish().place[0], Pos::pulses(1000));
+    assert_eq!(bench.finish().position[0], Pos::pulses(1000));
 }
 
 /// Random paths with a Stop at any tick, at any deceleration: never off the path, never faster than told, ends met.
@@ -402,7 +407,7 @@ fn random_stops_stay_on_the_path_and_within_its_speeds() {
                 bench.stop(false);
                 let step = bench.finish();
                 let (_, rest) = *bench.heard.rests.last().unwrap();
-                if rest == Rest::Stopped {
+                if rest == PathStop::Stopped {
                     assert!(!bench.path.refuses_start(0, bench.feed), "{case}");
                     bench.start(0);
                 }
@@ -414,15 +419,15 @@ fn random_stops_stay_on_the_path_and_within_its_speeds() {
             let step = bench.tick();
             if let Some(last) = last {
                 // But for the rounding of positions.
-                assert!(step.place[0].0 >= last.place[0].0 - 3, "{case}: back from {last:?} to {step:?}");
+                assert!(step.position[0].0 >= last.position[0].0 - 3, "{case}: back from {last:?} to {step:?}");
             }
             last = Some(step);
         }
         bench.now += bench.period;
         let step = bench.tick();
-        assert_eq!((step.place[0], step.done), (Pos::pulses(corner), count as u32), "{case}");
+        assert_eq!((step.position[0], step.done), (Pos::pulses(corner), count as u32), "{case}");
         let completed = bench.heard.rests.last().unwrap().1;
-        assert!(matches!(completed, Rest::Completed | Rest::Underrun), "{case}");
+        assert!(matches!(completed, PathStop::Completed | PathStop::Underrun), "{case}");
     }
 }
 
@@ -435,7 +440,7 @@ fn a_wait_that_is_stopped_goes_on_with_what_is_left() {
     bench.until(7_000_000);
     let stopped = bench.now - BEGIN;
     bench.stop(false);
-    assert_eq!(bench.heard.rests, [(((BEGIN + stopped) as Fine) << 32, Rest::Stopped)]);
+    assert_eq!(bench.heard.rests, [(((BEGIN + stopped) as Fine) << 32, PathStop::Stopped)]);
     bench.until(50_000_000);
     let again = bench.now - BEGIN;
     bench.start(0);
@@ -470,10 +475,10 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     let left = loop {
         let (step, _) = tick(&mut path, &source, feed, &mut heard);
         if !step.runs {
-            break step.place;
+            break step.position;
         }
     };
-    let whole = left.map(|x| servo::steps::whole(x) as i32);
+    let whole = left.map(|x| servo::output::step_generator::whole(x) as i32);
     assert_ne!(left, whole.map(Pos::pulses), "it stands between pulses");
     // Away in FIFO 1: FIFO 0 cannot go on from there.
     source.1 = vec![Entry::planar([0, 0], s), mark(2)];
@@ -495,13 +500,13 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
             break step;
         }
     };
-    assert_eq!((back.place, back.fifo, back.done), (left, 1, 2));
+    assert_eq!((back.position, back.fifo, back.done), (left, 1, 2));
     assert!(!path.refuses_start(0, feed));
     path.start(Ns(next), 0, feed, &source);
     loop {
         let (step, _) = tick(&mut path, &source, feed, &mut heard);
         if !step.runs {
-            assert_eq!((step.place, step.fifo, step.done), ([1000, 300, 0, 0].map(Pos::pulses), 0, 1));
+            assert_eq!((step.position, step.fifo, step.done), ([1000, 300, 0, 0].map(Pos::pulses), 0, 1));
             break;
         }
     }
@@ -582,7 +587,7 @@ fn other_effects_carry_their_numbers() {
             self.0.push(*change);
             0
         }
-        fn rest(&mut self, _: Fine, _: Rest) {}
+        fn rest(&mut self, _: Fine, _: PathStop) {}
         fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
         fn geared(&mut self, _: Axis, _: i32) {}
     }
@@ -599,7 +604,7 @@ fn other_effects_carry_their_numbers() {
     let (mut path, mut all) = (Path::IDLE, All::default());
     path.start(Ns(BEGIN), 0, feed, &script);
     path.step(Ns(BEGIN), Ns(250_000), feed, &script, &mut all);
-    let (speed, acc) = (servo::ramp::Speed::admit(v.to_bits(), StepLimit::FULL_SCALE).unwrap(), dec(a));
+    let (speed, acc) = (servo::segment::ramp::Speed::admit(v.to_bits(), StepLimit::FULL_SCALE).unwrap(), dec(a));
     let expected = [
         Change::Output { group: DoGroup::General, mask: 0xfff0, value: 0x1230 },
         Change::Output { group: DoGroup::Enable, mask: 3, value: 1 },
@@ -644,11 +649,11 @@ fn gears_go_along_with_one_motion() {
             assert!(bench.heard.gears.is_empty());
             break;
         }
-        let way = pulses(step.place[0]) / 1000.0;
+        let way = pulses(step.position[0]) / 1000.0;
         let [(first, a), (second, b)] = bench.heard.gears[..] else { panic!() };
         assert_eq!((first, second), (axis(4), axis(5)));
         assert!((pulses(a) + 250.0 * way).abs() < 1e-6 && (pulses(b) - 1e6 * way).abs() < 1e-3);
-        if step.place[0] > Pos::pulses(500) && bench.heard.rests.is_empty() {
+        if step.position[0] > Pos::pulses(500) && bench.heard.rests.is_empty() {
             bench.stop(true);
             bench.tick();
             bench.start(0);

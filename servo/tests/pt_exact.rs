@@ -5,9 +5,9 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::piece::Scaled;
-use servo::profile::State;
-use servo::pt::{Chain, Feed, Place, Refused, Segment, SegmentStore, Segments};
+use servo::segment::piece::Scaled;
+use servo::segment::profile::State;
+use servo::segment::pt::{Chain, Feed, Refused, Segment, SegmentStore, Segments, SlotRange};
 use servo::units::{Exact, Ns, Pos, StepLimit};
 
 mod chance;
@@ -166,9 +166,9 @@ fn compare(chance: &mut Chance, count: usize, longest: f64, origin: Exact, dynam
     let total = rows.len() as u32;
     let first = if dynamic { chance.next() as u32 } else { 0 };
     let (place, mask, passes) = if dynamic {
-        (Place::Dynamic { mask: 2047, first }, 2047, 0)
+        (SlotRange::Dynamic { mask: 2047, first }, 2047, 0)
     } else {
-        (Place::Static { base: 1024 }, u32::MAX, 1)
+        (SlotRange::Static { base: 1024 }, u32::MAX, 1)
     };
     let mut store = Store(vec![unwritten(); 2048]);
     for (i, w) in words.iter().enumerate() {
@@ -279,7 +279,7 @@ fn short_chains_against_rationals() {
     for _ in 0..2000 {
         let (data, words) = draw(&mut chance, 6, 1e6);
         let store = Store(words);
-        let mut run = Pt::begin(Ns(0), Exact(0), Place::Static { base: 0 });
+        let mut run = Pt::begin(Ns(0), Exact(0), SlotRange::Static { base: 0 });
         let feed = Feed { end: data.len() as u32, passes: 1 };
         let whole = |x: u64| BigRational::from_integer(BigInt::from(x));
         let (mut pos, mut time, mut v) = (BigRational::zero(), 0u64, BigRational::zero());
@@ -323,7 +323,7 @@ fn loops_do_not_drift() {
     const PASSES: u32 = 100_000;
     for origin in [0i128, 1 << 103, -(1 << 103), 0x1234_5678_9abc_def0] {
         let store = admit_all(&[(0.1, 1, 0), (0.3, 3, 0), (0.7, 4, 1), (0.1 + 0.2, 5, 2)]);
-        let mut run = Pt::begin(Ns(17), Exact(origin), Place::Static { base: 0 });
+        let mut run = Pt::begin(Ns(17), Exact(origin), SlotRange::Static { base: 0 });
         let feed = Feed { end: 4, passes: PASSES };
         let whole = |x: f64| (big(x) >> (BITS - 64)).to_i128().unwrap();
         let (way, part) = (whole(0.1 + 0.2), whole(0.1));
@@ -354,7 +354,7 @@ fn a_chain_that_comes_to_rest_is_no_underrun() {
     let off = [(1.0, 3, 0), (3.0, 6, 0), (4.0 + 1e-15, 9, 0)];
     for (data, rest) in [(listing, true), (thirds, true), (off, false)] {
         let store = admit_all(&data);
-        let mut run = Pt::begin(Ns(0), Exact(0), Place::Dynamic { mask: 63, first: 0 });
+        let mut run = Pt::begin(Ns(0), Exact(0), SlotRange::Dynamic { mask: 63, first: 0 });
         let feed = Feed { end: 3, passes: 0 };
         let last = data[2].1 as u64 * MS;
         let mut now = 0;
@@ -372,7 +372,7 @@ fn a_chain_that_comes_to_rest_is_no_underrun() {
 #[test]
 fn velocity_of_the_listing() {
     let store = admit_all(&[(1024.0, 1024, 0), (3072.0, 2048, 0), (4096.0, 3072, 0)]);
-    let mut run = Pt::begin(Ns(0), Exact(0), Place::Static { base: 0 });
+    let mut run = Pt::begin(Ns(0), Exact(0), SlotRange::Static { base: 0 });
     let feed = Feed { end: 3, passes: 1 };
     let float = |s: Scaled| s.m as f64 / 2f64.powi(s.e as i32);
     assert!((float(run.step(Ns(512 * MS), feed, &store).motion.velocity()) - 1.0).abs() < 1e-15);
@@ -386,7 +386,7 @@ fn velocity_of_the_listing() {
 #[test]
 fn data_appended_while_running_belongs_to_the_pass() {
     let store = admit_all(&[(1.0, 10, 1), (3.0, 20, 1), (4.0, 30, 1)]);
-    let mut run = Pt::begin(Ns(0), Exact(0), Place::Static { base: 0 });
+    let mut run = Pt::begin(Ns(0), Exact(0), SlotRange::Static { base: 0 });
     let feed = |end, passes| Feed { end, passes };
     assert_eq!(run.step(Ns(5 * MS), feed(1, 2), &store).pos, Pos(1 << 21));
     assert_eq!(run.step(Ns(15 * MS), feed(3, 2), &store).pos, Pos::pulses(2));
@@ -401,7 +401,7 @@ fn data_appended_while_running_belongs_to_the_pass() {
 #[test]
 fn a_stream_frees_places_and_tells_when_it_runs_dry() {
     let store = admit_all(&[(1.0, 10, 1), (3.0, 20, 1), (4.0, 30, 2)]);
-    let mut run = Pt::begin(Ns(100), Exact(0), Place::Dynamic { mask: 63, first: 0 });
+    let mut run = Pt::begin(Ns(100), Exact(0), SlotRange::Dynamic { mask: 63, first: 0 });
     let feed = Feed { end: 3, passes: 0 };
     assert_eq!((run.released(true), run.dry_ms(Ns(100), feed, &store)), (0, 30));
     run.step(Ns(100 + MS), feed, &store);
@@ -476,8 +476,8 @@ fn prepared_segments_are_the_same() {
         let (data, words) = draw(&mut chance, 1 + round % 40, if round % 3 == 0 { 2.0 } else { 30.0 });
         let store = Store(words);
         let (place, passes) = match round % 2 {
-            0 => (Place::Static { base: 0 }, 3),
-            _ => (Place::Dynamic { mask: 63, first: 0 }, 1),
+            0 => (SlotRange::Static { base: 0 }, 3),
+            _ => (SlotRange::Dynamic { mask: 63, first: 0 }, 1),
         };
         let mut plain = Pt::begin(Ns(77), Exact(1 << 60), place);
         let mut ahead = plain;
@@ -488,7 +488,7 @@ fn prepared_segments_are_the_same() {
             let more = (end + chance.below(2) as u32).min(data.len() as u32);
             if more != end {
                 end = more;
-                ahead.0.revise();
+                ahead.0.invalidate_prepared();
             }
             let feed = Feed { end, passes };
             if chance.below(3) > 0 {

@@ -1,7 +1,7 @@
 //! A PVT run: packing, delay, passes, switches, jumps, and that the way to an instant does not matter.
 //! Exactness of positions is held by the dispatcher's `tables_exact`, which builds the tables.
-use servo::profile::State;
-use servo::pvt::{HEADER_WORDS, Header, PLACE_WORDS, PLACES, Place, Tables};
+use servo::segment::profile::State;
+use servo::segment::pvt::{HEADER_WORDS, Header, PLACES, POINT_WORDS, Point, Tables};
 use servo::units::{Exact, Ns, Pos};
 
 mod chance;
@@ -12,10 +12,10 @@ use drive::Pvt;
 const MS: u64 = 1_000_000;
 
 #[derive(Default)]
-struct Shelf(Vec<([u32; HEADER_WORDS], Vec<[u32; PLACE_WORDS]>)>);
+struct Shelf(Vec<([u32; HEADER_WORDS], Vec<[u32; POINT_WORDS]>)>);
 
 impl Tables for Shelf {
-    fn place(&self, table: u8, index: u32) -> [u32; PLACE_WORDS] {
+    fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
         self.0.get(table as usize).and_then(|t| t.1.get(index as usize)).copied().unwrap_or_default()
     }
     fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
@@ -31,7 +31,7 @@ impl Shelf {
         let duration = (last.0 as u128) << 64;
         // 20 fraction bits of position, 16 of velocity.
         let header = Header {
-            places: knots.len() as u16,
+            points: knots.len() as u16,
             time_bits,
             pos_bits: 20,
             vel_bits: 16,
@@ -41,10 +41,10 @@ impl Shelf {
             displacement: Exact((last.1 as i128) << 64),
             rate: (u128::MAX / duration) as u64,
         };
-        let place = |&(time, pos, vel): &(u64, i64, i64)| {
-            Place { time: time << time_bits, pos: pos << 20, vel }.admit().unwrap()
+        let point = |&(time, pos, vel): &(u64, i64, i64)| {
+            Point { time: time << time_bits, pos: pos << 20, vel }.admit().unwrap()
         };
-        self.0.push((header.admit().unwrap(), knots.iter().map(place).collect()));
+        self.0.push((header.admit().unwrap(), knots.iter().map(point).collect()));
     }
 }
 
@@ -61,24 +61,24 @@ fn words_hold_what_they_are_given() {
             1 => -(1i64 << (bits - 1)),
             _ => (x << (64 - bits)) as i64 >> (64 - bits),
         };
-        let place = Place {
+        let point = Point {
             time: if round % 5 == 0 { (1 << 44) - 1 } else { chance.next() >> 20 },
             pos: edge(44, chance.next()),
             vel: edge(40, chance.next()),
         };
-        assert_eq!(Place::from_words(place.admit().unwrap()), place);
-        assert!(Place { time: 1 << 44, ..place }.admit().is_none());
+        assert_eq!(Point::from_words(point.admit().unwrap()), point);
+        assert!(Point { time: 1 << 44, ..point }.admit().is_none());
         assert!(
-            Place { pos: 1 << 43, ..place }.admit().is_none()
-                && Place { pos: -(1 << 43) - 1, ..place }.admit().is_none()
+            Point { pos: 1 << 43, ..point }.admit().is_none()
+                && Point { pos: -(1 << 43) - 1, ..point }.admit().is_none()
         );
         assert!(
-            Place { vel: 1 << 39, ..place }.admit().is_none()
-                && Place { vel: -(1 << 39) - 1, ..place }.admit().is_none()
+            Point { vel: 1 << 39, ..point }.admit().is_none()
+                && Point { vel: -(1 << 39) - 1, ..point }.admit().is_none()
         );
         let wide = |chance: &mut Chance| (chance.next() as u128) << 64 | chance.next() as u128;
         let header = Header {
-            places: 2 + chance.below(1023) as u16,
+            points: 2 + chance.below(1023) as u16,
             time_bits: chance.below(46) as i8 - 13,
             pos_bits: 1 + chance.below(62) as i8,
             vel_bits: 6 + chance.below(57) as i8,
@@ -93,8 +93,8 @@ fn words_hold_what_they_are_given() {
             None => assert!(!(0..=84).contains(&header.frac())),
         }
         assert!(
-            Header { places: 1, ..header }.admit().is_none()
-                && Header { places: PLACES as u16 + 1, ..header }.admit().is_none()
+            Header { points: 1, ..header }.admit().is_none()
+                && Header { points: PLACES as u16 + 1, ..header }.admit().is_none()
         );
         assert!(
             Header { duration: 999 << 64, ..header }.admit().is_none()
@@ -294,14 +294,14 @@ fn what_was_made_ahead_is_taken_back_when_orders_change() {
                 }
                 1 => {
                     passes = 1 + chance.below(5) as u32;
-                    ahead.0.revise();
+                    ahead.0.invalidate_prepared();
                 }
                 _ => {}
             }
             let step = plain.step(Ns(now), passes, &shelf);
             assert_eq!(ahead.step(Ns(now), passes, &shelf), step);
-            let shown = |run: &Pvt| (run.passes(), run.table(), run.pending(), run.time(Ns(now)));
-            assert_eq!(shown(&ahead), shown(&plain));
+            let published = |run: &Pvt| (run.passes(), run.table(), run.pending(), run.time(Ns(now)));
+            assert_eq!(published(&ahead), published(&plain));
             if step.state != State::Running {
                 ended += 1;
                 break;

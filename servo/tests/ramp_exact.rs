@@ -5,9 +5,9 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::piece::Scaled;
-use servo::profile::{State, Step};
-use servo::ramp::{Accel, Moving, RampRun, Refused, Speed, Trapezoid};
+use servo::segment::piece::Scaled;
+use servo::segment::profile::{State, Step};
+use servo::segment::ramp::{Accel, Moving, RampRun, Refused, Speed, Trapezoid};
 use servo::units::{Exact, Ns, StepLimit};
 
 mod chance;

@@ -3,10 +3,11 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
-use servo::follow::Value;
 use servo::op::{Mode, Op};
-use servo::pt::{Chain, Refused, Segment};
-use servo::ramp::{self, Speed};
+use servo::segment::follow::Value;
+use servo::segment::pt::{Chain, Refused, Segment};
+use servo::segment::ramp;
+use servo::segment::ramp::Speed;
 use servo::status;
 use servo::units::{AxisMask, StepLimit};
 use servo::view::{Event, StopReason};
@@ -122,7 +123,7 @@ fn random_pt_chains_against_rationals() {
 /// Axis 0 a jogging master, the others ready to follow, on a board of 1000 pulse/ms.
 fn bench(period_us: u32) -> Bench {
     let mut bench = Bench::limited(period_us, limit(1000));
-    bench.make_ready(Mode::Follow);
+    bench.prepare_start(Mode::Follow);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
     bench
 }

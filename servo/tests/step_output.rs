@@ -1,8 +1,8 @@
 //! The words of the step output, played slot by slot into eight pairs of pins, against the planned pulses in exact integers.
 mod chance;
 use chance::Chance;
-use servo::steps::Slots;
-use servo::steps::output::{AXES, RING, StepOutput};
+use servo::output::step_generator::Slots;
+use servo::output::step_words::{AXES, RING, StepOutput};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// The port behind the ring, and what was seen at it.

@@ -8,7 +8,7 @@ use tick_bench::*;
 
 #[test]
 fn stops_are_smooth_or_abrupt() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     for index in [0, 1] {
         bench.jog(index, 8.0, 4.0);
     }
@@ -38,7 +38,7 @@ fn a_smooth_stop_begins_where_the_motion_is() {
     for ticks in 1..24 {
         // Speeding up takes 15.8 ticks.
         let [mut bench, mut twin] = [(); 2].map(|()| {
-            let mut bench = Bench::ready(250, Mode::Jog);
+            let mut bench = Bench::prepared(250, Mode::Jog);
             bench.jog(0, 8.3, 2.1);
             bench.ticks(ticks);
             bench
@@ -66,7 +66,7 @@ fn a_smooth_stop_begins_where_the_motion_is() {
 
 #[test]
 fn the_power_on_stop_deceleration_is_1() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.jog(0, 5.0, 5.0);
     bench.ticks(100);
     bench.now(Op::stop(all(&[0]), all(&[])));
@@ -76,7 +76,7 @@ fn the_power_on_stop_deceleration_is_1() {
 
 #[test]
 fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.now(Op::SoftLimit { axis: axis(0), positive: Some(100), negative: Some(-50) });
     for (velocity, limit, bit, reason) in
         [(3.7, 100, LIMIT_POSITIVE, StopReason::SoftPositive), (-3.7, -50, LIMIT_NEGATIVE, StopReason::SoftNegative)]
@@ -124,12 +124,12 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
             assert!(!has(&view.axes[index], RUNNING));
             assert_eq!(bench.ticks(10).axes[index].pos, before.axes[index].pos);
         };
-        let mut bench = Bench::ready(250, Mode::Jog);
+        let mut bench = Bench::prepared(250, Mode::Jog);
         bench.jog(0, 4.0 * f64::from(way), 4.0);
         check(&mut bench, 0);
         // While it brakes, from the tick on in which it begins to.
         for ticks in [0, 1, 2] {
-            let mut bench = Bench::ready(250, Mode::Jog);
+            let mut bench = Bench::prepared(250, Mode::Jog);
             bench.jog(0, 4.0 * f64::from(way), 4.0);
             bench.ticks(100);
             bench.now(Op::stop(all(&[0]), all(&[])));
@@ -142,7 +142,7 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
             assert_eq!(view.axes[0].stop, reason, "{before:?}");
             assert!(pulses(view.axes[0].pos) * f64::from(way) > 40.0);
         }
-        let mut bench = Bench::ready(250, Mode::PtStatic);
+        let mut bench = Bench::prepared(250, Mode::PtStatic);
         bench.pt(0, 0, &[(1000.0 * f64::from(way), 100, 0)]);
         bench.start(&[0]);
         bench.ticks(100);
@@ -152,7 +152,7 @@ fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
 
 #[test]
 fn a_limit_switch_stops_on_the_next_set_point_and_only_that_way() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.jog(0, 4.0, 4.0);
     bench.jog(1, -4.0, 4.0);
     let before = bench.ticks(50);
@@ -179,7 +179,7 @@ fn a_limit_switch_stops_on_the_next_set_point_and_only_that_way() {
 
 #[test]
 fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
-    let mut bench = Bench::ready(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.machine.inputs[0].limit_negative = true;
     bench.tick();
     bench.now(Op::ClearStatus { axes: all(&[0]) });
@@ -194,7 +194,7 @@ fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
 
 #[test]
 fn guards_can_be_switched_off_and_inverted() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.machine.inputs[0].limit_positive = true;
     bench.now(Op::Guard { axis: axis(0), on: Guards::set(Guarded::LimitPositive, false), low: Guards::NONE });
     bench.tick();
@@ -209,7 +209,7 @@ fn guards_can_be_switched_off_and_inverted() {
 
 #[test]
 fn an_alarm_stops_and_blocks_until_it_is_gone_and_cleared() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.jog(0, -4.0, 4.0);
     let before = bench.ticks(50);
     bench.machine.inputs[0].alarm = true;
@@ -230,7 +230,7 @@ fn an_alarm_stops_and_blocks_until_it_is_gone_and_cleared() {
 
 #[test]
 fn a_following_error_beyond_its_limit_stops() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.now(Op::PositionError { axis: axis(0), limit: Some(20) });
     bench.jog(0, 4.0, 4.0);
     bench.ticks(50);
@@ -248,7 +248,7 @@ fn a_following_error_beyond_its_limit_stops() {
 
 #[test]
 fn the_edge_of_travel_stops_and_never_wraps() {
-    let mut bench = Bench::ready(1000, Mode::Jog);
+    let mut bench = Bench::prepared(1000, Mode::Jog);
     for (index, sign) in [(0, 1.0), (1, -1.0)] {
         let at = Pos((Pos::TRAVEL.0 - (1 << 36)) * sign as i64);
         bench.now(Op::SetPosition { axis: axis(index), pos: at });
@@ -262,7 +262,7 @@ fn the_edge_of_travel_stops_and_never_wraps() {
 
 #[test]
 fn servo_off_stops_and_forbids() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.jog(0, 4.0, 4.0);
     bench.ticks(10);
     assert_eq!(bench.machine.outputs.0, 0xff);
@@ -276,7 +276,7 @@ fn servo_off_stops_and_forbids() {
 
 #[test]
 fn in_position_needs_rest_and_the_band_for_its_time() {
-    let mut bench = Bench::ready(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.now(Op::Band { axis: axis(0), band: 5, time: Ns(2 * MS) });
     bench.pt(0, 0, &[(100.0, 10, 2)]);
     bench.ticks(20);
@@ -296,7 +296,7 @@ fn in_position_needs_rest_and_the_band_for_its_time() {
 
 #[test]
 fn setting_positions_makes_no_step() {
-    let mut bench = Bench::ready(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.pt(0, 0, &[(100.25, 10, 2)]);
     bench.start(&[0]);
     bench.rest();
@@ -324,7 +324,7 @@ fn setting_positions_makes_no_step() {
 
 #[test]
 fn home_captures_the_encoder_at_the_rising_edge() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.jog(0, 4.0, 4.0);
     bench.ticks(10);
     bench.machine.inputs[0].home = true;
@@ -350,7 +350,7 @@ fn home_captures_the_encoder_at_the_rising_edge() {
 fn a_soft_limit_holds_the_end_of_a_motion() {
     for way in [1, -1] {
         let (positive, negative) = if way > 0 { (Some(99), None) } else { (None, Some(-99)) };
-        let mut bench = Bench::ready(1000, Mode::PtStatic);
+        let mut bench = Bench::prepared(1000, Mode::PtStatic);
         bench.pt(0, 0, &[(98.0 * f64::from(way), 49, 1), (100.0 * f64::from(way), 50, 1)]);
         bench.now(Op::SoftLimit { axis: axis(0), positive, negative });
         bench.start(&[0]);
@@ -365,7 +365,7 @@ fn a_soft_limit_holds_the_end_of_a_motion() {
 #[test]
 fn a_soft_limit_behind_an_axis_at_rest_is_told() {
     for (way, bit) in [(1, LIMIT_POSITIVE), (-1, LIMIT_NEGATIVE)] {
-        let mut bench = Bench::ready(250, Mode::Jog);
+        let mut bench = Bench::prepared(250, Mode::Jog);
         bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(50 * way) });
         bench.ticks(3);
         let (positive, negative) = if way > 0 { (Some(20), None) } else { (None, Some(-20)) };
@@ -383,7 +383,7 @@ fn a_soft_limit_behind_an_axis_at_rest_is_told() {
 /// ClrSts and a start in one tick, while the alarm is there: refused, not begun and stopped.
 #[test]
 fn a_start_behind_a_clear_in_the_same_tick_is_refused_while_the_cause_lasts() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.machine.inputs[0].alarm = true;
     bench.ticks(2);
     bench.now(Op::ClearStatus { axes: all(&[0]) });
@@ -396,7 +396,7 @@ fn a_start_behind_a_clear_in_the_same_tick_is_refused_while_the_cause_lasts() {
 /// Encoders of an axis whose servo is off may turn; and an error that is the limit is none yet.
 #[test]
 fn a_following_error_is_more_than_its_limit_and_needs_the_servo() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.now(Op::PositionError { axis: axis(0), limit: Some(20) });
     for slip in [20, -20] {
         bench.machine.slip[0] = slip;
@@ -434,7 +434,7 @@ fn the_time_in_the_band_begins_anew() {
         },
     ];
     for (index, act) in breaks.into_iter().enumerate() {
-        let mut bench = Bench::ready(250, Mode::Jog);
+        let mut bench = Bench::prepared(250, Mode::Jog);
         bench.now(band);
         assert!(has(&bench.ticks(20).axes[0], IN_POSITION));
         act(&mut bench);
@@ -445,7 +445,7 @@ fn the_time_in_the_band_begins_anew() {
 
 #[test]
 fn home_captures_at_the_falling_edge_where_low_is_active() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     bench.machine.inputs[0].home = true;
     bench.now(Op::Guard { axis: axis(0), on: Guards::NONE, low: Guards::set(Guarded::Home, true) });
     bench.jog(0, 4.0, 4.0);
@@ -467,7 +467,7 @@ fn home_captures_at_the_falling_edge_where_low_is_active() {
 
 #[test]
 fn an_index_edge_captures_the_count_at_which_it_came() {
-    let mut bench = Bench::ready(250, Mode::Jog);
+    let mut bench = Bench::prepared(250, Mode::Jog);
     // The machine counts from 0, the encoder is named 1000 there.
     bench.now(Op::SetEncoder { axis: axis(0), pulses: 1000 });
     bench.tick();
@@ -498,7 +498,7 @@ fn an_index_edge_captures_the_count_at_which_it_came() {
 
 #[test]
 fn trap_reaches_its_target_and_can_be_changed_under_way() {
-    let mut bench = Bench::ready(250, Mode::Trap);
+    let mut bench = Bench::prepared(250, Mode::Trap);
     let prm = |axis| Op::TrapPrm { axis, acc: accel(0.5), dec: accel(0.25), vel_start: speed(0.0), smooth: Ns(0) };
     bench.now(prm(axis(0)));
     bench.now(Op::TargetSpeed { axis: axis(0), speed: speed(10.0) });

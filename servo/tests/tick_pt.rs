@@ -20,7 +20,7 @@ fn listing(t: f64) -> f64 {
 fn listing_2_1_is_the_closed_form_at_every_period() {
     let mut at_ms: Vec<Vec<Pos>> = Vec::new();
     for period in [50, 250, 1000] {
-        let mut bench = Bench::ready(period, Mode::PtStatic);
+        let mut bench = Bench::prepared(period, Mode::PtStatic);
         bench.pt(0, 0, &LISTING_2_1);
         bench.start(&[0]);
         let first = bench.tick();
@@ -31,20 +31,20 @@ fn listing_2_1_is_the_closed_form_at_every_period() {
         loop {
             let view = bench.tick();
             let t = view.now.0 - zero;
-            let shown = &view.axes[0];
-            let off = (pulses(shown.pos) - listing(t as f64 / MS as f64)).abs();
+            let published = &view.axes[0];
+            let off = (pulses(published.pos) - listing(t as f64 / MS as f64)).abs();
             assert!(off <= 1.0 / 65536.0, "{off} pulse off at {t} ns");
             if t > 1024 * MS && t < 2048 * MS {
-                assert!((real(shown.motion.velocity()) - 2.0).abs() < 1e-12);
+                assert!((real(published.motion.velocity()) - 2.0).abs() < 1e-12);
             }
             if t.is_multiple_of(MS) {
-                whole.push(shown.pos);
+                whole.push(published.pos);
             }
-            assert_eq!(has(shown, status::RUNNING), t < 3072 * MS, "at {t} ns");
+            assert_eq!(has(published, status::RUNNING), t < 3072 * MS, "at {t} ns");
             if t == 3072 * MS {
-                assert_eq!(shown.pos, Pos::pulses(4096));
-                assert_eq!(real(shown.motion.velocity()), 0.0);
-                assert_eq!((shown.stop, shown.passes, shown.pt_state), (StopReason::Completed, 1, 2));
+                assert_eq!(published.pos, Pos::pulses(4096));
+                assert_eq!(real(published.motion.velocity()), 0.0);
+                assert_eq!((published.stop, published.passes, published.pt_state), (StopReason::Completed, 1, 2));
                 assert_eq!(stopped(bench.event()), (0, StopReason::Completed));
                 assert!(bench.event().is_none());
                 break;
@@ -59,7 +59,7 @@ fn listing_2_1_is_the_closed_form_at_every_period() {
 
 #[test]
 fn loops_continue_where_the_pass_ended_and_can_be_ended_while_running() {
-    let mut bench = Bench::ready(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.pt(0, 0, &[(10.0, 10, 0), (30.5, 20, 2)]);
     bench.now(Op::PtLoop { axis: axis(0), passes: 0 });
     bench.start(&[0]);
@@ -82,7 +82,7 @@ fn loops_continue_where_the_pass_ended_and_can_be_ended_while_running() {
 
 #[test]
 fn data_added_to_a_running_fifo_belongs_to_the_pass() {
-    let mut bench = Bench::ready(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.pt(0, 0, &[(10.0, 10, 0)]);
     bench.start(&[0]);
     bench.ticks(20);
@@ -93,7 +93,7 @@ fn data_added_to_a_running_fifo_belongs_to_the_pass() {
 
 #[test]
 fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
-    let mut bench = Bench::ready(250, Mode::PtDynamic);
+    let mut bench = Bench::prepared(250, Mode::PtDynamic);
     bench.pt(0, 0, &[(10.0, 10, 0), (30.0, 20, 0)]);
     bench.start(&[0]);
     let zero = bench.tick().now.0;
@@ -101,10 +101,10 @@ fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
     assert_eq!(view.axes[0].released, 1, "the first segment's place is free");
     assert!((5..=6).contains(&view.axes[0].dry_ms), "5 ms before the end, told at most 8 ticks ago");
     let view = bench.until(zero + 20 * MS);
-    let shown = view.axes[0];
-    assert_eq!((pulses(shown.pos), shown.stop, shown.pt_state), (30.0, StopReason::Underrun, 3));
-    assert_eq!((shown.epoch, shown.released), (1, 0));
-    assert!(!has(&shown, status::RUNNING));
+    let published = view.axes[0];
+    assert_eq!((pulses(published.pos), published.stop, published.pt_state), (30.0, StopReason::Underrun, 3));
+    assert_eq!((published.epoch, published.released), (1, 0));
+    assert!(!has(&published, status::RUNNING));
     assert_eq!(stopped(bench.event()), (0, StopReason::Underrun));
     // A commit that was on its way to the stream that ended is refused; it starts nothing.
     let void = bench.now(Op::PtCommit { axis: axis(0), fifo: 0, end: 3, epoch: 0 });
@@ -123,7 +123,7 @@ fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
 #[test]
 fn a_stop_clears_the_stream_and_keeps_static_data() {
     for (mode, epoch, again) in [(Mode::PtDynamic, 1, false), (Mode::PtStatic, 0, true)] {
-        let mut bench = Bench::ready(250, mode);
+        let mut bench = Bench::prepared(250, mode);
         bench.pt(0, 0, &LISTING_2_1);
         bench.start(&[0]);
         bench.ticks(100);
@@ -137,7 +137,7 @@ fn a_stop_clears_the_stream_and_keeps_static_data() {
 
 #[test]
 fn a_long_stream_wraps_its_ring() {
-    let mut bench = Bench::ready(1000, Mode::PtDynamic);
+    let mut bench = Bench::prepared(1000, Mode::PtDynamic);
     let segment = |n: i32| ((n % 7) as f64 * 3.0, n, 2i16);
     let first: Vec<_> = (1..=2000).map(segment).collect();
     bench.pt(0, 0, &first);
@@ -159,7 +159,7 @@ fn a_long_stream_wraps_its_ring() {
 
 #[test]
 fn a_start_is_all_or_nothing() {
-    let mut bench = Bench::ready(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, Mode::PtStatic);
     for index in [0, 1, 2] {
         bench.pt(index, 0, &LISTING_2_1);
     }
@@ -193,7 +193,7 @@ fn a_start_is_all_or_nothing() {
 
 #[test]
 fn a_mode_that_is_set_again_keeps_its_data() {
-    let mut bench = Bench::ready(250, Mode::PtStatic);
+    let mut bench = Bench::prepared(250, Mode::PtStatic);
     bench.pt(0, 0, &LISTING_2_1);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
     bench.start(&[0]);
@@ -213,7 +213,7 @@ fn a_mode_that_is_set_again_keeps_its_data() {
 #[test]
 fn a_long_segment_lasts_to_its_end() {
     for (first, second) in [(6000, 2000), (9000, 4000), (5000, 50)] {
-        let mut bench = Bench::ready(250, Mode::PtStatic);
+        let mut bench = Bench::prepared(250, Mode::PtStatic);
         bench.pt(0, 0, &[(f64::from(first), first, 1), (f64::from(first), first + second, 1)]);
         bench.start(&[0]);
         bench.tick();

@@ -4,8 +4,8 @@ mod chance;
 mod tick_bench;
 
 use chance::Chance;
-use servo::follow;
 use servo::op::{Mode, Op};
+use servo::segment::follow;
 use servo::status;
 use servo::units::{AxisMask, Crd, Ns, Pos};
 use servo::view::AxisView;

@@ -3,9 +3,9 @@
 mod chance;
 mod tick_bench;
 use chance::Chance;
-use servo::follow;
 use servo::op::{DoGroup, Guarded, Guards, Mode, Op};
 use servo::path::{self, Along};
+use servo::segment::follow;
 use servo::units::AxisMask;
 use servo::view::{Traced, View};
 use tick_bench::*;
@@ -164,17 +164,17 @@ fn a_view_tells_the_same_however_often_it_is_read() {
             }
             for (index, sample) in last.into_iter().enumerate() {
                 let (pos, motion) = sample.unwrap();
-                let shown = &view.axes[index];
+                let published = &view.axes[index];
                 let told = (pos, motion.velocity());
-                assert_eq!((shown.pos, view.velocity(shown)), told, "axis {index}, round {round}");
+                assert_eq!((published.pos, view.velocity(published)), told, "axis {index}, round {round}");
                 // The one with the acceleration is rounded with it.
-                let (alone, whole) = (real(told.1), view.motion(shown));
+                let (alone, whole) = (real(told.1), view.motion(published));
                 let room = (alone.abs() + real(whole.acceleration()).abs()) * 2f64.powi(-48);
                 assert!(
                     (alone - real(whole.velocity())).abs() <= room,
                     "axis {index}, round {round}: {told:?} {whole:?}"
                 );
-                moved += u64::from(shown.status & servo::status::RUNNING != 0);
+                moved += u64::from(published.status & servo::status::RUNNING != 0);
             }
         }
         assert!(moved > 12_000 && streams.0 > 10, "{moved} axes and ticks, {streams:?}");
@@ -185,7 +185,7 @@ fn a_view_tells_the_same_however_often_it_is_read() {
 #[test]
 fn a_view_of_driven_axes_does_not_depend_on_who_reads_it() {
     let make = || {
-        let mut bench = Bench::ready(250, Mode::Trap);
+        let mut bench = Bench::prepared(250, Mode::Trap);
         bench.frame(0, &[2, 5], Some([100, -50, 0, 0]));
         bench.tick();
         bench

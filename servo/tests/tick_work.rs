@@ -30,7 +30,7 @@ fn trap(bench: &mut Bench, index: usize) {
 #[test]
 fn a_reset_takes_the_ticks_that_it_needs_and_what_follows_waits_for_it() {
     for (period, ticks) in [(10, 8), (20, 3), (50, 1), (250, 1)] {
-        let mut bench = Bench::ready(period, Mode::Jog);
+        let mut bench = Bench::prepared(period, Mode::Jog);
         for index in 0..AXES {
             bench.now(Op::SetPosition { axis: axis(index), pos: Pos::pulses(7) });
         }
@@ -56,7 +56,7 @@ fn a_reset_takes_the_ticks_that_it_needs_and_what_follows_waits_for_it() {
 
 #[test]
 fn a_reset_by_the_immediate_lane_keeps_its_order_too() {
-    let mut bench = Bench::ready(10, Mode::Jog);
+    let mut bench = Bench::prepared(10, Mode::Jog);
     let reset = bench.now(Op::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
     bench.now(output(0));
     let done: Vec<(bool, u64)> =
@@ -66,7 +66,7 @@ fn a_reset_by_the_immediate_lane_keeps_its_order_too() {
 
 #[test]
 fn a_reset_that_has_begun_is_carried_out_whole_where_its_program_is_dropped() {
-    let mut bench = Bench::ready(10, Mode::Jog);
+    let mut bench = Bench::prepared(10, Mode::Jog);
     let reset = bench.then(0, Op::Reset { axes: all(&[0, 1, 2, 3, 4, 5, 6, 7]) });
     bench.then(0, output(0));
     bench.now(Op::ProgramRun);
@@ -132,7 +132,7 @@ fn set_up_that_fits_does_not_put_off_its_start() {
 
 #[test]
 fn an_instant_that_another_keeps_waiting_is_late_by_its_own_account() {
-    let mut bench = Bench::ready(10, Mode::Trap);
+    let mut bench = Bench::prepared(10, Mode::Trap);
     for _ in 0..60 {
         bench.then(0, Op::Mark);
     }
@@ -154,7 +154,7 @@ fn an_instant_that_another_keeps_waiting_is_late_by_its_own_account() {
 
 #[test]
 fn the_entry_after_which_a_tick_took_too_long_is_named_once_for_each_program() {
-    let mut bench = Bench::ready(250, Mode::Trap);
+    let mut bench = Bench::prepared(250, Mode::Trap);
     bench.tick.overrun();
     assert_eq!(bench.tick().overran, 0, "no program ran");
     bench.then(0, output(0));
@@ -177,7 +177,7 @@ fn the_entry_after_which_a_tick_took_too_long_is_named_once_for_each_program() {
 fn a_late_command_of_a_laser_is_told_apart() {
     use servo::laser::Change;
     for light in [false, true] {
-        let mut bench = Bench::ready(250, Mode::Trap);
+        let mut bench = Bench::prepared(250, Mode::Trap);
         bench.now(Op::ProgramRun);
         bench.ticks(9);
         let op = if light { Op::Laser { channel: 0, change: Change::Gate { on: true } } } else { output(0) };

@@ -1,8 +1,8 @@
 //! Wide arithmetic against big integers, at the edges and over a seeded million.
 use num_bigint::BigUint;
-use servo::real::Real;
+use servo::math::real::Real;
+use servo::math::wide::{Divisor, Recip, mulhi_near, mulhi_su, narrow, recip32, recip64, recip64_below, scale16, umul};
 use servo::units::Exact;
-use servo::wide::{Divisor, Recip, mulhi_near, mulhi_su, narrow, recip32, recip64, recip64_below, scale16, umul};
 
 mod chance;
 use chance::Chance;

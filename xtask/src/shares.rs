@@ -57,30 +57,30 @@ pub const SHARES: [(Share, &str); 8] = [
 fn share(file: &str, name: &str) -> Option<Share> {
     let of = |words: &[&str]| words.iter().any(|word| file.contains(word));
     let named = |words: &[&str]| words.iter().any(|word| name.contains(word));
-    Some(if of(&["servo/src/view", "ring/src/latest"]) || named(&["show", "tell_pass"]) {
+    Some(if of(&["servo/src/view", "ring/src/latest"]) || named(&["publish", "publish_pass"]) {
         Share::Reporting
-    } else if of(&["servo/src/axis/guard", "servo/src/inputs"]) {
+    } else if of(&["servo/src/axis/limits", "servo/src/axis/inputs"]) {
         Share::Sampling
-    } else if of(&["servo/src/axis/place", "probes/chip/src/machine"]) {
+    } else if of(&["servo/src/axis/user_position", "probes/chip/src/machine"]) {
         if named(&["6inputs", "7encoder"]) { Share::Sampling } else { Share::Telling }
     } else if of(&[
-        "servo/src/pvt",
-        "servo/src/pt/",
-        "servo/src/ramp",
-        "path/plan",
-        "path/run/ready",
-        "path/run/motions",
-    ]) || named(&["9get_ready", "7prepare", "10look_ahead"])
+        "servo/src/segment/pvt",
+        "servo/src/segment/pt",
+        "servo/src/segment/ramp",
+        "path/speed_profile",
+        "path/evaluator/prepared_start",
+        "path/evaluator/motions",
+    ]) || named(&["13prepare_start", "7prepare", "10look_ahead"])
     {
         Share::Planning
     } else if of(&["servo/src/laser"]) {
         Share::Lasers
-    } else if of(&["servo/src/crd", "servo/src/path", "servo/src/axis/driven"]) {
+    } else if of(&["servo/src/crd", "servo/src/path", "servo/src/axis/crd_member"]) {
         Share::Crds
-    } else if of(&["servo/src/axis", "servo/src/profile"]) {
+    } else if of(&["servo/src/axis", "servo/src/segment/profile"]) {
         Share::Axes
     } else if of(&["servo/src/", "ring/src/", "probes/"])
-        && !of(&["servo/src/piece", "servo/src/wide", "servo/src/real", "servo/src/units"])
+        && !of(&["servo/src/segment/piece", "servo/src/math/wide", "servo/src/math/real", "servo/src/units"])
     {
         Share::Order
     } else {

@@ -1,14 +1,14 @@
 //! Axis commands: servo, stop, positions, limits, guarded inputs.
-use crate::books::{Change, SOFT_OFF};
-use crate::case::{Answer, Case};
-use crate::refuse::{Admitted, Refused, choice, real, within};
+use super::context::{Answer, Context};
+use super::refuse::{Admitted, Refused, choice, real, within};
+use crate::shadow::{Change, SOFT_OFF};
 use protocol::command::{
     AlarmOff, AlarmOn, AxisOff, AxisOn, LmtSns, LmtsOff, LmtsOn, SetAxisBand, SetCaptureMode, SetEncPos, SetPosErr,
     SetPrfPos, SetSoftLimit, SetStopDec, Stop, SynchAxisPos, ZeroPos,
 };
 use protocol::reason::Reason;
 use servo::op::{Guarded, Guards, Op};
-use servo::ramp::Accel;
+use servo::segment::ramp::Accel;
 use servo::units::{Axis, AxisMask, Ns, Pos};
 
 /// 250 µs, the unit of SetAxisBand.
@@ -18,63 +18,63 @@ pub const ACCEL_MAX: f64 = 4_294_967_296.0;
 /// The following-error limit at this value is off.
 pub const POS_ERR_OFF: i32 = i32::MAX;
 
-pub fn on<const AXES: usize>(case: &mut Case<AXES>, r: &AxisOn) -> Admitted<Answer> {
-    servo(case, r.core.get(), r.axis.get(), true)
+pub fn on<const AXES: usize>(context: &mut Context<AXES>, r: &AxisOn) -> Admitted<Answer> {
+    servo(context, r.core.get(), r.axis.get(), true)
 }
 
-pub fn off<const AXES: usize>(case: &mut Case<AXES>, r: &AxisOff) -> Admitted<Answer> {
-    servo(case, r.core.get(), r.axis.get(), false)
+pub fn off<const AXES: usize>(context: &mut Context<AXES>, r: &AxisOff) -> Admitted<Answer> {
+    servo(context, r.core.get(), r.axis.get(), false)
 }
 
-fn servo<const AXES: usize>(case: &mut Case<AXES>, core: i16, axis: i16, on: bool) -> Admitted<Answer> {
-    let axis = case.axis(core, axis)?;
-    case.stage_with(Op::Servo { axis, on }, Change::Servo { axis, on });
+fn servo<const AXES: usize>(context: &mut Context<AXES>, core: i16, axis: i16, on: bool) -> Admitted<Answer> {
+    let axis = context.axis(core, axis)?;
+    context.stage_with(Op::Servo { axis, on }, Change::Servo { axis, on });
     Ok(Answer::Done)
 }
 
 /// `form` 0 is GTN (bits 0–31 are axes 1–32), 1 is GT (bits 0–7 axes, 8–9 crds, 10–11 their follow).
-pub fn stop<const AXES: usize>(case: &mut Case<AXES>, r: &Stop) -> Admitted<Answer> {
+pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitted<Answer> {
     let gt = choice(3, i16::from(r.form), 0, 1)? == 1;
     let (mask, option) = (r.mask.get(), r.option.get());
     if gt && mask & !0xfff != 0 {
         return Err(Refused::new(Reason::OutOfRange).field(1).got(f64::from(mask.cast_unsigned())).limits(0.0, 4095.0));
     }
-    let axes = case.mask(r.core.get(), if gt { mask & 0xff } else { mask }, 1)?;
+    let axes = context.mask(r.core.get(), if gt { mask & 0xff } else { mask }, 1)?;
     // Only option bits of named axes mean anything.
-    let abrupt = case.mask(r.core.get(), option & if gt { mask & 0xff } else { mask }, 2)?;
+    let abrupt = context.mask(r.core.get(), option & if gt { mask & 0xff } else { mask }, 2)?;
     let (named, hard) = if gt { (mask >> 8 & 3, option >> 8 & 3) } else { (0, 0) };
-    let crds = case.crd_mask(r.core.get(), named, 1)?;
-    let crds_abrupt = case.crd_mask(r.core.get(), hard & named, 2)?;
+    let crds = context.crd_mask(r.core.get(), named, 1)?;
+    let crds_abrupt = context.crd_mask(r.core.get(), hard & named, 2)?;
     if axes.0 != 0 || crds.0 != 0 {
-        case.stage_with(Op::Stop { axes, abrupt, crds, crds_abrupt }, Change::Stopped { axes, crds });
+        context.stage_with(Op::Stop { axes, abrupt, crds, crds_abrupt }, Change::Stopped { axes, crds });
     }
-    let follows = case.crd_mask(r.core.get(), if gt { mask >> 10 & 3 } else { 0 }, 1)?;
+    let follows = context.crd_mask(r.core.get(), if gt { mask >> 10 & 3 } else { 0 }, 1)?;
     if follows.0 != 0 {
-        case.stage(Op::FollowEnd { crds: follows });
+        context.stage(Op::FollowEnd { crds: follows });
     }
     Ok(Answer::Done)
 }
 
-pub fn zero<const AXES: usize>(case: &mut Case<AXES>, r: &ZeroPos) -> Admitted<Answer> {
-    let axes = case.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
-    case.all_at_rest(axes, Reason::Moving)?;
-    case.stage_with(Op::Zero { axes }, Change::Placed { axes, pos: Some(Pos(0)) });
+pub fn zero<const AXES: usize>(context: &mut Context<AXES>, r: &ZeroPos) -> Admitted<Answer> {
+    let axes = context.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
+    context.all_at_standstill(axes, Reason::Moving)?;
+    context.stage_with(Op::Zero { axes }, Change::Placed { axes, pos: Some(Pos(0)) });
     Ok(Answer::Done)
 }
 
-pub fn set_position<const AXES: usize>(case: &mut Case<AXES>, r: &SetPrfPos) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
-    case.at_rest(axis)?;
+pub fn set_position<const AXES: usize>(context: &mut Context<AXES>, r: &SetPrfPos) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
+    context.at_standstill(axis)?;
     let pos = Pos::pulses(r.pos.get());
-    case.stage_with(Op::SetPosition { axis, pos }, Change::Placed { axes: axis.mask(), pos: Some(pos) });
+    context.stage_with(Op::SetPosition { axis, pos }, Change::Placed { axes: axis.mask(), pos: Some(pos) });
     Ok(Answer::Done)
 }
 
-pub fn synchronise<const AXES: usize>(case: &mut Case<AXES>, r: &SynchAxisPos) -> Admitted<Answer> {
-    let axes = case.mask(r.core.get(), r.mask.get(), 1)?;
-    case.all_at_rest(axes, Reason::Moving)?;
+pub fn synchronise<const AXES: usize>(context: &mut Context<AXES>, r: &SynchAxisPos) -> Admitted<Answer> {
+    let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
+    context.all_at_standstill(axes, Reason::Moving)?;
     if axes.0 != 0 {
-        case.stage_with(Op::Synchronise { axes }, Change::Placed { axes, pos: None });
+        context.stage_with(Op::Synchronise { axes }, Change::Placed { axes, pos: None });
     }
     Ok(Answer::Done)
 }
@@ -92,73 +92,84 @@ pub fn accel(field: u8, got: f64) -> Admitted<Accel> {
 }
 
 pub fn stage_dec<const AXES: usize>(
-    case: &mut Case<AXES>,
+    context: &mut Context<AXES>,
     axis: Axis,
     fields: (u8, u8),
     dec: (f64, f64),
 ) -> Admitted<()> {
     let (smooth, abrupt) = (deceleration(fields.0, dec.0)?, deceleration(fields.1, dec.1)?);
-    case.stage_with(Op::StopDec { axis, smooth, abrupt }, Change::Dec { axis, dec });
+    context.stage_with(Op::StopDec { axis, smooth, abrupt }, Change::Dec { axis, dec });
     Ok(())
 }
 
-pub fn stop_dec<const AXES: usize>(case: &mut Case<AXES>, r: &SetStopDec) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
-    stage_dec(case, axis, (2, 3), (r.smooth.get(), r.abrupt.get()))?;
+pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetStopDec) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
+    stage_dec(context, axis, (2, 3), (r.smooth.get(), r.abrupt.get()))?;
     Ok(Answer::Done)
 }
 
 pub fn stage_band<const AXES: usize>(
-    case: &mut Case<AXES>,
+    context: &mut Context<AXES>,
     axis: Axis,
     fields: (u8, u8),
     band: (i32, i32),
 ) -> Admitted<()> {
     let (pulses, cycles) = (within(fields.0, band.0, 0, i32::MAX)?, within(fields.1, band.1, 0, i32::MAX)?);
     let time = Ns(u64::from(cycles.unsigned_abs()) * CYCLE_NS);
-    case.stage_with(Op::Band { axis, band: pulses.unsigned_abs(), time }, Change::Band { axis, band });
+    context.stage_with(Op::Band { axis, band: pulses.unsigned_abs(), time }, Change::Band { axis, band });
     Ok(())
 }
 
-pub fn band<const AXES: usize>(case: &mut Case<AXES>, r: &SetAxisBand) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.axis.get())?;
-    stage_band(case, axis, (2, 3), (r.band.get(), r.time_cycles.get()))?;
+pub fn band<const AXES: usize>(context: &mut Context<AXES>, r: &SetAxisBand) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.axis.get())?;
+    stage_band(context, axis, (2, 3), (r.band.get(), r.time_cycles.get()))?;
     Ok(Answer::Done)
 }
 
-pub fn set_encoder<const AXES: usize>(case: &mut Case<AXES>, r: &SetEncPos) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.encoder.get())?;
-    case.stage(Op::SetEncoder { axis, pulses: i64::from(r.pos.get()) });
+pub fn set_encoder<const AXES: usize>(context: &mut Context<AXES>, r: &SetEncPos) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.encoder.get())?;
+    context.stage(Op::SetEncoder { axis, pulses: i64::from(r.pos.get()) });
     Ok(Answer::Done)
 }
 
-pub fn stage_soft<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, field: u8, soft: (i32, i32)) -> Admitted<()> {
+pub fn stage_soft<const AXES: usize>(
+    context: &mut Context<AXES>,
+    axis: Axis,
+    field: u8,
+    soft: (i32, i32),
+) -> Admitted<()> {
     let positive = Some(soft.0).filter(|&limit| limit != SOFT_OFF.0);
     let negative = Some(soft.1).filter(|&limit| limit != SOFT_OFF.1);
     if let (Some(positive), Some(negative)) = (positive, negative) {
         within(field, positive, negative, i32::MAX)?;
     }
-    case.stage_with(Op::SoftLimit { axis, positive, negative }, Change::Soft { axis, soft });
+    context.stage_with(Op::SoftLimit { axis, positive, negative }, Change::Soft { axis, soft });
     Ok(())
 }
 
-pub fn soft_limit<const AXES: usize>(case: &mut Case<AXES>, r: &SetSoftLimit) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.axis.get())?;
-    stage_soft(case, axis, 2, (r.positive.get(), r.negative.get()))?;
+pub fn soft_limit<const AXES: usize>(context: &mut Context<AXES>, r: &SetSoftLimit) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.axis.get())?;
+    stage_soft(context, axis, 2, (r.positive.get(), r.negative.get()))?;
     Ok(Answer::Done)
 }
 
-pub fn limits_on<const AXES: usize>(case: &mut Case<AXES>, r: &LmtsOn) -> Admitted<Answer> {
-    limits(case, r.core.get(), r.axis.get(), r.limit_type.get(), true)
+pub fn limits_on<const AXES: usize>(context: &mut Context<AXES>, r: &LmtsOn) -> Admitted<Answer> {
+    limits(context, r.core.get(), r.axis.get(), r.limit_type.get(), true)
 }
 
-pub fn limits_off<const AXES: usize>(case: &mut Case<AXES>, r: &LmtsOff) -> Admitted<Answer> {
-    limits(case, r.core.get(), r.axis.get(), r.limit_type.get(), false)
+pub fn limits_off<const AXES: usize>(context: &mut Context<AXES>, r: &LmtsOff) -> Admitted<Answer> {
+    limits(context, r.core.get(), r.axis.get(), r.limit_type.get(), false)
 }
 
 /// Types: −1 both, 0 positive, 1 negative.
-fn limits<const AXES: usize>(case: &mut Case<AXES>, core: i16, axis: i16, kind: i16, on: bool) -> Admitted<Answer> {
-    let axis = case.axis(core, axis)?;
+fn limits<const AXES: usize>(
+    context: &mut Context<AXES>,
+    core: i16,
+    axis: i16,
+    kind: i16,
+    on: bool,
+) -> Admitted<Answer> {
+    let axis = context.axis(core, axis)?;
     let kind = choice(2, kind, -1, 1)?;
     let positive = Guards::set(Guarded::LimitPositive, on);
     let on = match kind {
@@ -166,18 +177,18 @@ fn limits<const AXES: usize>(case: &mut Case<AXES>, core: i16, axis: i16, kind: 
         1 => Guards::set(Guarded::LimitNegative, on),
         _ => positive.and(Guarded::LimitNegative, on),
     };
-    case.stage(Op::Guard { axis, on, low: Guards::NONE });
+    context.stage(Op::Guard { axis, on, low: Guards::NONE });
     Ok(Answer::Done)
 }
 
 /// Bit 2k is the positive, bit 2k + 1 the negative limit of axis k + 1; 1 is active low. The word
 /// reaches the first 8 axes of a core; bits of axes that the core does not have mean nothing.
-pub fn limit_sense<const AXES: usize>(case: &mut Case<AXES>, r: &LmtSns) -> Admitted<Answer> {
-    let axes = case.core_mask(r.core.get())?;
+pub fn limit_sense<const AXES: usize>(context: &mut Context<AXES>, r: &LmtSns) -> Admitted<Answer> {
+    let axes = context.core_mask(r.core.get())?;
     let sense = r.sense.get();
-    for (k, axis) in case.each(axes).take(8).enumerate() {
+    for (k, axis) in context.each(axes).take(8).enumerate() {
         let low = limit_levels((sense >> (2 * k)) as u8);
-        case.stage(Op::Guard { axis, on: Guards::NONE, low });
+        context.stage(Op::Guard { axis, on: Guards::NONE, low });
     }
     Ok(Answer::Done)
 }
@@ -187,44 +198,49 @@ pub fn limit_levels(bits: u8) -> Guards {
     Guards::set(Guarded::LimitPositive, bits & 1 != 0).and(Guarded::LimitNegative, bits & 2 != 0)
 }
 
-pub fn alarm_on<const AXES: usize>(case: &mut Case<AXES>, r: &AlarmOn) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.axis.get())?;
-    case.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, true), low: Guards::NONE });
+pub fn alarm_on<const AXES: usize>(context: &mut Context<AXES>, r: &AlarmOn) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.axis.get())?;
+    context.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, true), low: Guards::NONE });
     Ok(Answer::Done)
 }
 
-pub fn alarm_off<const AXES: usize>(case: &mut Case<AXES>, r: &AlarmOff) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.axis.get())?;
-    case.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, false), low: Guards::NONE });
+pub fn alarm_off<const AXES: usize>(context: &mut Context<AXES>, r: &AlarmOff) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.axis.get())?;
+    context.stage(Op::Guard { axis, on: Guards::set(Guarded::Alarm, false), low: Guards::NONE });
     Ok(Answer::Done)
 }
 
-pub fn stage_pos_err<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, field: u8, error: i32) -> Admitted<()> {
+pub fn stage_pos_err<const AXES: usize>(
+    context: &mut Context<AXES>,
+    axis: Axis,
+    field: u8,
+    error: i32,
+) -> Admitted<()> {
     let pos_err = within(field, error, 1, POS_ERR_OFF)?;
     let limit = Some(pos_err.unsigned_abs()).filter(|_| pos_err != POS_ERR_OFF);
-    case.stage_with(Op::PositionError { axis, limit }, Change::PosErr { axis, pos_err });
+    context.stage_with(Op::PositionError { axis, limit }, Change::PosErr { axis, pos_err });
     Ok(())
 }
 
-pub fn position_error<const AXES: usize>(case: &mut Case<AXES>, r: &SetPosErr) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.control.get())?;
-    stage_pos_err(case, axis, 2, r.error.get())?;
+pub fn position_error<const AXES: usize>(context: &mut Context<AXES>, r: &SetPosErr) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.control.get())?;
+    stage_pos_err(context, axis, 2, r.error.get())?;
     Ok(Answer::Done)
 }
 
 /// Modes: 1 home, 2 index, where the board captures it.
-pub fn capture<const AXES: usize>(case: &mut Case<AXES>, r: &SetCaptureMode) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.encoder.get())?;
+pub fn capture<const AXES: usize>(context: &mut Context<AXES>, r: &SetCaptureMode) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.encoder.get())?;
     let mode = choice(2, r.mode.get(), 1, 2)?;
-    if mode == 2 && !case.board.indexes.has(axis) {
+    if mode == 2 && !context.board.indexes.has(axis) {
         let refused = Refused::new(Reason::NoIndex).field(2).axis(r.encoder.get());
         return Err(refused.got(mode.into()).limits(1.0, 1.0));
     }
-    case.stage(Op::Capture { axis, mode: mode as u8 });
+    context.stage(Op::Capture { axis, mode: mode as u8 });
     Ok(Answer::Done)
 }
 
 /// Refuses an Update or start of axes that cannot start; shared by Trap, Jog and PT.
-pub fn all_startable<const AXES: usize>(case: &Case<AXES>, axes: AxisMask) -> Admitted<()> {
-    case.each(axes).try_for_each(|axis| case.startable(axis))
+pub fn all_startable<const AXES: usize>(context: &Context<AXES>, axes: AxisMask) -> Admitted<()> {
+    context.each(axes).try_for_each(|axis| context.startable(axis))
 }

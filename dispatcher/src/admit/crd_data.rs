@@ -3,19 +3,20 @@
 //! In: a data command. Out: entries in the look-ahead or the store, and what the books are to say of the FIFO. Fails:
 //! with the parameter and the limit, and then nothing has changed: all is checked before the first entry is put in.
 //!
-//! Every command becomes a [`Given`]; [`put`] does the rest. A command of another chapter that goes into a FIFO (a
-//! buffered laser change) makes a `Given` of its own, with [`What::Entry`].
+//! Every command becomes a [`DataCommand`]; [`put`] does the rest. A command of another chapter that goes into a FIFO (a
+//! buffered laser change) makes a `DataCommand` of its own, with [`Item::Entry`].
 mod given;
 
-use super::data::{End, Of, Written};
+use super::context::{Answer, Configuration, Context};
+use super::data::{End, FifoOf, Written};
+use super::refuse::{Admitted, Refused, choice, real};
 use super::{buffered, many};
-use crate::books::{CAPACITY, CrdBook, Frame, PathBook, PathData};
-use crate::case::{Answer, Case, Site};
-use crate::figure::{self, Figure, OFF_CENTRE, Place};
-use crate::lookahead::Limits;
-use crate::path_queue::PathQueue;
-use crate::refuse::{Admitted, Refused, choice, real};
-use given::{Given, Speeds, Target, Way, What, given};
+use crate::plan::geometry;
+use crate::plan::geometry::{Geometry, OFF_CENTRE, Position};
+use crate::plan::look_ahead::Limits;
+use crate::plan::path_queue::PathQueue;
+use crate::shadow::{CAPACITY, CrdShadow, Frame, PathData, PathShadow};
+use given::{DataCommand, Item, Shape, Speeds, Target, given};
 use protocol::command::{LnXYMany, LnXYZMany, opcode};
 use protocol::reason::Reason;
 use servo::path::{Along, DIMENSIONS, Entry, EntryStore, PathStores, Plane};
@@ -62,46 +63,47 @@ struct Filling<'x> {
     crd: Crd,
     fifo: u8,
     number: i16,
-    book: &'x CrdBook,
+    shadow: &'x CrdShadow,
     frame: &'x Frame,
-    path: &'x PathBook,
+    path: &'x PathShadow,
     /// Where the next motion begins; NaN for a coordinate of which only the tick knows.
-    begin: Place,
+    begin: Position,
     space: u32,
     /// The path may run, and has a look-ahead: what leaves it is for the tick at once.
     at_once: bool,
     field: u8,
-    site: &'x Site,
+    configuration: &'x Configuration,
     /// What the board's steps make of an axis, pulse/ms.
     limit: f64,
 }
 
 /// The FIFO, if it is known what it holds and its places are free.
-fn open<'x, const AXES: usize>(case: &Case<'x, AXES>, target: &Target) -> Admitted<Filling<'x>> {
-    let crd = case.crd(target.core, target.crd)?;
-    let frame = case.frame(crd)?;
+fn open<'x, const AXES: usize>(context: &Context<'x, AXES>, target: &Target) -> Admitted<Filling<'x>> {
+    let crd = context.crd(target.core, target.crd)?;
+    let frame = context.frame(crd)?;
     let fifo = super::crd::fifo(target.fifo_field, target.fifo)?;
-    let (book, seen) = (case.crd_book(crd), case.crd_seen(crd));
-    let path = book.path(fifo);
-    let in_use = || case.no_crd(Reason::CrdFifoInUse, crd).field(target.fifo_field).got(fifo.into());
-    let pending = |seq: Option<u32>| seq.is_some_and(|seq| !crate::books::executed(case.view, seq));
+    let (shadow, sampled) = (context.crd_book(crd), context.crd_seen(crd));
+    let path = shadow.path(fifo);
+    let in_use = || context.no_crd(Reason::CrdFifoInUse, crd).field(target.fifo_field).got(fifo.into());
+    let pending = |seq: Option<u32>| seq.is_some_and(|seq| !crate::shadow::executed(context.view, seq));
     // The places of what is over in the program are free only when the tick is through with them.
-    if pending(path.emptied) && book.is_busy(case.view, seen) {
+    if pending(path.emptied) && shadow.is_busy(context.view, sampled) {
         return Err(in_use());
     }
-    let at_once = path.look.is_some() && case.crd_may_run(crd);
+    let at_once = path.look.is_some() && context.crd_may_run(crd);
     // The look-ahead of a path that runs looks no further ahead than the host that feeds it.
-    if at_once && (!case.due.near || path.loose || pending(path.last)) {
+    if at_once && (!context.due.near || path.loose || pending(path.last)) {
         return Err(in_use());
     }
-    let space = book.space(seen, fifo);
-    let mut begin = book.begin(|| super::crd::place_at_rest(case, crd), fifo).unwrap_or([f64::NAN; DIMENSIONS]);
+    let space = shadow.space(sampled, fifo);
+    let mut begin =
+        shadow.begin(|| super::crd::position_at_standstill(context, crd), fifo).unwrap_or([f64::NAN; DIMENSIONS]);
     // A coordinate that no axis drives stays 0, whatever is known of the others.
     begin.iter_mut().skip(frame.dimension.into()).for_each(|at| *at = 0.0);
-    let number = case.site.crd_number(crd);
-    let limit = case.board.step_limit.pulses_per_ms() as f64;
-    let (site, field) = (case.site, target.fifo_field);
-    Ok(Filling { crd, fifo, number, book, frame, path, begin, space, at_once, field, site, limit })
+    let number = context.configuration.crd_number(crd);
+    let limit = context.board.step_limit.pulses_per_ms() as f64;
+    let (configuration, field) = (context.configuration, target.fifo_field);
+    Ok(Filling { crd, fifo, number, shadow, frame, path, begin, space, at_once, field, configuration, limit })
 }
 
 impl Filling<'_> {
@@ -148,7 +150,7 @@ impl Filling<'_> {
     }
 
     /// The motion from where the FIFO ends.
-    fn figure(&self, way: &Way) -> Admitted<Figure> {
+    fn geometry(&self, shape: &Shape) -> Admitted<Geometry> {
         let begin = self.begin;
         let ccw = |dir: i16, field: u8| Ok(choice(field, dir, 0, 1)? == 1);
         let plane_of = |plane: Plane, to: [i32; 2], field: u8| {
@@ -161,15 +163,15 @@ impl Filling<'_> {
             }
             self.needs(plane.coordinates())
         };
-        let (figure, field) = match *way {
-            Way::Line { to, count, field } => {
+        let (geometry, field) = match *shape {
+            Shape::Line { to, count, field } => {
                 for ((coordinate, to), field) in to.iter().enumerate().zip(field..) {
                     self.driven(coordinate, *to, if count == DIMENSIONS { field } else { field.min(count as u8 + 1) })?;
                 }
                 self.needs(if count == 2 { DIMENSIONS } else { count }..DIMENSIONS)?;
                 if count == 2 {
                     let [x, y, ..] = to;
-                    (Figure::planar(&begin, [x, y]), field)
+                    (Geometry::planar(&begin, [x, y]), field)
                 } else {
                     // Coordinates behind those that are named stay.
                     let mut target = to;
@@ -177,30 +179,36 @@ impl Filling<'_> {
                     for (_, (to, begin)) in rest {
                         *to = begin as i32;
                     }
-                    (Figure::line(&begin, target), field)
+                    (Geometry::line(&begin, target), field)
                 }
             }
-            Way::Radius { plane, to, radius, dir, field } => {
+            Shape::Radius { plane, to, radius, dir, field } => {
                 plane_of(plane, to, field)?;
-                (Figure::arc_radius(&begin, plane, to, radius, ccw(dir, field + 3)?), field)
+                (Geometry::arc_radius(&begin, plane, to, radius, ccw(dir, field + 3)?), field)
             }
-            Way::Centre { plane, to, centre, dir, field } => {
+            Shape::Centre { plane, to, centre, dir, field } => {
                 plane_of(plane, to, field)?;
-                (Figure::arc_centre(&begin, plane, to, centre, ccw(dir, field + 4)?), field)
+                (Geometry::arc_centre(&begin, plane, to, centre, ccw(dir, field + 4)?), field)
             }
         };
-        figure.map_err(|refused| explain(refused, way, field))
+        geometry.map_err(|refused| explain(refused, shape, field))
     }
 
     /// Refuses a motion in which an axis would be faster than the board's steps, at the speed that it is given or at that with
     /// which the motion before may end. `data` is what stands before it.
-    fn in_steps(&self, queue: &PathQueue, figure: &Figure, (vel, field): (f64, u8), data: &PathData) -> Admitted<()> {
+    fn in_steps(
+        &self,
+        queue: &PathQueue,
+        geometry: &Geometry,
+        (vel, field): (f64, u8),
+        data: &PathData,
+    ) -> Admitted<()> {
         let peak = vel.max(self.enters(data));
         // No coordinate has more of the speed than all of it.
         if peak <= self.limit && data.gears.0 == 0 {
             return Ok(());
         }
-        if figure.length.is_nan() {
+        if geometry.length.is_nan() {
             // Waits until the place is known, unless that changes nothing.
             if peak.max(peak * f64::from(data.gear)) <= self.limit {
                 return Ok(());
@@ -208,22 +216,22 @@ impl Filling<'_> {
             self.needs(0..DIMENSIONS)?;
         }
         let peak = match self.path.look {
-            Some(look) => queue.limits(self.path.cleared, self.limits(look.corner, look.acc)).speed(figure, peak),
+            Some(look) => queue.limits(self.path.cleared, self.limits(look.corner, look.acc)).speed(geometry, peak),
             None => peak,
         };
         let refuse = |axis: Axis, share: f64| {
             if !is_faster(peak, share, self.limit) {
                 return Ok(());
             }
-            let refused = Refused::new(Reason::StepLimit).field(field).axis(self.site.number_of(axis));
+            let refused = Refused::new(Reason::StepLimit).field(field).axis(self.configuration.number_of(axis));
             Err(refused.got(peak * share).limits(0.0, self.limit))
         };
         for (coordinate, axis) in self.frame.axes().into_iter().enumerate() {
             if let Some(axis) = axis {
-                refuse(axis, figure.share(coordinate))?;
+                refuse(axis, geometry.share(coordinate))?;
             }
         }
-        if data.gears.0 == 0 { Ok(()) } else { refuse(data.geared, f64::from(data.gear) / figure.length) }
+        if data.gears.0 == 0 { Ok(()) } else { refuse(data.geared, f64::from(data.gear) / geometry.length) }
     }
 
     /// How fast the path may be where the next motion begins.
@@ -245,8 +253,8 @@ impl Filling<'_> {
     fn limits(&self, corner: f64, acc: f64) -> Limits {
         let of = |own: f64, else_: f64| if own > 0.0 { own } else { else_ };
         Limits {
-            vel: self.book.limits.map(|(vel, _)| of(vel, f64::INFINITY)),
-            acc: self.book.limits.map(|(_, own)| of(own, acc)),
+            vel: self.shadow.limits.map(|(vel, _)| of(vel, f64::INFINITY)),
+            acc: self.shadow.limits.map(|(_, own)| of(own, acc)),
             corner,
         }
     }
@@ -263,51 +271,51 @@ impl Filling<'_> {
     fn put_motion(
         &self,
         (queue, store): (&mut PathQueue, &EntryStore),
-        (figure, rests): (&Figure, bool),
+        (geometry, stops): (&Geometry, bool),
         Held { vel, acc, end, along }: Held,
         data: &mut PathData,
     ) {
-        data.leaves = self.leaves(data, figure.length, acc, end);
+        data.leaves = self.leaves(data, geometry.length, acc, end);
         if self.path.look.is_some() {
-            queue.motion(store, (figure, vel, acc), rests);
-        } else if let Some(entry) = figure.entry(along) {
-            queue.other(store, entry, figure.length / vel);
+            queue.motion(store, (geometry, vel, acc), stops);
+        } else if let Some(entry) = geometry.entry(along) {
+            queue.other(store, entry, geometry.length / vel);
         }
         data.given = data.given.wrapping_add(1);
         data.motions = data.motions.wrapping_add(1);
-        (data.open, data.place, data.gears.0, data.gear) = (true, figure.end, 0, 0);
+        (data.open, data.position, data.gears.0, data.gear) = (true, geometry.end, 0, 0);
     }
 
     fn written(&self, count: usize, lasts: f64, data: PathData) -> (Written, End) {
         let (crd, fifo) = (self.crd, self.fifo);
         let answer = Answer::Path { crd, fifo, count: count as u16, lasts_ms: lasts as u32 };
-        (Written { at_once: self.at_once, ..Written::new(Of::Crd(crd), fifo, answer) }, End::Path(data))
+        (Written { at_once: self.at_once, ..Written::new(FifoOf::Crd(crd), fifo, answer) }, End::Path(data))
     }
 }
 
 #[cold]
-fn explain(refused: figure::Refused, way: &Way, field: u8) -> Refused {
-    let (radius, centre) = match *way {
-        Way::Radius { radius, .. } => (radius, [0.0; 2]),
-        Way::Centre { centre, .. } => (libm::hypot(centre[0], centre[1]), centre),
-        Way::Line { .. } => (0.0, [0.0; 2]),
+fn explain(refused: geometry::Refused, shape: &Shape, field: u8) -> Refused {
+    let (radius, centre) = match *shape {
+        Shape::Radius { radius, .. } => (radius, [0.0; 2]),
+        Shape::Centre { centre, .. } => (libm::hypot(centre[0], centre[1]), centre),
+        Shape::Line { .. } => (0.0, [0.0; 2]),
     };
     match refused {
-        figure::Refused::NotFinite => {
+        geometry::Refused::NotFinite => {
             let second = centre[0].is_finite() && !centre[1].is_finite();
             Refused::new(Reason::NotFinite).field(field + 2 + u8::from(second)).got(radius)
         }
-        figure::Refused::NoLength => Refused::new(Reason::NoLength).field(field),
-        figure::Refused::RadiusTooSmall { least } => {
+        geometry::Refused::NoLength => Refused::new(Reason::NoLength).field(field),
+        geometry::Refused::RadiusTooSmall { least } => {
             Refused::new(Reason::RadiusTooSmall).field(field + 2).got(radius).limits(least, RADIUS)
         }
-        figure::Refused::CentreOff { by } => {
+        geometry::Refused::CentreOff { by } => {
             Refused::new(Reason::CentreOff).field(field + 2).got(by).limits(0.0, OFF_CENTRE)
         }
-        figure::Refused::CentreOnStart => {
+        geometry::Refused::CentreOnStart => {
             Refused::new(Reason::CentreOnStart).field(field + 2).got(radius).limits(CENTRE, RADIUS)
         }
-        figure::Refused::RadiusTooLarge => {
+        geometry::Refused::RadiusTooLarge => {
             Refused::new(Reason::RadiusTooLarge).field(field + 2).got(radius).limits(0.0, RADIUS)
         }
     }
@@ -315,35 +323,35 @@ fn explain(refused: figure::Refused, way: &Way, field: u8) -> Refused {
 
 /// Admits a data command of a path.
 pub fn data<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     queues: &mut [[PathQueue; 2]],
     stores: PathStores<'_>,
     number: u16,
     body: &[u8],
 ) -> Admitted<(Written, End)> {
     match number {
-        opcode::LnXYMany => lines::<LnXYMany, 2, AXES>(case, queues, stores, body),
-        opcode::LnXYZMany => lines::<LnXYZMany, 3, AXES>(case, queues, stores, body),
-        _ if buffered::is_buffered(number) => light(case, queues, stores, number, body),
+        opcode::LnXYMany => lines::<LnXYMany, 2, AXES>(context, queues, stores, body),
+        opcode::LnXYZMany => lines::<LnXYZMany, 3, AXES>(context, queues, stores, body),
+        _ if buffered::is_buffered(number) => light(context, queues, stores, number, body),
         _ => {
-            let given = given(case, number, body)?;
-            put(case, queues, stores, &given)
+            let given = given(context, number, body)?;
+            put(context, queues, stores, &given)
         }
     }
 }
 
 /// A buffered laser command: what it took is told where there is something, else its place.
 fn light<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     queues: &mut [[PathQueue; 2]],
     stores: PathStores<'_>,
     number: u16,
     body: &[u8],
 ) -> Admitted<(Written, End)> {
-    let change = buffered::admit(case, number, body)?;
+    let change = buffered::admit(context, number, body)?;
     let (fifo_field, fifo) = change.fifo;
     let target = Target { core: change.core, crd: change.crd, fifo, fifo_field };
-    let (mut written, end) = put(case, queues, stores, &(target, What::Entry(change.entry, 0.0)))?;
+    let (mut written, end) = put(context, queues, stores, &(target, Item::Entry(change.entry, 0.0)))?;
     written.named = change.named;
     if let Some((took, count, held)) = change.took {
         (written.took, written.answer) = (took, Answer::Took { count, held });
@@ -353,12 +361,12 @@ fn light<const AXES: usize>(
 
 /// Puts one thing into a FIFO, in the order of the calls, through the look-ahead if there is one.
 pub fn put<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     queues: &mut [[PathQueue; 2]],
     stores: PathStores<'_>,
-    (target, what): &Given,
+    (target, what): &DataCommand,
 ) -> Admitted<(Written, End)> {
-    let filling = open(case, target)?;
+    let filling = open(context, target)?;
     let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
     let none = || filling.no(Reason::CrdNotOnBoard);
     let (queues, stores) = queues.get_mut(crd).zip(stores.get(crd)).ok_or_else(none)?;
@@ -366,19 +374,19 @@ pub fn put<const AXES: usize>(
     let mut data = filling.path.data;
     let mut count = 1;
     match what {
-        What::Motion(way, given) => {
+        Item::Motion(shape, given) => {
             let speeds = filling.speeds(given)?;
-            let figure = filling.figure(way)?;
-            filling.in_steps(queue, &figure, (speeds.vel, given.field), &data)?;
+            let geometry = filling.geometry(shape)?;
+            filling.in_steps(queue, &geometry, (speeds.vel, given.field), &data)?;
             filling.has_room(1)?;
             filling.prepare(queue);
-            filling.put_motion((queue, store), (&figure, given.rests), speeds, &mut data);
+            filling.put_motion((queue, store), (&geometry, given.stops), speeds, &mut data);
         }
-        What::Entry(..) | What::Gear(..) => {
+        Item::Entry(..) | Item::Gear(..) => {
             let (entry, ms) = match *what {
-                What::Gear(entry, axis, pulses) => {
+                Item::Gear(entry, axis, pulses) => {
                     if data.gears.has(axis) {
-                        return Err(case.no(Reason::AxisGoesAlong, axis));
+                        return Err(context.no(Reason::AxisGoesAlong, axis));
                     }
                     if data.gears.0.count_ones() >= GEARS {
                         return Err(filling.no(Reason::GearsFull).limits(0.0, GEARS.into()));
@@ -389,13 +397,13 @@ pub fn put<const AXES: usize>(
                     }
                     (entry, 0.0)
                 }
-                What::Entry(entry, ms) => (entry, ms),
+                Item::Entry(entry, ms) => (entry, ms),
                 _ => (Entry::delay(0), 0.0),
             };
             filling.has_room(1)?;
             // What stands first in a FIFO is done where the path is; a motion behind it begins there.
             if !data.open {
-                data.place = filling.begin;
+                data.position = filling.begin;
             }
             filling.prepare(queue);
             queue.other(store, entry, ms);
@@ -404,19 +412,19 @@ pub fn put<const AXES: usize>(
                 data.leaves = 0.0;
             }
         }
-        What::Flush => {
+        Item::Flush => {
             filling.prepare(queue);
             queue.flush(store);
             count = 0;
         }
     }
-    let lasts = queue.lasts(stores, case.crd_seen(filling.crd), filling.fifo);
+    let lasts = queue.lasts(stores, context.crd_seen(filling.crd), filling.fifo);
     Ok(filling.written(count, lasts, data))
 }
 
 /// LnXYMany and LnXYZMany: all lines or none.
 fn lines<R, const N: usize, const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     queues: &mut [[PathQueue; 2]],
     stores: PathStores<'_>,
     body: &[u8],
@@ -427,7 +435,7 @@ where
     let (r, items) = many::<R>(body, |r| r.head().1)?;
     let (target, count, speeds) = r.head();
     let _ = count;
-    let filling = open(case, &target)?;
+    let filling = open(context, &target)?;
     let (crd, fifo) = (filling.crd.index(), usize::from(filling.fifo));
     let none = || filling.no(Reason::CrdNotOnBoard);
     let (queues, stores) = queues.get_mut(crd).zip(stores.get(crd)).ok_or_else(none)?;
@@ -459,12 +467,12 @@ where
             ends.leaves = leaves;
             continue;
         }
-        let mut figure = Figure::line(&begin, before.map(|place| place as i32));
-        if let Ok(figure) = &mut figure {
+        let mut geometry = Geometry::line(&begin, before.map(|position| position as i32));
+        if let Ok(geometry) = &mut geometry {
             filling
-                .in_steps(queue, figure, (admitted.vel, speeds.field), &ends)
+                .in_steps(queue, geometry, (admitted.vel, speeds.field), &ends)
                 .map_err(|refused| refused.item(index))?;
-            ends.leaves = filling.leaves(&ends, figure.length, admitted.acc, admitted.end);
+            ends.leaves = filling.leaves(&ends, geometry.length, admitted.acc, admitted.end);
             (ends.open, ends.gears.0, ends.gear) = (true, 0, 0);
         }
     }
@@ -473,30 +481,30 @@ where
     let mut at = filling.begin;
     for (index, item) in items.iter().enumerate() {
         let to = R::to(item);
-        let mut target = at.map(|place| place as i32);
+        let mut target = at.map(|position| position as i32);
         target.iter_mut().zip(to).for_each(|(target, to)| *target = to);
         let [x, y, ..] = target;
         if filling.path.look.is_none() {
             // Nobody asks for its directions.
             let Held { vel, along, .. } = admitted;
             let entry = if N == 2 { Entry::planar([x, y], along) } else { Entry::line(target, along) };
-            let way = at.iter().zip(target).take(N).fold(0.0f32, |sum, (at, to)| {
+            let shape = at.iter().zip(target).take(N).fold(0.0f32, |sum, (at, to)| {
                 let part = (f64::from(to) - at) as f32;
                 sum + part * part
             });
-            queue.other(store, entry, f64::from(libm::sqrtf(way) / vel as f32));
+            queue.other(store, entry, f64::from(libm::sqrtf(shape) / vel as f32));
             (data.given, data.motions) = (data.given.wrapping_add(1), data.motions.wrapping_add(1));
             at.iter_mut().zip(to).for_each(|(at, to)| *at = to.into());
-            (data.open, data.place, data.gears.0, data.gear) = (true, at, 0, 0);
+            (data.open, data.position, data.gears.0, data.gear) = (true, at, 0, 0);
             continue;
         }
-        let figure = if N == 2 { Figure::planar(&at, [x, y]) } else { Figure::line(&at, target) };
-        let Ok(figure) = figure else { return Err(Refused::new(Reason::NoLength).field(fields).item(index)) };
-        filling.put_motion((queue, store), (&figure, false), admitted, &mut data);
-        at = figure.end;
+        let geometry = if N == 2 { Geometry::planar(&at, [x, y]) } else { Geometry::line(&at, target) };
+        let Ok(geometry) = geometry else { return Err(Refused::new(Reason::NoLength).field(fields).item(index)) };
+        filling.put_motion((queue, store), (&geometry, false), admitted, &mut data);
+        at = geometry.end;
     }
     data.leaves = ends.leaves;
-    let lasts = queue.lasts(stores, case.crd_seen(filling.crd), filling.fifo);
+    let lasts = queue.lasts(stores, context.crd_seen(filling.crd), filling.fifo);
     Ok(filling.written(items.len(), lasts, data))
 }
 
@@ -515,7 +523,7 @@ macro_rules! many_lines {
                 let (core, crd, fifo) = (self.core.get(), self.crd.get(), self.fifo.get());
                 let (vel, acc, end) = (self.syn_vel.get(), self.syn_acc.get(), self.vel_end.get());
                 let target = Target { core, crd, fifo, fifo_field: 2 };
-                (target, self.count.get(), Speeds { vel, acc, end, field: 4, rests: false })
+                (target, self.count.get(), Speeds { vel, acc, end, field: 4, stops: false })
             }
             fn to(item: &Self::Item) -> [i32; $n] {
                 [$(item.$axis.get()),*]

@@ -3,20 +3,20 @@
 //!
 //! In: a data command. Out: what was [`Written`]; then, once it is entered into the *ahead* books, the commit that
 //! shows all that a FIFO has. Fails: with a refusal, and then nothing has changed.
+use super::context::{Answer, Context, TAKEN_MAX};
+use super::refuse::Admitted;
 use super::{crd_data, follow_data, one, pt};
-use crate::books::{Books, Change, CrdChange, Fifo, FifoBook, PathData};
-use crate::case::{Answer, Case, TAKEN_MAX};
-use crate::path_queue::PathQueue;
-use crate::refuse::Admitted;
+use crate::plan::path_queue::PathQueue;
+use crate::shadow::{Change, CrdChange, Fifo, FifoShadow, PathData, Shadows};
 use protocol::command::{FollowSwitchNowEx, opcode};
 use servo::op::Op;
 use servo::path::PathStores;
-use servo::pt::SegmentStore;
+use servo::segment::pt::SegmentStore;
 use servo::units::{Axis, Crd};
 
 /// Whose FIFO.
 #[derive(Debug, Clone, Copy)]
-pub enum Of {
+pub enum FifoOf {
     /// Of an axis.
     Axis(Axis),
     /// Of a coordinate system.
@@ -27,7 +27,7 @@ pub enum Of {
 #[derive(Debug, Clone, Copy)]
 pub struct Written {
     /// Whose.
-    pub of: Of,
+    pub of: FifoOf,
     /// Which FIFO.
     pub fifo: u8,
     /// What to answer.
@@ -42,7 +42,7 @@ pub struct Written {
 
 impl Written {
     /// Data of a FIFO whose commit comes with the rest of its instant.
-    pub fn new(of: Of, fifo: u8, answer: Answer) -> Written {
+    pub fn new(of: FifoOf, fifo: u8, answer: Answer) -> Written {
         Written { of, fifo, answer, at_once: false, took: [0.0; TAKEN_MAX], named: None }
     }
 
@@ -56,7 +56,7 @@ impl Written {
 #[derive(Debug, Clone, Copy)]
 pub enum End {
     /// Of segments of PT.
-    Pt(FifoBook),
+    Pt(FifoShadow),
     /// Of entries of Follow.
     Follow(Fifo),
     /// Of entries of a path.
@@ -92,56 +92,58 @@ pub fn is_data(number: u16, body: &[u8]) -> bool {
 
 /// Admits a data command: all of it, or nothing.
 pub fn data<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     stores: Stores<'_, AXES>,
     number: u16,
     body: &[u8],
 ) -> Admitted<(Written, End)> {
     if matches!(number, opcode::PtData | opcode::PtDataMany) {
-        pt::data(case, stores.segments, number, body)
+        pt::data(context, stores.segments, number, body)
     } else if crd_data::is_path(number) {
-        crd_data::data(case, stores.queues, stores.entries, number, body)
+        crd_data::data(context, stores.queues, stores.entries, number, body)
     } else {
-        follow_data::data(case, stores.segments, number, body)
+        follow_data::data(context, stores.segments, number, body)
     }
 }
 
 /// Enters written data into the *ahead* books before its commit is pushed.
-pub fn enter<const AXES: usize>(books: &mut Books<AXES>, written: &Written, end: End) {
+pub fn enter<const AXES: usize>(shadows: &mut Shadows<AXES>, written: &Written, end: End) {
     let fifo = written.fifo;
     let change = match (written.of, end) {
-        (Of::Axis(axis), End::Pt(data)) => Change::Data { axis, fifo, epoch: books.axis(axis).epoch, book: data },
-        (Of::Axis(axis), End::Follow(data)) => {
-            let cleared = books.axis(axis).follow.cleared[usize::from(fifo & 1)];
-            Change::FollowData { axis, fifo, cleared, book: data }
+        (FifoOf::Axis(axis), End::Pt(data)) => {
+            Change::Data { axis, fifo, epoch: shadows.axis(axis).epoch, shadow: data }
         }
-        (Of::Crd(crd), End::Path(data)) => {
-            let cleared = books.crd(crd).path(fifo).cleared;
+        (FifoOf::Axis(axis), End::Follow(data)) => {
+            let cleared = shadows.axis(axis).follow.cleared[usize::from(fifo & 1)];
+            Change::FollowData { axis, fifo, cleared, shadow: data }
+        }
+        (FifoOf::Crd(crd), End::Path(data)) => {
+            let cleared = shadows.crd(crd).path(fifo).cleared;
             Change::Crd { crd, change: CrdChange::Data { fifo, cleared, data } }
         }
         // Data is of what it was written to.
         _ => Change::None,
     };
-    books.enter(&change, 0);
+    shadows.enter(&change, 0);
 }
 
 /// The commit of what these books have in a FIFO of an axis.
-pub fn commit<const AXES: usize>(books: &Books<AXES>, axis: Axis, fifo: u8) -> (Op, Change) {
-    let book = books.axis(axis);
+pub fn commit<const AXES: usize>(shadows: &Shadows<AXES>, axis: Axis, fifo: u8) -> (Op, Change) {
+    let shadow = shadows.axis(axis);
     let place = usize::from(fifo & 1);
-    if book.is_follow() {
-        let (cleared, data) = (book.follow.cleared[place], book.follow.fifos[place]);
+    if shadow.is_follow() {
+        let (cleared, data) = (shadow.follow.cleared[place], shadow.follow.fifos[place]);
         let op = Op::FollowCommit { axis, fifo, end: data.chain.entries(), cleared, tail: data.chain.tail() };
-        (op, Change::FollowData { axis, fifo, cleared, book: data })
+        (op, Change::FollowData { axis, fifo, cleared, shadow: data })
     } else {
-        let (epoch, data) = (book.epoch, book.fifos[place]);
-        (Op::PtCommit { axis, fifo, end: data.end, epoch }, Change::Data { axis, fifo, epoch, book: data })
+        let (epoch, data) = (shadow.epoch, shadow.fifos[place]);
+        (Op::PtCommit { axis, fifo, end: data.end, epoch }, Change::Data { axis, fifo, epoch, shadow: data })
     }
 }
 
 /// The commit of a FIFO of a coordinate system up to an entry.
-pub fn commit_path<const AXES: usize>(books: &Books<AXES>, crd: Crd, fifo: u8, end: u32) -> (Op, Change) {
-    let path = books.crd(crd).path(fifo);
+pub fn commit_path<const AXES: usize>(shadows: &Shadows<AXES>, crd: Crd, fifo: u8, end: u32) -> (Op, Change) {
+    let path = shadows.crd(crd).path(fifo);
     let (cleared, data) = (path.cleared, path.data);
     let change = CrdChange::Data { fifo, cleared, data };
     (Op::CrdCommit { crd, fifo, end, cleared }, Change::Crd { crd, change })

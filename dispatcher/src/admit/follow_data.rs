@@ -2,21 +2,21 @@
 //!
 //! In: a data command. Out: entries in the store, and what the books are to say of the FIFO. Fails: with the
 //! parameter and the limit; what was written by then lies behind the end of the FIFO, where nobody looks.
-use super::data::{End, Of, Written};
+use super::context::{Answer, Context};
+use super::data::{End, FifoOf, Written};
 use super::follow::{following, known, method, mode_of};
+use super::refuse::{Admitted, Refused, choice, real, within};
 use super::{io, one};
-use crate::books::Fifo;
-use crate::case::{Answer, Case};
-use crate::lopsided;
-use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::plan::asymmetric_s;
+use crate::shadow::Fifo;
 use protocol::command::{
     FollowData, FollowDataPercent2Ex, FollowDataPercentEx, FollowDelayEx, FollowDiBitEx, FollowDoBitEx,
     FollowSwitchNowEx, opcode,
 };
 use protocol::reason::Reason;
-use servo::follow::{self, Chain, Direction, Entry, Input, Method, Part};
 use servo::op::{DoGroup, Mode};
-use servo::pt::SegmentStore;
+use servo::segment::follow::{self, Chain, Direction, Entry, Input, Method, Part};
+use servo::segment::pt::SegmentStore;
 use servo::units::Axis;
 
 /// Furthest master position, pulses.
@@ -49,16 +49,16 @@ struct Filling<'x> {
     field: u8,
     direction: Direction,
     capacity: u32,
-    book: Fifo,
+    shadow: Fifo,
 }
 
 impl Filling<'_> {
     /// The entry behind the end, and what the next goes on from.
     fn check(&self, given: Given) -> Admitted<(Entry, Chain)> {
-        if self.book.chain.entries() >= self.capacity {
+        if self.shadow.chain.entries() >= self.capacity {
             return Err(Refused::new(Reason::FifoFull).field(self.field).limits(0.0, self.capacity.into()));
         }
-        let before = &self.book.chain;
+        let before = &self.shadow.chain;
         let admitted = match given {
             Given::Segment(master, slave, kind, percent) => {
                 Entry::segment(master.to_bits(), slave.to_bits(), kind, percent, self.direction, before)
@@ -78,12 +78,12 @@ impl Filling<'_> {
     /// Writes one entry behind the end.
     fn add(&mut self, given: Given) -> Admitted<()> {
         let (entry, chain) = self.check(given)?;
-        self.store.write_entry(self.fifo, self.book.chain.entries(), entry);
-        self.book.chain = chain;
+        self.store.write_entry(self.fifo, self.shadow.chain.entries(), entry);
+        self.shadow.chain = chain;
         if let Given::Segment(master, slave, ..) | Given::Part(master, slave, ..) = given {
-            (self.book.master, self.book.slave) = (master, slave);
+            (self.shadow.master, self.shadow.slave) = (master, slave);
         }
-        self.book.switches |= matches!(given, Given::Switch(Method::Table));
+        self.shadow.switches |= matches!(given, Given::Switch(Method::Table));
         Ok(())
     }
 
@@ -94,7 +94,7 @@ impl Filling<'_> {
             Given::Part(master, slave, ..) => (master, slave, 0, 0),
             _ => (0.0, 0.0, 0, 0),
         };
-        let before = &self.book;
+        let before = &self.shadow;
         let ratio = (slave - before.slave) / (master - before.master);
         match refused {
             follow::Refused::MasterNotFinite => Refused::new(Reason::NotFinite).field(2).got(master),
@@ -133,13 +133,13 @@ impl Filling<'_> {
 
 /// Admits a data command of either mode.
 pub fn data<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     stores: &[SegmentStore; AXES],
     number: u16,
     body: &[u8],
 ) -> Admitted<(Written, End)> {
     if number == opcode::FollowDataPercent2Ex {
-        return lopsided_data(case, stores, &one(body)?);
+        return lopsided_data(context, stores, &one(body)?);
     }
     let (core, profile, fifo, field, given) = match number {
         opcode::FollowData => {
@@ -155,7 +155,7 @@ pub fn data<const AXES: usize>(
         opcode::FollowDoBitEx => {
             let r = one::<FollowDoBitEx>(body)?;
             let (group, bit, high) =
-                io::output(case, r.core.get(), 2, (r.do_type.get(), r.index.get(), r.value.get()))?;
+                io::output(context, r.core.get(), 2, (r.do_type.get(), r.index.get(), r.value.get()))?;
             (r.core, r.profile, r.fifo, 5, Given::Output(group, bit, high))
         }
         opcode::FollowDelayEx => {
@@ -165,7 +165,7 @@ pub fn data<const AXES: usize>(
         opcode::FollowDiBitEx => {
             let r = one::<FollowDiBitEx>(body)?;
             let (input, index, high) =
-                io::input(case, r.core.get(), 2, (r.di_type.get(), r.index.get(), r.value.get()))?;
+                io::input(context, r.core.get(), 2, (r.di_type.get(), r.index.get(), r.value.get()))?;
             (r.core, r.profile, r.fifo, 6, Given::Wait(input, index, high, r.time_ms.get()))
         }
         _ => {
@@ -174,20 +174,23 @@ pub fn data<const AXES: usize>(
             (r.core, r.profile, r.fifo, 4, Given::Switch(method(r.method.get())?))
         }
     };
-    let axis = following(case, mode_of(number), core.get(), profile.get())?;
-    let mut filling = open(case, stores, axis, fifo.get(), field)?;
-    filling.add(given).map_err(|refused| refused.axis(case.site.number_of(axis)))?;
+    let axis = following(context, mode_of(number), core.get(), profile.get())?;
+    let mut filling = open(context, stores, axis, fifo.get(), field)?;
+    filling.add(given).map_err(|refused| refused.axis(context.configuration.number_of(axis)))?;
     let fifo = filling.fifo;
-    Ok((Written::new(Of::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1: 0 }), End::Follow(filling.book)))
+    Ok((
+        Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1: 0 }),
+        End::Follow(filling.shadow),
+    ))
 }
 
 /// FollowDataPercent2Ex: up to three places, for the growing, the held and the falling slope of the ratio.
 fn lopsided_data<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     stores: &[SegmentStore; AXES],
     r: &FollowDataPercent2Ex,
 ) -> Admitted<(Written, End)> {
-    let axis = following(case, Mode::FollowEx, r.core.get(), r.profile.get())?;
+    let axis = following(context, Mode::FollowEx, r.core.get(), r.profile.get())?;
     let (master, slave) = (r.master_segment.get(), r.slave_segment.get());
     let (begin, end) = (r.vel_begin_ratio.get(), r.vel_end_ratio.get());
     for (field, number) in (2..).zip([master, slave, begin, end]) {
@@ -199,14 +202,14 @@ fn lopsided_data<const AXES: usize>(
         real(field, ratio, -RATIO_MAX, RATIO_MAX)?;
     }
     let q = f64::from(within(6, r.percent.get(), 0, 100)?) / 100.0;
-    let mut filling = open(case, stores, axis, r.fifo.get(), 7)?;
-    let named = |refused: Refused| refused.axis(case.site.number_of(axis));
+    let mut filling = open(context, stores, axis, r.fifo.get(), 7)?;
+    let named = |refused: Refused| refused.axis(context.configuration.number_of(axis));
     // What is wrong with its ends alone is told as of any segment.
     filling.check(Given::Segment(master, slave, 1, 0)).map_err(named)?;
-    let (from, origin) = (filling.book.master, filling.book.slave);
+    let (from, origin) = (filling.shadow.master, filling.shadow.slave);
     let length = master - from;
     let progress = length.abs();
-    let x = lopsided::share(begin, end, q, (slave - origin) / progress).map_err(|(low, high)| {
+    let x = asymmetric_s::share(begin, end, q, (slave - origin) / progress).map_err(|(low, high)| {
         let (low, high) = (origin + low * progress, origin + high * progress);
         named(Refused::new(Reason::OutOfRange).field(3).got(slave).limits(low, high))
     })?;
@@ -218,7 +221,7 @@ fn lopsided_data<const AXES: usize>(
     } else {
         x
     };
-    let [rise, held] = lopsided::corners(begin, end, q, x);
+    let [rise, held] = asymmetric_s::corners(begin, end, q, x);
     let corner = |(at, mean): (f64, f64)| (from + length * at, origin + progress * mean);
     let parts = [
         (x > 0.0).then(|| (corner(rise), Part::Rise)),
@@ -234,30 +237,30 @@ fn lopsided_data<const AXES: usize>(
     }
     let fifo = filling.fifo;
     let percent1 = (x * 100.0 + 0.5) as i16;
-    Ok((Written::new(Of::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1 }), End::Follow(filling.book)))
+    Ok((Written::new(FifoOf::Axis(axis), fifo, Answer::Entered { axis, fifo, percent1 }), End::Follow(filling.shadow)))
 }
 
 /// The FIFO, if it is known what it holds and its places are free for data.
 fn open<'x, const AXES: usize>(
-    case: &Case<'_, AXES>,
+    context: &Context<'_, AXES>,
     stores: &'x [SegmentStore; AXES],
     axis: Axis,
     fifo: i16,
     field: u8,
 ) -> Admitted<Filling<'x>> {
     let fifo = choice(field, fifo, 0, 1)? as u8;
-    known(case, axis, field)?;
-    let book = case.book(axis);
+    known(context, axis, field)?;
+    let shadow = context.shadow(axis);
     // The places of data that is over in the program are free only when the tick is through with them.
-    if case.is_outgoing(axis, fifo) {
-        return Err(case.no(Reason::FifoInUse, axis).field(field).got(fifo.into()));
+    if context.is_outgoing(axis, fifo) {
+        return Err(context.no(Reason::FifoInUse, axis).field(field).got(fifo.into()));
     }
-    let Some(store) = stores.get(axis.index()) else { return Err(case.no(Reason::NotInitialised, axis)) };
-    let direction = match book.follow.direction {
+    let Some(store) = stores.get(axis.index()) else { return Err(context.no(Reason::NotInitialised, axis)) };
+    let direction = match shadow.follow.direction {
         0 => Direction::Both,
         1 => Direction::Up,
         _ => Direction::Down,
     };
-    let (capacity, data) = (book.follow.capacity(), *book.follow.fifo(fifo));
-    Ok(Filling { store, fifo, field, direction, capacity, book: data })
+    let (capacity, data) = (shadow.follow.capacity(), *shadow.follow.fifo(fifo));
+    Ok(Filling { store, fifo, field, direction, capacity, shadow: data })
 }

@@ -1,13 +1,13 @@
 //! Digital and analog inputs and outputs.
+use super::context::{Answer, Context, Query, ones};
 use super::many;
-use crate::books::Change;
-use crate::case::{Answer, Case, Query, ones};
-use crate::refuse::{Admitted, Refused, choice};
+use super::refuse::{Admitted, Refused, choice};
+use crate::shadow::Change;
 use protocol::command::{GetAdc, GetDac, GetDi, GetDiEx, GetDo, GetDoEx, SetDac, SetDo, SetDoBit, SetDoEx, opcode};
 use protocol::reason::Reason;
-use servo::follow::Input;
 use servo::laser::Mode;
 use servo::op::{DoGroup, Op};
+use servo::segment::follow::Input;
 use servo::units::{AxisMask, CrdMask};
 
 /// I/O types of the manuals (SPEC 3).
@@ -31,74 +31,78 @@ pub const WORDS: usize = 4;
 /// A read of this type, that of field 1: `first` is the core's index, `count` the words of 32 levels. One that asks for more
 /// words than there are gets those that there are.
 fn read<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     opcode: u16,
     core: i16,
     (which, low, high): (i16, i16, i16),
     count: i16,
 ) -> Admitted<Answer> {
-    let core = case.core(core)?;
+    let core = context.core(core)?;
     let which = choice(1, which, low, high)? as u8;
     let count = choice(2, count, 1, i16::MAX)?.min(WORDS as i16) as u8;
     Ok(Answer::Read(Query { opcode, first: core as u8, count, which }))
 }
 
 /// Raw levels of the core's axes from bit 0, or the general inputs, which belong to all cores.
-pub fn inputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDi) -> Admitted<Answer> {
-    read(case, opcode::GetDi, r.core.get(), (r.di_type.get(), kind::LIMIT_POSITIVE, kind::ARRIVE), 1)
+pub fn inputs<const AXES: usize>(context: &mut Context<AXES>, r: &GetDi) -> Admitted<Answer> {
+    read(context, opcode::GetDi, r.core.get(), (r.di_type.get(), kind::LIMIT_POSITIVE, kind::ARRIVE), 1)
 }
 
 /// The same, word by word.
-pub fn input_words<const AXES: usize>(case: &mut Case<AXES>, r: &GetDiEx) -> Admitted<Answer> {
+pub fn input_words<const AXES: usize>(context: &mut Context<AXES>, r: &GetDiEx) -> Admitted<Answer> {
     let which = (r.di_type.get(), kind::LIMIT_POSITIVE, kind::ARRIVE);
-    read(case, opcode::GetDiEx, r.core.get(), which, r.count.get())
+    read(context, opcode::GetDiEx, r.core.get(), which, r.count.get())
 }
 
-pub fn outputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDo) -> Admitted<Answer> {
-    read(case, opcode::GetDo, r.core.get(), (r.do_type.get(), kind::ENABLE, kind::GPO), 1)
+pub fn outputs<const AXES: usize>(context: &mut Context<AXES>, r: &GetDo) -> Admitted<Answer> {
+    read(context, opcode::GetDo, r.core.get(), (r.do_type.get(), kind::ENABLE, kind::GPO), 1)
 }
 
 /// The same, word by word.
-pub fn output_words<const AXES: usize>(case: &mut Case<AXES>, r: &GetDoEx) -> Admitted<Answer> {
-    read(case, opcode::GetDoEx, r.core.get(), (r.do_type.get(), kind::ENABLE, kind::GPO), r.count.get())
+pub fn output_words<const AXES: usize>(context: &mut Context<AXES>, r: &GetDoEx) -> Admitted<Answer> {
+    read(context, opcode::GetDoEx, r.core.get(), (r.do_type.get(), kind::ENABLE, kind::GPO), r.count.get())
 }
 
 /// General inputs that a program can name: those of the profile, as far as the board has them.
-fn general_inputs<const AXES: usize>(case: &Case<AXES>) -> u8 {
-    case.site.profile.general_inputs.min(case.board.general_inputs)
+fn general_inputs<const AXES: usize>(context: &Context<AXES>) -> u8 {
+    context.configuration.profile.general_inputs.min(context.board.general_inputs)
 }
 
 /// The group, the place of its bit 0, and how many bits a core has of it. `field` names the type.
 pub fn group<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     core: i16,
     field: u8,
     which: i16,
 ) -> Admitted<(DoGroup, usize, usize)> {
-    let axes = usize::from(case.site.profile.axes_per_core);
-    let first = case.core(core)? * axes;
+    let axes = usize::from(context.configuration.profile.axes_per_core);
+    let first = context.core(core)? * axes;
     Ok(match choice(field, which, kind::ENABLE, kind::GPO)? {
         kind::ENABLE => (DoGroup::Enable, first, axes),
         kind::CLEAR => (DoGroup::Clear, first, axes),
-        _ => (DoGroup::General, 0, usize::from(case.site.profile.general_outputs.min(case.board.general_outputs))),
+        _ => (
+            DoGroup::General,
+            0,
+            usize::from(context.configuration.profile.general_outputs.min(context.board.general_outputs)),
+        ),
     })
 }
 
 /// The first word of outputs. Bits of outputs that do not exist must be 0.
-pub fn set_outputs<const AXES: usize>(case: &mut Case<AXES>, r: &SetDo) -> Admitted<Answer> {
-    let (group, first, count) = group(case, r.core.get(), 1, r.do_type.get())?;
+pub fn set_outputs<const AXES: usize>(context: &mut Context<AXES>, r: &SetDo) -> Admitted<Answer> {
+    let (group, first, count) = group(context, r.core.get(), 1, r.do_type.get())?;
     let (value, all) = (u64::from(r.value.get().cast_unsigned()), ones(count.min(WORD)));
     if value & !all != 0 {
         return Err(Refused::new(Reason::OutOfRange).field(2).got(value as f64).limits(0.0, all as f64));
     }
-    stage_output(case, group, all << first, value << first);
+    stage_output(context, group, all << first, value << first);
     Ok(Answer::Done)
 }
 
 /// Words of outputs, from the first one; what no word holds stays. Bits of outputs that do not exist must be 0.
-pub fn set_output_words<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admitted<Answer> {
+pub fn set_output_words<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) -> Admitted<Answer> {
     let (request, values) = many::<SetDoEx>(body, |r| r.count.get())?;
-    let (group, first, have) = group(case, request.core.get(), 1, request.do_type.get())?;
+    let (group, first, have) = group(context, request.core.get(), 1, request.do_type.get())?;
     let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
     choice(2, count, 1, have.div_ceil(WORD).max(1) as i16)?;
     let mut levels = 0;
@@ -112,51 +116,51 @@ pub fn set_output_words<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -
         levels |= value << (WORD * item);
     }
     let all = ones(have.min(WORD * values.len()));
-    stage_output(case, group, all << first, levels << first);
+    stage_output(context, group, all << first, levels << first);
     Ok(Answer::Done)
 }
 
-pub fn set_output<const AXES: usize>(case: &mut Case<AXES>, r: &SetDoBit) -> Admitted<Answer> {
-    let (group, bit, high) = output(case, r.core.get(), 1, (r.do_type.get(), r.index.get(), r.value.get()))?;
+pub fn set_output<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoBit) -> Admitted<Answer> {
+    let (group, bit, high) = output(context, r.core.get(), 1, (r.do_type.get(), r.index.get(), r.value.get()))?;
     let mask = 1u64 << bit;
-    stage_output(case, group, mask, if high { mask } else { 0 });
+    stage_output(context, group, mask, if high { mask } else { 0 });
     Ok(Answer::Done)
 }
 
 /// Levels of outputs. A servo that is switched off stops its axis, and the path that drives it.
-fn stage_output<const AXES: usize>(case: &mut Case<AXES>, group: DoGroup, mask: u64, value: u64) {
+fn stage_output<const AXES: usize>(context: &mut Context<AXES>, group: DoGroup, mask: u64, value: u64) {
     let off = AxisMask(if group == DoGroup::Enable { mask & !value } else { 0 });
     let change = if off.0 == 0 { Change::None } else { Change::Stopped { axes: off, crds: CrdMask(0) } };
-    case.stage_with(Op::Output { group, mask, value }, change);
+    context.stage_with(Op::Output { group, mask, value }, change);
 }
 
 /// One output: its group, its bit in it, its level. Type, index and value are fields from `field` on.
 pub fn output<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     core: i16,
     field: u8,
     (which, index, value): (i16, i16, i16),
 ) -> Admitted<(DoGroup, u8, bool)> {
-    let (group, first, count) = group(case, core, field, which)?;
+    let (group, first, count) = group(context, core, field, which)?;
     let index = choice(field + 1, index, 1, count as i16)?.unsigned_abs() as usize - 1;
     Ok((group, (first + index) as u8, choice(field + 2, value, 0, 1)? == 1))
 }
 
 /// One input: what it is, its axis over all cores or its number, the level that is asked for.
 pub fn input<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     core: i16,
     field: u8,
     (which, index, value): (i16, i16, i16),
 ) -> Admitted<(Input, u8, bool)> {
-    let axes = case.site.profile.axes_per_core;
-    let first = case.core(core)? as u8 * axes;
+    let axes = context.configuration.profile.axes_per_core;
+    let first = context.core(core)? as u8 * axes;
     let (input, first, count) = match choice(field, which, kind::LIMIT_POSITIVE, kind::ARRIVE)? {
         kind::LIMIT_POSITIVE => (Input::LimitPositive, first, axes),
         kind::LIMIT_NEGATIVE => (Input::LimitNegative, first, axes),
         kind::ALARM => (Input::Alarm, first, axes),
         kind::HOME => (Input::Home, first, axes),
-        kind::GPI => (Input::General, 0, general_inputs(case)),
+        kind::GPI => (Input::General, 0, general_inputs(context)),
         _ => (Input::Arrive, first, axes),
     };
     let index = choice(field + 1, index, 1, i16::from(count))?.unsigned_abs() as u8 - 1;
@@ -172,15 +176,15 @@ fn channels(first: i16, count: i16, have: u8) -> Admitted<(u8, u8)> {
 }
 
 /// An analog output, from 0, that no laser channel has.
-pub fn analog<const AXES: usize>(case: &Case<AXES>, field: u8, channel: i16) -> Admitted<u8> {
-    let channel = choice(field, channel, 1, i16::from(case.board.analog_outputs.min(8)))? as u8 - 1;
-    free_analog(case, field, channel, 1)?;
+pub fn analog<const AXES: usize>(context: &Context<AXES>, field: u8, channel: i16) -> Admitted<u8> {
+    let channel = choice(field, channel, 1, i16::from(context.board.analog_outputs.min(8)))? as u8 - 1;
+    free_analog(context, field, channel, 1)?;
     Ok(channel)
 }
 
 /// AO0 and AO1 carry the power of a laser channel in analog mode (LSR 2).
-fn free_analog<const AXES: usize>(case: &Case<AXES>, field: u8, first: u8, count: usize) -> Admitted<()> {
-    for (channel, laser) in (0u8..).zip(&case.books.lasers).skip(first.into()).take(count) {
+fn free_analog<const AXES: usize>(context: &Context<AXES>, field: u8, first: u8, count: usize) -> Admitted<()> {
+    for (channel, laser) in (0u8..).zip(&context.shadows.lasers).skip(first.into()).take(count) {
         if laser.mode == Mode::Analog {
             let output = f64::from(channel) + 1.0;
             return Err(Refused::new(Reason::AnalogInUse)
@@ -192,28 +196,28 @@ fn free_analog<const AXES: usize>(case: &Case<AXES>, field: u8, first: u8, count
     Ok(())
 }
 
-pub fn set_analog<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admitted<Answer> {
+pub fn set_analog<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) -> Admitted<Answer> {
     let (request, values) = many::<SetDac>(body, |r| r.count.get())?;
-    case.core(request.core.get())?;
+    context.core(request.core.get())?;
     let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
-    let (first, have) = channels(request.dac.get(), count, case.board.analog_outputs)?;
+    let (first, have) = channels(request.dac.get(), count, context.board.analog_outputs)?;
     choice(2, count, 1, i16::from(have))?;
-    free_analog(case, 1, first, values.len())?;
+    free_analog(context, 1, first, values.len())?;
     for (channel, value) in (first..).zip(values) {
         let value = value.value.get();
-        case.stage(Op::Analog { channel, value });
+        context.stage(Op::Analog { channel, value });
     }
     Ok(Answer::Done)
 }
 
-pub fn analog_outputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetDac) -> Admitted<Answer> {
-    case.core(r.core.get())?;
-    let (first, count) = channels(r.dac.get(), r.count.get(), case.board.analog_outputs)?;
+pub fn analog_outputs<const AXES: usize>(context: &mut Context<AXES>, r: &GetDac) -> Admitted<Answer> {
+    context.core(r.core.get())?;
+    let (first, count) = channels(r.dac.get(), r.count.get(), context.board.analog_outputs)?;
     Ok(Answer::Read(Query { opcode: opcode::GetDac, first, count, which: 0 }))
 }
 
-pub fn analog_inputs<const AXES: usize>(case: &mut Case<AXES>, r: &GetAdc) -> Admitted<Answer> {
-    case.core(r.core.get())?;
-    let (first, count) = channels(r.adc.get(), r.count.get(), case.board.analog_inputs)?;
+pub fn analog_inputs<const AXES: usize>(context: &mut Context<AXES>, r: &GetAdc) -> Admitted<Answer> {
+    context.core(r.core.get())?;
+    let (first, count) = channels(r.adc.get(), r.count.get(), context.board.analog_inputs)?;
     Ok(Answer::Read(Query { opcode: opcode::GetAdc, first, count, which: 0 }))
 }

@@ -1,35 +1,35 @@
 //! Jog and Trap: modes, parameters, targets, Update.
 use super::axis::{ACCEL_MAX, accel, all_startable};
+use super::context::{Answer, Context};
 use super::query;
-use crate::books::Change;
-use crate::case::{Answer, Case};
-use crate::refuse::{Admitted, Refused, real, within};
+use super::refuse::{Admitted, Refused, real, within};
+use crate::shadow::Change;
 use protocol::command::{
     GetJogPrm, GetTrapPrm, JogPrm, PrfJog, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, SetVel, TrapPrm, Update, opcode,
 };
 use protocol::reason::Reason;
 use servo::op::{Mode, Op};
-use servo::ramp::{Accel, Speed};
+use servo::segment::ramp::{Accel, Speed};
 use servo::units::{Axis, Ns, StepLimit};
 
 /// Longest smoothing of a Trap, ms.
 const SMOOTH_MAX_MS: i16 = 500;
 
-pub fn trap<const AXES: usize>(case: &mut Case<AXES>, r: &PrfTrap) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
-    set_mode(case, axis, Mode::Trap)
+pub fn trap<const AXES: usize>(context: &mut Context<AXES>, r: &PrfTrap) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
+    set_mode(context, axis, Mode::Trap)
 }
 
-pub fn jog<const AXES: usize>(case: &mut Case<AXES>, r: &PrfJog) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
-    set_mode(case, axis, Mode::Jog)
+pub fn jog<const AXES: usize>(context: &mut Context<AXES>, r: &PrfJog) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
+    set_mode(context, axis, Mode::Jog)
 }
 
 /// A mode is set at rest; the one that the axis has already is done without an effect.
-pub fn set_mode<const AXES: usize>(case: &mut Case<AXES>, axis: Axis, mode: Mode) -> Admitted<Answer> {
-    case.at_rest(axis)?;
-    if case.book(axis).mode != mode {
-        case.stage_with(Op::SetMode { axis, mode }, Change::Mode { axis, mode });
+pub fn set_mode<const AXES: usize>(context: &mut Context<AXES>, axis: Axis, mode: Mode) -> Admitted<Answer> {
+    context.at_standstill(axis)?;
+    if context.shadow(axis).mode != mode {
+        context.stage_with(Op::SetMode { axis, mode }, Change::Mode { axis, mode });
     }
     Ok(Answer::Done)
 }
@@ -49,20 +49,20 @@ fn speed(field: u8, got: f64, signed: bool, limit: StepLimit) -> Admitted<Speed>
         .map_err(|_| Refused::new(Reason::OutOfRange).field(field).got(got).limits(low, high))
 }
 
-pub fn set_trap<const AXES: usize>(case: &mut Case<AXES>, r: &SetTrapPrm) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
+pub fn set_trap<const AXES: usize>(context: &mut Context<AXES>, r: &SetTrapPrm) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
     let (acc, dec) = (accel_or_none(2, r.acc.get())?, accel_or_none(3, r.dec.get())?);
-    let vel_start = speed(4, r.vel_start.get(), false, case.board.step_limit)?;
+    let vel_start = speed(4, r.vel_start.get(), false, context.board.step_limit)?;
     let smooth_ms = within(5, r.smooth_time_ms.get(), 0, SMOOTH_MAX_MS)?;
-    case.in_mode(axis, case.book(axis).mode == Mode::Trap)?;
+    context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
     let prm = TrapPrm { acc: r.acc, dec: r.dec, vel_start: r.vel_start, smooth_time_ms: r.smooth_time_ms };
     let smooth = Ns(u64::from(smooth_ms.unsigned_abs()) * 1_000_000);
-    case.stage_with(Op::TrapPrm { axis, acc, dec, vel_start, smooth }, Change::Trap { axis, prm });
+    context.stage_with(Op::TrapPrm { axis, acc, dec, vel_start, smooth }, Change::Trap { axis, prm });
     Ok(Answer::Done)
 }
 
-pub fn set_jog<const AXES: usize>(case: &mut Case<AXES>, r: &SetJogPrm) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
+pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
     let (acc, dec) = (accel_or_none(2, r.acc.get())?, accel_or_none(3, r.dec.get())?);
     let given = r.smooth.get();
     if given.is_nan() {
@@ -71,65 +71,65 @@ pub fn set_jog<const AXES: usize>(case: &mut Case<AXES>, r: &SetJogPrm) -> Admit
     if !(0.0..1.0).contains(&given) {
         return Err(Refused::new(Reason::OutOfRange).field(4).got(given).limits(0.0, 1.0));
     }
-    case.in_mode(axis, case.book(axis).mode == Mode::Jog)?;
+    context.in_mode(axis, context.shadow(axis).mode == Mode::Jog)?;
     // Down to the next 2⁻¹⁶; below 1 it cannot reach the top.
     let smooth = (given * 65536.0) as u16;
     let prm = JogPrm { acc: r.acc, dec: r.dec, smooth: r.smooth };
     // A dec of 0 means acc (SPEC 5).
     let dec = if dec == Accel::default() { acc } else { dec };
-    case.stage_with(Op::JogPrm { axis, acc, dec, smooth }, Change::Jog { axis, prm });
+    context.stage_with(Op::JogPrm { axis, acc, dec, smooth }, Change::Jog { axis, prm });
     Ok(Answer::Done)
 }
 
-pub fn trap_prm<const AXES: usize>(case: &mut Case<AXES>, r: &GetTrapPrm) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
-    case.in_mode(axis, case.book(axis).mode == Mode::Trap)?;
+pub fn trap_prm<const AXES: usize>(context: &mut Context<AXES>, r: &GetTrapPrm) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
+    context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
     Ok(query(opcode::GetTrapPrm, axis))
 }
 
-pub fn jog_prm<const AXES: usize>(case: &mut Case<AXES>, r: &GetJogPrm) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
-    case.in_mode(axis, case.book(axis).mode == Mode::Jog)?;
+pub fn jog_prm<const AXES: usize>(context: &mut Context<AXES>, r: &GetJogPrm) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
+    context.in_mode(axis, context.shadow(axis).mode == Mode::Jog)?;
     Ok(query(opcode::GetJogPrm, axis))
 }
 
-pub fn set_pos<const AXES: usize>(case: &mut Case<AXES>, r: &SetPos) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
-    case.in_mode(axis, case.book(axis).mode == Mode::Trap)?;
+pub fn set_pos<const AXES: usize>(context: &mut Context<AXES>, r: &SetPos) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
+    context.in_mode(axis, context.shadow(axis).mode == Mode::Trap)?;
     let pos = r.pos.get();
-    case.stage_with(Op::TargetPosition { axis, pulses: pos }, Change::Pos { axis, pos });
+    context.stage_with(Op::TargetPosition { axis, pulses: pos }, Change::Pos { axis, pos });
     Ok(Answer::Done)
 }
 
-pub fn set_vel<const AXES: usize>(case: &mut Case<AXES>, r: &SetVel) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
+pub fn set_vel<const AXES: usize>(context: &mut Context<AXES>, r: &SetVel) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
     let vel = r.vel.get();
-    let speed = speed(2, vel, true, case.board.step_limit)?;
-    case.in_mode(axis, matches!(case.book(axis).mode, Mode::Trap | Mode::Jog))?;
-    case.stage_with(Op::TargetSpeed { axis, speed }, Change::Vel { axis, vel });
+    let speed = speed(2, vel, true, context.board.step_limit)?;
+    context.in_mode(axis, matches!(context.shadow(axis).mode, Mode::Trap | Mode::Jog))?;
+    context.stage_with(Op::TargetSpeed { axis, speed }, Change::Vel { axis, vel });
     Ok(Answer::Done)
 }
 
 /// Begins Jog or Trap, or changes one that runs, for all axes of the mask or none.
-pub fn update<const AXES: usize>(case: &mut Case<AXES>, r: &Update) -> Admitted<Answer> {
-    let axes = case.mask(r.core.get(), r.mask.get(), 1)?;
+pub fn update<const AXES: usize>(context: &mut Context<AXES>, r: &Update) -> Admitted<Answer> {
+    let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     if axes.0 == 0 {
         return Ok(Answer::Done);
     }
-    for axis in case.each(axes) {
-        let book = case.book(axis);
-        case.in_mode(axis, matches!(book.mode, Mode::Trap | Mode::Jog))?;
-        let (acc, dec) = match book.mode {
-            Mode::Trap => (book.trap.acc.get(), book.trap.dec.get()),
+    for axis in context.each(axes) {
+        let shadow = context.shadow(axis);
+        context.in_mode(axis, matches!(shadow.mode, Mode::Trap | Mode::Jog))?;
+        let (acc, dec) = match shadow.mode {
+            Mode::Trap => (shadow.trap.acc.get(), shadow.trap.dec.get()),
             // A Jog dec of 0 means acc.
-            _ => (book.jog.acc.get(), book.jog.acc.get()),
+            _ => (shadow.jog.acc.get(), shadow.jog.acc.get()),
         };
         if acc == 0.0 || dec == 0.0 {
             let reason = if acc == 0.0 { Reason::NoAcceleration } else { Reason::NoDeceleration };
-            return Err(case.no(reason, axis));
+            return Err(context.no(reason, axis));
         }
     }
-    all_startable(case, axes)?;
-    case.stage_with(Op::Update { axes }, Change::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 });
+    all_startable(context, axes)?;
+    context.stage_with(Op::Update { axes }, Change::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 });
     Ok(Answer::Done)
 }

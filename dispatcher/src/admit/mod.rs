@@ -3,12 +3,14 @@
 //! In: a record. Out: what to answer once it is executed, with the operations staged; or a refusal,
 //! and then nothing has changed. The only place where the user's doubles become the tick's numbers.
 mod axis;
+pub(crate) mod context;
 pub mod crd;
 pub mod crd_data;
 pub mod data;
 mod follow;
 mod follow_data;
 mod io;
+pub(crate) mod refuse;
 pub use follow::is_follow;
 pub use io::{WORD, WORDS, kind};
 pub use pvt::number_of;
@@ -22,10 +24,10 @@ pub mod pvt_table;
 mod session;
 mod simulated;
 
-use crate::case::{Answer, Case, Query};
-use crate::refuse::{Admitted, Refused, within};
+use context::{Answer, Context, Query};
 use protocol::command::{self, Nothing, Request, opcode};
 use protocol::reason::Reason;
+use refuse::{Admitted, Refused, within};
 use servo::units::Axis;
 use zerocopy::FromBytes;
 
@@ -54,8 +56,8 @@ fn length(got: usize, wanted: usize) -> Refused {
 }
 
 /// A read of `count` consecutive axes.
-fn read<const AXES: usize>(case: &Case<AXES>, opcode: u16, core: i16, axis: i16, count: i16) -> Admitted<Answer> {
-    let (first, count) = case.span(core, axis, count)?;
+fn read<const AXES: usize>(context: &Context<AXES>, opcode: u16, core: i16, axis: i16, count: i16) -> Admitted<Answer> {
+    let (first, count) = context.span(core, axis, count)?;
     Ok(Answer::Read(Query { opcode, first: first.index() as u8, count, which: 0 }))
 }
 
@@ -64,23 +66,23 @@ fn query(opcode: u16, axis: Axis) -> Answer {
 }
 
 /// Admits any command that becomes operations or a read. PT data, PVT points, program control and what the
-/// dispatcher does by itself are taken before (see [`crate::desk`]).
-pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
+/// dispatcher does by itself are taken before (see [`crate::session::commands`]).
+pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: &[u8]) -> Admitted<Answer> {
     macro_rules! to {
         ($name:ident, $function:path) => {
-            $function(case, &one::<command::$name>(body)?)
+            $function(context, &one::<command::$name>(body)?)
         };
         (axes $name:ident, $axis:ident) => {{
             let r = one::<command::$name>(body)?;
-            read(case, number, r.core.get(), r.$axis.get(), r.count.get())
+            read(context, number, r.core.get(), r.$axis.get(), r.count.get())
         }};
         (axis $name:ident, $axis:ident) => {{
             let r = one::<command::$name>(body)?;
-            case.axis(r.core.get(), r.$axis.get()).map(|axis| query(number, axis))
+            context.axis(r.core.get(), r.$axis.get()).map(|axis| query(number, axis))
         }};
         (laser $name:ident) => {{
             let r = one::<command::$name>(body)?;
-            laser::read(case, number, r.core.get(), r.channel.get())
+            laser::read(context, number, r.core.get(), r.channel.get())
         }};
     }
     match number {
@@ -99,7 +101,7 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::GetTickTime => one::<command::GetTickTime>(body).map(|_| plain(number)),
         opcode::SetInterlock => to!(SetInterlock, session::interlock),
         opcode::Abort => to!(Abort, session::abort),
-        opcode::LoadConfig => session::load_config(case, body),
+        opcode::LoadConfig => session::load_config(context, body),
 
         opcode::AxisOn => to!(AxisOn, axis::on),
         opcode::AxisOff => to!(AxisOff, axis::off),
@@ -132,7 +134,7 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::GetCaptureStatus => to!(axes GetCaptureStatus, encoder),
         opcode::AxisStatus => {
             let r = one::<command::AxisStatus>(body)?;
-            let (first, count) = case.span(r.core.get(), r.axis.get(), r.count.get())?;
+            let (first, count) = context.span(r.core.get(), r.axis.get(), r.count.get())?;
             within(2, count, 1, STATUS_ITEMS_MAX)?;
             Ok(Answer::Read(Query { opcode: number, first: first.index() as u8, count, which: 0 }))
         }
@@ -155,8 +157,8 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         opcode::SetDoBit => to!(SetDoBit, io::set_output),
         opcode::GetDiEx => to!(GetDiEx, io::input_words),
         opcode::GetDoEx => to!(GetDoEx, io::output_words),
-        opcode::SetDoEx => io::set_output_words(case, body),
-        opcode::SetDac => io::set_analog(case, body),
+        opcode::SetDoEx => io::set_output_words(context, body),
+        opcode::SetDac => io::set_analog(context, body),
         opcode::GetDac => to!(GetDac, io::analog_outputs),
         opcode::GetAdc => to!(GetAdc, io::analog_inputs),
         opcode::SimInput => to!(SimInput, simulated::input),
@@ -221,10 +223,10 @@ pub fn admit<const AXES: usize>(case: &mut Case<AXES>, number: u16, body: &[u8])
         | opcode::GetRemainderSegNum
         | opcode::GetCrdLimit
         | opcode::GetLaserFollowFilter
-        | opcode::CrdInfo => crd::read(case, number, body),
+        | opcode::CrdInfo => crd::read(context, number, body),
         opcode::SetLaserDisMode => to!(SetLaserDisMode, laser::distance::mode),
         opcode::SetLaserDisRatio => to!(SetLaserDisRatio, laser::distance::ratios),
-        _ if follow::is_follow(number) => follow::admit(case, number, body),
+        _ if follow::is_follow(number) => follow::admit(context, number, body),
         _ => Err(Refused::new(Reason::UnknownCommand).got(number.into())),
     }
 }

@@ -1,17 +1,17 @@
 //! PT commands (GXN chapter 2), and the road of PT data from bytes to the axis's store.
 use super::axis::all_startable;
-use super::data::{End, Of, Written};
+use super::context::{Answer, Context, Query};
+use super::data::{End, FifoOf, Written};
+use super::refuse::{Admitted, Refused, choice};
 use super::{many, one, query};
-use crate::books::{AxisBook, BEGINS_SHIFT, Change, FifoBook, executed};
-use crate::case::{Answer, Case, Query};
-use crate::refuse::{Admitted, Refused, choice};
+use crate::shadow::{AxisShadow, BEGINS_SHIFT, Change, FifoShadow, executed};
 use protocol::command::{
     GetPtLoop, GetPtMemory, PrfPt, PtClear, PtData, PtDataMany, PtItem, PtSpace, PtStart, SetPtLoop, SetPtMemory, Wire,
     opcode,
 };
 use protocol::reason::{Reason, Refusal};
 use servo::op::{Mode, Op};
-use servo::pt::{self, Segment, SegmentStore};
+use servo::segment::pt::{self, Segment, SegmentStore};
 use servo::units::{Axis, AxisMask, StepLimit};
 
 /// First slot of static FIFO 1; the dynamic ring uses all slots.
@@ -24,113 +24,113 @@ const LOOKS: u64 = 9;
 const TRAVEL: f64 = 1_099_511_627_776.0;
 
 /// Static 0, dynamic 1. Another FIFO use clears the data, the same one keeps it.
-pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &PrfPt) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
+pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPt) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
     let mode = if choice(2, r.mode.get(), 0, 1)? == 0 { Mode::PtStatic } else { Mode::PtDynamic };
-    super::jog_trap::set_mode(case, axis, mode)
+    super::jog_trap::set_mode(context, axis, mode)
 }
 
 /// The axis, if it is in a PT mode.
-fn pt_axis<const AXES: usize>(case: &Case<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
-    let axis = case.axis(core, profile)?;
-    case.in_mode(axis, case.book(axis).is_pt())?;
+fn pt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
+    let axis = context.axis(core, profile)?;
+    context.in_mode(axis, context.shadow(axis).is_pt())?;
     Ok(axis)
 }
 
 /// The FIFO, which dynamic mode ignores.
-fn fifo<const AXES: usize>(case: &Case<AXES>, axis: Axis, field: u8, fifo: i16) -> Admitted<u8> {
-    if case.book(axis).is_dynamic() { Ok(0) } else { Ok(choice(field, fifo, 0, 1)? as u8) }
+fn fifo<const AXES: usize>(context: &Context<AXES>, axis: Axis, field: u8, fifo: i16) -> Admitted<u8> {
+    if context.shadow(axis).is_dynamic() { Ok(0) } else { Ok(choice(field, fifo, 0, 1)? as u8) }
 }
 
 /// Where no stream runs the books alone say it; else the tick does.
-pub fn space<const AXES: usize>(case: &mut Case<AXES>, r: &PtSpace) -> Admitted<Answer> {
-    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
-    let which = fifo(case, axis, 2, r.fifo.get())?;
-    let (book, seen) = (case.book(axis), case.seen(axis));
-    if !knows_stream(case, axis) {
-        return Err(case.no(Reason::FifoInUse, axis).field(2).got(which.into()));
+pub fn space<const AXES: usize>(context: &mut Context<AXES>, r: &PtSpace) -> Admitted<Answer> {
+    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
+    let which = fifo(context, axis, 2, r.fifo.get())?;
+    let (shadow, sampled) = (context.shadow(axis), context.sampled(axis));
+    if !knows_stream(context, axis) {
+        return Err(context.no(Reason::FifoInUse, axis).field(2).got(which.into()));
     }
-    if streams(case, axis) && !book.is_outgoing(case.view, seen) {
+    if streams(context, axis) && !shadow.is_outgoing(context.view, sampled) {
         return Ok(Answer::Read(Query { opcode: opcode::PtSpace, first: axis.index() as u8, count: 1, which }));
     }
-    Ok(Answer::Space(book.space(case.view, seen, usize::from(which)) as i16))
+    Ok(Answer::Space(shadow.space(context.view, sampled, usize::from(which)) as i16))
 }
 
 /// In static mode the FIFO that runs cannot be cleared, the other one can.
-pub fn clear<const AXES: usize>(case: &mut Case<AXES>, r: &PtClear) -> Admitted<Answer> {
-    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
-    let fifo = fifo(case, axis, 2, r.fifo.get())?;
-    if case.may_run(axis) && (case.book(axis).is_dynamic() || case.book(axis).fifo == fifo) {
-        return Err(case.no(Reason::FifoInUse, axis).field(2).got(fifo.into()));
+pub fn clear<const AXES: usize>(context: &mut Context<AXES>, r: &PtClear) -> Admitted<Answer> {
+    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
+    let fifo = fifo(context, axis, 2, r.fifo.get())?;
+    if context.may_run(axis) && (context.shadow(axis).is_dynamic() || context.shadow(axis).fifo == fifo) {
+        return Err(context.no(Reason::FifoInUse, axis).field(2).got(fifo.into()));
     }
-    case.stage_with(Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo });
+    context.stage_with(Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo });
     Ok(Answer::Done)
 }
 
-fn not_dynamic<const AXES: usize>(case: &Case<AXES>, axis: Axis) -> Admitted<()> {
-    if case.book(axis).is_dynamic() { Err(case.no(Reason::NotInDynamic, axis)) } else { Ok(()) }
+fn not_dynamic<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> Admitted<()> {
+    if context.shadow(axis).is_dynamic() { Err(context.no(Reason::NotInDynamic, axis)) } else { Ok(()) }
 }
 
 /// 0 and below is for ever.
-pub fn set_loop<const AXES: usize>(case: &mut Case<AXES>, r: &SetPtLoop) -> Admitted<Answer> {
-    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
-    not_dynamic(case, axis)?;
-    case.stage(Op::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() });
+pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtLoop) -> Admitted<Answer> {
+    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
+    not_dynamic(context, axis)?;
+    context.stage(Op::PtLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() });
     Ok(Answer::Done)
 }
 
-pub fn passes<const AXES: usize>(case: &mut Case<AXES>, r: &GetPtLoop) -> Admitted<Answer> {
-    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
-    not_dynamic(case, axis)?;
+pub fn passes<const AXES: usize>(context: &mut Context<AXES>, r: &GetPtLoop) -> Admitted<Answer> {
+    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
+    not_dynamic(context, axis)?;
     Ok(query(opcode::GetPtLoop, axis))
 }
 
 /// Clears the data, even if the size stays.
-pub fn set_memory<const AXES: usize>(case: &mut Case<AXES>, r: &SetPtMemory) -> Admitted<Answer> {
-    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
+pub fn set_memory<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtMemory) -> Admitted<Answer> {
+    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
-    case.at_rest(axis)?;
+    context.at_standstill(axis)?;
     // In dynamic mode one clears both, and the tick has only so many operations of one instant.
-    if !case.book(axis).is_dynamic() {
-        case.stage_with(Op::PtClear { axis, fifo: 1 }, Change::Emptied { axis, fifo: 1 });
+    if !context.shadow(axis).is_dynamic() {
+        context.stage_with(Op::PtClear { axis, fifo: 1 }, Change::Emptied { axis, fifo: 1 });
     }
-    case.stage_with(Op::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory });
+    context.stage_with(Op::PtClear { axis, fifo: 0 }, Change::Memory { axis, memory });
     Ok(Answer::Done)
 }
 
-pub fn memory<const AXES: usize>(case: &mut Case<AXES>, r: &GetPtMemory) -> Admitted<Answer> {
-    let axis = pt_axis(case, r.core.get(), r.profile.get())?;
+pub fn memory<const AXES: usize>(context: &mut Context<AXES>, r: &GetPtMemory) -> Admitted<Answer> {
+    let axis = pt_axis(context, r.core.get(), r.profile.get())?;
     Ok(query(opcode::GetPtMemory, axis))
 }
 
 /// Starts all axes of the mask on one tick, or none. Option bits take FIFO 1 and mean nothing in
 /// dynamic mode or for axes that are not named.
-pub fn start<const AXES: usize>(case: &mut Case<AXES>, r: &PtStart) -> Admitted<Answer> {
-    let axes = case.mask(r.core.get(), r.mask.get(), 1)?;
+pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Admitted<Answer> {
+    let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     if axes.0 == 0 {
         return Ok(Answer::Done);
     }
-    let option = case.mask(r.core.get(), r.option.get() & r.mask.get(), 2)?;
+    let option = context.mask(r.core.get(), r.option.get() & r.mask.get(), 2)?;
     let mut fifo1 = AxisMask(0);
-    for axis in case.each(axes) {
-        let book = case.book(axis);
-        case.in_mode(axis, book.is_pt())?;
-        case.at_rest(axis)?;
-        let which = usize::from(option.has(axis) && !book.is_dynamic());
+    for axis in context.each(axes) {
+        let shadow = context.shadow(axis);
+        context.in_mode(axis, shadow.is_pt())?;
+        context.at_standstill(axis)?;
+        let which = usize::from(option.has(axis) && !shadow.is_dynamic());
         fifo1.0 |= axis.mask().0 * which as u64;
-        if book.space(case.view, case.seen(axis), which) == book.capacity() {
-            return Err(case.no(Reason::FifoEmpty, axis).field(2).got(which as f64));
+        if shadow.space(context.view, context.sampled(axis), which) == shadow.capacity() {
+            return Err(context.no(Reason::FifoEmpty, axis).field(2).got(which as f64));
         }
     }
-    all_startable(case, axes)?;
-    case.stage_with(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: case.due.script_ns });
+    all_startable(context, axes)?;
+    context.stage_with(Op::PtStart { axes, fifo1 }, Change::Started { axes, fifo1, script_ns: context.due.script_ns });
     Ok(Answer::Done)
 }
 
 /// Admits PtData or PtDataMany: all its segments or none. They are written behind the committed end,
 /// where the tick does not look, so a refusal half-way has changed nothing.
 pub fn data<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     stores: &[SegmentStore; AXES],
     number: u16,
     body: &[u8],
@@ -139,17 +139,19 @@ pub fn data<const AXES: usize>(
         let r = one::<PtData>(body)?;
         let kind = choice(4, r.kind.get(), 0, 2)?;
         let item = PtItem { pos: r.pos, time_ms: r.time_ms, kind: kind as u8 };
-        return push(case, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 5), &[item]).map_err(|mut refused| {
-            // The fields of a single datum are those of the request.
-            if refused.wire.item.get() == 0 {
-                refused.wire.item = 65535.into();
-                refused.wire.field = refused.wire.field.saturating_add(2);
-            }
-            refused
-        });
+        return push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 5), &[item]).map_err(
+            |mut refused| {
+                // The fields of a single datum are those of the request.
+                if refused.wire.item.get() == 0 {
+                    refused.wire.item = 65535.into();
+                    refused.wire.field = refused.wire.field.saturating_add(2);
+                }
+                refused
+            },
+        );
     }
     let (r, items) = many::<PtDataMany>(body, |r| r.count.get())?;
-    let mut written = push(case, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items);
+    let mut written = push(context, stores, (r.core.get(), r.profile.get(), r.fifo.get(), 2), items);
     // The fields of an item are counted behind those of the request.
     if let Err(refused) = &mut written
         && refused.wire.item.get() != Refusal::NO_ITEM
@@ -160,59 +162,59 @@ pub fn data<const AXES: usize>(
 }
 
 /// Whether a dynamic stream runs, or is going to.
-fn streams<const AXES: usize>(case: &Case<AXES>, axis: Axis) -> bool {
-    let (book, runs) = (case.book(axis), case.seen(axis).pt_state == PT_RUNNING);
-    book.is_dynamic() && book.started.is_some_and(|start| runs || !executed(case.view, start))
+fn streams<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool {
+    let (shadow, runs) = (context.shadow(axis), context.sampled(axis).pt_state == PT_RUNNING);
+    shadow.is_dynamic() && shadow.started.is_some_and(|start| runs || !executed(context.view, start))
 }
 
 /// Whether it is certain to which stream data of this instant belongs: to the one that runs, or, where that has ended by then,
 /// to the next one, whose times and positions begin at 0.
-fn knows_stream<const AXES: usize>(case: &Case<AXES>, axis: Axis) -> bool {
-    let (view, due, book, seen) = (case.view, case.due, case.book(axis), case.seen(axis));
-    let Some(start) = book.started.filter(|_| book.is_dynamic()) else { return true };
-    let length_ms = |book: &AxisBook| book.fifos[0].chain.time_ms().unsigned_abs();
+fn knows_stream<const AXES: usize>(context: &Context<AXES>, axis: Axis) -> bool {
+    let (view, due, shadow, sampled) = (context.view, context.due, context.shadow(axis), context.sampled(axis));
+    let Some(start) = shadow.started.filter(|_| shadow.is_dynamic()) else { return true };
+    let length_ms = |shadow: &AxisShadow| shadow.fifos[0].chain.time_ms().unsigned_abs();
     let before = |ns: u64, ms: u32| ns < u64::from(ms) * 1_000_000;
     if !executed(view, start) {
         // A WaitStop in between takes a time that nobody knows.
         let after_wait = due.wait.is_none_or(|wait| (start.wrapping_sub(wait) << 1).cast_signed() > 0);
-        let since = due.script_ns.saturating_sub(u64::from(book.streams.saturating_sub(1)) << BEGINS_SHIFT);
-        return after_wait && book.streams != u32::MAX && before(since, length_ms(book));
+        let since = due.script_ns.saturating_sub(u64::from(shadow.streams.saturating_sub(1)) << BEGINS_SHIFT);
+        return after_wait && shadow.streams != u32::MAX && before(since, length_ms(shadow));
     }
     // At its instant the view tells; a stream that has ended does not begin again by itself.
-    if case.is_due(axis) || !streams(case, axis) {
+    if context.is_due(axis) || !streams(context, axis) {
         return true;
     }
     // What the tick looked at eight ticks ago at most, and what was committed since.
-    let more = length_ms(book).saturating_sub(length_ms(case.now.axis(axis)));
+    let more = length_ms(shadow).saturating_sub(length_ms(context.executed.axis(axis)));
     let stale = view.period.0.saturating_mul(LOOKS);
-    seen.dry_ms != 0 && before(due.until_ns.saturating_add(stale), seen.dry_ms.saturating_add(more))
+    sampled.dry_ms != 0 && before(due.until_ns.saturating_add(stale), sampled.dry_ms.saturating_add(more))
 }
 
 fn push<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     stores: &[SegmentStore; AXES],
     (core, profile, fifo_given, fifo_field): (i16, i16, i16, u8),
     items: &[PtItem],
 ) -> Admitted<(Written, End)> {
-    let axis = pt_axis(case, core, profile)?;
-    let fifo = fifo(case, axis, fifo_field, fifo_given)?;
-    let (book, seen) = (case.book(axis), case.seen(axis));
+    let axis = pt_axis(context, core, profile)?;
+    let fifo = fifo(context, axis, fifo_field, fifo_given)?;
+    let (shadow, sampled) = (context.shadow(axis), context.sampled(axis));
     let which = usize::from(fifo);
-    let space = book.space(case.view, seen, which) as usize;
+    let space = shadow.space(context.view, sampled, which) as usize;
     if items.len() > space {
-        return Err(case
+        return Err(context
             .no(Reason::FifoFull, axis)
             .field(fifo_field)
             .got(space as f64)
-            .limits(0.0, book.capacity().into()));
+            .limits(0.0, shadow.capacity().into()));
     }
     // The places of data that is over in the program are free only when the tick is through with them.
-    if case.is_outgoing(axis, fifo) || !knows_stream(case, axis) {
-        return Err(case.no(Reason::FifoInUse, axis).field(fifo_field).got(fifo.into()));
+    if context.is_outgoing(axis, fifo) || !knows_stream(context, axis) {
+        return Err(context.no(Reason::FifoInUse, axis).field(fifo_field).got(fifo.into()));
     }
-    let Some(store) = stores.get(axis.index()) else { return Err(case.no(Reason::NotInitialised, axis)) };
-    let data = book.fifos[which & 1];
-    let (mut chain, limit) = (data.chain, case.board.step_limit);
+    let Some(store) = stores.get(axis.index()) else { return Err(context.no(Reason::NotInitialised, axis)) };
+    let data = shadow.fifos[which & 1];
+    let (mut chain, limit) = (data.chain, context.board.step_limit);
     let mut slot = (u32::from(fifo) * FIFO_SLOTS).wrapping_add(data.end);
     for (index, item) in items.iter().enumerate() {
         let bits = u64::from_le_bytes(item.pos.to_bytes());
@@ -225,9 +227,9 @@ fn push<const AXES: usize>(
             Err(refused) => return Err(explain(refused, item, limit).item(index).axis(profile)),
         }
     }
-    let book = FifoBook { end: data.end.wrapping_add(items.len() as u32), chain };
+    let shadow = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
     let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-    Ok((Written::new(Of::Axis(axis), fifo, answer), End::Pt(book)))
+    Ok((Written::new(FifoOf::Axis(axis), fifo, answer), End::Pt(shadow)))
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.

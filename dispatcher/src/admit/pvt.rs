@@ -1,18 +1,18 @@
 //! PVT commands (GXN chapter 4), apart from the road of the tables' points (see [`super::pvt_table`]).
 use super::axis::all_startable;
+use super::context::{Answer, Context, Query, ones};
 use super::query;
-use crate::books::Change;
-use crate::case::{Answer, Case, Query, ones};
-use crate::refuse::{Admitted, Refused, choice, within};
-use crate::tables::TABLES;
+use super::refuse::{Admitted, Refused, choice, within};
+use crate::plan::pvt::TABLES;
+use crate::shadow::Change;
 use protocol::command::{GetPvtLoop, PrfPvt, PvtStart, PvtStatus, PvtTableSelect, SetPvtLoop, opcode};
 use protocol::reason::Reason;
 use servo::op::{Mode, Op};
 use servo::units::{Axis, AxisMask};
 
 /// Index over all cores of a table that the user calls by its number in its core.
-pub fn table<const AXES: usize>(case: &Case<AXES>, core: i16, field: u8, number: i16) -> Admitted<u8> {
-    let core = case.core(core)?;
+pub fn table<const AXES: usize>(context: &Context<AXES>, core: i16, field: u8, number: i16) -> Admitted<u8> {
+    let core = context.core(core)?;
     let number = choice(field, number, 1, TABLES as i16)?;
     Ok((core * TABLES) as u8 + number as u8 - 1)
 }
@@ -23,95 +23,95 @@ pub fn number_of(table: u8) -> i16 {
 }
 
 /// The axis keeps the table that was selected for it; at first that is table 1 of its core.
-pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &PrfPvt) -> Admitted<Answer> {
-    let axis = case.axis(r.core.get(), r.profile.get())?;
-    let answer = super::jog_trap::set_mode(case, axis, Mode::Pvt)?;
-    if case.book(axis).mode != Mode::Pvt {
-        let first = table(case, r.core.get(), 0, 1)?;
-        let table = case.book(axis).table.unwrap_or(first);
-        case.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending: false });
+pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPvt) -> Admitted<Answer> {
+    let axis = context.axis(r.core.get(), r.profile.get())?;
+    let answer = super::jog_trap::set_mode(context, axis, Mode::Pvt)?;
+    if context.shadow(axis).mode != Mode::Pvt {
+        let first = table(context, r.core.get(), 0, 1)?;
+        let table = context.shadow(axis).table.unwrap_or(first);
+        context.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending: false });
     }
     Ok(answer)
 }
 
 /// The axis, if it is in PVT mode.
-fn pvt_axis<const AXES: usize>(case: &Case<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
-    let axis = case.axis(core, profile)?;
-    case.in_mode(axis, case.book(axis).mode == Mode::Pvt)?;
+fn pvt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
+    let axis = context.axis(core, profile)?;
+    context.in_mode(axis, context.shadow(axis).mode == Mode::Pvt)?;
     Ok(axis)
 }
 
 /// 0 is for ever; counts while the axis runs, too.
-pub fn set_loop<const AXES: usize>(case: &mut Case<AXES>, r: &SetPvtLoop) -> Admitted<Answer> {
-    let axis = pvt_axis(case, r.core.get(), r.profile.get())?;
+pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPvtLoop) -> Admitted<Answer> {
+    let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
     let passes = within(2, r.loop_count.get(), 0, i32::MAX)?;
-    case.stage_with(Op::PvtLoop { axis, passes: passes.unsigned_abs() }, Change::TablePasses { axis, passes });
+    context.stage_with(Op::PvtLoop { axis, passes: passes.unsigned_abs() }, Change::TablePasses { axis, passes });
     Ok(Answer::Done)
 }
 
-pub fn passes<const AXES: usize>(case: &mut Case<AXES>, r: &GetPvtLoop) -> Admitted<Answer> {
-    let axis = pvt_axis(case, r.core.get(), r.profile.get())?;
+pub fn passes<const AXES: usize>(context: &mut Context<AXES>, r: &GetPvtLoop) -> Admitted<Answer> {
+    let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
     Ok(query(opcode::GetPvtLoop, axis))
 }
 
 /// Tables and times of consecutive axes in one tick.
-pub fn status<const AXES: usize>(case: &mut Case<AXES>, r: &PvtStatus) -> Admitted<Answer> {
-    let (first, number) = case.span(r.core.get(), r.profile.get(), r.count.get())?;
-    for axis in case.each(AxisMask(ones(usize::from(number)) << first.index())) {
-        case.in_mode(axis, case.book(axis).mode == Mode::Pvt)?;
+pub fn status<const AXES: usize>(context: &mut Context<AXES>, r: &PvtStatus) -> Admitted<Answer> {
+    let (first, number) = context.span(r.core.get(), r.profile.get(), r.count.get())?;
+    for axis in context.each(AxisMask(ones(usize::from(number)) << first.index())) {
+        context.in_mode(axis, context.shadow(axis).mode == Mode::Pvt)?;
     }
     Ok(Answer::Read(Query { opcode: opcode::PvtStatus, first: first.index() as u8, count: number, which: 0 }))
 }
 
-fn not_empty<const AXES: usize>(case: &Case<AXES>, axis: Axis, table: u8) -> Admitted<()> {
-    if case.books.is_filled(table) {
+fn not_empty<const AXES: usize>(context: &Context<AXES>, axis: Axis, table: u8) -> Admitted<()> {
+    if context.shadows.is_filled(table) {
         Ok(())
     } else {
-        Err(case.no(Reason::TableEmpty, axis).got(number_of(table).into()))
+        Err(context.no(Reason::TableEmpty, axis).got(number_of(table).into()))
     }
 }
 
 /// Takes effect at once at rest, else when the pass in force ends. The table holds points (GXN command 46).
-pub fn select<const AXES: usize>(case: &mut Case<AXES>, r: &PvtTableSelect) -> Admitted<Answer> {
-    let axis = pvt_axis(case, r.core.get(), r.profile.get())?;
-    let table = table(case, r.core.get(), 2, r.table.get())?;
-    let pending = case.may_run(axis);
-    not_empty(case, axis, table)?;
-    case.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending });
+pub fn select<const AXES: usize>(context: &mut Context<AXES>, r: &PvtTableSelect) -> Admitted<Answer> {
+    let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
+    let table = table(context, r.core.get(), 2, r.table.get())?;
+    let pending = context.may_run(axis);
+    not_empty(context, axis, table)?;
+    context.stage_with(Op::PvtSelect { axis, table }, Change::Table { axis, table, pending });
     Ok(Answer::Done)
 }
 
 /// Starts all axes of the mask on one tick, or none.
-pub fn start<const AXES: usize>(case: &mut Case<AXES>, r: &PvtStart) -> Admitted<Answer> {
-    let axes = case.mask(r.core.get(), r.mask.get(), 1)?;
+pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PvtStart) -> Admitted<Answer> {
+    let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     if axes.0 == 0 {
         return Ok(Answer::Done);
     }
-    for axis in case.each(axes) {
-        case.in_mode(axis, case.book(axis).mode == Mode::Pvt)?;
-        case.at_rest(axis)?;
-        not_empty(case, axis, case.book(axis).table.unwrap_or(u8::MAX))?;
+    for axis in context.each(axes) {
+        context.in_mode(axis, context.shadow(axis).mode == Mode::Pvt)?;
+        context.at_standstill(axis)?;
+        not_empty(context, axis, context.shadow(axis).table.unwrap_or(u8::MAX))?;
     }
-    all_startable(case, axes)?;
-    case.stage_with(Op::PvtStart { axes }, Change::PvtStarted { axes });
+    all_startable(context, axes)?;
+    context.stage_with(Op::PvtStart { axes }, Change::PvtStarted { axes });
     Ok(Answer::Done)
 }
 
 /// Refuses if an axis runs this table, will go on with it, or will have named it by an entry that has not been
 /// executed.
-pub fn not_in_use<const AXES: usize>(case: &Case<AXES>, table: u8) -> Admitted<()> {
+pub fn not_in_use<const AXES: usize>(context: &Context<AXES>, table: u8) -> Admitted<()> {
     let refuse = |axis: Option<Axis>| {
         let refused = Refused::new(Reason::TableInUse).field(1).got(number_of(table).into());
-        Err(axis.map_or(refused, |axis| refused.axis(case.site.number_of(axis))))
+        Err(axis.map_or(refused, |axis| refused.axis(context.configuration.number_of(axis))))
     };
-    for (index, seen) in case.view.axes.iter().enumerate() {
-        let runs = seen.table_until.0 == u64::MAX;
-        if runs && (seen.table == table || seen.pending == Some(table)) {
+    for (index, sampled) in context.view.axes.iter().enumerate() {
+        let runs = sampled.table_until.0 == u64::MAX;
+        if runs && (sampled.table == table || sampled.pending == Some(table)) {
             return refuse(Axis::new(index));
         }
     }
-    if case.books.is_named(case.view, table) {
-        let by = case.books.axes.iter().position(|book| book.mode == Mode::Pvt && book.table == Some(table));
+    if context.shadows.is_named(context.view, table) {
+        let by = context.shadows.axes.iter().position(|shadow| shadow.mode == Mode::Pvt && shadow.table == Some(table));
         return refuse(by.and_then(Axis::new));
     }
     Ok(())

@@ -6,17 +6,17 @@
 //! `first` 0 begins a new one.
 //! Fails: as the points do; nothing of a table is seen before its last chunk, and a chunk that is offered
 //! again, because it was refused before its time, is refused the same way.
+use super::context::Context;
 use super::pvt::{not_in_use, table};
-use crate::books::Books;
-use crate::case::Case;
-use crate::refuse::{Admitted, Refused};
-use crate::tables::{Beside, Draft, Fields, Kind, Scratch, VALUES};
+use super::refuse::{Admitted, Refused};
+use crate::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch, VALUES};
+use crate::shadow::Shadows;
 use protocol::command::{
     PvtContinuousCalculate, PvtContinuousPoint, PvtPercentCalculate, PvtPercentPoint, PvtTable, PvtTableComplete,
     PvtTableContinuous, PvtTableEx, PvtTablePercent, Wire, opcode,
 };
 use protocol::reason::Reason;
-use servo::pvt::{HEADER_WORDS, PlaceStore, TABLES, TableStores, Tables};
+use servo::segment::pvt::{HEADER_WORDS, PointStore, TABLES, TableStores, Tables};
 use servo::units::StepLimit;
 
 /// Most points of a chunk that are answered: what a message holds of them. A chunk of a table may be as long as its message.
@@ -25,7 +25,7 @@ const _: () = assert!(size_of::<PvtPercentPoint>() <= size_of::<PvtContinuousPoi
 
 /// What a command's number says of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Road {
+pub enum TableKind {
     /// Its points become a table.
     Table,
     /// Its points are answered.
@@ -33,14 +33,14 @@ pub enum Road {
 }
 
 /// The road of a command's points, if it has any.
-pub fn road(number: u16) -> Option<Road> {
+pub fn table_kind(number: u16) -> Option<TableKind> {
     match number {
         opcode::PvtTable
         | opcode::PvtTableEx
         | opcode::PvtTableComplete
         | opcode::PvtTablePercent
-        | opcode::PvtTableContinuous => Some(Road::Table),
-        opcode::PvtPercentCalculate | opcode::PvtContinuousCalculate => Some(Road::Calculate),
+        | opcode::PvtTableContinuous => Some(TableKind::Table),
+        opcode::PvtPercentCalculate | opcode::PvtContinuousCalculate => Some(TableKind::Calculate),
         _ => None,
     }
 }
@@ -145,7 +145,7 @@ enum State {
 
 /// The table that is being sent; see the module text.
 pub struct Loading {
-    beside: Beside,
+    beside: SplineScratch,
     /// The table in whose place memory the points wait.
     room: u8,
     emptied: Option<u8>,
@@ -157,7 +157,13 @@ pub struct Loading {
 impl Loading {
     /// Nothing is being sent.
     pub const fn new() -> Self {
-        Loading { beside: Beside::new(), room: 0, emptied: None, table: State::Idle, calculate: [State::Idle; 2] }
+        Loading {
+            beside: SplineScratch::new(),
+            room: 0,
+            emptied: None,
+            table: State::Idle,
+            calculate: [State::Idle; 2],
+        }
     }
 
     /// A new session: what was begun is dropped.
@@ -169,19 +175,19 @@ impl Loading {
     /// that is replaced makes room as soon as it is not in use, and is empty from then on.
     fn make_room<const AXES: usize>(
         &mut self,
-        case: &Case<AXES>,
-        now: &Books<AXES>,
+        context: &Context<AXES>,
+        now: &Shadows<AXES>,
         stores: TableStores<'_>,
         slot: u8,
     ) -> Admitted<()> {
         let is_free = |table: u8| {
-            let filled = now.is_filled(table) || case.books.is_filled(table);
-            !filled && not_in_use(case, table).is_ok()
+            let filled = now.is_filled(table) || context.shadows.is_filled(table);
+            !filled && not_in_use(context, table).is_ok()
         };
         self.room = match core::iter::once(slot).chain(0..TABLES as u8).find(|table| is_free(*table)) {
             Some(room) => room,
             None => {
-                not_in_use(case, slot)?;
+                not_in_use(context, slot)?;
                 self.emptied = Some(slot);
                 slot
             }
@@ -202,31 +208,31 @@ impl Loading {
     /// everything executed.
     pub fn table<const AXES: usize>(
         &mut self,
-        case: &Case<AXES>,
-        now: &Books<AXES>,
+        context: &Context<AXES>,
+        now: &Shadows<AXES>,
         stores: TableStores<'_>,
         number: u16,
         body: &[u8],
     ) -> Admitted<Option<u8>> {
         let chunk = Chunk::read(number, body)?;
-        let slot = table(case, chunk.key.core, 1, chunk.key.table)?;
+        let slot = table(context, chunk.key.core, 1, chunk.key.table)?;
         if chunk.end() >= chunk.key.count {
             // Looked at first: a chunk that has to wait has changed nothing.
-            not_in_use(case, slot)?;
+            not_in_use(context, slot)?;
         }
         if chunk.first == 0 {
-            self.make_room(case, now, stores, slot)?;
+            self.make_room(context, now, stores, slot)?;
         }
-        let Some(room) = stores.places.get(usize::from(self.room)) else { return Ok(None) };
+        let Some(room) = stores.points.get(usize::from(self.room)) else { return Ok(None) };
         let scratch = &mut Scratch::new(&mut self.beside, room);
-        let draft = take(&mut self.table, scratch, (&chunk, case.board.step_limit), true, |_| {})?;
+        let draft = take(&mut self.table, scratch, (&chunk, context.board.step_limit), true, |_| {})?;
         let Some(sealed) = draft.finish(scratch) else { return Ok(None) };
         let written = sealed.and_then(|sealed| {
             let words = sealed.header().admit().ok_or_else(|| Refused::new(Reason::TableRange))?;
-            for index in 0..sealed.places() {
+            for index in 0..sealed.points() {
                 // Its own room may be the table's: a place is read before it is written.
-                let words = sealed.place(scratch, index).ok_or_else(|| Refused::new(Reason::TableRange))?;
-                stores.write_place(slot, index, words);
+                let words = sealed.point(scratch, index).ok_or_else(|| Refused::new(Reason::TableRange))?;
+                stores.write_point(slot, index, words);
             }
             stores.write_header(slot, words);
             Ok(slot)
@@ -242,23 +248,23 @@ impl Loading {
     /// `sent` says whether they have found their way; if not, the chunk may be offered again.
     pub fn calculate<const AXES: usize>(
         &mut self,
-        case: &Case<AXES>,
-        places: &[PlaceStore],
+        context: &Context<AXES>,
+        points: &[PointStore],
         lane: usize,
         number: u16,
         body: &[u8],
         sent: impl FnOnce(&[f64]) -> bool,
     ) -> Admitted<bool> {
         let chunk = Chunk::read(number, body)?;
-        case.core(chunk.key.core)?;
+        context.core(chunk.key.core)?;
         let mut values = [0.0; CHUNK];
         let mut count = 0;
         // No room is used: these leave no table.
-        let (Some(state), Some(room)) = (self.calculate.get_mut(lane), places.first()) else { return Ok(false) };
+        let (Some(state), Some(room)) = (self.calculate.get_mut(lane), points.first()) else { return Ok(false) };
         let before = *state;
-        take(state, &mut Scratch::new(&mut self.beside, room), (&chunk, case.board.step_limit), false, |value| {
-            if let Some(place) = values.get_mut(count) {
-                *place = value;
+        take(state, &mut Scratch::new(&mut self.beside, room), (&chunk, context.board.step_limit), false, |value| {
+            if let Some(point) = values.get_mut(count) {
+                *point = value;
                 count += 1;
             }
         })?;

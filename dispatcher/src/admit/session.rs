@@ -1,12 +1,12 @@
 //! Session commands: reset, status, tick period, profile, trace, configuration.
 use super::axis::{limit_levels, stage_band, stage_dec, stage_pos_err, stage_soft};
+use super::context::{Answer, Configuration, Context, Effect, Watch, ones};
+use super::refuse::{Admitted, Refused, choice, within};
 use super::{many, plain};
-use crate::books::Change;
-use crate::case::{Answer, Case, Effect, Site, Watch, ones};
-use crate::profile::{FAMILIES, PROFILES};
-use crate::refuse::{Admitted, Refused, choice, within};
-use crate::tables::TABLES;
-use crate::trace_out::Columns;
+use crate::plan::pvt::TABLES;
+use crate::product::{FAMILIES, PROFILES};
+use crate::report::trace::Columns;
+use crate::shadow::Change;
 use protocol::command::{
     Abort, Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetInterlock, SetLinkLoss, SetTick, Trace, Wire, opcode,
 };
@@ -22,55 +22,56 @@ const TICK_US: (i32, i32) = (10, 1000);
 const LINK_LOSS_MAX_MS: i32 = 86_400_000;
 
 /// All of the controller, whichever core is named: its lasers are there once, and so is its user.
-pub fn abort<const AXES: usize>(case: &mut Case<AXES>, r: &Abort) -> Admitted<Answer> {
-    case.core(r.core.get())?;
-    case.stage_with(Op::Abort, Change::Aborted);
+pub fn abort<const AXES: usize>(context: &mut Context<AXES>, r: &Abort) -> Admitted<Answer> {
+    context.core(r.core.get())?;
+    context.stage_with(Op::Abort, Change::Aborted);
     Ok(Answer::Done)
 }
 
-pub fn reset<const AXES: usize>(case: &mut Case<AXES>, r: &Reset) -> Admitted<Answer> {
-    let axes = case.core_mask(r.core.get())?;
-    let tables = ones(TABLES) << (case.core(r.core.get())? * TABLES);
-    case.stage_with(Op::Reset { axes }, Change::Reset { axes, tables });
+pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admitted<Answer> {
+    let axes = context.core_mask(r.core.get())?;
+    let tables = ones(TABLES) << (context.core(r.core.get())? * TABLES);
+    context.stage_with(Op::Reset { axes }, Change::Reset { axes, tables });
     // The controller has its lasers once: a Reset of either core puts them to power-on state.
-    case.lasers_to_power_on(case.site.family);
-    case.clear_all_laser_faults();
+    context.lasers_to_power_on(context.configuration.family);
+    context.clear_all_laser_faults();
     Ok(Answer::Done)
 }
 
-fn stage_watch<const AXES: usize>(case: &mut Case<AXES>, watch: Watch) {
-    case.stage_with(Op::Supervision(watch.supervision()), Change::Watch(watch));
+fn stage_watch<const AXES: usize>(context: &mut Context<AXES>, watch: Watch) {
+    context.stage_with(Op::Supervision(watch.supervision()), Change::Watch(watch));
 }
 
-pub fn clear_status<const AXES: usize>(case: &mut Case<AXES>, r: &ClrSts) -> Admitted<Answer> {
-    let axes = case.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
-    case.stage_with(Op::ClearStatus { axes }, Change::Cleared { axes });
-    case.clear_laser_faults(axes);
+pub fn clear_status<const AXES: usize>(context: &mut Context<AXES>, r: &ClrSts) -> Admitted<Answer> {
+    let axes = context.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
+    context.stage_with(Op::ClearStatus { axes }, Change::Cleared { axes });
+    context.clear_laser_faults(axes);
     Ok(Answer::Done)
 }
 
-pub fn tick<const AXES: usize>(case: &mut Case<AXES>, r: &SetTick) -> Admitted<Answer> {
-    let low = TICK_US.0.max(i32::try_from(*case.board.tick_us.start()).unwrap_or(i32::MAX));
-    let high = TICK_US.1.min(i32::try_from(*case.board.tick_us.end()).unwrap_or(i32::MAX));
+pub fn tick<const AXES: usize>(context: &mut Context<AXES>, r: &SetTick) -> Admitted<Answer> {
+    let low = TICK_US.0.max(i32::try_from(*context.board.tick_us.start()).unwrap_or(i32::MAX));
+    let high = TICK_US.1.min(i32::try_from(*context.board.tick_us.end()).unwrap_or(i32::MAX));
     let us = within(0, r.tick_us.get(), low, high)?;
-    case.all_at_rest(case.site.all(), Reason::OnlyAtRest)?;
+    context.all_at_standstill(context.configuration.all(), Reason::OnlyAtRest)?;
     let ns = us.unsigned_abs() * 1000;
     let period = Ns(ns.into());
-    loses_no_crd(case, period)?;
-    case.stage_with(Op::TickPeriod { ns }, Change::Tick { period });
+    loses_no_crd(context, period)?;
+    context.stage_with(Op::TickPeriod { ns }, Change::Tick { period });
     Ok(Answer::Done)
 }
 
 /// Refuses a tick at which a coordinate system that drives axes would not be there (GXN table 5-1: GSN).
-fn loses_no_crd<const AXES: usize>(case: &Case<AXES>, period: Ns) -> Admitted<()> {
-    let profile = &case.site.profile;
+fn loses_no_crd<const AXES: usize>(context: &Context<AXES>, period: Ns) -> Admitted<()> {
+    let profile = &context.configuration.profile;
     let most = profile.crds_at(period);
-    let lost = |crd: &Crd| case.site.crd_number(*crd) > most.into() && case.crd_book(*crd).frame.is_some();
-    match case.site.all_crds().crds().find(lost) {
+    let lost =
+        |crd: &Crd| context.configuration.crd_number(*crd) > most.into() && context.crd_book(*crd).frame.is_some();
+    match context.configuration.all_crds().crds().find(lost) {
         None => Ok(()),
         Some(crd) => {
             let core = crd.index() / usize::from(profile.crds_per_core.max(1)) + 1;
-            let number = case.site.crd_number(crd);
+            let number = context.configuration.crd_number(crd);
             Err(Refused::new(Reason::CrdNeedsTick).axis(number).limits(core as f64, most.into()))
         }
     }
@@ -78,86 +79,88 @@ fn loses_no_crd<const AXES: usize>(case: &Case<AXES>, period: Ns) -> Admitted<()
 
 /// Choosing what is shown already changes nothing. Another family puts the lasers to power-on state and may be
 /// chosen while axes move. Another profile renumbers the axes, so all of them are reset too.
-pub fn choose<const AXES: usize>(case: &mut Case<AXES>, r: &Choose) -> Admitted<Answer> {
+pub fn choose<const AXES: usize>(context: &mut Context<AXES>, r: &Choose) -> Admitted<Answer> {
     let number = within(0, r.profile, 0, PROFILES.len() as u8 - 1)?;
     let family = within(1, r.family, 0, FAMILIES - 1)?;
-    let site = Site::new(number, family);
-    if site.profile.axes() > AXES {
+    let configuration = Configuration::new(number, family);
+    if configuration.profile.axes() > AXES {
         return Err(Refused::new(Reason::ProfileTooLarge)
             .field(0)
-            .got(site.profile.axes() as f64)
+            .got(configuration.profile.axes() as f64)
             .limits(0.0, AXES as f64));
     }
-    let words =
-        [(site.profile.general_inputs, GeneralInputs::BITS), (site.profile.general_outputs, GeneralOutputs::BITS)];
+    let words = [
+        (configuration.profile.general_inputs, GeneralInputs::BITS),
+        (configuration.profile.general_outputs, GeneralOutputs::BITS),
+    ];
     for (count, room) in words {
         if u32::from(count) > room {
             return Err(Refused::new(Reason::ProfileOutputs).field(0).got(count.into()).limits(0.0, room.into()));
         }
     }
-    if number != case.site.number {
-        let axes = AxisMask(case.site.all().0 | site.all().0);
-        case.all_at_rest(axes, Reason::OnlyAtRest)?;
-        case.stage_with(Op::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
+    if number != context.configuration.number {
+        let axes = AxisMask(context.configuration.all().0 | configuration.all().0);
+        context.all_at_standstill(axes, Reason::OnlyAtRest)?;
+        context.stage_with(Op::Reset { axes }, Change::Reset { axes, tables: u64::MAX });
         // The supervision is the user's, and stays.
-        stage_watch(case, case.books.watch);
+        stage_watch(context, context.shadows.watch);
     }
-    if (number, family) != (case.site.number, case.site.family) {
-        case.lasers_to_power_on(family);
+    if (number, family) != (context.configuration.number, context.configuration.family) {
+        context.lasers_to_power_on(family);
     }
-    case.effect = Effect::Choose(site);
+    context.effect = Effect::Choose(configuration);
     Ok(plain(opcode::Choose))
 }
 
 /// The mask of coordinate systems is over all cores, as that of axes is.
-pub fn trace<const AXES: usize>(case: &mut Case<AXES>, r: &Trace) -> Admitted<Answer> {
+pub fn trace<const AXES: usize>(context: &mut Context<AXES>, r: &Trace) -> Admitted<Answer> {
     let (every, axes) = (r.every.get(), AxisMask(r.axes.get()));
-    let all = case.site.all();
+    let all = context.configuration.all();
     if axes.0 & !all.0 != 0 {
         return Err(Refused::new(Reason::OutOfRange).field(1).got(axes.0 as f64).limits(0.0, all.0 as f64));
     }
     let lasers = within(2, r.lasers, 0, (1 << CHANNELS) - 1)?;
-    let crds = CrdMask(within(3, r.crds, 0, case.site.all_crds().0)?);
+    let crds = CrdMask(within(3, r.crds, 0, context.configuration.all_crds().0)?);
     let over_link = within(4, r.way, 0, 1)? == 1;
     let edges = within(5, r.edges, 0, 3)?;
-    case.stage(Op::Trace { every, axes, crds, lasers, edges: edges & 1 != 0, outputs: edges & 2 != 0 });
-    case.effect = Effect::Trace { every, columns: Columns { axes, lasers, crds }, over_link };
+    context.stage(Op::Trace { every, axes, crds, lasers, edges: edges & 1 != 0, outputs: edges & 2 != 0 });
+    context.effect = Effect::Trace { every, columns: Columns { axes, lasers, crds }, over_link };
     Ok(Answer::Done)
 }
 
-pub fn link_loss<const AXES: usize>(case: &mut Case<AXES>, r: &SetLinkLoss) -> Admitted<Answer> {
+pub fn link_loss<const AXES: usize>(context: &mut Context<AXES>, r: &SetLinkLoss) -> Admitted<Answer> {
     let ms = within(0, r.time_ms.get(), 0, LINK_LOSS_MAX_MS)?.unsigned_abs();
     let stop_all = choice(1, r.stop_all.get(), 0, 1)? == 1;
-    stage_watch(case, Watch { link_loss_ms: ms, stop_all, ..case.books.watch });
+    stage_watch(context, Watch { link_loss_ms: ms, stop_all, ..context.shadows.watch });
     Ok(Answer::Done)
 }
 
 /// 0: motion goes on in the dark. 1: it brakes as where the link is lost. 2: everything stops abruptly.
-pub fn interlock<const AXES: usize>(case: &mut Case<AXES>, r: &SetInterlock) -> Admitted<Answer> {
+pub fn interlock<const AXES: usize>(context: &mut Context<AXES>, r: &SetInterlock) -> Admitted<Answer> {
     let interlock = choice(0, r.motion.get(), 0, 2)? as u8;
-    stage_watch(case, Watch { interlock, ..case.books.watch });
+    stage_watch(context, Watch { interlock, ..context.shadows.watch });
     Ok(Answer::Done)
 }
 
 /// Checks every item; they are pushed afterwards, one by one, by [`config_item`].
-pub fn load_config<const AXES: usize>(case: &mut Case<AXES>, body: &[u8]) -> Admitted<Answer> {
+pub fn load_config<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) -> Admitted<Answer> {
     let (request, items) = many::<LoadConfig>(body, |r| r.count.get())?;
-    case.core(request.core.get())?;
+    context.core(request.core.get())?;
     for (index, item) in items.iter().enumerate() {
-        config_item(case, request.core.get(), item).map_err(|refused| {
+        config_item(context, request.core.get(), item).map_err(|refused| {
             // Those of an item are counted behind those of the request.
             let field = refused.wire.field.saturating_add(LoadConfig::FIELDS.len() as u8);
             refused.item(index).field(field)
         })?;
-        case.staged.clear();
+        context.staged.clear();
     }
-    case.effect = Effect::Config;
+    context.effect = Effect::Config;
     Ok(Answer::Done)
 }
 
 /// Stages one item of a configuration. The fields that a refusal names are those of the item.
-pub fn config_item<const AXES: usize>(case: &mut Case<AXES>, core: i16, item: &ConfigItem) -> Admitted<()> {
-    let axis = case.axis(core, item.axis.get()).map_err(|refused| refused.field(0))?;
+pub fn config_item<const AXES: usize>(context: &mut Context<AXES>, core: i16, item: &ConfigItem) -> Admitted<()> {
+    let axis = context.axis(core, item.axis.get()).map_err(|refused| refused.field(0))?;
     let given = within(1, item.given.get(), 0, 0x1ff)?;
     let has = |bit: u16| given >> bit & 1 != 0;
     // One entry for all inputs: the ring of the tick holds those of eight axes, and more.
@@ -176,22 +179,22 @@ pub fn config_item<const AXES: usize>(case: &mut Case<AXES>, core: i16, item: &C
         low = low.and(Guarded::Alarm, within(5, item.alarm_sense, 0, 1)? != 0);
     }
     if has(4) {
-        stage_soft(case, axis, 6, (item.soft_positive.get(), item.soft_negative.get()))?;
+        stage_soft(context, axis, 6, (item.soft_positive.get(), item.soft_negative.get()))?;
     }
     if has(5) {
-        stage_dec(case, axis, (8, 9), (item.dec_smooth.get(), item.dec_abrupt.get()))?;
+        stage_dec(context, axis, (8, 9), (item.dec_smooth.get(), item.dec_abrupt.get()))?;
     }
     if has(6) {
-        stage_pos_err(case, axis, 10, item.pos_err.get())?;
+        stage_pos_err(context, axis, 10, item.pos_err.get())?;
     }
     if has(7) {
-        stage_band(case, axis, (11, 12), (item.band.get(), item.band_time_cycles.get()))?;
+        stage_band(context, axis, (11, 12), (item.band.get(), item.band_time_cycles.get()))?;
     }
     if has(8) {
         low = low.and(Guarded::Home, within(13, item.home_sense, 0, 1)? != 0);
     }
     if (on, low) != (Guards::NONE, Guards::NONE) {
-        case.stage(Op::Guard { axis, on, low });
+        context.stage(Op::Guard { axis, on, low });
     }
     Ok(())
 }

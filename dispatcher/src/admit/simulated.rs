@@ -2,9 +2,9 @@
 //!
 //! In: a level or a voltage at a terminal, before sense. Out: an operation of the tick. Owns nothing. Fails: on a board with wires
 //! always, with a reason.
+use super::context::{Answer, Context};
 use super::io::{self, kind};
-use crate::case::{Answer, Case};
-use crate::refuse::{Admitted, Refused, choice, real, within};
+use super::refuse::{Admitted, Refused, choice, real, within};
 use protocol::command::{INTERLOCK, SimAdc, SimInput, SimPlan};
 use protocol::reason::Reason;
 use servo::op::Op;
@@ -19,8 +19,8 @@ const ADC: i16 = 24;
 const LATEST_NS: u64 = 365 * 86_400 * 1_000_000_000;
 
 /// Refuses on a board whose inputs are wired.
-fn unwired<const AXES: usize>(case: &Case<AXES>) -> Admitted<u16> {
-    match case.board.planned_inputs {
+fn unwired<const AXES: usize>(context: &Context<AXES>) -> Admitted<u16> {
+    match context.board.planned_inputs {
         0 => Err(Refused::new(Reason::InputsWired)),
         rows => Ok(rows),
     }
@@ -28,23 +28,23 @@ fn unwired<const AXES: usize>(case: &Case<AXES>) -> Admitted<u16> {
 
 /// A digital input; type, number and level are fields from `field` on.
 fn digital<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     core: i16,
     field: u8,
     (which, index, level): (i16, i16, i16),
 ) -> Admitted<Simulated> {
     match which {
         INTERLOCK => {
-            case.core(core)?;
+            context.core(core)?;
             choice(field + 1, index, 1, 1)?;
             Ok(Simulated::Interlock(choice(field + 2, level, 0, 1)? == 1))
         }
         kind::LIMIT_POSITIVE..=kind::ARRIVE => {
-            let (input, index, high) = io::input(case, core, field, (which, index, level))?;
+            let (input, index, high) = io::input(context, core, field, (which, index, level))?;
             Ok(Simulated::Level { input, index, high })
         }
         _ => {
-            case.core(core)?;
+            context.core(core)?;
             let limits = (kind::LIMIT_POSITIVE.into(), kind::ARRIVE.into());
             Err(Refused::new(Reason::InputType).field(field).got(which.into()).limits(limits.0, limits.1))
         }
@@ -53,37 +53,37 @@ fn digital<const AXES: usize>(
 
 /// An analog input: its number and its voltage, which are these fields.
 fn voltage<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     core: i16,
     fields: (u8, u8),
     adc: i16,
     volts: f64,
 ) -> Admitted<Simulated> {
-    case.core(core)?;
-    let channel = choice(fields.0, adc, 1, i16::from(case.board.analog_inputs.min(8)))? as u8 - 1;
+    context.core(core)?;
+    let channel = choice(fields.0, adc, 1, i16::from(context.board.analog_inputs.min(8)))? as u8 - 1;
     let volts = real(fields.1, volts, -VOLTS, VOLTS)?;
     // To the nearest code, as a converter does; the highest stands for its end, too.
     let code = libm::round(volts * (32768.0 / VOLTS)).min(32767.0) as i16;
     Ok(Simulated::Analog { channel, code })
 }
 
-pub fn input<const AXES: usize>(case: &mut Case<AXES>, r: &SimInput) -> Admitted<Answer> {
-    unwired(case)?;
-    let input = digital(case, r.core.get(), 1, (r.di_type.get(), r.index.get(), r.level.get()))?;
-    case.stage(Op::Simulate(input));
+pub fn input<const AXES: usize>(context: &mut Context<AXES>, r: &SimInput) -> Admitted<Answer> {
+    unwired(context)?;
+    let input = digital(context, r.core.get(), 1, (r.di_type.get(), r.index.get(), r.level.get()))?;
+    context.stage(Op::Simulate(input));
     Ok(Answer::Done)
 }
 
-pub fn analog<const AXES: usize>(case: &mut Case<AXES>, r: &SimAdc) -> Admitted<Answer> {
-    unwired(case)?;
-    let input = voltage(case, r.core.get(), (1, 2), r.adc.get(), r.volts.get())?;
-    case.stage(Op::Simulate(input));
+pub fn analog<const AXES: usize>(context: &mut Context<AXES>, r: &SimAdc) -> Admitted<Answer> {
+    unwired(context)?;
+    let input = voltage(context, r.core.get(), (1, 2), r.adc.get(), r.volts.get())?;
+    context.stage(Op::Simulate(input));
     Ok(Answer::Done)
 }
 
 /// A row of a plan: rows come in order of time, row 0 begins another plan.
-pub fn plan<const AXES: usize>(case: &mut Case<AXES>, r: &SimPlan) -> Admitted<Answer> {
-    let rows = unwired(case)?;
+pub fn plan<const AXES: usize>(context: &mut Context<AXES>, r: &SimPlan) -> Admitted<Answer> {
+    let rows = unwired(context)?;
     let row = within(1, r.row.get(), 0, rows - 1)?;
     let of_script = within(2, r.from, 0, 1)? == 1;
     let after = r.at_ns.get();
@@ -92,14 +92,14 @@ pub fn plan<const AXES: usize>(case: &mut Case<AXES>, r: &SimPlan) -> Admitted<A
     }
     let (core, value) = (r.core.get(), r.value.get());
     let input = if r.di_type.get() == ADC {
-        voltage(case, core, (5, 6), r.index.get(), value)?
+        voltage(context, core, (5, 6), r.index.get(), value)?
     } else {
         let level = real(6, value, 0.0, 1.0)?;
         if level != 0.0 && level != 1.0 {
             return Err(Refused::new(Reason::Selector).field(6).got(level).limits(0.0, 1.0));
         }
-        digital(case, core, 4, (r.di_type.get(), r.index.get(), level as i16))?
+        digital(context, core, 4, (r.di_type.get(), r.index.get(), level as i16))?
     };
-    case.stage(Op::Plan { row, after: Ns(after), of_script, input });
+    context.stage(Op::Plan { row, after: Ns(after), of_script, input });
     Ok(Answer::Done)
 }

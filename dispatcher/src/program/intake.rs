@@ -9,14 +9,14 @@
 //! the script clock moves on, or their instant comes near. So data before a start takes no room in the
 //! lane however it arrives, and a stream that is short of data still gets each record in time.
 use super::{Program, State, length};
-use crate::admit::data::{self, Of};
-use crate::admit::pvt_table::{CHUNK, Road, road};
-use crate::awaiting::{Awaiting, Step};
-use crate::books::{Change, seq_after, seq_from};
-use crate::case::{Answer, Case, Due, Effect, TAKEN_MAX};
-use crate::desk::Desk;
-use crate::lane::{FEW, Staged};
-use crate::refuse::{Admitted, Refused};
+use crate::admit::context::{Answer, Context, Due, Effect, TAKEN_MAX};
+use crate::admit::data::{self, FifoOf};
+use crate::admit::pvt_table::{CHUNK, TableKind, table_kind};
+use crate::admit::refuse::{Admitted, Refused};
+use crate::session::commands::CommandHandler;
+use crate::session::lane::{FEW, Staged};
+use crate::session::pending_replies::{Awaiting, Step};
+use crate::shadow::{Change, seq_after, seq_from};
 use protocol::command::{Sleep, WaitStop, opcode};
 use protocol::reason::Reason;
 use protocol::record::ReplyWriter;
@@ -29,35 +29,35 @@ use zerocopy::FromBytes;
 const RECORDS_PER_POLL: u32 = 256;
 /// Commits go into the ring this long before their instant: longer than the thread is ever away, short
 /// enough that what is pushed piece by piece meanwhile does not fill the ring.
-pub(super) const NEAR_NS: u64 = 10_000_000;
+pub(super) const FAST_PATH_NS: u64 = 10_000_000;
 
 impl Program<'_> {
     /// Admits records until one has to wait. True if at least one was dealt with.
     pub(super) fn take_records<const AXES: usize>(
         &mut self,
-        desk: &mut Desk<'_, AXES>,
+        handler: &mut CommandHandler<'_, AXES>,
         view: &View<AXES>,
         out: &mut ReplyWriter,
     ) -> bool {
         let mut progress = false;
         for _ in 0..RECORDS_PER_POLL {
             if self.end.is_some() || !self.has_room() || self.records.front().is_none() {
-                self.settle(desk, view);
+                self.settle(handler, view);
                 return progress;
             }
-            match self.take_record(desk, view) {
+            match self.take_record(handler, view) {
                 Ok(Step::Taken) => {
                     self.records.pop();
                     progress = true;
                 }
                 Ok(Step::Wait) => {
-                    self.settle(desk, view);
+                    self.settle(handler, view);
                     return progress;
                 }
                 Err(refused) if self.passes_over(view, &refused, out) => progress = true,
                 Err(refused) => {
-                    self.settle(desk, view);
-                    return self.refuse(desk, view, &refused, out) || progress;
+                    self.settle(handler, view);
+                    return self.refuse(handler, view, &refused, out) || progress;
                 }
             }
         }
@@ -87,10 +87,10 @@ impl Program<'_> {
     }
 
     /// Nothing more can be admitted now.
-    fn settle<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) {
+    fn settle<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, view: &View<AXES>) {
         self.settled = true;
         if self.flush_due(view).is_some_and(|due| due.0 <= view.now.0) {
-            self.flush(desk);
+            self.flush(handler);
         }
     }
 
@@ -107,13 +107,13 @@ impl Program<'_> {
         }
         // Before the first tick of the run its zero is not known: as if it were now.
         let zero = if self.runs(view) { view.script_zero.0 } else { view.now.0 };
-        Some(Ns(zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(NEAR_NS)))
+        Some(Ns(zero.saturating_add(self.instant).saturating_add(self.delay).saturating_sub(FAST_PATH_NS)))
     }
 
     /// The record in hand is refused: for good, if its instant has been reached.
     fn refuse<const AXES: usize>(
         &mut self,
-        desk: &mut Desk<'_, AXES>,
+        handler: &mut CommandHandler<'_, AXES>,
         view: &View<AXES>,
         refused: &Refused,
         out: &mut ReplyWriter,
@@ -132,12 +132,16 @@ impl Program<'_> {
         }
         self.records.pop();
         self.cut(State::Failed);
-        self.push_drop(desk);
+        self.push_drop(handler);
         true
     }
 
     /// Admits the record in hand and pushes what it becomes.
-    fn take_record<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) -> Admitted<Step> {
+    fn take_record<const AXES: usize>(
+        &mut self,
+        handler: &mut CommandHandler<'_, AXES>,
+        view: &View<AXES>,
+    ) -> Admitted<Step> {
         let due = self.due(view);
         let Some((head, body)) = self.records.front() else { return Ok(Step::Wait) };
         let (answer, effect, own) = match head.opcode {
@@ -147,23 +151,23 @@ impl Program<'_> {
             opcode::Sleep => {
                 let sleep = Sleep::read_from_bytes(body).map_err(|_| length::<Sleep>(body))?;
                 if sleep.ns.get() > 0 {
-                    self.flush(desk);
+                    self.flush(handler);
                 }
                 self.delay = self.delay.saturating_add(sleep.ns.get());
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Ok(Step::Taken);
             }
             number if data::is_data(number, body) => {
-                let written = desk.admit_data(view, due, head.opcode, body)?;
-                self.take_data(desk, (head.opcode, head.tag, head.may_fail), &written);
+                let written = handler.admit_data(view, due, head.opcode, body)?;
+                self.take_data(handler, (head.opcode, head.tag, head.may_fail), &written);
                 return Ok(Step::Taken);
             }
-            number if road(number) == Some(Road::Calculate) => {
+            number if table_kind(number) == Some(TableKind::Calculate) => {
                 if self.values.room() < CHUNK {
                     return Ok(Step::Wait);
                 }
                 let mut count = 0;
-                desk.calculate(view, 1, number, body, |values| {
+                handler.calculate(view, 1, number, body, |values| {
                     count = values.len() as u8;
                     values.iter().all(|&value| self.values.push(value))
                 })?;
@@ -172,7 +176,7 @@ impl Program<'_> {
             }
             opcode::WaitStop => {
                 let wait = WaitStop::read_from_bytes(body).map_err(|_| length::<WaitStop>(body))?;
-                if self.pauses.is_full() || !wait_stop(desk, view, due, &wait)? {
+                if self.pauses.is_full() || !wait_stop(handler, view, due, &wait)? {
                     self.urgent = self.runs(view);
                     return Ok(Step::Wait);
                 }
@@ -182,48 +186,48 @@ impl Program<'_> {
                 if !body.is_empty() {
                     return Err(length::<protocol::command::ProgramEnd>(body));
                 }
-                desk.staged.clear();
-                desk.staged.add(Op::ProgramEnd, Change::None);
+                handler.staged.clear();
+                handler.staged.add(Op::ProgramEnd, Change::None);
                 (Answer::Done, Effect::None, true)
             }
             _ if self.config.is_some() => (Answer::Done, Effect::Config, true),
             other => {
-                let (answer, effect) = desk.admit(view, due, other, body)?;
+                let (answer, effect) = handler.admit(view, due, other, body)?;
                 (answer, effect, true)
             }
         };
         if let Effect::Config = effect {
-            return Ok(self.take_config(desk, view));
+            return Ok(self.take_config(handler, view));
         }
         // Only a Reset may be too much here; its admission can be repeated.
-        if self.lane.room() < self.gathered() + desk.staged.ops().len() {
+        if self.lane.room() < self.gathered() + handler.staged.ops().len() {
             return Ok(Step::Wait);
         }
-        if desk.staged.ops().is_empty() {
+        if handler.staged.ops().is_empty() {
             if let Answer::Read(_) = answer {
-                self.flush(desk);
+                self.flush(handler);
                 // A read at the instant of the entry before needs no entry of its own.
                 if self.delay > 0 || !self.lane.in_flight() {
-                    self.push(desk, Op::Mark, Change::None);
+                    self.push(handler, Op::Mark, Change::None);
                 }
             }
-            desk.apply(effect, self.lane.last());
+            handler.apply(effect, self.lane.last());
             self.attach(head.opcode, head.tag, answer);
             return Ok(Step::Taken);
         }
-        self.flush(desk);
+        self.flush(handler);
         if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
             for value in values.into_iter().take(count.into()) {
                 self.values.push(value);
             }
         }
-        let count = desk.staged.ops().len();
+        let count = handler.staged.ops().len();
         for index in 0..count {
-            if let Some(&(op, change)) = desk.staged.ops().get(index) {
-                self.push(desk, op, change);
+            if let Some(&(op, change)) = handler.staged.ops().get(index) {
+                self.push(handler, op, change);
             }
         }
-        desk.apply(effect, self.lane.last());
+        handler.apply(effect, self.lane.last());
         if head.opcode == opcode::ProgramEnd {
             self.end = Some(self.lane.last());
         }
@@ -240,8 +244,8 @@ impl Program<'_> {
     }
 
     /// Pushes one entry; the caller has seen that there is room.
-    fn push<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, op: Op, change: Change) {
-        if self.lane.push(op, change, self.delay, &mut desk.ahead) {
+    fn push<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, op: Op, change: Change) {
+        if self.lane.push(op, change, self.delay, &mut handler.admitted) {
             self.instant = self.instant.saturating_add(self.delay);
             self.pauses.push(&op, self.lane.last(), self.instant);
             self.delay = 0;
@@ -258,7 +262,7 @@ impl Program<'_> {
     /// Data is in the store; one commit will show all that belongs to this instant.
     pub(super) fn take_data<const AXES: usize>(
         &mut self,
-        desk: &mut Desk<'_, AXES>,
+        handler: &mut CommandHandler<'_, AXES>,
         (opcode, tag, may_fail): (u16, u16, bool),
         written: &data::Written,
     ) {
@@ -267,14 +271,14 @@ impl Program<'_> {
             self.values.push(value);
         }
         match written.of {
-            Of::Axis(axis) => self.open[fifo] |= axis.mask().0,
-            Of::Crd(crd) if written.at_once => {
-                desk.commit_path_now(crd, written.fifo);
-                let (seq, answer) = (Some(desk.lane.last()), written.answer);
+            FifoOf::Axis(axis) => self.open[fifo] |= axis.mask().0,
+            FifoOf::Crd(crd) if written.at_once => {
+                handler.commit_path_now(crd, written.fifo);
+                let (seq, answer) = (Some(handler.lane.last()), written.answer);
                 self.awaiting.push(Awaiting { opcode, tag, seq, own: true, may_fail, answer, ..Awaiting::BLANK });
                 return;
             }
-            Of::Crd(crd) => self.open_paths[fifo] |= crd.mask().0,
+            FifoOf::Crd(crd) => self.open_paths[fifo] |= crd.mask().0,
         }
         let answer = written.answer;
         self.awaiting.push(Awaiting { opcode, tag, open: true, own: true, may_fail, answer, ..Awaiting::BLANK });
@@ -282,7 +286,7 @@ impl Program<'_> {
 
     /// Pushes the commits of the data that gathered. There is room for them: no record is admitted
     /// without it, and data itself takes none.
-    pub fn flush<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>) {
+    pub fn flush<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>) {
         if !self.gathers() || self.lane.room() < self.gathered() {
             return;
         }
@@ -291,14 +295,14 @@ impl Program<'_> {
             let mut left = self.open[usize::from(fifo)];
             while let Some(axis) = Axis::new(left.trailing_zeros() as usize) {
                 left &= left - 1;
-                let (op, change) = data::commit(&desk.ahead, axis, fifo);
-                self.push(desk, op, change);
+                let (op, change) = data::commit(&handler.admitted, axis, fifo);
+                self.push(handler, op, change);
             }
         }
         for fifo in 0..2u8 {
             for crd in CrdMask(self.open_paths[usize::from(fifo)]).crds() {
-                let (op, change) = desk.commit_path(crd, fifo);
-                self.push(desk, op, change);
+                let (op, change) = handler.commit_path(crd, fifo);
+                self.push(handler, op, change);
             }
         }
         let open = core::mem::take(&mut self.open);
@@ -320,23 +324,23 @@ impl Program<'_> {
     }
 
     /// LoadConfig, item by item.
-    fn take_config<const AXES: usize>(&mut self, desk: &mut Desk<'_, AXES>, view: &View<AXES>) -> Step {
-        self.flush(desk);
+    fn take_config<const AXES: usize>(&mut self, handler: &mut CommandHandler<'_, AXES>, view: &View<AXES>) -> Step {
+        self.flush(handler);
         let mut item = self.config.unwrap_or(0);
         loop {
             self.config = Some(item);
             let Some((head, body)) = self.records.front() else { return Step::Wait };
-            if !desk.stage_config(view, body, item) {
+            if !handler.stage_config(view, body, item) {
                 self.config = None;
                 self.attach(head.opcode, head.tag, Answer::Done);
                 return Step::Taken;
             }
-            if self.lane.room() < desk.staged.ops().len() {
+            if self.lane.room() < handler.staged.ops().len() {
                 return Step::Wait;
             }
-            for index in 0..desk.staged.ops().len() {
-                if let Some(&(op, change)) = desk.staged.ops().get(index) {
-                    self.push(desk, op, change);
+            for index in 0..handler.staged.ops().len() {
+                if let Some(&(op, change)) = handler.staged.ops().get(index) {
+                    self.push(handler, op, change);
                 }
             }
             item = item.saturating_add(1);
@@ -354,34 +358,34 @@ fn place_among(open: &[u64; 2], axis: Axis, fifo: u8) -> u32 {
 /// Stages a WaitStop; false if it cannot be now. What a coordinate system waits for ends with what it was given so far,
 /// so that all of it leaves the look-ahead.
 fn wait_stop<const AXES: usize>(
-    desk: &mut Desk<'_, AXES>,
+    handler: &mut CommandHandler<'_, AXES>,
     view: &View<AXES>,
     due: Due,
     wait: &WaitStop,
 ) -> Admitted<bool> {
-    desk.staged.clear();
+    handler.staged.clear();
     let mut staged = Staged::new();
-    let case = Case {
+    let context = Context {
         view,
-        books: &desk.ahead,
-        site: &desk.site,
-        board: &desk.board,
-        now: &desk.now,
+        shadows: &handler.admitted,
+        configuration: &handler.configuration,
+        board: &handler.board,
+        executed: &handler.executed,
         due,
-        crds: desk.entries.count(),
+        crds: handler.entries.count(),
         staged: &mut staged,
         effect: Effect::None,
     };
-    let axes = case.mask(wait.core.get(), wait.axes.get(), 1)?;
-    let crds = case.crds_waited_for(wait.core.get(), wait.crds.get(), 2)?;
-    let all = CrdMask(crds.0 | desk.ahead.drivers(axes).0);
+    let axes = context.mask(wait.core.get(), wait.axes.get(), 1)?;
+    let crds = context.crds_waited_for(wait.core.get(), wait.crds.get(), 2)?;
+    let all = CrdMask(crds.0 | handler.admitted.drivers(axes).0);
     // Else nothing that it names runs at its instant, which is yet to come.
-    let runs = all.0 != 0 || due.until_ns == 0 || case.each(axes).any(|axis| case.may_run(axis));
-    if !all.crds().all(|crd| desk.flush_path(view, crd, due.near)) {
+    let runs = all.0 != 0 || due.until_ns == 0 || context.each(axes).any(|axis| context.may_run(axis));
+    if !all.crds().all(|crd| handler.flush_path(view, crd, due.near)) {
         return Ok(false);
     }
     if runs {
-        desk.staged.add(Op::WaitRest { axes, crds }, Change::Rest { axes, crds });
+        handler.staged.add(Op::WaitRest { axes, crds }, Change::Rest { axes, crds });
     }
     Ok(true)
 }

@@ -15,25 +15,26 @@
 //! client goes back and sends them again, and no order is lost. So lane 0 never waits behind lane 1.
 mod end;
 mod intake;
-mod pauses;
+pub(crate) mod record_queue;
+mod waits;
 
-use crate::awaiting::{Awaiting, Refuser, Step, TickRefusal};
-use crate::books::{Books, Change, PROGRAM_FLAG, executed, renew};
-use crate::bytes::{QUEUE_BYTES, RECORD_BYTES, Records};
+use crate::admit::context::{Answer, Due};
+use crate::admit::refuse::{Admitted, Refused};
 use crate::capacity::{AWAITING, VALUES};
-use crate::case::{Answer, Due};
-use crate::desk::Desk;
-use crate::lane::{Deque, Lane};
-use crate::refuse::{Admitted, Refused};
-use crate::server::PROGRAM;
-use pauses::Pauses;
+use crate::session::commands::CommandHandler;
+use crate::session::lane::{Deque, Lane};
+use crate::session::pending_replies::{Awaiting, Refuser, Step, TickRefusal};
+use crate::session::server::PROGRAM;
+use crate::shadow::{Change, PROGRAM_FLAG, Shadows, executed, renew};
 use protocol::command::{ProgramReply, ProgramStart, Request, opcode};
 use protocol::reason::Reason;
-use protocol::record::{Full, Lane as Road, ReplyWriter, RequestRecord};
+use protocol::record::{Full, Lane as TableKind, ReplyWriter, RequestRecord};
+use record_queue::{QUEUE_BYTES, RECORD_BYTES, Records};
 use ring::Producer;
 use servo::laser::{CHANNELS, Cause, Ignored};
 use servo::op::{Entry, Op};
 use servo::view::View;
+use waits::Pauses;
 use zerocopy::{FromBytes, IntoBytes};
 
 /// Where the program is; the numbers are those of `ProgramReply`.
@@ -196,10 +197,10 @@ impl<'a> Program<'a> {
     }
 
     /// Whether the record in hand acts soon, and nothing is on its way before it.
-    fn is_near<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+    fn is_fast<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = view.script_zero.0.saturating_add(self.instant).saturating_add(self.delay);
         let quiet = !self.lane.in_flight() && !self.gathers();
-        self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::NEAR_NS)
+        self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::FAST_PATH_NS)
     }
 
     /// What is known of the instant of the record in hand.
@@ -208,7 +209,7 @@ impl<'a> Program<'a> {
         let script_ns = self.instant.saturating_add(self.delay);
         let until_ns = if decided { 0 } else { self.until(view) };
         let first = self.state == State::Held && script_ns < view.period.0 && !self.pauses.wait();
-        Due { decided, near: self.is_near(view), until_ns, first, script_ns, wait: self.pauses.last }
+        Due { decided, near: self.is_fast(view), until_ns, first, script_ns, wait: self.pauses.last }
     }
 
     /// Whether it is held or runs.
@@ -229,17 +230,17 @@ impl<'a> Program<'a> {
     /// Takes a record of lane 1 into the queue; data that need not wait goes on at once.
     pub fn offer<const AXES: usize>(
         &mut self,
-        desk: &mut Desk<'_, AXES>,
+        handler: &mut CommandHandler<'_, AXES>,
         view: &View<AXES>,
         record: &RequestRecord,
         out: &mut ReplyWriter,
     ) -> Step {
         if self.takes_at_once::<AXES>(record.opcode, record.body) {
             // Where it is refused it waits in the queue, and is refused from there.
-            if let Ok(written) = desk.admit_data(view, self.due(view), record.opcode, record.body) {
+            if let Ok(written) = handler.admit_data(view, self.due(view), record.opcode, record.body) {
                 self.accepted = self.accepted.wrapping_add(1);
-                let may_fail = record.lane == Road::ProgramMayFail;
-                self.take_data(desk, (record.opcode, record.tag, may_fail), &written);
+                let may_fail = record.lane == TableKind::ProgramMayFail;
+                self.take_data(handler, (record.opcode, record.tag, may_fail), &written);
                 return Step::Taken;
             }
         }
@@ -253,7 +254,7 @@ impl<'a> Program<'a> {
             self.state = State::Held;
             self.begin();
         }
-        self.records.push(record.opcode, record.tag, record.lane == Road::ProgramMayFail, record.body);
+        self.records.push(record.opcode, record.tag, record.lane == TableKind::ProgramMayFail, record.body);
         self.accepted = self.accepted.wrapping_add(1);
         self.settled = false;
         Step::Taken
@@ -262,7 +263,7 @@ impl<'a> Program<'a> {
     /// ProgramStart, ProgramClear, ProgramStatus. `None`: not now.
     pub fn control<const AXES: usize>(
         &mut self,
-        desk: &mut Desk<'_, AXES>,
+        handler: &mut CommandHandler<'_, AXES>,
         record: &RequestRecord,
     ) -> Admitted<Option<Answer>> {
         match record.opcode {
@@ -275,16 +276,16 @@ impl<'a> Program<'a> {
                 if !matches!(self.state, State::Empty | State::Held) {
                     return Err(Refused::new(Reason::ProgramOnlyHeld));
                 }
-                if desk.lane.room() == 0 {
+                if handler.lane.room() == 0 {
                     return Ok(None);
                 }
                 if self.state == State::Empty {
                     self.begin();
                 }
                 // What belongs to the instant 0 is in the ring before the clock runs.
-                self.flush(desk);
-                desk.lane.push(Op::ProgramRun, Change::None, 0, &mut desk.ahead);
-                self.run = Some(desk.lane.last());
+                self.flush(handler);
+                handler.lane.push(Op::ProgramRun, Change::None, 0, &mut handler.admitted);
+                self.run = Some(handler.lane.last());
                 self.clock = 0;
                 (self.overruns[1], self.answered) = (self.overruns[0], (0, 0));
                 self.strict = start.strict != 0;
@@ -345,7 +346,7 @@ impl<'a> Program<'a> {
     }
 
     /// Enters into `now` what the tick has executed.
-    pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Books<AXES>) {
+    pub fn retire<const AXES: usize>(&mut self, view: &View<AXES>, now: &mut Shadows<AXES>) {
         self.lane.retire(view, now);
         self.overruns[0] = view.overruns;
         if self.runs(view) && (view.late != 0 || self.overruns[0] != self.overruns[1]) {
@@ -410,7 +411,7 @@ impl<'a> Program<'a> {
     /// Everything the queue can do now. True if something was done.
     pub fn advance<const AXES: usize>(
         &mut self,
-        desk: &mut Desk<'_, AXES>,
+        handler: &mut CommandHandler<'_, AXES>,
         view: &View<AXES>,
         out: &mut ReplyWriter,
     ) -> bool {
@@ -421,13 +422,13 @@ impl<'a> Program<'a> {
         }
         let mut progress = false;
         if self.drop_due {
-            self.push_drop(desk);
+            self.push_drop(handler);
         }
         if self.dropping.is_some_and(|seq| executed(view, seq)) {
-            self.finish_drop(desk, view);
+            self.finish_drop(handler, view);
             progress = true;
         }
-        progress |= self.answer(desk, view, out);
+        progress |= self.answer(handler, view, out);
         if self.is_dropping() {
             return progress;
         }
@@ -440,10 +441,10 @@ impl<'a> Program<'a> {
         match self.state {
             State::Running if self.strict && view.late > 0 && self.runs(view) => {
                 self.late();
-                self.push_drop(desk);
+                self.push_drop(handler);
                 true
             }
-            State::Held | State::Running => self.take_records(desk, view, out) || progress,
+            State::Held | State::Running => self.take_records(handler, view, out) || progress,
             State::Failed | State::Stopped => self.discard(out) || progress,
             State::Empty => progress,
         }

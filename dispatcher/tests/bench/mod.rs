@@ -11,10 +11,10 @@ use protocol::reason::{Reason, Refusal};
 use protocol::record::{Lane, RequestWriter, TRACE_RECORD, replies};
 use ring::{Latest, Ring};
 use servo::laser::{Clock, Plan};
+use servo::output::step_generator;
 use servo::path::{EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
-use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
-use servo::steps;
+use servo::segment::pvt::{HeaderStore, PointStore, TABLES, TableStores};
 use servo::tick::{Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, AxisMask, Crd, Ns, Pos, StepLimit};
 use servo::view::View;
@@ -37,7 +37,7 @@ impl<const AXES: usize> Port for Machine<AXES> {
         self.inputs[axis.index()]
     }
     fn encoder(&mut self, axis: Axis) -> i64 {
-        steps::whole(self.set_points[axis.index()])
+        step_generator::whole(self.set_points[axis.index()])
     }
     fn general_inputs(&mut self) -> GeneralInputs {
         0x5a
@@ -145,10 +145,10 @@ impl<const AXES: usize> Bench<AXES> {
         let queues: Vec<[PathQueue; 2]> = (0..Crd::MAX).map(|_| Default::default()).collect();
         let queues: &'static mut [[PathQueue; 2]] = queues.leak();
         let paths = PathStores::of::<{ Crd::MAX }>(leak([const { [const { EntryStore::new() }; 2] }; Crd::MAX]));
-        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
-        let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
+        let places: Box<[PointStore]> = (0..TABLES).map(|_| PointStore::new()).collect();
+        let places: Box<[PointStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores {
-            places: Box::leak(places),
+            points: Box::leak(places),
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::Tables::new()),
         };

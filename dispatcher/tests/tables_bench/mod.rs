@@ -3,11 +3,11 @@
 //! constant jerk over real time instead of Hermite pieces over a parameter.
 #![allow(dead_code)] // each test file uses its part
 use dispatcher::Refused;
-use dispatcher::tables::{Beside, Draft, Fields, Kind, Scratch};
+use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
 use num_bigint::{BigInt, Sign};
 use num_traits::{Signed, ToPrimitive, Zero};
-use servo::profile::{State, Step};
-use servo::pvt::{HEADER_WORDS, Header, PLACE_WORDS, PlaceStore, Tables};
+use servo::segment::profile::{State, Step};
+use servo::segment::pvt::{HEADER_WORDS, Header, POINT_WORDS, PointStore, Tables};
 use servo::units::{Exact, Ns, StepLimit};
 
 #[path = "../../../servo/tests/chance/mod.rs"]
@@ -21,10 +21,10 @@ pub const FIELDS: Fields = Fields { count: 2, whole: 4, point: 10 };
 
 /// Tables as the tick sees them.
 #[derive(Default, Clone)]
-pub struct Shelf(pub Vec<([u32; HEADER_WORDS], Vec<[u32; PLACE_WORDS]>)>);
+pub struct Shelf(pub Vec<([u32; HEADER_WORDS], Vec<[u32; POINT_WORDS]>)>);
 
 impl Tables for Shelf {
-    fn place(&self, table: u8, index: u32) -> [u32; PLACE_WORDS] {
+    fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
         self.0.get(table as usize).and_then(|t| t.1.get(index as usize)).copied().unwrap_or_default()
     }
     fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
@@ -35,7 +35,7 @@ impl Tables for Shelf {
 impl Shelf {
     /// Builds a table and puts it on the shelf; the answers of the points come back.
     pub fn add(&mut self, kind: Kind, points: &[Vec<f64>]) -> Result<Vec<f64>, Refused> {
-        let (mut beside, room) = (Box::new(Beside::new()), Box::new(PlaceStore::new()));
+        let (mut beside, room) = (Box::new(SplineScratch::new()), Box::new(PointStore::new()));
         let mut scratch = Scratch::new(&mut beside, &room);
         let mut draft = Draft::begin(kind, points.len() as i32, FIELDS, StepLimit::FULL_SCALE, true, &mut scratch)?;
         let mut answers = Vec::new();
@@ -43,7 +43,7 @@ impl Shelf {
             answers.push(draft.point(point, &mut scratch)?);
         }
         let sealed = draft.finish(&mut scratch).expect("complete")?;
-        let places = (0..sealed.places()).map(|i| sealed.place(&scratch, i).expect("every place fits")).collect();
+        let places = (0..sealed.points()).map(|i| sealed.point(&scratch, i).expect("every place fits")).collect();
         self.0.push((sealed.header().admit().expect("admitted"), places));
         Ok(answers)
     }

@@ -8,9 +8,9 @@ use super::outputs;
 use super::uart::Rx;
 use plant::inputs::{Plan as InputPlan, Row};
 use plant::{Gain, Plant};
-use servo::follow::Input;
 use servo::laser::Plan;
 use servo::port::{AxisInputs, Due, GeneralInputs, GeneralOutputs, Port, Simulated};
+use servo::segment::follow::Input;
 use servo::units::{Axis, Ns, Pos};
 
 /// Analog inputs.

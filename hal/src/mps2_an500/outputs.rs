@@ -22,7 +22,7 @@ static CLEAR: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static GENERAL: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static DAC: [AtomicI16; ANALOG] = [const { AtomicI16::new(0) }; ANALOG];
 #[used]
-static LASERS: [Laser; CHANNELS] = [const { Laser::at_rest() }; CHANNELS];
+static LASERS: [Laser; CHANNELS] = [const { Laser::at_standstill() }; CHANNELS];
 
 /// Registers of a laser channel.
 struct Laser {
@@ -36,7 +36,7 @@ struct Laser {
 }
 
 impl Laser {
-    const fn at_rest() -> Laser {
+    const fn at_standstill() -> Laser {
         Laser {
             switch: AtomicBool::new(false),
             period: AtomicU32::new(0),
@@ -60,7 +60,7 @@ impl Laser {
 /// A laser channel does as planned. A channel that the board lacks is not written.
 pub fn set_laser(channel: usize, plan: &Plan) {
     let Some(laser) = LASERS.get(channel) else { return };
-    if plan.rest {
+    if plan.safe_state {
         laser.rest();
     }
     for (_, action) in plan.actions() {

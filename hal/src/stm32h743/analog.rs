@@ -120,7 +120,7 @@ impl Analog {
 
     /// What a laser channel does in the next tick.
     pub fn follow(&mut self, channel: usize, plan: &Plan) {
-        if plan.rest {
+        if plan.safe_state {
             self.rest(channel);
         }
         for (at, action) in plan.actions() {

@@ -1,14 +1,15 @@
 //! Laser outputs (RM0433 38, 41): energy of laser 0 by TIM1, of laser 1 by TIM15, both switches by TIM8, each line with its
 //! complement, and a break input that rests them without an instruction.
 //!
-//! In: a [`Plan`] a channel and tick. Out: light, a tick behind the plan as the steps are ([`Held`]); rest at once. Owns TIM1,
-//! TIM8, TIM15 and their streams. A timer counts rounds ([`super::rounds`]) that [`Energy`] and [`Switches`] make of the plans,
+//! In: a [`Plan`] a channel and tick. Out: light, a tick behind the plan as the steps are ([`DelayLine`]); rest at once. Owns TIM1,
+//! TIM8, TIM15 and their streams. A timer counts rounds ([`super::rounds`]) that [`PwmCycles`] and [`GateCycles`] make of the plans,
 //! all of them from the same tick on. At rest the main output is disabled (`BDTR.MOE`), and the pins have their idle levels. Fails to rest, and tells the tick
 //! ([`Lasers::was_late`]), if a round was told too late for DMA: then everything starts anew.
 use super::clocks::TIMER_MHZ;
 use super::rounds::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, places};
 use core::sync::atomic::AtomicU32;
-use servo::laser::{CHANNELS, Energy, HELD_WORDS, Held, Places, Plan, Scale, Switches};
+use servo::laser::{CHANNELS, Plan};
+use servo::output::{DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, Scale, Slots};
 use stm32_metapac::timer::TimAdv;
 use stm32_metapac::timer::vals::{Bkinp, Bkp, Mms, Msm, OcmGp, Ossi, Ossr, Sms, Ts, Urs};
 use stm32_metapac::{RCC, TIM1, TIM2, TIM8};
@@ -25,17 +26,17 @@ const START_COUNTS: u64 = 480;
 const NEVER: u16 = u16::MAX;
 
 #[unsafe(link_section = ".dma.laser_0")]
-static RING_0: Places<ENERGY_PLACES, 3> = places();
+static RING_0: Slots<ENERGY_PLACES, 3> = places();
 #[unsafe(link_section = ".dma.laser_1")]
-static RING_1: Places<ENERGY_PLACES, 3> = places();
+static RING_1: Slots<ENERGY_PLACES, 3> = places();
 #[unsafe(link_section = ".dma.switches")]
-static RING_SWITCHES: Places<SWITCH_PLACES, 6> = places();
+static RING_SWITCHES: Slots<SWITCH_PLACES, 6> = places();
 
 /// Plans of a tick.
 #[unsafe(link_section = ".state.held_0")]
-static HELD_0: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
+static HELD_0: [AtomicU32; DELAY_LINE_WORDS] = [const { AtomicU32::new(0) }; DELAY_LINE_WORDS];
 #[unsafe(link_section = ".state.held_1")]
-static HELD_1: [AtomicU32; HELD_WORDS] = [const { AtomicU32::new(0) }; HELD_WORDS];
+static HELD_1: [AtomicU32; DELAY_LINE_WORDS] = [const { AtomicU32::new(0) }; DELAY_LINE_WORDS];
 
 /// What the timers do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,10 +60,10 @@ pub struct Lasers {
     /// Counts of the tick in force.
     lasts: u64,
     /// What the timers are told in the next tick.
-    held: [Held; CHANNELS],
-    energies: [Energy; CHANNELS],
+    held: [DelayLine; CHANNELS],
+    energies: [PwmCycles; CHANNELS],
     energy_timers: [Timer<ENERGY_PLACES, 3>; CHANNELS],
-    switches: Switches,
+    switches: GateCycles,
     switch_timer: Timer<SWITCH_PLACES, 6>,
     /// The channel's outputs follow their timers.
     is_live: [bool; CHANNELS],
@@ -97,10 +98,10 @@ pub unsafe fn open() -> Lasers {
         state: State::Stands,
         next: 0,
         lasts: 0,
-        held: [Held::new(&HELD_0), Held::new(&HELD_1)],
-        energies: [const { Energy::from(BEGIN, SCALE) }; CHANNELS],
+        held: [DelayLine::new(&HELD_0), DelayLine::new(&HELD_1)],
+        energies: [const { PwmCycles::from(BEGIN, SCALE) }; CHANNELS],
         energy_timers,
-        switches: Switches::from(BEGIN, SCALE),
+        switches: GateCycles::from(BEGIN, SCALE),
         switch_timer,
         is_live: [false; CHANNELS],
         was_late: false,
@@ -303,8 +304,8 @@ impl Lasers {
             reset();
         }
         self.next = 0;
-        self.energies = [const { Energy::from(BEGIN, SCALE) }; CHANNELS];
-        self.switches = Switches::from(BEGIN, SCALE);
+        self.energies = [const { PwmCycles::from(BEGIN, SCALE) }; CHANNELS];
+        self.switches = GateCycles::from(BEGIN, SCALE);
         self.energy_timers.iter_mut().for_each(Timer::arm);
         self.switch_timer.arm();
         self.state = State::Begins;
@@ -342,7 +343,7 @@ impl Lasers {
         }
         self.energy_timers.iter_mut().for_each(Timer::stop);
         self.switch_timer.stop();
-        self.held.iter_mut().for_each(Held::clear);
+        self.held.iter_mut().for_each(DelayLine::clear);
         for channel in 0..CHANNELS {
             follow(channel, false);
         }
@@ -360,20 +361,20 @@ impl Lasers {
     /// told what was planned before. Rest is now.
     #[inline]
     pub fn plan(&mut self, channel: usize, plan: &Plan) {
-        if plan.rest {
+        if plan.safe_state {
             self.rest(channel);
         }
         if self.state != State::Stands {
-            self.tell(channel, SCALE.counts(plan.lasts).into());
+            self.queue(channel, SCALE.counts(plan.lasts).into());
         }
-        if !plan.rest && !self.held.get_mut(channel).is_some_and(|held| held.put(plan)) {
+        if !plan.safe_state && !self.held.get_mut(channel).is_some_and(|held| held.put(plan)) {
             self.stop();
         }
     }
 
     /// Tells the timers what is held of a channel, for the next tick, which lasts so many counts.
     #[inline]
-    fn tell(&mut self, channel: usize, lasts: u64) {
+    fn queue(&mut self, channel: usize, lasts: u64) {
         let (from, to) = (self.next, self.next.wrapping_add(lasts));
         let (Some(energy), Some(timer), Some(held), Some(is_live)) = (
             self.energies.get_mut(channel),
@@ -388,13 +389,13 @@ impl Lasers {
             revive(channel);
             *is_live = true;
         }
-        let mut read_by = energy.told().wrapping_sub(timer.ring.ahead().into());
+        let mut read_by = energy.queued().wrapping_sub(timer.ring.ahead().into());
         energy.take(from, to, held.actions(), &mut |length, light, times| timer.ring.put(length, times, [light]));
         if channel == 0 {
             self.switches.hold(held.actions());
         } else {
             let timer = &mut self.switch_timer;
-            read_by = read_by.min(self.switches.told().wrapping_sub(timer.ring.ahead().into()));
+            read_by = read_by.min(self.switches.queued().wrapping_sub(timer.ring.ahead().into()));
             self.switches.take(from, to, held.actions(), &mut |round| {
                 let ([fall_0, fall_1], [rise_0, rise_1]) = (round.falls, round.rises);
                 timer.ring.put(round.length, 1, [rise_0, fall_0, fall_1, rise_1]);
@@ -425,9 +426,9 @@ impl Lasers {
             held.clear();
         }
         if let Some(energy) = self.energies.get_mut(channel) {
-            energy.rest();
+            energy.shut_off();
         }
-        self.switches.rest(channel);
+        self.switches.shut_off(channel);
     }
 }
 

@@ -10,8 +10,8 @@ use super::laser::{self, Lasers};
 use super::pins::{self, AXES, Levels};
 use super::steps::Steps;
 use servo::laser::Plan;
+use servo::output::step_generator;
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
-use servo::steps;
 use servo::units::{Axis, Pos};
 
 /// The machine.
@@ -110,7 +110,7 @@ impl Port for Machine {
 
     fn set_point(&mut self, axis: Axis, pos: Pos) {
         if let Some(place) = self.goes_to.get_mut(axis.index()) {
-            *place = steps::whole(pos);
+            *place = step_generator::whole(pos);
         }
     }
 

@@ -48,7 +48,7 @@ pub const GENERAL_INPUTS: usize = GENERAL_IN.len();
 /// General outputs.
 pub const GENERAL_OUTPUTS: usize = GENERAL_OUT.len();
 
-/// Directions on pins 0 to 7, steps on 8 to 15, as the words of [`servo::steps::output`] have them.
+/// Directions on pins 0 to 7, steps on 8 to 15, as the words of [`servo::output::step_words`] have them.
 const STEPS: Gpio = GPIOF;
 
 const LINK: [Pin; 2] = [(GPIOD, 8), (GPIOD, 9)];

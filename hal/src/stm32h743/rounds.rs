@@ -2,9 +2,9 @@
 //! them (RM0433 38.3.24, 38.4.19: DMA burst; 15.3: circular streams).
 //!
 //! In: rounds, as half-words of the timer's registers from `ARR` on. Out: nothing; whether the ring is read as it should be.
-//! Owns the stream. Fails towards the dark, as [`RoundRing`] does.
+//! Owns the stream. Fails towards the dark, as [`CycleRing`] does.
 use core::sync::atomic::AtomicU16;
-use servo::laser::{Places, RoundRing};
+use servo::output::{CycleRing, Slots};
 use stm32_metapac::dma::vals::{Dir, Pl, Size};
 use stm32_metapac::dma::{Dma, St};
 use stm32_metapac::timer::TimAdv;
@@ -23,7 +23,7 @@ pub const BEGIN: u64 = 2 * FIRST as u64;
 const BURST_BEGIN: u8 = 11;
 
 /// A ring in memory that DMA reads.
-pub const fn places<const PLACES: usize, const WORDS: usize>() -> Places<PLACES, WORDS> {
+pub const fn places<const PLACES: usize, const WORDS: usize>() -> Slots<PLACES, WORDS> {
     [const { [const { AtomicU16::new(0) }; WORDS] }; PLACES]
 }
 
@@ -64,9 +64,9 @@ pub const SWITCHES: Wiring =
 #[derive(Debug)]
 pub struct Timer<const PLACES: usize, const WORDS: usize> {
     wiring: Wiring,
-    places: &'static Places<PLACES, WORDS>,
+    places: &'static Slots<PLACES, WORDS>,
     /// What is told goes here.
-    pub ring: RoundRing<PLACES, WORDS>,
+    pub ring: CycleRing<PLACES, WORDS>,
 }
 
 impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
@@ -74,8 +74,8 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
     ///
     /// # Safety
     /// One a ring and a stream.
-    pub const unsafe fn new(wiring: Wiring, places: &'static Places<PLACES, WORDS>, dark: [u16; WORDS]) -> Self {
-        Timer { wiring, places, ring: RoundRing::new(places, dark) }
+    pub const unsafe fn new(wiring: Wiring, places: &'static Slots<PLACES, WORDS>, dark: [u16; WORDS]) -> Self {
+        Timer { wiring, places, ring: CycleRing::new(places, dark) }
     }
 
     fn stream(&self) -> St {
@@ -86,7 +86,7 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
     #[inline]
     pub fn renew(&mut self) -> bool {
         let left: usize = self.stream().ndtr().read().ndt().into();
-        self.ring.renew(RoundRing::<PLACES, WORDS>::WORDS.wrapping_sub(left))
+        self.ring.renew(CycleRing::<PLACES, WORDS>::WORDS.wrapping_sub(left))
     }
 
     /// While nothing runs: some more places dark; true once all are, and the stream stands.
@@ -109,7 +109,7 @@ impl<const PLACES: usize, const WORDS: usize> Timer<PLACES, WORDS> {
         let st = self.stream();
         st.par().write_value(timer.dmar().as_ptr() as u32);
         st.m0ar().write_value(self.places.as_ptr() as u32);
-        st.ndtr().write(|w| w.set_ndt(RoundRing::<PLACES, WORDS>::WORDS as u16));
+        st.ndtr().write(|w| w.set_ndt(CycleRing::<PLACES, WORDS>::WORDS as u16));
         st.fcr().write(|_| {});
         timer.cnt().write(|w| w.set_cnt(0));
         timer.psc().write_value(0);

@@ -8,7 +8,7 @@
 use super::clocks::TIMER_MHZ;
 use super::settings::{DIRECTION_SET_UP_NS, STEP_WIDTH_NS};
 use core::sync::atomic::{AtomicU32, Ordering};
-use servo::steps::output::{AXES, RING, StepOutput};
+use servo::output::step_words::{AXES, RING, StepOutput};
 use stm32_metapac::dma::vals::{Dir, Pl, Size};
 use stm32_metapac::{DMA2, DMAMUX1, GPIOF, RCC, TIM2, TIM17};
 

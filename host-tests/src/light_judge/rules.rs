@@ -88,12 +88,12 @@ impl Judge {
             What::On { channel, code, sure } => self.on(channel, code, sure),
             What::Off { channel } => {
                 let of = &mut self.channels[channel];
-                of.touch();
+                of.mark_changed();
                 of.off();
                 of.veto = true;
             }
             What::Power { channel } => {
-                self.channels[channel].touch();
+                self.channels[channel].mark_changed();
                 if self.settings.is_gus {
                     self.end_follow(channel);
                 }
@@ -105,7 +105,7 @@ impl Judge {
             What::Mode { channel } => {
                 self.used.push("another mode");
                 let of = &mut self.channels[channel];
-                of.touch();
+                of.mark_changed();
                 of.follow = None;
                 of.cut(self.now);
             }
@@ -119,7 +119,7 @@ impl Judge {
             What::Map { channel, map, code, sure } => self.map(channel, map, code, sure),
             What::Connector { channel, there } => {
                 let of = &mut self.channels[channel];
-                of.touch();
+                of.mark_changed();
                 of.connector = there;
                 if !there {
                     self.used.push("connector taken away");
@@ -175,7 +175,7 @@ impl Judge {
             }
             What::Unanswered => {
                 for of in &mut self.channels {
-                    of.touch();
+                    of.mark_changed();
                     of.off();
                     of.commanded = Commanded::Doubt;
                     of.fault = if of.fault == Maybe::No { Maybe::No } else { Maybe::Doubt };

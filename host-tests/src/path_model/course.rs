@@ -306,11 +306,11 @@ pub fn course(frame: &Frame, entries: &[Entry], commands: &[(f64, Command)], hor
         if let Command::Abrupt(tick) = command {
             run.run(at - tick);
             run.reach();
-            let shown = (run.entry, run.way, run.course.ends.len());
+            let published = (run.entry, run.way, run.course.ends.len());
             run.run(at);
             run.now = at;
             if run.runs {
-                run.fall_back(shown);
+                run.fall_back(published);
             }
             continue;
         }

@@ -292,7 +292,7 @@ impl Controller {
             let master = axis.follow.master;
             let then = self.then[index].take();
             let mut open = None;
-            let place = |at: Fix| master.and_then(|master| self.place_of(master, at, before, now));
+            let place = |at: Fix| master.and_then(|master| self.position_of(master, at, before, now));
             let times = [Fix::ms(before), Fix::ms(now)];
             let lead = master.map(|master| self.lead(master, &times, &place));
             // A controller has few places for a master's way in a tick: between the first and the last of several knots it

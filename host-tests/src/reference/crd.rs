@@ -182,11 +182,11 @@ impl Crd {
     }
 
     /// At once, where it was shown at the tick before. Outputs that it has reached since have been set, and are not set again.
-    pub fn halt(&mut self, shown: &Crd) {
+    pub fn halt(&mut self, published: &Crd) {
         if !self.runs {
             return;
         }
-        let (was, of) = (&shown.fifos[self.fifo], &mut self.fifos[self.fifo]);
+        let (was, of) = (&published.fifos[self.fifo], &mut self.fifos[self.fifo]);
         of.told = of.told.max(of.next);
         // What stood at that tick's own instant had been reached.
         let outputs = was.entries[was.next..].iter().take_while(|entry| matches!(entry, Entry::Outputs(..))).count();
@@ -198,16 +198,16 @@ impl Crd {
         } else if matches!(of.entries[of.next], Entry::Motion(..)) {
             of.done = was.done;
         }
-        self.place = shown.place;
+        self.place = published.place;
         self.knots.clear();
         self.is_straight = true;
-        self.come_to_rest(Rest::Stopped);
+        self.come_to_standstill(Rest::Stopped);
     }
 
     /// A smooth Stop, at the instant up to which it has run.
     pub fn brake(&mut self) {
         if self.runs && self.speed <= 0.0 {
-            self.come_to_rest(Rest::Stopped);
+            self.come_to_standstill(Rest::Stopped);
         } else if self.runs {
             self.brakes = true;
             self.plan = None;
@@ -240,7 +240,7 @@ impl Crd {
         waits || ahead.fifos[self.fifo].next != fifo.next || ahead.runs != self.runs
     }
 
-    fn come_to_rest(&mut self, rest: Rest) {
+    fn come_to_standstill(&mut self, rest: Rest) {
         (self.runs, self.brakes, self.speed, self.plan) = (false, false, 0.0, None);
         self.rest = Some(rest);
         let place = self.place;
@@ -262,7 +262,7 @@ impl Crd {
         while self.runs && self.now < until {
             let of = &mut self.fifos[self.fifo];
             match of.entries[..of.seen].get(of.next) {
-                None => self.come_to_rest(Rest::Done),
+                None => self.come_to_standstill(Rest::Done),
                 Some(Entry::Outputs(mask, value)) => {
                     if of.next >= of.told {
                         self.outputs.push((self.now, *mask, *value));
@@ -274,7 +274,7 @@ impl Crd {
                     }
                 }
                 // A Stop that came to it at speed.
-                Some(Entry::Delay(_)) if self.brakes => self.come_to_rest(Rest::Stopped),
+                Some(Entry::Delay(_)) if self.brakes => self.come_to_standstill(Rest::Stopped),
                 Some(Entry::Delay(ms)) => {
                     let left = ms - of.done;
                     self.open |= (left - (until - self.now)).abs() < SAME;
@@ -368,7 +368,7 @@ impl Crd {
             if length - of.done < 1e-5 {
                 self.unsaid = Some("a Stop that rests where a motion ends");
             }
-            self.come_to_rest(Rest::Stopped);
+            self.come_to_standstill(Rest::Stopped);
             return;
         }
         self.place = to;
@@ -377,7 +377,7 @@ impl Crd {
         if self.brakes && self.speed < 1e-5 {
             // It rests before what stands after the motion, or a little before its end.
             self.unsaid = Some("a Stop that rests where a motion ends");
-            self.come_to_rest(Rest::Stopped);
+            self.come_to_standstill(Rest::Stopped);
         }
     }
 }

@@ -71,7 +71,7 @@ pub enum Path {
         crd: i16,
         plane: Plane,
         to: [i32; 2],
-        round: Round,
+        round: Cycle,
         ccw: bool,
         speeds: Speeds,
         fifo: i16,
@@ -103,7 +103,7 @@ pub struct Speeds {
 
 /// What an arc is around.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Round {
+pub enum Cycle {
     Radius(f64),
     /// From the start.
     Centre(f64, f64),
@@ -169,10 +169,10 @@ impl PathCall {
             }
             Path::Arc { crd, plane, to, round, ccw, speeds, fifo } => {
                 let around = match round {
-                    Round::Radius(radius) => format!("{radius:?}"),
-                    Round::Centre(x, y) => format!("{x:?},{y:?}"),
+                    Cycle::Radius(radius) => format!("{radius:?}"),
+                    Cycle::Centre(x, y) => format!("{x:?},{y:?}"),
                 };
-                let kind = if matches!(round, Round::Radius(_)) { "R" } else { "C" };
+                let kind = if matches!(round, Cycle::Radius(_)) { "R" } else { "C" };
                 let (to, ccw) = (format!("{},{}", to[0], to[1]), i16::from(*ccw));
                 format!("GTN_Arc{plane:?}{kind}({core},{crd},{to},{around},{ccw},{}", tail(speeds, *fifo))
             }

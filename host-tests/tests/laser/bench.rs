@@ -7,7 +7,7 @@ use ring::{Latest, Producer, Reader, Ring};
 use servo::laser::{self, Bounds, CHANNELS, Carrier, Change, Clock, Delays, Fine, Plan, Power, Standby};
 use servo::op::{Entry, Op};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
-use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::segment::pvt::{HeaderStore, PointStore, TABLES, TableStores};
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, Pos, StepLimit};
 use servo::view::{LaserView, View};
@@ -191,10 +191,10 @@ impl Bench {
         let (events, _) = leak(Ring::new()).split();
         let (samples, _) = leak(Ring::new()).split();
         let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
-        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
-        let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
+        let places: Box<[PointStore]> = (0..TABLES).map(|_| PointStore::new()).collect();
+        let places: Box<[PointStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores {
-            places: Box::leak(places),
+            points: Box::leak(places),
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::Tables::new()),
         };
@@ -277,8 +277,8 @@ impl Bench {
                 if left == 0 {
                     left = every;
                     let view = self.view.read();
-                    for (kept, shown) in views.iter_mut().zip(view.lasers) {
-                        kept.push((machine.next, shown));
+                    for (kept, published) in views.iter_mut().zip(view.lasers) {
+                        kept.push((machine.next, published));
                     }
                 }
                 left -= 1;

@@ -1,4 +1,4 @@
-//! Carries out a channel's plans as `servo::laser::plan` words them: outputs as lists of events, to the ns.
+//! Carries out a channel's plans as `servo::laser::actions` words them: outputs as lists of events, to the ns.
 use super::bench::Outputs;
 use host_tests::laser_model::{Edge, Ns, Span};
 use servo::laser::{Action, FINISH_NS, Pattern, Plan, Rate, Train};
@@ -32,7 +32,7 @@ impl Player {
     /// A plan for the interval that begins at `next`, given at `now`.
     pub fn take(&mut self, now: Ns, next: Ns, plan: &Plan) {
         self.run_to(now);
-        if plan.rest {
+        if plan.safe_state {
             self.queue.clear();
             self.pulse_to(now);
             self.begin(now, Train::NONE, true);

@@ -6,7 +6,7 @@ use super::machine::{Seen, Sent, Told};
 use super::program::{Act, Buf, Do, Program};
 use host_tests::light_judge::fact::Laser;
 use host_tests::light_judge::{Fact, Ns, Output, What, Why};
-use servo::path::Rest;
+use servo::path::PathStop;
 use std::collections::VecDeque;
 use virtual_board::Output as Digital;
 
@@ -126,7 +126,7 @@ impl Builder<'_> {
     /// Whether a Stop was seen to have brought a coordinate system to rest in the tick that ends here.
     fn stopped_at(&self, crd: usize, at: Ns) -> bool {
         let rests = |pair: &[Seen]| pair[1].at == at && pair[0].runs[crd] && !pair[1].runs[crd];
-        let stopped = |seen: &Seen| !matches!(seen.rest[crd], Rest::Completed | Rest::Underrun);
+        let stopped = |seen: &Seen| !matches!(seen.rest[crd], PathStop::Completed | PathStop::Underrun);
         self.told.seen.windows(2).any(|pair| rests(pair) && stopped(&pair[1]))
     }
 
@@ -153,8 +153,8 @@ impl Builder<'_> {
 
     fn rest(&mut self, crd: usize, now: &Seen) {
         let why = match now.rest[crd] {
-            Rest::Completed => Why::Done,
-            Rest::Underrun => Why::Underrun,
+            PathStop::Completed => Why::Done,
+            PathStop::Underrun => Why::Underrun,
             _ => Why::Stopped,
         };
         let (lo, hi) = (now.at - self.tick, now.at);
@@ -433,7 +433,7 @@ impl Builder<'_> {
     /// Of which coordinate systems it cannot be told which of two came first.
     fn doubt(&self, a: &Noted, b: &Noted) -> u8 {
         let set = |crd: usize| 1u8 << crd;
-        let touch = |slack: Ns| a.fact.lo <= b.fact.hi + slack && b.fact.lo <= a.fact.hi + slack;
+        let mark_changed = |slack: Ns| a.fact.lo <= b.fact.hi + slack && b.fact.lo <= a.fact.hi + slack;
         let names = |call: &Do, crd: usize| match call {
             // What one Stop keeps dark another may, too.
             Do::CrdStart { .. } => true,
@@ -456,34 +456,39 @@ impl Builder<'_> {
                     self.told.sent.iter().filter(|sent| self.at_once(sent, a, b) && names(&sent.call, crd)).count() < 2
                 };
                 let stops = matches!(call, Do::Stop { .. } | Do::CrdStop { .. } | Do::AxisStop { .. });
-                if !touch(self.tick) || !(stops || names(&call, crd)) || stopped && abrupt(&call, crd) && alone() {
+                if !mark_changed(self.tick) || !(stops || names(&call, crd)) || stopped && abrupt(&call, crd) && alone()
+                {
                     0
                 } else {
                     set(crd)
                 }
             }
-            (From::Cause, From::Rest { crd, .. }) | (From::Rest { crd, .. }, From::Cause) if touch(0) => set(crd),
-            (From::Rest { crd, .. }, From::Rest { crd: other, .. }) if crd != other && touch(0) => {
+            (From::Cause, From::Rest { crd, .. }) | (From::Rest { crd, .. }, From::Cause) if mark_changed(0) => {
+                set(crd)
+            }
+            (From::Rest { crd, .. }, From::Rest { crd: other, .. }) if crd != other && mark_changed(0) => {
                 let stopped = |noted: &Noted| matches!(noted.fact.what, What::Rest { why: Why::Stopped, .. });
                 if stopped(a) && stopped(b) { 0 } else { set(crd) | set(other) }
             }
             (From::Cause, From::Entry(crd)) | (From::Entry(crd), From::Cause)
-                if touch(SAME) && (a.fact.what == What::Session || b.fact.what == What::Session) =>
+                if mark_changed(SAME) && (a.fact.what == What::Session || b.fact.what == What::Session) =>
             {
                 set(crd)
             }
             // With nothing to bring to rest an on may wait for the abort's end.
-            (From::Call(Do::Abort), From::Entry(crd)) if touch(self.tick) => set(crd),
+            (From::Call(Do::Abort), From::Entry(crd)) if mark_changed(self.tick) => set(crd),
             (From::Call(call), From::Entry(crd)) | (From::Entry(crd), From::Call(call)) => {
                 let start = matches!(call, Do::CrdStart { .. });
                 let clears = matches!(call, Do::ClearFault { .. } | Do::ClearStatus { .. });
-                if touch(SAME) && (clears || names(&call, crd) && !start) { set(crd) } else { 0 }
+                if mark_changed(SAME) && (clears || names(&call, crd) && !start) { set(crd) } else { 0 }
             }
             (From::Rest { crd, exact }, From::Entry(other)) | (From::Entry(other), From::Rest { crd, exact }) => {
                 let slack = if exact { SAME } else { self.tick };
-                if crd != other && touch(slack) { set(crd) | set(other) } else { 0 }
+                if crd != other && mark_changed(slack) { set(crd) | set(other) } else { 0 }
             }
-            (From::Entry(one), From::Entry(other)) if one != other && touch(SAME) && self.same_channel(a, b) => 3,
+            (From::Entry(one), From::Entry(other)) if one != other && mark_changed(SAME) && self.same_channel(a, b) => {
+                3
+            }
             _ => 0,
         }
     }

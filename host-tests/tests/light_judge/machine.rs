@@ -5,7 +5,7 @@ use plant::beam::Change;
 use protocol::command::*;
 use protocol::link::{Endpoint, Identity, Role, State};
 use protocol::record::{Full, Lane, RequestWriter, replies};
-use servo::path::Rest;
+use servo::path::PathStop;
 use virtual_board::{Board, Config, Edge};
 
 #[path = "machine/calls.rs"]
@@ -31,7 +31,7 @@ pub struct Sent {
 pub struct Seen {
     pub at: Ns,
     pub runs: [bool; 2],
-    pub rest: [Rest; 2],
+    pub rest: [PathStop; 2],
     pub fifo: [u8; 2],
     pub status: [u32; 4],
     /// The axis beside the paths moves.

@@ -1,7 +1,7 @@
 //! Programs that differed once, as short as they could be made: what was wrong is said at each.
 use super::judge::{Tally, finding};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Call, Datum, Item, Kind, Path, PathCall, Round, Site, Speeds};
+use host_tests::reference::{Call, Cycle, Datum, Item, Kind, Path, PathCall, Site, Speeds};
 
 const MS: i64 = 1_000_000;
 
@@ -94,7 +94,7 @@ fn line(to: Vec<i32>) -> Call {
 }
 
 fn arc(to: [i32; 2], fifo: i16) -> Call {
-    let (plane, round) = (Plane::XY, Round::Radius(90.0));
+    let (plane, round) = (Plane::XY, Cycle::Radius(90.0));
     path(Path::Arc { crd: 1, plane, to, round, ccw: true, speeds: Speeds { vel: 9.7, acc: 2.3, end: 0.0 }, fifo })
 }
 
@@ -134,7 +134,7 @@ fn an_arc_after_a_stop_that_finds_the_path_at_its_end() {
     let set = Path::Set { crd: 2, axes: vec![1, 0], vel: 53.9, acc: 43.7, even_ms: 0, origin: None };
     let speeds = Speeds { vel: 35.0, acc: 22.0, end: 0.0 };
     let arc = |to: [i32; 2], radius: f64| {
-        path(Path::Arc { crd: 2, plane: Plane::XY, to, round: Round::Radius(radius), ccw: true, speeds, fifo: 0 })
+        path(Path::Arc { crd: 2, plane: Plane::XY, to, round: Cycle::Radius(radius), ccw: true, speeds, fifo: 0 })
     };
     let go = path(Path::Start { mask: 2, option: 0 });
     let begin = [plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), path(set), arc([49, 33], 67.4), go.clone()];

@@ -1,7 +1,7 @@
 //! A program on both, and what differs; a program that differs is made as short as it can be.
 use super::machine::{Got, Rig, Told, fixed, got};
 use host_tests::reference::{Call, Controller, Fix, Levels, Path, PathCall, Program, Reply, Site, Value};
-use servo::steps;
+use servo::output::step_generator;
 use servo::units::Pos;
 use std::collections::BTreeMap;
 
@@ -109,8 +109,11 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
             .collect()
     };
     // Where the step outputs stand: whole pulses.
-    let mut stands: Vec<i64> =
-        told.rows.first().map(|row| row.iter().map(|seen| steps::whole(Pos(seen.0))).collect()).unwrap_or_default();
+    let mut stands: Vec<i64> = told
+        .rows
+        .first()
+        .map(|row| row.iter().map(|seen| step_generator::whole(Pos(seen.0))).collect())
+        .unwrap_or_default();
     for tick in 0..end {
         let (mine, theirs) = (&program.outputs[tick].analog, &told.more[tick].analog);
         if mine[..8] != *theirs {
@@ -118,7 +121,7 @@ fn compare(program: &Program, told: &Told, calls: &[Call], tick_us: u32) -> Resu
         }
         for (axis, row) in program.rows[tick].iter().enumerate() {
             let (position, status) = told.rows[tick][axis];
-            stands[axis] += steps::between(Pos(told.rows[tick.max(1) - 1][axis].0), Pos(position));
+            stands[axis] += step_generator::between(Pos(told.rows[tick.max(1) - 1][axis].0), Pos(position));
             if (Fix::whole(stands[axis]) - row.x).abs() > HALF + BOUND + row.slack {
                 return Err(format!(
                     "at {} ms the step output of axis {axis} stands at {}, further than half a pulse from the reference's {}{}",

@@ -2,7 +2,7 @@
 //!
 //! `PtData` of a FIFO may return 0 before its segment is sent when it is certain that the controller takes it: the
 //! reply to data of the same FIFO told how many places are free, no more than that are queued since, and the segment
-//! passes the controller's own check (`servo::pt::Segment::admit`) behind the one before. What is not certain
+//! passes the controller's own check (`servo::segment::pt::Segment::admit`) behind the one before. What is not certain
 //! is sent at once and waited for, so that every refusal comes from the controller and belongs to its call. Queued
 //! segments travel as one `PtDataMany`: when there are 32, before any other call, and after a millisecond.
 //!
@@ -11,7 +11,7 @@
 
 use client::{Call, Error};
 use protocol::command::{PtClear, PtData, PtDataMany, PtItem, PtSpace, PtTaken, Short, opcode};
-use servo::pt::{Chain, Segment};
+use servo::segment::pt::{Chain, Segment};
 use servo::units::StepLimit;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};

@@ -363,7 +363,7 @@ impl Bus {
                 Signal::Line(interrupt, high) => {
                     exceptions.set_line(interrupt, high);
                 }
-                Signal::Output(source, level) => self.gpio.show(source, level, at),
+                Signal::Output(source, level) => self.gpio.publish(source, level, at),
                 Signal::Reset(cause) => self.reset = Some(cause),
                 Signal::Request(number) => self.dma.request(number, at),
                 Signal::Trigger(master) => {

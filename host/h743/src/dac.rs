@@ -31,7 +31,7 @@ pub type Change = (Time, usize, Option<u16>);
 pub struct Dac {
     cr: u32,
     held: [u16; 2],
-    shown: [Option<u16>; 2],
+    published: [Option<u16>; 2],
     put_out: [u16; 2],
     due: [Time; 2],
     others: [u32; 2],
@@ -47,7 +47,7 @@ impl Default for Dac {
         Dac {
             cr: 0,
             held: [0; 2],
-            shown: [None; 2],
+            published: [None; 2],
             put_out: [0; 2],
             due: [NEVER; 2],
             others: [0; 2],
@@ -65,7 +65,7 @@ impl Dac {
 
     /// What an output shows.
     pub fn output(&self, n: usize) -> Option<u16> {
-        self.shown[n]
+        self.published[n]
     }
 
     fn hold(&mut self, n: usize, value: u32, at: Time) {
@@ -75,11 +75,11 @@ impl Dac {
         }
     }
 
-    fn show(&mut self, n: usize, at: Time) {
-        let shown = (self.of(n) & EN != 0).then_some(self.put_out[n]);
-        if self.shown[n] != shown {
-            self.shown[n] = shown;
-            self.changes.push((at, n, shown));
+    fn publish(&mut self, n: usize, at: Time) {
+        let published = (self.of(n) & EN != 0).then_some(self.put_out[n]);
+        if self.published[n] != published {
+            self.published[n] = published;
+            self.changes.push((at, n, published));
         }
     }
 }
@@ -113,7 +113,7 @@ impl Device for Dac {
                 if value & (OTHER | OTHER << 16) != 0 {
                     self.complaint.get_or_insert("DAC1 is set to what is not modelled".into());
                 }
-                (0..2).for_each(|n| self.show(n, at));
+                (0..2).for_each(|n| self.publish(n, at));
             }
             SWTRGR => {
                 for n in 0..2 {
@@ -158,7 +158,7 @@ impl Device for Dac {
             if self.due[n] <= to {
                 let at = std::mem::replace(&mut self.due[n], NEVER);
                 self.put_out[n] = self.held[n];
-                self.show(n, at);
+                self.publish(n, at);
             }
         }
     }
@@ -166,13 +166,13 @@ impl Device for Dac {
     fn reset(&mut self, at: Time, _: &mut Vec<Signal>) {
         let kept = std::mem::take(self);
         *self = Dac {
-            shown: kept.shown,
+            published: kept.published,
             cycle: kept.cycle,
             changes: kept.changes,
             complaint: kept.complaint,
             ..Dac::default()
         };
-        (0..2).for_each(|n| self.show(n, at));
+        (0..2).for_each(|n| self.publish(n, at));
     }
 
     fn clocks(&mut self, clocks: &Clocks, _: Time) {

@@ -167,7 +167,7 @@ impl Gpio {
     }
 
     /// A peripheral's output has changed.
-    pub fn show(&mut self, source: Source, level: Option<bool>, at: Time) {
+    pub fn publish(&mut self, source: Source, level: Option<bool>, at: Time) {
         if self.signals.insert(source, level) != Some(level) {
             for (pin, _, _) in FUNCTIONS.iter().filter(|(_, _, of)| *of == source) {
                 self.look_at(pin.0.into(), 1 << pin.1, at);

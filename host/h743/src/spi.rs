@@ -128,7 +128,7 @@ impl Spi {
         flags
     }
 
-    fn show(&self, out: &mut Vec<Signal>) {
+    fn publish(&self, out: &mut Vec<Signal>) {
         // AFCNTR keeps the lines also while the peripheral is off.
         let on = self.cfg[1] & MASTER != 0 && (self.cr[0] & SPE != 0 || self.cfg[1] & 1 << 31 != 0);
         let idle = self.cfg[1] & CPOL != 0;
@@ -195,7 +195,7 @@ impl Device for Spi {
             _ => {}
         }
         self.shift(at);
-        self.show(out);
+        self.publish(out);
         Some(())
     }
 
@@ -229,7 +229,7 @@ impl Device for Spi {
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
         let kept = std::mem::take(self);
         *self = Spi { kernel: kept.kernel, sent: kept.sent, complaint: kept.complaint, ..Spi::default() };
-        self.show(out);
+        self.publish(out);
     }
 
     fn clocks(&mut self, clocks: &Clocks, _: Time) {

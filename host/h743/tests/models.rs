@@ -374,8 +374,8 @@ fn pins_are_analog_from_reset_on_and_change_by_registers_only() {
     gpio.write(port + 0x24, 1 << 4, u32::MAX, 9, &mut out).unwrap();
     gpio.write(port, !(3 << 18) | 2 << 18, u32::MAX, 10, &mut out).unwrap();
     assert_eq!(gpio.level(pin), Level::Floating);
-    gpio.show(Source::Timer(1, 1, false), Some(true), 11);
-    gpio.show(Source::Timer(1, 1, false), None, 12);
+    gpio.publish(Source::Timer(1, 1, false), Some(true), 11);
+    gpio.publish(Source::Timer(1, 1, false), None, 12);
     let changes: Vec<_> = gpio.changes.iter().map(|change| (change.at, change.pin == pin, change.level)).collect();
     let expected = [
         (6, true, Level::Driven(true)),

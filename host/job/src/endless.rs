@@ -70,10 +70,11 @@ impl Motions {
             "PtStart" => self.start(core, mask, Mode::StaticPt, line),
             "Update" => self.start(core, mask, Mode::Jog, line),
             // In the GT form bits 8 to 11 name coordinate systems.
-            "Stop" => self.at_rest(core, if several_cores { mask } else { mask & 0xff }),
-            "AxisOff" => {
-                self.at_rest(core, u32::try_from(given.int(0) - 1).map_or(0, |bit| 1u32.checked_shl(bit).unwrap_or(0)))
-            }
+            "Stop" => self.at_standstill(core, if several_cores { mask } else { mask & 0xff }),
+            "AxisOff" => self.at_standstill(
+                core,
+                u32::try_from(given.int(0) - 1).map_or(0, |bit| 1u32.checked_shl(bit).unwrap_or(0)),
+            ),
             "Reset" => self.axes.retain(|axis, _| axis.core != core),
             _ => {}
         }
@@ -88,7 +89,7 @@ impl Motions {
     }
 
     /// Axes of `mask` have been waited for, or stopped.
-    pub fn at_rest(&mut self, core: i16, mask: u32) {
+    pub fn at_standstill(&mut self, core: i16, mask: u32) {
         for (axis, motion) in &mut self.axes {
             if axis.core == core && names(mask, axis.axis) {
                 motion.running = None;
@@ -97,7 +98,7 @@ impl Motions {
     }
 
     /// Everything has been waited for.
-    pub fn all_at_rest(&mut self) {
+    pub fn all_at_standstill(&mut self) {
         for motion in self.axes.values_mut() {
             motion.running = None;
         }

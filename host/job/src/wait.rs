@@ -80,7 +80,7 @@ impl Reader<'_> {
                 "this waits until a limit or a fault stops it; put a Stop before it if that is not meant",
             );
         }
-        self.motions.at_rest(core, axes);
+        self.motions.at_standstill(core, axes);
         self.named.insert(Axis { core, axis: 0 });
         self.name_mask(core, axes);
         self.push(start, Action::WaitStop { core, axes, crds });
@@ -135,7 +135,7 @@ impl Reader<'_> {
         }
         let ended = self.ended;
         if !ended {
-            self.motions.all_at_rest();
+            self.motions.all_at_standstill();
         }
         let body_end = self.at;
         self.push(start, Action::WaitAll);

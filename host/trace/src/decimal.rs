@@ -2,7 +2,7 @@
 //!
 //! In: a position in 2⁻²² pulse, a velocity, power or frequency m·2^-e, a time in ns. Out: a number with six
 //! decimals, rounded half away from zero; zero has no sign. It cannot fail.
-use servo::piece::Scaled;
+use servo::segment::piece::Scaled;
 use servo::units::Pos;
 
 const MILLION: u128 = 1_000_000;

@@ -8,7 +8,7 @@ use crate::{Result, TraceError};
 use plant::beam::{Change, Stage};
 use protocol::trace::{self, Columns, Decoder, Event, TraceError as Fault, kind};
 use servo::laser::{Action, Clock, Count, Power, Rate, Train};
-use servo::piece::Scaled;
+use servo::segment::piece::Scaled;
 use servo::units::Pos;
 
 /// What a trace stream brings.

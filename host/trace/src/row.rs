@@ -1,5 +1,5 @@
 //! What a trace consists of: one [`Header`], then [`Row`]s.
-use servo::piece::Scaled;
+use servo::segment::piece::Scaled;
 use servo::units::Pos;
 
 /// A traced axis: core and axis of the core, both from 1.

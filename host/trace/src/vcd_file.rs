@@ -2,13 +2,13 @@
 //! `laserK_dac_mv`.
 //!
 //! In: rows, and what digital and laser outputs did before each of them. Out: value changes. The whole
-//! pulses between two rows are spread over the time between them as `servo::steps` says; a step is
+//! pulses between two rows are spread over the time between them as `servo::output::step_generator` says; a step is
 //! high for half the distance to the next. A level that lasts for no time is not shown. Owns at most one
 //! row's changes.
 use crate::row::{AnalogEdge, AxisName, Header, OutputEdge, Row};
 use crate::{Result, TraceError};
 use plant::beam::Change;
-use servo::steps;
+use servo::output::step_generator;
 use servo::units::Pos;
 use std::io::Write;
 use vcd::{IdCode, TimescaleUnit, Value, VarType};
@@ -150,7 +150,7 @@ impl<W: Write> VcdWriter<W> {
                 continue;
             };
             let length = row.t_ns.saturating_sub(start);
-            let steps = steps::between(signals.pos, point.pos);
+            let steps = step_generator::between(signals.pos, point.pos);
             signals.pos = point.pos;
             let count = steps.unsigned_abs();
             if count > length / 2 {
@@ -218,7 +218,7 @@ fn show<W: Write>(out: &mut vcd::Writer<W>, signal: &Signal) -> Result<()> {
     Ok(())
 }
 
-/// Instant of pulse `k` of `count` in a row of `length` ns: the closed form of `servo::steps`, with
+/// Instant of pulse `k` of `count` in a row of `length` ns: the closed form of `servo::output::step_generator`, with
 /// a slot of 1 ns. `count` is at least 1 and at most `length`.
 fn step_instant(k: u64, count: u64, length: u64) -> u64 {
     let (k, n, s) = (u128::from(k), u128::from(count), u128::from(length));
@@ -229,7 +229,7 @@ fn step_instant(k: u64, count: u64, length: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use servo::steps::Slots;
+    use servo::output::step_generator::Slots;
 
     #[test]
     fn instants_are_those_of_the_slots() {

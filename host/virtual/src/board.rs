@@ -7,13 +7,13 @@
 //! stopped an axis, a time of the thread's own is reached, or [`THREAD_TICKS`] have passed. Between these
 //! it would find nothing but a newer view.
 use crate::machine::{Beam, Edge, Inputs, Machine, Outputs, PLANNED_INPUTS};
-use dispatcher::{Channels, PathQueue, SecondWire, Server};
+use dispatcher::{Channels, PathQueue, SecondaryTransport, Server};
 use plant::beam::Levels;
 use ring::{Latest, Ring};
 use servo::laser::Clock;
 use servo::op::Entry;
 use servo::path::{EntryStore, PathStores};
-use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::segment::pvt::{HeaderStore, PointStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{AxisMask, Crd, Ns, StepLimit};
 use servo::view::{AxisView, CrdView, Event, LaserView, Sample, View};
@@ -93,8 +93,8 @@ impl<'m> Controller<'m> {
         self.core.feed(bytes);
     }
 
-    /// Takes bytes of a wire that the link is not on: see [`SecondWire::feed`].
-    pub fn visit(&mut self, wire: &mut SecondWire, holder: Option<&str>, bytes: &[u8]) -> (usize, bool) {
+    /// Takes bytes of a wire that the link is not on: see [`SecondaryTransport::feed`].
+    pub fn visit(&mut self, wire: &mut SecondaryTransport, holder: Option<&str>, bytes: &[u8]) -> (usize, bool) {
         self.core.visit(wire, holder, bytes)
     }
 
@@ -217,7 +217,7 @@ impl<'m> Controller<'m> {
 /// A board of any capacity.
 trait Core {
     fn feed(&mut self, bytes: &[u8]);
-    fn visit(&mut self, wire: &mut SecondWire, holder: Option<&str>, bytes: &[u8]) -> (usize, bool);
+    fn visit(&mut self, wire: &mut SecondaryTransport, holder: Option<&str>, bytes: &[u8]) -> (usize, bool);
     fn age(&mut self, entries: u32, ns: u64);
     fn age_counts(&mut self, by: u32);
     fn take_tx(&mut self, out: &mut Vec<u8>);
@@ -246,7 +246,7 @@ trait Core {
 /// not on the stack.
 struct Arena<const AXES: usize> {
     segments: Box<[SegmentStore; AXES]>,
-    places: Box<[PlaceStore; TABLES]>,
+    places: Box<[PointStore; TABLES]>,
     headers: Box<HeaderStore>,
     lasers: Box<servo::laser::Tables>,
     paths: Box<[[EntryStore; 2]; Crd::MAX]>,
@@ -269,7 +269,7 @@ impl<const AXES: usize> Arena<AXES> {
     fn new() -> Self {
         Arena {
             segments: row(SegmentStore::new),
-            places: row(PlaceStore::new),
+            places: row(PointStore::new),
             headers: Box::new(HeaderStore::new()),
             lasers: Box::new(servo::laser::Tables::new()),
             paths: row(Default::default),
@@ -319,7 +319,7 @@ fn forever<T>(value: T) -> &'static mut T {
 impl<'m, const AXES: usize> Whole<'m, AXES> {
     fn new(arena: &'m mut Arena<AXES>, config: Config) -> Self {
         let (stores, paths): (&[SegmentStore; AXES], _) = (&arena.segments, PathStores::of(&arena.paths));
-        let tables = TableStores { places: &arena.places, headers: &arena.headers, lasers: &arena.lasers };
+        let tables = TableStores { points: &arena.places, headers: &arena.headers, lasers: &arena.lasers };
         let (immediate_in, immediate_out) = arena.immediate.split();
         let (program_in, program_out) = arena.program.split();
         let (events_in, events_out) = arena.events.split();
@@ -424,7 +424,7 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
         self.run_thread();
     }
 
-    fn visit(&mut self, wire: &mut SecondWire, holder: Option<&str>, bytes: &[u8]) -> (usize, bool) {
+    fn visit(&mut self, wire: &mut SecondaryTransport, holder: Option<&str>, bytes: &[u8]) -> (usize, bool) {
         let outcome = wire.feed(self.tick.now(), &mut self.server, holder, bytes);
         self.run_thread();
         outcome

@@ -3,9 +3,9 @@
 use plant::beam::{Change, Levels, Stage};
 use plant::inputs::{Plan as InputPlan, Row};
 use plant::{Gain, Plant};
-use servo::follow::Input;
 use servo::laser::{CHANNELS, Plan};
 use servo::port::{AxisInputs, Due, GeneralInputs, GeneralOutputs, Port, Simulated};
+use servo::segment::follow::Input;
 use servo::units::{Axis, Ns, Pos};
 
 /// Rows that a plan of inputs holds.

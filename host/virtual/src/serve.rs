@@ -6,7 +6,7 @@
 //! The controller goes on while nobody is connected, as a board does.
 use crate::board::{Board, Config};
 use crate::link::{Shared, share};
-use dispatcher::SecondWire;
+use dispatcher::SecondaryTransport;
 use protocol::frame::OPENING_WIRE;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -145,7 +145,7 @@ struct Connection {
 struct Visitor {
     connection: Connection,
     since: Instant,
-    wire: SecondWire,
+    wire: SecondaryTransport,
     waiting: Vec<u8>,
 }
 
@@ -164,7 +164,7 @@ impl Wires {
                 self.visitors.remove(0);
             }
             let connection = Connection { stream, peer: peer.to_string() };
-            let (since, wire) = (Instant::now(), SecondWire::new());
+            let (since, wire) = (Instant::now(), SecondaryTransport::new());
             self.visitors.push(Visitor { connection, since, wire, waiting: Vec::new() });
         }
         let mut received = Vec::new();

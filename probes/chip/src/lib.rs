@@ -15,7 +15,7 @@ use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::laser::{Clock, Tables};
 use servo::op::Entry;
 use servo::path::{EntryStore, PathStores};
-use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::segment::pvt::{HeaderStore, PointStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::StepLimit;
 use servo::view::{Event, Sample, View};
@@ -35,7 +35,7 @@ static TRACE: Ring<Sample, SAMPLES> = Ring::new();
 /// PT segments of the axes.
 pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 /// Places of PVT tables.
-pub static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
+pub static PLACES: [PointStore; TABLES] = [const { PointStore::new() }; TABLES];
 /// Headers of PVT tables.
 pub static HEADERS: HeaderStore = HeaderStore::new();
 /// Entries of coordinate systems.
@@ -49,7 +49,7 @@ pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; 2]> =
 pub static LASER_TABLES: Tables = Tables::new();
 /// All of them.
 pub const TABLE_STORES: TableStores<'static> =
-    TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES };
+    TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASER_TABLES };
 
 /// The thread's halves.
 pub struct Thread {

@@ -2,7 +2,7 @@
 use ring::Ring;
 use servo::laser::{Change, Power};
 use servo::op::{Entry, Op};
-use servo::ramp::{Accel, Speed};
+use servo::segment::ramp::{Accel, Speed};
 use servo::units::{Axis, Ns, StepLimit};
 
 fn main() {

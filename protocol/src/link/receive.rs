@@ -1,7 +1,7 @@
 //! Receiving: checks frames, moves the opening on, puts messages in order and drops what came before.
 
 use super::transmit::{Slot, ahead};
-use super::{ALIVE_NS, Endpoint, HELLO_NS, Identity, Knock, Offer, Phase, Role, State};
+use super::{ALIVE_NS, Endpoint, HELLO_NS, Identity, Offer, Phase, Role, State, TakeOver};
 use crate::Ns;
 use crate::deframe::Outcome;
 use crate::frame::{self, Busy, Fault, Header, Hello, HelloAck, Kind, OPENING_WIRE};
@@ -165,26 +165,26 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
     ///
     /// `holder` names the link's own wire, or is `None` where nobody is there any more. While its session is alive
     /// ([`ALIVE_NS`]), a Hello is answered with Busy and nothing is taken up.
-    pub fn knock(&mut self, now: Ns, frame: &[u8], holder: Option<&str>, out: &mut [u8; OPENING_WIRE]) -> Knock {
+    pub fn knock(&mut self, now: Ns, frame: &[u8], holder: Option<&str>, out: &mut [u8; OPENING_WIRE]) -> TakeOver {
         if self.role != Role::Controller {
-            return Knock::Nothing;
+            return TakeOver::Nothing;
         }
         let busy = holder.and_then(|holder| self.busy(now, holder));
         match frame::decode(frame) {
             Ok((header, Kind::Hello, payload)) => {
-                let Ok(hello) = Hello::read_from_bytes(payload) else { return Knock::Nothing };
+                let Ok(hello) = Hello::read_from_bytes(payload) else { return TakeOver::Nothing };
                 let same = Identity { version: header.version, schema: hello.schema.get() } == self.identity;
                 if let Some(busy) = busy.filter(|_| same) {
                     let header = self.header(Kind::Busy, header.session.get());
-                    return frame::encode(header, busy.as_bytes(), out).map_or(Knock::Nothing, Knock::Answered);
+                    return frame::encode(header, busy.as_bytes(), out).map_or(TakeOver::Nothing, TakeOver::Answered);
                 }
                 // An answer that the link's own wire waits for stays.
                 let own = self.answer.take();
                 self.answer_hello(&header, hello);
                 let answer = core::mem::replace(&mut self.answer, own);
-                let Some((nonce, answer)) = answer else { return Knock::Nothing };
+                let Some((nonce, answer)) = answer else { return TakeOver::Nothing };
                 let header = self.header(Kind::HelloAck, nonce);
-                frame::encode(header, answer.as_bytes(), out).map_or(Knock::Nothing, Knock::Answered)
+                frame::encode(header, answer.as_bytes(), out).map_or(TakeOver::Nothing, TakeOver::Answered)
             }
             Ok((header, Kind::KeepAlive, _))
                 if busy.is_none() && self.offer.is_some_and(|offer| offer.session == header.session.get()) =>
@@ -192,9 +192,9 @@ impl<const WINDOW: usize> Endpoint<WINDOW> {
                 self.deframer.reset();
                 (self.wire_at, self.wire_len) = (0, 0);
                 self.receive_in_session(now, &header, Kind::KeepAlive);
-                Knock::TakenUp
+                TakeOver::TakenUp
             }
-            _ => Knock::Nothing,
+            _ => TakeOver::Nothing,
         }
     }
 

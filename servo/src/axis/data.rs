@@ -2,25 +2,25 @@
 //!
 //! In: what the thread committed and selected. Out: the [`Feed`] of a run, and what the view tells of it.
 use super::{AxisState, FIFO, IN_FORCE, Jog, RING_MASK, pt_state};
-use crate::follow;
 use crate::op::Mode;
-use crate::piece::Scaled;
-use crate::profile::Supply;
-use crate::pt::{Feed, Place, PtRun, Segments};
-use crate::pvt::{PvtRun, Tables};
-use crate::ramp::Moving;
+use crate::segment::follow;
+use crate::segment::piece::Scaled;
+use crate::segment::profile::Generator;
+use crate::segment::pt::{Feed, PtRun, Segments, SlotRange};
+use crate::segment::pvt::{PvtRun, Tables};
+use crate::segment::ramp::Moving;
 use crate::units::Ns;
 use crate::view::AxisView;
 
 impl AxisState {
     /// Whether PT must not start.
     pub(crate) fn refuses_pt(&self, fifo1: bool) -> bool {
-        let fifo = if self.shown.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
+        let fifo = if self.published.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
         self.refuses_start() || self.runs() || !self.is_pt() || self.end(fifo) == 0
     }
 
     fn is_pt(&self) -> bool {
-        matches!(self.shown.mode, Mode::PtStatic | Mode::PtDynamic)
+        matches!(self.published.mode, Mode::PtStatic | Mode::PtDynamic)
     }
 
     fn end(&self, fifo: u8) -> u32 {
@@ -29,91 +29,95 @@ impl AxisState {
     }
 
     pub(super) fn feed(&self) -> Feed {
-        let passes = if self.shown.mode == Mode::Pvt { self.table_passes } else { self.passes };
+        let passes = if self.published.mode == Mode::Pvt { self.table_passes } else { self.passes };
         Feed { end: self.end(self.fifo), passes }
     }
 
     /// Where the segments of a FIFO lie, and how many passes of them there are.
-    fn place(&self, fifo: u8) -> Place {
-        if self.shown.mode == Mode::PtStatic {
-            Place::Static { base: if fifo == 1 { FIFO } else { 0 } }
+    fn slots(&self, fifo: u8) -> SlotRange {
+        if self.published.mode == Mode::PtStatic {
+            SlotRange::Static { base: if fifo == 1 { FIFO } else { 0 } }
         } else {
-            Place::Dynamic { mask: RING_MASK, first: 0 }
+            SlotRange::Dynamic { mask: RING_MASK, first: 0 }
         }
     }
 
     /// PT begins; its time is 0 at `next`.
     pub(crate) fn start_pt(&mut self, next: Ns, fifo1: bool) {
-        let fifo = if self.shown.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
-        self.shown.pt_state = pt_state::RUNNING;
-        self.shown.passes = 0;
-        if self.fifo == fifo && self.begin_ready(next) {
+        let fifo = if self.published.mode == Mode::PtStatic { fifo1 as u8 } else { 0 };
+        self.published.pt_state = pt_state::RUNNING;
+        self.published.passes = 0;
+        if self.fifo == fifo && self.begin_prepared(next) {
             return;
         }
         self.fifo = fifo;
-        self.begin(next, Supply::Pt(PtRun::begin(next, self.exact, self.place(fifo))));
+        self.begin(next, Generator::Pt(PtRun::begin(next, self.exact, self.slots(fifo))));
     }
 
     /// Whether PVT must not start.
     pub(crate) fn refuses_pvt(&self, tables: &impl Tables) -> bool {
-        self.refuses_start() || self.runs() || self.shown.mode != Mode::Pvt || tables.is_empty(self.table)
+        self.refuses_start() || self.runs() || self.published.mode != Mode::Pvt || tables.is_empty(self.table)
     }
 
     /// PVT begins; its time is 0 at `next`.
     pub(crate) fn start_pvt(&mut self, next: Ns, tables: &impl Tables) {
-        let shown = &mut self.shown;
-        (shown.passes, shown.table, shown.pending) = (0, self.table, None);
-        (shown.table_zero, shown.table_until) = (next, IN_FORCE);
-        let current = matches!(self.profile.ready(), Some(Supply::Pvt(run)) if run.is_current(tables));
-        if current && self.begin_ready(next) {
+        let published = &mut self.published;
+        (published.passes, published.table, published.pending) = (0, self.table, None);
+        (published.table_zero, published.table_until) = (next, IN_FORCE);
+        let current = matches!(self.profile.prepared(), Some(Generator::Pvt(run)) if run.is_current(tables));
+        if current && self.begin_prepared(next) {
             return;
         }
-        self.begin(next, Supply::Pvt(PvtRun::begin(next, self.exact, self.table, tables)));
+        self.begin(next, Generator::Pvt(PvtRun::begin(next, self.exact, self.table, tables)));
     }
 
     /// The same at once, whether or not more may be done to the axis.
-    pub(crate) fn get_ready_now(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
-        self.unready = 1;
-        self.get_ready(source)
+    pub(crate) fn prepare_start_now(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
+        self.unprepared = 1;
+        self.prepare_start(source)
     }
 
     /// Whether a start plans nothing more: it is ready.
     pub(crate) fn starts_at_once(&self) -> bool {
-        !self.runs() && !self.is_unready()
+        !self.runs() && !self.is_unprepared()
     }
 
     /// At rest, makes the first piece of what a start would begin, as things stand: of the FIFO committed last, of
     /// the table selected, of the Jog or the Trap that is set, of the first FIFO of Follow with data. Whether it took any time.
     #[inline(never)]
-    pub(crate) fn get_ready(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
-        self.unready = self.unready.saturating_sub(1);
-        if self.unready != 0 {
+    pub(crate) fn prepare_start(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
+        self.unprepared = self.unprepared.saturating_sub(1);
+        if self.unprepared != 0 {
             return false;
         }
         let feed = self.feed();
-        let (at, place, set) =
-            (self.exact, self.place(self.fifo), !self.trap.acc.is_zero() && !self.trap.dec.is_zero());
-        let AxisState { profile, shown, table, jog, trap, .. } = self;
+        let (at, slots, set) =
+            (self.exact, self.slots(self.fifo), !self.trap.acc.is_zero() && !self.trap.dec.is_zero());
+        let AxisState { profile, published, table, jog, trap, .. } = self;
         let from = Moving { pos: at, velocity: Scaled::default() };
-        match shown.mode {
+        match published.mode {
             Mode::PtStatic | Mode::PtDynamic if feed.end != 0 => {
-                profile.make_ready(feed, source, |supply| *supply = Supply::Pt(PtRun::begin(Ns(0), at, place)));
+                profile.prepare_start(feed, source, |generator| {
+                    *generator = Generator::Pt(PtRun::begin(Ns(0), at, slots))
+                });
             }
             Mode::Pvt if !source.is_empty(*table) => {
-                profile.make_ready(feed, source, |supply| {
-                    *supply = Supply::Pvt(PvtRun::begin(Ns(0), at, *table, source));
+                profile.prepare_start(feed, source, |generator| {
+                    *generator = Generator::Pvt(PvtRun::begin(Ns(0), at, *table, source));
                 });
             }
             Mode::Trap if set => {
-                profile.make_ready(feed, source, |supply| supply.begin_ramp(|run| run.begin_trap(Ns(0), from, trap)));
+                profile.prepare_start(feed, source, |generator| {
+                    generator.begin_ramp(|run| run.begin_trap(Ns(0), from, trap))
+                });
             }
             Mode::Jog if !jog.acc.is_zero() => {
                 let Jog { acc, dec, smooth } = *jog;
-                profile.make_ready(feed, source, |supply| {
-                    supply.begin_ramp(|run| run.begin_jog(Ns(0), from, trap.speed, acc, dec, smooth));
+                profile.prepare_start(feed, source, |generator| {
+                    generator.begin_ramp(|run| run.begin_jog(Ns(0), from, trap.speed, acc, dec, smooth));
                 });
             }
-            Mode::Follow | Mode::FollowEx => self.follow_ready(source),
+            Mode::Follow | Mode::FollowEx => self.follow_prepared(source),
             _ => return false,
         }
         true
@@ -123,71 +127,71 @@ impl AxisState {
     pub(crate) fn select(&mut self, table: u8) {
         self.table = table;
         if !self.runs() {
-            self.shown.table = table;
-            (self.shown.table_zero, self.shown.table_until) = (Ns(0), Ns(0));
+            self.published.table = table;
+            (self.published.table_zero, self.published.table_until) = (Ns(0), Ns(0));
         } else if self.profile.select(table) {
-            self.shown.pending = (table != self.shown.table).then_some(table);
+            self.published.pending = (table != self.published.table).then_some(table);
         }
     }
 
     pub(crate) fn set_table_passes(&mut self, passes: u32) {
         self.table_passes = passes;
-        self.profile.revise();
+        self.profile.invalidate_prepared();
     }
 
     /// No table is in force from `next` on.
     pub(super) fn leave_table(&mut self, next: Ns) {
-        if self.shown.table_until == IN_FORCE {
-            (self.shown.table_until, self.shown.pending) = (next, None);
+        if self.published.table_until == IN_FORCE {
+            (self.published.table_until, self.published.pending) = (next, None);
         }
     }
 
     /// PT is over; a dynamic stream is cleared with it.
     pub(super) fn end_stream(&mut self, state: u8) {
-        if self.shown.pt_state != pt_state::RUNNING {
+        if self.published.pt_state != pt_state::RUNNING {
             return;
         }
-        self.shown.pt_state = state;
-        if self.shown.mode == Mode::PtDynamic {
-            self.shown.epoch = self.shown.epoch.wrapping_add(1);
-            self.shown.released = 0;
+        self.published.pt_state = state;
+        if self.published.mode == Mode::PtDynamic {
+            self.published.epoch = self.published.epoch.wrapping_add(1);
+            self.published.released = 0;
             self.ends = [0; 2];
         }
     }
 
     /// Looks how long the data of a stream or a pass lasts; a look every eighth tick is enough.
     #[inline(never)]
-    pub(crate) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + Tables), shown: &mut AxisView) {
-        if let Supply::Pt(run) = self.profile.supply() {
-            self.shown.dry_ms = run.dry_ms(next, self.feed(), source, self.profile.is_ahead());
+    pub(crate) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + Tables), published: &mut AxisView) {
+        if let Generator::Pt(run) = self.profile.generator() {
+            self.published.dry_ms = run.dry_ms(next, self.feed(), source, self.profile.is_ahead());
             self.turned();
-            shown.follow(&self.shown);
+            published.follow(&self.published);
         }
     }
 
     pub(super) fn clear_data(&mut self) {
         self.follow.clear_all();
         self.ends = [0; 2];
-        self.shown.released = 0;
+        self.published.released = 0;
     }
 
     /// What was committed to a FIFO counts from now on. False if its stream has ended meanwhile.
     pub(crate) fn commit(&mut self, fifo: u8, end: u32, epoch: u32) -> bool {
-        if self.shown.mode == Mode::PtDynamic && epoch != self.shown.epoch {
+        if self.published.mode == Mode::PtDynamic && epoch != self.published.epoch {
             return false;
         }
         let [first, second] = &mut self.ends;
         *(if fifo == 0 { first } else { second }) = end;
         if !self.runs() {
-            self.fifo = if self.shown.mode == Mode::PtStatic { fifo } else { 0 };
+            self.fifo = if self.published.mode == Mode::PtStatic { fifo } else { 0 };
         }
-        self.profile.revise();
+        self.profile.invalidate_prepared();
         true
     }
 
     /// Empties a FIFO that is not running.
     pub(crate) fn clear_fifo(&mut self, fifo: u8) {
-        if self.shown.mode == Mode::PtDynamic {
+        if self.published.mode == Mode::PtDynamic {
             if !self.runs() {
                 self.clear_data();
             }
@@ -214,24 +218,24 @@ impl AxisState {
         tail: follow::Tail,
         source: &impl follow::Entries,
     ) -> bool {
-        let [first, second] = self.shown.cleared;
+        let [first, second] = self.published.cleared;
         let counts = cleared == if fifo == 0 { first } else { second };
         if counts {
             self.follow.commit(fifo, end, tail, source);
-            self.revise_run();
+            self.invalidate_run();
         }
         counts
     }
 
     /// Empties a FIFO of Follow that is not running.
     pub(crate) fn clear_entries(&mut self, fifo: u8) {
-        if !self.runs() || self.shown.fifo != fifo {
+        if !self.runs() || self.published.fifo != fifo {
             self.follow.clear(fifo);
         }
     }
 
     pub(crate) fn set_passes(&mut self, passes: u32) {
         self.passes = passes;
-        self.profile.revise();
+        self.profile.invalidate_prepared();
     }
 }

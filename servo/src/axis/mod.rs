@@ -3,28 +3,29 @@
 //! In: inputs sampled at the tick in force, operations, the instant of the next tick. Out: the planned
 //! position there, the status word, events. Owns: everything of the axis but its PT segments.
 //! Fails: never; a motion that must not go on stops, with a reason.
+mod crd_member;
 mod data;
-mod driven;
-mod follow;
-mod glide;
-mod guard;
+mod fast_path;
+pub(crate) mod inputs;
+mod limits;
 mod motion;
-mod place;
+mod slave;
+mod user_position;
 
-pub(crate) use glide::Glide;
+pub(crate) use fast_path::FastStep;
 
-use crate::follow as following;
-use crate::inputs::Inputs;
 use crate::op::Mode;
 use crate::port::AxisInputs;
-use crate::profile::Profile;
-use crate::ramp::{Accel, Speed, Trapezoid};
+use crate::segment::follow as following;
+use crate::segment::profile::Profile;
+use crate::segment::ramp::{Accel, Speed, Trapezoid};
 use crate::status;
 use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
+use inputs::Inputs;
 
 /// An axis to which something was done waits for the second look: in the meantime, what belongs together is there.
-const UNREADY: u8 = 2;
+const UNPREPARED: u8 = 2;
 /// Segments of one static FIFO.
 const FIFO: u32 = 1024;
 /// Slots of the dynamic ring, less one.
@@ -50,7 +51,7 @@ pub(crate) struct Jog {
 
 /// What the inputs of a tick have to be looked at for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Calm {
+enum InputScan {
     /// For all they mean, even if they stay.
     None,
     /// It runs: for changes of level, and the encoder is taken.
@@ -68,14 +69,14 @@ enum Calm {
 #[repr(C)]
 pub(crate) struct AxisState {
     /// What the thread sees; also the state itself, where it is the same thing.
-    pub(crate) shown: AxisView,
-    calm: Calm,
+    pub(crate) published: AxisView,
+    scan: InputScan,
     /// The status word may have changed.
-    pub(crate) news: bool,
+    pub(crate) changed: bool,
     /// By its own profile.
     runs: bool,
     /// Looks until its next start is made ready, 0 if it is or if there is nothing to do.
-    unready: u8,
+    unprepared: u8,
     /// By a coordinate system.
     driven: bool,
     /// A ramp begins at the tick computed, whose position `exact` is.
@@ -101,7 +102,7 @@ pub(crate) struct AxisState {
     /// Why the running motion will have ended.
     ending: StopReason,
     /// Since which tick it is at rest.
-    pub(crate) rest_since: Ns,
+    pub(crate) standstill_since: Ns,
     /// Exact position while at rest, and where a ramp begins.
     exact: Exact,
     /// Switches active now, as status bits.
@@ -135,23 +136,23 @@ const IN_FORCE: Ns = Ns(u64::MAX);
 
 impl AxisState {
     pub(crate) const POWER_ON: AxisState = AxisState {
-        shown: AxisView::POWER_ON,
-        profile: Profile::REST,
+        published: AxisView::POWER_ON,
+        profile: Profile::STANDSTILL,
         runs: false,
         driven: false,
         begins: false,
         crd: None,
         track: following::Track::NONE,
         ending: StopReason::None,
-        rest_since: Ns(0),
+        standstill_since: Ns(0),
         exact: Exact(0),
         zero: Pos(0),
         inputs: Inputs::POWER_ON,
         raw: AxisInputs { limit_positive: false, limit_negative: false, alarm: false, home: false, arrive: false },
         levels: 0,
-        calm: Calm::None,
-        news: true,
-        unready: 0,
+        scan: InputScan::None,
+        changed: true,
+        unprepared: 0,
         lower: NEGATIVE_EDGE,
         upper: Pos::TRAVEL,
         inside: (1 - (1 << 30), (1 << 31) - 1),
@@ -182,7 +183,7 @@ impl AxisState {
     /// The machine's encoder count, sampled.
     #[inline(always)]
     fn count(&self) -> i64 {
-        self.inputs.count(self.shown.encoder)
+        self.inputs.count(self.published.encoder)
     }
 
     /// Whether it moves, by itself or driven by a coordinate system.
@@ -193,45 +194,45 @@ impl AxisState {
 
     /// Something is about to differ from the last view.
     #[inline]
-    pub(crate) fn touch(&mut self) {
+    pub(crate) fn mark_changed(&mut self) {
         self.changed();
-        (self.calm, self.news, self.unready) = (Calm::None, true, UNREADY);
-        self.profile.unready();
+        (self.scan, self.changed, self.unprepared) = (InputScan::None, true, UNPREPARED);
+        self.profile.discard_prepared();
     }
 
     /// Whether its next start is to be made ready.
     #[inline(always)]
-    pub(crate) fn is_unready(&self) -> bool {
-        self.unready != 0
+    pub(crate) fn is_unprepared(&self) -> bool {
+        self.unprepared != 0
     }
 
     #[inline(always)]
     fn changed(&mut self) {
-        self.shown.changes = self.shown.changes.wrapping_add(1);
-        self.shown.moves = self.shown.moves.wrapping_add(1);
+        self.published.changes = self.published.changes.wrapping_add(1);
+        self.published.moves = self.published.moves.wrapping_add(1);
     }
 
     /// It is in another piece, and what it tells of its data may be another, too.
     #[inline(always)]
     fn turned(&mut self) {
-        self.shown.turns = self.shown.turns.wrapping_add(1);
-        self.shown.counts = self.shown.counts.wrapping_add(1);
+        self.published.turns = self.published.turns.wrapping_add(1);
+        self.published.counts = self.published.counts.wrapping_add(1);
     }
 
     /// Brings the status word up to the tick just computed.
     #[inline(never)]
     pub(crate) fn settle(&mut self) {
-        self.news = false;
+        self.changed = false;
         let status = self.status();
-        if status != self.shown.status {
-            self.shown.status = status;
+        if status != self.published.status {
+            self.published.status = status;
             self.changed();
-            if self.calm == Calm::Settled {
-                self.calm = Calm::None;
+            if self.scan == InputScan::Settled {
+                self.scan = InputScan::None;
             }
         }
-        if self.calm == Calm::Runs {
-            self.calm = if self.driven { Calm::Carried } else { Calm::Steady };
+        if self.scan == InputScan::Runs {
+            self.scan = if self.driven { InputScan::Carried } else { InputScan::Steady };
         }
     }
 
@@ -252,26 +253,26 @@ impl AxisState {
 
     /// The mode, at rest; another one clears the PT data.
     pub(crate) fn set_mode(&mut self, mode: Mode) {
-        if self.runs() || self.shown.mode == mode {
+        if self.runs() || self.published.mode == mode {
             return;
         }
-        (self.shown.mode, self.crd) = (mode, None);
-        self.profile.unready();
-        self.shown.pt_state = 0;
-        (self.shown.passes, self.shown.fifo) = (0, 0);
+        (self.published.mode, self.crd) = (mode, None);
+        self.profile.discard_prepared();
+        self.published.pt_state = 0;
+        (self.published.passes, self.published.fifo) = (0, 0);
         self.clear_data();
     }
 
     /// Arms a capture; what was captured before is forgotten.
     pub(crate) fn arm(&mut self, mode: u8) {
-        self.shown.captured = None;
+        self.published.captured = None;
         self.inputs.arm(mode);
     }
 
     /// The index edge that it waited for came at this count of the machine.
     pub(crate) fn take_index(&mut self, count: i64) {
-        self.shown.captured = Some(self.inputs.index(count));
-        self.touch();
+        self.published.captured = Some(self.inputs.index(count));
+        self.mark_changed();
     }
 
     /// Power-on state, at rest. The machine does not move; where it stands is 0 from now on.
@@ -281,11 +282,11 @@ impl AxisState {
         // In place, field by field: a whole state is too large to be moved about eight times in a tick. What the
         // pattern leaves out is known by name: it stays.
         let AxisState {
-            shown,
-            calm,
-            news,
+            published,
+            scan,
+            changed,
             runs,
-            unready: _,
+            unprepared: _,
             driven,
             begins,
             levels: _,
@@ -300,7 +301,7 @@ impl AxisState {
             inputs,
             profile: _,
             ending,
-            rest_since: _,
+            standstill_since: _,
             exact,
             switches,
             latched,
@@ -317,9 +318,9 @@ impl AxisState {
             crd,
             track: _,
         } = self;
-        shown.reset();
+        published.reset();
         let on = AxisState::POWER_ON;
-        (*calm, *news, *runs, *driven, *begins) = (on.calm, on.news, on.runs, on.driven, on.begins);
+        (*scan, *changed, *runs, *driven, *begins) = (on.scan, on.changed, on.runs, on.driven, on.begins);
         (*servo_on, *in_position, *causes) = (on.servo_on, on.in_position, on.causes);
         (*named, *lower, *upper, *inside) = (zero, on.lower, on.upper, on.inside);
         (*inputs, *ending, *exact) = (on.inputs, on.ending, on.exact);

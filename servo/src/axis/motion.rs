@@ -1,15 +1,15 @@
 //! An axis in motion: starts and stops, and the step of a tick.
 //!
 //! In: the instant of the next tick. Out: the planned position there, or the reason for which it has
-//! come to rest. Owns nothing beyond the axis's [`Profile`](crate::profile::Profile).
+//! come to rest. Owns nothing beyond the axis's [`Profile`](crate::segment::profile::Profile).
 use super::Jog;
 use super::{AxisState, exact, pt_state};
 use crate::op::Mode;
-use crate::piece::{Motion, Scaled};
-use crate::profile::{State, Supply};
-use crate::pt::Segments;
-use crate::pvt::Tables;
-use crate::ramp::Moving;
+use crate::segment::piece::{Motion, Scaled};
+use crate::segment::profile::{Generator, State};
+use crate::segment::pt::Segments;
+use crate::segment::pvt::Tables;
+use crate::segment::ramp::Moving;
 use crate::status;
 use crate::units::{Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
@@ -17,30 +17,30 @@ use crate::view::{AxisView, StopReason};
 impl AxisState {
     /// Whether Jog or Trap must not begin or change: also towards an active limit.
     pub(crate) fn refuses_update(&self) -> bool {
-        let way = match self.shown.mode {
+        let direction = match self.published.mode {
             Mode::Jog => self.trap.speed.signum(),
-            Mode::Trap => Pos::pulses(self.trap.target).0.saturating_sub(self.shown.pos.0).signum(),
+            Mode::Trap => Pos::pulses(self.trap.target).0.saturating_sub(self.published.pos.0).signum(),
             _ => return true,
         };
         let inputs = &self.inputs;
-        let at_soft = if way > 0 {
-            inputs.soft_positive.is_some_and(|limit| self.shown.pos >= Pos::pulses(limit))
+        let at_soft = if direction > 0 {
+            inputs.soft_positive.is_some_and(|limit| self.published.pos >= Pos::pulses(limit))
         } else {
-            inputs.soft_negative.is_some_and(|limit| self.shown.pos <= Pos::pulses(limit))
+            inputs.soft_negative.is_some_and(|limit| self.published.pos <= Pos::pulses(limit))
         };
-        let towards = if way > 0 { status::LIMIT_POSITIVE } else { status::LIMIT_NEGATIVE };
-        self.refuses_start() || self.driven || way != 0 && (at_soft || self.switches & towards != 0)
+        let towards = if direction > 0 { status::LIMIT_POSITIVE } else { status::LIMIT_NEGATIVE };
+        self.refuses_start() || self.driven || direction != 0 && (at_soft || self.switches & towards != 0)
     }
 
     /// Jog or Trap begins or changes; its time is 0 at `next`.
     pub(crate) fn update(&mut self, next: Ns, source: &(impl Segments + Tables)) {
-        if self.begin_ready(next) {
+        if self.begin_prepared(next) {
             return;
         }
         let (from, _) = self.moving(next, source);
-        let AxisState { profile, shown, trap, jog, .. } = self;
+        let AxisState { profile, published, trap, jog, .. } = self;
         profile.begin_ramp(next, |run| {
-            if shown.mode == Mode::Jog {
+            if published.mode == Mode::Jog {
                 let Jog { acc, dec, smooth } = *jog;
                 run.begin_jog(next, from, trap.speed, acc, dec, smooth);
             } else {
@@ -51,23 +51,23 @@ impl AxisState {
     }
 
     /// What was made ready at rest begins; false if nothing was.
-    pub(super) fn begin_ready(&mut self, next: Ns) -> bool {
-        let begins = self.profile.begin_ready(next);
+    pub(super) fn begin_prepared(&mut self, next: Ns) -> bool {
+        let begins = self.profile.begin_prepared(next);
         if begins {
             self.set_off(StopReason::Completed);
         }
         begins
     }
 
-    pub(super) fn begin(&mut self, next: Ns, supply: Supply) {
-        self.profile.begin(next, supply);
+    pub(super) fn begin(&mut self, next: Ns, generator: Generator) {
+        self.profile.begin(next, generator);
         self.set_off(StopReason::Completed);
     }
 
     /// It runs from now on, and `ending` is why it will have stopped.
     pub(super) fn set_off(&mut self, ending: StopReason) {
         (self.runs, self.begins, self.ending) = (true, false, ending);
-        self.touch();
+        self.mark_changed();
     }
 
     /// Where it will be, and how fast, at `next`, as things stand; and whether it still runs there.
@@ -81,11 +81,11 @@ impl AxisState {
             Ok(piece) => {
                 let (pos, motion) = piece.place(piece.held(next));
                 // Until the step of this tick tells what comes of it.
-                self.shown.motion = motion;
-                (Moving { pos: exact(pos), velocity: self.shown.motion.velocity() }, true)
+                self.published.motion = motion;
+                (Moving { pos: exact(pos), velocity: self.published.motion.velocity() }, true)
             }
             Err(State::Ended { at } | State::Underrun { at }) => rest(at),
-            Err(State::Running) => rest(exact(self.shown.pos)),
+            Err(State::Running) => rest(exact(self.published.pos)),
         }
     }
 
@@ -95,7 +95,7 @@ impl AxisState {
             return;
         }
         // What begins on this very tick has not been seen to run, and does not move.
-        if self.shown.status & status::RUNNING == 0 {
+        if self.published.status & status::RUNNING == 0 {
             return self.halt(next, reason);
         }
         if let Some(follower) = self.profile.follower_mut() {
@@ -120,7 +120,7 @@ impl AxisState {
     pub(crate) fn halt(&mut self, next: Ns, reason: StopReason) {
         if self.runs {
             self.end_stream(pt_state::STOPPED);
-            self.rest(next, exact(self.shown.pos), reason);
+            self.rest(next, exact(self.published.pos), reason);
             self.profile.forget();
             if let Some(follower) = self.profile.follower_mut() {
                 follower.forget_track();
@@ -131,15 +131,15 @@ impl AxisState {
     pub(super) fn rest(&mut self, next: Ns, at: Exact, reason: StopReason) {
         (self.runs, self.begins) = (false, false);
         self.exact = at;
-        self.shown.pos = at.round();
-        self.profile.rest(next, self.shown.pos);
-        self.shown.motion = Motion::default();
-        self.shown.stop = reason;
-        self.shown.dry_ms = 0;
-        self.rest_since = next;
+        self.published.pos = at.round();
+        self.profile.rest(next, self.published.pos);
+        self.published.motion = Motion::default();
+        self.published.stop = reason;
+        self.published.dry_ms = 0;
+        self.standstill_since = next;
         self.leave_table(next);
         self.leave_master();
-        self.touch();
+        self.mark_changed();
     }
 
     /// A tick of the axis: its motion at `next`, its status, what it shows. The reason if it came to rest.
@@ -150,7 +150,7 @@ impl AxisState {
         next: Ns,
         left: &mut u32,
         source: &(impl Segments + Tables),
-        shown: &mut AxisView,
+        published: &mut AxisView,
     ) -> Option<StopReason> {
         let mut stopped = None;
         if self.runs {
@@ -161,10 +161,10 @@ impl AxisState {
             self.turned();
             stopped = self.step(next, source);
         }
-        if self.news {
+        if self.changed {
             self.settle();
         }
-        shown.follow(&self.shown);
+        published.follow(&self.published);
         stopped
     }
 
@@ -178,8 +178,8 @@ impl AxisState {
         {
             return Some(reason);
         }
-        self.shown.moves = self.shown.moves.wrapping_add(1);
-        self.shown.pos = pos;
+        self.published.moves = self.published.moves.wrapping_add(1);
+        self.published.pos = pos;
         None
     }
 
@@ -196,7 +196,7 @@ impl AxisState {
         let mut t = piece.elapsed(next);
         if t >= piece.span {
             if self.profile.accept(next) {
-                self.show_piece(true);
+                self.publish_piece(true);
                 piece = self.profile.piece();
                 t = piece.elapsed(next);
             } else {
@@ -213,9 +213,9 @@ impl AxisState {
         {
             return Some(reason);
         }
-        self.shown.moves = self.shown.moves.wrapping_add(1);
-        self.shown.pos = pos;
-        (self.shown.motion.tau, self.shown.motion.t) = (tau, t);
+        self.published.moves = self.published.moves.wrapping_add(1);
+        self.published.pos = pos;
+        (self.published.motion.tau, self.published.motion.t) = (tau, t);
         None
     }
 
@@ -225,42 +225,42 @@ impl AxisState {
         let feed = self.feed();
         let state = self.profile.turn(next, feed, source);
         let running = state == State::Running;
-        self.show_piece(running);
+        self.publish_piece(running);
         if running { None } else { Some(self.finish(next, state)) }
     }
 
     /// What a view tells of the piece entered, or of the end if it runs no longer.
     #[inline(always)]
-    fn show_piece(&mut self, running: bool) {
-        self.shown.motion = self.profile.piece().motion;
-        if !running || self.profile.tells() {
-            self.show_pass(running);
+    fn publish_piece(&mut self, running: bool) {
+        self.published.motion = self.profile.piece().motion;
+        if !running || self.profile.reports_pass() {
+            self.publish_pass_of(running);
         }
     }
 
     /// What a view tells of the pass, or of the stream.
     #[inline(never)]
-    pub(super) fn show_pass(&mut self, running: bool) {
-        let shown = &mut self.shown;
-        match self.profile.supply() {
-            Supply::Pt(run) => {
-                shown.passes = run.passes(false);
-                if shown.mode == Mode::PtDynamic {
-                    shown.released = run.released(running, false);
+    pub(super) fn publish_pass_of(&mut self, running: bool) {
+        let published = &mut self.published;
+        match self.profile.generator() {
+            Generator::Pt(run) => {
+                published.passes = run.passes(false);
+                if published.mode == Mode::PtDynamic {
+                    published.released = run.released(running, false);
                 }
             }
-            Supply::Pvt(run) => {
+            Generator::Pvt(run) => {
                 let (passes, table) = (run.passes(false), run.table(false));
-                let switched = table != shown.table;
-                if passes != shown.passes || switched {
-                    (shown.passes, shown.table_zero) = (passes, run.zero(false));
+                let switched = table != published.table;
+                if passes != published.passes || switched {
+                    (published.passes, published.table_zero) = (passes, run.zero(false));
                 }
                 if switched {
-                    (shown.table, shown.pending) = (table, run.pending(false));
+                    (published.table, published.pending) = (table, run.pending(false));
                     self.changed();
                 }
             }
-            Supply::Ramp(_) | Supply::Follow(_) => {}
+            Generator::Ramp(_) | Generator::Follow(_) => {}
         }
     }
 
@@ -268,7 +268,7 @@ impl AxisState {
     #[inline(never)]
     fn finish(&mut self, next: Ns, state: State) -> StopReason {
         let (at, state, reason) = match state {
-            State::Running => (exact(self.shown.pos), pt_state::ENDED, self.ending),
+            State::Running => (exact(self.published.pos), pt_state::ENDED, self.ending),
             State::Ended { at } => (at, pt_state::ENDED, self.ending),
             State::Underrun { at } => (at, pt_state::UNDERRUN, StopReason::Underrun),
         };

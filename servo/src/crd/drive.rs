@@ -2,13 +2,13 @@
 //!
 //! In: the axes as the tick in force left them, entries. Out: where the mapped axes are at the tick computed, what
 //! entries do until the one after. Owns nothing. Cannot fail: what must not go on stops, and the reason is latched.
-use super::sink::Sink;
-use super::{CrdState, Frame, Halt, Lanes, Room};
+use super::effects::Sink;
+use super::{Clearance, CrdState, Frame, Halt, Lanes};
 use crate::axis::AxisState;
-use crate::execute::Reach;
 use crate::laser::{Cause, PathSpeed, Wants};
-use crate::path::{DIMENSIONS, EntryStore, Feed, Rest, Sight};
-use crate::tick::{Tick, tell};
+use crate::path::{DIMENSIONS, EntryStore, Feed, PathReport, PathStop};
+use crate::tick::execute::Reach;
+use crate::tick::{Tick, report_event};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, Event, StopReason};
 
@@ -16,7 +16,7 @@ impl CrdState {
     /// Whether an axis that others follow is its own.
     #[inline(always)]
     fn leads(&self, masters: AxisMask) -> bool {
-        self.shown.frame.is_some_and(|frame| masters.0 & frame.mask().0 != 0)
+        self.published.frame.is_some_and(|frame| masters.0 & frame.mask().0 != 0)
     }
 
     /// What nearly every tick is: on to the next place, and over boundaries at which nobody else takes part, if nothing
@@ -24,56 +24,56 @@ impl CrdState {
     ///
     /// A function of its own, so that nothing else takes up registers.
     #[inline(never)]
-    fn glide(&mut self, axes: &mut [AxisState], next: Ns, until: Ns) -> Went {
-        if !self.path.may_glide(self.feed()) {
-            return Went::Nowhere;
+    fn fast_step(&mut self, axes: &mut [AxisState], next: Ns, until: Ns) -> StepResult {
+        if !self.path.may_step_fast(self.feed()) {
+            return StepResult::Nowhere;
         }
-        let mut went = Went::Along;
+        let mut went = StepResult::Along;
         let spot = loop {
             if let Some(spot) = self.path.spot(next) {
                 break spot;
             }
-            if went == Went::Over || !self.path.is_over(next) || !self.turn_up_to(axes) {
-                return Went::Nowhere;
+            if went == StepResult::Over || !self.path.is_over(next) || !self.turn_up_to(axes) {
+                return StepResult::Nowhere;
             }
-            went = Went::Over;
+            went = StepResult::Over;
         };
         if self.path.is_fresh() {
             let counts = self.path.counts();
-            self.show_fresh(counts);
+            self.publish_fresh(counts);
         }
-        let (lanes, CrdView { origin, place, heading, bend, motion, turns, moves, .. }) =
-            (&self.lanes, &mut self.shown);
-        let mut sight = Sight { place, heading, bend, motion, turns };
-        let way = self.path.show_at(spot, &mut sight);
+        let (lanes, CrdView { origin, position, heading, bend, motion, turns, moves, .. }) =
+            (&self.lanes, &mut self.published);
+        let mut sight = PathReport { position, heading, bend, motion, turns };
+        let displacement = self.path.publish_at(spot, &mut sight);
         let [room, _] = self.room;
-        if room != Room::Wide && !is_free(lanes, origin, place, axes) {
-            return Went::Nowhere;
+        if room != Clearance::Wide && !is_free(lanes, origin, position, axes) {
+            return StepResult::Nowhere;
         }
-        self.path.pass(way);
+        self.path.pass(displacement);
         lanes.all(|index, axis| {
-            if let (Some(axis), Some(at), Some(origin)) = (axes.get_mut(axis), place.get(index), origin.get(index)) {
+            if let (Some(axis), Some(at), Some(origin)) = (axes.get_mut(axis), position.get(index), origin.get(index)) {
                 axis.drive(Pos(at.0.wrapping_add(origin.0)));
             }
             true
         });
         *moves = moves.wrapping_add(1);
         if self.path.is_due_until(until) {
-            if !self.turn_behind(axes, until) {
-                return Went::Short;
+            if !self.turn_after(axes, until) {
+                return StepResult::Short;
             }
-            went = Went::Over;
+            went = StepResult::Over;
         }
         went
     }
 
     /// Over the one boundary that lies between the tick computed and the one at `until`, if there is no more to do.
     #[inline(never)]
-    fn turn_behind(&mut self, axes: &[AxisState], until: Ns) -> bool {
+    fn turn_after(&mut self, axes: &[AxisState], until: Ns) -> bool {
         if self.turn::<true>(axes).is_none() || self.path.is_due_until(until) {
             return false;
         }
-        self.shown.turns = self.shown.turns.wrapping_add(1);
+        self.published.turns = self.published.turns.wrapping_add(1);
         true
     }
 
@@ -88,14 +88,14 @@ impl CrdState {
 
     /// What is new is shown, but for the place.
     #[inline(never)]
-    fn show_fresh(&mut self, counts: [u32; 2]) {
+    fn publish_fresh(&mut self, counts: [u32; 2]) {
         self.see_fresh(counts);
     }
 
     #[inline(always)]
     fn see_fresh(&mut self, [now, motions]: [u32; 2]) {
-        let CrdView { place, heading, bend, motion, turns, fifo, released, done, .. } = &mut self.shown;
-        self.path.show_fresh(&mut Sight { place, heading, bend, motion, turns });
+        let CrdView { position, heading, bend, motion, turns, fifo, released, done, .. } = &mut self.published;
+        self.path.publish_fresh(&mut PathReport { position, heading, bend, motion, turns });
         *fifo = self.path.fifo();
         let index = (*fifo & 1) as usize;
         (released[index], done[index]) = (now, motions);
@@ -106,11 +106,11 @@ impl CrdState {
     #[inline(always)]
     fn turn<const AFTER: bool>(&mut self, axes: &[AxisState]) -> Option<[u32; 2]> {
         let (feed, over, [room, next]) = (self.feed(), self.path.turns_over(), self.room);
-        let (lanes, origin) = (&self.lanes, &self.shown.origin);
-        let free = |end: &[Pos; DIMENSIONS]| room == Room::Wide || is_free(lanes, origin, end, axes);
+        let (lanes, origin) = (&self.lanes, &self.published.origin);
+        let free = |end: &[Pos; DIMENSIONS]| room == Clearance::Wide || is_free(lanes, origin, end, axes);
         let counts = self.path.turn_at::<AFTER>(feed, free)?;
         if over {
-            self.room = [next, Room::Unknown];
+            self.room = [next, Clearance::Unknown];
         }
         Some(counts)
     }
@@ -136,30 +136,30 @@ impl CrdState {
     }
 
     /// What room there is for the motion in force, or for the one `ahead`.
-    fn room_of(&self, ahead: bool, axes: &[AxisState]) -> Room {
-        let (hull, lanes, origin) = (self.path.hull(ahead), &self.lanes, &self.shown.origin);
-        let is_well = |place: &[Pos; DIMENSIONS]| {
-            lanes.all(|index, axis| match (axes.get(axis), place.get(index), origin.get(index)) {
+    fn room_of(&self, ahead: bool, axes: &[AxisState]) -> Clearance {
+        let (hull, lanes, origin) = (self.path.hull(ahead), &self.lanes, &self.published.origin);
+        let is_well = |position: &[Pos; DIMENSIONS]| {
+            lanes.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
                 (Some(axis), Some(at), Some(origin)) => axis.is_well(Pos(at.0.saturating_add(origin.0))),
                 _ => true,
             })
         };
-        if hull.iter().all(is_well) { Room::Wide } else { Room::Narrow }
+        if hull.iter().all(is_well) { Clearance::Wide } else { Clearance::Narrow }
     }
 }
 
 /// Whether the axes may be driven to a place without a closer look.
 #[inline(always)]
-fn is_free(lanes: &Lanes, origin: &[Pos; DIMENSIONS], place: &[Pos; DIMENSIONS], axes: &[AxisState]) -> bool {
-    lanes.all(|index, axis| match (axes.get(axis), place.get(index), origin.get(index)) {
+fn is_free(lanes: &Lanes, origin: &[Pos; DIMENSIONS], position: &[Pos; DIMENSIONS], axes: &[AxisState]) -> bool {
+    lanes.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
         (Some(axis), Some(at), Some(origin)) => axis.is_free(Pos(at.0.wrapping_add(origin.0))),
         _ => true,
     })
 }
 
-/// What came of [`CrdState::glide`].
+/// What came of [`CrdState::fast_step`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Went {
+enum StepResult {
     /// There is more to do than that. It has gone over a boundary, or nothing has happened.
     Nowhere,
     /// It is at its place; what lies before the next one takes more than that.
@@ -181,10 +181,10 @@ impl<const AXES: usize> Tick<AXES> {
         for crd in running.crds() {
             let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
             let led = masters.0 != 0 && state.leads(masters);
-            let went = if led { Went::Nowhere } else { state.glide(&mut self.axes, next, until) };
+            let went = if led { StepResult::Nowhere } else { state.fast_step(&mut self.axes, next, until) };
             let used = state.encoders.is_used();
             // A tick that enters something does not make anything ahead.
-            if went != Went::Over
+            if went != StepResult::Over
                 && let Some(now) = self.tend(crd, went, next, lanes)
             {
                 wants = now;
@@ -196,20 +196,24 @@ impl<const AXES: usize> Tick<AXES> {
             } else if wants.planned.has(crd)
                 && let Some(state) = self.crds.get(crd)
             {
-                self.lasers.feed(crd, state.path.mean(&state.shown.motion, next, self.period), PathSpeed::REST);
+                self.lasers.feed(
+                    crd,
+                    state.path.mean(&state.published.motion, next, self.period),
+                    PathSpeed::STANDSTILL,
+                );
             }
         }
     }
 
     /// What is left to do for a path that has not gone over a boundary by the short way; what lasers want behind the long one.
     #[inline(never)]
-    fn tend(&mut self, crd: Crd, went: Went, next: Ns, lanes: &mut Reach<'_, '_, AXES>) -> Option<Wants> {
+    fn tend(&mut self, crd: Crd, went: StepResult, next: Ns, lanes: &mut Reach<'_, '_, AXES>) -> Option<Wants> {
         // Of several that run, each second one in a tick makes something ahead.
         let turn = CrdMask(if self.ticks & 1 == 0 { 0x55 } else { 0xaa });
         let prepares = self.crds.running.0.is_power_of_two() || turn.has(crd);
-        if went == Went::Along {
+        if went == StepResult::Along {
             let state = self.crds.states.get_mut(crd.index())?;
-            if let [Room::Unknown, _] = state.room {
+            if let [Clearance::Unknown, _] = state.room {
                 state.look_round(&self.axes);
             }
             if prepares && let Some(source) = lanes.paths.get(crd.index()) {
@@ -217,12 +221,12 @@ impl<const AXES: usize> Tick<AXES> {
             }
             return None;
         }
-        if went == Went::Nowhere
+        if went == StepResult::Nowhere
             && let Some(reason) = self.forbids(crd)
         {
             self.stop_crds(crd.mask(), Halt::Abrupt, reason, next, lanes);
         }
-        self.walk_crd(crd, next, went == Went::Short, prepares, lanes);
+        self.walk_crd(crd, next, went == StepResult::Short, prepares, lanes);
         Some(self.lasers.wants())
     }
 
@@ -240,7 +244,7 @@ impl<const AXES: usize> Tick<AXES> {
     fn forbids(&self, crd: Crd) -> Option<StopReason> {
         let state = self.crds.get(crd)?;
         let axes = |axis: Axis| self.axes.get(axis.index());
-        let frame = state.shown.frame?;
+        let frame = state.published.frame?;
         for axis in frame.axes().into_iter().flatten() {
             if let Some(reason) = axes(axis).and_then(AxisState::fault) {
                 return Some(reason);
@@ -254,7 +258,7 @@ impl<const AXES: usize> Tick<AXES> {
             return Some(StopReason::OtherAxis);
         }
         let awaited = axes(state.awaited?)?;
-        (!awaited.runs() && awaited.shown.stop != StopReason::Completed).then_some(StopReason::OtherAxis)
+        (!awaited.runs() && awaited.published.stop != StopReason::Completed).then_some(StopReason::OtherAxis)
     }
 
     /// Its step where more takes part than the path itself; one that is `there` is at its place.
@@ -266,8 +270,19 @@ impl<const AXES: usize> Tick<AXES> {
             return;
         };
         let CrdView {
-            frame: Some(frame), origin, place, heading, bend, motion, turns, ends, fifo, released, done, ..
-        } = &mut state.shown
+            frame: Some(frame),
+            origin,
+            position,
+            heading,
+            bend,
+            motion,
+            turns,
+            ends,
+            fifo,
+            released,
+            done,
+            ..
+        } = &mut state.published
         else {
             return;
         };
@@ -285,7 +300,7 @@ impl<const AXES: usize> Tick<AXES> {
             edges,
             segments: lanes.segments,
             tables: lanes.tables,
-            told: AxisMask(0),
+            reported: AxisMask(0),
             geared: state.geared,
             fault: false,
             rest: None,
@@ -297,21 +312,21 @@ impl<const AXES: usize> Tick<AXES> {
         if there {
             state.path.go_through(next, period, feed, source, &mut sink);
         } else {
-            let mut sight = Sight { place, heading, bend, motion, turns };
-            let told = state.path.advance(next, period, feed, source, &mut sink, &mut sight, may_prepare);
-            *fifo = told.fifo;
+            let mut sight = PathReport { position, heading, bend, motion, turns };
+            let reported = state.path.advance(next, period, feed, source, &mut sink, &mut sight, may_prepare);
+            *fifo = reported.fifo;
             let [first, second] = done;
-            *(if told.fifo == 0 { first } else { second }) = told.done;
-            (*released, runs) = (told.released, told.runs);
+            *(if reported.fifo == 0 { first } else { second }) = reported.done;
+            (*released, runs) = (reported.released, reported.runs);
         }
-        let Sink { told: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
+        let Sink { reported: gone, geared, rest, unable, awaited, obstacle, .. } = sink;
         if !there {
-            for (index, ((axis, at), origin)) in frame.axes_ref().iter().zip(place).zip(origin).enumerate() {
+            for (index, ((axis, at), origin)) in frame.axes_ref().iter().zip(position).zip(origin).enumerate() {
                 if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
                     let from = axis.set_point();
                     axis.drive(Pos(at.0.wrapping_add(origin.0)));
                     if led {
-                        axis.tell_way((self.now, period), from, state.path.wake(), (index, *origin));
+                        axis.publish_displacement((self.now, period), from, state.path.wake(), (index, *origin));
                     }
                 }
             }
@@ -323,15 +338,15 @@ impl<const AXES: usize> Tick<AXES> {
         if state.geared.0 != 0 || state.awaited.is_some() {
             state.path.hold_still();
         }
-        state.room = [Room::Unknown; 2];
-        let shown = &mut state.shown;
-        shown.moves = shown.moves.wrapping_add(1);
+        state.room = [Clearance::Unknown; 2];
+        let published = &mut state.published;
+        published.moves = published.moves.wrapping_add(1);
         crds.moves = crds.moves.wrapping_add(1);
         if let Some(rest) = rest {
-            shown.rest = rest;
+            published.rest = rest;
             state.obstacle = obstacle;
         }
-        shown.turns = shown.turns.wrapping_add(1);
+        published.turns = published.turns.wrapping_add(1);
         let wants = self.lasers.wants();
         let measures = wants.encoder.has(crd) || state.encoders.is_used();
         if wants.planned.has(crd) || measures {
@@ -342,7 +357,7 @@ impl<const AXES: usize> Tick<AXES> {
             self.let_go(crd, left, runs, next);
         }
         if !runs {
-            self.come_to_rest(crd, next, lanes);
+            self.come_to_standstill(crd, next, lanes);
         } else if unable.is_some() {
             self.lasers.crd_fault(crd, Cause::Fault);
             self.stop_crds(crd.mask(), Halt::Here, StopReason::OtherAxis, next, lanes);
@@ -354,15 +369,15 @@ impl<const AXES: usize> Tick<AXES> {
     fn feed_lasers(&mut self, crd: Crd, next: Ns, wants: Wants, measures: bool) {
         let period = self.period;
         let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
-        let (mut planned, mut encoder) = (PathSpeed::REST, PathSpeed::REST);
+        let (mut planned, mut encoder) = (PathSpeed::STANDSTILL, PathSpeed::STANDSTILL);
         if wants.planned.has(crd) {
-            planned = state.path.mean(&state.shown.motion, next, period);
+            planned = state.path.mean(&state.published.motion, next, period);
         }
         if measures {
-            let mapped = state.shown.frame.map_or([None; 4], |frame| frame.axes());
+            let mapped = state.published.frame.map_or([None; 4], |frame| frame.axes());
             let gone = mapped.map(|axis| {
-                let shown = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.shown);
-                shown.map_or(0, |shown| shown.encoder.wrapping_sub(shown.encoder_before))
+                let published = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.published);
+                published.map_or(0, |published| published.encoder.wrapping_sub(published.encoder_before))
             });
             // All of them: an entry within the coming interval may begin a follow.
             let follows = wants.encoder.0 != u8::MAX && wants.encoder.has(crd);
@@ -378,7 +393,7 @@ impl<const AXES: usize> Tick<AXES> {
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
         if !runs {
             // What was left within a motion stays where that is.
-            for (axis, by) in state.path.gears(state.shown.fifo) {
+            for (axis, by) in state.path.gears(state.published.fifo) {
                 if let Some(axis_state) = axes.get_mut(axis.index())
                     && state.geared.has(axis)
                 {
@@ -400,18 +415,18 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// The path is at rest.
     #[inline(never)]
-    fn come_to_rest(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+    fn come_to_standstill(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         let Tick { crds, axes, lasers, .. } = self;
         let Some(state) = crds.get_mut(crd) else { return };
         // What was left is probably gone on with: a FIFO 1 that interrupted FIFO 0 first.
-        let (fifo, other) = (state.shown.fifo, state.shown.fifo ^ 1);
+        let (fifo, other) = (state.published.fifo, state.published.fifo ^ 1);
         state.likely = if !state.path.goes_on(fifo) && state.path.goes_on(other) { other } else { fifo };
-        let reason = match state.shown.rest {
-            Rest::Never => StopReason::None,
-            Rest::Completed => StopReason::Completed,
-            Rest::Underrun => StopReason::Underrun,
-            Rest::Stopped => state.ending,
-            Rest::Obstructed => state
+        let reason = match state.published.rest {
+            PathStop::Never => StopReason::None,
+            PathStop::Completed => StopReason::Completed,
+            PathStop::Underrun => StopReason::Underrun,
+            PathStop::Stopped => state.ending,
+            PathStop::Obstructed => state
                 .obstacle
                 .and_then(|(axis, to)| axes.get_mut(axis.index())?.latch_barrier(to))
                 .unwrap_or(StopReason::OtherAxis),
@@ -424,14 +439,14 @@ impl<const AXES: usize> Tick<AXES> {
             StopReason::Travel | StopReason::OtherAxis => lasers.crd_fault(crd, Cause::Fault),
             _ => {}
         }
-        (state.shown.runs, state.shown.stop, state.rest_since) = (false, reason, next);
-        state.touch();
-        for axis in state.shown.frame.iter().flat_map(Frame::axes).flatten() {
+        (state.published.runs, state.published.stop, state.standstill_since) = (false, reason, next);
+        state.mark_changed();
+        for axis in state.published.frame.iter().flat_map(Frame::axes).flatten() {
             if let Some(axis) = axes.get_mut(axis.index()) {
                 axis.release_here(next, reason);
             }
         }
         crds.running.0 &= !crd.mask().0;
-        tell(lanes.events, &mut self.events_lost, Event::CrdStopped { crd, reason, now: next });
+        report_event(lanes.events, &mut self.events_lost, Event::CrdStopped { crd, reason, now: next });
     }
 }

@@ -11,16 +11,16 @@
 //! | `drive` | a tick of those that run, before that of the axes |
 //! | `sink` | what entries do to the rest of the machine |
 //! | `share` | the motion of one axis, for readers |
+mod axis_map;
+mod axis_motion;
+mod commands;
 mod drive;
-mod frame;
-mod orders;
-mod share;
-mod sink;
+mod effects;
 
-use frame::Lanes;
-pub use frame::{Frame, Refused};
-pub(crate) use orders::Halt;
-pub(crate) use share::{share, share_speed};
+use axis_map::Lanes;
+pub use axis_map::{Frame, Refused};
+pub(crate) use axis_motion::{share, share_speed};
+pub(crate) use commands::Halt;
 
 use crate::laser::EncoderSpeed;
 use crate::path::{Feed, Path, PathStores};
@@ -33,7 +33,7 @@ const LOOKS: u8 = 2;
 
 /// Whether anything may stand in the way of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Room {
+enum Clearance {
     /// Nobody has looked.
     Unknown,
     /// Nothing does: all of it is well between what its axes are held to, until one of them is told of something.
@@ -47,7 +47,7 @@ enum Room {
 #[repr(C)]
 pub(crate) struct CrdState {
     /// What the thread sees; also the state itself, where it is the same thing.
-    pub(crate) shown: CrdView,
+    pub(crate) published: CrdView,
     /// Axes that go along with the motion in force.
     geared: AxisMask,
     /// The axes of its frame.
@@ -55,7 +55,7 @@ pub(crate) struct CrdState {
     /// The axis that a modal move has sent away.
     awaited: Option<Axis>,
     /// Of the motion in force, and of the one behind it.
-    room: [Room; 2],
+    room: [Clearance; 2],
     path: Path,
     /// At rest: the FIFO that will probably be started, and the looks before something of that start is made.
     likely: u8,
@@ -63,7 +63,7 @@ pub(crate) struct CrdState {
     /// Why it will have stopped, if it is told to.
     ending: StopReason,
     /// Since which tick it is at rest.
-    pub(crate) rest_since: Ns,
+    pub(crate) standstill_since: Ns,
     /// What stopped it: an axis, and a place where it must not go.
     obstacle: Option<(Axis, Pos)>,
     /// How fast its encoders go.
@@ -72,36 +72,36 @@ pub(crate) struct CrdState {
 
 impl CrdState {
     pub(crate) const POWER_ON: CrdState = CrdState {
-        shown: CrdView::POWER_ON,
+        published: CrdView::POWER_ON,
         path: Path::IDLE,
         likely: 0,
         looks: 0,
         ending: StopReason::None,
-        rest_since: Ns(0),
+        standstill_since: Ns(0),
         geared: AxisMask(0),
         lanes: Lanes::NONE,
         awaited: None,
-        room: [Room::Unknown; 2],
+        room: [Clearance::Unknown; 2],
         obstacle: None,
         encoders: EncoderSpeed::POWER_ON,
     };
 
     fn feed(&self) -> Feed {
-        Feed { ends: self.shown.ends }
+        Feed { ends: self.published.ends }
     }
 
     /// Its FIFOs have carried out so many entries more: see [`crate::tick::Tick::age_counts`].
     pub(crate) fn age_counts(&mut self, by: u32) {
-        let CrdView { ends, released, done, .. } = &mut self.shown;
+        let CrdView { ends, released, done, .. } = &mut self.published;
         [ends, released, done].into_iter().flatten().for_each(|count| *count = count.wrapping_add(by));
         self.path.age(by);
-        self.touch();
+        self.mark_changed();
     }
 
     /// Something that is not a place on the path differs from the last view.
-    fn touch(&mut self) {
-        self.shown.changes = self.shown.changes.wrapping_add(1);
-        self.shown.moves = self.shown.moves.wrapping_add(1);
+    fn mark_changed(&mut self) {
+        self.published.changes = self.published.changes.wrapping_add(1);
+        self.published.moves = self.published.moves.wrapping_add(1);
     }
 }
 
@@ -112,7 +112,7 @@ pub(crate) struct Crds {
     /// Those that run.
     pub(crate) running: CrdMask,
     /// Those whose next start may be made ready, once they rest.
-    pub(crate) unready: CrdMask,
+    pub(crate) unprepared: CrdMask,
     /// Those of whose axes one has an alarm.
     alarms: CrdMask,
     /// Counts changes of what any of them shows.
@@ -125,7 +125,7 @@ impl Crds {
     pub(crate) const POWER_ON: Crds = Crds {
         states: [CrdState::POWER_ON; Crd::MAX],
         running: CrdMask(0),
-        unready: CrdMask(0),
+        unprepared: CrdMask(0),
         alarms: CrdMask(0),
         moves: 0,
         turn: 0,
@@ -133,7 +133,7 @@ impl Crds {
 
     /// Those of these that have been set up.
     pub(crate) fn known(&self, of: CrdMask) -> CrdMask {
-        let known = of.crds().filter(|crd| self.get(*crd).is_some_and(|state| state.shown.frame.is_some()));
+        let known = of.crds().filter(|crd| self.get(*crd).is_some_and(|state| state.published.frame.is_some()));
         CrdMask(known.fold(0, |mask, crd| mask | crd.mask().0))
     }
 
@@ -144,13 +144,13 @@ impl Crds {
     /// What axes are held to has changed.
     pub(crate) fn look_round(&mut self) {
         for state in &mut self.states {
-            state.room = [Room::Unknown; 2];
+            state.room = [Clearance::Unknown; 2];
         }
     }
 
     fn get_mut(&mut self, crd: Crd) -> Option<&mut CrdState> {
         self.moves = self.moves.wrapping_add(1);
-        self.unready.0 |= crd.mask().0;
+        self.unprepared.0 |= crd.mask().0;
         let state = self.states.get_mut(crd.index())?;
         state.looks = LOOKS;
         Some(state)
@@ -158,8 +158,8 @@ impl Crds {
 
     /// One of those at rest makes something of its next start ready: the next in turn, lowest first.
     #[inline(never)]
-    pub(crate) fn get_ready(&mut self, steps: u32, paths: PathStores<'_>) {
-        let resting = CrdMask(self.unready.0 & !self.running.0);
+    pub(crate) fn prepare_start(&mut self, steps: u32, paths: PathStores<'_>) {
+        let resting = CrdMask(self.unprepared.0 & !self.running.0);
         let after = CrdMask(resting.0 & !self.turn);
         let Some(crd) = (if after.0 == 0 { resting } else { after }).crds().next() else { return };
         // Those up to it have had their turn.
@@ -172,20 +172,20 @@ impl Crds {
             }
             (Some(state), Some(source)) => {
                 let (fifo, feed) = (state.likely, state.feed());
-                (0..steps).all(|_| state.path.get_ready(fifo, feed, source))
+                (0..steps).all(|_| state.path.prepare_start(fifo, feed, source))
             }
             _ => false,
         };
         if !more {
-            self.unready.0 &= !own;
+            self.unprepared.0 &= !own;
         }
     }
 
     /// A view of them catches up.
     #[inline(never)]
-    pub(crate) fn show(&self, shown: &mut [CrdView]) {
-        for (to, state) in shown.iter_mut().zip(&self.states) {
-            to.follow(&state.shown);
+    pub(crate) fn publish(&self, published: &mut [CrdView]) {
+        for (to, state) in published.iter_mut().zip(&self.states) {
+            to.follow(&state.published);
         }
     }
 }

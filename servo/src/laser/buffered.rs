@@ -2,10 +2,10 @@
 //!
 //! In: admitted changes; words of an entry; instants. Out: the same changes. Owns: what is to come within an interval.
 //! Fails: words that are none of these mean nothing; a list that is full says so.
-use super::follow::{Ratio, Source};
-use super::owner::{End, Run};
+use super::light_owner::{End, Run};
 use super::power::{Bounds, Power};
-use super::tables::Curve;
+use super::power_tables::Curve;
+use super::velocity_follow::{Ratio, Source};
 use super::{Cause, NEVER};
 use crate::path::LASER_WORDS;
 use crate::units::{Crd, Ns};
@@ -140,7 +140,7 @@ const NOTHING: Event = Event::Rest(Run { crd: Crd::FIRST, fifo: 0 }, End::RanOut
 
 /// The events of an interval, in the order of time; those of an instant in the order in which they came.
 #[derive(Debug)]
-pub(super) struct Agenda {
+pub(super) struct EventQueue {
     next: Ns,
     first: usize,
     len: usize,
@@ -151,9 +151,10 @@ pub(super) struct Agenda {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Full;
 
-impl Agenda {
+impl EventQueue {
     /// Nothing to come.
-    pub(super) const EMPTY: Agenda = Agenda { next: NEVER, first: 0, len: 0, events: [(NEVER, NOTHING); EVENTS] };
+    pub(super) const EMPTY: EventQueue =
+        EventQueue { next: NEVER, first: 0, len: 0, events: [(NEVER, NOTHING); EVENTS] };
 
     /// Whether there is none.
     #[inline(always)]

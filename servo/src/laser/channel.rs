@@ -7,17 +7,17 @@
 //! to what they carry. So nothing is owed to an edge that was missed. Changes act in their order and before
 //! the edges of their instant; a gate edge acts before the light's, which it may cancel.
 //!
-//! A tick in which nothing happens costs a comparison or two: `news` tells of changes, `wake` of edges.
+//! A tick in which nothing happens costs a comparison or two: `changed` tells of changes, `wake` of edges.
 mod interval;
 
-use super::buffered::{Agenda, Buffered, Event};
+use super::actions::{Action, Train};
+use super::buffered::{Buffered, Event, EventQueue};
 use super::energy::{Energy, Plain};
 use super::gate::{Edges, Full};
-use super::law::{Family, Law};
+use super::light_owner::{End, Fact, Order, Owner, Run};
 use super::on_time::OnTime;
-use super::owner::{End, Fact, Order, Owner, Run};
-use super::plan::{Action, Train};
 use super::power::Power;
+use super::power_law::{Family, Law};
 use super::safety::{Cause, Safety};
 use super::{Change, Delays, Fpk, Mode, NEVER};
 use crate::units::{Crd, CrdMask, Ns};
@@ -27,7 +27,7 @@ use crate::view::LaserView;
 const CRD_MAP: u8 = 0b11;
 
 /// What has happened since the last plan.
-mod news {
+mod changed {
     /// Outputs or commands moved.
     pub(super) const MOVED: u8 = 1;
     /// The power may be another: it is found anew, and its train.
@@ -50,14 +50,14 @@ struct Outputs {
 }
 
 impl Outputs {
-    const REST: Outputs = Outputs { light: false, switch: false, volts: None, train: Train::NONE };
+    const SAFE_STATE: Outputs = Outputs { light: false, switch: false, volts: None, train: Train::NONE };
 }
 
 /// A channel. The queues of edges lie last, so that the rest is within reach of short instructions.
 #[derive(Debug)]
 #[repr(C)]
 pub(super) struct Channel {
-    pub(super) shown: LaserView,
+    pub(super) published: LaserView,
     safety: Safety,
     // Settings.
     law: Law,
@@ -88,21 +88,21 @@ pub(super) struct Channel {
     rate: Power,
     /// What the width of its pulses is of each power, where nothing else changes with that.
     plain: Plain,
-    news: u8,
+    changed: u8,
     /// The next edge.
     wake: Ns,
     gate: Edges,
     /// Light: the gate, shifted by the FPK.
     light: Edges,
     /// What paths do in the interval that is planned next.
-    agenda: Agenda,
+    event_queue: EventQueue,
 }
 
 impl Channel {
     /// Channel `index` at power-on.
     pub(super) const fn power_on(index: u8) -> Channel {
         Channel {
-            shown: LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
+            published: LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
             safety: Safety::LIVE,
             law: Law::power_on(index, Family::Gus),
             energy: Energy::POWER_ON,
@@ -110,7 +110,7 @@ impl Channel {
             delayed: true,
             fpk: None,
             owner: Owner::power_on(CrdMask(CRD_MAP)),
-            agenda: Agenda::EMPTY,
+            event_queue: EventQueue::EMPTY,
             gate: Edges::OFF,
             light: Edges::OFF,
             tail: 0,
@@ -120,12 +120,12 @@ impl Channel {
             alarms: CrdMask(0),
             on_time: OnTime::ZERO,
             planned: 0,
-            out: Outputs::REST,
+            out: Outputs::SAFE_STATE,
             power: Power::ZERO,
             train: Train::NONE,
             rate: Power::ZERO,
             plain: Plain::NONE,
-            news: news::CHANGED,
+            changed: changed::CHANGED,
             wake: NEVER,
         }
     }
@@ -136,10 +136,10 @@ impl Channel {
         self.attend(at);
         // What the other channel's mode brings along is no command of this one.
         self.energy.muted &= matches!(change, Change::PairedStandby(_));
-        self.news |= match change {
-            Change::Gate { .. } => news::MOVED,
-            Change::Direct { .. } if self.law.follows().is_none() => news::POWER,
-            _ => news::CHANGED,
+        self.changed |= match change {
+            Change::Gate { .. } => changed::MOVED,
+            Change::Direct { .. } if self.law.follows().is_none() => changed::POWER,
+            _ => changed::CHANGED,
         };
         match change {
             Change::Gate { on } => self.report(at, Fact::Command { on: *on }),
@@ -190,20 +190,20 @@ impl Channel {
 
     /// The owner takes a fact; the gate carries out what it orders.
     pub(super) fn report(&mut self, at: Ns, fact: Fact) {
-        let shown = |owner: &Owner| (owner.is_commanded(), owner.owners());
-        let before = shown(&self.owner);
+        let published = |owner: &Owner| (owner.is_commanded(), owner.owners());
+        let before = published(&self.owner);
         let order = self.owner.hear(fact);
-        if order != Order::Keep || shown(&self.owner) != before {
-            self.news |= news::MOVED;
+        if order != Order::Keep || published(&self.owner) != before {
+            self.changed |= changed::MOVED;
         }
         match order {
             Order::Keep => {}
             Order::On | Order::Off => self.switch(at, order == Order::On),
             Order::Cut => self.extinguish(),
             Order::Ignored(why) => {
-                let LaserView { ignored, ignored_count, .. } = &mut self.shown;
+                let LaserView { ignored, ignored_count, .. } = &mut self.published;
                 (*ignored, *ignored_count) = (why, ignored_count.wrapping_add(1));
-                self.news |= news::CHANGED;
+                self.changed |= changed::CHANGED;
             }
         }
     }
@@ -235,7 +235,7 @@ impl Channel {
 
     /// Another map. It ends the follow of a coordinate system that it excludes.
     fn take_map(&mut self, at: Ns, map: CrdMask) {
-        self.shown.crd_map = map.0;
+        self.published.crd_map = map.0;
         self.report(at, Fact::Map { crds: map });
         if self.law.follows().is_some_and(|crd| !map.has(crd)) {
             self.law.end_follow(CrdMask(u8::MAX));
@@ -266,7 +266,7 @@ impl Channel {
         self.safety.reset();
         self.ends = false;
         self.clear_latch(at);
-        self.news |= news::CHANGED;
+        self.changed |= changed::CHANGED;
     }
 
     /// An abort, or a new session: dark at the call, standby and pre-voltage too until the next command of the channel.
@@ -275,15 +275,15 @@ impl Channel {
         self.report(at, Fact::Abort { refuses });
         self.safety.rest_once();
         (self.energy.muted, self.ends) = (true, false);
-        self.news |= news::CHANGED;
+        self.changed |= changed::CHANGED;
     }
 
     /// Something that a path does at an instant of the interval that is planned next.
     pub(super) fn expect(&mut self, at: Ns, event: Event) {
-        if self.agenda.put(at, event).is_err() {
+        if self.event_queue.put(at, event).is_err() {
             // What is due already has waited for nothing.
             self.attend(at);
-            if self.agenda.put(at, event).is_err() {
+            if self.event_queue.put(at, event).is_err() {
                 self.trip(Cause::Edges);
             }
         }
@@ -292,12 +292,12 @@ impl Channel {
 
     /// Whether one more entry of a path has a place, beside the rests of all paths.
     pub(super) fn has_room(&self) -> bool {
-        self.agenda.has_room()
+        self.event_queue.has_room()
     }
 
     /// What is due takes place.
     pub(super) fn attend(&mut self, now: Ns) {
-        while let Some(event) = self.agenda.take(now) {
+        while let Some(event) = self.event_queue.take(now) {
             self.happen(now, event);
         }
     }
@@ -314,7 +314,7 @@ impl Channel {
                     return self.report(at, Fact::Entry { on: false, run });
                 }
                 self.unmute(run);
-                self.news |= news::CHANGED;
+                self.changed |= changed::CHANGED;
                 let followed = self.law.follows();
                 self.law.change(run.crd, &change);
                 if change.begins_follow() {
@@ -324,9 +324,9 @@ impl Channel {
             }
             Event::Rest(run, end, cause) => {
                 let is_mapped = self.is_mapped(run.crd);
-                self.owner_rests(at, run, end);
+                self.owner_is_at_standstill(at, run, end);
                 if end == End::Failed && is_mapped {
-                    self.news |= news::CHANGED;
+                    self.changed |= changed::CHANGED;
                     self.ends |= self.safety.trip_within(cause);
                     self.owner.hear(Fact::Latched { link: false });
                 }
@@ -335,7 +335,7 @@ impl Channel {
     }
 
     /// A path comes to rest. What fails goes dark by the latch, within the interval.
-    fn owner_rests(&mut self, at: Ns, run: Run, end: End) {
+    fn owner_is_at_standstill(&mut self, at: Ns, run: Run, end: End) {
         let fact = Fact::Rests { run, end };
         if end == End::Failed {
             self.owner.hear(fact);
@@ -348,19 +348,19 @@ impl Channel {
     fn unmute(&mut self, run: Run) {
         if self.energy.muted && self.owner.heeds(run.crd) && !self.owner.dead().has(run.crd) {
             self.energy.muted = false;
-            self.news |= news::CHANGED;
+            self.changed |= changed::CHANGED;
         }
     }
 
     /// Whether the channel is mapped to a coordinate system.
     pub(super) fn is_mapped(&self, crd: Crd) -> bool {
-        CrdMask(self.shown.crd_map).has(crd)
+        CrdMask(self.published.crd_map).has(crd)
     }
 
     /// Whose planned speed it follows, and that of whose encoders, or may from within the coming interval on.
     #[inline(always)]
     pub(super) fn wants(&self) -> (CrdMask, CrdMask) {
-        if !self.agenda.is_empty() && self.agenda.follows() {
+        if !self.event_queue.is_empty() && self.event_queue.follows() {
             return (CrdMask(u8::MAX), CrdMask(u8::MAX));
         }
         (self.law.planned, self.law.encoder)
@@ -377,7 +377,7 @@ impl Channel {
         self.attend(at);
         let followed = self.law.follows();
         self.law.end_follow(crds);
-        self.news |= news::CHANGED;
+        self.changed |= changed::CHANGED;
         self.report_follow(at, followed);
     }
 
@@ -390,21 +390,21 @@ impl Channel {
     pub(super) fn alarms(&mut self, crds: CrdMask) {
         self.alarms = crds;
         self.see_alarms();
-        self.news |= news::CHANGED;
+        self.changed |= changed::CHANGED;
     }
 
     /// An alarm may begin for the channel by what it is mapped to, too.
     fn see_alarms(&mut self) {
-        if self.safety.alarm(self.alarms.0 & self.shown.crd_map != 0) {
+        if self.safety.alarm(self.alarms.0 & self.published.crd_map != 0) {
             self.trip(Cause::Alarm);
         }
     }
 
     /// Some coordinate systems had a fault that is cleared (ClrSts).
     pub(super) fn clear(&mut self, at: Ns, crds: CrdMask) {
-        if crds.0 & self.shown.crd_map != 0 {
+        if crds.0 & self.published.crd_map != 0 {
             self.clear_latch(at);
-            self.news |= news::CHANGED;
+            self.changed |= changed::CHANGED;
         }
     }
 
@@ -446,13 +446,13 @@ impl Channel {
         self.safety.trip(cause);
         // Dark is what the latch makes; that takes the outputs along, and nothing else is to be cut.
         self.owner.hear(Fact::Latched { link: cause == Cause::LinkLost });
-        self.news |= news::CHANGED;
+        self.changed |= changed::CHANGED;
     }
 
     /// The host link is lost, or there again; `runs`: a program runs.
     pub(super) fn link(&mut self, lost: bool, runs: bool) {
         self.safety.link(lost);
-        self.news |= news::CHANGED;
+        self.changed |= changed::CHANGED;
         if lost && (runs || self.gate.may_be_on() || self.light.may_be_on()) {
             self.trip(Cause::LinkLost);
         }

@@ -7,9 +7,9 @@
 //! What the thread knows ahead (a carrier, standby, a fixed power) repeats after the fewest periods that hold
 //! [`PPM`] and [`DUTY_STEPS`]; what changes from tick to tick has 32 fraction bits.
 use super::Mode;
-use super::plan::{Count, Rate, Train};
+use super::actions::{Count, Rate, Train};
 use super::power::{Power, Refused};
-use crate::wide::{Recip, umul, umulhi};
+use crate::math::wide::{Recip, umul, umulhi};
 
 /// A frequency is off by at most one part in this many.
 pub const PPM: u64 = 1_000_000;
@@ -81,7 +81,7 @@ struct Repetitions {
     khz: u64,
     /// A period is whole + rest/khz counts.
     whole: u64,
-    rest: u64,
+    remainder: u64,
     /// So many periods are total + over/khz counts.
     periods: u32,
     total: u64,
@@ -91,14 +91,14 @@ struct Repetitions {
 impl Repetitions {
     fn of(khz: Power, clock: Clock) -> Repetitions {
         let (per_ms, khz) = (clock.per_ms(), (khz.raw() as u64).max(1));
-        Repetitions { khz, whole: per_ms / khz, rest: per_ms % khz, periods: 0, total: 0, over: 0 }
+        Repetitions { khz, whole: per_ms / khz, remainder: per_ms % khz, periods: 0, total: 0, over: 0 }
     }
 
     /// The next one: its periods, the whole counts nearest to their sum, and whether that is exact to [`PPM`].
     fn step(&mut self) -> (u32, u64, bool) {
         self.periods += 1;
         self.total = self.total.saturating_add(self.whole);
-        self.over += self.rest;
+        self.over += self.remainder;
         if self.over >= self.khz {
             self.over -= self.khz;
             self.total = self.total.saturating_add(1);
@@ -349,10 +349,10 @@ impl Pattern {
         (period, width)
     }
 
-    /// Tells periods of a train whose counts are far below 2³², runs of equal ones at once, as [`Steps::tell`] does. What is left of
+    /// Tells periods of a train whose counts are far below 2³², runs of equal ones at once, as [`Steps::queue`] does. What is left of
     /// the counts, and the period behind.
     #[inline(never)]
-    pub(super) fn tell(
+    pub(crate) fn queue(
         &mut self,
         train: &Train,
         left: u32,
@@ -360,7 +360,7 @@ impl Pattern {
         sink: &mut impl FnMut(u32, u32, u32),
     ) -> (u32, (u32, u32)) {
         let mut steps = Steps::of(self, train);
-        let left = steps.tell(left, alone, sink);
+        let left = steps.queue(left, alone, sink);
         let next = steps.step();
         *self = steps.pattern();
         (left, next)
@@ -472,9 +472,9 @@ impl Steps {
     /// Tells periods as far as they end within `left` counts and a longer one had room: length, width, and how many in turn
     /// are so, of which only those are told together that end `alone` counts before. What is left of the counts.
     #[inline(always)]
-    fn tell(&mut self, left: u32, alone: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
+    fn queue(&mut self, left: u32, alone: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
         if !self.is_plain {
-            return self.tell_each(left, sink);
+            return self.queue_each(left, sink);
         }
         let mut left = left;
         let longest = self.period.whole.wrapping_add(1);
@@ -513,7 +513,7 @@ impl Steps {
     /// The same, each for itself, where pulses fill their periods or go on behind them.
     #[cold]
     #[inline(never)]
-    fn tell_each(&mut self, left: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
+    fn queue_each(&mut self, left: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
         let mut left = left;
         let longest = self.period.whole.wrapping_add(1);
         while longest <= left {

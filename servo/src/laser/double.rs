@@ -3,8 +3,8 @@
 //! In: the bits of a user's double; whole numbers. Out: fixed point, or a real; products. Owns nothing. Fails: with the
 //! rule that a double breaks; what is too large for a power is held.
 use super::power::Refused;
-use crate::real::Real;
-use crate::wide::{umul, umulhi};
+use crate::math::real::Real;
+use crate::math::wide::{umul, umulhi};
 
 /// A double as a whole number of 2^-frac, to the nearest; |x| ≤ 2^most.
 pub(super) fn fixed(bits: u64, frac: i32, most: u32) -> Result<i64, Refused> {

@@ -3,10 +3,10 @@
 //! In: settings, the power. Out: trains of pulses and DAC values. Owns the settings of the output. Fails:
 //! what is not set makes no pulses; a pulse width that reaches the period is limited, and said to be.
 use super::Mode;
+use super::actions::{Count, Train};
 use super::dither::{Carrier, Clock, Fine, Standby};
-use super::plan::{Count, Train};
 use super::power::Power;
-use crate::wide::{umul, umulhi};
+use crate::math::wide::{umul, umulhi};
 use core::num::NonZeroU16;
 
 /// What a power is as the width of pulses, where it is nothing else: counts of 2⁻³² per power, 2⁻⁴⁴ %.

@@ -23,62 +23,52 @@
 //! | `rounds` | how timers carry it out: rounds of preloaded registers; `energy_rounds`, `switch_rounds` make them, `round_ring` holds them |
 //! | `held` | a plan that waits for its time, where a machine is a tick behind |
 //! | `safety` | the state machine through which every plan passes last |
+mod actions;
 mod buffered;
 mod channel;
-mod distance;
+mod distance_follow;
 mod dither;
 mod double;
-mod encoder;
+mod encoder_speed;
 mod energy;
-mod energy_rounds;
-mod follow;
 mod gate;
-mod held;
-mod law;
+mod light_owner;
 mod on_time;
-mod owner;
-mod plan;
 mod power;
-mod round_ring;
-mod rounds;
+mod power_law;
+mod power_tables;
 mod safety;
-mod switch_rounds;
-mod tables;
 #[cfg(test)]
 mod tests;
+mod velocity_follow;
 
+pub use actions::{Action, Count, FINISH_NS, PLACES, Plan, Rate, Train};
 pub use buffered::Buffered;
-pub use distance::{Distance, Ratios};
+pub use distance_follow::{Distance, Ratios};
 pub use dither::{Carrier, Clock, DUTY_STEPS, Fine, PPM, Pattern, Standby};
-pub(crate) use encoder::EncoderSpeed;
-pub use encoder::Lag;
+pub(crate) use encoder_speed::EncoderSpeed;
+pub use encoder_speed::Lag;
 pub use energy::counts as dac_counts;
-pub use energy_rounds::{Energy, LEAST as LEAST_OF_ENERGY};
-pub use follow::{PathSpeed, Ratio, Source};
-pub use held::{Held, WORDS as HELD_WORDS};
-pub use law::Family;
-pub use owner::Ignored;
-pub(crate) use owner::Run;
-pub use plan::{Action, Count, FINISH_NS, PLACES, Plan, Rate, Train};
+pub use light_owner::Ignored;
+pub(crate) use light_owner::Run;
 pub use power::{Bounds, Power, Refused};
-pub use round_ring::{Places, RoundRing};
-pub use rounds::Scale;
+pub use power_law::Family;
+pub(crate) use power_tables::ANALOG;
+pub use power_tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Tables};
 pub use safety::Cause;
-pub use switch_rounds::{LEAST as LEAST_OF_SWITCHES, Round, Switches};
-pub(crate) use tables::ANALOG;
-pub use tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Tables};
+pub use velocity_follow::{PathSpeed, Ratio, Source};
 
 use crate::axis::AxisState;
-use crate::path::{LASER_WORDS, Rest};
+use crate::path::{LASER_WORDS, PathStop};
 use crate::port::Port;
 use crate::units::{Axis, Crd, CrdMask, Ns, Pos};
 use crate::view::LaserView;
 use buffered::Event;
 use channel::Channel;
 use core::num::NonZeroU16;
-use distance::Ways;
-use law::Speeds;
-use owner::{End, Fact};
+use distance_follow::Displacements;
+use light_owner::{End, Fact};
+use power_law::Speeds;
 
 /// Later than any instant.
 const NEVER: Ns = Ns(u64::MAX);
@@ -189,15 +179,15 @@ pub(crate) struct Surroundings<'a> {
     tables: &'a Tables,
     axes: &'a [AxisState],
     /// Of the axes that the channel follows by fixed ratios, if it does.
-    ways: &'a Ways,
+    displacements: &'a Displacements,
 }
 
 impl Surroundings<'_> {
     /// One of the speeds of paths, [`Speeds::place`].
     #[inline(always)]
     fn speed(&self, place: usize) -> PathSpeed {
-        if self.speeds.fed >> (place & law::PLACES) & 1 == 0 {
-            return PathSpeed::REST;
+        if self.speeds.fed >> (place & power_law::PLACES) & 1 == 0 {
+            return PathSpeed::STANDSTILL;
         }
         self.speeds.of.get(place).copied().unwrap_or_default()
     }
@@ -205,10 +195,10 @@ impl Surroundings<'_> {
     /// Where an axis is planned to be, or was seen last.
     #[inline]
     fn place(&self, axis: Axis, source: Source) -> Pos {
-        let shown = self.axes.get(axis.index()).map(|axis| &axis.shown);
-        shown.map_or(Pos(0), |shown| match source {
-            Source::Planned => shown.pos,
-            Source::Encoder => Pos(shown.encoder << Pos::FRAC_BITS),
+        let published = self.axes.get(axis.index()).map(|axis| &axis.published);
+        published.map_or(Pos(0), |published| match source {
+            Source::Planned => published.pos,
+            Source::Encoder => Pos(published.encoder << Pos::FRAC_BITS),
         })
     }
 }
@@ -223,7 +213,7 @@ pub(crate) struct Wants {
 /// All channels of a controller, and what they share.
 ///
 /// In each tick, in this order: changes, link, starts and Stops of paths; what paths do ([`Lasers::buffered`],
-/// [`Lasers::crd_rests`]) at any instants of the coming interval; how fast they go ([`Lasers::feed`]); [`Lasers::run`].
+/// [`Lasers::crd_is_at_standstill`]) at any instants of the coming interval; how fast they go ([`Lasers::feed`]); [`Lasers::run`].
 #[derive(Debug)]
 pub(crate) struct Lasers {
     pub(crate) clock: Clock,
@@ -231,7 +221,7 @@ pub(crate) struct Lasers {
     pub(crate) interlock: bool,
     plan: Plan,
     speeds: Speeds,
-    ways: [Ways; CHANNELS],
+    displacements: [Displacements; CHANNELS],
     channels: [Channel; CHANNELS],
 }
 
@@ -242,15 +232,15 @@ impl Lasers {
             clock,
             interlock: false,
             plan: Plan::EMPTY,
-            speeds: Speeds::REST,
-            ways: [Ways::begin(0), Ways::begin(1)],
+            speeds: Speeds::STANDSTILL,
+            displacements: [Displacements::begin(0), Displacements::begin(1)],
             channels,
         }
     }
 
     /// What the channels show.
-    pub(crate) fn shown(&self) -> impl Iterator<Item = &LaserView> {
-        self.channels.iter().map(|channel| &channel.shown)
+    pub(crate) fn published(&self) -> impl Iterator<Item = &LaserView> {
+        self.channels.iter().map(|channel| &channel.published)
     }
 
     /// What a channel's outputs carry at the end of the interval that was planned last, as actions that bring
@@ -272,7 +262,7 @@ impl Lasers {
         );
         begins
             || self.channels.get(channel as usize).is_some_and(|channel| {
-                let LaserView { commanded, gate, light, power, .. } = channel.shown;
+                let LaserView { commanded, gate, light, power, .. } = channel.published;
                 commanded || gate || light || power != Power::ZERO
             })
     }
@@ -298,12 +288,12 @@ impl Lasers {
     }
 
     /// A path comes to rest at an instant of the interval that is planned next.
-    pub(crate) fn crd_rests(&mut self, run: Run, at: Ns, rest: Rest) {
+    pub(crate) fn crd_is_at_standstill(&mut self, run: Run, at: Ns, rest: PathStop) {
         let (end, cause) = match rest {
-            Rest::Underrun => (End::Failed, Cause::Underrun),
-            Rest::Obstructed => (End::Failed, Cause::Limit),
-            Rest::Never | Rest::Completed => (End::RanOut, Cause::None),
-            Rest::Stopped => (End::Stopped, Cause::None),
+            PathStop::Underrun => (End::Failed, Cause::Underrun),
+            PathStop::Obstructed => (End::Failed, Cause::Limit),
+            PathStop::Never | PathStop::Completed => (End::RanOut, Cause::None),
+            PathStop::Stopped => (End::Stopped, Cause::None),
         };
         self.channels.iter_mut().for_each(|channel| channel.expect(at, Event::Rest(run, end, cause)));
     }
@@ -418,13 +408,19 @@ impl Lasers {
         mut trace: impl FnMut(u8, &Plan),
     ) {
         let interlock = self.interlock;
-        let mut around = Surroundings { clock: self.clock, speeds: &self.speeds, tables, axes, ways: &Ways::OF_NOBODY };
+        let mut around = Surroundings {
+            clock: self.clock,
+            speeds: &self.speeds,
+            tables,
+            axes,
+            displacements: &Displacements::OF_NOBODY,
+        };
         self.plan.lasts = period.0 as u32;
-        for (index, (channel, ways)) in self.channels.iter_mut().zip(&mut self.ways).enumerate() {
+        for (index, (channel, displacements)) in self.channels.iter_mut().zip(&mut self.displacements).enumerate() {
             // Where channels follow the same places, one look is enough.
-            if let Some(key) = channel.places().filter(|key| !around.ways.are_of(*key)) {
-                ways.look(key, axes);
-                around.ways = ways;
+            if let Some(key) = channel.places().filter(|key| !around.displacements.are_of(*key)) {
+                displacements.look(key, axes);
+                around.displacements = displacements;
             }
             channel.step(next, period, interlock, &around, &mut self.plan);
             port.laser(index, &self.plan);
@@ -436,7 +432,7 @@ impl Lasers {
     /// Counts of changes go up by so many: see [`crate::tick::Tick::age`].
     pub(crate) fn age(&mut self, by: u32) {
         for channel in &mut self.channels {
-            let LaserView { moves, turns, changes, .. } = &mut channel.shown;
+            let LaserView { moves, turns, changes, .. } = &mut channel.published;
             [moves, turns, changes].into_iter().for_each(|count| *count = count.wrapping_add(by));
         }
     }
@@ -448,9 +444,9 @@ impl Lasers {
 
     /// Brings what the thread sees up to now.
     #[inline]
-    pub(crate) fn show(&self, shown: &mut [LaserView; CHANNELS]) {
-        for (to, channel) in shown.iter_mut().zip(&self.channels) {
-            to.follow(&channel.shown);
+    pub(crate) fn publish(&self, published: &mut [LaserView; CHANNELS]) {
+        for (to, channel) in published.iter_mut().zip(&self.channels) {
+            to.follow(&channel.published);
         }
     }
 }

@@ -15,7 +15,7 @@
 //!
 //! A cause within the interval that is being planned (an underrun) lets that plan pass, which goes dark there, and the empty
 //! one that is handed over before that instant. A clear that acts on the very tick that sees a cause, and cannot have meant it, does not hide it.
-use super::plan::Plan;
+use super::actions::Plan;
 
 /// Why a channel is dark until it is cleared. The numbers are those that `GetLaserFault` tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -112,7 +112,7 @@ impl Safety {
         if !self.is_dark() {
             (self.dark, self.rested) = (cause, false);
         }
-        if !self.rests() {
+        if !self.is_safe() {
             self.spared = 0;
         }
     }
@@ -123,7 +123,7 @@ impl Safety {
         if self.is_dark() {
             return false;
         }
-        let within = !self.rests();
+        let within = !self.is_safe();
         self.trip(cause);
         if within {
             self.spared = 2;
@@ -148,13 +148,13 @@ impl Safety {
 
     /// Whether the next plan does.
     #[inline(always)]
-    pub(super) fn rests(&self) -> bool {
+    pub(super) fn is_safe(&self) -> bool {
         self.spared == REST
     }
 
     /// Whether the plan that was made last went dark by itself.
-    pub(super) fn is_spared(&self) -> bool {
-        self.spared != 0 && !self.rests()
+    pub(super) fn in_grace(&self) -> bool {
+        self.spared != 0 && !self.is_safe()
     }
 
     /// Live again, if no cause is present and everything was at rest.
@@ -175,12 +175,12 @@ impl Safety {
     /// The same where it is dark.
     #[inline(never)]
     fn shut_off(&mut self, plan: &mut Plan) {
-        if self.is_spared() {
+        if self.in_grace() {
             self.spared = self.spared.wrapping_sub(1);
-        } else if self.is_dark() || self.rests() {
+        } else if self.is_dark() || self.is_safe() {
             (self.rested, self.spared) = (true, 0);
             plan.clear();
-            plan.rest = true;
+            plan.safe_state = true;
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Follows and tables against exact rationals, the law against cases worked out by hand.
 extern crate std;
-use super::buffered::{Agenda, Event};
-use super::distance::Ways;
-use super::law::Law;
-use super::owner::End;
-use super::tables::{DISTANCES, Stretch};
+use super::buffered::{Event, EventQueue};
+use super::distance_follow::Displacements;
+use super::light_owner::End;
+use super::power_law::Law;
+use super::power_tables::{DISTANCES, Interval};
 use super::*;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -69,7 +69,7 @@ fn the_power_of_a_speed_is_the_nearest_that_there_is() {
         assert!(off <= 0.5 + want * 2f64.powi(-62), "{r} · {v}: {off}");
     }
     assert_eq!(ratio(f64::MIN_POSITIVE).gain().power(PathSpeed::from_raw(u64::MAX)), 0);
-    assert_eq!(ratio(0.1).gain().power(PathSpeed::REST), 0);
+    assert_eq!(ratio(0.1).gain().power(PathSpeed::STANDSTILL), 0);
 }
 
 #[test]
@@ -118,28 +118,28 @@ fn buffered_changes_are_what_was_packed() {
 
 #[test]
 fn events_are_in_the_order_of_time_and_of_their_coming() {
-    let mut agenda = Agenda::EMPTY;
+    let mut event_queue = EventQueue::EMPTY;
     let run = |index| Run { crd: Crd::new(index).unwrap(), fifo: 0 };
     let order = [(50, 0), (20, 1), (50, 2), (10, 3), (20, 0)];
     for (at, index) in order {
-        agenda.put(Ns(at), Event::Rest(run(index), End::RanOut, Cause::None)).unwrap();
+        event_queue.put(Ns(at), Event::Rest(run(index), End::RanOut, Cause::None)).unwrap();
     }
-    assert_eq!(agenda.next(), Ns(10));
-    assert!(agenda.take(Ns(9)).is_none());
+    assert_eq!(event_queue.next(), Ns(10));
+    assert!(event_queue.take(Ns(9)).is_none());
     let mut seen = vec![];
-    while let Some(Event::Rest(run, ..)) = agenda.take(Ns(60)) {
+    while let Some(Event::Rest(run, ..)) = event_queue.take(Ns(60)) {
         seen.push(run.crd.index());
     }
     assert_eq!(seen, [3, 1, 0, 0, 2]);
-    assert_eq!(agenda.next(), NEVER);
+    assert_eq!(event_queue.next(), NEVER);
     for at in 0..48 {
-        agenda.put(Ns(at), Event::Rest(run(0), End::RanOut, Cause::None)).unwrap();
+        event_queue.put(Ns(at), Event::Rest(run(0), End::RanOut, Cause::None)).unwrap();
     }
-    assert!(agenda.put(Ns(1), Event::Rest(run(0), End::RanOut, Cause::None)).is_err());
+    assert!(event_queue.put(Ns(1), Event::Rest(run(0), End::RanOut, Cause::None)).is_err());
 }
 
-fn none() -> Stretch {
-    Stretch::NONE
+fn none() -> Interval {
+    Interval::NONE
 }
 
 /// A table of powers with these points.
@@ -166,10 +166,10 @@ fn a_table_is_linear_between_its_points_and_its_border_outside() {
             })
             .collect();
         let curve = power_table(&tables, &points);
-        let mut stretch = Stretch::NONE;
+        let mut interval = Interval::NONE;
         for _ in 0..300 {
             let x = (chance.within(0.0, v * 1.2) * 2f64.powi(30)) as i64;
-            let got = fixed(tables.at(curve, x, &mut stretch) as i128, 44);
+            let got = fixed(tables.at(curve, x, &mut interval) as i128, 44);
             let x = fixed(x as i128, 30);
             let at = points.iter().filter(|point| exact(point.0) <= x).count();
             let y = |index: usize| fixed(power(points[index].1).raw() as i128, 44);
@@ -187,7 +187,7 @@ fn a_table_is_linear_between_its_points_and_its_border_outside() {
         }
         // Every point itself.
         for (x, y) in &points {
-            let got = tables.at(curve, (x * 2f64.powi(30)) as i64, &mut stretch);
+            let got = tables.at(curve, (x * 2f64.powi(30)) as i64, &mut interval);
             assert_eq!(got, power(*y).raw());
         }
     }
@@ -256,8 +256,8 @@ fn tables_lie_apart() {
 fn axes(places: [f64; 4]) -> [AxisState; 4] {
     let mut axes = [AxisState::POWER_ON; 4];
     for (axis, place) in axes.iter_mut().zip(places) {
-        axis.shown.pos = Pos((place * (1 << 22) as f64) as i64);
-        axis.shown.encoder = place as i64 + 1000;
+        axis.published.pos = Pos((place * (1 << 22) as f64) as i64);
+        axis.published.encoder = place as i64 + 1000;
     }
     axes
 }
@@ -272,28 +272,29 @@ fn bits(x: [f64; 4]) -> [u64; 4] {
 
 /// What an admitted distance follow adds, in 2^-44.
 fn added(distance: &Distance, tables: &Tables, axes: &[AxisState]) -> i64 {
-    let speeds = Speeds::REST;
-    let around = Surroundings { clock: Clock::GHZ, speeds: &speeds, tables, axes, ways: &Ways::OF_NOBODY };
+    let speeds = Speeds::STANDSTILL;
+    let around =
+        Surroundings { clock: Clock::GHZ, speeds: &speeds, tables, axes, displacements: &Displacements::OF_NOBODY };
     if distance.bank().is_none() {
         // The same wherever it was told before: further off than a short way, and within one.
-        let (mut terms, mut ways) = (distance.terms(), Ways::begin(0));
+        let (mut terms, mut displacements) = (distance.terms(), Displacements::begin(0));
         for off in [i64::MAX >> 2, 1 << 40, (1 << 31) + 5, -(1 << 31), 5 - (1 << 31), 12_345_678, -1, 0] {
             let mut before = [AxisState::POWER_ON; 4];
             for (to, axis) in before.iter_mut().zip(axes) {
-                to.shown.pos = Pos(axis.shown.pos.0.wrapping_add(off));
-                to.shown.encoder = axis.shown.encoder.wrapping_add(off >> 20);
+                to.published.pos = Pos(axis.published.pos.0.wrapping_add(off));
+                to.published.encoder = axis.published.encoder.wrapping_add(off >> 20);
             }
-            ways.look(terms.key, &before);
-            terms.advance(&ways, &Some(*distance));
+            displacements.look(terms.key, &before);
+            terms.advance(&displacements, &Some(*distance));
         }
-        ways.look(terms.key, axes);
-        terms.advance(&ways, &Some(*distance));
+        displacements.look(terms.key, axes);
+        terms.advance(&displacements, &Some(*distance));
         let mut afresh = distance.terms();
-        afresh.advance(&ways, &Some(*distance));
+        afresh.advance(&displacements, &Some(*distance));
         assert_eq!(terms.power(), afresh.power());
         return terms.power();
     }
-    distance.tabled(0, |axis, source| around.place(axis, source), tables, &mut [Stretch::NONE; DISTANCES])
+    distance.tabled(0, |axis, source| around.place(axis, source), tables, &mut [Interval::NONE; DISTANCES])
 }
 
 #[test]
@@ -302,12 +303,12 @@ fn four_ways_of_one_length_add_up_with_the_largest_lower_halves_of_factors() {
     let ratio = 0x1f_ffff_feff_ffff_i64 as f64 / 2f64.powi(52);
     let (scales, ratios) = (bits([1.0; 4]), bits([ratio; 4]));
     let distance = Distance::admit(Source::Planned, mapped(), [0; 4], scales, ratios, Ratios::Fixed, None).unwrap();
-    let (mut terms, mut ways) = (distance.terms(), Ways::begin(0));
+    let (mut terms, mut displacements) = (distance.terms(), Displacements::begin(0));
     for pulses in [0.0, 255.0, -0.5, 511.0, 0.0, -255.0, 0.0, -511.0, 0.0] {
-        ways.look(terms.key, &axes([pulses; 4]));
-        terms.advance(&ways, &Some(distance));
+        displacements.look(terms.key, &axes([pulses; 4]));
+        terms.advance(&displacements, &Some(distance));
         let mut afresh = distance.terms();
-        afresh.advance(&ways, &Some(distance));
+        afresh.advance(&displacements, &Some(distance));
         assert_eq!(terms.power(), afresh.power(), "{pulses}");
     }
 }
@@ -330,8 +331,8 @@ fn a_distance_adds_what_it_should() {
             let (mut want, mut most) = (exact(0.0), [0f64; 2]);
             for index in 0..4 {
                 let place = match source {
-                    Source::Planned => fixed(axes[index].shown.pos.0 as i128, 22),
-                    Source::Encoder => BigRational::from_integer(axes[index].shown.encoder.into()),
+                    Source::Planned => fixed(axes[index].published.pos.0 as i128, 22),
+                    Source::Encoder => BigRational::from_integer(axes[index].published.encoder.into()),
                 };
                 let by = place - BigRational::from_integer(reference[index].into());
                 most[0] = most[0].max(by.abs().to_f64().unwrap());
@@ -426,19 +427,25 @@ fn ratios_of_tables_are_those_of_the_place() {
 
 /// The power of a law at a speed, of crd 1, and a distance of axis 0.
 fn power_of(law: &mut Law, v: f64, x: f64) -> f64 {
-    let mut speeds = Speeds::REST;
+    let mut speeds = Speeds::STANDSTILL;
     let [first, second] = [0, 1].map(|index| Crd::new(index).unwrap());
     speeds.put(Speeds::place(first, false), speed(v));
     speeds.put(Speeds::place(first, true), speed(2.0 * v));
     speeds.put(Speeds::place(second, false), speed(1e6));
     let (tables, axes) = (Tables::new(), axes([x, 0.0, 0.0, 0.0]));
     power_table(&tables, &[(10.0, 20.0), (50.0, 60.0)]);
-    let mut ways = Ways::begin(0);
+    let mut displacements = Displacements::begin(0);
     law.rest();
     if let Some(key) = law.places() {
-        ways.look(key, &axes);
+        displacements.look(key, &axes);
     }
-    let around = Surroundings { clock: Clock::GHZ, speeds: &speeds, tables: &tables, axes: &axes, ways: &ways };
+    let around = Surroundings {
+        clock: Clock::GHZ,
+        speeds: &speeds,
+        tables: &tables,
+        axes: &axes,
+        displacements: &displacements,
+    };
     let raw = law.power(&around).raw();
     (raw as f64 / 2f64.powi(44) * 1e9).round() / 1e9
 }

@@ -9,9 +9,9 @@
 //! twice 64 bits) and their speeds in what is left: synVel in 44 bits, synAcc and velEnd in 38. So the relative
 //! errors are 2⁻³⁹ and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
 use super::pack::{pack, real, unpack};
+use crate::math::real::Real;
 use crate::op::DoGroup;
-use crate::ramp::{Accel, Speed};
-use crate::real::Real;
+use crate::segment::ramp::{Accel, Speed};
 use crate::units::{Axis, StepLimit};
 
 /// An admitted entry, 32 bytes.
@@ -396,7 +396,7 @@ impl Entry {
         (speed, limit): (u64, StepLimit),
         acc: u64,
         modal: bool,
-    ) -> Result<Entry, crate::ramp::Refused> {
+    ) -> Result<Entry, crate::segment::ramp::Refused> {
         Speed::admit(speed, limit)?;
         Accel::admit(acc)?;
         let kind = kind::MOVE | if modal { kind::MODAL } else { 0 };

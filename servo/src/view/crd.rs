@@ -1,8 +1,8 @@
 //! What the tick tells of a coordinate system.
 use super::StopReason;
 use crate::crd::Frame;
-use crate::path::{Bend, DIMENSIONS, Rest};
-use crate::piece::{Motion, Scaled};
+use crate::path::{Bend, DIMENSIONS, PathStop};
+use crate::segment::piece::{Motion, Scaled};
 use crate::units::{Crd, Pos};
 
 /// One coordinate system in one tick.
@@ -15,7 +15,7 @@ pub struct CrdView {
     /// Counts changes of `bend`, of `motion` but for the place in it, of `fifo`, `released` and `done`.
     pub turns: u32,
     /// Coordinates: the planned positions of its axes less the origin.
-    pub place: [Pos; DIMENSIONS],
+    pub position: [Pos; DIMENSIONS],
     /// Direction of motion, a unit vector in 2⁻³⁰; zeros where it does not move.
     pub heading: [i32; DIMENSIONS],
     /// How the direction turns.
@@ -39,7 +39,7 @@ pub struct CrdView {
     /// The planned positions of its axes at its zero.
     pub origin: [Pos; DIMENSIONS],
     /// How the path came to rest last; `Stopped`: CrdStart goes on with the same FIFO.
-    pub rest: Rest,
+    pub rest: PathStop,
     /// Why.
     pub stop: StopReason,
 }
@@ -60,7 +60,7 @@ impl CrdView {
         } else {
             (self.motion.tau, self.motion.t) = (now.motion.tau, now.motion.t);
         }
-        (self.moves, self.place, self.heading) = (now.moves, now.place, now.heading);
+        (self.moves, self.position, self.heading) = (now.moves, now.position, now.heading);
     }
 
     /// Field by field, which costs a third of what a call of memcpy does; what `turns` counts comes with the rest.
@@ -78,7 +78,7 @@ impl CrdView {
             moves: _,
             changes: _,
             turns,
-            place,
+            position,
             heading,
             bend,
             motion,
@@ -95,7 +95,7 @@ impl CrdView {
         } = self;
         let on = &CrdView::POWER_ON;
         (*first, *second) = (first.wrapping_add(1), second.wrapping_add(1));
-        (*turns, *place, *heading, *bend, *motion) = (on.turns, on.place, on.heading, on.bend, on.motion);
+        (*turns, *position, *heading, *bend, *motion) = (on.turns, on.position, on.heading, on.bend, on.motion);
         (*runs, *fifo, *released, *done, *ends) = (on.runs, on.fifo, on.released, on.done, on.ends);
         (*frame, *origin, *rest) = (on.frame, on.origin, on.rest);
     }
@@ -105,10 +105,10 @@ impl CrdView {
         moves: 0,
         changes: 0,
         turns: 0,
-        place: [Pos(0); DIMENSIONS],
+        position: [Pos(0); DIMENSIONS],
         heading: [0; DIMENSIONS],
         bend: Bend::STRAIGHT,
-        motion: Motion::REST,
+        motion: Motion::STANDSTILL,
         runs: false,
         fifo: 0,
         released: [0; 2],
@@ -117,7 +117,7 @@ impl CrdView {
         cleared: [0; 2],
         frame: None,
         origin: [Pos(0); DIMENSIONS],
-        rest: Rest::Never,
+        rest: PathStop::Never,
         stop: StopReason::None,
     };
 }

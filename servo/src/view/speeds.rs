@@ -4,9 +4,9 @@
 //! was asked for, and those of the masters that it passed. Work: a product a link of a chain. Cannot fail.
 use super::{AxisView, CrdView};
 use crate::crd::share_speed;
-use crate::follow::{led, motion_of, straight};
-use crate::piece::Motion;
-use crate::real::Real;
+use crate::math::real::Real;
+use crate::segment::follow::{led, motion_of, straight};
+use crate::segment::piece::Motion;
 use crate::units::{Axis, AxisMask, Crd, Ns};
 
 /// Velocities, pulse/ms.
@@ -51,8 +51,8 @@ impl<const AXES: usize> Speeds<AXES> {
                 };
             };
             let Some(master) = lead.axis else {
-                let way = Real::from_scaled(straight(at.lead_way, period.0).velocity());
-                break led(&at.motion, lead, way);
+                let displacement = Real::from_scaled(straight(at.master_displacement, period.0).velocity());
+                break led(&at.motion, lead, displacement);
             };
             let (Some(place), Some(next)) = (masters.get_mut(depth), axes(master)) else { break Real::ZERO };
             *place = master;

@@ -1,10 +1,10 @@
 //! One motion on its own: a [`Profile`] as an axis has it, driven by a test through chosen instants.
 #![allow(dead_code, reason = "every test drives one kind of motion")]
-use servo::piece::Piece;
-use servo::profile::{Profile, Step, Supply};
-use servo::pt::{Feed, Place, PtRun, Segment, SegmentStore, Segments};
-use servo::pvt::{HEADER_WORDS, PLACE_WORDS, PvtRun, Tables};
-use servo::ramp::RampRun;
+use servo::segment::piece::Piece;
+use servo::segment::profile::{Generator, Profile, Step};
+use servo::segment::pt::{Feed, PtRun, Segment, SegmentStore, Segments, SlotRange};
+use servo::segment::pvt::{HEADER_WORDS, POINT_WORDS, PvtRun, Tables};
+use servo::segment::ramp::RampRun;
 use servo::units::{Exact, Ns};
 
 /// Segments without tables.
@@ -19,7 +19,7 @@ impl<S: Segments> Segments for NoTables<'_, S> {
     }
 }
 impl<S> Tables for NoTables<'_, S> {
-    fn place(&self, _: u8, _: u32) -> [u32; PLACE_WORDS] {
+    fn point(&self, _: u8, _: u32) -> [u32; POINT_WORDS] {
         Default::default()
     }
     fn header(&self, _: u8) -> [u32; HEADER_WORDS] {
@@ -32,15 +32,15 @@ impl<T> Segments for NoSegments<'_, T> {
     }
 }
 impl<T: Tables> Tables for NoSegments<'_, T> {
-    fn place(&self, table: u8, index: u32) -> [u32; PLACE_WORDS] {
-        self.0.place(table, index)
+    fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS] {
+        self.0.point(table, index)
     }
     fn header(&self, table: u8) -> [u32; HEADER_WORDS] {
         self.0.header(table)
     }
 }
 impl Tables for Nothing {
-    fn place(&self, _: u8, _: u32) -> [u32; PLACE_WORDS] {
+    fn point(&self, _: u8, _: u32) -> [u32; POINT_WORDS] {
         Default::default()
     }
     fn header(&self, _: u8) -> [u32; HEADER_WORDS] {
@@ -56,11 +56,11 @@ fn passes_only(passes: u32) -> Feed {
 pub struct Pt(pub Profile);
 
 impl Pt {
-    pub fn begin(now: Ns, origin: Exact, place: Place) -> Pt {
-        Pt(Profile::of(Supply::Pt(PtRun::begin(now, origin, place)), now))
+    pub fn begin(now: Ns, origin: Exact, point: SlotRange) -> Pt {
+        Pt(Profile::of(Generator::Pt(PtRun::begin(now, origin, point)), now))
     }
     fn run(&self) -> &PtRun {
-        let Supply::Pt(run) = self.0.supply() else { panic!("not PT") };
+        let Generator::Pt(run) = self.0.generator() else { panic!("not PT") };
         run
     }
     pub fn step(&mut self, now: Ns, feed: Feed, source: &impl Segments) -> Step {
@@ -85,10 +85,10 @@ pub struct Pvt(pub Profile);
 
 impl Pvt {
     pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl Tables) -> Pvt {
-        Pvt(Profile::of(Supply::Pvt(PvtRun::begin(now, origin, table, source)), now))
+        Pvt(Profile::of(Generator::Pvt(PvtRun::begin(now, origin, table, source)), now))
     }
     fn run(&self) -> &PvtRun {
-        let Supply::Pvt(run) = self.0.supply() else { panic!("not PVT") };
+        let Generator::Pvt(run) = self.0.generator() else { panic!("not PVT") };
         run
     }
     pub fn step(&mut self, now: Ns, passes: u32, source: &impl Tables) -> Step {
@@ -123,7 +123,7 @@ pub struct Ramp(pub Profile);
 
 impl Ramp {
     pub fn begin(now: Ns, run: RampRun) -> Ramp {
-        Ramp(Profile::of(Supply::Ramp(run), now))
+        Ramp(Profile::of(Generator::Ramp(run), now))
     }
     pub fn step(&mut self, now: Ns) -> Step {
         self.0.step(now, passes_only(1), &NoSegments(&Nothing))

@@ -1,7 +1,7 @@
 //! Where a slave is, from its tables and the places of its master, as SPEC 5 tells it: nothing here is the servo's.
 //!
 //! Positions are those of the machine in 2⁻⁴⁸ pulse, ratios exact fractions. Between two ticks a master may have gone further than
-//! at either ([`Way`]): if that is not known exactly, a slave of one way is in a range, and if a pass may have ended
+//! at either ([`MasterPath`]): if that is not known exactly, a slave of one way is in a range, and if a pass may have ended
 //! or not, nothing is known any more.
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -34,7 +34,7 @@ struct Segment {
     from: i128,
     to: i128,
     begin: i128,
-    way: i128,
+    path: i128,
     /// The way at the ratios at its begin and its end.
     first: i128,
     last: i128,
@@ -59,9 +59,9 @@ impl Table {
         let mut steepest = 0.0f64;
         let mut segments = Vec::new();
         for (index, &(master, slave, kind, percent)) in data.iter().enumerate() {
-            let (master, way) = (master.abs(), slave - begin);
+            let (master, path) = (master.abs(), slave - begin);
             let length = eighths(master - from);
-            let mean = eighths(way) / &length;
+            let mean = eighths(path) / &length;
             let twice = &mean + &mean;
             if kind == 3 && index == 0 {
                 ratio = carried.clone();
@@ -79,7 +79,7 @@ impl Table {
                 from: whole(from),
                 to: whole(master),
                 begin: whole(begin),
-                way: whole(way),
+                path: whole(path),
                 first: cut(&(&first * &length)),
                 last: cut(&(&last * &length)),
                 percent: percent.into(),
@@ -93,8 +93,8 @@ impl Table {
         self.segments.last().unwrap().to
     }
 
-    fn way(&self) -> i128 {
-        self.segments.last().map(|last| last.begin + last.way).unwrap()
+    fn path(&self) -> i128 {
+        self.segments.last().map(|last| last.begin + last.path).unwrap()
     }
 
     /// The slave at this progress.
@@ -102,8 +102,8 @@ impl Table {
         if x <= 0 {
             return 0;
         }
-        let Some(segment) = self.segments.iter().find(|segment| x < segment.to) else { return self.way() };
-        let Segment { from, to, begin, way, first, last, percent } = *segment;
+        let Some(segment) = self.segments.iter().find(|segment| x < segment.to) else { return self.path() };
+        let Segment { from, to, begin, path, first, last, percent } = *segment;
         let t = (x - from) * ONE / (to - from);
         let mul = |a: i128, b: i128| a * b / ONE;
         let change = last - first;
@@ -122,7 +122,7 @@ impl Table {
                     mul(first, t) + mul(mul(slope, u), u) / 2 + mul(mul(slope, k), k) / 24
                 } else {
                     let u = ONE - t;
-                    way - mul(last, u) + cube(u)
+                    path - mul(last, u) + cube(u)
                 }
             }
     }
@@ -137,7 +137,7 @@ pub enum Begin {
 
 /// How a master went from a tick to the next.
 #[derive(Clone, Copy, Debug)]
-pub struct Way {
+pub struct MasterPath {
     pub from: i128,
     pub to: i128,
     /// Its highest place is between these, its lowest, too.
@@ -145,11 +145,11 @@ pub struct Way {
     pub low: (i128, i128),
 }
 
-impl Way {
+impl MasterPath {
     /// Beyond both ends by so much at most.
-    pub fn within(from: i128, to: i128, beyond: i128) -> Way {
+    pub fn within(from: i128, to: i128, beyond: i128) -> MasterPath {
         let (low, high) = (from.min(to), from.max(to));
-        Way { from, to, high: (high, high + beyond), low: (low - beyond, low) }
+        MasterPath { from, to, high: (high, high + beyond), low: (low - beyond, low) }
     }
 
     /// How far it goes in all, at most.
@@ -160,12 +160,12 @@ impl Way {
     }
 
     /// Along progress that is the position or its opposite.
-    fn along(&self, sign: i128) -> Way {
+    fn along(&self, sign: i128) -> MasterPath {
         if sign > 0 {
             return *self;
         }
         let turned = |(a, b): (i128, i128)| (-b, -a);
-        Way { from: -self.from, to: -self.to, high: turned(self.low), low: turned(self.high) }
+        MasterPath { from: -self.from, to: -self.to, high: turned(self.low), low: turned(self.high) }
     }
 }
 
@@ -180,7 +180,7 @@ pub enum Known {
 }
 
 enum State {
-    Told(Begin),
+    StepReport(Begin),
     Waits(bool, i128),
     Runs,
     Ended(i128),
@@ -210,7 +210,7 @@ impl Slave {
     /// With the slave at `origin`; FIFO 0 runs.
     pub fn new(data: [Option<Vec<Datum>>; 2], dir: i128, passes: u32, begin: Begin, origin: i128) -> Slave {
         let table = Table::new(data[0].as_ref().unwrap(), &BigRational::zero());
-        let state = State::Told(begin);
+        let state = State::StepReport(begin);
         let (pass, began, far) = (0, 0, (0, 0));
         Slave { data, table, fifo: 0, dir, passes, switching: false, state, pass, began, origin, far, switches: 0 }
     }
@@ -243,18 +243,20 @@ impl Slave {
     }
 
     /// The master has gone this way. The lowest and the highest place of the slave, if they are `wanted` and known.
-    pub fn step(&mut self, way: &Way, wanted: bool) -> (Known, Option<(i128, i128)>) {
+    pub fn step(&mut self, path: &MasterPath, wanted: bool) -> (Known, Option<(i128, i128)>) {
         let was = (self.far, self.began, self.origin, self.switches, self.pass);
         let running = matches!(self.state, State::Runs);
-        let known = self.go(way);
+        let known = self.go(path);
         let sign = self.sign();
-        let exact = |way: Way| way.high.0 == way.high.1 && way.low.0 == way.low.1;
-        let straight = |way: Way| exact(way) && way.high.0 == way.from.max(way.to) && way.low.0 == way.from.min(way.to);
-        let way = way.along(sign);
-        if !wanted || !running || !straight(way) || was.0.0 != was.0.1 || self.switches != was.3 {
+        let exact = |path: MasterPath| path.high.0 == path.high.1 && path.low.0 == path.low.1;
+        let straight = |path: MasterPath| {
+            exact(path) && path.high.0 == path.from.max(path.to) && path.low.0 == path.from.min(path.to)
+        };
+        let path = path.along(sign);
+        if !wanted || !running || !straight(path) || was.0.0 != was.0.1 || self.switches != was.3 {
             return (known, None);
         }
-        let (from, to) = if self.dir == 0 { (way.from, way.to) } else { (was.0.0, self.far.0) };
+        let (from, to) = if self.dir == 0 { (path.from, path.to) } else { (was.0.0, self.far.0) };
         let mut all = Vec::new();
         let now = (self.began, self.origin);
         if self.pass == was.4 && !matches!(known, Known::Ended(_)) {
@@ -275,27 +277,27 @@ impl Slave {
         (known, all.iter().min().copied().zip(all.iter().max().copied()))
     }
 
-    fn go(&mut self, way: &Way) -> Known {
+    fn go(&mut self, path: &MasterPath) -> Known {
         let mut begun = None;
         match self.state {
             State::Ended(at) => return Known::Ended(at),
             State::Lost => return Known::Nothing,
             // It begins at the end of the tick of FollowStart.
-            State::Told(Begin::Start) => {
-                self.start(way.to);
+            State::StepReport(Begin::Start) => {
+                self.start(path.to);
                 return Known::Runs(self.origin, self.origin);
             }
-            State::Told(Begin::Pass(up, at)) => {
+            State::StepReport(Begin::Pass(up, at)) => {
                 self.state = State::Waits(up, at);
                 return Known::Runs(self.origin, self.origin);
             }
             State::Waits(up, place) => {
                 let sign = if up { 1 } else { -1 };
-                let (way, at) = (way.along(sign), sign * place);
-                if way.from < at && way.high.0 >= at {
+                let (path, at) = (path.along(sign), sign * place);
+                if path.from < at && path.high.0 >= at {
                     self.start(place);
                     begun = Some(sign);
-                } else if way.from < at && way.high.1 >= at || way.from >= at && way.to >= at && way.low.0 < at {
+                } else if path.from < at && path.high.1 >= at || path.from >= at && path.to >= at && path.low.0 < at {
                     self.state = State::Lost;
                     return Known::Nothing;
                 } else {
@@ -304,7 +306,7 @@ impl Slave {
             }
             State::Runs => {}
         }
-        let along = way.along(self.sign());
+        let along = path.along(self.sign());
         let (mut least, mut most) = along.high;
         if begun.is_some_and(|sign| sign != self.sign()) {
             // It came from there, and what was before the crossing does not count.
@@ -328,7 +330,7 @@ impl Slave {
             if least < end {
                 break;
             }
-            self.origin += self.table.way();
+            self.origin += self.table.path();
             if self.switching && self.data[self.fifo ^ 1].is_some() {
                 self.data[self.fifo] = None;
                 self.fifo ^= 1;
@@ -341,7 +343,7 @@ impl Slave {
                 if turns {
                     // Progress goes the other way from here; the master came here on the way before.
                     self.began = -end;
-                    let along = way.along(self.sign());
+                    let along = path.along(self.sign());
                     (now, least) = ((along.to, along.to), along.to.max(-end));
                     most = least + (along.high.1 - along.high.0);
                 }
@@ -355,7 +357,7 @@ impl Slave {
         }
         while self.dir == 0 && now.0 < self.began && self.pass > 0 {
             self.began -= self.table.length();
-            self.origin -= self.table.way();
+            self.origin -= self.table.path();
             self.pass -= 1;
         }
         let (a, b) = (self.table.at(now.0 - self.began), self.table.at(now.1 - self.began));

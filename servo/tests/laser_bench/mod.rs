@@ -10,7 +10,7 @@ use servo::laser::{
 use servo::op::{Entry, Op};
 use servo::path::{self, EntryStore, PathStores};
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
-use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::segment::pvt::{HeaderStore, PointStore, TABLES, TableStores};
 use servo::tick::{IMMEDIATE, Lanes, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, Crd, CrdMask, Ns, Pos, StepLimit};
 use servo::view::{LaserView, View};
@@ -209,7 +209,7 @@ impl Output {
         if !plan.actions().is_empty() {
             self.last = next;
         }
-        if plan.rest {
+        if plan.safe_state {
             assert!(plan.actions().is_empty());
             self.queue.clear();
             self.pwm.cut(now);
@@ -221,7 +221,7 @@ impl Output {
                 self.volts.push((now, 0));
             }
         }
-        self.rests = plan.rest.then_some(self.rests.unwrap_or(now));
+        self.rests = plan.safe_state.then_some(self.rests.unwrap_or(now));
         let mut last = 0;
         for (offset, action) in plan.actions() {
             assert!(*offset >= last, "not in the order of time");
@@ -330,10 +330,10 @@ impl Bench {
         let (events, _) = leak(Ring::new()).split();
         let (samples, _) = leak(Ring::new()).split();
         let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
-        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
-        let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
+        let places: Box<[PointStore]> = (0..TABLES).map(|_| PointStore::new()).collect();
+        let places: Box<[PointStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores {
-            places: Box::leak(places),
+            points: Box::leak(places),
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::Tables::new()),
         };

@@ -1,7 +1,7 @@
 //! A host of paths for tests: entries in a list, everything told written down.
 #![allow(dead_code)] // each test file uses its part
-use servo::path::{Along, Change, Effects, Entries, Entry, Feed, Fine, Path, Rest, Step};
-use servo::piece::Scaled;
+use servo::path::{Along, Change, Effects, Entries, Entry, Feed, Fine, Path, PathStop, Step};
+use servo::segment::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
 
 pub struct Script(pub Vec<Entry>);
@@ -16,7 +16,7 @@ impl Entries for Script {
 #[derive(Default)]
 pub struct Heard {
     pub marks: Vec<(Fine, u8)>,
-    pub rests: Vec<(Fine, Rest)>,
+    pub rests: Vec<(Fine, PathStop)>,
     pub gears: Vec<(Axis, Pos)>,
     pub geared: Vec<(Axis, i32)>,
 }
@@ -30,7 +30,7 @@ impl Effects for Heard {
         }
         0
     }
-    fn rest(&mut self, at: Fine, rest: Rest) {
+    fn rest(&mut self, at: Fine, rest: PathStop) {
         self.rests.push((at, rest));
     }
     fn gear(&mut self, axis: Axis, by: Pos, _: Scaled) {

@@ -2,16 +2,16 @@
 #![allow(dead_code)]
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::crd::Frame;
-use servo::follow;
 use servo::laser::{Clock, Plan};
 use servo::op::{DoGroup, Entry, Mode, Op};
+use servo::output::step_generator;
 use servo::path::{self, EntryStore, PathStores};
-use servo::piece::Scaled;
 use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs, Port};
-use servo::pt::{Chain, Segment};
-use servo::pvt::{Header, HeaderStore, Place, PlaceStore, TABLES, TableStores};
-use servo::ramp::{Accel, Speed};
-use servo::steps;
+use servo::segment::follow;
+use servo::segment::piece::Scaled;
+use servo::segment::pt::{Chain, Segment};
+use servo::segment::pvt::{Header, HeaderStore, Point, PointStore, TABLES, TableStores};
+use servo::segment::ramp::{Accel, Speed};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos, StepLimit};
 use servo::view::{AxisView, Event, Sample, StopReason, View};
@@ -43,7 +43,7 @@ impl Port for Machine {
         self.inputs[axis.index()]
     }
     fn encoder(&mut self, axis: Axis) -> i64 {
-        steps::whole(self.set_points[axis.index()]) + self.slip[axis.index()]
+        step_generator::whole(self.set_points[axis.index()]) + self.slip[axis.index()]
     }
     fn index(&mut self, axis: Axis) -> Option<i64> {
         self.index[axis.index()].take()
@@ -154,10 +154,10 @@ impl Bench {
         let (events_in, events) = leak(Ring::new()).split();
         let (samples_in, samples) = leak(Ring::new()).split();
         let (view_in, view) = leak(Latest::new(View::POWER_ON)).split();
-        let places: Box<[PlaceStore]> = (0..TABLES).map(|_| PlaceStore::new()).collect();
-        let places: Box<[PlaceStore; TABLES]> = places.try_into().ok().unwrap();
+        let places: Box<[PointStore]> = (0..TABLES).map(|_| PointStore::new()).collect();
+        let places: Box<[PointStore; TABLES]> = places.try_into().ok().unwrap();
         let tables = TableStores {
-            places: Box::leak(places),
+            points: Box::leak(places),
             headers: leak(HeaderStore::new()),
             lasers: leak(servo::laser::Tables::new()),
         };
@@ -208,14 +208,14 @@ impl Bench {
     }
 
     /// One with the servo on and the mode set on all axes, one tick old.
-    pub fn ready(period_us: u32, mode: Mode) -> Bench {
+    pub fn prepared(period_us: u32, mode: Mode) -> Bench {
         let mut bench = Bench::new(period_us);
-        bench.make_ready(mode);
+        bench.prepare_start(mode);
         bench
     }
 
     /// A tick with the servo on and the mode set on all axes.
-    pub fn make_ready(&mut self, mode: Mode) {
+    pub fn prepare_start(&mut self, mode: Mode) {
         self.now(Op::Output { group: DoGroup::Enable, mask: 0xff, value: 0xff });
         for index in 0..AXES {
             self.now(Op::SetMode { axis: axis(index), mode });
@@ -309,7 +309,7 @@ impl Bench {
         let time_bits = (44 - (64 - (last * MS).leading_zeros() as i32)).min(32) as i8;
         let duration = u128::from(last * MS) << 64;
         let header = Header {
-            places: knots.len() as u16,
+            points: knots.len() as u16,
             time_bits,
             pos_bits: 20,
             vel_bits: 16,
@@ -320,8 +320,8 @@ impl Bench {
             rate: (u128::MAX / duration) as u64,
         };
         for (index, &(time, pos, vel)) in knots.iter().enumerate() {
-            let place = Place { time: (time * MS) << time_bits, pos: pos << 20, vel };
-            self.lanes.tables.write_place(table, index as u32, place.admit().unwrap());
+            let point = Point { time: (time * MS) << time_bits, pos: pos << 20, vel };
+            self.lanes.tables.write_point(table, index as u32, point.admit().unwrap());
         }
         self.lanes.tables.write_header(table, header.admit().unwrap());
     }
@@ -329,8 +329,8 @@ impl Bench {
     /// A coordinate system that drives these axes as X, Y and so on; its zero is at `origin`, or where they are.
     pub fn frame(&mut self, index: usize, axes: &[usize], origin: Option<[i32; 4]>) {
         let mut mapped = [None; 4];
-        for (place, index) in mapped.iter_mut().zip(axes) {
-            *place = Some(axis(*index));
+        for (point, index) in mapped.iter_mut().zip(axes) {
+            *point = Some(axis(*index));
         }
         self.now(Op::CrdFrame { crd: crd(index), frame: Frame::admit(mapped, origin, 0).unwrap() });
         self.pushed[index] = [0; 2];

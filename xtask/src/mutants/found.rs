@@ -7,13 +7,17 @@ pub const FOUND: &[Planted] = &[
     Planted {
         name: "found 1: a slave of a renamed slave jumps",
         by: By::Reference,
-        places: &[("servo/src/follow/follower.rs", "Way::of(now, places, shift)", "Way::of(now, places, shift & 0)")],
+        places: &[(
+            "servo/src/segment/follow/follower.rs",
+            "MasterPath::of(now, places, shift)",
+            "MasterPath::of(now, places, shift & 0)",
+        )],
     },
     Planted {
         name: "found 2: a slave of a master that is planned again while it brakes jumps",
         by: By::Reference,
         places: &[(
-            "servo/src/follow/way.rs",
+            "servo/src/segment/follow/master_path.rs",
             "let (t, part) = if t > last { (last, u32::MAX) } else { (t, fine as u32) };",
             "if t >= piece.span {\n        return Piece::END;\n    }\n    let (t, part) = (t.min(last), fine as u32);",
         )],
@@ -32,8 +36,8 @@ pub const FOUND: &[Planted] = &[
         by: By::Doors,
         places: &[(
             "servo/src/tick.rs",
-            "                tables.set_analog(channel, value);\n                trace.tell",
-            "                let _ = tables;\n                trace.tell",
+            "                tables.set_analog(channel, value);\n                trace.record_analog",
+            "                let _ = tables;\n                trace.record_analog",
         )],
     },
     Planted {
@@ -59,15 +63,15 @@ pub const FOUND: &[Planted] = &[
         by: By::Doors,
         places: &[(
             "dispatcher/src/admit/laser/energy.rs",
-            "let output = pulses.filter(|_| !paired || are_pwm(case, None));",
-            "let output = pulses.filter(|_| !paired || are_pwm(case, None) || paired);",
+            "let output = pulses.filter(|_| !paired || are_pwm(context, None));",
+            "let output = pulses.filter(|_| !paired || are_pwm(context, None) || paired);",
         )],
     },
     Planted {
         name: "found 8: neighbouring pulses of a rate merge",
         by: By::Lasers,
         places: &[(
-            "servo/src/laser/energy_rounds.rs",
+            "servo/src/output/pwm_cycles.rs",
             "if self.pulse_end > at && self.pulse_end >= next {",
             "if self.pulse_end > at && self.pulse_end >= next && self.pulse_end == 0 {",
         )],
@@ -94,7 +98,7 @@ pub const FOUND: &[Planted] = &[
         name: "found 9: a one-way slave shows a speed while its master goes back",
         by: By::Reference,
         places: &[(
-            "servo/src/follow/velocity.rs",
+            "servo/src/segment/follow/velocity.rs",
             "lead.one_way && !speed.is_zero()",
             "lead.one_way && speed.is_zero() && !speed.is_zero()",
         )],
@@ -111,13 +115,13 @@ pub const FOUND: &[Planted] = &[
     Planted {
         name: "found 9: more than 8 entries at a vertex stop the path",
         by: By::Doors,
-        places: &[("servo/src/path/run.rs", "EFFECTS: u32 = 32;", "EFFECTS: u32 = 8;")],
+        places: &[("servo/src/path/evaluator.rs", "EFFECTS: u32 = 32;", "EFFECTS: u32 = 8;")],
     },
     Planted {
         name: "found 12: starts of one instant act on different ticks",
         by: By::Reference,
         places: &[(
-            "servo/src/work.rs",
+            "servo/src/tick/workload.rs",
             "if !self.is_seen(&entry.op) {\n            return budget",
             "if !self.is_seen(&entry.op) || instant.0 != u64::MAX {\n            return budget",
         )],

@@ -2,10 +2,10 @@
 
 use super::list::Mutant;
 
-const OWNER: &str = "servo/src/laser/owner.rs";
+const OWNER: &str = "servo/src/laser/light_owner.rs";
 const CHANNEL: &str = "servo/src/laser/channel.rs";
 const SAFETY: &str = "servo/src/laser/safety.rs";
-const EXECUTE: &str = "servo/src/execute.rs";
+const EXECUTE: &str = "servo/src/tick/execute.rs";
 const TICK: &str = "servo/src/tick.rs";
 
 const STATES: &[&str] = &["-p", "beamtick-servo", "--lib", "--", "owner"];
@@ -178,7 +178,7 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "abort: an underrun in its tick puts it off",
         file: SAFETY,
-        text: "let within = !self.rests();",
+        text: "let within = !self.is_safe();",
         broken: "let within = true;",
         test: ABORT,
     },
@@ -212,7 +212,7 @@ pub const LIGHT: &[Mutant] = &[
     },
     Mutant {
         name: "interlock: a Reset keeps what the user chose",
-        file: "servo/src/work.rs",
+        file: "servo/src/tick/workload.rs",
         text: "            self.supervision = Supervision::DEFAULT;\n",
         broken: "",
         test: ABORT,
@@ -226,14 +226,14 @@ pub const LIGHT: &[Mutant] = &[
     },
     Mutant {
         name: "session: a new one inherits the link-loss time",
-        file: "dispatcher/src/desk.rs",
+        file: "dispatcher/src/session/commands.rs",
         text: "        let watch = Watch::DEFAULT;\n",
-        broken: "        let watch = self.ahead.watch;\n",
+        broken: "        let watch = self.admitted.watch;\n",
         test: OWNERS,
     },
     Mutant {
         name: "session: a Reset keeps the link-loss time",
-        file: "dispatcher/src/books.rs",
+        file: "dispatcher/src/shadow.rs",
         text: "                self.watch = Watch::DEFAULT;\n",
         broken: "",
         test: OWNERS,
@@ -241,20 +241,20 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "light: an entry for a channel that is not mapped is admitted",
         file: "dispatcher/src/admit/laser/buffered.rs",
-        text: "    if CrdMask(case.laser(channel).map).has(crd) {",
-        broken: "    if case.laser(channel).map != 0 || CrdMask(case.laser(channel).map).has(crd) {",
+        text: "    if CrdMask(context.laser(channel).map).has(crd) {",
+        broken: "    if context.laser(channel).map != 0 || CrdMask(context.laser(channel).map).has(crd) {",
         test: OWNERS,
     },
     Mutant {
         name: "light: a map is changed while light would come back",
         file: "dispatcher/src/admit/laser/mod.rs",
-        text: "if ahead || case.crd_may_run(crd) || seen.owners.has(crd) {",
-        broken: "if ahead || case.crd_may_run(crd) {",
+        text: "if ahead || context.crd_may_run(crd) || sampled.owners.has(crd) {",
+        broken: "if ahead || context.crd_may_run(crd) {",
         test: OWNERS,
     },
     Mutant {
         name: "abort: on commands are admitted while everything brakes",
-        file: "dispatcher/src/books.rs",
+        file: "dispatcher/src/shadow.rs",
         text: "        view.aborts || self.aborted",
         broken: "        self.aborted",
         test: OWNERS,

@@ -60,10 +60,10 @@ const TICK: &str = "servo/src/tick.rs";
 const RECEIVE: &str = "protocol/src/link/receive.rs";
 const TRANSMIT: &str = "protocol/src/link/transmit.rs";
 const QUEUE: &str = "ring/src/queue.rs";
-const PT_RUN: &str = "servo/src/pt/run.rs";
-const AHEAD: &str = "dispatcher/src/lookahead.rs";
-const AXIS_GUARD: &str = "servo/src/axis/guard.rs";
-const SERVER: &str = "dispatcher/src/server.rs";
+const PT_RUN: &str = "servo/src/segment/pt/evaluator.rs";
+const AHEAD: &str = "dispatcher/src/plan/look_ahead.rs";
+const AXIS_GUARD: &str = "servo/src/axis/limits.rs";
+const SERVER: &str = "dispatcher/src/session/server.rs";
 const MPS2: &str = "hal/src/mps2_an500/mod.rs";
 
 pub(super) const fn mutant(
@@ -139,7 +139,7 @@ pub const LIST: &[Mutant] = &[
     ),
     mutant("an on command takes the place of its off", EDGES, "self.len < EDGES - 1", "self.len < EDGES", GATE),
     // -- safety, in the tick -------------------------------------------------------------------
-    mutant("a dark channel's plan does not rest", SAFETY, "plan.rest = true;", "plan.rest = false;", GATE),
+    mutant("a dark channel's plan does not rest", SAFETY, "plan.safe_state = true;", "plan.safe_state = false;", GATE),
     mutant(
         "an alarm shuts off nothing that it gates",
         SAFETY,
@@ -179,7 +179,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "a latched fault does not refuse a start",
         AXIS_GUARD,
-        "!self.servo_on || self.shown.blocked != 0",
+        "!self.servo_on || self.published.blocked != 0",
         "!self.servo_on",
         GUARDS,
     ),
@@ -203,14 +203,14 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "PT: a stream that runs dry at speed is no underrun",
         PT_RUN,
-        "let at_rest = velocity.unsigned_abs() << 1 <= *rounded as u128;",
-        "let at_rest = velocity.unsigned_abs() <= u128::MAX - *rounded as u128;",
+        "let at_standstill = velocity.unsigned_abs() << 1 <= *rounded as u128;",
+        "let at_standstill = velocity.unsigned_abs() <= u128::MAX - *rounded as u128;",
         TICK_PT,
     ),
     mutant("PT: a loop runs once more", PT_RUN, "pass.passes >= feed.passes", "pass.passes > feed.passes", PT),
     mutant(
         "PVT: the next segment is looked for one too far",
-        "servo/src/pvt.rs",
+        "servo/src/segment/pvt.rs",
         "knot.next = segment.wrapping_add(1);",
         "knot.next = segment.wrapping_add(2);",
         PVT,
@@ -234,7 +234,7 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "a lost link leaves the program running",
         SERVER,
-        "            program.stop(desk, Reason::LinkLost);\n",
+        "            program.stop(handler, Reason::LinkLost);\n",
         "",
         PROGRAM_ENDS,
     ),
@@ -263,23 +263,23 @@ pub const LIST: &[Mutant] = &[
     // -- counters that go round -----------------------------------------------------------------
     mutant(
         "places in a lane are compared as they stand",
-        "dispatcher/src/books.rs",
+        "dispatcher/src/shadow.rs",
         "(done.wrapping_sub(seq) << 1).cast_signed() >= 0",
         "done >= seq",
         LIFE_WRAPS,
     ),
     mutant(
         "numbers of what was executed long ago stay as they are",
-        "dispatcher/src/desk.rs",
+        "dispatcher/src/session/commands.rs",
         "if self.renewed.is_due(view) {",
         "if self.renewed.is_due(view) && view.tick == 0 {",
         LIFE_OLD,
     ),
     mutant(
         "places of a path are counted as they stand",
-        "dispatcher/src/books/crd.rs",
-        "self.path(fifo).data.given.wrapping_sub(self.released(seen, fifo))",
-        "self.path(fifo).data.given.saturating_sub(self.released(seen, fifo))",
+        "dispatcher/src/shadow/crd.rs",
+        "self.path(fifo).data.given.wrapping_sub(self.released(sampled, fifo))",
+        "self.path(fifo).data.given.saturating_sub(self.released(sampled, fifo))",
         LIFE_COUNTS,
     ),
     mutant(
@@ -397,8 +397,20 @@ pub const LIST: &[Mutant] = &[
         "let distance = ahead(sequence, self.take).unwrap_or(0);",
         FUZZ_LINK,
     ),
-    mutant("a channel with a fault does not rest", SAFETY, "plan.rest = true;", "plan.rest = false;", FUZZ_MACHINE),
-    mutant("a lost link leaves the light on", SERVER, "*lost = desk.tell_link(true);", "*lost = true;", FUZZ_MACHINE),
+    mutant(
+        "a channel with a fault does not rest",
+        SAFETY,
+        "plan.safe_state = true;",
+        "plan.safe_state = false;",
+        FUZZ_MACHINE,
+    ),
+    mutant(
+        "a lost link leaves the light on",
+        SERVER,
+        "*lost = handler.tell_link(true);",
+        "*lost = true;",
+        FUZZ_MACHINE,
+    ),
     mutant(
         "the second record of a message is passed over",
         SERVER,
@@ -408,7 +420,7 @@ pub const LIST: &[Mutant] = &[
     ),
     mutant(
         "an entry of a path is stored twice",
-        "dispatcher/src/path_queue.rs",
+        "dispatcher/src/plan/path_queue.rs",
         "self.end = self.end.wrapping_add(1);",
         "store.write(self.end.wrapping_add(1), entry);\n        self.end = self.end.wrapping_add(2);",
         FUZZ_MACHINE,
@@ -447,7 +459,7 @@ pub const LIST: &[Mutant] = &[
     // -- faults that were found (docs/safety.md), with what mended them taken out ------------------
     mutant(
         "found: a start in the tick that loses the link forgets its light",
-        "servo/src/laser/owner.rs",
+        "servo/src/laser/light_owner.rs",
         "Light::On(who) if link => (who, Holders(0)),",
         "Light::On(who) if link && self.vetoed => (who, Holders(0)),",
         LASER_PATH,
@@ -468,23 +480,23 @@ pub const LIST: &[Mutant] = &[
     ),
     mutant(
         "found: a smooth stop begins where a piece has ended",
-        "servo/src/profile.rs",
+        "servo/src/segment/profile.rs",
         "        self.other = Other::Begins;\n",
         "",
         GUARDS,
     ),
     mutant(
         "found: a ratio of 2^48 wraps",
-        "servo/src/follow/entry.rs",
+        "servo/src/segment/follow/entry.rs",
         "if p.unsigned_abs() >> 44 >= m.unsigned_abs() {",
         "if p.unsigned_abs() >> 127 >= m.unsigned_abs() {",
         FOLLOW,
     ),
     mutant(
         "found: a motion behind what begins where only the tick knows is refused",
-        "dispatcher/src/books/crd.rs",
-        "if place.iter().any(|at| at.is_nan())",
-        "if place.iter().all(|_| false)",
+        "dispatcher/src/shadow/crd.rs",
+        "if position.iter().any(|at| at.is_nan())",
+        "if position.iter().all(|_| false)",
         CRD_AHEAD,
     ),
     // -- the reference board's image, in emulation ---------------------------------------------

@@ -60,10 +60,10 @@ pub struct Planted {
     pub places: &'static [(&'static str, &'static str, &'static str)],
 }
 
-const OWNER: &str = "servo/src/laser/owner.rs";
-const EXECUTE: &str = "servo/src/execute.rs";
-const DESK: &str = "dispatcher/src/desk.rs";
-const BOOKS: &str = "dispatcher/src/books.rs";
+const OWNER: &str = "servo/src/laser/light_owner.rs";
+const EXECUTE: &str = "servo/src/tick/execute.rs";
+const DESK: &str = "dispatcher/src/session/commands.rs";
+const BOOKS: &str = "dispatcher/src/shadow.rs";
 
 const LIGHT: &[Planted] = &[
     Planted {
@@ -86,8 +86,8 @@ const LIGHT: &[Planted] = &[
         by: By::Light,
         places: &[(
             "dispatcher/src/admit/laser/mod.rs",
-            "if ahead || case.crd_may_run(crd) || seen.owners.has(crd) {",
-            "if ahead && seen.owners.0 == u8::MAX {",
+            "if ahead || context.crd_may_run(crd) || sampled.owners.has(crd) {",
+            "if ahead && sampled.owners.0 == u8::MAX {",
         )],
     },
     Planted {
@@ -136,13 +136,13 @@ const LIGHT: &[Planted] = &[
         by: By::Light,
         places: &[
             (BOOKS, "                self.watch = Watch::DEFAULT;\n", ""),
-            (DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.ahead.watch;\n"),
+            (DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.admitted.watch;\n"),
         ],
     },
     Planted {
         name: "the link-loss time outlives the session",
         by: By::Light,
-        places: &[(DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.ahead.watch;\n")],
+        places: &[(DESK, "        let watch = Watch::DEFAULT;\n", "        let watch = self.admitted.watch;\n")],
     },
 ];
 

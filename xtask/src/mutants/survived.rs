@@ -28,16 +28,16 @@ const SESSIONS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "sessions"];
 const LIMITS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "refusals", "--", "limits_are_switched"];
 
 const DRIVE: &str = "servo/src/crd/drive.rs";
-const ORDERS: &str = "servo/src/crd/orders.rs";
-const GUARD: &str = "servo/src/axis/guard.rs";
-const DRIVEN: &str = "servo/src/axis/driven.rs";
+const ORDERS: &str = "servo/src/crd/commands.rs";
+const GUARD: &str = "servo/src/axis/limits.rs";
+const DRIVEN: &str = "servo/src/axis/crd_member.rs";
 const MOTION: &str = "servo/src/axis/motion.rs";
-const INPUTS: &str = "servo/src/inputs.rs";
+const INPUTS: &str = "servo/src/axis/inputs.rs";
 const SAFETY: &str = "servo/src/laser/safety.rs";
 const RECEIVE: &str = "protocol/src/link/receive.rs";
-const SERVER: &str = "dispatcher/src/server.rs";
+const SERVER: &str = "dispatcher/src/session/server.rs";
 const PROGRAM_END: &str = "dispatcher/src/program/end.rs";
-const DESK: &str = "dispatcher/src/desk.rs";
+const DESK: &str = "dispatcher/src/session/commands.rs";
 
 /// Those of one crate together.
 pub const SURVIVED: &[Mutant] = &[
@@ -57,7 +57,7 @@ pub const SURVIVED: &[Mutant] = &[
         CAUSES,
     ),
     mutant(
-        "found: what an axis cannot do is told as a limit",
+        "found: what an axis cannot do is reported as a limit",
         DRIVE,
         "            self.lasers.crd_fault(crd, Cause::Fault);\n            self.stop_crds",
         "            self.stop_crds",
@@ -135,36 +135,36 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "the room of a motion is that of the one before",
         DRIVE,
-        "            self.room = [next, Room::Unknown];\n",
+        "            self.room = [next, Clearance::Unknown];\n",
         "            let _ = next;\n",
         CRD_GUARDS,
     ),
     mutant(
         "the room of a motion stays over what is done at its end",
         DRIVE,
-        "        state.room = [Room::Unknown; 2];\n        let shown",
-        "        let shown",
+        "        state.room = [Clearance::Unknown; 2];\n        let published",
+        "        let published",
         CRD_GUARDS,
     ),
     mutant(
         "an axis of another path goes along",
         DRIVEN,
-        "self.refuses_start() || self.runs() || self.shown.mode == Mode::Crd",
+        "self.refuses_start() || self.runs() || self.published.mode == Mode::Crd",
         "self.refuses_start() || self.runs()",
         CRD_GUARDS,
     ),
     mutant(
         "an axis that goes along is sent away",
         DRIVEN,
-        "if self.shown.mode != Mode::Trap || self.driven || self.refuses_start() {",
-        "if self.shown.mode != Mode::Trap || self.refuses_start() {",
+        "if self.published.mode != Mode::Trap || self.driven || self.refuses_start() {",
+        "if self.published.mode != Mode::Trap || self.refuses_start() {",
         CRD_GUARDS,
     ),
     mutant(
         "an axis that goes along takes an Update",
         MOTION,
-        "self.refuses_start() || self.driven || way != 0",
-        "self.refuses_start() || way != 0",
+        "self.refuses_start() || self.driven || direction != 0",
+        "self.refuses_start() || direction != 0",
         CRD_GUARDS,
     ),
     // -- what guards an axis ---------------------------------------------------------------------
@@ -192,7 +192,7 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "at rest beyond a soft limit is nothing",
         GUARD,
-        "            causes |= self.inputs.beyond(self.shown.pos);\n",
+        "            causes |= self.inputs.beyond(self.published.pos);\n",
         "",
         GUARDS,
     ),
@@ -261,14 +261,14 @@ pub const SURVIVED: &[Mutant] = &[
     ),
     mutant(
         "a Reset leaves servos on",
-        "servo/src/work.rs",
+        "servo/src/tick/workload.rs",
         "            self.enable &= !axes.0;\n            self.halt",
         "            self.halt",
         GUARDS,
     ),
     mutant(
         "PVT: passes are counted past the loop",
-        "servo/src/pvt.rs",
+        "servo/src/segment/pvt.rs",
         "track.passes = track.passes.saturating_add(left);",
         "track.passes = track.passes.saturating_add(many);",
         PVT,
@@ -375,8 +375,8 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "nobody is woken when the link is lost",
         SERVER,
-        ".filter(|_| !self.lost && self.desk.now.watch.link_loss_ms != 0)",
-        ".filter(|_| self.lost && self.desk.now.watch.link_loss_ms != 0)",
+        ".filter(|_| !self.lost && self.handler.executed.watch.link_loss_ms != 0)",
+        ".filter(|_| self.lost && self.handler.executed.watch.link_loss_ms != 0)",
         SESSIONS,
     ),
     mutant(

@@ -1,10 +1,10 @@
 //! What a data command of a path gives, read from its bytes.
 //!
-//! In: a data command. Out: a [`Given`]: a motion, an entry or a flush, and which FIFO it is for. Fails: with the parameter and the limit.
+//! In: a data command. Out: a [`DataCommand`]: a motion, an entry or a flush, and which FIFO it is for. Fails: with the parameter and the limit.
 use super::LEAST;
+use crate::admit::context::{Context, ones};
+use crate::admit::refuse::{Admitted, Refused, choice, real};
 use crate::admit::{crd, io, many, one};
-use crate::case::{Case, ones};
-use crate::refuse::{Admitted, Refused, choice, real};
 use protocol::command::{
     ArcXYC, ArcXYR, ArcYZC, ArcYZR, ArcZXC, ArcZXR, BufDA, BufDelay, BufDoBit, BufGear, BufIO, BufMove, CrdData,
     CrdPoint, LnXY, LnXYG0, LnXYZ, LnXYZA, Wire, opcode,
@@ -31,12 +31,12 @@ pub struct Speeds {
     pub end: f64,
     pub field: u8,
     /// The path stands at its end, also with look-ahead.
-    pub rests: bool,
+    pub stops: bool,
 }
 
 /// Where a motion goes. Fields are the places of what is named first.
 #[derive(Debug, Clone, Copy)]
-pub enum Way {
+pub enum Shape {
     /// A line: the first so many coordinates; `planar` keeps all digits of the speeds.
     Line { to: [i32; DIMENSIONS], count: usize, field: u8 },
     /// An arc by its radius (`field` + 2).
@@ -47,9 +47,9 @@ pub enum Way {
 
 /// What goes into the FIFO.
 #[derive(Debug, Clone, Copy)]
-pub enum What {
+pub enum Item {
     /// A motion.
-    Motion(Way, Speeds),
+    Motion(Shape, Speeds),
     /// An entry that is none, and how long the path stands there, ms.
     Entry(Entry, f64),
     /// An axis goes along with the next motion, by so many pulses.
@@ -59,10 +59,10 @@ pub enum What {
 }
 
 /// A data command.
-pub type Given = (Target, What);
+pub type DataCommand = (Target, Item);
 
 /// The commands of one entry.
-pub fn given<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> Admitted<Given> {
+pub fn given<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -> Admitted<DataCommand> {
     macro_rules! target {
         ($r:ident, $field:expr) => {
             Target { core: $r.core.get(), crd: $r.crd.get(), fifo: $r.fifo.get(), fifo_field: $field }
@@ -70,7 +70,7 @@ pub fn given<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
     }
     macro_rules! speeds {
         ($r:ident, $field:literal) => {
-            Speeds { vel: $r.syn_vel.get(), acc: $r.syn_acc.get(), end: $r.vel_end.get(), field: $field, rests: false }
+            Speeds { vel: $r.syn_vel.get(), acc: $r.syn_acc.get(), end: $r.vel_end.get(), field: $field, stops: false }
         };
     }
     macro_rules! line {
@@ -79,24 +79,24 @@ pub fn given<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
             let given = [$(r.$axis.get()),*];
             let mut to = [0; DIMENSIONS];
             to.iter_mut().zip(given).for_each(|(to, given)| *to = given);
-            let way = Way::Line { to, count: given.len(), field: 2 };
-            Ok((target!(r, $field + 3), What::Motion(way, speeds!(r, $field))))
+            let shape = Shape::Line { to, count: given.len(), field: 2 };
+            Ok((target!(r, $field + 3), Item::Motion(shape, speeds!(r, $field))))
         }};
     }
     macro_rules! radius {
         ($name:ident, $plane:ident, $a:ident, $b:ident) => {{
             let r = one::<$name>(body)?;
             let (to, radius, dir) = ([r.$a.get(), r.$b.get()], r.radius.get(), r.circle_dir.get());
-            let way = Way::Radius { plane: Plane::$plane, to, radius, dir, field: 2 };
-            Ok((target!(r, 9), What::Motion(way, speeds!(r, 6))))
+            let shape = Shape::Radius { plane: Plane::$plane, to, radius, dir, field: 2 };
+            Ok((target!(r, 9), Item::Motion(shape, speeds!(r, 6))))
         }};
     }
     macro_rules! centre {
         ($name:ident, $plane:ident, $a:ident, $b:ident, $ca:ident, $cb:ident) => {{
             let r = one::<$name>(body)?;
             let (to, centre) = ([r.$a.get(), r.$b.get()], [r.$ca.get(), r.$cb.get()]);
-            let way = Way::Centre { plane: Plane::$plane, to, centre, dir: r.circle_dir.get(), field: 2 };
-            Ok((target!(r, 10), What::Motion(way, speeds!(r, 7))))
+            let shape = Shape::Centre { plane: Plane::$plane, to, centre, dir: r.circle_dir.get(), field: 2 };
+            Ok((target!(r, 10), Item::Motion(shape, speeds!(r, 7))))
         }};
     }
     match number {
@@ -105,9 +105,9 @@ pub fn given<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
         opcode::LnXYZA => line!(LnXYZA, 6, x, y, z, a),
         opcode::LnXYG0 => {
             let r = one::<LnXYG0>(body)?;
-            let way = Way::Line { to: [r.x.get(), r.y.get(), 0, 0], count: 2, field: 2 };
-            let speeds = Speeds { vel: r.syn_vel.get(), acc: r.syn_acc.get(), end: 0.0, field: 4, rests: true };
-            Ok((target!(r, 6), What::Motion(way, speeds)))
+            let shape = Shape::Line { to: [r.x.get(), r.y.get(), 0, 0], count: 2, field: 2 };
+            let speeds = Speeds { vel: r.syn_vel.get(), acc: r.syn_acc.get(), end: 0.0, field: 4, stops: true };
+            Ok((target!(r, 6), Item::Motion(shape, speeds)))
         }
         opcode::ArcXYR => radius!(ArcXYR, Xy, x, y),
         opcode::ArcYZR => radius!(ArcYZR, Yz, y, z),
@@ -119,11 +119,11 @@ pub fn given<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
         opcode::BufDelay => {
             let r = one::<BufDelay>(body)?;
             let ms = r.delay_ms.get();
-            Ok((target!(r, 3), What::Entry(Entry::delay(ms), ms.into())))
+            Ok((target!(r, 3), Item::Entry(Entry::delay(ms), ms.into())))
         }
         opcode::BufIO => {
             let r = one::<BufIO>(body)?;
-            let (group, first, count) = io::group(case, r.core.get(), 2, selector(r.do_type.get()))?;
+            let (group, first, count) = io::group(context, r.core.get(), 2, selector(r.do_type.get()))?;
             let all = ones(count.min(16));
             let mask = u64::from(r.do_mask.get());
             if mask & !all != 0 {
@@ -131,38 +131,38 @@ pub fn given<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
             }
             let value = u64::from(r.do_value.get()) & mask;
             let entry = Entry::output(group, mask << first, value << first);
-            Ok((target!(r, 5), What::Entry(entry, 0.0)))
+            Ok((target!(r, 5), Item::Entry(entry, 0.0)))
         }
         opcode::BufDoBit => {
             let r = one::<BufDoBit>(body)?;
             let output = (selector(r.do_type.get()), selector(r.index.get()), r.value.get());
-            let (group, bit, high) = io::output(case, r.core.get(), 2, output)?;
+            let (group, bit, high) = io::output(context, r.core.get(), 2, output)?;
             let entry = Entry::output(group, 1 << bit, u64::from(high) << bit);
-            Ok((target!(r, 5), What::Entry(entry, 0.0)))
+            Ok((target!(r, 5), Item::Entry(entry, 0.0)))
         }
         opcode::BufDA => {
             let r = one::<BufDA>(body)?;
-            let channel = io::analog(case, 2, r.channel.get())?;
-            Ok((target!(r, 4), What::Entry(Entry::analog(channel, r.value.get()), 0.0)))
+            let channel = io::analog(context, 2, r.channel.get())?;
+            Ok((target!(r, 4), Item::Entry(Entry::analog(channel, r.value.get()), 0.0)))
         }
         opcode::BufMove => {
             let r = one::<BufMove>(body)?;
-            let axis = beside(case, r.core.get(), r.axis.get())?;
+            let axis = beside(context, r.core.get(), r.axis.get())?;
             let (vel, acc) = (r.vel.get(), r.acc.get());
-            let limit = case.board.step_limit;
+            let limit = context.board.step_limit;
             let most = crd::MOST.min(limit.pulses_per_ms() as f64);
             real(4, vel, LEAST, most)?;
             real(5, acc, LEAST, crd::MOST)?;
             let modal = choice(6, r.modal.get(), 0, 1)? == 1;
             let entry = Entry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
                 .map_err(|_| Refused::new(Reason::OutOfRange).field(4).got(vel).limits(LEAST, most))?;
-            Ok((target!(r, 7), What::Entry(entry, 0.0)))
+            Ok((target!(r, 7), Item::Entry(entry, 0.0)))
         }
         _ => {
             let r = one::<BufGear>(body)?;
-            let axis = beside(case, r.core.get(), r.axis.get())?;
+            let axis = beside(context, r.core.get(), r.axis.get())?;
             let pulses = r.pos.get();
-            Ok((target!(r, 4), What::Gear(Entry::gear(axis, pulses), axis, pulses.unsigned_abs())))
+            Ok((target!(r, 4), Item::Gear(Entry::gear(axis, pulses), axis, pulses.unsigned_abs())))
         }
     }
 }
@@ -173,18 +173,21 @@ fn selector(given: u16) -> i16 {
 }
 
 /// An axis that no coordinate system drives, in Trap mode.
-fn beside<const AXES: usize>(case: &Case<AXES>, core: i16, axis: i16) -> Admitted<Axis> {
-    let axis = case.axis(core, axis).map_err(|refused| refused.field(2))?;
-    let book = case.book(axis);
-    if book.mode == Mode::Crd {
-        return Err(case.no(Reason::AxisInCrd, axis).field(2).got(case.site.crd_number(book.crd).into()));
+fn beside<const AXES: usize>(context: &Context<AXES>, core: i16, axis: i16) -> Admitted<Axis> {
+    let axis = context.axis(core, axis).map_err(|refused| refused.field(2))?;
+    let shadow = context.shadow(axis);
+    if shadow.mode == Mode::Crd {
+        return Err(context
+            .no(Reason::AxisInCrd, axis)
+            .field(2)
+            .got(context.configuration.crd_number(shadow.crd).into()));
     }
-    case.in_mode(axis, book.mode == Mode::Trap)?;
+    context.in_mode(axis, shadow.mode == Mode::Trap)?;
     Ok(axis)
 }
 
 /// CrdData: a flush without a point, else a motion as TCrdData gives it.
-fn point(body: &[u8]) -> Admitted<Given> {
+fn point(body: &[u8]) -> Admitted<DataCommand> {
     let items = body.len().saturating_sub(size_of::<CrdData>()) / size_of::<CrdPoint>();
     let (r, points) = many::<CrdData>(body, |_| items as u16)?;
     let target = Target { core: r.core.get(), crd: r.crd.get(), fifo: r.fifo.get(), fifo_field: 2 };
@@ -192,16 +195,16 @@ fn point(body: &[u8]) -> Admitted<Given> {
         if items > 1 {
             return Err(Refused::new(Reason::TooMany).got(items as f64).limits(0.0, 1.0));
         }
-        return Ok((target, What::Flush));
+        return Ok((target, Item::Flush));
     };
     // Fields of an item are counted behind those of the request.
     const AT: u8 = CrdData::FIELDS.len() as u8;
-    let rests = choice(AT + 9, point.vel_end_zero.get(), 0, 1)? == 1;
-    let end = if rests { 0.0 } else { point.vel_end.get() };
-    let speeds = Speeds { vel: point.vel.get(), acc: point.acc.get(), end, field: AT + 6, rests };
+    let stops = choice(AT + 9, point.vel_end_zero.get(), 0, 1)? == 1;
+    let end = if stops { 0.0 } else { point.vel_end.get() };
+    let speeds = Speeds { vel: point.vel.get(), acc: point.acc.get(), end, field: AT + 6, stops };
     let to = point.pos.map(|pos| pos.get());
     if choice(AT, point.motion_type.get(), 0, 1)? == 0 {
-        return Ok((target, What::Motion(Way::Line { to, count: DIMENSIONS, field: AT + 2 }, speeds)));
+        return Ok((target, Item::Motion(Shape::Line { to, count: DIMENSIONS, field: AT + 2 }, speeds)));
     }
     let plane = match choice(AT + 1, point.plane.get(), 0, 2)? {
         0 => Plane::Xy,
@@ -210,10 +213,10 @@ fn point(body: &[u8]) -> Admitted<Given> {
     };
     let [i, j] = plane.coordinates();
     let (to, dir, centre) = ([to[i], to[j]], point.dir.get(), point.center.map(|part| part.get()));
-    let way = if centre == [0.0; 2] {
-        Way::Radius { plane, to, radius: point.radius.get(), dir, field: AT + 2 }
+    let shape = if centre == [0.0; 2] {
+        Shape::Radius { plane, to, radius: point.radius.get(), dir, field: AT + 2 }
     } else {
-        Way::Centre { plane, to, centre, dir, field: AT + 2 }
+        Shape::Centre { plane, to, centre, dir, field: AT + 2 }
     };
-    Ok((target, What::Motion(way, speeds)))
+    Ok((target, Item::Motion(shape, speeds)))
 }

@@ -3,14 +3,14 @@
 //! In: requests with the user's doubles, the books of the channel. Out: where the entry goes, the entry, what is
 //! answered. The FIFO's own checks are those of every entry of a path (`admit::crd_data`). Fails: as every laser
 //! command does; ranges are those of the power mode at the call, and the tick holds what a later mode narrows.
-use super::Case;
+use super::Context;
 use super::distance::source;
 use super::energy::{direct_powers, limited, own_bounds, power, powers};
 use super::range::Taking;
 use super::tables::table;
+use crate::admit::context::TAKEN_MAX;
 use crate::admit::one;
-use crate::case::TAKEN_MAX;
-use crate::refuse::{Admitted, Refused};
+use crate::admit::refuse::{Admitted, Refused};
 use protocol::command::{
     BufLaserFollowMode, BufLaserFollowOff, BufLaserFollowRatio, BufLaserFollowTable, BufLaserOff, BufLaserOn,
     BufLaserPrfCmd, BufLaserPrfFollow, opcode,
@@ -49,13 +49,13 @@ pub fn is_buffered(number: u16) -> bool {
 type Took = ([f64; TAKEN_MAX], u8, u8);
 
 /// The entry of a buffered laser command.
-pub fn admit<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> Admitted<Change> {
+pub fn admit<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u8]) -> Admitted<Change> {
     /// `$fifo` and `$channel` are fields.
     macro_rules! to {
         ($name:ident, $fifo:literal, $channel:literal, |$r:ident, $of:ident| $change:expr) => {{
             let $r = &one::<$name>(body)?;
-            let $of = case.channel($r.core.get(), $channel, $r.channel.get())?;
-            mapped(case, $r.core.get(), $r.crd.get(), $of)?;
+            let $of = context.channel($r.core.get(), $channel, $r.channel.get())?;
+            mapped(context, $r.core.get(), $r.crd.get(), $of)?;
             let (change, took): (Buffered, Option<Took>) = $change;
             let (code, words) = change.pack();
             let entry = Entry::laser($of, code, words);
@@ -64,39 +64,39 @@ pub fn admit<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
     }
     Ok(match number {
         opcode::BufLaserOn => to!(BufLaserOn, 2, 3, |r, channel| {
-            case.connected(channel)?;
+            context.connected(channel)?;
             (Buffered::Gate { on: true }, None)
         }),
         opcode::BufLaserOff => to!(BufLaserOff, 2, 3, |r, _channel| (Buffered::Gate { on: false }, None)),
         opcode::BufLaserPrfCmd => to!(BufLaserPrfCmd, 3, 4, |r, channel| {
-            let (power, took) = direct(case, channel, (2, r.power.get()))?;
+            let (power, took) = direct(context, channel, (2, r.power.get()))?;
             (Buffered::Direct { power }, Some(took))
         }),
         opcode::BufLaserPrfFollow => to!(BufLaserPrfFollow, 5, 6, |r, channel| {
             let ratio = ratio(2, r.ratio.get())?;
-            let (bounds, took) = bounds(case, channel, (3, r.min.get().into()), (4, r.max.get().into()))?;
+            let (bounds, took) = bounds(context, channel, (3, r.min.get().into()), (4, r.max.get().into()))?;
             (Buffered::PrfFollow { ratio, bounds }, Some(took))
         }),
         opcode::BufLaserFollowMode => to!(BufLaserFollowMode, 3, 4, |r, channel| {
             let source = source(2, r.source.get())?;
             let given = r.start_given != 0;
-            let start = given.then(|| direct(case, channel, (5, r.start_power.get()))).transpose()?;
+            let start = given.then(|| direct(context, channel, (5, r.start_power.get()))).transpose()?;
             let took = start.map_or(([0.0; TAKEN_MAX], 1, 0), |(_, took)| took);
             (Buffered::FollowMode { source, start: start.map(|(power, _)| power) }, Some(took))
         }),
         opcode::BufLaserFollowRatio => to!(BufLaserFollowRatio, 5, 6, |r, channel| {
             let ratio = ratio(2, r.ratio.get())?;
-            let (bounds, took) = bounds(case, channel, (3, r.min.get()), (4, r.max.get()))?;
+            let (bounds, took) = bounds(context, channel, (3, r.min.get()), (4, r.max.get()))?;
             (Buffered::FollowRatio { ratio, bounds }, Some(took))
         }),
         opcode::BufLaserFollowTable => {
             let named;
             let change = to!(BufLaserFollowTable, 5, 6, |r, channel| {
                 let table = table(2, r.table.get())?;
-                let (bounds, took) = bounds(case, channel, (3, r.min.get()), (4, r.max.get()))?;
+                let (bounds, took) = bounds(context, channel, (3, r.min.get()), (4, r.max.get()))?;
                 let empty = Refused::new(Reason::FollowTableEmpty).got(r.table.get().into());
                 let empty = empty.limits(channel.into(), 0.0);
-                let curve = Curve::power(channel, table).filter(|_| case.laser(channel).is_filled(table));
+                let curve = Curve::power(channel, table).filter(|_| context.laser(channel).is_filled(table));
                 named = Some((channel, table));
                 (Buffered::FollowTable { table: curve.ok_or(empty)?, bounds }, Some(took))
             });
@@ -107,22 +107,22 @@ pub fn admit<const AXES: usize>(case: &Case<AXES>, number: u16, body: &[u8]) -> 
 }
 
 /// A coordinate system lights only channels whose map holds it.
-fn mapped<const AXES: usize>(case: &Case<AXES>, core: i16, crd: i16, channel: u8) -> Admitted<()> {
-    let crd = case.crd(core, crd)?;
-    if CrdMask(case.laser(channel).map).has(crd) {
+fn mapped<const AXES: usize>(context: &Context<AXES>, core: i16, crd: i16, channel: u8) -> Admitted<()> {
+    let crd = context.crd(core, crd)?;
+    if CrdMask(context.laser(channel).map).has(crd) {
         return Ok(());
     }
-    Err(case.no_crd(Reason::LaserNotMapped, crd).got(channel.into()))
+    Err(context.no_crd(Reason::LaserNotMapped, crd).got(channel.into()))
 }
 
 /// A direct power, with its field.
-fn direct<const AXES: usize>(case: &Case<AXES>, channel: u8, (field, got): (u8, f64)) -> Admitted<(Power, Took)> {
-    let book = case.laser(channel);
-    let range = direct_powers(book.mode, case.is_lsr(), case.books.laser_fine);
-    let mut taking = Taking::new(case.is_lsr());
+fn direct<const AXES: usize>(context: &Context<AXES>, channel: u8, (field, got): (u8, f64)) -> Admitted<(Power, Took)> {
+    let shadow = context.laser(channel);
+    let range = direct_powers(shadow.mode, context.is_lsr(), context.shadows.laser_fine);
+    let mut taking = Taking::new(context.is_lsr());
     let value = taking.take(field, 0, got, range)?;
     let power = power(field, value)?;
-    let limited = limited(book.mode, book.width_us, book.bounds.hold(power));
+    let limited = limited(shadow.mode, shadow.width_us, shadow.bounds.hold(power));
     Ok((power, took(&[value], taking.held | limited)))
 }
 
@@ -138,25 +138,25 @@ fn ratio(field: u8, got: f64) -> Admitted<Ratio> {
 /// Bounds of a velocity follow: the maximum is above the minimum (LSR, BufLaserFollowRatio), as they are given; what LSR
 /// holds at a bound may be equal then.
 fn bounds<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     channel: u8,
     min: (u8, f64),
     max: (u8, f64),
 ) -> Admitted<(Bounds, Took)> {
-    let book = case.laser(channel);
-    let mode = book.mode;
-    let range = powers(mode, case.is_lsr(), case.books.laser_fine);
+    let shadow = context.laser(channel);
+    let mode = shadow.mode;
+    let range = powers(mode, context.is_lsr(), context.shadows.laser_fine);
     if max.1 <= min.1 {
         return Err(Refused::new(Reason::NotAboveMinimum)
             .field(max.0)
             .got(max.1)
             .limits(min.1, range.nearest(f64::MAX)));
     }
-    let mut taking = Taking::new(case.is_lsr());
+    let mut taking = Taking::new(context.is_lsr());
     let (low, high) = (taking.take(min.0, 1, min.1, range)?, taking.take(max.0, 0, max.1, range)?);
     let bounds = own_bounds(mode, (min.0, low), (max.0, high))?;
     // The most that the follow may come to.
-    let limited = limited(mode, book.width_us, book.bounds.hold(bounds.max()));
+    let limited = limited(mode, shadow.width_us, shadow.bounds.hold(bounds.max()));
     Ok((bounds, took(&[high, low], taking.held | limited)))
 }
 

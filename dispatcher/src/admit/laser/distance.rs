@@ -4,11 +4,11 @@
 //! `tables` has the tables of ratios. Fails: as every laser command does; ratios want a follow that is on.
 use super::energy::{own_bounds, powers};
 use super::range::{Range, Taking};
-use super::{Case, took};
-use crate::books::{DistanceBook, LaserChange};
-use crate::case::Answer;
-use crate::read::units;
-use crate::refuse::{Admitted, Refused, choice, real};
+use super::{Context, took};
+use crate::admit::context::Answer;
+use crate::admit::refuse::{Admitted, Refused, choice, real};
+use crate::report::replies::units;
+use crate::shadow::{DistanceShadow, LaserChange};
 use protocol::command::{SetLaserDisMode, SetLaserDisRatio};
 use protocol::reason::Reason;
 use servo::laser::{Bounds, Change, DISTANCES, Distance, Ratios, Source};
@@ -30,81 +30,85 @@ pub fn source(field: u8, got: i16) -> Admitted<Source> {
 }
 
 /// The distance follow of a channel, which has to be on.
-pub fn running<const AXES: usize>(case: &Case<AXES>, channel: u8) -> Admitted<DistanceBook> {
-    case.laser(channel).distance.ok_or_else(|| Refused::new(Reason::DistanceOff).got(channel.into()))
+pub fn running<const AXES: usize>(context: &Context<AXES>, channel: u8) -> Admitted<DistanceShadow> {
+    context.laser(channel).distance.ok_or_else(|| Refused::new(Reason::DistanceOff).got(channel.into()))
 }
 
 /// Stages a follow as a whole.
-pub fn stage<const AXES: usize>(case: &mut Case<AXES>, channel: u8, book: DistanceBook) -> Admitted<()> {
-    let axes = core::array::from_fn(|index| Axis::new(usize::from(book.first) + index).unwrap_or_default());
-    let (scale, ratio) = (book.scale.map(f64::to_bits), book.ratio.map(f64::to_bits));
-    let distance = Distance::admit(book.source, axes, book.reference, scale, ratio, book.from, book.bounds);
+pub fn stage<const AXES: usize>(context: &mut Context<AXES>, channel: u8, shadow: DistanceShadow) -> Admitted<()> {
+    let axes = core::array::from_fn(|index| Axis::new(usize::from(shadow.first) + index).unwrap_or_default());
+    let (scale, ratio) = (shadow.scale.map(f64::to_bits), shadow.ratio.map(f64::to_bits));
+    let distance = Distance::admit(shadow.source, axes, shadow.reference, scale, ratio, shadow.from, shadow.bounds);
     // The checks let nothing through that the tick refuses.
     let distance = distance.map_err(|_| Refused::new(Reason::OutOfRange))?;
-    case.change_with(channel, Change::Distance(Some(distance)), LaserChange::Distance(Some(book)));
+    context.change_with(channel, Change::Distance(Some(distance)), LaserChange::Distance(Some(shadow)));
     Ok(())
 }
 
 /// On: with ratios 0 and no bounds of its own. Off: references and scales are not looked at.
-pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserDisMode) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 5, r.channel.get())?;
+pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisMode) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 5, r.channel.get())?;
     let on = choice(1, r.mode.get(), 0, 1)? == 1;
     let source = source(2, r.source.get())?;
     if !on {
-        case.change_with(channel, Change::Distance(None), LaserChange::Distance(None));
-        return Ok(took(case, &[0.0; DISTANCES], 0));
+        context.change_with(channel, Change::Distance(None), LaserChange::Distance(None));
+        return Ok(took(context, &[0.0; DISTANCES], 0));
     }
-    let mut taking = Taking::new(case.is_lsr());
-    let range = if case.is_lsr() { SCALES.1 } else { SCALES.0 };
+    let mut taking = Taking::new(context.is_lsr());
+    let range = if context.is_lsr() { SCALES.1 } else { SCALES.0 };
     let mut scale = [0.0; DISTANCES];
     for (index, (to, given)) in scale.iter_mut().zip(r.scale).enumerate() {
         *to = taking.take(4, index as u8, given.get(), range).map_err(|refused| refused.item(index))?;
     }
-    let first = (case.core(r.core.get())? * usize::from(case.site.profile.axes_per_core)) as u8;
+    let first = (context.core(r.core.get())? * usize::from(context.configuration.profile.axes_per_core)) as u8;
     let (reference, ratio) = (r.pos.map(|pos| pos.get()), [0.0; DISTANCES]);
-    stage(case, channel, DistanceBook { first, source, reference, scale, ratio, from: Ratios::Fixed, bounds: None })?;
-    Ok(took(case, &scale, taking.held))
+    stage(
+        context,
+        channel,
+        DistanceShadow { first, source, reference, scale, ratio, from: Ratios::Fixed, bounds: None },
+    )?;
+    Ok(took(context, &scale, taking.held))
 }
 
 /// Fixed ratios, in the place of a table too. Bounds that are not given stay as they are.
-pub fn ratios<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserDisRatio) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 4, r.channel.get())?;
-    let mut book = running(case, channel)?;
-    for (index, (to, given)) in book.ratio.iter_mut().zip(r.ratio).enumerate() {
+pub fn ratios<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisRatio) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 4, r.channel.get())?;
+    let mut shadow = running(context, channel)?;
+    for (index, (to, given)) in shadow.ratio.iter_mut().zip(r.ratio).enumerate() {
         *to = ratio(1, index, given.get())?;
     }
-    book.from = Ratios::Fixed;
-    let mut taking = Taking::new(case.is_lsr());
+    shadow.from = Ratios::Fixed;
+    let mut taking = Taking::new(context.is_lsr());
     if r.bounds_given != 0 {
-        book.bounds = bounds(case, channel, &mut taking, 2, (r.min.get(), r.max.get()))?;
+        shadow.bounds = bounds(context, channel, &mut taking, 2, (r.min.get(), r.max.get()))?;
     }
-    stage(case, channel, book)?;
-    Ok(told(case, channel, &book, taking.held))
+    stage(context, channel, shadow)?;
+    Ok(told(context, channel, &shadow, taking.held))
 }
 
 /// Bounds of the follow's own: GUS has them, LSR does not look at them. `field` is that of the minimum; the maximum's
 /// is the next.
 pub fn bounds<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     channel: u8,
     taking: &mut Taking,
     field: u8,
     (min, max): (f64, f64),
 ) -> Admitted<Option<Bounds>> {
-    if case.is_lsr() {
+    if context.is_lsr() {
         return Ok(None);
     }
     if max < min {
         return Err(Refused::new(Reason::BelowMinimum).field(field + 1).got(max).limits(min, min));
     }
-    let mode = case.laser(channel).mode;
-    let range = powers(mode, false, case.books.laser_fine);
+    let mode = context.laser(channel).mode;
+    let range = powers(mode, false, context.shadows.laser_fine);
     let (min, max) = (taking.take(field, 1, min, range)?, taking.take(field + 1, 0, max, range)?);
     own_bounds(mode, (field, min), (field + 1, max)).map(Some)
 }
 
 /// The reply: the bounds in force for it, which are those of the mode where it has none.
-pub fn told<const AXES: usize>(case: &mut Case<AXES>, channel: u8, book: &DistanceBook, held: u8) -> Answer {
-    let bounds = book.bounds.unwrap_or(case.laser(channel).bounds);
-    took(case, &[units(bounds.max()), units(bounds.min())], held)
+pub fn told<const AXES: usize>(context: &mut Context<AXES>, channel: u8, shadow: &DistanceShadow, held: u8) -> Answer {
+    let bounds = shadow.bounds.unwrap_or(context.laser(channel).bounds);
+    took(context, &[units(bounds.max()), units(bounds.min())], held)
 }

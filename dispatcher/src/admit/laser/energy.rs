@@ -4,11 +4,11 @@
 //! In: requests with the user's doubles. Out: staged changes with the tick's numbers, and with them the train
 //! planned for the power that the books know (`Fine`), which spares the tick that search.
 use super::range::{Range, Taking};
-use super::{Case, took};
-use crate::books::{Change as Entered, LaserBook, LaserChange};
-use crate::case::Answer;
-use crate::read::{counts, units};
-use crate::refuse::{Admitted, Refused, choice};
+use super::{Context, took};
+use crate::admit::context::Answer;
+use crate::admit::refuse::{Admitted, Refused, choice};
+use crate::report::replies::{counts, units};
+use crate::shadow::{Change as Entered, LaserChange, LaserShadow};
 use core::num::NonZeroU16;
 use protocol::command::{
     LaserOutFrq, LaserPowerMode, LaserPrfCmd, SetLaserMode, SetPreVltg, SetPulseWidth, SetWaitPulse, SetWaitPulseEx,
@@ -89,7 +89,7 @@ fn percent(train: &Train) -> f64 {
     counts(train.width) / counts(train.period) * 100.0
 }
 
-impl LaserBook {
+impl LaserShadow {
     /// The train for the power that this channel holds.
     fn fine(&self, clock: Clock) -> Option<Fine> {
         Fine::plan(self.mode, self.bounds.hold(self.power), self.carrier.as_ref(), clock)
@@ -112,11 +112,11 @@ impl LaserBook {
 }
 
 /// Only while no crd of the core runs (SPEC 6).
-pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPowerMode) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 4, r.channel.get())?;
-    let crds = CrdMask(case.crds_of(case.core(r.core.get())?));
-    crds.crds().try_for_each(|crd| case.crd_at_rest(crd))?;
-    let lsr = case.is_lsr();
+pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 4, r.channel.get())?;
+    let crds = CrdMask(context.crds_of(context.core(r.core.get())?));
+    crds.crds().try_for_each(|crd| context.crd_at_standstill(crd))?;
+    let lsr = context.is_lsr();
     let mode = match choice(1, r.mode.get(), 0, 3)? {
         1 => Mode::Frequency,
         2 => Mode::Analog,
@@ -130,184 +130,188 @@ pub fn mode<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPowerMode) -> Adm
     if !lsr && max < min {
         return Err(Refused::new(Reason::BelowMinimum).field(2).got(max).limits(min, min));
     }
-    let range = powers(mode, lsr, case.books.laser_fine);
+    let range = powers(mode, lsr, context.shadows.laser_fine);
     let mut taking = Taking::new(lsr);
     let (max, min) = (taking.maximum(2, 0, max, range)?, taking.minimum(3, 1, min, range)?);
     let bounds = own_bounds(mode, (3, min), (2, max))?;
-    let mut book = *case.laser(channel);
-    let before = book.mode;
-    book.set_mode(mode, bounds, delayed);
-    let fine = book.fine(case.clock()?);
-    case.change_with(
+    let mut shadow = *context.laser(channel);
+    let before = shadow.mode;
+    shadow.set_mode(mode, bounds, delayed);
+    let fine = shadow.fine(context.clock()?);
+    context.change_with(
         channel,
         Change::Mode { mode, bounds, delayed, fine },
         LaserChange::Mode { mode, bounds, delayed },
     );
     if (before == Mode::Analog) != (mode == Mode::Analog) {
-        pair_standby(case, (channel, mode))?;
+        pair_standby(context, (channel, mode))?;
     }
-    Ok(took(case, &[max, min], taking.held | book.is_limited()))
+    Ok(took(context, &[max, min], taking.held | shadow.is_limited()))
 }
 
 /// Tells the power that is reached, in its bounds.
-pub fn direct<const AXES: usize>(case: &mut Case<AXES>, r: &LaserPrfCmd) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 2, r.channel.get())?;
-    let mut book = *case.laser(channel);
-    let mut taking = Taking::new(case.is_lsr());
-    let range = direct_powers(book.mode, case.is_lsr(), case.books.laser_fine);
+pub fn direct<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPrfCmd) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 2, r.channel.get())?;
+    let mut shadow = *context.laser(channel);
+    let mut taking = Taking::new(context.is_lsr());
+    let range = direct_powers(shadow.mode, context.is_lsr(), context.shadows.laser_fine);
     let value = taking.take(1, 0, r.power.get(), range)?;
-    book.power = power(1, value)?;
-    let clock = case.clock()?;
-    let (power, fine) = (book.power, book.fine(clock));
-    case.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
-    Ok(took(case, &[book.reached(fine, clock)], taking.held | book.is_limited()))
+    shadow.power = power(1, value)?;
+    let clock = context.clock()?;
+    let (power, fine) = (shadow.power, shadow.fine(clock));
+    context.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
+    Ok(took(context, &[shadow.reached(fine, clock)], taking.held | shadow.is_limited()))
 }
 
 /// Tells the frequency that is reached.
-pub fn frequency<const AXES: usize>(case: &mut Case<AXES>, r: &LaserOutFrq) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 2, r.channel.get())?;
-    let mut taking = Taking::new(case.is_lsr());
-    let value = taking.take(1, 0, r.frequency.get(), carriers(case.is_lsr(), case.books.laser_fine))?;
-    let clock = case.clock()?;
+pub fn frequency<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOutFrq) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 2, r.channel.get())?;
+    let mut taking = Taking::new(context.is_lsr());
+    let value = taking.take(1, 0, r.frequency.get(), carriers(context.is_lsr(), context.shadows.laser_fine))?;
+    let clock = context.clock()?;
     let carrier = carrier(1, value, clock)?;
-    stage_carrier(case, channel, carrier)?;
-    Ok(took(case, &[khz(carrier.period(), clock)], taking.held))
+    stage_carrier(context, channel, carrier)?;
+    Ok(took(context, &[khz(carrier.period(), clock)], taking.held))
 }
 
-fn stage_carrier<const AXES: usize>(case: &mut Case<AXES>, channel: u8, carrier: Carrier) -> Admitted<()> {
-    let mut book = *case.laser(channel);
-    book.carrier = Some(carrier);
-    let fine = book.fine(case.clock()?);
-    case.change_with(channel, Change::Carrier { carrier, fine }, LaserChange::Carrier(carrier));
+fn stage_carrier<const AXES: usize>(context: &mut Context<AXES>, channel: u8, carrier: Carrier) -> Admitted<()> {
+    let mut shadow = *context.laser(channel);
+    shadow.carrier = Some(carrier);
+    let fine = shadow.fine(context.clock()?);
+    context.change_with(channel, Change::Carrier { carrier, fine }, LaserChange::Carrier(carrier));
     Ok(())
 }
 
 /// A width that reaches the period is limited to just under it, and told.
-pub fn width<const AXES: usize>(case: &mut Case<AXES>, r: &SetPulseWidth) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 2, r.channel.get())?;
-    let mut taking = Taking::new(case.is_lsr());
-    let longest = if case.is_lsr() { WIDTH_MAX_US.1 } else { WIDTH_MAX_US.0 };
+pub fn width<const AXES: usize>(context: &mut Context<AXES>, r: &SetPulseWidth) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 2, r.channel.get())?;
+    let mut taking = Taking::new(context.is_lsr());
+    let longest = if context.is_lsr() { WIDTH_MAX_US.1 } else { WIDTH_MAX_US.0 };
     let width_us = taking.whole(1, 0, r.width_us.get(), 1, longest)?;
-    let mut book = *case.laser(channel);
-    book.width_us = width_us;
+    let mut shadow = *context.laser(channel);
+    shadow.width_us = width_us;
     if let Some(us) = NonZeroU16::new(width_us) {
-        case.change_with(channel, Change::PulseWidth { us }, LaserChange::Width(width_us));
+        context.change_with(channel, Change::PulseWidth { us }, LaserChange::Width(width_us));
     }
-    Ok(took(case, &[width_us.into()], taking.held | book.is_limited()))
+    Ok(took(context, &[width_us.into()], taking.held | shadow.is_limited()))
 }
 
 /// SetWaitPulseEx of the LSR family acts while both channels are PWM (LSR, command 21): its pulses are output where they are, and
 /// not while one of them is analog. One channel is about to have another mode.
-fn pair_standby<const AXES: usize>(case: &mut Case<AXES>, changed: (u8, Mode)) -> Admitted<()> {
-    let clock = case.clock()?;
-    let analog = !are_pwm(case, Some(changed));
+fn pair_standby<const AXES: usize>(context: &mut Context<AXES>, changed: (u8, Mode)) -> Admitted<()> {
+    let clock = context.clock()?;
+    let analog = !are_pwm(context, Some(changed));
     for channel in 0..CHANNELS as u8 {
-        let book = *case.laser(channel);
-        if let Some((khz, duty)) = book.standby.filter(|_| book.paired) {
+        let shadow = *context.laser(channel);
+        if let Some((khz, duty)) = shadow.standby.filter(|_| shadow.paired) {
             let none = |_| Refused::new(Reason::OutOfRange);
             let pulses = if analog { None } else { Some(Standby::admit(khz, duty, clock).map_err(none)?) };
-            case.change(channel, Change::PairedStandby(pulses));
+            context.change(channel, Change::PairedStandby(pulses));
         }
     }
     Ok(())
 }
 
 /// Whether both channels are PWM, of which one may be about to have another mode.
-fn are_pwm<const AXES: usize>(case: &Case<AXES>, changed: Option<(u8, Mode)>) -> bool {
+fn are_pwm<const AXES: usize>(context: &Context<AXES>, changed: Option<(u8, Mode)>) -> bool {
     (0..CHANNELS as u8).all(|channel| {
-        let mode = changed.filter(|(of, _)| *of == channel).map_or(case.laser(channel).mode, |(_, mode)| mode);
+        let mode = changed.filter(|(of, _)| *of == channel).map_or(context.laser(channel).mode, |(_, mode)| mode);
         mode != Mode::Analog
     })
 }
 
 /// Standby pulses of some channels. To switch them off, frequency and duty may be 0. `paired`: they act while both are PWM.
 fn standby<const AXES: usize>(
-    case: &mut Case<AXES>,
+    context: &mut Context<AXES>,
     channels: core::ops::Range<u8>,
     paired: bool,
     (mode, frequency, duty): (u16, f64, f64),
 ) -> Admitted<Answer> {
     let on = choice(1, mode, 0, 1)? == 1;
-    let mut taking = Taking::new(case.is_lsr());
-    let range =
-        if on || frequency != 0.0 { carriers(case.is_lsr(), case.books.laser_fine) } else { Range::new(0.0, 0.0) };
+    let mut taking = Taking::new(context.is_lsr());
+    let range = if on || frequency != 0.0 {
+        carriers(context.is_lsr(), context.shadows.laser_fine)
+    } else {
+        Range::new(0.0, 0.0)
+    };
     let frequency = taking.take(2, 0, frequency, range)?;
     let duty = taking.take(3, 1, duty, DUTY)?;
-    let clock = case.clock()?;
+    let clock = context.clock()?;
     let pulses = if on {
         let none = |_| Refused::new(Reason::OutOfRange).field(2).got(frequency).limits(0.0, GUS_KHZ);
         Some(Standby::admit(power(2, frequency)?, power(3, duty)?, clock).map_err(none)?)
     } else {
         None
     };
-    let output = pulses.filter(|_| !paired || are_pwm(case, None));
+    let output = pulses.filter(|_| !paired || are_pwm(context, None));
     for channel in channels {
-        let book = pulses.map(|pulses| (pulses.khz(), pulses.duty()));
-        case.change_with(channel, Change::Standby(output), LaserChange::Standby(book, paired));
+        let shadow = pulses.map(|pulses| (pulses.khz(), pulses.duty()));
+        context.change_with(channel, Change::Standby(output), LaserChange::Standby(shadow, paired));
     }
     let reached = pulses.map_or((frequency, duty), |pulses| {
         let train = pulses.train();
         (khz(train.period, clock), percent(train))
     });
-    Ok(took(case, &[reached.0, reached.1], taking.held))
+    Ok(took(context, &[reached.0, reached.1], taking.held))
 }
 
-pub fn standby_one<const AXES: usize>(case: &mut Case<AXES>, r: &SetWaitPulse) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 4, r.channel.get())?;
-    standby(case, channel..channel + 1, false, (r.mode.get(), r.frequency.get(), r.duty.get()))
+pub fn standby_one<const AXES: usize>(context: &mut Context<AXES>, r: &SetWaitPulse) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 4, r.channel.get())?;
+    standby(context, channel..channel + 1, false, (r.mode.get(), r.frequency.get(), r.duty.get()))
 }
 
-pub fn standby_all<const AXES: usize>(case: &mut Case<AXES>, r: &SetWaitPulseEx) -> Admitted<Answer> {
-    case.core(r.core.get())?;
-    let paired = case.is_lsr();
-    standby(case, 0..CHANNELS as u8, paired, (r.mode.get(), r.frequency.get(), r.duty.get()))
+pub fn standby_all<const AXES: usize>(context: &mut Context<AXES>, r: &SetWaitPulseEx) -> Admitted<Answer> {
+    context.core(r.core.get())?;
+    let paired = context.is_lsr();
+    standby(context, 0..CHANNELS as u8, paired, (r.mode.get(), r.frequency.get(), r.duty.get()))
 }
 
-pub fn pre_voltage<const AXES: usize>(case: &mut Case<AXES>, r: &SetPreVltg) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 3, r.channel.get())?;
+pub fn pre_voltage<const AXES: usize>(context: &mut Context<AXES>, r: &SetPreVltg) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 3, r.channel.get())?;
     let on = choice(1, r.mode.get(), 0, 1)? == 1;
-    let mut taking = Taking::new(case.is_lsr());
+    let mut taking = Taking::new(context.is_lsr());
     let volts = taking.take(2, 0, r.voltage.get(), VOLTS)?;
     let volts_fixed = power(2, volts)?;
-    case.change(channel, Change::PreVoltage(on.then_some(volts_fixed)));
-    Ok(took(case, &[volts], taking.held))
+    context.change(channel, Change::PreVoltage(on.then_some(volts_fixed)));
+    Ok(took(context, &[volts], taking.held))
 }
 
 /// The range of frequencies in the LSR family, of both channels: what is set and lies above a new range is
 /// held at its bound. In the GUS family it has no effect.
-pub fn resolution<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserMode) -> Admitted<Answer> {
-    case.core(r.core.get())?;
+pub fn resolution<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserMode) -> Admitted<Answer> {
+    context.core(r.core.get())?;
     let fine = choice(1, r.mode.get(), 0, 1)? == 1;
-    case.stage_with(Op::Mark, Entered::LaserFine(fine));
-    if case.is_lsr() {
+    context.stage_with(Op::Mark, Entered::LaserFine(fine));
+    if context.is_lsr() {
         let highest = power(1, highest(true, fine))?;
         for channel in 0..CHANNELS as u8 {
-            hold_frequencies(case, channel, highest)?;
+            hold_frequencies(context, channel, highest)?;
         }
     }
     Ok(Answer::Done)
 }
 
-fn hold_frequencies<const AXES: usize>(case: &mut Case<AXES>, channel: u8, highest: Power) -> Admitted<()> {
-    let mut book = *case.laser(channel);
-    let clock = case.clock()?;
+fn hold_frequencies<const AXES: usize>(context: &mut Context<AXES>, channel: u8, highest: Power) -> Admitted<()> {
+    let mut shadow = *context.laser(channel);
+    let clock = context.clock()?;
     let none = |_| Refused::new(Reason::OutOfRange).field(1);
-    if book.carrier.is_some_and(|carrier| carrier.khz() > highest) {
-        stage_carrier(case, channel, Carrier::admit(highest, clock).map_err(none)?)?;
+    if shadow.carrier.is_some_and(|carrier| carrier.khz() > highest) {
+        stage_carrier(context, channel, Carrier::admit(highest, clock).map_err(none)?)?;
     }
-    if let Some((_, duty)) = book.standby.filter(|(khz, _)| *khz > highest) {
+    if let Some((_, duty)) = shadow.standby.filter(|(khz, _)| *khz > highest) {
         let pulses = Some(Standby::admit(highest, duty, clock).map_err(none)?);
-        let output = pulses.filter(|_| !book.paired || are_pwm(case, None));
-        let entered = LaserChange::Standby(Some((highest, duty)), book.paired);
-        case.change_with(channel, Change::Standby(output), entered);
+        let output = pulses.filter(|_| !shadow.paired || are_pwm(context, None));
+        let entered = LaserChange::Standby(Some((highest, duty)), shadow.paired);
+        context.change_with(channel, Change::Standby(output), entered);
     }
-    if book.mode == Mode::Frequency && (book.bounds.max() > highest || book.power > highest) {
-        let bounds = Bounds::admit(book.mode, book.bounds.max().min(highest), book.bounds.min().min(highest));
-        book.bounds = bounds.map_err(none)?;
-        book.power = book.power.min(highest);
-        let (mode, bounds, delayed, power, fine) = (book.mode, book.bounds, book.delayed, book.power, book.fine(clock));
-        case.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
-        case.change_with(
+    if shadow.mode == Mode::Frequency && (shadow.bounds.max() > highest || shadow.power > highest) {
+        let bounds = Bounds::admit(shadow.mode, shadow.bounds.max().min(highest), shadow.bounds.min().min(highest));
+        shadow.bounds = bounds.map_err(none)?;
+        shadow.power = shadow.power.min(highest);
+        let (mode, bounds, delayed, power, fine) =
+            (shadow.mode, shadow.bounds, shadow.delayed, shadow.power, shadow.fine(clock));
+        context.change_with(channel, Change::Direct { power, fine }, LaserChange::Power(power));
+        context.change_with(
             channel,
             Change::Mode { mode, bounds, delayed, fine },
             LaserChange::Mode { mode, bounds, delayed },

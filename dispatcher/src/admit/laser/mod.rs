@@ -20,9 +20,10 @@ pub mod energy;
 mod range;
 pub mod tables;
 
-use crate::books::{self, LaserBook, LaserChange, executed};
-use crate::case::{Answer, Case, Effect, Query, TAKEN_MAX};
-use crate::refuse::{Admitted, Refused, choice};
+use super::context::{Answer, Context, Effect, Query, TAKEN_MAX};
+use super::refuse::{Admitted, Refused, choice};
+use crate::shadow;
+use crate::shadow::{LaserChange, LaserShadow, executed};
 use core::num::NonZeroU16;
 use protocol::command::{
     ClrLaserFault, DisFPK, EnaFPK, LaserOff, LaserOn, SetAxisMode, SetHSIOOpt, SetLaserCrdMap, SetLevelDelay,
@@ -42,29 +43,29 @@ const FIRST_CONNECTOR: i16 = 7;
 const TIME_MAX_US: u16 = u16::MAX;
 
 /// What is taken, for the reply: its numbers and which of them were held.
-fn took<const AXES: usize>(case: &mut Case<AXES>, values: &[f64], held: u8) -> Answer {
+fn took<const AXES: usize>(context: &mut Context<AXES>, values: &[f64], held: u8) -> Answer {
     let mut all = [0.0; TAKEN_MAX];
     for (place, value) in all.iter_mut().zip(values) {
         *place = *value;
     }
-    case.effect = Effect::Took(all);
+    context.effect = Effect::Took(all);
     Answer::Took { count: values.len() as u8, held }
 }
 
-impl<const AXES: usize> Case<'_, AXES> {
+impl<const AXES: usize> Context<'_, AXES> {
     /// Whether the family is LSR.
     fn is_lsr(&self) -> bool {
-        self.site.family == LSR
+        self.configuration.family == LSR
     }
 
     /// A channel; `field` is its place in the request.
     fn channel(&self, core: i16, field: u8, channel: i16) -> Admitted<u8> {
         self.core(core)?;
-        Ok(choice(field, channel, 0, i16::from(self.site.profile.lasers.min(CHANNELS as u8)) - 1)? as u8)
+        Ok(choice(field, channel, 0, i16::from(self.configuration.profile.lasers.min(CHANNELS as u8)) - 1)? as u8)
     }
 
-    fn laser(&self, channel: u8) -> &LaserBook {
-        &self.books.lasers[usize::from(channel).min(CHANNELS - 1)]
+    fn laser(&self, channel: u8) -> &LaserShadow {
+        &self.shadows.lasers[usize::from(channel).min(CHANNELS - 1)]
     }
 
     /// The clock of the machine's timers, which the first tick tells.
@@ -78,21 +79,21 @@ impl<const AXES: usize> Case<'_, AXES> {
 
     /// A change of the book alone.
     fn enter(&mut self, channel: u8, entered: LaserChange) {
-        self.stage_with(Op::Mark, books::Change::Laser { channel, change: entered });
+        self.stage_with(Op::Mark, shadow::Change::Laser { channel, change: entered });
     }
 
     fn change_with(&mut self, channel: u8, change: Change, entered: LaserChange) {
-        self.stage_with(Op::Laser { channel, change }, books::Change::Laser { channel, change: entered });
+        self.stage_with(Op::Laser { channel, change }, shadow::Change::Laser { channel, change: entered });
     }
 
     /// Both channels as they are at power-on in this family.
     pub fn lasers_to_power_on(&mut self, family: u8) {
         for channel in 0..CHANNELS as u8 {
             for (change, entered) in power_on(family) {
-                self.stage_with(Op::Laser { channel, change }, books::Change::Laser { channel, change: entered });
+                self.stage_with(Op::Laser { channel, change }, shadow::Change::Laser { channel, change: entered });
             }
         }
-        self.stage_with(Op::Mark, books::Change::LaserFine(true));
+        self.stage_with(Op::Mark, shadow::Change::LaserFine(true));
     }
 
     /// A cleared status word clears the faults of the channels that a crd of one of these axes gates (SPEC 9): the tick does
@@ -102,7 +103,7 @@ impl<const AXES: usize> Case<'_, AXES> {
         let crds = Crd::all().filter(gates).fold(0, |crds, crd| crds | crd.mask().0);
         for channel in 0..CHANNELS as u8 {
             if self.laser(channel).map & crds != 0 {
-                self.stage_with(Op::Mark, books::Change::Laser { channel, change: LaserChange::Cleared });
+                self.stage_with(Op::Mark, shadow::Change::Laser { channel, change: LaserChange::Cleared });
             }
         }
     }
@@ -116,12 +117,12 @@ impl<const AXES: usize> Case<'_, AXES> {
 
     /// Refuses light that no output would carry.
     fn connected(&self, channel: u8) -> Admitted<()> {
-        let book = self.laser(channel);
-        if book.mode == Mode::Analog {
+        let shadow = self.laser(channel);
+        if shadow.mode == Mode::Analog {
             let there = channel < self.board.analog_outputs;
             return if there { Ok(()) } else { Err(Refused::new(Reason::NoLaserOutput).got(channel.into())) };
         }
-        if book.connector {
+        if shadow.connector {
             return Ok(());
         }
         let connector = f64::from(FIRST_CONNECTOR) + f64::from(channel);
@@ -130,7 +131,7 @@ impl<const AXES: usize> Case<'_, AXES> {
 
     /// The crds of a core in a channel's map.
     fn crds_of(&self, core: usize) -> u8 {
-        let crds = u32::from(self.site.profile.crds_per_core);
+        let crds = u32::from(self.configuration.profile.crds_per_core);
         (((1u32 << crds) - 1) << (core as u32 * crds)) as u8
     }
 }
@@ -151,121 +152,121 @@ pub fn power_on(family: u8) -> [(Change, LaserChange); 4] {
     ]
 }
 
-fn gate<const AXES: usize>(case: &mut Case<AXES>, channel: u8, on: bool) -> Admitted<Answer> {
+fn gate<const AXES: usize>(context: &mut Context<AXES>, channel: u8, on: bool) -> Admitted<Answer> {
     if on {
-        if case.books.aborts(case.view) {
+        if context.shadows.aborts(context.view) {
             return Err(Refused::new(Reason::Aborting));
         }
-        let (book, seen) = (case.laser(channel), &case.view.lasers[usize::from(channel).min(CHANNELS - 1)]);
+        let (shadow, sampled) = (context.laser(channel), &context.view.lasers[usize::from(channel).min(CHANNELS - 1)]);
         // With a clearing on its way only the tick can know.
-        let clearing = book.cleared.is_some_and(|seq| !executed(case.view, seq));
+        let clearing = shadow.cleared.is_some_and(|seq| !executed(context.view, seq));
         let refused = Refused::new(Reason::LaserFault).got(channel.into());
-        if seen.fault != Cause::None && !clearing {
-            return Err(refused.limits(0.0, f64::from(seen.fault as u8)));
+        if sampled.fault != Cause::None && !clearing {
+            return Err(refused.limits(0.0, f64::from(sampled.fault as u8)));
         }
-        case.connected(channel)?;
+        context.connected(channel)?;
     }
-    case.change(channel, Change::Gate { on });
+    context.change(channel, Change::Gate { on });
     Ok(Answer::Done)
 }
 
-pub fn on<const AXES: usize>(case: &mut Case<AXES>, r: &LaserOn) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
-    gate(case, channel, true)
+pub fn on<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOn) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 1, r.channel.get())?;
+    gate(context, channel, true)
 }
 
-pub fn off<const AXES: usize>(case: &mut Case<AXES>, r: &LaserOff) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
-    gate(case, channel, false)
+pub fn off<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOff) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 1, r.channel.get())?;
+    gate(context, channel, false)
 }
 
-pub fn switch<const AXES: usize>(case: &mut Case<AXES>, r: &SetHSIOOpt) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 2, r.channel.get())?;
+pub fn switch<const AXES: usize>(context: &mut Context<AXES>, r: &SetHSIOOpt) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 2, r.channel.get())?;
     let on = choice(1, r.value.get(), 0, 1)? == 1;
-    gate(case, channel, on)
+    gate(context, channel, on)
 }
 
-pub fn delays<const AXES: usize>(case: &mut Case<AXES>, r: &SetLevelDelay) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 3, r.channel.get())?;
-    let mut taking = Taking::new(case.is_lsr());
+pub fn delays<const AXES: usize>(context: &mut Context<AXES>, r: &SetLevelDelay) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 3, r.channel.get())?;
+    let mut taking = Taking::new(context.is_lsr());
     let off = taking.whole(1, 0, r.off_delay_us.get(), 0, TIME_MAX_US)?;
     let on = taking.whole(2, 1, r.on_delay_us.get(), 0, TIME_MAX_US)?;
-    case.change(channel, Change::Delays(Delays { off, on }));
-    Ok(took(case, &[off.into(), on.into()], taking.held))
+    context.change(channel, Change::Delays(Delays { off, on }));
+    Ok(took(context, &[off.into(), on.into()], taking.held))
 }
 
-pub fn fpk_on<const AXES: usize>(case: &mut Case<AXES>, r: &EnaFPK) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 4, r.channel.get())?;
-    let mut taking = Taking::new(case.is_lsr());
+pub fn fpk_on<const AXES: usize>(context: &mut Context<AXES>, r: &EnaFPK) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 4, r.channel.get())?;
+    let mut taking = Taking::new(context.is_lsr());
     let pulse = taking.whole(1, 0, r.time1_us.get(), 1, TIME_MAX_US)?;
     let begin = taking.whole(2, 1, r.time2_us.get(), 0, TIME_MAX_US)?;
     let end = taking.whole(3, 2, r.laser_off_delay_us.get(), 0, TIME_MAX_US)?;
     let fpk = NonZeroU16::new(pulse).map(|pulse| Fpk { pulse, begin, end });
-    case.change(channel, Change::Fpk(fpk));
-    Ok(took(case, &[pulse.into(), begin.into(), end.into()], taking.held))
+    context.change(channel, Change::Fpk(fpk));
+    Ok(took(context, &[pulse.into(), begin.into(), end.into()], taking.held))
 }
 
-pub fn fpk_off<const AXES: usize>(case: &mut Case<AXES>, r: &DisFPK) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
-    case.change(channel, Change::Fpk(None));
+pub fn fpk_off<const AXES: usize>(context: &mut Context<AXES>, r: &DisFPK) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 1, r.channel.get())?;
+    context.change(channel, Change::Fpk(None));
     Ok(Answer::Done)
 }
 
-pub fn zero_on_time<const AXES: usize>(case: &mut Case<AXES>, r: &ZeroLaserOnTime) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
-    case.change(channel, Change::ZeroOnTime);
+pub fn zero_on_time<const AXES: usize>(context: &mut Context<AXES>, r: &ZeroLaserOnTime) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 1, r.channel.get())?;
+    context.change(channel, Change::ZeroOnTime);
     Ok(Answer::Done)
 }
 
 /// Each core maps its own crds.
-pub fn map<const AXES: usize>(case: &mut Case<AXES>, r: &SetLaserCrdMap) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
-    let core = case.core(r.core.get())?;
-    let crds = case.crds_per_core();
+pub fn map<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserCrdMap) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 1, r.channel.get())?;
+    let core = context.core(r.core.get())?;
+    let crds = context.crds_per_core();
     let given = choice(2, r.map.get(), 0, (1 << crds) - 1)? as u8;
-    let (before, own) = (case.laser(channel).map, case.crds_of(core));
-    let map = before & !own | given << (core as u8 * case.site.profile.crds_per_core);
-    let seen = &case.view.lasers[usize::from(channel).min(CHANNELS - 1)];
+    let (before, own) = (context.laser(channel).map, context.crds_of(core));
+    let map = before & !own | given << (core as u8 * context.configuration.profile.crds_per_core);
+    let sampled = &context.view.lasers[usize::from(channel).min(CHANNELS - 1)];
     for crd in CrdMask((before | map) & own).crds() {
-        let ahead = !case.due.decided && case.crd_book(crd).may_be_stopped(case.view);
-        if ahead || case.crd_may_run(crd) || seen.owners.has(crd) {
-            return Err(case.no_crd(Reason::LaserMapInUse, crd).got(channel.into()));
+        let ahead = !context.due.decided && context.crd_book(crd).may_be_stopped(context.view);
+        if ahead || context.crd_may_run(crd) || sampled.owners.has(crd) {
+            return Err(context.no_crd(Reason::LaserMapInUse, crd).got(channel.into()));
         }
     }
-    case.change_with(channel, Change::CrdMap { map }, LaserChange::Map(map));
+    context.change_with(channel, Change::CrdMap { map }, LaserChange::Map(map));
     Ok(Answer::Done)
 }
 
 /// Connectors 7 and 8, of core 1, carry step pulses of their axes at power-on; 8 cannot be given back to them.
 /// With its connector the light is taken away, so that it does not come back with it.
-pub fn connector<const AXES: usize>(case: &mut Case<AXES>, r: &SetAxisMode) -> Admitted<Answer> {
-    if case.is_lsr() {
+pub fn connector<const AXES: usize>(context: &mut Context<AXES>, r: &SetAxisMode) -> Admitted<Answer> {
+    if context.is_lsr() {
         return Err(Refused::new(Reason::NotInFamily));
     }
     let core = choice(0, r.core.get(), 1, 1)?;
     let axis = choice(1, r.axis.get(), FIRST_CONNECTOR, FIRST_CONNECTOR + CHANNELS as i16 - 1)?;
     let lowest = i16::from(axis != FIRST_CONNECTOR);
     let laser = choice(2, r.mode.get(), lowest, 1)? == 1;
-    case.at_rest(case.axis(core, axis)?)?;
+    context.at_standstill(context.axis(core, axis)?)?;
     let channel = (axis - FIRST_CONNECTOR) as u8;
-    case.change_with(channel, Change::Connector { laser }, LaserChange::Connector(laser));
+    context.change_with(channel, Change::Connector { laser }, LaserChange::Connector(laser));
     Ok(Answer::Done)
 }
 
-pub fn clear_fault<const AXES: usize>(case: &mut Case<AXES>, r: &ClrLaserFault) -> Admitted<Answer> {
-    let channel = case.channel(r.core.get(), 1, r.channel.get())?;
-    let seen = &case.view.lasers[usize::from(channel).min(CHANNELS - 1)];
-    if seen.cause_lasts {
+pub fn clear_fault<const AXES: usize>(context: &mut Context<AXES>, r: &ClrLaserFault) -> Admitted<Answer> {
+    let channel = context.channel(r.core.get(), 1, r.channel.get())?;
+    let sampled = &context.view.lasers[usize::from(channel).min(CHANNELS - 1)];
+    if sampled.cause_lasts {
         let refused = Refused::new(Reason::LaserCause).got(channel.into());
-        return Err(refused.limits(0.0, f64::from(seen.fault as u8)));
+        return Err(refused.limits(0.0, f64::from(sampled.fault as u8)));
     }
-    case.change_with(channel, Change::ClearFault, LaserChange::Cleared);
+    context.change_with(channel, Change::ClearFault, LaserChange::Cleared);
     Ok(Answer::Done)
 }
 
 /// A read of a channel; GetLaserCrdMap tells the crds of its core.
-pub fn read<const AXES: usize>(case: &Case<AXES>, opcode: u16, core: i16, channel: i16) -> Admitted<Answer> {
-    let first = case.channel(core, 1, channel)?;
-    let which = case.core(core)? as u8;
+pub fn read<const AXES: usize>(context: &Context<AXES>, opcode: u16, core: i16, channel: i16) -> Admitted<Answer> {
+    let first = context.channel(core, 1, channel)?;
+    let which = context.core(core)? as u8;
     Ok(Answer::Read(Query { opcode, first, count: 1, which }))
 }

@@ -11,11 +11,11 @@
 use super::distance::{bounds, ratio, running, stage, told};
 use super::energy::{power, powers};
 use super::range::{Range, Taking};
-use super::{Case, took};
+use super::{Context, took};
+use crate::admit::context::Answer;
 use crate::admit::length;
-use crate::books::{CAPACITY, DistanceBook, LaserChange};
-use crate::case::Answer;
-use crate::refuse::{Admitted, Refused, choice, real, within};
+use crate::admit::refuse::{Admitted, Refused, choice, real, within};
+use crate::shadow::{CAPACITY, DistanceShadow, LaserChange};
 use protocol::command::{
     LaserDisPoint, LaserDisValue, LaserFollowPoint, Request, SetLaserDisTable1D, SetLaserDisTable2D,
     SetLaserFollowTable, Wire, opcode,
@@ -129,15 +129,15 @@ impl Loading {
     /// Admits a chunk. Also told: channel and number of a follow table that was overwritten.
     pub fn chunk<const AXES: usize>(
         &mut self,
-        case: &mut Case<AXES>,
+        context: &mut Context<AXES>,
         tables: &Tables,
         number: u16,
         body: &[u8],
     ) -> Admitted<(Answer, Option<(u8, u8)>)> {
         match number {
-            opcode::SetLaserFollowTable => self.powers(case, tables, body),
-            opcode::SetLaserDisTable1D => self.lines(case, tables, body).map(|answer| (answer, None)),
-            _ => self.plane(case, tables, body).map(|answer| (answer, None)),
+            opcode::SetLaserFollowTable => self.powers(context, tables, body),
+            opcode::SetLaserDisTable1D => self.lines(context, tables, body).map(|answer| (answer, None)),
+            _ => self.plane(context, tables, body).map(|answer| (answer, None)),
         }
     }
 
@@ -172,12 +172,12 @@ impl Loading {
 
     fn powers<const AXES: usize>(
         &mut self,
-        case: &mut Case<AXES>,
+        context: &mut Context<AXES>,
         tables: &Tables,
         body: &[u8],
     ) -> Admitted<(Answer, Option<(u8, u8)>)> {
         let (r, rest) = split::<SetLaserFollowTable>(body)?;
-        let channel = case.channel(r.core.get(), 3, r.channel.get())?;
+        let channel = context.channel(r.core.get(), 3, r.channel.get())?;
         let table = table(1, r.table.get())?;
         let total = within(2, r.count.get(), 1, POINTS as i32)?.unsigned_abs() as usize;
         let left = total.saturating_sub(r.first.get().into());
@@ -187,13 +187,13 @@ impl Loading {
         let bank = self.place(&chunk, || Ok(0))?;
         if chunk.is_last() {
             // Looked at first: a chunk that has to wait has changed nothing.
-            not_in_use(case, channel, table)?;
+            not_in_use(context, channel, table)?;
         }
-        let range = powers(case.laser(channel).mode, case.is_lsr(), case.books.laser_fine);
+        let range = powers(context.laser(channel).mode, context.is_lsr(), context.shadows.laser_fine);
         let mut held = 0;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let (vel, given) = (item.vel.get(), item.power.get());
-            let mut taking = Taking::new(case.is_lsr());
+            let mut taking = Taking::new(context.is_lsr());
             let vel = real(5, vel, 0.0, VEL_MAX).map_err(|refused| refused.item(index))?;
             let before = index.checked_sub(1).and_then(|before| self.points.get(before));
             if let Some((before, _)) = before.filter(|(before, _)| vel - *before < LEAST_STEP) {
@@ -209,8 +209,8 @@ impl Loading {
         });
         self.keep(&chunk, bank, done)?;
         if !chunk.is_last() {
-            case.stage(Op::Mark);
-            return Ok((took(case, &[held.into()], 0), None));
+            context.stage(Op::Mark);
+            return Ok((took(context, &[held.into()], 0), None));
         }
         if let Some(curve) = Curve::power(channel, table) {
             for (index, (vel, power)) in self.points.iter().take(total).enumerate() {
@@ -219,23 +219,28 @@ impl Loading {
             }
             tables.finish(curve, total);
         }
-        case.enter(channel, LaserChange::TableFilled(table));
-        Ok((took(case, &[held.into()], 0), Some((channel, table))))
+        context.enter(channel, LaserChange::TableFilled(table));
+        Ok((took(context, &[held.into()], 0), Some((channel, table))))
     }
 
-    fn lines<const AXES: usize>(&mut self, case: &mut Case<AXES>, tables: &Tables, body: &[u8]) -> Admitted<Answer> {
+    fn lines<const AXES: usize>(
+        &mut self,
+        context: &mut Context<AXES>,
+        tables: &Tables,
+        body: &[u8],
+    ) -> Admitted<Answer> {
         let (r, rest) = split::<SetLaserDisTable1D>(body)?;
-        let channel = case.channel(r.core.get(), 5, r.channel.get())?;
+        let channel = context.channel(r.core.get(), 5, r.channel.get())?;
         let count = within(1, r.count.get(), 1, POINTS as i16)?.unsigned_abs() as usize;
-        let mut book = running(case, channel)?;
+        let mut shadow = running(context, channel)?;
         let total = DISTANCES * count;
         let limits = (4, &r.limit[..], r.limits_given != 0);
-        let (limits, held) = own(case, channel, &mut book, (2, r.min.get(), r.max.get()), limits)?;
+        let (limits, held) = own(context, channel, &mut shadow, (2, r.min.get(), r.max.get()), limits)?;
         let left = total.saturating_sub(r.first.get().into());
         let items = items::<LaserDisPoint>(rest, size_of_val(&r), left)?;
         let key = Key::of(opcode::SetLaserDisTable1D, &r);
         let chunk = Chunk { key, first: r.first.get(), items, total, field: 7 };
-        let bank = self.place(&chunk, || free_bank(case, channel))?;
+        let bank = self.place(&chunk, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let axis = index.checked_div(count).unwrap_or(0);
             let point = index - axis * count;
@@ -259,17 +264,22 @@ impl Loading {
                     tables.finish(curve, count);
                 }
             }
-            book.from = Ratios::Lines { bank };
-            stage(case, channel, book)?;
+            shadow.from = Ratios::Lines { bank };
+            stage(context, channel, shadow)?;
         } else {
-            case.stage(Op::Mark);
+            context.stage(Op::Mark);
         }
-        Ok(told(case, channel, &book, held))
+        Ok(told(context, channel, &shadow, held))
     }
 
-    fn plane<const AXES: usize>(&mut self, case: &mut Case<AXES>, tables: &Tables, body: &[u8]) -> Admitted<Answer> {
+    fn plane<const AXES: usize>(
+        &mut self,
+        context: &mut Context<AXES>,
+        tables: &Tables,
+        body: &[u8],
+    ) -> Admitted<Answer> {
         let (r, rest) = split::<SetLaserDisTable2D>(body)?;
-        let channel = case.channel(r.core.get(), 6, r.channel.get())?;
+        let channel = context.channel(r.core.get(), 6, r.channel.get())?;
         let [x, y] = r.axis.map(|axis| axis.get());
         for (index, axis) in [x, y].into_iter().enumerate() {
             choice(1, axis, 1, DISTANCES as i16).map_err(|refused| refused.item(index))?;
@@ -288,15 +298,15 @@ impl Loading {
             let refused = Refused::new(Reason::TooMany).field(2).got((columns * rows) as f64);
             return Err(refused.limits(1.0, NODES as f64));
         }
-        let mut book = running(case, channel)?;
+        let mut shadow = running(context, channel)?;
         let limits = (5, &r.limit[..], r.limits_given != 0);
-        let (limits, held) = own(case, channel, &mut book, (3, r.min.get(), r.max.get()), limits)?;
+        let (limits, held) = own(context, channel, &mut shadow, (3, r.min.get(), r.max.get()), limits)?;
         let total = columns + rows + columns * rows;
         let left = total.saturating_sub(r.first.get().into());
         let items = items::<LaserDisValue>(rest, size_of_val(&r), left)?;
         let key = Key::of(opcode::SetLaserDisTable2D, &r);
         let chunk = Chunk { key, first: r.first.get(), items, total, field: 8 };
-        let bank = self.place(&chunk, || free_bank(case, channel))?;
+        let bank = self.place(&chunk, || free_bank(context, channel))?;
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let value = item.value.get();
             let node = index.checked_sub(columns + rows);
@@ -329,12 +339,12 @@ impl Loading {
                 let place = axes.iter().position(|of| *of == axis);
                 tables.limit(channel, bank, axis, place.and_then(|place| limits.get(place).copied().flatten()));
             }
-            book.from = Ratios::Plane { bank, axes };
-            stage(case, channel, book)?;
+            shadow.from = Ratios::Plane { bank, axes };
+            stage(context, channel, shadow)?;
         } else {
-            case.stage(Op::Mark);
+            context.stage(Op::Mark);
         }
-        Ok(told(case, channel, &book, held))
+        Ok(told(context, channel, &shadow, held))
     }
 }
 
@@ -347,24 +357,24 @@ pub fn table(field: u8, got: i16) -> Admitted<u8> {
 }
 
 /// A bank that can be written.
-fn free_bank<const AXES: usize>(case: &Case<AXES>, channel: u8) -> Admitted<u8> {
-    let read = case.view.lasers.get(usize::from(channel)).and_then(|seen| seen.bank);
+fn free_bank<const AXES: usize>(context: &Context<AXES>, channel: u8) -> Admitted<u8> {
+    let read = context.view.lasers.get(usize::from(channel)).and_then(|sampled| sampled.bank);
     let busy = || Refused::new(Reason::RatiosBusy).got(channel.into());
-    case.laser(channel).free_bank(case.view, read).ok_or_else(busy)
+    context.laser(channel).free_bank(context.view, read).ok_or_else(busy)
 }
 
 /// Bounds of the follow's own, and what each axis may add or take away at most; which of them were held.
 fn own<const AXES: usize>(
-    case: &Case<AXES>,
+    context: &Context<AXES>,
     channel: u8,
-    book: &mut DistanceBook,
+    shadow: &mut DistanceShadow,
     (field, min, max): (u8, f64, f64),
     (place, given, are_given): (u8, &[zerocopy::little_endian::F64], bool),
 ) -> Admitted<([Option<Power>; DISTANCES], u8)> {
-    let mut taking = Taking::new(case.is_lsr());
-    book.bounds = bounds(case, channel, &mut taking, field, (min, max))?;
-    let mode = case.laser(channel).mode;
-    let range = Range::new(0.0, crate::read::units(mode.full_scale()));
+    let mut taking = Taking::new(context.is_lsr());
+    shadow.bounds = bounds(context, channel, &mut taking, field, (min, max))?;
+    let mode = context.laser(channel).mode;
+    let range = Range::new(0.0, crate::report::replies::units(mode.full_scale()));
     let mut limits = [None; DISTANCES];
     if are_given {
         for (index, (to, given)) in limits.iter_mut().zip(given).enumerate() {
@@ -376,13 +386,13 @@ fn own<const AXES: usize>(
 }
 
 /// A follow table may not be replaced while an entry of a path names it or a follow reads it.
-fn not_in_use<const AXES: usize>(case: &Case<AXES>, channel: u8, table: u8) -> Admitted<()> {
-    let named = case.laser(channel).named.get(usize::from(table)).copied().unwrap_or(0);
-    let reads = case.view.lasers.get(usize::from(channel)).and_then(|seen| seen.table);
+fn not_in_use<const AXES: usize>(context: &Context<AXES>, channel: u8, table: u8) -> Admitted<()> {
+    let named = context.laser(channel).named.get(usize::from(table)).copied().unwrap_or(0);
+    let reads = context.view.lasers.get(usize::from(channel)).and_then(|sampled| sampled.table);
     let holds = Crd::all().any(|crd| {
         (0..2).any(|fifo| {
             let is_named = named >> (2 * crd.index() as u8 + fifo) & 1 == 1;
-            is_named && case.crd_book(crd).space(case.crd_seen(crd), fifo) != CAPACITY
+            is_named && context.crd_book(crd).space(context.crd_seen(crd), fifo) != CAPACITY
         })
     });
     if holds || reads.is_some() && reads == Curve::power(channel, table) {

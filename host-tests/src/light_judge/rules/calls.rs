@@ -50,7 +50,7 @@ impl Judge {
             }
             return;
         }
-        of.touch();
+        of.mark_changed();
         if of.fault == Maybe::Yes {
             // It was answered before the cause was seen.
             return;
@@ -127,7 +127,7 @@ impl Judge {
         });
         if code == 0 {
             let of = &mut self.channels[channel];
-            of.touch();
+            of.mark_changed();
             of.old_map = (of.map, self.now.1 + self.near);
             of.map = map;
             if of.kept.iter().any(Option::is_some) {
@@ -143,7 +143,7 @@ impl Judge {
     pub(super) fn other_delays(&mut self, channel: usize, on: Ns, off: Ns) {
         let (lo, hi) = self.now;
         let of = &mut self.channels[channel];
-        of.touch();
+        of.mark_changed();
         of.delays = (on, off);
         let mut open = None;
         for gate in of.verdict.gates.iter_mut().rev().take_while(|gate| gate.hi + SAME >= lo) {

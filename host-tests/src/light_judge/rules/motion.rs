@@ -23,7 +23,7 @@ impl Judge {
             return;
         }
         if lives {
-            of.touch();
+            of.mark_changed();
         }
         match laser {
             Laser::On => {

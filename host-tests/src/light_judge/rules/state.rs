@@ -111,7 +111,7 @@ impl Channel {
     }
 
     /// A laser command came.
-    pub(super) fn touch(&mut self) {
+    pub(super) fn mark_changed(&mut self) {
         self.quiet = false;
         self.withdrawn = None;
     }

@@ -60,7 +60,7 @@ impl Controller {
     }
 
     /// Where a master was at an instant of the tick.
-    pub(super) fn place_of(&self, master: Master, at: Fix, before: i64, now: i64) -> Option<Fix> {
+    pub(super) fn position_of(&self, master: Master, at: Fix, before: i64, now: i64) -> Option<Fix> {
         let axis = &self.axes[master.axis];
         if master.kind != 1 {
             return axis.at(at);

@@ -3,7 +3,7 @@ use super::super::axis::Mode;
 use super::super::call::{Call, members};
 use super::super::crd::{CAPACITY, Crd, Entry, Rest, Set};
 use super::super::number::Fix;
-use super::super::path::{Path, PathCall, Round, Speeds};
+use super::super::path::{Cycle, Path, PathCall, Speeds};
 use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply, Value};
 use crate::path_model::{Figure, Frame, Rates};
@@ -103,13 +103,13 @@ impl Controller {
                 let chord = (end.0 - begin[first], end.1 - begin[second]);
                 let half = chord.0.hypot(chord.1) / 2.0;
                 let figure = match *round {
-                    Round::Radius(radius) => {
+                    Cycle::Radius(radius) => {
                         if half > 0.0 && (0.0..2.0).contains(&(half - radius.abs())) {
                             self.open = Some("a radius a little too small");
                         }
                         Figure::arc_by_radius(begin, *plane, end, radius, *ccw)
                     }
-                    Round::Centre(x, y) => {
+                    Cycle::Centre(x, y) => {
                         // So much that the path leaves the arc is refused; how much that is depends on the arc.
                         if half > 0.0 && (half - (x * chord.0 + y * chord.1) / (2.0 * half)).abs() > 0.7 {
                             self.open = Some("a centre that is not equally far from both ends");
@@ -297,7 +297,7 @@ impl Controller {
         self.axes.iter_mut().for_each(|axis| axis.bent = false);
         for (name, of) in &mut self.crds {
             of.started_here = false;
-            let (ran, shown) = (of.runs, of.clone());
+            let (ran, published) = (of.runs, of.clone());
             of.run(ms(now));
             if std::mem::take(&mut of.late) && (!of.runs || of.open || of.dry) {
                 self.open = Some("data in the tick in which a path ends");
@@ -310,7 +310,7 @@ impl Controller {
                         if of.open || of.speed < 1e-3 && of.speed != 0.0 {
                             self.open = Some("a Stop where a path comes to rest or to an entry");
                         }
-                        if *then == PathThen::Halt { of.halt(&shown) } else { of.brake() }
+                        if *then == PathThen::Halt { of.halt(&published) } else { of.brake() }
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! Coordinate systems: set up, filled, started, stopped, gone on with, and what is asked of them on the way.
 use super::{Does, Making};
 use crate::path_model::Plane;
-use crate::reference::{Call, Kind, Path, PathCall, Round, Speeds};
+use crate::reference::{Call, Cycle, Kind, Path, PathCall, Speeds};
 
 /// A coordinate system as it was set up.
 #[derive(Debug, Clone)]
@@ -81,11 +81,11 @@ impl Making<'_> {
             let (first, second) = plane.axes();
             let (radius, turn) = (length.max(8.0), self.chance.unit() * std::f64::consts::TAU);
             let (round, ccw) = if self.one_in(2) {
-                (Round::Centre((radius * turn.cos()).round(), (radius * turn.sin()).round()), self.one_in(2))
+                (Cycle::Centre((radius * turn.cos()).round(), (radius * turn.sin()).round()), self.one_in(2))
             } else {
                 to[first] += (radius * turn.cos()) as i32;
                 to[second] += (radius * turn.sin()) as i32;
-                (Round::Radius(if self.one_in(3) { -radius } else { radius }), self.one_in(2))
+                (Cycle::Radius(if self.one_in(3) { -radius } else { radius }), self.one_in(2))
             };
             let target = [to[first], to[second]];
             let fifo_of = fifo as i16;

@@ -2,7 +2,7 @@
 use super::Got;
 use client::{Answer, Call as Wire};
 use host_tests::path_model::Plane;
-use host_tests::reference::{Path, PathCall, Round, Site};
+use host_tests::reference::{Cycle, Path, PathCall, Site};
 use protocol::command::*;
 
 pub fn wire(site: &Site, of: &PathCall) -> Wire {
@@ -71,11 +71,11 @@ pub fn wire(site: &Site, of: &PathCall) -> Wire {
             let (x, y) = (to[0].into(), to[1].into());
             // The three planes have one layout.
             let mut call = match *round {
-                Round::Radius(radius) => {
+                Cycle::Radius(radius) => {
                     let radius = radius.into();
                     Wire::of(ArcXYR { core, crd, x, y, radius, circle_dir, syn_vel, syn_acc, vel_end, fifo })
                 }
-                Round::Centre(a, b) => {
+                Cycle::Centre(a, b) => {
                     let (x_center, y_center) = (a.into(), b.into());
                     Wire::of(ArcXYC {
                         core,

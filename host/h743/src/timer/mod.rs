@@ -265,7 +265,7 @@ impl Timer {
             self.sr |= BIF;
             self.disable(at);
         }
-        self.show(at, out);
+        self.publish(at, out);
         self.tell(out);
     }
 
@@ -279,7 +279,7 @@ impl Timer {
     }
 
     /// Works out the outputs and tells what changed.
-    fn show(&mut self, at: Time, out: &mut Vec<Signal>) {
+    fn publish(&mut self, at: Time, out: &mut Vec<Signal>) {
         let count = self.count(at);
         self.channels.iter_mut().for_each(|channel| channel.look(count));
         let references = self.channels.map(|channel| channel.reference);
@@ -438,7 +438,7 @@ impl Timer {
     pub fn trigger(&mut self, master: u8, at: Time, out: &mut Vec<Signal>) {
         if self.follows(master) && self.cr1 & CEN == 0 {
             self.set_control(self.cr1 | CEN, at, out);
-            self.show(at, out);
+            self.publish(at, out);
         }
     }
 

@@ -157,7 +157,7 @@ impl Device for Timer {
         if self.brake.is_broken(self.others[0], self.is_odd) {
             self.look_at_break(out, at);
         }
-        self.show(at, out);
+        self.publish(at, out);
         self.tell(out);
         Some(())
     }
@@ -197,7 +197,7 @@ impl Device for Timer {
                     }
                 }
             }
-            self.show(due, out);
+            self.publish(due, out);
             self.tell(out);
         }
     }
@@ -213,7 +213,7 @@ impl Device for Timer {
         self.inputs = inputs;
         self.is_odd = is_odd;
         self.complaint = complaint;
-        self.show(at, out);
+        self.publish(at, out);
         self.tell(out);
     }
 

@@ -72,9 +72,9 @@ fn voltages(vcd: &str, channel: usize) -> Vec<(u64, f64)> {
 }
 
 /// What an analog output shows in mV behind its stage: its changes since it was switched on, the first of them the voltage it had then.
-fn shown(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f64)>, String> {
+fn published(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f64)>, String> {
     let millivolts = |value: u16, least: i32| (i32::from(value) * least - 32768) as f64 * 10_000.0 / 32768.0;
-    let mut shown: Vec<(Time, f64)> = if external {
+    let mut published: Vec<(Time, f64)> = if external {
         let of = |(at, _, code): (Time, usize, u16)| (at, millivolts(code, 1));
         let told = dac8563::told(chip, Pin::named("PC11").unwrap())?;
         let told = told.into_iter().filter(|told| told.1 == channel).map(of);
@@ -83,8 +83,8 @@ fn shown(chip: &Chip, channel: usize, external: bool) -> Result<Vec<(Time, f64)>
         let of = |&(at, of, value): &h743::dac::Change| (of == channel).then_some((at, millivolts(value?, 16)));
         chip.bus.dac.changes.iter().filter_map(of).collect()
     };
-    shown.dedup_by(|later, before| later.1 == before.1);
-    Ok(shown)
+    published.dedup_by(|later, before| later.1 == before.1);
+    Ok(published)
 }
 
 /// The voltages of both channels against the plan, to a code of the converter and a tick; `external` is the DAC8563. Returns how many changes were
@@ -97,11 +97,11 @@ pub fn compare_voltages(vcd: &str, tick_us: u64, external: bool, chip: &Chip) ->
     let first_seen = LINES.iter().filter_map(|(_, plus, _)| Some(pin(chip, plus, false).first()?.0)).min();
     let mut compared = 0;
     for channel in 0..2 {
-        let (planned, shown) = (voltages(vcd, channel), shown(chip, channel, external)?);
-        if shown.first().is_none_or(|(_, volts)| *volts != 0.0) {
-            return Err(format!("output {channel} does not begin at 0 V: {:?}", shown.first()));
+        let (planned, published) = (voltages(vcd, channel), published(chip, channel, external)?);
+        if published.first().is_none_or(|(_, volts)| *volts != 0.0) {
+            return Err(format!("output {channel} does not begin at 0 V: {:?}", published.first()));
         }
-        let changes = planned.iter().skip(1).zip(shown.iter().skip(1));
+        let changes = planned.iter().skip(1).zip(published.iter().skip(1));
         for (&(ns, wanted), &(at, volts)) in changes {
             let (Some(first), Some(first_seen)) = (first, first_seen) else {
                 return Err("voltages without an edge that says when".into());
@@ -115,11 +115,11 @@ pub fn compare_voltages(vcd: &str, tick_us: u64, external: bool, chip: &Chip) ->
             }
             compared += 1;
         }
-        if planned.len().max(1) != shown.len() {
+        if planned.len().max(1) != published.len() {
             return Err(format!(
-                "output {channel} shall change {} times and does {}: {planned:?}, {shown:?}",
+                "output {channel} shall change {} times and does {}: {planned:?}, {published:?}",
                 planned.len().max(1) - 1,
-                shown.len() - 1
+                published.len() - 1
             ));
         }
     }
@@ -143,7 +143,7 @@ fn pin(chip: &Chip, name: &str, active: bool) -> Vec<(Time, bool)> {
 const SLOT: Time = 120 * COUNT;
 
 /// The rising edges of axis 1's step output against the plan: the `k`-th pulse of a tick of S slots comes in the slot that
-/// `servo::steps` gives it, `ceil(((k + 1)·S − floor(S/2)) / n) − 1`, counted here in whole numbers from the positions of the trace.
+/// `servo::output::step_generator` gives it, `ceil(((k + 1)·S − floor(S/2)) / n) − 1`, counted here in whole numbers from the positions of the trace.
 /// All instants are those of the plan but for one shift, which the first edge shows. Returns how many were compared, and where the
 /// first row is on the chip, as it would be if pulses of a tick came in the tick before its row.
 pub fn compare_steps(csv: &str, tick_us: u64, chip: &Chip) -> Result<(usize, Option<i128>), String> {

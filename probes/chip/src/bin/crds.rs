@@ -11,7 +11,7 @@
 //! `crd-worst-inside` is any other tick of that. `laser-…`: CASE channels are in light while one coordinate system
 //! speeds up, with a power that follows nothing, its speed, places, tables of both, or speed and places.
 use cortex_m_semihosting::hprintln;
-use dispatcher::tables::{Beside, Draft, Fields, Kind, Scratch};
+use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
 use hal as _; // the vector table
 use probes::clock;
 use probes::counted::Counted;
@@ -22,7 +22,7 @@ use servo::laser::{
 };
 use servo::op::{Entry, Mode, Op};
 use servo::path::{self, Along, EntryStore, PathStores, Plane, Sweep};
-use servo::pvt::{HeaderStore, PlaceStore, TABLES, TableStores};
+use servo::segment::pvt::{HeaderStore, PointStore, TABLES, TableStores};
 use servo::tick::{EVENTS, IMMEDIATE, Lanes, PROGRAM, SAMPLES, SegmentStore, Tick, TickConfig};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, StepLimit};
 use servo::view::{Event, Sample, View};
@@ -41,11 +41,11 @@ static VIEW: Latest<View<AXES>> = Latest::new(View::POWER_ON);
 static NEWS: Ring<Event, EVENTS> = Ring::new();
 static TRACE: Ring<Sample, SAMPLES> = Ring::new();
 static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
-static PLACES: [PlaceStore; TABLES] = [const { PlaceStore::new() }; TABLES];
+static PLACES: [PointStore; TABLES] = [const { PointStore::new() }; TABLES];
 static HEADERS: HeaderStore = HeaderStore::new();
 static LASERS: Tables = Tables::new();
 static PATHS: [[EntryStore; 2]; 2] = [const { [const { EntryStore::new() }; 2] }; 2];
-const TABLE_STORES: TableStores<'static> = TableStores { places: &PLACES, headers: &HEADERS, lasers: &LASERS };
+const TABLE_STORES: TableStores<'static> = TableStores { points: &PLACES, headers: &HEADERS, lasers: &LASERS };
 
 probes::exit_on_panic!();
 
@@ -272,8 +272,8 @@ impl Bench {
             assert!(draft.point(&point, scratch).is_ok(), "point {k} is refused");
         }
         let Some(Ok(sealed)) = draft.finish(scratch) else { panic!("the table is refused") };
-        for index in 0..sealed.places() {
-            TABLE_STORES.write_place(table, index, sealed.place(scratch, index).unwrap_or_default());
+        for index in 0..sealed.points() {
+            TABLE_STORES.write_point(table, index, sealed.point(scratch, index).unwrap_or_default());
         }
         TABLE_STORES.write_header(table, sealed.header().admit().unwrap_or_default());
     }
@@ -404,9 +404,9 @@ impl Bench {
         self.push(Op::CrdStart { crds, fifo1: CrdMask(0) });
         self.pass();
         let mut seen = self.done();
-        let mut shown = None;
+        let mut published = None;
         for k in 1..50 * 16 {
-            if shown == Some(k) {
+            if published == Some(k) {
                 worst_tick_comes();
             }
             let before = self.view.read().axes[0].motion.c;
@@ -419,9 +419,9 @@ impl Bench {
                 (true, false) => "crd-worst-segments",
                 (false, false) => "crd-worst-inside",
             };
-            assert!(shown != Some(k) || mark == "crd-worst", "another tick was shown");
-            if k > 20 && mark == "crd-worst" && shown.is_none() {
-                shown = Some(k + SHOWN);
+            assert!(published != Some(k) || mark == "crd-worst", "another tick was shown");
+            if k > 20 && mark == "crd-worst" && published.is_none() {
+                published = Some(k + SHOWN);
             }
             if k > 20 {
                 hprintln!("2 {} {}", mark, count);
@@ -448,9 +448,9 @@ fn main() -> ! {
     for (case, channels) in [("1", 1), ("2", 2)] {
         bench.run_follows(case, channels);
     }
-    let mut beside = Beside::new();
+    let mut beside = SplineScratch::new();
     // No axis has the last table.
-    let mut scratch = Scratch::new(&mut beside, &TABLE_STORES.places[TABLES - 1]);
+    let mut scratch = Scratch::new(&mut beside, &TABLE_STORES.points[TABLES - 1]);
     bench.run_worst(&mut scratch);
     probes::exit()
 }

@@ -7,8 +7,8 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 use hal::mps2_an500::machine::Machine;
 use probes::AXES;
-use servo::path::{Change, Effects, EntryStore, Feed, Fine, Path, Rest};
-use servo::piece::Scaled;
+use servo::path::{Change, Effects, EntryStore, Feed, Fine, Path, PathStop};
+use servo::segment::piece::Scaled;
 use servo::tick::{Lanes, Tick};
 use servo::units::{Axis, Ns, Pos};
 
@@ -40,7 +40,7 @@ impl Effects for Sink {
     fn change(&mut self, at: Fine, _: &Change) -> Fine {
         at
     }
-    fn rest(&mut self, _: Fine, _: Rest) {}
+    fn rest(&mut self, _: Fine, _: PathStop) {}
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: Axis, _: i32) {}
 }
@@ -55,7 +55,7 @@ fn path(path: &mut Path, next: Ns, feed: Feed, fifo: u8) {
     black_box(path.step(next, next, feed, &ENTRIES, &mut Sink));
     black_box((path.released(fifo), path.done(fifo)));
     path.clear(fifo);
-    path.place([Pos(0); 4]);
+    path.position([Pos(0); 4]);
 }
 
 #[cortex_m_rt::entry]

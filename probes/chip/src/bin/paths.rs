@@ -9,8 +9,8 @@ use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
-use servo::path::{Along, Change, Effects, Entry, EntryStore, Feed, Fine, Path, Plane, Rest, Step, Sweep};
-use servo::piece::Scaled;
+use servo::path::{Along, Change, Effects, Entry, EntryStore, Feed, Fine, Path, PathStop, Plane, Step, Sweep};
+use servo::segment::piece::Scaled;
 use servo::units::{Axis, Ns, Pos};
 
 const PERIOD: Ns = Ns(250_000);
@@ -27,7 +27,7 @@ impl Effects for Sink {
     fn change(&mut self, _: Fine, _: &Change) -> Fine {
         0
     }
-    fn rest(&mut self, _: Fine, _: Rest) {}
+    fn rest(&mut self, _: Fine, _: PathStop) {}
     fn gear(&mut self, _: Axis, _: Pos, _: Scaled) {}
     fn geared(&mut self, _: Axis, _: i32) {}
 }
@@ -61,7 +61,7 @@ fn run(path: &mut Path, mark: &str, begin: Ns, reading: u32) -> Ns {
     let mut entered = true;
     loop {
         let released = path.released(0);
-        let (periods, shown) = count(step, path, next, feed);
+        let (periods, published) = count(step, path, next, feed);
         let turned = path.released(0) != released;
         let what = match (turned, entered) {
             (true, _) => "path-turn",
@@ -71,7 +71,7 @@ fn run(path: &mut Path, mark: &str, begin: Ns, reading: u32) -> Ns {
         hprintln!("1 {} {}", what, periods.saturating_sub(reading));
         entered = turned;
         next.0 += PERIOD.0;
-        if !shown.runs {
+        if !published.runs {
             return next;
         }
     }
@@ -86,7 +86,7 @@ fn main() -> ! {
     let mut begin = Ns(1_000_000);
     // Lines in four coordinates, each entered at speed; then arcs of both kinds.
     for arcs in [false, true] {
-        path.place([Pos(0); 4]);
+        path.position([Pos(0); 4]);
         for k in 0..MOTIONS {
             let Ok(along) = speeds(81.3, 3.7, f64::from(k % 7) * 11.7) else { panic!("refused") };
             let (x, y) = (k as i32 + 1, (k as i32 * 37) % 101);
@@ -104,7 +104,7 @@ fn main() -> ! {
     }
     let feed = Feed { ends: [MOTIONS, 0] };
     for k in 0..20u64 {
-        path.place([Pos(0); 4]);
+        path.position([Pos(0); 4]);
         path.start(begin, 0, feed, &STORES);
         for _ in 0..4 + k {
             step(&mut path, begin, feed);

@@ -7,9 +7,8 @@ use core::sync::atomic::{AtomicU16, AtomicU32};
 use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
-use servo::laser::{
-    Action, CHANNELS, Count, Energy, HELD_WORDS, Held, Places, Plan, RoundRing, Scale, Switches, Train,
-};
+use servo::laser::{Action, CHANNELS, Count, Plan, Train};
+use servo::output::{CycleRing, DELAY_LINE_WORDS, DelayLine, GateCycles, PwmCycles, Scale, Slots};
 
 /// Ticks counted of each kind.
 const TICKS: usize = 100;
@@ -23,22 +22,23 @@ const SCALE: Scale = Scale::of_mhz(MHZ);
 const FIRST: u16 = 168;
 const BEGIN: u64 = 2 * FIRST as u64;
 
-type Ring<const PLACES: usize, const WORDS: usize> = RoundRing<PLACES, WORDS>;
+type Ring<const PLACES: usize, const WORDS: usize> = CycleRing<PLACES, WORDS>;
 
-static ENERGIES: [Places<ENERGY_PLACES, 3>; CHANNELS] =
+static ENERGIES: [Slots<ENERGY_PLACES, 3>; CHANNELS] =
     [const { [const { [const { AtomicU16::new(0) }; 3] }; ENERGY_PLACES] }; CHANNELS];
-static SWITCHES: Places<SWITCH_PLACES, 6> = [const { [const { AtomicU16::new(0) }; 6] }; SWITCH_PLACES];
+static SWITCHES: Slots<SWITCH_PLACES, 6> = [const { [const { AtomicU16::new(0) }; 6] }; SWITCH_PLACES];
 
-static HELD: [[AtomicU32; HELD_WORDS]; CHANNELS] = [const { [const { AtomicU32::new(0) }; HELD_WORDS] }; CHANNELS];
+static HELD: [[AtomicU32; DELAY_LINE_WORDS]; CHANNELS] =
+    [const { [const { AtomicU32::new(0) }; DELAY_LINE_WORDS] }; CHANNELS];
 
 probes::exit_on_panic!();
 
 /// Both channels, as `hal` holds them.
 struct Outputs {
-    held: [Held; CHANNELS],
-    energies: [Energy; CHANNELS],
+    held: [DelayLine; CHANNELS],
+    energies: [PwmCycles; CHANNELS],
     rings: [Ring<ENERGY_PLACES, 3>; CHANNELS],
-    switches: Switches,
+    switches: GateCycles,
     switch_ring: Ring<SWITCH_PLACES, 6>,
     next: u64,
 }
@@ -92,10 +92,10 @@ fn main() -> ! {
     for (us, mark, train) in kinds {
         for lit in 0..=CHANNELS {
             let mut outputs = Outputs {
-                held: HELD.each_ref().map(|words| Held::new(words)),
-                energies: [const { Energy::from(BEGIN, SCALE) }; CHANNELS],
+                held: HELD.each_ref().map(|words| DelayLine::new(words)),
+                energies: [const { PwmCycles::from(BEGIN, SCALE) }; CHANNELS],
                 rings: ENERGIES.each_ref().map(|places| Ring::new(places, [0; 3])),
-                switches: Switches::from(BEGIN, SCALE),
+                switches: GateCycles::from(BEGIN, SCALE),
                 switch_ring: Ring::new(&SWITCHES, [0, 0, u16::MAX, 0, 0, u16::MAX]),
                 next: 0,
             };

@@ -7,7 +7,7 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
-use servo::steps::output::{AXES, RING, StepOutput};
+use servo::output::step_words::{AXES, RING, StepOutput};
 
 /// Ticks counted of each kind.
 const TICKS: usize = 100;

@@ -13,17 +13,17 @@
 //!
 //! The machine under the tick only stores what it is told: what is counted is the tick alone.
 use cortex_m_semihosting::hprintln;
-use dispatcher::tables::{Beside, Draft, Fields, Kind, Scratch};
+use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
 use hal as _; // the vector table
 use probes::clock;
 use probes::counted::Counted;
 use probes::{AXES, STORES, TABLE_STORES, Thread};
-use servo::follow;
 use servo::laser::{self, Carrier, Change, Clock, Delays, Family, Fine, Power};
 use servo::op::{Entry, Mode, Op};
-use servo::pt::{Chain, Segment};
-use servo::pvt::TABLES;
-use servo::ramp::{Accel, Speed};
+use servo::segment::follow;
+use servo::segment::pt::{Chain, Segment};
+use servo::segment::pvt::TABLES;
+use servo::segment::ramp::{Accel, Speed};
 use servo::units::{Axis, AxisMask, Ns, StepLimit};
 use servo::view::StopReason;
 
@@ -91,14 +91,14 @@ impl Bench {
             assert!(draft.point(&point, scratch).is_ok(), "point {k} is refused");
         }
         let Some(Ok(sealed)) = draft.finish(scratch) else { panic!("the table is refused") };
-        for index in 0..sealed.places() {
-            TABLE_STORES.write_place(table, index, sealed.place(scratch, index).unwrap_or_default());
+        for index in 0..sealed.points() {
+            TABLE_STORES.write_point(table, index, sealed.point(scratch, index).unwrap_or_default());
         }
         TABLE_STORES.write_header(table, sealed.header().admit().unwrap_or_default());
     }
 
     /// Ticks in which the next start of every axis is made ready; `first` says what a start is called without them.
-    fn get_ready(&mut self, case: &str, ready: bool, [first, then]: [&'static str; 2]) -> &'static str {
+    fn prepare_start(&mut self, case: &str, ready: bool, [first, then]: [&'static str; 2]) -> &'static str {
         if !ready {
             return first;
         }
@@ -119,7 +119,7 @@ impl Bench {
             self.push(Op::PvtSelect { axis, table: axis.index() as u8 });
         }
         self.step(case, Some("pvt-set"));
-        let mark = self.get_ready(case, ready, ["pvt-start", "pvt-ready"]);
+        let mark = self.prepare_start(case, ready, ["pvt-start", "pvt-ready"]);
         self.push(Op::PvtStart { axes });
         self.step(case, Some(mark));
         let now = *self.thread.view.read();
@@ -177,7 +177,7 @@ impl Bench {
         self.push(Op::Update { axes: master.mask() });
         self.step(case, Some("follow-set"));
         self.step(case, Some("follow-set"));
-        let start = self.get_ready(case, ready, [start; 2]);
+        let start = self.prepare_start(case, ready, [start; 2]);
         self.push(Op::FollowStart { axes, fifo1: AxisMask(0) });
         self.step(case, Some(start));
         // The master's ramp is over before what is counted.
@@ -210,7 +210,7 @@ impl Bench {
             self.push(Op::StopDec { axis, smooth: rate(0.9 + k / 11.0), abrupt: rate(1000.0) });
         }
         self.step(case, Some("set-ramp"));
-        let mark = self.get_ready(case, ready, [start; 2]);
+        let mark = self.prepare_start(case, ready, [start; 2]);
         self.push(Op::Update { axes });
         self.step(case, Some(mark));
         for _ in 0..TICKS {
@@ -282,7 +282,7 @@ impl Bench {
         }
         self.step(case, Some("set"));
         if running > 0 {
-            let mark = self.get_ready(case, ready, ["start", "start-ready"]);
+            let mark = self.prepare_start(case, ready, ["start", "start-ready"]);
             self.push(Op::PtStart { axes, fifo1: AxisMask(0) });
             self.step(case, Some(mark));
             let now = *self.thread.view.read();
@@ -306,9 +306,9 @@ fn main() -> ! {
     }
     bench.run("1", 1, true);
     bench.run("8", 8, true);
-    let mut beside = Beside::new();
+    let mut beside = SplineScratch::new();
     // No axis has the last table.
-    let mut scratch = Scratch::new(&mut beside, &TABLE_STORES.places[TABLES - 1]);
+    let mut scratch = Scratch::new(&mut beside, &TABLE_STORES.points[TABLES - 1]);
     for (case, running) in [("1", 1), ("8", 8)] {
         bench.run_tables(case, running, false, &mut scratch);
         bench.run_tables(case, running, true, &mut scratch);

@@ -1,5 +1,5 @@
 //! An acceleration whose reciprocal is not its own.
-use servo::ramp::Accel;
+use servo::segment::ramp::Accel;
 
 fn main() {
     let _ = Accel((1, 7));

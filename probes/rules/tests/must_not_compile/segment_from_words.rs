@@ -1,4 +1,4 @@
 //! A PT segment put together by hand.
 fn main() {
-    let _ = servo::pt::Segment([1, 2, 3]);
+    let _ = servo::segment::pt::Segment([1, 2, 3]);
 }

@@ -1,6 +1,6 @@
 //! A speed that no check has seen.
-use servo::piece::Scaled;
+use servo::segment::piece::Scaled;
 
 fn main() {
-    let _ = servo::ramp::Speed(Scaled { m: i64::MAX, e: -900 });
+    let _ = servo::segment::ramp::Speed(Scaled { m: i64::MAX, e: -900 });
 }

@@ -1,5 +1,5 @@
 //! Words that are no admitted segment, on their way to the tick.
-use servo::pt::{Segment, SegmentStore};
+use servo::segment::pt::{Segment, SegmentStore};
 
 fn main() {
     let store = SegmentStore::new();

@@ -2,10 +2,10 @@
 //!
 //! In: the channel as its changes have left it, what paths do within the interval, what the power follows. Out: the
 //! actions of a [`Plan`], what is shown. Owns nothing else. Fails: more events than a plan holds make the channel dark.
-use super::{Channel, Outputs, later, news};
+use super::{Channel, Outputs, changed, later};
+use crate::laser::actions::{Action, PLACES, Plan, Rate, Train};
 use crate::laser::energy::{Energy, Plain};
-use crate::laser::owner::Fact;
-use crate::laser::plan::{Action, PLACES, Plan, Rate, Train};
+use crate::laser::light_owner::Fact;
 use crate::laser::power::Power;
 use crate::laser::safety::Cause;
 use crate::laser::{Clock, Mode, NEVER, Surroundings};
@@ -29,13 +29,13 @@ impl Channel {
     ) {
         plan.clear();
         if self.safety.interlock(interlock) {
-            self.news |= news::CHANGED;
+            self.changed |= changed::CHANGED;
             if interlock {
                 self.trip(Cause::Interlock);
             }
         }
         let end = Ns(next.0.wrapping_add(period.0));
-        if self.news != 0 || self.wake < end {
+        if self.changed != 0 || self.wake < end {
             self.plan(next, end, around, plan);
         } else if self.out.light {
             self.pass();
@@ -66,13 +66,13 @@ impl Channel {
         }
         self.out.train.width = width;
         plan.begin_with(&self.out.train);
-        self.shown.take_power(power, width);
+        self.published.take_power(power, width);
     }
 
     /// The same where more may change than the width of its pulses.
     #[inline(never)]
     fn retrain_light(&mut self, around: &Surroundings<'_>, plan: &mut Plan) {
-        self.shown.limited = self.energy.light(self.power, around.clock, &mut self.train);
+        self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
         if self.train != self.out.train {
             let action = self.go_on();
             plan.push(0, action);
@@ -80,7 +80,7 @@ impl Channel {
         if self.energy.mode == Mode::Analog {
             self.drive(0, true, plan);
         }
-        self.show_power();
+        self.publish_power();
         self.plain = self.energy.plain(&self.out.train);
     }
 
@@ -90,24 +90,24 @@ impl Channel {
         if self.planned != 0 {
             self.on_time.add(self.planned);
             self.planned = 0;
-            self.shown.on_time = self.on_time.units();
+            self.published.on_time = self.on_time.units();
         }
     }
 
     /// Plans an interval in which something may happen.
     #[inline(never)]
     fn plan(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
-        if self.safety.rests() || self.safety.is_dark() && !self.ends {
+        if self.safety.is_safe() || self.safety.is_dark() && !self.ends {
             return self.stay_dark(end);
         }
         self.pass();
         self.plain = Plain::NONE;
         self.attend(next);
-        let mut news = core::mem::take(&mut self.news);
+        let mut changed = core::mem::take(&mut self.changed);
         if self.law.moves() {
-            news |= news::POWER;
+            changed |= changed::POWER;
         }
-        if news & news::POWER != 0 {
+        if changed & changed::POWER != 0 {
             self.find_power(around);
         }
         if self.cut {
@@ -120,10 +120,10 @@ impl Channel {
         if due {
             self.take(next);
         }
-        if due || news != 0 {
-            self.settle(0, news & news::POWER != 0, plan);
+        if due || changed != 0 {
+            self.settle(0, changed & changed::POWER != 0, plan);
             // What is shown is of the interval's beginning.
-            self.show(news & news::SETTINGS != 0);
+            self.publish(changed & changed::SETTINGS != 0);
         }
         if self.ends {
             self.end_within(0, end, plan);
@@ -134,16 +134,16 @@ impl Channel {
         if until < end {
             self.walk(next, end, around, plan);
         }
-        if self.safety.is_dark() && !self.safety.is_spared() {
+        if self.safety.is_dark() && !self.safety.in_grace() {
             self.go_dark();
-            self.show(true);
+            self.publish(true);
         }
     }
 
     /// An interval in which nothing is output. Where it is an abort that ends with it, the next one begins anew.
     #[inline(never)]
     fn stay_dark(&mut self, end: Ns) {
-        if self.safety.is_spared() {
+        if self.safety.in_grace() {
             self.pass();
         }
         self.law.rest();
@@ -153,8 +153,8 @@ impl Channel {
             self.report(end, Fact::Relight);
         }
         self.miss(end);
-        self.news = if self.safety.is_dark() { 0 } else { news::CHANGED };
-        self.show(true);
+        self.changed = if self.safety.is_dark() { 0 } else { changed::CHANGED };
+        self.publish(true);
     }
 
     /// The edges and events within the interval.
@@ -162,7 +162,7 @@ impl Channel {
     fn walk(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
         let mut left = EVENTS;
         while self.wake < end {
-            self.news |= news::MOVED;
+            self.changed |= changed::MOVED;
             if left == 0 || !plan.has_room(ROOM) {
                 return self.trip(Cause::Edges);
             }
@@ -173,9 +173,9 @@ impl Channel {
             if self.ends {
                 return self.end_within(at, end, plan);
             }
-            let anew = self.news & news::POWER != 0;
+            let anew = self.changed & changed::POWER != 0;
             if anew {
-                self.news &= !news::POWER;
+                self.changed &= !changed::POWER;
                 self.find_power(around);
             }
             self.take(now);
@@ -189,8 +189,8 @@ impl Channel {
 
     /// What takes place in an interval in the dark.
     fn miss(&mut self, end: Ns) {
-        while self.agenda.next() < end
-            && let Some(event) = self.agenda.take(end)
+        while self.event_queue.next() < end
+            && let Some(event) = self.event_queue.take(end)
         {
             self.happen(end, event);
         }
@@ -216,20 +216,20 @@ impl Channel {
         self.go_dark();
         self.planned = planned;
         self.miss(end);
-        self.news = news::CHANGED;
+        self.changed = changed::CHANGED;
     }
 
     /// The power in force, and its train.
     #[inline(never)]
     fn find_power(&mut self, around: &Surroundings<'_>) {
         self.power = self.law.power(around);
-        self.shown.limited = self.energy.light(self.power, around.clock, &mut self.train);
+        self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
     }
 
     /// The next edge of any kind.
     #[inline(always)]
     fn soonest(&self) -> Ns {
-        self.gate.next().min(self.light.next()).min(self.pulse).min(self.agenda.next())
+        self.gate.next().min(self.light.next()).min(self.pulse).min(self.event_queue.next())
     }
 
     /// Takes the edges that are due.
@@ -264,7 +264,7 @@ impl Channel {
     #[inline(never)]
     fn go_dark(&mut self) {
         self.extinguish();
-        (self.cut, self.planned, self.out, self.wake) = (false, 0, Outputs::REST, NEVER);
+        (self.cut, self.planned, self.out, self.wake) = (false, 0, Outputs::SAFE_STATE, NEVER);
     }
 
     /// Brings the outputs to what they should carry; `anew`: trains may be others.
@@ -344,38 +344,38 @@ impl Channel {
 
     /// What is being output, as the thread sees it.
     #[inline(always)]
-    fn show_power(&mut self) {
+    fn publish_power(&mut self) {
         let (power, khz) = match (self.safety.is_dark(), self.out.light) {
             (true, _) => (Power::ZERO, Power::ZERO),
             (_, true) => self.energy.told(self.power, &self.train),
             (_, false) => self.energy.told_dark(),
         };
-        let shown = &mut self.shown;
-        (shown.moves, shown.turns) = (shown.moves.wrapping_add(1), shown.turns.wrapping_add(1));
-        (shown.power, shown.khz) = (power, khz);
-        let limited = (shown.limited & self.out.light) as u8;
-        shown.limits = shown.limits.wrapping_add(shown.limits & 1 ^ limited);
-        shown.train = if khz == Power::ZERO { Train::NONE } else { self.out.train };
+        let published = &mut self.published;
+        (published.moves, published.turns) = (published.moves.wrapping_add(1), published.turns.wrapping_add(1));
+        (published.power, published.khz) = (power, khz);
+        let limited = (published.limited & self.out.light) as u8;
+        published.limits = published.limits.wrapping_add(published.limits & 1 ^ limited);
+        published.train = if khz == Power::ZERO { Train::NONE } else { self.out.train };
     }
 
     /// What the thread sees, of the interval's beginning.
     #[inline(never)]
-    fn show(&mut self, changed: bool) {
-        self.show_power();
-        let shown = &mut self.shown;
-        (shown.commanded, shown.gate) = (self.owner.is_commanded(), self.gate.level());
-        shown.owners = self.owner.owners();
-        (shown.switch, shown.light) = (self.out.switch, self.out.light);
-        (shown.direct, shown.on_time) = (self.law.direct(), self.on_time.units());
+    fn publish(&mut self, changed: bool) {
+        self.publish_power();
+        let published = &mut self.published;
+        (published.commanded, published.gate) = (self.owner.is_commanded(), self.gate.level());
+        published.owners = self.owner.owners();
+        (published.switch, published.light) = (self.out.switch, self.out.light);
+        (published.direct, published.on_time) = (self.law.direct(), self.on_time.units());
         if changed {
-            shown.changes = shown.changes.wrapping_add(1);
+            published.changes = published.changes.wrapping_add(1);
             let Energy { mode, connector, width, carrier, .. } = self.energy;
-            (shown.mode, shown.connector, shown.delayed) = (mode, connector, self.delayed);
-            (shown.fault, shown.cause_lasts) = (self.safety.cause(), self.safety.lasts());
-            shown.bounds = self.law.bounds();
-            (shown.follows, shown.source) = (self.law.follows(), self.law.source());
-            (shown.bank, shown.table) = (self.law.bank(), self.law.table());
-            (shown.width_us, shown.carrier) = (width.map_or(0, |us| us.get()), carrier);
+            (published.mode, published.connector, published.delayed) = (mode, connector, self.delayed);
+            (published.fault, published.cause_lasts) = (self.safety.cause(), self.safety.lasts());
+            published.bounds = self.law.bounds();
+            (published.follows, published.source) = (self.law.follows(), self.law.source());
+            (published.bank, published.table) = (self.law.bank(), self.law.table());
+            (published.width_us, published.carrier) = (width.map_or(0, |us| us.get()), carrier);
         }
     }
 }

@@ -1,0 +1,362 @@
+//! The geometry of a path call in doubles: a line, an arc, a full circle.
+//!
+//! In: where the motion starts, the user's numbers. Out: a [`Geometry`]: what servo's entry needs, length, directions at
+//! both ends, radius. Fails: with what does not fit, [`Refused`].
+//!
+//! An arc is kept by both ends and its sweep. A centre that is not equally far from both ends, because these are
+//! whole pulses, is moved along the chord until it is; nowhere does that move the path by more than [`OFF_CENTRE`].
+use libm::{atan2, fabs, fma, hypot, sqrt};
+use servo::path::{Along, Entry, Plane, Sweep};
+
+/// How far a path may lie off the arc that the user's centre or radius mean, pulses.
+pub const OFF_CENTRE: f64 = 2.0;
+/// Radii and coordinates are smaller.
+const FAR: f64 = 2147483648.0;
+
+/// A place, pulses: X, Y, Z, A.
+pub type Position = [f64; 4];
+
+/// What does not fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Refused {
+    /// NaN or infinite.
+    NotFinite,
+    /// The target is the start.
+    NoLength,
+    /// The radius is less than half the way to the target, which this is.
+    RadiusTooSmall {
+        /// The least radius that reaches.
+        least: f64,
+    },
+    /// The centre is not equally far from start and target; the path would have to leave the arc by so much.
+    CentreOff {
+        /// Pulses.
+        by: f64,
+    },
+    /// The centre is on the start, or nearer than 2⁻¹⁰ pulse.
+    CentreOnStart,
+    /// A radius of 2³¹ pulses or more.
+    RadiusTooLarge,
+}
+
+/// What servo's entry is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Form {
+    Planar([i32; 2]),
+    Line([i32; 4]),
+    Arc { plane: Plane, to: [i32; 2], sweep: Sweep },
+    Circle { plane: Plane, centre: [i64; 2], ccw: bool },
+}
+
+/// A motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Geometry {
+    pub(crate) form: Form,
+    /// Pulses.
+    pub length: f64,
+    /// Directions at the start and at the end, unit vectors.
+    pub tangents: [Position; 2],
+    /// Of an arc: its radius, and the coordinates of its plane.
+    pub round: Option<(f64, [usize; 2])>,
+    /// Of an arc: counterclockwise.
+    ccw: bool,
+    /// Where it ends.
+    pub end: Position,
+}
+
+fn length(parts: &Position) -> f64 {
+    sqrt(parts.iter().fold(0.0, |sum, x| sum + x * x))
+}
+
+impl Geometry {
+    /// LnXY: a line in X and Y.
+    pub fn planar(from: &Position, to: [i32; 2]) -> Result<Geometry, Refused> {
+        let mut end = *from;
+        (end[0], end[1]) = (to[0] as f64, to[1] as f64);
+        Geometry::straight(from, end, Form::Planar(to))
+    }
+
+    /// LnXYZ and LnXYZA: a line in all coordinates.
+    pub fn line(from: &Position, to: [i32; 4]) -> Result<Geometry, Refused> {
+        Geometry::straight(from, to.map(|x| x as f64), Form::Line(to))
+    }
+
+    fn straight(from: &Position, end: Position, form: Form) -> Result<Geometry, Refused> {
+        let mut displacement = end;
+        displacement.iter_mut().zip(from).for_each(|(x, from)| *x -= from);
+        let length = length(&displacement);
+        if length == 0.0 {
+            return Err(Refused::NoLength);
+        }
+        let unit = displacement.map(|x| x / length);
+        Ok(Geometry { form, length, tangents: [unit; 2], round: None, ccw: false, end })
+    }
+
+    /// ArcXYC and its planes: centre from the start; a target equal to the start is a full circle.
+    pub fn arc_centre(
+        from: &Position,
+        plane: Plane,
+        to: [i32; 2],
+        centre: [f64; 2],
+        ccw: bool,
+    ) -> Result<Geometry, Refused> {
+        let [x, y] = centre;
+        if !x.is_finite() || !y.is_finite() {
+            return Err(Refused::NotFinite);
+        }
+        let radius = hypot(x, y);
+        if radius >= FAR {
+            return Err(Refused::RadiusTooLarge);
+        }
+        if radius < 1.0 / 512.0 {
+            return Err(Refused::CentreOnStart);
+        }
+        let chord = chord(from, plane, to);
+        let [a, b] = chord;
+        let c = hypot(a, b);
+        if c == 0.0 {
+            let unit = 1073741824.0;
+            let form = Form::Circle { plane, centre: [libm::rint(x * unit) as i64, libm::rint(y * unit) as i64], ccw };
+            return Ok(Geometry::round(
+                from,
+                plane,
+                [a, b],
+                form,
+                [x, y],
+                radius,
+                core::f64::consts::TAU * radius,
+                ccw,
+            ));
+        }
+        // Of the centre, seen from the middle of the chord: along the chord, and to its left.
+        let (mx, my) = (x - a / 2.0, y - b / 2.0);
+        let (along, left) = ((mx * a + my * b) / c, (my * a - mx * b) / c);
+        let left = if ccw { left } else { -left };
+        let long = left < 0.0;
+        // The centre moves along the chord, and the radius changes: seen across the path, by so much at most.
+        let moved = hypot(c / 2.0, left);
+        let lean = if long { 1.0 } else { c / 2.0 / moved };
+        let by = fabs(along) * lean + fabs(moved - (radius + hypot(x - a, y - b)) / 2.0);
+        if by > OFF_CENTRE {
+            return Err(Refused::CentreOff { by });
+        }
+        Geometry::arc(from, plane, to, chord, fabs(left), long, ccw)
+    }
+
+    /// ArcXYR and its planes: a radius above 0 means the arc of up to half a turn, below 0 the longer one.
+    pub fn arc_radius(
+        from: &Position,
+        plane: Plane,
+        to: [i32; 2],
+        radius: f64,
+        ccw: bool,
+    ) -> Result<Geometry, Refused> {
+        if !radius.is_finite() {
+            return Err(Refused::NotFinite);
+        }
+        if fabs(radius) >= FAR {
+            return Err(Refused::RadiusTooLarge);
+        }
+        let chord = chord(from, plane, to);
+        let half = hypot(chord[0], chord[1]) / 2.0;
+        if half == 0.0 {
+            return Err(Refused::NoLength);
+        }
+        // A radius of 0 is none, however near the target is.
+        if half - fabs(radius) > OFF_CENTRE / 2.0 || radius == 0.0 {
+            return Err(Refused::RadiusTooSmall { least: half });
+        }
+        // r² − (a² + b²)/4 with the errors of the squares, so that a near semicircle keeps its digits.
+        let [a, b] = chord.map(|x| x / 2.0);
+        let (rr, aa, bb) = (radius * radius, a * a, b * b);
+        let errors = fma(radius, radius, -rr) - fma(a, a, -aa) - fma(b, b, -bb);
+        let big = if aa > bb { (rr - aa) - bb } else { (rr - bb) - aa };
+        let h = sqrt((big + errors).max(0.0));
+        Geometry::arc(from, plane, to, chord, h, radius < 0.0, ccw)
+    }
+
+    /// An arc whose centre lies `h` off the middle of its chord.
+    fn arc(
+        from: &Position,
+        plane: Plane,
+        to: [i32; 2],
+        chord: [f64; 2],
+        h: f64,
+        long: bool,
+        ccw: bool,
+    ) -> Result<Geometry, Refused> {
+        let [a, b] = chord;
+        let c = hypot(a, b);
+        let radius = hypot(c / 2.0, h);
+        let turns = (atan2(c / 2.0, h) / core::f64::consts::PI).min(0.5);
+        if radius >= FAR {
+            return Err(Refused::RadiusTooLarge);
+        }
+        let Ok(sweep) = Sweep::admit(turns.to_bits(), long, ccw) else { return Err(Refused::RadiusTooLarge) };
+        let left = if ccw != long { h } else { -h };
+        let centre = [a / 2.0 - b / c * left, b / 2.0 + a / c * left];
+        let length = core::f64::consts::TAU * radius * if long { 1.0 - turns } else { turns };
+        Ok(Geometry::round(from, plane, chord, Form::Arc { plane, to, sweep }, centre, radius, length, ccw))
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "of one arc, all of it different")]
+    fn round(
+        from: &Position,
+        plane: Plane,
+        chord: [f64; 2],
+        form: Form,
+        centre: [f64; 2],
+        radius: f64,
+        length: f64,
+        ccw: bool,
+    ) -> Geometry {
+        let [i, j] = plane.coordinates();
+        // Across the way from the centre.
+        let tangent = |x: f64, y: f64| {
+            let (x, y) = if ccw { (-y, x) } else { (y, -x) };
+            let mut tangent = [0.0; 4];
+            (tangent[i], tangent[j]) = (x / radius, y / radius);
+            tangent
+        };
+        let [x, y] = centre;
+        let tangents = [tangent(-x, -y), tangent(chord[0] - x, chord[1] - y)];
+        let mut end = *from;
+        end[i] += chord[0];
+        end[j] += chord[1];
+        Geometry { form, length, tangents, round: Some((radius, [i, j])), ccw, end }
+    }
+
+    /// The greatest share that a coordinate has in the speed anywhere along it, from 0 to 1.
+    pub fn share(&self, coordinate: usize) -> f64 {
+        let part =
+            |at: usize| self.tangents.get(at).and_then(|tangent| tangent.get(coordinate)).map_or(0.0, |x| fabs(*x));
+        let Some((radius, [i, j])) = self.round else { return part(0) };
+        if coordinate != i && coordinate != j {
+            return 0.0;
+        }
+        if let Form::Circle { .. } = self.form {
+            return 1.0;
+        }
+        // Half turns from where the direction has all of the coordinate, at the begin and as far as the arc turns.
+        let [first, second] = [i, j].map(|place| self.tangents[0].get(place).copied().unwrap_or(0.0));
+        let (x, y) = if coordinate == i { (first, second) } else { (second, -first) };
+        let from = atan2(y, x) / core::f64::consts::PI;
+        let turns = self.length / radius / core::f64::consts::PI;
+        let (low, high) = if self.ccw { (from, from + turns) } else { (from - turns, from) };
+        if libm::ceil(low) <= high { 1.0 } else { part(0).max(part(1)) }
+    }
+
+    /// Servo's entry of it with these speeds.
+    pub fn entry(&self, along: Along) -> Option<Entry> {
+        self.form.entry(along)
+    }
+}
+
+impl Form {
+    /// Servo's entry of it with these speeds.
+    pub(crate) fn entry(&self, along: Along) -> Option<Entry> {
+        match *self {
+            Form::Planar(to) => Some(Entry::planar(to, along)),
+            Form::Line(to) => Some(Entry::line(to, along)),
+            Form::Arc { plane, to, sweep } => Some(Entry::arc(plane, to, sweep, along)),
+            Form::Circle { plane, centre, ccw } => Entry::circle(plane, centre, ccw, along).ok(),
+        }
+    }
+}
+
+fn chord(from: &Position, plane: Plane, to: [i32; 2]) -> [f64; 2] {
+    let [i, j] = plane.coordinates();
+    [to[0] as f64 - from[i], to[1] as f64 - from[j]]
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    const O: Position = [0.0; 4];
+
+    fn near(a: f64, b: f64) -> bool {
+        fabs(a - b) <= 1e-12 * (1.0 + fabs(b))
+    }
+
+    /// Quarter, three quarters, half and full circles, both ways, by radius and by centre.
+    #[test]
+    fn arcs_by_radius_and_by_centre_are_the_same() {
+        let from = [1000.0, 0.0, 5.0, 6.0];
+        for (to, centre, radius, ccw, turns) in [
+            ([0, 1000], [-1000.0, 0.0], 1000.0, true, 0.25),
+            ([0, 1000], [-1000.0, 0.0], -1000.0, false, 0.75),
+            ([0, -1000], [-1000.0, 0.0], 1000.0, false, 0.25),
+            ([0, -1000], [-1000.0, 0.0], -1000.0, true, 0.75),
+            ([-1000, 0], [-1000.0, 0.0], 1000.0, true, 0.5),
+            ([-1000, 0], [-1000.0, 0.0], 1000.0, false, 0.5),
+            ([1000, 1000], [0.0, 500.0], 500.0, true, 0.5),
+        ] {
+            let a = Geometry::arc_centre(&from, Plane::Xy, to, centre, ccw).unwrap();
+            let b = Geometry::arc_radius(&from, Plane::Xy, to, radius, ccw).unwrap();
+            let expected = core::f64::consts::TAU * fabs(radius) * turns;
+            assert!(near(a.length, expected) && near(b.length, expected), "{to:?} {ccw}: {} {}", a.length, b.length);
+            assert_eq!(a.end, [to[0] as f64, to[1] as f64, 5.0, 6.0]);
+            // The tangent at the start is across the way from the centre.
+            let side = if ccw { 1.0 } else { -1.0 };
+            for geometry in [a, b] {
+                let [t, _] = geometry.tangents;
+                let r = fabs(radius);
+                assert!(near(t[0], centre[1] / r * side) && near(t[1], -centre[0] / r * side), "{to:?} {t:?}");
+                assert!(near(length(&geometry.tangents[1]), 1.0));
+            }
+        }
+        let circle = Geometry::arc_centre(&from, Plane::Xy, [1000, 0], [3.0, 4.0], false).unwrap();
+        assert!(near(circle.length, 5.0 * core::f64::consts::TAU) && circle.end == from);
+    }
+
+    /// A semicircle's radius in whole numbers leaves the tangent, and so the length, all its digits.
+    #[test]
+    fn near_semicircles_keep_their_digits() {
+        let radius = 1_000_000.000_000_1;
+        let arc = Geometry::arc_radius(&O, Plane::Xy, [2_000_000, 0], radius, true).unwrap();
+        // θ = π − 2·asin(h/r), h² = r² − 10¹² = 2·10⁶·(r − 10⁶) + (r − 10⁶)²
+        let gap = radius - 1e6;
+        let h = sqrt(2e6 * gap + gap * gap);
+        let expected = radius * (core::f64::consts::PI - 2.0 * libm::asin(h / radius));
+        assert!(fabs(arc.length - expected) < 1e-9, "{} {expected}", arc.length);
+    }
+
+    /// Ends rounded to pulses: the centre gives way, the path stays near the arc that was meant.
+    #[test]
+    fn a_centre_that_is_a_little_off_is_moved() {
+        let arc = Geometry::arc_centre(&O, Plane::Xy, [1415, 586], [0.0, 2000.0], true).unwrap();
+        let (radius, _) = arc.round.unwrap();
+        assert!(fabs(radius - 2000.0) < 2.0, "{radius}");
+        assert!(matches!(
+            Geometry::arc_centre(&O, Plane::Xy, [1425, 586], [0.0, 2000.0], true),
+            Err(Refused::CentreOff { by }) if by > 2.0
+        ));
+        // Nearly a full circle: the centre would move far.
+        assert!(matches!(
+            Geometry::arc_centre(&O, Plane::Xy, [0, -1], [0.0, 2000.0], true),
+            Err(Refused::CentreOff { by }) if by > 100.0
+        ));
+        assert!(Geometry::arc_centre(&O, Plane::Xy, [-1, 0], [0.0, 2000.0], true).is_ok());
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let centre = |to, c| Geometry::arc_centre(&O, Plane::Xy, to, c, true).map(|_| ());
+        let radius = |to, r| Geometry::arc_radius(&O, Plane::Xy, to, r, true).map(|_| ());
+        assert_eq!(centre([1, 1], [f64::NAN, 0.0]), Err(Refused::NotFinite));
+        assert_eq!(centre([0, 0], [0.0, 0.001]), Err(Refused::CentreOnStart));
+        assert_eq!(centre([0, 0], [3e9, 0.0]), Err(Refused::RadiusTooLarge));
+        assert_eq!(radius([0, 0], 5.0), Err(Refused::NoLength));
+        assert_eq!(radius([10, 0], f64::INFINITY), Err(Refused::NotFinite));
+        assert_eq!(radius([10, 0], 3.9), Err(Refused::RadiusTooSmall { least: 5.0 }));
+        assert_eq!(radius([10, 0], -3.9), Err(Refused::RadiusTooSmall { least: 5.0 }));
+        assert_eq!(radius([10, 0], 4.5), Ok(()), "a semicircle, but for the rounding of its ends");
+        assert_eq!(radius([10, 0], 0.0), Err(Refused::RadiusTooSmall { least: 5.0 }));
+        assert_eq!(radius([1, 0], -0.0), Err(Refused::RadiusTooSmall { least: 0.5 }));
+        assert_eq!(Geometry::planar(&O, [0, 0]).map(|_| ()), Err(Refused::NoLength));
+        assert_eq!(Geometry::line(&[1.0, 2.0, 3.0, 4.0], [1, 2, 3, 4]).map(|_| ()), Err(Refused::NoLength));
+        assert!(Geometry::line(&O, [0, 0, 0, i32::MIN]).is_ok());
+    }
+}

@@ -1,0 +1,404 @@
+//! Look-ahead: how fast a path may go through its corners.
+//!
+//! In: motions and what stands between them, in order. Out: servo's entries with the speeds that they end at, as soon
+//! as these are final, or at once where the stream has run low. Owns: `N` motions and other entries that wait.
+//! Fails: never; a full queue says so and must be taken from first.
+//!
+//! **The rule.** The velocity of coordinate i never exceeds its limit, nor does its acceleration within a motion. A
+//! corner changes its velocity by Δᵢ·v at once: by no more than its acceleration gives in the corner time T (the
+//! max-acceleration rule), and by so much that its mean acceleration from the middle of the way of the motion before to
+//! that of the motion behind keeps the limit, with what the path's acceleration adds to it or takes from it. So does
+//! the mean between the middles of any two motions, on finely divided curves as on long lines. On an arc the
+//! acceleration along it, v²/R and what a corner at its end takes are added as if they pointed the same way, inside a
+//! polygon within the circle of the lowest limit. velEnd of the calls is not used, except through the waits between them.
+//!
+//! **The plan.** Backwards from a stop at the end of what is there, the square of the highest speed at each junction
+//! from which all that follows can be kept (`reach.rs`); forwards, as fast as these allow. More data can only raise
+//! these speeds, so what has been handed over is always safe, and final where more data could not raise it. Work: once
+//! for all that was pushed since the last take, back over as many motions as it takes to brake; so push what is there,
+//! then take.
+mod reachable;
+
+use super::geometry::{Form, Geometry, Position};
+use libm::{fabs, sqrt};
+use reachable::{BOUNDS, Bound, Corner, Span};
+use servo::path::{Along, Entry};
+
+/// Limits of a coordinate system.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Speeds of X, Y, Z, A, pulse/ms.
+    pub vel: Position,
+    /// Accelerations, pulse/ms².
+    pub acc: Position,
+    /// Corner time, ms.
+    pub corner: f64,
+}
+
+impl Limits {
+    /// Speed along a motion as they allow it.
+    pub fn speed(&self, geometry: &Geometry, vel: f64) -> f64 {
+        let (vel, ..) = self.hold(geometry, &direction(geometry), vel, 0.0);
+        vel
+    }
+
+    /// Speed and acceleration along a motion as they allow them; of an arc its radius and the limit of its accelerations.
+    fn hold(&self, geometry: &Geometry, direction: &Position, vel: f64, acc: f64) -> (f64, f64, Option<(f64, f64)>) {
+        let Limits { vel: most, acc: hardest, .. } = self;
+        let (mut vel, mut acc) = (vel, acc);
+        for (share, (most, hardest)) in direction.iter().zip(most.iter().zip(hardest)) {
+            let share = fabs(*share);
+            if share > 0.0 {
+                vel = vel.min(most / share);
+                acc = acc.min(hardest / share);
+            }
+        }
+        let least =
+            |axes: [usize; 2]| axes.iter().filter_map(|axis| hardest.get(*axis)).copied().fold(f64::INFINITY, f64::min);
+        let round = geometry.round.map(|(radius, axes)| (radius, least(axes)));
+        if let Some((radius, limit)) = round {
+            vel = vel.min(sqrt(radius * limit));
+        }
+        (vel, acc, round)
+    }
+}
+
+/// Entries with effects that may stand between two motions which are passed at speed; more make the path wait.
+const EFFECTS: u32 = 32;
+/// Lowest speed and acceleration that an entry takes.
+const LEAST: f64 = 1.0 / 1048576.0;
+
+/// A motion that waits. Shares of limits are kept in half the bits: their rounding is far below the margin of a plan.
+#[derive(Debug, Clone, Copy)]
+struct Motion {
+    form: Form,
+    length: f64,
+    /// The direction of a line; of an arc 1 in its plane.
+    direction: [f32; 4],
+    /// Of an arc: its radius, and the limit of its accelerations.
+    round: Option<(f64, f64)>,
+    /// Speed and acceleration along it, as its limits allow.
+    vel: f64,
+    acc: f64,
+    /// The junction at its start.
+    start: Junction,
+    /// The highest square of the speed there from which all that follows can be kept; whether more data cannot raise it.
+    high: f64,
+    settled: bool,
+}
+
+/// Where two motions meet.
+#[derive(Debug, Clone, Copy)]
+struct Junction {
+    /// Δᵢ over the mean length.
+    bend: [f32; 4],
+    /// The highest square of the speed, as the speeds of both motions and the corner time have it.
+    cap: f64,
+}
+
+/// The path stands.
+const REST: Junction = Junction { bend: [0.0; 4], cap: 0.0 };
+
+/// The last motion, for the corner to come.
+#[derive(Debug, Clone, Copy)]
+struct Tail {
+    tangent: Position,
+    length: f64,
+    vel: f64,
+}
+
+/// Its layout is fixed, so that memory of zeros holds empty ones.
+#[derive(Debug, Clone, Copy)]
+#[repr(u8)]
+enum Slot {
+    Empty,
+    Motion(Motion),
+    /// Anything else; whether the path rests there.
+    Other(Entry, bool),
+}
+
+/// What an entry takes, for whoever counts how long the stream lasts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Planned {
+    /// The entry.
+    pub entry: Entry,
+    /// Its time without override, ms; of a wait 0.
+    pub ms: f64,
+}
+
+/// Motions that wait for what follows them. `N` is a power of two.
+#[derive(Debug, Clone)]
+pub struct LookAhead<const N: usize> {
+    limits: Limits,
+    slots: [Slot; N],
+    /// Counters of the first and behind the last.
+    first: usize,
+    end: usize,
+    /// Square of the speed at which the first motion begins: that at which the last one handed over ends.
+    begin: f64,
+    /// The last motion, what stands behind it so far.
+    last: Option<Tail>,
+    moves: bool,
+    effects: u32,
+    /// Speeds are not planned for all that is there.
+    stale: bool,
+}
+
+impl<const N: usize> LookAhead<N> {
+    /// Empty, at rest.
+    pub const fn new(limits: Limits) -> LookAhead<N> {
+        const { assert!(N.is_power_of_two(), "slots are counted modulo a power of two") };
+        LookAhead {
+            limits,
+            slots: [Slot::Empty; N],
+            first: 0,
+            end: 0,
+            begin: 0.0,
+            last: None,
+            moves: false,
+            effects: 0,
+            stale: false,
+        }
+    }
+
+    /// New limits, while it is empty.
+    pub fn set_limits(&mut self, limits: Limits) {
+        self.limits = limits;
+    }
+
+    /// Forgets everything: what comes next begins at rest.
+    pub fn clear(&mut self) {
+        // What the slots hold is over; a new value would pass over the stack, 36 KB of it.
+        (self.first, self.end, self.begin, self.last) = (0, 0, 0.0, None);
+        (self.moves, self.effects, self.stale) = (false, 0, false);
+    }
+
+    /// What waits.
+    pub fn len(&self) -> usize {
+        self.end.wrapping_sub(self.first)
+    }
+
+    /// Whether nothing waits.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether nothing more fits before something has been taken.
+    pub fn is_full(&self) -> bool {
+        self.len() >= N
+    }
+
+    /// A motion with the speed and acceleration of its call. False if it is full.
+    pub fn push_motion(&mut self, geometry: &Geometry, vel: f64, acc: f64) -> bool {
+        if self.is_full() {
+            return false;
+        }
+        let mut motion = self.motion(geometry, vel, acc);
+        // What was handed over to the last has ended at rest.
+        let stops = !self.moves || self.effects > EFFECTS || self.is_empty() && self.begin == 0.0;
+        if let Some(before) = self.last.as_ref().filter(|_| !stops) {
+            motion.start = self.junction(before, &motion, &geometry.tangents[0]);
+        }
+        self.last = Some(Tail { tangent: geometry.tangents[1], length: motion.length, vel: motion.vel });
+        (self.moves, self.effects) = (true, 0);
+        self.push(Slot::Motion(motion));
+        true
+    }
+
+    /// The path stands where the last motion ends.
+    pub fn rest(&mut self) {
+        self.moves = false;
+    }
+
+    /// Anything else in its place. False if it is full.
+    pub fn push_other(&mut self, entry: Entry) -> bool {
+        if self.is_full() {
+            return false;
+        }
+        self.moves &= !entry.is_wait();
+        self.effects = self.effects.saturating_add(entry.load());
+        self.push(Slot::Other(entry, entry.is_wait()));
+        true
+    }
+
+    /// So many entries more have gone through it, which is empty. Its counters are as wide as an address: the nearer way
+    /// round, so that those of another width are as far from going round.
+    pub fn age(&mut self, by: u32) {
+        let by = by.cast_signed() as isize as usize;
+        (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
+    }
+
+    fn push(&mut self, slot: Slot) {
+        if let Some(position) = self.slots.get_mut(self.end & (N - 1)) {
+            *position = slot;
+        }
+        self.end = self.end.wrapping_add(1);
+        self.stale = true;
+    }
+
+    fn slot(&self, counter: usize) -> &Slot {
+        self.slots.get(counter & (N - 1)).unwrap_or(&Slot::Empty)
+    }
+
+    /// What holds for motions that are pushed now.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// A motion by itself, from rest.
+    fn motion(&self, geometry: &Geometry, vel: f64, acc: f64) -> Motion {
+        let direction = direction(geometry);
+        let (vel, acc, round) = self.limits.hold(geometry, &direction, vel, acc);
+        Motion {
+            form: geometry.form,
+            length: geometry.length,
+            direction: direction.map(|x| x as f32),
+            round,
+            vel: vel.max(LEAST),
+            acc: acc.max(LEAST),
+            start: REST,
+            high: f64::NAN,
+            settled: false,
+        }
+    }
+
+    /// The junction between two motions.
+    fn junction(&self, before: &Tail, motion: &Motion, tangent: &Position) -> Junction {
+        let mean = (before.length + motion.length) / 2.0;
+        let slower = before.vel.min(motion.vel);
+        let mut junction = Junction { cap: slower * slower, ..REST };
+        let sides = tangent.iter().zip(&before.tangent).zip(&self.limits.acc);
+        for (bend, ((to, from), acc)) in junction.bend.iter_mut().zip(sides) {
+            let turn = to - from;
+            *bend = (turn / mean) as f32;
+            if turn != 0.0 {
+                let jump = acc * self.limits.corner / turn;
+                junction.cap = junction.cap.min(jump * jump);
+            }
+        }
+        junction
+    }
+
+    /// What a motion may do between the junctions at its start and end.
+    fn bounds(&self, motion: &Motion, end: &Junction) -> Bounds {
+        let Motion { length, vel, acc, .. } = *motion;
+        let ends = [&motion.start, end];
+        let reach = acc * length / 4.0;
+        let fastest = ends.map(|end| (end.cap * vel * vel <= reach * reach).then(|| sqrt(end.cap) * vel));
+        let corners =
+            |bends: [f64; 2], limit| [0, 1].map(|end: usize| Corner::new(bends[end], length, fastest[end], limit));
+        let mut bounds = Bounds { bounds: [Bound::straight(0.0, [Corner::NONE; 2], 1.0); BOUNDS], count: 0 };
+        let mut sharpest = [0.0f64; 2];
+        for (i, limit) in self.limits.acc.iter().enumerate() {
+            let along = f64::from(motion.direction[i]);
+            let bends = ends.map(|end| f64::from(end.bend[i]));
+            if motion.round.is_some() && along != 0.0 {
+                sharpest = [0, 1].map(|end: usize| sharpest[end].max(fabs(bends[end])));
+            } else if bends != [0.0; 2] {
+                bounds.push(Bound::straight(along, corners(bends, *limit), *limit));
+            }
+        }
+        if let Some((radius, limit)) = motion.round {
+            for bound in Bound::circle(radius, corners(sharpest, limit), limit) {
+                bounds.push(bound);
+            }
+        }
+        bounds
+    }
+
+    /// The junction at the end of a motion, and the highest square of the speed there, if it is settled; as far as it is known.
+    fn end_of(&self, mut counter: usize) -> (Junction, f64, bool) {
+        while counter != self.end {
+            match self.slot(counter) {
+                Slot::Motion(motion) => return (motion.start, motion.high, motion.settled),
+                Slot::Other(_, true) => return (REST, 0.0, true),
+                _ => counter = counter.wrapping_add(1),
+            }
+        }
+        (REST, 0.0, false)
+    }
+
+    /// Backwards from a stop at the end, as far as anything changes.
+    fn plan(&mut self) {
+        if !self.stale {
+            return;
+        }
+        self.stale = false;
+        let (mut after, mut settled, mut end) = (0.0, false, REST);
+        let mut counter = self.end;
+        while counter != self.first {
+            counter = counter.wrapping_sub(1);
+            let Slot::Motion(motion) = self.slot(counter) else { continue };
+            if motion.settled {
+                return;
+            }
+            let bounds = self.bounds(motion, &end);
+            let span = Span::new(motion.length, motion.acc, bounds.bounds());
+            let (high, free) = span.back(after, motion.start.cap);
+            settled |= free;
+            if high == motion.high && !settled {
+                return;
+            }
+            (after, end) = (high, motion.start);
+            if let Some(Slot::Motion(motion)) = self.slots.get_mut(counter & (N - 1)) {
+                (motion.high, motion.settled) = (high, settled);
+            }
+        }
+    }
+
+    /// The first entry, if its speeds are final; `now` gives it in any case, as fast as what is there allows.
+    pub fn take(&mut self, now: bool) -> Option<Planned> {
+        if self.is_empty() {
+            return None;
+        }
+        self.plan();
+        let motion = match self.slot(self.first) {
+            Slot::Motion(motion) => motion,
+            Slot::Other(entry, _) => {
+                let entry = *entry;
+                self.first = self.first.wrapping_add(1);
+                return Some(Planned { entry, ms: 0.0 });
+            }
+            Slot::Empty => return None,
+        };
+        let (junction, high, settled) = self.end_of(self.first.wrapping_add(1));
+        let bounds = self.bounds(motion, &junction);
+        let span = Span::new(motion.length, motion.acc, bounds.bounds());
+        let end = span.on(self.begin, high);
+        if !(now || settled || end < high) {
+            return None;
+        }
+        let (vel, acc, ms) = span.choose(bounds.bounds(), [self.begin, end], motion.vel, motion.acc);
+        let bits = [vel.max(LEAST), acc.max(LEAST), sqrt(end)].map(f64::to_bits);
+        let entry = Along::admit(bits[0], bits[1], bits[2]).ok().and_then(|along| motion.form.entry(along))?;
+        (self.first, self.begin) = (self.first.wrapping_add(1), end);
+        Some(Planned { entry, ms })
+    }
+}
+
+/// Bounds of a motion.
+struct Bounds {
+    bounds: [Bound; BOUNDS],
+    count: usize,
+}
+
+impl Bounds {
+    fn push(&mut self, bound: Bound) {
+        if let Some(position) = self.bounds.get_mut(self.count) {
+            *position = bound;
+            self.count += 1;
+        }
+    }
+
+    fn bounds(&self) -> &[Bound] {
+        self.bounds.get(..self.count).unwrap_or(&self.bounds)
+    }
+}
+
+/// The direction of a line; of an arc 1 in its plane: a coordinate may have all of the speed.
+fn direction(geometry: &Geometry) -> Position {
+    match geometry.round {
+        Some((_, plane)) => [0, 1, 2, 3].map(|i| if plane.contains(&i) { 1.0 } else { 0.0 }),
+        None => geometry.tangents[0],
+    }
+}

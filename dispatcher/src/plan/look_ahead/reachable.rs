@@ -1,0 +1,365 @@
+//! What speeds can be reached over one motion, when corners at both ends take their share of the acceleration.
+//!
+//! In: bounds of a motion, the square of the speed at one end. Out: the highest square at the other. Nothing fails.
+//!
+//! With x and y the squares of the speeds at start and end, and a = (y − x)/2l, each bound at each end is a straight line
+//! in the plane of x and y, and all of them enclose a region around 0 (decision 9). At rest a corner takes nothing, so
+//! that a stop is always possible that was possible before the corner was known: x with y = 0 is admitted beside the
+//! region.
+use core::f64::consts::FRAC_PI_6;
+use libm::{cos, fabs, sin, sqrt};
+
+/// What a corner takes of the acceleration of a coordinate, between the middles of the ways of the motions on both sides: at
+/// most `fixed` + `bend`·v² + `grow`·a, where v is the speed in it, a the acceleration away from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Corner {
+    fixed: f64,
+    bend: f64,
+    grow: f64,
+    /// The way in which it changes the velocity: −1, 0, 1.
+    sign: f64,
+}
+
+/// A bound: on a coordinate of a line, or on all that happens on an arc.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bound {
+    /// What v² takes of it.
+    across: f64,
+    /// What the acceleration takes of it, with its sign on a line.
+    along: f64,
+    /// Of any sign, as directions change.
+    round: bool,
+    corners: [Corner; 2],
+    limit: f64,
+}
+
+/// Plans use so much less than the limits: directions are kept in half the bits.
+const MARGIN: f64 = 1.0 / 16384.0;
+/// Entries get so much more acceleration than the plan needs: what the rounding of their speeds takes.
+const SPARE: f64 = 1.0 / 1048576.0;
+/// Below this share of the other, a coefficient is what rounding left.
+const NOTHING: f64 = 1e-9;
+
+/// Two coordinates across an arc and three sides of a circle, or four coordinates.
+pub(super) const BOUNDS: usize = 5;
+/// The acceleration, two lines for each side at each end, one for the others.
+const LINES: usize = 18;
+/// Each brings the highest speed to another corner of the region.
+const ROUNDS: usize = 16;
+
+/// y ≤ offset − slope·x, or y ≥ slope·x − offset.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    slope: f64,
+    offset: f64,
+    lower: bool,
+    /// Of the corner at the end.
+    end: bool,
+}
+
+/// A motion between two junctions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Span {
+    length: f64,
+    /// The highest x by itself: without and with the corner at the end.
+    tops: [f64; 2],
+    lines: [Line; LINES],
+    count: usize,
+}
+
+/// What plans use of a limit.
+fn planned(limit: f64) -> f64 {
+    limit * (1.0 - MARGIN)
+}
+
+impl Corner {
+    /// None.
+    pub(super) const NONE: Corner = Corner { fixed: 0.0, bend: 0.0, grow: 0.0, sign: 0.0 };
+
+    /// A change of direction, over the mean length of the motions on both sides, at the end of a motion of this length.
+    /// `fastest`, where given, is what both speeds at its ends multiply to at most: it says more of a long motion.
+    pub(super) fn new(turn: f64, length: f64, fastest: Option<f64>, limit: f64) -> Corner {
+        let bend = fabs(turn);
+        let sign = if turn > 0.0 { 1.0 } else { -1.0 };
+        match fastest.map(|squares| bend * squares) {
+            _ if bend == 0.0 => Corner::NONE,
+            Some(fixed) if fixed < limit / 2.0 => Corner { fixed, bend: 0.0, grow: 0.0, sign },
+            _ => Corner { fixed: 0.0, bend, grow: bend * length / 4.0, sign },
+        }
+    }
+}
+
+impl Bound {
+    /// Of a coordinate of a line: its part of the direction, its corners.
+    pub(super) fn straight(along: f64, corners: [Corner; 2], limit: f64) -> Bound {
+        Bound { across: 0.0, along, round: false, corners, limit: planned(limit) }
+    }
+
+    /// The polygon within a circle of accelerations: along an arc, and v²/R across it.
+    pub(super) fn circle(radius: f64, corners: [Corner; 2], limit: f64) -> [Bound; 3] {
+        [0.5, 1.5, 2.5].map(|side| {
+            let across = cos(side * FRAC_PI_6) / radius;
+            let limit = planned(limit) * cos(FRAC_PI_6 / 2.0);
+            Bound { across, along: sin(side * FRAC_PI_6), round: true, corners, limit }
+        })
+    }
+
+    /// The greatest acceleration either way, with these squares of the speeds at both ends. At rest a corner takes nothing.
+    fn most(&self, squares: [f64; 2]) -> f64 {
+        self.corners.iter().zip(squares).fold(f64::INFINITY, |a, (corner, square)| {
+            let corner = if square > 0.0 { corner } else { &Corner::NONE };
+            let left = self.limit - corner.fixed - (self.across + corner.bend) * square;
+            let steep = fabs(self.along) + corner.grow;
+            if steep > 0.0 { a.min(left / steep) } else { a }
+        })
+    }
+}
+
+impl Span {
+    /// Of this length, with an acceleration of its own.
+    pub(super) fn new(length: f64, acc: f64, bounds: &[Bound]) -> Span {
+        let nothing = Line { slope: 0.0, offset: 0.0, lower: true, end: false };
+        let mut span = Span { length, tops: [f64::INFINITY; 2], lines: [nothing; LINES], count: 0 };
+        let swing = 2.0 * length * planned(acc);
+        span.push(Line { slope: -1.0, offset: swing, lower: false, end: false });
+        span.push(Line { slope: 1.0, offset: swing, lower: true, end: false });
+        let unit = 1.0 / (2.0 * length);
+        for bound in bounds {
+            let [start, end] = &bound.corners;
+            if bound.round {
+                for along in [bound.along, -bound.along] {
+                    span.corner(bound, start, false, (along + along.signum() * start.grow) * unit);
+                    span.corner(bound, end, true, (along + along.signum() * end.grow) * unit);
+                }
+                continue;
+            }
+            if start.sign != 0.0 {
+                span.corner(bound, start, false, (start.sign * bound.along + start.grow) * unit);
+            }
+            if end.sign != 0.0 {
+                span.corner(bound, end, true, (end.sign * bound.along - end.grow) * unit);
+            }
+        }
+        span
+    }
+
+    fn push(&mut self, line: Line) {
+        if let Some(position) = self.lines.get_mut(self.count) {
+            *position = line;
+            self.count += 1;
+        }
+    }
+
+    /// What a bound says at one end, where the acceleration takes `steep`·(y − x) of it.
+    fn corner(&mut self, bound: &Bound, corner: &Corner, end: bool, steep: f64) {
+        let square = bound.across + corner.bend;
+        let limit = bound.limit - corner.fixed;
+        let (x, y) = if end { (-steep, square + steep) } else { (square - steep, steep) };
+        if fabs(y) > NOTHING * fabs(x) {
+            let part = 1.0 / fabs(y);
+            let lower = y < 0.0;
+            let slope = x * part;
+            self.push(Line { slope, offset: limit * part, lower, end });
+        } else if x > 0.0 {
+            let top = limit / x;
+            self.tops[1] = self.tops[1].min(top);
+            if !end {
+                self.tops[0] = self.tops[0].min(top);
+            }
+        }
+    }
+
+    fn lines(&self) -> &[Line] {
+        self.lines.get(..self.count).unwrap_or(&self.lines)
+    }
+
+    /// The lines that bound y at x from above and from below, `most` and 0 among them.
+    fn window(&self, x: f64, most: f64) -> [(f64, Line); 2] {
+        let line = |offset, lower| Line { slope: 0.0, offset, lower, end: false };
+        let (mut above, mut below) = ((most, line(most, false)), (0.0, line(0.0, true)));
+        for line in self.lines() {
+            if line.lower {
+                let y = line.slope * x - line.offset;
+                if y > below.0 {
+                    below = (y, *line);
+                }
+            } else {
+                let y = line.offset - line.slope * x;
+                if y < above.0 {
+                    above = (y, *line);
+                }
+            }
+        }
+        [above, below]
+    }
+
+    /// The highest x, at most `cap`, from which some y from 0 to `most` can be met; whether a higher `most` would not raise
+    /// it.
+    pub(super) fn back(&self, most: f64, cap: f64) -> (f64, bool) {
+        let [free, top] = self.tops;
+        let (mut x, mut settled) = (cap.min(top), true);
+        for _ in 0..ROUNDS {
+            let [(high, above), (low, below)] = self.window(x, most);
+            if low <= high {
+                break;
+            }
+            // The region is convex, and holds 0: what is below rises faster than what is above.
+            let next = (above.offset + below.offset) / (above.slope + below.slope);
+            settled = above.slope != 0.0;
+            // Where rounding has it that it does not fall, it is there.
+            if next.is_nan() || next >= x {
+                break;
+            }
+            x = next;
+        }
+        // A stop at the end takes no part of the corner there.
+        let stops = self.lines().iter().filter(|line| !line.end);
+        if x < cap && stops.clone().all(|line| line.slope * x <= line.offset) {
+            let ends = stops.filter(|line| line.slope > 0.0).map(|line| line.offset / line.slope);
+            let remainder = ends.fold(cap.min(free), f64::min);
+            if remainder > x {
+                return (remainder, remainder >= cap);
+            }
+        }
+        (x.max(0.0), settled)
+    }
+
+    /// The highest y, at most `most`, that can be met from x.
+    pub(super) fn on(&self, x: f64, most: f64) -> f64 {
+        let [(high, _), (low, _)] = self.window(x, most);
+        // What was planned is in the region, but for rounding; what was not has counted on a stop.
+        let slack = 1e-6 * x;
+        if high < low - slack || x > self.tops[1] + slack { 0.0 } else { high.max(0.0) }
+    }
+
+    /// Speed and acceleration for a motion from x to y, and its time in ms. On an arc, where both share one limit,
+    /// the pair of those tried that takes the least time.
+    pub(super) fn choose(&self, bounds: &[Bound], [x, y]: [f64; 2], vel: f64, acc: f64) -> (f64, f64, f64) {
+        let most = bounds.iter().fold(planned(acc), |a, bound| a.min(bound.most([x, y])));
+        let least = fabs(y - x) / (2.0 * self.length);
+        let most = most.max(least) * (1.0 + SPARE);
+        if !bounds.iter().any(|bound| bound.round) {
+            return (vel, most, self.time(x, y, vel, most));
+        }
+        let mut best = (vel, most, f64::INFINITY);
+        for part in 0..=8 {
+            let acc = least + (most - least) * part as f64 / 8.0;
+            let square = bounds.iter().filter(|bound| bound.round).fold(vel * vel, |v, bound| {
+                bound.corners.iter().fold(v, |v, corner| {
+                    let left = bound.limit - corner.fixed - (bound.along + corner.grow) * acc;
+                    v.min(left / (bound.across + corner.bend))
+                })
+            });
+            let top = sqrt(square.max(x).max(y));
+            let time = self.time(x, y, top, acc);
+            if time < best.2 {
+                best = (top, acc, time);
+            }
+        }
+        best
+    }
+
+    /// Time of a trapezoid.
+    fn time(&self, x: f64, y: f64, vel: f64, acc: f64) -> f64 {
+        let peak = sqrt(((x + y) / 2.0 + acc * self.length).min(vel * vel));
+        if acc <= 0.0 || peak <= 0.0 {
+            return if peak > 0.0 { self.length / peak } else { f64::INFINITY };
+        }
+        let cruise = self.length - (2.0 * peak * peak - x - y) / (2.0 * acc);
+        (2.0 * peak - sqrt(x) - sqrt(y)) / acc + cruise.max(0.0) / peak
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::format;
+
+    fn chance(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 11) as f64 * (1.0 / 9007199254740992.0)
+    }
+
+    /// A coordinate of a line: its part of the direction, the turns at both ends over the mean lengths, its limit.
+    #[derive(Debug, Clone, Copy)]
+    struct Side {
+        along: f64,
+        turns: [f64; 2],
+        limit: f64,
+    }
+
+    /// What a motion of constant acceleration from x to y takes of the limit at each end at most, as decision 9 has it: the
+    /// turn by the speed in the corner and the mean speed from there to the middle of the way, and the acceleration.
+    /// `straight` puts a mean in the place of that product, as plans do.
+    fn taken(side: &Side, length: f64, [x, y]: [f64; 2], straight: bool) -> f64 {
+        let a = (y - x) / (2.0 * length);
+        let middle = (x + y) / 2.0;
+        let ends = [x, y].into_iter().zip(side.turns).filter(|(square, _)| *square > 0.0);
+        let taken = ends.map(|(square, turn)| {
+            let product = if straight { (square + middle) / 2.0 } else { (square * middle).sqrt() };
+            turn.abs() * (square + product) / 2.0 + side.along * turn.signum() * a
+        });
+        taken.fold(0.0, f64::max) / side.limit
+    }
+
+    fn accelerates(length: f64, x: f64, y: f64) -> f64 {
+        (y - x).abs() / (2.0 * length)
+    }
+
+    /// From what can be kept, a step goes to what keeps all limits, and as high as straight bounds let it; and the highest
+    /// begin is the highest that has an end.
+    #[test]
+    fn steps_keep_their_limits_and_go_as_high_as_they_can() {
+        let mut state = 3;
+        let (mut stops, mut limited, mut lowered) = (0, 0, 0);
+        for _ in 0..100_000 {
+            let length = 10.0 + 200.0 * chance(&mut state);
+            let acc = 0.5 + chance(&mut state);
+            let sides = [0, 1].map(|_| Side {
+                along: 2.0 * chance(&mut state) - 1.0,
+                turns: [0, 1].map(|_| (2.0 * chance(&mut state) - 1.0).powi(3) * 2.0 / length),
+                limit: 0.5 + chance(&mut state),
+            });
+            let acc = sides.iter().fold(acc, |acc, side| acc.min(side.limit / side.along.abs()));
+            let bounds = sides.map(|side| {
+                let corners = side.turns.map(|turn| Corner::new(turn, length, None, side.limit));
+                Bound::straight(side.along, corners, side.limit)
+            });
+            let span = Span::new(length, acc, &bounds);
+            let (most, cap) = (chance(&mut state) * 400.0, chance(&mut state) * 400.0);
+            let (high, settled) = span.back(most, cap);
+            let found = || format!("{sides:?} {length} {acc} to {most}, {cap}: {high} {settled}");
+            // An end for the highest begin; by trying, none for a higher one.
+            let keeps = |x: f64, y: f64, slack: f64| {
+                accelerates(length, x, y) <= acc * (1.0 + slack)
+                    && sides.iter().all(|side| taken(side, length, [x, y], true) <= 1.0 + slack)
+            };
+            let ends = |x: f64| (0..=200).any(|part| keeps(x, most * f64::from(part) / 200.0, -2e-4));
+            assert!((0.0..=cap).contains(&high), "{}", found());
+            assert!(keeps(high, span.on(high, most), 1e-5), "{}", found());
+            if high < cap {
+                lowered += 1;
+                assert!(!ends(high * 1.001), "{}", found());
+            }
+            if settled {
+                assert!(span.back(most * 2.0, cap).0 <= high * (1.0 + 1e-12), "{}", found());
+            }
+            let x = high * chance(&mut state).sqrt();
+            let y = span.on(x, most);
+            assert!((0.0..=most).contains(&y));
+            for side in &sides {
+                let [exact, planned] = [false, true].map(|straight| taken(side, length, [x, y], straight));
+                assert!(exact <= 1.0 && exact <= planned + 1e-12, "{exact} {planned} {x} {y} {}", found());
+            }
+            assert!(accelerates(length, x, y) <= acc, "{x} {y} {}", found());
+            if y == 0.0 {
+                stops += 1;
+            } else if y < most * 0.999 {
+                limited += 1;
+                assert!(!keeps(x, y * 1.001, -2e-4), "{x} {y} {}", found());
+            }
+        }
+        assert!(stops > 100 && limited > 10_000 && lowered > 10_000, "{stops} {limited} {lowered}");
+    }
+}

@@ -1,0 +1,266 @@
+//! What is given to one FIFO of a coordinate system on its way to the tick: through the look-ahead, if it has one,
+//! into the store.
+//!
+//! In: motions and other entries in the order of their calls. Out: entries in the store, and how many of them the tick
+//! may see ([`PathQueue::end`]). Owns: the look-ahead's memory, how long each entry lasts. Fails: never; who gives has
+//! seen that the FIFO has a place for it.
+//!
+//! An entry leaves the look-ahead when its speeds are final, when the look-ahead is full, at a flush, and when what the
+//! tick has does not last long enough any more ([`PathQueue::feed`]): then it is as fast as what is there allows, and
+//! safe.
+use super::geometry::Geometry;
+use super::look_ahead::{Limits, LookAhead};
+use servo::path::{ENTRIES, Entries, Entry, EntryStore, Item};
+use servo::view::CrdView;
+
+pub use crate::capacity::LOOK_AHEAD;
+
+/// What the tick has of a running path lasts at least this long, if there is more: longer than the thread is ever
+/// away, ms.
+pub const LASTS_MS: f64 = 10.0;
+/// Units of a time that is kept in a millisecond.
+const UNITS: f64 = 1024.0;
+
+/// How long an entry lasts, to 1 in 2048 and up to two minutes, rounded down.
+#[derive(Debug, Clone, Copy)]
+struct Lasting(u16);
+
+impl Lasting {
+    const NONE: Lasting = Lasting(0);
+    /// Bits of the mantissa; those above it shift it to the left.
+    const BITS: u32 = 12;
+
+    fn of(ms: f64) -> Lasting {
+        let units = (ms * UNITS).max(0.0).min(f64::from(((1u32 << Self::BITS) - 1) << 15)) as u32;
+        let shift = (u32::BITS - units.leading_zeros()).saturating_sub(Self::BITS);
+        Lasting((units >> shift) as u16 | (shift as u16) << Self::BITS)
+    }
+
+    fn units(self) -> u64 {
+        u64::from(self.0 & ((1 << Self::BITS) - 1)) << (self.0 >> Self::BITS)
+    }
+}
+
+/// One FIFO's data on its way. All its bytes are zero at the beginning.
+pub struct PathQueue {
+    look: LookAhead<LOOK_AHEAD>,
+    /// How long each entry lasts, by its counter.
+    times: [Lasting; ENTRIES],
+    /// The sum of those that are not over.
+    sum: u64,
+    first: u32,
+    end: u32,
+    cleared: u32,
+    /// Entries that the look-ahead may hold.
+    count: usize,
+}
+
+impl PathQueue {
+    /// Nothing was given.
+    pub const fn new() -> PathQueue {
+        let limits = Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 };
+        PathQueue {
+            look: LookAhead::new(limits),
+            times: [Lasting::NONE; ENTRIES],
+            sum: 0,
+            first: 0,
+            end: 0,
+            cleared: 0,
+            count: 0,
+        }
+    }
+
+    /// Everything that was given before the FIFO was cleared for this time is forgotten.
+    pub fn follow(&mut self, cleared: u32) {
+        if self.cleared != cleared {
+            self.look.clear();
+            (self.sum, self.first, self.end, self.cleared) = (0, 0, 0, cleared);
+        }
+    }
+
+    /// So many entries more have gone through it, which is empty.
+    pub fn age(&mut self, by: u32) {
+        (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
+        self.look.age(by);
+    }
+
+    /// What waits in the look-ahead, and entries from this one on, are forgotten.
+    pub fn cut(&mut self, end: u32) {
+        self.look.clear();
+        while self.end != end && self.end != self.first {
+            self.end = self.end.wrapping_sub(1);
+            let time = self.times.get(self.end as usize % ENTRIES).map_or(0, |time| time.units());
+            self.sum = self.sum.saturating_sub(time);
+        }
+        self.end = end;
+    }
+
+    /// Entries for the tick, counted since the FIFO was cleared.
+    pub fn end(&self) -> u32 {
+        self.end
+    }
+
+    /// Entries that wait in the look-ahead.
+    pub fn held(&self) -> usize {
+        self.look.len()
+    }
+
+    /// Limits of the look-ahead, and how many entries it may hold.
+    pub fn set_look(&mut self, limits: &Limits, count: u16) {
+        self.count = usize::from(count).clamp(1, LOOK_AHEAD);
+        if self.look.is_empty() {
+            self.look.set_limits(*limits);
+        }
+    }
+
+    /// What would hold for a motion after [`PathQueue::set_look`] with these limits, of a FIFO that was cleared so many times.
+    pub fn limits(&self, cleared: u32, limits: Limits) -> Limits {
+        if self.cleared != cleared || self.look.is_empty() { limits } else { *self.look.limits() }
+    }
+
+    /// A motion whose speeds the look-ahead decides; `rests`: the path stands at its end.
+    pub fn motion(&mut self, store: &EntryStore, (geometry, vel, acc): (&Geometry, f64, f64), rests: bool) {
+        self.make_room(store);
+        self.look.push_motion(geometry, vel, acc);
+        if rests {
+            self.look.rest();
+        }
+    }
+
+    /// Anything else, and motions that end at the speeds of their calls. What lies before it in the look-ahead, goes
+    /// before it.
+    pub fn other(&mut self, store: &EntryStore, entry: Entry, ms: f64) {
+        // Where nothing waits, what was handed over last ends at rest.
+        if self.look.is_empty() {
+            self.write(store, entry, ms);
+        } else {
+            self.make_room(store);
+            self.look.push_other(entry);
+        }
+    }
+
+    fn make_room(&mut self, store: &EntryStore) {
+        if self.look.len() >= self.count {
+            self.settle(store);
+        }
+        while self.look.len() >= self.count && self.take(store, true) {}
+    }
+
+    fn write(&mut self, store: &EntryStore, entry: Entry, ms: f64) {
+        let lasting = Lasting::of(ms);
+        if let Some(place) = self.times.get_mut(self.end as usize % ENTRIES) {
+            *place = lasting;
+        }
+        self.sum = self.sum.saturating_add(lasting.units());
+        store.write(self.end, entry);
+        self.end = self.end.wrapping_add(1);
+    }
+
+    fn take(&mut self, store: &EntryStore, now: bool) -> bool {
+        let Some(planned) = self.look.take(now) else { return false };
+        let ms = match planned.entry.item() {
+            Item::Delay { ms } => f64::from(ms),
+            _ => planned.ms,
+        };
+        self.write(store, planned.entry, ms);
+        true
+    }
+
+    /// What is final goes to the store.
+    pub fn settle(&mut self, store: &EntryStore) {
+        while self.take(store, false) {}
+    }
+
+    /// Everything goes to the store: the path rests at its end.
+    pub fn flush(&mut self, store: &EntryStore) {
+        while self.take(store, true) {}
+    }
+
+    /// Entries up to this counter are over.
+    fn release(&mut self, released: u32) {
+        let over = released.wrapping_sub(self.first);
+        if over > self.end.wrapping_sub(self.first) {
+            return;
+        }
+        for _ in 0..over {
+            let time = self.times.get(self.first as usize % ENTRIES).map_or(0, |time| time.units());
+            self.sum = self.sum.saturating_sub(time);
+            self.first = self.first.wrapping_add(1);
+        }
+    }
+
+    /// How long the motions for the tick last, ms: at rest all of them, of a running path those behind the one in
+    /// force, and at least what that one has left.
+    pub fn lasts(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> f64 {
+        let index = usize::from(fifo & 1);
+        if sampled.cleared[index] != self.cleared {
+            return self.sum as f64 / UNITS;
+        }
+        self.release(sampled.released[index]);
+        if !(sampled.runs && sampled.fifo == fifo) || self.first == self.end {
+            return self.sum as f64 / UNITS;
+        }
+        let time = self.times.get(self.first as usize % ENTRIES).map_or(0, |time| time.units());
+        let behind = self.sum.saturating_sub(time) as f64 / UNITS;
+        behind + left(store.entry(fifo, self.first), sampled)
+    }
+
+    /// At a start: as [`PathQueue::feed`], but of a path that is not yet through with an earlier one, whose entries do
+    /// not count, the first of the new ones.
+    pub fn begin(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) {
+        let before = if sampled.runs { self.lasts(store, sampled, fifo) } else { 0.0 };
+        let [first, second] = store;
+        while !self.look.is_empty() && self.lasts(store, sampled, fifo) < before + LASTS_MS {
+            self.take(if fifo == 0 { first } else { second }, true);
+        }
+    }
+
+    /// Entries are taken from the look-ahead until what the tick has lasts long enough. True if there were any.
+    pub fn feed(&mut self, store: &[EntryStore; 2], sampled: &CrdView, fifo: u8) -> bool {
+        let mut fed = false;
+        let [first, second] = store;
+        while !self.look.is_empty() && self.lasts(store, sampled, fifo) < LASTS_MS {
+            fed |= self.take(if fifo == 0 { first } else { second }, true);
+        }
+        fed
+    }
+}
+
+impl Default for PathQueue {
+    fn default() -> Self {
+        PathQueue::new()
+    }
+}
+
+/// The least time that a motion in force still takes: straight to its end, at its full speed.
+fn left(entry: Entry, sampled: &CrdView) -> f64 {
+    let place = crate::shadow::position_of(&sampled.position);
+    let (square, along) = match entry.item() {
+        Item::Line { to, dimensions, along } => {
+            let parts = to.iter().zip(place).take(dimensions);
+            (parts.fold(0.0, |sum, (to, at)| sum + (f64::from(*to) - at) * (f64::from(*to) - at)), along)
+        }
+        Item::Arc { plane, to, along, .. } => {
+            let [i, j] = plane.coordinates();
+            let (a, b) = (f64::from(to[0]) - place[i], f64::from(to[1]) - place[j]);
+            (a * a + b * b, along)
+        }
+        _ => return 0.0,
+    };
+    libm::sqrt(square) / f64::from_bits(along.vel_bits()).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_entrys_time_is_kept_to_1_in_2048() {
+        for ms in [0.0, 1.0 / 1024.0, 0.5, 3.9, 4.0, 10.0, 63.99, 64.0, 1000.1, 60_000.0, 131_000.0] {
+            let kept = Lasting::of(ms).units() as f64 / UNITS;
+            assert!(kept <= ms && kept > ms * (1.0 - 1.0 / 2048.0) - 1.0 / 1024.0, "{ms}: {kept}");
+        }
+        assert_eq!(Lasting::of(1e9).units(), 4095 << 15);
+        assert_eq!(Lasting::of(f64::NAN).units(), 0);
+    }
+}

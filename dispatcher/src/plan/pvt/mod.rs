@@ -1,0 +1,423 @@
+//! PVT tables from what the user sends: five descriptions, one kind of table (SPEC 5; GXN 4.2).
+//!
+//! In: points one by one, in order, as they come over the link, in the order of the manual's
+//! arrays. Out: a header and places for the tick's stores, or the velocities and times that the two
+//! Calculate commands return. Owns: [`Draft`], the few numbers that the next point needs; the
+//! places lie in the caller's [`Scratch`] until the table is whole, so a refused table changes
+//! nothing. Fails: [`Refused`] names the point (item), the parameter and the limit.
+//!
+//! Doubles only, no fused operations; what accumulates (velocities of Percent, times of
+//! Continuous) does so in [`double_double`].
+mod complete;
+mod continuous;
+mod double_double;
+mod percent;
+mod scale;
+mod scratch;
+
+use crate::admit::refuse::{Admitted, Refused};
+use complete::Row;
+use continuous::Phase;
+pub use double_double::DoubleDouble;
+use protocol::reason::Reason;
+pub use scale::Sealed;
+use scale::{Totals, exact, instant};
+use scratch::{Knot, check};
+pub use scratch::{Scratch, SplineScratch};
+use servo::segment::pvt::{PLACES, SHORTEST_PASS_NS};
+use servo::units::StepLimit;
+
+/// Tables of a core.
+pub const TABLES: usize = 32;
+/// The largest time in ms, 2³⁶: about two years.
+pub const LATEST_MS: f64 = 68_719_476_736.0;
+/// Positions as the user counts them stay within 2⁵² pulses.
+const FURTHEST: f64 = 4_503_599_627_370_496.0;
+const FULL_SCALE: f64 = 4_294_967_296.0;
+/// Values of a point in the widest description.
+pub const VALUES: usize = 6;
+
+/// A description with what belongs to the whole table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// Time, position, velocity.
+    Pvt,
+    /// Time, position, velocity at the begin and at the end of the segment that follows.
+    PvtEx,
+    /// Time, position.
+    Complete {
+        /// Velocity at the first point.
+        vel_begin: f64,
+        /// Velocity at the last point.
+        vel_end: f64,
+    },
+    /// Time, position, percentage.
+    Percent {
+        /// Velocity at the first point.
+        vel_begin: f64,
+    },
+    /// Position, velocity, percentage, speed limit, acceleration, deceleration.
+    Continuous {
+        /// Time of the first point, ms.
+        time_begin: f64,
+    },
+}
+
+impl Kind {
+    /// Values of a point.
+    pub const fn values(&self) -> usize {
+        match self {
+            Kind::Pvt | Kind::Percent { .. } => 3,
+            Kind::PvtEx => 4,
+            Kind::Complete { .. } => 2,
+            Kind::Continuous { .. } => VALUES,
+        }
+    }
+}
+
+/// Where the parameters stand in the request, so that a refusal can name them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fields {
+    /// The count of points.
+    pub count: u8,
+    /// The first of the numbers that belong to the whole table.
+    pub whole: u8,
+    /// The first value of a point.
+    pub point: u8,
+}
+
+/// A table that is being sent.
+#[derive(Debug, Clone, Copy)]
+pub struct Draft {
+    kind: Kind,
+    fields: Fields,
+    /// What the board's step outputs make of an axis, pulse/ms.
+    limit: f64,
+    count: u16,
+    taken: u16,
+    /// Places go into the scratch memory; false for the Calculate commands.
+    load: bool,
+    /// Time and position of the first point.
+    first: (f64, f64),
+    /// Time and position of the last point taken.
+    last: (f64, f64),
+    /// Its knot.
+    knot: Knot,
+    /// Complete: time and displacement of the segment that ends at the last point.
+    segment: (f64, f64),
+    /// What the elimination left at the point before the last one.
+    row: Row,
+    /// PvtTableEx: velocity at the end of the segment that the last point began.
+    vel_end: f64,
+    /// Percentage of the last point.
+    percent: f64,
+    /// Percent: velocity at the last point. Continuous: its time.
+    carried: DoubleDouble,
+    /// Continuous: the way that begins at the last point.
+    phase: Phase,
+}
+
+impl Draft {
+    /// A table of `count` points. With `load`, `scratch` is emptied and takes the places; without,
+    /// only the answers of [`Draft::point`] are wanted.
+    pub fn begin(
+        kind: Kind,
+        count: i32,
+        fields: Fields,
+        limit: StepLimit,
+        load: bool,
+        scratch: &mut Scratch<'_>,
+    ) -> Admitted<Draft> {
+        let limit = limit.pulses_per_ms() as f64;
+        if !(2..=PLACES as i32).contains(&count) {
+            let (low, high) = (2.0, PLACES as f64);
+            return Err(Refused::new(Reason::OutOfRange).field(fields.count).got(count.into()).limits(low, high));
+        }
+        let mut carried = DoubleDouble::default();
+        match kind {
+            Kind::Complete { vel_begin, vel_end } => {
+                speed(vel_begin, fields.whole, limit)?;
+                speed(vel_end, fields.whole + 1, limit)?;
+            }
+            Kind::Percent { vel_begin } => carried = speed(vel_begin, fields.whole, limit)?.into(),
+            Kind::Continuous { time_begin } => {
+                carried = crate::admit::refuse::real(fields.whole, time_begin, 0.0, LATEST_MS)?.into();
+            }
+            Kind::Pvt | Kind::PvtEx => {}
+        }
+        if load {
+            scratch.clear();
+        }
+        let knot = Knot { time: 0.0, pos: 0.0, vel: 0.0 };
+        Ok(Draft {
+            kind,
+            fields,
+            limit,
+            count: count as u16,
+            taken: 0,
+            load,
+            first: (0.0, 0.0),
+            last: (0.0, 0.0),
+            segment: (0.0, 0.0),
+            row: Row::default(),
+            knot,
+            vel_end: 0.0,
+            percent: 0.0,
+            carried,
+            phase: Phase::default(),
+        })
+    }
+
+    /// Points taken.
+    pub fn taken(&self) -> u16 {
+        self.taken
+    }
+
+    /// Points of the whole table.
+    pub fn count(&self) -> u16 {
+        self.count
+    }
+
+    /// Takes the next point; the answer is its velocity (Percent) or its time (Continuous), 0
+    /// for the other descriptions. After a refusal the draft is of no further use.
+    pub fn point(&mut self, values: &[f64], scratch: &mut Scratch<'_>) -> Admitted<f64> {
+        let item = self.taken as usize;
+        let admitted = self.admit(values, scratch);
+        admitted
+            .map_err(|refused| refused.item(if self.names_before(&refused) { item.saturating_sub(1) } else { item }))
+    }
+
+    /// Whether the refusal is about the way to this point, which the point before it described.
+    fn names_before(&self, refused: &Refused) -> bool {
+        let distance = [Reason::NoDisplacement, Reason::VelocityUnreachable, Reason::AboveVelMax];
+        // Of what a point says, its velMax alone is too fast only on the way to the next one.
+        let vel_max = matches!(self.kind, Kind::Continuous { .. }) && refused.wire.field == self.fields.point + 3;
+        let cruises = refused.reason == Reason::TooFast && vel_max;
+        self.taken > 0 && (cruises || distance.contains(&refused.reason))
+    }
+
+    fn admit(&mut self, values: &[f64], scratch: &mut Scratch<'_>) -> Admitted<f64> {
+        let (field, limit) = (self.fields.point, self.limit);
+        let at = |index: usize| values.get(index).copied().unwrap_or(f64::NAN);
+        if self.taken >= self.count {
+            return Err(Refused::new(Reason::TooMany)
+                .field(self.fields.count)
+                .got(self.taken as f64 + 1.0)
+                .limits(0.0, self.count as f64));
+        }
+        for (index, value) in values.iter().take(self.kind.values()).enumerate() {
+            if !value.is_finite() {
+                return Err(Refused::new(Reason::NotFinite).field(field + index as u8).got(*value));
+            }
+        }
+        if let Kind::Continuous { .. } = self.kind {
+            let phase = Phase { vel: at(1), percent: at(2), vel_max: at(3), acc: at(4), dec: at(5) };
+            return self.continuous(at(0), phase, scratch);
+        }
+        let (time, pos) = (at(0), at(1));
+        if self.taken > 0 && time <= self.last.0 {
+            return Err(Refused::new(Reason::PointTime).field(field).got(time).limits(self.last.0, LATEST_MS));
+        }
+        crate::admit::refuse::within(field, time, 0.0, LATEST_MS)?;
+        crate::admit::refuse::within(field + 1, pos, -FURTHEST, FURTHEST)?;
+        let begins = self.taken == 0;
+        if begins {
+            self.first = (time, pos);
+        }
+        let mut knot = Knot { time: time - self.first.0, pos: pos - self.first.1, vel: 0.0 };
+        match self.kind {
+            Kind::Pvt => {
+                knot.vel = speed(at(2), field + 2, limit)?;
+                self.push(knot, scratch)?;
+            }
+            Kind::PvtEx => {
+                let (vel, end) = (speed(at(2), field + 2, limit)?, speed(at(3), field + 3, limit)?);
+                if !begins {
+                    knot.vel = self.vel_end;
+                    self.push(knot, scratch)?;
+                }
+                // The last point begins no segment.
+                let jump = vel != self.vel_end && self.taken + 1 < self.count;
+                if begins || jump {
+                    knot.vel = vel;
+                    self.jump(knot, scratch)?;
+                }
+                self.vel_end = end;
+            }
+            Kind::Complete { vel_begin, vel_end } => {
+                // The user's own numbers, until the velocities are known.
+                if begins {
+                    self.row = Row { d: vel_begin, c: 0.0 };
+                    scratch.push(Knot { time, pos, vel: vel_begin })?;
+                } else {
+                    let behind = (time - self.last.0, pos - self.last.1);
+                    let index = usize::from(self.taken).wrapping_sub(1);
+                    if index > 0
+                        && let Some(mut knot) = scratch.knot(index)
+                    {
+                        self.row = complete::eliminate(self.row, self.segment, behind);
+                        knot.vel = self.row.d;
+                        scratch.set(index, knot);
+                    }
+                    scratch.keep(index, self.row.c);
+                    self.segment = behind;
+                    scratch.push(Knot { time, pos, vel: vel_end })?;
+                }
+            }
+            Kind::Percent { .. } => {
+                let percent = crate::admit::refuse::within(field + 2, at(2), 0.0, 100.0)?;
+                if !begins {
+                    let span = DoubleDouble::between(time, self.last.0);
+                    self.carried = DoubleDouble::between(pos, self.last.1).times(2.0).over(span).minus(self.carried);
+                    knot.vel = speed(self.carried.high, field + 1, limit)?;
+                    for inner in percent::inner(self.knot, knot, self.percent) {
+                        self.push(inner, scratch)?;
+                    }
+                } else {
+                    knot.vel = self.carried.high;
+                }
+                self.push(knot, scratch)?;
+                self.percent = percent;
+            }
+            Kind::Continuous { .. } => {}
+        }
+        self.last = (time, pos);
+        self.taken += 1;
+        Ok(knot.vel)
+    }
+
+    fn continuous(&mut self, pos: f64, phase: Phase, scratch: &mut Scratch<'_>) -> Admitted<f64> {
+        let field = self.fields.point;
+        crate::admit::refuse::within(field, pos, -FURTHEST, FURTHEST)?;
+        speed(phase.vel, field + 1, self.limit)?;
+        crate::admit::refuse::within(field + 2, phase.percent, 0.0, 100.0)?;
+        // The last point begins no way; its limits are not used.
+        if self.taken + 1 < self.count {
+            for (value, field) in [(phase.vel_max, field + 3), (phase.acc, field + 4), (phase.dec, field + 5)] {
+                let allowed = 1e-30..=if field == self.fields.point + 3 { FULL_SCALE } else { 1e30 };
+                if !allowed.contains(&value) {
+                    let (low, high) = (*allowed.start(), *allowed.end());
+                    return Err(Refused::new(Reason::OutOfRange).field(field).got(value).limits(low, high));
+                }
+            }
+        }
+        if self.taken == 0 {
+            self.first = (self.carried.high, pos);
+            self.push(Knot { time: 0.0, pos: 0.0, vel: phase.vel }, scratch)?;
+        } else {
+            let distance = DoubleDouble::between(pos, self.last.1);
+            let split = continuous::split(&self.phase, distance, phase.vel)?;
+            if split.has(1) {
+                speed(split.peak, field + 3, self.limit)?;
+            }
+            let begin = Kind::time_begin(self.kind);
+            let since = |time: DoubleDouble| time.minus(begin).high;
+            let start = self.carried;
+            let end = start.plus(split.duration());
+            if end.high.is_nan() || end.high > LATEST_MS {
+                return Err(Refused::new(Reason::OutOfRange).field(field + 4).got(end.high).limits(0.0, LATEST_MS));
+            }
+            let to = Knot { time: since(end), pos: pos - self.first.1, vel: phase.vel };
+            let risen =
+                Knot { time: since(start.plus(split.times[0])), pos: self.knot.pos + split.rise, vel: split.peak };
+            let falls = Knot { time: since(end.minus(split.times[2])), pos: to.pos - split.fall, vel: split.peak };
+            let percent = self.phase.percent;
+            let (rises, cruises, brakes) = (split.has(0), split.has(1), split.has(2));
+            if rises {
+                let top = if cruises || brakes { risen } else { to };
+                self.ramp(top, percent, scratch)?;
+            }
+            if cruises {
+                self.push(if brakes { falls } else { to }, scratch)?;
+            }
+            if brakes {
+                self.ramp(to, percent, scratch)?;
+            }
+            self.carried = end;
+        }
+        self.phase = phase;
+        self.last = (self.carried.high, pos);
+        self.taken += 1;
+        Ok(self.carried.high)
+    }
+
+    fn ramp(&mut self, to: Knot, percent: f64, scratch: &mut Scratch<'_>) -> Admitted<()> {
+        for inner in percent::inner(self.knot, to, percent) {
+            self.push(inner, scratch)?;
+        }
+        self.push(to, scratch)
+    }
+
+    /// The field of a point's position.
+    fn position(&self) -> u8 {
+        let index = if let Kind::Continuous { .. } = self.kind { 0 } else { 1 };
+        self.fields.point + index
+    }
+
+    /// The next place, after a segment that an axis can run.
+    fn push(&mut self, knot: Knot, scratch: &mut Scratch<'_>) -> Admitted<()> {
+        if self.taken > 0 {
+            check(&self.knot, &knot, self.limit).map_err(|refused| refused.field(self.position()))?;
+        }
+        self.jump(knot, scratch)
+    }
+
+    /// The next place, at the time of the one before or the first.
+    fn jump(&mut self, knot: Knot, scratch: &mut Scratch<'_>) -> Admitted<()> {
+        self.knot = knot;
+        if self.load { scratch.push(knot) } else { Ok(()) }
+    }
+
+    /// All points are there: the table as the tick will read it. The draft goes on existing only
+    /// if it is not complete (`None`).
+    pub fn finish(&self, scratch: &mut Scratch<'_>) -> Option<Admitted<Sealed>> {
+        (self.taken == self.count && self.load).then(|| self.seal(scratch))
+    }
+
+    fn seal(&self, scratch: &mut Scratch<'_>) -> Admitted<Sealed> {
+        if let Kind::Complete { .. } = self.kind {
+            complete::substitute(scratch);
+            let mut before = None;
+            for index in 0..scratch.used() {
+                let Some(mut knot) = scratch.knot(index) else { break };
+                knot.time -= self.first.0;
+                knot.pos -= self.first.1;
+                scratch.set(index, knot);
+                if let Some(before) = before.replace(knot) {
+                    let checked = check(&before, &knot, self.limit);
+                    checked.map_err(|refused| refused.field(self.position()).item(index - 1))?;
+                }
+            }
+        }
+        let (delay, duration) = match self.kind {
+            Kind::Continuous { time_begin } => {
+                let whole = self.carried.minus(time_begin);
+                (instant(time_begin), instant(whole.high) + instant(whole.low))
+            }
+            _ => (instant(self.first.0), instant(self.last.0) - instant(self.first.0)),
+        };
+        if duration < (SHORTEST_PASS_NS as i128) << 64 {
+            let low = SHORTEST_PASS_NS as f64 / 1e6;
+            let (got, field) = (duration as f64 / 1.8446744073709552e25, self.fields.point);
+            return Err(Refused::new(Reason::TableShort).field(field).got(got).limits(low, LATEST_MS));
+        }
+        let displacement = exact(self.last.1) - exact(self.first.1);
+        Sealed::of(scratch, Totals { delay, duration, displacement })
+    }
+}
+
+impl Kind {
+    fn time_begin(self) -> f64 {
+        if let Kind::Continuous { time_begin } = self { time_begin } else { 0.0 }
+    }
+}
+
+fn speed(vel: f64, field: u8, limit: f64) -> Admitted<f64> {
+    if !vel.is_finite() {
+        return Err(Refused::new(Reason::NotFinite).field(field).got(vel));
+    }
+    if vel.abs() > limit {
+        return Err(Refused::new(Reason::TooFast).field(field).got(vel).limits(-limit, limit));
+    }
+    Ok(vel)
+}

@@ -1,0 +1,155 @@
+//! Scratch memory of a table that is being sent: knots as doubles.
+//!
+//! In: knots in time order. Out: the same. Owns the velocities, 8 KiB; times and positions wait in the place memory of a table
+//! that is empty. Fails: a knot too many, a segment that is faster than the step limit or swings out of reach. The table in force
+//! is not touched before the new one is whole.
+//!
+//! A spline's elimination leaves a fourth number a point; of these only every [`STRIDE`]th is kept, and what lies between is
+//! computed again ([`super::complete`]).
+use crate::admit::refuse::{Admitted, Refused};
+use protocol::reason::Reason;
+use servo::segment::pvt::{PLACES, PointStore};
+
+/// The motion stays within 2⁴¹ pulses of its first point: from one edge of travel to the other.
+const REACH: f64 = 2_199_023_255_552.0;
+
+/// A place of a table in user units, counted from the first point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Knot {
+    /// ms.
+    pub time: f64,
+    /// Pulses.
+    pub pos: f64,
+    /// Pulse/ms.
+    pub vel: f64,
+}
+
+/// Points from one that is kept of a spline's elimination to the next.
+pub const STRIDE: usize = 32;
+
+/// What does not find room in the place memory.
+pub struct SplineScratch {
+    velocities: [f64; PLACES],
+    used: usize,
+    /// What the elimination has left at the points 0, [`STRIDE`] ….
+    kept: [f64; PLACES / STRIDE],
+}
+
+impl Default for SplineScratch {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl SplineScratch {
+    /// Empty.
+    pub const fn new() -> SplineScratch {
+        SplineScratch { velocities: [0.0; PLACES], used: 0, kept: [0.0; PLACES / STRIDE] }
+    }
+}
+
+/// The memory.
+pub struct Scratch<'a> {
+    beside: &'a mut SplineScratch,
+    room: &'a PointStore,
+}
+
+/// A double in two words, and two of them back.
+fn words(x: f64) -> [u32; 2] {
+    let bits = x.to_bits();
+    [bits as u32, (bits >> 32) as u32]
+}
+
+fn double(low: u32, high: u32) -> f64 {
+    f64::from_bits(u64::from(high) << 32 | u64::from(low))
+}
+
+impl<'a> Scratch<'a> {
+    /// As it was left there. `room` is that of a table which nobody reads.
+    pub fn new(beside: &'a mut SplineScratch, room: &'a PointStore) -> Scratch<'a> {
+        Scratch { beside, room }
+    }
+
+    /// Empties it.
+    pub fn clear(&mut self) {
+        self.beside.used = 0;
+    }
+
+    /// Knots put in.
+    pub fn used(&self) -> usize {
+        self.beside.used
+    }
+
+    /// A knot.
+    pub fn knot(&self, index: usize) -> Option<Knot> {
+        let vel = *self.beside.velocities.get(..self.beside.used)?.get(index)?;
+        let [a, b, c, d] = self.room.read(index as u32);
+        Some(Knot { time: double(a, b), pos: double(c, d), vel })
+    }
+
+    /// All knots in their order.
+    pub fn knots(&self) -> impl Iterator<Item = Knot> + '_ {
+        (0..self.used()).map_while(|index| self.knot(index))
+    }
+
+    /// Changes a knot.
+    pub fn set(&mut self, index: usize, knot: Knot) {
+        let used = self.beside.used;
+        if let Some(point) = self.beside.velocities.get_mut(..used).and_then(|them| them.get_mut(index)) {
+            *point = knot.vel;
+            let ([a, b], [c, d]) = (words(knot.time), words(knot.pos));
+            self.room.write(index as u32, [a, b, c, d]);
+        }
+    }
+
+    /// Appends a knot.
+    pub fn push(&mut self, knot: Knot) -> Admitted<()> {
+        if self.beside.used >= PLACES {
+            return Err(Refused::new(Reason::TablePlaces).limits(0.0, PLACES as f64));
+        }
+        self.beside.used += 1;
+        self.set(self.beside.used - 1, knot);
+        Ok(())
+    }
+
+    /// Keeps what the elimination has left at a point, if it is one that is kept.
+    pub fn keep(&mut self, index: usize, c: f64) {
+        if index.is_multiple_of(STRIDE)
+            && let Some(point) = self.beside.kept.get_mut(index / STRIDE)
+        {
+            *point = c;
+        }
+    }
+
+    /// What it has left at the point `block` · [`STRIDE`].
+    pub fn kept(&self, block: usize) -> f64 {
+        self.beside.kept.get(block).copied().unwrap_or(0.0)
+    }
+}
+
+/// Whether an axis whose steps are limited to so many pulse/ms can run from one knot to the next.
+pub fn check(a: &Knot, b: &Knot, limit: f64) -> Admitted<()> {
+    let length = b.time - a.time;
+    let (p, w0, w1) = (b.pos - a.pos, a.vel * length, b.vel * length);
+    let (c2, c3) = (3.0 * p - 2.0 * w0 - w1, w0 + w1 - 2.0 * p);
+    let top = -c2 / (3.0 * c3);
+    let inner = if length > 0.0 && top > 0.0 && top < 1.0 { (w0 + c2 * top) / length } else { 0.0 };
+    let speed = a.vel.abs().max(b.vel.abs()).max(inner.abs());
+    // What doubles round is still at the limit. NaN cannot come from admitted numbers; it would be refused.
+    if speed.is_nan() || speed > limit * (1.0 + 1e-9) {
+        return Err(Refused::new(Reason::TooFast).got(speed).limits(-limit, limit));
+    }
+    // Where the velocity is 0 the position is furthest: w0 + 2·c2·τ + 3·c3·τ² = 0.
+    let q = -(c2 + libm::sqrt((c2 * c2 - 3.0 * w0 * c3).max(0.0)).copysign(c2));
+    let mut furthest = b.pos;
+    for turn in [q / (3.0 * c3), w0 / q] {
+        let pos = a.pos + turn * (w0 + turn * (c2 + turn * c3));
+        if turn > 0.0 && turn < 1.0 && pos.abs() > furthest.abs() {
+            furthest = pos;
+        }
+    }
+    if furthest.is_nan() || furthest.abs() > REACH {
+        return Err(Refused::new(Reason::BeyondTravel).got(furthest).limits(-REACH, REACH));
+    }
+    Ok(())
+}

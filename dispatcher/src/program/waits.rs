@@ -1,0 +1,132 @@
+//! WaitStops on their way: what is known of the instants after them.
+//!
+//! In: the entries that are pushed, the view. Out: the script clock of the last one, and whether that is its instant. A
+//! WaitStop takes a time that only the tick knows; it is known where the view shows that it is over, before it is executed.
+//! No more of them are on their way than are kept here.
+use crate::shadow::{Change, executed, renew};
+use servo::op::Op;
+use servo::status::RUNNING;
+use servo::view::{AxisView, CrdView, View};
+
+/// WaitStops that are kept.
+const KEPT: usize = 3;
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Pause {
+    seq: u32,
+    /// The first entry of a later instant; 0 is none: numbers of this lane have a flag.
+    later: u32,
+    /// Script clock at which it begins, ns, if those before it take no time.
+    instant: u64,
+}
+
+/// See the module text.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Pauses {
+    /// Those whose end is not known yet.
+    kept: [Pause; KEPT],
+    len: u8,
+    /// The last one pushed.
+    pub last: Option<u32>,
+}
+
+impl Pauses {
+    /// Whether one is under way, so that the instants of the program are later than they are said to be.
+    pub fn wait(&self) -> bool {
+        self.len != 0
+    }
+
+    /// Whether another one has to wait for one of these.
+    pub fn is_full(&self) -> bool {
+        usize::from(self.len) == KEPT
+    }
+
+    /// An entry has been pushed at this script clock.
+    pub fn push(&mut self, op: &Op, seq: u32, instant: u64) {
+        for pause in self.kept.iter_mut().take(self.len.into()) {
+            if pause.later == 0 && instant != pause.instant {
+                pause.later = seq;
+            }
+        }
+        if let Op::WaitRest { .. } = op {
+            self.last = Some(seq);
+            if let Some(place) = self.kept.get_mut(usize::from(self.len)) {
+                *place = Pause { seq, later: 0, instant };
+                self.len += 1;
+            }
+        }
+    }
+
+    /// The script clock of the last entry pushed, which was `instant` before the view, as far as the view tells it; `changes`
+    /// are those of the entries that were not executed then.
+    pub fn resolve<'c, const AXES: usize, I: Iterator<Item = &'c (u32, Change)>>(
+        &mut self,
+        view: &View<AXES>,
+        mut instant: u64,
+        changes: impl Fn() -> I,
+    ) -> u64 {
+        while self.len != 0 {
+            let [pause, next, ..] = self.kept;
+            let end = if is_over(view, &pause, changes()) {
+                // Else it would have been executed on the tick before.
+                pause.instant.max(view.now.0.saturating_sub(view.script_zero.0))
+            } else if !executed(view, pause.seq) {
+                break;
+            } else if self.len > 1 && executed(view, next.seq) {
+                pause.instant
+            } else if pause.later == 0 || !executed(view, pause.later) {
+                // The clock that the view shows is that of its end.
+                view.script.0
+            } else {
+                break;
+            };
+            let took = end.saturating_sub(pause.instant);
+            instant = instant.saturating_add(took);
+            self.kept.rotate_left(1);
+            self.len -= 1;
+            for pause in self.kept.iter_mut().take(self.len.into()) {
+                pause.instant = pause.instant.saturating_add(took);
+            }
+        }
+        if changes().next().is_none() {
+            self.len = 0;
+        }
+        instant.max(view.script.0)
+    }
+
+    /// Renews the numbers of what was executed.
+    pub fn renew<const AXES: usize>(&mut self, view: &View<AXES>) {
+        for pause in &mut self.kept {
+            renew(view, &mut pause.seq);
+            if pause.later != 0 {
+                renew(view, &mut pause.later);
+            }
+        }
+        self.last.iter_mut().for_each(|seq| renew(view, seq));
+    }
+}
+
+/// Whether it ends on the tick after the view.
+fn is_over<'c, const AXES: usize>(
+    view: &View<AXES>,
+    pause: &Pause,
+    changes: impl Iterator<Item = &'c (u32, Change)>,
+) -> bool {
+    if view.script_zero.0.saturating_add(pause.instant) >= view.now.0.saturating_add(view.period.0) {
+        return false;
+    }
+    for (seq, change) in changes {
+        match *change {
+            Change::Rest { axes, crds } if *seq == pause.seq => {
+                let axis = |(index, axis): (usize, &AxisView)| {
+                    axes.0.checked_shr(index as u32).unwrap_or(0) & 1 == 1 && axis.status & RUNNING != 0
+                };
+                let crd = |(index, crd): (usize, &CrdView)| crds.0 >> (index & 7) & 1 == 1 && crd.runs;
+                return !view.axes.iter().enumerate().any(axis) && !view.crds.iter().enumerate().any(crd);
+            }
+            Change::Started { .. } | Change::PvtStarted { .. } | Change::CrdStarted { .. } => return false,
+            _ => {}
+        }
+    }
+    false
+}

@@ -1,0 +1,583 @@
+//! Reads: replies built from one view and the *now* books, so that all their items are of one tick.
+//!
+//! In: a checked [`Query`]. Out: a reply record. Velocities and accelerations are derived here from the
+//! axis's [`servo::segment::piece::Motion`]; nothing is computed for them in the tick.
+mod crd;
+mod follow;
+
+use super::event_log::{HELD, Log};
+use crate::admit::context::{Configuration, Query, mode_number, ones};
+use crate::admit::pvt_table::CHUNK;
+use crate::admit::{WORD, WORDS, is_follow, kind, number_of};
+use crate::session::server::{Board, FAULT_TEXT_MAX};
+use crate::shadow::Shadows;
+use protocol::command::{self, Request, opcode};
+use protocol::record::{Full, ReplyWriter};
+use servo::laser::{CHANNELS, Count, Mode, Power, Tables, dac_counts};
+use servo::port::AxisInputs;
+use servo::segment::follow::{Awaited, Input};
+use servo::segment::piece::Scaled;
+use servo::status::RUNNING;
+use servo::units::{Axis, Pos};
+use servo::view::{AxisView, LaserView, View};
+use zerocopy::IntoBytes;
+
+/// What a reply is built from.
+pub struct Reading<'x, const AXES: usize> {
+    /// The tick.
+    pub view: &'x View<AXES>,
+    /// Books after everything executed.
+    pub executed: &'x Shadows<AXES>,
+    /// Counts.
+    pub configuration: &'x Configuration,
+    /// Constants of the board.
+    pub board: &'x Board,
+    /// What happened.
+    pub log: &'x Log,
+    /// Where the tick keeps the analog outputs.
+    pub tables: &'x Tables,
+}
+
+/// 2^exponent, exactly, for exponents of normal numbers; beyond them 0 or infinity.
+fn power(exponent: i32) -> f64 {
+    match exponent {
+        -1022..=1023 => f64::from_bits(((exponent + 1023) as u64) << 52),
+        ..-1022 => 0.0,
+        _ => f64::INFINITY,
+    }
+}
+
+/// The nearest double.
+pub fn number(value: Scaled) -> f64 {
+    value.m as f64 * power(-i32::from(value.e))
+}
+
+/// A laser's power in its unit.
+pub fn units(power: Power) -> f64 {
+    power.raw() as f64 * self::power(-(Power::FRAC_BITS as i32))
+}
+
+/// Counts of a laser's timer in the mean.
+pub fn counts(count: Count) -> f64 {
+    let of = if count.of == 0 { power(32) } else { f64::from(count.of) };
+    count.whole as f64 + f64::from(count.part) / of
+}
+
+/// Pulses.
+pub fn pulses(pos: Pos) -> f64 {
+    pos.0 as f64 * power(-(Pos::FRAC_BITS as i32))
+}
+
+/// The reply to a Calculate command.
+pub fn values_reply(
+    opcode: u16,
+    tag: u16,
+    values: impl Iterator<Item = f64>,
+    out: &mut ReplyWriter,
+) -> Result<(), Full> {
+    let mut items = [command::Real::default(); CHUNK];
+    let mut count = 0;
+    for (item, value) in items.iter_mut().zip(values) {
+        item.value = value.into();
+        count += 1;
+    }
+    let head = command::Count { count: (count as u16).into() };
+    out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.get(..count).unwrap_or(&[]).as_bytes()])
+}
+
+/// The reply to a laser command that tells what it took.
+pub fn took_reply(
+    opcode: u16,
+    tag: u16,
+    mut taken: impl Iterator<Item = f64>,
+    held: u8,
+    out: &mut ReplyWriter,
+) -> Result<(), Full> {
+    let mut next = || taken.next().unwrap_or(0.0);
+    match opcode {
+        opcode::SetLaserFollowTable => {
+            let reply = command::LaserTableTaken { held: (next() as u16).into() };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::SetLaserDisMode => {
+            let reply = command::LaserScales { scale: core::array::from_fn(|_| next().into()), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::LaserPowerMode
+        | opcode::BufLaserPrfFollow
+        | opcode::BufLaserFollowRatio
+        | opcode::BufLaserFollowTable
+        | opcode::SetLaserDisRatio
+        | opcode::SetLaserDisTable1D
+        | opcode::SetLaserDisTable2D => {
+            let (max, min) = (next(), next());
+            let reply = command::LaserBounds { max: max.into(), min: min.into(), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::SetWaitPulse | opcode::SetWaitPulseEx => {
+            let (frequency, duty) = (next(), next());
+            let reply = command::LaserPulse { frequency: frequency.into(), duty: duty.into(), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::SetLevelDelay => {
+            let (off, on) = (next() as u32, next() as u32);
+            let reply = command::LaserDelays { off_delay_us: off.into(), on_delay_us: on.into(), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        opcode::EnaFPK => {
+            let (time1, time2, end) = (next() as u32, next() as u32, next() as u32);
+            let reply = command::LaserFpk {
+                time1_us: time1.into(),
+                time2_us: time2.into(),
+                laser_off_delay_us: end.into(),
+                held,
+            };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+        _ => {
+            let reply = command::LaserValue { value: next().into(), held };
+            out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+        }
+    }
+}
+
+impl<const AXES: usize> Reading<'_, AXES> {
+    fn clock_ms(&self) -> u32 {
+        (self.view.now.0 / 1_000_000) as u32
+    }
+
+    fn axes(&self, query: &Query) -> &[AxisView] {
+        let first = usize::from(query.first);
+        self.view.axes.get(first..first + usize::from(query.count)).unwrap_or(&[])
+    }
+
+    /// Encoder velocity from two samples one tick apart, pulse/ms.
+    fn encoder_velocity(&self, axis: &AxisView) -> f64 {
+        if self.view.period.0 == 0 {
+            return 0.0;
+        }
+        axis.encoder.wrapping_sub(axis.encoder_before) as f64 * 1e6 / self.view.period.0 as f64
+    }
+
+    fn reals<R>(
+        &self,
+        tag: u16,
+        query: &Query,
+        out: &mut ReplyWriter,
+        value: impl Fn(&AxisView) -> f64,
+    ) -> Result<(), Full>
+    where
+        R: command::Request<Reply = command::Reals, ReplyItem = command::Real>,
+    {
+        let mut items = [command::Real::default(); AXES];
+        let axes = self.axes(query);
+        for (item, axis) in items.iter_mut().zip(axes) {
+            item.value = value(axis).into();
+        }
+        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
+        out.done::<R>(tag, &head, &items[..axes.len()])
+    }
+
+    fn longs<R>(
+        &self,
+        tag: u16,
+        query: &Query,
+        out: &mut ReplyWriter,
+        value: impl Fn(usize, &AxisView) -> i32,
+    ) -> Result<(), Full>
+    where
+        R: command::Request<Reply = command::Longs, ReplyItem = command::Long>,
+    {
+        let mut items = [command::Long::default(); AXES];
+        let axes = self.axes(query);
+        for (index, (item, axis)) in items.iter_mut().zip(axes).enumerate() {
+            item.value = value(index, axis).into();
+        }
+        let head = command::Longs { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
+        out.done::<R>(tag, &head, &items[..axes.len()])
+    }
+
+    /// Writes the reply to a read.
+    pub fn reply(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let axis = Axis::new(usize::from(query.first)).unwrap_or_default();
+        let shadow = self.executed.axis(axis);
+        let sampled = &self.view.axes[axis.index().min(AXES - 1)];
+        match query.opcode {
+            opcode::Version => out.done::<command::Version>(tag, &self.version(), &[]),
+            opcode::Choose => out.done::<command::Choose>(tag, &self.version(), &[]),
+            opcode::GetClock => {
+                let reply = command::Clock { clock_ms: self.clock_ms().into(), ticks: self.view.tick.into() };
+                out.done::<command::GetClock>(tag, &reply, &[])
+            }
+            opcode::GetFault => self.fault(tag, out),
+            opcode::GetEvents => self.events(tag, out),
+            opcode::GetTickTime => out.done::<command::GetTickTime>(tag, &self.tick_time(), &[]),
+            opcode::GetLinkLoss => {
+                let stop_all = i16::from(self.executed.watch.stop_all);
+                let time_ms = f64::from(self.executed.watch.link_loss_ms);
+                let reply = command::LinkLossReply { time_ms: time_ms.into(), stop_all: stop_all.into() };
+                out.done::<command::GetLinkLoss>(tag, &reply, &[])
+            }
+            opcode::GetStopDec => {
+                let reply = command::StopDec { smooth: shadow.dec.0.into(), abrupt: shadow.dec.1.into() };
+                out.done::<command::GetStopDec>(tag, &reply, &[])
+            }
+            opcode::GetAxisBand => {
+                let reply = command::Band { band: shadow.band.0.into(), time_cycles: shadow.band.1.into() };
+                out.done::<command::GetAxisBand>(tag, &reply, &[])
+            }
+            opcode::GetSoftLimit => {
+                let reply = command::SoftLimit { positive: shadow.soft.0.into(), negative: shadow.soft.1.into() };
+                out.done::<command::GetSoftLimit>(tag, &reply, &[])
+            }
+            opcode::GetPosErr => {
+                out.done::<command::GetPosErr>(tag, &command::Long { value: shadow.pos_err.into() }, &[])
+            }
+            opcode::GetTrapPrm => out.done::<command::GetTrapPrm>(tag, &shadow.trap, &[]),
+            opcode::GetJogPrm => out.done::<command::GetJogPrm>(tag, &shadow.jog, &[]),
+            opcode::GetPos => out.done::<command::GetPos>(tag, &command::Long { value: shadow.pos.into() }, &[]),
+            opcode::GetVel => out.done::<command::GetVel>(tag, &command::Real { value: shadow.vel.into() }, &[]),
+            opcode::GetSts => self.longs::<command::GetSts>(tag, query, out, |_, axis| axis.status.cast_signed()),
+            opcode::GetPrfMode => {
+                let first = usize::from(query.first);
+                self.longs::<command::GetPrfMode>(tag, query, out, |index, _| {
+                    self.executed.axes.get(first + index).map_or(-1, |shadow| mode_number(shadow.mode).into())
+                })
+            }
+            opcode::GetPrfPos => self.reals::<command::GetPrfPos>(tag, query, out, |axis| pulses(axis.pos)),
+            opcode::GetPrfVel => {
+                self.reals::<command::GetPrfVel>(tag, query, out, |axis| number(self.view.velocity(axis)))
+            }
+            opcode::GetPrfAcc => {
+                self.reals::<command::GetPrfAcc>(tag, query, out, |axis| number(self.view.motion(axis).acceleration()))
+            }
+            opcode::GetEncPos => self.reals::<command::GetEncPos>(tag, query, out, |axis| axis.encoder as f64),
+            opcode::GetEncVel => self.reals::<command::GetEncVel>(tag, query, out, |axis| self.encoder_velocity(axis)),
+            opcode::GetCaptureStatus => self.captures(tag, query, out),
+            opcode::GetWait => out.done::<command::GetWait>(tag, &self.wait(sampled), &[]),
+            opcode::AxisStatus => self.statuses(tag, query, out),
+            opcode::GetDi => out.done::<command::GetDi>(tag, &self.levels(query)[0], &[]),
+            opcode::GetDo => out.done::<command::GetDo>(tag, &self.levels(query)[0], &[]),
+            opcode::GetDiEx => self.words::<command::GetDiEx>(tag, query, out),
+            opcode::GetDoEx => self.words::<command::GetDoEx>(tag, query, out),
+            opcode::GetDac => {
+                let mut items = [command::Short::default(); 8];
+                let count = usize::from(query.count).min(8);
+                for (item, output) in items.iter_mut().zip(usize::from(query.first)..) {
+                    item.value = self.analog_output(output).into();
+                }
+                out.done::<command::GetDac>(tag, &command::Count { count: (count as u16).into() }, &items[..count])
+            }
+            opcode::GetAdc => {
+                let mut items = [command::Real::default(); 8];
+                let count = usize::from(query.count).min(8);
+                for (item, value) in items.iter_mut().zip(self.view.analog.iter().skip(usize::from(query.first))) {
+                    item.value = (f64::from(*value) * 12.5 / 32768.0).into();
+                }
+                let head = command::Reals { clock_ms: self.clock_ms().into(), count: (count as u16).into() };
+                out.done::<command::GetAdc>(tag, &head, &items[..count])
+            }
+            opcode::GetLaserOnTime
+            | opcode::GetLaserCrdMap
+            | opcode::GetLaserPower
+            | opcode::GetLaserFault
+            | opcode::LaserOnStatus
+            | opcode::GetHSIOOpt
+            | opcode::LaserStatus => self.laser(tag, query, out),
+            opcode::PtSpace => {
+                let space = shadow.space(self.view, sampled, usize::from(query.which)) as i16;
+                self.space(query.opcode, tag, space, out)
+            }
+            opcode::GetPtLoop => {
+                let value = i32::try_from(sampled.passes).unwrap_or(i32::MAX);
+                out.done::<command::GetPtLoop>(tag, &command::Long { value: value.into() }, &[])
+            }
+            opcode::GetPtMemory => {
+                out.done::<command::GetPtMemory>(tag, &command::Short { value: i16::from(shadow.memory).into() }, &[])
+            }
+            opcode::GetPtState => {
+                let reply = command::PtState {
+                    state: sampled.pt_state,
+                    loops: i32::try_from(sampled.passes).unwrap_or(i32::MAX).into(),
+                    space0: (shadow.space(self.view, sampled, 0) as u16).into(),
+                    space1: if shadow.is_dynamic() { 0 } else { shadow.space(self.view, sampled, 1) as u16 }.into(),
+                    dry_ms: self.dry_ms(axis, usize::from(shadow.fifo)).into(),
+                };
+                out.done::<command::GetPtState>(tag, &reply, &[])
+            }
+            opcode::GetPvtLoop => {
+                let done = i32::try_from(sampled.passes).unwrap_or(i32::MAX);
+                let reply = command::PvtLoops { loop_count: done.into(), loop_set: shadow.table_passes.into() };
+                out.done::<command::GetPvtLoop>(tag, &reply, &[])
+            }
+            opcode::PvtStatus => {
+                let mut items = [command::PvtStatusItem::default(); AXES];
+                let axes = self.axes(query);
+                for (item, axis) in items.iter_mut().zip(axes) {
+                    let since = self.view.now.0.min(axis.table_until.0).saturating_sub(axis.table_zero.0);
+                    *item = command::PvtStatusItem {
+                        table: number_of(axis.table).into(),
+                        time: (since as f64 / 1e6).into(),
+                    };
+                }
+                let head = command::Count { count: (axes.len() as u16).into() };
+                out.done::<command::PvtStatus>(tag, &head, &items[..axes.len()])
+            }
+            _ if crd::is_crd(query.opcode) => self.crd_reply(tag, query, out),
+            _ if is_follow(query.opcode) => self.follow(tag, query, shadow, sampled, out),
+            // A request without fields in its reply.
+            other => out.push_raw(other, tag, 0, &[]),
+        }
+    }
+
+    /// The reply to a question for free places.
+    pub fn space(&self, opcode: u16, tag: u16, space: i16, out: &mut ReplyWriter) -> Result<(), Full> {
+        out.push_raw(opcode, tag, 0, &[command::Short { value: space.into() }.as_bytes()])
+    }
+
+    /// The reply with one real number.
+    pub fn number(&self, opcode: u16, tag: u16, value: f64, out: &mut ReplyWriter) -> Result<(), Full> {
+        out.push_raw(opcode, tag, 0, &[command::Real { value: value.into() }.as_bytes()])
+    }
+
+    /// A read of the laser channel `first`; `which` is the core.
+    fn laser(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let index = usize::from(query.first).min(CHANNELS - 1);
+        let sampled = &self.view.lasers[index];
+        let short = |value: i16| command::Short { value: value.into() };
+        match query.opcode {
+            opcode::GetLaserOnTime => {
+                out.done::<command::GetLaserOnTime>(tag, &command::ULong { value: sampled.on_time.into() }, &[])
+            }
+            opcode::GetLaserCrdMap => {
+                let profile = &self.configuration.profile;
+                let map = u32::from(self.executed.lasers[index].map);
+                let map = map >> (u32::from(query.which) * u32::from(profile.crds_per_core));
+                let own = (1 << profile.crds_at(self.view.period)) - 1;
+                out.done::<command::GetLaserCrdMap>(tag, &short((map & own) as i16), &[])
+            }
+            opcode::GetLaserPower => {
+                out.done::<command::GetLaserPower>(tag, &command::Real { value: units(sampled.power).into() }, &[])
+            }
+            opcode::GetLaserFault => out.done::<command::GetLaserFault>(tag, &short(sampled.fault as i16), &[]),
+            opcode::LaserStatus => {
+                let reply = command::LaserState {
+                    mode: i16::from(sampled.mode as u8).into(),
+                    commanded: sampled.commanded.into(),
+                    gate: sampled.switch.into(),
+                    light: sampled.light.into(),
+                    held: sampled.limited.into(),
+                    fault: (sampled.fault as i16).into(),
+                    power: units(sampled.power).into(),
+                    frequency: self.achieved_khz(sampled).into(),
+                    on_time: sampled.on_time.into(),
+                };
+                out.done::<command::LaserStatus>(tag, &reply, &[])
+            }
+            // GetHSIOOpt, LaserOnStatus: the command, not the output (SPEC 6).
+            other => out.push_raw(other, tag, 0, &[short(sampled.commanded.into()).as_bytes()]),
+        }
+    }
+
+    /// What an analog output, from 0, carries: what a laser in analog mode makes of it, or what it was set to last.
+    fn analog_output(&self, output: usize) -> i16 {
+        match self.view.lasers.get(output) {
+            Some(laser) if laser.mode == Mode::Analog => dac_counts(laser.power),
+            _ => self.tables.analog(output),
+        }
+    }
+
+    /// The carrier or pulse rate as the timers put it out, kHz; 0 where nothing is.
+    fn achieved_khz(&self, sampled: &LaserView) -> f64 {
+        if sampled.train.is_none() {
+            return 0.0;
+        }
+        f64::from(self.view.timer_mhz) * 1000.0 / counts(sampled.train.period)
+    }
+
+    /// The reply to PT data.
+    pub fn taken(
+        &self,
+        opcode: u16,
+        tag: u16,
+        axis: Axis,
+        fifo: u8,
+        count: u16,
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
+        let sampled = &self.view.axes[axis.index().min(AXES - 1)];
+        let reply = command::PtTaken {
+            taken: count.into(),
+            space: (self.executed.axis(axis).space(self.view, sampled, usize::from(fifo)) as u16).into(),
+            dry_ms: self.dry_ms(axis, usize::from(fifo)).into(),
+        };
+        out.push_raw(opcode, tag, 0, &[reply.as_bytes()])
+    }
+
+    /// While the axis runs, how long what it has lasts; at rest, the length of the data.
+    fn dry_ms(&self, axis: Axis, fifo: usize) -> u32 {
+        let sampled = &self.view.axes[axis.index().min(AXES - 1)];
+        if sampled.status & RUNNING != 0 {
+            return sampled.dry_ms;
+        }
+        self.executed.axis(axis).fifos.get(fifo).map_or(0, |fifo| fifo.chain.time_ms().max(0).unsigned_abs())
+    }
+
+    fn events(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+        let mut items = [command::EventItem::default(); HELD];
+        let mut count = 0;
+        for (place, item) in items.iter_mut().zip(self.log.items()) {
+            *place = *item;
+            count += 1;
+        }
+        let head = command::EventsReply { total: self.log.total().into(), count: (count as u16).into() };
+        out.done::<command::GetEvents>(tag, &head, &items[..count])
+    }
+
+    /// The text is cut between characters.
+    fn fault(&self, tag: u16, out: &mut ReplyWriter) -> Result<(), Full> {
+        let (kind, text) = self.board.fault.map_or((0, ""), |fault| (fault.kind as u8, fault.text));
+        let text = text.get(..text.floor_char_boundary(FAULT_TEXT_MAX)).unwrap_or("");
+        let head = command::FaultReply { kind, length: (text.len() as u16).into() };
+        out.push_raw(opcode::GetFault, tag, 0, &[head.as_bytes(), text.as_bytes()])
+    }
+
+    fn version(&self) -> command::VersionReply {
+        let mut board = [0; 16];
+        for (place, byte) in board.iter_mut().zip(self.board.name.bytes()) {
+            *place = byte;
+        }
+        let part = |text: &str| text.bytes().fold(0u16, |sum, digit| sum * 10 + u16::from(digit.saturating_sub(b'0')));
+        let profile = &self.configuration.profile;
+        command::VersionReply {
+            major: part(env!("CARGO_PKG_VERSION_MAJOR")).into(),
+            minor: part(env!("CARGO_PKG_VERSION_MINOR")).into(),
+            patch: part(env!("CARGO_PKG_VERSION_PATCH")).into(),
+            schema: protocol::SCHEMA.into(),
+            board,
+            profile: self.configuration.number,
+            family: self.configuration.family,
+            cores: profile.cores,
+            axes_per_core: profile.axes_per_core,
+            lasers: profile.lasers,
+            crds_per_core: profile.crds_per_core,
+            general_inputs: profile.general_inputs.min(self.board.general_inputs),
+            general_outputs: profile.general_outputs.min(self.board.general_outputs),
+            tick_us: ((self.view.period.0 / 1000) as u32).into(),
+            step_limit: (self.board.step_limit.pulses_per_ms() as f64).into(),
+        }
+    }
+
+    fn tick_time(&self) -> command::TickTimeReply {
+        let taken = self.board.tick_time.map(|ask| ask());
+        let time = taken.unwrap_or_default();
+        command::TickTimeReply {
+            period_ns: (self.view.period.0 as u32).into(),
+            median_ns: time.median_ns.into(),
+            worst_ns: time.worst_ns.into(),
+            measured: taken.is_some().into(),
+        }
+    }
+
+    fn captures(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let mut items = [command::CaptureReply::default(); AXES];
+        let axes = self.axes(query);
+        for (item, axis) in items.iter_mut().zip(axes) {
+            let value = axis.captured.unwrap_or(0).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+            *item = command::CaptureReply {
+                status: i16::from(axis.captured.is_some()).into(),
+                value: value.into(),
+                clock_ms: self.clock_ms().into(),
+            };
+        }
+        let head = command::Count { count: (axes.len() as u16).into() };
+        out.done::<command::GetCaptureStatus>(tag, &head, &items[..axes.len()])
+    }
+
+    fn statuses(&self, tag: u16, query: &Query, out: &mut ReplyWriter) -> Result<(), Full> {
+        let mut items = [command::AxisItem::default(); AXES];
+        let axes = self.axes(query);
+        let shadows = self.executed.axes.iter().skip(usize::from(query.first));
+        for ((item, axis), shadow) in items.iter_mut().zip(axes).zip(shadows) {
+            *item = command::AxisItem {
+                status: axis.status.into(),
+                mode: mode_number(shadow.mode).into(),
+                reason: (axis.stop as u16).into(),
+                prf_pos: pulses(axis.pos).into(),
+                prf_vel: number(self.view.velocity(axis)).into(),
+                enc_pos: (axis.encoder as f64).into(),
+            };
+        }
+        let head = command::Reals { clock_ms: self.clock_ms().into(), count: (axes.len() as u16).into() };
+        out.done::<command::AxisStatus>(tag, &head, &items[..axes.len()])
+    }
+
+    /// What an axis waits for; it is numbered on its own core.
+    fn wait(&self, axis: &AxisView) -> command::WaitReply {
+        let per_core = self.configuration.per_core().max(1);
+        match axis.waits.what() {
+            None => command::WaitReply::default(),
+            Some(Awaited::Pass) => command::WaitReply { kind: 2, ..Default::default() },
+            Some(Awaited::Input { input, index, high, limited }) => {
+                let (di_type, of) = match input {
+                    Input::LimitPositive => (kind::LIMIT_POSITIVE, per_core),
+                    Input::LimitNegative => (kind::LIMIT_NEGATIVE, per_core),
+                    Input::Alarm => (kind::ALARM, per_core),
+                    Input::Home => (kind::HOME, per_core),
+                    Input::Arrive => (kind::ARRIVE, per_core),
+                    Input::General => (kind::GPI, 256),
+                };
+                command::WaitReply {
+                    kind: 1,
+                    di_type: di_type.into(),
+                    index: ((usize::from(index) % of) as i16 + 1).into(),
+                    level: i16::from(high).into(),
+                    limited: limited.into(),
+                }
+            }
+        }
+    }
+
+    /// Words of 32 levels: of the core's axes from bit 0, or of the general inputs or outputs.
+    fn levels(&self, query: &Query) -> [command::Long; WORDS] {
+        let (first, axes) = (usize::from(query.first) * self.configuration.per_core(), self.configuration.per_core());
+        let of_axes = |bits: u64| u128::from(bits >> first & ones(axes));
+        let of_inputs = |level: fn(&AxisInputs) -> bool| {
+            let levels = self.view.inputs.iter().skip(first).take(axes).map(level);
+            (0..).zip(levels).fold(0, |word, (bit, level)| word | u128::from(level) << bit)
+        };
+        let profile = &self.configuration.profile;
+        let levels = match i16::from(query.which) {
+            kind::LIMIT_POSITIVE => of_inputs(|inputs| inputs.limit_positive),
+            kind::LIMIT_NEGATIVE => of_inputs(|inputs| inputs.limit_negative),
+            kind::ALARM => of_inputs(|inputs| inputs.alarm),
+            kind::HOME => of_inputs(|inputs| inputs.home),
+            kind::ARRIVE => of_inputs(|inputs| inputs.arrive),
+            kind::GPI => {
+                let unused = 128 - u32::from(profile.general_inputs.clamp(1, 128));
+                #[allow(clippy::unnecessary_cast, reason = "a small board has fewer bits")]
+                let levels = self.view.general_inputs as u128;
+                levels & u128::MAX >> unused
+            }
+            kind::ENABLE => of_axes(self.view.enable),
+            kind::CLEAR => of_axes(self.view.clear),
+            _ => u128::from(self.view.general_outputs),
+        };
+        let mut words = [command::Long::default(); WORDS];
+        for (word, at) in words.iter_mut().zip((0..).step_by(WORD)) {
+            word.value = ((levels >> at) as u32).cast_signed().into();
+        }
+        words
+    }
+
+    /// The reply to a read of levels, word by word.
+    fn words<R: Request<Reply = command::Count, ReplyItem = command::Long>>(
+        &self,
+        tag: u16,
+        query: &Query,
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
+        let count = usize::from(query.count).min(WORDS);
+        out.done::<R>(tag, &command::Count { count: (count as u16).into() }, &self.levels(query)[..count])
+    }
+}

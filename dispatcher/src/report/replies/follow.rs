@@ -1,0 +1,77 @@
+//! Reads of axes that follow.
+use super::Reading;
+use crate::admit::context::Query;
+use crate::shadow::AxisShadow;
+use protocol::command::{self, opcode};
+use protocol::record::{Full, ReplyWriter};
+use servo::units::Axis;
+use servo::view::AxisView;
+use zerocopy::IntoBytes;
+
+/// What GetFollowMaster tells before SetFollowMaster: no axis, and the type and item that are left out (PROFILE, 0).
+const NO_MASTER: [i16; 3] = [0, 2, 0];
+
+impl<const AXES: usize> Reading<'_, AXES> {
+    /// Reads of an axis that follows.
+    pub(super) fn follow(
+        &self,
+        tag: u16,
+        query: &Query,
+        shadow: &AxisShadow,
+        sampled: &AxisView,
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
+        let follow = &shadow.follow;
+        let mut say = |reply: &[u8]| out.push_raw(query.opcode, tag, 0, &[reply]);
+        match query.opcode {
+            opcode::GetFollowMaster | opcode::GetFollowMasterEx => {
+                let [index, kind, item] = follow.master.map_or(NO_MASTER, |(_, given)| given);
+                let reply = command::FollowMasterReply {
+                    master_index: index.into(),
+                    master_type: kind.into(),
+                    master_item: item.into(),
+                };
+                say(reply.as_bytes())
+            }
+            opcode::GetFollowLoop | opcode::GetFollowLoopEx => {
+                let done = i32::try_from(sampled.passes).unwrap_or(i32::MAX);
+                say(command::Long { value: done.into() }.as_bytes())
+            }
+            opcode::GetFollowEvent | opcode::GetFollowEventEx => {
+                let (event, master_dir, pos) = follow.event;
+                let reply =
+                    command::FollowEventReply { event: event.into(), master_dir: master_dir.into(), pos: pos.into() };
+                say(reply.as_bytes())
+            }
+            opcode::GetFollowMemory | opcode::GetFollowMemoryEx => {
+                say(command::Short { value: i16::from(follow.memory).into() }.as_bytes())
+            }
+            opcode::GetFollowStatus | opcode::GetFollowStatusEx => {
+                let reply = command::FollowStatusReply {
+                    fifo: i16::from(sampled.fifo).into(),
+                    switch_status: i16::from(sampled.switching).into(),
+                };
+                say(reply.as_bytes())
+            }
+            _ => say(&[]),
+        }
+    }
+
+    /// The reply to an entry of Follow.
+    pub fn entered(
+        &self,
+        opcode: u16,
+        tag: u16,
+        axis: Axis,
+        fifo: u8,
+        percent1: i16,
+        out: &mut ReplyWriter,
+    ) -> Result<(), Full> {
+        let space = (self.executed.axis(axis).follow.space(fifo) as u16).into();
+        if opcode == opcode::FollowDataPercent2Ex {
+            let reply = command::FollowPercent1 { space, percent1: percent1.into() };
+            return out.push_raw(opcode, tag, 0, &[reply.as_bytes()]);
+        }
+        out.push_raw(opcode, tag, 0, &[command::FollowTaken { space }.as_bytes()])
+    }
+}

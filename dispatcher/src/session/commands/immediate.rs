@@ -1,0 +1,176 @@
+//! The immediate lane: what becomes of a record of lane 0.
+//!
+//! In: a record, the view. Out: entries of the lane, a reply or the promise of one. Owns nothing. Fails by refusals; what
+//! finds no room now is tried again.
+use super::CommandHandler;
+use crate::admit::context::{Answer, Due, Effect, TAKEN_MAX};
+use crate::admit::data::{self, FifoOf};
+use crate::admit::is_read;
+use crate::admit::pvt_table::{TableKind, table_kind};
+use crate::admit::refuse::Refused;
+use crate::program::Program;
+use crate::report::event_log::{Kind, ShutOff};
+use crate::report::replies::values_reply;
+use crate::session::lane::STAGED;
+use crate::session::pending_replies::Step;
+use crate::shadow::Change;
+use protocol::command::{SetHSIOOpt, opcode};
+use protocol::reason::Reason;
+use protocol::record::{ReplyWriter, RequestRecord};
+use servo::op::Op;
+use servo::view::View;
+use zerocopy::FromBytes;
+
+/// Whether the record is a SetHSIOOpt that switches a laser off, which is as urgent as a Stop.
+fn switches_off(record: &RequestRecord) -> bool {
+    record.opcode == opcode::SetHSIOOpt
+        && SetHSIOOpt::read_from_bytes(record.body).is_ok_and(|request| request.value.get() == 0)
+}
+
+impl<const AXES: usize> CommandHandler<'_, AXES> {
+    /// Deals with a record of lane 0.
+    pub fn immediate(
+        &mut self,
+        program: &mut Program<'_>,
+        view: &View<AXES>,
+        record: &RequestRecord,
+        out: &mut ReplyWriter,
+    ) -> Step {
+        if self.lane.room() < STAGED.max(AXES) || self.awaiting.is_full() || self.taken.room() < TAKEN_MAX {
+            return Step::Wait;
+        }
+        if self.config.is_some() {
+            return self.go_on_with_config(view, record);
+        }
+        match record.opcode {
+            opcode::Sleep | opcode::WaitStop | opcode::ProgramEnd => {
+                return self.refuse(record, Refused::new(Reason::NotInProgram), out);
+            }
+            opcode::ProgramStart | opcode::ProgramClear | opcode::ProgramStatus => {
+                if !self.is_quiet() {
+                    return Step::Wait;
+                }
+                return match program.control(self, record) {
+                    Ok(Some(answer)) => self.await_last(record, answer, false),
+                    Ok(None) => Step::Wait,
+                    Err(refused) => self.refuse(record, refused, out),
+                };
+            }
+            _ => {}
+        }
+        let beside = matches!(
+            record.opcode,
+            opcode::Stop
+                | opcode::Abort
+                | opcode::SetInterlock
+                | opcode::ClrSts
+                | opcode::Trace
+                | opcode::SetLinkLoss
+                | opcode::Choose
+                | opcode::LaserOff
+                | opcode::ClrLaserFault
+                | opcode::SimInput
+                | opcode::SimAdc
+                | opcode::SimPlan
+        ) || switches_off(record);
+        if program.is_active() && !beside && !is_read(record.opcode) {
+            return self.refuse(record, Refused::new(Reason::ProgramRuns), out);
+        }
+        if data::is_data(record.opcode, record.body) {
+            return match self.admit_data(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
+                Ok(written) => self.take_data(record, &written),
+                Err(refused) => self.refuse(record, refused, out),
+            };
+        }
+        if table_kind(record.opcode) == Some(TableKind::Calculate) {
+            if !self.is_quiet() {
+                return Step::Wait;
+            }
+            let reply = |values: &[f64]| values_reply(record.opcode, record.tag, values.iter().copied(), out).is_ok();
+            return match self.calculate(view, 0, record.opcode, record.body, reply) {
+                Ok(sent) => {
+                    if sent {
+                        Step::Taken
+                    } else {
+                        Step::Wait
+                    }
+                }
+                Err(refused) => self.refuse(record, refused, out),
+            };
+        }
+        match self.admit(view, Due::at_once(self.is_quiet()), record.opcode, record.body) {
+            Err(refused) => self.refuse(record, refused, out),
+            Ok((Answer::Read(query), Effect::None)) => {
+                if !self.is_quiet() {
+                    return Step::Wait;
+                }
+                Step::of(self.reading(view).reply(record.tag, &query, out))
+            }
+            Ok((_, Effect::Choose(configuration)))
+                if program.is_active()
+                    && (configuration.number, configuration.family)
+                        != (self.configuration.number, self.configuration.family) =>
+            {
+                self.refuse(record, Refused::new(Reason::ProgramRuns), out)
+            }
+            Ok((answer, effect)) => {
+                // The end of a laser's follow stops nothing.
+                let stops = |(op, _): &(Op, Change)| !matches!(op, Op::FollowEnd { .. });
+                if record.opcode == opcode::Stop && self.staged.ops().iter().any(stops) {
+                    program.stop(self, Reason::Discarded);
+                }
+                if record.opcode == opcode::Abort {
+                    program.abort(self);
+                    self.log.put(view.now, Kind::ShutOff, 0, ShutOff::Abort as u16);
+                }
+                self.push_staged();
+                if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
+                    for value in values.into_iter().take(count.into()) {
+                        self.taken.push(value);
+                    }
+                }
+                self.apply(effect, self.lane.last());
+                if let Effect::Config = effect {
+                    self.config = Some(0);
+                    return self.go_on_with_config(view, record);
+                }
+                let own = !self.staged.ops().is_empty();
+                self.await_last(record, answer, own)
+            }
+        }
+    }
+
+    /// Pushes what is staged; the caller has seen that there is room.
+    fn push_staged(&mut self) {
+        for &(op, change) in self.staged.ops() {
+            self.lane.push(op, change, 0, &mut self.admitted);
+        }
+    }
+
+    fn take_data(&mut self, record: &RequestRecord, written: &data::Written) -> Step {
+        let (op, change) = match written.of {
+            FifoOf::Axis(axis) => data::commit(&self.admitted, axis, written.fifo),
+            FifoOf::Crd(crd) => self.commit_path(crd, written.fifo),
+        };
+        self.lane.push(op, change, 0, &mut self.admitted);
+        for value in written.waiting() {
+            self.taken.push(value);
+        }
+        self.await_last(record, written.answer, true)
+    }
+
+    fn go_on_with_config(&mut self, view: &View<AXES>, record: &RequestRecord) -> Step {
+        while let Some(item) = self.config {
+            if self.lane.room() < STAGED {
+                return Step::Wait;
+            }
+            if !self.stage_config(view, record.body, item) {
+                self.config = None;
+                break;
+            }
+            self.push_staged();
+            self.config = Some(item.saturating_add(1));
+        }
+        self.await_last(record, Answer::Done, true)
+    }
+}

@@ -1,0 +1,104 @@
+//! What leads to the FIFOs of coordinate systems: commits, look-aheads of paths that run, what a dropped program gave them.
+//!
+//! In: the view, the books. Out: commits, through either lane. Owns nothing. Fails: where the lane has no room, nothing is
+//! pushed and the caller comes again.
+use super::CommandHandler;
+use crate::admit::data;
+use crate::plan::path_queue::LASTS_MS;
+use crate::session::lane::STAGED;
+use crate::shadow::{Change, PROGRAM_FLAG, executed};
+use servo::op::Op;
+use servo::units::Crd;
+use servo::view::View;
+
+impl<const AXES: usize> CommandHandler<'_, AXES> {
+    /// The commit of all that has left a look-ahead, or never went there.
+    pub fn commit_path(&mut self, crd: Crd, fifo: u8) -> (Op, Change) {
+        let mut end = 0;
+        let index = usize::from(fifo & 1);
+        if let (Some(queues), Some(stores)) = (self.queues.get_mut(crd.index()), self.entries.get(crd.index())) {
+            queues[index].settle(&stores[index]);
+            end = queues[index].end();
+        }
+        data::commit_path(&self.admitted, crd, fifo, end)
+    }
+
+    /// The same by the immediate lane. The caller has seen that there is room.
+    pub fn commit_path_now(&mut self, crd: Crd, fifo: u8) {
+        let (op, change) = self.commit_path(crd, fifo);
+        self.lane.push(op, change, 0, &mut self.admitted);
+    }
+
+    /// Paths that run and whose entries do not last long enough any more get more from their look-aheads.
+    pub fn feed_paths(&mut self, view: &View<AXES>) {
+        self.feed_due = u64::MAX;
+        for crd in Crd::all().take(self.entries.count()) {
+            let (sampled, shadow) = (&view.crds[crd.index()], self.admitted.crd(crd));
+            // What a WaitStop has closed is not fed from what comes behind it.
+            let started = shadow.started.is_some_and(|seq| executed(view, seq));
+            let (fifo, index) = (sampled.fifo, usize::from(sampled.fifo & 1));
+            let Some(queues) = self.queues.get_mut(crd.index()).filter(|_| sampled.runs && started) else { continue };
+            let queue = &mut queues[index];
+            queue.follow(shadow.path(fifo).cleared);
+            let Some(stores) = self.entries.get(crd.index()).filter(|_| queue.held() > 0) else { continue };
+            if self.lane.room() > STAGED && queue.feed(stores, sampled, fifo) {
+                self.commit_path_now(crd, fifo);
+            }
+            let Some(queue) = self.queues.get_mut(crd.index()).map(|queues| &mut queues[index]) else { continue };
+            let spare = (queue.lasts(stores, sampled, fifo) - LASTS_MS).max(0.0) * 1e6;
+            let due = view.now.0.saturating_add(spare as u64);
+            if queue.held() > 0 {
+                self.feed_due = self.feed_due.min(due);
+            }
+        }
+    }
+
+    /// Everything that waits in a look-ahead goes to a path that runs, before a WaitStop of it. False if that cannot be
+    /// now.
+    pub fn flush_path(&mut self, view: &View<AXES>, crd: Crd, near: bool) -> bool {
+        let shadow = self.admitted.crd(crd);
+        let (fifo, index) = (shadow.fifo, usize::from(shadow.fifo & 1));
+        if !shadow.may_run(view, &view.crds[crd.index()]) {
+            return true;
+        }
+        let cleared = shadow.path(fifo).cleared;
+        let Some((queues, stores)) = self.queues.get_mut(crd.index()).zip(self.entries.get(crd.index())) else {
+            return true;
+        };
+        queues[index].follow(cleared);
+        if queues[index].held() == 0 {
+            return true;
+        }
+        if !near || self.lane.room() <= STAGED {
+            return false;
+        }
+        queues[index].flush(&stores[index]);
+        self.commit_path_now(crd, fifo);
+        true
+    }
+
+    /// A program has been dropped: what it had given to FIFOs and is not executed is forgotten. A FIFO is emptied if its
+    /// places were overwritten, and if some of what was executed waited in a look-ahead together with what was not.
+    pub fn forget_paths(&mut self, view: &View<AXES>) {
+        for crd in Crd::all().take(self.entries.count()) {
+            for fifo in 0..2u8 {
+                let ahead = self.admitted.crd(crd).path(fifo);
+                let pending = ahead.last.is_some_and(|seq| seq & PROGRAM_FLAG != 0 && !executed(view, seq));
+                if !pending && !ahead.loose {
+                    continue;
+                }
+                let (now, sampled) = (self.executed.crd(crd).path(fifo), &view.crds[crd.index()]);
+                let overwritten = ahead.cleared != now.cleared && ahead.data.given != 0;
+                let mixed = ahead.look.is_some() && now.data.given != sampled.ends[usize::from(fifo)];
+                let given = now.data.given;
+                if given != 0 && !sampled.runs && (overwritten || mixed) {
+                    self.executed.invalidate_path(crd, fifo);
+                } else if let Some(queues) = self.queues.get_mut(crd.index()) {
+                    let queue = &mut queues[usize::from(fifo)];
+                    queue.follow(now.cleared);
+                    queue.cut(given);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,582 @@
+//! The books: what the thread knows of every axis without asking the tick.
+//!
+//! In: [`Change`]s, one beside every operation that is pushed into a lane. Out: the figures that
+//! admissions and getters need. There are two sets: *ahead* is the state after everything that was
+//! admitted, *now* the state after everything that the tick has executed. If the rest of a program is
+//! discarded, *ahead* is set back to *now*, so that what was never executed leaves no trace.
+mod axis;
+mod channel;
+mod crd;
+mod follow;
+
+use crate::admit::context::Watch;
+use crate::product::{LONG_TICK, Profile};
+pub use axis::{AxisShadow, BEGINS_SHIFT, FifoShadow};
+pub use channel::{DistanceShadow, LaserChange, LaserShadow};
+pub use crd::{CAPACITY, CrdChange, CrdShadow, Frame, Look, PathData, PathShadow, position_of};
+pub use follow::Fifo;
+use protocol::command::{JogPrm, TrapPrm};
+use servo::Fifos;
+use servo::laser::CHANNELS;
+use servo::op::{Mode, Op};
+use servo::segment::pvt::TABLES;
+use servo::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
+use servo::view::View;
+
+/// Set in the numbers of the program lane, so that a number tells its lane.
+pub const PROGRAM_FLAG: u32 = 1 << 31;
+/// Software limits at these values are off.
+pub const SOFT_OFF: (i32, i32) = (i32::MAX, i32::MIN);
+
+/// The place after `seq` in its lane.
+pub const fn seq_after(seq: u32) -> u32 {
+    seq_from(seq, 1)
+}
+
+/// So many places behind `seq` in its lane.
+pub const fn seq_from(seq: u32, places: u32) -> u32 {
+    seq & PROGRAM_FLAG | seq.wrapping_add(places) & !PROGRAM_FLAG
+}
+
+/// Whether the tick that `view` shows has executed entry `seq`.
+pub fn executed<const AXES: usize>(view: &View<AXES>, seq: u32) -> bool {
+    let done = if seq & PROGRAM_FLAG == 0 { view.done_immediate } else { view.done_program };
+    // Numbers have 31 bits; shifted up, their difference has a sign. A lane that has done nothing yet
+    // shows 0, which has no flag.
+    done & PROGRAM_FLAG == seq & PROGRAM_FLAG && (done.wrapping_sub(seq) << 1).cast_signed() >= 0
+}
+
+/// Entries after which numbers are renewed: they are compared over half their range, so that one that was executed
+/// 2³⁰ entries ago would look as if it were still to come.
+const RENEWED: u32 = 1 << 24;
+
+/// What each lane had executed when numbers were renewed last.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Renewed([u32; 2]);
+
+impl Renewed {
+    /// Whether it is time to renew them.
+    pub fn is_due<const AXES: usize>(&mut self, view: &View<AXES>) -> bool {
+        let done = [view.done_immediate, view.done_program];
+        let far = |(now, before): (u32, u32)| now.wrapping_sub(before) & !PROGRAM_FLAG >= RENEWED;
+        let due = done.into_iter().zip(self.0).any(far);
+        if due {
+            self.0 = done;
+        }
+        due
+    }
+}
+
+/// An entry that was executed takes the number of the last one of its lane that was: it stays one that was executed.
+pub fn renew<const AXES: usize>(view: &View<AXES>, seq: &mut u32) {
+    if executed(view, *seq) {
+        *seq = if *seq & PROGRAM_FLAG == 0 { view.done_immediate } else { view.done_program };
+    }
+}
+
+/// What a pushed operation changes in the books.
+#[derive(Debug, Clone, Copy)]
+pub enum Change {
+    /// Nothing.
+    None,
+    /// Power-on state.
+    Reset { axes: AxisMask, tables: u64 },
+    /// Servo on or off.
+    Servo { axis: Axis, on: bool },
+    /// The axes, what drives them, and these coordinate systems are told to stop.
+    Stopped { axes: AxisMask, crds: CrdMask },
+    /// Abort: everything is told to stop, and on commands are refused until it is at rest.
+    Aborted,
+    /// Link loss and interlock.
+    Watch(Watch),
+    /// The planned positions are set; none where only the tick knows them.
+    Placed { axes: AxisMask, pos: Option<Pos> },
+    /// Latched bits are cleared.
+    Cleared { axes: AxisMask },
+    /// The axes start, at this script clock (ns).
+    Started { axes: AxisMask, fifo1: AxisMask, script_ns: u64 },
+    /// PVT starts with the tables that are selected.
+    PvtStarted { axes: AxisMask },
+    /// A PVT table is selected; `pending` if the axis may be running and go on with it.
+    Table { axis: Axis, table: u8, pending: bool },
+    /// PVT passes.
+    TablePasses { axis: Axis, passes: i32 },
+    /// A PVT table is there.
+    TableFilled { table: u8 },
+    /// They are at rest for what follows.
+    Rest { axes: AxisMask, crds: CrdMask },
+    /// A mode, with empty FIFOs.
+    Mode { axis: Axis, mode: Mode },
+    /// A memory size.
+    Memory { axis: Axis, memory: u8 },
+    /// A FIFO is emptied (both in dynamic mode).
+    Emptied { axis: Axis, fifo: u8 },
+    /// A FIFO's data now ends here, if its stream is still that of `epoch`.
+    Data { axis: Axis, fifo: u8, epoch: u32, shadow: FifoShadow },
+    /// A master of Follow, and how it was given.
+    FollowMaster { axis: Axis, master: Axis, given: [i16; 3] },
+    /// A start condition of Follow as it was given.
+    FollowEvent { axis: Axis, given: (i16, i16, i32) },
+    /// A direction of Follow.
+    FollowDirection { axis: Axis, direction: i8 },
+    /// A memory size of Follow.
+    FollowMemory { axis: Axis, memory: u8 },
+    /// A FIFO of Follow is emptied.
+    FollowEmptied { axis: Axis, fifo: u8 },
+    /// A FIFO of Follow now ends here, if no switch has emptied it meanwhile.
+    FollowData { axis: Axis, fifo: u8, cleared: u32, shadow: Fifo },
+    /// The axes go to their other FIFO, now or at the end of the pass.
+    Switched { axes: AxisMask },
+    /// Stop decelerations.
+    Dec { axis: Axis, dec: (f64, f64) },
+    /// Band.
+    Band { axis: Axis, band: (i32, i32) },
+    /// Software limits.
+    Soft { axis: Axis, soft: (i32, i32) },
+    /// Following-error limit.
+    PosErr { axis: Axis, pos_err: i32 },
+    /// Trap parameters.
+    Trap { axis: Axis, prm: TrapPrm },
+    /// Jog parameters.
+    Jog { axis: Axis, prm: JogPrm },
+    /// Target velocity.
+    Vel { axis: Axis, vel: f64 },
+    /// Target position.
+    Pos { axis: Axis, pos: i32 },
+    /// A laser channel, from 0.
+    Laser { channel: u8, change: LaserChange },
+    /// A coordinate system.
+    Crd { crd: Crd, change: CrdChange },
+    /// Coordinate systems start.
+    CrdStarted { crds: CrdMask, fifo1: CrdMask },
+    /// Resolution of the lasers' frequencies (LSR): high (SetLaserMode 1) or low.
+    LaserFine(bool),
+    /// A servo tick.
+    Tick { period: Ns },
+}
+
+impl Change {
+    /// Whether its execution may end what keeps a command from an axis, a table or a coordinate system now: a motion, a
+    /// latched fault, a use.
+    pub fn may_free(&self) -> bool {
+        match self {
+            Change::Reset { .. }
+            | Change::Servo { on: false, .. }
+            | Change::Stopped { .. }
+            | Change::Aborted
+            | Change::Cleared { .. }
+            | Change::Table { .. }
+            | Change::Emptied { .. }
+            | Change::FollowEmptied { .. }
+            | Change::Switched { .. }
+            | Change::Crd { .. } => true,
+            // What comes after a WaitStop is known when that is over.
+            Change::None
+            | Change::Rest { .. }
+            | Change::Servo { on: true, .. }
+            | Change::Watch(_)
+            | Change::Placed { .. }
+            | Change::Started { .. }
+            | Change::PvtStarted { .. }
+            | Change::TablePasses { .. }
+            | Change::TableFilled { .. }
+            | Change::Mode { .. }
+            | Change::Memory { .. }
+            | Change::Data { .. }
+            | Change::FollowMaster { .. }
+            | Change::FollowEvent { .. }
+            | Change::FollowDirection { .. }
+            | Change::FollowMemory { .. }
+            | Change::FollowData { .. }
+            | Change::Dec { .. }
+            | Change::Band { .. }
+            | Change::Soft { .. }
+            | Change::PosErr { .. }
+            | Change::Trap { .. }
+            | Change::Jog { .. }
+            | Change::Vel { .. }
+            | Change::Pos { .. }
+            | Change::Laser { .. }
+            | Change::CrdStarted { .. }
+            | Change::LaserFine(_)
+            | Change::Tick { .. } => false,
+        }
+    }
+}
+
+/// One set of books.
+#[derive(Debug, Clone, Copy)]
+pub struct Shadows<const AXES: usize> {
+    /// The axes.
+    pub axes: [AxisShadow; AXES],
+    /// The coordinate systems.
+    pub crds: [CrdShadow; Crd::MAX],
+    /// The laser channels.
+    pub lasers: [LaserShadow; CHANNELS],
+    /// Resolution of their frequencies.
+    pub laser_fine: bool,
+    /// Whether the servo tick is one of at least [`LONG_TICK`]; none while it is that of power-on.
+    long_tick: Option<bool>,
+    /// The last Abort.
+    aborted: Option<u32>,
+    /// Link loss and interlock.
+    pub watch: Watch,
+    /// PVT tables that hold data, a bit a table.
+    filled: u64,
+    /// The last entry that named a PVT table.
+    named: [Option<u32>; TABLES],
+}
+
+impl<const AXES: usize> Shadows<AXES> {
+    /// Books at power-on.
+    pub fn new() -> Self {
+        Shadows {
+            axes: [AxisShadow::default(); AXES],
+            crds: [CrdShadow::default(); Crd::MAX],
+            lasers: [LaserShadow::power_on(true, false); CHANNELS],
+            laser_fine: true,
+            long_tick: None,
+            aborted: None,
+            watch: Watch::DEFAULT,
+            filled: 0,
+            named: [None; TABLES],
+        }
+    }
+
+    /// Book of one axis; the last one for an axis beyond the capacity, which no admission lets through.
+    pub fn axis(&self, axis: Axis) -> &AxisShadow {
+        &self.axes[axis.index().min(AXES - 1)]
+    }
+
+    /// Whether a PVT table holds data.
+    pub fn is_filled(&self, table: u8) -> bool {
+        self.filled.checked_shr(table.into()).unwrap_or(0) & 1 == 1
+    }
+
+    /// A PVT table is being overwritten: until the entry that goes with it has been executed, what it holds
+    /// belongs to nothing executed.
+    pub fn invalidate(&mut self, table: u8) {
+        self.filled &= !1u64.checked_shl(table.into()).unwrap_or(0);
+    }
+
+    /// The same of a follow table of a laser channel.
+    pub fn invalidate_follow_table(&mut self, channel: u8, table: u8) {
+        if let Some(laser) = self.lasers.get_mut(usize::from(channel)) {
+            laser.invalidate(table);
+        }
+    }
+
+    /// A FIFO of a coordinate system was given an entry that names a follow table.
+    pub fn name_follow_table(&mut self, channel: u8, table: u8, crd: Crd, fifo: u8) {
+        let laser = self.lasers.get_mut(usize::from(channel));
+        if let Some(named) = laser.and_then(|laser| laser.named.get_mut(usize::from(table))) {
+            *named |= 1 << (2 * crd.index() + usize::from(fifo & 1));
+        }
+    }
+
+    /// FIFOs that may hold an entry that names a follow table: bit 2·crd + FIFO.
+    pub fn naming(&self) -> Fifos {
+        self.lasers.iter().flat_map(|laser| laser.named).fold(0, |all, named| all | named)
+    }
+
+    /// A FIFO that holds nothing names no follow table.
+    pub fn forget_follow_tables(&mut self, crd: Crd, fifo: u8) {
+        let bit = 1 << (2 * crd.index() + usize::from(fifo & 1));
+        self.lasers.iter_mut().flat_map(|laser| &mut laser.named).for_each(|named| *named &= !bit);
+    }
+
+    /// Whether data that is written to a FIFO now takes the place of what the tick has not emptied yet.
+    pub fn overwrites(&self, view: &View<AXES>, axis: Axis, fifo: u8) -> bool {
+        let shadow = self.axis(axis);
+        shadow.emptied.is_some_and(|seq| !executed(view, seq))
+            || shadow.is_follow() && shadow.follow.is_invalid(view, fifo)
+    }
+
+    /// FIFOs (a bit each) are being overwritten: if what emptied them is never executed, they have to be emptied
+    /// then.
+    pub fn invalidate_fifos(&mut self, axis: Axis, fifos: u8) {
+        if let Some(shadow) = self.axes.get_mut(axis.index()) {
+            shadow.invalid |= fifos & (u8::from(shadow.holds(0)) | u8::from(shadow.holds(1)) << 1);
+        }
+    }
+
+    /// Coordinate systems that a core has at the servo tick of these books.
+    pub fn crds_per_core(&self, profile: &Profile, view: &View<AXES>) -> u8 {
+        match self.long_tick {
+            Some(true) => profile.crds_per_core,
+            Some(false) => profile.crds_in_short_ticks,
+            None => profile.crds_at(view.period),
+        }
+    }
+
+    /// Book of one coordinate system.
+    pub fn crd(&self, crd: Crd) -> &CrdShadow {
+        let [first, ..] = &self.crds;
+        self.crds.get(crd.index()).unwrap_or(first)
+    }
+
+    /// What a FIFO of a coordinate system holds is not what was executed: it is to be emptied.
+    pub fn invalidate_path(&mut self, crd: Crd, fifo: u8) {
+        if let Some(path) = self.crds.get_mut(crd.index()).and_then(|shadow| shadow.fifos.get_mut(usize::from(fifo))) {
+            path.invalid = true;
+        }
+    }
+
+    /// The coordinate systems that drive one of these axes.
+    pub fn drivers(&self, axes: AxisMask) -> CrdMask {
+        let drives = |crd: &Crd| self.crd(*crd).frame.is_some_and(|frame| frame.mask().0 & axes.0 != 0);
+        CrdMask(Crd::all().filter(drives).fold(0, |mask, crd| mask | crd.mask().0))
+    }
+
+    fn with_crds(&mut self, crds: CrdMask, change: &CrdChange, seq: u32) {
+        for crd in crds.crds() {
+            if let Some(shadow) = self.crds.get_mut(crd.index()) {
+                shadow.enter(change, seq);
+            }
+        }
+    }
+
+    /// What empties one of the FIFOs that were overwritten, of the first coordinate system or axis that has some.
+    pub fn revalidate(&self) -> Option<(Op, Change)> {
+        for crd in Crd::all() {
+            if let Some(fifo) = (0..2u8).find(|fifo| self.crd(crd).path(*fifo).invalid) {
+                let change = CrdChange::Emptied { fifo, here: None };
+                return Some((Op::CrdClear { crd, fifo }, Change::Crd { crd, change }));
+            }
+        }
+        let (index, shadow) = self.axes.iter().enumerate().find(|(_, shadow)| shadow.invalid != 0)?;
+        let (axis, fifo) = (Axis::new(index)?, shadow.invalid.trailing_zeros() as u8);
+        Some(if shadow.is_follow() {
+            (Op::FollowClear { axis, fifo }, Change::FollowEmptied { axis, fifo })
+        } else {
+            (Op::PtClear { axis, fifo }, Change::Emptied { axis, fifo })
+        })
+    }
+
+    /// Whether an entry that was not executed names a PVT table.
+    pub fn is_named(&self, view: &View<AXES>, table: u8) -> bool {
+        self.named.get(usize::from(table)).copied().flatten().is_some_and(|seq| !executed(view, seq))
+    }
+
+    fn name(&mut self, table: Option<u8>, seq: u32) {
+        if let Some(named) = table.and_then(|table| self.named.get_mut(usize::from(table))) {
+            *named = Some(seq);
+        }
+    }
+
+    /// Whether an abort is in progress, or on its way.
+    pub fn aborts(&self, view: &View<AXES>) -> bool {
+        view.aborts || self.aborted.is_some_and(|seq| !executed(view, seq))
+    }
+
+    /// Renews the numbers of what was executed, before they are too old to be told from those of what is to come.
+    pub fn renew(&mut self, view: &View<AXES>) {
+        let mut young = |seq: &mut u32| renew(view, seq);
+        self.axes.iter_mut().for_each(|shadow| shadow.renew(&mut young));
+        self.crds.iter_mut().for_each(|shadow| shadow.renew_numbers(&mut young));
+        self.lasers.iter_mut().for_each(|shadow| shadow.renew(&mut young));
+        self.named.iter_mut().chain([&mut self.aborted]).flatten().for_each(young);
+    }
+
+    /// The axes of a coordinate system.
+    pub fn driven(&self, crd: Crd) -> AxisMask {
+        self.crd(crd).frame.map_or(AxisMask(0), |frame| frame.mask())
+    }
+
+    fn with(&mut self, axes: AxisMask, change: impl Fn(Axis, &mut AxisShadow)) {
+        for (index, shadow) in self.axes.iter_mut().enumerate() {
+            if let Some(axis) = Axis::new(index).filter(|&axis| axes.has(axis)) {
+                change(axis, shadow);
+            }
+        }
+    }
+
+    /// Enters the change that goes with entry `seq`.
+    pub fn enter(&mut self, change: &Change, seq: u32) {
+        let mut one = |axis: Axis, change: &dyn Fn(&mut AxisShadow)| {
+            if let Some(shadow) = self.axes.get_mut(axis.index()) {
+                change(shadow);
+            }
+        };
+        match *change {
+            Change::None => {}
+            Change::Reset { axes, tables } => {
+                self.watch = Watch::DEFAULT;
+                self.filled &= !tables;
+                for crd in self.drivers(axes).crds() {
+                    let driven = self.driven(crd);
+                    self.with(driven, |_, shadow| shadow.mode = Mode::Trap);
+                    if let Some(shadow) = self.crds.get_mut(crd.index()) {
+                        shadow.renew(None, None, seq);
+                    }
+                }
+                self.with(axes, |_, shadow| {
+                    // The start is kept: the axis runs until the Reset has been executed.
+                    let AxisShadow { epoch, started, busy, mut follow, .. } = *shadow;
+                    follow.reset(seq);
+                    *shadow = AxisShadow {
+                        epoch,
+                        started,
+                        busy,
+                        follow,
+                        cleared: Some(seq),
+                        servo: Some((seq, false)),
+                        placed: Some((seq, Some(Pos(0)))),
+                        ..AxisShadow::default()
+                    };
+                    shadow.empty(seq, 3);
+                });
+            }
+            Change::Servo { axis, on } => {
+                one(axis, &|shadow| shadow.servo = Some((seq, on)));
+                if !on {
+                    one(axis, &|shadow| shadow.stop(seq));
+                    let crds = self.drivers(axis.mask());
+                    self.with_crds(crds, &CrdChange::Stopped, seq);
+                }
+            }
+            Change::Stopped { axes, crds } => {
+                self.with(axes, |_, shadow| shadow.stop(seq));
+                let crds = CrdMask(self.drivers(axes).0 | crds.0);
+                self.with_crds(crds, &CrdChange::Stopped, seq);
+            }
+            Change::Aborted => {
+                self.aborted = Some(seq);
+                self.with(AxisMask(u64::MAX), |_, shadow| shadow.stop(seq));
+                self.with_crds(CrdMask(u8::MAX), &CrdChange::Stopped, seq);
+            }
+            Change::Watch(watch) => self.watch = watch,
+            Change::Tick { period } => self.long_tick = Some(period >= LONG_TICK),
+            Change::Placed { axes, pos } => {
+                self.with(axes, |_, shadow| shadow.placed = Some((seq, pos)));
+                let crds = self.drivers(axes);
+                self.with_crds(crds, &CrdChange::Placed, seq);
+            }
+            Change::Cleared { axes } => self.with(axes, |_, shadow| shadow.cleared = Some(seq)),
+            Change::Started { axes, fifo1, script_ns } => self.with(axes, |axis, shadow| {
+                shadow.started = Some(seq);
+                let begins = u32::try_from(script_ns >> BEGINS_SHIFT).unwrap_or(u32::MAX).saturating_add(1);
+                shadow.streams = if shadow.is_dynamic() { begins } else { 0 };
+                shadow.busy = Some(seq);
+                shadow.fifo = u8::from(fifo1.has(axis));
+            }),
+            Change::PvtStarted { axes } => {
+                for index in 0..AXES {
+                    if axes.0.checked_shr(index as u32).unwrap_or(0) & 1 == 1 {
+                        self.name(self.axes[index].table, seq);
+                    }
+                }
+                self.with(axes, |_, shadow| {
+                    shadow.started = Some(seq);
+                    shadow.busy = Some(seq);
+                });
+            }
+            Change::Table { axis, table, pending } => {
+                one(axis, &|shadow| shadow.table = Some(table));
+                self.name(Some(table).filter(|_| pending), seq);
+            }
+            Change::TablePasses { axis, passes } => one(axis, &|shadow| shadow.table_passes = passes),
+            Change::TableFilled { table } => self.filled |= 1u64.checked_shl(table.into()).unwrap_or(0),
+            Change::Rest { axes, crds } => {
+                let crds = CrdMask(crds.0 | self.drivers(axes).0);
+                let driven = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
+                self.with(axes, |_, shadow| shadow.started = None);
+                // An axis that has left its coordinate system is not waited for with it.
+                let rests = |shadow: &AxisShadow| shadow.mode == Mode::Crd && crds.has(shadow.crd);
+                self.with(AxisMask(driven), |_, shadow| {
+                    if rests(shadow) {
+                        shadow.started = None;
+                    }
+                });
+                self.with_crds(crds, &CrdChange::Rest, seq);
+            }
+            Change::Mode { axis, mode } => one(axis, &|shadow| {
+                shadow.mode = mode;
+                shadow.follow.forget(seq);
+                shadow.fifos = [FifoShadow::default(); 2];
+                shadow.empty(seq, 3);
+            }),
+            Change::Memory { axis, memory } => one(axis, &|shadow| {
+                shadow.memory = memory;
+                shadow.fifos = [FifoShadow::default(); 2];
+                shadow.empty(seq, 3);
+            }),
+            Change::Emptied { axis, fifo } => one(axis, &|shadow| {
+                if let Some(fifo) = shadow.fifos.get_mut(usize::from(fifo)) {
+                    *fifo = FifoShadow::default();
+                }
+                shadow.empty(seq, if shadow.is_dynamic() { 3 } else { 1 << (fifo & 1) });
+            }),
+            Change::Data { axis, fifo, epoch, shadow: data } => one(axis, &|shadow| {
+                if shadow.is_dynamic() && shadow.epoch != epoch {
+                    return;
+                }
+                if let Some(fifo) = shadow.fifos.get_mut(usize::from(fifo)) {
+                    *fifo = data;
+                }
+            }),
+            Change::FollowMaster { axis, master, given } => {
+                one(axis, &|shadow| shadow.follow.master = Some((master, given)));
+            }
+            Change::FollowEvent { axis, given } => one(axis, &|shadow| shadow.follow.event = given),
+            Change::FollowDirection { axis, direction } => one(axis, &|shadow| shadow.follow.direction = direction),
+            Change::FollowMemory { axis, memory } => one(axis, &|shadow| {
+                shadow.follow.memory = memory;
+                shadow.follow.empty_both(seq);
+                shadow.invalid = 0;
+            }),
+            Change::FollowEmptied { axis, fifo } => one(axis, &|shadow| {
+                shadow.follow.empty(fifo, seq);
+                shadow.invalid &= !(1 << (fifo & 1));
+            }),
+            Change::FollowData { axis, fifo, cleared, shadow: data } => one(axis, &|shadow| {
+                let position = usize::from(fifo & 1);
+                if shadow.follow.cleared[position] == cleared {
+                    shadow.follow.fifos[position] = data;
+                }
+            }),
+            Change::Switched { axes } => self.with(axes, |_, shadow| shadow.follow.switched(seq)),
+            Change::Dec { axis, dec } => one(axis, &|shadow| shadow.dec = dec),
+            Change::Band { axis, band } => one(axis, &|shadow| shadow.band = band),
+            Change::Soft { axis, soft } => one(axis, &|shadow| shadow.soft = soft),
+            Change::PosErr { axis, pos_err } => one(axis, &|shadow| shadow.pos_err = pos_err),
+            Change::Trap { axis, prm } => one(axis, &|shadow| shadow.trap = prm),
+            Change::Jog { axis, prm } => one(axis, &|shadow| shadow.jog = prm),
+            Change::Vel { axis, vel } => one(axis, &|shadow| shadow.vel = vel),
+            Change::Pos { axis, pos } => one(axis, &|shadow| shadow.pos = pos),
+            Change::Laser { channel, change } => {
+                if let Some(laser) = self.lasers.get_mut(usize::from(channel)) {
+                    laser.enter(change, seq);
+                }
+            }
+            Change::Crd { crd, change } => {
+                let before = self.driven(crd);
+                self.with_crds(crd.mask(), &change, seq);
+                if let CrdChange::Frame { .. } = change {
+                    self.with(before, |_, shadow| {
+                        if shadow.mode == Mode::Crd && shadow.crd == crd {
+                            shadow.mode = Mode::Trap;
+                        }
+                    });
+                    let axes = self.driven(crd);
+                    self.with(axes, |_, shadow| {
+                        (shadow.mode, shadow.crd) = (Mode::Crd, crd);
+                        shadow.follow.forget(seq);
+                        shadow.fifos = [FifoShadow::default(); 2];
+                        shadow.empty(seq, 3);
+                    });
+                }
+            }
+            Change::CrdStarted { crds, fifo1 } => {
+                self.with_crds(CrdMask(crds.0 & !fifo1.0), &CrdChange::Started { fifo: 0 }, seq);
+                self.with_crds(fifo1, &CrdChange::Started { fifo: 1 }, seq);
+                let axes = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
+                self.with(AxisMask(axes), |_, shadow| {
+                    shadow.started = Some(seq);
+                    shadow.busy = Some(seq);
+                });
+            }
+            Change::LaserFine(fine) => self.laser_fine = fine,
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! What the thread knows of one axis.
+use super::follow::FollowShadow;
+use super::{SOFT_OFF, executed};
+use protocol::command::{JogPrm, TrapPrm};
+use servo::op::Mode;
+use servo::segment::pt::Chain;
+use servo::status::RUNNING;
+use servo::units::{Crd, Pos};
+use servo::view::{AxisView, View};
+
+/// One FIFO of PT data.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FifoShadow {
+    /// Segments pushed since it was cleared.
+    pub end: u32,
+    /// End position, time and velocity of the last one.
+    pub chain: Chain,
+}
+
+/// Units of [`AxisShadow::streams`]: 65.5 µs, for 78 hours.
+pub const BEGINS_SHIFT: u32 = 16;
+
+/// One axis.
+#[derive(Debug, Clone, Copy)]
+pub struct AxisShadow {
+    /// Profile mode.
+    pub mode: Mode,
+    /// PT memory selector, 0 or 1.
+    pub memory: u8,
+    /// FIFO of the last PtStart.
+    pub fifo: u8,
+    /// PT data; dynamic mode uses the first only.
+    pub fifos: [FifoShadow; 2],
+    /// PT stream number of the view that these books follow.
+    pub epoch: u32,
+    /// The last start, until the axis is known to be at rest at this place of its lane.
+    pub started: Option<u32>,
+    /// Script clock of the start of a dynamic stream that runs or is going to, in 2^[`BEGINS_SHIFT`] ns, rounded down, and 1;
+    /// `u32::MAX` is more than it holds, 0: there is no such stream.
+    pub streams: u32,
+    /// The last start, until the axis has been seen at rest.
+    pub busy: Option<u32>,
+    /// The last entry that set the planned position, and to what, until it is executed.
+    pub placed: Option<(u32, Option<Pos>)>,
+    /// In `Mode::Crd`: the coordinate system that drives it.
+    pub crd: Crd,
+    /// The last AxisOn or AxisOff, until it is executed.
+    pub servo: Option<(u32, bool)>,
+    /// The last ClrSts or Reset, until it is executed.
+    pub cleared: Option<u32>,
+    /// The last entry that emptied a FIFO, until it is executed.
+    pub emptied: Option<u32>,
+    /// FIFOs (a bit each) whose data is being overwritten, though what emptied them is not executed.
+    pub invalid: u8,
+    /// The start whose data that entry may have given up, until the axis has been seen at rest.
+    pub leaving: Option<u32>,
+    /// Stop decelerations, pulse/ms².
+    pub dec: (f64, f64),
+    /// In-position band (pulses) and time (250 µs cycles).
+    pub band: (i32, i32),
+    /// Software limits, pulses.
+    pub soft: (i32, i32),
+    /// Following-error limit, pulses; `i32::MAX` is off.
+    pub pos_err: i32,
+    /// Trap parameters.
+    pub trap: TrapPrm,
+    /// Jog parameters.
+    pub jog: JogPrm,
+    /// PVT table that was selected, by its index over all cores.
+    pub table: Option<u8>,
+    /// PVT passes to run, 0 for ever.
+    pub table_passes: i32,
+    /// Follow and FollowEx.
+    pub follow: FollowShadow,
+    /// Target velocity, pulse/ms.
+    pub vel: f64,
+    /// Target position, pulses.
+    pub pos: i32,
+}
+
+impl Default for AxisShadow {
+    /// Power-on (SPEC 5).
+    fn default() -> Self {
+        AxisShadow {
+            mode: Mode::Trap,
+            memory: 0,
+            fifo: 0,
+            fifos: [FifoShadow::default(); 2],
+            epoch: 0,
+            started: None,
+            streams: 0,
+            busy: None,
+            placed: None,
+            crd: Crd::default(),
+            servo: None,
+            cleared: None,
+            emptied: None,
+            invalid: 0,
+            leaving: None,
+            dec: (1.0, 1000.0),
+            band: (0, 0),
+            soft: SOFT_OFF,
+            pos_err: i32::MAX,
+            trap: TrapPrm::default(),
+            jog: JogPrm::default(),
+            table: None,
+            table_passes: 1,
+            follow: FollowShadow::default(),
+            vel: 0.0,
+            pos: 0,
+        }
+    }
+}
+
+impl AxisShadow {
+    /// Whether PT data of this axis forms one ring.
+    pub fn is_dynamic(&self) -> bool {
+        self.mode == Mode::PtDynamic
+    }
+    /// Whether the axis is in a PT mode.
+    pub fn is_pt(&self) -> bool {
+        matches!(self.mode, Mode::PtStatic | Mode::PtDynamic)
+    }
+    /// Whether the axis is in Follow or FollowEx mode.
+    pub fn is_follow(&self) -> bool {
+        matches!(self.mode, Mode::Follow | Mode::FollowEx)
+    }
+    /// The FIFO of Follow that runs when the next entry acts, if the axis does and does not switch.
+    pub fn running_fifo<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> u8 {
+        if self.busy.is_some_and(|seq| !executed(view, seq)) { self.fifo } else { axis.fifo }
+    }
+    /// Whether a switch to the other FIFO is pending when the next entry acts.
+    pub fn is_switching<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        axis.switching || self.follow.is_to_switch(view)
+    }
+    /// Whether what runs when the next entry acts runs from the other FIFO, and stays there in the tick.
+    pub fn leaves_alone<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
+        if self.is_follow() {
+            let switches = self.is_switching(view, axis) || self.follow.has_switches();
+            self.running_fifo(view, axis) != fifo && !switches
+        } else {
+            self.mode == Mode::PtStatic && self.fifo != fifo
+        }
+    }
+    /// Whether only the instant at which a command acts can tell what it does to the FIFOs of Follow.
+    pub fn may_switch<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        self.follow.may_switch(view, axis, self.is_busy(view, axis))
+    }
+    /// As [`AxisShadow::is_outgoing`], of a FIFO of Follow.
+    pub fn is_follow_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
+        let busy = self.is_busy(view, axis);
+        // With a start on its way, one before it may be, too.
+        let idle = self.busy.is_none_or(|seq| executed(view, seq)) && axis.fifo != fifo && !self.may_switch(view, axis);
+        self.is_outgoing(view, axis) || self.follow.is_outgoing(view, fifo, busy, idle)
+    }
+    /// Whether a PT or ramp motion may be running when the next entry acts.
+    pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        self.started.is_some_and(|seq| !executed(view, seq) || axis.status & RUNNING != 0)
+    }
+    /// The planned position at which the next entry finds the axis; none while only the tick knows.
+    pub fn position<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> Option<Pos> {
+        match self.placed {
+            _ if self.is_busy(view, axis) => None,
+            Some((seq, pos)) if !executed(view, seq) => pos,
+            _ => Some(axis.pos),
+        }
+    }
+    /// Whether the tick itself may still be working through data of an earlier start.
+    pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        axis.status & RUNNING != 0 || self.busy.is_some_and(|seq| !executed(view, seq))
+    }
+    /// Whether the data of a FIFO belongs to what is over at this place of the lane, while the tick may
+    /// still be at it: a stream that a WaitStop waits for, or a FIFO that is going to be emptied.
+    pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        let runs = axis.status & RUNNING != 0;
+        let emptied = self.emptied.is_some_and(|seq| !executed(view, seq))
+            && (runs || self.leaving.is_some_and(|seq| !executed(view, seq)));
+        let ended = self.is_dynamic() && self.started.is_none() && self.is_busy(view, axis);
+        emptied || ended
+    }
+    /// Segments that one FIFO (in dynamic mode, the ring) holds.
+    pub fn capacity(&self) -> u32 {
+        match (self.is_dynamic(), self.memory) {
+            (false, 0) => 32,
+            (false, _) => 1024,
+            (true, 0) => 64,
+            (true, _) => 2048,
+        }
+    }
+    /// Places free in a FIFO, as far as the tick has told.
+    pub fn space<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: usize) -> u32 {
+        if self.is_dynamic() && self.is_outgoing(view, axis) {
+            return self.capacity();
+        }
+        let end = self.fifos.get(fifo).map_or(0, |fifo| fifo.end);
+        // A ring that is going to be emptied has released nothing of what follows.
+        let emptied = self.emptied.is_some_and(|seq| !executed(view, seq));
+        let released = if self.is_dynamic() && !emptied { axis.released } else { 0 };
+        self.capacity().saturating_sub(end.wrapping_sub(released))
+    }
+    /// Entry `seq` empties the FIFOs of these bits.
+    pub(super) fn empty(&mut self, seq: u32, fifos: u8) {
+        self.emptied = Some(seq);
+        self.leaving = self.busy;
+        self.invalid &= !fifos;
+    }
+    /// Entry `seq` stops it: a stream that runs then is over, and its data with it.
+    pub(super) fn stop(&mut self, seq: u32) {
+        if core::mem::take(&mut self.streams) != 0 {
+            self.empty(seq, 0);
+        }
+    }
+    /// Whether a FIFO holds data, in the present mode.
+    pub(super) fn holds(&self, fifo: u8) -> bool {
+        if self.is_follow() {
+            !self.follow.fifo(fifo).is_empty()
+        } else {
+            self.fifos
+                .iter()
+                .enumerate()
+                .any(|(index, data)| data.end != 0 && (self.is_dynamic() || index == usize::from(fifo)))
+        }
+    }
+    /// Shows every number of an entry to `young`.
+    pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
+        let AxisShadow { started, busy, placed, servo, cleared, emptied, leaving, follow, .. } = self;
+        [started, busy, cleared, emptied, leaving].into_iter().flatten().for_each(&mut *young);
+        placed.iter_mut().for_each(|(seq, _)| young(seq));
+        servo.iter_mut().for_each(|(seq, _)| young(seq));
+        follow.renew(young);
+    }
+    /// Follows the tick: a stream that ended is cleared, an axis that came to rest is at rest.
+    pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, axis: &AxisView) {
+        if self.epoch != axis.epoch {
+            self.epoch = axis.epoch;
+            if self.started.is_none_or(|seq| executed(view, seq)) {
+                self.streams = 0;
+            }
+            if self.is_dynamic() {
+                self.fifos = [FifoShadow::default(); 2];
+            }
+        }
+        self.follow.follow(axis);
+        let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || axis.status & RUNNING != 0);
+        self.started = over(self.started);
+        self.busy = over(self.busy);
+        self.leaving = over(self.leaving);
+    }
+}

@@ -1,0 +1,179 @@
+//! What the thread knows of one laser channel.
+use super::executed;
+use servo::Fifos;
+use servo::laser::{self, BANKS, Bounds, Carrier, DISTANCES, POWER_TABLES, Power, Ratios, Source};
+use servo::view::View;
+
+/// Distance follow as it was given.
+#[derive(Debug, Clone, Copy)]
+pub struct DistanceShadow {
+    /// Index of the first of its four axes.
+    pub first: u8,
+    /// Whose positions count.
+    pub source: Source,
+    /// Reference positions, pulses.
+    pub reference: [i32; DISTANCES],
+    /// Pulses a unit of distance.
+    pub scale: [f64; DISTANCES],
+    /// Ratios where no table has them.
+    pub ratio: [f64; DISTANCES],
+    /// Where the ratios come from.
+    pub from: Ratios,
+    /// Bounds of its own.
+    pub bounds: Option<Bounds>,
+}
+
+impl DistanceShadow {
+    /// The bank of ratios that it reads.
+    pub fn bank(&self) -> Option<u8> {
+        match self.from {
+            Ratios::Fixed => None,
+            Ratios::Lines { bank } | Ratios::Plane { bank, .. } => Some(bank),
+        }
+    }
+}
+
+/// One laser channel.
+#[derive(Debug, Clone, Copy)]
+pub struct LaserShadow {
+    /// Power mode.
+    pub mode: laser::Mode,
+    /// Bounds of the power.
+    pub bounds: Bounds,
+    /// The gate's delays apply.
+    pub delayed: bool,
+    /// Direct power.
+    pub power: Power,
+    /// Carrier of the duty modes.
+    pub carrier: Option<Carrier>,
+    /// Pulse width of the frequency mode, µs; 0 is none set.
+    pub width_us: u16,
+    /// Standby pulses: kHz and %.
+    pub standby: Option<(Power, Power)>,
+    /// They are output only while both channels are PWM (LSR, SetWaitPulseEx).
+    pub paired: bool,
+    /// The axis connector carries the laser.
+    pub connector: bool,
+    /// Crds over all cores, bit 0 is crd 1 of core 1.
+    pub map: u8,
+    /// The last entry that clears the channel's fault, until it is executed.
+    pub cleared: Option<u32>,
+    /// Distance follow; none is off.
+    pub distance: Option<DistanceShadow>,
+    /// The last entry that named each bank of ratios.
+    banks: [Option<u32>; BANKS],
+    /// Follow tables that hold points, a bit each.
+    pub tables: u8,
+    /// For each follow table the FIFOs that were given an entry that names it: bit 2·crd + FIFO.
+    pub named: [Fifos; POWER_TABLES],
+}
+
+impl LaserShadow {
+    /// A channel at power-on (SPEC 6).
+    pub const fn power_on(delayed: bool, connector: bool) -> LaserShadow {
+        LaserShadow {
+            mode: laser::Mode::Duty,
+            bounds: Bounds::full(laser::Mode::Duty),
+            delayed,
+            power: Power::ZERO,
+            carrier: None,
+            width_us: 0,
+            standby: None,
+            paired: false,
+            connector,
+            map: u8::MAX,
+            cleared: None,
+            distance: None,
+            banks: [None; BANKS],
+            tables: 0,
+            named: [0; POWER_TABLES],
+        }
+    }
+
+    /// Whether a follow table holds points.
+    pub fn is_filled(&self, table: u8) -> bool {
+        self.tables >> (table & 7) & 1 == 1
+    }
+
+    /// A follow table is being overwritten: until the entry that goes with it has been executed, what it holds
+    /// belongs to nothing executed.
+    pub fn invalidate(&mut self, table: u8) {
+        self.tables &= !(1 << (table & 7));
+    }
+
+    /// A bank of ratios that nothing reads or will read; `read` is the one in force.
+    pub fn free_bank<const AXES: usize>(&self, view: &View<AXES>, read: Option<u8>) -> Option<u8> {
+        let ahead = self.distance.and_then(|distance| distance.bank());
+        let named = |bank: u8| self.banks.get(usize::from(bank)).copied().flatten();
+        (0..BANKS as u8).find(|bank| {
+            let waits = named(*bank).is_some_and(|seq| !executed(view, seq));
+            Some(*bank) != read && Some(*bank) != ahead && !waits
+        })
+    }
+
+    /// Another mode sets the power to 0; the same one changes only what is given with it.
+    pub fn set_mode(&mut self, mode: laser::Mode, bounds: Bounds, delayed: bool) {
+        if self.mode != mode {
+            self.power = Power::ZERO;
+        }
+        (self.mode, self.bounds, self.delayed) = (mode, bounds, delayed);
+    }
+
+    /// Shows every number of an entry to `young`.
+    pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
+        self.banks.iter_mut().chain([&mut self.cleared]).flatten().for_each(young);
+    }
+
+    pub(super) fn enter(&mut self, change: LaserChange, seq: u32) {
+        match change {
+            LaserChange::PowerOn { delayed, connector } => {
+                // What paths and the tick still name stays named.
+                let (banks, named) = (self.banks, self.named);
+                *self = LaserShadow { cleared: Some(seq), banks, named, ..LaserShadow::power_on(delayed, connector) };
+            }
+            LaserChange::Mode { mode, bounds, delayed } => self.set_mode(mode, bounds, delayed),
+            LaserChange::Power(power) => self.power = power,
+            LaserChange::Carrier(carrier) => self.carrier = Some(carrier),
+            LaserChange::Width(width_us) => self.width_us = width_us,
+            LaserChange::Standby(standby, paired) => (self.standby, self.paired) = (standby, paired),
+            LaserChange::Connector(laser) => self.connector = laser,
+            LaserChange::Map(map) => self.map = map,
+            LaserChange::Cleared => self.cleared = Some(seq),
+            LaserChange::Distance(distance) => {
+                self.distance = distance;
+                let bank = distance.and_then(|distance| distance.bank());
+                if let Some(slot) = bank.and_then(|bank| self.banks.get_mut(usize::from(bank))) {
+                    *slot = Some(seq);
+                }
+            }
+            LaserChange::TableFilled(table) => self.tables |= 1 << (table & 7),
+        }
+    }
+}
+
+/// What a laser operation changes in the book of its channel.
+#[derive(Debug, Clone, Copy)]
+pub enum LaserChange {
+    /// Power-on state of a family.
+    PowerOn { delayed: bool, connector: bool },
+    /// LaserPowerMode.
+    Mode { mode: laser::Mode, bounds: Bounds, delayed: bool },
+    /// Direct power.
+    Power(Power),
+    /// Carrier.
+    Carrier(Carrier),
+    /// Pulse width, µs.
+    Width(u16),
+    /// Standby pulses: kHz and %; whether only while both channels are PWM.
+    Standby(Option<(Power, Power)>, bool),
+    /// What the axis connector carries.
+    Connector(bool),
+    /// Crd map.
+    Map(u8),
+    /// The fault is cleared.
+    Cleared,
+    /// Distance follow as a whole.
+    Distance(Option<DistanceShadow>),
+    /// A follow table is there.
+    TableFilled(u8),
+}

@@ -1,0 +1,381 @@
+//! What the thread knows of one coordinate system: its parameters, both FIFOs, where a motion that comes next begins.
+use super::executed;
+use crate::plan::geometry::Position;
+use protocol::command::CrdPrm;
+use servo::path::{DIMENSIONS, PathStop};
+use servo::units::{Axis, AxisMask, Pos};
+use servo::view::{CrdView, View};
+
+/// Parameters of a coordinate system as SetCrdPrm gave them.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    /// Coordinates in use, 1 to 4.
+    pub dimension: u8,
+    /// The coordinate that each axis of the core drives, from 1; 0 none.
+    pub profile: [u8; 8],
+    /// Index of the core's first axis.
+    pub first: u8,
+    /// Highest speed, pulse/ms.
+    pub vel_max: f64,
+    /// Highest acceleration, pulse/ms².
+    pub acc_max: f64,
+    /// Least time at constant speed, ms.
+    pub even_ms: u16,
+    /// Whether the origin was given.
+    pub set_origin: bool,
+    /// The origin, by axis.
+    pub origin: [i32; 8],
+}
+
+impl Frame {
+    /// Axis of each coordinate.
+    pub fn axes(&self) -> [Option<Axis>; DIMENSIONS] {
+        let mut axes = [None; DIMENSIONS];
+        for (number, coordinate) in self.profile.iter().enumerate() {
+            if let Some(position) = usize::from(*coordinate).checked_sub(1).and_then(|index| axes.get_mut(index)) {
+                *position = Axis::new(usize::from(self.first) + number);
+            }
+        }
+        axes
+    }
+    /// The same as a set.
+    pub fn mask(&self) -> AxisMask {
+        AxisMask(self.axes().iter().flatten().fold(0, |mask, axis| mask | axis.mask().0))
+    }
+    /// As GetCrdPrm tells it.
+    pub fn wire(&self) -> CrdPrm {
+        CrdPrm {
+            dimension: i16::from(self.dimension).into(),
+            profile: self.profile.map(|coordinate| i16::from(coordinate).into()),
+            syn_vel_max: self.vel_max.into(),
+            syn_acc_max: self.acc_max.into(),
+            even_time_ms: (self.even_ms as i16).into(),
+            set_origin_flag: i16::from(self.set_origin).into(),
+            origin_pos: self.origin.map(Into::into),
+        }
+    }
+}
+
+/// Look-ahead of a FIFO.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    /// Corner time, ms.
+    pub corner: f64,
+    /// Acceleration of every coordinate that has no limit of its own, pulse/ms².
+    pub acc: f64,
+    /// Entries that wait at most.
+    pub count: u16,
+}
+
+/// What a FIFO was given since it was cleared.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PathData {
+    /// Entries, with those that wait in the look-ahead.
+    pub given: u32,
+    /// Entries that are over at this place of the program, whether the tick is through with them or not.
+    pub over: u32,
+    /// Motions among all.
+    pub motions: u32,
+    /// It holds what is not known to be over; else the next motion begins where the path is.
+    pub open: bool,
+    /// Where the last motion ends.
+    pub position: Position,
+    /// Axes that go along with the next motion.
+    pub gears: AxisMask,
+    /// Of these, the one that goes furthest, and how far, pulses.
+    pub geared: Axis,
+    pub gear: u32,
+    /// How fast the last motion may end, pulse/ms, rounded down; without look-ahead the next one may begin faster than its own speed.
+    pub leaves: f32,
+}
+
+/// One FIFO.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PathShadow {
+    /// What it was given.
+    pub data: PathData,
+    /// Times it was cleared, as the tick shows it once this data is there.
+    pub cleared: u32,
+    /// Its look-ahead.
+    pub look: Option<Look>,
+    /// The last entry that emptied it, until it is executed.
+    pub emptied: Option<u32>,
+    /// The last entry that said something of it.
+    pub last: Option<u32>,
+    /// It was given something that no entry has told yet.
+    pub loose: bool,
+    /// Its places were overwritten by what was dropped.
+    pub invalid: bool,
+}
+
+/// One coordinate system.
+#[derive(Debug, Clone, Copy)]
+pub struct CrdShadow {
+    /// Its parameters.
+    pub frame: Option<Frame>,
+    /// Limits of each coordinate for look-ahead: pulse/ms, pulse/ms²; 0 is none of its own.
+    pub limits: [(f64, f64); DIMENSIONS],
+    /// FIFO of the last start.
+    pub fifo: u8,
+    /// The last start, until it is seen at rest or waited for.
+    pub started: Option<u32>,
+    /// The last start, until the tick is through with it.
+    pub busy: Option<u32>,
+    /// It was told to stop since.
+    pub stopped: bool,
+    /// Its axes were given other names after that: whether its FIFO was left within its data decides where a motion begins.
+    pub renamed: bool,
+    /// Where it is, if that is known ahead of the tick.
+    pub here: Option<Position>,
+    /// The last entry that concerns it.
+    pub last: Option<u32>,
+    /// Stop decelerations as given, pulse/ms².
+    pub dec: (f64, f64),
+    /// Override.
+    pub rate: f64,
+    /// Time constant of the filter of its encoders' speed, ms.
+    pub lag_ms: f64,
+    /// The FIFOs.
+    pub fifos: [PathShadow; 2],
+}
+
+impl Default for CrdShadow {
+    /// Power-on.
+    fn default() -> Self {
+        CrdShadow {
+            frame: None,
+            limits: [(0.0, 0.0); DIMENSIONS],
+            fifo: 0,
+            started: None,
+            busy: None,
+            stopped: false,
+            renamed: false,
+            here: None,
+            last: None,
+            dec: (0.0, 0.0),
+            rate: 1.0,
+            lag_ms: 1.0,
+            fifos: [PathShadow::default(); 2],
+        }
+    }
+}
+
+/// Entries of a FIFO, with those that wait in its look-ahead.
+pub const CAPACITY: u32 = servo::path::ENTRIES as u32;
+
+/// Coordinates in pulses.
+pub fn position_of(position: &[Pos; DIMENSIONS]) -> Position {
+    position.map(|pos| pos.0 as f64 / (1u64 << Pos::FRAC_BITS) as f64)
+}
+
+impl CrdShadow {
+    /// One FIFO.
+    pub fn path(&self, fifo: u8) -> &PathShadow {
+        let [first, second] = &self.fifos;
+        if fifo == 0 { first } else { second }
+    }
+    fn path_mut(&mut self, fifo: u8) -> &mut PathShadow {
+        let [first, second] = &mut self.fifos;
+        if fifo == 0 { first } else { second }
+    }
+    /// Whether it may be running when the next entry acts.
+    pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
+        self.started.is_some_and(|seq| !executed(view, seq) || sampled.runs)
+    }
+    /// Whether a Stop that has not been executed may leave it stopped within its data.
+    pub fn may_be_stopped<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        self.stopped && self.last.is_some_and(|seq| !executed(view, seq))
+    }
+    /// Whether the tick itself may still be at work for an earlier start.
+    pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
+        sampled.runs || self.busy.is_some_and(|seq| !executed(view, seq))
+    }
+    /// Entries of a FIFO that are over, as far as the tick has told of what it holds now.
+    fn released(&self, sampled: &CrdView, fifo: u8) -> u32 {
+        let index = usize::from(fifo & 1);
+        if sampled.cleared[index] == self.path(fifo).cleared { sampled.released[index] } else { 0 }
+    }
+    /// Places free in a FIFO.
+    pub fn space(&self, sampled: &CrdView, fifo: u8) -> u32 {
+        let used = self.path(fifo).data.given.wrapping_sub(self.released(sampled, fifo));
+        CAPACITY.saturating_sub(used)
+    }
+    /// The same, as it will be when the next entry acts, of a coordinate system at rest.
+    pub fn space_ahead(&self, sampled: &CrdView, fifo: u8) -> u32 {
+        let data = &self.path(fifo).data;
+        self.space(sampled, fifo).max(CAPACITY.saturating_sub(data.given.wrapping_sub(data.over)))
+    }
+    /// Its FIFOs, which are empty, were given so many entries and motions more.
+    pub fn age(&mut self, by: u32) {
+        for PathData { given, over, motions, .. } in self.fifos.iter_mut().map(|path| &mut path.data) {
+            [given, over, motions].into_iter().for_each(|count| *count = count.wrapping_add(by));
+        }
+    }
+    /// Motions of a FIFO that are done, and left.
+    pub fn segments(&self, sampled: &CrdView, fifo: u8) -> (u32, u32) {
+        let index = usize::from(fifo & 1);
+        let done = if sampled.cleared[index] == self.path(fifo).cleared { sampled.done[index] } else { 0 };
+        (done, self.path(fifo).data.motions.wrapping_sub(done))
+    }
+    /// Where a motion that comes next in a FIFO begins, of a coordinate system that rests there for what follows; none while
+    /// only the tick knows.
+    pub fn begin(&self, rest: impl Fn() -> Option<Position>, fifo: u8) -> Option<Position> {
+        let data = &self.path(fifo).data;
+        if !data.open {
+            return rest();
+        }
+        if self.renamed && fifo == self.fifo {
+            return None;
+        }
+        // What was given before the place was known is no motion of these coordinates: they are where the path rests.
+        let mut position = data.position;
+        if position.iter().any(|at| at.is_nan())
+            && let Some(rest) = rest()
+        {
+            for (at, rest) in position.iter_mut().zip(rest) {
+                *at = if at.is_nan() { rest } else { *at };
+            }
+        }
+        Some(position)
+    }
+
+    /// Where the coordinate system rests for what follows, if it is known without a look at its axes.
+    pub fn position_at_standstill<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> Option<Position> {
+        let known = !self.is_busy(view, sampled) && self.last.is_none_or(|seq| executed(view, seq));
+        self.here.or_else(|| known.then(|| position_of(&sampled.position)))
+    }
+
+    /// All that belongs to an earlier frame is over.
+    pub(super) fn renew(&mut self, frame: Option<Frame>, here: Option<Position>, seq: u32) {
+        let CrdShadow { started, busy, fifos, .. } = *self;
+        let dec = frame.map_or((0.0, 0.0), |frame| (frame.acc_max, frame.acc_max));
+        *self = CrdShadow { frame, here, dec, started, busy, last: Some(seq), ..CrdShadow::default() };
+        for (path, before) in self.fifos.iter_mut().zip(fifos) {
+            let cleared = before.cleared.wrapping_add(1);
+            *path = PathShadow { cleared, emptied: Some(seq), last: Some(seq), ..PathShadow::default() };
+        }
+    }
+
+    /// Shows every number of an entry to `young`.
+    pub(super) fn renew_numbers(&mut self, young: &mut impl FnMut(&mut u32)) {
+        [&mut self.started, &mut self.busy, &mut self.last].into_iter().flatten().for_each(&mut *young);
+        self.fifos.iter_mut().flat_map(|path| [&mut path.emptied, &mut path.last]).flatten().for_each(young);
+    }
+
+    /// Enters a change that goes with entry `seq`.
+    pub(super) fn enter(&mut self, change: &CrdChange, seq: u32) {
+        if seq != 0 {
+            self.last = Some(seq);
+        }
+        match *change {
+            CrdChange::Frame { frame, here } => self.renew(Some(frame), here, seq),
+            CrdChange::Emptied { fifo, here } => {
+                self.here = here;
+                let path = self.path_mut(fifo);
+                let (cleared, look) = (path.cleared.wrapping_add(1), path.look);
+                *path = PathShadow { cleared, look, emptied: Some(seq), last: Some(seq), ..PathShadow::default() };
+            }
+            CrdChange::Data { fifo, cleared, data } => {
+                let path = self.path_mut(fifo);
+                // What is told later of the same FIFO may act before what was told earlier.
+                let newer = data.given.wrapping_sub(path.data.given).cast_signed() >= 0;
+                if path.cleared == cleared && newer {
+                    path.data = data;
+                    path.loose = seq == 0;
+                    // Where that ends is known, whatever was before it.
+                    self.renamed &= fifo != self.fifo || data.position.iter().any(|at| at.is_nan());
+                    let path = self.path_mut(fifo);
+                    if seq != 0 {
+                        path.last = Some(seq);
+                    }
+                }
+            }
+            CrdChange::Look { fifo, look } => self.path_mut(fifo).look = look,
+            CrdChange::Limit { coordinate, limit } => {
+                if let Some(position) = self.limits.get_mut(usize::from(coordinate)) {
+                    *position = limit;
+                }
+            }
+            CrdChange::Dec(dec) => self.dec = dec,
+            CrdChange::Rate(rate) => self.rate = rate,
+            CrdChange::Lag(ms) => self.lag_ms = ms,
+            CrdChange::Started { fifo } => {
+                (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
+                (self.stopped, self.renamed, self.here) = (false, false, None);
+            }
+            CrdChange::Placed => (self.renamed, self.here) = (self.stopped, None),
+            CrdChange::Stopped => self.stopped = true,
+            CrdChange::Rest => {
+                let ended = self.started.is_some() && !self.stopped;
+                self.started = None;
+                if ended {
+                    let path = self.path_mut(self.fifo);
+                    (path.data.open, path.data.over) = (false, path.data.given);
+                    self.here = Some(path.data.position);
+                }
+            }
+        }
+    }
+
+    /// Follows the tick: what has come to rest is at rest, and where it is is what the tick shows.
+    pub fn follow<const AXES: usize>(&mut self, view: &View<AXES>, sampled: &CrdView) {
+        let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || sampled.runs);
+        self.started = over(self.started);
+        self.busy = over(self.busy);
+        if self.busy.is_some() || sampled.runs {
+            return;
+        }
+        let told = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));
+        let quiet = told(self.last);
+        if quiet {
+            (self.here, self.last) = (None, None);
+        }
+        for (((path, cleared), released), fifo) in
+            self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.released).zip(0u8..)
+        {
+            path.emptied = path.emptied.filter(|&seq| !executed(view, seq));
+            if path.cleared != cleared {
+                if quiet {
+                    // The tick has cleared it otherwise, or has not done what it was told.
+                    let look = path.look;
+                    *path = PathShadow { cleared, look, ..PathShadow::default() };
+                }
+            } else if !path.loose && (quiet || told(path.last)) {
+                // What is in flight, as a Stop, changes nothing of it at rest. A wait that a Stop has broken off is over for the
+                // tick, but not for the path.
+                let waits = sampled.rest == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;
+                path.data.open = path.data.given != released || waits;
+                self.renamed &= fifo != self.fifo;
+            }
+        }
+    }
+}
+
+/// What an operation changes in the book of its coordinate system.
+#[derive(Debug, Clone, Copy)]
+pub enum CrdChange {
+    /// SetCrdPrm; where it is, if that is known.
+    Frame { frame: Frame, here: Option<Position> },
+    /// A FIFO is emptied; where it is, if that is known.
+    Emptied { fifo: u8, here: Option<Position> },
+    /// What a FIFO was given, if it was cleared so many times.
+    Data { fifo: u8, cleared: u32, data: PathData },
+    /// Look-ahead of a FIFO.
+    Look { fifo: u8, look: Option<Look> },
+    /// Limits of a coordinate.
+    Limit { coordinate: u8, limit: (f64, f64) },
+    /// Stop decelerations.
+    Dec((f64, f64)),
+    /// Override.
+    Rate(f64),
+    /// Time constant of the filter of its encoders' speed, ms.
+    Lag(f64),
+    /// Where it is is what only the tick knows.
+    Placed,
+    /// It starts.
+    Started { fifo: u8 },
+    /// It is told to stop.
+    Stopped,
+    /// It is at rest for what follows.
+    Rest,
+}

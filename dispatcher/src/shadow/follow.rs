@@ -1,0 +1,144 @@
+//! What the thread knows of an axis that follows: its settings as they were given, its FIFOs, and whether the
+//! tick may be about to change them by itself.
+//!
+//! A FIFO that a switch leaves is emptied by the tick, at a time that only the master decides. So what a
+//! command does to the FIFOs of an axis that may switch can be told at its instant only ([`FollowShadow::may_switch`]).
+use super::executed;
+use servo::segment::follow::Chain;
+use servo::units::Axis;
+use servo::view::{AxisView, View};
+
+/// One FIFO of entries.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Fifo {
+    /// What the next entry goes on from.
+    pub chain: Chain,
+    /// The master's position at its end as the user gave it, pulses.
+    pub master: f64,
+    /// The slave's.
+    pub slave: f64,
+    /// One of its entries switches to the other FIFO.
+    pub switches: bool,
+}
+
+impl Fifo {
+    /// Whether it holds nothing.
+    pub fn is_empty(&self) -> bool {
+        self.chain.entries() == 0
+    }
+}
+
+/// Follow and FollowEx of one axis.
+#[derive(Debug, Clone, Copy)]
+pub struct FollowShadow {
+    /// −1, 0 or +1.
+    pub direction: i8,
+    /// Memory selector, 0 or 1.
+    pub memory: u8,
+    /// The master, and index, type and item as they were given.
+    pub master: Option<(Axis, [i16; 3])>,
+    /// Event, direction and position as they were given.
+    pub event: (i16, i16, i32),
+    /// The data.
+    pub fifos: [Fifo; 2],
+    /// Times the tick has emptied each, of the view that this book follows.
+    pub cleared: [u32; 2],
+    /// The last entry that emptied each while it held something, until it is executed.
+    emptied: [Option<u32>; 2],
+    /// The last entry that switches, until it is executed.
+    switch: Option<u32>,
+}
+
+impl Default for FollowShadow {
+    /// Power-on (SPEC 5).
+    fn default() -> Self {
+        FollowShadow {
+            direction: 0,
+            memory: 0,
+            master: None,
+            event: (1, 1, 0),
+            fifos: [Fifo::default(); 2],
+            cleared: [0; 2],
+            emptied: [None; 2],
+            switch: None,
+        }
+    }
+}
+
+impl FollowShadow {
+    /// One FIFO.
+    pub fn fifo(&self, fifo: u8) -> &Fifo {
+        &self.fifos[usize::from(fifo & 1)]
+    }
+    /// Entries that a FIFO holds.
+    pub fn capacity(&self) -> u32 {
+        if self.memory == 0 { 16 } else { 512 }
+    }
+    /// Places free in a FIFO.
+    pub fn space(&self, fifo: u8) -> u32 {
+        self.capacity().saturating_sub(self.fifo(fifo).chain.entries())
+    }
+    /// Whether the tick may switch FIFOs at a time that nothing here tells, if it is `busy` with the axis.
+    pub fn may_switch<const AXES: usize>(&self, view: &View<AXES>, sampled: &AxisView, busy: bool) -> bool {
+        busy && (self.is_to_switch(view) || sampled.switching || self.has_switches())
+    }
+    /// Whether an entry of a FIFO switches to the other one.
+    pub fn has_switches(&self) -> bool {
+        self.fifos.iter().any(|fifo| fifo.switches)
+    }
+    /// Whether an entry that switches is on its way.
+    pub fn is_to_switch<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        self.switch.is_some_and(|seq| !executed(view, seq))
+    }
+    /// Whether the places of a FIFO that was emptied may still be read by the tick. `idle` says that it is known to
+    /// run the other one.
+    pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, fifo: u8, busy: bool, idle: bool) -> bool {
+        busy && !idle && self.is_invalid(view, fifo)
+    }
+    /// Whether the tick has still to execute what emptied this FIFO.
+    pub fn is_invalid<const AXES: usize>(&self, view: &View<AXES>, fifo: u8) -> bool {
+        self.emptied[usize::from(fifo & 1)].is_some_and(|seq| !executed(view, seq))
+    }
+
+    /// Shows every number of an entry to `young`.
+    pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
+        self.emptied.iter_mut().chain([&mut self.switch]).flatten().for_each(young);
+    }
+
+    /// Entry `seq` empties a FIFO.
+    pub fn empty(&mut self, fifo: u8, seq: u32) {
+        let slot = usize::from(fifo & 1);
+        if !self.fifos[slot].is_empty() {
+            self.emptied[slot] = Some(seq);
+        }
+        self.fifos[slot] = Fifo::default();
+    }
+    /// Entry `seq` empties both.
+    pub fn empty_both(&mut self, seq: u32) {
+        self.empty(0, seq);
+        self.empty(1, seq);
+    }
+    /// Entry `seq` switches.
+    pub fn switched(&mut self, seq: u32) {
+        self.switch = Some(seq);
+    }
+    /// Another mode has been set: only what is set up with Set…Loop and Set…Memory stays.
+    pub fn forget(&mut self, seq: u32) {
+        self.empty_both(seq);
+        (self.direction, self.master, self.event) = (0, None, FollowShadow::default().event);
+    }
+    /// Reset. The tick's counts go on.
+    pub fn reset(&mut self, seq: u32) {
+        self.empty_both(seq);
+        let FollowShadow { cleared, emptied, .. } = *self;
+        *self = FollowShadow { cleared, emptied, ..FollowShadow::default() };
+    }
+    /// Follows the tick: a FIFO that was left is empty.
+    pub fn follow(&mut self, sampled: &AxisView) {
+        for ((fifo, known), now) in self.fifos.iter_mut().zip(&mut self.cleared).zip(sampled.cleared) {
+            if *known != now {
+                (*known, *fifo) = (now, Fifo::default());
+            }
+        }
+    }
+}

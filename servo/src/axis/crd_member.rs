@@ -1,0 +1,209 @@
+//! An axis that a coordinate system drives: mapped to it, or going along with a motion; and one that it sends away.
+//!
+//! In: positions, a tick at a time, from the coordinate system, which steps before the axes. Out: as of any axis.
+//! Owns: nothing; while it is driven its own profile rests. Cannot fail: who drives asks before it goes somewhere.
+use super::{AxisState, exact};
+use crate::math::wide::umulhi;
+use crate::op::Mode;
+use crate::path::{Fine, TrajectorySample};
+use crate::segment::follow::{Path, Track};
+use crate::segment::profile::Generator;
+use crate::segment::pt::Segments;
+use crate::segment::pvt::Tables;
+use crate::segment::ramp::Trapezoid;
+use crate::status;
+use crate::units::{Crd, Exact, Ns, Pos};
+use crate::view::{Drive, StopReason};
+
+impl AxisState {
+    /// It belongs to a coordinate system from now on, at rest.
+    pub(crate) fn map(&mut self, crd: Crd) {
+        self.set_mode(Mode::Crd);
+        (self.crd, self.fresh) = (Some(crd), 0);
+        self.mark_changed();
+    }
+
+    /// It belongs to none any more.
+    pub(crate) fn unmap(&mut self) {
+        self.set_mode(Mode::Trap);
+        self.mark_changed();
+    }
+
+    /// Whether it is this coordinate system's own.
+    pub(crate) fn is_mapped(&self, crd: Crd) -> bool {
+        self.published.mode == Mode::Crd && self.crd == Some(crd)
+    }
+
+    /// The coordinate system that drives it.
+    pub(crate) fn driver(&self) -> Option<Crd> {
+        self.crd.filter(|_| self.driven)
+    }
+
+    /// It is driven from now on; what goes along does so from `base`.
+    pub(crate) fn engage(&mut self, drive: Drive, base: Exact) {
+        (self.driven, self.crd, self.exact) = (true, Some(drive.crd()), base);
+        self.publish_straight();
+        self.published.drive = Some(drive);
+        self.mark_changed();
+    }
+
+    /// Whether it may go along with a motion: at rest, and nobody else's.
+    pub(crate) fn refuses_gear(&self) -> bool {
+        self.refuses_start() || self.runs() || self.published.mode == Mode::Crd
+    }
+
+    /// Its position at the tick computed.
+    #[inline(always)]
+    pub(crate) fn drive(&mut self, to: Pos) {
+        self.published.pos = to;
+        self.published.moves = self.published.moves.wrapping_add(1);
+    }
+
+    /// Its way through the tick, in positions of the machine, for those that follow it; it has been driven to its end.
+    #[inline(never)]
+    pub(crate) fn publish_displacement(
+        &mut self,
+        (now, period): (Ns, Ns),
+        from: Pos,
+        wake: &TrajectorySample,
+        (index, origin): (usize, Pos),
+    ) {
+        let shift = origin.0.wrapping_sub(self.zero.0);
+        let whole = period.0 << 32;
+        let mut track = Track::begin(from);
+        let mut last = 0;
+        for (at, place) in wake.knots() {
+            last = (at.saturating_sub((now.0 as Fine) << 32) as u64).min(whole);
+            let place = place.get(index).copied().unwrap_or_default();
+            track.push(last, Pos(place.0.wrapping_add(shift)));
+        }
+        if let Some((share, place)) = wake.turn(index) {
+            let after = last.wrapping_add(umulhi(whole.wrapping_sub(last), share));
+            track.push(after, Pos(place.0.wrapping_add(shift)));
+        }
+        track.push(whole, self.set_point());
+        self.track = track;
+    }
+
+    /// The same where nothing lies between.
+    pub(crate) fn publish_straight(&mut self) {
+        self.track.clear();
+    }
+
+    /// How those that follow it see it go while it is driven.
+    pub(super) fn driven_path(&self) -> Path<'_> {
+        if self.goes_straight() { Path::Straight } else { Path::Track { places: &self.track, shift: 0 } }
+    }
+
+    /// Whether it goes straight from tick to tick.
+    #[inline(always)]
+    pub(super) fn goes_straight(&self) -> bool {
+        self.track.is_straight()
+    }
+
+    /// Where it is before it goes along with a motion.
+    pub(crate) fn base(&self) -> Exact {
+        self.exact
+    }
+
+    /// How it goes along from now on, `by` so far.
+    pub(crate) fn go_along(&mut self, drive: Drive, by: Pos) {
+        if self.published.drive != Some(drive) {
+            self.published.drive = Some(drive);
+            self.mark_changed();
+        }
+        self.drive(Pos(self.exact.round().0.wrapping_add(by.0)));
+    }
+
+    /// A motion that it went along with has ended.
+    pub(crate) fn gone_along(&mut self, pulses: i32) {
+        self.exact = Exact(self.exact.0.wrapping_add((pulses as i128) << 64));
+    }
+
+    /// It is driven no longer: it rests at `at`.
+    pub(crate) fn release(&mut self, next: Ns, at: Exact, reason: StopReason) {
+        if self.driven {
+            self.driven = false;
+            self.published.drive = None;
+            if self.published.mode != Mode::Crd {
+                self.crd = None;
+            }
+            self.rest(next, at, reason);
+        }
+    }
+
+    /// It is driven no longer: it rests where it is.
+    pub(crate) fn release_here(&mut self, next: Ns, reason: StopReason) {
+        self.release(next, exact(self.published.pos), reason);
+    }
+
+    /// Why it must not be driven on.
+    #[inline(always)]
+    pub(crate) fn fault(&self) -> Option<StopReason> {
+        match self.causes & status::FAULTS {
+            0 => None,
+            causes if causes & status::ALARM != 0 => Some(StopReason::Alarm),
+            _ => Some(StopReason::FollowingError),
+        }
+    }
+
+    /// Whether it may be driven to `to` without a closer look.
+    #[inline(always)]
+    pub(crate) fn is_free(&self, to: Pos) -> bool {
+        let (from, count) = self.inside;
+        let well = (((to.0 >> 32) as i32).wrapping_sub(from) as u32) < count;
+        self.causes & status::FAULTS == 0 && (well || self.is_between(to))
+    }
+
+    /// Whether it may be driven to `to`, and on to what lies near, as long as nothing is told of it.
+    pub(crate) fn is_well(&self, to: Pos) -> bool {
+        let (from, count) = self.inside;
+        (((to.0 >> 32) as i32).wrapping_sub(from) as u32) < count && self.causes & status::FAULTS == 0
+    }
+
+    /// Whether it is, if it is not well between them.
+    #[cold]
+    #[inline(never)]
+    fn is_between(&self, to: Pos) -> bool {
+        to >= self.lower && to <= self.upper
+    }
+
+    /// Whether nothing stands between the position in force and `to`.
+    #[inline(always)]
+    pub(crate) fn admits(&self, to: Pos) -> bool {
+        to >= self.lower && to <= self.upper || self.barrier(self.published.pos, to).is_none()
+    }
+
+    /// Latches what stands there.
+    pub(crate) fn latch_barrier(&mut self, to: Pos) -> Option<StopReason> {
+        let (_, reason) = self.barrier(self.published.pos, to)?;
+        self.latch_limit(reason);
+        Some(reason)
+    }
+
+    /// Goes to a target from `at` on, an instant of the interval that begins with the tick computed at `next`; until
+    /// when. None if it must not.
+    pub(crate) fn travel(
+        &mut self,
+        next: Ns,
+        at: Ns,
+        to: &Trapezoid,
+        source: &(impl Segments + Tables),
+    ) -> Option<Fine> {
+        if self.published.mode != Mode::Trap || self.driven || self.refuses_start() {
+            return None;
+        }
+        if self.runs {
+            // The piece that holds `next` is in force before another one is made behind it.
+            self.step(next, source);
+        }
+        let (from, _) = self.moving(at, source);
+        self.profile.begin_ramp(at, |run| run.begin_trap(at, from, to));
+        let until = match self.profile.generator() {
+            Generator::Ramp(run) => run.end(),
+            _ => 0,
+        };
+        self.set_off(StopReason::Completed);
+        Some(until)
+    }
+}

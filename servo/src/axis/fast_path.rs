@@ -1,0 +1,120 @@
+//! What nearly every tick of an axis is: it goes on in the piece in force, or enters the one made ahead.
+//!
+//! In: the tick computed, axes. Out: their places there, in the view and in the machine. Owns nothing. Cannot fail: an
+//! axis of which more is to be done is left as it is, and named.
+use super::{AxisState, InputScan};
+use crate::segment::piece::{Motion, Piece};
+use crate::units::{Ns, Pos};
+use crate::view::AxisView;
+
+/// What came of [`AxisState::step_fast`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FastStep {
+    /// The axis and its view are at the next tick.
+    Shown,
+    /// The axis is; of the view more has to catch up than it looked at.
+    Stale,
+    /// There is more to do than that: nothing has happened.
+    No,
+    /// The same, but that [`AxisState::step_general`] may do it.
+    Far,
+    /// Something may stand in the way; and this is not a tick to make a piece ahead in.
+    Barred,
+}
+
+impl AxisState {
+    /// Takes it to the next tick, if it only goes on there. `next` is the low word of the instant; `left` counts the pieces that may
+    /// still be made ahead in this tick.
+    #[inline(always)]
+    pub(crate) fn step_fast(&mut self, next: u32, left: u32, published: &mut AxisView) -> FastStep {
+        let fast_step = match self.scan {
+            InputScan::Steady => self.go_on(next, left, published),
+            // Its view changes in nothing else without being told so.
+            InputScan::Carried if published.changes == self.published.changes => FastStep::Shown,
+            InputScan::Settled if published.moves == self.published.moves => return FastStep::Shown,
+            // Each of the three buffers catches up when its turn comes.
+            InputScan::Settled => FastStep::Stale,
+            _ => FastStep::No,
+        };
+        if fast_step == FastStep::Shown {
+            published.publish_position(&self.published);
+        }
+        fast_step
+    }
+
+    /// Its place in the piece in force, or in the one made ahead, if it is near; what the view has of its motion.
+    ///
+    /// A function of its own, so that nothing but the axis takes up registers.
+    #[inline(never)]
+    fn go_on(&mut self, next: u32, left: u32, published: &mut AxisView) -> FastStep {
+        if self.profile.is_open() && left != 0 {
+            return FastStep::No;
+        }
+        let AxisState { profile, published: now, .. } = self;
+        let Some((piece, t, reports_pass)) = profile.fast(next, |piece| now.enter(&piece.motion)) else {
+            return FastStep::Far;
+        };
+        let pos = piece.pos_fast(t);
+        if reports_pass {
+            self.publish_pass();
+        }
+        if self.is_barred(pos) {
+            return FastStep::Barred;
+        }
+        self.published.go_to(pos, t);
+        if published.follow_piece(&self.published, t) { FastStep::Shown } else { FastStep::Stale }
+    }
+
+    /// The same in pieces that are not near.
+    #[inline(never)]
+    pub(crate) fn step_general(&mut self, next: Ns, published: &mut AxisView) -> FastStep {
+        let holds = |piece: &Piece| piece.elapsed(next) < piece.span;
+        if !holds(self.profile.piece()) {
+            if !self.profile.ahead().is_some_and(holds) {
+                return FastStep::No;
+            }
+            self.profile.enter();
+            self.publish_entered();
+        }
+        let piece = self.profile.piece();
+        let (pos, Motion { tau, t, .. }) = piece.place(piece.elapsed(next));
+        if self.is_barred(pos) {
+            return FastStep::Barred;
+        }
+        let now = &mut self.published;
+        (now.moves, now.pos) = (now.moves.wrapping_add(1), pos);
+        (now.motion.tau, now.motion.t) = (tau, t);
+        if published.turns != now.turns {
+            if published.changes != now.changes {
+                return FastStep::Stale;
+            }
+            published.follow_turn(now);
+        }
+        (published.motion.tau, published.motion.t) = (tau, t);
+        published.publish_position(now);
+        FastStep::Shown
+    }
+
+    /// The piece made ahead has come into force.
+    #[inline(never)]
+    fn publish_entered(&mut self) {
+        self.published.enter(&self.profile.piece().motion);
+        if self.profile.reports_pass() {
+            self.publish_pass();
+        }
+    }
+
+    /// The same of what it tells of the pass.
+    #[inline(never)]
+    fn publish_pass(&mut self) {
+        self.published.counts = self.published.counts.wrapping_add(1);
+        self.publish_pass_of(true);
+    }
+
+    /// Whether something may stand before a place.
+    #[inline(always)]
+    fn is_barred(&self, pos: Pos) -> bool {
+        let (from, count) = self.inside;
+        ((pos.0 >> 32) as i32).wrapping_sub(from) as u32 >= count
+    }
+}

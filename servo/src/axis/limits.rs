@@ -1,0 +1,202 @@
+//! What guards an axis: inputs, limits, faults.
+//!
+//! In: levels and encoder at the tick in force, positions it is about to go to. Out: what is latched and
+//! shown, whether it may start, where something stands in its way. It cannot fail: what must not go on stops.
+use super::inputs::Inputs;
+use super::{AxisState, InputScan, NEGATIVE_EDGE};
+use crate::port::AxisInputs;
+use crate::status;
+use crate::units::{Ns, Pos};
+use crate::view::StopReason;
+
+impl AxisState {
+    /// Takes the inputs of the tick in force, levels as [`AxisInputs::bits`]; false where there is more to it:
+    /// [`AxisState::take`]. An axis at rest of which nothing changed costs two comparisons, and one that runs little more.
+    #[inline(always)]
+    pub(crate) fn sample(&mut self, levels: u8, count: i64) -> bool {
+        if levels != self.levels {
+            return false;
+        }
+        let encoder = self.inputs.encoder(count);
+        match self.scan {
+            InputScan::Runs | InputScan::Steady | InputScan::Carried => {
+                self.published.encoder_before = self.published.encoder;
+                self.published.encoder = encoder;
+                true
+            }
+            InputScan::Settled => encoder == self.published.encoder,
+            InputScan::None => false,
+        }
+    }
+
+    /// Takes the inputs of the tick in force at `now` for all that they mean. Whether causes of latched bits have changed.
+    #[inline(never)]
+    pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64) -> bool {
+        let before = self.causes;
+        let mut settled = true;
+        let encoder = self.inputs.encoder(count);
+        if encoder != self.published.encoder_before || encoder != self.published.encoder {
+            self.published.moves = self.published.moves.wrapping_add(1);
+            settled = false;
+        }
+        if levels != self.levels {
+            (self.raw, self.levels) = (AxisInputs::of_bits(levels), levels);
+            self.mark_changed();
+            settled = false;
+        }
+        self.published.encoder_before = self.published.encoder;
+        self.published.encoder = encoder;
+        let switches = self.inputs.switches(levels);
+        if switches != self.switches {
+            self.switches = switches;
+            self.set_bounds();
+        }
+        let runs = self.runs();
+        let mut causes = self.switches;
+        if self.servo_on {
+            causes |= self.inputs.following_error(self.published.pos, encoder);
+        }
+        if !runs {
+            // While it runs, the barrier of every step sees to the soft limits.
+            causes |= self.inputs.beyond(self.published.pos);
+        }
+        let watched = causes | self.causes != 0 || self.inputs.error_limit.is_some();
+        if causes | self.causes != 0 {
+            self.latch(causes);
+            settled = false;
+        }
+        if runs {
+            self.inputs.leave_position();
+            self.in_position = false;
+        } else {
+            let (inside, waits) = self.inputs.in_position(now, self.published.pos, encoder);
+            settled &= !waits && inside == self.in_position;
+            self.in_position = inside;
+        }
+        if let Some(encoder) = self.inputs.captured(levels, encoder) {
+            self.published.captured = Some(encoder);
+            self.mark_changed();
+            settled = false;
+        }
+        self.changed = true;
+        self.scan = match (runs, settled) {
+            (true, _) if !watched => InputScan::Runs,
+            (false, true) => InputScan::Settled,
+            _ => InputScan::None,
+        };
+        self.causes != before
+    }
+
+    /// Causes of latched bits that are present, and those that have come since they were asked for.
+    pub(crate) fn take_causes(&mut self) -> (u32, u32) {
+        (self.causes, core::mem::take(&mut self.fresh))
+    }
+
+    /// Where the planned position may go without a closer look. A switch that is active has a direction,
+    /// so all of it needs one.
+    pub(crate) fn set_bounds(&mut self) {
+        let Inputs { soft_positive, soft_negative, .. } = &self.inputs;
+        self.upper = soft_positive.map_or(Pos::TRAVEL, Pos::pulses);
+        self.lower = soft_negative.map_or(NEGATIVE_EDGE, Pos::pulses);
+        if self.switches & status::LIMIT_POSITIVE != 0 {
+            self.upper = Pos(i64::MIN);
+        }
+        if self.switches & status::LIMIT_NEGATIVE != 0 {
+            self.lower = Pos(i64::MAX);
+        }
+        let from = (self.lower.0 >> 32).saturating_add(1);
+        let count = (self.upper.0 >> 32).saturating_sub(from).max(0);
+        self.inside = (from as i32, count as u32);
+    }
+
+    /// A limit blocks starts from when it becomes active until ClearStatus, a fault as long as its
+    /// cause lasts, too.
+    #[inline(never)]
+    fn latch(&mut self, causes: u32) {
+        let blocked = self.published.blocked | causes & (!self.causes | status::FAULTS);
+        self.fresh |= causes & !self.causes;
+        self.causes = causes;
+        self.latched |= causes;
+        self.block(blocked);
+    }
+
+    fn block(&mut self, blocked: u32) {
+        if blocked != self.published.blocked {
+            self.published.blocked = blocked;
+            self.mark_changed();
+        }
+    }
+
+    /// ClearStatus: limits no longer block; bits whose cause is gone are cleared.
+    pub(crate) fn clear_status(&mut self) {
+        self.latched = self.causes;
+        self.block(self.causes & status::FAULTS);
+    }
+
+    /// Whether it must not start: servo off or a latched fault.
+    pub(crate) fn refuses_start(&self) -> bool {
+        !self.servo_on || self.published.blocked != 0
+    }
+
+    #[inline(never)]
+    pub(super) fn stopped_by_fault(&mut self, next: Ns) -> StopReason {
+        let alarm = self.causes & status::ALARM != 0;
+        self.stopped_by(next, if alarm { StopReason::Alarm } else { StopReason::FollowingError })
+    }
+
+    /// Whether something stands between the position in force and `to`: then it has stopped there.
+    #[inline(never)]
+    pub(super) fn stopped_at_barrier(&mut self, next: Ns, to: Pos) -> Option<StopReason> {
+        let (at, reason) = self.barrier(self.published.pos, to)?;
+        self.published.pos = at;
+        Some(self.stopped_by(next, reason))
+    }
+
+    fn stopped_by(&mut self, next: Ns, reason: StopReason) -> StopReason {
+        self.latch_limit(reason);
+        self.halt(next, reason);
+        reason
+    }
+
+    /// A limit that stops a motion blocks further ones.
+    pub(super) fn latch_limit(&mut self, reason: StopReason) {
+        let limit = match reason {
+            StopReason::LimitPositive | StopReason::SoftPositive => status::LIMIT_POSITIVE,
+            StopReason::LimitNegative | StopReason::SoftNegative => status::LIMIT_NEGATIVE,
+            _ => 0,
+        };
+        self.latched |= limit;
+        self.block(self.published.blocked | limit);
+    }
+
+    /// What stands between two positions, and where it holds the axis.
+    pub(super) fn barrier(&self, from: Pos, to: Pos) -> Option<(Pos, StopReason)> {
+        let inputs = &self.inputs;
+        if to > from {
+            if self.switches & status::LIMIT_POSITIVE != 0 {
+                return Some((from, StopReason::LimitPositive));
+            }
+            if let Some(soft) = inputs.soft_positive.map(Pos::pulses)
+                && to > soft
+            {
+                return Some((from.max(soft), StopReason::SoftPositive));
+            }
+            if to > Pos::TRAVEL {
+                return Some((Pos::TRAVEL, StopReason::Travel));
+            }
+        } else if to < from {
+            if self.switches & status::LIMIT_NEGATIVE != 0 {
+                return Some((from, StopReason::LimitNegative));
+            }
+            if let Some(soft) = inputs.soft_negative.map(Pos::pulses)
+                && to < soft
+            {
+                return Some((from.min(soft), StopReason::SoftNegative));
+            }
+            if to < NEGATIVE_EDGE {
+                return Some((NEGATIVE_EDGE, StopReason::Travel));
+            }
+        }
+        None
+    }
+}

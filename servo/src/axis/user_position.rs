@@ -1,0 +1,51 @@
+//! What an axis calls the place where it is.
+//!
+//! In: names for the planned position and for the encoder's count. Out: the machine's set-point, which
+//! no name changes.
+use super::inputs::reading;
+use super::{AxisState, exact};
+use crate::units::Pos;
+
+impl AxisState {
+    /// The machine's set-point for the planned position.
+    #[inline]
+    pub(crate) fn set_point(&self) -> Pos {
+        Pos(self.published.pos.0.wrapping_sub(self.zero.0))
+    }
+
+    /// The planned position, at rest, is called `at`; the machine does not move.
+    fn rename(&mut self, at: Pos) {
+        if !self.runs() {
+            self.zero = Pos(self.zero.0.wrapping_add(at.0.wrapping_sub(self.published.pos.0)));
+            self.published.pos = at;
+            self.exact = exact(at);
+            self.profile.rename(at);
+        }
+    }
+
+    /// Sets the planned position.
+    pub(crate) fn set_position(&mut self, at: Pos) {
+        self.rename(at);
+    }
+
+    /// Planned position and encoder both read 0.
+    pub(crate) fn zero_position(&mut self) {
+        if !self.runs() {
+            self.rename(Pos(0));
+            self.set_encoder(0);
+        }
+    }
+
+    /// The encoder reads `pulses` where it is.
+    pub(crate) fn set_encoder(&mut self, pulses: i64) {
+        self.inputs.set_encoder(self.count(), pulses);
+        self.published.encoder_before =
+            self.published.encoder_before.wrapping_add(pulses.wrapping_sub(self.published.encoder));
+        self.published.encoder = pulses;
+    }
+
+    /// The planned position becomes the encoder's reading.
+    pub(crate) fn synchronise(&mut self) {
+        self.rename(reading(self.published.encoder));
+    }
+}

@@ -1,0 +1,104 @@
+//! Which axes a coordinate system drives, and where its zero is.
+//!
+//! In: SetCrdPrm. Out: an admitted [`Frame`]. Fails: with the rule that is broken, [`Refused`].
+use crate::path::DIMENSIONS;
+use crate::units::{Axis, AxisMask};
+
+/// An admitted frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame {
+    axes: [Option<Axis>; DIMENSIONS],
+    origin: Option<[i32; DIMENSIONS]>,
+    even_ms: u16,
+    lanes: Lanes,
+}
+
+/// Indices of the axes, [`NONE`] where there is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Lanes([u8; DIMENSIONS]);
+
+/// No axis has this index.
+const NONE: u8 = u8::MAX;
+
+/// Why a frame is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// It drives no axis.
+    NoAxis,
+    /// It drives this axis by two coordinates.
+    Twice(Axis),
+}
+
+impl Frame {
+    /// `axes` of X, Y, Z, A, none twice; `origin` is their planned positions at zero, in pulses: none takes those in
+    /// which they are when the frame is set. `even_ms` is the least time at constant speed in a motion.
+    pub fn admit(
+        axes: [Option<Axis>; DIMENSIONS],
+        origin: Option<[i32; DIMENSIONS]>,
+        even_ms: u16,
+    ) -> Result<Frame, Refused> {
+        let mut sampled = AxisMask(0);
+        for axis in axes.into_iter().flatten() {
+            if sampled.has(axis) {
+                return Err(Refused::Twice(axis));
+            }
+            sampled.0 |= axis.mask().0;
+        }
+        if sampled.0 == 0 {
+            return Err(Refused::NoAxis);
+        }
+        let lanes = axes.map(|axis| axis.map_or(NONE, |axis| axis.index() as u8));
+        Ok(Frame { axes, origin, even_ms, lanes: Lanes(lanes) })
+    }
+
+    /// The axes of X, Y, Z, A.
+    pub fn axes(&self) -> [Option<Axis>; DIMENSIONS] {
+        self.axes
+    }
+
+    /// The same where they lie.
+    #[inline(always)]
+    pub(crate) fn axes_ref(&self) -> &[Option<Axis>; DIMENSIONS] {
+        &self.axes
+    }
+
+    /// Their indices.
+    pub(crate) fn lanes(&self) -> Lanes {
+        self.lanes
+    }
+
+    /// The axes as a set.
+    pub fn mask(&self) -> AxisMask {
+        AxisMask(self.axes.iter().flatten().fold(0, |mask, axis| mask | axis.mask().0))
+    }
+
+    /// The coordinate that drives an axis.
+    pub fn coordinate(&self, axis: Axis) -> Option<usize> {
+        self.axes.iter().position(|of| *of == Some(axis))
+    }
+
+    /// The origin that was asked for.
+    pub fn origin(&self) -> Option<[i32; DIMENSIONS]> {
+        self.origin
+    }
+
+    /// Least time at constant speed in a motion, ms.
+    pub fn even_ms(&self) -> u16 {
+        self.even_ms
+    }
+}
+
+impl Lanes {
+    /// No axis.
+    pub(crate) const NONE: Lanes = Lanes([NONE; DIMENSIONS]);
+
+    /// Whether this holds of every coordinate and the index of its axis, which no axis has where there is none. In a row, for
+    /// a loop costs as much as what it does.
+    #[inline(always)]
+    pub(crate) fn all(&self, mut holds: impl FnMut(usize, usize) -> bool) -> bool {
+        let [x, y, z, a] = &self.0;
+        holds(0, *x as usize)
+            && holds(1, *y as usize)
+            && (*z & *a == NONE || holds(2, *z as usize) && holds(3, *a as usize))
+    }
+}

@@ -1,0 +1,54 @@
+//! The motion of an axis that a coordinate system drives, for readers.
+//!
+//! In: the path at one tick, how the axis belongs to it. Out: a motion in time. Integers only, so every machine
+//! derives the same bits. Cannot fail.
+use crate::math::real::Real;
+use crate::path::Bend;
+use crate::segment::follow::motion_of;
+use crate::segment::piece::Motion;
+use crate::view::{CrdView, Drive};
+
+/// A number in 2⁻³⁰.
+fn part(x: i32) -> Real {
+    Real::new(x < 0, x.unsigned_abs() as u64, -30)
+}
+
+/// The motion of an axis, of a coordinate system as it stands.
+pub(crate) fn share(drive: Drive, crd: &CrdView) -> Motion {
+    let (speed, change) = (Real::from_scaled(crd.motion.velocity()), Real::from_scaled(crd.motion.acceleration()));
+    match drive {
+        Drive::Gear { ratio, .. } => {
+            let ratio = Real::from_scaled(ratio);
+            motion_of(ratio.mul(speed), ratio.mul(change))
+        }
+        Drive::Coordinate { index, .. } => {
+            let index = index as usize;
+            let heading = part(crd.heading.get(index).copied().unwrap_or(0));
+            let turning = turning(&crd.bend, &crd.heading, index).mul(speed).mul(speed);
+            motion_of(heading.mul(speed), heading.mul(change).add(turning))
+        }
+    }
+}
+
+/// The velocity alone, pulse/ms.
+pub(crate) fn share_speed(drive: Drive, crd: &CrdView) -> Real {
+    let speed = Real::from_scaled(crd.motion.velocity());
+    match drive {
+        Drive::Gear { ratio, .. } => Real::from_scaled(ratio).mul(speed),
+        Drive::Coordinate { index, .. } => part(crd.heading.get(index as usize).copied().unwrap_or(0)).mul(speed),
+    }
+}
+
+/// How a coordinate of the direction changes per pulse of way.
+fn turning(bend: &Bend, heading: &[i32], index: usize) -> Real {
+    let [first, second] = bend.plane.coordinates();
+    // A quarter turn on from the direction.
+    let (across, minus) = match index {
+        _ if index == first => (second, bend.ccw),
+        _ if index == second => (first, !bend.ccw),
+        _ => return Real::ZERO,
+    };
+    let across = part(heading.get(across).copied().unwrap_or(0));
+    let across = if minus { across.negate() } else { across };
+    Real::new(false, bend.turns, bend.shift - 98).mul(Real::TAU).mul(across)
+}

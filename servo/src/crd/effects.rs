@@ -1,0 +1,161 @@
+//! What a path does to the rest of the machine.
+//!
+//! In: what [`Path::step`](crate::path::Path::step) tells. Out: outputs and lasers with exact instants, motions of
+//! other axes, and what becomes of the path. Owns nothing. Fails: a move that an axis must not make is told, and the
+//! path must stop.
+use super::Frame;
+use crate::axis::AxisState;
+use crate::laser::{Lasers, Run};
+use crate::output::general_outputs::{Change as Edge, Edges};
+use crate::path::{Change, DIMENSIONS, Effects, Fine, PathStop};
+use crate::segment::piece::Scaled;
+use crate::segment::pvt::TableStores;
+use crate::segment::ramp::{Accel, Speed, Trapezoid};
+use crate::tick::{SegmentStore, Source};
+use crate::units::{Axis, AxisMask, Crd, Ns, Pos};
+use crate::view::Drive;
+
+/// How long a path waits for a move that cannot be made: it is stopped in the same tick.
+const UNABLE: Fine = 1 << 80;
+
+/// What a path reaches in one tick.
+pub(crate) struct Sink<'a> {
+    pub(crate) crd: Crd,
+    /// The FIFO that the path runs.
+    pub(crate) fifo: u8,
+    /// The tick computed.
+    pub(crate) next: Ns,
+    pub(crate) frame: &'a Frame,
+    pub(crate) origin: &'a [Pos; DIMENSIONS],
+    pub(crate) axes: &'a mut [AxisState],
+    pub(crate) edges: &'a mut Edges,
+    pub(crate) lasers: &'a mut Lasers,
+    pub(crate) segments: &'a [SegmentStore],
+    pub(crate) tables: TableStores<'a>,
+    /// Axes that were told in this tick where they are along a motion.
+    pub(crate) reported: AxisMask,
+    /// All axes that go along.
+    pub(crate) geared: AxisMask,
+    /// It is a fault that stops the path: its light does not come back.
+    pub(crate) fault: bool,
+    /// The path came to rest.
+    pub(crate) rest: Option<PathStop>,
+    /// An axis that cannot do what an entry wants.
+    pub(crate) unable: Option<Axis>,
+    /// An axis that the path waits for.
+    pub(crate) awaited: Option<Axis>,
+    /// The first place that an axis must not go to.
+    pub(crate) obstacle: Option<(Axis, Pos)>,
+}
+
+impl Sink<'_> {
+    fn run(&self) -> Run {
+        Run { crd: self.crd, fifo: self.fifo }
+    }
+
+    /// ns of an instant, which is not before the tick computed.
+    fn ns(&self, at: Fine) -> Ns {
+        Ns(((at >> 32) as u64).max(self.next.0))
+    }
+
+    fn edge(&mut self, at: Fine, change: Edge) {
+        let after = self.ns(at).0.wrapping_sub(self.next.0);
+        self.edges.add(after as u32, change);
+    }
+
+    fn travel(&mut self, at: Fine, axis: Axis, to: &Trapezoid) -> Option<Fine> {
+        let segments = self.segments.get(axis.index())?;
+        let state = self.axes.get_mut(axis.index())?;
+        // The first whole ns of it.
+        let begin = Ns((at.wrapping_add(0xffff_ffff) >> 32) as u64);
+        let until = state.travel(self.next, begin, to, &Source { segments, tables: self.tables })?;
+        Some(until.saturating_sub(at))
+    }
+
+    /// An axis that goes along from now on, if it may.
+    fn engage(&mut self, axis: Axis, drive: Drive) -> Option<&mut AxisState> {
+        let state = self.axes.get_mut(axis.index())?;
+        if !self.geared.has(axis) {
+            if state.refuses_gear() {
+                self.unable = self.unable.or(Some(axis));
+                return None;
+            }
+            let base = state.base();
+            state.engage(drive, base);
+            self.geared.0 |= axis.mask().0;
+        }
+        self.reported.0 |= axis.mask().0;
+        Some(state)
+    }
+
+    fn send(&mut self, at: Fine, axis: Axis, target: i32, (speed, acc): (Speed, Accel), modal: bool) -> Fine {
+        let vel_start = Speed::default();
+        let to = Trapezoid { target, speed, acc, dec: acc, vel_start, smooth: Ns(0) };
+        let Some(time) = self.travel(at, axis, &to) else {
+            self.unable = self.unable.or(Some(axis));
+            // It stops the path, for which it is still to be made.
+            return UNABLE;
+        };
+        if modal {
+            self.awaited = Some(axis);
+            time
+        } else {
+            0
+        }
+    }
+}
+
+impl Effects for Sink<'_> {
+    fn change(&mut self, at: Fine, change: &Change) -> Fine {
+        match *change {
+            Change::Output { group, mask, value } => self.edge(at, Edge::Digital { group, mask, value }),
+            Change::Analog { channel, value } => self.edge(at, Edge::Analog { channel, value }),
+            Change::Move { axis, target, speed, acc, modal } => {
+                return self.send(at, axis, target, (speed, acc), modal);
+            }
+            Change::Laser { channel, code, words } => {
+                self.lasers.buffered(self.run(), channel, self.ns(at), code, &words);
+            }
+        }
+        0
+    }
+
+    fn has_room(&self) -> bool {
+        self.edges.has_room() && self.lasers.has_room()
+    }
+
+    fn rest(&mut self, at: Fine, rest: PathStop) {
+        self.rest = Some(rest);
+        self.lasers.crd_is_at_standstill(self.run(), self.ns(at), if self.fault { PathStop::Obstructed } else { rest });
+    }
+
+    fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled) {
+        let drive = Drive::Gear { crd: self.crd, ratio };
+        if let Some(state) = self.engage(axis, drive) {
+            state.go_along(drive, by);
+        }
+    }
+
+    fn geared(&mut self, axis: Axis, pulses: i32) {
+        let drive = Drive::Gear { crd: self.crd, ratio: Scaled::default() };
+        if let Some(state) = self.engage(axis, drive) {
+            state.gone_along(pulses);
+        }
+    }
+
+    fn surplus(&mut self, axis: Axis) {
+        self.unable = self.unable.or(Some(axis));
+    }
+
+    fn admits(&mut self, position: &[Pos; DIMENSIONS]) -> bool {
+        for ((axis, at), origin) in self.frame.axes_ref().iter().zip(position).zip(self.origin) {
+            let Some(axis) = axis else { continue };
+            let to = Pos(at.0.wrapping_add(origin.0));
+            if self.axes.get(axis.index()).is_some_and(|state| !state.admits(to)) {
+                self.obstacle = self.obstacle.or(Some((*axis, to)));
+                return false;
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,291 @@
+//! Distance follow: what the places of four axes add to the power (SPEC 6, "Energy").
+//!
+//! In: the user's references, scales and ratios, positions. Out: Σ (pos − ref)/scale · ratio in 2⁻⁴⁴ of the power's
+//! unit. Owns nothing but the stretches of its tables. Fails: what is no number or out of range is refused.
+//!
+//! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off by 2⁻⁵⁸ of the
+//! largest factor times the largest distance, and half a unit. With a table the ratio has 44 fraction bits, the
+//! distance over the scale 32 and at most ±2²⁹.
+use super::double::{Cut, part, product, scaled};
+use super::power::{Bounds, Refused};
+use super::power_tables::{Curve, DISTANCES, Interval, Tables};
+use super::velocity_follow::Source;
+use super::{Power, double};
+use crate::axis::AxisState;
+use crate::math::real::Real;
+use crate::units::{Axis, Pos};
+
+/// Where the ratios come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ratios {
+    /// The same everywhere.
+    Fixed,
+    /// Each axis has its own table over its position; one of no points is 0.
+    Lines {
+        /// In this bank.
+        bank: u8,
+    },
+    /// Both axes of a plane (of the four, from 0) have the ratio at their place; the others none.
+    Plane {
+        /// In this bank.
+        bank: u8,
+        /// Whose position counts along the first direction, and along the second.
+        axes: [u8; 2],
+    },
+}
+
+/// An admitted distance follow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distance {
+    pub(super) source: Source,
+    axes: [Axis; DISTANCES],
+    /// In units of Pos.
+    reference: [i64; DISTANCES],
+    /// ratio/scale, with tables 1/scale, in 2^-(`shift` + 22).
+    factors: [i64; DISTANCES],
+    shift: u8,
+    ratios: Ratios,
+    pub(super) bounds: Option<Bounds>,
+}
+
+impl Distance {
+    /// `axes` of the controller; references in pulses; `scales` (2⁻¹⁸ to 2³² pulses) and `ratios` (|r| ≤ 2¹⁷) are the
+    /// bits of doubles; `bounds` of its own (GUS). With tables the ratios given here do not count.
+    pub fn admit(
+        source: Source,
+        axes: [Axis; DISTANCES],
+        reference: [i32; DISTANCES],
+        scales: [u64; DISTANCES],
+        ratios: [u64; DISTANCES],
+        from: Ratios,
+        bounds: Option<Bounds>,
+    ) -> Result<Distance, Refused> {
+        let mut reals = [Real::ZERO; DISTANCES];
+        for ((to, scale), ratio) in reals.iter_mut().zip(scales).zip(ratios) {
+            let (scale, ratio) = (double::real(scale)?, double::real(ratio)?);
+            if scale.is_negative() {
+                return Err(Refused::Negative);
+            }
+            if scale.width() < -17 {
+                return Err(Refused::Zero);
+            }
+            if scale.width() > 33 || ratio.width() > 18 {
+                return Err(Refused::BeyondRange);
+            }
+            *to = if from == Ratios::Fixed { ratio.div(scale) } else { scale.recip() };
+        }
+        // |f| < 2^width <= 2^36; the products with 63 bits of distance and their sum stay below 2^126.
+        let width = reals.iter().fold(-60, |width: i32, real| width.max(real.width()));
+        let shift = 60 - width - 22;
+        let factors = reals.map(|real| real.to_fixed(shift + 22) as i64);
+        let reference = reference.map(|pulses| Pos::pulses(pulses).0);
+        Ok(Distance { source, axes, reference, factors, shift: shift as u8, ratios: from, bounds })
+    }
+
+    /// The bank that it reads.
+    pub(super) fn bank(&self) -> Option<u8> {
+        match self.ratios {
+            Ratios::Fixed => None,
+            Ratios::Lines { bank } | Ratios::Plane { bank, .. } => Some(bank),
+        }
+    }
+
+    /// Made ready for the tick, where the ratios are fixed.
+    pub(super) fn terms(&self) -> Terms {
+        let of = self.factors.map(|factor| {
+            let low = factor as i32;
+            (low, (factor.wrapping_sub(low as i64) >> 32) as i32)
+        });
+        // Else the sums of four products of it by the longest way would be too many bits.
+        let usual = of.iter().all(|(low, _)| *low != i32::MIN);
+        let cut = Cut::of(if usual { self.shift as u32 } else { 0 });
+        let axes = self.axes.iter().fold(0, |key, axis| key << AXIS_BITS | axis.index() as u32);
+        let key = axes | ((self.source == Source::Encoder) as u32) << 31;
+        Terms { of, key, cut, token: 0, fresh: true, sum: 0, power: 0 }
+    }
+
+    /// Σ (place − reference)·factor.
+    #[inline(never)]
+    fn sum(&self, places: [i64; DISTANCES]) -> i128 {
+        let axes = places.iter().zip(&self.reference).zip(&self.factors);
+        axes.fold(0, |sum, ((place, reference), factor)| {
+            sum.wrapping_add(product(place.wrapping_sub(*reference), *factor))
+        })
+    }
+
+    /// Its part of the power, where ratios are those of tables; `place` tells where an axis is.
+    #[inline(never)]
+    pub(super) fn tabled(
+        &self,
+        channel: u8,
+        place: impl Fn(Axis, Source) -> Pos,
+        tables: &Tables,
+        stretches: &mut [Interval; DISTANCES],
+    ) -> i64 {
+        let places = self.axes.map(|axis| place(axis, self.source).0);
+        let along = |bank: u8, index: u8, x: i64, interval: &mut Interval| {
+            Curve::ratio(channel, bank, index).map_or(0, |curve| tables.at(curve, x, interval))
+        };
+        let mut ratios = [0i64; DISTANCES];
+        match self.ratios {
+            Ratios::Fixed => {}
+            Ratios::Lines { bank } => {
+                for ((to, index), (x, interval)) in ratios.iter_mut().zip(0..).zip(places.iter().zip(stretches)) {
+                    *to = along(bank, index, *x, interval);
+                }
+            }
+            Ratios::Plane { bank, axes } => {
+                let mut lines = [0i64; 2];
+                for ((to, axis), (index, interval)) in lines.iter_mut().zip(axes).zip((0..).zip(stretches)) {
+                    *to = along(bank, index, places.get(axis as usize).copied().unwrap_or(0), interval);
+                }
+                let [u, v] = lines;
+                let count = Curve::ratio(channel, bank, 0).map_or(0, |curve| tables.count(curve));
+                let ratio = tables.plane(channel, bank, count, u, v);
+                for axis in axes {
+                    if let Some(to) = ratios.get_mut(axis as usize) {
+                        *to = ratio;
+                    }
+                }
+            }
+        }
+        let bank = self.bank().unwrap_or(0);
+        let mut sum = 0i128;
+        let axes = places.iter().zip(self.reference).zip(self.factors.iter().zip(ratios));
+        for (axis, ((x, reference), (factor, ratio))) in (0..).zip(axes) {
+            let by = x.wrapping_sub(reference);
+            // In 2^-32 instead of the power's 2^-44.
+            let over = part(scaled(by, *factor as u64), (self.shift as u32).wrapping_add(12));
+            let share = product(over, ratio);
+            let most = tables.most(channel, bank, axis).map(|most| (most as i128).wrapping_shl(32));
+            sum = sum.wrapping_add(most.map_or(share, |most| share.max(most.wrapping_neg()).min(most)));
+        }
+        part(sum, 32)
+    }
+}
+
+/// Bits of a way, with its sign: the sums of four products by the lower half of a factor have 64.
+const DISPLACEMENT_BITS: u32 = 31;
+/// Bits of an axis in a key.
+const AXIS_BITS: u32 = 6;
+
+/// How far four axes went since the tick before: the channels of a core follow the same ones.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Displacements {
+    /// Which axes, the last one lowest, and in the top bit whether their encoders.
+    key: u32,
+    /// Of the last look, and of the one before it.
+    token: u32,
+    before: u32,
+    /// Not 0: somebody went further than [`DISPLACEMENT_BITS`] tell.
+    long: i32,
+    by: [i32; DISTANCES],
+    from: [i64; DISTANCES],
+}
+
+impl Displacements {
+    /// Of channel `index`, which nobody has looked at; tokens of different channels differ.
+    pub(super) const fn begin(index: u32) -> Displacements {
+        Displacements { key: 0, token: index + 2, before: 1, long: 1, by: [0; DISTANCES], from: [0; DISTANCES] }
+    }
+
+    /// Nobody's.
+    pub(super) const OF_NOBODY: Displacements = Displacements { key: u32::MAX, ..Displacements::begin(0) };
+
+    /// Whether they are of the axes of `key`.
+    #[inline(always)]
+    pub(super) fn are_of(&self, key: u32) -> bool {
+        self.key == key
+    }
+
+    /// A tick's look at the axes of `key`.
+    #[inline(never)]
+    pub(super) fn look(&mut self, key: u32, axes: &[AxisState]) {
+        let encoder = key >> 31 == 1;
+        // Others are another story.
+        self.before = if key == self.key { self.token } else { 1 };
+        self.token = self.token.wrapping_add(super::CHANNELS as u32);
+        (self.key, self.long) = (key, 0);
+        let mut rest = key;
+        for (by, from) in self.by.iter_mut().zip(&mut self.from).rev() {
+            let axis = axes.get((rest & ((1 << AXIS_BITS) - 1)) as usize);
+            rest >>= AXIS_BITS;
+            let place =
+                axis.map_or(
+                    0,
+                    |axis| if encoder { axis.published.encoder << Pos::FRAC_BITS } else { axis.published.pos.0 },
+                );
+            let displacement = place.wrapping_sub(*from);
+            *by = displacement as i32;
+            self.long |= (displacement >> 32) as i32 ^ *by >> (DISPLACEMENT_BITS - 1);
+            *from = place;
+        }
+    }
+}
+
+/// A distance follow of fixed ratios, made ready for the tick. Its sum is kept, exactly, and what the axes went since then is
+/// added: a way of 31 bits each, where the distances have 64. A longer one (256 pulses in a tick) takes the whole sum, and so does one
+/// that is held at the end of what a part of a power may be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Terms {
+    /// Factors: low + high·2³².
+    of: [(i32, i32); DISTANCES],
+    pub(super) key: u32,
+    cut: Cut,
+    /// The look of which the sum is.
+    token: u32,
+    /// The sum is to be made afresh.
+    fresh: bool,
+    sum: i128,
+    power: i64,
+}
+
+impl Terms {
+    pub(super) const NONE: Terms =
+        Terms { of: [(0, 0); DISTANCES], key: 0, cut: Cut::of(0), token: 0, fresh: true, sum: 0, power: 0 };
+
+    /// Its part of the power, to the nearest, at the look last taken.
+    #[inline(always)]
+    pub(super) fn power(&self) -> i64 {
+        self.power
+    }
+
+    /// There may be looks that it does not take.
+    #[inline(always)]
+    pub(super) fn rest(&mut self) {
+        self.fresh = true;
+    }
+
+    /// On to a look; `distance` is what it was made of.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, displacements: &Displacements, distance: &Option<Distance>) {
+        if self.token == displacements.before && displacements.long == 0 && !self.fresh {
+            let product = |a: i32, b: i32| (a as i64).wrapping_mul(b as i64);
+            let (mut s0, mut s32) = (0i64, 0i64);
+            for (by, (low, high)) in displacements.by.iter().zip(&self.of) {
+                s0 = s0.wrapping_add(product(*by, *low));
+                s32 = s32.wrapping_add(product(*by, *high));
+            }
+            let sum = self.sum.wrapping_add(s0 as i128).wrapping_add((s32 as i128) << 32);
+            if let Some(power) = self.cut.signed(sum) {
+                (self.token, self.sum, self.power) = (displacements.token, sum, power);
+                return;
+            }
+        }
+        if self.token != displacements.token || self.fresh {
+            self.look(displacements, distance);
+        }
+    }
+
+    /// The whole sum.
+    #[inline(never)]
+    fn look(&mut self, displacements: &Displacements, distance: &Option<Distance>) {
+        (self.token, self.fresh) = (displacements.token, false);
+        if let Some(distance) = distance {
+            self.sum = distance.sum(displacements.from);
+            self.power = part(self.sum, distance.shift as u32);
+        }
+    }
+}
+
+const _: () = assert!(Power::FRAC_BITS == 44 && Pos::FRAC_BITS == 22, "the shifts above");

@@ -1,0 +1,190 @@
+//! How fast the encoders of a path go: filtered, so that one count is no flicker (SPEC 6, "Energy").
+//!
+//! In: what each encoder has counted in a tick. Out: a [`PathSpeed`]. Owns the filtered velocities. Fails never.
+//!
+//! Each velocity goes through a lag of first order of the same time constant, and the norm is that of the filtered ones: the norm
+//! of single counts would be too large for slow paths across two axes. A channel that follows an encoder makes the filter run from
+//! there on in every tick of the path, lit or not. It begins with the path at 0, or with the velocity of the tick in which it is
+//! asked for first.
+use super::PathSpeed;
+use crate::math::wide::{mulhi_su, umulhi};
+use crate::segment::follow::share;
+use crate::units::Ns;
+
+/// How much of a new velocity counts in a tick when there is no filter.
+const ALL: u64 = u64::MAX;
+
+/// The inverse of a filter's time constant, in 2⁻⁶⁴ per ns; 0 is none, no filter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Lag(u64);
+
+impl Lag {
+    /// No filter.
+    pub const NONE: Lag = Lag(0);
+    /// 1 ms.
+    pub const POWER_ON: Lag = Lag((1 << 63) / 500_000);
+
+    /// From the inverse of a time constant of 2 ns at least.
+    pub const fn of_inverse(inverse: u64) -> Lag {
+        Lag(inverse)
+    }
+}
+
+/// The filtered velocities of the coordinates of a path.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EncoderSpeed {
+    /// Somebody has followed it.
+    used: bool,
+    /// The tick up to which it goes on; of another one the velocity is taken as it is.
+    next: Ns,
+    lag: Lag,
+    /// The period for which `share` was computed.
+    period: Ns,
+    /// How much of a new velocity counts in a tick, 2⁻⁶⁴.
+    share: u64,
+    /// 2⁻²⁸ pulse a tick.
+    velocity: [i64; 4],
+}
+
+impl EncoderSpeed {
+    pub(crate) const POWER_ON: EncoderSpeed =
+        EncoderSpeed { used: false, next: Ns(0), lag: Lag::POWER_ON, period: Ns(0), share: ALL, velocity: [0; 4] };
+
+    /// Another time constant.
+    pub(crate) fn set(&mut self, lag: Lag) {
+        (self.lag, self.period) = (lag, Ns(0));
+    }
+
+    /// The path begins, at rest, with the tick `next`.
+    pub(crate) fn begin(&mut self, next: Ns) {
+        (self.next, self.velocity) = (next, [0; 4]);
+    }
+
+    /// Whether it takes part in every tick.
+    #[inline]
+    pub(crate) fn is_used(&self) -> bool {
+        self.used
+    }
+
+    /// A tick of `period` has passed at `now`, in which the encoders have counted so much. `follows`: somebody does follow them, and not only
+    /// may from within the coming interval on.
+    pub(crate) fn step(&mut self, pulses: [i64; 4], (now, period): (Ns, Ns), follows: bool) -> PathSpeed {
+        if period != self.period {
+            (self.period, self.share) = (period, self.lag.share(period));
+        }
+        let share = if now == self.next { self.share } else { ALL };
+        self.used |= follows;
+        self.next = Ns(now.0.wrapping_add(period.0));
+        for (velocity, by) in self.velocity.iter_mut().zip(pulses) {
+            let new = by.clamp(-(u32::MAX as i64), u32::MAX as i64) << PathSpeed::COUNT_BITS;
+            *velocity = match share {
+                ALL => new,
+                // Twice the gap, and a half of the rest: to the nearest.
+                _ => velocity.wrapping_add(mulhi_su(new.wrapping_sub(*velocity) << 1, share).wrapping_add(1) >> 1),
+            };
+        }
+        PathSpeed::measured(self.velocity, period)
+    }
+}
+
+impl Lag {
+    /// 1 − exp(−period/τ), 2⁻⁶⁴.
+    #[inline(never)]
+    fn share(self, period: Ns) -> u64 {
+        let mut u = (self.0 as u128).wrapping_mul(period.0 as u128);
+        if self.0 == 0 || u >> 64 >= 44 {
+            return ALL;
+        }
+        // exp(−u) is the square of exp(−u/2), and so on: the series wants a quarter.
+        let mut halved = 0;
+        while u >> 62 != 0 {
+            (u, halved) = (u >> 1, halved + 1u32);
+        }
+        let mut remainder = !umulhi(u as u64, share(u as u64));
+        for _ in 0..halved {
+            remainder = umulhi(remainder, remainder);
+        }
+        !remainder
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_bigint::BigInt;
+
+    /// Fraction bits of what is exact here.
+    const BITS: u32 = 256;
+
+    /// Of a time constant in µs.
+    fn lag(us: u64) -> Lag {
+        Lag::of_inverse(((1u128 << 64) / (us as u128 * 1000)) as u64)
+    }
+
+    /// exp(−num/den), 2⁻²⁵⁶, to 2⁻²³⁰ and better: a series of the 1024th part, squared ten times.
+    fn exp_of_minus(num: u64, den: u64) -> BigInt {
+        let u = (BigInt::from(num) << (BITS - 10)) / den;
+        let (mut term, mut sum) = (BigInt::from(1) << BITS, BigInt::from(0));
+        for k in 1..60 {
+            sum += &term;
+            term = (-(&term * &u) >> BITS) / k;
+        }
+        for _ in 0..10 {
+            sum = (&sum * &sum) >> BITS;
+        }
+        sum
+    }
+
+    /// Against the exponential, over all time constants and periods that can be set.
+    #[test]
+    fn a_tick_counts_by_the_time_constant() {
+        assert_eq!(Lag::POWER_ON, lag(1000));
+        for tau_us in [10, 100, 250, 1000, 3000, 100_000, 1_000_000] {
+            for us in [10, 20, 50, 250, 500, 1000] {
+                let share = BigInt::from(lag(tau_us).share(Ns(us * 1000))) << (BITS - 64);
+                let want = (BigInt::from(1) << BITS) - exp_of_minus(us, tau_us);
+                let off = (&share - &want).magnitude() * 10_000_000_000u64;
+                assert!(&off < want.magnitude(), "{tau_us} us, tick {us} us: {share}, not {want}");
+            }
+        }
+        assert_eq!(Lag::NONE.share(Ns(10_000)), ALL);
+    }
+
+    /// A step of the velocity is there to 1 − 1/e after the time constant, whatever the tick is.
+    #[test]
+    fn a_step_is_answered_in_the_time_constant() {
+        for us in [10u64, 50, 250] {
+            let mut speed = EncoderSpeed::POWER_ON;
+            speed.begin(Ns(0));
+            let counts = us as i64 * 3;
+            let mut found = PathSpeed::STANDSTILL;
+            for tick in 0..1000 / us {
+                let at = (Ns(tick * us * 1000), Ns(us * 1000));
+                found = speed.step([counts, 0, -(us as i64) * 4, 0], at, true);
+            }
+            // 2⁻³⁰ pulse/ms, to a thousandth.
+            let want: BigInt = (((BigInt::from(1) << BITS) - exp_of_minus(1, 1)) * 5000) >> (BITS - 30);
+            let off = BigInt::from(found.raw()) - &want;
+            assert!(off.magnitude() < &(1u32 << 20).into(), "{us} us: {found:?}, not {want}");
+        }
+    }
+
+    /// One count is a thousandth of what it would be, in a tick of 10 us, and dies away to nothing.
+    #[test]
+    fn one_count_is_no_flicker() {
+        let mut speed = EncoderSpeed::POWER_ON;
+        speed.begin(Ns(0));
+        let at = |tick: u64| (Ns(tick * 10_000), Ns(10_000));
+        let first = speed.step([1, 0, 0, 0], at(0), true).raw();
+        assert!(((9 << 30) / 10..1 << 30).contains(&first), "{first} of 100 << 30");
+        let mut last = PathSpeed::STANDSTILL;
+        for tick in 1..3000 {
+            last = speed.step([0; 4], at(tick), true);
+        }
+        assert!(last.raw() < 1 << 16, "{last:?}");
+        // Without a filter it is the tick's.
+        speed.set(Lag::NONE);
+        assert_eq!(speed.step([1, 0, 0, 0], at(3000), true).raw(), 100 << 30);
+        assert_eq!(speed.step([0; 4], at(3001), true), PathSpeed::STANDSTILL);
+    }
+}

@@ -1,0 +1,346 @@
+//! The power law of a channel: direct power, velocity follow, distance follow and their bounds.
+//!
+//! In: settings, the speeds of paths and the places of axes at a tick. Out: the power from that tick on. Owns the
+//! settings. Cannot fail: what is beyond a bound is held there.
+//!
+//! | family | power |
+//! | --- | --- |
+//! | GUS | direct, or ratio·v + min held in the follow's bounds; + distance; held in the bounds of the distance and of the mode |
+//! | LSR | direct (+ ratio·v + min) + distance, held in the bounds of the follow and of the mode |
+//!
+//! Each part is held at ±2¹⁷ of the power's unit. Of several bounds the lower ones act first: where they exclude each other the lowest upper one is output.
+use super::buffered::Buffered;
+use super::distance_follow::{Distance, Terms};
+use super::power::{Bounds, Power};
+use super::power_tables::{Curve, DISTANCES, Interval};
+use super::velocity_follow::{Gain, PathSpeed, Ratio, Source};
+use super::{Mode, Surroundings};
+use crate::units::{Crd, CrdMask};
+
+/// Which of the two laser manuals holds where they differ (SPEC 2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Family {
+    /// GUS: direct power ends a follow.
+    #[default]
+    Gus,
+    /// LSR: direct power adds to a follow.
+    Lsr,
+}
+
+/// Power as a function of the speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Of {
+    Ratio(Ratio),
+    Table(Curve),
+}
+
+/// A velocity follow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Follow {
+    crd: Crd,
+    of: Of,
+    bounds: Bounds,
+}
+
+/// What a velocity follow adds, as the tick finds it.
+#[derive(Debug, Clone, Copy)]
+enum Part {
+    None,
+    Ratio(Gain),
+    Table(Curve),
+}
+
+/// What a distance follow adds, as the tick finds it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Added {
+    Nothing,
+    Terms,
+    Tables,
+}
+
+/// The settings as one sum, made ready for the tick.
+#[derive(Debug, Clone, Copy)]
+struct Mix {
+    /// What does not move, 2⁻⁴⁴.
+    base: i64,
+    /// Bounds of all.
+    low: i64,
+    high: i64,
+    part: Part,
+    /// Whose speed: [`Speeds::place`].
+    speed: usize,
+    added: Added,
+    /// The power may be another one in each tick.
+    moves: bool,
+    /// Bounds of the part that follows the speed, where the distance is added after them.
+    held: Option<(i64, i64)>,
+}
+
+/// The law of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Law {
+    /// Always of the settings below: what changes one of them ends with [`Law::renew`].
+    mix: Mix,
+    terms: Terms,
+    /// The coordinate systems whose planned speed it follows, and that of whose encoders.
+    pub(super) planned: CrdMask,
+    pub(super) encoder: CrdMask,
+    channel: u8,
+    family: Family,
+    direct: Power,
+    bounds: Bounds,
+    source: Source,
+    follow: Option<Follow>,
+    distance: Option<Distance>,
+    interval: Interval,
+    stretches: [Interval; DISTANCES],
+}
+
+impl Law {
+    pub(super) const fn power_on(channel: u8, family: Family) -> Law {
+        let full = Bounds::full(Mode::Duty).max().raw();
+        let (part, added) = (Part::None, Added::Nothing);
+        Law {
+            mix: Mix { base: 0, low: 0, high: full, part, speed: 0, added, moves: false, held: None },
+            terms: Terms::NONE,
+            planned: CrdMask(0),
+            encoder: CrdMask(0),
+            channel,
+            family,
+            direct: Power::ZERO,
+            bounds: Bounds::full(Mode::Duty),
+            source: Source::Planned,
+            follow: None,
+            distance: None,
+            interval: Interval::NONE,
+            stretches: [Interval::NONE; DISTANCES],
+        }
+    }
+
+    /// Which channel's it is.
+    pub(super) fn channel(&self) -> u8 {
+        self.channel
+    }
+
+    /// The bank of ratios that the distance follow reads.
+    pub(super) fn bank(&self) -> Option<u8> {
+        self.distance.and_then(|distance| distance.bank())
+    }
+
+    /// The table of powers that the velocity follow reads.
+    pub(super) fn table(&self) -> Option<Curve> {
+        match self.follow?.of {
+            Of::Table(curve) => Some(curve),
+            Of::Ratio(_) => None,
+        }
+    }
+
+    /// Direct power.
+    pub(super) fn direct(&self) -> Power {
+        self.direct
+    }
+
+    /// Bounds of the power mode.
+    pub(super) fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Others.
+    pub(super) fn set_bounds(&mut self, bounds: Bounds) {
+        self.bounds = bounds;
+        self.renew();
+    }
+
+    /// Direct power by a command.
+    pub(super) fn set_direct(&mut self, power: Power) {
+        self.direct = power;
+        if self.family == Family::Gus {
+            self.follow = None;
+        }
+        self.renew();
+    }
+
+    /// Another mode: no direct power, no velocity follow.
+    pub(super) fn leave_mode(&mut self) {
+        (self.direct, self.follow) = (Power::ZERO, None);
+        self.renew();
+    }
+
+    /// A distance follow begins, changes or ends.
+    pub(super) fn set_distance(&mut self, distance: Option<Distance>) {
+        self.distance = distance;
+        self.stretches = [Interval::NONE; DISTANCES];
+        self.terms = distance.map_or(Terms::NONE, |distance| distance.terms());
+        self.renew();
+    }
+
+    /// What an entry of a path says about the power.
+    pub(super) fn change(&mut self, crd: Crd, change: &Buffered) {
+        self.take(crd, change);
+        self.renew();
+    }
+
+    fn take(&mut self, crd: Crd, change: &Buffered) {
+        let (of, bounds) = match *change {
+            Buffered::Gate { .. } => return,
+            Buffered::Direct { power } => return self.set_direct(power),
+            Buffered::FollowMode { source, start } => {
+                self.source = source;
+                self.direct = start.unwrap_or(self.direct);
+                return;
+            }
+            Buffered::FollowOff => {
+                self.follow = None;
+                return;
+            }
+            Buffered::FollowRatio { ratio, bounds } => (Of::Ratio(ratio), bounds),
+            Buffered::PrfFollow { ratio, bounds } => {
+                self.source = Source::Planned;
+                (Of::Ratio(ratio), bounds)
+            }
+            Buffered::FollowTable { table, bounds } => (Of::Table(table), bounds),
+        };
+        self.interval = Interval::NONE;
+        self.follow = Some(Follow { crd, of, bounds });
+    }
+
+    /// Ends a follow that one of these began (Stop, bits 10 and 11).
+    pub(super) fn end_follow(&mut self, crds: CrdMask) {
+        if self.follow.is_some_and(|follow| crds.has(follow.crd)) {
+            self.follow = None;
+            self.renew();
+        }
+    }
+
+    /// Whose path it follows.
+    pub(super) fn follows(&self) -> Option<Crd> {
+        self.follow.as_ref().map(|follow| follow.crd)
+    }
+
+    /// Which speed a follow follows.
+    pub(super) fn source(&self) -> Source {
+        self.source
+    }
+
+    /// Whether the power may be another one in each tick.
+    #[inline]
+    pub(super) fn moves(&self) -> bool {
+        self.mix.moves
+    }
+
+    /// Makes the settings ready for the tick.
+    #[inline(never)]
+    fn renew(&mut self) {
+        let direct = self.direct.raw();
+        let (mut low, mut high) = (self.bounds.min().raw(), self.bounds.max().raw());
+        let (mut base, mut part, mut held) = (direct, Part::None, None);
+        (self.planned, self.encoder) = (CrdMask(0), CrdMask(0));
+        if let Some(Follow { crd, of, bounds }) = self.follow {
+            let (min, max) = (bounds.min().raw(), bounds.max().raw());
+            (part, base) = match of {
+                Of::Ratio(ratio) => (Part::Ratio(ratio.gain()), min),
+                Of::Table(curve) => (Part::Table(curve), 0),
+            };
+            match (self.family, &self.distance) {
+                (Family::Gus, Some(_)) => held = Some((min, max)),
+                (Family::Gus, None) => (low, high) = (low.max(min), high.min(max)),
+                (Family::Lsr, _) => {
+                    base = base.wrapping_add(direct);
+                    (low, high) = (low.max(min), high.min(max));
+                }
+            }
+            *if self.source == Source::Planned { &mut self.planned } else { &mut self.encoder } = crd.mask();
+        }
+        let added = match &self.distance {
+            None => Added::Nothing,
+            Some(distance) if distance.bank().is_none() => Added::Terms,
+            Some(_) => Added::Tables,
+        };
+        if let Some(bounds) = self.distance.as_ref().and_then(|distance| distance.bounds)
+            && self.family == Family::Gus
+        {
+            (low, high) = (low.max(bounds.min().raw()), high.min(bounds.max().raw()));
+        }
+        let speed = self.follow.map_or(0, |follow| Speeds::place(follow.crd, self.encoder.0 != 0));
+        let moves = self.follow.is_some() || self.distance.is_some();
+        self.mix = Mix { base, low, high, part, speed, added, moves, held };
+    }
+
+    /// The axes whose places count by fixed ratios, if any do.
+    #[inline(always)]
+    pub(super) fn places(&self) -> Option<u32> {
+        (self.mix.added == Added::Terms).then_some(self.terms.key)
+    }
+
+    /// It does not ask for its power in this tick: the next time all of it is to be made.
+    #[inline(always)]
+    pub(super) fn rest(&mut self) {
+        self.terms.rest();
+    }
+
+    /// The power in force from the tick that is computed.
+    #[inline(always)]
+    pub(super) fn power(&mut self, around: &Surroundings<'_>) -> Power {
+        let Mix { base, low, high, part, speed, added, held, .. } = &self.mix;
+        if *added == Added::Terms {
+            self.terms.advance(around.displacements, &self.distance);
+        }
+        let mut sum = *base;
+        let speed = || around.speed(*speed);
+        match part {
+            Part::None => {}
+            Part::Ratio(gain) => sum = sum.wrapping_add(gain.power(speed())),
+            Part::Table(curve) => {
+                let x = speed().raw().min(i64::MAX as u64) as i64;
+                sum = sum.wrapping_add(around.tables.at(*curve, x, &mut self.interval));
+            }
+        }
+        if let Some((min, max)) = held {
+            sum = sum.max(*min).min(*max);
+        }
+        let added = match added {
+            Added::Nothing => 0,
+            Added::Terms => self.terms.power(),
+            Added::Tables => match &self.distance {
+                Some(distance) => {
+                    let place = |axis, source| around.place(axis, source);
+                    distance.tabled(self.channel, place, around.tables, &mut self.stretches)
+                }
+                None => 0,
+            },
+        };
+        Power::bounded(sum.wrapping_add(added).max(*low).min(*high))
+    }
+}
+
+/// Speeds of all paths, for all channels; a path that is not fed is at rest.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Speeds {
+    /// Which of them are fed, a bit each.
+    pub(super) fed: u32,
+    /// Planned ones, then those of encoders.
+    pub(super) of: [PathSpeed; 2 * Crd::MAX],
+}
+
+impl Speeds {
+    pub(super) const STANDSTILL: Speeds = Speeds { fed: 0, of: [PathSpeed::STANDSTILL; 2 * Crd::MAX] };
+
+    /// Where the speed of a path stands.
+    #[inline(always)]
+    pub(super) fn place(crd: Crd, encoder: bool) -> usize {
+        if encoder { Crd::MAX.wrapping_add(crd.index()) } else { crd.index() }
+    }
+
+    /// Feeds one.
+    #[inline(always)]
+    pub(super) fn put(&mut self, place: usize, speed: PathSpeed) {
+        if let Some(to) = self.of.get_mut(place) {
+            *to = speed;
+            self.fed |= 1 << (place & PLACES);
+        }
+    }
+}
+
+/// The bits of a place.
+pub(super) const PLACES: usize = 2 * Crd::MAX - 1;
+const _: () = assert!(2 * Crd::MAX <= 32 && PLACES & (2 * Crd::MAX) == 0, "a bit of a word each");

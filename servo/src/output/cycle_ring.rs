@@ -1,0 +1,218 @@
+//! The ring through which rounds go to a timer: half-words in the order of its registers, read by DMA again and again.
+//!
+//! In: rounds, ticks, how far DMA has read. Out: half-words; whether they are read where they should be. Owns the order of the places.
+//! Fails by [`CycleRing::renew`] being false. Every place that is not told is a dark round of no length, which stops the timer for
+//! good (RM0433 38.3.1): what is read too early, or when no tick comes any more, is no light. What is over becomes so in the next tick.
+use core::sync::atomic::{AtomicU16, Ordering};
+
+/// Places that are made dark at once before a start.
+const AT_ONCE: usize = 64;
+
+/// A place: length − 1, how often − 1, and compare registers.
+type Slot<const WORDS: usize> = [AtomicU16; WORDS];
+
+/// The half-words.
+pub type Slots<const SLOTS: usize, const WORDS: usize> = [Slot<WORDS>; SLOTS];
+
+/// See the module text.
+#[derive(Debug)]
+pub struct CycleRing<const SLOTS: usize, const WORDS: usize> {
+    slots: &'static Slots<SLOTS, WORDS>,
+    /// A dark round of no length.
+    dark: [u16; WORDS],
+    /// Places that are told next, and where they end.
+    free: &'static [Slot<WORDS>],
+    end: usize,
+    /// The first place that is not dark again.
+    lit: usize,
+    /// The first place that this tick tells: what lies before it is over when the next one begins.
+    queued: usize,
+    /// What the last two places last: DMA reads one when the second one before it begins, at the earliest.
+    last: [u32; 2],
+    /// No place was left for a round.
+    is_full: bool,
+}
+
+impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
+    /// Half-words of the ring.
+    pub const WORDS: usize = SLOTS * WORDS;
+
+    /// Nothing is dark yet.
+    pub const fn new(slots: &'static Slots<SLOTS, WORDS>, dark: [u16; WORDS]) -> Self {
+        CycleRing { slots, dark, free: &[], end: 0, lit: 0, queued: 0, last: [0; 2], is_full: false }
+    }
+
+    #[inline(always)]
+    fn darken(slots: Option<&[Slot<WORDS>]>, dark: [u16; WORDS]) {
+        for slot in slots.unwrap_or_default() {
+            for (word, dark) in slot.iter().zip(dark) {
+                word.store(dark, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Before a start: some more places dark; true once all are.
+    pub fn clear(&mut self) -> bool {
+        let behind = self.lit.wrapping_add(AT_ONCE).min(SLOTS);
+        Self::darken(self.slots.get(self.lit..behind), self.dark);
+        self.lit = behind;
+        behind == SLOTS
+    }
+
+    /// A start, with two dark rounds of a length of `first` before what is told.
+    pub fn begin(&mut self, first: u16) {
+        (self.lit, self.queued, self.last, self.is_full) = (0, 0, [first.into(); 2], false);
+        (self.free, self.end) = (&[], 0);
+    }
+
+    /// The stream stands: nothing is taken for dark any more.
+    pub fn stop(&mut self) {
+        self.lit = 0;
+    }
+
+    /// Half-words of the compare registers of a dark round.
+    pub fn dark(&self) -> &[u16] {
+        self.dark.get(2..).unwrap_or_default()
+    }
+
+    /// More places that may be told, up to the ring's end or to what is lit; one is not: a ring that is told as a whole looks like one of
+    /// which nothing is.
+    #[cold]
+    fn open(&mut self) {
+        let slot = self.slot();
+        self.end = match self.lit.checked_sub(1) {
+            None => SLOTS.wrapping_sub(1),
+            Some(last) if slot < self.lit => last,
+            Some(_) => SLOTS,
+        };
+        self.free = self.slots.get(slot..self.end).unwrap_or_default();
+    }
+
+    /// The next place that is told.
+    #[inline(always)]
+    fn slot(&self) -> usize {
+        let slot = self.end.wrapping_sub(self.free.len());
+        if slot < SLOTS { slot } else { 0 }
+    }
+
+    /// Some equal rounds more: their length in counts, how many they are, and the half-words of their compare registers.
+    #[inline(always)]
+    pub fn put(&mut self, length: u32, times: u32, compare: impl IntoIterator<Item = u32>) {
+        if self.free.is_empty() {
+            self.open();
+        }
+        let Some((slot, free)) = self.free.split_first() else {
+            self.is_full = true;
+            return;
+        };
+        self.free = free;
+        let [to_length, to_times, to @ ..] = slot.as_slice() else { return };
+        to_length.store(length.wrapping_sub(1) as u16, Ordering::Relaxed);
+        to_times.store(times.wrapping_sub(1) as u16, Ordering::Relaxed);
+        for (to, value) in to.iter().zip(compare) {
+            to.store(value as u16, Ordering::Relaxed);
+        }
+        self.last = [self.last[1], length.wrapping_mul(times)];
+    }
+
+    /// The half-word that is told next.
+    pub fn next_word(&self) -> usize {
+        self.slot().wrapping_mul(WORDS)
+    }
+
+    /// How long before the end of what is told the next round is read at the earliest, in counts.
+    #[inline(always)]
+    pub fn ahead(&self) -> u32 {
+        self.last[0].wrapping_add(self.last[1])
+    }
+
+    /// A tick begins while the timer runs; DMA has read so many half-words of this turn. What is over is dark again. False if
+    /// DMA is not where it should be, between what was over then and what was told, or a round had no place.
+    #[inline(never)]
+    pub fn renew(&mut self, read: usize) -> bool {
+        let over = self.queued;
+        let turns_over = over < self.lit;
+        let mut slots = self.slots.get(self.lit..if turns_over { SLOTS } else { over });
+        let mut first = turns_over.then_some(over);
+        // A loop of two turns at most, so that what makes places dark is there once: it runs from memory that is scarce.
+        loop {
+            Self::darken(slots, self.dark);
+            let Some(behind) = first.take() else { break };
+            slots = self.slots.get(..behind);
+        }
+        (self.lit, self.queued) = (over, self.slot());
+        let begin = over.wrapping_mul(WORDS);
+        let from = |at: usize| if at < begin { at.wrapping_add(Self::WORDS) } else { at }.wrapping_sub(begin);
+        !self.is_full && from(read) <= from(self.queued.wrapping_mul(WORDS))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    static SLOTS: Slots<8, 3> = [const { [const { AtomicU16::new(7) }; 3] }; 8];
+
+    /// Whatever DMA reads that is not told, of this tick or the one before, stops its timer in the dark.
+    #[test]
+    fn what_is_not_told_has_no_length_and_no_light() {
+        let mut ring = CycleRing::new(&SLOTS, [0, 0, 0]);
+        while !ring.clear() {}
+        ring.begin(168);
+        let mut queued = 0usize;
+        let mut read = 0usize;
+        for tick in 0..100usize {
+            assert!(ring.renew(read), "tick {tick}");
+            let over = queued;
+            for _ in 0..tick % 4 {
+                ring.put(100, tick as u32 % 5 + 1, [40]);
+                queued += 1;
+            }
+            read = queued * 3 % (8 * 3);
+            let words = |slot: usize| SLOTS[slot % 8].each_ref().map(|word| word.load(Ordering::Relaxed));
+            for slot in over..queued {
+                assert_eq!(words(slot), [99, tick as u16 % 5, 40], "tick {tick}");
+            }
+            let before = over.saturating_sub((tick + 3) % 4);
+            for slot in queued..before + 8 {
+                assert_eq!(words(slot), [0; 3], "tick {tick}, {} places behind", slot - queued);
+            }
+        }
+        // DMA beyond what is told.
+        assert!(!ring.renew((queued + 1) * 3 % (8 * 3)));
+    }
+
+    static FULL: Slots<8, 3> = [const { [const { AtomicU16::new(7) }; 3] }; 8];
+
+    /// Wherever the ring stands: no place of this tick or the one before is told anew, and the tick behind says so.
+    #[test]
+    fn a_round_without_a_place_is_not_told() {
+        for before in 0..24usize {
+            let mut ring = CycleRing::new(&FULL, [0, 0, 0]);
+            while !ring.clear() {}
+            ring.begin(168);
+            let mut queued = 0;
+            for _ in 0..before {
+                assert!(ring.renew(queued * 3 % (8 * 3)));
+                ring.put(100, 1, [40]);
+                queued += 1;
+            }
+            assert!(ring.renew(queued * 3 % (8 * 3)));
+            let kept = before.min(1);
+            for more in 0..7 - kept {
+                ring.put(200 + more as u32, 1, [80]);
+            }
+            let words = || FULL.each_ref().map(|slot| slot.each_ref().map(|word| word.load(Ordering::Relaxed)));
+            let full = words();
+            assert_eq!(full.iter().filter(|slot| slot[0] >= 199).count(), 7 - kept, "after {before}: {full:?}");
+            assert_eq!(
+                full[queued.wrapping_sub(1) % 8][0],
+                if before > 0 { 99 } else { 0 },
+                "after {before}: {full:?}"
+            );
+            ring.put(300, 1, [80]);
+            assert_eq!(words(), full, "after {before}");
+            assert!(!ring.renew(queued * 3 % (8 * 3)), "after {before}");
+        }
+    }
+}

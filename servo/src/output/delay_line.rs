@@ -1,0 +1,205 @@
+//! A plan that waits for its time, in few words: for a machine that carries out what was planned a tick later.
+//!
+//! In: a [`Plan`] a tick. Out: its actions, once more; voltages are not among them. Owns the words. Fails by [`DelayLine::put`]
+//! being false, where a plan has more trains than there is room for.
+//!
+//! An action is a word, and behind it the counts of its train that are others than those of the train of its kind before it
+//! (of light, and of standby): within a tick few are.
+use crate::laser::{Action, Count, PLACES, Plan, Rate, Train};
+use crate::path::INSTANTS;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// Words that hold any plan of the tick: all actions, and the trains of those that begin the interval, which are two, and of
+/// what paths carry, which is one at each of [`INSTANTS`] for each of two.
+pub const WORDS: usize = PLACES + 8 * (2 + 2 * INSTANTS as usize);
+
+/// Of an action's word: its instant, what it is, a level or a cut, and whether counts follow.
+const INSTANT: u32 = (1 << 20) - 1;
+const KIND: u32 = 20;
+const FLAG: u32 = 1 << 22;
+const PERIOD: u32 = 1 << 23;
+const WIDTH: u32 = 1 << 24;
+
+const SWITCH: u32 = 0;
+const LIGHT: u32 = 1;
+const CHANGE: u32 = 2;
+const DARK: u32 = 3;
+
+/// See the module text.
+#[derive(Debug)]
+pub struct DelayLine {
+    words: &'static [AtomicU32],
+    len: usize,
+    lights: bool,
+}
+
+impl DelayLine {
+    /// Nothing.
+    pub const fn new(words: &'static [AtomicU32]) -> DelayLine {
+        DelayLine { words, len: 0, lights: false }
+    }
+
+    /// Nothing is held any more.
+    pub fn clear(&mut self) {
+        (self.len, self.lights) = (0, false);
+    }
+
+    /// Whether what is held has anything to show.
+    pub fn lights(&self) -> bool {
+        self.lights
+    }
+
+    fn add(&mut self, word: u32) -> bool {
+        let Some(place) = self.words.get(self.len) else { return false };
+        place.store(word, Ordering::Relaxed);
+        self.len = self.len.wrapping_add(1);
+        true
+    }
+
+    fn add_count(&mut self, count: &Count) -> bool {
+        let Count { whole, part, of } = *count;
+        let free = self.words.get(self.len..).unwrap_or_default();
+        let Some(places) = free.first_chunk::<4>() else { return false };
+        for (place, word) in places.iter().zip([whole as u32, (whole >> 32) as u32, part, of]) {
+            place.store(word, Ordering::Relaxed);
+        }
+        self.len = self.len.wrapping_add(4);
+        true
+    }
+
+    /// Holds a plan instead of what was held. False if it has no room: then nothing is held.
+    #[inline]
+    pub fn put(&mut self, plan: &Plan) -> bool {
+        self.clear();
+        if plan.actions().is_empty() {
+            return true;
+        }
+        // Of light, of standby.
+        let mut trains = [&Train::NONE; 2];
+        for (at, action) in plan.actions() {
+            let (word, train) = match action {
+                Action::Switch(active) => {
+                    self.lights |= *active;
+                    (SWITCH << KIND | if *active { FLAG } else { 0 }, None)
+                }
+                Action::Light(train) => (LIGHT << KIND, Some(train)),
+                Action::Change(train) => (CHANGE << KIND, Some(train)),
+                Action::Rate(rate) => {
+                    if !self.add_rate(CHANGE << KIND | FLAG | at & INSTANT, rate) {
+                        self.clear();
+                        return false;
+                    }
+                    continue;
+                }
+                Action::Dark { standby, cut } => (DARK << KIND | if *cut { FLAG } else { 0 }, Some(standby)),
+                Action::Volts(_) => continue,
+            };
+            if !self.add_action(word | at & INSTANT, train, &mut trains) {
+                self.clear();
+                return false;
+            }
+        }
+        true
+    }
+
+    /// A word, and all of a rate.
+    #[inline(never)]
+    fn add_rate(&mut self, word: u32, rate: &Rate) -> bool {
+        let Rate { period, width, scale, shift } = rate;
+        self.lights |= !rate.is_pause();
+        self.add(word) && self.add_count(period) && self.add_count(&Count { whole: *scale, part: *width, of: *shift })
+    }
+
+    /// A word, and what is new of its train.
+    fn add_action<'a>(&mut self, word: u32, train: Option<&'a Train>, trains: &mut [&'a Train; 2]) -> bool {
+        let Some(train) = train else { return self.add(word) };
+        self.lights |= !train.is_silent();
+        let [light, standby] = trains;
+        let before = if word >> KIND & 3 == DARK { standby } else { light };
+        let (period, width) = (before.period != train.period, before.width != train.width);
+        *before = train;
+        self.add(word | if period { PERIOD } else { 0 } | if width { WIDTH } else { 0 })
+            && (!period || self.add_count(&train.period))
+            && (!width || self.add_count(&train.width))
+    }
+
+    /// What is held, as the plan had it: ns from the interval's beginning, and what happens there.
+    #[inline]
+    pub fn actions(&self) -> impl Iterator<Item = (u32, Action)> {
+        let words = self.words.get(..self.len).unwrap_or_default();
+        Replay { words, next: 0, periods: [0; 2], widths: [0; 2] }
+    }
+}
+
+struct Replay<'a> {
+    words: &'a [AtomicU32],
+    next: usize,
+    /// Where the counts of a train of light and of standby lie; 0, where an action does, of none.
+    periods: [usize; 2],
+    widths: [usize; 2],
+}
+
+impl Replay<'_> {
+    fn word(&self, at: usize) -> Option<u32> {
+        self.words.get(at).map(|word| word.load(Ordering::Relaxed))
+    }
+
+    /// All of a rate.
+    #[inline(never)]
+    fn rate(&mut self) -> Action {
+        let (period, other) = (self.skip(), self.skip());
+        let Count { whole: scale, part: width, of: shift } = self.counts(other);
+        Action::Rate(Rate { period: self.counts(period), width, scale, shift })
+    }
+
+    /// The place of counts that come next.
+    fn skip(&mut self) -> usize {
+        let at = self.next;
+        self.next = at.wrapping_add(4);
+        at
+    }
+
+    fn counts(&self, at: usize) -> Count {
+        match self.words.get(at..at.wrapping_add(4)) {
+            Some([low, high, part, of]) if at != 0 => {
+                let [low, high, part, of] = [low, high, part, of].map(|word| word.load(Ordering::Relaxed));
+                Count { whole: (high as u64) << 32 | low as u64, part, of }
+            }
+            _ => Train::NONE.period,
+        }
+    }
+}
+
+impl Iterator for Replay<'_> {
+    type Item = (u32, Action);
+
+    fn next(&mut self) -> Option<(u32, Action)> {
+        let word = self.word(self.next)?;
+        self.next = self.next.wrapping_add(1);
+        let (at, kind, flag) = (word & INSTANT, word >> KIND & 3, word & FLAG != 0);
+        if kind == SWITCH {
+            return Some((at, Action::Switch(flag)));
+        }
+        if kind == CHANGE && flag {
+            return Some((at, self.rate()));
+        }
+        let (mut period, mut width) = (0, 0);
+        if word & PERIOD != 0 {
+            period = self.skip();
+        }
+        if word & WIDTH != 0 {
+            width = self.skip();
+        }
+        let ([of_light, of_standby], [by_light, by_standby]) = (&mut self.periods, &mut self.widths);
+        let (periods, widths) = if kind == DARK { (of_standby, by_standby) } else { (of_light, by_light) };
+        (*periods, *widths) = (if period == 0 { *periods } else { period }, if width == 0 { *widths } else { width });
+        let (period, width) = (*periods, *widths);
+        let train = Train { period: self.counts(period), width: self.counts(width) };
+        let action = match kind {
+            LIGHT => Action::Light(train),
+            CHANGE => Action::Change(train),
+            _ => Action::Dark { standby: train, cut: flag },
+        };
+        Some((at, action))
+    }
+}

@@ -1,0 +1,186 @@
+//! The switch outputs of both channels as rounds of one timer, in each of which an output may fall once and then rise once.
+//!
+//! In: the actions of the plans of a tick. Out: rounds ([`Cycle`]). Owns levels, and the round that is not told yet. Fails never.
+//!
+//! An active pulse shorter than [`MIN_COUNTS`] may be missing, where the round that would begin with its end had no room; the
+//! shortest pulse that a command asks for is 1 µs. Gaps are as they should be, whatever their length.
+use super::cycles::{LATE, Lengths, Scale};
+use crate::laser::CHANNELS;
+use crate::laser::{Action, PLACES};
+
+/// The shortest round, in counts: 500 ns at 240 MHz, in which DMA brings six half-words.
+pub const MIN_COUNTS: u32 = 120;
+
+/// Behind the end of any round.
+const NEVER: u32 = 65_535;
+/// Behind the end of what is known.
+const FAR: u32 = u32::MAX;
+
+/// A round: its length in counts, and for each output the count at which it falls, if it begins active, and the one at
+/// which it rises: active are counts below the first one and from the second one on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Cycle {
+    /// Counts, at most 65 535.
+    pub length: u32,
+    /// 0: it begins inactive.
+    pub falls: [u32; CHANNELS],
+    /// The length or more: it does not rise.
+    pub rises: [u32; CHANNELS],
+}
+
+/// An output in the round that is not told yet, in counts from its beginning.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    /// It is active until then; [`FAR`]: so far.
+    falls: u32,
+    /// And again from then on; [`FAR`]: not so far.
+    rises: u32,
+}
+
+impl Line {
+    const INACTIVE: Line = Line { falls: 0, rises: FAR };
+    const ACTIVE: Line = Line { falls: FAR, rises: FAR };
+
+    /// The round ends after so many counts, and the next one begins.
+    #[inline(always)]
+    fn renew(&mut self, length: u32) {
+        if self.rises <= length {
+            *self = Line::ACTIVE;
+            return;
+        }
+        for edge in [&mut self.falls, &mut self.rises] {
+            if *edge != FAR {
+                *edge = edge.saturating_sub(length);
+            }
+        }
+    }
+}
+
+/// See the module text. Instants are counts of the timer since it began.
+#[derive(Debug, Clone)]
+pub struct GateCycles {
+    scale: Scale,
+    begin: u64,
+    lines: [Line; CHANNELS],
+    known: u64,
+    /// Edges of the first channel, until the second one's are known too: counts from the interval's beginning, twice, and the
+    /// level in the last bit.
+    edges: [u32; PLACES],
+    waiting: usize,
+}
+
+impl GateCycles {
+    /// Inactive; the first round begins at this count.
+    pub const fn from(begin: u64, scale: Scale) -> GateCycles {
+        GateCycles { scale, begin, lines: [Line::INACTIVE; CHANNELS], known: begin, edges: [0; PLACES], waiting: 0 }
+    }
+
+    /// Where the rounds told so far end.
+    pub const fn queued(&self) -> u64 {
+        self.begin
+    }
+
+    /// What is not told yet of an output is inactive.
+    pub fn shut_off(&mut self, channel: usize) {
+        if let Some(line) = self.lines.get_mut(channel) {
+            *line = Line::INACTIVE;
+        }
+        if channel == 0 {
+            self.waiting = 0;
+        }
+    }
+
+    /// The first channel's actions of the interval whose second ones come to [`GateCycles::take`].
+    #[inline]
+    pub fn hold(&mut self, actions: impl Iterator<Item = (u32, Action)>) {
+        self.waiting = 0;
+        for (at, action) in actions {
+            if let Action::Switch(level) = action
+                && let Some(place) = self.edges.get_mut(self.waiting)
+            {
+                *place = self.scale.counts(at) << 1 | u32::from(level);
+                self.waiting = self.waiting.wrapping_add(1);
+            }
+        }
+    }
+
+    /// The second channel's actions of the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by
+    /// both. An action beyond the interval takes place at its end.
+    #[inline]
+    pub fn take(
+        &mut self,
+        from: u64,
+        to: u64,
+        actions: impl Iterator<Item = (u32, Action)>,
+        sink: &mut impl FnMut(Cycle),
+    ) {
+        self.known = to;
+        let mut held = 0;
+        for (at, action) in actions {
+            if let Action::Switch(level) = action {
+                let at = self.scale.counts(at);
+                held = self.held_to(at, from, held, sink);
+                self.edge(1, from.wrapping_add(at.into()), level, sink);
+            }
+        }
+        self.held_to(u32::MAX >> 1, from, held, sink);
+        self.waiting = 0;
+        let certain = self.counts_to(to).saturating_sub(MIN_COUNTS);
+        if certain >= MIN_COUNTS {
+            self.close(certain, sink);
+        }
+    }
+
+    /// From the beginning of the round that is not told yet; what is known is far below 2³² counts.
+    #[inline(always)]
+    fn counts_to(&self, at: u64) -> u32 {
+        at.saturating_sub(self.begin) as u32
+    }
+
+    /// The first channel's edges up to `to`, included; `held` of them are done, and the result after it.
+    fn held_to(&mut self, to: u32, from: u64, held: usize, sink: &mut impl FnMut(Cycle)) -> usize {
+        let mut held = held;
+        while let Some(edge) = self.edges.get(held).copied().filter(|edge| held < self.waiting && edge >> 1 <= to) {
+            self.edge(0, from.wrapping_add((edge >> 1).into()), edge & 1 == 1, sink);
+            held = held.wrapping_add(1);
+        }
+        held
+    }
+
+    /// An output goes to a level.
+    fn edge(&mut self, channel: usize, at: u64, level: bool, sink: &mut impl FnMut(Cycle)) {
+        let at = self.counts_to(at.min(self.known));
+        let Some(line) = self.lines.get_mut(channel) else { return };
+        match (level, line.rises == FAR) {
+            // It is active.
+            (true, false) => {}
+            (true, true) if line.falls == FAR => {}
+            // It fell in this instant.
+            (true, true) if line.falls == at => line.falls = FAR,
+            (true, true) => line.rises = at,
+            (false, true) => line.falls = line.falls.min(at),
+            (false, false) if at == line.rises || at < MIN_COUNTS => line.rises = FAR,
+            (false, false) => {
+                self.close(at, sink);
+                if let Some(line) = self.lines.get_mut(channel) {
+                    *line = Line::INACTIVE;
+                }
+            }
+        }
+    }
+
+    /// Tells everything for so many counts, behind which a round begins.
+    fn close(&mut self, counts: u32, sink: &mut impl FnMut(Cycle)) {
+        let is_late = counts.wrapping_add(LATE * MIN_COUNTS) > self.counts_to(self.known);
+        for length in Lengths::of(counts, MIN_COUNTS, is_late) {
+            let mut cycle = Cycle { length, ..Cycle::default() };
+            for ((line, falls), rises) in self.lines.iter_mut().zip(&mut cycle.falls).zip(&mut cycle.rises) {
+                *falls = line.falls.min(length);
+                *rises = if line.rises < length { line.rises } else { NEVER };
+                line.renew(length);
+            }
+            sink(cycle);
+        }
+        self.begin = self.begin.wrapping_add(counts.into());
+    }
+}

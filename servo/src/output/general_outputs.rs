@@ -1,0 +1,140 @@
+//! Outputs that change at instants inside the coming interval.
+//!
+//! In: changes with their instants, in the order in which they are found, which is that of time for each coordinate
+//! system. Out: the same in the order of time, to the machine. Owns: those of one tick; of an instant one for each group and
+//! each analog output. Fails: never; a path holds where there is no room for more.
+use crate::capacity::GeneralOutputs;
+use crate::op::DoGroup;
+use crate::path::INSTANTS;
+use crate::port::Port;
+use crate::units::Crd;
+
+/// One at each instant at which a path may carry out something.
+const ROOM: usize = Crd::MAX * INSTANTS as usize;
+
+/// What changes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Change {
+    /// Outputs of a group go to the levels of `value` where `mask` is set.
+    Digital { group: DoGroup, mask: u64, value: u64 },
+    /// An analog output.
+    Analog { channel: u8, value: i16 },
+}
+
+impl Change {
+    /// Whether a later change of the same instant is a part of this one from now on.
+    fn takes(&mut self, later: Change) -> bool {
+        match (self, later) {
+            (Change::Digital { group, mask, value }, Change::Digital { group: of, mask: also, value: levels })
+                if *group == of =>
+            {
+                *value = *value & !also | levels & also;
+                *mask |= also;
+                true
+            }
+            (Change::Analog { channel, value }, Change::Analog { channel: of, value: level }) if *channel == of => {
+                *value = level;
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+/// What a change has set.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Set {
+    /// The general outputs.
+    General(GeneralOutputs),
+    /// An analog output.
+    Analog { channel: u8, value: i16 },
+}
+
+/// The changes of one tick.
+#[derive(Debug)]
+pub(crate) struct Edges {
+    list: [(u32, Change); ROOM],
+    count: usize,
+}
+
+/// Levels of the digital outputs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Levels {
+    pub(crate) enable: u64,
+    pub(crate) clear: u64,
+    pub(crate) general: GeneralOutputs,
+}
+
+impl Edges {
+    pub(crate) const NONE: Edges = Edges { list: [(0, Change::Analog { channel: 0, value: 0 }); ROOM], count: 0 };
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Whether one more change has a place.
+    pub(crate) fn has_room(&self) -> bool {
+        self.count < ROOM
+    }
+
+    /// A change `at` ns after the tick computed; after those of the same instant, of which it may be a part.
+    pub(crate) fn add(&mut self, at: u32, change: Change) {
+        let list = self.list.get_mut(..self.count).unwrap_or_default();
+        if list
+            .iter_mut()
+            .rev()
+            .take_while(|before| before.0 >= at)
+            .any(|before| before.0 == at && before.1.takes(change))
+        {
+            return;
+        }
+        let mut place = self.count.min(ROOM - 1);
+        self.count = place + 1;
+        while place > 0
+            && let Some(&before) = self.list.get(place - 1)
+            && before.0 > at
+        {
+            if let Some(here) = self.list.get_mut(place) {
+                *here = before;
+            }
+            place -= 1;
+        }
+        if let Some(here) = self.list.get_mut(place) {
+            *here = (at, change);
+        }
+    }
+
+    /// Hands them to the machine, whose outputs have these levels at the tick computed, and the general and analog outputs with
+    /// their instants to `queued`; the levels at the end.
+    #[inline(never)]
+    pub(crate) fn flush(
+        &mut self,
+        mut levels: Levels,
+        port: &mut impl Port,
+        mut queued: impl FnMut(u32, Set),
+    ) -> Levels {
+        for &(at, change) in self.list.iter().take(self.count) {
+            match change {
+                Change::Digital { group, mask, value } => {
+                    let set = |word: u64| word & !mask | value & mask;
+                    match group {
+                        DoGroup::Enable => levels.enable = set(levels.enable),
+                        DoGroup::Clear => levels.clear = set(levels.clear),
+                        DoGroup::General => {
+                            let (mask, value) = (mask as GeneralOutputs, value as GeneralOutputs);
+                            levels.general = levels.general & !mask | value & mask;
+                        }
+                    }
+                    port.outputs(at, levels.enable, levels.clear, levels.general);
+                    queued(at, Set::General(levels.general));
+                }
+                Change::Analog { channel, value } => {
+                    port.analog_out(at, channel as usize, value);
+                    queued(at, Set::Analog { channel, value });
+                }
+            }
+        }
+        self.count = 0;
+        levels
+    }
+}

@@ -1,0 +1,581 @@
+//! A coordinate system that moves.
+//!
+//! In: entries from two FIFOs and how many of them are there, instants, Stops. Out: a [`Step`] a tick; what entries
+//! do, with exact instants, to an [`Effects`]. Owns: the motion in force, a cursor for each FIFO. Fails: entries that
+//! run out at speed end the path there, [`PathStop::Underrun`].
+//!
+//! [`Path::step`] for the tick at `t` first passes the boundaries up to `t`, looks where the path is, and then passes
+//! those before `t + period`: the path stands a period ahead of what it shows. A Stop, an override and new data act
+//! at `t`, which no boundary beyond has been told of yet.
+mod advance;
+mod cursor;
+mod fast_path;
+mod interface;
+mod motions;
+mod position;
+mod prepared_start;
+mod stop;
+
+pub use cursor::GEARS;
+pub use interface::{Effects, Feed, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample};
+
+use super::entry::Along;
+use super::geometry::{Along as Geared, Bend, Draft, Shape};
+use super::speed_profile::{Phase, Plan, Sketch};
+use super::store::Entries;
+use super::{DIMENSIONS, Fine};
+use crate::laser::PathSpeed;
+use crate::math::real::Real;
+use crate::segment::piece::{Motion, Piece};
+use crate::units::{Axis, Exact, Ns, Pos};
+use cursor::{Cursor, Gear, ORIGIN, Past};
+use fast_path::Turn;
+
+/// Entries with effects in a tick, a move counted [`Entry::load`] times; the path holds before the next one until the next
+/// tick. As many may stand between two motions that are passed at speed.
+pub(crate) const EFFECTS: u32 = 32;
+/// Instants of a tick at which they take effect.
+pub(crate) const INSTANTS: u32 = 8;
+/// Motions entered in a tick; the same holds.
+const MOTIONS: u32 = 32;
+/// What the path does now.
+#[derive(Debug, Clone, Copy)]
+enum Stage {
+    /// Nothing.
+    Standstill,
+    /// It waits where it is.
+    Wait { until: Fine },
+    /// It is in a leg of a motion.
+    Move,
+}
+
+/// What stands behind a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum After {
+    /// Another motion.
+    Motion,
+    /// A wait, or more effects than a tick carries out.
+    Halt,
+    /// Nothing so far.
+    Nothing,
+}
+
+/// A coordinate system that moves. What every tick looks at stands first.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Path {
+    stage: Stage,
+    stand: MotionPosition,
+    /// The way since the last look to the end of the last leg that has ended since, if one has.
+    swept: Option<Exact>,
+    /// Then: where it stood at that look.
+    past: Past,
+    /// The end of the FIFO, if nothing stood behind the motion in force when it was planned.
+    open: Option<u32>,
+    fifo: u8,
+    /// Which motion, and which piece, is in force.
+    at: u8,
+    piece: u8,
+    /// The piece in force is made.
+    pieced: bool,
+    /// What the short way may do: show where it is, and go over the end of the leg in force. Decided where it may change.
+    fast: bool,
+    turn: Turn,
+    /// What is shown has to be written as a whole.
+    fresh: bool,
+    /// Whether somebody follows a coordinate; then what happens between looks is kept: up to the last look, and since.
+    led: bool,
+    stopping: bool,
+    /// Of the plan of the motion in force, what comes behind its first leg is not made yet (`sketch`).
+    unfinished: bool,
+    /// The leg as a piece, once it is needed, and the one behind it, if it is made ahead.
+    pieces: [PackedPhase; 2],
+    /// Where it stands behind the end of the leg in force, if that is where the next motion begins (`turn`).
+    coming: MotionPosition,
+    /// When the piece behind the one in force begins, if it is made.
+    follows: Option<Fine>,
+    /// The instant up to which all boundaries have been passed, and the speed there.
+    time: Fine,
+    speed: Real,
+    cursors: [Cursor; 2],
+    /// The motion in force, and the one behind it, made ahead in ticks that have time for it.
+    motions: [Prepared; 2],
+    /// Where it is while it does not move.
+    here: [Pos; DIMENSIONS],
+    /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
+    pub rules: Rules,
+    /// What is being made of the motion behind the one in force, or, as long as that is `unfinished`, of its plan.
+    draft: Draft,
+    sketch: Sketch,
+    /// At rest: what of it there is, is of a start with this FIFO, as if it began at 0.
+    prepared: Option<u8>,
+    wake: TrajectorySample,
+    since: TrajectorySample,
+}
+
+/// A leg as the tick takes it.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+struct PackedPhase {
+    /// Its speed, where it is even.
+    even: Option<PathSpeed>,
+    piece: Piece,
+}
+
+impl PackedPhase {
+    /// Becomes a leg that begins then, where so much of the way is done.
+    #[inline(always)]
+    fn make(&mut self, phase: &Phase, begin: Fine, from: Exact) {
+        phase.piece(begin, from, &mut self.piece);
+        self.even = PathSpeed::even(&self.piece.motion);
+    }
+}
+
+/// Where it stands in the motion in force.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+struct MotionPosition {
+    /// When the leg in force began, and the way done there.
+    began: Fine,
+    distance: Exact,
+    /// When the leg or the wait in force is over.
+    over: Fine,
+    /// The way along the motion when it was looked at last, or 0 if it was entered since.
+    sampled: Pos,
+    /// Which leg.
+    phase: usize,
+}
+
+impl MotionPosition {
+    const NONE: MotionPosition = MotionPosition { began: 0, distance: Exact(0), over: 0, sampled: Pos(0), phase: 0 };
+}
+
+/// A motion as far as it is made.
+#[derive(Debug, Clone, Copy)]
+struct Prepared {
+    /// Counter of its entry.
+    counter: u32,
+    state: State,
+    along: Along,
+    shape: Shape,
+    plan: Plan,
+    /// The end of the FIFO, if nothing stood behind it when its plan was begun.
+    open: Option<u32>,
+}
+
+/// How far a motion is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum State {
+    /// Nothing of it.
+    Nothing,
+    /// Some of its geometry.
+    Begun,
+    /// All of its geometry.
+    Shaped,
+    /// Some of its plan.
+    Sketched,
+    /// All of it, or all that one without length has.
+    Ready,
+}
+
+impl Prepared {
+    const NOTHING: Prepared = Prepared {
+        counter: 0,
+        state: State::Nothing,
+        along: Along::NONE,
+        shape: Shape::NONE,
+        plan: Plan::NONE,
+        open: None,
+    };
+}
+
+/// What a step may still do, and until when the path holds if that is not enough.
+struct Budget {
+    effects: u32,
+    /// Instants left, and the last one with an effect.
+    instants: u32,
+    last: Fine,
+    motions: u32,
+    hold: Fine,
+}
+
+impl Budget {
+    /// Of a tick at whose end the path goes on if this is not enough.
+    fn new(hold: Fine) -> Budget {
+        Budget { effects: EFFECTS, instants: INSTANTS, last: Fine::MAX, motions: MOTIONS, hold }
+    }
+
+    /// Whether an effect of this load at this instant is carried out in this tick.
+    #[inline]
+    fn takes(&mut self, load: u32, at: Fine) -> bool {
+        let more = (at != self.last) as u32;
+        if self.effects < load || self.instants < more {
+            return false;
+        }
+        self.effects = self.effects.wrapping_sub(load);
+        self.instants = self.instants.wrapping_sub(more);
+        self.last = at;
+        true
+    }
+}
+
+impl Path {
+    /// At rest in the origin, FIFOs empty.
+    pub const IDLE: Path = Path {
+        rules: Rules::POWER_ON,
+        stage: Stage::Standstill,
+        cursors: [Cursor::NEW; 2],
+        fifo: 0,
+        here: ORIGIN,
+        time: 0,
+        speed: Real::ZERO,
+        stopping: false,
+        unfinished: false,
+        motions: [Prepared::NOTHING; 2],
+        at: 0,
+        draft: Draft::Nothing,
+        sketch: Sketch::NONE,
+        prepared: None,
+        stand: MotionPosition::NONE,
+        coming: MotionPosition::NONE,
+        pieces: [PackedPhase { even: None, piece: Piece::standstill(Ns(0), 0, Pos(0)) }; 2],
+        piece: 0,
+        pieced: false,
+        fast: false,
+        turn: Turn::Else,
+        follows: None,
+        fresh: true,
+        swept: None,
+        past: Past::NONE,
+        open: None,
+        led: false,
+        wake: TrajectorySample::NONE,
+        since: TrajectorySample::NONE,
+    };
+
+    /// At rest here, FIFOs empty (SetCrdPrm).
+    pub fn position(&mut self, at: [Pos; DIMENSIONS]) {
+        // In place, field by field: a path is some kilobytes. What the pattern leaves out is known by name: it stays, and is
+        // not looked at before it is made anew.
+        let Path {
+            stage,
+            stand,
+            swept,
+            past: _,
+            open,
+            fifo,
+            at: _,
+            piece: _,
+            pieced,
+            fast,
+            turn,
+            fresh,
+            led,
+            stopping,
+            unfinished,
+            pieces: _,
+            coming: _,
+            follows,
+            time,
+            speed,
+            cursors,
+            motions,
+            here,
+            rules: _,
+            draft: _,
+            sketch: _,
+            prepared,
+            wake,
+            since,
+        } = self;
+        let on = &Path::IDLE;
+        (*stage, *stand, *swept, *open, *fifo) = (on.stage, on.stand, on.swept, on.open, on.fifo);
+        (*pieced, *fresh, *led, *stopping) = (on.pieced, on.fresh, on.led, on.stopping);
+        *unfinished = on.unfinished;
+        (*fast, *turn) = (on.fast, on.turn);
+        (*follows, *time, *speed, *here, *prepared) = (on.follows, on.time, on.speed, at, on.prepared);
+        cursors.iter_mut().for_each(Cursor::clear);
+        motions.iter_mut().for_each(|made| made.state = State::Nothing);
+        (wake.count, wake.turns, since.count) = (0, [None; DIMENSIONS], 0);
+    }
+
+    /// Empties a FIFO at rest.
+    pub fn clear(&mut self, fifo: u8) {
+        self.discard_prepared();
+        self.cursor(fifo).clear();
+    }
+
+    /// Its FIFOs, which are empty, have carried out so many entries and motions more: see [`crate::tick::Tick::age_counts`].
+    pub(crate) fn age(&mut self, by: u32) {
+        self.discard_prepared();
+        for Cursor { next, done, .. } in &mut self.cursors {
+            (*next, *done) = (next.wrapping_add(by), done.wrapping_add(by));
+        }
+    }
+
+    /// At rest, it is here: its axes are called something else now.
+    pub fn rename(&mut self, here: [Pos; DIMENSIONS]) {
+        self.discard_prepared();
+        (self.here, self.fresh) = (here, true);
+    }
+
+    /// Where it is while it does not move.
+    pub fn here(&self) -> [Pos; DIMENSIONS] {
+        self.here
+    }
+
+    /// Whether a start with this FIFO goes on where the FIFO was left.
+    pub fn goes_on(&self, fifo: u8) -> bool {
+        self.cursor_of(fifo).kept
+    }
+
+    /// Whether what the coordinates do between ticks is wanted from now on.
+    #[inline(always)]
+    pub fn watch(&mut self, led: bool) {
+        if led && !self.led {
+            self.since.count = 0;
+        }
+        if led != self.led {
+            self.led = led;
+            self.line_up();
+        }
+    }
+
+    /// What they did up to the last look.
+    pub fn wake(&self) -> &TrajectorySample {
+        &self.wake
+    }
+
+    /// Whether it waits.
+    pub fn waits(&self) -> bool {
+        matches!(self.stage, Stage::Wait { .. })
+    }
+
+    /// Whether it brakes.
+    pub fn stops(&self) -> bool {
+        self.stopping
+    }
+
+    /// Of a FIFO that was left, or begins, within a motion: the axes that go along, and how far they have gone.
+    pub fn gears(&self, fifo: u8) -> impl Iterator<Item = (Axis, Pos)> {
+        let cursor = self.cursor_of(fifo);
+        let (inside, distance) = (if cursor.inside { cursor.geared } else { 0 }, cursor.distance.round());
+        cursor.gears.iter().take(inside).map(move |gear| (gear.axis, gear.along.at(distance)))
+    }
+
+    /// Whether it moves or waits.
+    pub fn runs(&self) -> bool {
+        !matches!(self.stage, Stage::Standstill)
+    }
+
+    /// Entries of a FIFO that are over; their places are free.
+    pub fn released(&self, fifo: u8) -> u32 {
+        self.cursor_of(fifo).released()
+    }
+
+    /// Motions of a FIFO completed since it was cleared.
+    pub fn done(&self, fifo: u8) -> u32 {
+        self.cursor_of(fifo).done
+    }
+
+    /// The motion in force. The mask is the bound: the check folds away.
+    #[inline(always)]
+    fn motion(&self) -> &Prepared {
+        &self.motions[(self.at & 1) as usize]
+    }
+
+    #[inline(always)]
+    fn motion_mut(&mut self) -> &mut Prepared {
+        &mut self.motions[(self.at & 1) as usize]
+    }
+
+    /// The one behind it.
+    #[inline(always)]
+    fn ahead(&self) -> &Prepared {
+        &self.motions[(!self.at & 1) as usize]
+    }
+
+    #[inline(always)]
+    fn ahead_mut(&mut self) -> &mut Prepared {
+        &mut self.motions[(!self.at & 1) as usize]
+    }
+
+    fn cursor_of(&self, fifo: u8) -> &Cursor {
+        let [first, second] = &self.cursors;
+        if fifo == 0 { first } else { second }
+    }
+
+    fn cursor(&mut self, fifo: u8) -> &mut Cursor {
+        let [first, second] = &mut self.cursors;
+        if fifo == 0 { first } else { second }
+    }
+
+    /// Whether it cannot start: it runs, there is nothing to do, or a FIFO that was left is to go on from a place
+    /// more than a pulse from where the path is: targets are whole pulses, so nobody can come back nearer.
+    pub fn refuses_start(&self, fifo: u8, feed: Feed) -> bool {
+        let cursor = self.cursor_of(fifo);
+        let empty = !cursor.inside && cursor.left == 0 && cursor.next == end_of(feed, fifo);
+        let far = |(left, here): (&Pos, &Pos)| left.0.abs_diff(here.0) > 1 << Pos::FRAC_BITS;
+        self.runs() || empty || cursor.kept && cursor.position.iter().zip(&self.here).any(far)
+    }
+
+    /// Begins, or goes on, at `next`.
+    pub fn start(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
+        self.set_off(next, fifo, feed, source);
+        self.line_up();
+    }
+
+    fn set_off(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
+        (self.fifo, self.stopping, self.speed, self.pieced) = (fifo, false, Real::ZERO, false);
+        self.time = (next.0 as Fine) << 32;
+        self.take_prepared_start(next, fifo);
+        let cursor = self.cursor(fifo);
+        cursor.kept = false;
+        let Cursor { inside, from, distance, left, next: counter, .. } = *cursor;
+        cursor.left = 0;
+        self.wait(self.time.wrapping_add(left));
+        if inside {
+            let counter = counter.wrapping_sub(1);
+            if self.is_known(counter) {
+                self.enter_prepared(from, distance, feed, source);
+                return;
+            }
+            self.enter(from, counter, &source.entry(fifo, counter).item());
+            (self.stand.distance, self.stand.sampled) = (distance, distance.round());
+            self.plan_rest(feed, source);
+        }
+    }
+
+    /// The motion in force is planned anew from `next` on, because a rule has changed.
+    pub fn replan(&mut self, next: Ns, feed: Feed, source: &impl Entries) {
+        if let Stage::Move = self.stage {
+            self.catch_up((next.0 as Fine) << 32);
+            self.plan_rest(feed, source);
+        } else {
+            self.follows = None;
+            self.unplan();
+        }
+        self.line_up();
+    }
+
+    /// The path at `next`; then all boundaries before `next + period`.
+    pub fn step(&mut self, next: Ns, period: Ns, feed: Feed, source: &impl Entries, sink: &mut impl Effects) -> Step {
+        let (heading, bend, motion) = ([0; DIMENSIONS], Bend::STRAIGHT, Motion::STANDSTILL);
+        let mut step = Step { position: ORIGIN, heading, bend, motion, runs: false, fifo: 0, done: 0 };
+        let Step { position, heading, bend, motion, .. } = &mut step;
+        self.fresh = true;
+        let mut sight = PathReport { position, heading, bend, motion, turns: &mut 0 };
+        let reported = self.advance(next, period, feed, source, sink, &mut sight, true);
+        Step { runs: reported.runs, fifo: reported.fifo, done: reported.done, ..step }
+    }
+
+    /// The same, shown where it was shown in the step before; something of what follows is made ahead only where
+    /// `may_prepare`.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "a step, and where it goes to")]
+    pub fn advance(
+        &mut self,
+        next: Ns,
+        period: Ns,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+        sight: &mut PathReport<'_>,
+        may_prepare: bool,
+    ) -> StepReport {
+        let reported = self.go(next, period, feed, source, sink, sight, may_prepare);
+        self.line_up();
+        reported
+    }
+
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "a step, and where it goes to")]
+    fn go(
+        &mut self,
+        next: Ns,
+        period: Ns,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+        sight: &mut PathReport<'_>,
+        may_prepare: bool,
+    ) -> StepReport {
+        let now = (next.0 as Fine) << 32;
+        let until = now.wrapping_add((period.0 as Fine) << 32);
+        let mut budget = Budget::new(until);
+        // A tick that enters something or makes a piece does not make anything ahead.
+        let mut has_time = may_prepare && self.pieced;
+        if self.is_due(next) {
+            self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
+            has_time = false;
+        }
+        if self.has_changed(feed) {
+            self.extend(now, feed, source);
+            self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
+            has_time = false;
+        }
+        let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.stand.sampled);
+        let released = [self.released(0), self.released(1)];
+        let moves = self.look(next, sink, sight);
+        if moves && !sink.admits(sight.position) {
+            self.hold(now, (before.into(), self.stand.sampled.into()), sink, feed);
+            self.look(next, sink, sight);
+            return StepReport { runs: false, fifo, done, released };
+        }
+        let runs = self.runs();
+        if self.is_due_before(next, period) {
+            self.walk(until, &mut budget, feed, source, sink);
+        } else if has_time {
+            self.prepare(feed, source);
+        }
+        StepReport { runs, fifo, done, released }
+    }
+
+    /// What lies behind the place at `next` that [`Path::fast_step`] has told: all boundaries before `next + period`.
+    #[inline(always)]
+    pub fn go_through(&mut self, next: Ns, period: Ns, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
+        let until = ((next.0.wrapping_add(period.0)) as Fine) << 32;
+        let mut budget = Budget::new(until);
+        self.walk(until, &mut budget, feed, source, sink);
+        self.line_up();
+    }
+
+    /// FIFO in force, or that was last.
+    pub fn fifo(&self) -> u8 {
+        self.fifo
+    }
+
+    /// What is shown has to be told as a whole.
+    pub fn is_fresh(&self) -> bool {
+        self.fresh
+    }
+
+    /// Whether a boundary lies at or before `next`.
+    #[inline(always)]
+    pub fn is_due(&self, next: Ns) -> bool {
+        self.stand.over <= (next.0 as Fine) << 32
+    }
+
+    /// Whether one lies before `next + period`.
+    #[inline(always)]
+    pub fn is_due_before(&self, next: Ns, period: Ns) -> bool {
+        self.is_due_until(Ns(next.0.wrapping_add(period.0)))
+    }
+
+    /// Whether one lies before `until`.
+    #[inline(always)]
+    pub(crate) fn is_due_until(&self, until: Ns) -> bool {
+        ((self.stand.over >> 32) as u64) < until.0
+    }
+
+    /// Whether data has come where none was.
+    #[inline(always)]
+    fn has_changed(&self, feed: Feed) -> bool {
+        self.open.is_some_and(|sampled| sampled != end_of(feed, self.fifo))
+    }
+}
+
+fn end_of(feed: Feed, fifo: u8) -> u32 {
+    let [first, second] = feed.ends;
+    if fifo == 0 { first } else { second }
+}

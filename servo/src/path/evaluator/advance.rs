@@ -1,0 +1,300 @@
+//! From boundary to boundary: legs, motions, waits, effects, rest.
+//!
+//! In: an instant up to which boundaries are passed, entries. Out: what entries do, to an [`Effects`]. Owns nothing
+//! beyond the [`Path`]. Fails: entries that run out at speed are an underrun.
+use super::interface::{Effects, Feed, PathStop};
+use super::{Budget, Gear, Geared, Path, Prepared, Stage, State, Turn, end_of};
+use crate::math::real::Real;
+use crate::path::entry::{Entry, Item};
+use crate::path::speed_profile::Phase;
+use crate::path::store::Entries;
+use crate::path::{DIMENSIONS, Fine};
+use crate::units::{Exact, Pos};
+
+impl Path {
+    /// It waits where it is.
+    pub(super) fn wait(&mut self, until: Fine) {
+        (self.stage, self.stand.over, self.fresh) = (Stage::Wait { until }, until, true);
+    }
+
+    /// The leg in force ends then; what has no leg left is over now.
+    pub(super) fn set_over(&mut self) {
+        let left = self.motion().plan.phase(self.stand.phase).map_or(0, |phase| phase.time);
+        self.stand.over = self.stand.began.wrapping_add(left);
+    }
+
+    /// Passes all boundaries before `limit`.
+    pub(super) fn walk(
+        &mut self,
+        limit: Fine,
+        budget: &mut Budget,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+    ) {
+        while self.stand.over < limit {
+            match self.stage {
+                Stage::Standstill => return,
+                Stage::Wait { until } => {
+                    self.time = until;
+                    self.cursor(self.fifo).inside = false;
+                    if self.swept.is_none() {
+                        self.keep_past(Pos(0));
+                        self.swept = Some(Exact(0));
+                    }
+                    self.go_on(budget, feed, source, sink);
+                }
+                Stage::Move => {
+                    if self.unfinished {
+                        self.finish();
+                    }
+                    if self.end_phase() {
+                        continue;
+                    }
+                    if self.motion().plan.halts {
+                        self.halt(self.time, PathStop::Stopped, feed, sink);
+                    } else if !sink.admits(self.motion().shape.end()) {
+                        let distance = self.motion().shape.length().to_exact();
+                        self.hold(self.time, (self.stand.sampled.into(), distance), sink, feed);
+                    } else {
+                        self.leave(sink);
+                        self.go_on(budget, feed, source, sink);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The same for one boundary, if all there is to do is to go on with what was made ahead; `admits` tells whether the
+    /// path may be where the motion in force ends. Whether it was passed.
+    #[inline(always)]
+    pub fn turn(&mut self, feed: Feed, admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool) -> bool {
+        self.turn_at::<true>(feed, admits).is_some()
+    }
+
+    /// The same; entries and motions of the FIFO in force that are over then. What it has gone since the last look is for a
+    /// boundary that is behind a look, or it will not be asked for.
+    #[inline(always)]
+    pub(crate) fn turn_at<const SWEPT: bool>(
+        &mut self,
+        feed: Feed,
+        admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool,
+    ) -> Option<[u32; 2]> {
+        match self.turn {
+            Turn::Motion => {}
+            Turn::Phase => {
+                self.turn = Turn::Else;
+                return self.end_phase().then(|| self.counts());
+            }
+            Turn::Else => return None,
+        }
+        let (Prepared { shape, plan, .. }, Prepared { open, .. }) = (self.motion(), self.ahead());
+        let open = *open;
+        if open.is_some_and(|sampled| sampled != end_of(feed, self.fifo)) || !admits(shape.end()) {
+            return None;
+        }
+        // All that the ends of a leg and of a motion, the change to the next one and the begin of its plan do, if nobody looks
+        // in between: place and speed of the boundary are those of the motions, nothing is ahead, `inside` stays.
+        if SWEPT {
+            let Phase { length, .. } = plan.phase(self.stand.phase)?;
+            let length = *length;
+            self.sweep(length);
+        }
+        let cursor = &mut self.cursors[(self.fifo & 1) as usize];
+        // The entry of the motion that begins is not over.
+        let (released, done) = (cursor.next, cursor.done.wrapping_add(1));
+        (cursor.next, cursor.done) = (released.wrapping_add(1), done);
+        self.ahead_mut().state = State::Nothing;
+        (self.stand, self.open, self.at, self.piece) = (self.coming, open, self.at ^ 1, self.piece ^ 1);
+        (self.follows, self.fresh, self.turn) = (None, true, Turn::Else);
+        Some([released, done])
+    }
+
+    /// To the end of the leg in force, which is so long.
+    #[inline(always)]
+    fn sweep(&mut self, length: Exact) {
+        let so_far = match self.swept {
+            Some(swept) => swept.0,
+            None => {
+                self.keep_past(self.stand.sampled);
+                self.stand.distance.0.wrapping_sub(Exact::from(self.stand.sampled).0)
+            }
+        };
+        self.swept = Some(Exact(length.0.wrapping_add(so_far)));
+    }
+
+    /// The leg in force is over; whether another one of the motion has begun.
+    #[inline(always)]
+    fn end_phase(&mut self) -> bool {
+        let Some(&Phase { length, .. }) = self.motion().plan.phase(self.stand.phase) else { return false };
+        self.sweep(length);
+        self.stand.distance = Exact(self.stand.distance.0.wrapping_add(length.0));
+        (self.stand.began, self.time) = (self.stand.over, self.stand.over);
+        self.stand.phase = self.stand.phase.wrapping_add(1);
+        if self.motion().plan.phase(self.stand.phase).is_some() {
+            self.take_piece();
+            self.set_over();
+            return true;
+        }
+        // The piece behind it is for what begins there.
+        self.pieced = false;
+        false
+    }
+
+    /// The motion in force is over.
+    #[inline(always)]
+    fn close(&mut self) {
+        let Prepared { shape, plan, .. } = self.motion();
+        let (&here, speed) = (shape.end(), plan.exit);
+        (self.here, self.speed, self.open) = (here, speed, None);
+        let cursor = self.cursor(self.fifo);
+        cursor.inside = false;
+        cursor.done = cursor.done.wrapping_add(1);
+    }
+
+    /// The same, and what goes along is told.
+    fn leave(&mut self, sink: &mut impl Effects) {
+        self.close();
+        if self.led {
+            self.since.pass(self.time, self.here);
+        }
+        let cursor = self.cursor(self.fifo);
+        for gear in cursor.gears.iter().take(cursor.geared) {
+            sink.geared(gear.axis, gear.pulses);
+        }
+        cursor.geared = 0;
+    }
+
+    /// At a boundary: on to the next motion, wait or rest.
+    pub(super) fn go_on(&mut self, budget: &mut Budget, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
+        loop {
+            let cursor = self.cursor(self.fifo);
+            let counter = cursor.next;
+            cursor.again &= counter != cursor.reported;
+            if counter == end_of(feed, self.fifo) {
+                let rest = if self.speed.is_zero() { PathStop::Completed } else { PathStop::Underrun };
+                self.rest(self.time, rest, feed, sink);
+                return;
+            }
+            if self.stopping && self.speed.is_zero() {
+                self.rest(self.time, PathStop::Stopped, feed, sink);
+                return;
+            }
+            let prepared = self.is_known(counter);
+            let entry = (!prepared).then(|| source.entry(self.fifo, counter));
+            let moves = entry.is_none_or(|entry| entry.is_motion());
+            let takes = match &entry {
+                Some(entry) if !moves => sink.has_room() && budget.takes(entry.load(), self.time),
+                _ => {
+                    let left = budget.motions != 0;
+                    budget.motions = budget.motions.saturating_sub(1);
+                    left
+                }
+            };
+            if !takes {
+                self.wait(budget.hold);
+                return;
+            }
+            self.cursor(self.fifo).next = counter.wrapping_add(1);
+            match &entry {
+                None => self.enter_prepared(self.here, Exact(0), feed, source),
+                Some(entry) => {
+                    if let Some(until) = self.take(counter, entry, feed, source, sink) {
+                        if self.stopping {
+                            // Where it brakes to rest it waits for nothing: the wait is made by the start that goes on.
+                            return self.rest_in_wait(until, feed, sink);
+                        }
+                        self.wait(until);
+                        self.speed = Real::ZERO;
+                        return;
+                    }
+                }
+            }
+            if moves {
+                if self.motion().shape.length().is_zero() {
+                    let speed = self.speed;
+                    self.leave(sink);
+                    self.speed = speed;
+                } else {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Carries out an entry that nothing was made of ahead; the instant until which the path waits for it.
+    #[inline(never)]
+    fn take(
+        &mut self,
+        counter: u32,
+        entry: &Entry,
+        feed: Feed,
+        source: &impl Entries,
+        sink: &mut impl Effects,
+    ) -> Option<Fine> {
+        match &entry.item() {
+            Item::Nothing => None,
+            Item::Delay { ms } => Some(self.time.wrapping_add((*ms as Fine * 1_000_000) << 32)),
+            Item::Change(_) if self.cursor(self.fifo).again => None,
+            Item::Change(change) => {
+                let wait = sink.change(self.time, change);
+                self.cursor(self.fifo).inside = wait != 0;
+                (wait != 0).then(|| self.time.wrapping_add(wait))
+            }
+            Item::Gear { axis, pulses } => {
+                let cursor = self.cursor(self.fifo);
+                if let Some(gear) = cursor.gears.iter_mut().take(cursor.geared).find(|gear| gear.axis == *axis) {
+                    gear.pulses = gear.pulses.saturating_add(*pulses);
+                } else if let Some(gear) = cursor.gears.get_mut(cursor.geared) {
+                    *gear = Gear { axis: *axis, pulses: *pulses, along: Geared::NONE };
+                    cursor.geared = cursor.geared.wrapping_add(1);
+                } else {
+                    sink.surplus(*axis);
+                }
+                None
+            }
+            item => {
+                self.enter(self.here, counter, item);
+                (self.stand.distance, self.stand.sampled) = (Exact(0), Pos(0));
+                if !self.motion().shape.length().is_zero() {
+                    self.plan_rest(feed, source);
+                }
+                None
+            }
+        }
+    }
+
+    /// Comes to rest within a motion.
+    pub(super) fn halt(&mut self, at: Fine, rest: PathStop, feed: Feed, sink: &mut impl Effects) {
+        let (distance, shape) = (self.stand.distance, &self.motion().shape);
+        let (here, from) = (shape.at(distance.round()), *shape.start());
+        self.here = here;
+        let cursor = self.cursor(self.fifo);
+        (cursor.distance, cursor.from) = (distance, from);
+        self.rest(at, rest, feed, sink);
+    }
+
+    /// Comes to rest where it waits, or would wait, until an instant: what is left of that stays.
+    pub(super) fn rest_in_wait(&mut self, until: Fine, feed: Feed, sink: &mut impl Effects) {
+        let now = self.time;
+        let cursor = self.cursor(self.fifo);
+        if cursor.inside {
+            // A move that is waited for is made again: its axis may be stopped, too.
+            (cursor.inside, cursor.next) = (false, cursor.next.wrapping_sub(1));
+        } else {
+            cursor.left = until.saturating_sub(now);
+        }
+        self.rest(now, PathStop::Stopped, feed, sink);
+    }
+
+    /// Comes to rest here.
+    pub(super) fn rest(&mut self, at: Fine, rest: PathStop, feed: Feed, sink: &mut impl Effects) {
+        (self.stage, self.speed, self.stopping, self.open) = (Stage::Standstill, Real::ZERO, false, None);
+        (self.stand.over, self.fresh, self.unfinished) = (Fine::MAX, true, false);
+        let (here, end) = (self.here, end_of(feed, self.fifo));
+        let cursor = self.cursor(self.fifo);
+        cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;
+        cursor.position = here;
+        sink.rest(at, rest);
+    }
+}

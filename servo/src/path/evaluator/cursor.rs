@@ -1,0 +1,89 @@
+//! Where one FIFO of a path stands, and what goes along with its motion.
+use crate::path::geometry::Along as Geared;
+use crate::path::{DIMENSIONS, Fine};
+use crate::units::{Axis, Exact, Pos};
+
+/// Axes that go along with one motion.
+pub const GEARS: usize = 4;
+
+/// What goes along with a motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gear {
+    pub(super) axis: Axis,
+    pub(super) pulses: i32,
+    pub(super) along: Geared,
+}
+
+/// Where one FIFO stands.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cursor {
+    /// Counter of the next entry.
+    pub(super) next: u32,
+    /// Motions completed.
+    pub(super) done: u32,
+    /// The motion before `next`, or the move that is waited for, is not over.
+    pub(super) inside: bool,
+    /// It was left with something to do, at `position`.
+    pub(super) kept: bool,
+    pub(super) position: [Pos; DIMENSIONS],
+    /// Of that motion: where it began, and the way done.
+    pub(super) from: [Pos; DIMENSIONS],
+    pub(super) distance: Exact,
+    /// What is left of a wait.
+    pub(super) left: Fine,
+    pub(super) gears: [Gear; GEARS],
+    pub(super) geared: usize,
+    /// It was set back: entries before `reported` have been carried out, and are passed.
+    pub(super) again: bool,
+    pub(super) reported: u32,
+}
+
+/// Where a FIFO stood at a look.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Past {
+    pub(super) next: u32,
+    pub(super) done: u32,
+    pub(super) inside: bool,
+    pub(super) from: [Pos; DIMENSIONS],
+    pub(super) distance: Pos,
+}
+
+impl Past {
+    pub(super) const NONE: Past = Past { next: 0, done: 0, inside: false, from: ORIGIN, distance: Pos(0) };
+}
+
+const NO_GEAR: Gear = Gear { axis: Axis::FIRST, pulses: 0, along: Geared::NONE };
+pub(super) const ORIGIN: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS];
+
+impl Cursor {
+    pub(super) const NEW: Cursor = Cursor {
+        next: 0,
+        done: 0,
+        inside: false,
+        kept: false,
+        position: ORIGIN,
+        from: ORIGIN,
+        distance: Exact(0),
+        left: 0,
+        gears: [NO_GEAR; GEARS],
+        geared: 0,
+        again: false,
+        reported: 0,
+    };
+
+    /// Entries that are over.
+    #[inline(always)]
+    pub(super) fn released(&self) -> u32 {
+        self.next.wrapping_sub(self.inside as u32)
+    }
+
+    /// As a new one, whose gears nobody looks at.
+    pub(super) fn clear(&mut self) {
+        let Cursor { next, done, inside, kept, position, from, distance, left, gears: _, geared, again, reported: _ } =
+            self;
+        let new = &Cursor::NEW;
+        *again = new.again;
+        (*next, *done, *inside, *kept) = (new.next, new.done, new.inside, new.kept);
+        (*position, *from, *distance, *left, *geared) = (new.position, new.from, new.distance, new.left, new.geared);
+    }
+}

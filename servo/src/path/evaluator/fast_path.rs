@@ -1,0 +1,57 @@
+//! What the short way of a tick may do.
+//!
+//! In: the path as something other than the short way has left it. Out: whether the next ticks have but to show where it
+//! is, and whether the end of the leg in force is no more than another index. Owns nothing beyond the [`Path`]. Cannot fail.
+use super::{MotionPosition, Path, Prepared, Stage, State};
+use crate::path::DIMENSIONS;
+use crate::units::Pos;
+
+/// What is there to do at the end of the leg in force.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Turn {
+    /// More than the short way does.
+    Else,
+    /// The piece of the next leg comes into force.
+    Phase,
+    /// The next motion does, which is made, with its first piece.
+    Motion,
+}
+
+impl Path {
+    /// The short way is not taken until something other than it is done.
+    pub(crate) fn hold_still(&mut self) {
+        (self.fast, self.turn) = (false, Turn::Else);
+    }
+
+    /// Whether the short way goes over to another motion at the end of the leg in force.
+    #[inline(always)]
+    pub(crate) fn turns_over(&self) -> bool {
+        self.turn == Turn::Motion
+    }
+
+    /// Two corners of a box that holds the motion in force, or the one that is `ahead`.
+    pub(crate) fn hull(&self, ahead: bool) -> [[Pos; DIMENSIONS]; 2] {
+        if ahead { self.ahead() } else { self.motion() }.shape.hull()
+    }
+
+    /// What the short way may do from now on, until something other than it is done.
+    #[inline(never)]
+    pub(super) fn line_up(&mut self) {
+        let moves = matches!(self.stage, Stage::Move) && !self.led;
+        let cursor = self.cursor_of(self.fifo);
+        let (alone, next) = (cursor.geared == 0, cursor.next);
+        self.fast = moves && self.pieced && alone;
+        let (Prepared { plan, .. }, Prepared { counter, state, plan: next_plan, .. }) = (self.motion(), self.ahead());
+        self.turn = if !moves || self.follows != Some(self.stand.over) {
+            Turn::Else
+        } else if plan.phase(self.stand.phase.wrapping_add(1)).is_some() {
+            Turn::Phase
+        } else if alone && !plan.halts && !self.stopping && *state == State::Ready && *counter == next {
+            let (began, time) = (self.stand.over, next_plan.phase(0).map_or(0, |phase| phase.time));
+            self.coming = MotionPosition { began, over: began.wrapping_add(time), ..MotionPosition::NONE };
+            Turn::Motion
+        } else {
+            Turn::Else
+        };
+    }
+}

@@ -1,0 +1,172 @@
+//! What a path takes and tells.
+//!
+//! In: rules, how many entries are there. Out: where it is, what it does to others, what its coordinates did between
+//! ticks. Owns nothing. Cannot fail.
+use super::ORIGIN;
+use crate::math::real::Real;
+use crate::path::entry::{Change, Rate};
+use crate::path::geometry::Bend;
+use crate::path::{DIMENSIONS, Fine};
+use crate::segment::piece::{Motion, Scaled};
+use crate::segment::ramp::Accel;
+use crate::units::{Axis, Pos};
+
+/// What a path does to the rest of the machine. Instants come in order; all lie before the end of the interval that
+/// the step is for, and after everything told in earlier steps.
+pub trait Effects {
+    /// An entry takes effect. Returns how long the path waits for it: a modal move's time, else 0.
+    fn change(&mut self, at: Fine, change: &Change) -> Fine;
+    /// The path comes to rest.
+    fn rest(&mut self, at: Fine, rest: PathStop);
+    /// An axis goes along with the motion in force: its displacement since the motion began, at the step's tick, and
+    /// its way per way of the path.
+    fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled);
+    /// An axis has gone along to the end of a motion, which moved it by this much.
+    fn geared(&mut self, axis: Axis, pulses: i32);
+    /// More axes than a path can take along with one motion; this one stays.
+    fn surplus(&mut self, _axis: Axis) {}
+    /// Whether one more effect of this tick has a place.
+    fn has_room(&self) -> bool {
+        true
+    }
+    /// Whether the path may be at this place; else it comes to rest before it.
+    fn admits(&mut self, _place: &[Pos; DIMENSIONS]) -> bool {
+        true
+    }
+}
+
+/// Why a path comes to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PathStop {
+    /// It never moved.
+    #[default]
+    Never,
+    /// Its entries have run out.
+    Completed,
+    /// Its entries have run out at speed.
+    Underrun,
+    /// A Stop. It can go on.
+    Stopped,
+    /// A place that it must not go to. It can go on from there.
+    Obstructed,
+}
+
+/// How many entries of each FIFO are there, counted since it was cleared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Feed {
+    /// Of FIFO 0 and 1.
+    pub ends: [u32; 2],
+}
+
+/// What holds for all motions of a coordinate system.
+#[derive(Debug, Clone, Copy)]
+pub struct Rules {
+    pub(super) even: Real,
+    pub(super) stop: Real,
+    pub(super) rate: Real,
+}
+
+impl Rules {
+    /// No even time, a stop deceleration of 1 pulse/ms², no override.
+    pub const POWER_ON: Rules = Rules { even: Real::ZERO, stop: Real::ONE, rate: Real::ONE };
+
+    /// Least time at constant speed in a motion (TCrdPrm.evenTime), ms.
+    pub fn set_even(&mut self, ms: u16) {
+        self.even = Real::new(false, ms as u64, 0);
+    }
+
+    /// Deceleration of a smooth Stop.
+    pub fn set_stop(&mut self, dec: Accel) {
+        self.stop = dec.magnitude();
+    }
+
+    /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not, but held to these.
+    pub fn set_rate(&mut self, rate: Rate) {
+        self.rate = rate.real();
+    }
+}
+
+/// The path at one tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Step {
+    /// Coordinates.
+    pub position: [Pos; DIMENSIONS],
+    /// Direction of motion, a unit vector in 2⁻³⁰: times the path's velocity it is that of each coordinate. Zeros where
+    /// it does not move.
+    pub heading: [i32; DIMENSIONS],
+    /// The way along the motion in force as a piece: its velocity is the path's.
+    pub motion: Motion,
+    /// How the direction turns.
+    pub bend: Bend,
+    /// Whether it runs; it also does while it waits.
+    pub runs: bool,
+    /// FIFO in force.
+    pub fifo: u8,
+    /// Motions of it completed since it was cleared.
+    pub done: u32,
+}
+
+/// Where a path shows where it is; what has not changed is not written again.
+pub struct PathReport<'a> {
+    /// Coordinates.
+    pub position: &'a mut [Pos; DIMENSIONS],
+    /// Direction.
+    pub heading: &'a mut [i32; DIMENSIONS],
+    /// How it turns.
+    pub bend: &'a mut Bend,
+    /// The way along the motion in force.
+    pub motion: &'a mut Motion,
+    /// Counts changes of bend and motion but for the place in it, at least.
+    pub turns: &'a mut u32,
+}
+
+/// What else a step tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StepReport {
+    /// Whether it runs; it also does while it waits.
+    pub runs: bool,
+    /// FIFO in force.
+    pub fifo: u8,
+    /// Motions of it completed since it was cleared.
+    pub done: u32,
+    /// Entries of each FIFO that are over at the look. What lies between it and the next one is not over for good before that
+    /// (see [`Path::stand_still`](super::Path::stand_still)): its places are not free yet.
+    pub released: [u32; 2],
+}
+
+/// What the coordinates did between two ticks, for those that follow one of them.
+#[derive(Debug, Clone, Copy)]
+pub struct TrajectorySample {
+    /// Boundaries that were passed, and where: the first ones and the last one.
+    knots: [(Fine, [Pos; DIMENSIONS]); KNOTS],
+    pub(super) count: u8,
+    /// Of each coordinate: whether it turned round on an arc behind the last of them: the share of the time since, in
+    /// 2⁻⁶⁴, and where.
+    pub(super) turns: [Option<(u64, Pos)>; DIMENSIONS],
+}
+
+/// Boundaries of an interval that a wake keeps.
+const KNOTS: usize = 3;
+
+impl TrajectorySample {
+    pub(super) const NONE: TrajectorySample =
+        TrajectorySample { knots: [(0, ORIGIN); KNOTS], count: 0, turns: [None; DIMENSIONS] };
+
+    pub(super) fn pass(&mut self, at: Fine, position: [Pos; DIMENSIONS]) {
+        let index = (self.count as usize).min(KNOTS - 1);
+        if let Some(knot) = self.knots.get_mut(index) {
+            *knot = (at, position);
+        }
+        self.count = index as u8 + 1;
+    }
+
+    /// Boundaries in the order of time.
+    pub fn knots(&self) -> &[(Fine, [Pos; DIMENSIONS])] {
+        self.knots.get(..self.count as usize).unwrap_or_default()
+    }
+
+    /// Where a coordinate turned round behind them.
+    pub fn turn(&self, index: usize) -> Option<(u64, Pos)> {
+        self.turns.get(index).copied().flatten()
+    }
+}

@@ -1,0 +1,331 @@
+//! Motions of a path: entered, planned, made ahead.
+//!
+//! In: the entry of a motion, where and how fast it begins, what stands behind it. Out: the motion in force with its
+//! plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is the one that would have been
+//! made on its boundary: the same functions of the same numbers.
+use super::{After, EFFECTS, Feed, Gear, Path, Prepared, Rules, Stage, State, end_of};
+use crate::math::real::Real;
+use crate::path::entry::{Along, Entry, Item};
+use crate::path::geometry::Along as Geared;
+use crate::path::speed_profile::{Means, Phase, Plan};
+use crate::path::store::Entries;
+use crate::path::{DIMENSIONS, Fine};
+use crate::units::{Exact, Pos};
+
+/// The speeds of a motion.
+fn along_of(item: &Item) -> Option<Along> {
+    match *item {
+        Item::Line { along, .. } | Item::Arc { along, .. } | Item::Circle { along, .. } => Some(along),
+        _ => None,
+    }
+}
+
+impl Path {
+    /// Takes up a motion that begins, or began, at `from`.
+    pub(super) fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) {
+        if let Some(along) = along_of(item) {
+            let exact = self.exact(self.fifo);
+            let made = self.motion_mut();
+            (made.counter, made.along) = (counter, along);
+            let mut draft = made.shape.begin(from, item, exact);
+            while !made.shape.advance(&mut draft) {}
+            let cursor = self.cursor(self.fifo);
+            (cursor.inside, cursor.from) = (true, from);
+            self.set_gears();
+        }
+    }
+
+    /// FIFO 1 comes back to where it interrupted FIFO 0, which need not be a whole pulse.
+    fn exact(&self, fifo: u8) -> Option<[Pos; DIMENSIONS]> {
+        let [first, _] = &self.cursors;
+        (fifo != 0 && first.kept).then_some(first.position)
+    }
+
+    /// The motion behind the one in force, which is over, comes into force: it begins, or began, at `from`.
+    #[inline(always)]
+    pub(super) fn swap(&mut self, from: [Pos; DIMENSIONS], distance: Exact) {
+        self.ahead_mut().state = State::Nothing;
+        self.at ^= 1;
+        (self.stand.distance, self.stand.sampled) = (distance, distance.round());
+        let cursor = self.cursor(self.fifo);
+        (cursor.inside, cursor.from) = (true, from);
+    }
+
+    /// Whether something was made ahead of the motion of this entry.
+    pub(super) fn is_known(&self, counter: u32) -> bool {
+        self.ahead().state != State::Nothing && self.ahead().counter == counter
+    }
+
+    /// What is ahead will be entered otherwise than it was planned for.
+    #[inline(always)]
+    pub(super) fn unplan(&mut self) {
+        let ahead = self.ahead_mut();
+        if ahead.state > State::Shaped {
+            ahead.state = State::Shaped;
+        }
+    }
+
+    /// What goes along with the motion in force has this share in it.
+    fn set_gears(&mut self) {
+        if self.cursor(self.fifo).geared == 0 {
+            return;
+        }
+        let inverse = self.motion().shape.length().recip();
+        let cursor = self.cursor(self.fifo);
+        for gear in cursor.gears.iter_mut().take(cursor.geared) {
+            let Gear { pulses, along, .. } = gear;
+            *along = Geared::over(*pulses, inverse);
+        }
+    }
+
+    /// Takes up the motion that was made ahead, which begins or began at `from`, and makes what is left of it.
+    pub(super) fn enter_prepared(
+        &mut self,
+        from: [Pos; DIMENSIONS],
+        distance: Exact,
+        feed: Feed,
+        source: &impl Entries,
+    ) {
+        while self.ahead().state < State::Shaped {
+            self.shape_ahead();
+        }
+        let Prepared { state, open, .. } = *self.ahead();
+        // What has come since may stand behind it.
+        let planned = state > State::Shaped && open.is_none_or(|sampled| sampled == end_of(feed, self.fifo));
+        if planned {
+            while self.ahead().state < State::Ready {
+                self.plan_ahead();
+            }
+        }
+        self.swap(from, distance);
+        self.set_gears();
+        if self.motion().shape.length().is_zero() {
+            return;
+        }
+        if planned { self.follow(open) } else { self.plan_rest(feed, source) }
+    }
+
+    /// Makes some of what follows: the piece behind the one in force, some of the motion behind the one in force.
+    #[inline(never)]
+    pub fn prepare(&mut self, feed: Feed, source: &impl Entries) {
+        if self.follows.is_none() {
+            if self.unfinished {
+                self.finish();
+                return;
+            }
+            if self.piece_ahead() {
+                self.line_up();
+                return;
+            }
+        }
+        if self.stopping || self.motion().plan.halts {
+            return;
+        }
+        if self.ahead().state == State::Nothing {
+            let (fifo, from) = (self.fifo, *self.motion().shape.end());
+            let next = self.cursor_of(fifo).next;
+            self.begin_ahead(fifo, next, &from, feed, source);
+        } else {
+            self.make_ahead(self.fifo, self.motion().plan.exit, Exact(0), feed, source);
+        }
+    }
+
+    /// Makes some of the motion that is ahead: it is entered at `speed`, where `distance` of it is done.
+    pub(super) fn make_ahead(&mut self, fifo: u8, speed: Real, distance: Exact, feed: Feed, source: &impl Entries) {
+        match self.ahead().state {
+            State::Begun => self.shape_ahead(),
+            State::Shaped if self.ahead().shape.length().is_zero() => {
+                let ahead = self.ahead_mut();
+                (ahead.plan, ahead.state) = (Plan::NONE, State::Ready);
+            }
+            State::Shaped => {
+                let Prepared { counter, along, shape, .. } = self.ahead();
+                let behind = self.behind(fifo, counter.wrapping_add(1), feed, source);
+                let (means, left) = (self.means(*along, behind), shape.length().sub(Real::from_exact(distance)));
+                self.sketch.begin(speed, left, means);
+                let open = (behind == After::Nothing).then_some(end_of(feed, fifo));
+                let ahead = self.ahead_mut();
+                (ahead.open, ahead.state) = (open, State::Sketched);
+                self.plan_ahead();
+            }
+            State::Sketched => self.plan_ahead(),
+            State::Nothing | State::Ready => {}
+        }
+    }
+
+    /// The piece behind the one in force, of the same motion or of the next, if that is known by now.
+    #[inline(always)]
+    fn piece_ahead(&mut self) -> bool {
+        let (over, [motion, ahead]) = (self.stand.over, [self.at & 1, !self.at & 1]);
+        let (motion, ahead) = (&self.motions[motion as usize], &self.motions[ahead as usize]);
+        let to = &mut self.pieces[(!self.piece & 1) as usize];
+        let Some(Phase { length, .. }) = motion.plan.phase(self.stand.phase) else { return false };
+        if let Some(phase) = motion.plan.phase(self.stand.phase.wrapping_add(1)) {
+            to.make(phase, over, Exact(self.stand.distance.0.wrapping_add(length.0)));
+        } else if ahead.state == State::Ready
+            && !motion.plan.halts
+            && let Some(phase) = ahead.plan.phase(0)
+        {
+            to.make(phase, over, Exact(0));
+        } else {
+            return false;
+        }
+        self.follows = Some(over);
+        true
+    }
+
+    /// A leg begins: its piece is the one that was made ahead, if that is it.
+    #[inline(always)]
+    pub(super) fn take_piece(&mut self) {
+        let known = self.follows == Some(self.stand.began);
+        if known {
+            self.piece ^= 1;
+            self.fresh = true;
+        }
+        (self.pieced, self.follows) = (known, None);
+    }
+
+    /// Begins the motion that comes next, from this entry on and from this place, if it comes without a wait.
+    pub(super) fn begin_ahead(
+        &mut self,
+        fifo: u8,
+        mut counter: u32,
+        from: &[Pos; DIMENSIONS],
+        feed: Feed,
+        source: &impl Entries,
+    ) {
+        if self.cursor_of(fifo).again {
+            // It may pass entries before that without carrying them out.
+            return;
+        }
+        let (end, mut effects) = (end_of(feed, fifo), 0u32);
+        while effects <= EFFECTS {
+            if counter == end {
+                return;
+            }
+            let entry = source.entry(fifo, counter);
+            if entry.is_motion() {
+                self.draft_ahead(counter, &entry, from, self.exact(fifo));
+                return;
+            }
+            if entry.is_wait() {
+                return;
+            }
+            counter = counter.wrapping_add(1);
+            effects = effects.wrapping_add(entry.load());
+        }
+    }
+
+    #[inline(never)]
+    fn draft_ahead(&mut self, counter: u32, entry: &Entry, from: &[Pos; DIMENSIONS], exact: Option<[Pos; DIMENSIONS]>) {
+        let item = entry.item();
+        let Some(along) = along_of(&item) else { return };
+        let ahead = self.ahead_mut();
+        (ahead.counter, ahead.along, ahead.state) = (counter, along, State::Begun);
+        self.draft = ahead.shape.begin(*from, &item, exact);
+        if !matches!(item, Item::Circle { .. }) {
+            self.shape_ahead();
+        }
+    }
+
+    /// Makes some of the geometry of the motion that comes next.
+    fn shape_ahead(&mut self) {
+        let at = (!self.at & 1) as usize;
+        if self.motions[at].shape.advance(&mut self.draft) {
+            self.motions[at].state = State::Shaped;
+        }
+    }
+
+    /// Makes some of its plan.
+    fn plan_ahead(&mut self) {
+        let at = (!self.at & 1) as usize;
+        if self.motions[at].plan.advance(&mut self.sketch) {
+            self.motions[at].state = State::Ready;
+        }
+    }
+
+    /// How a motion may be planned.
+    #[inline]
+    fn means(&self, along: Along, behind: After) -> Means {
+        let Rules { even, stop, rate } = self.rules;
+        let vel = along.vel().mul(rate);
+        let end = match behind {
+            After::Motion => along.end(),
+            After::Halt | After::Nothing => Real::ZERO,
+        };
+        let end = if vel.is_less(end) { vel } else { end };
+        Means { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) }
+    }
+
+    /// Plans what is left of the motion in force from `time`, `distance` and `speed`.
+    pub(super) fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
+        let behind = self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source);
+        let Prepared { along, shape, .. } = self.motion();
+        let left = shape.length().sub(Real::from_exact(self.stand.distance));
+        // What is being made of the plan behind it is not: that motion will be entered otherwise.
+        let means = self.means(*along, behind);
+        self.sketch.begin(self.speed, left, means);
+        let at = (self.at & 1) as usize;
+        // What comes behind its first leg is made in the tick that comes next, if that leg lasts so long.
+        self.unfinished = !self.motions[at].plan.begin(&mut self.sketch);
+        self.follows = None;
+        self.follow((behind == After::Nothing).then_some(end_of(feed, self.fifo)));
+    }
+
+    /// Makes what has been left of the plan of the motion in force.
+    #[inline(never)]
+    pub(super) fn finish(&mut self) {
+        let at = (self.at & 1) as usize;
+        while !self.motions[at].plan.advance(&mut self.sketch) {}
+        self.unfinished = false;
+    }
+
+    /// Goes along the motion in force by its plan, which begins now. The next motion will be entered at another speed.
+    #[inline(always)]
+    pub(super) fn follow(&mut self, open: Option<u32>) {
+        (self.open, self.stand.phase, self.stand.began, self.stage) = (open, 0, self.time, Stage::Move);
+        self.take_piece();
+        self.set_over();
+        self.unplan();
+    }
+
+    /// What stands behind a motion, from this entry on.
+    fn behind(&self, fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) -> After {
+        let (end, mut effects) = (end_of(feed, fifo), 0u32);
+        while effects <= EFFECTS {
+            if counter == end {
+                return After::Nothing;
+            }
+            let entry = source.entry(fifo, counter);
+            if entry.is_motion() {
+                return After::Motion;
+            }
+            if entry.is_wait() {
+                return After::Halt;
+            }
+            counter = counter.wrapping_add(1);
+            effects = effects.wrapping_add(entry.load());
+        }
+        After::Halt
+    }
+
+    /// Entries have come while nothing stood behind the motion in force.
+    #[inline(never)]
+    pub(super) fn extend(&mut self, now: Fine, feed: Feed, source: &impl Entries) {
+        if self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source) == After::Motion {
+            self.catch_up(now);
+            self.plan_rest(feed, source);
+        } else {
+            self.open = Some(end_of(feed, self.fifo));
+        }
+    }
+
+    /// Time, way and speed are those of `now`, which lies in the leg in force or at its end.
+    pub(super) fn catch_up(&mut self, now: Fine) {
+        let Some(phase) = self.motion().plan.phase(self.stand.phase).copied() else { return };
+        let since = now.saturating_sub(self.stand.began).min(phase.time);
+        self.stand.distance = Exact(self.stand.distance.0.wrapping_add(phase.distance(since).0));
+        (self.speed, self.time) = (phase.speed(since), self.stand.began.wrapping_add(since));
+        self.stand.began = self.time;
+    }
+}

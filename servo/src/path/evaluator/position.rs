@@ -1,0 +1,200 @@
+//! Where a path is at a tick.
+//!
+//! In: the motion in force, with all boundaries up to the tick passed. Out: place, direction and speed; what the
+//! coordinates did since the look before. Owns nothing beyond the [`Path`]. Fails: a place that is not admitted ends the
+//! motion before it.
+use super::interface::{Effects, Feed, PathReport, PathStop};
+use super::{PackedPhase, Path, Stage};
+use crate::laser::PathSpeed;
+use crate::path::geometry::Bend;
+use crate::path::{DIMENSIONS, Fine};
+use crate::segment::piece::Motion;
+use crate::units::{Exact, Ns, Pos};
+
+impl Path {
+    /// Where it is at `next`, which lies in the leg in force; whether it moves.
+    #[inline(always)]
+    pub(super) fn look(&mut self, next: Ns, sink: &mut impl Effects, sight: &mut PathReport<'_>) -> bool {
+        if let Stage::Move = self.stage
+            && let Some(phase) = self.motions[(self.at & 1) as usize].plan.phase(self.stand.phase)
+        {
+            if !self.pieced {
+                (self.pieced, self.fresh) = (true, true);
+                self.pieces[(self.piece & 1) as usize].make(phase, self.stand.began, self.stand.distance);
+            }
+            let before = *sight.heading;
+            let distance = self.publish(next, sight);
+            self.pass(distance);
+            if self.led {
+                self.leave_wake(before, sight.heading);
+            }
+            let cursor = self.cursor_of(self.fifo);
+            for gear in cursor.gears.iter().take(cursor.geared) {
+                sink.gear(gear.axis, gear.along.at(distance), gear.along.ratio());
+            }
+            return true;
+        }
+        self.pass(Pos(0));
+        if self.led {
+            (self.wake, self.since.count) = (self.since, 0);
+        }
+        if self.fresh {
+            self.fresh = false;
+            *sight.turns = sight.turns.wrapping_add(1);
+            (*sight.position, *sight.heading) = (self.here, [0; DIMENSIONS]);
+            (*sight.bend, *sight.motion) = (Bend::STRAIGHT, Motion::STANDSTILL);
+        }
+        false
+    }
+
+    /// Place and direction at `next`, in the piece in force; the way there.
+    #[inline(always)]
+    fn publish(&mut self, next: Ns, sight: &mut PathReport<'_>) -> Pos {
+        let PackedPhase { piece, .. } = &self.pieces[(self.piece & 1) as usize];
+        let t = piece.fast_time(next).map_or_else(|| piece.held(next), |t| t as u64);
+        self.publish_fresh(sight);
+        self.publish_at(t, sight)
+    }
+
+    /// What is the same all along the piece in force, if it has not been shown yet; whether that was so.
+    #[inline(always)]
+    pub(crate) fn publish_fresh(&mut self, sight: &mut PathReport<'_>) -> bool {
+        let fresh = self.fresh;
+        if fresh {
+            self.fresh = false;
+            *sight.motion = self.pieces[(self.piece & 1) as usize].piece.motion;
+            *sight.turns = sight.turns.wrapping_add(1);
+            let shape = &self.motions[(self.at & 1) as usize].shape;
+            shape.publish(sight.position, sight.heading, sight.bend);
+        }
+        fresh
+    }
+
+    /// How many entries and motions of the FIFO in force are over.
+    #[inline(always)]
+    pub(crate) fn counts(&self) -> [u32; 2] {
+        let cursor = &self.cursors[(self.fifo & 1) as usize];
+        [cursor.released(), cursor.done]
+    }
+
+    /// The rest, at this time since the begin of the piece; the way there.
+    #[inline(always)]
+    pub(crate) fn publish_at(&self, t: u64, sight: &mut PathReport<'_>) -> Pos {
+        let PackedPhase { even, piece } = &self.pieces[(self.piece & 1) as usize];
+        let distance = if piece.is_fast() {
+            // Readers make the parameter of it.
+            sight.motion.t = t as u32;
+            match even {
+                Some(_) => piece.pos_even(t as u32),
+                None => piece.pos_fast(t as u32),
+            }
+        } else {
+            let (distance, tau) = piece.at_wide(t);
+            sight.motion.tau = tau;
+            distance
+        };
+        let shape = &self.motions[(self.at & 1) as usize].shape;
+        shape.follow(distance, sight.position, sight.heading);
+        distance
+    }
+
+    /// The same, if that is all there is to do at `next`: it is within a leg, no data has come where none was, nobody goes
+    /// along or follows a coordinate. Whoever finds that the path may be there says so to [`Path::pass`].
+    #[inline(always)]
+    pub fn fast_step(&mut self, next: Ns, feed: Feed, sight: &mut PathReport<'_>) -> Option<Pos> {
+        if !self.may_step_fast(feed) {
+            return None;
+        }
+        let t = self.spot(next)?;
+        self.publish_fresh(sight);
+        Some(self.publish_at(t, sight))
+    }
+
+    /// Whether that may be all there is to do.
+    #[inline(always)]
+    pub(crate) fn may_step_fast(&self, feed: Feed) -> bool {
+        self.fast && !self.has_changed(feed)
+    }
+
+    /// Whether the leg in force is over at `next`, which its piece does not hold.
+    #[inline(always)]
+    pub(crate) fn is_over(&self, next: Ns) -> bool {
+        // Both end with the same ns, and no piece begins behind the tick that is computed.
+        self.pieces[(self.piece & 1) as usize].piece.is_fast() || self.is_due(next)
+    }
+
+    /// The time since the begin of the piece in force, if it holds `next`.
+    #[inline(always)]
+    pub(crate) fn spot(&self, next: Ns) -> Option<u64> {
+        let PackedPhase { piece, .. } = &self.pieces[(self.piece & 1) as usize];
+        match piece.fast_time(next) {
+            Some(t) => Some(t as u64),
+            None if piece.is_fast() || piece.elapsed(next) >= piece.span => None,
+            None => Some(piece.elapsed(next)),
+        }
+    }
+
+    /// It is `distance` along the motion in force.
+    #[inline(always)]
+    pub fn pass(&mut self, distance: Pos) {
+        (self.stand.sampled, self.swept) = (distance, None);
+    }
+
+    /// What the coordinates have done up to this look, at which they go in this direction.
+    #[inline(never)]
+    fn leave_wake(&mut self, before: [i32; DIMENSIONS], heading: &[i32; DIMENSIONS]) {
+        (self.wake, self.since.count) = (self.since, 0);
+        let shape = &self.motions[(self.at & 1) as usize].shape;
+        let still = before == [0; DIMENSIONS];
+        let before = if self.wake.count != 0 || still { shape.outset() } else { before };
+        for (index, ((turn, before), now)) in self.wake.turns.iter_mut().zip(before).zip(heading).enumerate() {
+            let turned = before > 0 && *now < 0 || before < 0 && *now > 0;
+            let (gone, left) = (before.unsigned_abs() as u64, now.unsigned_abs() as u64);
+            // Near its summit a coordinate's direction changes evenly with the way.
+            *turn = shape.summit(index, before > 0).filter(|_| turned).map(|summit| {
+                let whole = gone.wrapping_add(left);
+                (crate::math::wide::Recip::of(whole).ratio(gone.min(whole.wrapping_sub(1))), summit)
+            });
+        }
+    }
+
+    /// The motion in force must not go from the first to the second of these ways, where it is or would be at `at`: it
+    /// comes to rest between.
+    #[inline(never)]
+    pub(super) fn hold(&mut self, at: Fine, (low, distance): (Exact, Exact), sink: &mut impl Effects, feed: Feed) {
+        // The furthest place between that is admitted, to 2⁻¹⁶ of the way; the first if none is.
+        let (mut low, mut high) = (low, distance);
+        for _ in 0..16 {
+            let middle = Exact(low.0.wrapping_add(high.0) >> 1);
+            if sink.admits(&self.motion().shape.at(middle.round())) { low = middle } else { high = middle }
+        }
+        self.stand.distance = low;
+        self.halt(at, PathStop::Obstructed, feed, sink);
+    }
+
+    /// The mean speed of the interval of `period` from `next` on, of which `motion` was shown: what the laser's power
+    /// follows.
+    #[inline(always)]
+    pub fn mean(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
+        if self.fast
+            && self.swept.is_none()
+            && let Some(speed) = self.pieces[(self.piece & 1) as usize].even
+        {
+            return speed;
+        }
+        self.mean_of(motion, next, period)
+    }
+
+    #[inline(never)]
+    fn mean_of(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
+        let Some(swept) = self.swept else { return PathSpeed::ahead(motion, period) };
+        let mut distance = swept.0;
+        if let Stage::Move = self.stage
+            && let Some(phase) = self.motion().plan.phase(self.stand.phase)
+        {
+            let until = (next.0.wrapping_add(period.0) as Fine) << 32;
+            distance = distance.wrapping_add(phase.distance(until.saturating_sub(self.stand.began)).0);
+        }
+        PathSpeed::mean(Exact(distance), period)
+    }
+}

@@ -1,0 +1,72 @@
+//! A start that is made ready while the path rests.
+//!
+//! In: the FIFO that will probably be started, a call a tick. Out: geometry, speeds and first piece of the motion that this start
+//! begins with or goes on with, as if it began at 0. Owns nothing beyond the [`Path`]. Cannot fail: whatever changes what
+//! would follow takes it back, and a start with another FIFO makes its own.
+use super::{Feed, Path, State, end_of};
+use crate::math::real::Real;
+use crate::path::Fine;
+use crate::path::store::Entries;
+use crate::units::{Exact, Ns};
+
+impl Path {
+    /// Makes some of it, a few hundred instructions; whether there may be more to make.
+    #[inline(never)]
+    pub fn prepare_start(&mut self, fifo: u8, feed: Feed, source: &impl Entries) -> bool {
+        if self.prepared != Some(fifo) {
+            self.discard_prepared();
+            if self.refuses_start(fifo, feed) {
+                return false;
+            }
+            self.prepared = Some(fifo);
+        }
+        if self.ahead().open.is_some_and(|sampled| sampled != end_of(feed, fifo)) {
+            // Something may stand behind it now.
+            (self.follows, self.ahead_mut().open) = (None, None);
+            self.unplan();
+        }
+        let cursor = self.cursor_of(fifo);
+        let (inside, next) = (cursor.inside, cursor.next);
+        let distance = if inside { cursor.distance } else { Exact(0) };
+        match self.ahead().state {
+            State::Nothing => {
+                let (counter, from) = if inside { (next.wrapping_sub(1), cursor.from) } else { (next, self.here) };
+                self.begin_ahead(fifo, counter, &from, feed, source);
+                self.ahead().state != State::Nothing
+            }
+            State::Ready => {
+                let (piece, ahead) = ((!self.piece & 1) as usize, &self.motions[(!self.at & 1) as usize]);
+                if let (None, Some(phase)) = (self.follows, ahead.plan.phase(0)) {
+                    self.pieces[piece].make(phase, 0, distance);
+                    self.follows = Some(0);
+                }
+                false
+            }
+            State::Begun | State::Shaped | State::Sketched => {
+                self.make_ahead(fifo, Real::ZERO, distance, feed, source);
+                true
+            }
+        }
+    }
+
+    /// What a start at rest would begin with is another one now.
+    pub(super) fn discard_prepared(&mut self) {
+        if !self.runs() {
+            (self.prepared, self.follows) = (None, None);
+            self.ahead_mut().state = State::Nothing;
+        }
+    }
+
+    /// A start at `next` with this FIFO begins with what was made ready for it, if anything was.
+    pub(super) fn take_prepared_start(&mut self, next: Ns, fifo: u8) {
+        if self.prepared != Some(fifo) {
+            self.discard_prepared();
+        }
+        self.prepared = None;
+        if self.follows == Some(0) {
+            // It begins on a whole ns, as at 0, or with a wait, behind which the piece is another one.
+            self.pieces[(!self.piece & 1) as usize].piece.begin = next;
+            self.follows = Some((next.0 as Fine) << 32);
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! What stops a path from outside.
+//!
+//! In: the tick computed, how it stops. Out: the motion in force planned anew, or rest. Owns nothing beyond the [`Path`]. Cannot
+//! fail. An abrupt Stop finds the path a period ahead of what it has shown: it goes back to that.
+use super::cursor::{Cursor, Past};
+use super::interface::{Effects, Feed, PathStop};
+use super::{Path, Stage, State};
+use crate::path::store::Entries;
+use crate::path::{DIMENSIONS, Fine};
+use crate::units::{Ns, Pos};
+
+impl Path {
+    /// Smooth: brakes along the path from `next` on. Abrupt: stands still there.
+    pub fn stop(&mut self, next: Ns, abrupt: bool, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
+        let now = (next.0 as Fine) << 32;
+        match self.stage {
+            Stage::Standstill => {}
+            Stage::Wait { until } => {
+                self.time = now;
+                self.rest_in_wait(until, feed, sink);
+            }
+            Stage::Move if abrupt => {
+                self.catch_up(now);
+                self.halt(now, PathStop::Stopped, feed, sink);
+            }
+            Stage::Move => {
+                self.stopping = true;
+                self.catch_up(now);
+                self.plan_rest(feed, source);
+            }
+        }
+        self.line_up();
+    }
+
+    /// Stands still at `next` where the last look has shown it, which was at `position` (SPEC 4). What it has reached since has been
+    /// carried out; the start that goes on passes that without doing it again.
+    pub fn stand_still(&mut self, next: Ns, position: &[Pos; DIMENSIONS], feed: Feed, sink: &mut impl Effects) {
+        self.time = (next.0 as Fine) << 32;
+        match self.stage {
+            Stage::Standstill => {}
+            Stage::Wait { until } if self.swept.is_none() => self.rest_in_wait(until, feed, sink),
+            Stage::Wait { .. } | Stage::Move => self.fall_back(position, feed, sink),
+        }
+        self.line_up();
+    }
+
+    /// The first boundary since the look: where it stood there.
+    #[inline(always)]
+    pub(super) fn keep_past(&mut self, distance: Pos) {
+        let Cursor { next, done, inside, .. } = self.cursors[(self.fifo & 1) as usize];
+        self.past = Past { next, done, inside, from: *self.motions[(self.at & 1) as usize].shape.start(), distance };
+    }
+
+    /// Comes to rest where it stood at the last look, at this place.
+    #[inline(never)]
+    fn fall_back(&mut self, position: &[Pos; DIMENSIONS], feed: Feed, sink: &mut impl Effects) {
+        if self.swept.is_none() {
+            self.keep_past(self.stand.sampled);
+        }
+        let Past { next, done, inside, from, distance } = self.past;
+        let waits = self.waits();
+        let cursor = self.cursor(self.fifo);
+        // A move that is waited for is made again.
+        let reached = cursor.next.wrapping_sub((waits && cursor.inside) as u32);
+        if !cursor.again {
+            cursor.reported = reached;
+        }
+        cursor.again = cursor.reported != next;
+        if cursor.next != next || !inside {
+            // What went along with the motion that it is back in has gone along to its end.
+            cursor.geared = 0;
+        }
+        let changed = cursor.next != next;
+        (cursor.next, cursor.done, cursor.inside, cursor.left) = (next, done, inside, 0);
+        (cursor.from, cursor.distance) = (from, distance.into());
+        if changed {
+            self.ahead_mut().state = State::Nothing;
+        }
+        (self.here, self.since.count) = (*position, 0);
+        self.rest(self.time, PathStop::Stopped, feed, sink);
+    }
+}

@@ -1,0 +1,412 @@
+//! The geometry of one motion: how long it is, and where it is after so much of it.
+//!
+//! In: the place where it starts, its entry. Out: its length; the position at a way from its start. Cannot fail: a
+//! motion without length has length 0, and an arc that would not fit (which admission has excluded) goes straight.
+//!
+//! A line is start + way·unit vector. An arc turns the vector from its centre to its start: S + (cos α − 1)·V ± sin α·V⊥
+//! with α = way/R. Centre and radius follow from both ends and the sweep θ: R = c/(2·sin(θ/2)) for a chord of
+//! length c, and V = −d/2 ∓ d⊥/2·cot(θ/2) for a chord d. So an arc ends on its target whatever rounding there is.
+use super::DIMENSIONS;
+use super::entry::{Item, Plane, Sweep};
+use crate::math::real::Real;
+use crate::math::sine::{sin_cos, sinc};
+use crate::math::wide::{mulhi_near, mulhi_su, umulhi};
+use crate::output::step_generator::whole;
+use crate::segment::piece::Scaled;
+use crate::units::Pos;
+
+/// What an axis does that goes along with a motion.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Along {
+    /// Way of the axis per way of the path, in 2^(w − 62).
+    ratio: i64,
+    /// |ratio| < 2^width.
+    width: i32,
+}
+
+impl Along {
+    pub(super) const NONE: Along = Along { ratio: 0, width: 0 };
+
+    /// `pulses` over a path of this length.
+    pub(super) fn over(pulses: i32, inverse: Real) -> Along {
+        let ratio = Real::new(pulses < 0, pulses.unsigned_abs() as u64, 0).mul(inverse);
+        let width = ratio.width().clamp(-40, 60);
+        Along { ratio: ratio.to_i64(62 - width), width }
+    }
+
+    /// Way of the axis per way of the path.
+    pub(super) fn ratio(self) -> Scaled {
+        Scaled { m: self.ratio, e: (62 - self.width) as i16 }
+    }
+
+    /// Displacement after `distance`.
+    pub(super) fn at(self, distance: Pos) -> Pos {
+        // In 2^-(28 - width).
+        let x = mulhi_su(self.ratio, long(distance));
+        let down = 6 - self.width;
+        if down > 0 {
+            let twice = x >> ((down - 1) as u32).min(63);
+            Pos((twice >> 1) + (twice & 1))
+        } else {
+            Pos(x << ((-down) as u32 & 63))
+        }
+    }
+}
+
+/// The way in 2⁻³⁰ pulse; it is never negative and below 2³⁴ pulses.
+#[inline(always)]
+fn long(distance: Pos) -> u64 {
+    (distance.0.max(0) as u64) << 8
+}
+
+/// How the direction of a motion turns with the way along it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bend {
+    /// The plane in which it turns.
+    pub plane: Plane,
+    /// From the first of its coordinates to the second.
+    pub ccw: bool,
+    /// Turns per pulse in 2^(`shift` − 98); 0 on a line.
+    pub turns: u64,
+    /// See `turns`.
+    pub shift: i32,
+}
+
+impl Bend {
+    /// It does not turn.
+    pub const STRAIGHT: Bend = Bend { plane: Plane::Xy, ccw: false, turns: 0, shift: 0 };
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Geometry {
+    /// Unit vector in 2⁻⁶¹, plus [`BIAS`]: no factor is negative. All but the first `coordinates` of it are 0.
+    Line { unit: [u64; DIMENSIONS], heading: [i32; DIMENSIONS], coordinates: u8 },
+    /// V and R in 2⁻³⁰ pulse, V/R in 2⁻³⁰; turns per pulse in 2^-(64 + shift).
+    Arc { plane: Plane, ccw: bool, vector: [i64; 2], radius: i64, radial: [i32; 2], rate: u64, shift: i32 },
+}
+
+/// 1 in 2⁻⁶¹.
+const BIAS: u64 = 1 << 61;
+
+impl Geometry {
+    fn arc(plane: Plane, ccw: bool, vector: [i64; 2], radius: Real, turns: Real) -> Geometry {
+        let inverse = radius.recip();
+        let radial = vector.map(|x| Real::new(x < 0, x.unsigned_abs(), -30).mul(inverse).to_i64(30) as i32);
+        let (rate, shift) = rate(turns);
+        Geometry::Arc { plane, ccw, vector, radius: radius.to_i64(30), radial, rate, shift }
+    }
+}
+
+/// What is to be made of a motion's geometry next.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Draft {
+    Nothing,
+    Line,
+    Unit { distance: [i64; DIMENSIONS] },
+    Chord { plane: Plane, sweep: Sweep },
+    Angle { plane: Plane, sweep: Sweep, chord: Real },
+    Radius { plane: Plane, sweep: Sweep, radius: Real, cot: Real },
+    Cycle { plane: Plane, ccw: bool, vector: [i64; 2], radius: Real, turns: Real },
+}
+
+/// The geometry of one motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shape {
+    /// Where it starts and ends.
+    start: [Pos; DIMENSIONS],
+    end: [Pos; DIMENSIONS],
+    /// Pulses.
+    length: Real,
+    geometry: Geometry,
+}
+
+/// Half of a number with 22 fraction bits.
+fn half(x: i64) -> Real {
+    Real::new(x < 0, x.unsigned_abs(), -(Pos::FRAC_BITS as i32) - 1)
+}
+
+/// Sum of squares.
+fn norm(parts: &[i64]) -> u128 {
+    parts.iter().fold(0, |sum, x| {
+        let x = x.unsigned_abs();
+        let (high, low) = crate::math::wide::umul(x, x);
+        sum.wrapping_add((high as u128) << 64 | low as u128)
+    })
+}
+
+impl Shape {
+    pub(super) const NONE: Shape = Shape {
+        start: [Pos(0); DIMENSIONS],
+        end: [Pos(0); DIMENSIONS],
+        length: Real::ZERO,
+        geometry: Geometry::Line { unit: [BIAS; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
+    };
+
+    /// Where it starts and ends, and what else there is to be made of it. `exact` replaces the target of a line where it is the
+    /// pulse nearest to it.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Draft {
+        (self.start, self.end, self.length) = (start, start, Real::ZERO);
+        match *item {
+            Item::Line { to, dimensions, .. } => {
+                let mut end = start;
+                for (end, to) in end.iter_mut().zip(to).take(dimensions) {
+                    *end = Pos::pulses(to);
+                }
+                self.end = exact.filter(|exact| exact.map(whole) == end.map(whole)).unwrap_or(end);
+                Draft::Line
+            }
+            Item::Arc { plane, to, sweep, .. } => {
+                for (position, to) in plane.coordinates().into_iter().zip(to) {
+                    if let Some(x) = self.end.get_mut(position) {
+                        *x = Pos::pulses(to);
+                    }
+                }
+                Draft::Chord { plane, sweep }
+            }
+            Item::Circle { plane, centre, ccw, .. } => {
+                let radius = Real::from_fixed(norm(&centre), 60).sqrt();
+                self.length = radius.mul(Real::TAU);
+                let [a, b] = centre;
+                Draft::Cycle { plane, ccw, vector: [a.wrapping_neg(), b.wrapping_neg()], radius, turns: Real::ONE }
+            }
+            _ => Draft::Nothing,
+        }
+    }
+
+    /// Makes some of it, a few hundred instructions; whether that was the last.
+    #[inline(never)]
+    pub(super) fn advance(&mut self, draft: &mut Draft) -> bool {
+        *draft = match *draft {
+            Draft::Nothing => Draft::Nothing,
+            Draft::Line => self.line(),
+            Draft::Unit { distance } => self.unit(distance),
+            Draft::Chord { plane, sweep } => self.chord(plane, sweep),
+            Draft::Angle { plane, sweep, chord } => self.angle(plane, sweep, chord),
+            Draft::Radius { plane, sweep, radius, cot } => self.radius(plane, sweep, radius, cot),
+            Draft::Cycle { plane, ccw, vector, radius, turns } => {
+                self.geometry = Geometry::arc(plane, ccw, vector, radius, turns.div(self.length));
+                Draft::Nothing
+            }
+        };
+        matches!(draft, Draft::Nothing)
+    }
+
+    fn line(&mut self) -> Draft {
+        let distance = [0, 1, 2, 3].map(|i: usize| difference(&self.start, &self.end, i));
+        self.length = Real::from_fixed(norm(&distance), 2 * Pos::FRAC_BITS as i32).sqrt();
+        Draft::Unit { distance }
+    }
+
+    fn unit(&mut self, distance: [i64; DIMENSIONS]) -> Draft {
+        let inverse = self.length.recip();
+        let unit = distance.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(61) });
+        let coordinates = distance.iter().rposition(|x| *x != 0).map_or(0, |last| last as u8 + 1);
+        let (heading, unit) = (unit.map(|x| (x >> 31) as i32), unit.map(|x| BIAS.wrapping_add_signed(x)));
+        self.geometry = Geometry::Line { unit, heading, coordinates };
+        Draft::Nothing
+    }
+
+    fn across(&self, plane: Plane) -> [i64; 2] {
+        plane.coordinates().map(|i| difference(&self.start, &self.end, i))
+    }
+
+    fn chord(&mut self, plane: Plane, sweep: Sweep) -> Draft {
+        let chord = Real::from_fixed(norm(&self.across(plane)), 2 * Pos::FRAC_BITS as i32).sqrt();
+        Draft::Angle { plane, sweep, chord }
+    }
+
+    fn angle(&mut self, plane: Plane, sweep: Sweep, chord: Real) -> Draft {
+        // sin(θ/2) = sin x with x = π·turns, in (0, π/2]
+        let x = sweep.half().mul(Real::TAU);
+        let sine = x.mul(Real::from_fixed(sinc(x.to_fixed(63) as u64) as u128, 63));
+        let (_, cosine) = sin_cos(sweep.half().to_fixed(64) as u64);
+        let inverse = sine.recip();
+        let radius = chord.mul(inverse).scale(-1);
+        if chord.is_zero() || radius.width() > 32 {
+            return Draft::Line;
+        }
+        let cot = Real::new(false, cosine.max(0) as u64, -62).mul(inverse);
+        Draft::Radius { plane, sweep, radius, cot }
+    }
+
+    fn radius(&mut self, plane: Plane, sweep: Sweep, radius: Real, cot: Real) -> Draft {
+        let [a, b] = self.across(plane);
+        let turns = sweep.turns();
+        self.length = radius.mul(Real::TAU).mul(turns);
+        // Left of the chord for a short counterclockwise arc.
+        let right = sweep.is_ccw() == sweep.is_long();
+        let tilt = if right { cot.negate() } else { cot };
+        let vector = [half(b).mul(tilt).sub(half(a)).to_i64(30), half(a).mul(tilt).add(half(b)).negate().to_i64(30)];
+        Draft::Cycle { plane, ccw: sweep.is_ccw(), vector, radius, turns }
+    }
+
+    /// Its length in pulses.
+    pub(super) fn length(&self) -> Real {
+        self.length
+    }
+
+    /// Where it starts.
+    pub(super) fn start(&self) -> &[Pos; DIMENSIONS] {
+        &self.start
+    }
+
+    /// Where it ends, exactly.
+    #[inline(always)]
+    pub(super) fn end(&self) -> &[Pos; DIMENSIONS] {
+        &self.end
+    }
+
+    /// Two corners of a box that holds it, with a pulse to spare.
+    pub(super) fn hull(&self) -> [[Pos; DIMENSIONS]; 2] {
+        let [mut low, mut high] = [self.start, self.start];
+        for ((low, high), end) in low.iter_mut().zip(&mut high).zip(&self.end) {
+            (*low, *high) = ((*low).min(*end), (*high).max(*end));
+        }
+        // An arc is not further from its start than its circle is wide.
+        let wide = match self.geometry {
+            Geometry::Line { .. } => 0,
+            Geometry::Arc { radius, .. } => radius >> 7,
+        };
+        let room = wide.saturating_add(1 << Pos::FRAC_BITS);
+        [low.map(|x| Pos(x.0.saturating_sub(room))), high.map(|x| Pos(x.0.saturating_add(room)))]
+    }
+
+    /// How its direction turns.
+    #[inline(always)]
+    pub(super) fn bend(&self) -> Bend {
+        match &self.geometry {
+            Geometry::Line { .. } => Bend::STRAIGHT,
+            Geometry::Arc { plane, ccw, rate, shift, .. } => {
+                Bend { plane: *plane, ccw: *ccw, turns: *rate, shift: *shift }
+            }
+        }
+    }
+
+    /// What of its place, direction and bend is the same all along it.
+    #[inline(always)]
+    pub(super) fn publish(&self, position: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS], bend: &mut Bend) {
+        if let Geometry::Line { heading: straight, .. } = &self.geometry {
+            // It is in two coordinates at least that every place is shown.
+            let ([_, _, z, a], [_, _, z0, a0]) = (position, &self.start);
+            (*z, *a) = (*z0, *a0);
+            *heading = *straight;
+            *bend = Bend::STRAIGHT;
+        } else {
+            *position = self.start;
+            *heading = [0; DIMENSIONS];
+            *bend = self.bend();
+        }
+    }
+
+    /// The position after `distance` of it, within 2⁻²¹ pulse, and the direction there, a unit vector in 2⁻³⁰, in what has
+    /// been shown.
+    #[inline(always)]
+    pub(super) fn follow(&self, distance: Pos, position: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS]) {
+        match &self.geometry {
+            Geometry::Line { unit, coordinates, .. } => {
+                // In 2^-25, below 2^59: times 2^-61, over 2^64, it is a position; the bias makes of it the way itself.
+                let distance = distance.0.max(0) as u64;
+                let (w0, w1) = ((distance << 3) as u32, (distance >> 29) as u32);
+                let on = |position: &mut Pos, start: &Pos, unit: &u64| {
+                    let (u0, u1) = (*unit as u32, (unit >> 32) as u32);
+                    let cross = product(u0, w1).wrapping_add(product(u1, w0)).wrapping_add(1 << 31);
+                    let by = product(u1, w1).wrapping_add(cross >> 32).wrapping_sub(distance);
+                    *position = Pos(start.0.wrapping_add_unsigned(by));
+                };
+                let ([x, y, z, a], [x0, y0, z0, a0], [ux, uy, uz, ua]) = (position, &self.start, unit);
+                // In a row: a loop costs as much as what it does.
+                on(x, x0, ux);
+                on(y, y0, uy);
+                if *coordinates > 2 {
+                    on(z, z0, uz);
+                    on(a, a0, ua);
+                }
+            }
+            Geometry::Arc { plane, ccw, vector: [a, b], radial: [p, q], rate, shift, .. } => {
+                let turn = umulhi(*rate, long(distance)).wrapping_shl(*shift as u32);
+                let (sin, cos) = sin_cos(turn);
+                let (near, far) = (short(sin), short(cos));
+                let fall = cos - (1 << 62);
+                // Counterclockwise, both after a quarter turn more.
+                let (by, to) = if *ccw {
+                    let by = [
+                        mulhi_near(*a, fall).wrapping_sub(mulhi_near(*b, sin)),
+                        mulhi_near(*b, fall).wrapping_add(mulhi_near(*a, sin)),
+                    ];
+                    (by, [-(near(*p) + far(*q)), far(*p) - near(*q)])
+                } else {
+                    let by = [
+                        mulhi_near(*a, fall).wrapping_add(mulhi_near(*b, sin)),
+                        mulhi_near(*b, fall).wrapping_sub(mulhi_near(*a, sin)),
+                    ];
+                    (by, [far(*q) - near(*p), -(near(*q) + far(*p))])
+                };
+                for ((index, by), to) in plane.coordinates().into_iter().zip(by).zip(to) {
+                    if let (Some(position), Some(start), Some(heading)) =
+                        (position.get_mut(index), self.start.get(index), heading.get_mut(index))
+                    {
+                        (*position, *heading) = (moved(*start, by), to);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The direction in which it begins.
+    pub(super) fn outset(&self) -> [i32; DIMENSIONS] {
+        let mut heading = [0; DIMENSIONS];
+        self.follow(Pos(0), &mut [Pos(0); DIMENSIONS], &mut heading);
+        if let Geometry::Line { heading: straight, .. } = &self.geometry {
+            heading = *straight;
+        }
+        heading
+    }
+
+    /// How far a coordinate goes upwards, or downwards, on the whole circle of an arc.
+    pub(super) fn summit(&self, index: usize, up: bool) -> Option<Pos> {
+        let Geometry::Arc { plane, vector, radius, .. } = &self.geometry else { return None };
+        let position = plane.coordinates().iter().position(|of| *of == index)?;
+        let radius = if up { *radius } else { radius.wrapping_neg() };
+        Some(moved(*self.start.get(index)?, radius.wrapping_sub(*vector.get(position)?) >> 2))
+    }
+
+    /// The position after `distance` of it.
+    pub(super) fn at(&self, distance: Pos) -> [Pos; DIMENSIONS] {
+        let mut position = self.start;
+        self.follow(distance, &mut position, &mut [0; DIMENSIONS]);
+        position
+    }
+}
+
+/// A factor in 2⁻⁶² for numbers in 2⁻³⁰, each of which is at most 1.
+#[inline(always)]
+fn short(factor: i64) -> impl Fn(i32) -> i32 {
+    let factor = (factor >> 32) as i32;
+    move |x| ((x as i64 * factor as i64) >> 30) as i32
+}
+
+/// A position and a displacement in 2⁻²⁸ pulse.
+#[inline(always)]
+fn moved(from: Pos, by: i64) -> Pos {
+    Pos(from.0.wrapping_add((by >> 5).wrapping_add(1) >> 1))
+}
+
+#[inline(always)]
+fn product(a: u32, b: u32) -> u64 {
+    a as u64 * b as u64
+}
+
+fn difference(start: &[Pos; DIMENSIONS], end: &[Pos; DIMENSIONS], i: usize) -> i64 {
+    let of = |position: &[Pos; DIMENSIONS]| position.get(i).copied().unwrap_or_default().0;
+    of(end).wrapping_sub(of(start))
+}
+
+/// Turns per pulse, such that way in 2⁻³⁰ times it, high half, shifted up, are turns in 2⁻⁶⁴.
+fn rate(turns: Real) -> (u64, i32) {
+    // turns·2^64·2^-30 = (high half)·2^shift with the mantissa in 2^-64
+    let width = turns.width();
+    let mantissa = turns.to_fixed(64 - width).unsigned_abs();
+    // 2^64·2^-30·2^width per 2^-64·2^64
+    (mantissa.min(u64::MAX as u128) as u64, (34 + width).clamp(0, 63))
+}

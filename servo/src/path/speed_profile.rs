@@ -1,0 +1,353 @@
+//! The speed along one motion, or what is left of it.
+//!
+//! In: the speed at which it begins, how far it goes, what it may do. Out: at most three legs of constant
+//! acceleration, and the speed at its end. Cannot fail: what cannot be reached is left out, as SPEC 5 says: a motion
+//! ends at the nearest speed that can, and one entered above its speed brakes to it.
+//!
+//! All in squares of speeds: over a way s the square changes by 2·a·s, so that every question is one sum.
+use super::Fine;
+use crate::math::real::Real;
+use crate::segment::piece::{Motion, Piece, Recip};
+use crate::units::{Exact, Ns};
+
+/// What a motion may do.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Means {
+    /// Speed, pulse/ms.
+    pub(super) vel: Real,
+    /// Acceleration, pulse/ms².
+    pub(super) acc: Real,
+    /// Speed at the end, at most `vel`.
+    pub(super) end: Real,
+    /// Least time at constant speed, ms.
+    pub(super) even: Real,
+    /// Deceleration of a Stop that is in force.
+    pub(super) stop: Option<Real>,
+}
+
+/// A stretch of constant acceleration.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Phase {
+    /// How long.
+    pub(super) time: Fine,
+    /// The way of all of it.
+    pub(super) length: Exact,
+    /// Speed at its beginning, pulse/ms.
+    vel: Real,
+    /// Acceleration, pulse/ms².
+    acc: Real,
+}
+
+/// The speed along a motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plan {
+    phases: [Phase; 3],
+    count: usize,
+    /// Speed at its end.
+    pub(super) exit: Real,
+    /// It comes to rest before the motion ends.
+    pub(super) halts: bool,
+}
+
+/// What is at rest within 2⁻¹⁶ pulse, is: v² < 2·a·2⁻¹⁶. Planners of corner speeds round, too.
+const REST: i32 = -15;
+const STILL: Phase = Phase { time: 0, length: Exact(0), vel: Real::ZERO, acc: Real::ZERO };
+
+/// Whether a ≥ b.
+fn reaches(a: Real, b: Real) -> bool {
+    !a.sub(b).is_negative()
+}
+
+fn larger(a: Real, b: Real) -> Real {
+    if a.is_less(b) { b } else { a }
+}
+
+/// A time in ms, held below 2⁹⁴ units. To 2⁻²⁰ ns: so what should be whole is, in spite of the last bits of reals.
+pub(super) fn fine(ms: Real) -> Fine {
+    let coarse = ms.mul(Real::MS).to_fixed(-12).unsigned_abs();
+    coarse.min(1 << 82) << 12
+}
+
+/// A time as a number of ms.
+pub(super) fn ms(time: Fine) -> Real {
+    Real::from_fixed(time, 0).mul(Real::FINE)
+}
+
+/// The way from a speed on at an acceleration, `t` ms long.
+fn distance(vel: Real, acc: Real, t: Real) -> Exact {
+    t.mul(vel.add(acc.mul(t).scale(-1))).to_exact()
+}
+
+impl Plan {
+    pub(super) const NONE: Plan = Plan { phases: [STILL; 3], count: 0, exit: Real::ZERO, halts: false };
+
+    /// Makes some of it; whether that was the last.
+    #[inline(never)]
+    pub(super) fn advance(&mut self, sketch: &mut Sketch) -> bool {
+        sketch.todo = match sketch.todo {
+            Todo::Bound => {
+                let Sketch { v, length, means, .. } = &*sketch;
+                (self.count, self.exit, self.halts) = (0, *v, false);
+                if length.is_zero() || length.is_negative() {
+                    Todo::Nothing
+                } else if let Some(dec) = means.stop {
+                    self.brake(*v, *length, means, dec);
+                    Todo::Nothing
+                } else {
+                    self.bound(sketch)
+                }
+            }
+            Todo::Peak => {
+                sketch.aim();
+                if sketch.is_uneven() {
+                    Todo::Even
+                } else {
+                    self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
+                    Todo::Rest
+                }
+            }
+            Todo::Even => {
+                sketch.even();
+                self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
+                Todo::Rest
+            }
+            Todo::Rest => {
+                let Sketch { cruise, peak, .. } = *sketch;
+                if !cruise.is_zero() && !cruise.is_negative() {
+                    self.push(cruise.div(peak), peak, Real::ZERO);
+                }
+                self.ramp(peak, sketch.means.end, sketch.means.acc, sketch.inverse);
+                Todo::Nothing
+            }
+            Todo::Nothing => Todo::Nothing,
+        };
+        matches!(sketch.todo, Todo::Nothing)
+    }
+
+    /// Makes as much of it as its first leg takes; whether that was all.
+    pub(super) fn begin(&mut self, sketch: &mut Sketch) -> bool {
+        loop {
+            if self.advance(sketch) {
+                return true;
+            }
+            if self.count != 0 {
+                return false;
+            }
+        }
+    }
+
+    /// Leg `index`.
+    #[inline]
+    pub(super) fn phase(&self, index: usize) -> Option<&Phase> {
+        self.phases.get(index).filter(|_| index < self.count)
+    }
+
+    fn push(&mut self, span: Real, vel: Real, acc: Real) {
+        let time = fine(span);
+        if let Some(phase) = self.phases.get_mut(self.count)
+            && time != 0
+        {
+            *phase = Phase { time, length: distance(vel, acc, span), vel, acc };
+            self.count = self.count.wrapping_add(1);
+        }
+    }
+
+    /// A change of speed at a rate whose reciprocal is `inverse`.
+    fn ramp(&mut self, from: Real, to: Real, acc: Real, inverse: Real) {
+        let change = to.sub(from);
+        let acc = if change.is_negative() { acc.negate() } else { acc };
+        self.push(change.abs().mul(inverse), from, acc);
+    }
+
+    /// Whether the end can be reached at all.
+    fn bound(&mut self, sketch: &mut Sketch) -> Todo {
+        let Means { acc, end, .. } = sketch.means;
+        let inverse = acc.recip();
+        let (from, to) = (sketch.v.mul(sketch.v), end.mul(end));
+        let swing = acc.mul(sketch.length).scale(1);
+        let (low, high) = (from.sub(swing), from.add(swing));
+        (sketch.inverse, sketch.from, sketch.to, sketch.swing) = (inverse, from, to, swing);
+        self.exit = end;
+        if !reaches(low, to) && !reaches(to, high) {
+            return Todo::Peak;
+        }
+        // Even this end cannot be reached, or just.
+        self.exit = if !reaches(low, to) {
+            high.sqrt()
+        } else if to.is_zero() && low.is_less(acc.scale(REST)) {
+            Real::ZERO
+        } else {
+            low.sqrt()
+        };
+        self.ramp(sketch.v, self.exit, acc, inverse);
+        Todo::Nothing
+    }
+
+    /// To rest, or as near to it as the motion is long, and never faster than it would go without the Stop: one that is above its
+    /// speed brakes to that at least as hard as it does.
+    fn brake(&mut self, mut v: Real, mut length: Real, means: &Means, dec: Real) {
+        let Means { vel, acc, end, .. } = *means;
+        if v.is_zero() {
+            self.halts = true;
+            return;
+        }
+        let (mut from, to) = (v.mul(v), end.mul(end));
+        let after = |from: Real, length: Real, rate: Real| from.sub(rate.mul(length).scale(1));
+        let mut gentle = dec;
+        if vel.is_less(v) && dec.is_less(acc) {
+            let (inverse, limit) = (acc.recip(), vel.mul(vel));
+            if reaches(after(from, length, acc), limit) {
+                gentle = acc;
+            } else {
+                self.ramp(v, vel, acc, inverse);
+                length = length.sub(from.sub(limit).mul(inverse).scale(-1));
+                (v, from) = (vel, limit);
+            }
+        }
+        let left = after(from, length, gentle);
+        let (rate, left) = if reaches(to, left) || !gentle.is_less(acc) {
+            (gentle, left)
+        } else {
+            let hard = after(from, length, acc);
+            if !reaches(hard, to) {
+                // Gently until the motion's own braking begins.
+                let distance = to.sub(hard).div(acc.sub(gentle)).scale(-1);
+                let square = from.sub(gentle.mul(distance).scale(1));
+                let turn = if square.is_negative() { Real::ZERO } else { square.sqrt() };
+                self.ramp(v, turn, gentle, gentle.recip());
+                self.ramp(turn, end, acc, acc.recip());
+                self.exit = end;
+                return;
+            }
+            (acc, hard)
+        };
+        self.halts = left.is_zero() || left.is_negative();
+        self.exit = if self.halts { Real::ZERO } else { left.sqrt() };
+        self.ramp(v, self.exit, rate, rate.recip());
+    }
+}
+
+/// What is to be done next.
+#[derive(Debug, Clone, Copy)]
+enum Todo {
+    /// Which ends are within reach.
+    Bound,
+    /// The peak, and the ramp to it.
+    Peak,
+    /// A lower one, and the ramp to it.
+    Even,
+    /// What comes behind that.
+    Rest,
+    Nothing,
+}
+
+/// A plan that is being made, some hundred instructions at a time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sketch {
+    todo: Todo,
+    v: Real,
+    length: Real,
+    means: Means,
+    /// Squares of the speeds at both ends, and how much the motion may change them.
+    from: Real,
+    to: Real,
+    swing: Real,
+    /// 1/acceleration.
+    inverse: Real,
+    peak: Real,
+    /// What the ramps leave of the way at the peak; none of a triangle.
+    cruise: Real,
+}
+
+impl Sketch {
+    pub(super) const NONE: Sketch = Sketch {
+        todo: Todo::Nothing,
+        v: Real::ZERO,
+        length: Real::ZERO,
+        means: Means { vel: Real::ZERO, acc: Real::ZERO, end: Real::ZERO, even: Real::ZERO, stop: None },
+        from: Real::ZERO,
+        to: Real::ZERO,
+        swing: Real::ZERO,
+        inverse: Real::ZERO,
+        peak: Real::ZERO,
+        cruise: Real::ZERO,
+    };
+
+    /// Of a motion over `length` from speed `v`.
+    #[inline]
+    pub(super) fn begin(&mut self, v: Real, length: Real, means: Means) {
+        (self.todo, self.v, self.length, self.means) = (Todo::Bound, v, length, means);
+    }
+
+    /// The peak speed, and what is left of the way at it.
+    fn aim(&mut self) {
+        let Sketch { v, length, from, to, swing, .. } = *self;
+        let vel = self.means.vel;
+        let halved = self.inverse.scale(-1);
+        (self.peak, self.cruise) = (vel, Real::ZERO);
+        if vel.is_less(v) {
+            self.cruise = length.sub(from.sub(to).mul(halved));
+            return;
+        }
+        let square = from.add(to).add(swing).scale(-1);
+        let limit = vel.mul(vel);
+        if limit.is_less(square) {
+            self.cruise = length.sub(limit.scale(1).sub(from).sub(to).mul(halved));
+        } else {
+            self.peak = square.sqrt();
+        }
+    }
+
+    /// Whether the time at the peak is shorter than asked for.
+    fn is_uneven(&self) -> bool {
+        let Means { vel, even, .. } = self.means;
+        !even.is_zero() && !vel.is_less(self.v) && self.cruise.is_less(self.peak.mul(even))
+    }
+
+    /// A lower peak, for that: peak²/acc + even·peak = way of both ramps and of the cruise.
+    fn even(&mut self) {
+        let Sketch { v, length, from, to, inverse, .. } = *self;
+        let Means { end, even, .. } = self.means;
+        let halved = inverse.scale(-1);
+        let distance = length.add(from.add(to).mul(halved));
+        let root = even.mul(even).add(distance.mul(inverse).scale(2)).sqrt();
+        let peak = larger(larger(distance.scale(1).div(even.add(root)), v), end);
+        self.peak = peak;
+        self.cruise = length.sub(peak.mul(peak).scale(1).sub(from).sub(to).mul(halved));
+    }
+}
+
+impl Phase {
+    /// Speed `time` after its beginning.
+    pub(super) fn speed(&self, time: Fine) -> Real {
+        let speed = self.vel.add(self.acc.mul(ms(time)));
+        if speed.is_negative() { Real::ZERO } else { speed }
+    }
+
+    /// The way done `time` after its beginning.
+    pub(super) fn distance(&self, time: Fine) -> Exact {
+        distance(self.vel, self.acc, ms(time))
+    }
+
+    /// As a piece that begins at `begin` and `from`, parameterised over a power of two of ns; into its place.
+    #[inline(never)]
+    pub(super) fn piece(&self, begin: Fine, from: Exact, to: &mut Piece) {
+        let first = begin.wrapping_add(0xffff_ffff) >> 32;
+        let last = begin.wrapping_add(self.time).wrapping_add(0xffff_ffff) >> 32;
+        let late = (first << 32).wrapping_sub(begin) as u64;
+        // The leg lasts less than 2^reach ns.
+        let reach = (64 - ((self.time >> 32) as u64).leading_zeros() as i32 + 1).clamp(1, 62);
+        let unit = Real::FINE.scale(32 + reach);
+        let (a, b) = (self.vel.mul(unit), self.acc.mul(unit).mul(unit).scale(-1));
+        let frac = (60 - a.width().max(b.width())).clamp(0, 82);
+        let tau = if reach <= 32 { late << (32 - reach) as u32 } else { late >> (reach - 32) as u32 };
+        let motion = Motion {
+            tau: tau >> 1,
+            c: [a.to_i64(frac), b.to_i64(frac + 1), 0],
+            recip: Recip { m: 0, shift: (64 - reach) as u32 },
+            frac,
+            t: 0,
+        };
+        *to = Piece::cubic(Ns(first as u64), last.wrapping_sub(first) as u64, from, motion);
+    }
+}

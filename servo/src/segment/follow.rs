@@ -1,0 +1,91 @@
+//! Follow and FollowEx: the master's displacement in the place of time (SPEC 5; GXN chapter 3).
+//!
+//! In: data admitted by integer checks into [`Entry`]s (`entry.rs`), which lie in the axis's PT arena
+//! (`store.rs`); the way of the master inside a tick (`way.rs`). Out: the slave's planned position, and its own
+//! way for those that follow it (`follower.rs`). Owns: a running motion, [`FollowRun`] (`run.rs`), which makes pieces over
+//! the master's progress (`shape.rs`). Fails: a datum that no axis could run is [`Refused`] before it reaches the
+//! store; a wait may time out, a jump may be too far.
+//!
+//! Held by `tests/follow_exact.rs` (positions ≤ 2⁻¹⁶ pulse, knots exact, ratios ≤ 2⁻¹⁶ of the peak), `follow_tick.rs`, `follow_entries.rs`.
+mod compact;
+mod curve;
+mod entry;
+mod evaluator;
+mod follower;
+mod master_path;
+mod order;
+mod ratio;
+mod setup;
+mod store;
+mod velocity;
+
+pub use entry::{Chain, ENTRIES, Entry, Input, Part, Refused, STOPS, Tail};
+pub use evaluator::{ACTIONS, Awaited, Awaits, Context, FollowRun, OutputActions, State};
+pub use follower::Follower;
+pub(crate) use follower::share;
+pub(crate) use follower::{MasterSample, Path};
+pub use master_path::{MasterPath, SPOTS, Spot, Track};
+pub(crate) use order::Order;
+pub use setup::Setup;
+pub use store::Entries;
+pub(crate) use velocity::{compose, led, of as motion_of, straight};
+
+use crate::units::Axis;
+
+/// What is followed, of any axis of the controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Master {
+    /// The axis, counted over all cores.
+    pub axis: Axis,
+    /// Which of its positions.
+    pub value: Value,
+}
+
+/// The position of an axis that is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Value {
+    /// The planned position.
+    Planned,
+    /// The encoder, linear between its samples.
+    Encoder,
+    /// The planned position, filtered.
+    PlannedFiltered,
+    /// The encoder, filtered.
+    EncoderFiltered,
+}
+
+/// What begins the motion after FollowStart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Event {
+    /// FollowStart itself (power-on).
+    #[default]
+    Start,
+    /// The master's crossing of a position.
+    Pass {
+        /// From below to at or above; else from above to at or below.
+        up: bool,
+        /// The position, pulses.
+        pos: i32,
+    },
+}
+
+/// Which of the master's motion counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Direction {
+    /// All of it: the slave is a function of the progress, both ways (power-on).
+    #[default]
+    Both,
+    /// The furthest point reached upwards.
+    Up,
+    /// The furthest point reached downwards.
+    Down,
+}
+
+/// What SwitchNow goes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The next segment; in the last one it ends the pass.
+    Segment,
+    /// The other FIFO.
+    Table,
+}

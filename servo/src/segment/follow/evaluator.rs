@@ -1,0 +1,639 @@
+//! A slave that runs.
+//!
+//! In: the way of its master inside a tick, entries from where they lie, settings. Out: its planned position,
+//! what its entries do ([`OutputActions`]), or its end. Owns: the piece in force and its place in the FIFO. Fails: a wait for
+//! an input may time out.
+//!
+//! The slave is a function of (pass, segment, progress). Progress runs upwards here: that of a FIFO downwards, or of
+//! direction −1, is the master's position with its sign changed. A pass begins at an exact position of the master and one of
+//! the slave, to which passes add the ends of their last entry, forwards and backwards, so nothing accumulates and
+//! the way back is the way there, to the bit. It goes back as far as the `floor`: the last switch, entry that is no
+//! segment, or data that was added in a later pass.
+//!
+//! Work of a tick: [`ACTIONS`] entries that are no segments at most, then it holds there until the next; a segment
+//! is found by bisection, passes are counted by a product.
+mod seek;
+mod switch;
+
+use super::curve::{UNIT, ceil, slope};
+use super::entry::{Input, Stop};
+use super::follower::trail;
+use super::master_path::{Fine, MasterPath, Section, Spot, Track};
+use super::setup::Setup;
+use super::{Direction, Entries, Event, Method};
+use crate::op::DoGroup;
+use crate::segment::piece::Piece;
+use crate::units::{Exact, Ns, Pos};
+
+/// Entries that are no segments, in one tick of one axis.
+pub const ACTIONS: usize = 8;
+/// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
+const CYCLE: Fine = 250_000 << 32;
+const MS: Fine = 1_000_000 << 32;
+/// Steps of [`Run::settle`] in a tick: every action may be followed by the end of a pass.
+const STEPS: usize = 3 * ACTIONS;
+
+/// What entries do to outputs in one tick.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct OutputActions {
+    /// Group, bit and level, in order.
+    pub outputs: [Option<(u8, u8, bool)>; ACTIONS],
+    /// Actions done, of all kinds.
+    done: usize,
+}
+
+/// Whether the motion goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// It does.
+    Running,
+    /// All passes have run.
+    Ended {
+        /// Where exactly.
+        at: Exact,
+    },
+    /// The data goes further at once than any tick may.
+    TooFar,
+    /// A wait for an input has timed out.
+    TimedOut {
+        /// Where exactly.
+        at: Exact,
+    },
+}
+
+/// What it waits for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wait {
+    /// Nothing: it follows.
+    No,
+    /// The tick at which it starts.
+    Start,
+    /// The master's crossing of a position.
+    Pass { up: bool, at: Pos },
+    /// An instant, 2⁻³² ns.
+    Until(Fine),
+    /// An input, at most until an instant.
+    Input { input: Input, index: u8, high: bool, until: Option<Fine> },
+}
+
+/// What a slave waits for, in 16 bits: 0 nothing, 1 PASS, 2 an input, whose level is bit 2, its time limit bit 3, its kind
+/// bits 4 to 6, its number the high byte.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Awaits(u16);
+
+/// The same, to be looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Awaited {
+    /// The master's crossing of the position of PASS.
+    Pass,
+    /// A level of an input.
+    Input {
+        /// Which kind.
+        input: Input,
+        /// Its axis over all cores, or its number, from 0.
+        index: u8,
+        /// The high level.
+        high: bool,
+        /// A time ends the wait, too.
+        limited: bool,
+    },
+}
+
+impl Awaits {
+    /// It goes, or rests for a time.
+    pub const NOTHING: Awaits = Awaits(0);
+
+    /// What it is.
+    pub fn what(self) -> Option<Awaited> {
+        match self.0 & 3 {
+            0 => None,
+            1 => Some(Awaited::Pass),
+            _ => Some(Awaited::Input {
+                input: Input::of_bits((self.0 >> 4) as u8),
+                index: (self.0 >> 8) as u8,
+                high: self.0 & 4 != 0,
+                limited: self.0 & 8 != 0,
+            }),
+        }
+    }
+}
+
+/// A ratio that the chain of the data does not know: how much more the segment `from` of pass `pass` starts with,
+/// and with changing sign the NORMAL segments behind it.
+#[derive(Debug, Clone, Copy)]
+struct More {
+    pass: u32,
+    from: u32,
+    odd: bool,
+    ratio: i128,
+}
+
+/// A piece that was made before its tick: of this entry in this pass, which began there.
+#[derive(Debug, Clone, Copy)]
+struct Ahead {
+    piece: Piece,
+    index: u32,
+    pass: u32,
+    began: i128,
+    origin: i128,
+}
+
+/// A slave that runs.
+#[derive(Debug, Clone, Copy)]
+pub struct FollowRun {
+    /// Over the progress in units of Pos.
+    piece: Piece,
+    both: bool,
+    down: bool,
+    /// Directions Up and Down: the furthest progress reached.
+    furthest: i64,
+    /// The progress of the tick computed last.
+    progress: i64,
+    fifo: u8,
+    switching: bool,
+    /// Set by SwitchNow, until the tick has been computed.
+    now: Option<Method>,
+    wait: Wait,
+    /// The entry whose piece is loaded.
+    index: u32,
+    /// Entries before it in the present pass are done with.
+    done: u32,
+    pass: u32,
+    /// Progress, 2⁻⁶⁴ pulse, and slave at the beginning of the present pass.
+    began: i128,
+    origin: i128,
+    /// No way back before this entry of this pass.
+    floor: (u32, u32),
+    /// Ratio with which a FIFO that begins with CONTINUE goes on, in every pass.
+    carried: i128,
+    more: Option<More>,
+    /// What follows the piece in force, if it was made; and whether that may be worth a look.
+    ahead: Option<Ahead>,
+    open: bool,
+    /// A piece lies further from the one before than any tick may go.
+    far: bool,
+    /// SwitchNow in the last segment: the ratio at which the next pass starts.
+    given: Option<i128>,
+    /// The slave was held by the entry done last.
+    held: bool,
+    /// Data ends at the count seen last.
+    end: u32,
+    /// FIFOs that a switch has emptied: 1 bit each, until the axis has seen them.
+    emptied: u8,
+}
+
+/// What a tick has beside the run.
+pub struct Context<'a, S, L> {
+    setup: &'a mut Setup,
+    source: &'a S,
+    level: L,
+    actions: &'a mut OutputActions,
+    /// The tick in force, 2⁻³² ns.
+    base: Fine,
+}
+
+impl<'a, S: Entries, L: Fn(Input, u8) -> bool> Context<'a, S, L> {
+    /// Settings and FIFOs of the axis, its entries, the levels of inputs as sampled in the tick in force; what entries do
+    /// goes to `actions`.
+    pub fn new(setup: &'a mut Setup, source: &'a S, level: L, actions: &'a mut OutputActions) -> Self {
+        Context { setup, source, level, actions, base: 0 }
+    }
+}
+
+/// Where a search ends.
+enum Seek {
+    /// In a segment, or at rest before the floor.
+    Here,
+    /// At an entry that is no segment.
+    Stop(u32),
+    /// At the end of the motion.
+    End(i128),
+}
+
+impl FollowRun {
+    /// A motion from the position `origin` which starts in the tick computed next.
+    #[inline(always)]
+    pub fn begin(setup: &Setup, origin: Exact, fifo: u8) -> FollowRun {
+        let both = setup.direction == Direction::Both;
+        FollowRun {
+            piece: Piece::standstill(Ns(0), 0, origin.round()),
+            both,
+            down: if both { setup.fifo(fifo).tail.down } else { setup.direction == Direction::Down },
+            furthest: i64::MIN,
+            progress: 0,
+            fifo,
+            switching: false,
+            now: None,
+            wait: Wait::Start,
+            index: 0,
+            done: 0,
+            pass: 0,
+            began: 0,
+            origin: origin.0,
+            floor: (0, 0),
+            carried: 0,
+            more: None,
+            ahead: None,
+            open: false,
+            far: false,
+            given: None,
+            held: false,
+            end: 0,
+            emptied: 0,
+        }
+    }
+
+    /// Passes completed before the present one.
+    pub fn passes(&self) -> u32 {
+        self.pass
+    }
+
+    /// The FIFO that runs.
+    pub fn fifo(&self) -> u8 {
+        self.fifo
+    }
+
+    /// Whether the other one takes over at the end of the pass.
+    pub fn is_switching(&self) -> bool {
+        self.switching
+    }
+
+    /// FIFOs that a switch has emptied since this was last asked, a bit each.
+    pub fn take_emptied(&mut self) -> u8 {
+        core::mem::take(&mut self.emptied)
+    }
+
+    /// The other FIFO takes over when the present pass ends.
+    pub fn switch(&mut self) {
+        self.invalidate_prepared();
+        self.switching = true;
+    }
+
+    /// The next segment or the other FIFO takes over at the tick computed next.
+    pub fn switch_now(&mut self, method: Method) {
+        self.invalidate_prepared();
+        self.now = Some(method);
+    }
+
+    /// Data or settings have changed: what follows may be something else now.
+    pub fn invalidate_prepared(&mut self) {
+        (self.ahead, self.open) = (None, self.piece.span != 0);
+    }
+
+    /// Whether [`FollowRun::prepare`] may have something to do.
+    #[inline(always)]
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// Progress of a position.
+    #[inline(always)]
+    fn directed(&self, pos: Pos) -> i64 {
+        if self.down { pos.0.wrapping_neg() } else { pos.0 }
+    }
+
+    /// The position where the master is at `to` and came there straight and inside one piece, if that is all
+    /// there is to do; else [`FollowRun::step`] has to.
+    #[inline(always)]
+    pub fn fast_step(&mut self, to: Pos) -> Option<(Pos, u64)> {
+        let mut progress = self.directed(to);
+        if !self.both {
+            progress = progress.max(self.furthest);
+        }
+        let mut t = (progress as u64).wrapping_sub(self.piece.begin.0);
+        if t >= self.piece.span {
+            t = self.turn(progress)?;
+        }
+        if self.now.is_some() {
+            return None;
+        }
+        (self.progress, self.furthest) = (progress, progress);
+        Some(self.piece.at(t))
+    }
+
+    /// Whether the slave has no turning point between its place and that for a master at `to`.
+    #[inline(never)]
+    pub(crate) fn is_fast_and_straight(&self, to: Pos) -> bool {
+        let falls = |progress: i64| {
+            let t = (progress as u64).wrapping_sub(self.piece.begin.0);
+            (t < self.piece.span).then(|| slope(&self.piece.motion, self.piece.at(t).1) < 0)
+        };
+        let before = falls(self.progress);
+        before.is_some() && before == falls(self.directed(to))
+    }
+
+    /// The planned position, and the parameter in its piece, where it stands now.
+    pub fn place(&self) -> (Pos, u64) {
+        let t = (self.progress as u64).wrapping_sub(self.piece.begin.0);
+        if t < self.piece.span { self.piece.at(t) } else { (self.piece.start, 0) }
+    }
+
+    /// The piece in force, over the progress in units of Pos.
+    pub fn piece(&self) -> &Piece {
+        &self.piece
+    }
+
+    /// Whether the slave moves with a master that stands at `to`: it does not wait, nor is the master behind the
+    /// furthest point or before the start.
+    #[inline(always)]
+    pub fn is_moving(&self, to: Pos) -> bool {
+        self.piece.span != 0 && self.directed(to) == self.progress
+    }
+
+    /// Whether progress is the master's position with its sign changed.
+    pub fn is_down(&self) -> bool {
+        self.down
+    }
+
+    /// Whether nothing comes of progress that goes back.
+    pub fn is_one_way(&self) -> bool {
+        !self.both
+    }
+
+    /// The tick after `path.now()`. `named` is where a position of 0 pulses lies among the positions of the way, for
+    /// PASS.
+    pub fn step<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        path: &MasterPath<'_>,
+        named: i64,
+        context: &mut Context<'_, S, L>,
+        mut track: Option<&mut Track>,
+    ) -> State {
+        let (from, to) = path.ends();
+        let mut end = self.open(path.now(), from, to, context);
+        for section in path.stretches() {
+            end = end.or_else(|| self.go(section, context, track.as_deref_mut()));
+        }
+        end.or_else(|| self.close(path.now(), to, named, context)).unwrap_or(State::Running)
+    }
+
+    /// What it waits for.
+    pub(crate) fn awaits(&self) -> Awaits {
+        match self.wait {
+            Wait::No | Wait::Start | Wait::Until(_) => Awaits::NOTHING,
+            Wait::Pass { .. } => Awaits(1),
+            Wait::Input { input, index, high, until } => Awaits(
+                2 | (high as u16) << 2 | (until.is_some() as u16) << 3 | (input as u16) << 4 | (index as u16) << 8,
+            ),
+        }
+    }
+
+    /// A tick begins with the master at `from`, and ends at `to`: data that was added counts, inputs are looked at.
+    pub(super) fn open<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        now: Ns,
+        from: Pos,
+        to: Spot,
+        context: &mut Context<'_, S, L>,
+    ) -> Option<State> {
+        context.base = (now.0 as Fine) << 32;
+        self.append(context);
+        if let Wait::Input { input, index, high, until } = self.wait {
+            if (context.level)(input, index) == high {
+                self.resume(from, context);
+            } else if until.is_some_and(|until| until <= context.base.wrapping_add(to.after as Fine)) {
+                return Some(State::TimedOut { at: self.knot(self.done, context) });
+            }
+        }
+        None
+    }
+
+    /// The master goes along a stretch; places of the slave's own go to `track`.
+    #[inline(never)]
+    pub(super) fn go<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        section: Section<'_>,
+        context: &mut Context<'_, S, L>,
+        track: Option<&mut Track>,
+    ) -> Option<State> {
+        let before = track.is_some().then_some((self.piece, self.progress, self.down));
+        let end = self.advance(section, context);
+        if let (Some(track), Some((piece, progress, down))) = (track, before) {
+            // Progress that has changed its sign is that of another FIFO: how it came there is not known.
+            let piece = if self.down == down { piece } else { self.piece };
+            if self.progress != progress {
+                trail((&piece, progress), (&self.piece, self.progress), down, &section, track);
+            }
+            track.push(section.to.after, self.place().0);
+        }
+        end
+    }
+
+    /// The tick ends with the master at `to`: a motion starts, SwitchNow acts.
+    pub(super) fn close<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        now: Ns,
+        to: Spot,
+        named: i64,
+        context: &mut Context<'_, S, L>,
+    ) -> Option<State> {
+        let still = Section::still(now, to);
+        if self.wait == Wait::Start {
+            match context.setup.event {
+                Event::Start => {
+                    let prepared = self.ahead.take();
+                    self.start(to.pos);
+                    if let Some(prepared) = prepared {
+                        self.enter_prepared(&prepared);
+                    } else if let Some(end) = self.settle(&still, context) {
+                        return Some(end);
+                    }
+                }
+                Event::Pass { up, pos } => {
+                    self.wait = Wait::Pass { up, at: Pos(Pos::pulses(pos).0.wrapping_add(named)) };
+                }
+            }
+        }
+        if let Some(method) = self.now.take()
+            && self.switch_here(method, to.pos, context)
+        {
+            return self.settle(&still, context);
+        }
+        None
+    }
+
+    /// The motion begins with the master at `pos`.
+    fn start(&mut self, pos: Pos) {
+        self.wait = Wait::No;
+        self.progress = self.directed(pos);
+        self.furthest = self.progress;
+        self.began = (self.progress as i128) << UNIT;
+    }
+
+    /// The first piece was made for a master at 0: it begins where that is.
+    fn enter_prepared(&mut self, prepared: &Ahead) {
+        self.piece = prepared.piece;
+        self.piece.begin = Ns(self.piece.begin.0.wrapping_add(self.progress as u64));
+        (self.index, self.held, self.open) = (prepared.index, false, true);
+    }
+
+    /// Data that was added belongs to the present pass: earlier ones had another length.
+    fn append<L>(&mut self, context: &mut Context<'_, impl Entries, L>) {
+        let end = context.setup.fifo(self.fifo).end;
+        if end != self.end {
+            if self.end != 0 && self.floor.0 != self.pass {
+                self.floor = (self.pass, 0);
+            }
+            self.end = end;
+        }
+    }
+
+    /// The master goes along a stretch.
+    fn advance<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        mut section: Section<'_>,
+        context: &mut Context<'_, S, L>,
+    ) -> Option<State> {
+        match self.wait {
+            Wait::Pass { up, at } => {
+                let (from, to) = (section.from.pos, section.to.pos);
+                let crosses = if up { from < at && to >= at } else { from > at && to <= at };
+                if !crosses {
+                    return None;
+                }
+                self.start(at);
+                section.from = Spot { after: section.when(at), pos: at };
+            }
+            Wait::Until(until) => {
+                let after = until.saturating_sub(context.base);
+                if after > section.to.after as Fine {
+                    return None;
+                }
+                let after = after as u64;
+                let pos = section.at(after);
+                self.resume(pos, context);
+                section.from = Spot { after, pos };
+            }
+            Wait::Input { .. } | Wait::Start => return None,
+            Wait::No => {}
+        }
+        let progress = self.directed(section.to.pos);
+        if self.both || progress > self.furthest {
+            self.progress = progress;
+            self.furthest = progress;
+        }
+        self.settle(&section, context)
+    }
+
+    /// Brings piece and entries up to the present progress, which the master reached along `section`.
+    fn settle<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        section: &Section<'_>,
+        context: &mut Context<'_, S, L>,
+    ) -> Option<State> {
+        for _ in 0..STEPS {
+            match self.seek(context) {
+                Seek::Here => return self.far.then_some(State::TooFar),
+                Seek::End(at) if self.is_far(at) => return Some(State::TooFar),
+                Seek::End(at) => return Some(State::Ended { at: Exact(at) }),
+                Seek::Stop(index) => {
+                    if context.actions.done >= ACTIONS {
+                        // The next tick goes on here.
+                        self.hold(index, context);
+                        return None;
+                    }
+                    context.actions.done = context.actions.done.wrapping_add(1);
+                    if self.act(index, section, context) {
+                        return None;
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// Carries out the entry `index`, which is no segment; whether the slave is held by it.
+    fn act<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        index: u32,
+        section: &Section<'_>,
+        context: &mut Context<'_, S, L>,
+    ) -> bool {
+        let entry = context.source.entry(self.fifo, index);
+        let (knot, _) = entry.ends();
+        let reached = ceil(self.began.wrapping_add(knot));
+        self.done = index.wrapping_add(1);
+        self.floor = (self.pass, self.done);
+        let when = || {
+            let pos = Pos(if self.down { reached.wrapping_neg() } else { reached });
+            context.base.wrapping_add(
+                section.when(pos.clamp(section.from.pos.min(section.to.pos), section.from.pos.max(section.to.pos)))
+                    as Fine,
+            )
+        };
+        match entry.action() {
+            Stop::Output { group, bit, high } => {
+                let group = match group {
+                    DoGroup::Enable => 0,
+                    DoGroup::Clear => 1,
+                    DoGroup::General => 2,
+                };
+                if let Some(place) = context.actions.outputs.get_mut(context.actions.done.wrapping_sub(1)) {
+                    *place = Some((group, bit, high));
+                }
+                return false;
+            }
+            Stop::Delay { cycles } => {
+                if cycles == 0 {
+                    return false;
+                }
+                let until = when().wrapping_add(CYCLE.wrapping_mul(cycles as Fine));
+                self.wait = Wait::Until(until);
+            }
+            Stop::Wait { input, index, high, timeout_ms } => {
+                // The level in force when the entry is reached is that of the sample before.
+                if (context.level)(input, index) == high {
+                    return false;
+                }
+                let until = (timeout_ms != 0).then(|| when().wrapping_add(MS.wrapping_mul(timeout_ms as Fine)));
+                self.wait = Wait::Input { input, index, high, until };
+            }
+            Stop::Switch(Method::Segment) => {
+                // The next segment follows anyway. In the last one, the pass has ended.
+                return false;
+            }
+            Stop::Switch(Method::Table) => {
+                let ratio = if self.held { 0 } else { self.end_ratio(index, context) };
+                let (knot, end) = entry.ends();
+                let (began, origin) = (self.began.wrapping_add(knot), self.origin.wrapping_add(end));
+                if !context.setup.is_empty(self.fifo ^ 1) {
+                    self.enter_other(began, origin, ratio, true, context);
+                }
+                return false;
+            }
+        }
+        self.held = true;
+        self.hold(self.done, context);
+        // A delay may end on this very stretch.
+        if let Wait::Until(until) = self.wait {
+            let after = until.saturating_sub(context.base);
+            if after <= section.to.after as Fine {
+                let pos = section.at(after as u64);
+                self.resume(pos, context);
+                let progress = self.directed(section.to.pos);
+                if self.both || progress > self.furthest {
+                    (self.progress, self.furthest) = (progress, progress);
+                }
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The slave rests at the beginning of an entry.
+    fn hold<L>(&mut self, index: u32, context: &Context<'_, impl Entries, L>) {
+        let at = self.knot(index, context);
+        self.far |= self.is_far(at.0);
+        self.piece = Piece::standstill(Ns(0), 0, at.round());
+        (self.ahead, self.open) = (None, false);
+    }
+
+    /// A delay or a wait is over with the master at `pos`: what follows begins there.
+    fn resume<L>(&mut self, pos: Pos, context: &Context<'_, impl Entries, L>) {
+        self.wait = Wait::No;
+        self.progress = self.directed(pos);
+        self.furthest = self.progress;
+        let (knot, _) = self.ends_before(self.done, context);
+        self.began = ((self.progress as i128) << UNIT).wrapping_sub(knot);
+    }
+}

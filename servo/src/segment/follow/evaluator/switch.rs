@@ -1,0 +1,185 @@
+//! How a slave goes on after a switch, and at what ratio.
+//!
+//! In: the order to switch, the place where it acts. Out: the run with a new origin. Owns: nothing. What the chain
+//! of ratios in the data cannot know is [`More`]. Cannot fail: where there is nothing to switch to, nothing happens.
+use super::{Context, FollowRun, More, Wait};
+use crate::segment::follow::curve::{Segment, UNIT, ratio_at};
+use crate::segment::follow::entry::{ENTRIES, Entry, FAR, STOPS};
+use crate::segment::follow::setup::Setup;
+use crate::segment::follow::{Entries, Method};
+use crate::units::Pos;
+
+impl FollowRun {
+    /// SwitchNow with the master at `pos`; whether the slave follows.
+    pub(super) fn switch_here<L>(
+        &mut self,
+        method: Method,
+        pos: Pos,
+        context: &mut Context<'_, impl Entries, L>,
+    ) -> bool {
+        let other = self.fifo ^ 1;
+        if method == Method::Table && context.setup.is_empty(other) {
+            return false;
+        }
+        if let Wait::Pass { .. } | Wait::Start = self.wait {
+            if method == Method::Table {
+                self.enter_other(0, self.origin, 0, true, context);
+            }
+            return false;
+        }
+        if self.wait != Wait::No {
+            self.resume(pos, context);
+        }
+        let (place, tau) = self.place();
+        let moves = (self.progress as u64).wrapping_sub(self.piece.begin.0) < self.piece.span;
+        let ratio = if moves { ratio_at(&self.piece.motion, tau) } else { 0 };
+        let began = (self.progress as i128) << UNIT;
+        let origin = (place.0 as i128) << UNIT;
+        if method == Method::Table {
+            self.enter_other(began, origin, ratio, true, context);
+            return true;
+        }
+        if moves {
+            // The next entry begins here, as if the segment had ended.
+            self.done = self.index.wrapping_add(1);
+            // Those of one segment are two more at most.
+            for _ in 0..2 {
+                let more = self.done < context.setup.fifo(self.fifo).end
+                    && context.source.entry(self.fifo, self.done).goes_on();
+                self.done = self.done.wrapping_add(more as u32);
+            }
+        }
+        let (knot, end) = self.ends_before(self.done, context);
+        (self.began, self.origin) = (began.wrapping_sub(knot), origin.wrapping_sub(end));
+        self.floor = (self.pass, self.done);
+        let fifo = context.setup.fifo(self.fifo);
+        if self.done < fifo.end {
+            self.start_with(self.pass, self.done, ratio, context);
+        } else {
+            self.given = Some(ratio);
+        }
+        true
+    }
+
+    /// The first segment from entry `from` on in this pass starts at `ratio`.
+    pub(super) fn start_with<L>(&mut self, pass: u32, from: u32, ratio: i128, context: &Context<'_, impl Entries, L>) {
+        let end = context.setup.fifo(self.fifo).end;
+        let mut index = from;
+        for _ in 0..STOPS {
+            if index >= end || context.source.entry(self.fifo, index).kind().is_some() {
+                break;
+            }
+            index = index.wrapping_add(1);
+        }
+        let entry = context.source.entry(self.fifo, index);
+        let before = self.before(index, context);
+        // What its chain gives it is part of that ratio.
+        let segment = Segment::between(before, entry, |_| 0);
+        let own = segment.start_ratio();
+        self.more = Some(More { pass, from: index, odd: entry.odd(), ratio: ratio.wrapping_sub(own) });
+    }
+
+    /// The other FIFO takes over; what it follows ended at `ratio`. `at_once`: its first segment starts at it.
+    pub(super) fn enter_other<L>(
+        &mut self,
+        began: i128,
+        origin: i128,
+        ratio: i128,
+        at_once: bool,
+        context: &mut Context<'_, impl Entries, L>,
+    ) {
+        context.setup.clear(self.fifo);
+        self.emptied |= 1 << self.fifo;
+        self.fifo ^= 1;
+        self.switching = false;
+        (self.pass, self.done, self.floor) = (0, 0, (0, 0));
+        (self.began, self.origin) = (began, origin);
+        let fifo = context.setup.fifo(self.fifo);
+        (self.end, self.carried) = (fifo.end, ratio);
+        if self.both && fifo.tail.down != self.down {
+            self.turn_round();
+        }
+        (self.more, self.given) = (None, None);
+        if at_once {
+            self.start_with(0, 0, self.carried, context);
+        }
+        self.piece.span = 0;
+        (self.ahead, self.open) = (None, false);
+    }
+
+    /// The other FIFO's progress has the other sign.
+    pub(super) fn turn_round(&mut self) {
+        self.down = !self.down;
+        self.progress = self.progress.wrapping_neg();
+        self.began = self.began.wrapping_neg();
+        self.carried = self.carried.wrapping_neg();
+    }
+
+    /// How much more than its chain knows a segment starts with.
+    #[inline(always)]
+    pub(super) fn more_at(&self, pass: u32, index: u32, entry: Entry, setup: &Setup, source: &impl Entries) -> i128 {
+        if self.more.is_none() && self.carried == 0 { 0 } else { self.more_of(pass, index, entry, setup, source) }
+    }
+
+    #[inline(never)]
+    pub(super) fn more_of(&self, pass: u32, index: u32, entry: Entry, setup: &Setup, source: &impl Entries) -> i128 {
+        let continues = setup.fifo(self.fifo).tail.continues as u32;
+        let (from, odd, ratio) = if let Some(more) = &self.more
+            && more.pass == pass
+            && index >= more.from
+        {
+            (more.from, more.odd, more.ratio)
+        } else if continues != 0 && self.carried != 0 {
+            (continues.wrapping_sub(1), false, self.carried)
+        } else {
+            return 0;
+        };
+        if !self.is_chained(from, index, entry, source) {
+            0
+        } else if entry.odd() == odd {
+            ratio
+        } else {
+            ratio.wrapping_neg()
+        }
+    }
+
+    /// Whether NORMAL segments lead from `from` to `index`, both included.
+    pub(super) fn is_chained(&self, from: u32, index: u32, entry: Entry, source: &impl Entries) -> bool {
+        let (mut at, mut entry) = (index, entry);
+        // A chain of 512 entries is looked through in steps of 31.
+        for _ in 0..=ENTRIES / FAR {
+            let back = entry.back();
+            at = at.wrapping_sub(back);
+            if at <= from || back < FAR {
+                break;
+            }
+            entry = source.entry(self.fifo, at);
+        }
+        at < from || at == from && source.entry(self.fifo, from).is_normal()
+    }
+
+    /// The ratio at the end of the segment before entry `index`.
+    pub(super) fn end_ratio<L>(&mut self, index: u32, context: &Context<'_, impl Entries, L>) -> i128 {
+        let fifo = context.setup.fifo(self.fifo);
+        let mut at = index;
+        for _ in 0..=STOPS {
+            let Some(last) = at.checked_sub(1) else { return self.carried };
+            at = last;
+            let entry = context.source.entry(self.fifo, at);
+            if entry.kind().is_none() {
+                continue;
+            }
+            if index == fifo.end {
+                let more = if entry.is_normal() {
+                    self.more_at(self.pass, at, entry, context.setup, context.source)
+                } else {
+                    0
+                };
+                return fifo.tail.ratio.wrapping_sub(more);
+            }
+            let before = self.before(at, context);
+            return self.segment(self.pass, at, before, entry, context.setup, context.source).end_ratio();
+        }
+        0
+    }
+}

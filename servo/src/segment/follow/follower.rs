@@ -1,0 +1,318 @@
+//! A slave and what it looks at: its master's position in every tick.
+//!
+//! In: the master as it stands in the tick computed. Out: the slave's position, and its own way for those that
+//! follow it. Owns: the [`FollowRun`], the filter, the master's position one tick ago. It cannot fail.
+//!
+//! A master's position is that of the machine, which no SetPrfPos or ZeroPos of the master changes. An encoder is the
+//! sample of the tick in force at the end of the tick, and that of the tick before at its beginning. The filter is a lag
+//! of first order with a time constant of 2²² ns (4.19 ms), started at the master's position; what it answers is exact
+//! for a master that goes evenly between ticks, so that no lag depends on the tick period.
+use super::curve::slope;
+use super::evaluator::{Context, FollowRun, State};
+use super::master_path::{MasterPath, Section, Spot, Track, bisect, is_plain};
+use super::{Entries, Input, Master};
+use crate::math::wide::{Recip, umulhi};
+use crate::segment::piece::Piece;
+use crate::units::{Ns, Pos};
+use crate::view::StopReason;
+
+/// A master in one tick.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MasterSample<'a> {
+    /// The tick in force, and from it to the one computed.
+    pub(crate) now: Ns,
+    pub(crate) period: Ns,
+    /// Where it is then, as the machine counts.
+    pub(crate) to: Pos,
+    /// Where the position named 0 is.
+    pub(crate) named: i64,
+    pub(crate) path: Path<'a>,
+}
+
+/// How it comes there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Path<'a> {
+    /// Straight.
+    Straight,
+    /// Straight behind a filter.
+    Filtered,
+    /// Along a piece, and the one before it if that was in force at `now`; what is added to their positions.
+    Pieces { before: Option<&'a Piece>, piece: &'a Piece, shift: i64 },
+    /// From place to place; what is added to them.
+    Track { places: &'a Track, shift: i64 },
+}
+
+/// A slave that runs.
+#[derive(Debug, Clone, Copy)]
+pub struct Follower {
+    pub(crate) run: FollowRun,
+    pub(crate) master: Master,
+    /// A smooth stop is due at the end of the tick.
+    pub(crate) braking: Option<StopReason>,
+    /// The piece of the master that is known to have no turning point.
+    plain: Option<Ns>,
+    /// Its position at the tick in force; none before the first step.
+    last: Option<Pos>,
+    /// The master's filter.
+    filter: Filter,
+    /// How far the master went in this tick.
+    displacement: i64,
+    /// Its own places in this tick.
+    track: Track,
+}
+
+impl Follower {
+    #[inline(always)]
+    pub(crate) fn new(run: FollowRun, master: Master) -> Follower {
+        Follower {
+            run,
+            master,
+            braking: None,
+            plain: None,
+            last: None,
+            filter: Filter::default(),
+            displacement: 0,
+            track: Track::begin(Pos(0)),
+        }
+    }
+
+    /// Its own places in this tick, if it was told that it is followed.
+    pub(crate) fn track(&self) -> &Track {
+        &self.track
+    }
+
+    /// Whether it moves with its master.
+    #[inline(always)]
+    pub(crate) fn is_moving(&self) -> bool {
+        self.last.is_some_and(|last| self.run.is_moving(last))
+    }
+
+    /// Its own places in this tick are not those that it was about to go to.
+    pub(crate) fn forget_track(&mut self) {
+        self.track.clear();
+    }
+
+    /// How far its master went in this tick, units of Pos.
+    pub(crate) fn displacement(&self) -> i64 {
+        self.displacement
+    }
+
+    /// Where it is with a master at `to`, and the parameter in its piece, if the master went straight there and all
+    /// is inside one piece; `led` if it is followed itself, `from` is where it is at the tick in force.
+    #[inline(always)]
+    pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, led: bool, from: Pos) -> Option<(Pos, u64)> {
+        if led && !self.run.is_fast_and_straight(to) {
+            return None;
+        }
+        let place = self.run.fast_step(to)?;
+        if led {
+            self.track = Track::begin(from);
+            self.track.push(period.0 << 32, place.0);
+        }
+        self.displacement = to.0.wrapping_sub(self.last.unwrap_or(to).0);
+        self.last = Some(to);
+        Some(place)
+    }
+
+    /// Whether a piece of the master is known to have no turning point.
+    #[inline(always)]
+    pub(crate) fn knows(&self, piece: &Piece) -> bool {
+        self.plain == Some(piece.begin)
+    }
+
+    /// The tick, whatever has to be done; `from` is where the slave is at the tick in force.
+    #[inline(never)]
+    pub(crate) fn step(
+        &mut self,
+        master_sample: &MasterSample<'_>,
+        led: bool,
+        from: Pos,
+        context: &mut Context<'_, impl Entries, impl Fn(Input, u8) -> bool>,
+    ) -> State {
+        let state = self.go_along(master_sample, led, from, context);
+        if let State::Ended { at } | State::TimedOut { at } = state {
+            self.track.arrive(master_sample.period.0 << 32, at.round());
+        }
+        state
+    }
+
+    #[inline(always)]
+    fn go_along(
+        &mut self,
+        master_sample: &MasterSample<'_>,
+        led: bool,
+        from: Pos,
+        context: &mut Context<'_, impl Entries, impl Fn(Input, u8) -> bool>,
+    ) -> State {
+        let MasterSample { now, period, .. } = *master_sample;
+        let to = if let Path::Filtered = master_sample.path {
+            self.filter.step(master_sample.to, period)
+        } else {
+            master_sample.to
+        };
+        let last = self.last.unwrap_or(to);
+        (self.displacement, self.last) = (to.0.wrapping_sub(last.0), Some(to));
+        let track = if led {
+            self.track = Track::begin(from);
+            Some(&mut self.track)
+        } else {
+            None
+        };
+        let (along, shift) = match master_sample.path {
+            Path::Straight | Path::Filtered => (None, 0),
+            Path::Pieces { before, piece, shift } => {
+                if self.plain != Some(piece.begin) {
+                    self.plain = is_plain(piece, now).then_some(piece.begin);
+                }
+                if before.is_some() || self.plain.is_none() {
+                    let displacement = MasterPath::along(now, period, before, piece, last, to, shift);
+                    return self.run.step(&displacement, master_sample.named, context, track);
+                }
+                (Some(piece), shift)
+            }
+            Path::Track { places, shift } => {
+                return self.run.step(&MasterPath::of(now, places, shift), master_sample.named, context, track);
+            }
+        };
+        // All the way is one stretch.
+        let to = Spot { after: period.0 << 32, pos: to };
+        let section = Section { now, from: Spot { after: 0, pos: last }, to, piece: along, shift };
+        self.run
+            .open(now, last, to, context)
+            .or_else(|| self.run.go(section, context, track))
+            .or_else(|| self.run.close(now, to, master_sample.named, context))
+            .unwrap_or(State::Running)
+    }
+}
+
+/// A lag of first order: τ = 2²² ns.
+#[derive(Debug, Clone, Copy, Default)]
+struct Filter {
+    /// Where the master was one tick ago; none before the first step.
+    from: Option<Pos>,
+    /// How far the filtered position is behind it, 2⁻⁴⁴ pulse.
+    lag: i128,
+    /// The period for which `share` was computed.
+    period: Ns,
+    /// [`share`] of the period.
+    share: u64,
+}
+
+impl Filter {
+    /// Where the filtered position is when the master has come to `to` evenly.
+    ///
+    /// With u = period/τ the lag goes from l to l·exp(−u) + way·(1 − exp(−u))/u, which is
+    /// l + (way − l·u)·share, as exp(−u) = 1 − u·share.
+    fn step(&mut self, to: Pos, period: Ns) -> Pos {
+        if period != self.period {
+            (self.period, self.share) = (period, share(period.0 << 42));
+        }
+        let displacement = to.0.wrapping_sub(self.from.unwrap_or(to).0);
+        self.from = Some(to);
+        // Rounded down in every tick, the lag dies away to a few hundred 2⁻⁴⁴ pulse below 0 at most: the position arrives.
+        let gap =
+            ((displacement as i128) << 22).wrapping_add(self.lag.wrapping_neg().wrapping_mul(period.0 as i128) >> 22);
+        let part = (gap >> 64).wrapping_mul(self.share as i128).wrapping_add(umulhi(gap as u64, self.share) as i128);
+        self.lag = self.lag.wrapping_add(part);
+        Pos(to.0.wrapping_add((self.lag.wrapping_neg() >> 22) as i64))
+    }
+}
+
+/// (1 − exp(−u))/u in 2⁻⁶⁴ of u, 2⁻⁶⁴, below a quarter: 1 − u/2·(1 − u/3·(1 − u/4·…)). What follows u¹³/14! is less than 2⁻⁶⁸.
+/// The longest period is less than a quarter of 2²² ns.
+pub(crate) fn share(u: u64) -> u64 {
+    /// 1/14 to 1/2, 2⁻⁶⁴.
+    const PARTS: [u64; 13] = {
+        let mut parts = [0; 13];
+        let mut i = 0;
+        while i < 13 {
+            parts[i] = u64::MAX / (14 - i as u64);
+            i += 1;
+        }
+        parts
+    };
+    PARTS.iter().fold(u64::MAX, |rest, &part| !umulhi(umulhi(u, rest), part))
+}
+
+/// The places of a slave between two places of its progress, in the same piece or in two with a knot between, which the master
+/// passed on a stretch: knots and turning points.
+pub(super) fn trail(
+    (old, before): (&Piece, i64),
+    (piece, progress): (&Piece, i64),
+    down: bool,
+    section: &Section<'_>,
+    track: &mut Track,
+) {
+    let (from, to) = (section.from, section.to);
+    let mut leg = (before, from.after);
+    if old.span == 0 && piece.span != 0 {
+        // The slave was held, or had not begun: its progress before says nothing of where it went from.
+        let knot = piece.begin.0 as i64;
+        let pos = Pos(if down { knot.wrapping_neg() } else { knot });
+        let after = section.when(pos.clamp(from.pos.min(to.pos), from.pos.max(to.pos)));
+        track.push(after, piece.start);
+        leg = (knot, after);
+    } else if piece.begin != old.begin && piece.span != 0 && old.span != 0 {
+        let up = progress > before;
+        // Exact at the begin of a piece.
+        let edge = |piece: &Piece, end: bool| {
+            let span = if end { piece.span } else { 0 };
+            let knot = piece.begin.0.wrapping_add(span) as i64;
+            let pos = Pos(if down { knot.wrapping_neg() } else { knot });
+            let after = section.when(pos.clamp(from.pos.min(to.pos), from.pos.max(to.pos)));
+            ((knot, after), if end { piece.at(span.saturating_sub(1)).0 } else { piece.start })
+        };
+        let ((left, end), (entered, begin)) = (edge(old, up), edge(piece, !up));
+        image(old, (before, left.0), (from.after, left.1), track);
+        let joined = entered.0 == left.0;
+        track.push(left.1, if joined && up { begin } else { end });
+        if !joined {
+            track.push(entered.1, begin);
+        }
+        leg = entered;
+    }
+    image(piece, (leg.0, progress), (leg.1, to.after), track);
+}
+
+/// The places of a slave between two places of its progress, if a turning point of its own lies between them in this piece.
+fn image(piece: &Piece, (from, to): (i64, i64), (begin, end): (u64, u64), track: &mut Track) {
+    let inside = |progress: i64| (progress as u64).wrapping_sub(piece.begin.0).min(piece.span.saturating_sub(1));
+    let (low, high) = if from <= to { (inside(from), inside(to)) } else { (inside(to), inside(from)) };
+    let falls = |t: u64| slope(&piece.motion, piece.at(t).1) < 0;
+    let first = falls(low);
+    if low < high && falls(high) != first {
+        let turn = bisect(low, high, |t| falls(t) == first);
+        let (part, whole) = (turn.wrapping_sub(low), high.wrapping_sub(low));
+        let share = Recip::of(whole).ratio(part.min(whole.saturating_sub(1)));
+        let share = if from <= to { share } else { share.wrapping_neg() };
+        let after = begin.wrapping_add(umulhi(end.wrapping_sub(begin), share));
+        track.push(after, piece.at(turn).0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::share;
+    use num_bigint::BigInt;
+    use num_rational::BigRational;
+
+    /// Alternating sums on both sides of (1 − exp(−u))/u, exact, shut it in.
+    #[test]
+    fn the_share_of_a_period_is_right_to_the_last_bits() {
+        for ns in [10_000, 50_000, 250_000, 333_333, 999_999, 1_000_000] {
+            let u = BigRational::new(BigInt::from(ns), BigInt::from(1 << 22));
+            let (mut term, mut sum) = (BigRational::from_integer(1.into()), BigRational::from_integer(0.into()));
+            let mut bounds = [sum.clone(), sum.clone()];
+            for k in 0..30 {
+                sum += &term;
+                term *= -&u / BigInt::from(k + 2);
+                bounds[k % 2] = sum.clone();
+            }
+            let [above, below] =
+                bounds.map(|sum| (sum * BigRational::from_integer(BigInt::from(1) << 64)).floor().to_integer());
+            assert_eq!(above, below);
+            let off = BigInt::from(share(ns << 42)) - below;
+            assert!(BigInt::from(-2) <= off && off <= BigInt::from(2), "{off} off at {ns} ns");
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! The way of a master inside one tick: a few places in order of time, monotone between them.
+//!
+//! In: the pieces that a master runs in the tick, or two samples. Out: a [`MasterPath`] from the tick in force to
+//! the next, turning points included; where the master is at an instant of it, and when it is somewhere.
+//! Cannot fail. What it leaves out: where more than one knot lies in the tick, the way between the first
+//! and the last of them is a straight line, and so is the way of a slave that is followed itself between its places.
+use super::curve::{bend, slope};
+use crate::math::wide::{mulhi_su, umulhi};
+use crate::segment::piece::Piece;
+use crate::units::{Ns, Pos};
+
+/// Places on a way at most: begin and end, two turning points in either of two pieces, both sides of
+/// what lies between them.
+pub const SPOTS: usize = 8;
+/// Time in 2⁻³² ns.
+pub(super) type Fine = u128;
+
+/// A place on the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Spot {
+    /// Time since the tick in force, 2⁻³² ns.
+    pub after: u64,
+    /// Where the master is.
+    pub pos: Pos,
+}
+
+/// Places in order of time; the first is that of the tick in force.
+#[derive(Debug, Clone, Copy)]
+pub struct Track {
+    spots: [Spot; SPOTS],
+    count: u8,
+}
+
+/// The way of one tick.
+#[derive(Debug, Clone, Copy)]
+pub struct MasterPath<'a> {
+    /// The tick in force.
+    now: Ns,
+    track: Track,
+    /// Along which piece it comes to each place: 0 a straight line, 1 or 2.
+    along: [u8; SPOTS],
+    pieces: [Option<&'a Piece>; 2],
+    /// What has to be added to positions of pieces.
+    shift: i64,
+}
+
+/// From one place to the next, along a piece or straight.
+#[derive(Debug, Clone, Copy)]
+pub struct Section<'a> {
+    pub(super) now: Ns,
+    pub(super) from: Spot,
+    pub(super) to: Spot,
+    pub(super) piece: Option<&'a Piece>,
+    pub(super) shift: i64,
+}
+
+impl Track {
+    /// Nowhere.
+    pub(crate) const NONE: Track = Track { spots: [Spot { after: 0, pos: Pos(0) }; SPOTS], count: 0 };
+
+    /// Becomes nowhere.
+    #[inline(always)]
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// A place.
+    pub(crate) fn begin(from: Pos) -> Track {
+        Track { spots: [Spot { after: 0, pos: from }; SPOTS], count: 1 }
+    }
+
+    /// The next place; its index. Where no room is left, the last one moves there.
+    pub(crate) fn push(&mut self, after: u64, pos: Pos) -> usize {
+        let index = (self.count as usize).min(SPOTS - 1);
+        if let Some(place) = self.spots.get_mut(index) {
+            *place = Spot { after, pos };
+        }
+        self.count = index as u8 + 1;
+        index
+    }
+
+    /// It ends there, whatever the last place was.
+    pub(crate) fn arrive(&mut self, after: u64, pos: Pos) {
+        if let Some(last) = self.spots.get_mut(self.count.saturating_sub(1) as usize).filter(|_| self.count > 1) {
+            last.pos = pos;
+        }
+        if self.last().after != after {
+            self.push(after, pos);
+        }
+    }
+
+    /// Whether it goes straight from a tick to the next.
+    #[inline(always)]
+    pub(crate) fn is_straight(&self) -> bool {
+        self.count <= 2
+    }
+
+    fn spots(&self) -> &[Spot] {
+        self.spots.get(..self.count as usize).unwrap_or_default()
+    }
+
+    /// The last place.
+    pub(super) fn last(&self) -> Spot {
+        self.spots().last().copied().unwrap_or_default()
+    }
+}
+
+impl<'a> MasterPath<'a> {
+    /// A straight line from a tick to the next.
+    pub fn line(now: Ns, period: Ns, from: Pos, to: Pos) -> MasterPath<'a> {
+        let mut track = Track::begin(from);
+        track.push(period.0 << 32, to);
+        MasterPath::of(now, &track, 0)
+    }
+
+    /// From place to place of a slave. Places plus `shift` are the master's.
+    pub fn of(now: Ns, track: &Track, shift: i64) -> MasterPath<'a> {
+        let mut track = *track;
+        for spot in &mut track.spots {
+            spot.pos.0 = spot.pos.0.wrapping_add(shift);
+        }
+        MasterPath { now, track, along: [0; SPOTS], pieces: [None; 2], shift: 0 }
+    }
+
+    /// Along the pieces of a motion: `piece`, and `before` if that is in force from `now` until the piece begins.
+    /// Positions of pieces plus `shift` are the master's.
+    pub fn along(
+        now: Ns,
+        period: Ns,
+        before: Option<&'a Piece>,
+        piece: &'a Piece,
+        from: Pos,
+        to: Pos,
+        shift: i64,
+    ) -> MasterPath<'a> {
+        let next = Ns(now.0.wrapping_add(period.0));
+        let mut path = MasterPath::of(now, &Track::begin(from), 0);
+        (path.pieces, path.shift) = ([before, Some(piece)], shift);
+        let at = |pos: Pos| Pos(pos.0.wrapping_add(shift));
+        let mut since = now;
+        if let Some(before) = before {
+            // Instants inside the tick, from now.
+            let entered = piece.begin.0.wrapping_sub(now.0) as i64;
+            let last = before.begin.0.wrapping_add(before.span);
+            let left = (last.wrapping_sub(now.0) as i64).min(entered).max(0);
+            let rests = piece.span == u64::MAX;
+            if left > 0 {
+                path.turns(before, now, Ns(now.0.wrapping_add(left as u64)), 1);
+                let joined = rests || left == entered;
+                let end = if joined { piece.start } else { before.at(before.span.saturating_sub(1)).0 };
+                path.push((left as u64) << 32, at(end), 1);
+            }
+            if left < entered {
+                path.push((entered as u64) << 32, at(piece.start), 0);
+            }
+            since = piece.begin;
+        }
+        if since != next {
+            path.turns(piece, since, next, 2);
+            path.push(period.0 << 32, to, 2);
+        } else if path.track.last().after != period.0 << 32 {
+            path.push(period.0 << 32, to, 0);
+        }
+        path
+    }
+
+    fn push(&mut self, after: u64, pos: Pos, along: u8) {
+        let index = self.track.push(after, pos);
+        if let Some(place) = self.along.get_mut(index) {
+            *place = along;
+        }
+    }
+
+    /// The tick in force.
+    pub(super) fn now(&self) -> Ns {
+        self.now
+    }
+
+    /// Where the master is at the tick in force, and at the next.
+    pub(super) fn ends(&self) -> (Pos, Spot) {
+        (self.track.spots().first().copied().unwrap_or_default().pos, self.track.last())
+    }
+
+    /// Stretches in order.
+    pub(super) fn stretches(&self) -> impl Iterator<Item = Section<'a>> {
+        let places = self.track.spots();
+        let [first, second] = self.pieces;
+        places.iter().zip(places.iter().zip(&self.along).skip(1)).map(move |(from, (to, along))| Section {
+            now: self.now,
+            from: *from,
+            to: *to,
+            piece: match along {
+                0 => None,
+                1 => first,
+                _ => second,
+            },
+            shift: self.shift,
+        })
+    }
+
+    /// The turning points of a piece between two instants in it.
+    fn turns(&mut self, piece: &Piece, from: Ns, to: Ns, along: u8) {
+        let begin = from.0.wrapping_sub(self.now.0) << 32;
+        let end = to.0.wrapping_sub(self.now.0) << 32;
+        let tau = |fine| tau(self.now, piece, fine);
+        let sign = |fine| slope(&piece.motion, tau(fine)) < 0;
+        let (first, last) = (sign(begin), sign(end));
+        let mut found = [None; 2];
+        if first != last {
+            found = [Some(bisect(begin, end, |fine| sign(fine) == first)), None];
+        } else if piece.motion.c[2] != 0 {
+            let side = |fine| bend(&piece.motion, tau(fine)) < 0;
+            if side(begin) != side(end) {
+                let middle = bisect(begin, end, |fine| side(fine) == side(begin));
+                if sign(middle) != first {
+                    let one = bisect(begin, middle, |fine| sign(fine) == first);
+                    found = [Some(one), Some(bisect(middle, end, |fine| sign(fine) != first))];
+                }
+            }
+        }
+        for fine in found.into_iter().flatten() {
+            let pos = pos(self.now, piece, self.shift, fine);
+            self.push(fine, pos, along);
+        }
+    }
+}
+
+/// The parameter of a piece at a time since the tick in force; held inside the piece, which another one may have cut short:
+/// its cubic goes on behind its end.
+fn tau(now: Ns, piece: &Piece, fine: u64) -> u64 {
+    let t = (fine >> 32).wrapping_add(now.0).wrapping_sub(piece.begin.0);
+    let last = piece.span.saturating_sub(1);
+    let (t, part) = if t > last { (last, u32::MAX) } else { (t, fine as u32) };
+    let recip = piece.motion.recip;
+    let part = (((part as u128) << (recip.shift & 63)) >> 32) as u64;
+    let tau = (recip.ratio(t) >> 1).wrapping_add(piece.motion.tau);
+    tau.wrapping_add(part.saturating_add(umulhi(part, recip.m)) >> 1).min(Piece::END)
+}
+
+/// Where the master is on a piece at a time since the tick in force.
+fn pos(now: Ns, piece: &Piece, shift: i64, fine: u64) -> Pos {
+    Pos(piece.pos_at(tau(now, piece, fine)).0.wrapping_add(shift))
+}
+
+impl Section<'_> {
+    /// No way at all.
+    pub(super) fn still(now: Ns, here: Spot) -> Section<'static> {
+        Section { now, from: here, to: here, piece: None, shift: 0 }
+    }
+
+    /// Where the master is at a time since the tick in force, inside the stretch.
+    pub(super) fn at(&self, after: u64) -> Pos {
+        if after >= self.to.after {
+            return self.to.pos;
+        }
+        let (low, high) =
+            if self.from.pos <= self.to.pos { (self.from.pos, self.to.pos) } else { (self.to.pos, self.from.pos) };
+        let pos = match self.piece {
+            Some(piece) => pos(self.now, piece, self.shift, after),
+            None => {
+                let length = self.to.after.wrapping_sub(self.from.after);
+                let part = share(after.saturating_sub(self.from.after), length);
+                let path = self.to.pos.0.wrapping_sub(self.from.pos.0);
+                Pos(self.from.pos.0.wrapping_add(mulhi_su(path, part)))
+            }
+        };
+        pos.clamp(low, high)
+    }
+
+    /// When the master is at `pos`, which lies on the stretch: a time since the tick in force.
+    pub(super) fn when(&self, pos: Pos) -> u64 {
+        if pos == self.to.pos {
+            return self.to.after;
+        }
+        let up = self.to.pos > self.from.pos;
+        if self.piece.is_none() {
+            let part = share(pos.0.abs_diff(self.from.pos.0), self.to.pos.0.abs_diff(self.from.pos.0));
+            let length = self.to.after.wrapping_sub(self.from.after);
+            return self.from.after.wrapping_add(umulhi(length, part));
+        }
+        bisect(self.from.after, self.to.after, |after| {
+            let at = self.at(after);
+            if up { at < pos } else { at > pos }
+        })
+    }
+}
+
+/// Whether a piece has no turning point from `now` on, for certain.
+pub(super) fn is_plain(piece: &Piece, now: Ns) -> bool {
+    let motion = &piece.motion;
+    let from = (motion.recip.ratio(piece.held(now.max(piece.begin))) >> 1).wrapping_add(motion.tau);
+    let (first, last) = (slope(motion, from), slope(motion, Piece::END));
+    if first < 0 && last > 0 || first > 0 && last < 0 {
+        return false;
+    }
+    let (first, last) = (bend(motion, from), bend(motion, Piece::END));
+    motion.c[2] == 0 || !(first < 0 && last > 0 || first > 0 && last < 0)
+}
+
+/// The first time in a range at which something no longer holds, to 2⁻⁴⁰ of the range.
+pub(super) fn bisect(mut low: u64, mut high: u64, holds: impl Fn(u64) -> bool) -> u64 {
+    for _ in 0..40 {
+        let middle = low.wrapping_add(high.wrapping_sub(low) >> 1);
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// a/b in 2⁻⁶⁴ for a < b.
+fn share(a: u64, b: u64) -> u64 {
+    crate::math::wide::Recip::of(b).ratio(a.min(b.saturating_sub(1)))
+}

@@ -1,0 +1,109 @@
+//! What an axis was told about following, and what its FIFOs hold.
+use super::entry::{STOPS, Tail};
+use super::{Direction, Entries, Event, Master};
+
+/// A FIFO as far as it is committed.
+#[derive(Debug, Clone, Copy)]
+pub struct Fifo {
+    /// Entries.
+    pub(super) end: u32,
+    pub(super) tail: Tail,
+    /// Indices of those that are no segments, in order.
+    pub(super) stops: [u16; STOPS],
+    /// How many.
+    pub(super) count: u8,
+}
+
+/// The settings of one axis and its FIFOs.
+#[derive(Debug, Clone, Copy)]
+pub struct Setup {
+    /// Which of the master's motion counts.
+    pub direction: Direction,
+    /// Whom it follows.
+    pub master: Option<Master>,
+    /// What begins the motion.
+    pub event: Event,
+    /// Passes to run, 0 for ever.
+    pub passes: u32,
+    pub(super) fifos: [Fifo; 2],
+}
+
+impl Fifo {
+    const EMPTY: Fifo =
+        Fifo { end: 0, tail: Tail { ratio: 0, down: false, continues: 0, last_stop: 0 }, stops: [0; STOPS], count: 0 };
+}
+
+impl Fifo {
+    /// The first entry from `index` on that is no segment.
+    #[inline]
+    pub(super) fn stop_from(&self, index: u32) -> Option<u32> {
+        self.stops.iter().take(self.count as usize).map(|stop| *stop as u32).find(|stop| *stop >= index)
+    }
+}
+
+impl Setup {
+    /// Nothing set, both FIFOs empty.
+    pub const POWER_ON: Setup =
+        Setup { direction: Direction::Both, master: None, event: Event::Start, passes: 1, fifos: [Fifo::EMPTY; 2] };
+
+    /// A FIFO.
+    #[inline(always)]
+    pub(super) fn fifo(&self, fifo: u8) -> &Fifo {
+        let [first, second] = &self.fifos;
+        if fifo == 0 { first } else { second }
+    }
+
+    fn fifo_mut(&mut self, fifo: u8) -> &mut Fifo {
+        let [first, second] = &mut self.fifos;
+        if fifo == 0 { first } else { second }
+    }
+
+    /// Whether a FIFO holds nothing.
+    pub fn is_empty(&self, fifo: u8) -> bool {
+        self.fifo(fifo).end == 0
+    }
+
+    /// Both FIFOs are empty.
+    pub fn clear_all(&mut self) {
+        self.clear(0);
+        self.clear(1);
+    }
+
+    /// A FIFO is empty.
+    pub fn clear(&mut self, fifo: u8) {
+        // Stops beyond their count are nothing.
+        let Fifo { end, tail, count, stops: _ } = self.fifo_mut(fifo);
+        (*end, *tail, *count) = (0, Fifo::EMPTY.tail, 0);
+    }
+
+    /// As at power-on.
+    pub(crate) fn reset(&mut self) {
+        let Setup { direction, master, event, passes, fifos: _ } = self;
+        let on = Setup::POWER_ON;
+        (*direction, *master, *event, *passes) = (on.direction, on.master, on.event, on.passes);
+        self.clear_all();
+    }
+
+    /// Its entries below `end` count from now on. The new ones that are no segments are found by their links.
+    pub fn commit(&mut self, fifo: u8, end: u32, tail: Tail, source: &impl Entries) {
+        let to = self.fifo_mut(fifo);
+        let old = to.end;
+        (to.end, to.tail) = (end, tail);
+        let mut found = [0; STOPS];
+        let mut link = tail.last_stop as u32;
+        let mut changed = 0;
+        for place in &mut found {
+            if link <= old {
+                break;
+            }
+            *place = link.wrapping_sub(1) as u16;
+            changed += 1;
+            link = source.entry(fifo, link.wrapping_sub(1)).stop_before();
+        }
+        for stop in found.iter().take(changed).rev() {
+            if let Some(place) = to.stops.get_mut(to.count as usize) {
+                (*place, to.count) = (*stop, to.count.wrapping_add(1));
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! Where entries lie between admission and the tick: in the axis's PT arena, two slots an entry, the FIFOs
+//! one behind the other. An axis is in one mode at a time, and changing it clears the data.
+use super::entry::Entry;
+use crate::segment::pt::{SEGMENTS, SegmentStore};
+
+/// Where a run reads its entries.
+pub trait Entries {
+    /// What a place of a FIFO holds; one that was never written holds an entry of zeros.
+    fn entry(&self, fifo: u8, index: u32) -> Entry;
+}
+
+/// The first of an entry's two slots.
+#[inline(always)]
+fn slot(fifo: u8, index: u32) -> u32 {
+    const FIFO: u32 = SEGMENTS as u32 / 2;
+    (fifo as u32 & 1) * FIFO + ((index * 2) & (FIFO - 1))
+}
+
+impl SegmentStore {
+    /// Fills a place of a FIFO (0, 1) with an entry of Follow. Its commit makes it visible.
+    pub fn write_entry(&self, fifo: u8, index: u32, entry: Entry) {
+        let [low, high] = entry.words();
+        let slot = slot(fifo, index);
+        self.write_words(slot, low);
+        self.write_words(slot | 1, high);
+    }
+}
+
+impl Entries for SegmentStore {
+    #[inline]
+    fn entry(&self, fifo: u8, index: u32) -> Entry {
+        let slot = slot(fifo, index);
+        Entry::from_words([self.words(slot), self.words(slot | 1)])
+    }
+}

@@ -1,0 +1,448 @@
+//! Whatever an axis runs is a sequence of pieces; this is where it stands in it.
+//!
+//! In: instants. Out: the piece in force, and the one before or after it. Owns: two pieces and the
+//! [`Generator`] that makes them. A mode only supplies the next piece when one is over, so nothing of it is
+//! asked for while a piece lasts. Fails: never; a motion ends with a [`State`].
+use super::follow::Follower;
+use super::piece::{Motion, Piece};
+use super::pt::{Feed, PtRun, Segments};
+use super::pvt::{PvtRun, Tables};
+use super::ramp::RampRun;
+use crate::units::{Exact, Ns, Pos};
+
+/// Whether the motion goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// It does.
+    Running,
+    /// It has ended as told, here.
+    Ended {
+        /// Where exactly.
+        at: Exact,
+    },
+    /// Dynamic PT: the ring ran dry at speed; the profile stopped here.
+    Underrun {
+        /// Where exactly.
+        at: Exact,
+    },
+}
+
+/// The motion at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Step {
+    /// Planned position.
+    pub pos: Pos,
+    /// The place in its piece; at rest after the end.
+    pub motion: Motion,
+    /// Whether it goes on.
+    pub state: State,
+}
+
+/// What makes the pieces of a motion. There is no heap to box the larger kind on.
+#[allow(clippy::large_enum_variant)]
+#[derive(Debug, Clone, Copy)]
+pub enum Generator {
+    /// Positions and times.
+    Pt(PtRun),
+    /// A table of positions, velocities and times.
+    Pvt(PvtRun),
+    /// Jog, Trap or Stop.
+    Ramp(RampRun),
+    /// Another axis, whose displacement is the time of its pieces: they are its own, and the tick asks it itself.
+    Follow(Follower),
+}
+
+impl Generator {
+    /// Makes the piece that holds `now`, which is not before the end of the last one made.
+    #[inline]
+    fn advance(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables), piece: &mut Piece) -> State {
+        match self {
+            Generator::Pt(run) => run.advance(now, feed, source, piece),
+            Generator::Pvt(run) => run.advance(now, feed.passes, source, piece),
+            Generator::Ramp(run) => run.advance(now, piece),
+            Generator::Follow(_) => {
+                *piece = Piece::standstill(now, u64::MAX, piece.start);
+                State::Running
+            }
+        }
+    }
+
+    /// Whether segments are free with each piece that is entered.
+    #[inline(always)]
+    fn is_stream(&self) -> bool {
+        if let Generator::Pt(run) = self { run.is_stream() } else { false }
+    }
+
+    /// Whether the last piece made begins a pass: then data or orders that come now can undo it.
+    #[inline]
+    fn is_new_pass(&self) -> bool {
+        match self {
+            Generator::Pt(run) => run.is_new_pass(),
+            Generator::Pvt(run) => run.is_new_pass(),
+            Generator::Ramp(_) | Generator::Follow(_) => false,
+        }
+    }
+
+    /// A ramp, which begins where its state lies: it is too large to be moved about.
+    #[inline]
+    pub(crate) fn begin_ramp(&mut self, begin: impl FnOnce(&mut RampRun)) {
+        if !matches!(self, Generator::Ramp(_)) {
+            *self = Generator::Ramp(RampRun::IDLE);
+        }
+        if let Generator::Ramp(run) = self {
+            begin(run);
+        }
+    }
+
+    /// The motion was made ready for time 0, and begins at `now`.
+    #[inline]
+    fn shift(&mut self, now: Ns) {
+        match self {
+            Generator::Pt(run) => run.shift(now),
+            Generator::Pvt(run) => run.shift(now),
+            Generator::Ramp(run) => run.shift(now),
+            Generator::Follow(_) => {}
+        }
+    }
+
+    /// As if the last piece had not been made.
+    #[inline]
+    fn retract(&mut self) {
+        match self {
+            Generator::Pt(run) => run.retract(),
+            Generator::Pvt(run) => run.retract(),
+            // Nothing but a new motion changes what a ramp will do, and its end changes nothing.
+            Generator::Ramp(_) | Generator::Follow(_) => {}
+        }
+    }
+}
+
+/// What the piece that is not in force is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Other {
+    /// The one that was in force before; what follows is not known.
+    Before,
+    /// As before, and there is nothing to prepare until data or orders change.
+    BeforeLast,
+    /// As before, and a ramp begins, whose first piece is made when it is needed: the piece before may have ended earlier, between
+    /// two ticks.
+    Begins,
+    /// The one that follows.
+    Ahead,
+    /// At rest, the first one of a motion that has not begun: made as if it began at 0.
+    Ready,
+}
+
+/// A motion, and where it stands.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Profile {
+    pieces: [Piece; 2],
+    /// Whether the second of them is in force.
+    second: bool,
+    other: Other,
+    /// The piece made last begins a pass, or is one of a stream: more is told of it than the piece.
+    reports_pass: bool,
+    generator: Generator,
+}
+
+impl Profile {
+    /// At rest at 0 since power-on.
+    pub const STANDSTILL: Profile = Profile {
+        pieces: [Piece::standstill(Ns(0), u64::MAX, Pos(0)); 2],
+        second: false,
+        other: Other::BeforeLast,
+        reports_pass: false,
+        generator: Generator::Ramp(RampRun::IDLE),
+    };
+
+    /// A motion of its own, which begins at `now`.
+    pub fn of(generator: Generator, now: Ns) -> Profile {
+        Profile {
+            generator,
+            pieces: [Piece::standstill(now, 0, Pos(0)); 2],
+            other: Other::Before,
+            ..Profile::STANDSTILL
+        }
+    }
+
+    /// The piece in force, as far as the last turn saw.
+    #[inline(always)]
+    pub fn piece(&self) -> &Piece {
+        &self.pieces[self.second as usize]
+    }
+
+    #[inline(always)]
+    fn piece_mut(&mut self) -> &mut Piece {
+        &mut self.pieces[self.second as usize]
+    }
+
+    #[inline(always)]
+    fn other(&self) -> &Piece {
+        &self.pieces[!self.second as usize]
+    }
+
+    /// Once the step of a tick is taken: the piece that was in force until `piece().begin`, if that is
+    /// after `now`, the tick in force. So in (`now`, next] the axis is under this piece, then under
+    /// [`Profile::piece`]; of more than two, those between are not kept. It lasts until the next tick.
+    #[inline]
+    pub fn before(&self, now: Ns) -> Option<&Piece> {
+        (self.other != Other::Ahead && self.piece().begin > now).then(|| self.other())
+    }
+
+    /// What makes the pieces.
+    #[inline(always)]
+    pub fn generator(&self) -> &Generator {
+        &self.generator
+    }
+
+    /// The slave, if it follows.
+    #[inline(always)]
+    pub(crate) fn follower_mut(&mut self) -> Option<&mut Follower> {
+        if let Generator::Follow(follower) = &mut self.generator { Some(follower) } else { None }
+    }
+
+    /// Whether the piece made last, or one that was passed by since the turn before, begins a pass, or is one of a stream.
+    #[inline(always)]
+    pub fn reports_pass(&self) -> bool {
+        self.reports_pass
+    }
+
+    /// Whether a piece has been made that is not in force yet.
+    #[inline(always)]
+    pub fn is_ahead(&self) -> bool {
+        self.other == Other::Ahead
+    }
+
+    /// Whether [`Profile::prepare`] may have something to do.
+    #[inline(always)]
+    pub fn is_open(&self) -> bool {
+        self.other == Other::Before
+    }
+
+    /// Another motion takes over at `now`.
+    #[inline]
+    pub fn begin(&mut self, now: Ns, generator: Generator) {
+        self.cut(now);
+        self.generator = generator;
+    }
+
+    /// A ramp takes over at `now`.
+    #[inline]
+    pub fn begin_ramp(&mut self, now: Ns, begin: impl FnOnce(&mut RampRun)) {
+        self.cut(now);
+        self.other = Other::Begins;
+        self.generator.begin_ramp(begin);
+    }
+
+    /// At rest, and not in the tick in which it came to rest: makes the first piece of a motion ahead of its start,
+    /// which `begin` is to begin at 0.
+    #[inline]
+    pub(crate) fn prepare_start(
+        &mut self,
+        feed: Feed,
+        source: &(impl Segments + Tables),
+        begin: impl FnOnce(&mut Generator),
+    ) {
+        begin(&mut self.generator);
+        let piece = &mut self.pieces[!self.second as usize];
+        let state = self.generator.advance(Ns(0), feed, source, piece);
+        self.other = if state == State::Running && piece.span != 0 { Other::Ready } else { Other::BeforeLast };
+    }
+
+    /// Something has changed that the motion made ready depends on.
+    #[inline(always)]
+    pub(crate) fn discard_prepared(&mut self) {
+        if self.other == Other::Ready {
+            self.other = Other::BeforeLast;
+        }
+    }
+
+    /// What was made ready, if anything.
+    #[inline(always)]
+    pub(crate) fn prepared(&self) -> Option<&Generator> {
+        (self.other == Other::Ready).then_some(&self.generator)
+    }
+
+    /// What was made ready begins at `now`; false if nothing was.
+    #[inline]
+    pub(crate) fn begin_prepared(&mut self, now: Ns) -> bool {
+        if self.other != Other::Ready {
+            return false;
+        }
+        self.cut(now);
+        if let Generator::Follow(_) = self.generator {
+            // Its pieces are its own.
+            return true;
+        }
+        self.generator.shift(now);
+        let piece = &mut self.pieces[!self.second as usize];
+        piece.begin = Ns(piece.begin.0.wrapping_add(now.0));
+        (self.other, self.reports_pass) = (Other::Ahead, self.generator.is_stream());
+        true
+    }
+
+    /// The motion is over at `now`: it rests at `pos`.
+    pub fn rest(&mut self, now: Ns, pos: Pos) {
+        self.cut(now);
+        (self.second, self.other) = (!self.second, Other::BeforeLast);
+        *self.piece_mut() = Piece::standstill(now, u64::MAX, pos);
+    }
+
+    /// At rest, and the piece before was not run to its end: the way to where it rests is not along it.
+    pub(crate) fn forget(&mut self) {
+        self.pieces[!self.second as usize] = Piece::standstill(Ns(0), 0, self.piece().start);
+    }
+
+    /// At rest, the position is called `pos`.
+    pub fn rename(&mut self, pos: Pos) {
+        self.piece_mut().start = pos;
+        self.discard_prepared();
+    }
+
+    /// The piece in force ends at `now`, and what was to follow does not.
+    #[inline]
+    fn cut(&mut self, now: Ns) {
+        self.other = Other::Before;
+        let piece = self.piece_mut();
+        piece.span = piece.elapsed(now).min(piece.span);
+    }
+
+    /// PVT: `table` takes over at the end of the pass; false if this is not PVT.
+    pub fn select(&mut self, table: u8) -> bool {
+        self.invalidate_prepared();
+        if let Generator::Pvt(run) = &mut self.generator {
+            run.select(table);
+            return true;
+        }
+        false
+    }
+
+    /// Data or orders have changed: what follows the present pass may be something else now.
+    #[inline]
+    pub fn invalidate_prepared(&mut self) {
+        if self.other == Other::Begins {
+            return;
+        }
+        if self.other != Other::Ahead {
+            self.other = Other::Before;
+        } else if self.generator.is_new_pass() {
+            self.generator.retract();
+            self.other = Other::Before;
+        }
+    }
+
+    /// Makes the piece that holds `now`, if it is not there yet; the one in force is over by then.
+    #[inline]
+    fn reach(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
+        let piece = &mut self.pieces[!self.second as usize];
+        if self.other == Other::Ahead && piece.elapsed(now) < piece.span {
+            return State::Running;
+        }
+        // A piece made ahead that is over by now is passed by with what it began.
+        let passed = self.other == Other::Ahead && self.reports_pass;
+        let state = self.generator.advance(now, feed, source, piece);
+        self.reports_pass = passed || self.generator.is_new_pass() || self.generator.is_stream();
+        if state == State::Running {
+            self.other = Other::Ahead;
+        }
+        state
+    }
+
+    /// The piece that will be in force at `now`, or how the motion will have ended; nothing changes.
+    pub fn look(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Result<&Piece, State> {
+        if self.piece().elapsed(now) < self.piece().span {
+            return Ok(self.piece());
+        }
+        match self.reach(now, feed, source) {
+            State::Running => Ok(self.other()),
+            end => {
+                self.generator.retract();
+                Err(end)
+            }
+        }
+    }
+
+    /// The piece in force is over at `now`: on to the one that was made ahead, if it holds `now`. This is what
+    /// nearly always happens, and it only changes which of two pieces is in force.
+    #[inline(always)]
+    pub fn accept(&mut self, now: Ns) -> bool {
+        let holds = self.ahead().is_some_and(|next| next.elapsed(now) < next.span);
+        if holds {
+            self.enter();
+        }
+        holds
+    }
+
+    /// The piece made ahead.
+    #[inline(always)]
+    pub(crate) fn ahead(&self) -> Option<&Piece> {
+        (self.other == Other::Ahead).then(|| self.other())
+    }
+
+    /// The near piece that holds the instant of which `next` is the low word, and the time in it. The one made ahead is told to
+    /// `enter` when it comes into force for that, and whether there is more to tell of it.
+    #[inline(always)]
+    pub(crate) fn fast(&mut self, next: u32, enter: impl FnOnce(&Piece)) -> Option<(&Piece, u32, bool)> {
+        let piece = &self.pieces[self.second as usize];
+        if let Some(t) = piece.fast_time_of(next) {
+            return Some((piece, t, false));
+        }
+        // A piece that is not near may have longer to go than near times tell apart.
+        if !piece.is_fast() || self.other != Other::Ahead {
+            return None;
+        }
+        let ahead = &self.pieces[!self.second as usize];
+        let t = ahead.fast_time_of(next)?;
+        (self.second, self.other) = (!self.second, Other::Before);
+        enter(ahead);
+        Some((ahead, t, self.reports_pass))
+    }
+
+    /// The piece made ahead comes into force.
+    #[inline(always)]
+    pub(crate) fn enter(&mut self) {
+        (self.second, self.other) = (!self.second, Other::Before);
+    }
+
+    /// The piece in force is over at `now`: on to the one that holds it, or to the end.
+    #[inline]
+    pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
+        let state = self.reach(now, feed, source);
+        if state == State::Running {
+            (self.second, self.other) = (!self.second, Other::Before);
+        } else {
+            self.other = Other::BeforeLast;
+        }
+        state
+    }
+
+    /// Makes the piece that follows the one in force ahead of its tick, so that many axes can enter
+    /// pieces in one tick; what is made is what would have been. Whether there was something to do.
+    #[inline]
+    pub fn prepare(&mut self, feed: Feed, source: &(impl Segments + Tables)) -> bool {
+        let piece = self.piece();
+        let end = Ns(piece.begin.0.wrapping_add(piece.span));
+        if self.other != Other::Before || piece.span == 0 {
+            return false;
+        }
+        if self.reach(end, feed, source) != State::Running {
+            self.generator.retract();
+            self.other = Other::BeforeLast;
+        }
+        true
+    }
+
+    /// The motion at `now`, which must not go back between calls. `feed` and `source` are for PT and PVT.
+    pub fn step(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
+        if self.piece().elapsed(now) >= self.piece().span
+            && !self.accept(now)
+            && let state @ (State::Ended { at } | State::Underrun { at }) = self.turn(now, feed, source)
+        {
+            return Step { pos: at.round(), motion: Motion::STANDSTILL, state };
+        }
+        let piece = self.piece();
+        let (pos, motion) = piece.place(piece.held(now));
+        Step { pos, motion, state: State::Running }
+    }
+}

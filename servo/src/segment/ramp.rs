@@ -1,0 +1,20 @@
+//! Jog, Trap and Stop as sequences of pieces.
+//!
+//! In: a position and velocity at an instant, targets, admitted [`Speed`]s and [`Accel`]s
+//! (`rate.rs`). Out: pieces (`run.rs`). A motion is a sequence of
+//! at most four legs (ramps and cruises), closed forms of the time since it began, so nothing
+//! depends on the tick. A leg is computed when it is entered; knots between legs are
+//! [`Exact`](crate::units::Exact), and a Trap's last leg goes from wherever it begins to the target,
+//! so it ends there exactly. What a Trap can reach on its way is decided in `plan.rs`.
+//!
+//! A ramp of duration L with edges E: the acceleration rises for E, holds at Δv/(L − E), falls for
+//! E; it covers (v0 + v1)/2·L whatever E is. Jog's `smooth` is E = L·smooth/2 with L = Δv/acc (the
+//! Percent shape); Trap's smooth time w is the moving average of that length: L = Δv/acc + w, E the
+//! lesser of w and Δv/acc, and the acceleration stays within acc.
+mod evaluator;
+mod rate;
+mod trapezoid;
+
+pub use evaluator::{Moving, RampRun};
+pub use rate::{Accel, Refused, Speed};
+pub use trapezoid::Trapezoid;

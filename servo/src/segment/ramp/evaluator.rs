@@ -1,0 +1,301 @@
+//! A ramp motion that runs.
+//!
+//! In: where the axis is, targets and rates; instants. Out: pieces. Owns: the leg in force,
+//! its stretches of constant jerk. A leg is computed when it is entered
+//! (`run/phases.rs`).
+mod phases;
+
+use super::rate::{Accel, Rate, Speed};
+use super::trapezoid::{Means, Trapezoid};
+use crate::math::real::Real;
+use crate::segment::piece::{Piece, Scaled};
+use crate::segment::profile::State;
+use crate::units::{Exact, Ns};
+use phases::ms;
+
+/// Where an axis is when a ramp begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Moving {
+    /// Position.
+    pub pos: Exact,
+    /// Velocity, pulse/ms.
+    pub velocity: Scaled,
+}
+
+/// Time in 2⁻³² ns.
+pub type Fine = u128;
+
+/// What is done once the present leg has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Next {
+    /// A ramp to 0.
+    Halt,
+    /// A Trap at rest or on its way decides how fast it can go.
+    Aim,
+    /// A ramp to the peak.
+    Ramp,
+    /// A cruise at the peak: of a Jog for ever, of a Trap until it must brake.
+    Cruise,
+    /// A Trap's ramp to 0, which ends on the target.
+    Brake,
+    /// Nothing: the motion has ended.
+    Over,
+}
+
+/// Which motion it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Jog,
+    Trap,
+    Stop,
+}
+
+/// How a velocity ramp takes its time.
+#[derive(Debug, Clone, Copy)]
+enum Shape {
+    /// Acceleration in steps.
+    Plain,
+    /// An edge takes `half` of the ramp; the acceleration between them is `gain` = 1/(1 − half) of the rate.
+    Percent { half: Real, gain: Real },
+    /// Moving average of this 1/length, 1/ms.
+    Average { inverse: Real },
+}
+
+/// A stretch of constant jerk within a leg.
+#[derive(Debug, Clone, Copy)]
+struct JerkPhase {
+    begin: Fine,
+    len: Fine,
+    /// Of its pieces already loaded, the end.
+    done: Fine,
+    /// At `begin`: velocity, acceleration; a sixth of the jerk.
+    v: Real,
+    a: Real,
+    j: Real,
+    /// Pieces are parameterised over 2^reach ms.
+    reach: i32,
+}
+
+/// What the second and third stretch of a ramp with edges need; they begin and end at the knots.
+#[derive(Debug, Clone, Copy)]
+struct Edged {
+    /// Stretches to come.
+    left: u8,
+    /// Velocity at the end, acceleration between the edges, a sixth of the jerk in the first.
+    v1: Real,
+    top: Real,
+    sixth: Real,
+    /// Velocity gained in an edge, and the way by it.
+    gained: Real,
+    distance: Real,
+    /// An edge, ms.
+    edge: Real,
+    /// |velocity| < 2^width.
+    width: i32,
+    /// Where the ramp began.
+    from: Exact,
+}
+
+/// A ramp motion that runs.
+#[derive(Debug, Clone, Copy)]
+pub struct RampRun {
+    kind: Kind,
+    next: Next,
+    /// Where, when and how fast the next leg begins.
+    knot: Exact,
+    time: Fine,
+    v: Real,
+    /// Velocity after the next ramp; of a Trap that has not aimed yet, the magnitude of the speed.
+    peak: Real,
+    /// Whether that ramp takes `acc`.
+    faster: bool,
+    /// Speed that a Trap from rest begins with.
+    jump: Real,
+    target: i32,
+    means: Means,
+    shape: Shape,
+    /// Where the next piece begins.
+    pos: Exact,
+    jerk_phase: JerkPhase,
+    edged: Edged,
+}
+
+/// Pieces a tick may step over: four legs of three stretches, each in one piece where it is so short.
+const PIECES_PER_TICK: u32 = 16;
+const STILL: JerkPhase = JerkPhase { begin: 0, len: 0, done: 0, v: Real::ZERO, a: Real::ZERO, j: Real::ZERO, reach: 0 };
+const NO_EDGES: Edged = Edged {
+    left: 0,
+    v1: Real::ZERO,
+    top: Real::ZERO,
+    sixth: Real::ZERO,
+    gained: Real::ZERO,
+    distance: Real::ZERO,
+    edge: Real::ZERO,
+    width: 0,
+    from: Exact(0),
+};
+
+impl RampRun {
+    /// Nothing to do: it has ended. A motion is begun in place, so that nothing large is moved about.
+    pub const IDLE: RampRun = RampRun {
+        kind: Kind::Stop,
+        next: Next::Over,
+        knot: Exact(0),
+        time: 0,
+        v: Real::ZERO,
+        peak: Real::ZERO,
+        faster: false,
+        jump: Real::ZERO,
+        target: 0,
+        means: Means { acc: Rate::NONE, dec: Rate::NONE, wait: Real::ZERO },
+        shape: Shape::Plain,
+        pos: Exact(0),
+        jerk_phase: STILL,
+        edged: NO_EDGES,
+    };
+
+    /// Whatever ran is over; a motion begins.
+    fn restart(&mut self, kind: Kind, now: Ns, from: Moving, shape: Shape) {
+        (self.kind, self.shape) = (kind, shape);
+        (self.knot, self.pos, self.time) = (from.pos, from.pos, (now.0 as Fine) << 32);
+        (self.jerk_phase.len, self.jerk_phase.done, self.edged.left) = (0, 0, 0);
+        self.v = Real::from_scaled(from.velocity);
+    }
+
+    /// Velocity goes to `target` with `acc` when speeding up and `dec` (or `acc`, if `dec` is 0)
+    /// when slowing down, through 0 first where the sign changes, and stays there for ever.
+    /// A target of 0 ends the motion. `smooth` in 2⁻¹⁶.
+    pub fn begin_jog(&mut self, now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) {
+        let shape = if smooth == 0 {
+            Shape::Plain
+        } else {
+            let gain = Real::new(false, (1 << 17) - smooth as u64, -17).recip();
+            Shape::Percent { half: Real::new(false, smooth as u64, -17), gain }
+        };
+        self.restart(Kind::Jog, now, from, shape);
+        self.means.acc = acc.rate();
+        self.means.dec = if dec.is_zero() { self.means.acc } else { dec.rate() };
+        self.peak = target.real();
+        let turns = self.peak.is_zero() || self.v.is_negative() != self.peak.is_negative();
+        self.next = if turns && !self.v.is_zero() { Next::Halt } else { Next::Ramp };
+        self.faster = self.next == Next::Halt || self.v.abs().is_less(self.peak.abs());
+    }
+
+    /// Linear deceleration to exactly 0.
+    pub fn begin_stop(&mut self, now: Ns, from: Moving, dec: Accel) {
+        self.restart(Kind::Stop, now, from, Shape::Plain);
+        self.means.dec = dec.rate();
+        self.next = if self.v.is_zero() { Next::Over } else { Next::Halt };
+    }
+
+    /// A trapezoid to the target, planned from the present velocity: back, if it is overshot.
+    pub fn begin_trap(&mut self, now: Ns, from: Moving, to: &Trapezoid) {
+        self.restart(Kind::Trap, now, from, Shape::Plain);
+        self.means.wait = Real::ZERO;
+        if to.smooth.0 != 0 {
+            self.means.wait = ms((to.smooth.0 as Fine) << 32);
+            self.shape = Shape::Average { inverse: self.means.wait.recip() };
+        }
+        (self.means.acc, self.means.dec) = (to.acc.rate(), to.dec.rate());
+        (self.target, self.peak, self.jump) = (to.target, to.speed.real().abs(), to.vel_start.real().abs());
+        self.next = Next::Aim;
+        if !self.v.is_zero() {
+            let ahead = Real::from_exact(Exact(self.distance()));
+            let past = ahead.is_zero() || ahead.is_negative() != self.v.is_negative() || self.peak.is_zero();
+            if past || ahead.abs().scale(1).is_less(self.means.stop(self.v.abs())) {
+                self.next = Next::Halt;
+            }
+        }
+    }
+
+    /// A Jog of its own, see [`RampRun::begin_jog`].
+    pub fn jog(now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) -> RampRun {
+        let mut run = RampRun::IDLE;
+        run.begin_jog(now, from, target, acc, dec, smooth);
+        run
+    }
+
+    /// A stop of its own, see [`RampRun::begin_stop`].
+    pub fn stop(now: Ns, from: Moving, dec: Accel) -> RampRun {
+        let mut run = RampRun::IDLE;
+        run.begin_stop(now, from, dec);
+        run
+    }
+
+    /// A Trap of its own, see [`RampRun::begin_trap`].
+    pub fn trap(now: Ns, from: Moving, to: &Trapezoid) -> RampRun {
+        let mut run = RampRun::IDLE;
+        run.begin_trap(now, from, to);
+        run
+    }
+
+    /// A motion made ready for time 0 begins at `now`.
+    pub(crate) fn shift(&mut self, now: Ns) {
+        let by = (now.0 as Fine) << 32;
+        self.time = self.time.wrapping_add(by);
+        self.jerk_phase.begin = self.jerk_phase.begin.wrapping_add(by);
+    }
+
+    /// When the motion will have ended, 2⁻³² ns; a Jog never does.
+    pub fn end(&self) -> Fine {
+        let mut run = *self;
+        for _ in 0..PIECES_PER_TICK {
+            if !run.next_phase() {
+                break;
+            }
+        }
+        run.time
+    }
+
+    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the end.
+    #[inline(never)]
+    pub fn advance(&mut self, now: Ns, piece: &mut Piece) -> State {
+        for _ in 0..PIECES_PER_TICK {
+            while self.jerk_phase.done >= self.jerk_phase.len {
+                if self.edged.left > 0 {
+                    self.next_jerk_phase();
+                } else if !self.next_phase() {
+                    return State::Ended { at: self.pos };
+                }
+            }
+            self.load_piece(piece);
+            if piece.elapsed(now) < piece.span {
+                break;
+            }
+        }
+        State::Running
+    }
+
+    /// Enters the next leg, if it has any length; false at the end. What has ended, ends on its knot.
+    fn next_phase(&mut self) -> bool {
+        self.pos = self.knot;
+        match self.next {
+            Next::Halt => {
+                self.next = match self.kind {
+                    Kind::Jog => Next::Ramp,
+                    Kind::Trap => Next::Aim,
+                    Kind::Stop => Next::Over,
+                };
+                self.ramp(Real::ZERO, self.means.dec, None);
+            }
+            Next::Aim => self.aim(),
+            Next::Ramp => {
+                self.next = Next::Cruise;
+                let rate = if self.faster { self.means.acc } else { self.means.dec };
+                self.ramp(self.peak, rate, None);
+            }
+            Next::Cruise => self.cruise(),
+            Next::Brake => {
+                self.next = Next::Over;
+                self.ramp(Real::ZERO, self.means.dec, Some(Exact(self.distance())));
+            }
+            Next::Over => return false,
+        }
+        true
+    }
+
+    /// Of a Trap, how far the target is.
+    fn distance(&self) -> i128 {
+        ((self.target as i128) << 64).wrapping_sub(self.knot.0)
+    }
+}

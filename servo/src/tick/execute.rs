@@ -1,0 +1,402 @@
+//! What each operation does in the tick.
+//!
+//! In: one admitted entry, the state of the axes as it is now. Out: changed state, events. Owns
+//! nothing. Fails: a start or an Update that the machine's state forbids does nothing to any axis of
+//! its mask and is told as [`Event::Refused`], an on command of a laser that a fault keeps dark as
+//! [`Event::LaserRefused`]; whatever else does not fit any more has no effect.
+use crate::axis::{AxisState, Jog};
+use crate::capacity::GeneralOutputs;
+use crate::crd::Halt;
+use crate::laser::{self, Change};
+use crate::op::{Brake, DoGroup, Entry, Lane, Mode, Op};
+use crate::path::PathStores;
+use crate::port::{Due, Port, Simulated};
+use crate::segment::follow::{Input, Method};
+use crate::segment::pvt::TableStores;
+use crate::tick::{EVENTS, Lanes, PERIOD_NS, SAMPLES, SegmentStore, Source, Tick, report_event};
+use crate::trace::Chosen;
+use crate::units::{Axis, AxisMask, CrdMask, Ns};
+use crate::view::{Event, Sample, StopReason};
+use ring::Producer;
+
+/// What operations reach beyond the tick's own state.
+pub(crate) struct Reach<'r, 'a, const AXES: usize> {
+    pub(crate) events: &'r mut Producer<'a, Event, EVENTS>,
+    pub(crate) samples: &'r mut Producer<'a, Sample, SAMPLES>,
+    pub(crate) segments: &'a [SegmentStore; AXES],
+    pub(crate) tables: TableStores<'a>,
+    pub(crate) paths: PathStores<'a>,
+}
+
+impl<'r, 'a, const AXES: usize> Reach<'r, 'a, AXES> {
+    /// What a step reaches.
+    #[inline(always)]
+    pub(crate) fn of(lanes: &'r mut Lanes<'a, AXES>) -> Reach<'r, 'a, AXES> {
+        let Lanes { events, samples, segments, tables, paths, .. } = lanes;
+        Reach { events, samples, segments, tables: *tables, paths: *paths }
+    }
+}
+
+impl<const AXES: usize> Reach<'_, '_, AXES> {
+    /// What the motion of an axis is read from.
+    pub(crate) fn source(&self, axis: Axis) -> Option<Source<'_>> {
+        Some(Source { segments: self.segments.get(axis.index())?, tables: self.tables })
+    }
+}
+
+impl<const AXES: usize> Tick<AXES> {
+    /// Carries out one entry.
+    #[inline(never)]
+    pub(crate) fn execute<P: Port>(
+        &mut self,
+        lane: Lane,
+        entry: &Entry,
+        next: Ns,
+        period: &mut Ns,
+        port: &mut P,
+        lanes: &mut Reach<'_, '_, AXES>,
+    ) {
+        match entry.op {
+            // Those that are not here have been carried out already.
+            Op::Mark | Op::ProgramRun | Op::ProgramDrop | Op::ProgramEnd | Op::WaitRest { .. } | Op::Reset { .. } => {}
+            Op::Stop { axes, abrupt, crds, crds_abrupt } => {
+                let named = CrdMask(crds.0 | self.holders(axes).0 | self.drivers(axes).0);
+                self.lasers.crd_stops(self.crds.known(named), next);
+                let abrupt = AxisMask(axes.0 & abrupt.0);
+                let hard = CrdMask(crds.0 & crds_abrupt.0 | self.drivers(abrupt).0);
+                let all = CrdMask(crds.0 | self.drivers(axes).0);
+                self.stop_crds(hard, Halt::Abrupt, StopReason::StopAbrupt, next, lanes);
+                self.stop_crds(CrdMask(all.0 & !hard.0), Halt::Smooth, StopReason::StopSmooth, next, lanes);
+                self.brake_axes(AxisMask(axes.0 & !abrupt.0), StopReason::StopSmooth, next, lanes);
+                self.halt(abrupt, StopReason::StopAbrupt, next, lanes);
+            }
+            Op::Abort => {
+                self.lasers.abort(next);
+                self.brake(Brake::All, StopReason::Abort, next, lanes);
+                self.aborted = self.running();
+                self.look_at_abort(next);
+            }
+            Op::NewSession => {
+                self.lasers.new_session(next);
+                port.forget_plan();
+            }
+            Op::Supervision(supervision) => self.supervision = supervision,
+            Op::Servo { axis, on } => self.servo(axis.mask(), on, next, lanes),
+            Op::Output { group, mask, value } => match group {
+                DoGroup::Enable => {
+                    self.servo(AxisMask(mask & value), true, next, lanes);
+                    self.servo(AxisMask(mask & !value), false, next, lanes);
+                }
+                DoGroup::Clear => self.clear = self.clear & !mask | value & mask,
+                DoGroup::General => {
+                    self.general = self.general & !(mask as GeneralOutputs) | (value & mask) as GeneralOutputs
+                }
+            },
+            Op::Analog { channel, value } => {
+                port.analog_out(0, channel as usize, value);
+                self.record_analog(channel, value, lanes.tables.lasers, lanes.samples);
+            }
+            Op::Simulate(input) => {
+                if P::SIMULATED {
+                    self.simulate(input, port);
+                }
+            }
+            Op::Plan { row, after, of_script, input } => {
+                let due =
+                    if of_script { Due::OfScript(after) } else { Due::At(Ns(self.now.0.saturating_add(after.0))) };
+                port.plan(row, due, input);
+            }
+            Op::Update { axes } => {
+                if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_update()) {
+                    self.sourced(axes, lanes, |state, source| state.update(next, source));
+                }
+            }
+            Op::PtStart { axes, fifo1 } => {
+                if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_pt(fifo1.has(axis))) {
+                    self.each(axes, |axis, state| state.start_pt(next, fifo1.has(axis)));
+                }
+            }
+            Op::PvtStart { axes } => {
+                let tables = lanes.tables;
+                if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_pvt(&tables)) {
+                    self.each(axes, |_, state| state.start_pvt(next, &tables));
+                }
+            }
+            Op::TickPeriod { ns } => {
+                if PERIOD_NS.contains(&ns) && !self.axes.iter().any(AxisState::runs) {
+                    *period = Ns(ns as u64);
+                }
+            }
+            Op::Laser { channel, change } => {
+                if matches!(change, Change::Mode { mode: laser::Mode::Analog, .. }) {
+                    // From here on the laser drives it, and leaves it at 0 V.
+                    self.record_analog(channel, 0, lanes.tables.lasers, lanes.samples);
+                }
+                if self.lasers.change(channel, next, &change) {
+                    let refusal = Event::LaserRefused { lane, seq: entry.seq, channel };
+                    report_event(lanes.events, &mut self.events_lost, refusal);
+                }
+            }
+            Op::FollowEnd { crds } => self.lasers.end_follow(crds, next),
+            Op::Link { lost } => {
+                // Paths that ran at an abort, or in the session before, light nothing any more.
+                let paths = self.crds.running.0 & !self.lasers.dead().0;
+                self.lasers.link(lost, self.script.runs || paths != 0);
+                if lost {
+                    self.brake(self.supervision.link, StopReason::LinkLoss, next, lanes);
+                }
+            }
+            Op::Trace { every, axes, crds, lasers, edges, outputs } => {
+                let chosen = Chosen { axes, crds, lasers, edges, outputs };
+                if let Some((row, chosen)) = self.trace.begin(every, chosen) {
+                    self.trace.record_analog_carried(lanes.tables.lasers, lanes.samples);
+                    self.emit(row, chosen, lanes.samples);
+                }
+            }
+            Op::ClearStatus { axes } => {
+                self.all(axes, AxisState::clear_status);
+                self.lasers.crd_cleared(self.holders(axes), next);
+            }
+            Op::Zero { axes } => self.renamed(axes, AxisState::zero_position),
+            Op::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
+            Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.set_position(pos)),
+            Op::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
+            Op::SetMode { axis, mode } => self.one(axis, |state| state.set_mode(mode)),
+            // An abrupt stop takes no time (SPEC 4), so its deceleration has nothing to do here.
+            Op::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.stop_dec = smooth),
+            Op::Band { axis, band, time } => self.one(axis, |state| state.inputs.set_band(band, time)),
+            Op::SoftLimit { axis, positive, negative } => {
+                self.crds.look_round();
+                self.one(axis, |state| {
+                    state.inputs.soft_positive = positive;
+                    state.inputs.soft_negative = negative;
+                    state.set_bounds();
+                });
+            }
+            Op::Guard { axis, on, low } => self.one(axis, |state| state.inputs.guard(on, low)),
+            Op::PositionError { axis, limit } => self.one(axis, |state| state.inputs.error_limit = limit),
+            Op::Capture { axis, mode } => {
+                self.one(axis, |state| state.arm(mode));
+                self.await_index(axis);
+            }
+            Op::JogPrm { axis, acc, dec, smooth } => self.one(axis, |state| state.jog = Jog { acc, dec, smooth }),
+            Op::TrapPrm { axis, acc, dec, vel_start, smooth } => self.one(axis, |state| {
+                (state.trap.acc, state.trap.dec) = (acc, dec);
+                (state.trap.vel_start, state.trap.smooth) = (vel_start, smooth);
+            }),
+            Op::TargetSpeed { axis, speed } => self.one(axis, |state| state.trap.speed = speed),
+            Op::TargetPosition { axis, pulses } => self.one(axis, |state| state.trap.target = pulses),
+            Op::PtCommit { axis, fifo, end, epoch } => {
+                let mut counts = true;
+                self.one(axis, |state| counts = state.commit(fifo, end, epoch));
+                if !counts {
+                    self.tell_void((lane, entry.seq), axis, lanes);
+                }
+            }
+            Op::PtClear { axis, fifo } => self.one(axis, |state| state.clear_fifo(fifo)),
+            Op::PvtSelect { axis, table } => self.one(axis, |state| state.select(table)),
+            Op::PvtLoop { axis, passes } => self.one(axis, |state| state.set_table_passes(passes)),
+            Op::FollowDirection { axis, direction } => self.one(axis, |state| state.set_direction(direction)),
+            Op::FollowMaster { axis, master } => self.one(axis, |state| state.follow.master = Some(master)),
+            Op::FollowEvent { axis, event } => self.one(axis, |state| state.follow.event = event),
+            Op::FollowLoop { axis, passes } => self.one(axis, |state| state.set_follow_passes(passes)),
+            Op::FollowCommit { axis, fifo, end, cleared, tail } => {
+                let mut counts = true;
+                if let Some(store) = lanes.segments.get(axis.index()) {
+                    self.one(axis, |state| counts = state.commit_entries(fifo, end, cleared, tail, store));
+                }
+                if !counts {
+                    self.tell_void((lane, entry.seq), axis, lanes);
+                }
+            }
+            Op::FollowClear { axis, fifo } => self.one(axis, |state| state.clear_entries(fifo)),
+            Op::FollowStart { axes, fifo1 } => {
+                if !self.refused(lane, entry.seq, axes, lanes, |axis, state| state.refuses_follow(fifo1.has(axis))) {
+                    self.each(axes, |axis, state| state.start_follow(next, fifo1.has(axis)));
+                    self.renew_order();
+                }
+            }
+            Op::FollowSwitch { axes } => {
+                if !self.refused(lane, entry.seq, axes, lanes, |_, state| state.refuses_switch()) {
+                    self.each(axes, |_, state| state.switch());
+                }
+            }
+            Op::FollowSwitchNow { axis, method } => {
+                let table = method == Method::Table;
+                let forbids = |state: &AxisState| if table { state.refuses_switch() } else { !state.follows() };
+                if !self.refused(lane, entry.seq, axis.mask(), lanes, |_, state| forbids(state)) {
+                    self.one(axis, |state| state.switch_now(method));
+                }
+            }
+            Op::PtLoop { axis, passes } => self.one(axis, |state| state.set_passes(passes)),
+            Op::CrdFrame { crd, frame } => self.set_frame(crd, frame, lanes.paths),
+            Op::CrdCommit { crd, fifo, end, cleared } => self.commit_path(crd, fifo, end, cleared),
+            Op::CrdClear { crd, fifo } => self.clear_path(crd, fifo),
+            Op::CrdStart { crds, fifo1 } => self.start_crds((lane, entry.seq), crds, fifo1, next, lanes),
+            Op::CrdStopDec { crd, dec } => self.set_crd_stop(crd, dec),
+            Op::CrdRate { crd, rate } => self.set_rate(crd, rate, next, lanes),
+            Op::CrdLag { crd, lag } => self.set_encoder_lag(crd, lag),
+        }
+    }
+
+    /// An input of a machine without wires changes with the tick computed: that tick shows it and ends the waits for it, and
+    /// its interrupt samples it for everything else.
+    #[inline(never)]
+    pub(crate) fn simulate(&mut self, input: Simulated, port: &mut impl Port) {
+        port.simulate(input);
+        if let Simulated::Level { input, index, .. } = input
+            && input != Input::General
+            && let Some(axis) = Axis::new(index as usize)
+        {
+            let levels = port.inputs(axis);
+            self.one(axis, |state| state.raw = levels);
+        }
+    }
+
+    #[inline(always)]
+    fn one(&mut self, axis: Axis, change: impl FnOnce(&mut AxisState)) {
+        if let Some(state) = self.axes.get_mut(axis.index()) {
+            change(state);
+            state.mark_changed();
+        }
+    }
+
+    /// An axis at rest is as at power-on.
+    pub(crate) fn reset_axis(&mut self, axis: Axis) {
+        self.one(axis, AxisState::reset);
+    }
+
+    fn all(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState)) {
+        self.each(axes, |_, state| {
+            change(state);
+            state.mark_changed();
+        });
+    }
+
+    /// The axes of a mask that are in use.
+    #[inline(always)]
+    fn each(&mut self, axes: AxisMask, mut visit: impl FnMut(Axis, &mut AxisState)) {
+        for axis in self.in_use(axes).axes() {
+            if let Some(state) = self.axes.get_mut(axis.index()) {
+                visit(axis, state);
+            }
+        }
+    }
+
+    /// The same, with what their motion is read from.
+    #[inline(always)]
+    fn sourced(
+        &mut self,
+        axes: AxisMask,
+        lanes: &Reach<'_, '_, AXES>,
+        mut visit: impl FnMut(&mut AxisState, &Source<'_>),
+    ) {
+        self.each(axes, |axis, state| {
+            if let Some(source) = lanes.source(axis) {
+                visit(state, &source);
+            }
+        });
+    }
+
+    /// The same where positions get other names.
+    fn renamed(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState)) {
+        self.all(axes, change);
+        self.rename_crds();
+    }
+
+    /// Of a mask, the axes in use.
+    pub(crate) fn in_use(&self, axes: AxisMask) -> AxisMask {
+        AxisMask(axes.0 & (1u64 << self.used).wrapping_sub(1))
+    }
+
+    /// Axes brake with their stop decelerations.
+    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &Reach<'_, '_, AXES>) {
+        self.sourced(axes, lanes, |state, source| state.stop_smooth(next, reason, source));
+    }
+
+    /// Motion brakes: coordinate systems along their paths, axes with their stop decelerations.
+    pub(crate) fn brake(&mut self, which: Brake, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        let all = self.in_use(AxisMask(u64::MAX));
+        let axes = match which {
+            Brake::None => return,
+            Brake::JogAndPaths => {
+                let jogs =
+                    |axis: &Axis| self.axes.get(axis.index()).is_some_and(|state| state.published.mode == Mode::Jog);
+                AxisMask(all.axes().filter(jogs).fold(0, |mask, axis| mask | axis.mask().0))
+            }
+            Brake::All => all,
+            Brake::AbruptAll => {
+                self.stop_crds(self.crds.running, Halt::Abrupt, reason, next, lanes);
+                return self.halt(all, reason, next, lanes);
+            }
+        };
+        self.stop_crds(self.crds.running, Halt::Smooth, reason, next, lanes);
+        self.brake_axes(axes, reason, next, lanes);
+    }
+
+    /// Everything that runs.
+    fn running(&self) -> (AxisMask, CrdMask) {
+        let running = |(axis, state): (Axis, &AxisState)| if state.runs() { axis.mask().0 } else { 0 };
+        let axes = Axis::all().zip(&self.axes).map(running).fold(0, |mask, bit| mask | bit);
+        (AxisMask(axes), self.crds.running)
+    }
+
+    /// What ran at an abort and is at rest now does not count any more; once that is all of it, the abort is over.
+    #[inline(never)]
+    pub(crate) fn look_at_abort(&mut self, next: Ns) {
+        let (axes, crds) = self.running();
+        let (before, paths) = self.aborted;
+        self.aborted = (AxisMask(before.0 & axes.0), CrdMask(paths.0 & crds.0));
+        self.aborts = self.aborted.0.0 | self.aborted.1.0 as u64 != 0;
+        if !self.aborts {
+            self.lasers.abort_over(next);
+        }
+    }
+
+    /// Stops axes where they stand, and the paths that drive them.
+    pub(crate) fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        self.stop_crds(self.drivers(axes), Halt::Abrupt, reason, next, lanes);
+        for axis in self.in_use(axes).axes() {
+            if let Some(state) = self.axes.get_mut(axis.index())
+                && state.runs()
+                && state.driver().is_none()
+            {
+                state.halt(next, reason);
+                report_event(lanes.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+            }
+        }
+    }
+
+    pub(crate) fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        if !on {
+            self.darken(axes);
+            self.halt(axes, StopReason::ServoOff, next, lanes);
+        }
+        self.enable = if on { self.enable | self.in_use(axes).0 } else { self.enable & !axes.0 };
+        self.all(axes, |state| state.servo_on = on);
+    }
+
+    /// What a commit was meant for has ended meanwhile: its data is lost, and that is told.
+    #[cold]
+    #[inline(never)]
+    fn tell_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, lanes: &mut Reach<'_, '_, AXES>) {
+        let status = self.axes.get(axis.index()).map_or(0, AxisState::status);
+        report_event(lanes.events, &mut self.events_lost, Event::Refused { lane, seq, axis, status });
+    }
+
+    /// Whether one axis of the mask forbids the start; then it is told, and none starts.
+    fn refused(
+        &mut self,
+        lane: Lane,
+        seq: u32,
+        axes: AxisMask,
+        lanes: &mut Reach<'_, '_, AXES>,
+        forbids: impl Fn(Axis, &AxisState) -> bool,
+    ) -> bool {
+        let mut states = self.in_use(axes).axes().filter_map(|axis| Some((axis, self.axes.get(axis.index())?)));
+        let Some((axis, state)) = states.find(|(axis, state)| forbids(*axis, state)) else { return false };
+        let refusal = Event::Refused { lane, seq, axis, status: state.status() };
+        report_event(lanes.events, &mut self.events_lost, refusal);
+        true
+    }
+}

@@ -1,0 +1,259 @@
+//! How the work of an instant is spread over ticks (SPEC 7).
+//!
+//! In: the entries of an instant in the program lane, the state that they meet. Out: whether the next one is carried out
+//! in this tick. Owns nothing. Fails: never.
+//!
+//! An entry weighs so many units of about 128 instructions. Set-up goes on from tick to tick, with a quarter of each tick. What
+//! others see (a start, an output, a light) begins in a tick that carries out everything from there to the end of the
+//! instant, as far as the ring holds it: neighbours act together. If that is more than a tick takes, starts are prepared in
+//! the ticks before it. A Reset takes as many ticks as it needs, and what follows it waits. Calls of the immediate lane are
+//! counted, and what they weigh is taken from the program.
+use super::execute::Reach;
+use crate::op::{Entry, Op, Supervision};
+use crate::tick::{PROGRAM, Tick};
+use crate::units::{Axis, AxisMask, Ns};
+use crate::view::StopReason;
+use ring::Consumer;
+
+/// Units of one axis.
+mod weight {
+    /// Reset, with what the tick after it makes of that.
+    pub const RESET: u32 = 6;
+    /// Another operation that names it in a mask.
+    pub const NAMED: u32 = 3;
+    /// A start that is planned in its tick, and one that is ready.
+    pub const START: u32 = 14;
+    pub const PREPARED_START: u32 = 5;
+    /// The same of a slave.
+    pub const SLAVE: u32 = 33;
+    pub const PREPARED_SLAVE: u32 = 15;
+    /// Making a start ready.
+    pub const PREPARATION: u32 = 18;
+    /// A Stop of one that moves.
+    pub const STOP: u32 = 9;
+    /// The same three of a coordinate system.
+    pub const PATH: u32 = 64;
+    pub const PREPARED_PATH: u32 = 28;
+    pub const FRAME: u32 = 20;
+    /// A change of a laser channel.
+    pub const LASER: u32 = 1;
+}
+
+/// Units of set-up in the shortest tick; in a longer one a unit for each 1024 ns, a quarter of its instructions: an axis
+/// to which something was done costs as much again in the tick and in the one after it.
+const LEAST: u32 = 8;
+
+/// Starts are prepared for less than 2 to this power ticks; all axes have their turn in that time.
+const PATIENCE: u32 = 6;
+
+/// Calls of the immediate lane that act in a tick: so many in the shortest, and in a longer one a call for each 512 ns, as
+/// far as the larger ring goes. They come one by one, for no instant.
+pub(crate) fn calls(period: Ns) -> u32 {
+    ((period.0 >> 9) as u32).clamp(64, PROGRAM as u32)
+}
+
+/// What a tick still takes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Budget {
+    /// Units of set-up.
+    pub(crate) left: u32,
+    whole: u32,
+    /// The instant in force acts in this tick, whatever it weighs.
+    acting: Option<Ns>,
+}
+
+impl Budget {
+    pub(crate) fn of(period: Ns) -> Budget {
+        let whole = ((period.0 >> 10) as u32).max(LEAST);
+        Budget { left: whole, whole, acting: None }
+    }
+
+    /// Whether something of this weight fits; the first of a tick does.
+    pub(crate) fn takes(&self, weight: u32) -> bool {
+        weight <= self.left || self.left == self.whole
+    }
+
+    pub(crate) fn spend(&mut self, weight: u32) {
+        self.left = self.left.saturating_sub(weight);
+    }
+
+    /// Units that may act beside what was spent: with set-up, three quarters of a tick.
+    fn room(&self) -> u32 {
+        self.left.wrapping_add(self.whole << 1)
+    }
+}
+
+impl<const AXES: usize> Tick<AXES> {
+    /// What an operation weighs as things stand. A Reset is weighed axis by axis.
+    pub(crate) fn weigh(&self, op: &Op) -> u32 {
+        use weight::{FRAME, LASER, NAMED, PATH, PREPARED_PATH, PREPARED_SLAVE, PREPARED_START, SLAVE, START, STOP};
+        let sum = |axes: AxisMask, prepared: u32, unprepared: u32| {
+            let of = |axis: Axis| {
+                self.axes
+                    .get(axis.index())
+                    .map_or(0, |state| if state.starts_at_once() { prepared } else { unprepared })
+            };
+            self.in_use(axes).axes().fold(0u32, |sum, axis| sum.wrapping_add(of(axis)))
+        };
+        let many = |axes: AxisMask| self.in_use(axes).0.count_ones().wrapping_mul(NAMED);
+        match *op {
+            Op::Update { axes } | Op::PtStart { axes, .. } | Op::PvtStart { axes } => sum(axes, PREPARED_START, START),
+            Op::FollowStart { axes, .. } => sum(axes, PREPARED_SLAVE, SLAVE),
+            Op::CrdStart { crds, .. } => {
+                let unprepared = (crds.0 & self.crds.unprepared.0).count_ones();
+                crds.0
+                    .count_ones()
+                    .wrapping_sub(unprepared)
+                    .wrapping_mul(PREPARED_PATH)
+                    .wrapping_add(unprepared.wrapping_mul(PATH))
+            }
+            Op::Stop { axes, crds, .. } => {
+                let moving = self.moving(axes);
+                moving.wrapping_add((crds.0 & self.crds.running.0).count_ones()).wrapping_mul(STOP).wrapping_add(1)
+            }
+            Op::Abort => self.moving(AxisMask(u64::MAX)).wrapping_mul(STOP).wrapping_add(STOP),
+            Op::Zero { axes } | Op::Synchronise { axes } | Op::ClearStatus { axes } => many(axes),
+            Op::CrdFrame { .. } => FRAME,
+            Op::Laser { .. } => LASER,
+            Op::ProgramRun => 0,
+            _ => 1,
+        }
+    }
+
+    fn moving(&self, axes: AxisMask) -> u32 {
+        let runs = |axis: &Axis| self.axes.get(axis.index()).is_some_and(|state| state.runs());
+        self.in_use(axes).axes().filter(runs).count() as u32
+    }
+
+    /// Whether an operation changes light, or what a laser outputs without.
+    pub(crate) fn lights(&self, op: &Op) -> bool {
+        matches!(op, Op::Laser { .. }) && self.is_seen(op)
+    }
+
+    /// Whether others see at once what an operation does, so that its neighbours must not come in another tick.
+    fn is_seen(&self, op: &Op) -> bool {
+        match *op {
+            Op::Update { .. }
+            | Op::PtStart { .. }
+            | Op::PvtStart { .. }
+            | Op::FollowStart { .. }
+            | Op::FollowSwitch { .. }
+            | Op::FollowSwitchNow { .. }
+            | Op::FollowEnd { .. }
+            | Op::CrdStart { .. }
+            | Op::CrdRate { .. }
+            | Op::Stop { .. }
+            | Op::Abort
+            | Op::Servo { on: false, .. }
+            | Op::Output { .. }
+            | Op::Analog { .. } => true,
+            Op::Laser { channel, change } => self.lasers.shows(channel, &change),
+            _ => false,
+        }
+    }
+
+    /// Whether this entry of the program lane, the first one in it, is carried out in this tick. If not, its instant goes on
+    /// in the next tick, where a start or two may be prepared.
+    pub(crate) fn admits(
+        &mut self,
+        program: &Consumer<'_, Entry, PROGRAM>,
+        entry: &Entry,
+        instant: Ns,
+        budget: &mut Budget,
+        lanes: &Reach<'_, '_, AXES>,
+    ) -> bool {
+        if budget.acting == Some(instant) {
+            return true;
+        }
+        if !self.is_seen(&entry.op) {
+            return budget.takes(self.weigh(&entry.op));
+        }
+        let weight = neighbours(program).fold(0u32, |sum, entry| sum.saturating_add(self.weigh(&entry.op)));
+        let fits = weight <= budget.room();
+        let waited = self.now.0.saturating_sub(self.script.zero.0.saturating_add(instant.0));
+        if !fits && waited < self.period.0 << PATIENCE && self.prepare(program, budget, lanes) {
+            return false;
+        }
+        // A tick of its own is all that it can have.
+        let acts = fits || budget.left == budget.whole || self.script.was_put_off(instant);
+        if acts {
+            budget.acting = Some(instant);
+        }
+        acts
+    }
+
+    /// Prepares starts of the instant in force, as many as the tick takes. Whether there were any.
+    #[inline(never)]
+    fn prepare(
+        &mut self,
+        program: &Consumer<'_, Entry, PROGRAM>,
+        budget: &mut Budget,
+        lanes: &Reach<'_, '_, AXES>,
+    ) -> bool {
+        let mut prepared = false;
+        for entry in neighbours(program) {
+            let (Op::Update { axes } | Op::PtStart { axes, .. } | Op::PvtStart { axes } | Op::FollowStart { axes, .. }) =
+                entry.op
+            else {
+                continue;
+            };
+            for axis in self.in_use(axes).axes() {
+                let Some(state) = self.axes.get_mut(axis.index()) else { continue };
+                if state.runs() || !state.is_unprepared() {
+                    continue;
+                }
+                if !budget.takes(weight::PREPARATION) {
+                    return true;
+                }
+                if let Some(source) = lanes.source(axis)
+                    && state.prepare_start_now(&source)
+                {
+                    budget.spend(weight::PREPARATION);
+                    prepared = true;
+                }
+            }
+        }
+        prepared
+    }
+
+    /// Goes on with a Reset: everything stops and is dark in its first tick, then axis by axis is at power-on state. Whether
+    /// it is done.
+    pub(crate) fn reset(
+        &mut self,
+        axes: AxisMask,
+        next: Ns,
+        budget: &mut Budget,
+        lanes: &mut Reach<'_, '_, AXES>,
+    ) -> bool {
+        if self.resetting == 0 {
+            self.supervision = Supervision::DEFAULT;
+            self.clear &= !axes.0;
+            self.enable &= !axes.0;
+            self.halt(axes, StopReason::Reset, next, lanes);
+            self.settle_crds(next, lanes);
+            self.lasers.reset(next);
+            self.drop_frames(axes);
+            self.resetting = 1;
+        }
+        let done = (1u64 << (self.resetting.wrapping_sub(1) & 63)).wrapping_sub(1);
+        for axis in self.in_use(AxisMask(axes.0 & !done)).axes() {
+            if !budget.takes(weight::RESET) {
+                self.resetting = (axis.index() as u8).wrapping_add(1);
+                return false;
+            }
+            budget.spend(weight::RESET);
+            self.reset_axis(axis);
+        }
+        self.resetting = 0;
+        true
+    }
+}
+
+/// The entries of the instant in force, from the first one in the ring on.
+fn neighbours<'p>(program: &'p Consumer<'_, Entry, PROGRAM>) -> impl Iterator<Item = &'p Entry> {
+    let entries = (0..PROGRAM as u32).map_while(|before| Some((before, program.peek_at(before)?)));
+    let of_it = |(before, entry): &(u32, &Entry)| {
+        *before == 0 || entry.delay.0 == 0 && !matches!(entry.op, Op::WaitRest { .. } | Op::Reset { .. })
+    };
+    entries.take_while(of_it).map(|(_, entry)| entry)
+}
