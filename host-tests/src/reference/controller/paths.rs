@@ -205,6 +205,13 @@ impl Controller {
             let drives = |crd: &Crd| crd.set.as_ref().is_some_and(|set| set.axes.contains(&Some(axis)));
             check(!other.is_some_and(|other| drives(&self.crds[&other])))?;
         }
+        // An axis that it drove and no longer drives is one without a mode of its own: Trap, as at power-on.
+        let before = self.crds.get(&name).and_then(|crd| crd.set.as_ref()).map_or([None; 4], |set| set.axes);
+        for axis in before.into_iter().flatten().filter(|axis| !axes.contains(axis)) {
+            if self.axes[axis].mode == Mode::Crd && self.axes[axis].crd == Some(name) {
+                self.axes[axis].set_mode(Mode::Trap);
+            }
+        }
         let (mut zero, mut place, mut of) = ([Fix::ZERO; 4], [0.0; 4], [None; 4]);
         for (index, &axis) in axes.iter().enumerate() {
             let axis_of = &mut self.axes[axis];
