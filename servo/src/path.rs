@@ -13,9 +13,11 @@ mod pack;
 mod speed_profile;
 mod store;
 
-pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Rate, Refused, Sweep};
+pub use entry::{Along, Change, Entry, Item, LASER_WORDS, Plane, Refused, Sweep};
 pub(crate) use evaluator::{EFFECTS, INSTANTS};
-pub use evaluator::{Effects, Feed, GEARS, Path, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample};
+pub use evaluator::{
+    Effects, Feed, GEARS, Path, PathReport, PathStop, Rate, Rules, Step, StepReport, TrajectorySample,
+};
 pub use geometry::Bend;
 pub use store::{ENTRIES, Entries, EntryStore, PathStores};
 

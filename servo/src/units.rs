@@ -158,3 +158,9 @@ impl CrdMask {
         self.0 >> crd.0 & 1 == 1
     }
 }
+
+/// The pulse at which the step output stands for this planned position.
+pub const fn whole(pos: Pos) -> i64 {
+    const HALF: i64 = 1 << (Pos::FRAC_BITS - 1);
+    pos.0.saturating_add(HALF) >> Pos::FRAC_BITS
+}

@@ -59,7 +59,12 @@ fn share(file: &str, name: &str) -> Option<Share> {
     let named = |words: &[&str]| words.iter().any(|word| name.contains(word));
     Some(if of(&["servo/src/view", "ring/src/latest"]) || named(&["publish", "publish_pass"]) {
         Share::Reporting
-    } else if of(&["servo/src/axis/limits", "servo/src/axis/inputs"]) {
+    } else if of(&[
+        "servo/src/axis/input_scan",
+        "servo/src/axis/inputs",
+        "servo/src/axis/following_error",
+        "servo/src/axis/in_position",
+    ]) {
         Share::Sampling
     } else if of(&["servo/src/axis/user_position", "probes/chip/src/machine"]) {
         if named(&["6inputs", "7encoder"]) { Share::Sampling } else { Share::Telling }

@@ -147,40 +147,6 @@ impl AxisState {
         }
     }
 
-    /// Whether it may be driven to `to` without a closer look.
-    #[inline(always)]
-    pub(crate) fn is_free(&self, to: Pos) -> bool {
-        let (from, count) = self.inside;
-        let well = (((to.0 >> 32) as i32).wrapping_sub(from) as u32) < count;
-        self.causes & status::FAULTS == 0 && (well || self.is_between(to))
-    }
-
-    /// Whether it may be driven to `to`, and on to what lies near, as long as nothing is told of it.
-    pub(crate) fn is_well(&self, to: Pos) -> bool {
-        let (from, count) = self.inside;
-        (((to.0 >> 32) as i32).wrapping_sub(from) as u32) < count && self.causes & status::FAULTS == 0
-    }
-
-    /// Whether it is, if it is not well between them.
-    #[cold]
-    #[inline(never)]
-    fn is_between(&self, to: Pos) -> bool {
-        to >= self.lower && to <= self.upper
-    }
-
-    /// Whether nothing stands between the position in force and `to`.
-    #[inline(always)]
-    pub(crate) fn admits(&self, to: Pos) -> bool {
-        to >= self.lower && to <= self.upper || self.barrier(self.published.pos, to).is_none()
-    }
-
-    /// Latches what stands there.
-    pub(crate) fn latch_barrier(&mut self, to: Pos) -> Option<StopReason> {
-        let (_, reason) = self.barrier(self.published.pos, to)?;
-        self.latch_limit(reason);
-        Some(reason)
-    }
-
     /// Goes to a target from `at` on, an instant of the interval that begins with the tick computed at `next`; until
     /// when. None if it must not.
     pub(crate) fn travel(

@@ -3,7 +3,6 @@
 //! In: raw levels and an encoder count a tick. Out: the causes of status bits, the encoder's reading,
 //! captures, the in-position timer. Owns: enables, senses, bands. It cannot fail.
 use crate::op::{Guarded, Guards};
-use crate::status;
 use crate::units::{Ns, Pos};
 
 /// Encoder readings further out are taken as this far out: beyond any travel, and still a [`Pos`].
@@ -12,11 +11,6 @@ const READABLE_PULSES: i64 = 1 << 40;
 /// An encoder reading as a position.
 pub(crate) fn reading(pulses: i64) -> Pos {
     Pos(pulses.clamp(-READABLE_PULSES, READABLE_PULSES) << Pos::FRAC_BITS)
-}
-
-/// |planned − encoder|, in units of [`Pos`].
-fn error(pos: Pos, encoder: i64) -> u64 {
-    pos.0.abs_diff(reading(encoder).0)
 }
 
 /// The input side of one axis.
@@ -34,11 +28,11 @@ pub(crate) struct Inputs {
     /// Following-error limit in pulses.
     pub(crate) error_limit: Option<u32>,
     /// In-position band in pulses.
-    band: u32,
+    pub(super) band: u32,
     /// How long the encoder has to be inside.
-    band_time: Ns,
+    pub(super) band_time: Ns,
     /// Since when it is inside: `None` while it is not.
-    inside: Option<Ns>,
+    pub(super) inside: Option<Ns>,
     /// Capture mode that is armed; 0 is none, 1 home, 2 index.
     capture: u8,
     /// Home was active one tick ago.
@@ -87,11 +81,6 @@ impl Inputs {
         reading(self.shift.wrapping_neg()).0
     }
 
-    /// Band in pulses, and for how long.
-    pub(crate) fn set_band(&mut self, band: u32, time: Ns) {
-        (self.band, self.band_time, self.inside) = (band, time, None);
-    }
-
     pub(crate) fn arm(&mut self, mode: u8) {
         self.capture = mode;
     }
@@ -102,28 +91,6 @@ impl Inputs {
         let active = ((levels ^ self.low) & !self.off) as u32;
         // Bits 0 and 1 are the limit switches, status bits 5 and 6; bit 2 the alarm, status bit 1.
         (active & 3) << 5 | (active & 4) >> 1
-    }
-
-    /// The limits that the planned position is beyond, as status bits.
-    #[inline]
-    pub(crate) fn beyond(&self, pos: Pos) -> u32 {
-        let mut causes = 0;
-        if self.soft_positive.is_some_and(|limit| pos > Pos::pulses(limit)) {
-            causes |= status::LIMIT_POSITIVE;
-        }
-        if self.soft_negative.is_some_and(|limit| pos < Pos::pulses(limit)) {
-            causes |= status::LIMIT_NEGATIVE;
-        }
-        causes
-    }
-
-    /// The following error's status bit, if it is beyond its limit.
-    #[inline]
-    pub(crate) fn following_error(&self, pos: Pos, encoder: i64) -> u32 {
-        match self.error_limit {
-            Some(limit) if error(pos, encoder) > (limit as u64) << Pos::FRAC_BITS => status::FOLLOWING_ERROR,
-            _ => 0,
-        }
     }
 
     /// The capture that this tick's rising edge of home makes.
@@ -148,23 +115,5 @@ impl Inputs {
     pub(crate) fn index(&mut self, count: i64) -> i64 {
         self.capture = 0;
         self.encoder(count)
-    }
-
-    /// Whether the encoder has been inside the band for the band's time at `now`, the axis being at
-    /// rest; and whether only time is missing.
-    pub(crate) fn in_position(&mut self, now: Ns, pos: Pos, encoder: i64) -> (bool, bool) {
-        if error(pos, encoder) > (self.band as u64) << Pos::FRAC_BITS {
-            self.inside = None;
-            return (false, false);
-        }
-        let since = *self.inside.get_or_insert(now);
-        let done = now.0.wrapping_sub(since.0) >= self.band_time.0;
-        (done, !done)
-    }
-
-    /// The axis moves: the band's time begins anew.
-    #[inline]
-    pub(crate) fn leave_position(&mut self) {
-        self.inside = None;
     }
 }

@@ -6,10 +6,13 @@
 mod crd_member;
 mod data;
 mod fast_path;
+mod following_error;
+mod in_position;
+mod input_scan;
 pub(crate) mod inputs;
-mod limits;
 mod motion;
 mod slave;
+mod soft_limits;
 mod user_position;
 
 pub(crate) use fast_path::FastStep;

@@ -7,7 +7,7 @@ use super::effects::Sink;
 use super::{Clearance, CrdState, Frame, LOOKS, Lanes};
 use crate::laser::{Cause, EncoderSpeed, Lag, Run};
 use crate::op::Lane;
-use crate::path::{DIMENSIONS, EntryStore, Feed, Path, PathStores, Rate, Rules};
+use crate::path::{DIMENSIONS, EntryStore, Feed, Path, PathStores, Rules};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::Accel;
 use crate::status;
@@ -348,15 +348,6 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             });
         }
-    }
-
-    /// Override.
-    pub(crate) fn set_rate(&mut self, crd: Crd, rate: Rate, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
-        self.with_path(crd, next, lanes, |path, _, feed, source, _| {
-            path.rules.set_rate(rate);
-            path.replan(next, feed, source);
-        });
-        self.crds.get_mut(crd);
     }
 
     /// The filter of its encoders' speed.

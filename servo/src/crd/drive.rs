@@ -3,7 +3,8 @@
 //! In: the axes as the tick in force left them, entries. Out: where the mapped axes are at the tick computed, what
 //! entries do until the one after. Owns nothing. Cannot fail: what must not go on stops, and the reason is latched.
 use super::effects::Sink;
-use super::{Clearance, CrdState, Frame, Halt, Lanes};
+use super::soft_limits::is_free;
+use super::{Clearance, CrdState, Frame, Halt};
 use crate::axis::AxisState;
 use crate::laser::{Cause, PathSpeed, Wants};
 use crate::path::{DIMENSIONS, EntryStore, Feed, PathReport, PathStop};
@@ -126,35 +127,6 @@ impl CrdState {
             *next = room;
         }
     }
-
-    /// Looks for room for the motion in force.
-    #[inline(never)]
-    fn look_round(&mut self, axes: &[AxisState]) {
-        let room = self.room_of(false, axes);
-        let [now, _] = &mut self.room;
-        *now = room;
-    }
-
-    /// What room there is for the motion in force, or for the one `ahead`.
-    fn room_of(&self, ahead: bool, axes: &[AxisState]) -> Clearance {
-        let (hull, lanes, origin) = (self.path.hull(ahead), &self.lanes, &self.published.origin);
-        let is_well = |position: &[Pos; DIMENSIONS]| {
-            lanes.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
-                (Some(axis), Some(at), Some(origin)) => axis.is_well(Pos(at.0.saturating_add(origin.0))),
-                _ => true,
-            })
-        };
-        if hull.iter().all(is_well) { Clearance::Wide } else { Clearance::Narrow }
-    }
-}
-
-/// Whether the axes may be driven to a place without a closer look.
-#[inline(always)]
-fn is_free(lanes: &Lanes, origin: &[Pos; DIMENSIONS], position: &[Pos; DIMENSIONS], axes: &[AxisState]) -> bool {
-    lanes.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
-        (Some(axis), Some(at), Some(origin)) => axis.is_free(Pos(at.0.wrapping_add(origin.0))),
-        _ => true,
-    })
 }
 
 /// What came of [`CrdState::fast_step`].

@@ -16,11 +16,14 @@ mod axis_motion;
 mod commands;
 mod drive;
 mod effects;
+mod feed_override;
+mod soft_limits;
 
 use axis_map::Lanes;
 pub use axis_map::{Frame, Refused};
 pub(crate) use axis_motion::{share, share_speed};
 pub(crate) use commands::Halt;
+use soft_limits::Clearance;
 
 use crate::laser::EncoderSpeed;
 use crate::path::{Feed, Path, PathStores};
@@ -30,17 +33,6 @@ use crate::view::{CrdView, StopReason};
 /// A coordinate system to which something was done waits so many looks before its start is made ready: what belongs together
 /// is there by then.
 const LOOKS: u8 = 2;
-
-/// Whether anything may stand in the way of a motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Clearance {
-    /// Nobody has looked.
-    Unknown,
-    /// Nothing does: all of it is well between what its axes are held to, until one of them is told of something.
-    Wide,
-    /// Each of its places has to be looked at.
-    Narrow,
-}
 
 /// One coordinate system. What every tick looks at stands first.
 #[derive(Debug, Clone, Copy)]
@@ -139,13 +131,6 @@ impl Crds {
 
     pub(crate) fn get(&self, crd: Crd) -> Option<&CrdState> {
         self.states.get(crd.index())
-    }
-
-    /// What axes are held to has changed.
-    pub(crate) fn look_round(&mut self) {
-        for state in &mut self.states {
-            state.room = [Clearance::Unknown; 2];
-        }
     }
 
     fn get_mut(&mut self, crd: Crd) -> Option<&mut CrdState> {

@@ -8,18 +8,23 @@
 //! the edges of their instant; a gate edge acts before the light's, which it may cancel.
 //!
 //! A tick in which nothing happens costs a comparison or two: `changed` tells of changes, `wake` of edges.
+mod first_pulse_killer;
+mod gate_delays;
 mod interval;
+
+pub use first_pulse_killer::Fpk;
+pub use gate_delays::Delays;
 
 use super::actions::{Action, Train};
 use super::buffered::{Buffered, Event, EventQueue};
+use super::edge_queue::Edges;
 use super::energy::{Energy, Plain};
-use super::gate::{Edges, Full};
 use super::light_owner::{End, Fact, Order, Owner, Run};
 use super::on_time::OnTime;
 use super::power::Power;
 use super::power_law::{Family, Law};
 use super::safety::{Cause, Safety};
-use super::{Change, Delays, Fpk, Mode, NEVER};
+use super::{Change, Mode, NEVER};
 use crate::units::{Crd, CrdMask, Ns};
 use crate::view::LaserView;
 
@@ -206,17 +211,6 @@ impl Channel {
                 self.changed |= changed::CHANGED;
             }
         }
-    }
-
-    /// A gate command.
-    fn switch(&mut self, at: Ns, on: bool) {
-        let us = match (self.delayed, on) {
-            (false, _) => 0,
-            (true, true) => self.delays.on,
-            (true, false) => self.delays.off,
-        };
-        let done = self.gate.command(later(at, us), on);
-        self.hold(done);
     }
 
     /// Whether the energy has an output: its connector, or, in analog mode, the DAC.
@@ -408,13 +402,6 @@ impl Channel {
         }
     }
 
-    /// A refused on command makes the channel dark: a mark would be missing.
-    fn hold(&mut self, done: Result<(), Full>) {
-        if done.is_err() {
-            self.trip(Cause::Edges);
-        }
-    }
-
     /// Light and FPK pulse are over without delays.
     fn extinguish(&mut self) {
         self.gate.clear();
@@ -457,10 +444,4 @@ impl Channel {
             self.trip(Cause::LinkLost);
         }
     }
-}
-
-/// An instant `us` µs later.
-#[inline]
-fn later(at: Ns, us: u16) -> Ns {
-    Ns(at.0.wrapping_add((us as u32).wrapping_mul(1000) as u64))
 }

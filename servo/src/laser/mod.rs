@@ -29,9 +29,9 @@ mod channel;
 mod distance_follow;
 mod dither;
 mod double;
+mod edge_queue;
 mod encoder_speed;
 mod energy;
-mod gate;
 mod light_owner;
 mod on_time;
 mod power;
@@ -65,6 +65,7 @@ use crate::units::{Axis, Crd, CrdMask, Ns, Pos};
 use crate::view::LaserView;
 use buffered::Event;
 use channel::Channel;
+pub use channel::{Delays, Fpk};
 use core::num::NonZeroU16;
 use distance_follow::Displacements;
 use light_owner::{End, Fact};
@@ -106,26 +107,6 @@ impl Mode {
     pub const fn has_standby(self) -> bool {
         matches!(self, Mode::Duty | Mode::Frequency)
     }
-}
-
-/// Delays of the gate, µs.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Delays {
-    /// From an off command to its edge.
-    pub off: u16,
-    /// From an on command to its edge.
-    pub on: u16,
-}
-
-/// First-pulse killer, µs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fpk {
-    /// Length of the pulse on the switch output (time1).
-    pub pulse: NonZeroU16,
-    /// From the gate-on edge to the light (time2).
-    pub begin: u16,
-    /// From the gate-off edge to the light's end (laserOffDelay).
-    pub end: u16,
 }
 
 /// A change of a channel. It acts at the instant of the tick that is being computed when it is executed,

@@ -9,12 +9,7 @@
 //! pulse k comes in slot `ceil(((k + 1)·S − floor(S/2)) / n) − 1`. Hardware fills its slots by
 //! [`Slots`]; whoever may divide (the VCD writer) uses the closed form, and a test holds them equal.
 use crate::units::Pos;
-
-/// The pulse at which the step output stands for this planned position.
-pub const fn whole(pos: Pos) -> i64 {
-    const HALF: i64 = 1 << (Pos::FRAC_BITS - 1);
-    pos.0.saturating_add(HALF) >> Pos::FRAC_BITS
-}
+pub use crate::units::whole;
 
 /// Steps to emit on the way from one set-point to the next; negative is backwards.
 pub const fn between(from: Pos, to: Pos) -> i64 {

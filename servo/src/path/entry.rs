@@ -127,29 +127,6 @@ impl Along {
     }
 }
 
-/// An override, the factor of all speeds of a path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rate(u64);
-
-impl Rate {
-    /// From the bits of a double: 2⁻²⁰ to 1.
-    pub fn admit(bits: u64) -> Result<Rate, Refused> {
-        const LEAST: u64 = (1023 - 20) << 52;
-        const ONE: u64 = 1023 << 52;
-        match bits {
-            LEAST..=ONE => Ok(Rate(bits)),
-            0..LEAST => Err(Refused::TooSmall),
-            _ if bits & 0x7ff << 52 == 0x7ff << 52 => Err(Refused::NotFinite),
-            _ if bits >> 63 == 1 => Err(Refused::Negative),
-            _ => Err(Refused::BeyondRange),
-        }
-    }
-
-    pub(super) fn real(self) -> Real {
-        real(self.0)
-    }
-}
-
 /// How far an arc goes round.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sweep {

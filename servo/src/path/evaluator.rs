@@ -10,6 +10,7 @@
 mod advance;
 mod cursor;
 mod fast_path;
+mod feed_override;
 mod interface;
 mod motions;
 mod position;
@@ -17,6 +18,7 @@ mod prepared_start;
 mod stop;
 
 pub use cursor::GEARS;
+pub use feed_override::Rate;
 pub use interface::{Effects, Feed, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample};
 
 use super::entry::Along;
@@ -444,18 +446,6 @@ impl Path {
             (self.stand.distance, self.stand.sampled) = (distance, distance.round());
             self.plan_rest(feed, source);
         }
-    }
-
-    /// The motion in force is planned anew from `next` on, because a rule has changed.
-    pub fn replan(&mut self, next: Ns, feed: Feed, source: &impl Entries) {
-        if let Stage::Move = self.stage {
-            self.catch_up((next.0 as Fine) << 32);
-            self.plan_rest(feed, source);
-        } else {
-            self.follows = None;
-            self.unplan();
-        }
-        self.line_up();
     }
 
     /// The path at `next`; then all boundaries before `next + period`.

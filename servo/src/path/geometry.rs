@@ -11,9 +11,8 @@ use super::entry::{Item, Plane, Sweep};
 use crate::math::real::Real;
 use crate::math::sine::{sin_cos, sinc};
 use crate::math::wide::{mulhi_near, mulhi_su, umulhi};
-use crate::output::step_generator::whole;
 use crate::segment::piece::Scaled;
-use crate::units::Pos;
+use crate::units::{Pos, whole};
 
 /// What an axis does that goes along with a motion.
 #[derive(Debug, Clone, Copy, Default)]

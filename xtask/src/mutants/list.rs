@@ -55,14 +55,15 @@ const H743_PT: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "a_lis
 const H743_LASERS: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "listings_of_lasers"];
 
 const SAFETY: &str = "servo/src/laser/safety.rs";
-const EDGES: &str = "servo/src/laser/gate.rs";
+const EDGES: &str = "servo/src/laser/edge_queue.rs";
 const TICK: &str = "servo/src/tick.rs";
 const RECEIVE: &str = "protocol/src/link/receive.rs";
 const TRANSMIT: &str = "protocol/src/link/transmit.rs";
 const QUEUE: &str = "ring/src/queue.rs";
 const PT_RUN: &str = "servo/src/segment/pt/evaluator.rs";
 const AHEAD: &str = "dispatcher/src/plan/look_ahead.rs";
-const AXIS_GUARD: &str = "servo/src/axis/limits.rs";
+const INPUT_SCAN: &str = "servo/src/axis/input_scan.rs";
+const AXIS_LIMITS: &str = "servo/src/axis/soft_limits.rs";
 const SERVER: &str = "dispatcher/src/session/server.rs";
 const MPS2: &str = "hal/src/mps2_an500/mod.rs";
 
@@ -178,13 +179,13 @@ pub const LIST: &[Mutant] = &[
     mutant("an overrun shuts off no light", TICK, "self.lasers.trip(Cause::Overrun);", "", GATE),
     mutant(
         "a latched fault does not refuse a start",
-        AXIS_GUARD,
+        INPUT_SCAN,
         "!self.servo_on || self.published.blocked != 0",
         "!self.servo_on",
         GUARDS,
     ),
-    mutant("the edge of travel is no barrier", AXIS_GUARD, "if to > Pos::TRAVEL {", "if to > Pos(i64::MAX) {", GUARDS),
-    mutant("a soft limit is no barrier", AXIS_GUARD, "&& to > soft", "&& to > Pos::TRAVEL", GUARDS),
+    mutant("the edge of travel is no barrier", AXIS_LIMITS, "if to > Pos::TRAVEL {", "if to > Pos(i64::MAX) {", GUARDS),
+    mutant("a soft limit is no barrier", AXIS_LIMITS, "&& to > soft", "&& to > Pos::TRAVEL", GUARDS),
     // -- evaluators ----------------------------------------------------------------------------
     mutant(
         "PT: the end speed of a segment is its mean",

@@ -29,10 +29,13 @@ const LIMITS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "refusals", "--
 
 const DRIVE: &str = "servo/src/crd/drive.rs";
 const ORDERS: &str = "servo/src/crd/commands.rs";
-const GUARD: &str = "servo/src/axis/limits.rs";
+const INPUT_SCAN: &str = "servo/src/axis/input_scan.rs";
+const AXIS_LIMITS: &str = "servo/src/axis/soft_limits.rs";
 const DRIVEN: &str = "servo/src/axis/crd_member.rs";
 const MOTION: &str = "servo/src/axis/motion.rs";
 const INPUTS: &str = "servo/src/axis/inputs.rs";
+const FOLLOWING_ERROR: &str = "servo/src/axis/following_error.rs";
+const IN_POSITION: &str = "servo/src/axis/in_position.rs";
 const SAFETY: &str = "servo/src/laser/safety.rs";
 const RECEIVE: &str = "protocol/src/link/receive.rs";
 const SERVER: &str = "dispatcher/src/session/server.rs";
@@ -170,14 +173,14 @@ pub const SURVIVED: &[Mutant] = &[
     // -- what guards an axis ---------------------------------------------------------------------
     mutant(
         "a soft limit that is set behind an axis pulls it back",
-        GUARD,
+        AXIS_LIMITS,
         "return Some((from.max(soft), StopReason::SoftPositive));",
         "return Some((soft, StopReason::SoftPositive));",
         GUARDS,
     ),
     mutant(
         "the same, downwards",
-        GUARD,
+        AXIS_LIMITS,
         "return Some((from.min(soft), StopReason::SoftNegative));",
         "return Some((soft, StopReason::SoftNegative));",
         GUARDS,
@@ -191,35 +194,35 @@ pub const SURVIVED: &[Mutant] = &[
     ),
     mutant(
         "at rest beyond a soft limit is nothing",
-        GUARD,
+        INPUT_SCAN,
         "            causes |= self.inputs.beyond(self.published.pos);\n",
         "",
         GUARDS,
     ),
     mutant(
         "at rest below a soft limit is nothing",
-        INPUTS,
+        AXIS_LIMITS,
         "|limit| pos < Pos::pulses(limit))",
         "|limit| pos < Pos::pulses(limit) && limit == 0)",
         GUARDS,
     ),
     mutant(
         "a cleared fault that lasts lets go for a tick",
-        GUARD,
+        INPUT_SCAN,
         "self.block(self.causes & status::FAULTS);",
         "self.block(0);",
         GUARDS,
     ),
     mutant(
         "an encoder that turns while the servo is off is an error",
-        GUARD,
+        INPUT_SCAN,
         "        if self.servo_on {\n",
         "        if true {\n",
         GUARDS,
     ),
     mutant(
         "an error that is the limit is beyond it",
-        INPUTS,
+        FOLLOWING_ERROR,
         "Some(limit) if error(pos, encoder) > (limit",
         "Some(limit) if error(pos, encoder) >= (limit",
         GUARDS,
@@ -240,21 +243,21 @@ pub const SURVIVED: &[Mutant] = &[
     ),
     mutant(
         "an error does not end the time in the band",
-        INPUTS,
+        IN_POSITION,
         "            self.inside = None;\n            return (false, false);",
         "            return (false, false);",
         GUARDS,
     ),
     mutant(
         "a motion does not end the time in the band",
-        INPUTS,
+        IN_POSITION,
         "pub(crate) fn leave_position(&mut self) {\n        self.inside = None;",
         "pub(crate) fn leave_position(&mut self) {",
         GUARDS,
     ),
     mutant(
         "a new band goes on with the time of the old one",
-        INPUTS,
+        IN_POSITION,
         "(self.band, self.band_time, self.inside) = (band, time, None);",
         "(self.band, self.band_time) = (band, time);",
         GUARDS,

@@ -2,7 +2,7 @@
 //!
 //! In: the channel as its changes have left it, what paths do within the interval, what the power follows. Out: the
 //! actions of a [`Plan`], what is shown. Owns nothing else. Fails: more events than a plan holds make the channel dark.
-use super::{Channel, Outputs, changed, later};
+use super::{Channel, Outputs, changed};
 use crate::laser::actions::{Action, PLACES, Plan, Rate, Train};
 use crate::laser::energy::{Energy, Plain};
 use crate::laser::light_owner::Fact;
@@ -230,34 +230,6 @@ impl Channel {
     #[inline(always)]
     fn soonest(&self) -> Ns {
         self.gate.next().min(self.light.next()).min(self.pulse).min(self.event_queue.next())
-    }
-
-    /// Takes the edges that are due.
-    fn take(&mut self, now: Ns) {
-        while self.gate.next() <= now {
-            self.edge(now);
-        }
-        if self.pulse <= now {
-            self.pulse = NEVER;
-        }
-        while self.light.next() <= now {
-            self.light.take();
-        }
-    }
-
-    /// The gate edge that is due.
-    fn edge(&mut self, now: Ns) {
-        let done = if self.gate.take() {
-            let (begin, end) = self.fpk.map_or((0, 0), |fpk| (fpk.begin, fpk.end));
-            self.tail = end;
-            if let Some(fpk) = self.fpk {
-                self.pulse = later(now, fpk.pulse.get());
-            }
-            self.light.command(later(now, begin), true)
-        } else {
-            self.light.command(later(now, self.tail), false)
-        };
-        self.hold(done);
     }
 
     /// A dark channel: nothing is on, nothing pends, and nothing of what was planned takes place.

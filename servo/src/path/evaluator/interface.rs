@@ -4,7 +4,7 @@
 //! ticks. Owns nothing. Cannot fail.
 use super::ORIGIN;
 use crate::math::real::Real;
-use crate::path::entry::{Change, Rate};
+use crate::path::entry::Change;
 use crate::path::geometry::Bend;
 use crate::path::{DIMENSIONS, Fine};
 use crate::segment::piece::{Motion, Scaled};
@@ -78,11 +78,6 @@ impl Rules {
     /// Deceleration of a smooth Stop.
     pub fn set_stop(&mut self, dec: Accel) {
         self.stop = dec.magnitude();
-    }
-
-    /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not, but held to these.
-    pub fn set_rate(&mut self, rate: Rate) {
-        self.rate = rate.real();
     }
 }
 

@@ -12,6 +12,7 @@
 //!
 //! Work of a tick: [`ACTIONS`] entries that are no segments at most, then it holds there until the next; a segment
 //! is found by bisection, passes are counted by a product.
+mod pass_crossing;
 mod seek;
 mod switch;
 
@@ -20,7 +21,7 @@ use super::entry::{Input, Stop};
 use super::follower::trail;
 use super::master_path::{Fine, MasterPath, Section, Spot, Track};
 use super::setup::Setup;
-use super::{Direction, Entries, Event, Method};
+use super::{Direction, Entries, Method};
 use crate::op::DoGroup;
 use crate::segment::piece::Piece;
 use crate::units::{Exact, Ns, Pos};
@@ -419,47 +420,6 @@ impl FollowRun {
         end
     }
 
-    /// The tick ends with the master at `to`: a motion starts, SwitchNow acts.
-    pub(super) fn close<S: Entries, L: Fn(Input, u8) -> bool>(
-        &mut self,
-        now: Ns,
-        to: Spot,
-        named: i64,
-        context: &mut Context<'_, S, L>,
-    ) -> Option<State> {
-        let still = Section::still(now, to);
-        if self.wait == Wait::Start {
-            match context.setup.event {
-                Event::Start => {
-                    let prepared = self.ahead.take();
-                    self.start(to.pos);
-                    if let Some(prepared) = prepared {
-                        self.enter_prepared(&prepared);
-                    } else if let Some(end) = self.settle(&still, context) {
-                        return Some(end);
-                    }
-                }
-                Event::Pass { up, pos } => {
-                    self.wait = Wait::Pass { up, at: Pos(Pos::pulses(pos).0.wrapping_add(named)) };
-                }
-            }
-        }
-        if let Some(method) = self.now.take()
-            && self.switch_here(method, to.pos, context)
-        {
-            return self.settle(&still, context);
-        }
-        None
-    }
-
-    /// The motion begins with the master at `pos`.
-    fn start(&mut self, pos: Pos) {
-        self.wait = Wait::No;
-        self.progress = self.directed(pos);
-        self.furthest = self.progress;
-        self.began = (self.progress as i128) << UNIT;
-    }
-
     /// The first piece was made for a master at 0: it begins where that is.
     fn enter_prepared(&mut self, prepared: &Ahead) {
         self.piece = prepared.piece;
@@ -476,43 +436,6 @@ impl FollowRun {
             }
             self.end = end;
         }
-    }
-
-    /// The master goes along a stretch.
-    fn advance<S: Entries, L: Fn(Input, u8) -> bool>(
-        &mut self,
-        mut section: Section<'_>,
-        context: &mut Context<'_, S, L>,
-    ) -> Option<State> {
-        match self.wait {
-            Wait::Pass { up, at } => {
-                let (from, to) = (section.from.pos, section.to.pos);
-                let crosses = if up { from < at && to >= at } else { from > at && to <= at };
-                if !crosses {
-                    return None;
-                }
-                self.start(at);
-                section.from = Spot { after: section.when(at), pos: at };
-            }
-            Wait::Until(until) => {
-                let after = until.saturating_sub(context.base);
-                if after > section.to.after as Fine {
-                    return None;
-                }
-                let after = after as u64;
-                let pos = section.at(after);
-                self.resume(pos, context);
-                section.from = Spot { after, pos };
-            }
-            Wait::Input { .. } | Wait::Start => return None,
-            Wait::No => {}
-        }
-        let progress = self.directed(section.to.pos);
-        if self.both || progress > self.furthest {
-            self.progress = progress;
-            self.furthest = progress;
-        }
-        self.settle(&section, context)
     }
 
     /// Brings piece and entries up to the present progress, which the master reached along `section`.

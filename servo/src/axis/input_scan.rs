@@ -2,11 +2,10 @@
 //!
 //! In: levels and encoder at the tick in force, positions it is about to go to. Out: what is latched and
 //! shown, whether it may start, where something stands in its way. It cannot fail: what must not go on stops.
-use super::inputs::Inputs;
-use super::{AxisState, InputScan, NEGATIVE_EDGE};
+use super::{AxisState, InputScan};
 use crate::port::AxisInputs;
 use crate::status;
-use crate::units::{Ns, Pos};
+use crate::units::Ns;
 use crate::view::StopReason;
 
 impl AxisState {
@@ -92,23 +91,6 @@ impl AxisState {
         (self.causes, core::mem::take(&mut self.fresh))
     }
 
-    /// Where the planned position may go without a closer look. A switch that is active has a direction,
-    /// so all of it needs one.
-    pub(crate) fn set_bounds(&mut self) {
-        let Inputs { soft_positive, soft_negative, .. } = &self.inputs;
-        self.upper = soft_positive.map_or(Pos::TRAVEL, Pos::pulses);
-        self.lower = soft_negative.map_or(NEGATIVE_EDGE, Pos::pulses);
-        if self.switches & status::LIMIT_POSITIVE != 0 {
-            self.upper = Pos(i64::MIN);
-        }
-        if self.switches & status::LIMIT_NEGATIVE != 0 {
-            self.lower = Pos(i64::MAX);
-        }
-        let from = (self.lower.0 >> 32).saturating_add(1);
-        let count = (self.upper.0 >> 32).saturating_sub(from).max(0);
-        self.inside = (from as i32, count as u32);
-    }
-
     /// A limit blocks starts from when it becomes active until ClearStatus, a fault as long as its
     /// cause lasts, too.
     #[inline(never)]
@@ -120,7 +102,7 @@ impl AxisState {
         self.block(blocked);
     }
 
-    fn block(&mut self, blocked: u32) {
+    pub(super) fn block(&mut self, blocked: u32) {
         if blocked != self.published.blocked {
             self.published.blocked = blocked;
             self.mark_changed();
@@ -144,59 +126,9 @@ impl AxisState {
         self.stopped_by(next, if alarm { StopReason::Alarm } else { StopReason::FollowingError })
     }
 
-    /// Whether something stands between the position in force and `to`: then it has stopped there.
-    #[inline(never)]
-    pub(super) fn stopped_at_barrier(&mut self, next: Ns, to: Pos) -> Option<StopReason> {
-        let (at, reason) = self.barrier(self.published.pos, to)?;
-        self.published.pos = at;
-        Some(self.stopped_by(next, reason))
-    }
-
-    fn stopped_by(&mut self, next: Ns, reason: StopReason) -> StopReason {
+    pub(super) fn stopped_by(&mut self, next: Ns, reason: StopReason) -> StopReason {
         self.latch_limit(reason);
         self.halt(next, reason);
         reason
-    }
-
-    /// A limit that stops a motion blocks further ones.
-    pub(super) fn latch_limit(&mut self, reason: StopReason) {
-        let limit = match reason {
-            StopReason::LimitPositive | StopReason::SoftPositive => status::LIMIT_POSITIVE,
-            StopReason::LimitNegative | StopReason::SoftNegative => status::LIMIT_NEGATIVE,
-            _ => 0,
-        };
-        self.latched |= limit;
-        self.block(self.published.blocked | limit);
-    }
-
-    /// What stands between two positions, and where it holds the axis.
-    pub(super) fn barrier(&self, from: Pos, to: Pos) -> Option<(Pos, StopReason)> {
-        let inputs = &self.inputs;
-        if to > from {
-            if self.switches & status::LIMIT_POSITIVE != 0 {
-                return Some((from, StopReason::LimitPositive));
-            }
-            if let Some(soft) = inputs.soft_positive.map(Pos::pulses)
-                && to > soft
-            {
-                return Some((from.max(soft), StopReason::SoftPositive));
-            }
-            if to > Pos::TRAVEL {
-                return Some((Pos::TRAVEL, StopReason::Travel));
-            }
-        } else if to < from {
-            if self.switches & status::LIMIT_NEGATIVE != 0 {
-                return Some((from, StopReason::LimitNegative));
-            }
-            if let Some(soft) = inputs.soft_negative.map(Pos::pulses)
-                && to < soft
-            {
-                return Some((from.min(soft), StopReason::SoftNegative));
-            }
-            if to < NEGATIVE_EDGE {
-                return Some((NEGATIVE_EDGE, StopReason::Travel));
-            }
-        }
-        None
     }
 }

@@ -1,0 +1,130 @@
+//! The limits of an axis: soft limits, limit switches, the edge of travel. What they do to a position or a motion.
+//!
+//! In: limits in [`Inputs`], active switches, the position in force and the one that a motion is about to reach. Out:
+//! whether the axis may go there; where it is held, and why. Owns `lower`, `upper` and `inside` of [`AxisState`]: the
+//! range in which no limit is near. Cannot fail: a motion that meets a limit stops there.
+//!
+//! The soft limits of a path are those of its axes: `crd/soft_limits.rs`.
+use super::inputs::Inputs;
+use super::{AxisState, NEGATIVE_EDGE};
+use crate::status;
+use crate::units::{Ns, Pos};
+use crate::view::StopReason;
+
+impl Inputs {
+    /// The limits that the planned position is beyond, as status bits.
+    #[inline]
+    pub(crate) fn beyond(&self, pos: Pos) -> u32 {
+        let mut causes = 0;
+        if self.soft_positive.is_some_and(|limit| pos > Pos::pulses(limit)) {
+            causes |= status::LIMIT_POSITIVE;
+        }
+        if self.soft_negative.is_some_and(|limit| pos < Pos::pulses(limit)) {
+            causes |= status::LIMIT_NEGATIVE;
+        }
+        causes
+    }
+}
+
+impl AxisState {
+    /// Where the planned position may go without a closer look. A switch that is active has a direction,
+    /// so all of it needs one.
+    pub(crate) fn set_bounds(&mut self) {
+        let Inputs { soft_positive, soft_negative, .. } = &self.inputs;
+        self.upper = soft_positive.map_or(Pos::TRAVEL, Pos::pulses);
+        self.lower = soft_negative.map_or(NEGATIVE_EDGE, Pos::pulses);
+        if self.switches & status::LIMIT_POSITIVE != 0 {
+            self.upper = Pos(i64::MIN);
+        }
+        if self.switches & status::LIMIT_NEGATIVE != 0 {
+            self.lower = Pos(i64::MAX);
+        }
+        let from = (self.lower.0 >> 32).saturating_add(1);
+        let count = (self.upper.0 >> 32).saturating_sub(from).max(0);
+        self.inside = (from as i32, count as u32);
+    }
+
+    /// What stands between two positions, and where it holds the axis.
+    pub(super) fn barrier(&self, from: Pos, to: Pos) -> Option<(Pos, StopReason)> {
+        let inputs = &self.inputs;
+        if to > from {
+            if self.switches & status::LIMIT_POSITIVE != 0 {
+                return Some((from, StopReason::LimitPositive));
+            }
+            if let Some(soft) = inputs.soft_positive.map(Pos::pulses)
+                && to > soft
+            {
+                return Some((from.max(soft), StopReason::SoftPositive));
+            }
+            if to > Pos::TRAVEL {
+                return Some((Pos::TRAVEL, StopReason::Travel));
+            }
+        } else if to < from {
+            if self.switches & status::LIMIT_NEGATIVE != 0 {
+                return Some((from, StopReason::LimitNegative));
+            }
+            if let Some(soft) = inputs.soft_negative.map(Pos::pulses)
+                && to < soft
+            {
+                return Some((from.min(soft), StopReason::SoftNegative));
+            }
+            if to < NEGATIVE_EDGE {
+                return Some((NEGATIVE_EDGE, StopReason::Travel));
+            }
+        }
+        None
+    }
+
+    /// Whether something stands between the position in force and `to`: then it has stopped there.
+    #[inline(never)]
+    pub(super) fn stopped_at_barrier(&mut self, next: Ns, to: Pos) -> Option<StopReason> {
+        let (at, reason) = self.barrier(self.published.pos, to)?;
+        self.published.pos = at;
+        Some(self.stopped_by(next, reason))
+    }
+
+    /// A limit that stops a motion blocks further ones.
+    pub(super) fn latch_limit(&mut self, reason: StopReason) {
+        let limit = match reason {
+            StopReason::LimitPositive | StopReason::SoftPositive => status::LIMIT_POSITIVE,
+            StopReason::LimitNegative | StopReason::SoftNegative => status::LIMIT_NEGATIVE,
+            _ => 0,
+        };
+        self.latched |= limit;
+        self.block(self.published.blocked | limit);
+    }
+
+    /// Whether it may be driven to `to` without a closer look.
+    #[inline(always)]
+    pub(crate) fn is_free(&self, to: Pos) -> bool {
+        let (from, count) = self.inside;
+        let well = (((to.0 >> 32) as i32).wrapping_sub(from) as u32) < count;
+        self.causes & status::FAULTS == 0 && (well || self.is_between(to))
+    }
+
+    /// Whether it may be driven to `to`, and on to what lies near, as long as nothing is told of it.
+    pub(crate) fn is_well(&self, to: Pos) -> bool {
+        let (from, count) = self.inside;
+        (((to.0 >> 32) as i32).wrapping_sub(from) as u32) < count && self.causes & status::FAULTS == 0
+    }
+
+    /// Whether it is, if it is not well between them.
+    #[cold]
+    #[inline(never)]
+    fn is_between(&self, to: Pos) -> bool {
+        to >= self.lower && to <= self.upper
+    }
+
+    /// Whether nothing stands between the position in force and `to`.
+    #[inline(always)]
+    pub(crate) fn admits(&self, to: Pos) -> bool {
+        to >= self.lower && to <= self.upper || self.barrier(self.published.pos, to).is_none()
+    }
+
+    /// Latches what stands there.
+    pub(crate) fn latch_barrier(&mut self, to: Pos) -> Option<StopReason> {
+        let (_, reason) = self.barrier(self.published.pos, to)?;
+        self.latch_limit(reason);
+        Some(reason)
+    }
+}

@@ -1,0 +1,19 @@
+//! The feed override of a coordinate system (`SetOverride`).
+//!
+//! In: an admitted factor. Out: the motion in force, planned anew from the coming tick on. Owns nothing. Cannot fail. How
+//! the factor acts on speeds: `path/evaluator/feed_override.rs`.
+use crate::path::Rate;
+use crate::tick::Tick;
+use crate::tick::execute::Reach;
+use crate::units::{Crd, Ns};
+
+impl<const AXES: usize> Tick<AXES> {
+    /// Override.
+    pub(crate) fn set_rate(&mut self, crd: Crd, rate: Rate, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
+        self.with_path(crd, next, lanes, |path, _, feed, source, _| {
+            path.rules.set_rate(rate);
+            path.replan(next, feed, source);
+        });
+        self.crds.get_mut(crd);
+    }
+}

@@ -1,0 +1,73 @@
+//! The soft limits of a path: those of its axes, and their limit switches and edges of travel.
+//!
+//! In: the box that holds all of a motion, the positions of a path tick by tick, the limits of the axes. Out: whether
+//! the axes may be driven to a position; a [`Clearance`] for each motion, so that most ticks need no comparison. Owns
+//! nothing. Cannot fail.
+//!
+//! | step | where |
+//! | --- | --- |
+//! | a tick of the fast path asks [`is_free`] unless the motion is clear | `drive.rs` |
+//! | the exact test of one position, and the obstacle | `effects.rs`, `Effects::admits` |
+//! | the path stops before the position that is not admitted | `path/evaluator/stop.rs`, `Path::hold` |
+//! | the limit of the axis is latched, and light shuts off | `drive.rs`, `come_to_standstill` |
+//! | what limits an axis | `axis/soft_limits.rs` |
+use super::{CrdState, Crds, Lanes};
+use crate::axis::AxisState;
+use crate::path::DIMENSIONS;
+use crate::units::Pos;
+
+/// Whether anything may stand in the way of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Clearance {
+    /// Nobody has looked.
+    Unknown,
+    /// Nothing does: all of it is well between what its axes are held to, until one of them is told of something.
+    Wide,
+    /// Each of its places has to be looked at.
+    Narrow,
+}
+
+impl CrdState {
+    /// Looks for room for the motion in force.
+    #[inline(never)]
+    pub(super) fn look_round(&mut self, axes: &[AxisState]) {
+        let room = self.room_of(false, axes);
+        let [now, _] = &mut self.room;
+        *now = room;
+    }
+
+    /// What room there is for the motion in force, or for the one `ahead`.
+    pub(super) fn room_of(&self, ahead: bool, axes: &[AxisState]) -> Clearance {
+        let (hull, lanes, origin) = (self.path.hull(ahead), &self.lanes, &self.published.origin);
+        let is_well = |position: &[Pos; DIMENSIONS]| {
+            lanes.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
+                (Some(axis), Some(at), Some(origin)) => axis.is_well(Pos(at.0.saturating_add(origin.0))),
+                _ => true,
+            })
+        };
+        if hull.iter().all(is_well) { Clearance::Wide } else { Clearance::Narrow }
+    }
+}
+
+impl Crds {
+    /// What axes are held to has changed.
+    pub(crate) fn look_round(&mut self) {
+        for state in &mut self.states {
+            state.room = [Clearance::Unknown; 2];
+        }
+    }
+}
+
+/// Whether the axes may be driven to a place without a closer look.
+#[inline(always)]
+pub(super) fn is_free(
+    lanes: &Lanes,
+    origin: &[Pos; DIMENSIONS],
+    position: &[Pos; DIMENSIONS],
+    axes: &[AxisState],
+) -> bool {
+    lanes.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
+        (Some(axis), Some(at), Some(origin)) => axis.is_free(Pos(at.0.wrapping_add(origin.0))),
+        _ => true,
+    })
+}

@@ -1,0 +1,55 @@
+//! The feed override of a path: a factor on the speeds of its motions, 2⁻²⁰ to 1.
+//!
+//! In: the bits of the user's double. Out: an admitted [`Rate`]; the motion in force, planned anew with it. Owns nothing:
+//! the factor is in [`Rules`]. Fails: admission refuses a factor out of range, [`Refused`].
+use super::{Path, Rules, Stage};
+use crate::math::real::Real;
+use crate::path::entry::Refused;
+use crate::path::pack::real;
+use crate::path::store::Entries;
+use crate::path::{Feed, Fine};
+use crate::units::Ns;
+
+/// An override, the factor of all speeds of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rate(u64);
+
+impl Rate {
+    /// From the bits of a double: 2⁻²⁰ to 1.
+    pub fn admit(bits: u64) -> Result<Rate, Refused> {
+        const LEAST: u64 = (1023 - 20) << 52;
+        const ONE: u64 = 1023 << 52;
+        match bits {
+            LEAST..=ONE => Ok(Rate(bits)),
+            0..LEAST => Err(Refused::TooSmall),
+            _ if bits & 0x7ff << 52 == 0x7ff << 52 => Err(Refused::NotFinite),
+            _ if bits >> 63 == 1 => Err(Refused::Negative),
+            _ => Err(Refused::BeyondRange),
+        }
+    }
+
+    fn real(self) -> Real {
+        real(self.0)
+    }
+}
+
+impl Rules {
+    /// Override: the speeds of all motions are multiplied by it. The speeds at their ends are not, but held to these.
+    pub fn set_rate(&mut self, rate: Rate) {
+        self.rate = rate.real();
+    }
+}
+
+impl Path {
+    /// The motion in force is planned anew from `next` on, because a rule has changed.
+    pub fn replan(&mut self, next: Ns, feed: Feed, source: &impl Entries) {
+        if let Stage::Move = self.stage {
+            self.catch_up((next.0 as Fine) << 32);
+            self.plan_rest(feed, source);
+        } else {
+            self.follows = None;
+            self.unplan();
+        }
+        self.line_up();
+    }
+}

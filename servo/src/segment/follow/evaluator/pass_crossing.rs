@@ -1,0 +1,90 @@
+//! The start of a slave: at once, or where the master crosses the position of PASS.
+//!
+//! In: intervals of the master's motion, the start event of the axis, the wait in force. Out: the progress at which the
+//! motion begins, with the exact instant of the crossing between two ticks. Owns nothing. Cannot fail.
+use super::{Context, FollowRun, State, Wait};
+use crate::segment::follow::curve::UNIT;
+use crate::segment::follow::entry::Input;
+use crate::segment::follow::master_path::{Fine, Section, Spot};
+use crate::segment::follow::{Entries, Event};
+use crate::units::{Ns, Pos};
+
+impl FollowRun {
+    /// The tick ends with the master at `to`: a motion starts, SwitchNow acts.
+    pub(in crate::segment::follow) fn close<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        now: Ns,
+        to: Spot,
+        named: i64,
+        context: &mut Context<'_, S, L>,
+    ) -> Option<State> {
+        let still = Section::still(now, to);
+        if self.wait == Wait::Start {
+            match context.setup.event {
+                Event::Start => {
+                    let prepared = self.ahead.take();
+                    self.start(to.pos);
+                    if let Some(prepared) = prepared {
+                        self.enter_prepared(&prepared);
+                    } else if let Some(end) = self.settle(&still, context) {
+                        return Some(end);
+                    }
+                }
+                Event::Pass { up, pos } => {
+                    self.wait = Wait::Pass { up, at: Pos(Pos::pulses(pos).0.wrapping_add(named)) };
+                }
+            }
+        }
+        if let Some(method) = self.now.take()
+            && self.switch_here(method, to.pos, context)
+        {
+            return self.settle(&still, context);
+        }
+        None
+    }
+
+    /// The master goes along a stretch.
+    pub(super) fn advance<S: Entries, L: Fn(Input, u8) -> bool>(
+        &mut self,
+        mut section: Section<'_>,
+        context: &mut Context<'_, S, L>,
+    ) -> Option<State> {
+        match self.wait {
+            Wait::Pass { up, at } => {
+                let (from, to) = (section.from.pos, section.to.pos);
+                let crosses = if up { from < at && to >= at } else { from > at && to <= at };
+                if !crosses {
+                    return None;
+                }
+                self.start(at);
+                section.from = Spot { after: section.when(at), pos: at };
+            }
+            Wait::Until(until) => {
+                let after = until.saturating_sub(context.base);
+                if after > section.to.after as Fine {
+                    return None;
+                }
+                let after = after as u64;
+                let pos = section.at(after);
+                self.resume(pos, context);
+                section.from = Spot { after, pos };
+            }
+            Wait::Input { .. } | Wait::Start => return None,
+            Wait::No => {}
+        }
+        let progress = self.directed(section.to.pos);
+        if self.both || progress > self.furthest {
+            self.progress = progress;
+            self.furthest = progress;
+        }
+        self.settle(&section, context)
+    }
+
+    /// The motion begins with the master at `pos`.
+    fn start(&mut self, pos: Pos) {
+        self.wait = Wait::No;
+        self.progress = self.directed(pos);
+        self.furthest = self.progress;
+        self.began = (self.progress as i128) << UNIT;
+    }
+}
