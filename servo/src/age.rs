@@ -1,13 +1,13 @@
-//! A long life in one step, for tests: nothing else calls this.
+//! A long life in one step: a hook for tests, in no image (feature `test-hooks`).
 //!
-//! In: how many entries, how much time. Out: every count of the tick as it would stand then. Counts go round; what compares
-//! them is right across that, or a test that begins just before it fails.
+//! In: how many entries, how much time. Out: every count of the tick as it would be then. Counts
+//! wrap; their comparisons are right across that, or a test that begins just before it fails.
 use crate::op::Lane;
 use crate::tick::Tick;
 use crate::units::Ns;
 use crate::view::{AxisView, CrdView};
 
-/// Numbers of a lane's entries have 31 bits below the one that tells the lane.
+/// Entry numbers of a lane have 31 bits; the bit above says which lane.
 const NUMBER: u32 = u32::MAX >> 1;
 
 fn later(seq: u32, entries: u32, lane: Lane) -> u32 {
@@ -16,8 +16,8 @@ fn later(seq: u32, entries: u32, lane: Lane) -> u32 {
 }
 
 impl<const AXES: usize> Tick<AXES> {
-    /// As if each lane had carried out so many entries more, every other count had gone up by as many, and `time` had
-    /// passed. Nothing may run or be on its way; the thread's side must grow as old.
+    /// As if each lane had executed so many entries more, every other count had risen by as many,
+    /// and `time` had passed. Nothing may run or be in flight; the thread's side must age alike.
     pub fn age(&mut self, entries: u32, time: Ns) {
         self.now = Ns(self.now.0.wrapping_add(time.0));
         self.done_immediate = later(self.done_immediate, entries, Lane::Immediate);
@@ -36,9 +36,9 @@ impl<const AXES: usize> Tick<AXES> {
         self.lasers.age(entries);
     }
 
-    /// As if each FIFO of a path had been given, and had carried out, so many entries and motions more since it was cleared,
-    /// and each laser had been on for so many units of its on-time more. Nothing may be in a FIFO; the thread's side must
-    /// grow as old.
+    /// As if each FIFO of a path had got and executed so many entries and motions more since it was
+    /// cleared, and each laser had been on for so many units of its on-time more. Nothing may be in
+    /// a FIFO; the thread's side must age alike.
     pub fn age_counts(&mut self, by: u32) {
         self.crds.states.iter_mut().for_each(|crd| crd.age_counts(by));
         self.crds.moves = self.crds.moves.wrapping_add(1);

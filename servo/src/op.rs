@@ -9,8 +9,8 @@ use crate::segment::follow;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::{crd, path};
 
-/// An operation with the number under which its execution is reported and its place on the
-/// script clock.
+/// An operation with its instant on the script clock, and the number under which its execution is
+/// reported.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry {
     /// Counts up by one per entry and lane; the view reports the last one executed.
@@ -61,7 +61,7 @@ impl Guarded {
     }
 }
 
-/// What some guarded inputs are set to; the others stay as they are.
+/// New values for some guarded inputs; the others stay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Guards {
     of: u8,
@@ -104,12 +104,12 @@ pub enum Mode {
     PtDynamic = 3,
     /// Position, velocity and time, from a table.
     Pvt = 4,
-    /// A master's displacement in the place of time.
+    /// A master's displacement instead of time.
     Follow = 5,
     /// The same with shaped ratios and entries that are no segments.
     FollowEx = 6,
-    /// Driven by the coordinate system that it is mapped to. An axis comes here by [`Op::CrdFrame`] alone, and
-    /// leaves it, at rest, by any other mode.
+    /// Driven by the coordinate system that it is mapped to. Only [`Op::CrdFrame`] sets this mode,
+    /// and any other mode, at rest, ends it.
     Crd = 7,
 }
 
@@ -125,7 +125,7 @@ impl Op {
     }
 }
 
-/// Which motion brakes where something happens that no command asked for.
+/// Which motion brakes when something happens that no command asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Brake {
     /// None: it goes on in the dark.
@@ -152,11 +152,11 @@ impl Supervision {
     pub const DEFAULT: Supervision = Supervision { link: Brake::JogAndPaths, interlock: Brake::JogAndPaths };
 }
 
-/// Everything the tick can be asked to do. Its size counts: entries are copied through the ring.
+/// Every operation of the tick. Its size counts: entries are copied through the ring.
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Op {
-    /// Nothing; its execution is the news.
+    /// Nothing; only its execution is reported.
     Mark,
     /// Immediate lane: the held program begins; the script clock is zero at the tick in force now.
     ProgramRun,
@@ -177,9 +177,9 @@ pub enum Op {
     /// those in `crds_abrupt` at once. An axis that a coordinate system drives stops that, abruptly if one of its axes is
     /// in `abrupt`.
     Stop { axes: AxisMask, abrupt: AxisMask, crds: CrdMask, crds_abrupt: CrdMask },
-    /// Dark at once, and all motion is brought to rest smoothly (SPEC 9, "Abort").
+    /// Dark at once, and all motion stops smoothly (SPEC 9, "Abort").
     Abort,
-    /// A new session: dark at once, and entries of the paths that run light nothing. Motion goes on.
+    /// A new session: dark at once, and entries of the running paths light nothing. Motion goes on.
     NewSession,
     /// What brakes where the link is lost, and where the interlock opens.
     Supervision(Supervision),
@@ -191,7 +191,8 @@ pub enum Op {
     SetEncoder { axis: Axis, pulses: i64 },
     /// Planned position := encoder position, at rest.
     Synchronise { axes: AxisMask },
-    /// Mode at rest, any but `Mode::Crd`. Changes of mode or FIFO use clear the PT data.
+    /// Mode at rest, any but `Mode::Crd`. A change of mode or of the use of the FIFO clears the PT
+    /// data.
     SetMode { axis: Axis, mode: Mode },
     /// Stop decelerations.
     StopDec { axis: Axis, smooth: crate::segment::ramp::Accel, abrupt: crate::segment::ramp::Accel },
@@ -230,8 +231,9 @@ pub enum Op {
     TargetPosition { axis: Axis, pulses: i32 },
     /// Jog and Trap of these axes begin, or change, with the present targets.
     Update { axes: AxisMask },
-    /// The FIFO's data now ends at this count of segments pushed since it was cleared. In dynamic mode
-    /// it counts only if `epoch` is that of the axis: what was meant for a stream that ended is refused.
+    /// The FIFO's data now ends at this count of segments pushed since it was cleared. In dynamic
+    /// mode it counts only if `epoch` is that of the axis: data for a stream that has ended is
+    /// refused.
     PtCommit { axis: Axis, fifo: u8, end: u32, epoch: u32 },
     /// Empties a FIFO that is not running (both in dynamic mode, at rest); its count begins at 0 again.
     PtClear { axis: Axis, fifo: u8 },
@@ -239,14 +241,15 @@ pub enum Op {
     PtLoop { axis: Axis, passes: u32 },
     /// PT of these axes begins; bits of `fifo1` take FIFO 1.
     PtStart { axes: AxisMask, fifo1: AxisMask },
-    /// The PVT table (from 0 over all cores) that the axis runs: at rest with the next start, while it runs
-    /// when the present pass ends. Its places and header are in their stores.
+    /// The PVT table (from 0 over all cores) that the axis runs: from rest with the next start;
+    /// while it runs when the present pass ends. Its points and header are in their stores.
     PvtSelect { axis: Axis, table: u8 },
     /// PVT passes; 0 is for ever.
     PvtLoop { axis: Axis, passes: u32 },
     /// PVT of these axes begins with their selected tables.
     PvtStart { axes: AxisMask },
-    /// Which of the master's motion counts, of an axis at rest. A change clears its FIFOs.
+    /// Which direction of the master's motion counts, of an axis at rest. A change clears its
+    /// FIFOs.
     FollowDirection { axis: Axis, direction: follow::Direction },
     /// The master that the axis follows from the next start on; no cycle, also through others.
     FollowMaster { axis: Axis, master: follow::Master },
@@ -254,9 +257,9 @@ pub enum Op {
     FollowEvent { axis: Axis, event: follow::Event },
     /// Follow passes; 0 is for ever.
     FollowLoop { axis: Axis, passes: u32 },
-    /// The FIFO now ends at this count of entries; `tail` is that of the chain behind the last one. It
-    /// counts only if `cleared` is what the axis shows for this FIFO: what was meant for a FIFO that a switch
-    /// has emptied meanwhile is void.
+    /// The FIFO now ends at this count of entries; `tail` is that of the chain after the last one.
+    /// It counts only if `cleared` is what the view has for this FIFO: data for a FIFO that a
+    /// switch has emptied meanwhile is void.
     FollowCommit { axis: Axis, fifo: u8, end: u32, cleared: u32, tail: follow::Tail },
     /// Empties a FIFO that is not running.
     FollowClear { axis: Axis, fifo: u8 },
@@ -268,15 +271,17 @@ pub enum Op {
     FollowSwitchNow { axis: Axis, method: follow::Method },
     /// Period of the tick (10 µs to 1 ms) from the next tick on, at rest.
     TickPeriod { ns: u32 },
-    /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed and
-    /// begins with `ProgramRun`; else it begins at once. Row 0 is the tick in force then. `edges`: with what the
-    /// laser channels are told between the rows; `outputs`: with the general outputs when they change.
+    /// Begins (`every` ≥ 1) or ends (0) a trace. While the program lane is held it is only armed
+    /// and begins with `ProgramRun`; else it begins at once. Row 0 is the tick in force then.
+    /// `edges`: with the plans of the laser channels between the rows; `outputs`: with the general
+    /// outputs when they change.
     Trace { every: u32, axes: AxisMask, crds: CrdMask, lasers: u8, edges: bool, outputs: bool },
-    /// SetCrdPrm, at rest: which axes it drives and from where; these are in `Mode::Crd` from now on. Both FIFOs are
-    /// empty; stop deceleration and override are those of power-on (1 pulse/ms², 1).
+    /// SetCrdPrm, at rest: which axes it drives and where its zero is; these are in `Mode::Crd`
+    /// from now on. Both FIFOs are empty; stop deceleration and override have their power-on values
+    /// (1 pulse/ms², 1).
     CrdFrame { crd: Crd, frame: crd::Frame },
-    /// The FIFO now ends at this count of entries pushed since it was cleared. It counts only if `cleared` is what
-    /// the view shows for this FIFO.
+    /// The FIFO now ends at this count of entries pushed since it was cleared. It counts only if
+    /// `cleared` is what the view has for this FIFO.
     CrdCommit { crd: Crd, fifo: u8, end: u32, cleared: u32 },
     /// Empties a FIFO, at rest.
     CrdClear { crd: Crd, fifo: u8 },

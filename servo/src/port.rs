@@ -89,14 +89,14 @@ pub enum Due {
     OfScript(Ns),
 }
 
-/// A machine, as the tick sees it. No call may wait.
+/// A machine, for the tick. No call may wait.
 pub trait Port {
     /// Inputs of one axis now.
     fn inputs(&mut self, axis: Axis) -> AxisInputs;
     /// Encoder count of one axis now, in whole pulses since power-on.
     fn encoder(&mut self, axis: Axis) -> i64;
-    /// Encoder count at the index edge, as hardware latched it, if there was one since the tick before; of several, the last.
-    /// Asked only of an axis that waits for one.
+    /// Encoder count at the index edge that hardware latched since the tick before; of several, the
+    /// last. Asked only of an axis that waits for one.
     fn index(&mut self, _: Axis) -> Option<i64> {
         None
     }
@@ -107,16 +107,18 @@ pub trait Port {
     /// The set-point in force from the next tick on; the machine turns the whole pulses between two
     /// set-points into evenly spaced steps.
     fn set_point(&mut self, axis: Axis, pos: Pos);
-    /// Servo enable and alarm-clear outputs, and general outputs, from `at` ns after the next tick on. Once a tick with 0,
-    /// then with growing instants where entries of a path change them within the interval that the next tick begins.
+    /// Servo-enable, alarm-clear and general outputs, from `at` ns after the next tick on. Called
+    /// once a tick with 0; then with growing instants where entries of a path change outputs within
+    /// the interval that the next tick begins.
     fn outputs(&mut self, at: u32, enable: u64, clear: u64, general: GeneralOutputs);
     /// Analog output, −32768…32767 is −10…10 V, from `at` ns after the next tick on, in the same order.
     fn analog_out(&mut self, at: u32, channel: usize, value: i16);
-    /// Whether the interlock (or emergency-stop) input wants every laser output at rest now. The hardware
-    /// rests PWM and switch by itself; the tick latches it and rests what the hardware cannot.
+    /// Whether the interlock (or emergency-stop) input now wants every laser output in its safe
+    /// state. The hardware forces PWM and switch there by itself; the tick latches it and does the
+    /// same for the rest.
     fn interlock(&mut self) -> bool;
-    /// Whether its inputs are set by [`Port::simulate`] and [`Port::plan`]; of a machine with wires, nothing of the tick's
-    /// code for that remains.
+    /// Whether its inputs are set by [`Port::simulate`] and [`Port::plan`]. On a machine with wires
+    /// the tick has no code for that.
     const SIMULATED: bool = false;
     /// An input has this from now on: the interrupt of the next tick samples it.
     fn simulate(&mut self, _: Simulated) {}
@@ -126,7 +128,7 @@ pub trait Port {
     fn planned(&mut self, _next: Ns, _zero: Option<Ns>) -> Option<Simulated> {
         None
     }
-    /// Rows that wait for a program wait no longer: their session is over.
+    /// Rows that wait for a program are dropped: their session is over.
     fn forget_plan(&mut self) {}
     /// What a laser channel does in the interval that begins with the next tick and ends with the one after.
     fn laser(&mut self, channel: usize, plan: &Plan);

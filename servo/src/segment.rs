@@ -1,7 +1,8 @@
-//! Evaluators of axes: PT, PVT, ramps (Jog, Trap, Stop) and Follow, each of them a sequence of pieces.
+//! Evaluators of axes: PT, PVT, ramps (Jog, Trap, Stop) and Follow. Each one makes a sequence of
+//! pieces.
 //!
-//! In: segments, tables, masters. Out: for each tick the set-point and the motion of an axis. [`profile`] is the sequence in force,
-//! [`piece`] one cubic of it.
+//! In: segments, tables, masters. Out: for each tick the set-point and the motion of an axis.
+//! [`profile`] holds the sequence, [`piece`] is one cubic of it.
 pub mod follow;
 pub mod piece;
 pub mod profile;

@@ -1,13 +1,14 @@
 //! The servo tick: the whole body of the periodic interrupt, the same on every machine.
 //!
 //! In: the inputs of a [`Port`] at the tick in force (n), entries of two lanes. Out: set-points and
-//! outputs for tick n + 1, a view of it, events, trace samples. Owns: the state of all axes, controller
-//! time, the script clock. Budget: entries by weight (`work`) and a step an axis, no loop whose
-//! length depends on data. Fails: never; a full ring back to the thread is counted in the view.
+//! outputs for tick n + 1, a view of it, events, trace samples. Owns: the state of all axes,
+//! controller time, the script clock. Budget: entries by weight ([`workload`]) and one step for
+//! each axis; no loop length depends on data. Fails: never; an event that a full ring refuses is
+//! counted in the view.
 //!
-//! Order within a tick: inputs are sampled, then entries act, then every coordinate system that runs takes its step,
-//! then every axis under its guards, slaves behind their masters, then the lasers. So a limit seen now stops the
-//! set-point of the next tick.
+//! Order within a tick: inputs are sampled; entries act; every running coordinate system takes its
+//! step, then every axis; slaves step after their masters, lasers last. So a limit sampled now
+//! stops the set-point of the next tick.
 pub(crate) mod execute;
 pub(crate) mod script_clock;
 pub(crate) mod slaves;
@@ -36,7 +37,7 @@ use script_clock::Script;
 use slaves::Switched;
 use workload::Budget;
 
-/// Events between two looks of the thread.
+/// Events between two runs of the thread.
 pub const EVENTS: usize = 64;
 /// Shortest and longest period, ns.
 pub const PERIOD_NS: core::ops::RangeInclusive<u32> = 10_000..=1_000_000;
@@ -52,7 +53,7 @@ pub struct TickConfig {
     pub analog_inputs: u8,
     /// The clock of the timers that carry out laser plans.
     pub laser_clock: Clock,
-    /// What its step outputs make of an axis.
+    /// The fastest axis that its step outputs can make.
     pub step_limit: StepLimit,
 }
 
@@ -64,7 +65,7 @@ pub struct Lanes<'a, const AXES: usize> {
     pub program: Consumer<'a, Entry, PROGRAM>,
     /// The view of the tick computed last.
     pub view: Writer<'a, View<AXES>>,
-    /// News.
+    /// Events.
     pub events: Producer<'a, Event, EVENTS>,
     /// Trace samples.
     pub samples: Producer<'a, Sample, SAMPLES>,
@@ -76,7 +77,7 @@ pub struct Lanes<'a, const AXES: usize> {
     pub paths: PathStores<'a>,
 }
 
-/// What an axis's motion is read from: its own segments, everybody's tables.
+/// What an axis's motion is read from: its own segments, and all tables.
 pub(crate) struct Source<'a> {
     pub(crate) segments: &'a SegmentStore,
     pub(crate) tables: TableStores<'a>,
@@ -115,7 +116,7 @@ impl Entries for Source<'_> {
     }
 }
 
-/// The steps of axes that do more than to go on.
+/// The steps of axes that are off the fast path.
 struct OffFastPath<'a, 'l> {
     next: Ns,
     /// Pieces that may still be made ahead in this tick.
@@ -128,7 +129,7 @@ struct OffFastPath<'a, 'l> {
 }
 
 impl OffFastPath<'_, '_> {
-    /// Of one that has come as far as `fast_step` tells.
+    /// The step of one whose fast path ended with `fast_step`.
     #[inline(never)]
     fn step(&mut self, axis: Axis, mut fast_step: FastStep, state: &mut AxisState, published: &mut AxisView) {
         let next = self.next;
@@ -156,8 +157,8 @@ impl OffFastPath<'_, '_> {
     }
 }
 
-/// The state of the tick. `AXES` is the capacity of the build. What a view tells of it stands in the view's
-/// order, so that it is copied in a few instructions; the axes last.
+/// The state of the tick. `AXES` is the capacity of the build. What a view publishes of it has the
+/// view's order, so that a few instructions copy it; the axes come last.
 #[repr(C)]
 pub struct Tick<const AXES: usize> {
     /// Instant of the tick in force.
@@ -177,16 +178,17 @@ pub struct Tick<const AXES: usize> {
     /// Axes in use.
     pub(crate) used: usize,
     analog_inputs: usize,
-    /// What ran at an abort and is not at rest yet.
+    /// What was running at an abort and has not stopped yet.
     pub(crate) aborted: (AxisMask, CrdMask),
-    /// Whether there is anything of that.
+    /// Whether there is any of that.
     pub(crate) aborts: bool,
     pub(crate) supervision: Supervision,
-    /// Where a Reset in hand goes on: at the axis before this one, counted from 1; 0 if there is none.
+    /// Where a Reset in progress goes on: at the axis before this one, counted from 1; 0 if there
+    /// is none.
     pub(crate) resetting: u8,
     /// Axes that may wait for an index edge.
     indexed: AxisMask,
-    /// What an axis that follows goes in a tick at most, units of Pos, and what that is made of.
+    /// The most that a slave moves in a tick, units of Pos, and the value that it is derived from.
     pub(crate) step_limit: u64,
     limit_per_us: u64,
     pub(crate) steps: StepLimit,
@@ -244,7 +246,8 @@ impl<const AXES: usize> Tick<AXES> {
         self.period
     }
 
-    /// The machine found that a tick began late: counted, shown in the view, and a cause to shut off light.
+    /// The machine found that a tick began late. It is counted, published in the view, and shuts
+    /// off light.
     pub fn overrun(&mut self) {
         self.overruns = self.overruns.saturating_add(1);
         self.script.overrun(self.done_program);
@@ -328,7 +331,7 @@ impl<const AXES: usize> Tick<AXES> {
         lanes.view.publish();
     }
 
-    /// The ticks behind the one that was computed have another period.
+    /// The ticks after the one computed have another period.
     #[cold]
     #[inline(never)]
     fn renew_period(&mut self, period: Ns, samples: &mut Producer<'_, Sample, SAMPLES>) {
@@ -336,7 +339,8 @@ impl<const AXES: usize> Tick<AXES> {
         self.trace.record_period(period.0 as u32, samples);
     }
 
-    /// The interlock opens or closes: the lasers see it by themselves, motion brakes as it is to.
+    /// The interlock opens or closes: the lasers take it by themselves; motion brakes as
+    /// `Supervision` says.
     #[inline(never)]
     fn see_interlock(&mut self, open: bool, next: Ns, lanes: &mut Lanes<'_, AXES>) {
         self.lasers.interlock = open;
@@ -350,7 +354,8 @@ impl<const AXES: usize> Tick<AXES> {
         self.indexed.0 |= axis.mask().0;
     }
 
-    /// Captures of index edges that have come. Who waits no more, for a Reset or another mode, is not asked for again.
+    /// Takes the captures of index edges that have come. An axis that waits no more, after a Reset
+    /// or a change of mode, is not asked again.
     #[inline(never)]
     fn look_at_indexes(&mut self, port: &mut impl Port) {
         for axis in self.indexed.axes() {
@@ -370,13 +375,14 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Pieces made ahead in a tick: two in 250 µs, one in a tick of 50 µs, which has more of its kind in a segment.
+    /// Pieces made ahead in a tick: two in 250 µs, one in a tick of 50 µs, as a segment then spans
+    /// more ticks.
     #[inline(always)]
     pub(crate) fn made_ahead(&self) -> u32 {
         1u32.wrapping_add((self.period.0 >> 17) as u32)
     }
 
-    /// Every axis takes its step; where there are slaves, they wait for their masters.
+    /// Every axis takes its step; slaves wait for their masters.
     #[inline(always)]
     fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let left = self.made_ahead();
@@ -404,8 +410,8 @@ impl<const AXES: usize> Tick<AXES> {
             }
             port.set_point(axis, state.set_point());
         }
-        // Every eighth tick an axis looks how long its data lasts, or makes its next start ready, of all of them one in
-        // a tick; each in a tick of its own.
+        // Every eighth tick an axis finds how long its data lasts, or prepares its next start: one
+        // axis in a tick, in turn.
         let published = &mut lanes.view.buffer().axes;
         let (mut index, mut made) = ((self.ticks & 7) as usize, false);
         while let (Some(state), Some(store), Some(published)) =
@@ -422,7 +428,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// One row of the trace, of axes, coordinate systems and lasers as they stand.
+    /// One row of the trace, of axes, coordinate systems and lasers in the present state.
     #[inline(never)]
     pub(crate) fn emit(&mut self, row: u32, chosen: Chosen, samples: &mut Producer<'_, Sample, SAMPLES>) {
         if row == 0 {
@@ -462,7 +468,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// The part of the view that is not of an axis.
+    /// The part of the view that belongs to no axis.
     #[inline]
     fn publish(&self, port: &mut impl Port, view: &mut View<AXES>) {
         (view.now, view.period) = (self.now, self.period);
@@ -487,14 +493,15 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Carries out what is due: the immediate lane, then the program lane, in order, as far as the tick takes it (`work`).
+    /// Carries out what is due: the immediate lane, then the program lane, in order, as far as the
+    /// tick takes it ([`workload`]).
     #[inline(never)]
     fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let Lanes { immediate, program, events, samples, segments, tables, paths, .. } = lanes;
         let mut reach = Reach { events, samples, segments, tables: *tables, paths: *paths };
         let (mut budget, mut drops) = (Budget::of(self.period), false);
         let mut calls = workload::calls(self.period);
-        // Entries are read where they lie: a copy of one costs as much as what it does.
+        // Entries are read in place: a copy of one costs as much as its work.
         while calls > 0
             && let Some(entry) = immediate.peek()
         {
@@ -599,7 +606,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.trace.record_analog(0, channel, value, samples);
     }
 
-    /// Since when all of these are at rest; none while one runs.
+    /// Since when all of these have been at rest; none while one runs.
     fn standstill_since(&self, axes: AxisMask, crds: CrdMask) -> Option<Ns> {
         if crds.0 & self.crds.running.0 != 0 {
             return None;
@@ -618,13 +625,13 @@ impl<const AXES: usize> Tick<AXES> {
     }
 }
 
-/// What an axis goes in a tick at most, units of Pos; one more is what two positions round to.
+/// The most that an axis moves in a tick, units of Pos; one more, as two positions are rounded.
 const fn in_a_tick(per_us: u64, period_ns: u64) -> u64 {
     let us = (period_ns as u32).div_ceil(1000);
     (per_us.wrapping_mul(us as u64) >> 8).wrapping_add(1)
 }
 
-/// Tells the thread, or counts what could not be told.
+/// Reports to the thread, or counts the event that was lost.
 pub(crate) fn report_event(events: &mut Producer<'_, Event, EVENTS>, lost: &mut u32, event: Event) {
     if events.push(event).is_err() {
         *lost = lost.saturating_add(1);

@@ -10,8 +10,8 @@ use crate::units::{AxisMask, CrdMask};
 use crate::view::{Sample, Traced};
 use ring::Producer;
 
-/// What is traced: axes, coordinate systems, laser channels (bit 0 the first), whether what these are
-/// told between rows is too, and whether the general outputs are.
+/// What is traced: axes, coordinate systems, laser channels (bit 0 the first), whether their plans
+/// between the rows are too, and whether the general outputs are.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chosen {
     pub(crate) axes: AxisMask,
@@ -25,7 +25,7 @@ impl Chosen {
     const NONE: Chosen = Chosen { axes: AxisMask(0), crds: CrdMask(0), lasers: 0, edges: false, outputs: false };
 }
 
-/// What is traced, and where in the rows it is.
+/// What is traced, and how far its rows are.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Trace {
     /// Ticks a row; 0 while nothing is traced.
@@ -35,9 +35,9 @@ pub(crate) struct Trace {
     row: u32,
     /// Ticks since row 0.
     tick: u32,
-    /// Channels that rest, and were told of it.
+    /// Channels that are dark and were reported so.
     resting: u8,
-    /// General outputs as they were told last.
+    /// General outputs as last reported.
     levels: GeneralOutputs,
     chosen: Chosen,
     /// Armed: begins with the program.
@@ -55,9 +55,9 @@ impl Trace {
         *self = Trace { armed: (every != 0).then_some((every, chosen)), ..Trace::OFF };
     }
 
-    /// Begins now: what row 0 is of, which is of the tick in force.
+    /// Begins now: returns what row 0 is of, which is of the tick in force.
     pub(crate) fn begin(&mut self, every: u32, chosen: Chosen) -> Option<(u32, Chosen)> {
-        // What one that ends has lost is still to be told.
+        // Samples that an ending trace has lost are still to be reported.
         let lost = if every == 0 { self.lost } else { 0 };
         *self = Trace { every, left: every, chosen, lost, ..Trace::OFF };
         (every != 0).then_some((0, chosen))

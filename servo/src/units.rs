@@ -16,7 +16,8 @@ impl Pos {
     }
 }
 
-/// What the step outputs of a board make of an axis at most: whole pulse/ms, from 1 to full scale (SPEC 5).
+/// The most that the step outputs of a board make of an axis: whole pulse/ms, from 1 to full scale
+/// (SPEC 5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(transparent)]
 pub struct StepLimit(u64);
@@ -159,7 +160,7 @@ impl CrdMask {
     }
 }
 
-/// The pulse at which the step output stands for this planned position.
+/// The pulse of the step output for this planned position: the nearest one, halves upwards.
 pub const fn whole(pos: Pos) -> i64 {
     const HALF: i64 = 1 << (Pos::FRAC_BITS - 1);
     pos.0.saturating_add(HALF) >> Pos::FRAC_BITS

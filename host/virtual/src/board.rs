@@ -100,12 +100,14 @@ impl<'m> Controller<'m> {
 
     /// As if so many entries more had been executed and `ns` more had passed, for tests of a long life; nothing may run or
     /// be on its way.
+    #[cfg(feature = "test-hooks")]
     pub fn age(&mut self, entries: u32, ns: u64) {
         self.core.age(entries, ns);
     }
 
     /// As if each FIFO of a path had carried out so many entries more, and each laser had been on for so many units of 250 µs
     /// more, for the same tests; nothing may be in a FIFO.
+    #[cfg(feature = "test-hooks")]
     pub fn age_counts(&mut self, by: u32) {
         self.core.age_counts(by);
     }
@@ -218,7 +220,9 @@ impl<'m> Controller<'m> {
 trait Core {
     fn feed(&mut self, bytes: &[u8]);
     fn visit(&mut self, wire: &mut SecondaryTransport, holder: Option<&str>, bytes: &[u8]) -> (usize, bool);
+    #[cfg(feature = "test-hooks")]
     fn age(&mut self, entries: u32, ns: u64);
+    #[cfg(feature = "test-hooks")]
     fn age_counts(&mut self, by: u32);
     fn take_tx(&mut self, out: &mut Vec<u8>);
     fn take_trace(&mut self, out: &mut Vec<u8>);
@@ -430,6 +434,7 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
         outcome
     }
 
+    #[cfg(feature = "test-hooks")]
     fn age(&mut self, entries: u32, ns: u64) {
         self.server.age(entries);
         self.tick.age(entries, Ns(ns));
@@ -437,6 +442,7 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
         self.run_thread();
     }
 
+    #[cfg(feature = "test-hooks")]
     fn age_counts(&mut self, by: u32) {
         self.server.age_counts(by);
         self.tick.age_counts(by);

@@ -1,7 +1,9 @@
-//! An axis that a coordinate system drives: mapped to it, or going along with a motion; and one that it sends away.
+//! An axis that a coordinate system uses: mapped to it, geared to a motion of its path, or moved by
+//! an entry.
 //!
-//! In: positions, a tick at a time, from the coordinate system, which steps before the axes. Out: as of any axis.
-//! Owns: nothing; while it is driven its own profile rests. Cannot fail: who drives asks before it goes somewhere.
+//! In: a position each tick from the coordinate system, which steps before the axes. Out: as of any
+//! axis. Owns: nothing; its own profile is idle while it is driven. Cannot fail: the coordinate
+//! system asks before it drives an axis to a position.
 use super::{AxisState, exact};
 use crate::math::wide::umulhi;
 use crate::op::Mode;
@@ -29,7 +31,7 @@ impl AxisState {
         self.mark_changed();
     }
 
-    /// Whether it is this coordinate system's own.
+    /// Whether it is mapped to this coordinate system.
     pub(crate) fn is_mapped(&self, crd: Crd) -> bool {
         self.published.mode == Mode::Crd && self.crd == Some(crd)
     }
@@ -39,7 +41,7 @@ impl AxisState {
         self.crd.filter(|_| self.driven)
     }
 
-    /// It is driven from now on; what goes along does so from `base`.
+    /// A coordinate system drives it from now on; a geared axis counts from `base`.
     pub(crate) fn engage(&mut self, drive: Drive, base: Exact) {
         (self.driven, self.crd, self.exact) = (true, Some(drive.crd()), base);
         self.publish_straight();
@@ -47,7 +49,7 @@ impl AxisState {
         self.mark_changed();
     }
 
-    /// Whether it may go along with a motion: at rest, and nobody else's.
+    /// Whether it must not be geared to a motion: it must be at rest, and of no coordinate system.
     pub(crate) fn refuses_gear(&self) -> bool {
         self.refuses_start() || self.runs() || self.published.mode == Mode::Crd
     }
@@ -59,7 +61,8 @@ impl AxisState {
         self.published.moves = self.published.moves.wrapping_add(1);
     }
 
-    /// Its way through the tick, in positions of the machine, for those that follow it; it has been driven to its end.
+    /// Publishes its displacement within the tick, in positions of the machine, for its slaves. It
+    /// has been driven to the tick's end.
     #[inline(never)]
     pub(crate) fn publish_displacement(
         &mut self,
@@ -85,28 +88,28 @@ impl AxisState {
         self.track = track;
     }
 
-    /// The same where nothing lies between.
+    /// The same where it moves straight from tick to tick.
     pub(crate) fn publish_straight(&mut self) {
         self.track.clear();
     }
 
-    /// How those that follow it see it go while it is driven.
+    /// Its motion within the tick as its slaves see it, while it is driven.
     pub(super) fn driven_path(&self) -> Path<'_> {
         if self.goes_straight() { Path::Straight } else { Path::Track { places: &self.track, shift: 0 } }
     }
 
-    /// Whether it goes straight from tick to tick.
+    /// Whether it moves straight from tick to tick.
     #[inline(always)]
     pub(super) fn goes_straight(&self) -> bool {
         self.track.is_straight()
     }
 
-    /// Where it is before it goes along with a motion.
+    /// Its position before the gearing began.
     pub(crate) fn base(&self) -> Exact {
         self.exact
     }
 
-    /// How it goes along from now on, `by` so far.
+    /// Its gear from now on, and its displacement `by` so far.
     pub(crate) fn go_along(&mut self, drive: Drive, by: Pos) {
         if self.published.drive != Some(drive) {
             self.published.drive = Some(drive);
@@ -115,12 +118,12 @@ impl AxisState {
         self.drive(Pos(self.exact.round().0.wrapping_add(by.0)));
     }
 
-    /// A motion that it went along with has ended.
+    /// A motion that it was geared to has ended.
     pub(crate) fn gone_along(&mut self, pulses: i32) {
         self.exact = Exact(self.exact.0.wrapping_add((pulses as i128) << 64));
     }
 
-    /// It is driven no longer: it rests at `at`.
+    /// It is no longer driven: it comes to rest at `at`.
     pub(crate) fn release(&mut self, next: Ns, at: Exact, reason: StopReason) {
         if self.driven {
             self.driven = false;
@@ -132,12 +135,12 @@ impl AxisState {
         }
     }
 
-    /// It is driven no longer: it rests where it is.
+    /// It is no longer driven: it comes to rest where it is.
     pub(crate) fn release_here(&mut self, next: Ns, reason: StopReason) {
         self.release(next, exact(self.published.pos), reason);
     }
 
-    /// Why it must not be driven on.
+    /// The fault for which it must not be driven on.
     #[inline(always)]
     pub(crate) fn fault(&self) -> Option<StopReason> {
         match self.causes & status::FAULTS {
@@ -147,8 +150,8 @@ impl AxisState {
         }
     }
 
-    /// Goes to a target from `at` on, an instant of the interval that begins with the tick computed at `next`; until
-    /// when. None if it must not.
+    /// Begins a move to a target at `at`, an instant of the interval that begins with the tick
+    /// computed at `next`. Returns when the move ends; None if the axis must not move.
     pub(crate) fn travel(
         &mut self,
         next: Ns,
@@ -160,7 +163,7 @@ impl AxisState {
             return None;
         }
         if self.runs {
-            // The piece that holds `next` is in force before another one is made behind it.
+            // The piece that holds `next` takes effect before another one is made after it.
             self.step(next, source);
         }
         let (from, _) = self.moving(at, source);

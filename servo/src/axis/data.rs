@@ -1,6 +1,7 @@
-//! What PT, PVT and Follow run from: FIFOs, streams, tables, passes.
+//! The data that PT, PVT and Follow run from: FIFOs, streams, tables, passes.
 //!
-//! In: what the thread committed and selected. Out: the [`Feed`] of a run, and what the view tells of it.
+//! In: what the thread committed and selected. Out: the [`Feed`] of a run, and what the view
+//! publishes of it.
 use super::{AxisState, FIFO, IN_FORCE, Jog, RING_MASK, pt_state};
 use crate::op::Mode;
 use crate::segment::follow;
@@ -33,7 +34,7 @@ impl AxisState {
         Feed { end: self.end(self.fifo), passes }
     }
 
-    /// Where the segments of a FIFO lie, and how many passes of them there are.
+    /// Which slots the segments of a FIFO lie in, and how many passes of them there are.
     fn slots(&self, fifo: u8) -> SlotRange {
         if self.published.mode == Mode::PtStatic {
             SlotRange::Static { base: if fifo == 1 { FIFO } else { 0 } }
@@ -71,19 +72,20 @@ impl AxisState {
         self.begin(next, Generator::Pvt(PvtRun::begin(next, self.exact, self.table, tables)));
     }
 
-    /// The same at once, whether or not more may be done to the axis.
+    /// The same at once, even if more operations for the axis may follow.
     pub(crate) fn prepare_start_now(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
         self.unprepared = 1;
         self.prepare_start(source)
     }
 
-    /// Whether a start plans nothing more: it is ready.
+    /// Whether a start needs no more planning: it is prepared.
     pub(crate) fn starts_at_once(&self) -> bool {
         !self.runs() && !self.is_unprepared()
     }
 
-    /// At rest, makes the first piece of what a start would begin, as things stand: of the FIFO committed last, of
-    /// the table selected, of the Jog or the Trap that is set, of the first FIFO of Follow with data. Whether it took any time.
+    /// At rest, makes the first piece of what a start would begin now: of the FIFO committed last,
+    /// the table selected, the Jog or Trap that is set, or the first FIFO of Follow with data.
+    /// Returns whether it took any time.
     #[inline(never)]
     pub(crate) fn prepare_start(&mut self, source: &(impl Segments + Tables + follow::Entries)) -> bool {
         self.unprepared = self.unprepared.saturating_sub(1);
@@ -159,7 +161,7 @@ impl AxisState {
         }
     }
 
-    /// Looks how long the data of a stream or a pass lasts; a look every eighth tick is enough.
+    /// Finds how long the data of a stream or a pass lasts; every eighth tick is enough.
     #[inline(never)]
     pub(crate) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + Tables), published: &mut AxisView) {
         if let Generator::Pt(run) = self.profile.generator() {

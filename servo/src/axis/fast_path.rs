@@ -1,35 +1,36 @@
-//! What nearly every tick of an axis is: it goes on in the piece in force, or enters the one made ahead.
+//! The fast path of an axis: in nearly every tick it goes on in the piece in force, or enters the
+//! prepared one.
 //!
-//! In: the tick computed, axes. Out: their places there, in the view and in the machine. Owns nothing. Cannot fail: an
-//! axis of which more is to be done is left as it is, and named.
+//! In: the tick computed, axes. Out: their positions there, in the view and in the machine. Owns
+//! nothing. Cannot fail: an axis that needs more work is left as it is, and named.
 use super::{AxisState, InputScan};
 use crate::segment::piece::{Motion, Piece};
 use crate::units::{Ns, Pos};
 use crate::view::AxisView;
 
-/// What came of [`AxisState::step_fast`].
+/// The result of [`AxisState::step_fast`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FastStep {
     /// The axis and its view are at the next tick.
     Shown,
-    /// The axis is; of the view more has to catch up than it looked at.
+    /// The axis is; its view has to catch up in more than was compared.
     Stale,
-    /// There is more to do than that: nothing has happened.
+    /// More work is needed: nothing has happened.
     No,
-    /// The same, but that [`AxisState::step_general`] may do it.
+    /// The same, but [`AxisState::step_general`] may do it.
     Far,
-    /// Something may stand in the way; and this is not a tick to make a piece ahead in.
+    /// A limit may be in the way; and this is not a tick to make a piece ahead in.
     Barred,
 }
 
 impl AxisState {
-    /// Takes it to the next tick, if it only goes on there. `next` is the low word of the instant; `left` counts the pieces that may
-    /// still be made ahead in this tick.
+    /// Takes it to the next tick, if it only goes on there. `next` is the low word of the instant.
+    /// `left` counts the pieces that may still be made ahead in this tick.
     #[inline(always)]
     pub(crate) fn step_fast(&mut self, next: u32, left: u32, published: &mut AxisView) -> FastStep {
         let fast_step = match self.scan {
             InputScan::Steady => self.go_on(next, left, published),
-            // Its view changes in nothing else without being told so.
+            // Nothing else of its view changes without being marked so.
             InputScan::Carried if published.changes == self.published.changes => FastStep::Shown,
             InputScan::Settled if published.moves == self.published.moves => return FastStep::Shown,
             // Each of the three buffers catches up when its turn comes.
@@ -42,9 +43,10 @@ impl AxisState {
         fast_step
     }
 
-    /// Its place in the piece in force, or in the one made ahead, if it is near; what the view has of its motion.
+    /// Its position in the piece in force, or in the prepared one, if that is a fast-path piece;
+    /// and what the view has of its motion.
     ///
-    /// A function of its own, so that nothing but the axis takes up registers.
+    /// A function of its own, so that only the axis takes up registers.
     #[inline(never)]
     fn go_on(&mut self, next: u32, left: u32, published: &mut AxisView) -> FastStep {
         if self.profile.is_open() && left != 0 {
@@ -65,7 +67,7 @@ impl AxisState {
         if published.follow_piece(&self.published, t) { FastStep::Shown } else { FastStep::Stale }
     }
 
-    /// The same in pieces that are not near.
+    /// The same for pieces that are no fast-path pieces.
     #[inline(never)]
     pub(crate) fn step_general(&mut self, next: Ns, published: &mut AxisView) -> FastStep {
         let holds = |piece: &Piece| piece.elapsed(next) < piece.span;
@@ -95,7 +97,7 @@ impl AxisState {
         FastStep::Shown
     }
 
-    /// The piece made ahead has come into force.
+    /// The prepared piece has come into force.
     #[inline(never)]
     fn publish_entered(&mut self) {
         self.published.enter(&self.profile.piece().motion);
@@ -104,14 +106,14 @@ impl AxisState {
         }
     }
 
-    /// The same of what it tells of the pass.
+    /// The same for what is published of the pass.
     #[inline(never)]
     fn publish_pass(&mut self) {
         self.published.counts = self.published.counts.wrapping_add(1);
         self.publish_pass_of(true);
     }
 
-    /// Whether something may stand before a place.
+    /// Whether a limit may lie before a position.
     #[inline(always)]
     fn is_barred(&self, pos: Pos) -> bool {
         let (from, count) = self.inside;

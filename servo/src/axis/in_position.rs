@@ -12,7 +12,7 @@ impl Inputs {
         (self.band, self.band_time, self.inside) = (band, time, None);
     }
 
-    /// Whether the encoder has been inside the band for the band's time at `now`, the axis being at
+    /// Whether the encoder has been inside the band for the band's time at `now`, with the axis at
     /// rest; and whether only time is missing.
     pub(crate) fn in_position(&mut self, now: Ns, pos: Pos, encoder: i64) -> (bool, bool) {
         if error(pos, encoder) > (self.band as u64) << Pos::FRAC_BITS {

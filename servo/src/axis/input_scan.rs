@@ -1,7 +1,7 @@
-//! What guards an axis: inputs, limits, faults.
+//! The scan of an axis's inputs in each tick, and the status bits that it latches.
 //!
-//! In: levels and encoder at the tick in force, positions it is about to go to. Out: what is latched and
-//! shown, whether it may start, where something stands in its way. It cannot fail: what must not go on stops.
+//! In: levels and encoder at the tick in force. Out: latched causes, captures, whether the axis may
+//! start. Owns nothing. Cannot fail: a motion that must not go on stops.
 use super::{AxisState, InputScan};
 use crate::port::AxisInputs;
 use crate::status;
@@ -9,8 +9,9 @@ use crate::units::Ns;
 use crate::view::StopReason;
 
 impl AxisState {
-    /// Takes the inputs of the tick in force, levels as [`AxisInputs::bits`]; false where there is more to it:
-    /// [`AxisState::take`]. An axis at rest of which nothing changed costs two comparisons, and one that runs little more.
+    /// Takes the inputs of the tick in force, levels as [`AxisInputs::bits`]. Returns false where
+    /// more is to be done: [`AxisState::take`]. An axis at rest of which nothing changed costs two
+    /// comparisons, and a running one little more.
     #[inline(always)]
     pub(crate) fn sample(&mut self, levels: u8, count: i64) -> bool {
         if levels != self.levels {
@@ -28,7 +29,8 @@ impl AxisState {
         }
     }
 
-    /// Takes the inputs of the tick in force at `now` for all that they mean. Whether causes of latched bits have changed.
+    /// Takes the inputs of the tick in force at `now` with all their effects. Returns whether
+    /// causes of latched bits have changed.
     #[inline(never)]
     pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64) -> bool {
         let before = self.causes;
@@ -56,7 +58,7 @@ impl AxisState {
             causes |= self.inputs.following_error(self.published.pos, encoder);
         }
         if !runs {
-            // While it runs, the barrier of every step sees to the soft limits.
+            // While it runs, every step checks the soft limits.
             causes |= self.inputs.beyond(self.published.pos);
         }
         let watched = causes | self.causes != 0 || self.inputs.error_limit.is_some();
@@ -86,13 +88,13 @@ impl AxisState {
         self.causes != before
     }
 
-    /// Causes of latched bits that are present, and those that have come since they were asked for.
+    /// Causes of latched bits that are present, and those that have appeared since the last call.
     pub(crate) fn take_causes(&mut self) -> (u32, u32) {
         (self.causes, core::mem::take(&mut self.fresh))
     }
 
-    /// A limit blocks starts from when it becomes active until ClearStatus, a fault as long as its
-    /// cause lasts, too.
+    /// A limit blocks starts from when it becomes active until ClearStatus. A fault also does as
+    /// long as its cause lasts.
     #[inline(never)]
     fn latch(&mut self, causes: u32) {
         let blocked = self.published.blocked | causes & (!self.causes | status::FAULTS);

@@ -1,11 +1,11 @@
-//! What the inputs of an axis mean: which are active, and which forbid what.
+//! What the inputs of an axis mean: which are active, and which forbid a motion.
 //!
-//! In: raw levels and an encoder count a tick. Out: the causes of status bits, the encoder's reading,
-//! captures, the in-position timer. Owns: enables, senses, bands. It cannot fail.
+//! In: raw levels and an encoder count a tick. Out: the causes of status bits, the encoder's
+//! reading, captures. Owns: enables, active levels, limits, the in-position band. It cannot fail.
 use crate::op::{Guarded, Guards};
 use crate::units::{Ns, Pos};
 
-/// Encoder readings further out are taken as this far out: beyond any travel, and still a [`Pos`].
+/// Encoder readings are held within this: beyond any travel, and still a [`Pos`].
 const READABLE_PULSES: i64 = 1 << 40;
 
 /// An encoder reading as a position.
@@ -16,7 +16,7 @@ pub(crate) fn reading(pulses: i64) -> Pos {
 /// The input side of one axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Inputs {
-    /// Switched-off inputs, a bit each as in `AxisInputs::bits`.
+    /// Inputs that are switched off, one bit each as in `AxisInputs::bits`.
     off: u8,
     /// Inputs that are active at the low level, likewise.
     low: u8,
@@ -31,7 +31,7 @@ pub(crate) struct Inputs {
     pub(super) band: u32,
     /// How long the encoder has to be inside.
     pub(super) band_time: Ns,
-    /// Since when it is inside: `None` while it is not.
+    /// Since when it has been inside: `None` while it is not.
     pub(super) inside: Option<Ns>,
     /// Capture mode that is armed; 0 is none, 1 home, 2 index.
     capture: u8,
@@ -55,7 +55,7 @@ impl Inputs {
         home: false,
     };
 
-    /// Some are switched on or off, some are active low or high from now on.
+    /// Switches some inputs on or off, and makes some active low or active high.
     pub(crate) fn guard(&mut self, on: Guards, low: Guards) {
         self.off = !on.applied(!self.off);
         self.low = low.applied(self.low);
@@ -76,7 +76,7 @@ impl Inputs {
         encoder.wrapping_sub(self.shift)
     }
 
-    /// Where the reading 0 is among the machine's counts, as a position.
+    /// The machine's count at which the encoder reads 0, as a position.
     pub(crate) fn named(&self) -> i64 {
         reading(self.shift.wrapping_neg()).0
     }

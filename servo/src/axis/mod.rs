@@ -1,8 +1,19 @@
-//! One axis in the tick: what it runs, what guards it, what it shows.
+//! One axis in the tick: its motion, its limits and faults, what it publishes.
 //!
-//! In: inputs sampled at the tick in force, operations, the instant of the next tick. Out: the planned
-//! position there, the status word, events. Owns: everything of the axis but its PT segments.
-//! Fails: never; a motion that must not go on stops, with a reason.
+//! In: inputs sampled at the tick in force, operations, the instant of the next tick. Out: the
+//! planned position there, the status word, events. Owns: everything of the axis but its PT
+//! segments. Fails: never; a motion that must not go on stops, with a reason.
+//!
+//! | file | what it is |
+//! | --- | --- |
+//! | `motion` | starts, stops, the step of a tick |
+//! | `fast_path` | the short step of nearly every tick |
+//! | `data` | FIFOs, streams, tables, passes |
+//! | `slave` | an axis that follows another one |
+//! | `crd_member` | an axis that a coordinate system drives |
+//! | `inputs`, `input_scan` | what inputs mean; their scan in each tick |
+//! | `following_error`, `in_position`, `soft_limits` | what they say |
+//! | `user_position` | positions as the user names them |
 mod crd_member;
 mod data;
 mod fast_path;
@@ -27,7 +38,8 @@ use crate::units::{Crd, Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 use inputs::Inputs;
 
-/// An axis to which something was done waits for the second look: in the meantime, what belongs together is there.
+/// Scans until an axis that was changed prepares its next start: commands that belong together have
+/// come by then.
 const UNPREPARED: u8 = 2;
 /// Segments of one static FIFO.
 const FIFO: u32 = 1024;
@@ -52,33 +64,33 @@ pub(crate) struct Jog {
     pub(crate) smooth: u16,
 }
 
-/// What the inputs of a tick have to be looked at for.
+/// What the scan of a tick's inputs has to do for an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum InputScan {
-    /// For all they mean, even if they stay.
+    /// Everything, even if the inputs stay.
     None,
-    /// It runs: for changes of level, and the encoder is taken.
+    /// It runs: compare the levels, and take the encoder.
     Runs,
-    /// The same, and there is nothing to tell but its motion.
+    /// The same, and only its motion is to be published.
     Steady,
-    /// The same, of one that a coordinate system drives.
+    /// The same, for an axis that a coordinate system drives.
     Carried,
-    /// At rest, for changes alone: nothing here changes until an input, the encoder or an operation does.
+    /// At rest, compare only: nothing changes until an input, the encoder or an operation does.
     Settled,
 }
 
-/// The state of one axis. What every tick looks at stands first.
+/// The state of one axis. What every tick reads comes first.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub(crate) struct AxisState {
-    /// What the thread sees; also the state itself, where it is the same thing.
+    /// What the thread reads. It is also the state itself, where both are the same.
     pub(crate) published: AxisView,
     scan: InputScan,
     /// The status word may have changed.
     pub(crate) changed: bool,
     /// By its own profile.
     runs: bool,
-    /// Looks until its next start is made ready, 0 if it is or if there is nothing to do.
+    /// Ticks until its next start is prepared; 0 if it is, or if there is nothing to prepare.
     unprepared: u8,
     /// By a coordinate system.
     driven: bool,
@@ -94,24 +106,24 @@ pub(crate) struct AxisState {
     causes: u32,
     /// Planned position at which the machine's own count is 0, so that setting a position makes no step.
     zero: Pos,
-    /// While the planned position stays between these two, nothing stands in its way.
+    /// While the planned position stays between these two, no limit is in the way.
     lower: Pos,
     upper: Pos,
-    /// Well between them: so many high words of positions from this one on.
+    /// Well between them: the first high word of such positions, and how many there are.
     inside: (i32, u32),
     pub(crate) inputs: Inputs,
-    /// Its motion; at rest, a piece that rests.
+    /// Its motion; at standstill, a constant piece.
     profile: Profile,
-    /// Why the running motion will have ended.
+    /// The stop reason that the running motion will have at its end.
     ending: StopReason,
-    /// Since which tick it is at rest.
+    /// The tick since which it has been at rest.
     pub(crate) standstill_since: Ns,
     /// Exact position while at rest, and where a ramp begins.
     exact: Exact,
     /// Switches active now, as status bits.
     switches: u32,
     latched: u32,
-    /// Causes that have appeared since a coordinate system looked.
+    /// Causes that have appeared since the coordinate system took them.
     fresh: u32,
     pub(crate) stop_dec: Accel,
     pub(crate) jog: Jog,
@@ -130,7 +142,7 @@ pub(crate) struct AxisState {
     pub(crate) follow: following::Setup,
     /// The coordinate system that it is mapped to, or that drives it.
     pub(crate) crd: Option<Crd>,
-    /// Its way through the tick while that drives it, if it is followed.
+    /// Its displacement within the tick while that drives it, if it has slaves.
     track: following::Track,
 }
 
@@ -203,7 +215,7 @@ impl AxisState {
         self.profile.discard_prepared();
     }
 
-    /// Whether its next start is to be made ready.
+    /// Whether its next start is still to be prepared.
     #[inline(always)]
     pub(crate) fn is_unprepared(&self) -> bool {
         self.unprepared != 0
@@ -215,7 +227,7 @@ impl AxisState {
         self.published.moves = self.published.moves.wrapping_add(1);
     }
 
-    /// It is in another piece, and what it tells of its data may be another, too.
+    /// It is in another piece; what is published of its data may differ, too.
     #[inline(always)]
     fn turned(&mut self) {
         self.published.turns = self.published.turns.wrapping_add(1);
@@ -239,7 +251,7 @@ impl AxisState {
         }
     }
 
-    /// The status word as things stand.
+    /// The status word in the present state.
     #[inline]
     pub(crate) fn status(&self) -> u32 {
         let mut word = self.latched;
@@ -278,12 +290,12 @@ impl AxisState {
         self.mark_changed();
     }
 
-    /// Power-on state, at rest. The machine does not move; where it stands is 0 from now on.
+    /// Power-on state, at rest. The machine does not move; its position is 0 from now on.
     pub(crate) fn reset(&mut self) {
         let (zero, count) = (Pos(self.set_point().0.wrapping_neg()), self.count());
         self.profile.rename(Pos(0));
-        // In place, field by field: a whole state is too large to be moved about eight times in a tick. What the
-        // pattern leaves out is known by name: it stays.
+        // In place, field by field: a whole state is too large to be moved about eight times in a
+        // tick. The pattern names the fields that stay.
         let AxisState {
             published,
             scan,

@@ -15,7 +15,8 @@ use crate::units::{Exact, Ns, Pos};
 use crate::view::{AxisView, StopReason};
 
 impl AxisState {
-    /// Whether Jog or Trap must not begin or change: also towards an active limit.
+    /// Whether Jog or Trap must not begin or change, also because it would move towards an active
+    /// limit.
     pub(crate) fn refuses_update(&self) -> bool {
         let direction = match self.published.mode {
             Mode::Jog => self.trap.speed.signum(),
@@ -50,7 +51,7 @@ impl AxisState {
         self.set_off(StopReason::Completed);
     }
 
-    /// What was made ready at rest begins; false if nothing was.
+    /// The prepared start begins; false if there is none.
     pub(super) fn begin_prepared(&mut self, next: Ns) -> bool {
         let begins = self.profile.begin_prepared(next);
         if begins {
@@ -64,13 +65,13 @@ impl AxisState {
         self.set_off(StopReason::Completed);
     }
 
-    /// It runs from now on, and `ending` is why it will have stopped.
+    /// It runs from now on; `ending` will be its stop reason.
     pub(super) fn set_off(&mut self, ending: StopReason) {
         (self.runs, self.begins, self.ending) = (true, false, ending);
         self.mark_changed();
     }
 
-    /// Where it will be, and how fast, at `next`, as things stand; and whether it still runs there.
+    /// Its position and velocity at `next` in the present motion, and whether it still runs there.
     pub(super) fn moving(&mut self, next: Ns, source: &(impl Segments + Tables)) -> (Moving, bool) {
         let rest = |pos| (Moving { pos, velocity: Scaled { m: 0, e: 0 } }, false);
         if !self.runs {
@@ -80,7 +81,7 @@ impl AxisState {
         match self.profile.look(next, feed, source) {
             Ok(piece) => {
                 let (pos, motion) = piece.place(piece.held(next));
-                // Until the step of this tick tells what comes of it.
+                // Until the step of this tick publishes its own.
                 self.published.motion = motion;
                 (Moving { pos: exact(pos), velocity: self.published.motion.velocity() }, true)
             }
@@ -89,12 +90,12 @@ impl AxisState {
         }
     }
 
-    /// Smooth stop from `next` on. What ends there anyway is left to end.
+    /// Smooth stop from `next` on. A motion that ends there anyway ends by itself.
     pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &(impl Segments + Tables)) {
         if !self.runs || self.ending.is_brake() {
             return;
         }
-        // What begins on this very tick has not been seen to run, and does not move.
+        // A motion that begins on this very tick was never published as running, and does not move.
         if self.published.status & status::RUNNING == 0 {
             return self.halt(next, reason);
         }
@@ -107,7 +108,8 @@ impl AxisState {
             let dec = self.stop_dec;
             self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
             self.set_off(reason);
-            // At `next` it is where it would have been in its piece: the first one of the ramp has time until the tick behind.
+            // At `next` it is where its piece would have taken it: the first piece of the ramp is
+            // not needed before the tick after.
             let piece = self.profile.piece();
             self.begins = from.velocity.m != 0 && piece.elapsed(next) == piece.span;
             self.exact = from.pos;
@@ -116,7 +118,7 @@ impl AxisState {
         }
     }
 
-    /// Planned velocity 0 from `next` on, where it stands.
+    /// Planned velocity 0 from `next` on, at the present position.
     pub(crate) fn halt(&mut self, next: Ns, reason: StopReason) {
         if self.runs {
             self.end_stream(pt_state::STOPPED);
@@ -142,8 +144,8 @@ impl AxisState {
         self.mark_changed();
     }
 
-    /// A tick of the axis: its motion at `next`, its status, what it shows. The reason if it came to rest.
-    /// `left` counts the pieces that may still be made ahead in this tick.
+    /// A tick of the axis: its motion at `next`, its status, what it publishes. Returns the reason
+    /// if it came to rest. `left` counts the pieces that may still be made ahead in this tick.
     #[inline(never)]
     pub(crate) fn run(
         &mut self,
@@ -154,7 +156,7 @@ impl AxisState {
     ) -> Option<StopReason> {
         let mut stopped = None;
         if self.runs {
-            // What is entered in this tick is not followed by making the next in the same one.
+            // A tick that enters a piece does not make the next one.
             if self.profile.is_open() && *left != 0 && self.prepare(source) {
                 *left = left.wrapping_sub(1);
             }
@@ -168,7 +170,8 @@ impl AxisState {
         stopped
     }
 
-    /// The place at `next` of an axis whose ramp begins there: that of the motion before, which is shown once more.
+    /// The position at `next` of an axis whose ramp begins there: the end of the motion before,
+    /// which is published once more.
     #[inline(never)]
     fn stand_in(&mut self, next: Ns) -> Option<StopReason> {
         self.begins = false;
@@ -219,7 +222,7 @@ impl AxisState {
         None
     }
 
-    /// The piece is over: on to the next one, or to the end of the motion and the reason of it.
+    /// The piece is over: on to the next one, or to the end of the motion and its reason.
     #[inline(never)]
     fn turn(&mut self, next: Ns, source: &(impl Segments + Tables)) -> Option<StopReason> {
         let feed = self.feed();
@@ -229,7 +232,7 @@ impl AxisState {
         if running { None } else { Some(self.finish(next, state)) }
     }
 
-    /// What a view tells of the piece entered, or of the end if it runs no longer.
+    /// What a view publishes of the piece entered, or of the end if it runs no longer.
     #[inline(always)]
     fn publish_piece(&mut self, running: bool) {
         self.published.motion = self.profile.piece().motion;
@@ -238,7 +241,7 @@ impl AxisState {
         }
     }
 
-    /// What a view tells of the pass, or of the stream.
+    /// What a view publishes of the pass, or of the stream.
     #[inline(never)]
     pub(super) fn publish_pass_of(&mut self, running: bool) {
         let published = &mut self.published;
@@ -264,7 +267,7 @@ impl AxisState {
         }
     }
 
-    /// The motion has ended, if nothing stands before its end.
+    /// The motion has ended, if no limit lies before its end.
     #[inline(never)]
     fn finish(&mut self, next: Ns, state: State) -> StopReason {
         let (at, state, reason) = match state {
@@ -280,7 +283,7 @@ impl AxisState {
         reason
     }
 
-    /// Makes the next piece, in a tick that has time for it; whether it took any.
+    /// Makes the next piece, in a tick that has time for it. Returns whether it took any.
     #[inline(never)]
     fn prepare(&mut self, source: &(impl Segments + Tables)) -> bool {
         let feed = self.feed();

@@ -1,7 +1,7 @@
-//! An axis that follows another one: start, step, stop; and an axis as it is seen by those that follow it.
+//! An axis that follows another one: start, step, stop; and an axis as its slaves see it.
 //!
-//! In: the master as it stands in the tick computed, entries, inputs. Out: as of any axis, and what entries do to
-//! outputs. Owns: the [`Follower`] in its profile.
+//! In: the master in the tick computed, entries, inputs. Out: as of any axis, and the effects of
+//! entries on outputs. Owns: the [`Follower`] in its profile.
 use super::inputs::reading;
 use super::{AxisState, exact};
 use crate::math::real::Real;
@@ -32,7 +32,7 @@ impl AxisState {
         self.follower().is_some()
     }
 
-    /// The axis it follows, and whether the planned position of it.
+    /// The axis that it follows, and which value of it.
     pub(crate) fn master(&self) -> Option<(Axis, Value)> {
         self.follower().map(|follower| (follower.master.axis, follower.master.value))
     }
@@ -110,7 +110,7 @@ impl AxisState {
         }
     }
 
-    /// Whether the piece that follows the one over the master's progress may be waiting to be made.
+    /// Whether the piece after the one in force over the master's progress may still be to be made.
     #[inline(always)]
     pub(crate) fn is_open_run(&self) -> bool {
         self.follower().is_some_and(|follower| follower.run.is_open())
@@ -124,7 +124,7 @@ impl AxisState {
         }
     }
 
-    /// As it is seen by those that follow it. Its own step of the tick is taken.
+    /// The axis as its slaves see it. It has taken its own step of the tick.
     #[inline(always)]
     pub(crate) fn master_sample(&self, value: Value, now: Ns, period: Ns) -> MasterSample<'_> {
         let (to, named) = match value {
@@ -139,7 +139,8 @@ impl AxisState {
         MasterSample { now, period, to, named, path }
     }
 
-    /// How its planned position came where it is, in positions of the machine; `is_at_standstill`: it came to rest in this tick.
+    /// How its planned position came to the present one, in positions of the machine.
+    /// `is_at_standstill`: it came to rest in this tick.
     #[inline(always)]
     fn path(&self, now: Ns, is_at_standstill: bool) -> Path<'_> {
         let shift = self.zero.0.wrapping_neg();
@@ -156,7 +157,7 @@ impl AxisState {
         }
     }
 
-    /// Where the tick finds it, if it went straight there: for those that follow it.
+    /// Its position at the tick, if it moved straight there: for its slaves.
     #[inline(always)]
     pub(crate) fn straight(&self, follower: &Follower) -> Option<Pos> {
         match follower.master.value {
@@ -173,8 +174,8 @@ impl AxisState {
         }
     }
 
-    /// The position at the tick computed with a master that went straight to `to`; whether that is all. `led` if it
-    /// is followed itself; it goes `limit` units of Pos in a tick at most.
+    /// The position at the tick computed if the master moved straight to `to`; None if more is to
+    /// be done. `led`: it has slaves itself. It moves `limit` units of Pos in a tick at most.
     #[inline(always)]
     pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, led: bool, limit: u64) -> bool {
         let from = self.published.pos;
@@ -247,7 +248,7 @@ impl AxisState {
         if to < self.lower || to > self.upper { self.stopped_at_barrier(next, to) } else { None }
     }
 
-    /// What a view tells of the run.
+    /// What a view publishes of the run.
     #[inline(never)]
     fn publish_run(&mut self) {
         let Some(follower) = self.profile.follower_mut() else { return };
@@ -265,7 +266,8 @@ impl AxisState {
         }
     }
 
-    /// Whose motion makes that of the axis in this tick, and the piece over the master's progress.
+    /// The axis whose motion makes that of this one in the tick, and the piece over the master's
+    /// progress.
     #[inline(never)]
     fn publish_lead(&mut self) {
         let Some(follower) = self.profile.follower_mut() else { return };
@@ -283,7 +285,7 @@ impl AxisState {
         }
     }
 
-    /// The motion has ended at `at`, if nothing stands before it.
+    /// The motion has ended at `at`, if no limit lies before it.
     #[inline(never)]
     fn end_follow(&mut self, next: Ns, at: crate::units::Exact, reason: StopReason, limit: u64) -> StopReason {
         if let Some(reason) = self.obstructed(next, at.round(), limit) {
@@ -293,8 +295,8 @@ impl AxisState {
         reason
     }
 
-    /// Leaves its master at `next` with the motion it has there, and brakes, unless the next tick would be too fast: then it
-    /// stops, and that is told.
+    /// Leaves its master at `next` with its present motion, and brakes. If the next tick would be
+    /// too fast it stops instead, and reports that.
     pub(crate) fn brake(
         &mut self,
         next: Ns,
@@ -314,13 +316,14 @@ impl AxisState {
         // The slave's own piece ended when it began to follow; the ramp goes on from here.
         self.profile.rest(next, self.published.pos);
         self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
-        // Its motion has been one over the master's progress; in this tick it is told over time.
+        // Its motion has been one over the master's progress; in this tick it is published over
+        // time.
         self.published.motion = motion;
         self.set_off(cause);
         None
     }
 
-    /// A view of it catches up. A function of its own, so that nothing but the two takes up registers.
+    /// A view of it catches up. A function of its own, so that only these two take up registers.
     #[inline(never)]
     pub(crate) fn publish(&self, published: &mut AxisView) {
         published.follow(&self.published);

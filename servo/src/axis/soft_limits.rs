@@ -27,8 +27,8 @@ impl Inputs {
 }
 
 impl AxisState {
-    /// Where the planned position may go without a closer look. A switch that is active has a direction,
-    /// so all of it needs one.
+    /// Sets the range in which the planned position may move without further checks. An active
+    /// switch forbids one direction only, so then all positions need the check.
     pub(crate) fn set_bounds(&mut self) {
         let Inputs { soft_positive, soft_negative, .. } = &self.inputs;
         self.upper = soft_positive.map_or(Pos::TRAVEL, Pos::pulses);
@@ -44,7 +44,7 @@ impl AxisState {
         self.inside = (from as i32, count as u32);
     }
 
-    /// What stands between two positions, and where it holds the axis.
+    /// The limit that lies between two positions: where it holds the axis, and the stop reason.
     pub(super) fn barrier(&self, from: Pos, to: Pos) -> Option<(Pos, StopReason)> {
         let inputs = &self.inputs;
         if to > from {
@@ -75,7 +75,8 @@ impl AxisState {
         None
     }
 
-    /// Whether something stands between the position in force and `to`: then it has stopped there.
+    /// Whether a limit lies between the position in force and `to`: then the axis has stopped
+    /// there.
     #[inline(never)]
     pub(super) fn stopped_at_barrier(&mut self, next: Ns, to: Pos) -> Option<StopReason> {
         let (at, reason) = self.barrier(self.published.pos, to)?;
@@ -94,7 +95,7 @@ impl AxisState {
         self.block(self.published.blocked | limit);
     }
 
-    /// Whether it may be driven to `to` without a closer look.
+    /// Whether it may be driven to `to` without further checks.
     #[inline(always)]
     pub(crate) fn is_free(&self, to: Pos) -> bool {
         let (from, count) = self.inside;
@@ -102,26 +103,27 @@ impl AxisState {
         self.causes & status::FAULTS == 0 && (well || self.is_between(to))
     }
 
-    /// Whether it may be driven to `to`, and on to what lies near, as long as nothing is told of it.
+    /// Whether it may be driven to `to` and to all positions near it, until a limit or fault
+    /// changes.
     pub(crate) fn is_well(&self, to: Pos) -> bool {
         let (from, count) = self.inside;
         (((to.0 >> 32) as i32).wrapping_sub(from) as u32) < count && self.causes & status::FAULTS == 0
     }
 
-    /// Whether it is, if it is not well between them.
+    /// The same for a position near the ends of the range.
     #[cold]
     #[inline(never)]
     fn is_between(&self, to: Pos) -> bool {
         to >= self.lower && to <= self.upper
     }
 
-    /// Whether nothing stands between the position in force and `to`.
+    /// Whether no limit lies between the position in force and `to`.
     #[inline(always)]
     pub(crate) fn admits(&self, to: Pos) -> bool {
         to >= self.lower && to <= self.upper || self.barrier(self.published.pos, to).is_none()
     }
 
-    /// Latches what stands there.
+    /// Latches the limit that lies there.
     pub(crate) fn latch_barrier(&mut self, to: Pos) -> Option<StopReason> {
         let (_, reason) = self.barrier(self.published.pos, to)?;
         self.latch_limit(reason);

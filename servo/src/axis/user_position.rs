@@ -1,7 +1,7 @@
-//! What an axis calls the place where it is.
+//! User positions: what the user names the planned position and the encoder's count.
 //!
-//! In: names for the planned position and for the encoder's count. Out: the machine's set-point, which
-//! no name changes.
+//! In: values for the planned position and for the encoder. Out: the machine's set-point, which no
+//! such value changes.
 use super::inputs::reading;
 use super::{AxisState, exact};
 use crate::units::Pos;
@@ -13,7 +13,7 @@ impl AxisState {
         Pos(self.published.pos.0.wrapping_sub(self.zero.0))
     }
 
-    /// The planned position, at rest, is called `at`; the machine does not move.
+    /// At rest, the planned position gets the name `at`; the machine does not move.
     fn rename(&mut self, at: Pos) {
         if !self.runs() {
             self.zero = Pos(self.zero.0.wrapping_add(at.0.wrapping_sub(self.published.pos.0)));
@@ -36,7 +36,7 @@ impl AxisState {
         }
     }
 
-    /// The encoder reads `pulses` where it is.
+    /// The encoder reads `pulses` at its present count.
     pub(crate) fn set_encoder(&mut self, pulses: i64) {
         self.inputs.set_encoder(self.count(), pulses);
         self.published.encoder_before =

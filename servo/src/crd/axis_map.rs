@@ -1,4 +1,4 @@
-//! Which axes a coordinate system drives, and where its zero is.
+//! The axes that a coordinate system drives, and where its zero is.
 //!
 //! In: SetCrdPrm. Out: an admitted [`Frame`]. Fails: with the rule that is broken, [`Refused`].
 use crate::path::DIMENSIONS;
@@ -30,8 +30,9 @@ pub enum Refused {
 }
 
 impl Frame {
-    /// `axes` of X, Y, Z, A, none twice; `origin` is their planned positions at zero, in pulses: none takes those in
-    /// which they are when the frame is set. `even_ms` is the least time at constant speed in a motion.
+    /// `axes` of X, Y, Z, A, none twice. `origin` is their planned positions at zero, in pulses;
+    /// None takes their positions when the frame is set. `even_ms` is the least time at constant
+    /// speed in a motion.
     pub fn admit(
         axes: [Option<Axis>; DIMENSIONS],
         origin: Option<[i32; DIMENSIONS]>,
@@ -56,7 +57,7 @@ impl Frame {
         self.axes
     }
 
-    /// The same where they lie.
+    /// The same by reference.
     #[inline(always)]
     pub(crate) fn axes_ref(&self) -> &[Option<Axis>; DIMENSIONS] {
         &self.axes
@@ -77,7 +78,7 @@ impl Frame {
         self.axes.iter().position(|of| *of == Some(axis))
     }
 
-    /// The origin that was asked for.
+    /// The requested origin.
     pub fn origin(&self) -> Option<[i32; DIMENSIONS]> {
         self.origin
     }
@@ -92,8 +93,8 @@ impl Lanes {
     /// No axis.
     pub(crate) const NONE: Lanes = Lanes([NONE; DIMENSIONS]);
 
-    /// Whether this holds of every coordinate and the index of its axis, which no axis has where there is none. In a row, for
-    /// a loop costs as much as what it does.
+    /// Whether this holds for every coordinate and the index of its axis; an unused coordinate has
+    /// an index that no axis has. Unrolled, as a loop costs as much as its body.
     #[inline(always)]
     pub(crate) fn all(&self, mut holds: impl FnMut(usize, usize) -> bool) -> bool {
         let [x, y, z, a] = &self.0;

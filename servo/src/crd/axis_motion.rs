@@ -1,7 +1,7 @@
-//! The motion of an axis that a coordinate system drives, for readers.
+//! The motion of an axis that a coordinate system drives, for those who read it.
 //!
-//! In: the path at one tick, how the axis belongs to it. Out: a motion in time. Integers only, so every machine
-//! derives the same bits. Cannot fail.
+//! In: the path at one tick, how the axis depends on it. Out: a motion in time. Integers only, so
+//! every machine derives the same bits. Cannot fail.
 use crate::math::real::Real;
 use crate::path::Bend;
 use crate::segment::follow::motion_of;
@@ -13,7 +13,7 @@ fn part(x: i32) -> Real {
     Real::new(x < 0, x.unsigned_abs() as u64, -30)
 }
 
-/// The motion of an axis, of a coordinate system as it stands.
+/// The motion of an axis of a coordinate system in its present state.
 pub(crate) fn share(drive: Drive, crd: &CrdView) -> Motion {
     let (speed, change) = (Real::from_scaled(crd.motion.velocity()), Real::from_scaled(crd.motion.acceleration()));
     match drive {
@@ -39,7 +39,7 @@ pub(crate) fn share_speed(drive: Drive, crd: &CrdView) -> Real {
     }
 }
 
-/// How a coordinate of the direction changes per pulse of way.
+/// How a coordinate of the direction changes per pulse of path length.
 fn turning(bend: &Bend, heading: &[i32], index: usize) -> Real {
     let [first, second] = bend.plane.coordinates();
     // A quarter turn on from the direction.

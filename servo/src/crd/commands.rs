@@ -1,8 +1,8 @@
-//! What operations do to coordinate systems.
+//! What operations do to coordinate systems: set, clear, start, stop.
 //!
-//! In: admitted operations, the axes as they stand. Out: changed state, events. Owns nothing. Fails: a start that the
-//! state of a coordinate system or an axis forbids starts none of its mask and is told; whatever else does not fit any
-//! more has no effect.
+//! In: admitted operations, the present state of the axes. Out: changed state, events. Owns
+//! nothing. Fails: a start that the state of a coordinate system or an axis forbids starts none of
+//! its mask, and is reported. Anything else that no longer fits has no effect.
 use super::effects::Sink;
 use super::{Clearance, CrdState, Frame, LOOKS, Lanes};
 use crate::laser::{Cause, EncoderSpeed, Lag, Run};
@@ -16,10 +16,10 @@ use crate::tick::{Tick, report_event};
 use crate::units::{AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, Drive, Event, StopReason};
 
-/// How far from its zero, on every axis, a path may begin: as far as targets go.
+/// The furthest from its zero, on every axis, that a path may begin: as far as targets may lie.
 const REACH: u64 = 1 << (31 + Pos::FRAC_BITS);
 
-/// What fresh causes of latched bits mean for light.
+/// The cause that fresh causes of latched bits are for light.
 fn cause_of(fresh: u32) -> Option<Cause> {
     match fresh {
         0 => None,
@@ -29,7 +29,7 @@ fn cause_of(fresh: u32) -> Option<Cause> {
     }
 }
 
-/// Whether what stopped a path is a fault (SPEC 9), and not an order.
+/// Whether what stopped a path is a fault (SPEC 9), not a command.
 pub(super) fn is_fault(reason: StopReason) -> bool {
     use StopReason::{Abort, Completed, Interlock, LinkLoss, None, Reset, StopAbrupt, StopSmooth};
     !matches!(reason, None | Completed | StopSmooth | StopAbrupt | LinkLoss | Reset | Abort | Interlock)
@@ -40,9 +40,9 @@ pub(super) fn is_fault(reason: StopReason) -> bool {
 pub(crate) enum Halt {
     /// Along the path.
     Smooth,
-    /// At once: the tick computed shows the set-point of the tick before (SPEC 4).
+    /// At once: the tick computed keeps the set-point of the tick before (SPEC 4).
     Abrupt,
-    /// At once, where it has come to in its step.
+    /// At once, at the position of its step.
     Here,
 }
 
@@ -77,16 +77,16 @@ impl<const AXES: usize> Tick<AXES> {
             (state.published.frame, state.published.origin, state.lanes) = (Some(frame), origin, frame.lanes());
         }
         self.rename_crd(crd);
-        // Nothing is new for the other ones, if no axis was theirs.
+        // Nothing changes for the others, if no axis was theirs.
         let all = taken || self.crds.alarms.0 != 0;
         self.see_causes_of(if all { CrdMask(u8::MAX) } else { crd.mask() });
     }
 
-    /// A coordinate system that drives nothing any more; its axes are in Trap mode.
+    /// A coordinate system drives nothing from now on; its axes are in Trap mode.
     fn drop_frame(&mut self, crd: Crd) {
         let Some(state) = self.crds.get_mut(crd) else { return };
         let mapped = state.published.frame.map_or(AxisMask(0), |frame| frame.mask());
-        // In place: a whole state is some kilobytes. What the pattern leaves out is known by name: it stays.
+        // In place: a whole state is some kilobytes. The pattern names the fields that stay.
         let CrdState {
             published: _,
             geared,
@@ -127,12 +127,12 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Axes at rest may be called something else now, and so the place of a path.
+    /// Axes at rest may have other user positions now, and so the position of a path.
     pub(crate) fn rename_crds(&mut self) {
         Crd::all().for_each(|crd| self.rename_crd(crd));
     }
 
-    /// The place of a coordinate system at the set-points of its axes.
+    /// The position of a coordinate system at the set-points of its axes.
     fn position_of(&self, crd: Crd) -> [Pos; DIMENSIONS] {
         let mut here = [Pos(0); DIMENSIONS];
         let Some(state) = self.crds.get(crd) else { return here };
@@ -163,7 +163,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// A FIFO ends there now.
+    /// A FIFO has this many entries now.
     pub(crate) fn commit_path(&mut self, crd: Crd, fifo: u8, end: u32, cleared: u32) {
         if let Some(state) = self.crds.get_mut(crd) {
             let CrdView { ends: [first, second], cleared: [old, other], .. } = &mut state.published;
@@ -232,7 +232,7 @@ impl<const AXES: usize> Tick<AXES> {
                     axis.engage(Drive::Coordinate { crd, index: index as u8 }, base);
                 }
             }
-            // What went along with a motion that was left goes on from where it is.
+            // A geared axis of a motion that was interrupted goes on from its present position.
             for (axis, by) in state.path.gears(fifo) {
                 if let Some(axis_state) = self.axes.get_mut(axis.index()) {
                     let Exact(here) = axis_state.base();
@@ -271,7 +271,8 @@ impl<const AXES: usize> Tick<AXES> {
         if far || paths.refuses_start(fifo, state.feed()) { refused } else { None }
     }
 
-    /// Causes of latched bits have changed, of axes that may be mapped: channels that are, too, hear of it.
+    /// Causes of latched bits have changed, for axes that may be mapped: channels mapped to those
+    /// take note.
     #[inline(never)]
     pub(crate) fn see_causes(&mut self) {
         self.see_causes_of(CrdMask(u8::MAX));
@@ -297,7 +298,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.lasers.crd_alarms(self.crds.alarms);
     }
 
-    /// Servos go off: channels that are mapped to what they belong to go dark.
+    /// Servos go off: channels mapped to the coordinate systems of these axes go dark.
     pub(crate) fn darken(&mut self, axes: AxisMask) {
         for axis in axes.axes().filter_map(|axis| self.axes.get(axis.index())) {
             if let Some(crd) = axis.crd.filter(|crd| axis.servo_on && axis.is_mapped(*crd)) {
@@ -324,7 +325,8 @@ impl<const AXES: usize> Tick<AXES> {
         CrdMask(axes.axes().filter_map(driver).fold(0, |mask, crd| mask | crd.mask().0))
     }
 
-    /// These stop, for this reason; one that brakes along its path already goes on to, unless it is to stop at once.
+    /// These stop, for this reason. One that already brakes along its path goes on braking, unless
+    /// it has to stop at once.
     pub(crate) fn stop_crds(
         &mut self,
         crds: CrdMask,
@@ -364,7 +366,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// A path with what it reaches.
+    /// Runs `act` on a path, with a [`Sink`] for its effects.
     pub(super) fn with_path(
         &mut self,
         crd: Crd,

@@ -1,7 +1,8 @@
-//! A tick of the coordinate systems that run, before that of the axes.
+//! A tick of the running coordinate systems, before that of the axes.
 //!
-//! In: the axes as the tick in force left them, entries. Out: where the mapped axes are at the tick computed, what
-//! entries do until the one after. Owns nothing. Cannot fail: what must not go on stops, and the reason is latched.
+//! In: the axes as the tick in force left them, entries. Out: the positions of the mapped axes at
+//! the tick computed, the effects of entries until the one after. Owns nothing. Cannot fail: what
+//! must not go on stops, and the reason is latched.
 use super::effects::Sink;
 use super::soft_limits::is_free;
 use super::{Clearance, CrdState, Frame, Halt};
@@ -14,14 +15,14 @@ use crate::units::{Axis, AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, Event, StopReason};
 
 impl CrdState {
-    /// Whether an axis that others follow is its own.
+    /// Whether one of its axes has slaves.
     #[inline(always)]
     fn leads(&self, masters: AxisMask) -> bool {
         self.published.frame.is_some_and(|frame| masters.0 & frame.mask().0 != 0)
     }
 
-    /// What nearly every tick is: on to the next place, and over boundaries at which nobody else takes part, if nothing
-    /// stands in the way.
+    /// The fast path: on to the next position, and over boundaries that concern only the path, if
+    /// no limit is in the way.
     ///
     /// A function of its own, so that nothing else takes up registers.
     #[inline(never)]
@@ -68,7 +69,8 @@ impl CrdState {
         went
     }
 
-    /// Over the one boundary that lies between the tick computed and the one at `until`, if there is no more to do.
+    /// Over the one boundary that lies between the tick computed and the one at `until`, if nothing
+    /// else is to be done.
     #[inline(never)]
     fn turn_after(&mut self, axes: &[AxisState], until: Ns) -> bool {
         if self.turn::<true>(axes).is_none() || self.path.is_due_until(until) {
@@ -78,8 +80,8 @@ impl CrdState {
         true
     }
 
-    /// Over the boundary that lies at the tick computed or before it, if there is no more to do; what is new is shown, but for
-    /// the place.
+    /// Over the boundary that lies at the tick computed or before it, if nothing else is to be
+    /// done; publishes what is new but the position.
     #[inline(never)]
     fn turn_up_to(&mut self, axes: &[AxisState]) -> bool {
         let Some(counts) = self.turn::<false>(axes) else { return false };
@@ -87,7 +89,7 @@ impl CrdState {
         true
     }
 
-    /// What is new is shown, but for the place.
+    /// Publishes what is new but the position.
     #[inline(never)]
     fn publish_fresh(&mut self, counts: [u32; 2]) {
         self.see_fresh(counts);
@@ -102,8 +104,8 @@ impl CrdState {
         (released[index], done[index]) = (now, motions);
     }
 
-    /// Over a boundary at which nothing is to be done but to go on, if nothing stands in the way; `AFTER` a look, and not up to
-    /// one.
+    /// Over a boundary at which the path only goes on, if no limit is in the way. `AFTER`: a
+    /// boundary after the tick computed, not one up to it.
     #[inline(always)]
     fn turn<const AFTER: bool>(&mut self, axes: &[AxisState]) -> Option<[u32; 2]> {
         let (feed, over, [room, next]) = (self.feed(), self.path.turns_over(), self.room);
@@ -116,7 +118,7 @@ impl CrdState {
         Some(counts)
     }
 
-    /// Makes something of what follows.
+    /// Prepares a part of what follows.
     #[inline(never)]
     fn prepare(&mut self, source: &[EntryStore; 2], axes: &[AxisState]) {
         let before = self.path.turns_over();
@@ -129,16 +131,16 @@ impl CrdState {
     }
 }
 
-/// What came of [`CrdState::fast_step`].
+/// The result of [`CrdState::fast_step`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum StepResult {
-    /// There is more to do than that. It has gone over a boundary, or nothing has happened.
+    /// More is to be done: it has passed a boundary, or nothing has happened.
     Nowhere,
-    /// It is at its place; what lies before the next one takes more than that.
+    /// It is at its position; what lies before the next one needs more than the fast path.
     Short,
-    /// It is at its place, and has gone over a boundary.
+    /// It is at its position, and has passed a boundary.
     Over,
-    /// It is at its place.
+    /// It is at its position.
     Along,
 }
 
@@ -155,7 +157,7 @@ impl<const AXES: usize> Tick<AXES> {
             let led = masters.0 != 0 && state.leads(masters);
             let went = if led { StepResult::Nowhere } else { state.fast_step(&mut self.axes, next, until) };
             let used = state.encoders.is_used();
-            // A tick that enters something does not make anything ahead.
+            // A tick that enters a motion prepares nothing.
             if went != StepResult::Over
                 && let Some(now) = self.tend(crd, went, next, lanes)
             {
@@ -177,10 +179,11 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// What is left to do for a path that has not gone over a boundary by the short way; what lasers want behind the long one.
+    /// The remaining work for a path that has not passed a boundary on the fast path. Returns what
+    /// lasers want after a full step.
     #[inline(never)]
     fn tend(&mut self, crd: Crd, went: StepResult, next: Ns, lanes: &mut Reach<'_, '_, AXES>) -> Option<Wants> {
-        // Of several that run, each second one in a tick makes something ahead.
+        // If several run, every second one in a tick prepares something.
         let turn = CrdMask(if self.ticks & 1 == 0 { 0x55 } else { 0xaa });
         let prepares = self.crds.running.0.is_power_of_two() || turn.has(crd);
         if went == StepResult::Along {
@@ -202,7 +205,7 @@ impl<const AXES: usize> Tick<AXES> {
         Some(self.lasers.wants())
     }
 
-    /// Those whose paths have come to rest are at rest.
+    /// Those whose paths have come to rest get their state at rest.
     pub(crate) fn settle_crds(&mut self, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
@@ -211,7 +214,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Why a path must not go on as it is.
+    /// The reason for which a path must not go on.
     #[inline(never)]
     fn forbids(&self, crd: Crd) -> Option<StopReason> {
         let state = self.crds.get(crd)?;
@@ -233,7 +236,8 @@ impl<const AXES: usize> Tick<AXES> {
         (!awaited.runs() && awaited.published.stop != StopReason::Completed).then_some(StopReason::OtherAxis)
     }
 
-    /// Its step where more takes part than the path itself; one that is `there` is at its place.
+    /// The full step, which concerns more than the path itself; `there`: the path is at its
+    /// position already.
     #[inline(never)]
     fn walk_crd(&mut self, crd: Crd, next: Ns, there: bool, may_prepare: bool, lanes: &mut Reach<'_, '_, AXES>) {
         let period = self.period;
@@ -336,7 +340,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Channels follow the speed of the path.
+    /// Passes the speed of the path to the channels.
     #[inline(never)]
     fn feed_lasers(&mut self, crd: Crd, next: Ns, wants: Wants, measures: bool) {
         let period = self.period;
@@ -351,20 +355,21 @@ impl<const AXES: usize> Tick<AXES> {
                 let published = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.published);
                 published.map_or(0, |published| published.encoder.wrapping_sub(published.encoder_before))
             });
-            // All of them: an entry within the coming interval may begin a follow.
+            // Also those that do not follow yet: an entry within the coming interval may begin a
+            // follow.
             let follows = wants.encoder.0 != u8::MAX && wants.encoder.has(crd);
             encoder = state.encoders.step(gone, (next, period), follows);
         }
         self.lasers.feed(crd, planned, encoder);
     }
 
-    /// Axes that go along no more: those that went to the end of their motion, and at rest all of them.
+    /// Releases geared axes: those whose motion has ended, and at rest all of them.
     #[inline(never)]
     fn let_go(&mut self, crd: Crd, left: AxisMask, runs: bool, next: Ns) {
         let Tick { crds, axes, .. } = self;
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
         if !runs {
-            // What was left within a motion stays where that is.
+            // A geared axis of an interrupted motion stays where it is.
             for (axis, by) in state.path.gears(state.published.fifo) {
                 if let Some(axis_state) = axes.get_mut(axis.index())
                     && state.geared.has(axis)
@@ -390,7 +395,7 @@ impl<const AXES: usize> Tick<AXES> {
     fn come_to_standstill(&mut self, crd: Crd, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         let Tick { crds, axes, lasers, .. } = self;
         let Some(state) = crds.get_mut(crd) else { return };
-        // What was left is probably gone on with: a FIFO 1 that interrupted FIFO 0 first.
+        // An interrupted FIFO is probably continued: after FIFO 1, the FIFO 0 that it interrupted.
         let (fifo, other) = (state.published.fifo, state.published.fifo ^ 1);
         state.likely = if !state.path.goes_on(fifo) && state.path.goes_on(other) { other } else { fifo };
         let reason = match state.published.rest {

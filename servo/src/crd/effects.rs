@@ -1,8 +1,8 @@
-//! What a path does to the rest of the machine.
+//! The effects of a path on the rest of the machine.
 //!
-//! In: what [`Path::step`](crate::path::Path::step) tells. Out: outputs and lasers with exact instants, motions of
-//! other axes, and what becomes of the path. Owns nothing. Fails: a move that an axis must not make is told, and the
-//! path must stop.
+//! In: what [`Path::step`](crate::path::Path::step) reports. Out: outputs and lasers with exact
+//! instants, motions of other axes, the state of the path after them. Owns nothing. Fails: a move
+//! that an axis must not make is reported, and the path must stop.
 use super::Frame;
 use crate::axis::AxisState;
 use crate::laser::{Lasers, Run};
@@ -15,10 +15,10 @@ use crate::tick::{SegmentStore, Source};
 use crate::units::{Axis, AxisMask, Crd, Ns, Pos};
 use crate::view::Drive;
 
-/// How long a path waits for a move that cannot be made: it is stopped in the same tick.
+/// How long a path waits for a move that cannot be made; it is stopped in the same tick.
 const UNABLE: Fine = 1 << 80;
 
-/// What a path reaches in one tick.
+/// What a path acts on in one tick.
 pub(crate) struct Sink<'a> {
     pub(crate) crd: Crd,
     /// The FIFO that the path runs.
@@ -32,11 +32,11 @@ pub(crate) struct Sink<'a> {
     pub(crate) lasers: &'a mut Lasers,
     pub(crate) segments: &'a [SegmentStore],
     pub(crate) tables: TableStores<'a>,
-    /// Axes that were told in this tick where they are along a motion.
+    /// Axes that got their position along a motion in this tick.
     pub(crate) reported: AxisMask,
-    /// All axes that go along.
+    /// All geared axes.
     pub(crate) geared: AxisMask,
-    /// It is a fault that stops the path: its light does not come back.
+    /// A fault stops the path: its light does not come back.
     pub(crate) fault: bool,
     /// The path came to rest.
     pub(crate) rest: Option<PathStop>,
@@ -44,7 +44,7 @@ pub(crate) struct Sink<'a> {
     pub(crate) unable: Option<Axis>,
     /// An axis that the path waits for.
     pub(crate) awaited: Option<Axis>,
-    /// The first place that an axis must not go to.
+    /// The first position that an axis must not go to.
     pub(crate) obstacle: Option<(Axis, Pos)>,
 }
 
@@ -72,7 +72,7 @@ impl Sink<'_> {
         Some(until.saturating_sub(at))
     }
 
-    /// An axis that goes along from now on, if it may.
+    /// An axis is geared from now on, if it may.
     fn engage(&mut self, axis: Axis, drive: Drive) -> Option<&mut AxisState> {
         let state = self.axes.get_mut(axis.index())?;
         if !self.geared.has(axis) {
@@ -93,7 +93,7 @@ impl Sink<'_> {
         let to = Trapezoid { target, speed, acc, dec: acc, vel_start, smooth: Ns(0) };
         let Some(time) = self.travel(at, axis, &to) else {
             self.unable = self.unable.or(Some(axis));
-            // It stops the path, for which it is still to be made.
+            // It stops the path, which has not got the move yet.
             return UNABLE;
         };
         if modal {

@@ -1,16 +1,18 @@
 //! Coordinate systems in the tick: axes that a [`Path`] drives.
 //!
-//! In: a [`Frame`] each, entries in two FIFOs, operations, the axes as they stand. Out: set-points of the axes, what
-//! entries do, with exact instants; what the thread sees ([`CrdView`]). Owns the paths. Fails: never; a path that must
-//! not go on stops, with a reason.
+//! In: a [`Frame`] each, entries in two FIFOs, operations, the axes in their present state. Out:
+//! set-points of the axes; the effects of entries, with exact instants; what the thread reads
+//! ([`CrdView`]). Owns the paths. Fails: never; a path that must not go on stops, with a reason.
 //!
 //! | file | what it is |
 //! | --- | --- |
-//! | `frame` | which axes, and from where |
-//! | `orders` | what operations do: set, clear, start, stop |
+//! | `axis_map` | which axes, and their zero |
+//! | `commands` | what operations do: set, clear, start, stop |
 //! | `drive` | a tick of those that run, before that of the axes |
-//! | `sink` | what entries do to the rest of the machine |
-//! | `share` | the motion of one axis, for readers |
+//! | `effects` | what entries do to the rest of the machine |
+//! | `soft_limits` | whether limits of axes are in the way of a path |
+//! | `feed_override` | the factor on its speeds |
+//! | `axis_motion` | the motion of one axis, for readers |
 mod axis_map;
 mod axis_motion;
 mod commands;
@@ -30,35 +32,35 @@ use crate::path::{Feed, Path, PathStores};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};
 
-/// A coordinate system to which something was done waits so many looks before its start is made ready: what belongs together
-/// is there by then.
+/// A changed coordinate system waits for this many scans before its start is prepared: commands
+/// that belong together have come by then.
 const LOOKS: u8 = 2;
 
-/// One coordinate system. What every tick looks at stands first.
+/// One coordinate system. What every tick reads comes first.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub(crate) struct CrdState {
-    /// What the thread sees; also the state itself, where it is the same thing.
+    /// What the thread reads. It is also the state itself, where both are the same.
     pub(crate) published: CrdView,
-    /// Axes that go along with the motion in force.
+    /// Axes geared to the motion in force.
     geared: AxisMask,
     /// The axes of its frame.
     lanes: Lanes,
-    /// The axis that a modal move has sent away.
+    /// The axis that a modal move waits for.
     awaited: Option<Axis>,
-    /// Of the motion in force, and of the one behind it.
+    /// Of the motion in force, and of the one after it.
     room: [Clearance; 2],
     path: Path,
-    /// At rest: the FIFO that will probably be started, and the looks before something of that start is made.
+    /// At rest: the FIFO that will probably be started, and the scans before its start is prepared.
     likely: u8,
     looks: u8,
-    /// Why it will have stopped, if it is told to.
+    /// The stop reason, if it is stopped.
     ending: StopReason,
-    /// Since which tick it is at rest.
+    /// The tick since which it has been at rest.
     pub(crate) standstill_since: Ns,
-    /// What stopped it: an axis, and a place where it must not go.
+    /// What stopped it: an axis, and a position where it must not go.
     obstacle: Option<(Axis, Pos)>,
-    /// How fast its encoders go.
+    /// The speed of its encoders.
     encoders: EncoderSpeed,
 }
 
@@ -83,6 +85,7 @@ impl CrdState {
     }
 
     /// Its FIFOs have carried out so many entries more: see [`crate::tick::Tick::age_counts`].
+    #[cfg(feature = "test-hooks")]
     pub(crate) fn age_counts(&mut self, by: u32) {
         let CrdView { ends, released, done, .. } = &mut self.published;
         [ends, released, done].into_iter().flatten().for_each(|count| *count = count.wrapping_add(by));
@@ -90,7 +93,7 @@ impl CrdState {
         self.mark_changed();
     }
 
-    /// Something that is not a place on the path differs from the last view.
+    /// Something other than the position on the path differs from the last view.
     fn mark_changed(&mut self) {
         self.published.changes = self.published.changes.wrapping_add(1);
         self.published.moves = self.published.moves.wrapping_add(1);
@@ -103,13 +106,13 @@ pub(crate) struct Crds {
     pub(crate) states: [CrdState; Crd::MAX],
     /// Those that run.
     pub(crate) running: CrdMask,
-    /// Those whose next start may be made ready, once they rest.
+    /// Those whose next start may be prepared, once they are at rest.
     pub(crate) unprepared: CrdMask,
-    /// Those of whose axes one has an alarm.
+    /// Those with an alarm of one of their axes.
     alarms: CrdMask,
-    /// Counts changes of what any of them shows.
+    /// Counts changes of the views of all of them.
     pub(crate) moves: u32,
-    /// Those that have had their turn in making a start ready.
+    /// Those that have had their turn in preparing a start.
     turn: u8,
 }
 
@@ -123,7 +126,7 @@ impl Crds {
         turn: 0,
     };
 
-    /// Those of these that have been set up.
+    /// Those of the mask that have been set up.
     pub(crate) fn known(&self, of: CrdMask) -> CrdMask {
         let known = of.crds().filter(|crd| self.get(*crd).is_some_and(|state| state.published.frame.is_some()));
         CrdMask(known.fold(0, |mask, crd| mask | crd.mask().0))
@@ -141,7 +144,7 @@ impl Crds {
         Some(state)
     }
 
-    /// One of those at rest makes something of its next start ready: the next in turn, lowest first.
+    /// One of those at rest prepares a part of its next start: the next in turn, lowest first.
     #[inline(never)]
     pub(crate) fn prepare_start(&mut self, steps: u32, paths: PathStores<'_>) {
         let resting = CrdMask(self.unprepared.0 & !self.running.0);

@@ -16,19 +16,19 @@ use crate::axis::AxisState;
 use crate::path::DIMENSIONS;
 use crate::units::Pos;
 
-/// Whether anything may stand in the way of a motion.
+/// Whether a limit may lie in the way of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Clearance {
-    /// Nobody has looked.
+    /// Not checked.
     Unknown,
-    /// Nothing does: all of it is well between what its axes are held to, until one of them is told of something.
+    /// None does: all of it is well between the limits of its axes, until one of these changes.
     Wide,
-    /// Each of its places has to be looked at.
+    /// Each of its positions has to be checked.
     Narrow,
 }
 
 impl CrdState {
-    /// Looks for room for the motion in force.
+    /// Finds the clearance of the motion in force.
     #[inline(never)]
     pub(super) fn look_round(&mut self, axes: &[AxisState]) {
         let room = self.room_of(false, axes);
@@ -36,7 +36,7 @@ impl CrdState {
         *now = room;
     }
 
-    /// What room there is for the motion in force, or for the one `ahead`.
+    /// The clearance of the motion in force, or of the one `ahead`.
     pub(super) fn room_of(&self, ahead: bool, axes: &[AxisState]) -> Clearance {
         let (hull, lanes, origin) = (self.path.hull(ahead), &self.lanes, &self.published.origin);
         let is_well = |position: &[Pos; DIMENSIONS]| {
@@ -50,7 +50,7 @@ impl CrdState {
 }
 
 impl Crds {
-    /// What axes are held to has changed.
+    /// Limits of axes have changed.
     pub(crate) fn look_round(&mut self) {
         for state in &mut self.states {
             state.room = [Clearance::Unknown; 2];
@@ -58,7 +58,7 @@ impl Crds {
     }
 }
 
-/// Whether the axes may be driven to a place without a closer look.
+/// Whether the axes may be driven to a position without further checks.
 #[inline(always)]
 pub(super) fn is_free(
     lanes: &Lanes,

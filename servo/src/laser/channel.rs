@@ -376,6 +376,7 @@ impl Channel {
     }
 
     /// It was on for so many units more: see [`crate::tick::Tick::age_counts`].
+    #[cfg(feature = "test-hooks")]
     pub(super) fn age_light(&mut self, units: u32) {
         self.on_time.age(units);
     }

@@ -411,6 +411,7 @@ impl Lasers {
     }
 
     /// Counts of changes go up by so many: see [`crate::tick::Tick::age`].
+    #[cfg(feature = "test-hooks")]
     pub(crate) fn age(&mut self, by: u32) {
         for channel in &mut self.channels {
             let LaserView { moves, turns, changes, .. } = &mut channel.published;
@@ -419,6 +420,7 @@ impl Lasers {
     }
 
     /// Every channel was on for so many units more: see [`crate::tick::Tick::age_counts`].
+    #[cfg(feature = "test-hooks")]
     pub(crate) fn age_light(&mut self, units: u32) {
         self.channels.iter_mut().for_each(|channel| channel.age_light(units));
     }

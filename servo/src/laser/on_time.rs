@@ -34,6 +34,7 @@ impl OnTime {
     }
 
     /// So many units more: see [`crate::tick::Tick::age_counts`].
+    #[cfg(feature = "test-hooks")]
     pub(super) fn age(&mut self, units: u32) {
         self.units = self.units.wrapping_add(units);
     }

@@ -308,6 +308,7 @@ impl Path {
     }
 
     /// Its FIFOs, which are empty, have carried out so many entries and motions more: see [`crate::tick::Tick::age_counts`].
+    #[cfg(feature = "test-hooks")]
     pub(crate) fn age(&mut self, by: u32) {
         self.discard_prepared();
         for Cursor { next, done, .. } in &mut self.cursors {

@@ -1,10 +1,11 @@
-//! Follow and FollowEx: the master's displacement in the place of time (SPEC 5; GXN chapter 3).
+//! Follow and FollowEx: the master's displacement takes the place of time (SPEC 5; GXN chapter 3).
 //!
-//! In: data admitted by integer checks into [`Entry`]s (`entry.rs`), which lie in the axis's PT arena
-//! (`store.rs`); the way of the master inside a tick (`way.rs`). Out: the slave's planned position, and its own
-//! way for those that follow it (`follower.rs`). Owns: a running motion, [`FollowRun`] (`run.rs`), which makes pieces over
-//! the master's progress (`shape.rs`). Fails: a datum that no axis could run is [`Refused`] before it reaches the
-//! store; a wait may time out, a jump may be too far.
+//! In: data admitted by integer checks into [`Entry`]s (`entry.rs`), which lie in the axis's PT
+//! arena (`store.rs`); the master's motion within a tick (`master_path.rs`). Out: the slave's
+//! planned position, and its own motion within the tick for its slaves (`follower.rs`). Owns: a
+//! running motion, [`FollowRun`] (`evaluator.rs`), which makes pieces over the master's progress
+//! (`curve.rs`). Fails: a datum that no axis could run is [`Refused`] before it reaches the store.
+//! A wait may time out; a jump may be too far.
 //!
 //! Held by `tests/follow_exact.rs` (positions ≤ 2⁻¹⁶ pulse, knots exact, ratios ≤ 2⁻¹⁶ of the peak), `follow_tick.rs`, `follow_entries.rs`.
 mod compact;
@@ -32,7 +33,7 @@ pub(crate) use velocity::{compose, led, of as motion_of, straight};
 
 use crate::units::Axis;
 
-/// What is followed, of any axis of the controller.
+/// What a slave follows, of any axis of the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Master {
     /// The axis, counted over all cores.
@@ -41,7 +42,7 @@ pub struct Master {
     pub value: Value,
 }
 
-/// The position of an axis that is followed.
+/// The position of the master that counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Value {
     /// The planned position.
@@ -72,7 +73,7 @@ pub enum Event {
 /// Which of the master's motion counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Direction {
-    /// All of it: the slave is a function of the progress, both ways (power-on).
+    /// Both: the slave is a function of the progress, forwards and backwards (power-on).
     #[default]
     Both,
     /// The furthest point reached upwards.
@@ -81,7 +82,7 @@ pub enum Direction {
     Down,
 }
 
-/// What SwitchNow goes to.
+/// Where SwitchNow goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// The next segment; in the last one it ends the pass.

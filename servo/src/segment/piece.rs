@@ -1,14 +1,15 @@
-//! One piece of motion: a cubic in its normalised parameter, and the place in it.
+//! One piece of motion: a cubic in its normalised parameter, and the position in it.
 //!
-//! In: an instant. Out: planned position, and as much as a reader needs to derive velocity and
-//! acceleration. The parameter τ = (now − begin)/length is computed afresh from the time each
-//! tick, nothing is accumulated inside a piece; between pieces, knots are [`Exact`].
+//! In: an instant. Out: planned position, and what a reader needs to derive velocity and
+//! acceleration. Each tick computes the parameter τ = (now − begin)/length afresh from the time;
+//! nothing accumulates inside a piece. Between pieces, knots are [`Exact`].
 //!
-//! Nearly all pieces are *near*: shorter than 2.14 s and longer than 1 µs, coefficients below 2²¹ pulses. What their
-//! evaluation needs is made with the piece (`fast`), so that a tick multiplies 64-bit coefficients by a time of 32 bits:
-//! error 2⁻²³ for rounding to a [`Pos`] and less than 2⁻²⁸ for the rest. Others
-//! take exact products: 2⁻²³ for the start, 2⁻²³ for rounding, 6.1 units of the coefficients' last bit
-//! (`proofs/wide.gappa`; `tests/pt_exact.rs`, `tests/ramp_exact.rs`, the dispatcher's `tables_exact.rs`).
+//! Nearly all are *fast-path pieces*: shorter than 2.14 s and longer than 1 µs, coefficients below
+//! 2²¹ pulses. What their evaluation needs is computed with the piece (`fast`), so that a tick
+//! multiplies 64-bit coefficients by a time of 32 bits: error 2⁻²³ for rounding to a [`Pos`] and
+//! less than 2⁻²⁸ for the rest. Others take exact products: 2⁻²³ for the start, 2⁻²³ for rounding,
+//! 6.1 units of the coefficients' last bit (`proofs/wide.gappa`; `tests/pt_exact.rs`,
+//! `tests/ramp_exact.rs`, the dispatcher's `tables_exact.rs`).
 mod fast;
 
 pub use crate::math::wide::Recip;
@@ -16,11 +17,11 @@ use crate::math::wide::{mulhi_su, narrow};
 use crate::units::{Exact, Ns, Pos};
 use fast::FastPiece;
 
-/// The place in a piece: enough to derive velocity and acceleration. Default is at rest.
+/// The position in a piece: enough to derive velocity and acceleration. Default is at rest.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Motion {
-    /// Parameter τ in 2⁻⁶³, but for what `t` adds.
+    /// Parameter τ in 2⁻⁶³, without what `t` adds.
     pub tau: u64,
     /// Coefficients of τ in 2^-`frac` pulse, of τ² in half of that, of τ³ in a quarter; |c| < 2⁶¹, 2⁶², 2⁶².
     pub c: [i64; 3],
@@ -28,7 +29,8 @@ pub struct Motion {
     pub recip: Recip,
     /// Fraction bits of the first coefficient.
     pub frac: i32,
-    /// ns since τ was `tau`: what the tick tells in a near piece, so that only readers take the product.
+    /// ns since τ was `tau`. The tick publishes it for a fast-path piece, so that only readers take
+    /// the product.
     pub t: u32,
 }
 
@@ -93,7 +95,7 @@ impl Motion {
     }
 }
 
-/// A cubic over a stretch of time. Default is rest at 0 for no time.
+/// A cubic over an interval of time. Default is standstill at 0 for no time.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct Piece {
@@ -118,7 +120,7 @@ impl Piece {
     /// The largest parameter.
     pub const END: u64 = u64::MAX >> 1;
 
-    /// At rest for `span` from `begin` on.
+    /// At standstill for `span` from `begin` on.
     pub const fn standstill(begin: Ns, span: u64, start: Pos) -> Piece {
         Piece { begin, span, motion: Motion::STANDSTILL, start, fast: FastPiece::NONE }
     }
@@ -129,7 +131,7 @@ impl Piece {
         Piece { begin, span, motion, start: start.round(), fast: FastPiece::of(span, start, &motion) }
     }
 
-    /// A piece of constant velocity slope over whole ns: displacement `a`·τ + `b`·τ².
+    /// A piece of constant acceleration over whole ns: displacement `a`·τ + `b`·τ².
     #[inline(always)]
     pub fn quadratic(begin: Ns, span: u64, recip: Recip, start: Exact, a: i128, b: i128) -> Piece {
         let bits = magnitude_bits(a) | magnitude_bits(b);
@@ -158,7 +160,7 @@ impl Piece {
         if self.is_fast() { self.at_fast(t as u32) } else { self.at_wide(t) }
     }
 
-    /// Position at `t` < `span` after `begin`, and the place there for readers.
+    /// Position at `t` < `span` after `begin`, and the motion there for readers.
     #[inline(always)]
     pub(crate) fn place(&self, t: u64) -> (Pos, Motion) {
         if self.is_fast() {
@@ -169,14 +171,15 @@ impl Piece {
         (pos, self.motion(tau))
     }
 
-    /// Whether it is near.
+    /// Whether it is a fast-path piece.
     #[inline(always)]
     pub(crate) fn is_fast(&self) -> bool {
         self.fast.span != 0
     }
 
-    /// Time since `begin`, of a near piece that holds `now`; for one who asks in every tick from its begin on: near pieces
-    /// are so much shorter than 2³² ns that the tick behind their end does not look like one inside.
+    /// Time since `begin` of a fast-path piece, if it holds `now`. For callers that ask in every
+    /// tick from its begin on: the tick after its end is not taken for one inside, as these pieces
+    /// are much shorter than 2³² ns.
     #[inline(always)]
     pub(crate) fn fast_time(&self, now: Ns) -> Option<u32> {
         self.fast_time_of(now.0 as u32)
@@ -189,19 +192,19 @@ impl Piece {
         (t < self.fast.span).then_some(t)
     }
 
-    /// Position and τ of a near piece.
+    /// Position and τ of a fast-path piece.
     #[inline(always)]
     pub(crate) fn at_fast(&self, t: u32) -> (Pos, u64) {
         (self.fast.at(t), self.motion.tau.wrapping_add(self.fast.gone(t)))
     }
 
-    /// Position of a near piece without acceleration.
+    /// Position of a fast-path piece without acceleration.
     #[inline(always)]
     pub(crate) fn pos_even(&self, t: u32) -> Pos {
         self.fast.at_even(t)
     }
 
-    /// Position of a near piece.
+    /// Position of a fast-path piece.
     #[inline(always)]
     pub(crate) fn pos_fast(&self, t: u32) -> Pos {
         self.fast.at(t)
@@ -223,7 +226,7 @@ impl Piece {
         Pos(self.start.0.wrapping_add(to_pos(s, self.motion.frac)))
     }
 
-    /// The place at parameter `tau`, for readers.
+    /// The motion at parameter `tau`, for readers.
     #[inline(always)]
     pub fn motion(&self, tau: u64) -> Motion {
         Motion { tau, ..self.motion }

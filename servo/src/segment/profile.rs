@@ -1,8 +1,8 @@
-//! Whatever an axis runs is a sequence of pieces; this is where it stands in it.
+//! The profile of an axis: a sequence of pieces, and the position in it.
 //!
 //! In: instants. Out: the piece in force, and the one before or after it. Owns: two pieces and the
-//! [`Generator`] that makes them. A mode only supplies the next piece when one is over, so nothing of it is
-//! asked for while a piece lasts. Fails: never; a motion ends with a [`State`].
+//! [`Generator`] that makes them. The generator only makes the next piece when one is over; it does
+//! nothing while a piece lasts. Fails: never; a motion ends with a [`State`].
 use super::follow::Follower;
 use super::piece::{Motion, Piece};
 use super::pt::{Feed, PtRun, Segments};
@@ -15,7 +15,7 @@ use crate::units::{Exact, Ns, Pos};
 pub enum State {
     /// It does.
     Running,
-    /// It has ended as told, here.
+    /// It has ended as planned, here.
     Ended {
         /// Where exactly.
         at: Exact,
@@ -32,7 +32,7 @@ pub enum State {
 pub struct Step {
     /// Planned position.
     pub pos: Pos,
-    /// The place in its piece; at rest after the end.
+    /// The motion in its piece; at rest after the end.
     pub motion: Motion,
     /// Whether it goes on.
     pub state: State,
@@ -48,7 +48,8 @@ pub enum Generator {
     Pvt(PvtRun),
     /// Jog, Trap or Stop.
     Ramp(RampRun),
-    /// Another axis, whose displacement is the time of its pieces: they are its own, and the tick asks it itself.
+    /// Another axis: its displacement takes the place of time. The pieces are the follower's own,
+    /// and the tick steps it itself.
     Follow(Follower),
 }
 
@@ -67,13 +68,13 @@ impl Generator {
         }
     }
 
-    /// Whether segments are free with each piece that is entered.
+    /// Whether each piece that is entered frees segments.
     #[inline(always)]
     fn is_stream(&self) -> bool {
         if let Generator::Pt(run) = self { run.is_stream() } else { false }
     }
 
-    /// Whether the last piece made begins a pass: then data or orders that come now can undo it.
+    /// Whether the last piece made begins a pass: later data or commands can undo it.
     #[inline]
     fn is_new_pass(&self) -> bool {
         match self {
@@ -83,7 +84,7 @@ impl Generator {
         }
     }
 
-    /// A ramp, which begins where its state lies: it is too large to be moved about.
+    /// A ramp, begun in place: it is too large to be moved about.
     #[inline]
     pub(crate) fn begin_ramp(&mut self, begin: impl FnOnce(&mut RampRun)) {
         if !matches!(self, Generator::Ramp(_)) {
@@ -94,7 +95,7 @@ impl Generator {
         }
     }
 
-    /// The motion was made ready for time 0, and begins at `now`.
+    /// The motion was prepared for time 0, and begins at `now`.
     #[inline]
     fn shift(&mut self, now: Ns) {
         match self {
@@ -111,29 +112,29 @@ impl Generator {
         match self {
             Generator::Pt(run) => run.retract(),
             Generator::Pvt(run) => run.retract(),
-            // Nothing but a new motion changes what a ramp will do, and its end changes nothing.
+            // Only a new motion changes what a ramp will do, and its end changes nothing.
             Generator::Ramp(_) | Generator::Follow(_) => {}
         }
     }
 }
 
-/// What the piece that is not in force is.
+/// The piece that is not in force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Other {
     /// The one that was in force before; what follows is not known.
     Before,
-    /// As before, and there is nothing to prepare until data or orders change.
+    /// As before, and nothing is to be prepared until data or commands change.
     BeforeLast,
-    /// As before, and a ramp begins, whose first piece is made when it is needed: the piece before may have ended earlier, between
-    /// two ticks.
+    /// As before, and a ramp begins. Its first piece is made when it is needed: the piece before
+    /// may have ended earlier, between two ticks.
     Begins,
     /// The one that follows.
     Ahead,
-    /// At rest, the first one of a motion that has not begun: made as if it began at 0.
+    /// At rest, the first piece of a motion that has not begun: made as if it began at 0.
     Ready,
 }
 
-/// A motion, and where it stands.
+/// A motion, and the position in it.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct Profile {
@@ -141,7 +142,7 @@ pub struct Profile {
     /// Whether the second of them is in force.
     second: bool,
     other: Other,
-    /// The piece made last begins a pass, or is one of a stream: more is told of it than the piece.
+    /// The piece made last begins a pass, or belongs to a stream: more is published than the piece.
     reports_pass: bool,
     generator: Generator,
 }
@@ -166,7 +167,7 @@ impl Profile {
         }
     }
 
-    /// The piece in force, as far as the last turn saw.
+    /// The piece in force since the last turn.
     #[inline(always)]
     pub fn piece(&self) -> &Piece {
         &self.pieces[self.second as usize]
@@ -182,9 +183,10 @@ impl Profile {
         &self.pieces[!self.second as usize]
     }
 
-    /// Once the step of a tick is taken: the piece that was in force until `piece().begin`, if that is
-    /// after `now`, the tick in force. So in (`now`, next] the axis is under this piece, then under
-    /// [`Profile::piece`]; of more than two, those between are not kept. It lasts until the next tick.
+    /// After the step of a tick: the piece that was in force until `piece().begin`, if that is
+    /// after `now`, the tick in force. So in (`now`, next] the axis is in this piece, then in
+    /// [`Profile::piece`]; of more than two, those between are not kept. It is kept until the next
+    /// tick.
     #[inline]
     pub fn before(&self, now: Ns) -> Option<&Piece> {
         (self.other != Other::Ahead && self.piece().begin > now).then(|| self.other())
@@ -202,7 +204,8 @@ impl Profile {
         if let Generator::Follow(follower) = &mut self.generator { Some(follower) } else { None }
     }
 
-    /// Whether the piece made last, or one that was passed by since the turn before, begins a pass, or is one of a stream.
+    /// Whether the piece made last, or one passed since the turn before, begins a pass or belongs
+    /// to a stream.
     #[inline(always)]
     pub fn reports_pass(&self) -> bool {
         self.reports_pass
@@ -235,8 +238,8 @@ impl Profile {
         self.generator.begin_ramp(begin);
     }
 
-    /// At rest, and not in the tick in which it came to rest: makes the first piece of a motion ahead of its start,
-    /// which `begin` is to begin at 0.
+    /// At rest, but not in the tick in which it came to rest: makes the first piece of a motion
+    /// ahead of its start. `begin` begins that motion at 0.
     #[inline]
     pub(crate) fn prepare_start(
         &mut self,
@@ -250,7 +253,7 @@ impl Profile {
         self.other = if state == State::Running && piece.span != 0 { Other::Ready } else { Other::BeforeLast };
     }
 
-    /// Something has changed that the motion made ready depends on.
+    /// Something has changed that the prepared motion depends on.
     #[inline(always)]
     pub(crate) fn discard_prepared(&mut self) {
         if self.other == Other::Ready {
@@ -258,13 +261,13 @@ impl Profile {
         }
     }
 
-    /// What was made ready, if anything.
+    /// The prepared motion, if any.
     #[inline(always)]
     pub(crate) fn prepared(&self) -> Option<&Generator> {
         (self.other == Other::Ready).then_some(&self.generator)
     }
 
-    /// What was made ready begins at `now`; false if nothing was.
+    /// The prepared motion begins at `now`; false if there is none.
     #[inline]
     pub(crate) fn begin_prepared(&mut self, now: Ns) -> bool {
         if self.other != Other::Ready {
@@ -282,25 +285,26 @@ impl Profile {
         true
     }
 
-    /// The motion is over at `now`: it rests at `pos`.
+    /// The motion is over at `now`: it is at rest at `pos`.
     pub fn rest(&mut self, now: Ns, pos: Pos) {
         self.cut(now);
         (self.second, self.other) = (!self.second, Other::BeforeLast);
         *self.piece_mut() = Piece::standstill(now, u64::MAX, pos);
     }
 
-    /// At rest, and the piece before was not run to its end: the way to where it rests is not along it.
+    /// At rest, and the piece before was not run to its end: the path to the present position is
+    /// not along it.
     pub(crate) fn forget(&mut self) {
         self.pieces[!self.second as usize] = Piece::standstill(Ns(0), 0, self.piece().start);
     }
 
-    /// At rest, the position is called `pos`.
+    /// At rest, the position gets the name `pos`.
     pub fn rename(&mut self, pos: Pos) {
         self.piece_mut().start = pos;
         self.discard_prepared();
     }
 
-    /// The piece in force ends at `now`, and what was to follow does not.
+    /// The piece in force ends at `now`, and the one that was to follow is dropped.
     #[inline]
     fn cut(&mut self, now: Ns) {
         self.other = Other::Before;
@@ -318,7 +322,7 @@ impl Profile {
         false
     }
 
-    /// Data or orders have changed: what follows the present pass may be something else now.
+    /// Data or commands have changed: something else may follow the present pass now.
     #[inline]
     pub fn invalidate_prepared(&mut self) {
         if self.other == Other::Begins {
@@ -332,14 +336,14 @@ impl Profile {
         }
     }
 
-    /// Makes the piece that holds `now`, if it is not there yet; the one in force is over by then.
+    /// Makes the piece that holds `now`, if it is not made yet; the one in force is over by then.
     #[inline]
     fn reach(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
         let piece = &mut self.pieces[!self.second as usize];
         if self.other == Other::Ahead && piece.elapsed(now) < piece.span {
             return State::Running;
         }
-        // A piece made ahead that is over by now is passed by with what it began.
+        // A piece made ahead that is over by now is passed, with the pass that it began.
         let passed = self.other == Other::Ahead && self.reports_pass;
         let state = self.generator.advance(now, feed, source, piece);
         self.reports_pass = passed || self.generator.is_new_pass() || self.generator.is_stream();
@@ -363,8 +367,8 @@ impl Profile {
         }
     }
 
-    /// The piece in force is over at `now`: on to the one that was made ahead, if it holds `now`. This is what
-    /// nearly always happens, and it only changes which of two pieces is in force.
+    /// The piece in force is over at `now`: on to the one that was made ahead, if it holds `now`.
+    /// This is the usual case, and it only changes which of two pieces is in force.
     #[inline(always)]
     pub fn accept(&mut self, now: Ns) -> bool {
         let holds = self.ahead().is_some_and(|next| next.elapsed(now) < next.span);
@@ -380,15 +384,16 @@ impl Profile {
         (self.other == Other::Ahead).then(|| self.other())
     }
 
-    /// The near piece that holds the instant of which `next` is the low word, and the time in it. The one made ahead is told to
-    /// `enter` when it comes into force for that, and whether there is more to tell of it.
+    /// The fast-path piece that holds the instant of which `next` is the low word, and the time in
+    /// it. If the one made ahead comes into force for that, `enter` gets it, and whether more is to
+    /// be published of it.
     #[inline(always)]
     pub(crate) fn fast(&mut self, next: u32, enter: impl FnOnce(&Piece)) -> Option<(&Piece, u32, bool)> {
         let piece = &self.pieces[self.second as usize];
         if let Some(t) = piece.fast_time_of(next) {
             return Some((piece, t, false));
         }
-        // A piece that is not near may have longer to go than near times tell apart.
+        // A piece off the fast path may last longer than a time of 32 bits can hold.
         if !piece.is_fast() || self.other != Other::Ahead {
             return None;
         }
@@ -405,7 +410,7 @@ impl Profile {
         (self.second, self.other) = (!self.second, Other::Before);
     }
 
-    /// The piece in force is over at `now`: on to the one that holds it, or to the end.
+    /// The piece in force is over at `now`: on to the one that holds `now`, or to the end.
     #[inline]
     pub fn turn(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> State {
         let state = self.reach(now, feed, source);
@@ -417,8 +422,9 @@ impl Profile {
         state
     }
 
-    /// Makes the piece that follows the one in force ahead of its tick, so that many axes can enter
-    /// pieces in one tick; what is made is what would have been. Whether there was something to do.
+    /// Makes the piece after the one in force ahead of its tick, so that many axes can enter pieces
+    /// in one tick. The piece is the same as it would be later. Returns whether there was something
+    /// to do.
     #[inline]
     pub fn prepare(&mut self, feed: Feed, source: &(impl Segments + Tables)) -> bool {
         let piece = self.piece();
@@ -433,7 +439,8 @@ impl Profile {
         true
     }
 
-    /// The motion at `now`, which must not go back between calls. `feed` and `source` are for PT and PVT.
+    /// The motion at `now`, which must not decrease between calls. `feed` and `source` are for PT
+    /// and PVT.
     pub fn step(&mut self, now: Ns, feed: Feed, source: &(impl Segments + Tables)) -> Step {
         if self.piece().elapsed(now) >= self.piece().span
             && !self.accept(now)

@@ -1,9 +1,9 @@
 //! PT: positions and times (SPEC 5; GXN chapter 2).
 //!
-//! In: the user's doubles, admitted by integer checks into [`Segment`]s (`segment.rs`), which lie in a
-//! store that the thread fills and the tick reads (`store.rs`); instants. Out: pieces of
-//! motion. Owns: the state of one running pass or stream, [`PtRun`]
-//! (`run.rs`). Fails: a datum that no axis could run is [`Refused`] before it reaches the store.
+//! In: the user's doubles, admitted by integer checks into [`Segment`]s (`segment.rs`), which lie
+//! in a store that the thread fills and the tick reads (`store.rs`); instants. Out: pieces of
+//! motion. Owns: the state of one running pass or stream, [`PtRun`] (`evaluator.rs`). Fails: a
+//! datum that no axis could run is [`Refused`] before it reaches the store.
 //!
 //! The chain of velocities v1 = 2P/T − v0 neither decays nor may drift, so it is carried in
 //! 2⁻⁸⁰ pulse/ms with every quotient to the nearest: after n segments it is within n·2⁻⁸¹ of the

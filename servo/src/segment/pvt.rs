@@ -1,15 +1,15 @@
 //! PVT: cubic pieces through points with given times, positions and velocities (SPEC 5; GXN
 //! chapter 4).
 //!
-//! In: instants, and tables that the thread filled ([`Tables`]). Out: pieces. Owns: the
-//! state of one running motion, [`PvtRun`]. Cannot fail: what could not be run is refused when the
-//! table is built.
+//! In: instants, and tables that the thread filled ([`Tables`]). Out: pieces. Owns: the state of
+//! one running motion, [`PvtRun`]. Cannot fail: what could not run is refused when the table is
+//! built.
 //!
-//! Nothing accumulates: the beginning of a pass is an instant in 2⁻⁶⁴ ns and a position in
-//! 2⁻⁶⁴ pulse, to which passes add the table's exact duration and displacement; a knot is added to
-//! these two afresh. A segment's coefficients are computed when it is entered, by products alone.
-//! Work of a call: one segment, found by at most 20 looks at times, however many knots or passes lie
-//! between two ticks.
+//! Nothing accumulates: a pass begins at an instant in 2⁻⁶⁴ ns and a position in 2⁻⁶⁴ pulse, to
+//! which passes add the table's exact duration and displacement; a knot is added to these two
+//! afresh. A segment's coefficients are computed when it is entered, by products alone. Work of a
+//! call: one segment, found by at most 20 reads of times, however many knots or passes lie between
+//! two ticks.
 use super::piece::{Motion, Piece, Recip};
 use super::profile::State;
 use crate::math::wide::{mulhi_su, recip64_below, umulhi};
@@ -24,11 +24,11 @@ pub use table::{
 
 /// Where a run reads its tables. Tables are counted from 0.
 pub trait Tables {
-    /// The words of a place; a place that does not exist reads as zeros.
+    /// The words of a point; a point that does not exist reads as zeros.
     fn point(&self, table: u8, index: u32) -> [u32; POINT_WORDS];
     /// The words of a header; a table that does not exist reads as zeros.
     fn header(&self, table: u8) -> [u32; HEADER_WORDS];
-    /// How often its header was written, which is done behind its places.
+    /// How often its header was written, which is done after its points.
     fn version(&self, table: u8) -> u32 {
         let [.., version] = self.header(table);
         version
@@ -39,18 +39,18 @@ pub trait Tables {
     }
 }
 
-/// Where a run stands behind the last piece it made. In two parts, each of which is copied in a few words at
-/// a time where the whole would be a call.
+/// The state of a run after the last piece it made. In two parts, each copied in a few words at a
+/// time; the whole would need a call.
 #[derive(Debug, Clone, Copy)]
 struct Track {
     knot: Knot,
     pass: Pass,
 }
 
-/// The knot behind the last piece.
+/// The knot after the last piece.
 #[derive(Debug, Clone, Copy)]
 struct Knot {
-    /// Its instant in 2⁻⁶⁴ ns, and the place there.
+    /// Its instant in 2⁻⁶⁴ ns, and the point there.
     until: u128,
     after: Point,
     /// The next segment.
@@ -68,7 +68,7 @@ struct Pass {
     began: u128,
     /// Passes of this table completed.
     passes: u32,
-    /// The table in force, and which header is its.
+    /// The table in force, and the index of its header.
     table: u8,
     header: u8,
     /// The table that takes over when the present pass ends.
@@ -80,7 +80,7 @@ struct Pass {
 /// A PVT motion that runs.
 #[derive(Debug, Clone, Copy)]
 pub struct PvtRun {
-    /// Behind the last piece made, and behind the one before it.
+    /// After the last piece made, and after the one before it.
     track: Track,
     back: Track,
     /// Headers of the tables of both.
@@ -93,7 +93,7 @@ pub struct PvtRun {
 const PER_MS: u64 = 9_671_406_556_917_033_398;
 
 impl PvtRun {
-    /// A motion whose time is zero at `now`, from the position `origin`: it rests there until the
+    /// A motion whose time is zero at `now`, from the position `origin`: it stays there until the
     /// time of the table's first point.
     pub fn begin(now: Ns, origin: Exact, table: u8, source: &impl Tables) -> PvtRun {
         let header = Header::from_words(source.header(table));
@@ -104,7 +104,7 @@ impl PvtRun {
         PvtRun { track, back: track, headers: [header; 2], version: source.version(table) }
     }
 
-    /// A motion made ready for time 0 begins at `now`.
+    /// A motion prepared for time 0 begins at `now`.
     pub(crate) fn shift(&mut self, now: Ns) {
         let by = (now.0 as u128) << 64;
         for track in [&mut self.track, &mut self.back] {
@@ -125,7 +125,7 @@ impl PvtRun {
         self.back.pass.pending = self.track.pass.pending;
     }
 
-    /// Where it stands with the piece in force: `ahead` tells whether the last one made is yet to come.
+    /// The pass of the piece in force; `ahead`: the last one made is not in force yet.
     #[inline(always)]
     fn standing(&self, ahead: bool) -> &Pass {
         if ahead { &self.back.pass } else { &self.track.pass }
@@ -184,9 +184,9 @@ impl PvtRun {
         self.track = self.back;
     }
 
-    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the end.
-    /// Nearly always that is the next one, whose first place is at hand. `passes` is the number of
-    /// passes to run, 0 for ever; it may change from call to call.
+    /// Makes the piece that holds `now`, which is not before the end of the last one made; or the
+    /// end. Nearly always that is the next one, whose first point is at hand. `passes` is the
+    /// number of passes to run, 0 for ever; it may change from call to call.
     #[inline(never)]
     pub fn advance(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> State {
         self.back.knot = self.track.knot;
@@ -212,7 +212,7 @@ impl PvtRun {
         (knot.until, knot.after) = (until, after);
     }
 
-    /// As [`PvtRun::advance`], wherever the segment is: behind others, in another pass or table.
+    /// As [`PvtRun::advance`], wherever the segment is: after others, in another pass or table.
     #[inline(never)]
     fn search(&mut self, now: Ns, passes: u32, source: &impl Tables, piece: &mut Piece) -> State {
         let mut local = ((now.0 as u128) << 64).wrapping_sub(self.track.pass.began);
@@ -259,7 +259,8 @@ impl PvtRun {
         self.track.pass.began.wrapping_add(if last { header.duration } else { header.span(time) })
     }
 
-    /// The present pass is over, and perhaps others: what is left of `local`, or `None` at the end.
+    /// The present pass is over, and perhaps others: the remainder of `local`, or `None` at the
+    /// end.
     #[inline]
     fn end_pass(&mut self, local: u128, passes: u32, source: &impl Tables) -> Option<u128> {
         let header = self.header();
@@ -327,7 +328,7 @@ impl PvtRun {
         low
     }
 
-    /// Computes the piece from place `a` to place `b`: displacement P, velocities v0, v1 over the
+    /// Computes the piece from point `a` to point `b`: displacement P, velocities v0, v1 over the
     /// length L give P(τ) = v0·L·τ + (3P − (2·v0 + v1)·L)·τ² + ((v0 + v1)·L − 2P)·τ³.
     #[inline(always)]
     fn piece_between(&self, a: Point, b: Point, from: u128, until: u128) -> Piece {

@@ -1,9 +1,9 @@
 //! What each operation does in the tick.
 //!
-//! In: one admitted entry, the state of the axes as it is now. Out: changed state, events. Owns
-//! nothing. Fails: a start or an Update that the machine's state forbids does nothing to any axis of
-//! its mask and is told as [`Event::Refused`], an on command of a laser that a fault keeps dark as
-//! [`Event::LaserRefused`]; whatever else does not fit any more has no effect.
+//! In: one admitted entry, the present state of the axes. Out: changed state, events. Owns nothing.
+//! Fails: a start or an Update that the state forbids does nothing to any axis of its mask and is
+//! reported as [`Event::Refused`]. An on command of a laser that a fault keeps dark is reported as
+//! [`Event::LaserRefused`]. Anything else that no longer fits has no effect.
 use crate::axis::{AxisState, Jog};
 use crate::capacity::GeneralOutputs;
 use crate::crd::Halt;
@@ -57,7 +57,7 @@ impl<const AXES: usize> Tick<AXES> {
         lanes: &mut Reach<'_, '_, AXES>,
     ) {
         match entry.op {
-            // Those that are not here have been carried out already.
+            // Other cases have been carried out already.
             Op::Mark | Op::ProgramRun | Op::ProgramDrop | Op::ProgramEnd | Op::WaitRest { .. } | Op::Reset { .. } => {}
             Op::Stop { axes, abrupt, crds, crds_abrupt } => {
                 let named = CrdMask(crds.0 | self.holders(axes).0 | self.drivers(axes).0);
@@ -139,7 +139,7 @@ impl<const AXES: usize> Tick<AXES> {
             }
             Op::FollowEnd { crds } => self.lasers.end_follow(crds, next),
             Op::Link { lost } => {
-                // Paths that ran at an abort, or in the session before, light nothing any more.
+                // Paths that ran at an abort, or in the session before, do not light again.
                 let paths = self.crds.running.0 & !self.lasers.dead().0;
                 self.lasers.link(lost, self.script.runs || paths != 0);
                 if lost {
@@ -162,7 +162,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.set_position(pos)),
             Op::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
             Op::SetMode { axis, mode } => self.one(axis, |state| state.set_mode(mode)),
-            // An abrupt stop takes no time (SPEC 4), so its deceleration has nothing to do here.
+            // An abrupt stop takes no time (SPEC 4), so its deceleration is not used here.
             Op::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.stop_dec = smooth),
             Op::Band { axis, band, time } => self.one(axis, |state| state.inputs.set_band(band, time)),
             Op::SoftLimit { axis, positive, negative } => {
@@ -239,8 +239,8 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// An input of a machine without wires changes with the tick computed: that tick shows it and ends the waits for it, and
-    /// its interrupt samples it for everything else.
+    /// An input of a machine without wires changes with the tick computed. That tick shows it and
+    /// ends the waits for it; the interrupt of that tick samples it for everything else.
     #[inline(never)]
     pub(crate) fn simulate(&mut self, input: Simulated, port: &mut impl Port) {
         port.simulate(input);
@@ -261,7 +261,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// An axis at rest is as at power-on.
+    /// An axis at rest gets its power-on state.
     pub(crate) fn reset_axis(&mut self, axis: Axis) {
         self.one(axis, AxisState::reset);
     }
@@ -298,13 +298,13 @@ impl<const AXES: usize> Tick<AXES> {
         });
     }
 
-    /// The same where positions get other names.
+    /// The same where positions get other user values.
     fn renamed(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState)) {
         self.all(axes, change);
         self.rename_crds();
     }
 
-    /// Of a mask, the axes in use.
+    /// The axes of a mask that are in use.
     pub(crate) fn in_use(&self, axes: AxisMask) -> AxisMask {
         AxisMask(axes.0 & (1u64 << self.used).wrapping_sub(1))
     }
@@ -341,7 +341,8 @@ impl<const AXES: usize> Tick<AXES> {
         (AxisMask(axes), self.crds.running)
     }
 
-    /// What ran at an abort and is at rest now does not count any more; once that is all of it, the abort is over.
+    /// What ran at an abort and is at rest now no longer counts; once all of it is, the abort is
+    /// over.
     #[inline(never)]
     pub(crate) fn look_at_abort(&mut self, next: Ns) {
         let (axes, crds) = self.running();
@@ -353,7 +354,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Stops axes where they stand, and the paths that drive them.
+    /// Stops axes at their present positions, and the paths that drive them.
     pub(crate) fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, lanes: &mut Reach<'_, '_, AXES>) {
         self.stop_crds(self.drivers(axes), Halt::Abrupt, reason, next, lanes);
         for axis in self.in_use(axes).axes() {
@@ -376,7 +377,8 @@ impl<const AXES: usize> Tick<AXES> {
         self.all(axes, |state| state.servo_on = on);
     }
 
-    /// What a commit was meant for has ended meanwhile: its data is lost, and that is told.
+    /// The stream or filling of a commit has ended meanwhile: its data is lost, and that is
+    /// reported.
     #[cold]
     #[inline(never)]
     fn tell_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, lanes: &mut Reach<'_, '_, AXES>) {
@@ -384,7 +386,7 @@ impl<const AXES: usize> Tick<AXES> {
         report_event(lanes.events, &mut self.events_lost, Event::Refused { lane, seq, axis, status });
     }
 
-    /// Whether one axis of the mask forbids the start; then it is told, and none starts.
+    /// Whether one axis of the mask forbids the start; then that is reported, and none starts.
     fn refused(
         &mut self,
         lane: Lane,

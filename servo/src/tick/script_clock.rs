@@ -1,8 +1,9 @@
 //! The script clock: when a program's entries are due (SPEC 7).
 //!
-//! In: the delays of entries, the ticks. Out: whether an entry acts in this tick. Owns: the clock and
-//! the count of entries that came late. A late entry acts at once and shifts nothing after it. What a tick has put
-//! off because its instant asks more than a tick carries out (`work`) is not late.
+//! In: the delays of entries, the ticks. Out: whether an entry acts in this tick. Owns: the clock
+//! and the count of entries that came late. A late entry acts at once and shifts nothing after it.
+//! Work that a tick postponed, because its instant needs more than a tick carries out
+//! ([`workload`](super::workload)), is not late.
 use crate::units::Ns;
 
 /// The program lane's clock; in the order of the view.
@@ -28,7 +29,7 @@ pub(crate) struct Script {
     spread: Spread,
 }
 
-/// Which instant's work goes on in another tick than its own.
+/// The instant whose work goes on in another tick than its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Spread {
     /// None.
@@ -57,7 +58,7 @@ impl Script {
         *self = Script { runs: true, zero: now, ..Script::HELD };
     }
 
-    /// The instant of an entry `delay` behind the last one, on the script clock.
+    /// The instant of an entry `delay` after the last one, on the script clock.
     pub(crate) fn instant(&self, delay: Ns) -> Ns {
         Ns(self.clock.0.saturating_add(delay.0))
     }
@@ -73,7 +74,7 @@ impl Script {
         Ns(controller.0.saturating_sub(self.zero.0))
     }
 
-    /// What an entry of that instant asks goes on in the tick that comes next, and is not late for it.
+    /// The work of an entry of that instant goes on in the tick that comes next, and is not late.
     pub(crate) fn put_off(&mut self, instant: Ns, now: Ns) {
         if !self.was_put_off(instant) {
             let in_time = now.0 <= self.zero.0.saturating_add(instant.0);
@@ -81,7 +82,7 @@ impl Script {
         }
     }
 
-    /// Whether the work of the instant of the entry that comes next was put off before.
+    /// Whether work of that instant was postponed before.
     pub(crate) fn was_put_off(&self, instant: Ns) -> bool {
         match self.spread {
             Spread::None => false,
@@ -90,8 +91,8 @@ impl Script {
         }
     }
 
-    /// An entry of that instant is executed in the tick after `now`. It is late if an earlier tick
-    /// came after its instant, that is, if its instant is before the tick in force, but for work that was put off.
+    /// An entry of that instant is executed in the tick after `now`. It is late if its instant is
+    /// before the tick in force, unless its work was postponed.
     pub(crate) fn execute(&mut self, instant: Ns, now: Ns, seq: u32, lights: bool) {
         let put_off = self.was_put_off(instant);
         self.spread = if put_off { Spread::Clock } else { Spread::None };

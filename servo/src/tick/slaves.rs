@@ -1,8 +1,8 @@
-//! The part of a tick that belongs to axes that follow others.
+//! The part of a tick for axes that follow others.
 //!
-//! In: the tick in which all other axes have taken their step, entries, inputs. Out: the steps of the slaves,
-//! masters before their slaves; what their entries do to outputs. Owns: nothing. Work: as of any axis, and a tick
-//! without slaves does not come here.
+//! In: the tick in which all other axes have taken their step, entries, inputs. Out: the steps of
+//! the slaves, masters before their slaves; the effects of their entries on outputs. Owns: nothing.
+//! Work: as of any axis; a tick without slaves does not come here.
 use super::execute::Reach;
 use crate::axis::AxisState;
 use crate::capacity::{GeneralInputs, GeneralOutputs};
@@ -13,7 +13,7 @@ use crate::tick::{Lanes, Source, Tick, report_event};
 use crate::units::{Axis, AxisMask, Crd, Ns};
 use crate::view::{Event, View};
 
-/// The state of an axis, among those before and behind another one, or that one itself.
+/// The state of an axis: one before or after the slave, or the slave itself.
 struct Others<'a> {
     before: &'a [AxisState],
     behind: &'a [AxisState],
@@ -53,7 +53,7 @@ fn level(inputs: AxisInputs, input: Input) -> bool {
 }
 
 impl<const AXES: usize> Tick<AXES> {
-    /// Every slave takes its step, behind its master.
+    /// Every slave takes its step, after its master.
     #[inline(never)]
     pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, lanes: &mut Lanes<'_, AXES>) {
         let (period, limit) = (self.period, self.step_limit);
@@ -125,7 +125,7 @@ impl<const AXES: usize> Tick<AXES> {
             };
             state.step_follow(&master_sample, led, limit, (store, levels, &mut actions))
         } else if state.runs() {
-            // A stop has come between.
+            // A stop came meanwhile.
             state.step(next, &Source { segments: store, tables: lanes.tables })
         } else {
             None
@@ -188,7 +188,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Somebody follows now, or no longer.
+    /// A slave was added or has left.
     #[inline(never)]
     pub(crate) fn renew_order(&mut self) {
         let axes = &self.axes;
@@ -198,7 +198,7 @@ impl<const AXES: usize> Tick<AXES> {
         });
     }
 
-    /// The motion of an axis in time, as it stands.
+    /// The present motion of an axis in time.
     #[inline(never)]
     pub(crate) fn motion(&self, axis: Axis) -> Motion {
         let of = |axis: Axis| Some(&self.axes.get(axis.index())?.published);

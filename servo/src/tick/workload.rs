@@ -3,11 +3,12 @@
 //! In: the entries of an instant in the program lane, the state that they meet. Out: whether the next one is carried out
 //! in this tick. Owns nothing. Fails: never.
 //!
-//! An entry weighs so many units of about 128 instructions. Set-up goes on from tick to tick, with a quarter of each tick. What
-//! others see (a start, an output, a light) begins in a tick that carries out everything from there to the end of the
-//! instant, as far as the ring holds it: neighbours act together. If that is more than a tick takes, starts are prepared in
-//! the ticks before it. A Reset takes as many ticks as it needs, and what follows it waits. Calls of the immediate lane are
-//! counted, and what they weigh is taken from the program.
+//! The weight of an entry is in units of about 128 instructions. Set-up is spread from tick to
+//! tick, over a quarter of each. What others can observe (a start, an output, a light) begins in a
+//! tick that carries out everything from there to the end of the instant, as far as the ring holds
+//! it. So neighbours act together. If that is more than a tick takes, starts are prepared in the
+//! ticks before it. A Reset takes as many ticks as it needs, and what follows it waits. Calls of
+//! the immediate lane are counted; their weight is taken from the program.
 use super::execute::Reach;
 use crate::op::{Entry, Op, Supervision};
 use crate::tick::{PROGRAM, Tick};
@@ -17,17 +18,17 @@ use ring::Consumer;
 
 /// Units of one axis.
 mod weight {
-    /// Reset, with what the tick after it makes of that.
+    /// Reset, with its work in the tick after it.
     pub const RESET: u32 = 6;
-    /// Another operation that names it in a mask.
+    /// Another operation that names the axis in a mask.
     pub const NAMED: u32 = 3;
-    /// A start that is planned in its tick, and one that is ready.
+    /// A start that is planned in its tick, and one that is prepared.
     pub const START: u32 = 14;
     pub const PREPARED_START: u32 = 5;
     /// The same of a slave.
     pub const SLAVE: u32 = 33;
     pub const PREPARED_SLAVE: u32 = 15;
-    /// Making a start ready.
+    /// Preparing a start.
     pub const PREPARATION: u32 = 18;
     /// A Stop of one that moves.
     pub const STOP: u32 = 9;
@@ -39,20 +40,20 @@ mod weight {
     pub const LASER: u32 = 1;
 }
 
-/// Units of set-up in the shortest tick; in a longer one a unit for each 1024 ns, a quarter of its instructions: an axis
-/// to which something was done costs as much again in the tick and in the one after it.
+/// Units of set-up in the shortest tick. A longer tick has a unit for each 1024 ns, a quarter of
+/// its instructions: a changed axis costs as much again in the tick and in the one after it.
 const LEAST: u32 = 8;
 
-/// Starts are prepared for less than 2 to this power ticks; all axes have their turn in that time.
+/// Starts are prepared for less than 2 to this power ticks; each axis has its turn in that time.
 const PATIENCE: u32 = 6;
 
-/// Calls of the immediate lane that act in a tick: so many in the shortest, and in a longer one a call for each 512 ns, as
-/// far as the larger ring goes. They come one by one, for no instant.
+/// Calls of the immediate lane that act in a tick: this many in the shortest; in a longer one a
+/// call for each 512 ns, as far as the larger ring goes. They have no instant and come one by one.
 pub(crate) fn calls(period: Ns) -> u32 {
     ((period.0 >> 9) as u32).clamp(64, PROGRAM as u32)
 }
 
-/// What a tick still takes.
+/// The work that a tick still takes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Budget {
     /// Units of set-up.
@@ -68,7 +69,7 @@ impl Budget {
         Budget { left: whole, whole, acting: None }
     }
 
-    /// Whether something of this weight fits; the first of a tick does.
+    /// Whether work of this weight fits; the first of a tick always does.
     pub(crate) fn takes(&self, weight: u32) -> bool {
         weight <= self.left || self.left == self.whole
     }
@@ -77,14 +78,14 @@ impl Budget {
         self.left = self.left.saturating_sub(weight);
     }
 
-    /// Units that may act beside what was spent: with set-up, three quarters of a tick.
+    /// Units that may act in addition to those spent: with set-up, three quarters of a tick.
     fn room(&self) -> u32 {
         self.left.wrapping_add(self.whole << 1)
     }
 }
 
 impl<const AXES: usize> Tick<AXES> {
-    /// What an operation weighs as things stand. A Reset is weighed axis by axis.
+    /// The weight of an operation in the present state. A Reset is weighed axis by axis.
     pub(crate) fn weigh(&self, op: &Op) -> u32 {
         use weight::{FRAME, LASER, NAMED, PATH, PREPARED_PATH, PREPARED_SLAVE, PREPARED_START, SLAVE, START, STOP};
         let sum = |axes: AxisMask, prepared: u32, unprepared: u32| {
@@ -125,12 +126,13 @@ impl<const AXES: usize> Tick<AXES> {
         self.in_use(axes).axes().filter(runs).count() as u32
     }
 
-    /// Whether an operation changes light, or what a laser outputs without.
+    /// Whether an operation changes light, or the outputs of a laser without light.
     pub(crate) fn lights(&self, op: &Op) -> bool {
         matches!(op, Op::Laser { .. }) && self.is_seen(op)
     }
 
-    /// Whether others see at once what an operation does, so that its neighbours must not come in another tick.
+    /// Whether others can observe an operation at once, so that its neighbours must act in the same
+    /// tick.
     fn is_seen(&self, op: &Op) -> bool {
         match *op {
             Op::Update { .. }
@@ -152,8 +154,8 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// Whether this entry of the program lane, the first one in it, is carried out in this tick. If not, its instant goes on
-    /// in the next tick, where a start or two may be prepared.
+    /// Whether this entry of the program lane, the first one in it, is carried out in this tick. If
+    /// not, its instant goes on in the next tick; in this one a start or two may be prepared.
     pub(crate) fn admits(
         &mut self,
         program: &Consumer<'_, Entry, PROGRAM>,
@@ -174,7 +176,7 @@ impl<const AXES: usize> Tick<AXES> {
         if !fits && waited < self.period.0 << PATIENCE && self.prepare(program, budget, lanes) {
             return false;
         }
-        // A tick of its own is all that it can have.
+        // A tick of its own is the most that it can have.
         let acts = fits || budget.left == budget.whole || self.script.was_put_off(instant);
         if acts {
             budget.acting = Some(instant);
@@ -182,7 +184,8 @@ impl<const AXES: usize> Tick<AXES> {
         acts
     }
 
-    /// Prepares starts of the instant in force, as many as the tick takes. Whether there were any.
+    /// Prepares starts of the instant in force, as many as the tick takes. Returns whether there
+    /// were any.
     #[inline(never)]
     fn prepare(
         &mut self,
@@ -216,8 +219,8 @@ impl<const AXES: usize> Tick<AXES> {
         prepared
     }
 
-    /// Goes on with a Reset: everything stops and is dark in its first tick, then axis by axis is at power-on state. Whether
-    /// it is done.
+    /// Goes on with a Reset. Everything stops and is dark in its first tick; then each axis gets
+    /// its power-on state. Returns whether it is done.
     pub(crate) fn reset(
         &mut self,
         axes: AxisMask,

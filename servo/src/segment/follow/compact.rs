@@ -1,4 +1,4 @@
-//! A double in 58 bits and a sign: what the user gave, as far as 2⁻⁶⁴ pulse.
+//! A double in 58 bits and a sign: the user's number, down to 2⁻⁶⁴ pulse.
 //!
 //! In: the bits of a double below 2⁴¹. Out: two words, and the number in 2⁻⁶⁴ pulse. Numbers below 2⁻¹¹ become
 //! multiples of 2⁻⁶⁴, the others lose nothing. Fails: [`Class`] says what it is not.

@@ -1,7 +1,8 @@
 //! From an entry to a piece: the slave's position over the master's progress.
 //!
-//! In: a segment's ends and its displacement at the start ratio, in 2⁻⁶⁴ pulse. Out: a [`Piece`] whose parameter
-//! is the progress in units of [`Pos`](crate::units::Pos) in the place of ns. Products only. Cannot fail.
+//! In: a segment's ends and its displacement at the start ratio, in 2⁻⁶⁴ pulse. Out: a [`Piece`]
+//! whose parameter is the progress in units of [`Pos`](crate::units::Pos) instead of ns. Products
+//! only. Cannot fail.
 //!
 //! With R₀ = r₀·M and displacement P, a segment of percentage 0 is R₀·τ + (P − R₀)·τ². Shaped (SPEC 5, Percent), with
 //! k = percent/200, its ratio changes by R₁ − R₀ = 2(P − R₀) with a slope that rises over k, holds a = (R₁ − R₀)/(1 − k), and
@@ -45,8 +46,8 @@ pub(super) struct Segment {
 }
 
 impl Segment {
-    /// The segment of `entry` behind `before`. A NORMAL one starts at a ratio that differs from the one of its chain
-    /// by what makes `more` of its length.
+    /// The segment of `entry` after `before`. A NORMAL one starts at a ratio that differs from that
+    /// of its chain by what `more` makes of its length.
     pub(super) fn between(before: Option<Entry>, entry: Entry, more: impl FnOnce(i128) -> i128) -> Segment {
         let (from, begin) = before.map_or((0, 0), Entry::ends);
         let (to, end) = entry.ends();
@@ -104,7 +105,8 @@ impl Segment {
         if y < edge {
             return cubic(from, edge, start, [times(r0, k), 0, sixth]);
         }
-        // A full S has two pieces: what its odd last bit would leave between them has no ratio of its own.
+        // A full S has two pieces: an interval that the odd last bit would leave between them has
+        // no ratio.
         let to_end = if full { edge } else { length.wrapping_sub(edge) };
         if y < to_end {
             let ratio = r0.wrapping_add(once >> 1);

@@ -1,12 +1,13 @@
 //! One entry of a FIFO: checked, packed into 24 bytes, and what is read from it.
 //!
-//! In: the bits of the user's doubles, types, what came before. Out: an [`Entry`], which only these checks can
-//! make, and the [`Chain`] behind it. Fails: with the rule that the datum breaks, [`Refused`].
+//! In: the bits of the user's doubles, types, the entries before. Out: an [`Entry`], which only
+//! these checks can make, and the [`Chain`] after it. Fails: with the rule that the datum breaks,
+//! [`Refused`].
 //!
-//! Beside the two end positions, a segment holds the slave's displacement at its start ratio, r₀·M, as the
-//! chain of ratios gives it, so that the tick can enter any segment from any side. What the chain
-//! cannot know yet (the ratio with which a FIFO goes on after another, or after a SwitchNow) runs on with
-//! changing sign until an EVEN or STOP: an entry says how far back that is.
+//! Besides the two end positions, a segment holds the slave's displacement at its start ratio,
+//! r₀·M, as the chain of ratios gives it. So the tick can enter any segment from either side. The
+//! chain does not know the ratio with which a FIFO goes on after another, or after a SwitchNow.
+//! That runs on with changing sign until an EVEN or STOP: an entry says how far back this is.
 use super::compact::{Class, Compact, HIGH_BITS};
 use super::ratio::{RATIO_BITS, quotient, swing};
 use super::{Direction, Method};
@@ -22,7 +23,8 @@ const STEEPEST: i128 = 1 << (44 + super::ratio::RATIO_BITS);
 const SWING: i128 = 1 << (40 + 64);
 /// The shortest segment: 2⁻²⁰ pulse of the master.
 const SHORTEST: i128 = 1 << (64 - 20);
-/// The distance to the head of a chain is told up to this; there one looks again.
+/// The distance to the head of a chain is stored up to this; there the search goes on from the
+/// entry reached.
 pub(super) const FAR: u32 = 31;
 
 /// An admitted entry, 24 bytes. Words 0, 1: end of the master, compact, with distance to the head of its chain
@@ -33,7 +35,7 @@ pub(super) const FAR: u32 = 31;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry([u32; 6]);
 
-/// Why a datum is refused: the knob, and its limit.
+/// Why a datum is refused: the parameter, and its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
     /// The master's position is NaN or infinite.
@@ -46,7 +48,7 @@ pub enum Refused {
     SlaveBeyondTravel,
     /// The master's position does not go on in the direction of the FIFO's first one by 2⁻²⁰ pulse or more.
     NotAdvancing,
-    /// A negative master position where only upward ones may be.
+    /// A negative master position where only positive ones are allowed.
     Negative,
     /// The segment type is none of 0…3.
     Kind,
@@ -54,7 +56,7 @@ pub enum Refused {
     Percent,
     /// A ratio at an end of the segment is above 2⁴⁴.
     TooSteep,
-    /// At its start ratio the segment would go further than 2⁴⁰ pulses.
+    /// At its start ratio the segment would be longer than 2⁴⁰ pulses.
     TooFar,
     /// The FIFO holds [`STOPS`] entries that are no segments.
     StopsFull,
@@ -62,7 +64,7 @@ pub enum Refused {
     Full,
 }
 
-/// Which input a wait looks at.
+/// The input that a wait reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Input {
@@ -94,7 +96,7 @@ impl Input {
     }
 }
 
-/// Ratio inside a segment.
+/// The ratio within a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// From the end ratio of the segment before to 2P/M minus it.
@@ -140,7 +142,7 @@ pub(super) enum Stop {
     Switch(Method),
 }
 
-/// What admission needs to know of the entries before in the same FIFO. Default is an empty FIFO.
+/// What admission needs of the entries before in the same FIFO. Default is an empty FIFO.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Chain {
     /// Ends of master (its magnitude) and slave, 2⁻⁶⁴ pulse.
@@ -157,7 +159,7 @@ pub struct Chain {
     tail: Tail,
 }
 
-/// What the tick has to know of a FIFO beside its entries; goes with the commit of its last entry.
+/// What the tick needs of a FIFO besides its entries; part of the commit of its last entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tail {
     /// End ratio of the last segment, 2⁻⁸⁰.
@@ -225,8 +227,9 @@ impl Entry {
         Entry([a, b, c, d, e, f])
     }
 
-    /// Checks a segment against what came before and packs it. Positions are the bits of doubles, pulses from
-    /// the start of the FIFO; `kind` is NORMAL 0, EVEN 1, STOP 2, CONTINUE 3; `percent` as in PVT Percent.
+    /// Checks a segment against the entries before and packs it. Positions are the bits of doubles,
+    /// pulses from the start of the FIFO; `kind` is NORMAL 0, EVEN 1, STOP 2, CONTINUE 3; `percent`
+    /// as in PVT Percent.
     pub fn segment(
         master_bits: u64,
         slave_bits: u64,
@@ -262,8 +265,8 @@ impl Entry {
         Ok((entry, chain))
     }
 
-    /// A part of an asymmetric S: the first with the ratio at its start, as the bits of a double, those behind it
-    /// without. A switch to the next segment leaves all of them.
+    /// A part of an asymmetric S: the first with the ratio at its start, as the bits of a double,
+    /// later ones without. A switch to the next segment leaves all of them.
     pub fn part(
         master_bits: u64,
         slave_bits: u64,
@@ -292,8 +295,8 @@ impl Entry {
         Entry::between([master_bits, slave_bits], code, STOP, direction, before, rule)
     }
 
-    /// A segment behind `before`. `rule` gives ratios at both ends, and the displacement at the first, of a
-    /// displacement and a way of the master.
+    /// A segment after `before`. From a displacement of the slave and one of the master, `rule`
+    /// gives the ratios at both ends, and the displacement at the first.
     fn between(
         [master_bits, slave_bits]: [u64; 2],
         percent: u32,
@@ -359,7 +362,7 @@ impl Entry {
         Entry::stop(OUTPUT, 0, group | (bit as u32) << 4 | (high as u32) << 12, before)
     }
 
-    /// Holds the slave for so many cycles of 250 µs.
+    /// Holds the slave for this many cycles of 250 µs.
     pub fn delay(cycles: u32, before: &Chain) -> Result<(Entry, Chain), Refused> {
         Entry::stop(DELAY, cycles, 0, before)
     }
@@ -396,7 +399,8 @@ impl Entry {
         Ok((entry, chain))
     }
 
-    /// Where the entry ends: master's progress, and slave, in 2⁻⁶⁴ pulse from the start of the FIFO.
+    /// The end of the entry: master's progress, and slave, in 2⁻⁶⁴ pulse from the start of the
+    /// FIFO.
     #[inline(always)]
     pub(super) fn ends(self) -> (i128, i128) {
         let slave = self.slave().magnitude();
@@ -413,7 +417,7 @@ impl Entry {
         Compact { low: self.0[0], high: self.0[1] }
     }
 
-    /// Where the master's progress ends.
+    /// The end of the master's progress.
     #[inline(always)]
     pub(super) fn ends_master(self) -> i128 {
         self.master().magnitude()
@@ -425,7 +429,7 @@ impl Entry {
         self.0[5] >> 28 & 3 == NORMAL
     }
 
-    /// How a segment's ratio goes; none for an entry that is no segment.
+    /// The kind of a segment; none for an entry that is no segment.
     #[inline(always)]
     pub(super) fn kind(self) -> Option<Kind> {
         match self.0[5] >> 28 & 3 {
@@ -514,18 +518,18 @@ impl Entry {
 const NORMAL: u32 = 0;
 const EVEN: u32 = 1;
 const STOP: u32 = 2;
-/// In the place of a STOP's percentage: the first code of parts of an asymmetric S, in the order of [`Part`], and
-/// what is added for one that goes on from the part before.
+/// Instead of a STOP's percentage: the first code of parts of an asymmetric S, in the order of
+/// [`Part`], and what is added for one that continues the part before.
 const PARTS: u32 = 101;
 const GOES_ON: u32 = 3;
-/// Kinds of entries that are no segments, in the place of the percentage.
+/// Kinds of entries that are no segments, instead of the percentage.
 const OUTPUT: u32 = 1;
 const DELAY: u32 = 2;
 const WAIT: u32 = 3;
 const SWITCH: u32 = 4;
 /// The type of all of them.
 const NO_SEGMENT: u32 = 3;
-/// Where word 5 tells which of them came before.
+/// The bits of word 5 that link to the one before.
 const LINK: u32 = 16;
 
 impl Chain {

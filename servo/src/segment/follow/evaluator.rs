@@ -1,17 +1,18 @@
 //! A slave that runs.
 //!
-//! In: the way of its master inside a tick, entries from where they lie, settings. Out: its planned position,
-//! what its entries do ([`OutputActions`]), or its end. Owns: the piece in force and its place in the FIFO. Fails: a wait for
-//! an input may time out.
+//! In: the motion of its master within a tick, entries from their store, settings. Out: its planned
+//! position, the actions of its entries ([`OutputActions`]), or its end. Owns: the piece in force
+//! and its index in the FIFO. Fails: a wait for an input may time out.
 //!
-//! The slave is a function of (pass, segment, progress). Progress runs upwards here: that of a FIFO downwards, or of
-//! direction −1, is the master's position with its sign changed. A pass begins at an exact position of the master and one of
-//! the slave, to which passes add the ends of their last entry, forwards and backwards, so nothing accumulates and
-//! the way back is the way there, to the bit. It goes back as far as the `floor`: the last switch, entry that is no
+//! The slave is a function of (pass, segment, progress). Progress increases here: for a FIFO
+//! downwards, or direction −1, it is the master's position with its sign changed. A pass begins at
+//! an exact position of the master and one of the slave. Passes add the ends of their last entry to
+//! these, forwards and backwards, so nothing accumulates, and the path back is the same as the path
+//! there, to the bit. It goes back as far as the `floor`: the last switch, entry that is no
 //! segment, or data that was added in a later pass.
 //!
-//! Work of a tick: [`ACTIONS`] entries that are no segments at most, then it holds there until the next; a segment
-//! is found by bisection, passes are counted by a product.
+//! Work of a tick: at most [`ACTIONS`] entries that are no segments, then it holds there until the
+//! next tick; a segment is found by bisection, passes are counted by a product.
 mod pass_crossing;
 mod seek;
 mod switch;
@@ -31,7 +32,7 @@ pub const ACTIONS: usize = 8;
 /// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
 const CYCLE: Fine = 250_000 << 32;
 const MS: Fine = 1_000_000 << 32;
-/// Steps of [`Run::settle`] in a tick: every action may be followed by the end of a pass.
+/// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
 const STEPS: usize = 3 * ACTIONS;
 
 /// What entries do to outputs in one tick.
@@ -53,7 +54,7 @@ pub enum State {
         /// Where exactly.
         at: Exact,
     },
-    /// The data goes further at once than any tick may.
+    /// The data moves the slave further at once than any tick may.
     TooFar,
     /// A wait for an input has timed out.
     TimedOut {
@@ -82,7 +83,7 @@ enum Wait {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Awaits(u16);
 
-/// The same, to be looked at.
+/// The same, unpacked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Awaited {
     /// The master's crossing of the position of PASS.
@@ -101,7 +102,7 @@ pub enum Awaited {
 }
 
 impl Awaits {
-    /// It goes, or rests for a time.
+    /// It moves, or waits for a time.
     pub const NOTHING: Awaits = Awaits(0);
 
     /// What it is.
@@ -119,8 +120,8 @@ impl Awaits {
     }
 }
 
-/// A ratio that the chain of the data does not know: how much more the segment `from` of pass `pass` starts with,
-/// and with changing sign the NORMAL segments behind it.
+/// A ratio that the chain of the data does not know: the addition to the start ratio of the segment
+/// `from` of pass `pass`; the NORMAL segments after it have it with changing sign.
 #[derive(Debug, Clone, Copy)]
 struct More {
     pass: u32,
@@ -129,7 +130,8 @@ struct More {
     ratio: i128,
 }
 
-/// A piece that was made before its tick: of this entry in this pass, which began there.
+/// A piece that was made before its tick: of this entry in this pass, which began at these
+/// positions.
 #[derive(Debug, Clone, Copy)]
 struct Ahead {
     piece: Piece,
@@ -157,33 +159,33 @@ pub struct FollowRun {
     wait: Wait,
     /// The entry whose piece is loaded.
     index: u32,
-    /// Entries before it in the present pass are done with.
+    /// Entries before this one are done in the present pass.
     done: u32,
     pass: u32,
     /// Progress, 2⁻⁶⁴ pulse, and slave at the beginning of the present pass.
     began: i128,
     origin: i128,
-    /// No way back before this entry of this pass.
+    /// The slave does not go back before this entry of this pass.
     floor: (u32, u32),
     /// Ratio with which a FIFO that begins with CONTINUE goes on, in every pass.
     carried: i128,
     more: Option<More>,
-    /// What follows the piece in force, if it was made; and whether that may be worth a look.
+    /// The piece after the one in force, if it was made; and whether it may still be to be made.
     ahead: Option<Ahead>,
     open: bool,
-    /// A piece lies further from the one before than any tick may go.
+    /// A piece lies further from the one before than any tick may move.
     far: bool,
     /// SwitchNow in the last segment: the ratio at which the next pass starts.
     given: Option<i128>,
     /// The slave was held by the entry done last.
     held: bool,
-    /// Data ends at the count seen last.
+    /// The count at which data ended in the last tick.
     end: u32,
-    /// FIFOs that a switch has emptied: 1 bit each, until the axis has seen them.
+    /// FIFOs that a switch has emptied: 1 bit each, until the axis has taken them.
     emptied: u8,
 }
 
-/// What a tick has beside the run.
+/// What a tick uses besides the run.
 pub struct Context<'a, S, L> {
     setup: &'a mut Setup,
     source: &'a S,
@@ -194,14 +196,14 @@ pub struct Context<'a, S, L> {
 }
 
 impl<'a, S: Entries, L: Fn(Input, u8) -> bool> Context<'a, S, L> {
-    /// Settings and FIFOs of the axis, its entries, the levels of inputs as sampled in the tick in force; what entries do
-    /// goes to `actions`.
+    /// Settings and FIFOs of the axis, its entries, the levels of inputs as sampled in the tick in
+    /// force; the actions of entries go to `actions`.
     pub fn new(setup: &'a mut Setup, source: &'a S, level: L, actions: &'a mut OutputActions) -> Self {
         Context { setup, source, level, actions, base: 0 }
     }
 }
 
-/// Where a search ends.
+/// The result of a search.
 enum Seek {
     /// In a segment, or at rest before the floor.
     Here,
@@ -259,7 +261,7 @@ impl FollowRun {
         self.switching
     }
 
-    /// FIFOs that a switch has emptied since this was last asked, a bit each.
+    /// FIFOs that a switch has emptied since the last call, a bit each.
     pub fn take_emptied(&mut self) -> u8 {
         core::mem::take(&mut self.emptied)
     }
@@ -276,7 +278,7 @@ impl FollowRun {
         self.now = Some(method);
     }
 
-    /// Data or settings have changed: what follows may be something else now.
+    /// Data or settings have changed: something else may follow now.
     pub fn invalidate_prepared(&mut self) {
         (self.ahead, self.open) = (None, self.piece.span != 0);
     }
@@ -293,8 +295,8 @@ impl FollowRun {
         if self.down { pos.0.wrapping_neg() } else { pos.0 }
     }
 
-    /// The position where the master is at `to` and came there straight and inside one piece, if that is all
-    /// there is to do; else [`FollowRun::step`] has to.
+    /// The position with the master at `to`, if the master came there straight and inside one
+    /// piece, and nothing else is to be done; else None, and [`FollowRun::step`] has to do it.
     #[inline(always)]
     pub fn fast_step(&mut self, to: Pos) -> Option<(Pos, u64)> {
         let mut progress = self.directed(to);
@@ -312,7 +314,8 @@ impl FollowRun {
         Some(self.piece.at(t))
     }
 
-    /// Whether the slave has no turning point between its place and that for a master at `to`.
+    /// Whether the slave has no turning point between its present position and that for a master at
+    /// `to`.
     #[inline(never)]
     pub(crate) fn is_fast_and_straight(&self, to: Pos) -> bool {
         let falls = |progress: i64| {
@@ -323,7 +326,7 @@ impl FollowRun {
         before.is_some() && before == falls(self.directed(to))
     }
 
-    /// The planned position, and the parameter in its piece, where it stands now.
+    /// The present planned position, and the parameter in its piece.
     pub fn place(&self) -> (Pos, u64) {
         let t = (self.progress as u64).wrapping_sub(self.piece.begin.0);
         if t < self.piece.span { self.piece.at(t) } else { (self.piece.start, 0) }
@@ -334,8 +337,8 @@ impl FollowRun {
         &self.piece
     }
 
-    /// Whether the slave moves with a master that stands at `to`: it does not wait, nor is the master behind the
-    /// furthest point or before the start.
+    /// Whether the slave moves with a master at `to`: it does not wait, and the master is neither
+    /// behind the furthest point nor before the start.
     #[inline(always)]
     pub fn is_moving(&self, to: Pos) -> bool {
         self.piece.span != 0 && self.directed(to) == self.progress
@@ -346,13 +349,13 @@ impl FollowRun {
         self.down
     }
 
-    /// Whether nothing comes of progress that goes back.
+    /// Whether progress backwards has no effect.
     pub fn is_one_way(&self) -> bool {
         !self.both
     }
 
-    /// The tick after `path.now()`. `named` is where a position of 0 pulses lies among the positions of the way, for
-    /// PASS.
+    /// The tick after `path.now()`. `named` is the position of the path at which the master's user
+    /// position is 0, for PASS.
     pub fn step<S: Entries, L: Fn(Input, u8) -> bool>(
         &mut self,
         path: &MasterPath<'_>,
@@ -379,7 +382,8 @@ impl FollowRun {
         }
     }
 
-    /// A tick begins with the master at `from`, and ends at `to`: data that was added counts, inputs are looked at.
+    /// A tick begins with the master at `from`, and ends at `to`: takes added data into account,
+    /// and reads inputs.
     pub(super) fn open<S: Entries, L: Fn(Input, u8) -> bool>(
         &mut self,
         now: Ns,
@@ -399,7 +403,7 @@ impl FollowRun {
         None
     }
 
-    /// The master goes along a stretch; places of the slave's own go to `track`.
+    /// The master moves along a section; positions of the slave itself go to `track`.
     #[inline(never)]
     pub(super) fn go<S: Entries, L: Fn(Input, u8) -> bool>(
         &mut self,
@@ -410,7 +414,8 @@ impl FollowRun {
         let before = track.is_some().then_some((self.piece, self.progress, self.down));
         let end = self.advance(section, context);
         if let (Some(track), Some((piece, progress, down))) = (track, before) {
-            // Progress that has changed its sign is that of another FIFO: how it came there is not known.
+            // Progress that has changed its sign is that of another FIFO: the path there is not
+            // known.
             let piece = if self.down == down { piece } else { self.piece };
             if self.progress != progress {
                 trail((&piece, progress), (&self.piece, self.progress), down, &section, track);
@@ -420,7 +425,7 @@ impl FollowRun {
         end
     }
 
-    /// The first piece was made for a master at 0: it begins where that is.
+    /// The first piece was made for a master at 0: it begins at the master's present position.
     fn enter_prepared(&mut self, prepared: &Ahead) {
         self.piece = prepared.piece;
         self.piece.begin = Ns(self.piece.begin.0.wrapping_add(self.progress as u64));
@@ -465,7 +470,7 @@ impl FollowRun {
         None
     }
 
-    /// Carries out the entry `index`, which is no segment; whether the slave is held by it.
+    /// Carries out the entry `index`, which is no segment. Returns whether it holds the slave.
     fn act<S: Entries, L: Fn(Input, u8) -> bool>(
         &mut self,
         index: u32,
@@ -527,7 +532,7 @@ impl FollowRun {
         }
         self.held = true;
         self.hold(self.done, context);
-        // A delay may end on this very stretch.
+        // A delay may end in this very section.
         if let Wait::Until(until) = self.wait {
             let after = until.saturating_sub(context.base);
             if after <= section.to.after as Fine {
@@ -543,7 +548,7 @@ impl FollowRun {
         true
     }
 
-    /// The slave rests at the beginning of an entry.
+    /// The slave is held at the beginning of an entry.
     fn hold<L>(&mut self, index: u32, context: &Context<'_, impl Entries, L>) {
         let at = self.knot(index, context);
         self.far |= self.is_far(at.0);
@@ -551,7 +556,7 @@ impl FollowRun {
         (self.ahead, self.open) = (None, false);
     }
 
-    /// A delay or a wait is over with the master at `pos`: what follows begins there.
+    /// A delay or a wait is over with the master at `pos`: the next segment begins there.
     fn resume<L>(&mut self, pos: Pos, context: &Context<'_, impl Entries, L>) {
         self.wait = Wait::No;
         self.progress = self.directed(pos);

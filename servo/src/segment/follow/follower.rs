@@ -1,12 +1,14 @@
-//! A slave and what it looks at: its master's position in every tick.
+//! A slave and its master's position in every tick.
 //!
-//! In: the master as it stands in the tick computed. Out: the slave's position, and its own way for those that
-//! follow it. Owns: the [`FollowRun`], the filter, the master's position one tick ago. It cannot fail.
+//! In: the master in the tick computed. Out: the slave's position, and its own motion within the
+//! tick for its slaves. Owns: the [`FollowRun`], the filter, the master's position one tick ago. It
+//! cannot fail.
 //!
-//! A master's position is that of the machine, which no SetPrfPos or ZeroPos of the master changes. An encoder is the
-//! sample of the tick in force at the end of the tick, and that of the tick before at its beginning. The filter is a lag
-//! of first order with a time constant of 2²² ns (4.19 ms), started at the master's position; what it answers is exact
-//! for a master that goes evenly between ticks, so that no lag depends on the tick period.
+//! A master's position is that of the machine, which no SetPrfPos or ZeroPos of the master changes.
+//! An encoder has the sample of the tick in force at the end of the tick, and that of the tick
+//! before at its beginning. The filter is a lag of first order with a time constant of 2²² ns (4.19
+//! ms), started at the master's position. Its output is exact for a master that moves evenly
+//! between ticks, so the lag does not depend on the tick period.
 use super::curve::slope;
 use super::evaluator::{Context, FollowRun, State};
 use super::master_path::{MasterPath, Section, Spot, Track, bisect, is_plain};
@@ -22,23 +24,23 @@ pub(crate) struct MasterSample<'a> {
     /// The tick in force, and from it to the one computed.
     pub(crate) now: Ns,
     pub(crate) period: Ns,
-    /// Where it is then, as the machine counts.
+    /// Its position then, in counts of the machine.
     pub(crate) to: Pos,
-    /// Where the position named 0 is.
+    /// The machine's position at which its user position is 0.
     pub(crate) named: i64,
     pub(crate) path: Path<'a>,
 }
 
-/// How it comes there.
+/// The path to it within the tick.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Path<'a> {
     /// Straight.
     Straight,
-    /// Straight behind a filter.
+    /// Straight, through a filter.
     Filtered,
     /// Along a piece, and the one before it if that was in force at `now`; what is added to their positions.
     Pieces { before: Option<&'a Piece>, piece: &'a Piece, shift: i64 },
-    /// From place to place; what is added to them.
+    /// From position to position; what is added to them.
     Track { places: &'a Track, shift: i64 },
 }
 
@@ -49,15 +51,15 @@ pub struct Follower {
     pub(crate) master: Master,
     /// A smooth stop is due at the end of the tick.
     pub(crate) braking: Option<StopReason>,
-    /// The piece of the master that is known to have no turning point.
+    /// The piece of the master that has no turning point, as was found.
     plain: Option<Ns>,
     /// Its position at the tick in force; none before the first step.
     last: Option<Pos>,
     /// The master's filter.
     filter: Filter,
-    /// How far the master went in this tick.
+    /// The displacement of the master in this tick.
     displacement: i64,
-    /// Its own places in this tick.
+    /// Its own positions in this tick.
     track: Track,
 }
 
@@ -76,7 +78,7 @@ impl Follower {
         }
     }
 
-    /// Its own places in this tick, if it was told that it is followed.
+    /// Its own positions in this tick, if it has slaves.
     pub(crate) fn track(&self) -> &Track {
         &self.track
     }
@@ -87,18 +89,19 @@ impl Follower {
         self.last.is_some_and(|last| self.run.is_moving(last))
     }
 
-    /// Its own places in this tick are not those that it was about to go to.
+    /// Its own positions in this tick are not those that were planned.
     pub(crate) fn forget_track(&mut self) {
         self.track.clear();
     }
 
-    /// How far its master went in this tick, units of Pos.
+    /// The displacement of its master in this tick, units of Pos.
     pub(crate) fn displacement(&self) -> i64 {
         self.displacement
     }
 
-    /// Where it is with a master at `to`, and the parameter in its piece, if the master went straight there and all
-    /// is inside one piece; `led` if it is followed itself, `from` is where it is at the tick in force.
+    /// Its position with a master at `to`, and the parameter in its piece, if the master moved
+    /// there straight and all is inside one piece. `led`: it has slaves itself. `from` is its
+    /// position at the tick in force.
     #[inline(always)]
     pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, led: bool, from: Pos) -> Option<(Pos, u64)> {
         if led && !self.run.is_fast_and_straight(to) {
@@ -114,13 +117,13 @@ impl Follower {
         Some(place)
     }
 
-    /// Whether a piece of the master is known to have no turning point.
+    /// Whether a piece of the master has no turning point, as was found before.
     #[inline(always)]
     pub(crate) fn knows(&self, piece: &Piece) -> bool {
         self.plain == Some(piece.begin)
     }
 
-    /// The tick, whatever has to be done; `from` is where the slave is at the tick in force.
+    /// The full step of the tick; `from` is the slave's position at the tick in force.
     #[inline(never)]
     pub(crate) fn step(
         &mut self,
@@ -174,7 +177,7 @@ impl Follower {
                 return self.run.step(&MasterPath::of(now, places, shift), master_sample.named, context, track);
             }
         };
-        // All the way is one stretch.
+        // All the path is one section.
         let to = Spot { after: period.0 << 32, pos: to };
         let section = Section { now, from: Spot { after: 0, pos: last }, to, piece: along, shift };
         self.run
@@ -188,9 +191,9 @@ impl Follower {
 /// A lag of first order: τ = 2²² ns.
 #[derive(Debug, Clone, Copy, Default)]
 struct Filter {
-    /// Where the master was one tick ago; none before the first step.
+    /// The master's position one tick ago; none before the first step.
     from: Option<Pos>,
-    /// How far the filtered position is behind it, 2⁻⁴⁴ pulse.
+    /// The lag of the filtered position, 2⁻⁴⁴ pulse.
     lag: i128,
     /// The period for which `share` was computed.
     period: Ns,
@@ -199,17 +202,18 @@ struct Filter {
 }
 
 impl Filter {
-    /// Where the filtered position is when the master has come to `to` evenly.
+    /// The filtered position when the master has come to `to` evenly.
     ///
-    /// With u = period/τ the lag goes from l to l·exp(−u) + way·(1 − exp(−u))/u, which is
-    /// l + (way − l·u)·share, as exp(−u) = 1 − u·share.
+    /// With u = period/τ the lag changes from l to l·exp(−u) + d·(1 − exp(−u))/u for a displacement
+    /// d. That is l + (d − l·u)·share, as exp(−u) = 1 − u·share.
     fn step(&mut self, to: Pos, period: Ns) -> Pos {
         if period != self.period {
             (self.period, self.share) = (period, share(period.0 << 42));
         }
         let displacement = to.0.wrapping_sub(self.from.unwrap_or(to).0);
         self.from = Some(to);
-        // Rounded down in every tick, the lag dies away to a few hundred 2⁻⁴⁴ pulse below 0 at most: the position arrives.
+        // Rounded down in every tick, the lag decays to a few hundred 2⁻⁴⁴ pulse below 0 at most:
+        // the position arrives.
         let gap =
             ((displacement as i128) << 22).wrapping_add(self.lag.wrapping_neg().wrapping_mul(period.0 as i128) >> 22);
         let part = (gap >> 64).wrapping_mul(self.share as i128).wrapping_add(umulhi(gap as u64, self.share) as i128);
@@ -218,8 +222,8 @@ impl Filter {
     }
 }
 
-/// (1 − exp(−u))/u in 2⁻⁶⁴ of u, 2⁻⁶⁴, below a quarter: 1 − u/2·(1 − u/3·(1 − u/4·…)). What follows u¹³/14! is less than 2⁻⁶⁸.
-/// The longest period is less than a quarter of 2²² ns.
+/// (1 − exp(−u))/u for u in 2⁻⁶⁴, below a quarter: 1 − u/2·(1 − u/3·(1 − u/4·…)). The terms after
+/// u¹³/14! are less than 2⁻⁶⁸. The longest period is less than a quarter of 2²² ns.
 pub(crate) fn share(u: u64) -> u64 {
     /// 1/14 to 1/2, 2⁻⁶⁴.
     const PARTS: [u64; 13] = {
@@ -234,8 +238,8 @@ pub(crate) fn share(u: u64) -> u64 {
     PARTS.iter().fold(u64::MAX, |rest, &part| !umulhi(umulhi(u, rest), part))
 }
 
-/// The places of a slave between two places of its progress, in the same piece or in two with a knot between, which the master
-/// passed on a stretch: knots and turning points.
+/// The positions of a slave between two values of its progress, in the same piece or in two with a
+/// knot between, which the master passed in one section: knots and turning points.
 pub(super) fn trail(
     (old, before): (&Piece, i64),
     (piece, progress): (&Piece, i64),
@@ -246,7 +250,8 @@ pub(super) fn trail(
     let (from, to) = (section.from, section.to);
     let mut leg = (before, from.after);
     if old.span == 0 && piece.span != 0 {
-        // The slave was held, or had not begun: its progress before says nothing of where it went from.
+        // The slave was held, or had not begun: its progress before does not say where it came
+        // from.
         let knot = piece.begin.0 as i64;
         let pos = Pos(if down { knot.wrapping_neg() } else { knot });
         let after = section.when(pos.clamp(from.pos.min(to.pos), from.pos.max(to.pos)));
@@ -274,7 +279,8 @@ pub(super) fn trail(
     image(piece, (leg.0, progress), (leg.1, to.after), track);
 }
 
-/// The places of a slave between two places of its progress, if a turning point of its own lies between them in this piece.
+/// The positions of a slave between two values of its progress, if a turning point of its own lies
+/// between them in this piece.
 fn image(piece: &Piece, (from, to): (i64, i64), (begin, end): (u64, u64), track: &mut Track) {
     let inside = |progress: i64| (progress as u64).wrapping_sub(piece.begin.0).min(piece.span.saturating_sub(1));
     let (low, high) = if from <= to { (inside(from), inside(to)) } else { (inside(to), inside(from)) };
@@ -296,7 +302,7 @@ mod tests {
     use num_bigint::BigInt;
     use num_rational::BigRational;
 
-    /// Alternating sums on both sides of (1 − exp(−u))/u, exact, shut it in.
+    /// Alternating sums on both sides of (1 − exp(−u))/u, exact, enclose it.
     #[test]
     fn the_share_of_a_period_is_right_to_the_last_bits() {
         for ns in [10_000, 50_000, 250_000, 333_333, 999_999, 1_000_000] {

@@ -1,50 +1,51 @@
-//! The way of a master inside one tick: a few places in order of time, monotone between them.
+//! The path of a master within one tick: a few positions in order of time, monotone between them.
 //!
-//! In: the pieces that a master runs in the tick, or two samples. Out: a [`MasterPath`] from the tick in force to
-//! the next, turning points included; where the master is at an instant of it, and when it is somewhere.
-//! Cannot fail. What it leaves out: where more than one knot lies in the tick, the way between the first
-//! and the last of them is a straight line, and so is the way of a slave that is followed itself between its places.
+//! In: the pieces that a master runs in the tick, or two samples. Out: a [`MasterPath`] from the
+//! tick in force to the next, turning points included; the master's position at an instant of it,
+//! and the instant of a position. Cannot fail. Simplified: if more than one knot lies in the tick,
+//! the path between the first and the last of them is a straight line; so is the path of a slave
+//! with slaves of its own between its positions.
 use super::curve::{bend, slope};
 use crate::math::wide::{mulhi_su, umulhi};
 use crate::segment::piece::Piece;
 use crate::units::{Ns, Pos};
 
-/// Places on a way at most: begin and end, two turning points in either of two pieces, both sides of
-/// what lies between them.
+/// Positions of a path at most: begin and end, two turning points in either of two pieces, both
+/// ends of the interval between these.
 pub const SPOTS: usize = 8;
 /// Time in 2⁻³² ns.
 pub(super) type Fine = u128;
 
-/// A place on the way.
+/// A position at an instant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Spot {
     /// Time since the tick in force, 2⁻³² ns.
     pub after: u64,
-    /// Where the master is.
+    /// The master's position.
     pub pos: Pos,
 }
 
-/// Places in order of time; the first is that of the tick in force.
+/// Positions in order of time; the first is that of the tick in force.
 #[derive(Debug, Clone, Copy)]
 pub struct Track {
     spots: [Spot; SPOTS],
     count: u8,
 }
 
-/// The way of one tick.
+/// The path of one tick.
 #[derive(Debug, Clone, Copy)]
 pub struct MasterPath<'a> {
     /// The tick in force.
     now: Ns,
     track: Track,
-    /// Along which piece it comes to each place: 0 a straight line, 1 or 2.
+    /// The piece along which it comes to each position: 0 a straight line, 1 or 2.
     along: [u8; SPOTS],
     pieces: [Option<&'a Piece>; 2],
     /// What has to be added to positions of pieces.
     shift: i64,
 }
 
-/// From one place to the next, along a piece or straight.
+/// From one position to the next, along a piece or straight.
 #[derive(Debug, Clone, Copy)]
 pub struct Section<'a> {
     pub(super) now: Ns,
@@ -55,21 +56,21 @@ pub struct Section<'a> {
 }
 
 impl Track {
-    /// Nowhere.
+    /// Empty.
     pub(crate) const NONE: Track = Track { spots: [Spot { after: 0, pos: Pos(0) }; SPOTS], count: 0 };
 
-    /// Becomes nowhere.
+    /// Empties it.
     #[inline(always)]
     pub(crate) fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// A place.
+    /// One position.
     pub(crate) fn begin(from: Pos) -> Track {
         Track { spots: [Spot { after: 0, pos: from }; SPOTS], count: 1 }
     }
 
-    /// The next place; its index. Where no room is left, the last one moves there.
+    /// The next position; returns its index. When it is full, the last one moves there.
     pub(crate) fn push(&mut self, after: u64, pos: Pos) -> usize {
         let index = (self.count as usize).min(SPOTS - 1);
         if let Some(place) = self.spots.get_mut(index) {
@@ -79,7 +80,7 @@ impl Track {
         index
     }
 
-    /// It ends there, whatever the last place was.
+    /// It ends there; the last position becomes this one.
     pub(crate) fn arrive(&mut self, after: u64, pos: Pos) {
         if let Some(last) = self.spots.get_mut(self.count.saturating_sub(1) as usize).filter(|_| self.count > 1) {
             last.pos = pos;
@@ -89,7 +90,7 @@ impl Track {
         }
     }
 
-    /// Whether it goes straight from a tick to the next.
+    /// Whether it is straight from a tick to the next.
     #[inline(always)]
     pub(crate) fn is_straight(&self) -> bool {
         self.count <= 2
@@ -99,7 +100,7 @@ impl Track {
         self.spots.get(..self.count as usize).unwrap_or_default()
     }
 
-    /// The last place.
+    /// The last position.
     pub(super) fn last(&self) -> Spot {
         self.spots().last().copied().unwrap_or_default()
     }
@@ -113,7 +114,7 @@ impl<'a> MasterPath<'a> {
         MasterPath::of(now, &track, 0)
     }
 
-    /// From place to place of a slave. Places plus `shift` are the master's.
+    /// From position to position of a slave. These plus `shift` are the master's.
     pub fn of(now: Ns, track: &Track, shift: i64) -> MasterPath<'a> {
         let mut track = *track;
         for spot in &mut track.spots {
@@ -176,12 +177,12 @@ impl<'a> MasterPath<'a> {
         self.now
     }
 
-    /// Where the master is at the tick in force, and at the next.
+    /// The master's position at the tick in force, and at the next.
     pub(super) fn ends(&self) -> (Pos, Spot) {
         (self.track.spots().first().copied().unwrap_or_default().pos, self.track.last())
     }
 
-    /// Stretches in order.
+    /// Sections in order.
     pub(super) fn stretches(&self) -> impl Iterator<Item = Section<'a>> {
         let places = self.track.spots();
         let [first, second] = self.pieces;
@@ -225,8 +226,8 @@ impl<'a> MasterPath<'a> {
     }
 }
 
-/// The parameter of a piece at a time since the tick in force; held inside the piece, which another one may have cut short:
-/// its cubic goes on behind its end.
+/// The parameter of a piece at a time since the tick in force; held inside the piece. Another one
+/// may have cut it short: its cubic goes on after its end.
 fn tau(now: Ns, piece: &Piece, fine: u64) -> u64 {
     let t = (fine >> 32).wrapping_add(now.0).wrapping_sub(piece.begin.0);
     let last = piece.span.saturating_sub(1);
@@ -237,18 +238,18 @@ fn tau(now: Ns, piece: &Piece, fine: u64) -> u64 {
     tau.wrapping_add(part.saturating_add(umulhi(part, recip.m)) >> 1).min(Piece::END)
 }
 
-/// Where the master is on a piece at a time since the tick in force.
+/// The master's position on a piece at a time since the tick in force.
 fn pos(now: Ns, piece: &Piece, shift: i64, fine: u64) -> Pos {
     Pos(piece.pos_at(tau(now, piece, fine)).0.wrapping_add(shift))
 }
 
 impl Section<'_> {
-    /// No way at all.
+    /// A master that does not move.
     pub(super) fn still(now: Ns, here: Spot) -> Section<'static> {
         Section { now, from: here, to: here, piece: None, shift: 0 }
     }
 
-    /// Where the master is at a time since the tick in force, inside the stretch.
+    /// The master's position at a time since the tick in force, inside the section.
     pub(super) fn at(&self, after: u64) -> Pos {
         if after >= self.to.after {
             return self.to.pos;
@@ -267,7 +268,7 @@ impl Section<'_> {
         pos.clamp(low, high)
     }
 
-    /// When the master is at `pos`, which lies on the stretch: a time since the tick in force.
+    /// The time since the tick in force at which the master is at `pos`, which lies in the section.
     pub(super) fn when(&self, pos: Pos) -> u64 {
         if pos == self.to.pos {
             return self.to.after;

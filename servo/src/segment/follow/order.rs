@@ -1,7 +1,7 @@
-//! In which order slaves are computed: after their masters.
+//! The order in which slaves are computed: after their masters.
 //!
-//! In: who follows whom, when that changes. Out: the slaves in order, and who is followed. Owns both. Cannot fail: what
-//! would be a cycle, which the thread refuses, is taken in the order of numbers.
+//! In: the master of each slave, when that changes. Out: the slaves in order, and the masters. Owns
+//! both. Cannot fail: a cycle, which the thread refuses, would be taken in the order of numbers.
 use crate::units::{Axis, AxisMask};
 
 /// Slaves that run, masters first. `AXES` is the capacity of the build.
@@ -21,8 +21,8 @@ impl<const AXES: usize> Order<AXES> {
     pub(crate) const NONE: Order<AXES> =
         Order { axes: [0; AXES], count: 0, slaves: AxisMask(0), leaders: AxisMask(0), masters: AxisMask(0) };
 
-    /// `master` tells whose planned position an axis follows: itself if it follows no such, none if it does not
-    /// follow at all.
+    /// `master` says whose planned position an axis follows: itself if it follows something else,
+    /// none if it does not follow at all.
     pub(crate) fn renew(&mut self, used: usize, master: impl Fn(Axis) -> Option<Axis>) {
         *self = Order::NONE;
         let mut left = 0;
@@ -58,7 +58,7 @@ impl<const AXES: usize> Order<AXES> {
         }
     }
 
-    /// The slave at a place of the order.
+    /// The slave at an index of the order.
     #[inline(always)]
     pub(crate) fn at(&self, place: usize) -> Option<Axis> {
         if place >= self.count as usize {

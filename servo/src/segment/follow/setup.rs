@@ -1,8 +1,8 @@
-//! What an axis was told about following, and what its FIFOs hold.
+//! The settings of an axis for following, and the contents of its FIFOs.
 use super::entry::{STOPS, Tail};
 use super::{Direction, Entries, Event, Master};
 
-/// A FIFO as far as it is committed.
+/// The committed part of a FIFO.
 #[derive(Debug, Clone, Copy)]
 pub struct Fifo {
     /// Entries.
@@ -19,7 +19,7 @@ pub struct Fifo {
 pub struct Setup {
     /// Which of the master's motion counts.
     pub direction: Direction,
-    /// Whom it follows.
+    /// The axis or encoder that it follows.
     pub master: Option<Master>,
     /// What begins the motion.
     pub event: Event,
@@ -71,7 +71,7 @@ impl Setup {
 
     /// A FIFO is empty.
     pub fn clear(&mut self, fifo: u8) {
-        // Stops beyond their count are nothing.
+        // Stops beyond their count are unused.
         let Fifo { end, tail, count, stops: _ } = self.fifo_mut(fifo);
         (*end, *tail, *count) = (0, Fifo::EMPTY.tail, 0);
     }

@@ -1,11 +1,12 @@
-//! Where entries lie between admission and the tick: in the axis's PT arena, two slots an entry, the FIFOs
-//! one behind the other. An axis is in one mode at a time, and changing it clears the data.
+//! The store of entries between admission and the tick: the axis's PT arena, two slots for an
+//! entry, one FIFO after the other. An axis is in one mode at a time, and changing it clears the
+//! data.
 use super::entry::Entry;
 use crate::segment::pt::{SEGMENTS, SegmentStore};
 
 /// Where a run reads its entries.
 pub trait Entries {
-    /// What a place of a FIFO holds; one that was never written holds an entry of zeros.
+    /// The entry in a slot of a FIFO; one that was never written holds an entry of zeros.
     fn entry(&self, fifo: u8, index: u32) -> Entry;
 }
 
@@ -17,7 +18,7 @@ fn slot(fifo: u8, index: u32) -> u32 {
 }
 
 impl SegmentStore {
-    /// Fills a place of a FIFO (0, 1) with an entry of Follow. Its commit makes it visible.
+    /// Fills a slot of a FIFO (0, 1) with an entry of Follow. Its commit makes it visible.
     pub fn write_entry(&self, fifo: u8, index: u32, entry: Entry) {
         let [low, high] = entry.words();
         let slot = slot(fifo, index);

@@ -1,7 +1,8 @@
 //! The motion of a slave in time, for readers: velocity and acceleration from those of its master.
 //!
-//! In: the place in the slave's piece, whose parameter is the master's progress, and the motion of the master. Out: a
-//! motion in time. Integers only, so every machine derives the same bits. Cannot fail.
+//! In: the motion in the slave's piece, whose parameter is the master's progress, and the motion of
+//! the master. Out: a motion in time. Integers only, so every machine derives the same bits. Cannot
+//! fail.
 use crate::math::real::Real;
 use crate::segment::piece::{Motion, Recip, Scaled};
 use crate::view::Lead;
@@ -28,12 +29,12 @@ fn ratio(slave: &Motion, down: bool) -> Real {
     if down { ratio.negate() } else { ratio }
 }
 
-/// The velocity of a slave whose master goes at `speed`: 0 if that is back, and nothing comes of it.
+/// The velocity of a slave whose master moves at `speed`; 0 if a motion backwards has no effect.
 pub fn led(slave: &Motion, lead: Lead, speed: Real) -> Real {
     if is_back(lead, speed) { Real::ZERO } else { ratio(slave, lead.down).mul(speed) }
 }
 
-/// Whether nothing comes of such a speed.
+/// Whether such a speed has no effect.
 fn is_back(lead: Lead, speed: Real) -> bool {
     lead.one_way && !speed.is_zero() && speed.is_negative() != lead.down
 }
@@ -50,7 +51,7 @@ pub fn compose(slave: Motion, lead: Lead, master: Motion) -> Motion {
     of(ratio.mul(speed), bend.mul(speed).mul(speed).add(ratio.mul(change)))
 }
 
-/// A master that has gone `displacement` units of Pos in `period` ns.
+/// A master that has moved `displacement` units of Pos in `period` ns.
 pub fn straight(displacement: i64, period: u64) -> Motion {
     Motion {
         c: [displacement, 0, 0],

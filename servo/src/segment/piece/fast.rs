@@ -1,11 +1,12 @@
-//! A near piece as the tick takes it: its cubic over whole ns since its begin.
+//! A fast-path piece: its cubic over whole ns since its begin.
 //!
-//! In: a piece when it is made. Out: its position at a time, by 32-bit factors of the time. Owns: the coefficients over
-//! x = t/2ᵏ, where 2ᵏ ns is the least power of two that the span stays below: so x has 31 bits and no error, and it is a
-//! shift away. Cannot fail: what is not fit for it is not near, and takes the exact products of the parameter.
+//! In: a piece when it is made. Out: its position at a time, by 32-bit factors of the time. Owns:
+//! the coefficients over x = t/2ᵏ, where 2ᵏ ns is the least power of two above the span: so x has
+//! 31 bits, no error, and costs one shift. Cannot fail: a piece that does not fit is no fast-path
+//! piece, and takes the exact products of the parameter.
 //!
-//! Coefficients are in 2⁻³⁰ pulse; three roundings of them, that of the begin and three of the sums are 3.24 units at most
-//! (`proofs/fast.gappa`), less than 2⁻²⁸ pulse.
+//! Coefficients are in 2⁻³⁰ pulse. Three roundings of them, that of the begin and three of the sums
+//! are 3.24 units at most (`proofs/near.gappa`), less than 2⁻²⁸ pulse.
 use super::{CUT, Motion};
 use crate::math::wide::{Recip, mulhi_su, umulhi};
 use crate::units::{Exact, Pos};
@@ -13,17 +14,17 @@ use crate::units::{Exact, Pos};
 /// Bits of the coefficients below a [`Pos`].
 const GUARD: u32 = 8;
 
-/// What the tick needs of a near piece.
+/// What the tick needs of a fast-path piece.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub(super) struct FastPiece {
-    /// The span, ns; 0 if the piece is not near.
+    /// The span, ns; 0 if the piece is no fast-path piece.
     pub(super) span: u32,
     /// 2³¹⁻ᵏ: x in 2⁻³¹ is so many times the time.
     power: u32,
     /// Coefficients of x, x² and x³, times 2, 4, 8: the last one first.
     cubic: [i64; 3],
-    /// The place at the begin: what is below a position, with a half, and the position.
+    /// The position at the begin: the bits below a [`Pos`], plus a half, and the position.
     remainder: i64,
     base: i64,
     /// 2⁹⁵/length: t times it is τ in 2⁻⁹⁵.
@@ -31,7 +32,7 @@ pub(super) struct FastPiece {
 }
 
 impl FastPiece {
-    /// Of a piece that is not near.
+    /// For a piece off the fast path.
     pub(super) const NONE: FastPiece =
         FastPiece { span: 0, power: 0, cubic: [0; 3], remainder: 0, base: 0, rate: [0; 3] };
 
@@ -59,7 +60,7 @@ impl FastPiece {
         }
         let half = start.wrapping_add(1 << (CUT - 1));
         let (m0, m1) = ((m >> 1) as u32, (m >> 33) as u32 | 1 << 31);
-        // A piece of less than a ns has no instant but its first.
+        // A piece of less than a ns has its first instant only.
         let s = zeros & 31;
         let rate = if zeros < 64 { [m0 << s, m1 << s | m0 >> 1 >> (31 - s), m1 >> 1 >> (31 - s)] } else { [0; 3] };
         FastPiece {
@@ -81,14 +82,14 @@ impl FastPiece {
         Pos(self.base.wrapping_add(times(slope, x, self.remainder) >> GUARD))
     }
 
-    /// The same of one whose cubic has but its first coefficient.
+    /// The same for a cubic that has its first coefficient only.
     #[inline(always)]
     pub(super) fn at_even(&self, t: u32) -> Pos {
         let (x, [_, _, first]) = (t.wrapping_mul(self.power), self.cubic);
         Pos(self.base.wrapping_add(times(first, x, self.remainder) >> GUARD))
     }
 
-    /// How far τ is at `t` from where it was at the begin, 2⁻⁶³.
+    /// How far τ is at `t` from its value at the begin, 2⁻⁶³.
     #[inline(always)]
     pub(super) fn gone(&self, t: u32) -> u64 {
         let [r0, r1, r2] = self.rate;

@@ -1,8 +1,7 @@
-//! A PT motion that runs.
+//! PT evaluation: a PT motion that runs.
 //!
-//! In: segments from where they lie, how many of them are allowed, instants. Out: pieces.
-//! Owns: the chain of velocities. Fails: a stream without
-//! data ends in [`State::Underrun`].
+//! In: segments from their store, how many of them are allowed, instants. Out: pieces. Owns: the
+//! chain of velocities. Fails: a stream without data ends in [`State::Underrun`].
 use super::segment::Kind;
 use super::store::Segments;
 use crate::math::wide::{Divisor, Recip, scale16};
@@ -30,14 +29,14 @@ pub enum SlotRange {
 /// What the thread has allowed so far; may change at every tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Feed {
-    /// Static: committed segments of the FIFO. Dynamic: running counter behind the last.
+    /// Static: committed segments of the FIFO. Dynamic: running counter after the last.
     pub end: u32,
     /// Static: passes to run, 0 for ever.
     pub passes: u32,
 }
 
-/// Where a run stands behind the last segment it loaded. In two parts, each of which is copied in a few words
-/// at a time where the whole would be a call.
+/// The state of a run after the last segment it loaded. In two parts, each copied in a few words at
+/// a time; the whole would need a call.
 #[derive(Debug, Clone, Copy)]
 struct Track {
     pass: Pass,
@@ -73,18 +72,18 @@ struct Chain {
 /// A PT motion that runs.
 #[derive(Debug, Clone, Copy)]
 pub struct PtRun {
-    /// Behind the last piece made, and behind the one before it.
+    /// After the last piece made, and after the one before it.
     track: Track,
     back: Track,
     slots: SlotRange,
-    /// Duration of the last segment loaded, ready to divide by, and 1/(it in ns): a stream's is constant.
+    /// Duration of the last segment loaded, as a divisor, and 1/(it in ns): a stream's is constant.
     duration: u32,
     divisor: Divisor,
     recip: Recip,
 }
 
-/// Knots crossed in a tick: two where a pass begins on a tick of 1 ms, more only to catch up
-/// after ticks longer than any setting of the board.
+/// Knots crossed in a tick: two where a pass begins on a tick of 1 ms; more only to catch up after
+/// ticks longer than any setting of the board.
 const KNOTS_PER_TICK: u32 = 8;
 
 impl PtRun {
@@ -99,7 +98,7 @@ impl PtRun {
         PtRun { track, back: track, slots, duration: 0, divisor: Divisor::new(1), recip: Recip::default() }
     }
 
-    /// A motion made ready for time 0 begins at `now`.
+    /// A motion prepared for time 0 begins at `now`.
     pub(crate) fn shift(&mut self, now: Ns) {
         for track in [&mut self.track, &mut self.back] {
             track.pass.begin = Ns(track.pass.begin.0.wrapping_add(now.0));
@@ -112,7 +111,7 @@ impl PtRun {
         matches!(self.slots, SlotRange::Dynamic { .. })
     }
 
-    /// Where it stands with the piece in force: `ahead` tells whether the last one made is yet to come.
+    /// The state with the piece in force; `ahead`: the last one made is not in force yet.
     #[inline(always)]
     fn standing(&self, ahead: bool) -> &Track {
         if ahead { &self.back } else { &self.track }
@@ -123,7 +122,7 @@ impl PtRun {
         self.standing(ahead).pass.passes
     }
 
-    /// Dynamic: counter of the first segment that has not run yet, all before it are free.
+    /// Dynamic: counter of the first segment that has not run yet; all before it are free.
     /// `running` is false once the run has ended.
     pub fn released(&self, running: bool, ahead: bool) -> u32 {
         let began = match self.slots {
@@ -208,8 +207,8 @@ impl PtRun {
         true
     }
 
-    /// Makes the piece of the next segment. Not inlined into the loop over knots, where its state would
-    /// be kept on the stack.
+    /// Makes the piece of the next segment. Not inlined into the loop over knots, which would keep
+    /// its state on the stack.
     #[inline(never)]
     fn load(&mut self, source: &impl Segments, piece: &mut Piece) {
         let segment = source.segment(self.slot(self.track.chain.next));

@@ -1,7 +1,7 @@
 //! One PT datum: checked, packed into 12 bytes, and what is read from it.
 //!
-//! In: the bits of the user's double, time and kind, what came before. Out: a [`Segment`], which only
-//! [`Segment::admit`] can make. Fails: with the rule that the datum breaks, [`Refused`].
+//! In: the bits of the user's double, time and kind, the segments before. Out: a [`Segment`], which
+//! only [`Segment::admit`] can make. Fails: with the rule that the datum breaks, [`Refused`].
 use crate::math::wide::Divisor;
 use crate::units::{Exact, StepLimit};
 
@@ -22,7 +22,7 @@ pub enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Segment([u32; 3]);
 
-/// Why a PT datum is refused: the knob, and its limit.
+/// Why a PT datum is refused: the parameter, and its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
     /// The position is NaN or infinite.
@@ -56,7 +56,8 @@ pub struct Chain {
     /// Duration of the segment in ms, and its reciprocal: a stream's is constant.
     duration: u32,
     inverse: u32,
-    /// What rounding may have added to the velocity, in its units: a chain of NORMAL segments hands it on.
+    /// What rounding may have added to the velocity, in its units: a chain of NORMAL segments
+    /// passes it on.
     slack: u32,
 }
 
@@ -102,7 +103,8 @@ impl Segment {
         let exponent = (unsigned >> 52) as u32;
         let fraction = pos_bits & ((1 << 52) - 1);
         let sign = (pos_bits >> 63) as u32;
-        // The bits of doubles of one sign are in the order of the doubles; what is not finite is behind them all.
+        // The bits of doubles of one sign are in the order of the doubles; those that are not
+        // finite come after all others.
         if unsigned > TRAVEL {
             return Err(if exponent == 0x7ff { Refused::NotFinite } else { Refused::BeyondTravel });
         }
@@ -134,7 +136,8 @@ impl Segment {
         let length = pos - before.pos;
         let twice = divisor.quotient64(length.unsigned_abs() << 1) as i64;
         let twice = if length < 0 { -twice } else { twice };
-        // Velocity at the end, and the faster of both that was not looked at with the segment before.
+        // Velocity at the end, and the faster one of those that were not checked with the segment
+        // before.
         let (end, speed, (spare, slack)) = match kind {
             Kind::Normal => {
                 let (end, slack) = (twice - before.velocity, before.slack.saturating_add(SLACK));

@@ -1,4 +1,4 @@
-//! Where segments lie between admission and the tick.
+//! The store of segments between admission and the tick.
 //!
 //! In: admitted segments from the thread, by slot. Out: the same, to the tick. Owns: the memory of one
 //! axis. Fails: never; a slot counts modulo [`SEGMENTS`].
@@ -7,7 +7,7 @@ use ring::Store;
 
 /// Where a run reads its segments.
 pub trait Segments {
-    /// What a slot holds; one that was never written holds the segment of zeros.
+    /// The segment in a slot; a slot that was never written holds the segment of zeros.
     fn segment(&self, slot: u32) -> Segment;
 }
 

@@ -1,40 +1,40 @@
 //! The memory of all tables: PVT places and headers, those of laser channels, written by the thread, read by the tick.
 //!
-//! In: words of a table that no axis runs. Out: the same words. Owns nothing: the memory
-//! is the board's; who may write when is
-//! agreed as for [`ring::Store`]: before the operation that first names the table. Cannot fail: what
-//! does not exist reads as zeros and takes nothing.
+//! In: words of a table that no axis runs. Out: the same words. Owns nothing: the memory is the
+//! board's. Who may write when is agreed as for [`ring::Store`]: before the operation that first
+//! names the table. Cannot fail: what does not exist reads as zeros and takes nothing.
 use super::table::VERSION;
 use super::{HEADER_WORDS, PLACES, POINT_WORDS, Tables};
 use ring::Store;
 
 pub use crate::capacity::TABLES;
 
-/// Places of one table, 16 KiB.
+/// Points of one table, 16 KiB.
 pub type PointStore = Store<POINT_WORDS, PLACES>;
 /// Headers of all tables.
 pub type HeaderStore = Store<HEADER_WORDS, TABLES>;
 
-/// Places and headers of all tables; see the module text.
+/// Points and headers of all tables; see the module text.
 #[derive(Clone, Copy)]
 pub struct TableStores<'a> {
-    /// Places, a store a table.
+    /// Points, one store for each table.
     pub points: &'a [PointStore; TABLES],
-    /// Headers, a slot a table.
+    /// Headers, one slot for each table.
     pub headers: &'a HeaderStore,
     /// Those of laser channels.
     pub lasers: &'a crate::laser::Tables,
 }
 
 impl TableStores<'_> {
-    /// Writes place `index` of a table.
+    /// Writes point `index` of a table.
     pub fn write_point(&self, table: u8, index: u32, words: [u32; POINT_WORDS]) {
         if let Some(points) = self.points.get(table as usize) {
             points.write(index, words);
         }
     }
 
-    /// Writes the header of a table, behind its places: who has read any of them before finds another version.
+    /// Writes the header of a table, after its points: a reader of the old ones finds another
+    /// version.
     pub fn write_header(&self, table: u8, mut words: [u32; HEADER_WORDS]) {
         if (table as usize) < TABLES {
             if let Some(version) = words.get_mut(VERSION) {

@@ -1,28 +1,29 @@
-//! What a PVT table is in memory: places of 16 bytes and a header, packed and unpacked.
+//! What a PVT table is in memory: points of 16 bytes and a header, packed and unpacked.
 //!
 //! In: integers that the dispatcher scaled. Out: words for the stores, and back. Owns nothing.
 //! Fails: [`Point::admit`] and [`Header::admit`] take only what fits; all stored words can be read.
 //!
-//! A place holds 44 bits of time, 44 of position and 40 of velocity, each in a unit that is a power
-//! of two and belongs to the table: with peak speed V and duration T, half a unit of time moves a
-//! point by V·T·2⁻⁴⁴, half a unit of position is at most V·T·2⁻⁴³, and half a unit of velocity at both ends
-//! moves the middle of a segment by V·T·2⁻⁴¹: together 0.69 of what SPEC 11 allows. Why not otherwise: decision 6.
+//! A point holds 44 bits of time, 44 of position and 40 of velocity, each in a unit that is a power
+//! of two and belongs to the table. With peak speed V and duration T, half a unit of time moves a
+//! point by V·T·2⁻⁴⁴. Half a unit of position is at most V·T·2⁻⁴³. Half a unit of velocity at both
+//! ends moves the middle of a segment by V·T·2⁻⁴¹. Together that is 0.69 of what SPEC 11 allows.
+//! Why these widths: decision 6.
 use crate::math::wide::umulhi;
 use crate::units::Exact;
 
-/// Places of a table.
+/// Points of a table.
 pub const PLACES: usize = 1024;
-/// Words of a place.
+/// Words of a point.
 pub const POINT_WORDS: usize = 4;
 /// Words of a header; the last one counts how often it was written.
 pub const HEADER_WORDS: usize = 17;
 /// The word that counts how often a header was written.
 pub(super) const VERSION: usize = HEADER_WORDS - 1;
-/// Bits of a place's time.
+/// Bits of a point's time.
 pub const TIME_BITS: u32 = 44;
-/// Bits of a place's position with its sign.
+/// Bits of a point's position with its sign.
 pub const POS_BITS: u32 = 44;
-/// Bits of a place's velocity with its sign.
+/// Bits of a point's velocity with its sign.
 pub const VEL_BITS: u32 = 40;
 /// The shortest pass, 1 µs: a tick may hold many passes, but their number has a bound.
 pub const SHORTEST_PASS_NS: u64 = 1000;
@@ -32,7 +33,7 @@ pub const LONGEST_NS: u64 = 1 << 56;
 /// One knot, in the table's units: time and position from the first point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Point {
-    /// Time, [`TIME_BITS`] bits; that of the last place must not be before the duration.
+    /// Time, [`TIME_BITS`] bits; that of the last point must not be before the duration.
     pub time: u64,
     /// Position, [`POS_BITS`] bits.
     pub pos: i64,
@@ -41,8 +42,9 @@ pub struct Point {
 }
 
 impl Point {
-    /// Packs a place: word 0 time, word 2 position, word 3 velocity, low halves; word 1 has the rest:
-    /// time in bits 0–11, velocity in 12–19, position in 20–31. `None` if something does not fit.
+    /// Packs a point: word 0 time, word 2 position, word 3 velocity, low halves; word 1 has the
+    /// rest: time in bits 0–11, velocity in 12–19, position in 20–31. `None` if something does not
+    /// fit.
     pub fn admit(self) -> Option<[u32; POINT_WORDS]> {
         let fits = |x: i64, bits: u32| x >> (bits - 1) == 0 || x >> (bits - 1) == -1;
         if self.time >> TIME_BITS != 0 || !fits(self.pos, POS_BITS) || !fits(self.vel, VEL_BITS) {
@@ -52,7 +54,7 @@ impl Point {
         Some([self.time as u32, high, self.pos as u32, self.vel as u32])
     }
 
-    /// Unpacks a place.
+    /// Unpacks a point.
     #[inline(always)]
     pub fn from_words(words: [u32; POINT_WORDS]) -> Point {
         let [time, high, pos, vel] = words;
@@ -65,16 +67,16 @@ impl Point {
     }
 }
 
-/// Time of a place from its first two words.
+/// Time of a point from its first two words.
 #[inline(always)]
 pub fn time_of(words: [u32; 2]) -> u64 {
     ((words[1] & 0xfff) as u64) << 32 | words[0] as u64
 }
 
-/// What is known of a table as a whole.
+/// What holds for a table as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Header {
-    /// Places in use, 2…1024; 0 is an empty table.
+    /// Points in use, 2…1024; 0 is an empty table.
     pub points: u16,
     /// Unit of time is 2^-`time_bits` ns, −13…32.
     pub time_bits: i8,
@@ -82,7 +84,7 @@ pub struct Header {
     pub pos_bits: i8,
     /// Unit of velocity is 2^-`vel_bits` pulse/ms, 6…62.
     pub vel_bits: i8,
-    /// Lengths of segments are lifted by so many bits before they are multiplied, 0…63: the
+    /// Lengths of segments are shifted up by this many bits before they are multiplied, 0…63. The
     /// longest one must keep its top bit, and all displacements and velocity × length must stay
     /// below 2⁵⁹ in units of 2^-[`Header::frac`].
     pub lift: u8,

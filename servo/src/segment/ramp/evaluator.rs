@@ -1,8 +1,8 @@
 //! A ramp motion that runs.
 //!
-//! In: where the axis is, targets and rates; instants. Out: pieces. Owns: the leg in force,
-//! its stretches of constant jerk. A leg is computed when it is entered
-//! (`run/phases.rs`).
+//! In: the axis's motion at the start, targets and rates; instants. Out: pieces. Owns: the phase in
+//! force, its intervals of constant jerk. A phase is computed when it is entered
+//! (`evaluator/phases.rs`).
 mod phases;
 
 use super::rate::{Accel, Rate, Speed};
@@ -13,7 +13,7 @@ use crate::segment::profile::State;
 use crate::units::{Exact, Ns};
 use phases::ms;
 
-/// Where an axis is when a ramp begins.
+/// The motion of an axis when a ramp begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Moving {
     /// Position.
@@ -25,12 +25,12 @@ pub struct Moving {
 /// Time in 2⁻³² ns.
 pub type Fine = u128;
 
-/// What is done once the present leg has ended.
+/// What follows the present phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Next {
     /// A ramp to 0.
     Halt,
-    /// A Trap at rest or on its way decides how fast it can go.
+    /// A Trap at rest or in motion decides how fast it can go.
     Aim,
     /// A ramp to the peak.
     Ramp,
@@ -50,7 +50,7 @@ enum Kind {
     Stop,
 }
 
-/// How a velocity ramp takes its time.
+/// The shape of a velocity ramp over time.
 #[derive(Debug, Clone, Copy)]
 enum Shape {
     /// Acceleration in steps.
@@ -61,7 +61,7 @@ enum Shape {
     Average { inverse: Real },
 }
 
-/// A stretch of constant jerk within a leg.
+/// An interval of constant jerk within a phase.
 #[derive(Debug, Clone, Copy)]
 struct JerkPhase {
     begin: Fine,
@@ -76,16 +76,16 @@ struct JerkPhase {
     reach: i32,
 }
 
-/// What the second and third stretch of a ramp with edges need; they begin and end at the knots.
+/// What the second and third interval of a ramp with edges need; they begin and end at the knots.
 #[derive(Debug, Clone, Copy)]
 struct Edged {
-    /// Stretches to come.
+    /// Intervals to come.
     left: u8,
     /// Velocity at the end, acceleration between the edges, a sixth of the jerk in the first.
     v1: Real,
     top: Real,
     sixth: Real,
-    /// Velocity gained in an edge, and the way by it.
+    /// Velocity gained in an edge, and the displacement by it.
     gained: Real,
     distance: Real,
     /// An edge, ms.
@@ -101,7 +101,7 @@ struct Edged {
 pub struct RampRun {
     kind: Kind,
     next: Next,
-    /// Where, when and how fast the next leg begins.
+    /// Position, instant and velocity at which the next phase begins.
     knot: Exact,
     time: Fine,
     v: Real,
@@ -120,7 +120,8 @@ pub struct RampRun {
     edged: Edged,
 }
 
-/// Pieces a tick may step over: four legs of three stretches, each in one piece where it is so short.
+/// Pieces a tick may step over: four phases of three intervals, each in one piece where it is so
+/// short.
 const PIECES_PER_TICK: u32 = 16;
 const STILL: JerkPhase = JerkPhase { begin: 0, len: 0, done: 0, v: Real::ZERO, a: Real::ZERO, j: Real::ZERO, reach: 0 };
 const NO_EDGES: Edged = Edged {
@@ -136,7 +137,7 @@ const NO_EDGES: Edged = Edged {
 };
 
 impl RampRun {
-    /// Nothing to do: it has ended. A motion is begun in place, so that nothing large is moved about.
+    /// It has ended. A motion is begun in place, so that nothing large is moved about.
     pub const IDLE: RampRun = RampRun {
         kind: Kind::Stop,
         next: Next::Over,
@@ -154,7 +155,7 @@ impl RampRun {
         edged: NO_EDGES,
     };
 
-    /// Whatever ran is over; a motion begins.
+    /// The motion before is over; another one begins.
     fn restart(&mut self, kind: Kind, now: Ns, from: Moving, shape: Shape) {
         (self.kind, self.shape) = (kind, shape);
         (self.knot, self.pos, self.time) = (from.pos, from.pos, (now.0 as Fine) << 32);
@@ -162,9 +163,9 @@ impl RampRun {
         self.v = Real::from_scaled(from.velocity);
     }
 
-    /// Velocity goes to `target` with `acc` when speeding up and `dec` (or `acc`, if `dec` is 0)
-    /// when slowing down, through 0 first where the sign changes, and stays there for ever.
-    /// A target of 0 ends the motion. `smooth` in 2⁻¹⁶.
+    /// The velocity goes to `target` with `acc` when it speeds up and `dec` (or `acc`, if `dec` is
+    /// 0) when it slows down, through 0 first where the sign changes, and stays there for ever. A
+    /// target of 0 ends the motion. `smooth` in 2⁻¹⁶.
     pub fn begin_jog(&mut self, now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) {
         let shape = if smooth == 0 {
             Shape::Plain
@@ -188,7 +189,8 @@ impl RampRun {
         self.next = if self.v.is_zero() { Next::Over } else { Next::Halt };
     }
 
-    /// A trapezoid to the target, planned from the present velocity: back, if it is overshot.
+    /// A trapezoid to the target, planned from the present velocity; it comes back after an
+    /// overshoot.
     pub fn begin_trap(&mut self, now: Ns, from: Moving, to: &Trapezoid) {
         self.restart(Kind::Trap, now, from, Shape::Plain);
         self.means.wait = Real::ZERO;
@@ -229,7 +231,7 @@ impl RampRun {
         run
     }
 
-    /// A motion made ready for time 0 begins at `now`.
+    /// A motion prepared for time 0 begins at `now`.
     pub(crate) fn shift(&mut self, now: Ns) {
         let by = (now.0 as Fine) << 32;
         self.time = self.time.wrapping_add(by);
@@ -266,7 +268,8 @@ impl RampRun {
         State::Running
     }
 
-    /// Enters the next leg, if it has any length; false at the end. What has ended, ends on its knot.
+    /// Enters the next phase, if it has any length; false at the end. A motion that has ended is on
+    /// its knot.
     fn next_phase(&mut self) -> bool {
         self.pos = self.knot;
         match self.next {

@@ -1,7 +1,8 @@
-//! What a Trap can reach on its way.
+//! The speed that a Trap can reach over its distance.
 //!
-//! In: the way left, the speed at its beginning, the parameters. Out: whether to brake first, and the
-//! peak speed. All of it in magnitudes along the way; nothing here knows of instants.
+//! In: the remaining distance, the speed at its beginning, the parameters. Out: whether to brake
+//! first, and the peak speed. All are magnitudes along the distance; nothing here depends on
+//! instants.
 use super::rate::{Accel, Rate, Speed};
 use crate::math::real::Real;
 use crate::units::Ns;
@@ -17,7 +18,7 @@ pub struct Trapezoid {
     pub acc: Accel,
     /// Deceleration, not 0.
     pub dec: Accel,
-    /// Velocity at which a start from rest begins, at most `speed`. Left out where the axis could
+    /// Velocity at which a start from rest begins, at most `speed`. Not used where the axis could
     /// not stop from it within the distance.
     pub vel_start: Speed,
     /// Length of the moving average over each velocity ramp.
@@ -34,12 +35,12 @@ pub(super) struct Means {
 }
 
 impl Means {
-    /// Twice the way of a stop from `u`.
+    /// Twice the distance of a stop from `u`.
     pub(super) fn stop(&self, u: Real) -> Real {
         u.mul(u.mul(self.dec.inverse).add(self.wait))
     }
 
-    /// Twice the way of a ramp from `u` to `peak` and a stop from there.
+    /// Twice the distance of a ramp from `u` to `peak` and a stop from there.
     fn up_and_down(&self, u: Real, peak: Real, rate: &Rate) -> Real {
         if u.is_zero() {
             // Both begin or end at rest: one product less.
@@ -54,8 +55,8 @@ impl Means {
         u.add(peak).mul(change.mul(rate.inverse).add(self.wait)).add(stop)
     }
 
-    /// The peak speed of a motion over `length` that begins at `u` and wants to cruise at `speed`;
-    /// whether it speeds up to it.
+    /// The peak speed of a motion over `length` that begins at `u` and has the cruising speed
+    /// `speed`; and whether it speeds up to it.
     pub(super) fn peak(&self, u: Real, speed: Real, length: Real) -> (Real, bool) {
         let faster = u.is_less(speed);
         let rate = if faster { &self.acc } else { &self.dec };

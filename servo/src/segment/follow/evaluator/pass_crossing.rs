@@ -43,7 +43,7 @@ impl FollowRun {
         None
     }
 
-    /// The master goes along a stretch.
+    /// The master moves along a section.
     pub(super) fn advance<S: Entries, L: Fn(Input, u8) -> bool>(
         &mut self,
         mut section: Section<'_>,

@@ -1,7 +1,8 @@
-//! Where a slave is in its FIFO: the segment of its progress, through ends of passes, both ways.
+//! The segment of a slave's progress in its FIFO, through ends of passes, forwards and backwards.
 //!
-//! In: the progress, in the run. Out: the piece that holds it, or the entry or the end that is reached. Owns: nothing.
-//! Cannot fail: what lies too far is marked. Work: a bisection, and a product for any number of passes.
+//! In: the progress, in the run. Out: the piece that holds it, or the entry or the end that is
+//! reached. Owns: nothing. Cannot fail: a position too far away is marked. Work: a bisection, and a
+//! product for any number of passes.
 use super::{Ahead, Context, FollowRun, Seek};
 use crate::math::wide::{recip64_below, umulhi};
 use crate::segment::follow::Entries;
@@ -12,7 +13,8 @@ use crate::segment::follow::setup::Setup;
 use crate::units::Exact;
 
 impl FollowRun {
-    /// The piece in force does not hold `progress`: how far into the one made ahead it is, if that does.
+    /// The piece in force does not hold `progress`: the distance into the one made ahead, if that
+    /// does.
     #[inline(never)]
     pub(super) fn turn(&mut self, progress: i64) -> Option<u64> {
         let ahead = self.ahead.as_ref().filter(|_| self.piece.span != 0)?;
@@ -26,8 +28,9 @@ impl FollowRun {
         Some(t)
     }
 
-    /// Makes the piece that follows the one in force upwards ahead of its tick, if no entry lies between that is no
-    /// segment, so that many slaves can enter pieces in one tick; what is made is what would have been.
+    /// Makes the piece after the one in force ahead of its tick, if all entries between are
+    /// segments, so that many slaves can enter pieces in one tick. The piece is the same as it
+    /// would be later.
     #[inline(never)]
     pub fn prepare(&mut self, setup: &Setup, source: &impl Entries) {
         self.open = false;
@@ -79,7 +82,7 @@ impl FollowRun {
         (index > 0).then(|| context.source.entry(self.fifo, index.wrapping_sub(1)))
     }
 
-    /// Where the entry before `index` ends.
+    /// The end of the entry before `index`.
     pub(super) fn ends_before<L>(&self, index: u32, context: &Context<'_, impl Entries, L>) -> (i128, i128) {
         self.before(index, context).map_or((0, 0), Entry::ends)
     }
@@ -114,8 +117,8 @@ impl FollowRun {
         pos.wrapping_sub((self.piece.start.0 as i128) << UNIT).unsigned_abs() >> (39 + 64) != 0
     }
 
-    /// Loads the next piece of the segment in force, or of the one behind it, if that is all there is to do: no entry
-    /// that is no segment and no end of a pass lies between.
+    /// Loads the next piece of the segment in force, or of the one after it, if nothing else is to
+    /// be done: neither an entry that is no segment nor an end of a pass lies between.
     #[inline(always)]
     pub(super) fn go_on<L>(&mut self, context: &Context<'_, impl Entries, L>) -> bool {
         if self.piece.span == 0 {
@@ -155,7 +158,7 @@ impl FollowRun {
                 continue;
             }
             if self.pass == floor_pass && x < self.ends_before(low, context).0 {
-                // Before the floor the slave rests at it.
+                // Before the floor the slave is held at it.
                 self.hold(low, context);
                 return Seek::Here;
             }
@@ -230,7 +233,7 @@ impl FollowRun {
     }
 }
 
-/// The slave's way in so many passes; held at 2⁴⁶ pulses, which is too far anyway.
+/// The slave's displacement in this many passes; held at 2⁴⁶ pulses, which is too far anyway.
 fn passes_of(displacement: i128, many: u32) -> i128 {
     const HELD: i128 = 1 << (46 + 64);
     if ((displacement >> 40).wrapping_mul(many as i128)).unsigned_abs() >> (46 + 64 - 40) == 0 {
@@ -254,7 +257,7 @@ fn passes_in(x: i128, length: i128) -> u32 {
     let d = (length << zeros >> 64) as u64;
     let y = if zeros >= 64 { x << (zeros - 64) } else { x >> (64 - zeros) };
     let y = (y >> 32) as u64;
-    // Cut off thrice: a few short, or one too many for the cut of the length.
+    // Cut off three times: a few short, or one too many for the cut of the length.
     let many = ((y as u128).wrapping_add(umulhi(y, recip64_below(d)) as u128) >> 32) as u64;
     let mut many = many.saturating_sub(1);
     for _ in 0..6 {

@@ -1,7 +1,8 @@
-//! How a slave goes on after a switch, and at what ratio.
+//! What follows a switch of a slave, and at what ratio.
 //!
-//! In: the order to switch, the place where it acts. Out: the run with a new origin. Owns: nothing. What the chain
-//! of ratios in the data cannot know is [`More`]. Cannot fail: where there is nothing to switch to, nothing happens.
+//! In: the command to switch, the position where it acts. Out: the run with a new origin. Owns:
+//! nothing. [`More`] holds what the chain of ratios in the data cannot know. Cannot fail: where
+//! there is nothing to switch to, nothing happens.
 use super::{Context, FollowRun, More, Wait};
 use crate::segment::follow::curve::{Segment, UNIT, ratio_at};
 use crate::segment::follow::entry::{ENTRIES, Entry, FAR, STOPS};
@@ -79,7 +80,8 @@ impl FollowRun {
         self.more = Some(More { pass, from: index, odd: entry.odd(), ratio: ratio.wrapping_sub(own) });
     }
 
-    /// The other FIFO takes over; what it follows ended at `ratio`. `at_once`: its first segment starts at it.
+    /// The other FIFO takes over; the segment before ended at `ratio`. `at_once`: its first segment
+    /// starts at it.
     pub(super) fn enter_other<L>(
         &mut self,
         began: i128,
@@ -115,7 +117,7 @@ impl FollowRun {
         self.carried = self.carried.wrapping_neg();
     }
 
-    /// How much more than its chain knows a segment starts with.
+    /// The addition to a segment's start ratio that its chain does not know.
     #[inline(always)]
     pub(super) fn more_at(&self, pass: u32, index: u32, entry: Entry, setup: &Setup, source: &impl Entries) -> i128 {
         if self.more.is_none() && self.carried == 0 { 0 } else { self.more_of(pass, index, entry, setup, source) }
@@ -146,7 +148,7 @@ impl FollowRun {
     /// Whether NORMAL segments lead from `from` to `index`, both included.
     pub(super) fn is_chained(&self, from: u32, index: u32, entry: Entry, source: &impl Entries) -> bool {
         let (mut at, mut entry) = (index, entry);
-        // A chain of 512 entries is looked through in steps of 31.
+        // A chain of 512 entries is searched in steps of 31.
         for _ in 0..=ENTRIES / FAR {
             let back = entry.back();
             at = at.wrapping_sub(back);

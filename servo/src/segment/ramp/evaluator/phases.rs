@@ -1,7 +1,7 @@
-//! Legs of a ramp motion, their stretches and pieces.
+//! Phases of a ramp motion, their intervals of constant jerk, and pieces.
 //!
-//! In: the run's state where a leg or a stretch begins. Out: the same state with the next leg, stretch or
-//! piece in it. Fails: never; what has no length is passed over.
+//! In: the run's state where a phase or an interval begins. Out: the same state with the next
+//! phase, interval or piece in it. Fails: never; what has no length is skipped.
 //!
 //! A piece is parameterised over a power of two of ms, not over its own length: its coefficients are
 //! the velocity, the acceleration and the jerk but for shifts, and 1/length is a constant.
@@ -11,7 +11,8 @@ use crate::math::wide::umulhi;
 use crate::segment::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, Ns};
 
-/// A piece goes less than 2³⁷ pulses and lasts at most 2³⁰ ms; shorter ones than 2 ns need no more than that.
+/// A piece covers less than 2³⁷ pulses and lasts at most 2³⁰ ms; those shorter than 2 ns need no
+/// more than that.
 const REACH: i32 = 35;
 const LONGEST: i32 = 30;
 const SHORTEST: i32 = -19;
@@ -27,7 +28,7 @@ pub(super) fn ms(time: Fine) -> Real {
 }
 
 impl RampRun {
-    /// A Trap that goes towards its target, or rests: to the peak that the way allows.
+    /// A Trap that moves towards its target, or is at rest: to the peak that the distance allows.
     pub(super) fn aim(&mut self) {
         let distance = Real::from_exact(Exact(self.distance()));
         if distance.is_zero() || self.peak.is_zero() {
@@ -63,7 +64,7 @@ impl RampRun {
             let stop = self.means.stop(v.abs()).scale(-1).to_exact().0;
             let distance = self.distance();
             let cruise = distance.wrapping_sub(if v.is_negative() { -stop } else { stop });
-            // In a triangle what is left is a rounding, which the last ramp takes.
+            // In a triangle the remainder is a rounding, which the last ramp takes.
             if (cruise < 0) != v.is_negative() || cruise.unsigned_abs() >> 32 == 0 {
                 return;
             }
@@ -76,13 +77,14 @@ impl RampRun {
         self.time = self.time.wrapping_add(len);
     }
 
-    /// The first stretch of a leg, which lasts less than 2^`span` ms at less than 2^`width` pulse/ms.
+    /// The first interval of a phase, which lasts less than 2^`span` ms at less than 2^`width`
+    /// pulse/ms.
     fn begin(&mut self, jerk_phase: JerkPhase, span: i32, width: i32) {
         let reach = span.min(REACH - width).clamp(SHORTEST, LONGEST);
         self.jerk_phase = JerkPhase { begin: self.time, reach, ..jerk_phase };
     }
 
-    /// Enters a ramp to `v1`; `distance` is how far it goes, if that does not follow from its duration.
+    /// Enters a ramp to `v1`; `distance` is its length, if that does not follow from its duration.
     pub(super) fn ramp(&mut self, v1: Real, rate: Rate, distance: Option<Exact>) {
         let v0 = self.v;
         let change = v1.sub(v0);
@@ -121,7 +123,7 @@ impl RampRun {
         self.time = self.time.wrapping_add(total);
     }
 
-    /// The stretch between the edges, which may have no length, or the last edge.
+    /// The interval between the edges, which may have no length, or the last edge.
     pub(super) fn next_jerk_phase(&mut self) {
         let Edged { left, v1, top, sixth, gained, distance, edge, width, from } = self.edged;
         let s = &mut self.jerk_phase;
@@ -129,7 +131,8 @@ impl RampRun {
         s.done = 0;
         let limit = REACH - width;
         if left == 2 {
-            // The way of the first edge: what its first velocity gives, and what is gained.
+            // The displacement of the first edge: that of its first velocity, and that of the
+            // velocity gained.
             self.pos = Exact(from.0.wrapping_add(s.v.mul(edge).add(distance).to_exact().0));
             s.len = self.time.saturating_sub(s.begin).saturating_sub(s.len);
             (s.v, s.a, s.j) = (s.v.add(gained), top, Real::ZERO);
@@ -144,7 +147,7 @@ impl RampRun {
         self.edged.left = left - 1;
     }
 
-    /// The next piece of the stretch: all of it, or 2^reach ms.
+    /// The next piece of the interval: all of it, or 2^reach ms.
     pub(super) fn load_piece(&mut self, piece: &mut Piece) {
         let s = &mut self.jerk_phase;
         let (mut v, mut a) = (s.v, s.a);
@@ -173,7 +176,7 @@ impl RampRun {
         let last = (begin + len + 0xffff_ffff) >> 32;
         s.done += len;
         let recip = Recip { m: MS_RECIP, shift: (44 - k) as u32 };
-        // τ at `first`, less than 1 ns behind `begin`.
+        // τ at `first`, less than 1 ns after `begin`.
         let offset = ((begin as u32).wrapping_neg() as u64) << 32 >> 1 >> (63 - recip.shift);
         let motion = Motion {
             tau: offset.saturating_add(umulhi(offset, recip.m)) >> 1,
