@@ -1,11 +1,13 @@
 //! Coordinate systems: axes driven together along a path (SPEC 5, "Coordinate systems").
 //!
-//! In: admitted [`Entry`]s of 32 bytes from two FIFOs, instants. Out: a [`Step`] a tick, and what entries do
-//! (outputs, laser, other axes), each with the exact instant of its place in the path. A [`Path`] keeps a
-//! period ahead of itself: the step for the tick at `t` gives the position there and carries out all boundaries
-//! before `t + period`, so that an edge inside the coming interval is known in time and does not depend on the
-//! period. Instants are [`Fine`], positions of boundaries exact; a segment's speed is a closed form of the time
-//! since it began (`plan.rs`), its place on the line or arc a closed form of the way (`shape.rs`).
+//! In: admitted [`Entry`]s of 32 bytes from two FIFOs, instants. Out: a [`Step`] a tick, and the
+//! effects of entries (outputs, laser, other axes), each with the exact instant of its position in
+//! the path. A [`Path`] keeps one period ahead: the step for the tick at `t` gives the position
+//! there and carries out all boundaries before `t + period`. So an edge inside the coming interval
+//! is known in time and does not depend on the period. Instants are [`Fine`], positions of
+//! boundaries exact. A phase's speed is a closed form of the time since it began
+//! (`speed_profile.rs`); its position on the line or arc is a closed form of the path length
+//! (`geometry.rs`).
 mod entry;
 mod evaluator;
 mod geometry;

@@ -3,11 +3,12 @@
 //! In: targets in pulses of the coordinate system, the bits of the user's doubles. Out: an [`Entry`], which only
 //! the constructors here can make. Fails: with the rule that the datum breaks, [`Refused`].
 //!
-//! Word 7 begins with the kind in its top byte. A line in X and Y has both targets in words 0 and 1 and the user's
-//! doubles behind them; of velEnd, the top byte (one of four) is kept in two bits. Other motions have their geometry
-//! in words 0–3 (line: four targets; arc: two and the bits of its sweep; full circle: the centre from the start,
-//! twice 64 bits) and their speeds in what is left: synVel in 44 bits, synAcc and velEnd in 38. So the relative
-//! errors are 2⁻³⁹ and 2⁻³³: less than a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
+//! Word 7 begins with the kind in its top byte. A line in X and Y has both targets in words 0 and 1
+//! and the user's doubles after them; of velEnd, the top byte (one of four) is kept in two bits.
+//! Other motions have their geometry in words 0–3 (line: four targets; arc: two and the bits of its
+//! sweep; full circle: the centre from the start, twice 64 bits) and their speeds in the remaining
+//! bits: synVel in 44, synAcc and velEnd in 38. So the relative errors are 2⁻³⁹ and 2⁻³³: less than
+//! a ns over 10 min of path, 2⁻¹⁶ pulse on ramps of 2¹⁷ pulses.
 use super::pack::{pack, real, unpack};
 use crate::math::real::Real;
 use crate::op::DoGroup;
@@ -25,7 +26,7 @@ pub enum Refused {
     NotFinite,
     /// Below 0.
     Negative,
-    /// A speed or acceleration of 0, or too small to be told from it (below 2⁻²⁰).
+    /// A speed or acceleration of 0, or too small to be distinguished from it (below 2⁻²⁰).
     TooSmall,
     /// A speed or acceleration above 32768 (pulse/ms, pulse/ms²).
     BeyondRange,
@@ -47,7 +48,7 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// Places of its coordinates among X, Y, Z, A.
+    /// Indices of its coordinates among X, Y, Z, A.
     pub const fn coordinates(self) -> [usize; 2] {
         match self {
             Plane::Xy => [0, 1],
@@ -127,7 +128,7 @@ impl Along {
     }
 }
 
-/// How far an arc goes round.
+/// The sweep of an arc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sweep {
     turns: u64,
@@ -136,14 +137,16 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// `turns` are the bits of a double in (0, ½]: the sweep, of a `long` arc what is left to the full turn.
+    /// `turns` are the bits of a double in (0, ½]: the sweep; for a `long` arc the remainder to the
+    /// full turn.
     pub fn admit(turns: u64, long: bool, ccw: bool) -> Result<Sweep, Refused> {
         const HALF: u64 = 0x3FE0_0000_0000_0000;
         const LEAST: u64 = (1023 - 50) << 52;
         if (LEAST..=HALF).contains(&turns) { Ok(Sweep { turns, long, ccw }) } else { Err(Refused::Sweep) }
     }
 
-    /// Half the turns told by the constructor: the angle between chord and tangent, or its supplement.
+    /// Half the turns given to the constructor: the angle between chord and tangent, or its
+    /// supplement.
     pub(super) fn half(self) -> Real {
         real(self.turns).scale(-1)
     }
@@ -168,7 +171,7 @@ impl Sweep {
 /// Words that a laser entry carries for the laser.
 pub const LASER_WORDS: usize = 6;
 
-/// What an entry does to something else than the path, at its exact instant.
+/// The effect of an entry on something else than the path, at its exact instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
     /// BufIO: sets the masked outputs of a group.
@@ -187,20 +190,20 @@ pub enum Change {
         /// −32768…32767 is −10…10 V.
         value: i16,
     },
-    /// BufMove: another axis goes to a target.
+    /// BufMove: another axis moves to a target.
     Move {
         /// Which axis.
         axis: Axis,
         /// Target, pulses.
         target: i32,
-        /// Speed along its way.
+        /// Speed along its displacement.
         speed: Speed,
         /// Acceleration and deceleration.
         acc: Accel,
         /// Whether the path waits until it is there.
         modal: bool,
     },
-    /// A change of a laser channel. The path does not look into it.
+    /// A change of a laser channel. The path does not read it.
     Laser {
         /// Channel.
         channel: u8,
@@ -216,7 +219,7 @@ pub enum Change {
 pub enum Item {
     /// Nothing.
     Nothing,
-    /// A straight line to these targets, pulses; coordinates behind the first `dimensions` stay.
+    /// A straight line to these targets, pulses; coordinates after the first `dimensions` stay.
     Line {
         /// X, Y, Z, A.
         to: [i32; 4],
@@ -231,7 +234,7 @@ pub enum Item {
         plane: Plane,
         /// Target, pulses.
         to: [i32; 2],
-        /// How far round.
+        /// Its sweep.
         sweep: Sweep,
         /// Its speeds.
         along: Along,
@@ -252,7 +255,7 @@ pub enum Item {
         /// Milliseconds.
         ms: u16,
     },
-    /// BufGear: an axis goes along with the next motion.
+    /// BufGear: an axis is geared to the next motion.
     Gear {
         /// Which axis.
         axis: Axis,
@@ -274,9 +277,9 @@ mod kind {
     pub const ANALOG: u32 = 8;
     pub const MOVE: u32 = 9;
     pub const LASER: u32 = 10;
-    /// Where the kind stands in word 7.
+    /// The bit of word 7 at which the kind begins.
     pub const PLACE: u32 = 24;
-    /// Above the kind: plane, then these; of a planar line the place of velEnd's top byte.
+    /// Above the kind: plane, then these; for a planar line, velEnd's top byte.
     pub const PLANE: u32 = 4;
     pub const CCW: u32 = 1 << 6;
     pub const LONG: u32 = 1 << 7;
@@ -310,7 +313,7 @@ fn other(kind: u32, words: [u32; 7]) -> Entry {
 }
 
 impl Entry {
-    /// A line in X and Y, pulses. Where the path is decides whether it has a length.
+    /// A line in X and Y, pulses. Its start decides whether it has a length.
     pub fn planar(to: [i32; 2], along: Along) -> Entry {
         let [x, y] = to.map(|x| x as u32);
         let Along { vel, acc, end } = along;
@@ -350,7 +353,7 @@ impl Entry {
         other(kind::DELAY, [ms as u32, 0, 0, 0, 0, 0, 0])
     }
 
-    /// An axis goes along with the next motion by `pulses`.
+    /// An axis is geared to the next motion, for a displacement of `pulses`.
     pub fn gear(axis: Axis, pulses: i32) -> Entry {
         other(kind::GEAR, [axis.index() as u32, pulses as u32, 0, 0, 0, 0, 0])
     }
@@ -365,8 +368,8 @@ impl Entry {
         other(kind::ANALOG, [channel as u32, value as u16 as u32, 0, 0, 0, 0, 0])
     }
 
-    /// Another axis goes to a target; the path waits for it where it is `modal`. Speed and acceleration as the bits
-    /// of doubles, admitted as [`Speed`] and [`Accel`].
+    /// Another axis moves to a target; the path waits for it if it is `modal`. Speed and
+    /// acceleration as the bits of doubles, admitted as [`Speed`] and [`Accel`].
     pub fn travel(
         axis: Axis,
         target: i32,
@@ -409,13 +412,14 @@ impl Entry {
         (kind::PLANAR..=kind::CIRCLE).contains(&(self.kind() & 15))
     }
 
-    /// Whether the path rests at it for a time.
+    /// Whether the path stops at it for a time.
     pub fn is_wait(&self) -> bool {
         let kind = self.kind();
         kind & 15 == kind::DELAY || kind & 15 == kind::MOVE && kind & kind::MODAL != 0
     }
 
-    /// How many of the effects of a tick it counts as, if it is no motion: a move of another axis is planned when it begins.
+    /// How many effects of a tick it counts as, if it is no motion: a move of another axis is
+    /// planned when it begins.
     pub fn load(&self) -> u32 {
         if self.kind() & 15 == kind::MOVE { 4 } else { 1 }
     }
@@ -428,7 +432,8 @@ impl Entry {
             let (first, second) = (wide(e, f), wide(g, h));
             let acc = first & 0xf_ffff | second << 8 >> 46 << 20;
             let (vel, end) = (unpack(first >> 20, VEL_BITS), second & ((1 << 38) - 1));
-            // What ends at its speed does not change it by the bits that are left out: that would be a leg of its own.
+            // A motion that ends at its own speed keeps it in spite of the bits that are left out:
+            // else it would have one more phase.
             let end = if end == pack(vel, RATE_BITS) { vel } else { unpack(end, RATE_BITS) };
             Along { vel, acc: unpack(acc, RATE_BITS), end }
         };

@@ -1,12 +1,14 @@
 //! A coordinate system that moves.
 //!
-//! In: entries from two FIFOs and how many of them are there, instants, Stops. Out: a [`Step`] a tick; what entries
-//! do, with exact instants, to an [`Effects`]. Owns: the motion in force, a cursor for each FIFO. Fails: entries that
-//! run out at speed end the path there, [`PathStop::Underrun`].
+//! In: entries from two FIFOs and how many of them are there, instants, Stops. Out: a [`Step`] a
+//! tick; the effects of entries, with exact instants, to an [`Effects`]. Owns: the motion in force,
+//! a cursor for each FIFO. Fails: entries that run out at speed end the path there,
+//! [`PathStop::Underrun`].
 //!
-//! [`Path::step`] for the tick at `t` first passes the boundaries up to `t`, looks where the path is, and then passes
-//! those before `t + period`: the path stands a period ahead of what it shows. A Stop, an override and new data act
-//! at `t`, which no boundary beyond has been told of yet.
+//! [`Path::step`] for the tick at `t` first passes the boundaries up to `t`, samples the position,
+//! and then passes those before `t + period`: the path is one period ahead of its published
+//! position. A Stop, an override and new data act at `t`; no boundary after it has been published
+//! yet.
 mod advance;
 mod cursor;
 mod fast_path;
@@ -33,25 +35,26 @@ use crate::units::{Axis, Exact, Ns, Pos};
 use cursor::{Cursor, Gear, ORIGIN, Past};
 use fast_path::Turn;
 
-/// Entries with effects in a tick, a move counted [`Entry::load`] times; the path holds before the next one until the next
-/// tick. As many may stand between two motions that are passed at speed.
+/// Entries with effects in a tick, a move counted [`Entry::load`](super::entry::Entry::load) times;
+/// the path holds before the next one until the next tick. As many may lie between two motions that
+/// are passed at speed.
 pub(crate) const EFFECTS: u32 = 32;
 /// Instants of a tick at which they take effect.
 pub(crate) const INSTANTS: u32 = 8;
 /// Motions entered in a tick; the same holds.
 const MOTIONS: u32 = 32;
-/// What the path does now.
+/// The present state of the path.
 #[derive(Debug, Clone, Copy)]
 enum Stage {
     /// Nothing.
     Standstill,
-    /// It waits where it is.
+    /// It waits at its position.
     Wait { until: Fine },
-    /// It is in a leg of a motion.
+    /// It is in a phase of a motion.
     Move,
 }
 
-/// What stands behind a motion.
+/// What follows a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum After {
     /// Another motion.
@@ -62,17 +65,18 @@ enum After {
     Nothing,
 }
 
-/// A coordinate system that moves. What every tick looks at stands first.
+/// A coordinate system that moves. What every tick reads comes first.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct Path {
     stage: Stage,
     stand: MotionPosition,
-    /// The way since the last look to the end of the last leg that has ended since, if one has.
+    /// The path length since the last sample to the end of the last phase that has ended since, if
+    /// one has.
     swept: Option<Exact>,
-    /// Then: where it stood at that look.
+    /// Then: its position at that sample.
     past: Past,
-    /// The end of the FIFO, if nothing stood behind the motion in force when it was planned.
+    /// The end of the FIFO, if nothing followed the motion in force when it was planned.
     open: Option<u32>,
     fifo: u8,
     /// Which motion, and which piece, is in force.
@@ -80,52 +84,55 @@ pub struct Path {
     piece: u8,
     /// The piece in force is made.
     pieced: bool,
-    /// What the short way may do: show where it is, and go over the end of the leg in force. Decided where it may change.
+    /// Whether the fast path may publish the position, and pass the end of the phase in force.
+    /// Decided where it may change.
     fast: bool,
     turn: Turn,
-    /// What is shown has to be written as a whole.
+    /// What is published has to be written as a whole.
     fresh: bool,
-    /// Whether somebody follows a coordinate; then what happens between looks is kept: up to the last look, and since.
+    /// Whether a coordinate has slaves; then the motion between samples is kept: up to the last
+    /// one, and since.
     led: bool,
     stopping: bool,
-    /// Of the plan of the motion in force, what comes behind its first leg is not made yet (`sketch`).
+    /// The plan of the motion in force is not made yet beyond its first phase (`sketch`).
     unfinished: bool,
-    /// The leg as a piece, once it is needed, and the one behind it, if it is made ahead.
+    /// The phase as a piece, once it is needed, and the one after it, if it is made ahead.
     pieces: [PackedPhase; 2],
-    /// Where it stands behind the end of the leg in force, if that is where the next motion begins (`turn`).
+    /// Its position after the end of the phase in force, if the next motion begins there (`turn`).
     coming: MotionPosition,
-    /// When the piece behind the one in force begins, if it is made.
+    /// When the piece after the one in force begins, if it is made.
     follows: Option<Fine>,
     /// The instant up to which all boundaries have been passed, and the speed there.
     time: Fine,
     speed: Real,
     cursors: [Cursor; 2],
-    /// The motion in force, and the one behind it, made ahead in ticks that have time for it.
+    /// The motion in force, and the one after it, made ahead in ticks that have time for it.
     motions: [Prepared; 2],
-    /// Where it is while it does not move.
+    /// Its position while it does not move.
     here: [Pos; DIMENSIONS],
     /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
     pub rules: Rules,
-    /// What is being made of the motion behind the one in force, or, as long as that is `unfinished`, of its plan.
+    /// The part in progress of the motion after the one in force, or, as long as that is
+    /// `unfinished`, of its plan.
     draft: Draft,
     sketch: Sketch,
-    /// At rest: what of it there is, is of a start with this FIFO, as if it began at 0.
+    /// At rest: the part that is made belongs to a start with this FIFO, as if it began at 0.
     prepared: Option<u8>,
     wake: TrajectorySample,
     since: TrajectorySample,
 }
 
-/// A leg as the tick takes it.
+/// A phase in the form that the tick evaluates.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 struct PackedPhase {
-    /// Its speed, where it is even.
+    /// Its speed, where it is constant.
     even: Option<PathSpeed>,
     piece: Piece,
 }
 
 impl PackedPhase {
-    /// Becomes a leg that begins then, where so much of the way is done.
+    /// Becomes a phase that begins then, at this path length.
     #[inline(always)]
     fn make(&mut self, phase: &Phase, begin: Fine, from: Exact) {
         phase.piece(begin, from, &mut self.piece);
@@ -133,18 +140,18 @@ impl PackedPhase {
     }
 }
 
-/// Where it stands in the motion in force.
+/// The position in the motion in force.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 struct MotionPosition {
-    /// When the leg in force began, and the way done there.
+    /// When the phase in force began, and the path length there.
     began: Fine,
     distance: Exact,
-    /// When the leg or the wait in force is over.
+    /// When the phase or the wait in force is over.
     over: Fine,
-    /// The way along the motion when it was looked at last, or 0 if it was entered since.
+    /// The path length along the motion at the last sample, or 0 if it was entered since.
     sampled: Pos,
-    /// Which leg.
+    /// Index of the phase.
     phase: usize,
 }
 
@@ -152,7 +159,7 @@ impl MotionPosition {
     const NONE: MotionPosition = MotionPosition { began: 0, distance: Exact(0), over: 0, sampled: Pos(0), phase: 0 };
 }
 
-/// A motion as far as it is made.
+/// A motion as far as it is prepared.
 #[derive(Debug, Clone, Copy)]
 struct Prepared {
     /// Counter of its entry.
@@ -161,11 +168,11 @@ struct Prepared {
     along: Along,
     shape: Shape,
     plan: Plan,
-    /// The end of the FIFO, if nothing stood behind it when its plan was begun.
+    /// The end of the FIFO, if nothing followed it when its plan was begun.
     open: Option<u32>,
 }
 
-/// How far a motion is made.
+/// How far a motion is prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum State {
     /// Nothing of it.
@@ -176,7 +183,7 @@ enum State {
     Shaped,
     /// Some of its plan.
     Sketched,
-    /// All of it, or all that one without length has.
+    /// All of it, or all that a motion without length has.
     Ready,
 }
 
@@ -202,7 +209,7 @@ struct Budget {
 }
 
 impl Budget {
-    /// Of a tick at whose end the path goes on if this is not enough.
+    /// Of a tick; the path goes on at its end if this is not enough.
     fn new(hold: Fine) -> Budget {
         Budget { effects: EFFECTS, instants: INSTANTS, last: Fine::MAX, motions: MOTIONS, hold }
     }
@@ -257,8 +264,8 @@ impl Path {
 
     /// At rest here, FIFOs empty (SetCrdPrm).
     pub fn position(&mut self, at: [Pos; DIMENSIONS]) {
-        // In place, field by field: a path is some kilobytes. What the pattern leaves out is known by name: it stays, and is
-        // not looked at before it is made anew.
+        // In place, field by field: a path is some kilobytes. The pattern names the fields that
+        // stay; they are not read before they are made anew.
         let Path {
             stage,
             stand,
@@ -307,7 +314,8 @@ impl Path {
         self.cursor(fifo).clear();
     }
 
-    /// Its FIFOs, which are empty, have carried out so many entries and motions more: see [`crate::tick::Tick::age_counts`].
+    /// Its FIFOs, which are empty, have executed this many entries and motions more: see
+    /// [`crate::tick::Tick::age_counts`].
     #[cfg(feature = "test-hooks")]
     pub(crate) fn age(&mut self, by: u32) {
         self.discard_prepared();
@@ -316,23 +324,23 @@ impl Path {
         }
     }
 
-    /// At rest, it is here: its axes are called something else now.
+    /// At rest, its position gets the name `here`: its axes have other user positions now.
     pub fn rename(&mut self, here: [Pos; DIMENSIONS]) {
         self.discard_prepared();
         (self.here, self.fresh) = (here, true);
     }
 
-    /// Where it is while it does not move.
+    /// Its position while it does not move.
     pub fn here(&self) -> [Pos; DIMENSIONS] {
         self.here
     }
 
-    /// Whether a start with this FIFO goes on where the FIFO was left.
+    /// Whether a start with this FIFO continues where the FIFO was interrupted.
     pub fn goes_on(&self, fifo: u8) -> bool {
         self.cursor_of(fifo).kept
     }
 
-    /// Whether what the coordinates do between ticks is wanted from now on.
+    /// Whether the motion of the coordinates between ticks is needed from now on.
     #[inline(always)]
     pub fn watch(&mut self, led: bool) {
         if led && !self.led {
@@ -344,7 +352,7 @@ impl Path {
         }
     }
 
-    /// What they did up to the last look.
+    /// That motion up to the last sample.
     pub fn wake(&self) -> &TrajectorySample {
         &self.wake
     }
@@ -359,7 +367,8 @@ impl Path {
         self.stopping
     }
 
-    /// Of a FIFO that was left, or begins, within a motion: the axes that go along, and how far they have gone.
+    /// For a FIFO that was interrupted within a motion, or begins within one: the geared axes, and
+    /// their displacements so far.
     pub fn gears(&self, fifo: u8) -> impl Iterator<Item = (Axis, Pos)> {
         let cursor = self.cursor_of(fifo);
         let (inside, distance) = (if cursor.inside { cursor.geared } else { 0 }, cursor.distance.round());
@@ -371,7 +380,7 @@ impl Path {
         !matches!(self.stage, Stage::Standstill)
     }
 
-    /// Entries of a FIFO that are over; their places are free.
+    /// Entries of a FIFO that are over; their slots are free.
     pub fn released(&self, fifo: u8) -> u32 {
         self.cursor_of(fifo).released()
     }
@@ -392,7 +401,7 @@ impl Path {
         &mut self.motions[(self.at & 1) as usize]
     }
 
-    /// The one behind it.
+    /// The one after it.
     #[inline(always)]
     fn ahead(&self) -> &Prepared {
         &self.motions[(!self.at & 1) as usize]
@@ -413,8 +422,9 @@ impl Path {
         if fifo == 0 { first } else { second }
     }
 
-    /// Whether it cannot start: it runs, there is nothing to do, or a FIFO that was left is to go on from a place
-    /// more than a pulse from where the path is: targets are whole pulses, so nobody can come back nearer.
+    /// Whether it cannot start: it runs, there is nothing to do, or an interrupted FIFO would
+    /// continue more than a pulse from the present position. Targets are whole pulses, so nobody
+    /// can come back nearer.
     pub fn refuses_start(&self, fifo: u8, feed: Feed) -> bool {
         let cursor = self.cursor_of(fifo);
         let empty = !cursor.inside && cursor.left == 0 && cursor.next == end_of(feed, fifo);
@@ -460,8 +470,8 @@ impl Path {
         Step { runs: reported.runs, fifo: reported.fifo, done: reported.done, ..step }
     }
 
-    /// The same, shown where it was shown in the step before; something of what follows is made ahead only where
-    /// `may_prepare`.
+    /// The same; publishes into the report of the step before. A part of what follows is made ahead
+    /// only if `may_prepare`.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "a step, and where it goes to")]
     pub fn advance(
@@ -494,7 +504,7 @@ impl Path {
         let now = (next.0 as Fine) << 32;
         let until = now.wrapping_add((period.0 as Fine) << 32);
         let mut budget = Budget::new(until);
-        // A tick that enters something or makes a piece does not make anything ahead.
+        // A tick that enters a motion or makes a piece prepares nothing.
         let mut has_time = may_prepare && self.pieced;
         if self.is_due(next) {
             self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
@@ -522,7 +532,8 @@ impl Path {
         StepReport { runs, fifo, done, released }
     }
 
-    /// What lies behind the place at `next` that [`Path::fast_step`] has told: all boundaries before `next + period`.
+    /// The rest of the step after [`Path::fast_step`] has published the position at `next`: all
+    /// boundaries before `next + period`.
     #[inline(always)]
     pub fn go_through(&mut self, next: Ns, period: Ns, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
         let until = ((next.0.wrapping_add(period.0)) as Fine) << 32;
@@ -536,7 +547,7 @@ impl Path {
         self.fifo
     }
 
-    /// What is shown has to be told as a whole.
+    /// What is published has to be written as a whole.
     pub fn is_fresh(&self) -> bool {
         self.fresh
     }
@@ -559,7 +570,7 @@ impl Path {
         ((self.stand.over >> 32) as u64) < until.0
     }
 
-    /// Whether data has come where none was.
+    /// Whether data has come where the FIFO had ended.
     #[inline(always)]
     fn has_changed(&self, feed: Feed) -> bool {
         self.open.is_some_and(|sampled| sampled != end_of(feed, self.fifo))

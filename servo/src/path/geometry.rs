@@ -1,11 +1,13 @@
-//! The geometry of one motion: how long it is, and where it is after so much of it.
+//! The geometry of one motion: its length, and the position at a path length.
 //!
-//! In: the place where it starts, its entry. Out: its length; the position at a way from its start. Cannot fail: a
-//! motion without length has length 0, and an arc that would not fit (which admission has excluded) goes straight.
+//! In: the position where it starts, its entry. Out: its length; the position at a path length from
+//! its start. Cannot fail: a motion without length has length 0, and an arc that would not fit
+//! (which admission has excluded) goes straight.
 //!
-//! A line is start + way·unit vector. An arc turns the vector from its centre to its start: S + (cos α − 1)·V ± sin α·V⊥
-//! with α = way/R. Centre and radius follow from both ends and the sweep θ: R = c/(2·sin(θ/2)) for a chord of
-//! length c, and V = −d/2 ∓ d⊥/2·cot(θ/2) for a chord d. So an arc ends on its target whatever rounding there is.
+//! A line is start + s·unit vector for a path length s. An arc turns the vector from its centre to
+//! its start: S + (cos α − 1)·V ± sin α·V⊥ with α = s/R. Centre and radius follow from both ends
+//! and the sweep θ: R = c/(2·sin(θ/2)) for a chord of length c, and V = −d/2 ∓ d⊥/2·cot(θ/2) for a
+//! chord d. So an arc ends on its target whatever the rounding.
 use super::DIMENSIONS;
 use super::entry::{Item, Plane, Sweep};
 use crate::math::real::Real;
@@ -14,10 +16,10 @@ use crate::math::wide::{mulhi_near, mulhi_su, umulhi};
 use crate::segment::piece::Scaled;
 use crate::units::{Pos, whole};
 
-/// What an axis does that goes along with a motion.
+/// The gearing of an axis to a motion.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Along {
-    /// Way of the axis per way of the path, in 2^(w − 62).
+    /// Displacement of the axis per path length, in 2^(w − 62).
     ratio: i64,
     /// |ratio| < 2^width.
     width: i32,
@@ -33,7 +35,7 @@ impl Along {
         Along { ratio: ratio.to_i64(62 - width), width }
     }
 
-    /// Way of the axis per way of the path.
+    /// Displacement of the axis per path length.
     pub(super) fn ratio(self) -> Scaled {
         Scaled { m: self.ratio, e: (62 - self.width) as i16 }
     }
@@ -52,13 +54,13 @@ impl Along {
     }
 }
 
-/// The way in 2⁻³⁰ pulse; it is never negative and below 2³⁴ pulses.
+/// The path length in 2⁻³⁰ pulse; it is never negative and below 2³⁴ pulses.
 #[inline(always)]
 fn long(distance: Pos) -> u64 {
     (distance.0.max(0) as u64) << 8
 }
 
-/// How the direction of a motion turns with the way along it.
+/// How the direction of a motion turns along the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bend {
     /// The plane in which it turns.
@@ -96,7 +98,7 @@ impl Geometry {
     }
 }
 
-/// What is to be made of a motion's geometry next.
+/// The part of a motion's geometry that is made next.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Draft {
     Nothing,
@@ -141,8 +143,8 @@ impl Shape {
         geometry: Geometry::Line { unit: [BIAS; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
     };
 
-    /// Where it starts and ends, and what else there is to be made of it. `exact` replaces the target of a line where it is the
-    /// pulse nearest to it.
+    /// Sets where it starts and ends, and what is to be made next. `exact` replaces the target of a
+    /// line where it is the pulse nearest to it.
     #[inline(always)]
     pub(super) fn begin(&mut self, start: [Pos; DIMENSIONS], item: &Item, exact: Option<[Pos; DIMENSIONS]>) -> Draft {
         (self.start, self.end, self.length) = (start, start, Real::ZERO);
@@ -173,7 +175,7 @@ impl Shape {
         }
     }
 
-    /// Makes some of it, a few hundred instructions; whether that was the last.
+    /// Makes a part of it, a few hundred instructions. Returns whether that was the last.
     #[inline(never)]
     pub(super) fn advance(&mut self, draft: &mut Draft) -> bool {
         *draft = match *draft {
@@ -262,7 +264,7 @@ impl Shape {
         for ((low, high), end) in low.iter_mut().zip(&mut high).zip(&self.end) {
             (*low, *high) = ((*low).min(*end), (*high).max(*end));
         }
-        // An arc is not further from its start than its circle is wide.
+        // An arc is never further from its start than the diameter of its circle.
         let wide = match self.geometry {
             Geometry::Line { .. } => 0,
             Geometry::Arc { radius, .. } => radius >> 7,
@@ -282,11 +284,11 @@ impl Shape {
         }
     }
 
-    /// What of its place, direction and bend is the same all along it.
+    /// Publishes what of its position, direction and bend is constant along it.
     #[inline(always)]
     pub(super) fn publish(&self, position: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS], bend: &mut Bend) {
         if let Geometry::Line { heading: straight, .. } = &self.geometry {
-            // It is in two coordinates at least that every place is shown.
+            // A step publishes at least two coordinates of the position in any case.
             let ([_, _, z, a], [_, _, z0, a0]) = (position, &self.start);
             (*z, *a) = (*z0, *a0);
             *heading = *straight;
@@ -298,13 +300,14 @@ impl Shape {
         }
     }
 
-    /// The position after `distance` of it, within 2⁻²¹ pulse, and the direction there, a unit vector in 2⁻³⁰, in what has
-    /// been shown.
+    /// The position at `distance` along it, within 2⁻²¹ pulse, and the direction there, a unit
+    /// vector in 2⁻³⁰, into what has been published.
     #[inline(always)]
     pub(super) fn follow(&self, distance: Pos, position: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS]) {
         match &self.geometry {
             Geometry::Line { unit, coordinates, .. } => {
-                // In 2^-25, below 2^59: times 2^-61, over 2^64, it is a position; the bias makes of it the way itself.
+                // In 2^-25, below 2^59: times 2^-61, over 2^64, it is a position; the bias adds the
+                // path length itself.
                 let distance = distance.0.max(0) as u64;
                 let (w0, w1) = ((distance << 3) as u32, (distance >> 29) as u32);
                 let on = |position: &mut Pos, start: &Pos, unit: &u64| {
@@ -314,7 +317,7 @@ impl Shape {
                     *position = Pos(start.0.wrapping_add_unsigned(by));
                 };
                 let ([x, y, z, a], [x0, y0, z0, a0], [ux, uy, uz, ua]) = (position, &self.start, unit);
-                // In a row: a loop costs as much as what it does.
+                // Unrolled, as a loop costs as much as its body.
                 on(x, x0, ux);
                 on(y, y0, uy);
                 if *coordinates > 2 {
@@ -352,7 +355,7 @@ impl Shape {
         }
     }
 
-    /// The direction in which it begins.
+    /// The direction at its start.
     pub(super) fn outset(&self) -> [i32; DIMENSIONS] {
         let mut heading = [0; DIMENSIONS];
         self.follow(Pos(0), &mut [Pos(0); DIMENSIONS], &mut heading);
@@ -362,7 +365,7 @@ impl Shape {
         heading
     }
 
-    /// How far a coordinate goes upwards, or downwards, on the whole circle of an arc.
+    /// The furthest that a coordinate goes upwards, or downwards, on the whole circle of an arc.
     pub(super) fn summit(&self, index: usize, up: bool) -> Option<Pos> {
         let Geometry::Arc { plane, vector, radius, .. } = &self.geometry else { return None };
         let position = plane.coordinates().iter().position(|of| *of == index)?;
@@ -370,7 +373,7 @@ impl Shape {
         Some(moved(*self.start.get(index)?, radius.wrapping_sub(*vector.get(position)?) >> 2))
     }
 
-    /// The position after `distance` of it.
+    /// The position at `distance` along it.
     pub(super) fn at(&self, distance: Pos) -> [Pos; DIMENSIONS] {
         let mut position = self.start;
         self.follow(distance, &mut position, &mut [0; DIMENSIONS]);
@@ -401,7 +404,8 @@ fn difference(start: &[Pos; DIMENSIONS], end: &[Pos; DIMENSIONS], i: usize) -> i
     of(end).wrapping_sub(of(start))
 }
 
-/// Turns per pulse, such that way in 2⁻³⁰ times it, high half, shifted up, are turns in 2⁻⁶⁴.
+/// Turns per pulse, such that a path length in 2⁻³⁰ times it, high half, shifted up, is turns in
+/// 2⁻⁶⁴.
 fn rate(turns: Real) -> (u64, i32) {
     // turns·2^64·2^-30 = (high half)·2^shift with the mantissa in 2^-64
     let width = turns.width();

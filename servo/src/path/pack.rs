@@ -6,7 +6,7 @@ use crate::math::real::Real;
 /// Exponent of a double whose code is 0.
 const BASE: u64 = 1023 - 48;
 
-/// A double with `mantissa` bits of mantissa; 0 for what is below 2⁻⁴⁷.
+/// A double with `mantissa` bits of mantissa; 0 for those below 2⁻⁴⁷.
 pub(super) fn pack(bits: u64, mantissa: u32) -> u64 {
     let wide = bits.saturating_sub(BASE << 52);
     if wide >> 52 == 0 {
@@ -15,7 +15,7 @@ pub(super) fn pack(bits: u64, mantissa: u32) -> u64 {
     (wide + (1 << (51 - mantissa))) >> (52 - mantissa)
 }
 
-/// What [`pack`] made.
+/// The inverse of [`pack`].
 pub(super) fn unpack(packed: u64, mantissa: u32) -> u64 {
     if packed == 0 { 0 } else { (packed << (52 - mantissa)) + (BASE << 52) }
 }

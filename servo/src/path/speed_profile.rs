@@ -1,16 +1,18 @@
-//! The speed along one motion, or what is left of it.
+//! The speed profile of one motion, or of the remainder of it.
 //!
-//! In: the speed at which it begins, how far it goes, what it may do. Out: at most three legs of constant
-//! acceleration, and the speed at its end. Cannot fail: what cannot be reached is left out, as SPEC 5 says: a motion
-//! ends at the nearest speed that can, and one entered above its speed brakes to it.
+//! In: the speed at which it begins, its length, its limits. Out: at most three phases of constant
+//! acceleration, and the speed at its end. Cannot fail: a limit that cannot be kept gives way, as
+//! SPEC 5 says: a motion ends at the nearest speed that it can reach, and one entered above its
+//! speed brakes to it.
 //!
-//! All in squares of speeds: over a way s the square changes by 2·a·s, so that every question is one sum.
+//! All in squares of speeds: over a length s the square changes by 2·a·s, so that every question is
+//! one sum.
 use super::Fine;
 use crate::math::real::Real;
 use crate::segment::piece::{Motion, Piece, Recip};
 use crate::units::{Exact, Ns};
 
-/// What a motion may do.
+/// The limits of a motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Means {
     /// Speed, pulse/ms.
@@ -21,16 +23,16 @@ pub(super) struct Means {
     pub(super) end: Real,
     /// Least time at constant speed, ms.
     pub(super) even: Real,
-    /// Deceleration of a Stop that is in force.
+    /// Deceleration of a Stop in force.
     pub(super) stop: Option<Real>,
 }
 
-/// A stretch of constant acceleration.
+/// An interval of constant acceleration.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Phase {
-    /// How long.
+    /// Its duration.
     pub(super) time: Fine,
-    /// The way of all of it.
+    /// Its length.
     pub(super) length: Exact,
     /// Speed at its beginning, pulse/ms.
     vel: Real,
@@ -49,7 +51,8 @@ pub(super) struct Plan {
     pub(super) halts: bool,
 }
 
-/// What is at rest within 2⁻¹⁶ pulse, is: v² < 2·a·2⁻¹⁶. Planners of corner speeds round, too.
+/// A motion that stops within 2⁻¹⁶ pulse counts as stopped: v² < 2·a·2⁻¹⁶. Planners of corner
+/// speeds round, too.
 const REST: i32 = -15;
 const STILL: Phase = Phase { time: 0, length: Exact(0), vel: Real::ZERO, acc: Real::ZERO };
 
@@ -62,7 +65,8 @@ fn larger(a: Real, b: Real) -> Real {
     if a.is_less(b) { b } else { a }
 }
 
-/// A time in ms, held below 2⁹⁴ units. To 2⁻²⁰ ns: so what should be whole is, in spite of the last bits of reals.
+/// A time in ms, held below 2⁹⁴ units. To 2⁻²⁰ ns: so a whole number stays whole, in spite of the
+/// last bits of reals.
 pub(super) fn fine(ms: Real) -> Fine {
     let coarse = ms.mul(Real::MS).to_fixed(-12).unsigned_abs();
     coarse.min(1 << 82) << 12
@@ -73,7 +77,7 @@ pub(super) fn ms(time: Fine) -> Real {
     Real::from_fixed(time, 0).mul(Real::FINE)
 }
 
-/// The way from a speed on at an acceleration, `t` ms long.
+/// The length covered in `t` ms from a speed at an acceleration.
 fn distance(vel: Real, acc: Real, t: Real) -> Exact {
     t.mul(vel.add(acc.mul(t).scale(-1))).to_exact()
 }
@@ -81,7 +85,7 @@ fn distance(vel: Real, acc: Real, t: Real) -> Exact {
 impl Plan {
     pub(super) const NONE: Plan = Plan { phases: [STILL; 3], count: 0, exit: Real::ZERO, halts: false };
 
-    /// Makes some of it; whether that was the last.
+    /// Makes a part of it. Returns whether that was the last.
     #[inline(never)]
     pub(super) fn advance(&mut self, sketch: &mut Sketch) -> bool {
         sketch.todo = match sketch.todo {
@@ -124,7 +128,7 @@ impl Plan {
         matches!(sketch.todo, Todo::Nothing)
     }
 
-    /// Makes as much of it as its first leg takes; whether that was all.
+    /// Makes its first phase. Returns whether that was all.
     pub(super) fn begin(&mut self, sketch: &mut Sketch) -> bool {
         loop {
             if self.advance(sketch) {
@@ -136,7 +140,7 @@ impl Plan {
         }
     }
 
-    /// Leg `index`.
+    /// Phase `index`.
     #[inline]
     pub(super) fn phase(&self, index: usize) -> Option<&Phase> {
         self.phases.get(index).filter(|_| index < self.count)
@@ -159,7 +163,7 @@ impl Plan {
         self.push(change.abs().mul(inverse), from, acc);
     }
 
-    /// Whether the end can be reached at all.
+    /// Whether the end speed can be reached at all.
     fn bound(&mut self, sketch: &mut Sketch) -> Todo {
         let Means { acc, end, .. } = sketch.means;
         let inverse = acc.recip();
@@ -183,8 +187,8 @@ impl Plan {
         Todo::Nothing
     }
 
-    /// To rest, or as near to it as the motion is long, and never faster than it would go without the Stop: one that is above its
-    /// speed brakes to that at least as hard as it does.
+    /// To standstill, or as near to it as the motion is long, and never faster than without the
+    /// Stop: a motion above its speed brakes to that at least as hard as it does.
     fn brake(&mut self, mut v: Real, mut length: Real, means: &Means, dec: Real) {
         let Means { vel, acc, end, .. } = *means;
         if v.is_zero() {
@@ -227,21 +231,21 @@ impl Plan {
     }
 }
 
-/// What is to be done next.
+/// The next step of the planner.
 #[derive(Debug, Clone, Copy)]
 enum Todo {
-    /// Which ends are within reach.
+    /// Which end speeds are within reach.
     Bound,
     /// The peak, and the ramp to it.
     Peak,
     /// A lower one, and the ramp to it.
     Even,
-    /// What comes behind that.
+    /// The phases after that.
     Rest,
     Nothing,
 }
 
-/// A plan that is being made, some hundred instructions at a time.
+/// A plan in progress, made some hundred instructions at a time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sketch {
     todo: Todo,
@@ -255,7 +259,7 @@ pub(super) struct Sketch {
     /// 1/acceleration.
     inverse: Real,
     peak: Real,
-    /// What the ramps leave of the way at the peak; none of a triangle.
+    /// The length that the ramps leave for the peak speed; none in a triangle.
     cruise: Real,
 }
 
@@ -279,7 +283,7 @@ impl Sketch {
         (self.todo, self.v, self.length, self.means) = (Todo::Bound, v, length, means);
     }
 
-    /// The peak speed, and what is left of the way at it.
+    /// The peak speed, and the remaining length at it.
     fn aim(&mut self) {
         let Sketch { v, length, from, to, swing, .. } = *self;
         let vel = self.means.vel;
@@ -304,7 +308,7 @@ impl Sketch {
         !even.is_zero() && !vel.is_less(self.v) && self.cruise.is_less(self.peak.mul(even))
     }
 
-    /// A lower peak, for that: peak²/acc + even·peak = way of both ramps and of the cruise.
+    /// A lower peak, for that: peak²/acc + even·peak = length of both ramps and of the cruise.
     fn even(&mut self) {
         let Sketch { v, length, from, to, inverse, .. } = *self;
         let Means { end, even, .. } = self.means;
@@ -324,18 +328,19 @@ impl Phase {
         if speed.is_negative() { Real::ZERO } else { speed }
     }
 
-    /// The way done `time` after its beginning.
+    /// The length covered `time` after its beginning.
     pub(super) fn distance(&self, time: Fine) -> Exact {
         distance(self.vel, self.acc, ms(time))
     }
 
-    /// As a piece that begins at `begin` and `from`, parameterised over a power of two of ns; into its place.
+    /// As a piece that begins at `begin` and `from`, parameterised over a power of two of ns;
+    /// written in place.
     #[inline(never)]
     pub(super) fn piece(&self, begin: Fine, from: Exact, to: &mut Piece) {
         let first = begin.wrapping_add(0xffff_ffff) >> 32;
         let last = begin.wrapping_add(self.time).wrapping_add(0xffff_ffff) >> 32;
         let late = (first << 32).wrapping_sub(begin) as u64;
-        // The leg lasts less than 2^reach ns.
+        // The phase lasts less than 2^reach ns.
         let reach = (64 - ((self.time >> 32) as u64).leading_zeros() as i32 + 1).clamp(1, 62);
         let unit = Real::FINE.scale(32 + reach);
         let (a, b) = (self.vel.mul(unit), self.acc.mul(unit).mul(unit).scale(-1));

@@ -1,4 +1,4 @@
-//! Where entries lie between admission and the tick.
+//! The store of entries between admission and the tick.
 //!
 //! In: admitted entries from the thread, by running counter. Out: the same, to the tick. Owns: the memory of one
 //! FIFO of one coordinate system. Fails: never; a counter counts modulo [`ENTRIES`].
@@ -19,7 +19,8 @@ pub const ENTRIES: usize = 1024;
 /// visible.
 pub struct EntryStore(Store<8, ENTRIES>);
 
-/// The FIFOs of every coordinate system, wherever a board has room for each pair; one that it does not have is `None`.
+/// The FIFOs of every coordinate system, wherever a board has room for each pair; a missing pair is
+/// `None`.
 #[derive(Clone, Copy)]
 pub struct PathStores<'a>([Option<&'a [EntryStore; 2]>; Crd::MAX]);
 
@@ -32,7 +33,7 @@ impl<'a> PathStores<'a> {
         PathStores(pairs)
     }
 
-    /// Pairs that lie together.
+    /// Pairs in one array.
     pub const fn of<const N: usize>(pairs: &'a [[EntryStore; 2]; N]) -> PathStores<'a> {
         const { assert!(N <= Crd::MAX) };
         let mut stores = [None; Crd::MAX];

@@ -1,7 +1,8 @@
-//! From boundary to boundary: legs, motions, waits, effects, rest.
+//! From boundary to boundary: phases, motions, waits, effects, standstill.
 //!
-//! In: an instant up to which boundaries are passed, entries. Out: what entries do, to an [`Effects`]. Owns nothing
-//! beyond the [`Path`]. Fails: entries that run out at speed are an underrun.
+//! In: an instant up to which boundaries are passed, entries. Out: the effects of entries, to an
+//! [`Effects`]. Owns nothing beyond the [`Path`]. Fails: entries that run out at speed are an
+//! underrun.
 use super::interface::{Effects, Feed, PathStop};
 use super::{Budget, Gear, Geared, Path, Prepared, Stage, State, Turn, end_of};
 use crate::math::real::Real;
@@ -12,12 +13,12 @@ use crate::path::{DIMENSIONS, Fine};
 use crate::units::{Exact, Pos};
 
 impl Path {
-    /// It waits where it is.
+    /// It waits at its position.
     pub(super) fn wait(&mut self, until: Fine) {
         (self.stage, self.stand.over, self.fresh) = (Stage::Wait { until }, until, true);
     }
 
-    /// The leg in force ends then; what has no leg left is over now.
+    /// The phase in force ends then; a motion without further phases is over now.
     pub(super) fn set_over(&mut self) {
         let left = self.motion().plan.phase(self.stand.phase).map_or(0, |phase| phase.time);
         self.stand.over = self.stand.began.wrapping_add(left);
@@ -65,15 +66,16 @@ impl Path {
         }
     }
 
-    /// The same for one boundary, if all there is to do is to go on with what was made ahead; `admits` tells whether the
-    /// path may be where the motion in force ends. Whether it was passed.
+    /// The same for one boundary, if it only enters what was made ahead. `admits` says whether the
+    /// path may be where the motion in force ends. Returns whether the boundary was passed.
     #[inline(always)]
     pub fn turn(&mut self, feed: Feed, admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool) -> bool {
         self.turn_at::<true>(feed, admits).is_some()
     }
 
-    /// The same; entries and motions of the FIFO in force that are over then. What it has gone since the last look is for a
-    /// boundary that is behind a look, or it will not be asked for.
+    /// The same; returns the entries and motions of the FIFO in force that are over then. The path
+    /// length since the last sample is kept for a boundary after it only; otherwise it is not
+    /// needed.
     #[inline(always)]
     pub(crate) fn turn_at<const SWEPT: bool>(
         &mut self,
@@ -93,8 +95,9 @@ impl Path {
         if open.is_some_and(|sampled| sampled != end_of(feed, self.fifo)) || !admits(shape.end()) {
             return None;
         }
-        // All that the ends of a leg and of a motion, the change to the next one and the begin of its plan do, if nobody looks
-        // in between: place and speed of the boundary are those of the motions, nothing is ahead, `inside` stays.
+        // This does all that the ends of a phase and of a motion, the change to the next one and
+        // the begin of its plan do, if nothing is sampled in between: position and speed of the
+        // boundary are those of the motions, nothing is ahead, `inside` stays.
         if SWEPT {
             let Phase { length, .. } = plan.phase(self.stand.phase)?;
             let length = *length;
@@ -110,7 +113,7 @@ impl Path {
         Some([released, done])
     }
 
-    /// To the end of the leg in force, which is so long.
+    /// To the end of the phase in force, of this length.
     #[inline(always)]
     fn sweep(&mut self, length: Exact) {
         let so_far = match self.swept {
@@ -123,7 +126,7 @@ impl Path {
         self.swept = Some(Exact(length.0.wrapping_add(so_far)));
     }
 
-    /// The leg in force is over; whether another one of the motion has begun.
+    /// The phase in force is over. Returns whether another one of the motion has begun.
     #[inline(always)]
     fn end_phase(&mut self) -> bool {
         let Some(&Phase { length, .. }) = self.motion().plan.phase(self.stand.phase) else { return false };
@@ -136,7 +139,7 @@ impl Path {
             self.set_over();
             return true;
         }
-        // The piece behind it is for what begins there.
+        // The piece after it belongs to what begins there.
         self.pieced = false;
         false
     }
@@ -152,7 +155,7 @@ impl Path {
         cursor.done = cursor.done.wrapping_add(1);
     }
 
-    /// The same, and what goes along is told.
+    /// The same, and reports the geared axes.
     fn leave(&mut self, sink: &mut impl Effects) {
         self.close();
         if self.led {
@@ -165,7 +168,7 @@ impl Path {
         cursor.geared = 0;
     }
 
-    /// At a boundary: on to the next motion, wait or rest.
+    /// At a boundary: on to the next motion, wait or standstill.
     pub(super) fn go_on(&mut self, budget: &mut Budget, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
         loop {
             let cursor = self.cursor(self.fifo);
@@ -201,7 +204,8 @@ impl Path {
                 Some(entry) => {
                     if let Some(until) = self.take(counter, entry, feed, source, sink) {
                         if self.stopping {
-                            // Where it brakes to rest it waits for nothing: the wait is made by the start that goes on.
+                            // While it brakes to a standstill it waits for nothing: the start that
+                            // continues makes the wait.
                             return self.rest_in_wait(until, feed, sink);
                         }
                         self.wait(until);
@@ -222,7 +226,8 @@ impl Path {
         }
     }
 
-    /// Carries out an entry that nothing was made of ahead; the instant until which the path waits for it.
+    /// Carries out an entry that was not prepared. Returns the instant until which the path waits
+    /// for it.
     #[inline(never)]
     fn take(
         &mut self,
@@ -274,12 +279,13 @@ impl Path {
         self.rest(at, rest, feed, sink);
     }
 
-    /// Comes to rest where it waits, or would wait, until an instant: what is left of that stays.
+    /// Comes to rest where it waits, or would wait, until an instant: the remainder of the wait is
+    /// kept.
     pub(super) fn rest_in_wait(&mut self, until: Fine, feed: Feed, sink: &mut impl Effects) {
         let now = self.time;
         let cursor = self.cursor(self.fifo);
         if cursor.inside {
-            // A move that is waited for is made again: its axis may be stopped, too.
+            // A move that the path waits for is made again: its axis may be stopped, too.
             (cursor.inside, cursor.next) = (false, cursor.next.wrapping_sub(1));
         } else {
             cursor.left = until.saturating_sub(now);

@@ -1,12 +1,12 @@
-//! Where one FIFO of a path stands, and what goes along with its motion.
+//! The position of a path in one FIFO, and the axes geared to its motion.
 use crate::path::geometry::Along as Geared;
 use crate::path::{DIMENSIONS, Fine};
 use crate::units::{Axis, Exact, Pos};
 
-/// Axes that go along with one motion.
+/// Axes geared to one motion.
 pub const GEARS: usize = 4;
 
-/// What goes along with a motion.
+/// An axis geared to a motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gear {
     pub(super) axis: Axis,
@@ -14,7 +14,7 @@ pub(super) struct Gear {
     pub(super) along: Geared,
 }
 
-/// Where one FIFO stands.
+/// The position in one FIFO.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cursor {
     /// Counter of the next entry.
@@ -23,13 +23,13 @@ pub(super) struct Cursor {
     pub(super) done: u32,
     /// The motion before `next`, or the move that is waited for, is not over.
     pub(super) inside: bool,
-    /// It was left with something to do, at `position`.
+    /// It was interrupted with something to do, at `position`.
     pub(super) kept: bool,
     pub(super) position: [Pos; DIMENSIONS],
-    /// Of that motion: where it began, and the way done.
+    /// Of that motion: where it began, and the path length so far.
     pub(super) from: [Pos; DIMENSIONS],
     pub(super) distance: Exact,
-    /// What is left of a wait.
+    /// The remainder of a wait.
     pub(super) left: Fine,
     pub(super) gears: [Gear; GEARS],
     pub(super) geared: usize,
@@ -38,7 +38,7 @@ pub(super) struct Cursor {
     pub(super) reported: u32,
 }
 
-/// Where a FIFO stood at a look.
+/// The position in a FIFO at a sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Past {
     pub(super) next: u32,
@@ -77,7 +77,7 @@ impl Cursor {
         self.next.wrapping_sub(self.inside as u32)
     }
 
-    /// As a new one, whose gears nobody looks at.
+    /// As a new one, whose gears are not read.
     pub(super) fn clear(&mut self) {
         let Cursor { next, done, inside, kept, position, from, distance, left, gears: _, geared, again, reported: _ } =
             self;

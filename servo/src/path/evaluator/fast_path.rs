@@ -1,29 +1,30 @@
-//! What the short way of a tick may do.
+//! What the fast path of a tick may do.
 //!
-//! In: the path as something other than the short way has left it. Out: whether the next ticks have but to show where it
-//! is, and whether the end of the leg in force is no more than another index. Owns nothing beyond the [`Path`]. Cannot fail.
+//! In: the path after a full step. Out: whether the next ticks only publish the position, and
+//! whether the end of the phase in force only changes an index. Owns nothing beyond the [`Path`].
+//! Cannot fail.
 use super::{MotionPosition, Path, Prepared, Stage, State};
 use crate::path::DIMENSIONS;
 use crate::units::Pos;
 
-/// What is there to do at the end of the leg in force.
+/// What happens at the end of the phase in force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Turn {
-    /// More than the short way does.
+    /// More than the fast path does.
     Else,
-    /// The piece of the next leg comes into force.
+    /// The piece of the next phase comes into force.
     Phase,
-    /// The next motion does, which is made, with its first piece.
+    /// The next motion does, which is prepared, with its first piece.
     Motion,
 }
 
 impl Path {
-    /// The short way is not taken until something other than it is done.
+    /// The fast path is not taken until a full step is done.
     pub(crate) fn hold_still(&mut self) {
         (self.fast, self.turn) = (false, Turn::Else);
     }
 
-    /// Whether the short way goes over to another motion at the end of the leg in force.
+    /// Whether the fast path enters another motion at the end of the phase in force.
     #[inline(always)]
     pub(crate) fn turns_over(&self) -> bool {
         self.turn == Turn::Motion
@@ -34,7 +35,7 @@ impl Path {
         if ahead { self.ahead() } else { self.motion() }.shape.hull()
     }
 
-    /// What the short way may do from now on, until something other than it is done.
+    /// Decides what the fast path may do from now on, until the next full step.
     #[inline(never)]
     pub(super) fn line_up(&mut self) {
         let moves = matches!(self.stage, Stage::Move) && !self.led;

@@ -1,7 +1,7 @@
-//! What a path takes and tells.
+//! The interface of a path: its inputs and reports.
 //!
-//! In: rules, how many entries are there. Out: where it is, what it does to others, what its coordinates did between
-//! ticks. Owns nothing. Cannot fail.
+//! In: rules, how many entries are there. Out: its position, its effects on others, the motion of
+//! its coordinates between ticks. Owns nothing. Cannot fail.
 use super::ORIGIN;
 use crate::math::real::Real;
 use crate::path::entry::Change;
@@ -11,25 +11,25 @@ use crate::segment::piece::{Motion, Scaled};
 use crate::segment::ramp::Accel;
 use crate::units::{Axis, Pos};
 
-/// What a path does to the rest of the machine. Instants come in order; all lie before the end of the interval that
-/// the step is for, and after everything told in earlier steps.
+/// The effects of a path on the rest of the machine. Instants come in order; all lie before the end
+/// of the interval that the step is for, and after everything reported in earlier steps.
 pub trait Effects {
     /// An entry takes effect. Returns how long the path waits for it: a modal move's time, else 0.
     fn change(&mut self, at: Fine, change: &Change) -> Fine;
     /// The path comes to rest.
     fn rest(&mut self, at: Fine, rest: PathStop);
-    /// An axis goes along with the motion in force: its displacement since the motion began, at the step's tick, and
-    /// its way per way of the path.
+    /// An axis is geared to the motion in force: its displacement since the motion began, at the
+    /// step's tick, and its displacement per path length.
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled);
-    /// An axis has gone along to the end of a motion, which moved it by this much.
+    /// A geared axis is at the end of a motion, which moved it by this much.
     fn geared(&mut self, axis: Axis, pulses: i32);
-    /// More axes than a path can take along with one motion; this one stays.
+    /// More axes than a path can gear to one motion; this one stays.
     fn surplus(&mut self, _axis: Axis) {}
-    /// Whether one more effect of this tick has a place.
+    /// Whether there is room for one more effect of this tick.
     fn has_room(&self) -> bool {
         true
     }
-    /// Whether the path may be at this place; else it comes to rest before it.
+    /// Whether the path may be at this position; else it comes to rest before it.
     fn admits(&mut self, _place: &[Pos; DIMENSIONS]) -> bool {
         true
     }
@@ -47,7 +47,7 @@ pub enum PathStop {
     Underrun,
     /// A Stop. It can go on.
     Stopped,
-    /// A place that it must not go to. It can go on from there.
+    /// A position that it must not go to. It can go on from there.
     Obstructed,
 }
 
@@ -58,7 +58,7 @@ pub struct Feed {
     pub ends: [u32; 2],
 }
 
-/// What holds for all motions of a coordinate system.
+/// Settings for all motions of a coordinate system.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules {
     pub(super) even: Real,
@@ -89,7 +89,7 @@ pub struct Step {
     /// Direction of motion, a unit vector in 2⁻³⁰: times the path's velocity it is that of each coordinate. Zeros where
     /// it does not move.
     pub heading: [i32; DIMENSIONS],
-    /// The way along the motion in force as a piece: its velocity is the path's.
+    /// The path length along the motion in force as a piece: its velocity is the path's.
     pub motion: Motion,
     /// How the direction turns.
     pub bend: Bend,
@@ -101,7 +101,7 @@ pub struct Step {
     pub done: u32,
 }
 
-/// Where a path shows where it is; what has not changed is not written again.
+/// Where a path publishes its position; what has not changed is not written again.
 pub struct PathReport<'a> {
     /// Coordinates.
     pub position: &'a mut [Pos; DIMENSIONS],
@@ -109,13 +109,13 @@ pub struct PathReport<'a> {
     pub heading: &'a mut [i32; DIMENSIONS],
     /// How it turns.
     pub bend: &'a mut Bend,
-    /// The way along the motion in force.
+    /// The path length along the motion in force.
     pub motion: &'a mut Motion,
-    /// Counts changes of bend and motion but for the place in it, at least.
+    /// Counts changes of bend and motion, at least, except for the position in it.
     pub turns: &'a mut u32,
 }
 
-/// What else a step tells.
+/// The other results of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepReport {
     /// Whether it runs; it also does while it waits.
@@ -124,23 +124,24 @@ pub struct StepReport {
     pub fifo: u8,
     /// Motions of it completed since it was cleared.
     pub done: u32,
-    /// Entries of each FIFO that are over at the look. What lies between it and the next one is not over for good before that
-    /// (see [`Path::stand_still`](super::Path::stand_still)): its places are not free yet.
+    /// Entries of each FIFO that are over at the sample. Those between it and the next sample are
+    /// not over for good before that (see [`Path::stand_still`](super::Path::stand_still)): their
+    /// slots are not free yet.
     pub released: [u32; 2],
 }
 
-/// What the coordinates did between two ticks, for those that follow one of them.
+/// The motion of the coordinates between two ticks, for slaves of one of them.
 #[derive(Debug, Clone, Copy)]
 pub struct TrajectorySample {
-    /// Boundaries that were passed, and where: the first ones and the last one.
+    /// Boundaries that were passed, with their positions: the first ones and the last one.
     knots: [(Fine, [Pos; DIMENSIONS]); KNOTS],
     pub(super) count: u8,
-    /// Of each coordinate: whether it turned round on an arc behind the last of them: the share of the time since, in
-    /// 2⁻⁶⁴, and where.
+    /// For each coordinate, if it reversed on an arc after the last of them: the share of the time
+    /// since, in 2⁻⁶⁴, and the position.
     pub(super) turns: [Option<(u64, Pos)>; DIMENSIONS],
 }
 
-/// Boundaries of an interval that a wake keeps.
+/// Boundaries of an interval that a sample keeps.
 const KNOTS: usize = 3;
 
 impl TrajectorySample {
@@ -160,7 +161,7 @@ impl TrajectorySample {
         self.knots.get(..self.count as usize).unwrap_or_default()
     }
 
-    /// Where a coordinate turned round behind them.
+    /// Where a coordinate reversed after them.
     pub fn turn(&self, index: usize) -> Option<(u64, Pos)> {
         self.turns.get(index).copied().flatten()
     }

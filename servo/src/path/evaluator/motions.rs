@@ -1,8 +1,8 @@
 //! Motions of a path: entered, planned, made ahead.
 //!
-//! In: the entry of a motion, where and how fast it begins, what stands behind it. Out: the motion in force with its
-//! plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is the one that would have been
-//! made on its boundary: the same functions of the same numbers.
+//! In: the entry of a motion, its start and speed there, what follows it. Out: the motion in force
+//! with its plan. Owns nothing beyond the [`Path`]. Cannot fail. A motion that was made ahead is
+//! the same as one made on its boundary: the same functions of the same numbers.
 use super::{After, EFFECTS, Feed, Gear, Path, Prepared, Rules, Stage, State, end_of};
 use crate::math::real::Real;
 use crate::path::entry::{Along, Entry, Item};
@@ -21,7 +21,7 @@ fn along_of(item: &Item) -> Option<Along> {
 }
 
 impl Path {
-    /// Takes up a motion that begins, or began, at `from`.
+    /// Enters a motion that begins, or began, at `from`.
     pub(super) fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &Item) {
         if let Some(along) = along_of(item) {
             let exact = self.exact(self.fifo);
@@ -41,7 +41,8 @@ impl Path {
         (fifo != 0 && first.kept).then_some(first.position)
     }
 
-    /// The motion behind the one in force, which is over, comes into force: it begins, or began, at `from`.
+    /// The motion in force is over, and the one after it comes into force: it begins, or began, at
+    /// `from`.
     #[inline(always)]
     pub(super) fn swap(&mut self, from: [Pos; DIMENSIONS], distance: Exact) {
         self.ahead_mut().state = State::Nothing;
@@ -51,12 +52,12 @@ impl Path {
         (cursor.inside, cursor.from) = (true, from);
     }
 
-    /// Whether something was made ahead of the motion of this entry.
+    /// Whether a part of the motion of this entry was made ahead.
     pub(super) fn is_known(&self, counter: u32) -> bool {
         self.ahead().state != State::Nothing && self.ahead().counter == counter
     }
 
-    /// What is ahead will be entered otherwise than it was planned for.
+    /// The motion ahead will be entered otherwise than it was planned for.
     #[inline(always)]
     pub(super) fn unplan(&mut self) {
         let ahead = self.ahead_mut();
@@ -65,7 +66,7 @@ impl Path {
         }
     }
 
-    /// What goes along with the motion in force has this share in it.
+    /// Sets the ratios of the axes geared to the motion in force.
     fn set_gears(&mut self) {
         if self.cursor(self.fifo).geared == 0 {
             return;
@@ -78,7 +79,8 @@ impl Path {
         }
     }
 
-    /// Takes up the motion that was made ahead, which begins or began at `from`, and makes what is left of it.
+    /// Enters the motion that was made ahead, which begins or began at `from`, and makes the
+    /// remainder of it.
     pub(super) fn enter_prepared(
         &mut self,
         from: [Pos; DIMENSIONS],
@@ -90,7 +92,7 @@ impl Path {
             self.shape_ahead();
         }
         let Prepared { state, open, .. } = *self.ahead();
-        // What has come since may stand behind it.
+        // Entries that came since may follow it.
         let planned = state > State::Shaped && open.is_none_or(|sampled| sampled == end_of(feed, self.fifo));
         if planned {
             while self.ahead().state < State::Ready {
@@ -105,7 +107,8 @@ impl Path {
         if planned { self.follow(open) } else { self.plan_rest(feed, source) }
     }
 
-    /// Makes some of what follows: the piece behind the one in force, some of the motion behind the one in force.
+    /// Makes a part of what follows: the piece after the one in force, or a part of the motion
+    /// after the one in force.
     #[inline(never)]
     pub fn prepare(&mut self, feed: Feed, source: &impl Entries) {
         if self.follows.is_none() {
@@ -130,7 +133,7 @@ impl Path {
         }
     }
 
-    /// Makes some of the motion that is ahead: it is entered at `speed`, where `distance` of it is done.
+    /// Makes a part of the motion ahead: it is entered at `speed`, at the path length `distance`.
     pub(super) fn make_ahead(&mut self, fifo: u8, speed: Real, distance: Exact, feed: Feed, source: &impl Entries) {
         match self.ahead().state {
             State::Begun => self.shape_ahead(),
@@ -153,7 +156,8 @@ impl Path {
         }
     }
 
-    /// The piece behind the one in force, of the same motion or of the next, if that is known by now.
+    /// The piece after the one in force, of the same motion or of the next, if that is known by
+    /// now.
     #[inline(always)]
     fn piece_ahead(&mut self) -> bool {
         let (over, [motion, ahead]) = (self.stand.over, [self.at & 1, !self.at & 1]);
@@ -174,7 +178,7 @@ impl Path {
         true
     }
 
-    /// A leg begins: its piece is the one that was made ahead, if that is it.
+    /// A phase begins: its piece is the one that was made ahead, if that fits.
     #[inline(always)]
     pub(super) fn take_piece(&mut self) {
         let known = self.follows == Some(self.stand.began);
@@ -185,7 +189,8 @@ impl Path {
         (self.pieced, self.follows) = (known, None);
     }
 
-    /// Begins the motion that comes next, from this entry on and from this place, if it comes without a wait.
+    /// Begins the motion that comes next, from this entry and this position on, if it comes without
+    /// a wait.
     pub(super) fn begin_ahead(
         &mut self,
         fifo: u8,
@@ -228,7 +233,7 @@ impl Path {
         }
     }
 
-    /// Makes some of the geometry of the motion that comes next.
+    /// Makes a part of the geometry of the motion that comes next.
     fn shape_ahead(&mut self) {
         let at = (!self.at & 1) as usize;
         if self.motions[at].shape.advance(&mut self.draft) {
@@ -236,7 +241,7 @@ impl Path {
         }
     }
 
-    /// Makes some of its plan.
+    /// Makes a part of its plan.
     fn plan_ahead(&mut self) {
         let at = (!self.at & 1) as usize;
         if self.motions[at].plan.advance(&mut self.sketch) {
@@ -244,7 +249,7 @@ impl Path {
         }
     }
 
-    /// How a motion may be planned.
+    /// The limits for the plan of a motion.
     #[inline]
     fn means(&self, along: Along, behind: After) -> Means {
         let Rules { even, stop, rate } = self.rules;
@@ -257,22 +262,24 @@ impl Path {
         Means { vel, acc: along.acc(), end, even, stop: self.stopping.then_some(stop) }
     }
 
-    /// Plans what is left of the motion in force from `time`, `distance` and `speed`.
+    /// Plans the remainder of the motion in force from `time`, `distance` and `speed`.
     pub(super) fn plan_rest(&mut self, feed: Feed, source: &impl Entries) {
         let behind = self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Prepared { along, shape, .. } = self.motion();
         let left = shape.length().sub(Real::from_exact(self.stand.distance));
-        // What is being made of the plan behind it is not: that motion will be entered otherwise.
+        // A plan in progress of the motion after it is dropped: that motion will be entered
+        // otherwise.
         let means = self.means(*along, behind);
         self.sketch.begin(self.speed, left, means);
         let at = (self.at & 1) as usize;
-        // What comes behind its first leg is made in the tick that comes next, if that leg lasts so long.
+        // The phases after its first one are made in the tick that comes next, if that one lasts so
+        // long.
         self.unfinished = !self.motions[at].plan.begin(&mut self.sketch);
         self.follows = None;
         self.follow((behind == After::Nothing).then_some(end_of(feed, self.fifo)));
     }
 
-    /// Makes what has been left of the plan of the motion in force.
+    /// Makes the remainder of the plan of the motion in force.
     #[inline(never)]
     pub(super) fn finish(&mut self) {
         let at = (self.at & 1) as usize;
@@ -280,7 +287,8 @@ impl Path {
         self.unfinished = false;
     }
 
-    /// Goes along the motion in force by its plan, which begins now. The next motion will be entered at another speed.
+    /// Follows the plan of the motion in force, which begins now. The next motion will be entered
+    /// at another speed.
     #[inline(always)]
     pub(super) fn follow(&mut self, open: Option<u32>) {
         (self.open, self.stand.phase, self.stand.began, self.stage) = (open, 0, self.time, Stage::Move);
@@ -289,7 +297,7 @@ impl Path {
         self.unplan();
     }
 
-    /// What stands behind a motion, from this entry on.
+    /// What follows a motion, from this entry on.
     fn behind(&self, fifo: u8, mut counter: u32, feed: Feed, source: &impl Entries) -> After {
         let (end, mut effects) = (end_of(feed, fifo), 0u32);
         while effects <= EFFECTS {
@@ -309,7 +317,7 @@ impl Path {
         After::Halt
     }
 
-    /// Entries have come while nothing stood behind the motion in force.
+    /// Entries have come while nothing followed the motion in force.
     #[inline(never)]
     pub(super) fn extend(&mut self, now: Fine, feed: Feed, source: &impl Entries) {
         if self.behind(self.fifo, self.cursor_of(self.fifo).next, feed, source) == After::Motion {
@@ -320,7 +328,8 @@ impl Path {
         }
     }
 
-    /// Time, way and speed are those of `now`, which lies in the leg in force or at its end.
+    /// Time, path length and speed are those of `now`, which lies in the phase in force or at its
+    /// end.
     pub(super) fn catch_up(&mut self, now: Fine) {
         let Some(phase) = self.motion().plan.phase(self.stand.phase).copied() else { return };
         let since = now.saturating_sub(self.stand.began).min(phase.time);

@@ -1,8 +1,8 @@
-//! Where a path is at a tick.
+//! The position of a path at a tick.
 //!
-//! In: the motion in force, with all boundaries up to the tick passed. Out: place, direction and speed; what the
-//! coordinates did since the look before. Owns nothing beyond the [`Path`]. Fails: a place that is not admitted ends the
-//! motion before it.
+//! In: the motion in force, with all boundaries up to the tick passed. Out: position, direction and
+//! speed; the motion of the coordinates since the sample before. Owns nothing beyond the [`Path`].
+//! Fails: a position that is not admitted ends the motion before it.
 use super::interface::{Effects, Feed, PathReport, PathStop};
 use super::{PackedPhase, Path, Stage};
 use crate::laser::PathSpeed;
@@ -12,7 +12,7 @@ use crate::segment::piece::Motion;
 use crate::units::{Exact, Ns, Pos};
 
 impl Path {
-    /// Where it is at `next`, which lies in the leg in force; whether it moves.
+    /// Samples the position at `next`, which lies in the phase in force. Returns whether it moves.
     #[inline(always)]
     pub(super) fn look(&mut self, next: Ns, sink: &mut impl Effects, sight: &mut PathReport<'_>) -> bool {
         if let Stage::Move = self.stage
@@ -47,7 +47,8 @@ impl Path {
         false
     }
 
-    /// Place and direction at `next`, in the piece in force; the way there.
+    /// Publishes position and direction at `next`, in the piece in force; returns the path length
+    /// there.
     #[inline(always)]
     fn publish(&mut self, next: Ns, sight: &mut PathReport<'_>) -> Pos {
         let PackedPhase { piece, .. } = &self.pieces[(self.piece & 1) as usize];
@@ -56,7 +57,8 @@ impl Path {
         self.publish_at(t, sight)
     }
 
-    /// What is the same all along the piece in force, if it has not been shown yet; whether that was so.
+    /// Publishes what is constant along the piece in force, if that has not been done yet; returns
+    /// whether it did.
     #[inline(always)]
     pub(crate) fn publish_fresh(&mut self, sight: &mut PathReport<'_>) -> bool {
         let fresh = self.fresh;
@@ -77,12 +79,13 @@ impl Path {
         [cursor.released(), cursor.done]
     }
 
-    /// The rest, at this time since the begin of the piece; the way there.
+    /// Publishes the rest, at this time since the begin of the piece; returns the path length
+    /// there.
     #[inline(always)]
     pub(crate) fn publish_at(&self, t: u64, sight: &mut PathReport<'_>) -> Pos {
         let PackedPhase { even, piece } = &self.pieces[(self.piece & 1) as usize];
         let distance = if piece.is_fast() {
-            // Readers make the parameter of it.
+            // Readers derive the parameter from it.
             sight.motion.t = t as u32;
             match even {
                 Some(_) => piece.pos_even(t as u32),
@@ -98,8 +101,9 @@ impl Path {
         distance
     }
 
-    /// The same, if that is all there is to do at `next`: it is within a leg, no data has come where none was, nobody goes
-    /// along or follows a coordinate. Whoever finds that the path may be there says so to [`Path::pass`].
+    /// The same, if nothing else is to be done at `next`: it is within a phase, no data has come
+    /// where the FIFO had ended, and it has neither geared axes nor slaves. The caller checks
+    /// whether the path may be there, and then calls [`Path::pass`].
     #[inline(always)]
     pub fn fast_step(&mut self, next: Ns, feed: Feed, sight: &mut PathReport<'_>) -> Option<Pos> {
         if !self.may_step_fast(feed) {
@@ -110,16 +114,16 @@ impl Path {
         Some(self.publish_at(t, sight))
     }
 
-    /// Whether that may be all there is to do.
+    /// Whether that may be so.
     #[inline(always)]
     pub(crate) fn may_step_fast(&self, feed: Feed) -> bool {
         self.fast && !self.has_changed(feed)
     }
 
-    /// Whether the leg in force is over at `next`, which its piece does not hold.
+    /// Whether the phase in force is over at `next`, which its piece does not hold.
     #[inline(always)]
     pub(crate) fn is_over(&self, next: Ns) -> bool {
-        // Both end with the same ns, and no piece begins behind the tick that is computed.
+        // Both end with the same ns, and no piece begins after the tick that is computed.
         self.pieces[(self.piece & 1) as usize].piece.is_fast() || self.is_due(next)
     }
 
@@ -134,13 +138,13 @@ impl Path {
         }
     }
 
-    /// It is `distance` along the motion in force.
+    /// It is at the path length `distance` of the motion in force.
     #[inline(always)]
     pub fn pass(&mut self, distance: Pos) {
         (self.stand.sampled, self.swept) = (distance, None);
     }
 
-    /// What the coordinates have done up to this look, at which they go in this direction.
+    /// Keeps the motion of the coordinates up to this sample, at which they have this direction.
     #[inline(never)]
     fn leave_wake(&mut self, before: [i32; DIMENSIONS], heading: &[i32; DIMENSIONS]) {
         (self.wake, self.since.count) = (self.since, 0);
@@ -150,7 +154,7 @@ impl Path {
         for (index, ((turn, before), now)) in self.wake.turns.iter_mut().zip(before).zip(heading).enumerate() {
             let turned = before > 0 && *now < 0 || before < 0 && *now > 0;
             let (gone, left) = (before.unsigned_abs() as u64, now.unsigned_abs() as u64);
-            // Near its summit a coordinate's direction changes evenly with the way.
+            // Near its summit a coordinate's direction changes evenly along the path.
             *turn = shape.summit(index, before > 0).filter(|_| turned).map(|summit| {
                 let whole = gone.wrapping_add(left);
                 (crate::math::wide::Recip::of(whole).ratio(gone.min(whole.wrapping_sub(1))), summit)
@@ -158,11 +162,12 @@ impl Path {
         }
     }
 
-    /// The motion in force must not go from the first to the second of these ways, where it is or would be at `at`: it
-    /// comes to rest between.
+    /// The motion in force must not go from the first of these path lengths to the second, where it
+    /// is or would be at `at`: it comes to rest between.
     #[inline(never)]
     pub(super) fn hold(&mut self, at: Fine, (low, distance): (Exact, Exact), sink: &mut impl Effects, feed: Feed) {
-        // The furthest place between that is admitted, to 2⁻¹⁶ of the way; the first if none is.
+        // The furthest position between that is admitted, to 2⁻¹⁶ of the length; the first if none
+        // is.
         let (mut low, mut high) = (low, distance);
         for _ in 0..16 {
             let middle = Exact(low.0.wrapping_add(high.0) >> 1);
@@ -172,8 +177,8 @@ impl Path {
         self.halt(at, PathStop::Obstructed, feed, sink);
     }
 
-    /// The mean speed of the interval of `period` from `next` on, of which `motion` was shown: what the laser's power
-    /// follows.
+    /// The mean speed of the interval of `period` from `next` on, with `motion` as published for
+    /// it: what the laser's power follows.
     #[inline(always)]
     pub fn mean(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
         if self.fast

@@ -1,8 +1,9 @@
-//! A start that is made ready while the path rests.
+//! A start that is prepared while the path is at rest.
 //!
-//! In: the FIFO that will probably be started, a call a tick. Out: geometry, speeds and first piece of the motion that this start
-//! begins with or goes on with, as if it began at 0. Owns nothing beyond the [`Path`]. Cannot fail: whatever changes what
-//! would follow takes it back, and a start with another FIFO makes its own.
+//! In: the FIFO that will probably be started, a call a tick. Out: geometry, speeds and first piece
+//! of the motion that this start begins or continues, as if it began at 0. Owns nothing beyond the
+//! [`Path`]. Cannot fail: a change of what would follow discards it, and a start with another FIFO
+//! makes its own.
 use super::{Feed, Path, State, end_of};
 use crate::math::real::Real;
 use crate::path::Fine;
@@ -10,7 +11,7 @@ use crate::path::store::Entries;
 use crate::units::{Exact, Ns};
 
 impl Path {
-    /// Makes some of it, a few hundred instructions; whether there may be more to make.
+    /// Makes a part of it, a few hundred instructions. Returns whether there may be more to make.
     #[inline(never)]
     pub fn prepare_start(&mut self, fifo: u8, feed: Feed, source: &impl Entries) -> bool {
         if self.prepared != Some(fifo) {
@@ -21,7 +22,7 @@ impl Path {
             self.prepared = Some(fifo);
         }
         if self.ahead().open.is_some_and(|sampled| sampled != end_of(feed, fifo)) {
-            // Something may stand behind it now.
+            // Something may follow it now.
             (self.follows, self.ahead_mut().open) = (None, None);
             self.unplan();
         }
@@ -49,7 +50,7 @@ impl Path {
         }
     }
 
-    /// What a start at rest would begin with is another one now.
+    /// The motion with which a start at rest would begin has changed.
     pub(super) fn discard_prepared(&mut self) {
         if !self.runs() {
             (self.prepared, self.follows) = (None, None);
@@ -57,14 +58,15 @@ impl Path {
         }
     }
 
-    /// A start at `next` with this FIFO begins with what was made ready for it, if anything was.
+    /// A start at `next` with this FIFO begins with what was prepared for it, if anything was.
     pub(super) fn take_prepared_start(&mut self, next: Ns, fifo: u8) {
         if self.prepared != Some(fifo) {
             self.discard_prepared();
         }
         self.prepared = None;
         if self.follows == Some(0) {
-            // It begins on a whole ns, as at 0, or with a wait, behind which the piece is another one.
+            // It begins on a whole ns, as at 0, or with a wait, after which the piece is another
+            // one.
             self.pieces[(!self.piece & 1) as usize].piece.begin = next;
             self.follows = Some((next.0 as Fine) << 32);
         }

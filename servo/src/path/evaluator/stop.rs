@@ -1,7 +1,8 @@
-//! What stops a path from outside.
+//! Stops of a path from outside.
 //!
-//! In: the tick computed, how it stops. Out: the motion in force planned anew, or rest. Owns nothing beyond the [`Path`]. Cannot
-//! fail. An abrupt Stop finds the path a period ahead of what it has shown: it goes back to that.
+//! In: the tick computed, how it stops. Out: the motion in force planned anew, or standstill. Owns
+//! nothing beyond the [`Path`]. Cannot fail. An abrupt Stop finds the path a period ahead of its
+//! published position: it goes back to that.
 use super::cursor::{Cursor, Past};
 use super::interface::{Effects, Feed, PathStop};
 use super::{Path, Stage, State};
@@ -10,7 +11,7 @@ use crate::path::{DIMENSIONS, Fine};
 use crate::units::{Ns, Pos};
 
 impl Path {
-    /// Smooth: brakes along the path from `next` on. Abrupt: stands still there.
+    /// Smooth: brakes along the path from `next` on. Abrupt: stops there.
     pub fn stop(&mut self, next: Ns, abrupt: bool, feed: Feed, source: &impl Entries, sink: &mut impl Effects) {
         let now = (next.0 as Fine) << 32;
         match self.stage {
@@ -32,8 +33,8 @@ impl Path {
         self.line_up();
     }
 
-    /// Stands still at `next` where the last look has shown it, which was at `position` (SPEC 4). What it has reached since has been
-    /// carried out; the start that goes on passes that without doing it again.
+    /// Stops at `next` at the `position` of the last sample (SPEC 4). Boundaries reached since were
+    /// carried out; the start that continues passes them without doing so again.
     pub fn stand_still(&mut self, next: Ns, position: &[Pos; DIMENSIONS], feed: Feed, sink: &mut impl Effects) {
         self.time = (next.0 as Fine) << 32;
         match self.stage {
@@ -44,14 +45,14 @@ impl Path {
         self.line_up();
     }
 
-    /// The first boundary since the look: where it stood there.
+    /// The first boundary since the sample: keeps the position there.
     #[inline(always)]
     pub(super) fn keep_past(&mut self, distance: Pos) {
         let Cursor { next, done, inside, .. } = self.cursors[(self.fifo & 1) as usize];
         self.past = Past { next, done, inside, from: *self.motions[(self.at & 1) as usize].shape.start(), distance };
     }
 
-    /// Comes to rest where it stood at the last look, at this place.
+    /// Comes to rest at the position of the last sample.
     #[inline(never)]
     fn fall_back(&mut self, position: &[Pos; DIMENSIONS], feed: Feed, sink: &mut impl Effects) {
         if self.swept.is_none() {
@@ -60,14 +61,14 @@ impl Path {
         let Past { next, done, inside, from, distance } = self.past;
         let waits = self.waits();
         let cursor = self.cursor(self.fifo);
-        // A move that is waited for is made again.
+        // A move that the path waits for is made again.
         let reached = cursor.next.wrapping_sub((waits && cursor.inside) as u32);
         if !cursor.again {
             cursor.reported = reached;
         }
         cursor.again = cursor.reported != next;
         if cursor.next != next || !inside {
-            // What went along with the motion that it is back in has gone along to its end.
+            // An axis geared to the motion that is back in force was moved to its end.
             cursor.geared = 0;
         }
         let changed = cursor.next != next;
