@@ -1,4 +1,4 @@
-//! What the tick tells: the view of one tick, events, trace samples.
+//! What the tick publishes: the view of one tick, events, trace samples.
 mod crd;
 mod laser;
 mod speeds;
@@ -18,14 +18,14 @@ use crate::units::{Axis, Crd, Ns, Pos};
 
 /// One axis in one tick.
 ///
-/// What changes in every tick of an axis that runs stands first and lies together.
+/// The fields that change in every tick of a running axis come first and lie together.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(C)]
 pub struct AxisView {
-    /// Counts changes of anything here and of the axis's input levels; what did not change need not be
-    /// looked at again.
+    /// Counts changes of anything here and of the axis's input levels; a reader skips what did not
+    /// change.
     pub moves: u32,
-    /// Counts ticks of an axis that runs in which its motion was another than by its parameter.
+    /// Counts ticks in which the motion of a running axis changed other than by its parameter.
     pub turns: u32,
     /// Planned position in force at the view's time.
     pub pos: Pos,
@@ -33,41 +33,44 @@ pub struct AxisView {
     pub encoder: i64,
     /// Encoder position one tick earlier, for the velocity.
     pub encoder_before: i64,
-    /// The piece being run and the place in it: velocity and acceleration are derived by the reader. While it
-    /// follows (`lead`) the piece is over the master's progress, see [`View::motion`].
+    /// The piece in force and the position in it: the reader derives velocity and acceleration.
+    /// While it follows (`lead`) the piece is over the master's progress, see [`View::motion`].
     pub motion: Motion,
     /// PT: end time (ms from the start of pass or stream) of what was committed, minus now; rounded down.
     /// Brought up to date every eighth tick.
     pub dry_ms: u32,
-    /// PT: segments of FIFO 0 (in dynamic mode, of the ring) that have run and whose places are free.
+    /// PT: segments of FIFO 0 (in dynamic mode, of the ring) that have run and whose slots are
+    /// free.
     pub released: u32,
     /// PT, PVT, Follow: passes completed.
     pub passes: u32,
     /// PVT: instant at which the time of the table in force was 0 (in later passes: would have been).
     pub table_zero: Ns,
-    /// Follow: how far its master went in the tick, in units of Pos.
+    /// Follow: the displacement of its master in the tick, in units of Pos.
     pub master_displacement: i64,
-    /// Counts ticks, among those of `turns`, in which something from `dry_ms` to `master_displacement` may have changed.
+    /// Counts ticks, among those of `turns`, in which a field from `dry_ms` to
+    /// `master_displacement` may have changed.
     pub counts: u32,
-    /// Counts changes of what follows.
+    /// Counts changes of the fields after it.
     pub changes: u32,
     /// Status word of `GetSts` (SPEC 4).
     pub status: u32,
     /// Those latched bits of `status` that refuse a start until ClearStatus: alarm, following error, and
     /// limits hit since. A limit that is still active after ClearStatus stays in `status` but not here.
     pub blocked: u32,
-    /// Why the axis stopped last.
+    /// The reason of the last stop.
     pub stop: StopReason,
     /// Profile mode.
     pub mode: Mode,
-    /// Follow: whose motion makes that of this axis; none while it stands whatever the master does.
+    /// Follow: the axis whose motion makes that of this axis; none while it does not move whatever
+    /// the master does.
     pub lead: Option<Lead>,
-    /// The coordinate system whose motion makes that of this axis; none while it does not drive it.
+    /// The coordinate system whose motion makes that of this axis; none while none drives it.
     pub drive: Option<Drive>,
     /// PT: times a dynamic stream ended, for whatever reason (ran out, underrun, Stop, fault). Its data is
     /// cleared then, counts and times begin at 0, and segments pushed for an earlier epoch are void.
     pub epoch: u32,
-    /// PT state as `GetPtState` tells it: 0 never ran, 1 running, 2 ended, 3 underrun, 4 stopped.
+    /// PT state as `GetPtState` reports it: 0 never ran, 1 running, 2 ended, 3 underrun, 4 stopped.
     pub pt_state: u8,
     /// PVT: table in force; at rest the one that ran last, or was selected since.
     pub table: u8,
@@ -79,7 +82,7 @@ pub struct AxisView {
     pub fifo: u8,
     /// Follow: the other FIFO takes over at the end of the pass.
     pub switching: bool,
-    /// Follow: what it waits for, as the tick that computed this left it.
+    /// Follow: what it waits for, after the tick that computed this.
     pub waits: Awaits,
     /// Follow: times a switch has emptied each FIFO. `passes` are those of the FIFO that runs; they go down
     /// when the master goes back (direction 0).
@@ -122,7 +125,7 @@ impl AxisView {
         captured: None,
     };
 
-    /// As at power-on, but for what counts, and for why the axis stopped.
+    /// As at power-on, except for counters, and for the stop reason.
     pub(crate) fn reset(&mut self) {
         let AxisView {
             moves: _,
@@ -173,13 +176,14 @@ impl AxisView {
         self.motion = *motion;
     }
 
-    /// The axis is at another place, `t` ns from where its motion began.
+    /// The axis is at another position, `t` ns from where its motion began.
     #[inline(always)]
     pub(crate) fn go_to(&mut self, pos: Pos, t: u32) {
         (self.moves, self.pos, self.motion.t) = (self.moves.wrapping_add(1), pos, t);
     }
 
-    /// The motion of `now`, whose time is `t`, is taken as far as it has changed; whether no more has.
+    /// Copies the motion of `now`, whose time is `t`, as far as it has changed. Returns whether
+    /// nothing else has.
     #[inline(always)]
     pub(crate) fn follow_piece(&mut self, now: &AxisView, t: u32) -> bool {
         if self.turns != now.turns {
@@ -195,7 +199,7 @@ impl AxisView {
         true
     }
 
-    /// Becomes a copy of `now`, of which only what its counters tell is taken.
+    /// Becomes a copy of `now`; only what its counters mark as changed is copied.
     #[inline(always)]
     pub(crate) fn follow(&mut self, now: &AxisView) {
         if self.changes != now.changes {
@@ -205,21 +209,21 @@ impl AxisView {
         self.follow_turn(now);
     }
 
-    /// The same of what changes in every tick of an axis that runs.
+    /// The same for what changes in every tick of a running axis.
     #[inline(always)]
     pub(crate) fn publish_position(&mut self, now: &AxisView) {
         (self.moves, self.pos) = (now.moves, now.pos);
         (self.encoder, self.encoder_before) = (now.encoder, now.encoder_before);
     }
 
-    /// The same of what `turns` counts.
+    /// The same for what `turns` counts.
     #[inline(always)]
     pub(crate) fn follow_turn(&mut self, now: &AxisView) {
         (self.turns, self.motion) = (now.turns, now.motion);
         self.follow_counts(now);
     }
 
-    /// The same of what `counts` counts.
+    /// The same for what `counts` counts.
     #[inline(always)]
     pub(crate) fn follow_counts(&mut self, now: &AxisView) {
         self.counts = now.counts;
@@ -227,7 +231,7 @@ impl AxisView {
         (self.table_zero, self.master_displacement) = (now.table_zero, now.master_displacement);
     }
 
-    /// Field by field, which costs a third of what a call of memcpy does.
+    /// Field by field, at a third of the cost of a call of memcpy.
     #[inline(never)]
     fn follow_changes(&mut self, now: &AxisView) {
         let AxisView { changes, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
@@ -242,19 +246,20 @@ impl AxisView {
     }
 }
 
-/// Who leads an axis that follows.
+/// The master of an axis that follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lead {
-    /// The axis whose planned motion it follows; none for an encoder or a filtered position, which goes evenly in
-    /// the tick.
+    /// The axis whose planned motion it follows; none for an encoder or a filtered position, which
+    /// moves evenly within the tick.
     pub axis: Option<Axis>,
     /// Progress is the master's position with its sign changed.
     pub down: bool,
-    /// Nothing comes of progress that goes back.
+    /// Progress backwards has no effect.
     pub one_way: bool,
 }
 
-/// The motion of an axis in time: its own, or made of that of its master, and of the masters before it.
+/// The motion of an axis in time: its own, or derived from that of its master, and of the masters
+/// before it.
 pub(crate) fn motion<'v>(
     of: impl Fn(Axis) -> Option<&'v AxisView>,
     crd: impl Fn(Crd) -> Option<&'v CrdView>,
@@ -291,7 +296,7 @@ pub enum StopReason {
     /// It never moved.
     #[default]
     None = 0,
-    /// The motion ended as told.
+    /// The motion ended as planned.
     Completed = 1,
     /// Stop command, smooth.
     StopSmooth = 2,
@@ -323,7 +328,7 @@ pub enum StopReason {
     WaitTimeout = 15,
     /// Follow: the step limit, 2³² pulse/ms, would have been exceeded.
     StepLimit = 16,
-    /// Of a coordinate system: another axis could not go along (BufGear) or be moved (BufMove).
+    /// Of a coordinate system: another axis could not be geared (BufGear) or moved (BufMove).
     OtherAxis = 17,
     /// Abort.
     Abort = 18,
@@ -332,7 +337,7 @@ pub enum StopReason {
 }
 
 impl StopReason {
-    /// Whether it is an order to brake smoothly.
+    /// Whether it is a command to brake smoothly.
     pub(crate) const fn is_brake(self) -> bool {
         use StopReason::{Abort, Interlock, LinkLoss, StopSmooth};
         matches!(self, StopSmooth | LinkLoss | Abort | Interlock)
@@ -359,7 +364,7 @@ pub struct View<const AXES: usize> {
     pub first_late: u32,
     /// Number of the last entry executed when the first tick of the program took too long, 0 if none has.
     pub overran: u32,
-    /// A laser command that changes light, or what is output without, was late.
+    /// A laser command that changes light, or the outputs without light, was late.
     pub late_light: bool,
     /// Whether the program lane runs; else it is held.
     pub program_runs: bool,
@@ -377,11 +382,11 @@ pub struct View<const AXES: usize> {
     pub done_immediate: u32,
     /// Last entry of the program lane that was executed.
     pub done_program: u32,
-    /// Events lost because nobody took them.
+    /// Events lost because the ring was full.
     pub events_lost: u32,
     /// Ticks that began before the one before had ended.
     pub overruns: u32,
-    /// Trace samples lost because nobody took them.
+    /// Trace samples lost because the ring was full.
     pub trace_lost: u32,
     /// General inputs.
     pub general_inputs: GeneralInputs,
@@ -460,7 +465,7 @@ pub struct Sample {
     pub of: Traced,
 }
 
-/// What a sample tells.
+/// The contents of a sample.
 #[derive(Debug, Clone, Copy)]
 pub enum Traced {
     /// An axis.
@@ -469,14 +474,14 @@ pub enum Traced {
         axis: Axis,
         /// Planned position.
         pos: Pos,
-        /// Place in its piece; of an axis that is led, a motion with its velocity.
+        /// The motion in its piece; for an axis that is led, a motion with its velocity.
         motion: Motion,
     },
     /// A coordinate system.
     Crd {
         /// Which one.
         crd: Crd,
-        /// Its way along the motion in force, whose velocity is its speed.
+        /// The path length along the motion in force, whose velocity is its speed.
         motion: Motion,
     },
     /// A laser channel: switch output, and power and frequency as [`LaserView`] has them.
@@ -492,9 +497,9 @@ pub enum Traced {
         /// Carrier or pulse rate being output, kHz.
         khz: Power,
     },
-    /// What a channel is told to do in the interval that begins with the tick `row` (ticks since row 0, also
-    /// where rows are fewer). It comes before the row of that tick. Those of row 0 bring outputs at rest to what
-    /// they carry there.
+    /// An action of a channel in the interval that begins with the tick `row` (ticks since row 0,
+    /// also where rows are fewer). It comes before the row of that tick. Those of row 0 bring
+    /// outputs from the safe state to what they carry there.
     Action {
         /// Which channel, from 0.
         channel: u8,
@@ -503,12 +508,14 @@ pub enum Traced {
         /// What.
         action: Action,
     },
-    /// A channel rests at once: at the tick before `row`. Actions of `row` come behind it.
+    /// A channel goes to the safe state at once: at the tick before `row`. Actions of `row` come
+    /// after it.
     Rest {
         /// Which channel, from 0.
         channel: u8,
     },
-    /// From the tick `row` (ticks since row 0) on, the ticks have another period. It comes behind the row of that tick.
+    /// From the tick `row` (ticks since row 0) on, the ticks have another period. It comes after
+    /// the row of that tick.
     Period {
         /// ns.
         ns: u32,
@@ -520,7 +527,7 @@ pub enum Traced {
         /// Bit 0 is the first.
         levels: GeneralOutputs,
     },
-    /// An analog output is set, in the same manner.
+    /// An analog output is set, likewise.
     Analog {
         /// ns from the beginning of the interval.
         at: u32,
@@ -531,7 +538,7 @@ pub enum Traced {
     },
 }
 
-/// News that must not be missed, from the tick to the thread.
+/// Events that must not be lost, from the tick to the thread.
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Event {
@@ -539,10 +546,10 @@ pub enum Event {
     Stopped { axis: Axis, reason: StopReason, now: Ns },
     /// A start, an Update or a commit did nothing because of this axis's state.
     Refused { lane: Lane, seq: u32, axis: Axis, status: u32 },
-    /// A coordinate system came to rest for this reason; its axes are not told of.
+    /// A coordinate system came to rest for this reason; its axes report no event.
     CrdStopped { crd: Crd, reason: StopReason, now: Ns },
-    /// A CrdStart did nothing because of this coordinate system's state: it runs, has nothing to do, is not where it
-    /// was left, or one of its axes is not its own any more.
+    /// A CrdStart did nothing because of this coordinate system's state: it runs, has nothing to
+    /// do, is not where it was interrupted, or one of its axes is no longer its own.
     CrdRefused { lane: Lane, seq: u32, crd: Crd },
     /// An on command lit nothing because a fault keeps this laser channel dark.
     LaserRefused { lane: Lane, seq: u32, channel: u8 },

@@ -1,14 +1,17 @@
-//! The ring through which rounds go to a timer: half-words in the order of its registers, read by DMA again and again.
+//! The ring through which PWM cycles go to a timer: half-words in the order of its registers, read
+//! by DMA in turn.
 //!
-//! In: rounds, ticks, how far DMA has read. Out: half-words; whether they are read where they should be. Owns the order of the places.
-//! Fails by [`CycleRing::renew`] being false. Every place that is not told is a dark round of no length, which stops the timer for
-//! good (RM0433 38.3.1): what is read too early, or when no tick comes any more, is no light. What is over becomes so in the next tick.
+//! In: PWM cycles, ticks, how far DMA has read. Out: half-words; whether DMA is where it should be.
+//! Owns the order of the slots. Fails: [`CycleRing::renew`] returns false. Every slot that is not
+//! queued holds a dark cycle of no length, which stops the timer for good (RM0433 38.3.1). So DMA
+//! that reads too early, or after the last tick, makes no light. Slots that are over become dark in
+//! the next tick.
 use core::sync::atomic::{AtomicU16, Ordering};
 
-/// Places that are made dark at once before a start.
+/// Slots that are made dark at once before a start.
 const AT_ONCE: usize = 64;
 
-/// A place: length − 1, how often − 1, and compare registers.
+/// A slot: length − 1, repetitions − 1, and compare registers.
 type Slot<const WORDS: usize> = [AtomicU16; WORDS];
 
 /// The half-words.
@@ -18,18 +21,19 @@ pub type Slots<const SLOTS: usize, const WORDS: usize> = [Slot<WORDS>; SLOTS];
 #[derive(Debug)]
 pub struct CycleRing<const SLOTS: usize, const WORDS: usize> {
     slots: &'static Slots<SLOTS, WORDS>,
-    /// A dark round of no length.
+    /// A dark cycle of no length.
     dark: [u16; WORDS],
-    /// Places that are told next, and where they end.
+    /// Slots that are queued next, up to their end.
     free: &'static [Slot<WORDS>],
     end: usize,
-    /// The first place that is not dark again.
+    /// The first slot that is not dark again.
     lit: usize,
-    /// The first place that this tick tells: what lies before it is over when the next one begins.
+    /// The first slot that this tick queues: the slots before it are over when the next one begins.
     queued: usize,
-    /// What the last two places last: DMA reads one when the second one before it begins, at the earliest.
+    /// The durations of the last two slots: DMA reads one when the second one before it begins, at
+    /// the earliest.
     last: [u32; 2],
-    /// No place was left for a round.
+    /// No slot was left for a cycle.
     is_full: bool,
 }
 
@@ -51,7 +55,7 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
         }
     }
 
-    /// Before a start: some more places dark; true once all are.
+    /// Before a start: makes some more slots dark; true once all are.
     pub fn clear(&mut self) -> bool {
         let behind = self.lit.wrapping_add(AT_ONCE).min(SLOTS);
         Self::darken(self.slots.get(self.lit..behind), self.dark);
@@ -59,24 +63,24 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
         behind == SLOTS
     }
 
-    /// A start, with two dark rounds of a length of `first` before what is told.
+    /// A start, with two dark cycles of a length of `first` before the queue.
     pub fn begin(&mut self, first: u16) {
         (self.lit, self.queued, self.last, self.is_full) = (0, 0, [first.into(); 2], false);
         (self.free, self.end) = (&[], 0);
     }
 
-    /// The stream stands: nothing is taken for dark any more.
+    /// The stream has stopped: no slot is made dark any more.
     pub fn stop(&mut self) {
         self.lit = 0;
     }
 
-    /// Half-words of the compare registers of a dark round.
+    /// Half-words of the compare registers of a dark cycle.
     pub fn dark(&self) -> &[u16] {
         self.dark.get(2..).unwrap_or_default()
     }
 
-    /// More places that may be told, up to the ring's end or to what is lit; one is not: a ring that is told as a whole looks like one of
-    /// which nothing is.
+    /// More slots that may be queued, up to the ring's end or to a lit slot. One stays free: a full
+    /// ring would look like an empty one.
     #[cold]
     fn open(&mut self) {
         let slot = self.slot();
@@ -88,14 +92,15 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
         self.free = self.slots.get(slot..self.end).unwrap_or_default();
     }
 
-    /// The next place that is told.
+    /// The next slot of the queue.
     #[inline(always)]
     fn slot(&self) -> usize {
         let slot = self.end.wrapping_sub(self.free.len());
         if slot < SLOTS { slot } else { 0 }
     }
 
-    /// Some equal rounds more: their length in counts, how many they are, and the half-words of their compare registers.
+    /// Queues some equal cycles: their length in counts, their number, and the half-words of their
+    /// compare registers.
     #[inline(always)]
     pub fn put(&mut self, length: u32, times: u32, compare: impl IntoIterator<Item = u32>) {
         if self.free.is_empty() {
@@ -115,26 +120,28 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
         self.last = [self.last[1], length.wrapping_mul(times)];
     }
 
-    /// The half-word that is told next.
+    /// The half-word that is queued next.
     pub fn next_word(&self) -> usize {
         self.slot().wrapping_mul(WORDS)
     }
 
-    /// How long before the end of what is told the next round is read at the earliest, in counts.
+    /// How long before the end of the queue the next cycle is read at the earliest, in counts.
     #[inline(always)]
     pub fn ahead(&self) -> u32 {
         self.last[0].wrapping_add(self.last[1])
     }
 
-    /// A tick begins while the timer runs; DMA has read so many half-words of this turn. What is over is dark again. False if
-    /// DMA is not where it should be, between what was over then and what was told, or a round had no place.
+    /// A tick begins while the timer runs; DMA has read this many half-words of this turn. Slots
+    /// that are over become dark again. False if DMA is not where it should be, between what was
+    /// over then and the end of the queue, or if a cycle had no slot.
     #[inline(never)]
     pub fn renew(&mut self, read: usize) -> bool {
         let over = self.queued;
         let turns_over = over < self.lit;
         let mut slots = self.slots.get(self.lit..if turns_over { SLOTS } else { over });
         let mut first = turns_over.then_some(over);
-        // A loop of two turns at most, so that what makes places dark is there once: it runs from memory that is scarce.
+        // A loop of two turns at most, so that the code that makes slots dark exists once: it runs
+        // from scarce memory.
         loop {
             Self::darken(slots, self.dark);
             let Some(behind) = first.take() else { break };
@@ -153,7 +160,8 @@ mod tests {
 
     static SLOTS: Slots<8, 3> = [const { [const { AtomicU16::new(7) }; 3] }; 8];
 
-    /// Whatever DMA reads that is not told, of this tick or the one before, stops its timer in the dark.
+    /// A slot that DMA reads without its being queued, in this tick or the one before, stops its
+    /// timer in the dark.
     #[test]
     fn what_is_not_told_has_no_length_and_no_light() {
         let mut ring = CycleRing::new(&SLOTS, [0, 0, 0]);
@@ -178,13 +186,14 @@ mod tests {
                 assert_eq!(words(slot), [0; 3], "tick {tick}, {} places behind", slot - queued);
             }
         }
-        // DMA beyond what is told.
+        // DMA beyond the queue.
         assert!(!ring.renew((queued + 1) * 3 % (8 * 3)));
     }
 
     static FULL: Slots<8, 3> = [const { [const { AtomicU16::new(7) }; 3] }; 8];
 
-    /// Wherever the ring stands: no place of this tick or the one before is told anew, and the tick behind says so.
+    /// Wherever the ring is: no slot of this tick or the one before is overwritten, and the next
+    /// tick says so.
     #[test]
     fn a_round_without_a_place_is_not_told() {
         for before in 0..24usize {

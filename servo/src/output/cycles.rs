@@ -1,20 +1,23 @@
-//! A timer's rounds, told ahead: what hardware with preloaded registers carries out.
+//! A timer's cycles, queued ahead: what hardware with preloaded registers carries out.
 //!
-//! In: pulses and edges at exact counts, how far the future is known. Out: rounds, one after the other without a gap. Owns
-//! where the rounds end that are told. Fails never. A round is as long as DMA needs to bring the next one, at least, and
-//! as long as 16 bits count, at most; [`super::PwmCycles`] and [`super::GateCycles`] say what becomes of what does not fit.
+//! In: pulses and edges at exact counts, how far the future is known. Out: cycles, one after the
+//! other without a gap. Owns the end of the queued cycles. Fails never. A cycle is at least as long
+//! as DMA needs to bring the next one, and at most as long as 16 bits count. [`super::PwmCycles`]
+//! and [`super::GateCycles`] say what becomes of pulses that do not fit.
 //!
-//! Rounds are told up to a little before the end of what is known, and the last of them are short: a timer takes a round
-//! ahead while the one before it runs, and DMA reads one more ahead of that.
+//! Cycles are queued up to a little before the end of the known interval, and the last of them are
+//! short: a timer preloads one cycle while the one before it runs, and DMA reads one more ahead of
+//! that.
 
-/// The longest round, so that its compare value can be behind its end.
+/// The longest cycle, so that its compare value can lie after its end.
 pub(crate) const MOST: u32 = 65_535;
 
-/// Of a stretch that is longer than that.
+/// Length of the parts of an interval that is longer than that.
 const PIECE: u32 = 32_768;
 
-/// The last two rounds are short where they end less than so many of the shortest ones before the end of what is known: what
-/// is told last begins less than three before it, and two more than that are enough for two rounds.
+/// The last two cycles are short if they end less than this many of the shortest ones before the
+/// end of the known interval. The last cycle queued begins less than three before it, and two more
+/// than that are enough for two cycles.
 pub(crate) const LATE: u32 = 5;
 
 /// Counts of the timer in a ns, in 2⁻³².
@@ -22,7 +25,7 @@ pub(crate) const LATE: u32 = 5;
 pub struct Scale(u32);
 
 impl Scale {
-    /// A timer at so many MHz, below 1000.
+    /// A timer of this many MHz, below 1000.
     pub const fn of_mhz(mhz: u16) -> Scale {
         // Rounded up: off by less than 2⁻³² a ns, so that whole µs are whole counts.
         Scale(((mhz as u64) << 32).div_ceil(1000) as u32)
@@ -35,17 +38,18 @@ impl Scale {
     }
 }
 
-/// Cuts a stretch into rounds.
+/// Cuts an interval into cycles.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lengths {
     left: u32,
-    /// What the last rounds have together, of which each has `least`.
+    /// The length of the last cycles together, of which each has `least`.
     last: u32,
     least: u32,
 }
 
 impl Lengths {
-    /// Of a stretch of `counts`, at least `least`; `short`: the last two rounds are less than twice as long as they must be.
+    /// Of an interval of `counts`, at least `least`; `short`: the last two cycles are less than
+    /// twice as long as they must be.
     #[inline(always)]
     pub(crate) fn of(counts: u32, least: u32, short: bool) -> Lengths {
         let last = match counts {

@@ -1,19 +1,21 @@
-//! A plan that waits for its time, in few words: for a machine that carries out what was planned a tick later.
+//! The delay line: a plan that waits for one tick, in few words, for a machine that carries plans
+//! out a tick later.
 //!
-//! In: a [`Plan`] a tick. Out: its actions, once more; voltages are not among them. Owns the words. Fails by [`DelayLine::put`]
-//! being false, where a plan has more trains than there is room for.
+//! In: a [`Plan`] a tick. Out: its actions, one tick later; voltages are not among them. Owns the
+//! words. Fails: [`DelayLine::put`] returns false, where a plan has more trains than there is room
+//! for.
 //!
-//! An action is a word, and behind it the counts of its train that are others than those of the train of its kind before it
-//! (of light, and of standby): within a tick few are.
+//! An action is a word. After it come the counts of its train that differ from those of the train
+//! of its kind before it (of light, and of standby): within a tick few do.
 use crate::laser::{Action, Count, PLACES, Plan, Rate, Train};
 use crate::path::INSTANTS;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Words that hold any plan of the tick: all actions, and the trains of those that begin the interval, which are two, and of
-/// what paths carry, which is one at each of [`INSTANTS`] for each of two.
+/// Words that hold any plan of the tick: all actions, and the trains. Those that begin the interval
+/// are two; paths bring one at each of [`INSTANTS`] for each of two.
 pub const WORDS: usize = PLACES + 8 * (2 + 2 * INSTANTS as usize);
 
-/// Of an action's word: its instant, what it is, a level or a cut, and whether counts follow.
+/// Bits of an action's word: its instant, its kind, a level or a cut, and whether counts follow.
 const INSTANT: u32 = (1 << 20) - 1;
 const KIND: u32 = 20;
 const FLAG: u32 = 1 << 22;
@@ -39,12 +41,12 @@ impl DelayLine {
         DelayLine { words, len: 0, lights: false }
     }
 
-    /// Nothing is held any more.
+    /// Empties it.
     pub fn clear(&mut self) {
         (self.len, self.lights) = (0, false);
     }
 
-    /// Whether what is held has anything to show.
+    /// Whether its plan makes any light or standby.
     pub fn lights(&self) -> bool {
         self.lights
     }
@@ -67,7 +69,7 @@ impl DelayLine {
         true
     }
 
-    /// Holds a plan instead of what was held. False if it has no room: then nothing is held.
+    /// Holds a plan instead of the one before. False if it has no room: then it is empty.
     #[inline]
     pub fn put(&mut self, plan: &Plan) -> bool {
         self.clear();
@@ -110,7 +112,7 @@ impl DelayLine {
         self.add(word) && self.add_count(period) && self.add_count(&Count { whole: *scale, part: *width, of: *shift })
     }
 
-    /// A word, and what is new of its train.
+    /// A word, and the counts of its train that differ.
     fn add_action<'a>(&mut self, word: u32, train: Option<&'a Train>, trains: &mut [&'a Train; 2]) -> bool {
         let Some(train) = train else { return self.add(word) };
         self.lights |= !train.is_silent();
@@ -123,7 +125,7 @@ impl DelayLine {
             && (!width || self.add_count(&train.width))
     }
 
-    /// What is held, as the plan had it: ns from the interval's beginning, and what happens there.
+    /// The actions of the plan: ns from the interval's beginning, and what happens there.
     #[inline]
     pub fn actions(&self) -> impl Iterator<Item = (u32, Action)> {
         let words = self.words.get(..self.len).unwrap_or_default();
@@ -134,7 +136,8 @@ impl DelayLine {
 struct Replay<'a> {
     words: &'a [AtomicU32],
     next: usize,
-    /// Where the counts of a train of light and of standby lie; 0, where an action does, of none.
+    /// Index of the counts of the last train of light and of standby; 0, where an action is, for
+    /// none.
     periods: [usize; 2],
     widths: [usize; 2],
 }
@@ -152,7 +155,7 @@ impl Replay<'_> {
         Action::Rate(Rate { period: self.counts(period), width, scale, shift })
     }
 
-    /// The place of counts that come next.
+    /// The index of the next counts.
     fn skip(&mut self) -> usize {
         let at = self.next;
         self.next = at.wrapping_add(4);

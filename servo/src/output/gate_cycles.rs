@@ -1,23 +1,27 @@
-//! The switch outputs of both channels as rounds of one timer, in each of which an output may fall once and then rise once.
+//! The switch outputs of both channels as cycles of one timer. In each cycle an output may fall
+//! once and then rise once.
 //!
-//! In: the actions of the plans of a tick. Out: rounds ([`Cycle`]). Owns levels, and the round that is not told yet. Fails never.
+//! In: the actions of the plans of a tick. Out: cycles ([`Cycle`]). Owns levels, and the cycle that
+//! is not queued yet. Fails never.
 //!
-//! An active pulse shorter than [`MIN_COUNTS`] may be missing, where the round that would begin with its end had no room; the
-//! shortest pulse that a command asks for is 1 µs. Gaps are as they should be, whatever their length.
+//! An active pulse shorter than [`MIN_COUNTS`] may be missing, if there was no room for the cycle
+//! that would begin with its end; the shortest pulse that a command asks for is 1 µs. Gaps are
+//! exact, whatever their length.
 use super::cycles::{LATE, Lengths, Scale};
 use crate::laser::CHANNELS;
 use crate::laser::{Action, PLACES};
 
-/// The shortest round, in counts: 500 ns at 240 MHz, in which DMA brings six half-words.
+/// The shortest cycle, in counts: 500 ns at 240 MHz, in which DMA brings six half-words.
 pub const MIN_COUNTS: u32 = 120;
 
-/// Behind the end of any round.
+/// After the end of any cycle.
 const NEVER: u32 = 65_535;
-/// Behind the end of what is known.
+/// After the end of the known interval.
 const FAR: u32 = u32::MAX;
 
-/// A round: its length in counts, and for each output the count at which it falls, if it begins active, and the one at
-/// which it rises: active are counts below the first one and from the second one on.
+/// A cycle: its length in counts, and for each output the count at which it falls, if it begins
+/// active, and the one at which it rises. It is active below the first one and from the second one
+/// on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cycle {
     /// Counts, at most 65 535.
@@ -28,7 +32,7 @@ pub struct Cycle {
     pub rises: [u32; CHANNELS],
 }
 
-/// An output in the round that is not told yet, in counts from its beginning.
+/// An output in the cycle that is not queued yet, in counts from its beginning.
 #[derive(Debug, Clone, Copy)]
 struct Line {
     /// It is active until then; [`FAR`]: so far.
@@ -41,7 +45,7 @@ impl Line {
     const INACTIVE: Line = Line { falls: 0, rises: FAR };
     const ACTIVE: Line = Line { falls: FAR, rises: FAR };
 
-    /// The round ends after so many counts, and the next one begins.
+    /// The cycle ends after this many counts, and the next one begins.
     #[inline(always)]
     fn renew(&mut self, length: u32) {
         if self.rises <= length {
@@ -70,17 +74,17 @@ pub struct GateCycles {
 }
 
 impl GateCycles {
-    /// Inactive; the first round begins at this count.
+    /// Inactive; the first cycle begins at this count.
     pub const fn from(begin: u64, scale: Scale) -> GateCycles {
         GateCycles { scale, begin, lines: [Line::INACTIVE; CHANNELS], known: begin, edges: [0; PLACES], waiting: 0 }
     }
 
-    /// Where the rounds told so far end.
+    /// The end of the queued cycles.
     pub const fn queued(&self) -> u64 {
         self.begin
     }
 
-    /// What is not told yet of an output is inactive.
+    /// The part of an output that is not queued yet becomes inactive.
     pub fn shut_off(&mut self, channel: usize) {
         if let Some(line) = self.lines.get_mut(channel) {
             *line = Line::INACTIVE;
@@ -90,7 +94,8 @@ impl GateCycles {
         }
     }
 
-    /// The first channel's actions of the interval whose second ones come to [`GateCycles::take`].
+    /// The first channel's actions of the interval; those of the second one come to
+    /// [`GateCycles::take`].
     #[inline]
     pub fn hold(&mut self, actions: impl Iterator<Item = (u32, Action)>) {
         self.waiting = 0;
@@ -104,8 +109,8 @@ impl GateCycles {
         }
     }
 
-    /// The second channel's actions of the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by
-    /// both. An action beyond the interval takes place at its end.
+    /// The second channel's actions of the interval from `from` to `to`, in counts: `sink` gets the
+    /// cycles that are certain with both. An action beyond the interval takes place at its end.
     #[inline]
     pub fn take(
         &mut self,
@@ -131,7 +136,8 @@ impl GateCycles {
         }
     }
 
-    /// From the beginning of the round that is not told yet; what is known is far below 2³² counts.
+    /// From the beginning of the cycle that is not queued yet; the known interval is far below 2³²
+    /// counts.
     #[inline(always)]
     fn counts_to(&self, at: u64) -> u32 {
         at.saturating_sub(self.begin) as u32
@@ -147,7 +153,7 @@ impl GateCycles {
         held
     }
 
-    /// An output goes to a level.
+    /// An output changes to a level.
     fn edge(&mut self, channel: usize, at: u64, level: bool, sink: &mut impl FnMut(Cycle)) {
         let at = self.counts_to(at.min(self.known));
         let Some(line) = self.lines.get_mut(channel) else { return };
@@ -169,7 +175,7 @@ impl GateCycles {
         }
     }
 
-    /// Tells everything for so many counts, behind which a round begins.
+    /// Queues everything for this many counts, after which a cycle begins.
     fn close(&mut self, counts: u32, sink: &mut impl FnMut(Cycle)) {
         let is_late = counts.wrapping_add(LATE * MIN_COUNTS) > self.counts_to(self.known);
         for length in Lengths::of(counts, MIN_COUNTS, is_late) {

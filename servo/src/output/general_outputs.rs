@@ -1,8 +1,8 @@
 //! Outputs that change at instants inside the coming interval.
 //!
-//! In: changes with their instants, in the order in which they are found, which is that of time for each coordinate
-//! system. Out: the same in the order of time, to the machine. Owns: those of one tick; of an instant one for each group and
-//! each analog output. Fails: never; a path holds where there is no room for more.
+//! In: changes with their instants, in the order of time for each coordinate system. Out: the same
+//! in the order of time, to the machine. Owns: those of one tick; of an instant one for each group
+//! and each analog output. Fails: never; a path holds where there is no room for more.
 use crate::capacity::GeneralOutputs;
 use crate::op::DoGroup;
 use crate::path::INSTANTS;
@@ -15,7 +15,7 @@ const ROOM: usize = Crd::MAX * INSTANTS as usize;
 /// What changes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Change {
-    /// Outputs of a group go to the levels of `value` where `mask` is set.
+    /// Outputs of a group get the levels of `value` where `mask` is set.
     Digital { group: DoGroup, mask: u64, value: u64 },
     /// An analog output.
     Analog { channel: u8, value: i16 },
@@ -72,7 +72,7 @@ impl Edges {
         self.count == 0
     }
 
-    /// Whether one more change has a place.
+    /// Whether there is room for one more change.
     pub(crate) fn has_room(&self) -> bool {
         self.count < ROOM
     }
@@ -104,8 +104,8 @@ impl Edges {
         }
     }
 
-    /// Hands them to the machine, whose outputs have these levels at the tick computed, and the general and analog outputs with
-    /// their instants to `queued`; the levels at the end.
+    /// Hands them to the machine, whose outputs have these levels at the tick computed, and the
+    /// general and analog outputs with their instants to `queued`; returns the levels at the end.
     #[inline(never)]
     pub(crate) fn flush(
         &mut self,

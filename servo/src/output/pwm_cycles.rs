@@ -1,29 +1,31 @@
-//! The energy output of a channel as rounds of a timer that begin with light, or have none.
+//! The energy output of a channel as cycles of a timer that begin with light, or have none.
 //!
-//! In: the actions of a plan a tick. Out: rounds: length, light from the beginning on, in counts, and how often. Owns train, pulse in progress, and the
-//! rounds that may still become others. Fails never.
+//! In: the actions of a plan a tick. Out: cycles: length, light from the beginning on, in counts,
+//! and repetitions. Owns train, pulse in progress, and the cycles that may still change. Fails
+//! never.
 //!
-//! Each pulse begins with a round; a pulse that begins sooner than [`MIN_COUNTS`] behind the one before it, with a gap between them,
-//! takes its place: that one is not output. It takes light or standby that is cut within 350 ns of a pulse's beginning, and
-//! the pulse has ended before; carriers never come near.
+//! Each pulse begins with a cycle. A pulse that begins sooner than [`MIN_COUNTS`] after the one
+//! before it, with a gap between them, would need its time: that pulse is left out. This happens
+//! only if light or standby is cut within 350 ns of a pulse's beginning and the pulse has ended
+//! before; carriers never come near.
 use super::cycles::{LATE, Lengths, MOST, Scale};
 use crate::laser::Pattern;
 use crate::laser::{Action, FINISH_NS, Rate, Train};
 
-/// Where a period ends that stands still.
+/// The end of a period that is paused.
 const NEVER: u64 = u64::MAX;
 
-/// The shortest round, in counts: 350 ns at 240 MHz, in which DMA brings three half-words.
+/// The shortest cycle, in counts: 350 ns at 240 MHz, in which DMA brings three half-words.
 pub const MIN_COUNTS: u32 = 84;
 
 /// See the module text. Instants are counts of the timer since it began.
 #[derive(Debug, Clone)]
 pub struct PwmCycles {
     scale: Scale,
-    /// Where the round begins that is not told yet, and where its light ends.
+    /// Where the cycle begins that is not queued yet, and where its light ends.
     begin: u64,
     until: u64,
-    /// Where the last pulse begins, if it ends that round, unless something comes between.
+    /// Where the last pulse begins, if it ends that cycle, unless something comes between.
     next: Option<u64>,
     train: Train,
     pattern: Pattern,
@@ -35,12 +37,12 @@ pub struct PwmCycles {
     begins: u64,
     /// The last pulse's end.
     pulse_end: u64,
-    /// What is known ends here.
+    /// The end of the known interval.
     known: u64,
 }
 
 impl PwmCycles {
-    /// Dark; the first round begins at this count.
+    /// Dark; the first cycle begins at this count.
     pub const fn from(begin: u64, scale: Scale) -> PwmCycles {
         PwmCycles {
             scale,
@@ -58,13 +60,14 @@ impl PwmCycles {
         }
     }
 
-    /// Where the rounds told so far end.
+    /// The end of the queued cycles.
     pub const fn queued(&self) -> u64 {
         self.begin
     }
 
-    /// The actions of a plan for the interval from `from` to `to`, in counts: `sink` gets the rounds that are certain by it: length,
-    /// light, and how many in turn are so. An action beyond the interval takes place at its end.
+    /// The actions of a plan for the interval from `from` to `to`, in counts. `sink` gets the
+    /// cycles that are certain by it: length, light, and repetitions. An action beyond the interval
+    /// takes place at its end.
     #[inline]
     pub fn take(
         &mut self,
@@ -102,7 +105,7 @@ impl PwmCycles {
         }
     }
 
-    /// Nothing that is not told yet has light.
+    /// Nothing that is not queued yet has light.
     pub fn shut_off(&mut self) {
         (self.train, self.runs, self.next) = (Train::NONE, false, None);
         (self.until, self.pulse_end, self.begins) = (self.begin, self.begin, self.begin);
@@ -140,7 +143,7 @@ impl PwmCycles {
         let is_paused = self.runs && self.period_end == NEVER;
         let left = match (self.runs, is_paused) {
             (false, _) => 0,
-            // Where a period stands still, what is left of it stands where none begins.
+            // The remainder of a paused period is stored where none begins.
             (true, true) => self.begins,
             (true, false) => self.period_end.saturating_sub(at),
         };
@@ -168,7 +171,7 @@ impl PwmCycles {
     /// Follows the train to `to`, not included.
     #[inline]
     fn pulses_to(&mut self, to: u64, sink: &mut impl FnMut(u32, u32, u32)) {
-        // A period has a count at least, and what is known is some 10⁵ counts.
+        // A period has at least one count, and the known interval some 10⁵.
         loop {
             if self.is_steady() {
                 self.periods(to, sink);
@@ -191,7 +194,8 @@ impl PwmCycles {
         }
     }
 
-    /// Whether each period of the train can be a round, and the one in progress is the round that is not told yet, or the next.
+    /// Whether each period of the train can be a cycle, and the one in progress is the cycle that
+    /// is not queued yet, or the next.
     #[inline(always)]
     fn is_steady(&self) -> bool {
         let periods = MIN_COUNTS as u64..(MOST as u64).wrapping_sub(1);
@@ -199,20 +203,22 @@ impl PwmCycles {
             && periods.contains(&self.train.period.whole)
             && self.next.unwrap_or(self.begin) == self.period_begin
             && periods.contains(&self.period_end.wrapping_sub(self.period_begin))
-            // It had its pulse cut, or its end comes from another train: rounds tell by the pulse's end.
+            // Its pulse was cut, or its end comes from another train: the pulse's end decides its
+            // cycles.
             && self.pulse_end <= self.period_end
     }
 
-    /// Periods of a steady train, each as a round, while they are certain. Whether the interval needs no other: they are short, and
-    /// the one in progress is the round that is not told yet.
+    /// Periods of a steady train, each as a cycle, while they are certain. Returns whether the
+    /// interval needs no other: they are short, and the one in progress is the cycle that is not
+    /// queued yet.
     #[inline(never)]
     fn periods(&mut self, to: u64, sink: &mut impl FnMut(u32, u32, u32)) -> bool {
-        // What is known is far below 2³² counts.
+        // The known interval is far below 2³² counts.
         let length = self.period_end.wrapping_sub(self.period_begin) as u32;
         let whole = self.train.period.whole as u32;
-        // Behind long rounds come short ones.
+        // Short cycles come after long ones.
         let is_short = length.max(whole) < 2 * MIN_COUNTS - 1;
-        // The last two places hold a period each, where they would not be short otherwise.
+        // The last two slots hold a period each, where they would not be short otherwise.
         let (margin, alone) =
             if is_short { (MIN_COUNTS, whole.wrapping_add(1).wrapping_mul(2)) } else { (LATE * MIN_COUNTS, 0) };
         let left = (to.saturating_sub(self.period_begin) as u32).saturating_sub(margin);
@@ -225,7 +231,7 @@ impl PwmCycles {
             let remainder = left.wrapping_sub(length);
             let (remainder, (length, light)) = self.pattern.queue(&self.train, remainder, alone, sink);
             let begin = self.begin.wrapping_add(left.wrapping_sub(remainder).into());
-            // A round begins here even without light: its period is steady.
+            // A cycle begins here even without light: its period is steady.
             (self.begin, self.until) = (begin, begin.wrapping_add(light.into()));
             (self.period_begin, self.period_end) = (begin, begin.wrapping_add(length.into()));
             if light > 0 {
@@ -238,7 +244,7 @@ impl PwmCycles {
     /// Light from `at` to `until`: the last pulse.
     #[inline]
     fn pulse(&mut self, at: u64, until: u64, sink: &mut impl FnMut(u32, u32, u32)) {
-        // What is told already, behind a restart, is dark.
+        // What is queued already, after a restart, is dark.
         let at = at.max(self.begin);
         if let Some(next) = self.next {
             if at.wrapping_sub(next) < MIN_COUNTS.into() {
@@ -268,10 +274,10 @@ impl PwmCycles {
         }
     }
 
-    /// Tells everything up to `at`, where a round begins: with the next pulse, if there is one.
+    /// Queues everything up to `at`, where a cycle begins: with the next pulse, if there is one.
     #[inline(never)]
     fn close(&mut self, at: u64, sink: &mut impl FnMut(u32, u32, u32)) {
-        // What is not told yet is far below 2³² counts.
+        // The part that is not queued yet is far below 2³² counts.
         let counts = at.wrapping_sub(self.begin) as u32;
         let mut light = self.until.saturating_sub(self.begin).min(counts.into()) as u32;
         let is_late = counts.wrapping_add(LATE * MIN_COUNTS) > self.known.wrapping_sub(self.begin) as u32;
@@ -285,7 +291,7 @@ impl PwmCycles {
         }
     }
 
-    /// Tells what nothing that is not known yet can change.
+    /// Queues what nothing unknown can change.
     #[inline]
     fn queue_certain(&mut self, sink: &mut impl FnMut(u32, u32, u32)) {
         if let Some(next) = self.next

@@ -1,17 +1,18 @@
-//! Whole pulses: how many lie between two set-points, and where in the tick each one comes.
+//! The step generator: whole pulses between two set-points, and the slot of the tick for each one.
 //!
 //! In: two set-points. Out: a signed count, and one yes/no per slot of the tick. Owns an accumulator.
 //! It cannot fail; nothing here divides.
 //!
-//! The step output stands at the planned position rounded to the nearest pulse (halves upwards), so
-//! that both directions are alike and an axis at rest on a knot is half a pulse away from the next
+//! The step output is at the planned position rounded to the nearest pulse (halves upwards). So
+//! both directions are alike, and an axis at rest on a knot is half a pulse away from the next
 //! edge. The pulses of a tick are spread evenly and centred: with n pulses in a tick of S slots,
 //! pulse k comes in slot `ceil(((k + 1)·S − floor(S/2)) / n) − 1`. Hardware fills its slots by
-//! [`Slots`]; whoever may divide (the VCD writer) uses the closed form, and a test holds them equal.
+//! [`Slots`]; code that may divide (the VCD writer) uses the closed form, and a test holds them
+//! equal.
 use crate::units::Pos;
 pub use crate::units::whole;
 
-/// Steps to emit on the way from one set-point to the next; negative is backwards.
+/// Steps from one set-point to the next; negative is backwards.
 pub const fn between(from: Pos, to: Pos) -> i64 {
     whole(to).wrapping_sub(whole(from))
 }

@@ -1,20 +1,25 @@
-//! Steps of eight axes as words, one a slot, which DMA copies to the set/reset register of one port.
+//! Steps of eight axes as words, one for each slot, which DMA copies to the set/reset register of
+//! one port.
 //!
-//! In: the pulses at which the outputs are to stand at the end of a tick. Out: words in a ring: bit 8 + a raises the step output
-//! of axis a, bit 24 + a lowers it, bit a says backwards, bit 16 + a forwards. Owns where the outputs stand. Budget: 23
-//! instructions a slot and some 70 an axis, however many steps there are (`cargo xtask ticks`). It cannot fail: what does not fit into a tick comes in the next.
+//! In: the pulses that the outputs reach at the end of a tick. Out: words in a ring: bit 8 + a
+//! raises the step output of axis a, bit 24 + a lowers it, bit a says backwards, bit 16 + a
+//! forwards. Owns the pulse counts of the outputs. Budget: 23 instructions a slot and some 70 an
+//! axis, however many steps there are (`cargo xtask ticks`). It cannot fail: steps that do not fit
+//! into a tick come in the next.
 //!
-//! The steps of a tick lie where [`super::step_generator::Slots`] has them, so each is at most a slot before its ideal instant, and the last one of a tick
-//! is over before the next tick. A direction changes at the beginning of a tick; the steps behind it are spread
-//! over what the set-up time leaves of the tick.
+//! The steps of a tick lie in the slots of [`super::step_generator::Slots`]. So each is at most a
+//! slot before its ideal instant, and the last one of a tick is over before the next tick. A
+//! direction changes at the beginning of a tick; the steps after it are spread over the remainder
+//! of the tick after the set-up time.
 //!
-//! Eight phases are counted at once, two in a word, in 2⁻¹⁵ of a step and rounded up. A phase is a multiple of 1/slots, and is set
-//! anew before the rounding gathers as much as that is ([`block`]): so every step comes in its own slot.
+//! Eight phases are counted at once, two in a word, in 2⁻¹⁵ of a step and rounded up. A phase is a
+//! multiple of 1/slots, and is set anew before the rounding errors add up to that ([`block`]): so
+//! every step comes in its own slot.
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Axes of a word.
 pub const AXES: usize = 8;
-/// Slots of the ring. Two ticks lie in it: the one that is played, and the one that is filled.
+/// Slots of the ring. Two ticks lie in it: the one that is output, and the one that is filled.
 pub const RING: usize = 1024;
 /// Slots of the longest tick.
 pub const SLOTS_MAX: u32 = RING as u32 / 2;
@@ -41,9 +46,9 @@ const RECIPROCALS: [u32; SLOTS_MAX as usize + 1] = {
 /// The step outputs of eight axes. A step is high for `WIDTH` slots, and low for as many at least.
 #[derive(Debug, Clone)]
 pub struct StepOutput<const WIDTH: usize> {
-    /// Slots from a change of direction to the step behind it.
+    /// Slots from a change of direction to the step after it.
     set_up: u32,
-    /// Pulses at which the outputs stand.
+    /// Pulse counts of the outputs.
     stands: [i64; AXES],
     /// Axes whose direction is backwards.
     backwards: u32,
@@ -77,13 +82,14 @@ impl<const WIDTH: usize> StepOutput<WIDTH> {
         (slots >> 1) / WIDTH as u32
     }
 
-    /// The pulse at which the output of an axis stands behind the last tick that was filled.
+    /// The pulse count of an axis's output after the last tick that was filled.
     pub fn stands(&self, axis: usize) -> i64 {
         self.stands.get(axis).copied().unwrap_or(0)
     }
 
-    /// Fills a tick of `slots` slots from slot `at` of the ring on, at whose end the outputs stand at `goes_to`, as far as the
-    /// steps have room. All words there are zero before; if none is to be another, nothing is written. Whether it was.
+    /// Fills a tick of `slots` slots from slot `at` of the ring on, at whose end the outputs are at
+    /// `goes_to`, as far as the steps have room. All words there are zero before; if all stay zero,
+    /// nothing is written. Returns whether anything was.
     #[inline(never)]
     pub fn fill(&mut self, goes_to: &[i64; AXES], slots: u32, ring: &[AtomicU32; RING], at: usize) -> bool {
         let slots = slots.min(SLOTS_MAX);
@@ -92,7 +98,7 @@ impl<const WIDTH: usize> StepOutput<WIDTH> {
         let axes = goes_to.iter().zip(&mut self.stands).zip(&mut self.waits).zip(counts.iter_mut().zip(&mut from));
         for (bit, (((goes_to, stands), wait), (count, from))) in (0..AXES as u32).zip(axes) {
             let displacement = goes_to.wrapping_sub(*stands);
-            // Further than a word is as far as a tick is concerned.
+            // Further than a word is as good as any for one tick.
             let displacement =
                 i32::try_from(displacement).unwrap_or(if displacement < 0 { -i32::MAX } else { i32::MAX });
             let backwards = displacement < 0;
@@ -163,7 +169,7 @@ fn spread<const WIDTH: usize>(counts: &[u32; AXES], slots: u32, ring: &[AtomicU3
     }
 }
 
-/// Writes the words of any tick: the steps of an axis lie behind slot `from`.
+/// Writes the words of any tick: the steps of an axis lie after slot `from`.
 #[inline(never)]
 fn spread_late<const WIDTH: usize>(
     counts: &[u32; AXES],
@@ -173,7 +179,7 @@ fn spread_late<const WIDTH: usize>(
     mut at: usize,
 ) {
     let mut done = 0u32;
-    // In 1/of of a step, where so many slots are the axis's.
+    // In 1/of of a step, where the axis has this many slots.
     let mut phases = from.map(|from| slots.saturating_sub(from) >> 1);
     // Steps whose end is still to come, the newest first.
     let mut high = [0; WIDTH];
@@ -205,7 +211,8 @@ fn spread_late<const WIDTH: usize>(
     }
 }
 
-/// Writes the words of a block; the phases behind it. A function of its own, so that the eight numbers stay in registers.
+/// Writes the words of a block; returns the phases after it. A function of its own, so that the
+/// eight numbers stay in registers.
 #[inline(never)]
 fn write<const WIDTH: usize>(run: &[AtomicU32], phase: [u32; 4], pace: [u32; 4], high: &mut [u32; WIDTH]) -> [u32; 4] {
     let [mut p0, mut p1, mut p2, mut p3] = phase;
@@ -222,7 +229,7 @@ fn write<const WIDTH: usize>(run: &[AtomicU32], phase: [u32; 4], pace: [u32; 4],
         for p in [p2, p1, p0] {
             both = both.rotate_right(2) | p & CARRIES;
         }
-        // The odd bits from 9 to 15, and above them those that go between.
+        // The odd bits from 9 to 15, and above them those between.
         let rises = both & 0xffff | both >> 17;
         let mut falls = rises;
         for later in &mut pending {

@@ -1,4 +1,4 @@
-//! What the tick tells of a coordinate system.
+//! What the tick publishes of a coordinate system.
 use super::StopReason;
 use crate::crd::Frame;
 use crate::path::{Bend, DIMENSIONS, PathStop};
@@ -8,11 +8,13 @@ use crate::units::{Crd, Pos};
 /// One coordinate system in one tick.
 #[derive(Debug, Clone, Copy)]
 pub struct CrdView {
-    /// Counts changes of anything here; what did not change need not be looked at again.
+    /// Counts changes of anything here; a reader skips what did not change.
     pub moves: u32,
-    /// Counts changes of what is not a place on the path: `frame`, `cleared`, `rest`, `stop`, `ends`.
+    /// Counts changes of the fields that are no position on the path: `frame`, `cleared`, `rest`,
+    /// `stop`, `ends`.
     pub changes: u32,
-    /// Counts changes of `bend`, of `motion` but for the place in it, of `fifo`, `released` and `done`.
+    /// Counts changes of `bend`, of `motion` except for the position in it, of `fifo`, `released`
+    /// and `done`.
     pub turns: u32,
     /// Coordinates: the planned positions of its axes less the origin.
     pub position: [Pos; DIMENSIONS],
@@ -20,13 +22,14 @@ pub struct CrdView {
     pub heading: [i32; DIMENSIONS],
     /// How the direction turns.
     pub bend: Bend,
-    /// The way along the motion in force as a piece: its velocity is the path's.
+    /// The path length along the motion in force as a piece: its velocity is the path's.
     pub motion: Motion,
-    /// It has been started and is not at rest; it also runs while it waits, or stands at a corner.
+    /// It has been started and is not at rest; it also runs while it waits, or has speed 0 at a
+    /// corner.
     pub runs: bool,
     /// FIFO in force, or that was last.
     pub fifo: u8,
-    /// Entries of each FIFO that are over, counted since it was cleared; their places are free.
+    /// Entries of each FIFO that are over, counted since it was cleared; their slots are free.
     pub released: [u32; 2],
     /// Motions of each FIFO completed since it was cleared.
     pub done: [u32; 2],
@@ -34,7 +37,7 @@ pub struct CrdView {
     pub ends: [u32; 2],
     /// Times that each FIFO was cleared (CrdFrame, CrdClear, Reset).
     pub cleared: [u32; 2],
-    /// Which axes it drives, and from where; none before SetCrdPrm.
+    /// The axes that it drives, and its zero; none before SetCrdPrm.
     pub frame: Option<Frame>,
     /// The planned positions of its axes at its zero.
     pub origin: [Pos; DIMENSIONS],
@@ -45,7 +48,7 @@ pub struct CrdView {
 }
 
 impl CrdView {
-    /// Becomes a copy of `now`, of which only what its counters tell is taken.
+    /// Becomes a copy of `now`; only what its counters mark as changed is copied.
     #[inline(always)]
     pub(crate) fn follow(&mut self, now: &CrdView) {
         if self.moves == now.moves {
@@ -63,7 +66,8 @@ impl CrdView {
         (self.moves, self.position, self.heading) = (now.moves, now.position, now.heading);
     }
 
-    /// Field by field, which costs a third of what a call of memcpy does; what `turns` counts comes with the rest.
+    /// Field by field, at a third of the cost of a call of memcpy; what `turns` counts comes with
+    /// the rest.
     #[inline(never)]
     fn follow_changes(&mut self, now: &CrdView) {
         (self.changes, self.turns) = (now.changes, now.turns.wrapping_sub(1));
@@ -72,7 +76,7 @@ impl CrdView {
         (self.frame, self.origin) = (now.frame, now.origin);
     }
 
-    /// Nothing is driven any more, FIFOs are empty; why it stopped last stays.
+    /// Nothing is driven any more, FIFOs are empty; the last stop reason stays.
     pub(crate) fn drop_frame(&mut self) {
         let CrdView {
             moves: _,
@@ -132,11 +136,11 @@ pub enum Drive {
         /// Which, X is 0.
         index: u8,
     },
-    /// BufGear: the axis goes along with the path.
+    /// BufGear: the axis is geared to the path.
     Gear {
         /// Whose.
         crd: Crd,
-        /// Its way per way of the path.
+        /// Its displacement per path length.
         ratio: Scaled,
     },
 }

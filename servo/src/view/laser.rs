@@ -1,4 +1,4 @@
-//! What the tick tells of a laser channel.
+//! What the tick publishes of a laser channel.
 use crate::laser::{self, Bounds, Carrier, Cause, Count, Ignored, Power, Train};
 use crate::units::{Crd, CrdMask};
 
@@ -28,10 +28,10 @@ pub struct LaserView {
     /// What is being output, in the mode's unit: the power of the light, else standby or pre-voltage; 0 when
     /// nothing is.
     pub power: Power,
-    /// Carrier or pulse rate that is being output, kHz, as it was asked for; 0 when nothing is.
+    /// Carrier or pulse rate that is being output, kHz, as it was requested; 0 when nothing is.
     pub khz: Power,
-    /// The train of pulses being output, of which the achieved frequency and duty are read; none when nothing
-    /// is.
+    /// The train of pulses being output, from which the achieved frequency and duty are read; none
+    /// when nothing is.
     pub train: Train,
     /// Power mode.
     pub mode: laser::Mode,
@@ -47,11 +47,11 @@ pub struct LaserView {
     pub crd_map: u8,
     /// Those whose light of this channel is on, or would come back with their CrdStart.
     pub owners: CrdMask,
-    /// Why the last command that had been admitted did nothing, and how many of them did.
+    /// Why the last admitted command without effect had none, and how many such there were.
     pub ignored: Ignored,
     /// See `ignored`; wraps.
     pub ignored_count: u8,
-    /// Whose path a velocity follow follows.
+    /// The coordinate system of a velocity follow.
     pub follows: Option<Crd>,
     /// Which of its speeds.
     pub source: laser::Source,
@@ -109,7 +109,7 @@ impl LaserView {
         (self.moves, self.power, self.train.width) = (self.moves.wrapping_add(1), power, width);
     }
 
-    /// Becomes a copy of `now`, of which only what its counters tell is taken.
+    /// Becomes a copy of `now`; only what its counters mark as changed is copied.
     #[inline(always)]
     pub(crate) fn follow(&mut self, now: &LaserView) {
         self.on_time = now.on_time;

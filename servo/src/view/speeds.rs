@@ -1,7 +1,8 @@
-//! Velocities of axes in one tick, each made once, whoever follows whom.
+//! Velocities of axes in one tick, each computed once, whoever follows whom.
 //!
-//! In: axes as they stand in one tick. Out: velocities; integers only, so every machine derives the same bits. Owns: those it
-//! was asked for, and those of the masters that it passed. Work: a product a link of a chain. Cannot fail.
+//! In: axes in one tick. Out: velocities; integers only, so every machine derives the same bits.
+//! Owns: those that were requested, and those of their masters. Work: a product for each link of a
+//! chain. Cannot fail.
 use super::{AxisView, CrdView};
 use crate::crd::share_speed;
 use crate::math::real::Real;
