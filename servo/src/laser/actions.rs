@@ -1,29 +1,30 @@
-//! What a channel is told for one tick: actions at exact instants, which timers carry out.
+//! The plan of a channel for one tick: actions at exact instants, which timers carry out.
 //!
-//! In: the channel's decisions, in the order of time. Out: at most [`PLACES`] actions whose instants lie
-//! inside the interval. Owns nothing else. Fails: [`Plan::has_room`] says when it is full before it is.
+//! In: the channel's decisions, in the order of time. Out: at most [`PLACES`] actions whose
+//! instants lie inside the interval. Owns nothing else. Fails: [`Plan::has_room`] says beforehand
+//! whether it is full.
 //!
-//! A machine carries out the actions in their order; those of one instant follow each other there, and come
-//! before a period that would begin at it.
+//! A machine carries out the actions in their order. Those of one instant follow each other there,
+//! and come before a period that would begin at it.
 use crate::math::wide::umul;
 
 /// Actions that a plan holds.
 pub const PLACES: usize = 64;
 
-/// A number of counts of the machine's timer, whole + part/of: what a timer does in the mean by counting
-/// once more in `part` of `of` periods ([`super::dither::Pattern`]).
+/// A number of counts of the machine's timer, whole + part/of. A timer reaches it as a mean: it
+/// counts once more in `part` of `of` periods ([`super::dither::Pattern`]).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Count {
     /// Whole counts.
     pub whole: u64,
-    /// Numerator of the rest, below `of`.
+    /// Numerator of the remainder, below `of`.
     pub part: u32,
     /// Denominator; 0 stands for 2³².
     pub of: u32,
 }
 
 impl Count {
-    /// Of the rest; 1 to 2³².
+    /// Of the remainder; 1 to 2³².
     #[inline]
     const fn denominator(&self) -> u64 {
         if self.of == 0 { 1 << 32 } else { self.of as u64 }
@@ -62,8 +63,8 @@ impl Train {
         !self.is_none() && self.is_full()
     }
 
-    /// Whether the width reaches the period: an unbroken level. Each pulse is then as long as its period,
-    /// wherever the odd counts of the two would fall.
+    /// Whether the width reaches the period: an unbroken level. Each pulse is then as long as its
+    /// period, wherever the odd counts of the two would lie.
     #[inline]
     pub const fn is_full(&self) -> bool {
         let Train { period, width } = self;
@@ -75,11 +76,13 @@ impl Train {
     }
 }
 
-/// Light goes on with pulses at another rate (frequency mode), in phase: what is left of the period in progress is longer or
-/// shorter by as much as the period is. So the next pulse comes when the integral of the rate since the last one reaches 1.
+/// Light goes on with pulses at another rate (frequency mode), in phase: the remainder of the
+/// period in progress changes in proportion to the period. So the next pulse comes when the
+/// integral of the rate since the last one reaches 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Rate {
-    /// From pulse to pulse, in 2⁻³² counts (its `of` is 0). A whole of 0 is a pause: what is left stands still until the next rate.
+    /// From pulse to pulse, in 2⁻³² counts (its `of` is 0). A whole of 0 is a pause: the remainder
+    /// is kept until the next rate.
     pub period: Count,
     /// Width of a pulse, counts.
     pub width: u32,
@@ -106,8 +109,8 @@ impl Rate {
         Train { period: self.period, width: Count { whole: self.width as u64, part: 0, of: 1 } }
     }
 
-    /// What is left of the period in progress at this rate, where `whole` + `part`·2⁻³² counts were left at the one before; rounded
-    /// up, so that what is a whole count is not missed by one.
+    /// The remainder of the period in progress at this rate, if `whole` + `part`·2⁻³² counts
+    /// remained at the one before. Rounded up, so that a whole count is not missed by one.
     #[inline(never)]
     pub fn left(&self, whole: u64, part: u32) -> (u64, u32) {
         if self.scale == 0 {
@@ -128,29 +131,31 @@ impl Rate {
     }
 }
 
-/// What happens at an instant. PWM, switch and DAC are three outputs: an action touches only its own.
+/// An event at an instant. PWM, switch and DAC are three outputs: an action changes only its own.
 ///
-/// A train keeps its phase while it goes on. *At its period's end* means: the period in progress runs out
-/// first, with its pulse as it is; if the new period is shorter, it runs out where the new one, begun with
-/// it, would, but neither before the action's instant nor before its pulse has ended. Where no period is in
-/// progress, it means at once. A train that begins begins its pattern ([`super::Pattern`]); one that goes on
-/// goes on with it.
-// A word for the tag: what follows it is copied in words.
+/// A train keeps its phase while it goes on. *At its period's end* means: the period in progress
+/// runs out first, with its pulse as it is. If the new period is shorter, it runs out where the new
+/// one, begun with it, would, but neither before the action's instant nor before its pulse has
+/// ended. If no period is in progress, it means at once. A train that begins begins its pattern
+/// ([`super::Pattern`]); one that goes on continues it.
+// A word for the tag: the data after it is copied in words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Action {
     /// The switch output becomes active or inactive.
     Switch(bool),
-    /// Light begins: whatever the PWM carried is over, and this train begins here with a pulse at full width.
+    /// Light begins: the present train of the PWM ends, and this one begins here with a pulse at
+    /// full width.
     Light(Train),
     /// Light, or standby, goes on with this train at its period's end.
     Change(Train),
-    /// Light goes on with pulses at this rate. The pulse in progress ends a count before the next one at the latest.
+    /// Light goes on with pulses at this rate. The pulse in progress ends at least a count before
+    /// the next one.
     Rate(Rate),
-    /// Light ends: the pulse in progress is over here; unless `cut`, it is finished if it ends within
-    /// [`FINISH_NS`]. Where it is over, the standby train begins with a pulse at full width.
+    /// Light ends: the pulse in progress ends here; unless `cut`, it is finished if it ends within
+    /// [`FINISH_NS`]. At its end, the standby train begins with a pulse at full width.
     Dark {
-        /// From then on; [`Train::NONE`] is rest.
+        /// From then on; [`Train::NONE`] is the safe state.
         standby: Train,
         /// The pulse in progress is cut here in any case.
         cut: bool,
@@ -166,11 +171,11 @@ pub const FINISH_NS: u32 = 100_000;
 /// The actions of one tick.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// Everything of the channel is at rest *now*, at the call, in the tick in force: PWM and switch inactive,
-    /// a DAC whose last [`Action::Volts`] was not 0 at 0 V. What an earlier plan has still to do is void, and
-    /// there are no actions.
+    /// Everything of the channel goes to its safe state *now*, at the call, in the tick in force:
+    /// PWM and switch inactive; a DAC whose last [`Action::Volts`] was not 0 goes to 0 V. The
+    /// remainder of an earlier plan is void, and there are no actions.
     pub safe_state: bool,
-    /// The interval lasts so long, ns: the actions lie in it.
+    /// The length of the interval, ns: the actions lie in it.
     pub lasts: u32,
     len: usize,
     /// Offset from the interval's beginning in ns, and what happens there.
@@ -193,7 +198,7 @@ impl Plan {
         (self.safe_state, self.len) = (false, 0);
     }
 
-    /// Whether `more` actions have a place.
+    /// Whether there is room for `more` actions.
     #[inline]
     pub(super) fn has_room(&self, more: usize) -> bool {
         self.len.wrapping_add(more) <= PLACES
@@ -204,20 +209,21 @@ impl Plan {
     pub(super) fn begin_with(&mut self, train: &Train) {
         let [(at, action), ..] = &mut self.actions;
         match action {
-            // What the plan of another tick has left there: nearly always this.
+            // Left by the plan of another tick: nearly always this.
             Action::Change(before) => *before = *train,
             _ => *action = Action::Change(*train),
         }
         (*at, self.len) = (0, 1);
     }
 
-    /// One more action, not before those there are, by somebody else than the tick: for tests of machines.
+    /// One more action, not before the last one, from outside the tick: for tests of machines.
     #[cfg(feature = "plans-by-hand")]
     pub fn add(&mut self, at: u32, action: Action) {
         self.push(at, action);
     }
 
-    /// One more action, not before those there are. One without a place is dropped: see [`Plan::has_room`].
+    /// One more action, not before the last one. If there is no room it is dropped: see
+    /// [`Plan::has_room`].
     #[inline(always)]
     pub(super) fn push(&mut self, at: u32, action: Action) {
         if let Some(place) = self.actions.get_mut(self.len) {

@@ -1,7 +1,8 @@
-//! Changes that entries of a path carry, and those of the coming interval in the order of time.
+//! Changes that entries of a path carry, and the event queue of the coming interval.
 //!
-//! In: admitted changes; words of an entry; instants. Out: the same changes. Owns: what is to come within an interval.
-//! Fails: words that are none of these mean nothing; a list that is full says so.
+//! In: admitted changes; words of an entry; instants. Out: the same changes, in the order of time.
+//! Owns: the events within an interval. Fails: words that are none of these mean nothing; a full
+//! queue says so.
 use super::light_owner::{End, Run};
 use super::power::{Bounds, Power};
 use super::power_tables::Curve;
@@ -10,7 +11,8 @@ use super::{Cause, NEVER};
 use crate::path::LASER_WORDS;
 use crate::units::{Crd, Ns};
 
-/// A change of a channel that takes effect at the exact instant of its place in a path (SPEC 4, "Buffered laser").
+/// A change of a channel that takes effect at the exact instant of its position in a path (SPEC 4,
+/// "Buffered laser").
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Buffered {
@@ -61,7 +63,7 @@ impl Buffered {
         matches!(self, Buffered::FollowRatio { .. } | Buffered::PrfFollow { .. } | Buffered::FollowTable { .. })
     }
 
-    /// As an entry of a path carries it: its code and its words (`path::Entry::laser`).
+    /// In the form of an entry of a path: its code and its words (`path::Entry::laser`).
     pub fn pack(self) -> (u8, [u32; LASER_WORDS]) {
         let long = |first: u64, bounds: Bounds| {
             let ([a, b], [c, d]) = (split(first), split(bounds.min().raw() as u64));
@@ -87,7 +89,7 @@ impl Buffered {
         }
     }
 
-    /// What was packed.
+    /// The inverse of [`Buffered::pack`].
     pub(super) fn unpack(code: u8, words: &[u32; LASER_WORDS]) -> Option<Buffered> {
         let [a, b, c, d, e, f] = *words;
         let bounds = || Bounds::again(power(e, f), power(c, d));
@@ -125,20 +127,23 @@ impl Buffered {
 pub(super) enum Event {
     /// An entry of a path takes effect.
     Change(Run, Buffered),
-    /// A path comes to rest; where it fails, the channels that are mapped to it go dark for this cause.
+    /// A path comes to rest; if it fails, the channels that are mapped to it go dark for this
+    /// cause.
     Rest(Run, End, Cause),
 }
 
-/// Events that an interval may have: a full vertex of one path and some of the others', and the rests of all.
+/// Events that an interval may have: a full vertex of one path and some of the others', and the
+/// ends of all paths.
 const EVENTS: usize = 48;
-/// Places that rests keep.
+/// Slots reserved for ends of paths.
 const RESTS: usize = 2 * Crd::MAX;
 const _: () = assert!(EVENTS >= crate::path::EFFECTS as usize + RESTS);
 
-/// What an empty place holds.
+/// The content of an empty slot.
 const NOTHING: Event = Event::Rest(Run { crd: Crd::FIRST, fifo: 0 }, End::RanOut, Cause::None);
 
-/// The events of an interval, in the order of time; those of an instant in the order in which they came.
+/// The events of an interval, in the order of time; those of an instant in the order of their
+/// arrival.
 #[derive(Debug)]
 pub(super) struct EventQueue {
     next: Ns,
@@ -147,7 +152,7 @@ pub(super) struct EventQueue {
     events: [(Ns, Event); EVENTS],
 }
 
-/// No place left.
+/// No slot left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Full;
 
@@ -168,13 +173,13 @@ impl EventQueue {
         events.any(|(_, event)| matches!(event, Event::Change(_, change) if change.follows()))
     }
 
-    /// When the first one is, or [`NEVER`].
+    /// The instant of the first one, or [`NEVER`].
     #[inline(always)]
     pub(super) fn next(&self) -> Ns {
         self.next
     }
 
-    /// Whether an entry of a path has a place.
+    /// Whether there is a slot for an entry of a path.
     #[inline]
     pub(super) fn has_room(&self) -> bool {
         let len = if self.is_empty() { 0 } else { self.len };

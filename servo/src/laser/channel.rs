@@ -1,13 +1,16 @@
-//! One channel: from commands to the actions of a tick; those are made in `interval`.
+//! One channel: its commands, settings and state; `interval` makes the actions of a tick from them.
 //!
-//! In: changes at the instant of the tick that is computed, the interval to plan. Out: a [`Plan`], what is
-//! shown. Owns settings, gate, FPK pulse, light and what the outputs carry. Fails: towards the dark.
+//! In: changes at the instant of the tick that is computed, the interval to plan. Out: a
+//! [`Plan`](super::actions::Plan), the published view. Owns settings, gate, first-pulse-killer
+//! pulse, light and the levels that the outputs carry. Fails: towards the dark.
 //!
-//! What the outputs should carry follows from the state as it stands at an instant; the plan is the difference
-//! to what they carry. So nothing is owed to an edge that was missed. Changes act in their order and before
-//! the edges of their instant; a gate edge acts before the light's, which it may cancel.
+//! The levels that the outputs should have follow from the state at an instant; the plan is the
+//! difference to the levels that they carry. So a missed edge leaves nothing to be done later.
+//! Changes act in their order and before the edges of their instant. A gate edge acts before the
+//! light's, which it may cancel.
 //!
-//! A tick in which nothing happens costs a comparison or two: `changed` tells of changes, `wake` of edges.
+//! A tick in which nothing happens costs one or two comparisons: `changed` marks changes, `wake` is
+//! the next edge.
 mod first_pulse_killer;
 mod gate_delays;
 mod interval;
@@ -35,15 +38,15 @@ const CRD_MAP: u8 = 0b11;
 mod changed {
     /// Outputs or commands moved.
     pub(super) const MOVED: u8 = 1;
-    /// The power may be another: it is found anew, and its train.
+    /// The power may have changed: it is computed again, and its train.
     pub(super) const POWER: u8 = 2;
-    /// What is shown of the settings is another.
+    /// The published settings have changed.
     pub(super) const SETTINGS: u8 = 4;
     /// Settings changed.
     pub(super) const CHANGED: u8 = POWER | SETTINGS;
 }
 
-/// What the outputs carry.
+/// The levels that the outputs carry.
 #[derive(Debug, Clone, Copy)]
 struct Outputs {
     light: bool,
@@ -58,7 +61,8 @@ impl Outputs {
     const SAFE_STATE: Outputs = Outputs { light: false, switch: false, volts: None, train: Train::NONE };
 }
 
-/// A channel. The queues of edges lie last, so that the rest is within reach of short instructions.
+/// A channel. The queues of edges come last, so that the other fields are within reach of short
+/// instructions.
 #[derive(Debug)]
 #[repr(C)]
 pub(super) struct Channel {
@@ -76,22 +80,22 @@ pub(super) struct Channel {
     tail: u16,
     /// End of the FPK pulse in progress, or [`NEVER`].
     pulse: Ns,
-    /// The light that the outputs carry is of another mode: it is cut.
+    /// The outputs carry light of another mode: it is cut.
     cut: bool,
     /// A cause within the interval shuts off everything.
     ends: bool,
     alarms: CrdMask,
     on_time: OnTime,
-    /// Light planned in the interval that is in force until the next tick, ns.
+    /// Light planned in the interval in force until the next tick, ns.
     planned: u32,
-    // What was made of it.
+    // Derived from these.
     out: Outputs,
     /// Power and train in light.
     power: Power,
     train: Train,
     /// The rate of the pulses that light has, or had before it paused; 0 before its first one.
     rate: Power,
-    /// What the width of its pulses is of each power, where nothing else changes with that.
+    /// The width of its pulses for each power, if nothing else depends on that.
     plain: Plain,
     changed: u8,
     /// The next edge.
@@ -99,7 +103,7 @@ pub(super) struct Channel {
     gate: Edges,
     /// Light: the gate, shifted by the FPK.
     light: Edges,
-    /// What paths do in the interval that is planned next.
+    /// Events of paths in the interval that is planned next.
     event_queue: EventQueue,
 }
 
@@ -135,11 +139,12 @@ impl Channel {
         }
     }
 
-    /// Carries out a change; `at` lies in the interval that is planned next. Whether it is an on command that a fault forbids.
+    /// Carries out a change; `at` lies in the interval that is planned next. Returns whether it is
+    /// an on command that a fault forbids.
     pub(super) fn change(&mut self, at: Ns, change: &Change) -> bool {
-        // What paths did at this instant before it comes first.
+        // Events of paths up to this instant come first.
         self.attend(at);
-        // What the other channel's mode brings along is no command of this one.
+        // A change that the other channel's mode causes is no command of this one.
         self.energy.muted &= matches!(change, Change::PairedStandby(_));
         self.changed |= match change {
             Change::Gate { .. } => changed::MOVED,
@@ -193,7 +198,7 @@ impl Channel {
         matches!(change, Change::Gate { on: true }) && self.owner.is_latched()
     }
 
-    /// The owner takes a fact; the gate carries out what it orders.
+    /// Passes a fact to the light owner; the gate carries out its order.
     pub(super) fn report(&mut self, at: Ns, fact: Fact) {
         let published = |owner: &Owner| (owner.is_commanded(), owner.owners());
         let before = published(&self.owner);
@@ -219,7 +224,7 @@ impl Channel {
         self.report(at, Fact::Output { there });
     }
 
-    /// Where the velocity follow is another one than before, or over.
+    /// Reports a velocity follow that has changed, or ended.
     fn report_follow(&mut self, at: Ns, before: Option<Crd>) {
         match self.law.follows() {
             None if before.is_some() => self.report(at, Fact::FollowEnds),
@@ -227,7 +232,7 @@ impl Channel {
         }
     }
 
-    /// Another map. It ends the follow of a coordinate system that it excludes.
+    /// Sets the map. This ends the follow of a coordinate system that it excludes.
     fn take_map(&mut self, at: Ns, map: CrdMask) {
         self.published.crd_map = map.0;
         self.report(at, Fact::Map { crds: map });
@@ -246,12 +251,12 @@ impl Channel {
         }
     }
 
-    /// The paths whose on entries are dead.
+    /// The paths whose on entries have no effect.
     pub(super) fn dead(&self) -> CrdMask {
         self.owner.dead()
     }
 
-    /// Reset clears a fault in whatever state it is.
+    /// Reset clears a fault in any state.
     pub(super) fn reset_latch(&mut self, at: Ns) {
         if !self.safety.is_dark() {
             return;
@@ -263,7 +268,8 @@ impl Channel {
         self.changed |= changed::CHANGED;
     }
 
-    /// An abort, or a new session: dark at the call, standby and pre-voltage too until the next command of the channel.
+    /// An abort, or a new session: dark at the call. Standby and pre-voltage are off, too, until
+    /// the next command of the channel.
     pub(super) fn abort(&mut self, at: Ns, refuses: bool) {
         self.attend(at);
         self.report(at, Fact::Abort { refuses });
@@ -272,10 +278,10 @@ impl Channel {
         self.changed |= changed::CHANGED;
     }
 
-    /// Something that a path does at an instant of the interval that is planned next.
+    /// An event of a path at an instant of the interval that is planned next.
     pub(super) fn expect(&mut self, at: Ns, event: Event) {
         if self.event_queue.put(at, event).is_err() {
-            // What is due already has waited for nothing.
+            // Events that are due already free their slots.
             self.attend(at);
             if self.event_queue.put(at, event).is_err() {
                 self.trip(Cause::Edges);
@@ -284,19 +290,20 @@ impl Channel {
         self.wake = self.wake.min(at);
     }
 
-    /// Whether one more entry of a path has a place, beside the rests of all paths.
+    /// Whether there is a slot for one more entry of a path, besides those reserved for ends of
+    /// paths.
     pub(super) fn has_room(&self) -> bool {
         self.event_queue.has_room()
     }
 
-    /// What is due takes place.
+    /// Carries out the events that are due.
     pub(super) fn attend(&mut self, now: Ns) {
         while let Some(event) = self.event_queue.take(now) {
             self.happen(now, event);
         }
     }
 
-    /// What was expected takes place.
+    /// Carries out an event.
     fn happen(&mut self, at: Ns, event: Event) {
         match event {
             Event::Change(run, Buffered::Gate { on }) => {
@@ -328,7 +335,7 @@ impl Channel {
         }
     }
 
-    /// A path comes to rest. What fails goes dark by the latch, within the interval.
+    /// A path comes to rest. If it fails, the latch makes the channel dark within the interval.
     fn owner_is_at_standstill(&mut self, at: Ns, run: Run, end: End) {
         let fact = Fact::Rests { run, end };
         if end == End::Failed {
@@ -338,7 +345,7 @@ impl Channel {
         }
     }
 
-    /// An entry of a path is a command of the channel, too, but for one that an abort brings to rest.
+    /// An entry of a path is a command of the channel, too, unless an abort stops its path.
     fn unmute(&mut self, run: Run) {
         if self.energy.muted && self.owner.heeds(run.crd) && !self.owner.dead().has(run.crd) {
             self.energy.muted = false;
@@ -351,7 +358,8 @@ impl Channel {
         CrdMask(self.published.crd_map).has(crd)
     }
 
-    /// Whose planned speed it follows, and that of whose encoders, or may from within the coming interval on.
+    /// The paths whose planned speed it follows, and those whose encoders' speed; also those that
+    /// may follow from within the coming interval on.
     #[inline(always)]
     pub(super) fn wants(&self) -> (CrdMask, CrdMask) {
         if !self.event_queue.is_empty() && self.event_queue.follows() {
@@ -360,7 +368,7 @@ impl Channel {
         (self.law.planned, self.law.encoder)
     }
 
-    /// The axes whose places count by fixed ratios, if any do.
+    /// The axes whose positions count by fixed ratios, if any do.
     #[inline(always)]
     pub(super) fn places(&self) -> Option<u32> {
         self.law.places()
@@ -375,20 +383,20 @@ impl Channel {
         self.report_follow(at, followed);
     }
 
-    /// It was on for so many units more: see [`crate::tick::Tick::age_counts`].
+    /// It was on for this many units more: see [`crate::tick::Tick::age_counts`].
     #[cfg(feature = "test-hooks")]
     pub(super) fn age_light(&mut self, units: u32) {
         self.on_time.age(units);
     }
 
-    /// Which coordinate systems have an alarm now.
+    /// The coordinate systems with an alarm now.
     pub(super) fn alarms(&mut self, crds: CrdMask) {
         self.alarms = crds;
         self.see_alarms();
         self.changed |= changed::CHANGED;
     }
 
-    /// An alarm may begin for the channel by what it is mapped to, too.
+    /// An alarm may also begin for the channel by a change of its map.
     fn see_alarms(&mut self) {
         if self.safety.alarm(self.alarms.0 & self.published.crd_map != 0) {
             self.trip(Cause::Alarm);
@@ -403,7 +411,7 @@ impl Channel {
         }
     }
 
-    /// Light and FPK pulse are over without delays.
+    /// Light and first-pulse-killer pulse end without delays.
     fn extinguish(&mut self) {
         self.gate.clear();
         self.light.clear();
@@ -411,7 +419,7 @@ impl Channel {
         self.cut = true;
     }
 
-    /// Power-on state. What the outputs carry, and a fault, outlive it.
+    /// Power-on state. The levels of the outputs and a fault are kept.
     fn reset(&mut self, at: Ns, family: Family) {
         self.report(at, Fact::PowerOn);
         self.report(at, Fact::FollowEnds);
@@ -422,7 +430,7 @@ impl Channel {
         self.report_output(at);
     }
 
-    /// What the outputs carry, as actions that bring outputs at rest there.
+    /// The levels of the outputs, as actions that bring outputs there from the safe state.
     pub(super) fn carried(&self) -> [Action; 3] {
         let Outputs { switch, train, volts, light } = self.out;
         let energy = if light { Action::Light(train) } else { Action::Dark { standby: train, cut: true } };
@@ -432,7 +440,7 @@ impl Channel {
     /// A cause has appeared: dark at once.
     pub(super) fn trip(&mut self, cause: Cause) {
         self.safety.trip(cause);
-        // Dark is what the latch makes; that takes the outputs along, and nothing else is to be cut.
+        // The latch makes it dark, with all outputs; nothing else is to be cut.
         self.owner.hear(Fact::Latched { link: cause == Cause::LinkLost });
         self.changed |= changed::CHANGED;
     }

@@ -1,7 +1,8 @@
-//! Distance follow: what the places of four axes add to the power (SPEC 6, "Energy").
+//! Distance follow: what the positions of four axes add to the power (SPEC 6, "Energy").
 //!
-//! In: the user's references, scales and ratios, positions. Out: Σ (pos − ref)/scale · ratio in 2⁻⁴⁴ of the power's
-//! unit. Owns nothing but the stretches of its tables. Fails: what is no number or out of range is refused.
+//! In: the user's references, scales and ratios, positions. Out: Σ (pos − ref)/scale · ratio in
+//! 2⁻⁴⁴ of the power's unit. Owns nothing but the intervals last used of its tables. Fails: a
+//! number that is not finite or out of range is refused.
 //!
 //! Fixed ratios are divided by their scales at admission and have a common exponent: the sum is off by 2⁻⁵⁸ of the
 //! largest factor times the largest distance, and half a unit. With a table the ratio has 44 fraction bits, the
@@ -15,7 +16,7 @@ use crate::axis::AxisState;
 use crate::math::real::Real;
 use crate::units::{Axis, Pos};
 
-/// Where the ratios come from.
+/// The source of the ratios.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ratios {
     /// The same everywhere.
@@ -25,11 +26,12 @@ pub enum Ratios {
         /// In this bank.
         bank: u8,
     },
-    /// Both axes of a plane (of the four, from 0) have the ratio at their place; the others none.
+    /// Both axes of a plane (of the four, from 0) have the ratio at their position; the others
+    /// none.
     Plane {
         /// In this bank.
         bank: u8,
-        /// Whose position counts along the first direction, and along the second.
+        /// The axis along the first direction, and the one along the second.
         axes: [u8; 2],
     },
 }
@@ -90,13 +92,14 @@ impl Distance {
         }
     }
 
-    /// Made ready for the tick, where the ratios are fixed.
+    /// Its form for the tick, if the ratios are fixed.
     pub(super) fn terms(&self) -> Terms {
         let of = self.factors.map(|factor| {
             let low = factor as i32;
             (low, (factor.wrapping_sub(low as i64) >> 32) as i32)
         });
-        // Else the sums of four products of it by the longest way would be too many bits.
+        // Else the sums of four of its products with the longest displacement would have too many
+        // bits.
         let usual = of.iter().all(|(low, _)| *low != i32::MIN);
         let cut = Cut::of(if usual { self.shift as u32 } else { 0 });
         let axes = self.axes.iter().fold(0, |key, axis| key << AXIS_BITS | axis.index() as u32);
@@ -104,7 +107,7 @@ impl Distance {
         Terms { of, key, cut, token: 0, fresh: true, sum: 0, power: 0 }
     }
 
-    /// Σ (place − reference)·factor.
+    /// Σ (position − reference)·factor.
     #[inline(never)]
     fn sum(&self, places: [i64; DISTANCES]) -> i128 {
         let axes = places.iter().zip(&self.reference).zip(&self.factors);
@@ -113,7 +116,7 @@ impl Distance {
         })
     }
 
-    /// Its part of the power, where ratios are those of tables; `place` tells where an axis is.
+    /// Its part of the power, with ratios from tables; `place` gives the position of an axis.
     #[inline(never)]
     pub(super) fn tabled(
         &self,
@@ -164,32 +167,34 @@ impl Distance {
     }
 }
 
-/// Bits of a way, with its sign: the sums of four products by the lower half of a factor have 64.
+/// Bits of a displacement, with its sign: the sums of four products with the lower half of a factor
+/// have 64.
 const DISPLACEMENT_BITS: u32 = 31;
 /// Bits of an axis in a key.
 const AXIS_BITS: u32 = 6;
 
-/// How far four axes went since the tick before: the channels of a core follow the same ones.
+/// The displacements of four axes since the tick before: the channels of a core follow the same
+/// ones.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Displacements {
-    /// Which axes, the last one lowest, and in the top bit whether their encoders.
+    /// Index of the axes, the last one lowest, and in the top bit whether their encoders count.
     key: u32,
-    /// Of the last look, and of the one before it.
+    /// Of the last sample, and of the one before it.
     token: u32,
     before: u32,
-    /// Not 0: somebody went further than [`DISPLACEMENT_BITS`] tell.
+    /// Not 0: an axis moved further than [`DISPLACEMENT_BITS`] hold.
     long: i32,
     by: [i32; DISTANCES],
     from: [i64; DISTANCES],
 }
 
 impl Displacements {
-    /// Of channel `index`, which nobody has looked at; tokens of different channels differ.
+    /// Of channel `index`, not sampled yet; tokens of different channels differ.
     pub(super) const fn begin(index: u32) -> Displacements {
         Displacements { key: 0, token: index + 2, before: 1, long: 1, by: [0; DISTANCES], from: [0; DISTANCES] }
     }
 
-    /// Nobody's.
+    /// Of no axes.
     pub(super) const OF_NOBODY: Displacements = Displacements { key: u32::MAX, ..Displacements::begin(0) };
 
     /// Whether they are of the axes of `key`.
@@ -198,11 +203,11 @@ impl Displacements {
         self.key == key
     }
 
-    /// A tick's look at the axes of `key`.
+    /// Samples the axes of `key` in a tick.
     #[inline(never)]
     pub(super) fn look(&mut self, key: u32, axes: &[AxisState]) {
         let encoder = key >> 31 == 1;
-        // Others are another story.
+        // Other axes have another history.
         self.before = if key == self.key { self.token } else { 1 };
         self.token = self.token.wrapping_add(super::CHANNELS as u32);
         (self.key, self.long) = (key, 0);
@@ -223,18 +228,19 @@ impl Displacements {
     }
 }
 
-/// A distance follow of fixed ratios, made ready for the tick. Its sum is kept, exactly, and what the axes went since then is
-/// added: a way of 31 bits each, where the distances have 64. A longer one (256 pulses in a tick) takes the whole sum, and so does one
-/// that is held at the end of what a part of a power may be.
+/// A distance follow of fixed ratios, in the form for the tick. Its sum is kept, exactly, and the
+/// displacements since then are added: 31 bits each, where the distances have 64. A longer one (256
+/// pulses in a tick) takes the whole sum, and so does a sum that is held at the end of the range of
+/// a part of a power.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Terms {
     /// Factors: low + high·2³².
     of: [(i32, i32); DISTANCES],
     pub(super) key: u32,
     cut: Cut,
-    /// The look of which the sum is.
+    /// The sample that the sum belongs to.
     token: u32,
-    /// The sum is to be made afresh.
+    /// The sum is to be computed afresh.
     fresh: bool,
     sum: i128,
     power: i64,
@@ -244,19 +250,19 @@ impl Terms {
     pub(super) const NONE: Terms =
         Terms { of: [(0, 0); DISTANCES], key: 0, cut: Cut::of(0), token: 0, fresh: true, sum: 0, power: 0 };
 
-    /// Its part of the power, to the nearest, at the look last taken.
+    /// Its part of the power, to the nearest, at the last sample taken.
     #[inline(always)]
     pub(super) fn power(&self) -> i64 {
         self.power
     }
 
-    /// There may be looks that it does not take.
+    /// There may be samples that it does not take.
     #[inline(always)]
     pub(super) fn rest(&mut self) {
         self.fresh = true;
     }
 
-    /// On to a look; `distance` is what it was made of.
+    /// On to a sample; `distance` is the follow that this was made of.
     #[inline(always)]
     pub(super) fn advance(&mut self, displacements: &Displacements, distance: &Option<Distance>) {
         if self.token == displacements.before && displacements.long == 0 && !self.fresh {

@@ -4,8 +4,9 @@
 //! have one more. [`Pattern`] turns them into the counts of each period: that is what the machines do. Owns
 //! nothing. Fails: a frequency of 0 is refused.
 //!
-//! What the thread knows ahead (a carrier, standby, a fixed power) repeats after the fewest periods that hold
-//! [`PPM`] and [`DUTY_STEPS`]; what changes from tick to tick has 32 fraction bits.
+//! Values that the thread knows ahead (a carrier, standby, a fixed power) repeat after the fewest
+//! periods that hold [`PPM`] and [`DUTY_STEPS`]; values that change from tick to tick have 32
+//! fraction bits.
 use super::Mode;
 use super::actions::{Count, Rate, Train};
 use super::power::{Power, Refused};
@@ -46,8 +47,8 @@ impl Clock {
         (self.mhz as u64 * 1000) << Power::FRAC_BITS
     }
 
-    /// The period of a rate, rounded up to 2⁻³² counts, so that whole counts, and whole counts of several periods, come out
-    /// whole; for 0 as of the least rate.
+    /// The period of a rate, rounded up to 2⁻³² counts, so that whole counts, and whole counts of
+    /// several periods, stay whole; for 0 that of the least rate.
     pub fn period(self, khz: Power) -> Count {
         let Recip { m, shift } = Recip::of(khz.raw() as u64);
         let per_ms = self.per_ms();
@@ -59,7 +60,7 @@ impl Clock {
         Count { whole: (fixed >> 32) as u64, part: fixed as u32, of: 0 }
     }
 
-    /// The rate that follows one of `before` (0: none), whose period is `period`.
+    /// The rate after one of `before` (0: none), whose period is `period`.
     pub(super) fn rate(before: Power, now: Power, period: Count, width: u32) -> Rate {
         if before == Power::ZERO {
             return Rate { period, width, ..Rate::PAUSE };
@@ -79,10 +80,10 @@ impl Clock {
 struct Repetitions {
     /// 2⁻⁴⁴ kHz.
     khz: u64,
-    /// A period is whole + rest/khz counts.
+    /// A period is whole + remainder/khz counts.
     whole: u64,
     remainder: u64,
-    /// So many periods are total + over/khz counts.
+    /// This many periods are total + over/khz counts.
     periods: u32,
     total: u64,
     over: u64,
@@ -109,7 +110,7 @@ impl Repetitions {
         (self.periods, counts, off as u128 * PPM as u128 <= counts as u128 * self.khz as u128)
     }
 
-    /// The shortest one that is exact to [`PPM`] and of which `fits` gives something.
+    /// The shortest one that is exact to [`PPM`] and that `fits` accepts.
     fn shortest<T>(mut self, mut fits: impl FnMut(u64) -> Option<T>) -> (u32, u64, Option<T>) {
         loop {
             let (periods, counts, exact) = self.step();
@@ -129,7 +130,7 @@ fn spread(counts: u64, periods: u32) -> Count {
     Count { whole: counts / of as u64, part: (counts % of as u64) as u32, of }
 }
 
-/// A duty of so many counts, to the nearest; none if that is not within [`DUTY_STEPS`].
+/// A duty of this many counts, to the nearest; none if that is not within [`DUTY_STEPS`].
 fn active(counts: u64, duty: Power) -> Option<u64> {
     if counts >= LONG {
         // Exact enough in any case, and too long for the products below.
@@ -138,7 +139,7 @@ fn active(counts: u64, duty: Power) -> Option<u64> {
     let product = counts as u128 * duty.raw() as u128;
     let half_up = product + (FULL / 2) as u128;
     let nearest = (half_up >> Power::FRAC_BITS) as u64 / 100;
-    // One more unit of power, so that the user's own number is held too.
+    // One more unit of power, so that the user's own number is within, too.
     let off = (nearest as u128 * FULL as u128).abs_diff(product) + counts as u128;
     (off * DUTY_STEPS as u128 <= counts as u128 * FULL as u128).then_some(nearest)
 }
@@ -190,7 +191,7 @@ impl Carrier {
         Ok(Carrier { khz, period, fraction: fraction as u32, gain })
     }
 
-    /// Its frequency as it was asked for.
+    /// Its frequency as it was requested.
     pub const fn khz(&self) -> Power {
         self.khz
     }
@@ -227,12 +228,12 @@ impl Standby {
         Ok(Standby { khz, duty, train: fixed(khz, duty, clock) })
     }
 
-    /// Frequency as it was asked for.
+    /// Frequency as it was requested.
     pub const fn khz(&self) -> Power {
         self.khz
     }
 
-    /// Duty in % as it was asked for.
+    /// Duty in % as it was requested.
     pub const fn duty(&self) -> Power {
         self.duty
     }
@@ -243,9 +244,9 @@ impl Standby {
     }
 }
 
-/// A fixed light planned ahead with the shortest repetition that is exact enough. It is advice: the tick
-/// takes it while carrier and power are the ones it was planned for, and else finds a train by itself
-/// that is as exact and repeats later.
+/// A fixed light planned ahead with the shortest repetition that is exact enough. It is advice: the
+/// tick takes it while carrier and power are the ones it was planned for. Else it finds a train by
+/// itself that is as exact and repeats later.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fine {
     /// The carrier.
@@ -266,13 +267,13 @@ impl Fine {
         }
     }
 
-    /// Whether it is of this carrier and power.
+    /// Whether it is for this carrier and power.
     #[inline]
     pub(super) fn is_of(&self, khz: Power, power: Power) -> bool {
         self.power == power && self.khz == khz
     }
 
-    /// The power that it is of, if it is of this carrier.
+    /// The power that it is for, if it is for this carrier.
     pub(super) fn power_over(&self, khz: Power) -> Option<Power> {
         (self.khz == khz).then_some(self.power)
     }
@@ -283,7 +284,7 @@ impl Fine {
     }
 }
 
-/// Spreads a [`Count`] over periods: the first n give ⌊n·count⌋ together.
+/// Spreads a [`Count`] over periods: the first n have ⌊n·count⌋ together.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Bresenham {
     gathered: u32,
@@ -304,11 +305,12 @@ impl Bresenham {
     }
 }
 
-/// The counts of a train's periods, one after the other: what the machines count by.
+/// The counts of a train's periods, one after the other: machines count by these.
 ///
-/// The first n periods have ⌊n·period⌋ counts together, their pulses ⌊n·width⌋; what a period is too short
-/// for goes to the next pulse (a width just below the period, whose odd counts fall differently). Of a full train
-/// ([`Train::is_full`]) each pulse is its period, whatever other settings have left over, and nothing is owed.
+/// The first n periods have ⌊n·period⌋ counts together, their pulses ⌊n·width⌋. Counts of width
+/// that do not fit into a period go to the next pulse (a width just below the period, whose odd
+/// counts lie differently). In a full train ([`Train::is_full`]) each pulse is its period, whatever
+/// other settings have left over, and no counts are owed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Pattern {
     period: Bresenham,
@@ -322,12 +324,12 @@ impl Pattern {
     pub const BEGIN: Pattern =
         Pattern { period: Bresenham { gathered: 0, of: 0 }, width: Bresenham { gathered: 0, of: 0 }, owed: 0 };
 
-    /// Of a rate, so many 2⁻³² counts of a period before the train's next one.
+    /// For a rate, this many 2⁻³² counts of a period before the train's next one.
     pub const fn of_rate(part: u32) -> Pattern {
         Pattern { period: Bresenham { gathered: part, of: 0 }, ..Pattern::BEGIN }
     }
 
-    /// What periods of a rate have left over, 2⁻³² counts.
+    /// The fraction left over by periods of a rate, 2⁻³² counts.
     pub const fn part(&self) -> u32 {
         if self.period.of == 0 { self.period.gathered } else { 0 }
     }
@@ -349,8 +351,8 @@ impl Pattern {
         (period, width)
     }
 
-    /// Tells periods of a train whose counts are far below 2³², runs of equal ones at once, as [`Steps::queue`] does. What is left of
-    /// the counts, and the period behind.
+    /// Queues periods of a train whose counts are far below 2³², runs of equal ones at once, as
+    /// [`Steps::queue`] does. Returns the remaining counts, and the pattern after them.
     #[inline(never)]
     pub(crate) fn queue(
         &mut self,
@@ -377,12 +379,12 @@ const fn fits(into: u32, step: u32) -> u32 {
     if bits < TIMES { bits } else { TIMES }
 }
 
-/// One of a train's two counts in [`Steps`]: what is gathered carries where a count is odd.
+/// One of a train's two counts in [`Steps`]: the accumulator carries where a count is odd.
 #[derive(Debug, Clone, Copy)]
 struct Half {
     whole: u32,
     part: u32,
-    /// 2³² without the denominator: what is left when there is a carry lacks so much.
+    /// 2³² minus the denominator: what the accumulator lacks after a carry.
     lack: u32,
     /// With `lack`.
     gathered: u32,
@@ -405,15 +407,16 @@ impl Half {
         self.whole.wrapping_add(is_odd as u32)
     }
 
-    /// Whether runs of equal counts are long enough to be looked for: a ninth of the counts or less are of one kind.
+    /// Whether runs of equal counts are long enough to be searched for: a ninth of the counts or
+    /// less are of one kind.
     #[inline(always)]
     fn is_even(&self) -> bool {
         let other = self.lack.wrapping_add(self.part).wrapping_neg();
         self.part.min(other) <= self.part.max(other) >> 3
     }
 
-    /// The next count, what steps may take away until one is of the other kind, what each takes away, and what it adds to what is
-    /// gathered.
+    /// The next count, what steps may take away until one is of the other kind, what each takes
+    /// away, and what it adds to the accumulator.
     #[inline(always)]
     fn even(&self) -> (u32, u32, u32, u32) {
         let (sum, is_odd) = self.gathered.overflowing_add(self.part);
@@ -425,15 +428,15 @@ impl Half {
         }
     }
 
-    /// What is gathered.
+    /// The accumulator.
     #[inline(always)]
     fn gathered(&self) -> Bresenham {
         Bresenham { gathered: self.gathered.wrapping_sub(self.lack), of: self.lack.wrapping_neg() }
     }
 }
 
-/// The counts of the periods of a train, one after the other, as [`Pattern::step`] gives them, where they are far below 2³²
-/// and the train stays what it is.
+/// The counts of the periods of a train, one after the other, as [`Pattern::step`] gives them, if
+/// they are far below 2³² and the train does not change.
 #[derive(Debug, Clone, Copy)]
 struct Steps {
     period: Half,
@@ -445,7 +448,7 @@ struct Steps {
 }
 
 impl Steps {
-    /// A pattern goes on with this train.
+    /// A pattern continues with this train.
     #[inline(always)]
     fn of(before: &Pattern, train: &Train) -> Steps {
         let owed = if before.width.of == train.width.of { before.owed as u32 } else { 0 };
@@ -469,8 +472,9 @@ impl Steps {
         (period, width)
     }
 
-    /// Tells periods as far as they end within `left` counts and a longer one had room: length, width, and how many in turn
-    /// are so, of which only those are told together that end `alone` counts before. What is left of the counts.
+    /// Queues periods as far as they end within `left` counts and a longer one had room: length,
+    /// width, and repetitions. Only those that end `alone` counts before are queued together.
+    /// Returns the remaining counts.
     #[inline(always)]
     fn queue(&mut self, left: u32, alone: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
         if !self.is_plain {
@@ -486,7 +490,8 @@ impl Steps {
             let (width, mut as_wide, narrower, wider) = widths.even();
             let mut room = left.wrapping_sub(alone).wrapping_sub(period);
             let mut times = 1u32;
-            // Three counts that go down together, until the first one would be below zero: by so many steps at once, and by half of them.
+            // Three counts that decrease together, until the first one would be below zero: by this
+            // many steps at once, and by half of them.
             for twice in (0..fits(even, less).min(fits(as_wide, narrower)).min(fits(room, period))).rev() {
                 let (next, below) = even.overflowing_sub(less.wrapping_shl(twice));
                 let (next_wide, wide_below) = as_wide.overflowing_sub(narrower.wrapping_shl(twice));
@@ -510,7 +515,7 @@ impl Steps {
         left
     }
 
-    /// The same, each for itself, where pulses fill their periods or go on behind them.
+    /// The same, one by one, where pulses fill their periods or go on after them.
     #[cold]
     #[inline(never)]
     fn queue_each(&mut self, left: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
@@ -524,7 +529,7 @@ impl Steps {
         left
     }
 
-    /// What the pattern has become.
+    /// The pattern after these steps.
     #[inline(always)]
     fn pattern(&self) -> Pattern {
         Pattern { period: self.period.gathered(), width: self.width.gathered(), owed: self.owed.into() }

@@ -1,7 +1,8 @@
 //! Doubles by their bits, and products of fixed point.
 //!
-//! In: the bits of a user's double; whole numbers. Out: fixed point, or a real; products. Owns nothing. Fails: with the
-//! rule that a double breaks; what is too large for a power is held.
+//! In: the bits of a user's double; whole numbers. Out: fixed point, or a real; products. Owns
+//! nothing. Fails: with the rule that a double breaks; a value too large for a power is held at the
+//! limit.
 use super::power::Refused;
 use crate::math::real::Real;
 use crate::math::wide::{umul, umulhi};
@@ -67,11 +68,12 @@ pub(super) fn nearest(x: i128, shift: u32) -> i64 {
     (twice >> 1).wrapping_add(twice & 1)
 }
 
-/// A shift of one number after another, made ready for those that need no holding: as [`part`] and [`held`] else.
+/// A shift prepared for many numbers that need no limit: as [`part`] and [`held`] otherwise.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cut {
     by: u32,
-    /// The last words of the numbers are below it; 0 where the shift is no usual one, less than two words and more than one.
+    /// The last words of the numbers are below it; 0 for a shift that is not between one word and
+    /// two.
     room: u32,
 }
 
@@ -92,7 +94,7 @@ impl Cut {
     /// Of the product with a factor of 64 bits, both without a sign.
     #[inline(always)]
     pub(super) fn product(self, x: u64, factor: u64) -> Option<i64> {
-        // The upper half of the product is one bit more than asked for.
+        // The upper half of the product has one bit more than requested.
         let up = 31 - self.by;
         let [low, high] = [x as u32, (x >> 32) as u32];
         let x = ((high << up << 1 | low >> self.by) as u64) << 32 | (low << up << 1) as u64;
@@ -101,7 +103,7 @@ impl Cut {
 
     #[inline(always)]
     fn words(self, [b, c, d]: [u32; 3]) -> i64 {
-        // One bit more than asked for, then half of (it + 1).
+        // One bit more than requested, then half of (it + 1).
         let join = |low: u32, high: u32| low >> self.by | (high << 1) << (31 - self.by);
         halved(((join(c, d) as u64) << 32 | join(b, c) as u64) as i64)
     }
@@ -127,10 +129,10 @@ pub(super) fn held(high: u64, low: u64, shift: u32) -> i64 {
     shifted(high, low, 0, shift)
 }
 
-/// x·2^-shift to the nearest, held in ±[`MOST`]; behind the number its sign goes on for ever.
+/// x·2^-shift to the nearest, held in ±[`MOST`]; the number is sign-extended without end.
 #[inline(always)]
 fn shifted(high: u64, low: u64, sign: u32, shift: u32) -> i64 {
-    // One bit more than asked for, then half of (it + 1).
+    // One bit more than requested, then half of (it + 1).
     let shift = shift.wrapping_sub(1);
     let [b, c, d] = [(low >> 32) as u32, high as u32, (high >> 32) as u32];
     // Most numbers of the tick lose between one word and two.
@@ -149,7 +151,7 @@ fn cut_words(high: u64, low: u64, sign: u32, shift: u32) -> i64 {
     cut(words, sign, shift)
 }
 
-/// Without the last bits of the shift, and half.
+/// Without the last bits of the shift, and halved.
 #[inline(always)]
 fn cut([a, b, c, d]: [u32; 4], sign: u32, shift: u32) -> i64 {
     let by = shift & 31;

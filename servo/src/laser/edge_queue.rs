@@ -1,8 +1,10 @@
-//! Edges that are still to come: the gate's, and those of the light behind the FPK.
+//! Pending edges, in a queue: those of the gate, and those of the light after the first-pulse
+//! killer.
 //!
-//! In: commands that take effect at an instant to come. Out: edges, in order. Owns a queue of
-//! [`EDGES`] instants; levels alternate, so that an instant says all. Fails: an on command that finds fewer
-//! than two places is refused, [`Full`]; its off always has one, so an off command is never lost.
+//! In: commands that take effect at a later instant. Out: edges, in order. Owns a queue of
+//! [`EDGES`] instants; levels alternate, so that an instant is enough. Fails: an on command that
+//! finds fewer than two slots is refused, [`Full`]; its off always has one, so an off command is
+//! never lost.
 //!
 //! The cancel rule of SPEC 6: a command cancels every pending edge at or after its own effect.
 use super::NEVER;
@@ -10,7 +12,7 @@ use crate::units::Ns;
 
 pub(super) use crate::capacity::EDGES;
 
-/// The places are used up.
+/// No slots left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Full;
 
@@ -72,7 +74,7 @@ impl Edges {
         if fits { Ok(()) } else { Err(Full) }
     }
 
-    /// Takes the next edge, which is due; tells the new level.
+    /// Takes the next edge, which is due; returns the new level.
     #[inline]
     pub(super) fn take(&mut self) -> bool {
         self.first = self.first.wrapping_add(1) % EDGES;

@@ -1,17 +1,19 @@
-//! How fast the encoders of a path go: filtered, so that one count is no flicker (SPEC 6, "Energy").
+//! The speed of the encoders of a path: filtered, so that single counts make no flicker (SPEC 6,
+//! "Energy").
 //!
-//! In: what each encoder has counted in a tick. Out: a [`PathSpeed`]. Owns the filtered velocities. Fails never.
+//! In: the counts of each encoder in a tick. Out: a [`PathSpeed`]. Owns the filtered velocities.
+//! Fails never.
 //!
-//! Each velocity goes through a lag of first order of the same time constant, and the norm is that of the filtered ones: the norm
-//! of single counts would be too large for slow paths across two axes. A channel that follows an encoder makes the filter run from
-//! there on in every tick of the path, lit or not. It begins with the path at 0, or with the velocity of the tick in which it is
-//! asked for first.
+//! Each velocity goes through a lag of first order of the same time constant, and the norm is that
+//! of the filtered ones: the norm of single counts would be too large for slow paths across two
+//! axes. Once a channel follows an encoder, the filter runs in every tick of the path, lit or not.
+//! It begins with the path at 0, or with the velocity of the tick in which it is first requested.
 use super::PathSpeed;
 use crate::math::wide::{mulhi_su, umulhi};
 use crate::segment::follow::share;
 use crate::units::Ns;
 
-/// How much of a new velocity counts in a tick when there is no filter.
+/// The share of a new velocity in a tick without a filter.
 const ALL: u64 = u64::MAX;
 
 /// The inverse of a filter's time constant, in 2⁻⁶⁴ per ns; 0 is none, no filter.
@@ -33,14 +35,14 @@ impl Lag {
 /// The filtered velocities of the coordinates of a path.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EncoderSpeed {
-    /// Somebody has followed it.
+    /// A channel has followed it.
     used: bool,
-    /// The tick up to which it goes on; of another one the velocity is taken as it is.
+    /// The tick up to which it goes on; in any other tick the velocity is taken as it is.
     next: Ns,
     lag: Lag,
     /// The period for which `share` was computed.
     period: Ns,
-    /// How much of a new velocity counts in a tick, 2⁻⁶⁴.
+    /// The share of a new velocity in a tick, 2⁻⁶⁴.
     share: u64,
     /// 2⁻²⁸ pulse a tick.
     velocity: [i64; 4],
@@ -60,14 +62,14 @@ impl EncoderSpeed {
         (self.next, self.velocity) = (next, [0; 4]);
     }
 
-    /// Whether it takes part in every tick.
+    /// Whether it has to run in every tick.
     #[inline]
     pub(crate) fn is_used(&self) -> bool {
         self.used
     }
 
-    /// A tick of `period` has passed at `now`, in which the encoders have counted so much. `follows`: somebody does follow them, and not only
-    /// may from within the coming interval on.
+    /// A tick of `period` has passed at `now`, with these counts of the encoders. `follows`: a
+    /// channel follows them now, and not only may from within the coming interval on.
     pub(crate) fn step(&mut self, pulses: [i64; 4], (now, period): (Ns, Ns), follows: bool) -> PathSpeed {
         if period != self.period {
             (self.period, self.share) = (period, self.lag.share(period));
@@ -79,7 +81,7 @@ impl EncoderSpeed {
             let new = by.clamp(-(u32::MAX as i64), u32::MAX as i64) << PathSpeed::COUNT_BITS;
             *velocity = match share {
                 ALL => new,
-                // Twice the gap, and a half of the rest: to the nearest.
+                // Twice the gap, and half of the remainder: to the nearest.
                 _ => velocity.wrapping_add(mulhi_su(new.wrapping_sub(*velocity) << 1, share).wrapping_add(1) >> 1),
             };
         }
@@ -95,7 +97,7 @@ impl Lag {
         if self.0 == 0 || u >> 64 >= 44 {
             return ALL;
         }
-        // exp(−u) is the square of exp(−u/2), and so on: the series wants a quarter.
+        // exp(−u) is the square of exp(−u/2), and so on: the series needs u below a quarter.
         let mut halved = 0;
         while u >> 62 != 0 {
             (u, halved) = (u >> 1, halved + 1u32);
@@ -150,7 +152,7 @@ mod tests {
         assert_eq!(Lag::NONE.share(Ns(10_000)), ALL);
     }
 
-    /// A step of the velocity is there to 1 − 1/e after the time constant, whatever the tick is.
+    /// A step of the velocity has arrived to 1 − 1/e after the time constant, whatever the tick is.
     #[test]
     fn a_step_is_answered_in_the_time_constant() {
         for us in [10u64, 50, 250] {
@@ -169,7 +171,8 @@ mod tests {
         }
     }
 
-    /// One count is a thousandth of what it would be, in a tick of 10 us, and dies away to nothing.
+    /// One count is a thousandth of its unfiltered value, in a tick of 10 us, and decays to
+    /// nothing.
     #[test]
     fn one_count_is_no_flicker() {
         let mut speed = EncoderSpeed::POWER_ON;

@@ -1,7 +1,8 @@
-//! The energy output: what a power means in each mode.
+//! The energy output: pulses or voltage of a power in each mode.
 //!
-//! In: settings, the power. Out: trains of pulses and DAC values. Owns the settings of the output. Fails:
-//! what is not set makes no pulses; a pulse width that reaches the period is limited, and said to be.
+//! In: settings, the power. Out: trains of pulses and DAC values. Owns the settings of the output.
+//! Fails: without its settings a mode makes no pulses; a pulse width that reaches the period is
+//! limited, and that is published.
 use super::Mode;
 use super::actions::{Count, Train};
 use super::dither::{Carrier, Clock, Fine, Standby};
@@ -9,10 +10,10 @@ use super::power::Power;
 use crate::math::wide::{umul, umulhi};
 use core::num::NonZeroU16;
 
-/// What a power is as the width of pulses, where it is nothing else: counts of 2⁻³² per power, 2⁻⁴⁴ %.
+/// The width of pulses of a power, if nothing else depends on it: counts of 2⁻³² per power, 2⁻⁴⁴ %.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plain {
-    /// 0 where it is more.
+    /// 0 where more depends on it.
     gain: u64,
     /// The power whose train the thread has planned; −1: there is none.
     planned: i64,
@@ -21,7 +22,7 @@ pub(super) struct Plain {
 impl Plain {
     pub(super) const NONE: Plain = Plain { gain: 0, planned: -1 };
 
-    /// That width, if there are pulses of it, shorter than the period.
+    /// That width, if the power makes pulses shorter than the period.
     #[inline(always)]
     pub(super) fn width(self, power: Power) -> Option<Count> {
         if self.gain == 0 || power.raw() == self.planned || power >= Mode::Duty.full_scale() {
@@ -50,7 +51,8 @@ pub(super) struct Energy {
     pub(super) pre_voltage: Power,
     /// The connector carries the PWM.
     pub(super) connector: bool,
-    /// After an abort: no standby, no pre-voltage, no switch that is held, until the next command of the channel.
+    /// After an abort: no standby, no pre-voltage, no switch that is held, until the next command
+    /// of the channel.
     pub(super) muted: bool,
     /// The last plan of the thread.
     pub(super) fine: Option<Fine>,
@@ -68,7 +70,7 @@ impl Energy {
         fine: None,
     };
 
-    /// Makes the train of light of this power; whether the pulse width is limited.
+    /// Makes the train of light of this power. Returns whether the pulse width is limited.
     #[inline]
     pub(super) fn light(&self, power: Power, clock: Clock, train: &mut Train) -> bool {
         match (self.mode, &self.carrier, self.width) {
@@ -86,7 +88,8 @@ impl Energy {
         }
     }
 
-    /// In the duty modes, if the train output is the carrier with pulses, and not too long: of another power only the width differs.
+    /// In the duty modes, if the present train is the carrier with pulses, and not too long: for
+    /// another power only the width differs.
     pub(super) fn plain(&self, out: &Train) -> Plain {
         let duty = matches!(self.mode, Mode::Duty | Mode::DutyOpen);
         match &self.carrier {
@@ -139,7 +142,7 @@ impl Energy {
         self.mode == Mode::DutyOpen && !self.muted
     }
 
-    /// What is output in light of this power, for people: in the mode's unit, and in kHz.
+    /// The output in light of this power, as published: in the mode's unit, and in kHz.
     #[inline]
     pub(super) fn told(&self, power: Power, train: &Train) -> (Power, Power) {
         match (self.mode, &self.carrier) {
@@ -150,7 +153,7 @@ impl Energy {
         }
     }
 
-    /// What is output while there is no light.
+    /// The output while there is no light, as published.
     pub(super) fn told_dark(&self) -> (Power, Power) {
         match (self.mode, self.standby()) {
             (Mode::Analog, _) => (self.waiting_voltage(), Power::ZERO),
@@ -183,7 +186,7 @@ impl Carrier {
         Count { whole: width >> 32, part: width as u32, of: 0 }
     }
 
-    /// The same of a period that is too long for one product; 0 to 100 %.
+    /// The same for a period that is too long for one product; 0 to 100 %.
     #[inline(never)]
     fn long_share(&self, power: Power) -> Count {
         // raw·2^13 is power/128 in 2^-64, and 1.28 of it power/100.

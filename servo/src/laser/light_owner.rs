@@ -1,9 +1,10 @@
 //! Light owner: the one place that decides whether a channel may have light (SPEC 6, "Whose light it is" and "Rest";
 //! SPEC 9).
 //!
-//! In: a [`Fact`] at a time, in the order in which they happen. Out: an [`Order`] to the gate. Owns who lit, what holds
-//! the light dark, and what brings it back. Cannot fail: [`Owner::hear`] is total, and everything else only reports facts
-//! to it. `owner/tests.rs` enumerates all states that facts can reach.
+//! In: a [`Fact`] at a time, in the order in which they happen. Out: an [`Order`] to the gate.
+//! Owns: who lit the channel, what holds the light dark, and what brings it back. Cannot fail:
+//! [`Owner::hear`] is total, and everything else only reports facts to it. `light_owner/tests.rs`
+//! enumerates all states that facts can reach.
 //!
 //! | state | who lit it | what holds it dark | what brings light |
 //! | --- | --- | --- | --- |
@@ -123,13 +124,13 @@ enum Latch {
 pub(super) enum End {
     /// Its entries have run out.
     RanOut,
-    /// By a Stop, or another order to brake, from which it can go on.
+    /// By a Stop, or another command to brake, from which it can go on.
     Stopped,
     /// By an underrun or a fault.
     Failed,
 }
 
-/// What the owner is told.
+/// A fact that is reported to the owner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Fact {
     /// An immediate on or off command.
@@ -158,7 +159,8 @@ pub(super) enum Fact {
     Latched { link: bool },
     /// It is cleared.
     Cleared,
-    /// Abort; `refuses`: all motion brakes, and on commands are refused until it is at rest. A new session: neither.
+    /// Abort; `refuses`: all motion brakes, and on commands are refused until it has stopped. A new
+    /// session: neither.
     Abort { refuses: bool },
     /// Everything that ran at the abort has come to rest.
     AbortOver,
@@ -166,7 +168,7 @@ pub(super) enum Fact {
     Relight,
 }
 
-/// What becomes of the gate.
+/// The effect on the gate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
     /// Nothing.
@@ -181,7 +183,7 @@ pub(super) enum Order {
     Ignored(Ignored),
 }
 
-/// Why a command that had been admitted does nothing; the numbers are those of `EventItem`.
+/// Why an admitted command has no effect; the numbers are those of `EventItem`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Ignored {
@@ -190,7 +192,7 @@ pub enum Ignored {
     None = 0,
     /// The channel is not mapped to the coordinate system of the entry.
     NotMapped = 1,
-    /// It meets no output.
+    /// It has no output.
     NoOutput = 2,
     /// An abort is in progress.
     Aborting = 3,
@@ -214,9 +216,9 @@ pub(super) struct Owner {
     running: CrdMask,
     fifo1: CrdMask,
     stopping: CrdMask,
-    /// Those whose on entries are dead: they ran at an abort, and have not come to rest.
+    /// Those whose on entries have no effect: they ran at an abort, and have not come to rest.
     dead: CrdMask,
-    /// Whose speed the power follows.
+    /// The coordinate system whose speed the power follows.
     follow: Option<Crd>,
 }
 
@@ -238,7 +240,7 @@ impl Owner {
         }
     }
 
-    /// Whether an on command is in force, as GetHSIOOpt tells it.
+    /// Whether an on command is in force, as GetHSIOOpt reports it.
     pub(super) const fn is_commanded(&self) -> bool {
         matches!(self.light, Light::On(_) | Light::Waits(_))
     }
@@ -265,12 +267,12 @@ impl Owner {
         }
     }
 
-    /// Whether entries of this coordinate system mean anything to the channel.
+    /// Whether entries of this coordinate system have an effect on the channel.
     pub(super) fn heeds(&self, crd: Crd) -> bool {
         self.map.has(crd)
     }
 
-    /// The paths whose on entries are dead.
+    /// The paths whose on entries have no effect.
     pub(super) fn dead(&self) -> CrdMask {
         self.dead
     }
@@ -345,7 +347,7 @@ impl Owner {
         Order::Cut
     }
 
-    /// Lights, where the follow allows it.
+    /// Switches light on, if the follow allows it.
     fn light(&mut self, who: Who) -> Order {
         if self.follow.is_some_and(|crd| !self.running.has(crd)) {
             self.light = Light::Waits(who);

@@ -1,28 +1,30 @@
 //! Laser channels in the tick.
 //!
-//! In: admitted changes ([`Change`]) that act at an exact instant, causes of a fault. Out: for each tick and
-//! channel a [`Plan`] of exact instants, and what the thread sees ([`crate::view::LaserView`]). Owns the
-//! channels. Fails: towards the dark, with a [`Cause`] that is latched.
+//! In: admitted changes ([`Change`]) that act at an exact instant, causes of a fault. Out: for each
+//! tick and channel a [`Plan`] of exact instants, and what the thread reads
+//! ([`crate::view::LaserView`]). Owns the channels. Fails: towards the dark, with a [`Cause`] that
+//! is latched.
 //!
 //! | file | what it is |
 //! | --- | --- |
-//! | `gate` | commands and delays: pending edges under the cancel rule |
-//! | `channel` | one channel: what changes it; `channel/interval` makes its plan |
-//! | `buffered` | changes that entries of a path carry, at their instants |
-//! | `owner` | the light owner: decides whether light may be |
-//! | `power` | powers and bounds |
-//! | `law` | the power law: direct power and both follows |
-//! | `follow` | speeds of paths, and the power that they mean |
-//! | `distance` | what places of axes add to the power |
-//! | `tables` | powers against velocity, ratios against position |
-//! | `double` | doubles by their bits, products of fixed point |
-//! | `energy` | what a power is in each mode: pulses, voltage |
-//! | `dither` | frequencies and duties in counts of a timer |
-//! | `on_time` | the time that light was on |
-//! | `plan` | the plan of a tick: what timers carry out |
-//! | `rounds` | how timers carry it out: rounds of preloaded registers; `energy_rounds`, `switch_rounds` make them, `round_ring` holds them |
-//! | `held` | a plan that waits for its time, where a machine is a tick behind |
+//! | `channel` | one channel: what changes it |
+//! | `channel/interval` | its plan of a tick |
+//! | `channel/gate_delays` | on and off delay of the gate |
+//! | `channel/first_pulse_killer` | the pulse before the energy |
+//! | `edge_queue` | pending edges under the cancel rule |
+//! | `light_owner` | decides whether a channel may have light |
 //! | `safety` | the state machine through which every plan passes last |
+//! | `buffered` | changes that entries of a path carry, and the event queue |
+//! | `power` | powers and bounds |
+//! | `power_law` | direct power and both follows |
+//! | `velocity_follow`, `encoder_speed` | speeds of paths, and the power that they give |
+//! | `distance_follow` | the power that positions of axes add |
+//! | `power_tables` | powers against velocity, ratios against position |
+//! | `energy` | pulses or voltage of a power in each mode |
+//! | `dither` | frequencies and duties in counts of a timer |
+//! | `double` | doubles by their bits, products of fixed point |
+//! | `on_time` | the time that light was on |
+//! | `actions` | the plan of a tick, which timers carry out |
 mod actions;
 mod buffered;
 mod channel;
@@ -109,8 +111,8 @@ impl Mode {
     }
 }
 
-/// A change of a channel. It acts at the instant of the tick that is being computed when it is executed,
-/// which is the first one after its place on the script clock.
+/// A change of a channel. It acts at the instant of the tick that is being computed when it is
+/// executed: the first one after its instant on the script clock.
 #[allow(missing_docs, reason = "each variant's text names its fields")]
 #[derive(Debug, Clone, Copy)]
 pub enum Change {
@@ -132,7 +134,8 @@ pub enum Change {
     Fpk(Option<Fpk>),
     /// Standby pulses; `None` is off.
     Standby(Option<Standby>),
-    /// The same, by a command of the other channel: it does not end the quiet after an abort or a new session.
+    /// The same, by a command of the other channel: standby stays off after an abort or a new
+    /// session.
     PairedStandby(Option<Standby>),
     /// Pre-voltage, 0 to 10 V; `None` is off.
     PreVoltage(Option<Power>),
@@ -142,9 +145,9 @@ pub enum Change {
     ClearFault,
     /// The coordinate systems that the channel is mapped to, bit 0 is crd 1.
     CrdMap { map: u8 },
-    /// Whether the connector of the energy output carries it (SetAxisMode); else PWM energy stays at rest.
-    /// Taking it away ends the light at once and withdraws the on command, as another mode does; analog mode
-    /// does not use it.
+    /// Whether the connector of the energy output carries it (SetAxisMode); else PWM energy stays
+    /// in its safe state. Taking it away ends the light at once and withdraws the on command, as
+    /// another mode does; analog mode does not use it.
     Connector { laser: bool },
     /// Distance follow (SetLaserDisMode, SetLaserDisRatio and the tables of ratios, as a whole); `None` is off.
     Distance(Option<Distance>),
@@ -152,7 +155,7 @@ pub enum Change {
     Reset { family: Family },
 }
 
-/// What the power of a channel may follow, at the tick that is computed.
+/// The values that the power of a channel may follow, at the tick that is computed.
 #[derive(Clone, Copy)]
 pub(crate) struct Surroundings<'a> {
     clock: Clock,
@@ -173,7 +176,7 @@ impl Surroundings<'_> {
         self.speeds.of.get(place).copied().unwrap_or_default()
     }
 
-    /// Where an axis is planned to be, or was seen last.
+    /// The planned position of an axis, or its last encoder sample.
     #[inline]
     fn place(&self, axis: Axis, source: Source) -> Pos {
         let published = self.axes.get(axis.index()).map(|axis| &axis.published);
@@ -184,17 +187,18 @@ impl Surroundings<'_> {
     }
 }
 
-/// The coordinate systems whose speeds somebody follows, or may from within the coming interval on.
+/// The coordinate systems whose speeds are followed, or may be from within the coming interval on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Wants {
     pub(crate) planned: CrdMask,
     pub(crate) encoder: CrdMask,
 }
 
-/// All channels of a controller, and what they share.
+/// All channels of a controller, and their common state.
 ///
-/// In each tick, in this order: changes, link, starts and Stops of paths; what paths do ([`Lasers::buffered`],
-/// [`Lasers::crd_is_at_standstill`]) at any instants of the coming interval; how fast they go ([`Lasers::feed`]); [`Lasers::run`].
+/// In each tick, in this order: changes, link, starts and Stops of paths; events of paths
+/// ([`Lasers::buffered`], [`Lasers::crd_is_at_standstill`]) at any instants of the coming interval;
+/// their speeds ([`Lasers::feed`]); [`Lasers::run`].
 #[derive(Debug)]
 pub(crate) struct Lasers {
     pub(crate) clock: Clock,
@@ -219,20 +223,21 @@ impl Lasers {
         }
     }
 
-    /// What the channels show.
+    /// The published views of the channels.
     pub(crate) fn published(&self) -> impl Iterator<Item = &LaserView> {
         self.channels.iter().map(|channel| &channel.published)
     }
 
-    /// What a channel's outputs carry at the end of the interval that was planned last, as actions that bring
-    /// outputs at rest there.
+    /// The levels of a channel's outputs at the end of the interval that was planned last, as
+    /// actions that bring outputs there from the safe state.
     pub(crate) fn carried(&self, channel: u8) -> [Action; 3] {
         let dark = Action::Dark { standby: Train::NONE, cut: true };
         let rest = [Action::Switch(false), dark, Action::Volts(0)];
         self.channels.get(channel as usize).map_or(rest, Channel::carried)
     }
 
-    /// Whether outputs show a change of this channel at once: it gives light or what it gives without, or is about to.
+    /// Whether outputs show a change of this channel at once: it has light or standby, or is about
+    /// to.
     pub(crate) fn shows(&self, channel: u8, change: &Change) -> bool {
         let begins = matches!(
             change,
@@ -248,7 +253,8 @@ impl Lasers {
             })
     }
 
-    /// Carries out a change at an instant of the interval that is planned next. Whether it is an on command that a fault forbids.
+    /// Carries out a change at an instant of the interval that is planned next. Returns whether it
+    /// is an on command that a fault forbids.
     #[inline(never)]
     pub(crate) fn change(&mut self, channel: u8, at: Ns, change: &Change) -> bool {
         self.channels.get_mut(channel as usize).is_some_and(|channel| channel.change(at, change))
@@ -263,7 +269,7 @@ impl Lasers {
         }
     }
 
-    /// Whether every channel has a place for one more entry of a path.
+    /// Whether every channel has a slot for one more entry of a path.
     pub(crate) fn has_room(&self) -> bool {
         self.channels.iter().all(Channel::has_room)
     }
@@ -279,7 +285,8 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.expect(at, Event::Rest(run, end, cause)));
     }
 
-    /// A path starts at the instant of the tick computed; `resumes`: its FIFO goes on where it was left.
+    /// A path starts at the instant of the tick computed; `resumes`: its FIFO goes on where it was
+    /// interrupted.
     pub(crate) fn crd_starts(&mut self, run: Run, at: Ns, resumes: bool) {
         self.hear(at, Fact::Starts { run, resumes });
     }
@@ -304,13 +311,14 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.reset_latch(at));
     }
 
-    /// Abort: every channel is dark at the call, and what pends is withdrawn; nothing lights without a new on command, which
-    /// is refused until [`Lasers::abort_over`].
+    /// Abort: every channel is dark at the call, and pending edges are withdrawn. Nothing lights
+    /// without a new on command, which is refused until [`Lasers::abort_over`].
     pub(crate) fn abort(&mut self, at: Ns) {
         self.channels.iter_mut().for_each(|channel| channel.abort(at, true));
     }
 
-    /// A new session: the same, but on commands are taken, and no power follows what the session before has named.
+    /// A new session: the same, but on commands are taken, and the follows of the session before
+    /// end.
     pub(crate) fn new_session(&mut self, at: Ns) {
         self.end_follow(CrdMask(u8::MAX), at);
         self.channels.iter_mut().for_each(|channel| channel.abort(at, false));
@@ -326,14 +334,14 @@ impl Lasers {
         self.hear(at, Fact::AbortOver);
     }
 
-    /// A fault of a coordinate system (SPEC 9), which is over as soon as it is told: every channel whose map
-    /// holds it goes dark at the call.
+    /// A fault of a coordinate system (SPEC 9), which is over as soon as it is reported: every
+    /// channel whose map holds it goes dark at the call.
     pub(crate) fn crd_fault(&mut self, crd: Crd, cause: Cause) {
         self.channels.iter_mut().filter(|channel| channel.is_mapped(crd)).for_each(|channel| channel.trip(cause));
     }
 
-    /// Which coordinate systems have an axis whose alarm input is active, in each tick in which that changes: the
-    /// fault of a channel whose map holds one cannot be cleared.
+    /// The coordinate systems with an axis whose alarm input is active, in each tick in which that
+    /// changes: the fault of a channel whose map holds one cannot be cleared.
     pub(crate) fn crd_alarms(&mut self, crds: CrdMask) {
         self.channels.iter_mut().for_each(|channel| channel.alarms(crds));
     }
@@ -348,7 +356,7 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.end_follow(at, crds));
     }
 
-    /// Which speeds of paths are to be fed, each once its path has taken its step.
+    /// The speeds of paths that are to be fed, each once its path has taken its step.
     #[inline]
     pub(crate) fn wants(&self) -> Wants {
         let (mut planned, mut encoder) = (0, 0);
@@ -359,14 +367,15 @@ impl Lasers {
         Wants { planned: CrdMask(planned), encoder: CrdMask(encoder) }
     }
 
-    /// How fast a path goes in the interval that is planned next ([`crate::path::Path::mean`]), and how fast its encoders
-    /// went in the last one ([`PathSpeed::measured`]). What is not fed is at rest.
+    /// The speed of a path in the interval that is planned next ([`crate::path::Path::mean`]), and
+    /// that of its encoders in the last one ([`PathSpeed::measured`]). Speeds that are not fed are
+    /// 0.
     pub(crate) fn feed(&mut self, crd: Crd, planned: PathSpeed, encoder: PathSpeed) {
         self.speeds.put(Speeds::place(crd, false), planned);
         self.speeds.put(Speeds::place(crd, true), encoder);
     }
 
-    /// A cause that is over as soon as it is told.
+    /// A cause that is over as soon as it is reported.
     pub(crate) fn trip(&mut self, cause: Cause) {
         self.channels.iter_mut().for_each(|channel| channel.trip(cause));
     }
@@ -376,8 +385,8 @@ impl Lasers {
         self.channels.iter_mut().for_each(|channel| channel.link(lost, runs));
     }
 
-    /// Plans the interval of `period` from `next` on and hands it to the machine and to the trace. `axes` are as the
-    /// tick at `next` shows them.
+    /// Plans the interval of `period` from `next` on and hands it to the machine and to the trace.
+    /// `axes` have their state of the tick at `next`.
     #[inline]
     pub(crate) fn run(
         &mut self,
@@ -398,7 +407,7 @@ impl Lasers {
         };
         self.plan.lasts = period.0 as u32;
         for (index, (channel, displacements)) in self.channels.iter_mut().zip(&mut self.displacements).enumerate() {
-            // Where channels follow the same places, one look is enough.
+            // If channels follow the same positions, one sample is enough.
             if let Some(key) = channel.places().filter(|key| !around.displacements.are_of(*key)) {
                 displacements.look(key, axes);
                 around.displacements = displacements;
@@ -410,7 +419,7 @@ impl Lasers {
         self.speeds.fed = 0;
     }
 
-    /// Counts of changes go up by so many: see [`crate::tick::Tick::age`].
+    /// Counts of changes rise by this many: see [`crate::tick::Tick::age`].
     #[cfg(feature = "test-hooks")]
     pub(crate) fn age(&mut self, by: u32) {
         for channel in &mut self.channels {
@@ -419,13 +428,13 @@ impl Lasers {
         }
     }
 
-    /// Every channel was on for so many units more: see [`crate::tick::Tick::age_counts`].
+    /// Every channel was on for this many units more: see [`crate::tick::Tick::age_counts`].
     #[cfg(feature = "test-hooks")]
     pub(crate) fn age_light(&mut self, units: u32) {
         self.channels.iter_mut().for_each(|channel| channel.age_light(units));
     }
 
-    /// Brings what the thread sees up to now.
+    /// Brings the published views up to date.
     #[inline]
     pub(crate) fn publish(&self, published: &mut [LaserView; CHANNELS]) {
         for (to, channel) in published.iter_mut().zip(&self.channels) {

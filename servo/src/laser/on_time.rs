@@ -1,7 +1,8 @@
 //! The time that light was on.
 //!
-//! In: the light of each interval that has passed. Out: whole units of 250 µs. Owns the sum, to the ns: what a
-//! unit lacks is carried. Fails: never; the count wraps at 2³² units (12 days of light).
+//! In: the light of each interval that has passed. Out: whole units of 250 µs. Owns the sum, to the
+//! ns: the remainder of a unit is carried. Fails: never; the count wraps at 2³² units (12 days of
+//! light).
 
 /// A unit of the count.
 const UNIT_NS: u32 = 250_000;
@@ -33,7 +34,7 @@ impl OnTime {
         self.rest_ns = sum;
     }
 
-    /// So many units more: see [`crate::tick::Tick::age_counts`].
+    /// This many units more: see [`crate::tick::Tick::age_counts`].
     #[cfg(feature = "test-hooks")]
     pub(super) fn age(&mut self, units: u32) {
         self.units = self.units.wrapping_add(units);

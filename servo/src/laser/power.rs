@@ -26,7 +26,7 @@ pub enum Refused {
     Zero,
     /// A maximum that is not above its minimum (velocity follow).
     MaxNotAboveMin,
-    /// A place in a table that is not beyond the one before.
+    /// A position in a table that is not beyond the one before.
     NotIncreasing,
     /// More points than a table holds.
     Count,
@@ -45,7 +45,7 @@ impl Power {
         Power((units as i64) << Power::FRAC_BITS)
     }
 
-    /// From units of 2⁻⁴⁴, the nearest that there is.
+    /// From units of 2⁻⁴⁴, the nearest power in range.
     #[inline]
     pub(super) fn nearest(raw: i64) -> Power {
         Power(raw.clamp(0, Power::MAX.0))
@@ -122,7 +122,7 @@ impl Bounds {
         if max == min { Err(Refused::MaxNotAboveMin) } else { Bounds::admit(mode, max, min) }
     }
 
-    /// Of powers that were bounds once.
+    /// From powers that were bounds before.
     pub(super) fn again(max: Power, min: Power) -> Bounds {
         Bounds { min, max }
     }

@@ -1,7 +1,7 @@
 //! The power law of a channel: direct power, velocity follow, distance follow and their bounds.
 //!
-//! In: settings, the speeds of paths and the places of axes at a tick. Out: the power from that tick on. Owns the
-//! settings. Cannot fail: what is beyond a bound is held there.
+//! In: settings, the speeds of paths and the positions of axes at a tick. Out: the power from that
+//! tick on. Owns the settings. Cannot fail: a power beyond a bound is held there.
 //!
 //! | family | power |
 //! | --- | --- |
@@ -42,7 +42,7 @@ struct Follow {
     bounds: Bounds,
 }
 
-/// What a velocity follow adds, as the tick finds it.
+/// The part of a velocity follow, in the form for the tick.
 #[derive(Debug, Clone, Copy)]
 enum Part {
     None,
@@ -50,7 +50,7 @@ enum Part {
     Table(Curve),
 }
 
-/// What a distance follow adds, as the tick finds it.
+/// The part of a distance follow, in the form for the tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Added {
     Nothing,
@@ -58,19 +58,19 @@ enum Added {
     Tables,
 }
 
-/// The settings as one sum, made ready for the tick.
+/// The settings as one sum, prepared for the tick.
 #[derive(Debug, Clone, Copy)]
 struct Mix {
-    /// What does not move, 2⁻⁴⁴.
+    /// The constant part, 2⁻⁴⁴.
     base: i64,
     /// Bounds of all.
     low: i64,
     high: i64,
     part: Part,
-    /// Whose speed: [`Speeds::place`].
+    /// Index of the speed: [`Speeds::place`].
     speed: usize,
     added: Added,
-    /// The power may be another one in each tick.
+    /// The power may change in each tick.
     moves: bool,
     /// Bounds of the part that follows the speed, where the distance is added after them.
     held: Option<(i64, i64)>,
@@ -79,10 +79,10 @@ struct Mix {
 /// The law of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Law {
-    /// Always of the settings below: what changes one of them ends with [`Law::renew`].
+    /// Always derived from the settings below: every change of these ends with [`Law::renew`].
     mix: Mix,
     terms: Terms,
-    /// The coordinate systems whose planned speed it follows, and that of whose encoders.
+    /// The coordinate systems whose planned speed it follows, and those whose encoders' speed.
     pub(super) planned: CrdMask,
     pub(super) encoder: CrdMask,
     channel: u8,
@@ -117,7 +117,7 @@ impl Law {
         }
     }
 
-    /// Which channel's it is.
+    /// The channel that it belongs to.
     pub(super) fn channel(&self) -> u8 {
         self.channel
     }
@@ -145,7 +145,7 @@ impl Law {
         self.bounds
     }
 
-    /// Others.
+    /// Sets the bounds.
     pub(super) fn set_bounds(&mut self, bounds: Bounds) {
         self.bounds = bounds;
         self.renew();
@@ -174,7 +174,7 @@ impl Law {
         self.renew();
     }
 
-    /// What an entry of a path says about the power.
+    /// The change of the power that an entry of a path makes.
     pub(super) fn change(&mut self, crd: Crd, change: &Buffered) {
         self.take(crd, change);
         self.renew();
@@ -212,23 +212,23 @@ impl Law {
         }
     }
 
-    /// Whose path it follows.
+    /// The coordinate system whose speed it follows.
     pub(super) fn follows(&self) -> Option<Crd> {
         self.follow.as_ref().map(|follow| follow.crd)
     }
 
-    /// Which speed a follow follows.
+    /// The source of that speed.
     pub(super) fn source(&self) -> Source {
         self.source
     }
 
-    /// Whether the power may be another one in each tick.
+    /// Whether the power may change in each tick.
     #[inline]
     pub(super) fn moves(&self) -> bool {
         self.mix.moves
     }
 
-    /// Makes the settings ready for the tick.
+    /// Derives the form for the tick from the settings.
     #[inline(never)]
     fn renew(&mut self) {
         let direct = self.direct.raw();
@@ -266,13 +266,13 @@ impl Law {
         self.mix = Mix { base, low, high, part, speed, added, moves, held };
     }
 
-    /// The axes whose places count by fixed ratios, if any do.
+    /// The axes whose positions count by fixed ratios, if any do.
     #[inline(always)]
     pub(super) fn places(&self) -> Option<u32> {
         (self.mix.added == Added::Terms).then_some(self.terms.key)
     }
 
-    /// It does not ask for its power in this tick: the next time all of it is to be made.
+    /// The power is not needed in this tick: next time all of it is to be computed.
     #[inline(always)]
     pub(super) fn rest(&mut self) {
         self.terms.rest();
@@ -313,7 +313,7 @@ impl Law {
     }
 }
 
-/// Speeds of all paths, for all channels; a path that is not fed is at rest.
+/// Speeds of all paths, for all channels; a path that is not fed has speed 0.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Speeds {
     /// Which of them are fed, a bit each.
@@ -325,7 +325,7 @@ pub(super) struct Speeds {
 impl Speeds {
     pub(super) const STANDSTILL: Speeds = Speeds { fed: 0, of: [PathSpeed::STANDSTILL; 2 * Crd::MAX] };
 
-    /// Where the speed of a path stands.
+    /// The index of the speed of a path.
     #[inline(always)]
     pub(super) fn place(crd: Crd, encoder: bool) -> usize {
         if encoder { Crd::MAX.wrapping_add(crd.index()) } else { crd.index() }
@@ -341,6 +341,6 @@ impl Speeds {
     }
 }
 
-/// The bits of a place.
+/// The bits of an index.
 pub(super) const PLACES: usize = 2 * Crd::MAX - 1;
 const _: () = assert!(2 * Crd::MAX <= 32 && PLACES & (2 * Crd::MAX) == 0, "a bit of a word each");

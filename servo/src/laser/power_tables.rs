@@ -1,13 +1,15 @@
 //! Tables of laser channels: power against velocity, ratio against position, on a line and over a plane.
 //!
-//! In: points from the thread, one by one, in order. Out: what a table gives at a place: linear (bilinear) between its
-//! points, the border's value outside. Owns: the memory of all tables. Fails: a point that breaks a rule is refused and
-//! changes nothing; a table of no points gives 0.
+//! In: points from the thread, one by one, in order. Out: the value of a table at a position:
+//! linear (bilinear) between its points, the border's value outside. Owns: the memory of all
+//! tables. Fails: a point that breaks a rule is refused and changes nothing; a table of no points
+//! gives 0.
 //!
-//! A table is written at admission, and nobody may follow it meanwhile: an operation that names it comes after
-//! [`Tables::finish`]. Ratios come in two banks a channel, so that one can be written while the other is in force.
-//! With a point its slope to the next one is stored, so that the tick never divides: m·2⁻ˢ with 54 bits of m, which
-//! makes an error of 2⁻⁵³ of the step between the two, and half a unit.
+//! A table is written at admission, and nothing may follow it meanwhile: an operation that names it
+//! comes after [`Tables::finish`]. Ratios come in two banks a channel, so that one can be written
+//! while the other is in force. Each point is stored with its slope to the next one, so that the
+//! tick never divides: m·2⁻ˢ with 54 bits of m, which makes an error of 2⁻⁵³ of the step between
+//! the two, and half a unit.
 use super::double::{nearest, product, scaled};
 use super::power::{Power, Refused};
 use super::velocity_follow::PathSpeed;
@@ -55,7 +57,7 @@ impl Curve {
         }
     }
 
-    /// Which one of all.
+    /// Its index among all tables.
     pub(super) const fn index(self) -> u8 {
         self.0
     }
@@ -69,7 +71,7 @@ impl Curve {
     }
 }
 
-/// A point as stored: both in their fixed point, and the slope behind it.
+/// A point as stored: both in their fixed point, and the slope after it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Point {
     x: i64,
@@ -95,7 +97,7 @@ impl Point {
         let rise = (next.y as i128).wrapping_sub(self.y as i128);
         let run = (next.x as i128).wrapping_sub(self.x as i128).max(1);
         let slope = Real::from_fixed(rise.unsigned_abs(), 0).div(Real::from_fixed(run as u128, 0));
-        // Rounded up it may be a power of two.
+        // Rounded up it may reach a power of two.
         let s = (54 - slope.width()).clamp(1, 126);
         let m = slope.to_fixed(s) as i64;
         let m = if rise < 0 { -m } else { m };
@@ -110,7 +112,7 @@ impl Point {
     }
 }
 
-/// The stretch of a curve that was used last.
+/// The interval of a curve that was used last.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Interval {
     point: Point,
@@ -128,9 +130,10 @@ pub struct Tables {
     points: Store<WORDS, { CURVES * POINTS }>,
     counts: Store<1, CURVES>,
     nodes: Store<2, { CHANNELS * BANKS * NODES }>,
-    /// How much power each axis may add or take away, and 1; 0 is no limit.
+    /// The most that each axis may add or take away, plus 1; 0 is no limit.
     limits: Store<2, { CHANNELS * BANKS * DISTANCES }>,
-    /// Analog outputs as SetDac and paths have set them; the tick writes them. 0 of one that a laser has taken.
+    /// Analog outputs as SetDac and paths have set them; written by the tick. 0 for one that a
+    /// laser has taken.
     analog: Store<1, ANALOG>,
 }
 
@@ -144,7 +147,7 @@ impl Tables {
         Tables { points, counts, nodes, limits, analog: Store::new() }
     }
 
-    /// What an analog output, from 0, was set to last, −32768…32767 for −10…10 V.
+    /// The last value of an analog output, from 0, −32768…32767 for −10…10 V.
     pub fn analog(&self, output: usize) -> i16 {
         if output < ANALOG { self.analog.word(output as u32, 0) as i16 } else { 0 }
     }
@@ -233,7 +236,7 @@ impl Tables {
         Point::from_words(self.points.read(curve.slot(point)))
     }
 
-    /// What a table gives at x.
+    /// The value of a table at x.
     #[inline]
     pub(super) fn at(&self, curve: Curve, x: i64, last: &mut Interval) -> i64 {
         if x < last.point.x || x >= last.end {
@@ -242,7 +245,7 @@ impl Tables {
         last.point.at(x)
     }
 
-    /// The stretch of a table that holds x: found in six looks.
+    /// The interval of a table that holds x: found in six reads.
     #[inline(never)]
     fn interval(&self, curve: Curve, x: i64) -> Interval {
         let count = self.count(curve).min(POINTS);

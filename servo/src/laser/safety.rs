@@ -1,7 +1,7 @@
 //! The state machine through which every laser output passes last (SPEC 9).
 //!
-//! In: causes, as the tick sees them; requests to clear. Out: [`Safety::guard`] lets a plan pass, or makes it
-//! rest. Owns the latch. Fails: towards the dark.
+//! In: causes, as the tick finds them; requests to clear. Out: [`Safety::guard`] lets a plan pass,
+//! or replaces it by the safe state. Owns the latch. Fails: towards the dark.
 //!
 //! | state | cause appears | clear, no cause present | clear, a cause present |
 //! | --- | --- | --- | --- |
@@ -10,14 +10,15 @@
 //! | dark, but no plan has rested yet | dark, for the first cause | dark | dark |
 //! | dark from within a plan on | dark at once | dark | dark |
 //!
-//! A Reset clears in every state, once no cause is present.
-//! An abort makes one plan rest, in any state, and latches nothing.
+//! A Reset clears in every state, once no cause is present. An abort replaces one plan by the safe
+//! state, in any state, and latches nothing.
 //!
-//! A cause within the interval that is being planned (an underrun) lets that plan pass, which goes dark there, and the empty
-//! one that is handed over before that instant. A clear that acts on the very tick that sees a cause, and cannot have meant it, does not hide it.
+//! A cause within the interval that is being planned (an underrun) lets two plans pass: that one,
+//! which goes dark by itself, and the empty one that is handed over before that instant. A clear
+//! that acts on the same tick in which a cause appears cannot have meant it, and does not hide it.
 use super::actions::Plan;
 
-/// Why a channel is dark until it is cleared. The numbers are those that `GetLaserFault` tells.
+/// Why a channel is dark until it is cleared. The numbers are those that `GetLaserFault` reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Cause {
@@ -51,18 +52,18 @@ pub enum Cause {
 pub(super) struct Safety {
     /// [`Cause::None`] while it is live.
     dark: Cause,
-    /// A plan was made to rest since it is dark.
+    /// A plan was replaced by the safe state since it is dark.
     rested: bool,
     interlock: bool,
     link_lost: bool,
     alarm: bool,
-    /// Plans that still pass although it is dark: the one in which it goes dark by itself, and the empty one that is
-    /// handed over before that instant.
-    /// [`REST`]: the next plan rests, whatever is latched.
+    /// Grace: plans that still pass although it is dark. They are the one in which it goes dark by
+    /// itself, and the empty one that is handed over before that instant. [`REST`]: the next plan
+    /// is replaced by the safe state, whatever is latched.
     spared: u8,
 }
 
-/// Of an abort: in the place of plans that are spared.
+/// For an abort: instead of plans of grace.
 const REST: u8 = u8::MAX;
 
 impl Safety {
@@ -75,7 +76,7 @@ impl Safety {
         self.dark
     }
 
-    /// Whether plans are made to rest.
+    /// Whether plans are replaced by the safe state.
     #[inline]
     pub(super) fn is_dark(&self) -> bool {
         self.dark != Cause::None
@@ -87,7 +88,7 @@ impl Safety {
         self.interlock || self.link_lost || self.alarm
     }
 
-    /// The interlock's level now; whether that changes anything.
+    /// The interlock's level now. Returns whether that changes anything.
     #[inline]
     pub(super) fn interlock(&mut self, active: bool) -> bool {
         let changes = self.interlock != active;
@@ -117,8 +118,8 @@ impl Safety {
         }
     }
 
-    /// A cause appears at an instant of the interval that is being planned; whether its plan goes dark there by itself. It
-    /// does not where it is dark from its beginning.
+    /// A cause appears at an instant of the interval that is being planned. Returns whether its
+    /// plan goes dark there by itself. It does not if it is dark from its beginning.
     pub(super) fn trip_within(&mut self, cause: Cause) -> bool {
         if self.is_dark() {
             return false;
@@ -131,7 +132,8 @@ impl Safety {
         within
     }
 
-    /// Reset: live again, if no cause is present. The next plan rests: perhaps none has.
+    /// Reset: live again, if no cause is present. The next plan is replaced by the safe state, as
+    /// perhaps none was.
     pub(super) fn reset(&mut self) {
         if self.is_dark() {
             self.rest_once();
@@ -141,12 +143,12 @@ impl Safety {
         }
     }
 
-    /// The next plan rests everything at the call, whatever it holds.
+    /// The next plan is the safe state at the call, whatever it holds.
     pub(super) fn rest_once(&mut self) {
         self.spared = REST;
     }
 
-    /// Whether the next plan does.
+    /// Whether the next plan is.
     #[inline(always)]
     pub(super) fn is_safe(&self) -> bool {
         self.spared == REST
@@ -157,14 +159,14 @@ impl Safety {
         self.spared != 0 && !self.is_safe()
     }
 
-    /// Live again, if no cause is present and everything was at rest.
+    /// Live again, if no cause is present and the outputs were in the safe state.
     pub(super) fn clear(&mut self) {
         if self.rested && !self.lasts() {
             self.dark = Cause::None;
         }
     }
 
-    /// The last word on a plan.
+    /// The last check of a plan.
     #[inline(always)]
     pub(super) fn guard(&mut self, plan: &mut Plan) {
         if self.spared | self.dark as u8 != 0 {
@@ -172,7 +174,7 @@ impl Safety {
         }
     }
 
-    /// The same where it is dark.
+    /// The same while it is dark.
     #[inline(never)]
     fn shut_off(&mut self, plan: &mut Plan) {
         if self.in_grace() {

@@ -108,7 +108,7 @@ fn buffered_changes_are_what_was_packed() {
         let (code, words) = change.pack();
         assert_eq!(Buffered::unpack(code, &words), Some(change));
     }
-    // Words that nobody packed: nothing, or something that is admitted.
+    // Words that were never packed: nothing, or something that is admitted.
     assert_eq!(Buffered::unpack(0, &[u32::MAX; 6]), None);
     assert_eq!(Buffered::unpack(5, &[u32::MAX; 6]), None);
     assert_eq!(Buffered::unpack(7, &[255; 6]), None);
@@ -252,7 +252,7 @@ fn tables_lie_apart() {
     }
 }
 
-/// Axes that stand at these places, encoders at other ones.
+/// Axes at these positions, encoders at other ones.
 fn axes(places: [f64; 4]) -> [AxisState; 4] {
     let mut axes = [AxisState::POWER_ON; 4];
     for (axis, place) in axes.iter_mut().zip(places) {
@@ -276,7 +276,8 @@ fn added(distance: &Distance, tables: &Tables, axes: &[AxisState]) -> i64 {
     let around =
         Surroundings { clock: Clock::GHZ, speeds: &speeds, tables, axes, displacements: &Displacements::OF_NOBODY };
     if distance.bank().is_none() {
-        // The same wherever it was told before: further off than a short way, and within one.
+        // The same wherever it was before: further away than one displacement holds, and within
+        // one.
         let (mut terms, mut displacements) = (distance.terms(), Displacements::begin(0));
         for off in [i64::MAX >> 2, 1 << 40, (1 << 31) + 5, -(1 << 31), 5 - (1 << 31), 12_345_678, -1, 0] {
             let mut before = [AxisState::POWER_ON; 4];
@@ -363,7 +364,7 @@ fn a_distance_refuses_what_is_out_of_range() {
     assert_eq!((admit(1.0, -131_072.0), admit(2f64.powi(-18), 0.0)), (None, None));
 }
 
-/// 1-D: each axis has its own table; 2-D: two axes share the ratio of their place.
+/// 1-D: each axis has its own table; 2-D: two axes share the ratio of their position.
 #[test]
 fn ratios_of_tables_are_those_of_the_place() {
     let tables = Tables::new();
@@ -381,8 +382,8 @@ fn ratios_of_tables_are_those_of_the_place() {
     let scales = bits([1000.0, 500.0, 1.0, 1.0]);
     let lines = Ratios::Lines { bank: 1 };
     let distance = Distance::admit(Source::Planned, mapped(), [0, 100, 0, 5], scales, [0; 4], lines, None).unwrap();
-    // Axis 0 half way from 0.5 to 0.25 at 2000: 2 · 0.375; axis 1 anywhere −0.125: (600 − 100)/500 · −0.125;
-    // axis 2 has no points; axis 3 beyond its last: (25 − 5) · 2.
+    // Axis 0 half way from 0.5 to 0.25 at 2000: 2 · 0.375; axis 1 anywhere −0.125: (600 − 100)/500
+    // · −0.125; axis 2 has no points; axis 3 beyond its last: (25 − 5) · 2.
     let got = added(&distance, &tables, &axes([2000.0, 600.0, 9e6, 25.0]));
     assert_eq!(got, ((0.75 - 0.125 + 40.0) * 2f64.powi(44)) as i64);
     // Before the first point of axis 0 its ratio is 0; axis 3 between its points: (7.5 − 5) · 1.75.
@@ -413,7 +414,7 @@ fn ratios_of_tables_are_those_of_the_place() {
     assert_eq!(at(-5000.0, 0.0), -5000.0);
     assert_eq!(at(1000.0, -1000.0), 0.0);
     assert_eq!(at(1000.0, -500.0), 500.0 * 4.0);
-    // Random places within: bilinear to 2^-40 of the corners.
+    // Random positions within: bilinear to 2^-40 of the corners.
     let mut chance = Chance(9);
     for _ in 0..500 {
         let (x, y) = (chance.within(0.0, 300.0), chance.within(0.0, 1000.0));

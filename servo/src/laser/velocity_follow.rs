@@ -1,11 +1,13 @@
-//! Velocity follow: how fast the path goes, and the power that this means (SPEC 6, "Energy").
+//! Velocity follow: the speed of a path, and the power that it gives (SPEC 6, "Energy").
 //!
-//! In: the path of a coordinate system as its tick shows it, the bits of the user's ratio. Out: a [`PathSpeed`], and a
-//! part of the power in 2⁻⁴⁴ of its unit. Owns nothing. Fails: a ratio that is none is refused.
+//! In: the path of a coordinate system as its tick publishes it, the bits of the user's ratio. Out:
+//! a [`PathSpeed`], and a part of the power in 2⁻⁴⁴ of its unit. Owns nothing. Fails: a ratio that
+//! is not finite or out of range is refused.
 //!
-//! A power is in force for the whole interval that begins with the tick, so it follows the speed in the *middle* of
-//! that interval: under constant acceleration that is the mean, and the energy of each interval is the ratio times its
-//! way, at any period. The speed at its beginning would lag by half a tick.
+//! A power is in force for the whole interval that begins with the tick, so it follows the speed in
+//! the *middle* of that interval. Under constant acceleration that is the mean: the energy of each
+//! interval is the ratio times its length, at any period. The speed at its beginning would lag by
+//! half a tick.
 use super::double::{Cut, held};
 use super::power::Refused;
 use crate::math::real::Real;
@@ -45,8 +47,9 @@ impl PathSpeed {
         PathSpeed(raw)
     }
 
-    /// The speed in the middle of the interval of `period` that begins where the motion of a path stands, one of
-    /// constant acceleration over a power of two of ns; it is taken to go on that long, but not backwards.
+    /// The speed in the middle of the interval of `period` from the present position in the motion
+    /// on. The motion has constant acceleration over a power of two of ns; it is taken to go on
+    /// that long, but not backwards.
     pub fn ahead(motion: &Motion, period: Ns) -> PathSpeed {
         let Motion { tau, t, c: [speed, change, _], recip: Recip { shift, .. }, frac, .. } = *motion;
         // The piece lasts 2^(64 - shift) ns; tau and half a period are in 2^-63 of it.
@@ -54,7 +57,7 @@ impl PathSpeed {
         if change != 0 {
             let half = period.0 >> 1;
             let share = if half.leading_zeros() >= shift { half.wrapping_shl(shift) >> 1 } else { Piece::END };
-            // Where the motion tells its time, the piece lasts 2^32 ns at most.
+            // If the motion has its time, the piece lasts 2^32 ns at most.
             let gone = (t.wrapping_shl(shift) as u64) << 31;
             let tau = tau.wrapping_add(gone).wrapping_add(share).min(Piece::END);
             speed = speed.wrapping_add(mulhi_su(change, tau << 1));
@@ -76,7 +79,7 @@ impl PathSpeed {
         (change == 0).then(|| PathSpeed::ahead(motion, Ns(0)))
     }
 
-    /// Of a way that was or will be gone in `period`.
+    /// Of a displacement in `period`.
     pub(crate) fn mean(displacement: Exact, period: Ns) -> PathSpeed {
         PathSpeed::per_ms(Real::from_exact(displacement), period)
     }
@@ -86,7 +89,8 @@ impl PathSpeed {
         PathSpeed(speed.to_fixed(PathSpeed::FRAC_BITS as i32).clamp(0, u64::MAX as i128) as u64)
     }
 
-    /// Of encoders that count so much in an interval of `period`, 2⁻²⁸ pulse: the norm of their velocities.
+    /// Of encoders with these counts in an interval of `period`, 2⁻²⁸ pulse: the norm of their
+    /// velocities.
     pub fn measured(counts: [i64; 4], period: Ns) -> PathSpeed {
         let sum = counts.iter().fold(0u128, |sum, by| {
             let by = by.unsigned_abs().min(1 << 60);
@@ -121,7 +125,7 @@ impl Ratio {
         self.bits
     }
 
-    /// Made ready for the tick.
+    /// Its form for the tick.
     pub(super) fn gain(self) -> Gain {
         // v·2^30 times ratio = m·2^(exponent - 1086), of which 2^44 are to stay.
         let shift = (1086 + PathSpeed::FRAC_BITS - super::Power::FRAC_BITS) as u64 - (self.bits >> 52);
@@ -130,7 +134,7 @@ impl Ratio {
     }
 }
 
-/// A [`Ratio`] as the tick takes it: m·2^-shift is power, 2⁻⁴⁴, per speed, 2⁻³⁰ pulse/ms.
+/// The form of a [`Ratio`] for the tick: m·2^-shift is power, 2⁻⁴⁴, per speed, 2⁻³⁰ pulse/ms.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gain {
     m: u64,
@@ -153,7 +157,7 @@ impl Gain {
     }
 }
 
-/// The same where it may be too large, or the ratio is no usual one.
+/// The same if it may be too large, or the ratio is outside the usual range.
 #[inline(never)]
 fn far(speed: PathSpeed, m: u64, shift: u32) -> i64 {
     let (high, low) = umul(speed.raw(), m);

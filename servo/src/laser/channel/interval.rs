@@ -1,7 +1,8 @@
-//! The interval of a tick: what the outputs are to do in it.
+//! The plan of an interval: the actions of the outputs in it.
 //!
-//! In: the channel as its changes have left it, what paths do within the interval, what the power follows. Out: the
-//! actions of a [`Plan`], what is shown. Owns nothing else. Fails: more events than a plan holds make the channel dark.
+//! In: the channel after its changes, events of paths within the interval, the values that the
+//! power follows. Out: the actions of a [`Plan`], the published view. Owns nothing else. Fails:
+//! more events than a plan holds make the channel dark.
 use super::{Channel, Outputs, changed};
 use crate::laser::actions::{Action, PLACES, Plan, Rate, Train};
 use crate::laser::energy::{Energy, Plain};
@@ -11,7 +12,8 @@ use crate::laser::safety::Cause;
 use crate::laser::{Clock, Mode, NEVER, Surroundings};
 use crate::units::Ns;
 
-/// What an instant may need in a plan: an end of light and a beginning, a switch edge, a voltage.
+/// Actions that an instant may need in a plan: an end of light and a beginning, a switch edge, a
+/// voltage.
 const ROOM: usize = 4;
 /// Instants in a tick at which something happens, apart from its beginning.
 const EVENTS: u32 = PLACES as u32;
@@ -50,7 +52,7 @@ impl Channel {
         self.safety.guard(plan);
     }
 
-    /// Light goes on, with a power that may be another.
+    /// Light goes on, with a power that may differ.
     #[inline(never)]
     fn follow(&mut self, around: &Surroundings<'_>, plan: &mut Plan) {
         let power = self.law.power(around);
@@ -59,7 +61,7 @@ impl Channel {
         }
         self.power = power;
         let Some(width) = self.plain.width(power) else { return self.retrain_light(around, plan) };
-        // The carrier goes on: only its pulses are others.
+        // The carrier goes on: only its pulses differ.
         self.train.width = width;
         if width == self.out.train.width {
             return;
@@ -69,7 +71,7 @@ impl Channel {
         self.published.take_power(power, width);
     }
 
-    /// The same where more may change than the width of its pulses.
+    /// The same if more may change than the width of its pulses.
     #[inline(never)]
     fn retrain_light(&mut self, around: &Surroundings<'_>, plan: &mut Plan) {
         self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
@@ -111,8 +113,8 @@ impl Channel {
             self.find_power(around);
         }
         if self.cut {
-            // What another mode output is over before the edges of this instant, also a last pulse that is
-            // being finished.
+            // The train of another mode ends before the edges of this instant, also a last pulse
+            // that is being finished.
             self.cut = false;
             self.darken(0, true, plan);
         }
@@ -122,7 +124,7 @@ impl Channel {
         }
         if due || changed != 0 {
             self.settle(0, changed & changed::POWER != 0, plan);
-            // What is shown is of the interval's beginning.
+            // The view is of the interval's beginning.
             self.publish(changed & changed::SETTINGS != 0);
         }
         if self.ends {
@@ -140,7 +142,8 @@ impl Channel {
         }
     }
 
-    /// An interval in which nothing is output. Where it is an abort that ends with it, the next one begins anew.
+    /// An interval without any output. If it ends the darkness of an abort, the next one begins
+    /// anew.
     #[inline(never)]
     fn stay_dark(&mut self, end: Ns) {
         if self.safety.in_grace() {
@@ -149,7 +152,7 @@ impl Channel {
         self.law.rest();
         self.go_dark();
         if self.owner.is_lit() {
-            // An on command behind an abort that found everything at rest.
+            // An on command after an abort that found everything at rest.
             self.report(end, Fact::Relight);
         }
         self.miss(end);
@@ -187,7 +190,7 @@ impl Channel {
         }
     }
 
-    /// What takes place in an interval in the dark.
+    /// Events and edges of an interval in the dark.
     fn miss(&mut self, end: Ns) {
         while self.event_queue.next() < end
             && let Some(event) = self.event_queue.take(end)
@@ -200,7 +203,7 @@ impl Channel {
         self.wake = self.soonest();
     }
 
-    /// Everything comes to rest within the interval, to be dark from there on.
+    /// All outputs go to their safe state within the interval, and stay dark from there on.
     fn end_within(&mut self, at: u32, end: Ns, plan: &mut Plan) {
         if self.out.light || !self.out.train.is_none() {
             plan.push(at, Action::Dark { standby: Train::NONE, cut: true });
@@ -232,14 +235,14 @@ impl Channel {
         self.gate.next().min(self.light.next()).min(self.pulse).min(self.event_queue.next())
     }
 
-    /// A dark channel: nothing is on, nothing pends, and nothing of what was planned takes place.
+    /// A dark channel: nothing is on, nothing pends, and nothing of the plan takes place.
     #[inline(never)]
     fn go_dark(&mut self) {
         self.extinguish();
         (self.cut, self.planned, self.out, self.wake) = (false, 0, Outputs::SAFE_STATE, NEVER);
     }
 
-    /// Brings the outputs to what they should carry; `anew`: trains may be others.
+    /// Brings the outputs to the levels that they should have; `anew`: trains may have changed.
     #[inline(always)]
     fn settle(&mut self, at: u32, anew: bool, plan: &mut Plan) {
         let light = self.light.level();
@@ -267,7 +270,7 @@ impl Channel {
         }
     }
 
-    /// Brings the DAC to what it should carry.
+    /// Brings the DAC to the value that it should have.
     fn drive(&mut self, at: u32, light: bool, plan: &mut Plan) {
         let volts = self.energy.volts(light, self.power);
         if volts != self.out.volts {
@@ -301,7 +304,7 @@ impl Channel {
         plan.push(at, action);
     }
 
-    /// Light goes on with its train, which is another one: a carrier from its next period on, a rate in phase.
+    /// Light goes on with another train: a carrier from its next period on, a rate in phase.
     fn go_on(&mut self) -> Action {
         self.out.train = self.train;
         if self.energy.mode != Mode::Frequency {
@@ -314,7 +317,7 @@ impl Channel {
         Action::Rate(Clock::rate(before, self.power, self.train.period, self.train.width.whole as u32))
     }
 
-    /// What is being output, as the thread sees it.
+    /// Publishes the present power and train.
     #[inline(always)]
     fn publish_power(&mut self) {
         let (power, khz) = match (self.safety.is_dark(), self.out.light) {
@@ -330,7 +333,7 @@ impl Channel {
         published.train = if khz == Power::ZERO { Train::NONE } else { self.out.train };
     }
 
-    /// What the thread sees, of the interval's beginning.
+    /// Publishes the state at the interval's beginning.
     #[inline(never)]
     fn publish(&mut self, changed: bool) {
         self.publish_power();
