@@ -273,14 +273,14 @@ impl<const AXES: usize> Tick<AXES> {
             }
         }
         if caused {
-            self.see_causes();
+            self.report_causes();
         }
         if self.indexed.0 != 0 {
-            self.look_at_indexes(port);
+            self.take_index_captures(port);
         }
         let interlock = port.interlock();
         if interlock != self.lasers.interlock {
-            self.see_interlock(interlock, next, lanes);
+            self.take_interlock(interlock, next, lanes);
         }
         if !lanes.immediate.is_empty() || self.script.runs {
             self.execute_due(next, &mut period, port, lanes);
@@ -310,7 +310,7 @@ impl<const AXES: usize> Tick<AXES> {
             self.flush_edges(next, port, lanes);
         }
         if self.aborts {
-            self.look_at_abort(next);
+            self.finish_abort(next);
         }
         let (trace, samples) = (&mut self.trace, &mut lanes.samples);
         let (tables, axes) = (lanes.tables.lasers, &self.axes);
@@ -342,7 +342,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The interlock opens or closes: the lasers take it by themselves; motion brakes as
     /// `Supervision` says.
     #[inline(never)]
-    fn see_interlock(&mut self, open: bool, next: Ns, lanes: &mut Lanes<'_, AXES>) {
+    fn take_interlock(&mut self, open: bool, next: Ns, lanes: &mut Lanes<'_, AXES>) {
         self.lasers.interlock = open;
         if open {
             self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut Reach::of(lanes));
@@ -357,7 +357,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// Takes the captures of index edges that have come. An axis that waits no more, after a Reset
     /// or a change of mode, is not asked again.
     #[inline(never)]
-    fn look_at_indexes(&mut self, port: &mut impl Port) {
+    fn take_index_captures(&mut self, port: &mut impl Port) {
         for axis in self.indexed.axes() {
             let waits = match self.axes.get_mut(axis.index()) {
                 Some(state) if state.inputs.awaits_index() => match port.index(axis) {

@@ -68,19 +68,19 @@ impl AxisState {
         &mut self,
         (now, period): (Ns, Ns),
         from: Pos,
-        wake: &TrajectorySample,
+        trajectory: &TrajectorySample,
         (index, origin): (usize, Pos),
     ) {
         let shift = origin.0.wrapping_sub(self.zero.0);
         let whole = period.0 << 32;
         let mut track = Track::begin(from);
         let mut last = 0;
-        for (at, place) in wake.knots() {
+        for (at, place) in trajectory.knots() {
             last = (at.saturating_sub((now.0 as Fine) << 32) as u64).min(whole);
             let place = place.get(index).copied().unwrap_or_default();
             track.push(last, Pos(place.0.wrapping_add(shift)));
         }
-        if let Some((share, place)) = wake.turn(index) {
+        if let Some((share, place)) = trajectory.turn(index) {
             let after = last.wrapping_add(umulhi(whole.wrapping_sub(last), share));
             track.push(after, Pos(place.0.wrapping_add(shift)));
         }

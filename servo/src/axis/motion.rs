@@ -173,7 +173,7 @@ impl AxisState {
     /// The position at `next` of an axis whose ramp begins there: the end of the motion before,
     /// which is published once more.
     #[inline(never)]
-    fn stand_in(&mut self, next: Ns) -> Option<StopReason> {
+    fn hold_at_ramp_start(&mut self, next: Ns) -> Option<StopReason> {
         self.begins = false;
         let pos = self.exact.round();
         if (pos < self.lower || pos > self.upper)
@@ -193,7 +193,7 @@ impl AxisState {
             return Some(self.stopped_by_fault(next));
         }
         if self.begins {
-            return self.stand_in(next);
+            return self.hold_at_ramp_start(next);
         }
         let mut piece = self.profile.piece();
         let mut t = piece.elapsed(next);

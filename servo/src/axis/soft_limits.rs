@@ -105,7 +105,7 @@ impl AxisState {
 
     /// Whether it may be driven to `to` and to all positions near it, until a limit or fault
     /// changes.
-    pub(crate) fn is_well(&self, to: Pos) -> bool {
+    pub(crate) fn is_clear(&self, to: Pos) -> bool {
         let (from, count) = self.inside;
         (((to.0 >> 32) as i32).wrapping_sub(from) as u32) < count && self.causes & status::FAULTS == 0
     }

@@ -79,7 +79,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.rename_crd(crd);
         // Nothing changes for the others, if no axis was theirs.
         let all = taken || self.crds.alarms.0 != 0;
-        self.see_causes_of(if all { CrdMask(u8::MAX) } else { crd.mask() });
+        self.report_causes_of(if all { CrdMask(u8::MAX) } else { crd.mask() });
     }
 
     /// A coordinate system drives nothing from now on; its axes are in Trap mode.
@@ -92,7 +92,7 @@ impl<const AXES: usize> Tick<AXES> {
             geared,
             lanes,
             awaited,
-            room: _,
+            clearance: _,
             path,
             likely,
             looks: _,
@@ -221,7 +221,7 @@ impl<const AXES: usize> Tick<AXES> {
             let feed = state.feed();
             self.lasers.crd_starts(Run { crd, fifo }, next, state.path.goes_on(fifo));
             state.path.start(next, fifo, feed, source);
-            state.room = [Clearance::Unknown; 2];
+            state.clearance = [Clearance::Unknown; 2];
             state.encoders.begin(next);
             (state.ending, state.published.runs, state.awaited) = (StopReason::StopSmooth, true, None);
             state.mark_changed();
@@ -274,14 +274,14 @@ impl<const AXES: usize> Tick<AXES> {
     /// Causes of latched bits have changed, for axes that may be mapped: channels mapped to those
     /// take note.
     #[inline(never)]
-    pub(crate) fn see_causes(&mut self) {
-        self.see_causes_of(CrdMask(u8::MAX));
+    pub(crate) fn report_causes(&mut self) {
+        self.report_causes_of(CrdMask(u8::MAX));
     }
 
     /// The same for some of them.
-    fn see_causes_of(&mut self, crds: CrdMask) {
+    fn report_causes_of(&mut self, crds: CrdMask) {
         for (crd, state) in Crd::all().zip(&mut self.crds.states).filter(|(crd, _)| crds.has(*crd)) {
-            state.room = [Clearance::Unknown; 2];
+            state.clearance = [Clearance::Unknown; 2];
             self.crds.alarms.0 &= !crd.mask().0;
             let Some(frame) = &state.published.frame else { continue };
             for axis in frame.axes_ref().iter().flatten() {

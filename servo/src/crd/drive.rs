@@ -30,15 +30,15 @@ impl CrdState {
         if !self.path.may_step_fast(self.feed()) {
             return StepResult::Nowhere;
         }
-        let mut went = StepResult::Along;
+        let mut result = StepResult::Along;
         let spot = loop {
             if let Some(spot) = self.path.spot(next) {
                 break spot;
             }
-            if went == StepResult::Over || !self.path.is_over(next) || !self.turn_up_to(axes) {
+            if result == StepResult::Over || !self.path.is_over(next) || !self.turn_up_to(axes) {
                 return StepResult::Nowhere;
             }
-            went = StepResult::Over;
+            result = StepResult::Over;
         };
         if self.path.is_fresh() {
             let counts = self.path.counts();
@@ -46,10 +46,10 @@ impl CrdState {
         }
         let (lanes, CrdView { origin, position, heading, bend, motion, turns, moves, .. }) =
             (&self.lanes, &mut self.published);
-        let mut sight = PathReport { position, heading, bend, motion, turns };
-        let displacement = self.path.publish_at(spot, &mut sight);
-        let [room, _] = self.room;
-        if room != Clearance::Wide && !is_free(lanes, origin, position, axes) {
+        let mut report = PathReport { position, heading, bend, motion, turns };
+        let displacement = self.path.publish_at(spot, &mut report);
+        let [clearance, _] = self.clearance;
+        if clearance != Clearance::Wide && !is_free(lanes, origin, position, axes) {
             return StepResult::Nowhere;
         }
         self.path.pass(displacement);
@@ -64,9 +64,9 @@ impl CrdState {
             if !self.turn_after(axes, until) {
                 return StepResult::Short;
             }
-            went = StepResult::Over;
+            result = StepResult::Over;
         }
-        went
+        result
     }
 
     /// Over the one boundary that lies between the tick computed and the one at `until`, if nothing
@@ -85,18 +85,18 @@ impl CrdState {
     #[inline(never)]
     fn turn_up_to(&mut self, axes: &[AxisState]) -> bool {
         let Some(counts) = self.turn::<false>(axes) else { return false };
-        self.see_fresh(counts);
+        self.publish_new(counts);
         true
     }
 
     /// Publishes what is new but the position.
     #[inline(never)]
     fn publish_fresh(&mut self, counts: [u32; 2]) {
-        self.see_fresh(counts);
+        self.publish_new(counts);
     }
 
     #[inline(always)]
-    fn see_fresh(&mut self, [now, motions]: [u32; 2]) {
+    fn publish_new(&mut self, [now, motions]: [u32; 2]) {
         let CrdView { position, heading, bend, motion, turns, fifo, released, done, .. } = &mut self.published;
         self.path.publish_fresh(&mut PathReport { position, heading, bend, motion, turns });
         *fifo = self.path.fifo();
@@ -108,12 +108,12 @@ impl CrdState {
     /// boundary after the tick computed, not one up to it.
     #[inline(always)]
     fn turn<const AFTER: bool>(&mut self, axes: &[AxisState]) -> Option<[u32; 2]> {
-        let (feed, over, [room, next]) = (self.feed(), self.path.turns_over(), self.room);
+        let (feed, over, [clearance, next]) = (self.feed(), self.path.turns_over(), self.clearance);
         let (lanes, origin) = (&self.lanes, &self.published.origin);
-        let free = |end: &[Pos; DIMENSIONS]| room == Clearance::Wide || is_free(lanes, origin, end, axes);
+        let free = |end: &[Pos; DIMENSIONS]| clearance == Clearance::Wide || is_free(lanes, origin, end, axes);
         let counts = self.path.turn_at::<AFTER>(feed, free)?;
         if over {
-            self.room = [next, Clearance::Unknown];
+            self.clearance = [next, Clearance::Unknown];
         }
         Some(counts)
     }
@@ -124,9 +124,9 @@ impl CrdState {
         let before = self.path.turns_over();
         self.path.prepare(self.feed(), source);
         if self.path.turns_over() && !before {
-            let room = self.room_of(true, axes);
-            let [_, next] = &mut self.room;
-            *next = room;
+            let clearance = self.clearance_of(true, axes);
+            let [_, next] = &mut self.clearance;
+            *next = clearance;
         }
     }
 }
@@ -155,11 +155,11 @@ impl<const AXES: usize> Tick<AXES> {
         for crd in running.crds() {
             let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
             let led = masters.0 != 0 && state.leads(masters);
-            let went = if led { StepResult::Nowhere } else { state.fast_step(&mut self.axes, next, until) };
+            let result = if led { StepResult::Nowhere } else { state.fast_step(&mut self.axes, next, until) };
             let used = state.encoders.is_used();
             // A tick that enters a motion prepares nothing.
-            if went != StepResult::Over
-                && let Some(now) = self.tend(crd, went, next, lanes)
+            if result != StepResult::Over
+                && let Some(now) = self.finish_step(crd, result, next, lanes)
             {
                 wants = now;
                 continue;
@@ -182,26 +182,32 @@ impl<const AXES: usize> Tick<AXES> {
     /// The remaining work for a path that has not passed a boundary on the fast path. Returns what
     /// lasers want after a full step.
     #[inline(never)]
-    fn tend(&mut self, crd: Crd, went: StepResult, next: Ns, lanes: &mut Reach<'_, '_, AXES>) -> Option<Wants> {
+    fn finish_step(
+        &mut self,
+        crd: Crd,
+        result: StepResult,
+        next: Ns,
+        lanes: &mut Reach<'_, '_, AXES>,
+    ) -> Option<Wants> {
         // If several run, every second one in a tick prepares something.
         let turn = CrdMask(if self.ticks & 1 == 0 { 0x55 } else { 0xaa });
         let prepares = self.crds.running.0.is_power_of_two() || turn.has(crd);
-        if went == StepResult::Along {
+        if result == StepResult::Along {
             let state = self.crds.states.get_mut(crd.index())?;
-            if let [Clearance::Unknown, _] = state.room {
-                state.look_round(&self.axes);
+            if let [Clearance::Unknown, _] = state.clearance {
+                state.find_clearance(&self.axes);
             }
             if prepares && let Some(source) = lanes.paths.get(crd.index()) {
                 state.prepare(source, &self.axes);
             }
             return None;
         }
-        if went == StepResult::Nowhere
+        if result == StepResult::Nowhere
             && let Some(reason) = self.forbids(crd)
         {
             self.stop_crds(crd.mask(), Halt::Abrupt, reason, next, lanes);
         }
-        self.walk_crd(crd, next, went == StepResult::Short, prepares, lanes);
+        self.walk_crd(crd, next, result == StepResult::Short, prepares, lanes);
         Some(self.lasers.wants())
     }
 
@@ -288,8 +294,8 @@ impl<const AXES: usize> Tick<AXES> {
         if there {
             state.path.go_through(next, period, feed, source, &mut sink);
         } else {
-            let mut sight = PathReport { position, heading, bend, motion, turns };
-            let reported = state.path.advance(next, period, feed, source, &mut sink, &mut sight, may_prepare);
+            let mut report = PathReport { position, heading, bend, motion, turns };
+            let reported = state.path.advance(next, period, feed, source, &mut sink, &mut report, may_prepare);
             *fifo = reported.fifo;
             let [first, second] = done;
             *(if reported.fifo == 0 { first } else { second }) = reported.done;
@@ -302,7 +308,7 @@ impl<const AXES: usize> Tick<AXES> {
                     let from = axis.set_point();
                     axis.drive(Pos(at.0.wrapping_add(origin.0)));
                     if led {
-                        axis.publish_displacement((self.now, period), from, state.path.wake(), (index, *origin));
+                        axis.publish_displacement((self.now, period), from, state.path.trajectory(), (index, *origin));
                     }
                 }
             }
@@ -312,9 +318,9 @@ impl<const AXES: usize> Tick<AXES> {
             state.awaited = awaited.filter(|_| state.path.waits());
         }
         if state.geared.0 != 0 || state.awaited.is_some() {
-            state.path.hold_still();
+            state.path.leave_fast_path();
         }
-        state.room = [Clearance::Unknown; 2];
+        state.clearance = [Clearance::Unknown; 2];
         let published = &mut state.published;
         published.moves = published.moves.wrapping_add(1);
         crds.moves = crds.moves.wrapping_add(1);
@@ -330,7 +336,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
         let left = AxisMask(geared.0 & !gone.0);
         if left.0 != 0 || !runs {
-            self.let_go(crd, left, runs, next);
+            self.release_geared(crd, left, runs, next);
         }
         if !runs {
             self.come_to_standstill(crd, next, lanes);
@@ -365,7 +371,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Releases geared axes: those whose motion has ended, and at rest all of them.
     #[inline(never)]
-    fn let_go(&mut self, crd: Crd, left: AxisMask, runs: bool, next: Ns) {
+    fn release_geared(&mut self, crd: Crd, left: AxisMask, runs: bool, next: Ns) {
         let Tick { crds, axes, .. } = self;
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
         if !runs {

@@ -49,7 +49,7 @@ pub(crate) struct CrdState {
     /// The axis that a modal move waits for.
     awaited: Option<Axis>,
     /// Of the motion in force, and of the one after it.
-    room: [Clearance; 2],
+    clearance: [Clearance; 2],
     path: Path,
     /// At rest: the FIFO that will probably be started, and the scans before its start is prepared.
     likely: u8,
@@ -75,7 +75,7 @@ impl CrdState {
         geared: AxisMask(0),
         lanes: Lanes::NONE,
         awaited: None,
-        room: [Clearance::Unknown; 2],
+        clearance: [Clearance::Unknown; 2],
         obstacle: None,
         encoders: EncoderSpeed::POWER_ON,
     };

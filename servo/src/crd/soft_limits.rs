@@ -30,30 +30,30 @@ pub(super) enum Clearance {
 impl CrdState {
     /// Finds the clearance of the motion in force.
     #[inline(never)]
-    pub(super) fn look_round(&mut self, axes: &[AxisState]) {
-        let room = self.room_of(false, axes);
-        let [now, _] = &mut self.room;
-        *now = room;
+    pub(super) fn find_clearance(&mut self, axes: &[AxisState]) {
+        let clearance = self.clearance_of(false, axes);
+        let [now, _] = &mut self.clearance;
+        *now = clearance;
     }
 
     /// The clearance of the motion in force, or of the one `ahead`.
-    pub(super) fn room_of(&self, ahead: bool, axes: &[AxisState]) -> Clearance {
+    pub(super) fn clearance_of(&self, ahead: bool, axes: &[AxisState]) -> Clearance {
         let (hull, lanes, origin) = (self.path.hull(ahead), &self.lanes, &self.published.origin);
-        let is_well = |position: &[Pos; DIMENSIONS]| {
+        let is_clear = |position: &[Pos; DIMENSIONS]| {
             lanes.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
-                (Some(axis), Some(at), Some(origin)) => axis.is_well(Pos(at.0.saturating_add(origin.0))),
+                (Some(axis), Some(at), Some(origin)) => axis.is_clear(Pos(at.0.saturating_add(origin.0))),
                 _ => true,
             })
         };
-        if hull.iter().all(is_well) { Clearance::Wide } else { Clearance::Narrow }
+        if hull.iter().all(is_clear) { Clearance::Wide } else { Clearance::Narrow }
     }
 }
 
 impl Crds {
     /// Limits of axes have changed.
-    pub(crate) fn look_round(&mut self) {
+    pub(crate) fn invalidate_clearance(&mut self) {
         for state in &mut self.states {
-            state.room = [Clearance::Unknown; 2];
+            state.clearance = [Clearance::Unknown; 2];
         }
     }
 }

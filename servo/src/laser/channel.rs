@@ -9,7 +9,7 @@
 //! Changes act in their order and before the edges of their instant. A gate edge acts before the
 //! light's, which it may cancel.
 //!
-//! A tick in which nothing happens costs one or two comparisons: `changed` marks changes, `wake` is
+//! A tick in which nothing happens costs one or two comparisons: `changed` marks changes, `next_edge` is
 //! the next edge.
 mod first_pulse_killer;
 mod gate_delays;
@@ -99,7 +99,7 @@ pub(super) struct Channel {
     plain: Plain,
     changed: u8,
     /// The next edge.
-    wake: Ns,
+    next_edge: Ns,
     gate: Edges,
     /// Light: the gate, shifted by the FPK.
     light: Edges,
@@ -135,7 +135,7 @@ impl Channel {
             rate: Power::ZERO,
             plain: Plain::NONE,
             changed: changed::CHANGED,
-            wake: NEVER,
+            next_edge: NEVER,
         }
     }
 
@@ -240,7 +240,7 @@ impl Channel {
             self.law.end_follow(CrdMask(u8::MAX));
             self.report(at, Fact::FollowEnds);
         }
-        self.see_alarms();
+        self.check_alarms();
     }
 
     /// A fault whose cause is gone is over.
@@ -273,7 +273,7 @@ impl Channel {
     pub(super) fn abort(&mut self, at: Ns, refuses: bool) {
         self.attend(at);
         self.report(at, Fact::Abort { refuses });
-        self.safety.rest_once();
+        self.safety.force_safe_state();
         (self.energy.muted, self.ends) = (true, false);
         self.changed |= changed::CHANGED;
     }
@@ -287,7 +287,7 @@ impl Channel {
                 self.trip(Cause::Edges);
             }
         }
-        self.wake = self.wake.min(at);
+        self.next_edge = self.next_edge.min(at);
     }
 
     /// Whether there is a slot for one more entry of a path, besides those reserved for ends of
@@ -392,12 +392,12 @@ impl Channel {
     /// The coordinate systems with an alarm now.
     pub(super) fn alarms(&mut self, crds: CrdMask) {
         self.alarms = crds;
-        self.see_alarms();
+        self.check_alarms();
         self.changed |= changed::CHANGED;
     }
 
     /// An alarm may also begin for the channel by a change of its map.
-    fn see_alarms(&mut self) {
+    fn check_alarms(&mut self) {
         if self.safety.alarm(self.alarms.0 & self.published.crd_map != 0) {
             self.trip(Cause::Alarm);
         }

@@ -144,7 +144,7 @@ impl Energy {
 
     /// The output in light of this power, as published: in the mode's unit, and in kHz.
     #[inline]
-    pub(super) fn told(&self, power: Power, train: &Train) -> (Power, Power) {
+    pub(super) fn light_output(&self, power: Power, train: &Train) -> (Power, Power) {
         match (self.mode, &self.carrier) {
             (Mode::Analog, _) => (power, Power::ZERO),
             _ if train.is_silent() => (Power::ZERO, Power::ZERO),
@@ -154,7 +154,7 @@ impl Energy {
     }
 
     /// The output while there is no light, as published.
-    pub(super) fn told_dark(&self) -> (Power, Power) {
+    pub(super) fn dark_output(&self) -> (Power, Power) {
         match (self.mode, self.standby()) {
             (Mode::Analog, _) => (self.waiting_voltage(), Power::ZERO),
             (_, Some(standby)) if standby.train().is_silent() => (Power::ZERO, Power::ZERO),

@@ -60,7 +60,7 @@ pub(super) struct Safety {
     /// Grace: plans that still pass although it is dark. They are the one in which it goes dark by
     /// itself, and the empty one that is handed over before that instant. [`REST`]: the next plan
     /// is replaced by the safe state, whatever is latched.
-    spared: u8,
+    grace: u8,
 }
 
 /// For an abort: instead of plans of grace.
@@ -68,7 +68,7 @@ const REST: u8 = u8::MAX;
 
 impl Safety {
     pub(super) const LIVE: Safety =
-        Safety { dark: Cause::None, rested: false, interlock: false, link_lost: false, alarm: false, spared: 0 };
+        Safety { dark: Cause::None, rested: false, interlock: false, link_lost: false, alarm: false, grace: 0 };
 
     /// Why it is dark.
     #[inline]
@@ -114,7 +114,7 @@ impl Safety {
             (self.dark, self.rested) = (cause, false);
         }
         if !self.is_safe() {
-            self.spared = 0;
+            self.grace = 0;
         }
     }
 
@@ -127,7 +127,7 @@ impl Safety {
         let within = !self.is_safe();
         self.trip(cause);
         if within {
-            self.spared = 2;
+            self.grace = 2;
         }
         within
     }
@@ -136,7 +136,7 @@ impl Safety {
     /// perhaps none was.
     pub(super) fn reset(&mut self) {
         if self.is_dark() {
-            self.rest_once();
+            self.force_safe_state();
         }
         if !self.lasts() {
             self.dark = Cause::None;
@@ -144,19 +144,19 @@ impl Safety {
     }
 
     /// The next plan is the safe state at the call, whatever it holds.
-    pub(super) fn rest_once(&mut self) {
-        self.spared = REST;
+    pub(super) fn force_safe_state(&mut self) {
+        self.grace = REST;
     }
 
     /// Whether the next plan is.
     #[inline(always)]
     pub(super) fn is_safe(&self) -> bool {
-        self.spared == REST
+        self.grace == REST
     }
 
     /// Whether the plan that was made last went dark by itself.
     pub(super) fn in_grace(&self) -> bool {
-        self.spared != 0 && !self.is_safe()
+        self.grace != 0 && !self.is_safe()
     }
 
     /// Live again, if no cause is present and the outputs were in the safe state.
@@ -169,7 +169,7 @@ impl Safety {
     /// The last check of a plan.
     #[inline(always)]
     pub(super) fn guard(&mut self, plan: &mut Plan) {
-        if self.spared | self.dark as u8 != 0 {
+        if self.grace | self.dark as u8 != 0 {
             self.shut_off(plan);
         }
     }
@@ -178,9 +178,9 @@ impl Safety {
     #[inline(never)]
     fn shut_off(&mut self, plan: &mut Plan) {
         if self.in_grace() {
-            self.spared = self.spared.wrapping_sub(1);
+            self.grace = self.grace.wrapping_sub(1);
         } else if self.is_dark() || self.is_safe() {
-            (self.rested, self.spared) = (true, 0);
+            (self.rested, self.grace) = (true, 0);
             plan.clear();
             plan.safe_state = true;
         }

@@ -118,7 +118,7 @@ pub struct Path {
     sketch: Sketch,
     /// At rest: the part that is made belongs to a start with this FIFO, as if it began at 0.
     prepared: Option<u8>,
-    wake: TrajectorySample,
+    trajectory: TrajectorySample,
     since: TrajectorySample,
 }
 
@@ -258,7 +258,7 @@ impl Path {
         past: Past::NONE,
         open: None,
         led: false,
-        wake: TrajectorySample::NONE,
+        trajectory: TrajectorySample::NONE,
         since: TrajectorySample::NONE,
     };
 
@@ -294,7 +294,7 @@ impl Path {
             draft: _,
             sketch: _,
             prepared,
-            wake,
+            trajectory,
             since,
         } = self;
         let on = &Path::IDLE;
@@ -305,7 +305,7 @@ impl Path {
         (*follows, *time, *speed, *here, *prepared) = (on.follows, on.time, on.speed, at, on.prepared);
         cursors.iter_mut().for_each(Cursor::clear);
         motions.iter_mut().for_each(|made| made.state = State::Nothing);
-        (wake.count, wake.turns, since.count) = (0, [None; DIMENSIONS], 0);
+        (trajectory.count, trajectory.turns, since.count) = (0, [None; DIMENSIONS], 0);
     }
 
     /// Empties a FIFO at rest.
@@ -348,13 +348,13 @@ impl Path {
         }
         if led != self.led {
             self.led = led;
-            self.line_up();
+            self.decide_fast_path();
         }
     }
 
     /// That motion up to the last sample.
-    pub fn wake(&self) -> &TrajectorySample {
-        &self.wake
+    pub fn trajectory(&self) -> &TrajectorySample {
+        &self.trajectory
     }
 
     /// Whether it waits.
@@ -435,7 +435,7 @@ impl Path {
     /// Begins, or goes on, at `next`.
     pub fn start(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
         self.set_off(next, fifo, feed, source);
-        self.line_up();
+        self.decide_fast_path();
     }
 
     fn set_off(&mut self, next: Ns, fifo: u8, feed: Feed, source: &impl Entries) {
@@ -465,8 +465,8 @@ impl Path {
         let mut step = Step { position: ORIGIN, heading, bend, motion, runs: false, fifo: 0, done: 0 };
         let Step { position, heading, bend, motion, .. } = &mut step;
         self.fresh = true;
-        let mut sight = PathReport { position, heading, bend, motion, turns: &mut 0 };
-        let reported = self.advance(next, period, feed, source, sink, &mut sight, true);
+        let mut report = PathReport { position, heading, bend, motion, turns: &mut 0 };
+        let reported = self.advance(next, period, feed, source, sink, &mut report, true);
         Step { runs: reported.runs, fifo: reported.fifo, done: reported.done, ..step }
     }
 
@@ -481,11 +481,11 @@ impl Path {
         feed: Feed,
         source: &impl Entries,
         sink: &mut impl Effects,
-        sight: &mut PathReport<'_>,
+        report: &mut PathReport<'_>,
         may_prepare: bool,
     ) -> StepReport {
-        let reported = self.go(next, period, feed, source, sink, sight, may_prepare);
-        self.line_up();
+        let reported = self.go(next, period, feed, source, sink, report, may_prepare);
+        self.decide_fast_path();
         reported
     }
 
@@ -498,7 +498,7 @@ impl Path {
         feed: Feed,
         source: &impl Entries,
         sink: &mut impl Effects,
-        sight: &mut PathReport<'_>,
+        report: &mut PathReport<'_>,
         may_prepare: bool,
     ) -> StepReport {
         let now = (next.0 as Fine) << 32;
@@ -517,10 +517,10 @@ impl Path {
         }
         let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.stand.sampled);
         let released = [self.released(0), self.released(1)];
-        let moves = self.look(next, sink, sight);
-        if moves && !sink.admits(sight.position) {
+        let moves = self.look(next, sink, report);
+        if moves && !sink.admits(report.position) {
             self.hold(now, (before.into(), self.stand.sampled.into()), sink, feed);
-            self.look(next, sink, sight);
+            self.look(next, sink, report);
             return StepReport { runs: false, fifo, done, released };
         }
         let runs = self.runs();
@@ -539,7 +539,7 @@ impl Path {
         let until = ((next.0.wrapping_add(period.0)) as Fine) << 32;
         let mut budget = Budget::new(until);
         self.walk(until, &mut budget, feed, source, sink);
-        self.line_up();
+        self.decide_fast_path();
     }
 
     /// FIFO in force, or that was last.

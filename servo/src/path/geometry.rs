@@ -356,7 +356,7 @@ impl Shape {
     }
 
     /// The direction at its start.
-    pub(super) fn outset(&self) -> [i32; DIMENSIONS] {
+    pub(super) fn start_heading(&self) -> [i32; DIMENSIONS] {
         let mut heading = [0; DIMENSIONS];
         self.follow(Pos(0), &mut [Pos(0); DIMENSIONS], &mut heading);
         if let Geometry::Line { heading: straight, .. } = &self.geometry {
@@ -366,7 +366,7 @@ impl Shape {
     }
 
     /// The furthest that a coordinate goes upwards, or downwards, on the whole circle of an arc.
-    pub(super) fn summit(&self, index: usize, up: bool) -> Option<Pos> {
+    pub(super) fn extreme(&self, index: usize, up: bool) -> Option<Pos> {
         let Geometry::Arc { plane, vector, radius, .. } = &self.geometry else { return None };
         let position = plane.coordinates().iter().position(|of| *of == index)?;
         let radius = if up { *radius } else { radius.wrapping_neg() };

@@ -58,7 +58,7 @@ impl Motion {
 
     /// Planned velocity in pulse/ms, error ≤ 2⁻⁵⁶ of the piece's peak.
     pub fn velocity(&self) -> Scaled {
-        let ([c1, c2, c3], frac) = self.near_the_top();
+        let ([c1, c2, c3], frac) = self.normalised();
         // c1 + c2·τ + 3/4·c3·τ²
         let tau = self.parameter() << 1;
         let slope = mulhi_su(c2.wrapping_add(mulhi_su(3 * (c3 >> 2), tau)), tau);
@@ -67,7 +67,7 @@ impl Motion {
 
     /// Planned acceleration in pulse/ms², error ≤ 2⁻⁵⁶ of the piece's peak.
     pub fn acceleration(&self) -> Scaled {
-        let ([_, c2, c3], frac) = self.near_the_top();
+        let ([_, c2, c3], frac) = self.normalised();
         // c2 + 3/2·c3·τ
         let bend = c2.wrapping_add(mulhi_su(3 * (c3 >> 1), self.parameter() << 1));
         let once = self.per_ms(bend, frac);
@@ -75,7 +75,7 @@ impl Motion {
     }
 
     /// Coefficients shifted so that the largest is just below 2⁶⁰, and their fraction bits.
-    fn near_the_top(&self) -> ([i64; 3], i16) {
+    fn normalised(&self) -> ([i64; 3], i16) {
         let bits = self.c.iter().fold(1, |bits, c| bits | c.unsigned_abs());
         let up = bits.leading_zeros() as i32 - 4;
         (self.c.map(|c| if up < 0 { c >> -up } else { c << up }), (self.frac + up) as i16)

@@ -127,29 +127,29 @@ impl PvtRun {
 
     /// The pass of the piece in force; `ahead`: the last one made is not in force yet.
     #[inline(always)]
-    fn standing(&self, ahead: bool) -> &Pass {
+    fn state_in_force(&self, ahead: bool) -> &Pass {
         if ahead { &self.back.pass } else { &self.track.pass }
     }
 
     /// The table in force.
     pub fn table(&self, ahead: bool) -> u8 {
-        self.standing(ahead).table
+        self.state_in_force(ahead).table
     }
 
     /// The table that waits for the end of the pass.
     pub fn pending(&self, ahead: bool) -> Option<u8> {
-        self.standing(ahead).pending
+        self.state_in_force(ahead).pending
     }
 
     /// Passes of this table completed.
     pub fn passes(&self, ahead: bool) -> u32 {
-        self.standing(ahead).passes
+        self.state_in_force(ahead).passes
     }
 
     /// Time of the table at `now`, which runs from 0 to the first point's time and then from point
     /// to point, in whole ns; at most the last point's time.
     pub fn time(&self, now: Ns, ahead: bool) -> Ns {
-        let track = self.standing(ahead);
+        let track = self.state_in_force(ahead);
         let Header { delay, duration, .. } = *self.header_of(track);
         let since = ((now.0 as u128) << 64).wrapping_sub(track.began.wrapping_sub(delay));
         Ns((since.min(delay.wrapping_add(duration)) >> 64) as u64)
@@ -157,7 +157,7 @@ impl PvtRun {
 
     /// Instant at which the time of the table was 0, or would have been in a later pass; rounded down.
     pub fn zero(&self, ahead: bool) -> Ns {
-        let track = self.standing(ahead);
+        let track = self.state_in_force(ahead);
         Ns((track.began.wrapping_sub(self.header_of(track).delay) >> 64) as u64)
     }
 

@@ -74,7 +74,7 @@ impl<const AXES: usize> Tick<AXES> {
                 self.lasers.abort(next);
                 self.brake(Brake::All, StopReason::Abort, next, lanes);
                 self.aborted = self.running();
-                self.look_at_abort(next);
+                self.finish_abort(next);
             }
             Op::NewSession => {
                 self.lasers.new_session(next);
@@ -166,7 +166,7 @@ impl<const AXES: usize> Tick<AXES> {
             Op::StopDec { axis, smooth, abrupt: _ } => self.one(axis, |state| state.stop_dec = smooth),
             Op::Band { axis, band, time } => self.one(axis, |state| state.inputs.set_band(band, time)),
             Op::SoftLimit { axis, positive, negative } => {
-                self.crds.look_round();
+                self.crds.invalidate_clearance();
                 self.one(axis, |state| {
                     state.inputs.soft_positive = positive;
                     state.inputs.soft_negative = negative;
@@ -190,7 +190,7 @@ impl<const AXES: usize> Tick<AXES> {
                 let mut counts = true;
                 self.one(axis, |state| counts = state.commit(fifo, end, epoch));
                 if !counts {
-                    self.tell_void((lane, entry.seq), axis, lanes);
+                    self.report_void((lane, entry.seq), axis, lanes);
                 }
             }
             Op::PtClear { axis, fifo } => self.one(axis, |state| state.clear_fifo(fifo)),
@@ -206,7 +206,7 @@ impl<const AXES: usize> Tick<AXES> {
                     self.one(axis, |state| counts = state.commit_entries(fifo, end, cleared, tail, store));
                 }
                 if !counts {
-                    self.tell_void((lane, entry.seq), axis, lanes);
+                    self.report_void((lane, entry.seq), axis, lanes);
                 }
             }
             Op::FollowClear { axis, fifo } => self.one(axis, |state| state.clear_entries(fifo)),
@@ -344,7 +344,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// What ran at an abort and is at rest now no longer counts; once all of it is, the abort is
     /// over.
     #[inline(never)]
-    pub(crate) fn look_at_abort(&mut self, next: Ns) {
+    pub(crate) fn finish_abort(&mut self, next: Ns) {
         let (axes, crds) = self.running();
         let (before, paths) = self.aborted;
         self.aborted = (AxisMask(before.0 & axes.0), CrdMask(paths.0 & crds.0));
@@ -381,7 +381,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// reported.
     #[cold]
     #[inline(never)]
-    fn tell_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, lanes: &mut Reach<'_, '_, AXES>) {
+    fn report_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, lanes: &mut Reach<'_, '_, AXES>) {
         let status = self.axes.get(axis.index()).map_or(0, AxisState::status);
         report_event(lanes.events, &mut self.events_lost, Event::Refused { lane, seq, axis, status });
     }

@@ -128,12 +128,12 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Whether an operation changes light, or the outputs of a laser without light.
     pub(crate) fn lights(&self, op: &Op) -> bool {
-        matches!(op, Op::Laser { .. }) && self.is_seen(op)
+        matches!(op, Op::Laser { .. }) && self.is_observable(op)
     }
 
     /// Whether others can observe an operation at once, so that its neighbours must act in the same
     /// tick.
-    fn is_seen(&self, op: &Op) -> bool {
+    fn is_observable(&self, op: &Op) -> bool {
         match *op {
             Op::Update { .. }
             | Op::PtStart { .. }
@@ -167,7 +167,7 @@ impl<const AXES: usize> Tick<AXES> {
         if budget.acting == Some(instant) {
             return true;
         }
-        if !self.is_seen(&entry.op) {
+        if !self.is_observable(&entry.op) {
             return budget.takes(self.weigh(&entry.op));
         }
         let weight = neighbours(program).fold(0u32, |sum, entry| sum.saturating_add(self.weigh(&entry.op)));

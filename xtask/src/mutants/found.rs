@@ -122,8 +122,8 @@ pub const FOUND: &[Planted] = &[
         by: By::Reference,
         places: &[(
             "servo/src/tick/workload.rs",
-            "if !self.is_seen(&entry.op) {\n            return budget",
-            "if !self.is_seen(&entry.op) || instant.0 != u64::MAX {\n            return budget",
+            "if !self.is_observable(&entry.op) {\n            return budget",
+            "if !self.is_observable(&entry.op) || instant.0 != u64::MAX {\n            return budget",
         )],
     },
 ];

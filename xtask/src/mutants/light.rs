@@ -157,7 +157,7 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "abort: the plan of the tick is carried out",
         file: CHANNEL,
-        text: "        self.safety.rest_once();\n        (self.energy.muted, self.ends)",
+        text: "        self.safety.force_safe_state();\n        (self.energy.muted, self.ends)",
         broken: "        (self.energy.muted, self.ends)",
         test: ABORT,
     },

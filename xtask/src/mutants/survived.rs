@@ -74,8 +74,8 @@ pub const SURVIVED: &[Mutant] = &[
         CAUSES,
     ),
     mutant("an axis that goes along is not looked at", DRIVE, "if others().any(", "if false && others().any(", CAUSES),
-    mutant("plans stay spared for another cause", SAFETY, "        self.spared = 0;\n", "", CAUSES),
-    mutant("three plans are spared", SAFETY, "self.spared = 2;", "self.spared = 3;", CAUSES),
+    mutant("plans stay spared for another cause", SAFETY, "        self.grace = 0;\n", "", CAUSES),
+    mutant("three plans are spared", SAFETY, "self.grace = 2;", "self.grace = 3;", CAUSES),
     mutant(
         "a limit is told before an alarm",
         ORDERS,
@@ -138,14 +138,14 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "the room of a motion is that of the one before",
         DRIVE,
-        "            self.room = [next, Clearance::Unknown];\n",
+        "            self.clearance = [next, Clearance::Unknown];\n",
         "            let _ = next;\n",
         CRD_GUARDS,
     ),
     mutant(
         "the room of a motion stays over what is done at its end",
         DRIVE,
-        "        state.room = [Clearance::Unknown; 2];\n        let published",
+        "        state.clearance = [Clearance::Unknown; 2];\n        let published",
         "        let published",
         CRD_GUARDS,
     ),

@@ -37,7 +37,7 @@ impl Channel {
             }
         }
         let end = Ns(next.0.wrapping_add(period.0));
-        if self.changed != 0 || self.wake < end {
+        if self.changed != 0 || self.next_edge < end {
             self.plan(next, end, around, plan);
         } else if self.out.light {
             self.pass();
@@ -130,8 +130,8 @@ impl Channel {
         if self.ends {
             self.end_within(0, end, plan);
         }
-        self.wake = self.soonest();
-        let until = self.wake.min(end);
+        self.next_edge = self.soonest();
+        let until = self.next_edge.min(end);
         self.planned = if self.out.light { until.0.wrapping_sub(next.0) as u32 } else { 0 };
         if until < end {
             self.walk(next, end, around, plan);
@@ -155,7 +155,7 @@ impl Channel {
             // An on command after an abort that found everything at rest.
             self.report(end, Fact::Relight);
         }
-        self.miss(end);
+        self.pass_dark_interval(end);
         self.changed = if self.safety.is_dark() { 0 } else { changed::CHANGED };
         self.publish(true);
     }
@@ -164,13 +164,13 @@ impl Channel {
     #[inline(never)]
     fn walk(&mut self, next: Ns, end: Ns, around: &Surroundings<'_>, plan: &mut Plan) {
         let mut left = EVENTS;
-        while self.wake < end {
+        while self.next_edge < end {
             self.changed |= changed::MOVED;
             if left == 0 || !plan.has_room(ROOM) {
                 return self.trip(Cause::Edges);
             }
             left = left.wrapping_sub(1);
-            let now = self.wake;
+            let now = self.next_edge;
             let at = now.0.wrapping_sub(next.0) as u32;
             self.attend(now);
             if self.ends {
@@ -183,15 +183,15 @@ impl Channel {
             }
             self.take(now);
             self.settle(at, anew, plan);
-            self.wake = self.soonest();
+            self.next_edge = self.soonest();
             if self.out.light {
-                self.planned = self.planned.wrapping_add(self.wake.min(end).0.wrapping_sub(now.0) as u32);
+                self.planned = self.planned.wrapping_add(self.next_edge.min(end).0.wrapping_sub(now.0) as u32);
             }
         }
     }
 
     /// Events and edges of an interval in the dark.
-    fn miss(&mut self, end: Ns) {
+    fn pass_dark_interval(&mut self, end: Ns) {
         while self.event_queue.next() < end
             && let Some(event) = self.event_queue.take(end)
         {
@@ -200,7 +200,7 @@ impl Channel {
         if self.safety.is_dark() {
             self.gate.clear();
         }
-        self.wake = self.soonest();
+        self.next_edge = self.soonest();
     }
 
     /// All outputs go to their safe state within the interval, and stay dark from there on.
@@ -218,7 +218,7 @@ impl Channel {
         self.ends = false;
         self.go_dark();
         self.planned = planned;
-        self.miss(end);
+        self.pass_dark_interval(end);
         self.changed = changed::CHANGED;
     }
 
@@ -239,7 +239,7 @@ impl Channel {
     #[inline(never)]
     fn go_dark(&mut self) {
         self.extinguish();
-        (self.cut, self.planned, self.out, self.wake) = (false, 0, Outputs::SAFE_STATE, NEVER);
+        (self.cut, self.planned, self.out, self.next_edge) = (false, 0, Outputs::SAFE_STATE, NEVER);
     }
 
     /// Brings the outputs to the levels that they should have; `anew`: trains may have changed.
@@ -322,8 +322,8 @@ impl Channel {
     fn publish_power(&mut self) {
         let (power, khz) = match (self.safety.is_dark(), self.out.light) {
             (true, _) => (Power::ZERO, Power::ZERO),
-            (_, true) => self.energy.told(self.power, &self.train),
-            (_, false) => self.energy.told_dark(),
+            (_, true) => self.energy.light_output(self.power, &self.train),
+            (_, false) => self.energy.dark_output(),
         };
         let published = &mut self.published;
         (published.moves, published.turns) = (published.moves.wrapping_add(1), published.turns.wrapping_add(1));

@@ -20,7 +20,7 @@ pub(super) enum Turn {
 
 impl Path {
     /// The fast path is not taken until a full step is done.
-    pub(crate) fn hold_still(&mut self) {
+    pub(crate) fn leave_fast_path(&mut self) {
         (self.fast, self.turn) = (false, Turn::Else);
     }
 
@@ -37,7 +37,7 @@ impl Path {
 
     /// Decides what the fast path may do from now on, until the next full step.
     #[inline(never)]
-    pub(super) fn line_up(&mut self) {
+    pub(super) fn decide_fast_path(&mut self) {
         let moves = matches!(self.stage, Stage::Move) && !self.led;
         let cursor = self.cursor_of(self.fifo);
         let (alone, next) = (cursor.geared == 0, cursor.next);

@@ -50,6 +50,6 @@ impl Path {
             self.follows = None;
             self.unplan();
         }
-        self.line_up();
+        self.decide_fast_path();
     }
 }

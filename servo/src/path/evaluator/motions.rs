@@ -117,7 +117,7 @@ impl Path {
                 return;
             }
             if self.piece_ahead() {
-                self.line_up();
+                self.decide_fast_path();
                 return;
             }
         }

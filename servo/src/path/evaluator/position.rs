@@ -14,7 +14,7 @@ use crate::units::{Exact, Ns, Pos};
 impl Path {
     /// Samples the position at `next`, which lies in the phase in force. Returns whether it moves.
     #[inline(always)]
-    pub(super) fn look(&mut self, next: Ns, sink: &mut impl Effects, sight: &mut PathReport<'_>) -> bool {
+    pub(super) fn look(&mut self, next: Ns, sink: &mut impl Effects, report: &mut PathReport<'_>) -> bool {
         if let Stage::Move = self.stage
             && let Some(phase) = self.motions[(self.at & 1) as usize].plan.phase(self.stand.phase)
         {
@@ -22,11 +22,11 @@ impl Path {
                 (self.pieced, self.fresh) = (true, true);
                 self.pieces[(self.piece & 1) as usize].make(phase, self.stand.began, self.stand.distance);
             }
-            let before = *sight.heading;
-            let distance = self.publish(next, sight);
+            let before = *report.heading;
+            let distance = self.publish(next, report);
             self.pass(distance);
             if self.led {
-                self.leave_wake(before, sight.heading);
+                self.keep_trajectory(before, report.heading);
             }
             let cursor = self.cursor_of(self.fifo);
             for gear in cursor.gears.iter().take(cursor.geared) {
@@ -36,13 +36,13 @@ impl Path {
         }
         self.pass(Pos(0));
         if self.led {
-            (self.wake, self.since.count) = (self.since, 0);
+            (self.trajectory, self.since.count) = (self.since, 0);
         }
         if self.fresh {
             self.fresh = false;
-            *sight.turns = sight.turns.wrapping_add(1);
-            (*sight.position, *sight.heading) = (self.here, [0; DIMENSIONS]);
-            (*sight.bend, *sight.motion) = (Bend::STRAIGHT, Motion::STANDSTILL);
+            *report.turns = report.turns.wrapping_add(1);
+            (*report.position, *report.heading) = (self.here, [0; DIMENSIONS]);
+            (*report.bend, *report.motion) = (Bend::STRAIGHT, Motion::STANDSTILL);
         }
         false
     }
@@ -50,24 +50,24 @@ impl Path {
     /// Publishes position and direction at `next`, in the piece in force; returns the path length
     /// there.
     #[inline(always)]
-    fn publish(&mut self, next: Ns, sight: &mut PathReport<'_>) -> Pos {
+    fn publish(&mut self, next: Ns, report: &mut PathReport<'_>) -> Pos {
         let PackedPhase { piece, .. } = &self.pieces[(self.piece & 1) as usize];
         let t = piece.fast_time(next).map_or_else(|| piece.held(next), |t| t as u64);
-        self.publish_fresh(sight);
-        self.publish_at(t, sight)
+        self.publish_fresh(report);
+        self.publish_at(t, report)
     }
 
     /// Publishes what is constant along the piece in force, if that has not been done yet; returns
     /// whether it did.
     #[inline(always)]
-    pub(crate) fn publish_fresh(&mut self, sight: &mut PathReport<'_>) -> bool {
+    pub(crate) fn publish_fresh(&mut self, report: &mut PathReport<'_>) -> bool {
         let fresh = self.fresh;
         if fresh {
             self.fresh = false;
-            *sight.motion = self.pieces[(self.piece & 1) as usize].piece.motion;
-            *sight.turns = sight.turns.wrapping_add(1);
+            *report.motion = self.pieces[(self.piece & 1) as usize].piece.motion;
+            *report.turns = report.turns.wrapping_add(1);
             let shape = &self.motions[(self.at & 1) as usize].shape;
-            shape.publish(sight.position, sight.heading, sight.bend);
+            shape.publish(report.position, report.heading, report.bend);
         }
         fresh
     }
@@ -82,22 +82,22 @@ impl Path {
     /// Publishes the rest, at this time since the begin of the piece; returns the path length
     /// there.
     #[inline(always)]
-    pub(crate) fn publish_at(&self, t: u64, sight: &mut PathReport<'_>) -> Pos {
+    pub(crate) fn publish_at(&self, t: u64, report: &mut PathReport<'_>) -> Pos {
         let PackedPhase { even, piece } = &self.pieces[(self.piece & 1) as usize];
         let distance = if piece.is_fast() {
             // Readers derive the parameter from it.
-            sight.motion.t = t as u32;
+            report.motion.t = t as u32;
             match even {
                 Some(_) => piece.pos_even(t as u32),
                 None => piece.pos_fast(t as u32),
             }
         } else {
             let (distance, tau) = piece.at_wide(t);
-            sight.motion.tau = tau;
+            report.motion.tau = tau;
             distance
         };
         let shape = &self.motions[(self.at & 1) as usize].shape;
-        shape.follow(distance, sight.position, sight.heading);
+        shape.follow(distance, report.position, report.heading);
         distance
     }
 
@@ -105,13 +105,13 @@ impl Path {
     /// where the FIFO had ended, and it has neither geared axes nor slaves. The caller checks
     /// whether the path may be there, and then calls [`Path::pass`].
     #[inline(always)]
-    pub fn fast_step(&mut self, next: Ns, feed: Feed, sight: &mut PathReport<'_>) -> Option<Pos> {
+    pub fn fast_step(&mut self, next: Ns, feed: Feed, report: &mut PathReport<'_>) -> Option<Pos> {
         if !self.may_step_fast(feed) {
             return None;
         }
         let t = self.spot(next)?;
-        self.publish_fresh(sight);
-        Some(self.publish_at(t, sight))
+        self.publish_fresh(report);
+        Some(self.publish_at(t, report))
     }
 
     /// Whether that may be so.
@@ -146,18 +146,18 @@ impl Path {
 
     /// Keeps the motion of the coordinates up to this sample, at which they have this direction.
     #[inline(never)]
-    fn leave_wake(&mut self, before: [i32; DIMENSIONS], heading: &[i32; DIMENSIONS]) {
-        (self.wake, self.since.count) = (self.since, 0);
+    fn keep_trajectory(&mut self, before: [i32; DIMENSIONS], heading: &[i32; DIMENSIONS]) {
+        (self.trajectory, self.since.count) = (self.since, 0);
         let shape = &self.motions[(self.at & 1) as usize].shape;
         let still = before == [0; DIMENSIONS];
-        let before = if self.wake.count != 0 || still { shape.outset() } else { before };
-        for (index, ((turn, before), now)) in self.wake.turns.iter_mut().zip(before).zip(heading).enumerate() {
+        let before = if self.trajectory.count != 0 || still { shape.start_heading() } else { before };
+        for (index, ((turn, before), now)) in self.trajectory.turns.iter_mut().zip(before).zip(heading).enumerate() {
             let turned = before > 0 && *now < 0 || before < 0 && *now > 0;
             let (gone, left) = (before.unsigned_abs() as u64, now.unsigned_abs() as u64);
             // Near its summit a coordinate's direction changes evenly along the path.
-            *turn = shape.summit(index, before > 0).filter(|_| turned).map(|summit| {
+            *turn = shape.extreme(index, before > 0).filter(|_| turned).map(|extreme| {
                 let whole = gone.wrapping_add(left);
-                (crate::math::wide::Recip::of(whole).ratio(gone.min(whole.wrapping_sub(1))), summit)
+                (crate::math::wide::Recip::of(whole).ratio(gone.min(whole.wrapping_sub(1))), extreme)
             });
         }
     }

@@ -30,7 +30,7 @@ impl Path {
                 self.plan_rest(feed, source);
             }
         }
-        self.line_up();
+        self.decide_fast_path();
     }
 
     /// Stops at `next` at the `position` of the last sample (SPEC 4). Boundaries reached since were
@@ -42,7 +42,7 @@ impl Path {
             Stage::Wait { until } if self.swept.is_none() => self.rest_in_wait(until, feed, sink),
             Stage::Wait { .. } | Stage::Move => self.fall_back(position, feed, sink),
         }
-        self.line_up();
+        self.decide_fast_path();
     }
 
     /// The first boundary since the sample: keeps the position there.

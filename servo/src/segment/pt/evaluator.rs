@@ -113,13 +113,13 @@ impl PtRun {
 
     /// The state with the piece in force; `ahead`: the last one made is not in force yet.
     #[inline(always)]
-    fn standing(&self, ahead: bool) -> &Track {
+    fn state_in_force(&self, ahead: bool) -> &Track {
         if ahead { &self.back } else { &self.track }
     }
 
     /// Passes completed.
     pub fn passes(&self, ahead: bool) -> u32 {
-        self.standing(ahead).pass.passes
+        self.state_in_force(ahead).pass.passes
     }
 
     /// Dynamic: counter of the first segment that has not run yet; all before it are free.
@@ -129,7 +129,7 @@ impl PtRun {
             SlotRange::Static { .. } => 0,
             SlotRange::Dynamic { first, .. } => first,
         };
-        let next = self.standing(ahead).chain.next;
+        let next = self.state_in_force(ahead).chain.next;
         if running && next != began { next.wrapping_sub(1) } else { next }
     }
 
@@ -139,7 +139,7 @@ impl PtRun {
             return 0;
         }
         let last = source.segment(self.slot(feed.end.wrapping_sub(1))).time_ms();
-        let since = now.0.wrapping_sub(self.standing(ahead).pass.begin.0);
+        let since = now.0.wrapping_sub(self.state_in_force(ahead).pass.begin.0);
         let left = (last as u64 * NS_PER_MS).saturating_sub(since);
         // floor(x / 10⁶) for every 64-bit x, without dividing.
         (crate::math::wide::umulhi(left, 0x431B_DE82_D7B6_34DB) >> 18) as u32
