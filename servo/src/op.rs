@@ -4,10 +4,11 @@
 //! changed meanwhile (a limit, an alarm), refuse it with a [`crate::view::Event`]. Two lanes lead in:
 //! the immediate lane acts on the next tick; the program lane is timed (SPEC 7): an entry's instant
 //! is that of the entry before plus `delay`, and it acts on the first tick after that instant.
+use crate::path;
+use crate::path::axis_map::Frame;
 use crate::port::Simulated;
 use crate::segment::follow;
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
-use crate::{crd, path};
 
 /// An operation with its instant on the script clock, and the number under which its execution is
 /// reported.
@@ -279,7 +280,7 @@ pub enum Op {
     /// SetCrdPrm, at rest: which axes it drives and where its zero is; these are in `Mode::Crd`
     /// from now on. Both FIFOs are empty; stop deceleration and override have their power-on values
     /// (1 pulse/ms², 1).
-    CrdFrame { crd: Crd, frame: crd::Frame },
+    CrdFrame { crd: Crd, frame: Frame },
     /// The FIFO now ends at this count of entries pushed since it was cleared. It counts only if
     /// `cleared` is what the view has for this FIFO.
     CrdCommit { crd: Crd, fifo: u8, end: u32, cleared: u32 },

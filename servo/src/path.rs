@@ -8,10 +8,12 @@
 //! boundaries exact. A phase's speed is a closed form of the time since it began
 //! (`speed_profile.rs`); its position on the line or arc is a closed form of the path length
 //! (`geometry.rs`).
+pub(crate) mod axis_map;
 mod entry;
 mod evaluator;
 mod geometry;
 mod pack;
+mod path_speed;
 mod speed_profile;
 mod store;
 
@@ -21,6 +23,7 @@ pub use evaluator::{
     Effects, Feed, GEARS, Path, PathReport, PathStop, Rate, Rules, Step, StepReport, TrajectorySample,
 };
 pub use geometry::Bend;
+pub use path_speed::PathSpeed;
 pub use store::{ENTRIES, Entries, EntryStore, PathStores};
 
 /// An instant or a duration in 2⁻³² ns; instants count from power-on.

@@ -1,4 +1,4 @@
-//! The status word of `GetSts` (SPEC 4).
+//! The status word of `GetSts` (SPEC 4), and why an axis came to rest.
 
 /// Drive alarm; latches.
 pub const ALARM: u32 = 1 << 1;
@@ -25,3 +25,58 @@ pub const LIMITS: u32 = LIMIT_POSITIVE | LIMIT_NEGATIVE;
 pub const FAULTS: u32 = ALARM | FOLLOWING_ERROR;
 /// Bits that stay set until ClearStatus.
 pub const LATCHED: u32 = FAULTS | LIMITS | STOP_SMOOTH | STOP_ABRUPT;
+
+/// Why an axis came to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u16)]
+pub enum StopReason {
+    /// It never moved.
+    #[default]
+    None = 0,
+    /// The motion ended as planned.
+    Completed = 1,
+    /// Stop command, smooth.
+    StopSmooth = 2,
+    /// Stop command, abrupt.
+    StopAbrupt = 3,
+    /// Positive limit switch.
+    LimitPositive = 4,
+    /// Negative limit switch.
+    LimitNegative = 5,
+    /// Software limit, positive.
+    SoftPositive = 6,
+    /// Software limit, negative.
+    SoftNegative = 7,
+    /// Drive alarm.
+    Alarm = 8,
+    /// Following error beyond its limit.
+    FollowingError = 9,
+    /// The stream ran dry at speed.
+    Underrun = 10,
+    /// ±2⁴⁰ pulses reached.
+    Travel = 11,
+    /// Servo switched off.
+    ServoOff = 12,
+    /// Host link lost.
+    LinkLoss = 13,
+    /// Reset.
+    Reset = 14,
+    /// FollowEx: an input did not come in time.
+    WaitTimeout = 15,
+    /// Follow: the step limit, 2³² pulse/ms, would have been exceeded.
+    StepLimit = 16,
+    /// Of a coordinate system: another axis could not be geared (BufGear) or moved (BufMove).
+    OtherAxis = 17,
+    /// Abort.
+    Abort = 18,
+    /// The interlock or emergency-stop input.
+    Interlock = 19,
+}
+
+impl StopReason {
+    /// Whether it is a command to brake smoothly.
+    pub(crate) const fn is_brake(self) -> bool {
+        use StopReason::{Abort, Interlock, LinkLoss, StopSmooth};
+        matches!(self, StopSmooth | LinkLoss | Abort | Interlock)
+    }
+}

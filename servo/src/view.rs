@@ -1,14 +1,17 @@
 //! What the tick publishes: the view of one tick, events, trace samples.
+mod axis_motion;
 mod crd;
 mod laser;
 mod speeds;
 
+pub use crate::segment::follow::Lead;
+pub use crate::status::StopReason;
+use axis_motion::share;
 pub use crd::{CrdView, Drive};
 pub use laser::LaserView;
 pub(crate) use speeds::Speeds;
 
 use crate::capacity::{GeneralInputs, GeneralOutputs};
-use crate::crd::share;
 use crate::laser::{Action, CHANNELS, Power};
 use crate::op::{Lane, Mode};
 use crate::port::AxisInputs;
@@ -246,18 +249,6 @@ impl AxisView {
     }
 }
 
-/// The master of an axis that follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lead {
-    /// The axis whose planned motion it follows; none for an encoder or a filtered position, which
-    /// moves evenly within the tick.
-    pub axis: Option<Axis>,
-    /// Progress is the master's position with its sign changed.
-    pub down: bool,
-    /// Progress backwards has no effect.
-    pub one_way: bool,
-}
-
 /// The motion of an axis in time: its own, or derived from that of its master, and of the masters
 /// before it.
 pub(crate) fn motion<'v>(
@@ -287,61 +278,6 @@ pub(crate) fn motion<'v>(
         }
     }
     chain.iter().flatten().rev().fold(leader, |leader, (motion, lead)| compose(*motion, *lead, leader))
-}
-
-/// Why an axis came to rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(u16)]
-pub enum StopReason {
-    /// It never moved.
-    #[default]
-    None = 0,
-    /// The motion ended as planned.
-    Completed = 1,
-    /// Stop command, smooth.
-    StopSmooth = 2,
-    /// Stop command, abrupt.
-    StopAbrupt = 3,
-    /// Positive limit switch.
-    LimitPositive = 4,
-    /// Negative limit switch.
-    LimitNegative = 5,
-    /// Software limit, positive.
-    SoftPositive = 6,
-    /// Software limit, negative.
-    SoftNegative = 7,
-    /// Drive alarm.
-    Alarm = 8,
-    /// Following error beyond its limit.
-    FollowingError = 9,
-    /// The stream ran dry at speed.
-    Underrun = 10,
-    /// ±2⁴⁰ pulses reached.
-    Travel = 11,
-    /// Servo switched off.
-    ServoOff = 12,
-    /// Host link lost.
-    LinkLoss = 13,
-    /// Reset.
-    Reset = 14,
-    /// FollowEx: an input did not come in time.
-    WaitTimeout = 15,
-    /// Follow: the step limit, 2³² pulse/ms, would have been exceeded.
-    StepLimit = 16,
-    /// Of a coordinate system: another axis could not be geared (BufGear) or moved (BufMove).
-    OtherAxis = 17,
-    /// Abort.
-    Abort = 18,
-    /// The interlock or emergency-stop input.
-    Interlock = 19,
-}
-
-impl StopReason {
-    /// Whether it is a command to brake smoothly.
-    pub(crate) const fn is_brake(self) -> bool {
-        use StopReason::{Abort, Interlock, LinkLoss, StopSmooth};
-        matches!(self, StopSmooth | LinkLoss | Abort | Interlock)
-    }
 }
 
 /// Everything of one tick, for the thread. `AXES` is the capacity of the build.

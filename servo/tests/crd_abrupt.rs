@@ -1,5 +1,5 @@
-//! What stops a path at once: its tick shows the set-points of the tick before (SPEC 4), wherever boundaries lie, and
-//! CrdStart goes on from there as if nothing had been.
+//! What stops a path at once: its tick keeps the set-points of the tick before (SPEC 4), wherever
+//! boundaries lie, and CrdStart goes on from there without any other effect.
 use servo::op::{Brake, DoGroup, Guarded, Guards, Mode, Op, Supervision};
 use servo::path::{Along, Entry};
 use servo::units::{AxisMask, CrdMask, Pos, StepLimit};
@@ -131,7 +131,7 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
                     assert_eq!(published.motion, servo::segment::piece::Motion::STANDSTILL);
                     stops += 1;
                     within += (before.crds[0].motion != servo::segment::piece::Motion::STANDSTILL) as u32;
-                    // An output of what is gone over again has been told.
+                    // An output of the part that is repeated has been reported.
                     back += told as u32;
                 }
                 let_go(&mut bench, cause);
@@ -172,8 +172,8 @@ fn what_stops_at_once_shows_the_set_points_of_the_tick_before_and_goes_on() {
     assert!(stops > 2000 && within > 1000 && back > 50, "{stops} {within} {back}");
 }
 
-/// A move that the path waits for has begun between both ticks: the start that goes on waits for it again. One that it did not wait
-/// for has been made.
+/// A move that the path waits for has begun between both ticks: the start that goes on waits for it
+/// again. One that it did not wait for has been made.
 #[test]
 fn moves_between_both_ticks_are_not_lost_nor_made_twice() {
     let moves =

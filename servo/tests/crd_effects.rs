@@ -1,5 +1,5 @@
-//! What entries of a path do to the rest of the machine, through the whole tick: outputs at exact instants, other axes
-//! that are moved or go along, axes that follow a coordinate.
+//! The effects of a path's entries on the rest of the machine, through the whole tick: outputs at
+//! exact instants, other axes that are moved or geared, axes that follow a coordinate.
 use servo::op::{DoGroup, Mode, Op};
 use servo::path::{Along, Entry, Plane};
 use servo::segment::follow::{Direction, Value};
@@ -34,7 +34,7 @@ fn edges(bench: &mut Bench, zero: u64) -> Vec<(u64, u64)> {
     let mut last = bench.machine.outputs.2;
     loop {
         let view = bench.tick();
-        // What is told at 0 acts on the tick itself.
+        // A change at 0 acts on the tick itself.
         let at_tick = view.general_outputs;
         let told: Vec<_> = bench.machine.edges.drain(..).collect();
         if told.is_empty() && at_tick != last {
@@ -178,7 +178,8 @@ fn a_move_begins_at_its_boundary() {
     assert!(seen.iter().all(|of| *of == seen[0]), "{seen:?}");
 }
 
-/// A move that an axis cannot make stops the path, and so does one that is waited for and does not come to its end.
+/// A move that an axis cannot make stops the path; so does one that the path waits for and that
+/// does not reach its end.
 #[test]
 fn a_move_that_fails_stops_the_path() {
     let v = speeds(10.0, 1.0, 0.0);
@@ -219,8 +220,8 @@ fn a_move_that_fails_stops_the_path() {
     assert_eq!(pulses(view.axes[0].pos), 37.0);
 }
 
-/// A move that is waited for is made to its end, whatever came between: a Stop of the path, of its axis, of both, a servo
-/// that is off. The path goes on from there, not before.
+/// A move that the path waits for is made to its end, whatever came between: a Stop of the path, of
+/// its axis, of both, a servo that is off. The path goes on from there, not before.
 #[test]
 fn a_modal_move_that_was_stopped_is_made_to_its_end() {
     let v = speeds(10.0, 1.0, 0.0);
@@ -279,7 +280,7 @@ fn a_move_that_was_refused_is_made_once_it_can_be() {
         bench.now(Op::Servo { axis: axis(4), on: true });
         bench.start_path(&[0]);
         let view = bench.until(zero + 70 * MS);
-        // Another path than a modal one's is on its way back by now.
+        // A path that does not wait is on its way back by now.
         assert_eq!(view.general_outputs & 1 == 0, modal);
         assert_eq!(pulses(view.axes[0].pos) == 37.0, modal);
         bench.rest();
@@ -288,7 +289,8 @@ fn a_move_that_was_refused_is_made_once_it_can_be() {
     }
 }
 
-/// An axis goes along with one motion, in step with its way, also over a Stop; then it is free.
+/// An axis is geared to one motion, in step with its path length, also over a Stop; then it is
+/// free.
 #[test]
 fn a_gear_goes_along_with_the_next_motion() {
     for period in [50, 1000] {
@@ -307,12 +309,12 @@ fn a_gear_goes_along_with_the_next_motion() {
         bench.start_path(&[0]);
         let zero = bench.tick().now.0;
         let view = bench.until(zero + 30 * MS);
-        // Half of the way.
+        // Half of the length.
         let speed = |view: &View<AXES>, axis: usize| real(view.velocity(&view.axes[axis]));
         assert!((pulses(view.axes[4].pos) - 57.0).abs() < 1e-5 && (pulses(view.axes[5].pos) + 1.5).abs() < 1e-5);
         assert!((speed(&view, 4) - 2.0).abs() < 1e-9 && (speed(&view, 5) + 0.06).abs() < 1e-9);
         assert!(has(&view.axes[4], status::RUNNING) && view.axes[4].mode == Mode::Trap);
-        // Stop by the bit of one that goes along.
+        // Stop by the bit of a geared axis.
         bench.now(Op::stop(all(&[5]), AxisMask(0)));
         let view = bench.rest();
         assert_eq!((view.crds[0].stop, view.axes[4].stop), (StopReason::StopSmooth, StopReason::StopSmooth));
@@ -335,7 +337,7 @@ fn a_gear_goes_along_with_the_next_motion() {
     }
 }
 
-/// Gears of one axis add up; one more than a path takes along stops it.
+/// Gears of one axis add up; one more than a path can gear stops it.
 #[test]
 fn gears_add_up_and_too_many_stop_the_path() {
     let mut bench = prepared(250);
@@ -398,7 +400,8 @@ fn an_axis_may_follow_a_coordinate() {
     }
 }
 
-/// Where a coordinate turns round between two ticks, at a corner or on an arc, its slave sees how far it went.
+/// Where a coordinate reverses between two ticks, at a corner or on an arc, its slave follows it to
+/// the turning point.
 #[test]
 fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
     let v = speeds(10.0, 1.0, 10.0);
@@ -412,7 +415,7 @@ fn a_slave_sees_where_a_coordinate_turns_between_ticks() {
     for (entries, most, least) in [(&corner[..], 103.0, 0.0), (&arc, 90.0, -10.0), (&both, 111.0, -11.0)] {
         for period in [50, 250, 1000] {
             let mut bench = prepared(period);
-            // The names of positions are nothing to a slave.
+            // User positions do not affect a slave.
             bench.now(Op::SetPosition { axis: axis(0), pos: Pos::pulses(1234) });
             bench.frame(0, &[0, 1], None);
             for (slave, direction) in [(6, Direction::Up), (7, Direction::Down)] {

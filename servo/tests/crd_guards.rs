@@ -1,4 +1,4 @@
-//! What a path must not begin, pass or take along, where the tick alone stands in its way.
+//! What a path must not begin, pass or gear, where only the tick can prevent it.
 use servo::op::{DoGroup, Guarded, Guards, Mode, Op};
 use servo::path::{Along, Entry};
 use servo::status;
@@ -25,8 +25,8 @@ fn runs(bench: &mut Bench, index: usize) -> bool {
     bench.tick().crds[index].runs
 }
 
-/// However long the motions are and whatever stands between them: the path may be far from the limit when it is looked at first,
-/// by more than the 1024 pulses within which each place is looked at.
+/// However long the motions are and whatever lies between them: the path may be far from the limit
+/// at the first check, by more than the 1024 pulses within which each position is checked.
 #[test]
 fn a_soft_limit_holds_whichever_motion_comes_to_it() {
     for (period, step, between, limit) in [50, 250, 1000].into_iter().flat_map(|period| {
@@ -97,7 +97,7 @@ fn a_path_does_not_begin_too_far_from_its_zero() {
     }
 }
 
-/// An axis that went along when the path was stopped must be able to when it goes on.
+/// An axis that was geared when the path was stopped must be able to when it goes on.
 #[test]
 fn a_path_does_not_go_on_without_what_went_along() {
     let mut bench = prepared(250);
@@ -119,7 +119,7 @@ fn a_path_does_not_go_on_without_what_went_along() {
     assert_eq!([0, 4].map(|axis| pulses(end.axes[axis].pos)), [100.0, 100.0]);
 }
 
-/// What befalls an axis that goes along stops the path in that tick, with the reason that it was another axis.
+/// A fault of a geared axis stops the path in that tick, with the reason that it was another axis.
 #[test]
 fn a_fault_of_an_axis_that_goes_along_stops_the_path() {
     type Break = fn(&mut Bench);
@@ -142,7 +142,7 @@ fn a_fault_of_an_axis_that_goes_along_stops_the_path() {
     }
 }
 
-/// Neither along with another path nor away for it: an axis of a coordinate system is its own.
+/// Neither geared to another path nor moved by it: an axis of a coordinate system is its own.
 #[test]
 fn an_axis_of_another_path_does_not_go_along() {
     let mut bench = prepared(250);
@@ -152,7 +152,7 @@ fn an_axis_of_another_path_does_not_go_along() {
     assert_eq!((view.crds[0].stop, pulses(view.axes[2].pos)), (StopReason::OtherAxis, 0.0));
 }
 
-/// An axis that goes along takes no orders of its own, not from a call and not from an entry.
+/// A geared axis takes no other commands, neither from a call nor from an entry.
 #[test]
 fn an_axis_that_goes_along_is_sent_nowhere_else() {
     let mut bench = prepared(250);
@@ -183,7 +183,8 @@ fn an_axis_that_goes_along_is_sent_nowhere_else() {
     assert_eq!([0, 4].map(|axis| pulses(end.axes[axis].pos)), [100.0, 100.0]);
 }
 
-/// What was waited for has come; that the axis is stopped on another way later is nothing to the path.
+/// The axis that the path waited for has arrived; if a later motion of it is stopped, that does not
+/// concern the path.
 #[test]
 fn an_axis_that_was_waited_for_is_free_again() {
     let mut bench = prepared(250);

@@ -1,6 +1,6 @@
-//! A path's start that was made ready while the coordinate system rested is the one that would have been planned on the spot: two
-//! machines run the same commands, and on one of them every coordinate system is touched in every tick, so that nothing is ever
-//! ready.
+//! A prepared start of a path is the same as one planned in its tick. Two machines run the same
+//! commands; on one of them every coordinate system is changed in every tick, so that nothing is
+//! ever prepared.
 use servo::op::{DoGroup, Mode, Op};
 use servo::path::{Along, Entry, Plane, Rate, Sweep};
 use servo::units::{CrdMask, Pos};
@@ -11,10 +11,10 @@ mod tick_bench;
 use chance::Chance;
 use tick_bench::*;
 
-/// Two machines under the same commands. The second one is never ready.
+/// Two machines under the same commands. The second one never has a prepared start.
 struct Both([Bench; 2]);
 
-/// As readers see them, but for the counters of what was looked at.
+/// As readers see them, but for the counters of internal changes.
 fn seen(axis: &AxisView) -> AxisView {
     AxisView { moves: 0, turns: 0, counts: 0, changes: 0, ..*axis }
 }
@@ -39,7 +39,7 @@ impl Both {
         let mut runs = false;
         for _ in 0..count {
             for index in 0..2 {
-                // What holds anyway.
+                // A command that changes nothing.
                 self.0[1].now(Op::CrdStopDec { crd: crd(index), dec: accel(1.0) });
             }
             let [a, b] = [0, 1].map(|k| self.0[k].tick());

@@ -1,4 +1,4 @@
-//! Coordinate systems in the tick: where mapped axes are, what stops them, what starts.
+//! Coordinate systems in the tick: positions of mapped axes, what stops them, what starts.
 use servo::op::{DoGroup, Guarded, Guards, Lane, Mode, Op};
 use servo::path::{Along, Entry, PathStop, Plane, Rate, Sweep};
 use servo::status;
@@ -30,7 +30,7 @@ fn place(view: &View<AXES>, axes: [usize; 2]) -> [f64; 2] {
     axes.map(|axis| pulses(view.axes[axis].pos))
 }
 
-/// A boundary within a ns behind a tick: that tick is still in the motion before.
+/// A boundary within a ns after a tick: that tick is still in the motion before.
 #[test]
 fn a_boundary_just_behind_a_tick_is_behind_it() {
     // Up to 10 pulse/ms at `acc` in 5/acc ms more than the 4 ms of 40 pulses at that speed: 4.5 ms and half a ns.
@@ -51,8 +51,9 @@ fn a_boundary_just_behind_a_tick_is_behind_it() {
     }
 }
 
-/// Of a path at 10 pulse/ms whose boundaries lie on ticks, or between them, every tick tells how many motions are completed at
-/// it, and as many entries are over: an abrupt Stop goes back to what it shows.
+/// A path at 10 pulse/ms whose boundaries lie on ticks, or between them: every tick counts the
+/// motions completed at it, and the entries that are over. An abrupt Stop goes back to what was
+/// published.
 #[test]
 fn every_tick_counts_what_is_over() {
     for (length, count) in [(40, 12u64), (41, 12), (13, 40), (2, 300)] {
@@ -337,7 +338,8 @@ fn an_abrupt_stop_has_no_velocity_on_its_tick() {
     }
 }
 
-/// What a mapped axis must not do stops the path; its axes rest together, on the path, and the reason is latched.
+/// What a mapped axis must not do stops the path; its axes stop together, on the path, and the
+/// reason is latched.
 #[test]
 fn faults_and_limits_of_one_axis_stop_all() {
     type Break = fn(&mut Bench);
@@ -439,7 +441,8 @@ fn soft_limits_hold_lines_and_arcs() {
     }
 }
 
-/// The same where a motion ends behind the limit between two ticks, at rest, before a wait, or at speed.
+/// The same where a motion ends beyond the limit between two ticks, at rest, before a wait, or at
+/// speed.
 #[test]
 fn soft_limits_hold_ends_of_motions() {
     let to = |x: i32, end: f64| Entry::planar([x, 0], speeds(97.0, 3.0, end));
@@ -461,7 +464,7 @@ fn soft_limits_hold_ends_of_motions() {
             };
             assert_eq!((view.crds[0].stop, view.crds[0].done[0]), (StopReason::SoftPositive, 0));
             assert!(pulses(view.axes[0].pos) > 198.99, "{period} {}", pulses(view.axes[0].pos));
-            // Once there is room it goes on to the end.
+            // Once the limit is off it goes on to the end.
             bench.now(Op::SoftLimit { axis: axis(0), positive: None, negative: None });
             bench.now(Op::ClearStatus { axes: AxisMask(0xff) });
             bench.tick();
@@ -472,7 +475,8 @@ fn soft_limits_hold_ends_of_motions() {
     }
 }
 
-/// A limit switch on a long way: the axis stays where it is, to a thousandth of the way of a tick.
+/// A limit switch during a long motion: the axis stays where it is, to a thousandth of its
+/// displacement in a tick.
 #[test]
 fn a_stop_by_a_switch_goes_neither_on_nor_back() {
     let mut bench = prepared(1000, &[Entry::planar([1 << 30, 1 << 30], speeds(1000.0, 100.0, 0.0))]);
@@ -515,7 +519,7 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     bench.now(Op::CrdStart { crds: CrdMask(1), fifo1: CrdMask(1) });
     let there = finish(&mut bench, 0);
     assert_eq!((place(&there, [2, 5]), there.crds[0].fifo), ([100.0, -50.0], 1));
-    // Not where FIFO 0 was left.
+    // Not where FIFO 0 was interrupted.
     bench.start_path(&[0]);
     bench.tick();
     while !matches!(bench.event().unwrap(), Event::CrdRefused { .. }) {}
@@ -528,8 +532,8 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     assert_eq!((place(&end, [2, 5]), end.crds[0].done, end.crds[0].released), ([300.0, 400.0], [1, 2], [1, 2]));
 }
 
-/// What was made ahead is made anew where data, an override or a Stop has changed it: the motion is the one that it would
-/// have been, in every tick.
+/// A motion made ahead is made anew if data, an override or a Stop has changed it: it is the same
+/// as without preparation, in every tick.
 #[test]
 fn what_is_made_ahead_does_not_outlive_a_change() {
     let v = speeds(10.0, 1.0, 10.0);
@@ -561,7 +565,7 @@ fn what_is_made_ahead_does_not_outlive_a_change() {
     }
 }
 
-/// A clearing makes the FIFO empty, its counts 0, and what was meant for it before void.
+/// A clearing makes the FIFO empty, its counts 0, and earlier commits void.
 #[test]
 fn clearing_is_counted_and_old_commits_are_void() {
     let mut bench = prepared(250, &[line(200, 450), line(0, 0)]);
@@ -596,7 +600,8 @@ fn an_override_acts_on_the_way() {
     assert_eq!(place(&finish(&mut bench, 0), [2, 5]), [300.0, 400.0]);
 }
 
-/// SetPrfPos and ZeroPos give the place of the path another name; a path that was left there cannot go on.
+/// SetPrfPos and ZeroPos give the position of the path another value; a path that was interrupted
+/// there cannot go on.
 #[test]
 fn naming_a_position_moves_the_coordinates_with_it() {
     let mut bench = prepared(250, &[line(200, 450)]);

@@ -1,4 +1,5 @@
-//! FollowEx: entries that are no segments, at exact instants; what they do, and how much of it in a tick.
+//! FollowEx: entries that are no segments, at exact instants; their effects, and how many of them
+//! in a tick.
 mod tick_bench;
 use servo::op::{DoGroup, Mode, Op};
 use servo::segment::follow::{Direction, Input, Method, Value};
@@ -9,7 +10,7 @@ use tick_bench::*;
 
 const GENERAL: DoGroup = DoGroup::General;
 
-/// Axis 0 a master, axis 1 behind it with these entries; both start at the tick returned.
+/// Axis 0 a master, axis 1 its slave with these entries; both start at the tick returned.
 fn running(period_us: u32, items: &[Item], velocity: f64) -> Bench {
     let mut bench = Bench::prepared(period_us, Mode::FollowEx);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });

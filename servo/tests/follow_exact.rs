@@ -154,14 +154,14 @@ impl Truth {
     }
 }
 
-/// The largest |ratio|: ratios go one way inside a segment, so the ends know it.
+/// The largest |ratio|: ratios are monotone inside a segment, so one of the ends has it.
 fn peak(table: &[Truth]) -> BigInt {
     table.iter().flat_map(|t| [t.ratio(&t.m0).abs(), t.ratio(&t.m1).abs()]).max().unwrap()
 }
 
-/// By how much the ratio in each segment may be off: decision 8. The ends of pieces, which may be as short as a 200th of
-/// their segment, are off by a few 2⁻⁶⁴ pulse, those of segments by one; so may be a ratio that was given, and
-/// what a segment ends with the next one starts with.
+/// By how much the ratio in each segment may be off: decision 8. The ends of pieces, which may be
+/// as short as a 200th of their segment, are off by a few 2⁻⁶⁴ pulse, those of segments by one. So
+/// may be a ratio that was given; each segment passes its end ratio on to the next one.
 fn bounds(data: &[Datum], table: &[Truth]) -> Vec<BigInt> {
     let peak = peak(table);
     let one = BigInt::from(1) << BITS;
@@ -186,7 +186,7 @@ fn bounds(data: &[Datum], table: &[Truth]) -> Vec<BigInt> {
     out
 }
 
-/// Admits random data; what is refused is drawn again.
+/// Admits random data; refused data is drawn again.
 fn draw(chance: &mut Chance, count: usize, negative: bool) -> (Vec<Datum>, SegmentStore, Chain) {
     let store = SegmentStore::new();
     let (mut data, mut chain) = (Vec::new(), Chain::default());
@@ -235,14 +235,14 @@ fn draw(chance: &mut Chance, count: usize, negative: bool) -> (Vec<Datum>, Segme
     (data, store, chain)
 }
 
-/// A run with its surroundings, whose master goes where it is told.
+/// A run with its surroundings, whose master moves as the test says.
 struct Bench<'a> {
     run: FollowRun,
     setup: Setup,
     store: &'a SegmentStore,
     master: i64,
     now: Ns,
-    /// Pieces are made ahead, and what can be done straight is.
+    /// Pieces are made ahead, and the fast path is taken where possible.
     fast: bool,
 }
 
@@ -279,7 +279,8 @@ impl<'a> Bench<'a> {
         self.run.place().0.0
     }
 
-    /// The ratio that readers are shown: pulse per 10⁶ units of the master's position is what a velocity is here.
+    /// The ratio that readers derive: pulse per 10⁶ units of the master's position is what a
+    /// velocity is here.
     fn ratio(&self) -> BigInt {
         let Scaled { m, e } = Motion { tau: self.run.place().1, ..self.run.piece().motion }.velocity();
         let ratio = BigInt::from(m) << (BITS + 22);
@@ -444,7 +445,7 @@ fn a_million_passes_accumulate_nothing() {
         assert_eq!(bench.go(progress), State::Running);
         assert_eq!(bench.run.passes() as i64, pass);
         let error = to_f64(&(exact(progress, pass) - big_pos(bench.pos())).abs());
-        // Less than a unit behind the knot, where the ratio is below 0.002.
+        // Less than a unit after the knot, where the ratio is below 0.002.
         assert!(error <= 2f64.powi(-22), "{error:e}");
         places.push((progress, bench.pos()));
     }

@@ -1,7 +1,8 @@
-//! Random chains of axes, renamed between runs, their masters planned again during them: every slave is, tick by tick, where the
-//! places of its master put it, and never goes further than these do times its ratio.
+//! Random chains of axes, renamed between runs, their masters planned again during them: every
+//! slave is, tick by tick, where the positions of its master put it, and never moves further than
+//! these do times its ratio.
 //!
-//! More programs than in a build of every day are asked for with FOLLOW_PROGRAMS, others with FOLLOW_SEED.
+//! FOLLOW_PROGRAMS asks for more programs than in a daily build, FOLLOW_SEED for others.
 mod chance;
 mod follow_reference;
 mod tick_bench;
@@ -39,7 +40,7 @@ struct Link {
     event: Start,
     /// While it follows.
     slave: Option<Slave>,
-    /// It has been told to stop in the tick to come, or to brake behind it.
+    /// It has to stop in the tick to come, or to brake after it.
     told: Option<bool>,
     steepest: f64,
 }
@@ -52,13 +53,13 @@ struct Program {
     master: usize,
     mode: Mode,
     links: Vec<Link>,
-    /// Places of the machine and counts of the encoders at the tick before.
+    /// Positions of the machine and counts of the encoders at the tick before.
     places: [Pos; AXES],
     counts: [i64; AXES],
-    /// End of what a PT master was given.
+    /// End of the data that a PT master has got.
     stream: (f64, i32),
     log: Vec<String>,
-    /// Positions that were compared; ways of slaves that turned round between ticks.
+    /// Positions that were compared; displacements of slaves that reversed between ticks.
     compared: u64,
     exact: u64,
 }
@@ -113,7 +114,7 @@ impl Program {
         low + self.chance.unit() * (high - low)
     }
 
-    /// Positions get other names.
+    /// Positions get other user values.
     fn rename(&mut self, index: usize) {
         let axis = axis(index);
         let pulses = self.below(2001) as i64 - 1000;
@@ -134,7 +135,8 @@ impl Program {
         let mut data = Vec::new();
         for k in 0..count {
             let length = 300 + self.below(1500) as i64;
-            // A displacement for which the end ratio is one that was chosen; the first ones may go on from another.
+            // A displacement for which the end ratio is one that was chosen; the first ones may go
+            // on from another.
             let end = self.real(-1.5, 2.0);
             let kind = if k == 0 && first == 3 { 3 } else { [0, 0, 1, 2][self.below(4) as usize] };
             let mean = match kind {
@@ -241,7 +243,7 @@ impl Program {
         }
     }
 
-    /// The master sets off, or goes elsewhere.
+    /// The master starts, or moves elsewhere.
     fn drive(&mut self) {
         let axis = axis(self.master);
         match self.kind {
@@ -264,7 +266,7 @@ impl Program {
                 self.now(Op::Update { axes: axis.mask() });
             }
             Kind::Pt => {
-                // What comes while it runs is appended.
+                // Data that comes while it runs is appended.
                 let runs = has(&self.view.axes[self.master], status::RUNNING);
                 if !runs {
                     self.bench.forget(self.master);
@@ -338,7 +340,8 @@ impl Program {
             10 => {
                 let index = self.below(AXES as u64) as usize;
                 let running = has(&self.view.axes[index], status::RUNNING);
-                // What rests may set off in this tick: then its name is in force from the start on, here as there.
+                // An axis at rest may start in this tick: then its user position is in force from
+                // the start on, here as there.
                 if running || self.links.iter().all(|link| link.axis != index) && index != self.master {
                     self.rename(index);
                 }
@@ -386,7 +389,8 @@ impl Program {
         let mut displacements = [None; AXES];
         for link in &mut self.links {
             let Some(slave) = &mut link.slave else { continue };
-            // Only what changes its direction goes further than at both ticks. If its velocity jumps, it may do so twice.
+            // Only an axis that changes its direction moves further than at both ticks. If its
+            // velocity jumps, it may do so twice.
             let beyond = |axis: usize| {
                 let [v0, v1] = [&before, view].map(|view| real(view.velocity(&view.axes[axis])));
                 let [from, to] = [&places, &self.places].map(|places| fixed(places[axis]));
@@ -560,7 +564,8 @@ impl Program {
                 }
             }
             self.drive();
-            // The name that counts for a crossing is that at the end of the tick of FollowStart.
+            // The user position that counts for a crossing is that at the end of the tick of
+            // FollowStart.
             self.tick()?;
             let often = 10 + self.below(100);
             for _ in 0..100 + self.below(400) {

@@ -1,4 +1,4 @@
-//! Follow where states meet: positions that have other names, masters that are planned again, stopped, switched.
+//! Follow in combined states: renamed positions; masters that are planned again, stopped, switched.
 mod tick_bench;
 use servo::op::{Mode, Op};
 use servo::segment::follow::{Direction, Event as Start, Value};
@@ -10,7 +10,7 @@ fn places(bench: &Bench) -> [f64; AXES] {
     bench.machine.set_points.map(pulses)
 }
 
-/// A chain 0 ← 1 ← 2, the middle one of which has another name for its place than the machine.
+/// A chain 0 ← 1 ← 2; the position of the middle one has another user value than in the machine.
 #[test]
 fn a_slave_of_a_renamed_slave_stays_where_it_is() {
     for (mode, direction) in
@@ -36,7 +36,8 @@ fn a_slave_of_a_renamed_slave_stays_where_it_is() {
                 bench.tick();
                 let now = places(&bench);
                 let path = now[0] - begin[0];
-                // Every NORMAL segment starts at 0, at 2, at 0: twice the length, half of it on the way.
+                // Every NORMAL segment starts at 0, at 2, at 0: twice the length, half of it in
+                // between.
                 assert!((now[2] - begin[2]) >= -1e-5 && now[2] - begin[2] <= 2.0 * path + 80.0, "{now:?} run {run}");
                 let (x, y) = (now[1] - begin[1], now[2] - begin[2]);
                 assert!((y - zigzag(x)).abs() < 1e-4, "{y} where the master has gone {x}, run {run}, {mode:?}");
@@ -59,7 +60,8 @@ fn zigzag(x: f64) -> f64 {
     (pass * 9.0 + segment + inside) * length
 }
 
-/// The master's place at each tick, and that of a slave of ratio 3 that follows it one way.
+/// The master's position at each tick, and that of a slave of ratio 3 that follows it in one
+/// direction.
 #[test]
 fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went() {
     for (direction, sign) in [(Direction::Up, 1.0), (Direction::Down, -1.0)] {
@@ -107,7 +109,7 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
     }
 }
 
-/// Axis 1 goes three times as far as axis 0, the furthest place of it upwards.
+/// Axis 1 moves three times as far as axis 0, which counts upwards to its furthest position.
 fn three_times(period: u32) -> Bench {
     let mut bench = Bench::prepared(period, Mode::Follow);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::Jog });
@@ -136,7 +138,8 @@ fn an_abrupt_stop_of_a_master_is_no_way() {
 
 #[test]
 fn a_master_that_turns_round_as_it_is_planned_again() {
-    // It turns 11.3 ms, or 45.2 ticks, after the place at which it begins to, 56.5 pulses further.
+    // It reverses 11.3 ms, or 45.2 ticks, after the position at which it begins to, 56.5 pulses
+    // further.
     for again in 40..52 {
         for velocity in [-10.0, 0.0, 4.0] {
             let mut bench = three_times(250);
@@ -204,7 +207,7 @@ fn a_slave_of_one_way_stands_from_where_its_master_turns() {
             if !has(&view.axes[0], servo::status::RUNNING) {
                 break;
             }
-            // All go evenly from tick to tick.
+            // All move evenly from tick to tick.
             for slave in [1, 2] {
                 let path = pulses(view.axes[slave].pos) - pulses(before.axes[slave].pos);
                 let told = real(before.velocity(&before.axes[slave]));
@@ -234,7 +237,8 @@ fn a_master_that_is_stopped_before_it_turns_round_does_not_turn() {
 
 #[test]
 fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
-    // It turns where the ratio jumps, between two ticks, or close before where it does; and back at the start of a pass.
+    // It reverses where the ratio jumps, between two ticks, or just before; and back at the start
+    // of a pass.
     for (items, most) in [
         ([Item::Data(10.0, 10.0, 1, 0), Item::Data(30.0, -10.0, 1, 0)], 10.0),
         ([Item::Data(10.0, 9.75, 0, 0), Item::Data(30.0, -10.0, 1, 0)], 9.75),
@@ -253,7 +257,7 @@ fn a_slave_that_turns_round_at_a_knot_counts_for_its_slaves() {
             bench.tick();
             bench.start_follow(&[0, 1]);
             bench.jog(7, 4.1, 1000.0);
-            // The same in ticks of 10 us knows its places better.
+            // The same in ticks of 10 us has its positions more exactly.
             let mut fine = Bench::prepared(10, Mode::Follow);
             fine.now(Op::SetMode { axis: axis(7), mode: Mode::Jog });
             fine.follows(1, 7, Value::Planned);

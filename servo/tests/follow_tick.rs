@@ -1,4 +1,4 @@
-//! Follow through the tick: order, starts, turning points, switches, guards, what readers see.
+//! Follow through the tick: order, starts, turning points, switches, guards, published views.
 mod tick_bench;
 use servo::op::{Mode, Op};
 use servo::segment::follow::{Chain, Direction, Event as Start, Method, Value};
@@ -166,7 +166,7 @@ fn an_encoder_is_followed_by_its_sample() {
     assert!((real(view.velocity(&view.axes[0])) - 20.0).abs() < 1e-9);
     let view = bench.tick();
     assert_eq!(real(view.velocity(&view.axes[0])), 0.0);
-    // The name of the count does not matter.
+    // The reading of the count does not matter.
     bench.now(Op::SetEncoder { axis: axis(5), pulses: -1_000_000 });
     assert_eq!(bench.ticks(2).axes[0].pos, Pos::pulses(5));
 }
@@ -215,7 +215,7 @@ fn a_filtered_encoder_that_jumps() {
         let mut bench = filtered(period, 5, Value::EncoderFiltered);
         bench.machine.slip[5] = 100;
         let part = period as f64 / 1000.0 / TAU;
-        // Linear over the tick in which it is seen, then at rest.
+        // Linear over the tick in which it is sampled, then at rest.
         let first = 100.0 * -(-part).exp_m1() / part;
         let mut before = 0.0;
         for tick in 0..30_000 / period {
@@ -274,7 +274,7 @@ fn a_pass_is_where_the_master_crosses() {
             before = truth;
         }
         assert_eq!(before, 2.0 * lands);
-        // Starting beyond it, it has to come back first.
+        // If it starts beyond it, it has to come back first.
         bench.now(Op::stop(all(&[1]), all(&[1])));
         bench.now(Op::SetPosition { axis: axis(1), pos: Pos(0) });
         bench.start_follow(&[1]);
@@ -289,7 +289,8 @@ fn a_pass_is_where_the_master_crosses() {
 
 #[test]
 fn a_crossing_between_ticks_counts() {
-    // The master turns round inside a tick, 1/32 pulse beyond the position: at neither tick it is there.
+    // The master reverses inside a tick, 1/32 pulse beyond the position: at neither tick it is
+    // there.
     let mut bench = Bench::prepared(1000, Mode::Follow);
     bench.now(Op::SetMode { axis: axis(0), mode: Mode::PtStatic });
     // v = 1 − t/1.5 from 0 on: the peak of 0.75 at 1.5 ms.
@@ -342,7 +343,7 @@ fn back_through_three_passes_to_the_bit() {
     assert_eq!(bench.tick().axes[1].passes, 3);
     for before in there.iter().rev() {
         let view = bench.tick();
-        // The way back is a different piece of the master's, whose position differs in the last bits.
+        // The path back is another piece of the master's, whose position differs in the last bits.
         let gap = view.axes[0].pos.0 - before.axes[0].pos.0;
         assert!(gap.abs() <= 2);
         if gap == 0 {
@@ -374,7 +375,7 @@ fn loops_run_out_and_change_while_running() {
     let view = bench.ticks(4 * 30);
     assert_eq!((view.axes[1].passes, view.axes[1].pos, view.axes[1].stop), (7, Pos::pulses(49), StopReason::Completed));
     assert!(!has(&view.axes[1], status::RUNNING));
-    // What was begun again begins where it ended, with the data kept.
+    // A motion that is started again begins where it ended, with the data kept.
     loops(&mut bench, 1, 1);
     bench.start_follow(&[1]);
     let view = bench.ticks(4 * 11);
@@ -412,7 +413,7 @@ fn switches_at_the_end_of_a_pass_and_at_once() {
     let (x0, s0) = (pulses(view.axes[0].pos), pulses(view.axes[1].pos));
     assert!((s0 - truth(x0)).abs() < 1e-5);
     assert_eq!((view.axes[1].fifo, view.axes[1].cleared), (0, [1, 1]));
-    // Data for what the FIFO held before the switch is refused.
+    // Data for the FIFO's content before the switch is refused.
     let (end, tail) = (3, Chain::default().tail());
     let void = bench.now(Op::FollowCommit { axis: axis(1), fifo: 1, end, cleared: 0, tail });
     for _ in 0..70 {
@@ -495,7 +496,7 @@ fn a_switch_by_segment_carries_its_ratio_through_the_chain() {
         } else if x < 20.0 {
             20.0 + inside(after, 10.0, 15.0, x / 10.0 - 1.0)
         } else if x < 30.0 {
-            // Behind an EVEN, and in the second pass, nothing is known of it.
+            // After an EVEN, and in the second pass, it has no effect.
             35.0 + (x - 20.0)
         } else if x < 40.0 {
             45.0 + inside(0.0, 10.0, 10.0, x / 10.0 - 3.0)
@@ -597,7 +598,7 @@ fn a_smooth_stop_leaves_the_master_and_brakes() {
     let view = bench.tick();
     let from = pulses(view.axes[1].pos);
     assert!((real(view.velocity(&view.axes[1])) - 20.0).abs() < 1e-9);
-    // 20 pulse/ms at 4 pulse/ms²: 50 pulses in 5 ms; axis 2 follows all the way.
+    // 20 pulse/ms at 4 pulse/ms²: 50 pulses in 5 ms; axis 2 follows all of it.
     let view = bench.ticks(10);
     assert!((pulses(view.axes[1].pos) - from - 37.5).abs() < 1e-5, "50 − ½·4·2.5²");
     assert!((real(view.velocity(&view.axes[1])) - 10.0).abs() < 1e-9);
@@ -625,7 +626,7 @@ fn renaming_the_master_moves_nothing() {
     swing(&mut bench, -4900);
     let view = bench.ticks(400);
     assert_eq!((view.axes[0].pos, view.axes[1].pos), (Pos::pulses(-4900), Pos::pulses(200)));
-    // A PASS means the name that the position has now.
+    // A PASS means the user position that is in force now.
     bench.now(Op::stop(all(&[1]), all(&[1])));
     bench.now(Op::FollowEvent { axis: axis(1), event: Start::Pass { up: true, pos: -4850 } });
     bench.start_follow(&[1]);

@@ -1,5 +1,5 @@
-//! Abort, new sessions, Stops of paths at rest, and the interlock's motion: what SPEC 6 and 9 ask of light and motion, with
-//! every instant worked out by hand.
+//! Abort, new sessions, Stops of paths at rest, and motion after the interlock: the demands of SPEC
+//! 6 and 9 on light and motion, with every instant worked out by hand.
 mod laser_bench;
 use laser_bench::*;
 use servo::laser::{Buffered, Cause, Change, Family, Ignored, Mode};
@@ -60,7 +60,7 @@ fn an_abort_is_dark_at_the_call_without_delays() {
         bench.until(10 * MS);
         bench.op(Op::Abort);
         let view = bench.tick();
-        // The tick in force when it came: no plan and no delay stands between.
+        // The tick in force when it came: no plan and no delay comes between.
         assert_eq!(bench.switch().last(), Some(&(10 * MS, false)));
         assert_eq!(bench.pulses().last().map(|pulse| pulse.1), Some(10 * MS));
         assert!(!view.commanded && !view.light && !view.switch);
@@ -135,7 +135,7 @@ fn an_abort_brings_everything_to_rest_and_refuses_on_commands_until_then() {
     assert!(!view.aborts, "and then it is over");
     assert_eq!(bench.switch(), [], "the on entry was passed, and is dead");
     assert!(bench.view().crds[0].released[0] >= 2, "it was passed");
-    // What lies in the FIFO stays; it goes on in the dark.
+    // The content of the FIFO stays; it goes on in the dark.
     bench.start(1);
     bench.until(60 * MS);
     assert!(bench.view().crds[0].runs && bench.switch().is_empty());
@@ -180,7 +180,7 @@ fn a_new_session_begins_dark_and_motion_goes_on() {
     assert!(!bench.view().crds[0].runs && bench.view().lasers[0].light);
 }
 
-/// The session before has let the power follow; the new client's own light burns with its own power, at once.
+/// The session before had a follow; the new client's own light has its own power, at once.
 #[test]
 fn a_new_session_ends_what_follows() {
     let mut bench = prepared(250);
@@ -236,13 +236,14 @@ fn an_on_command_behind_an_abort_at_rest_lights() {
     bench.op(Op::Abort);
     bench.gate(true);
     bench.until(4 * MS);
-    // Dark at once; the command acts with the tick behind the one that rests.
+    // Dark at once; the command acts with the tick after the one in the safe state.
     assert_eq!(bench.switch()[1..], [(2 * MS, false), (2500 * US, true)]);
     assert!(bench.view().lasers[0].light);
 }
 
-/// A Stop of a coordinate system at rest shuts off what its channels have, with the off delay; an axis bit means the system
-/// that the axis belongs to; a channel that is not mapped is left alone.
+/// A Stop of a coordinate system at rest shuts off the light of its channels, with the off delay.
+/// An axis bit means the system that the axis belongs to; a channel that is not mapped stays as it
+/// is.
 #[test]
 fn a_stop_at_rest_shuts_off() {
     let case = |map: u8, stop: Op| {
@@ -410,8 +411,8 @@ fn an_entry_that_is_passed_while_an_abort_brakes_does_not_end_the_quiet() {
     );
 }
 
-/// A Stop that brakes up to a BufDelay rests there, and does not wait it out with light on; the start that goes on makes
-/// the whole of it.
+/// A Stop that brakes up to a BufDelay ends there, and does not wait it out with light on; the
+/// start that goes on makes the whole of it.
 #[test]
 fn a_path_that_brakes_for_a_stop_waits_for_no_delay() {
     for at in (20_000..40_000).step_by(250) {

@@ -1,4 +1,5 @@
-//! Causes of darkness that meet a path on its way (SPEC 9): edge of travel, another axis, an underrun and what comes with it.
+//! Causes of darkness that meet a path in motion (SPEC 9): edge of travel, another axis, an
+//! underrun and what comes with it.
 mod laser_bench;
 use laser_bench::*;
 use servo::laser::{Cause, Change, Family};
@@ -22,7 +23,7 @@ fn prepared(period_us: u32) -> Bench {
     bench
 }
 
-/// Ticks until coordinate system 1 is at rest, and what the view told one tick before.
+/// Ticks until coordinate system 1 is at rest; also the view one tick before.
 fn rest(bench: &mut Bench) -> (View<AXES>, View<AXES>) {
     let mut before = bench.view();
     loop {
@@ -40,8 +41,8 @@ fn told(lasers: &[LaserView; 2]) -> [(Cause, bool); 2] {
     [0, 1].map(|channel| (lasers[channel].fault, lasers[channel].light))
 }
 
-/// 2⁴⁰ pulses from 0 on either side a path goes no further: the channel that heeds it goes dark with the cause Fault in that tick,
-/// stays dark, and ClrSts of a mapped axis is what ends it.
+/// A path goes no further than 2⁴⁰ pulses from 0 on either side. A channel mapped to it goes dark
+/// with the cause Fault in that tick and stays dark; ClrSts of a mapped axis ends it.
 #[test]
 fn a_path_at_the_edge_of_travel_puts_out_its_lasers() {
     for (period, way) in [(50, 1), (250, -1), (1000, 1), (1000, -1)] {
@@ -66,7 +67,8 @@ fn a_path_at_the_edge_of_travel_puts_out_its_lasers() {
     }
 }
 
-/// An entry asks an axis for what it must not do, its servo being off: the path stops, and what heeds it goes dark at once.
+/// An entry wants what an axis must not do, as its servo is off: the path stops, and its channels
+/// go dark at once.
 #[test]
 fn an_axis_that_refuses_an_entry_puts_out_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
@@ -83,7 +85,7 @@ fn an_axis_that_refuses_an_entry_puts_out_the_lasers_of_its_path() {
     }
 }
 
-/// An alarm of an axis that only goes along with the path: the same.
+/// An alarm of an axis that is only geared to the path: the same.
 #[test]
 fn an_alarm_of_an_axis_that_goes_along_puts_out_the_lasers_of_its_path() {
     for period in [50, 250, 1000] {
@@ -102,7 +104,7 @@ fn an_alarm_of_an_axis_that_goes_along_puts_out_the_lasers_of_its_path() {
     }
 }
 
-/// The path waits for an axis that is stopped on its way: the same.
+/// The path waits for an axis that is stopped during its move: the same.
 #[test]
 fn an_axis_that_is_waited_for_and_does_not_come_puts_out_the_lasers_of_its_path() {
     let mut bench = prepared(250);
@@ -118,8 +120,9 @@ fn an_axis_that_is_waited_for_and_does_not_come_puts_out_the_lasers_of_its_path(
     assert_eq!(told(&now.lasers), [(Cause::Fault, false), (Cause::None, true)]);
 }
 
-/// Ticks of 0.7 ms; the path of coordinate system 1 runs out at speed 12 ms after its start, which is 0.1 ms behind a tick.
-/// Just before the tick of 11.9 ms, when the plan that goes dark at 12 ms is with the machine.
+/// Ticks of 0.7 ms; the path of coordinate system 1 runs out at speed 12 ms after its start, which
+/// is 0.1 ms after a tick. Just before the tick of 11.9 ms, when the machine has the plan that goes
+/// dark at 12 ms.
 fn running_out() -> (Bench, u64) {
     let mut bench = prepared(700);
     bench.path(0, &[light(true), line([50, 0], 10.0, 1.0, 10.0), line([68, 0], 10.0, 1.0, 0.0)]);
@@ -129,7 +132,8 @@ fn running_out() -> (Bench, u64) {
     (bench, zero)
 }
 
-/// An underrun within an interval is dark at its instant, and in the first tick behind it all is told to rest.
+/// An underrun within an interval is dark at its instant; the first tick after it demands the safe
+/// state.
 #[test]
 fn all_is_told_to_rest_in_the_first_tick_behind_an_underrun() {
     let (mut bench, zero) = running_out();
@@ -139,7 +143,7 @@ fn all_is_told_to_rest_in_the_first_tick_behind_an_underrun() {
     assert_eq!(bench.machine.outputs[1].rests, None);
 }
 
-/// Another cause that comes before the instant of an underrun waits for it no longer: dark in that very tick.
+/// Another cause before the instant of an underrun does not wait for it: dark in that very tick.
 #[test]
 fn a_cause_that_comes_before_the_instant_of_an_underrun_is_dark_at_once() {
     type Break = fn(&mut Bench);
@@ -162,7 +166,7 @@ fn a_cause_that_comes_before_the_instant_of_an_underrun_is_dark_at_once() {
     }
 }
 
-/// A soft limit on the way of a path: dark in the tick that finds it, for a limit.
+/// A soft limit in the path: dark in the tick that finds it, for a limit.
 #[test]
 fn a_soft_limit_on_a_path_puts_out_its_lasers() {
     for period in [50, 250, 1000] {
@@ -177,7 +181,7 @@ fn a_soft_limit_on_a_path_puts_out_its_lasers() {
     }
 }
 
-/// An encoder that is further away than its limit, at rest or on the way: dark in that tick.
+/// A following error beyond its limit, at rest or in motion: dark in that tick.
 #[test]
 fn a_following_error_puts_out_the_lasers_of_its_path() {
     for runs in [false, true] {
@@ -197,7 +201,7 @@ fn a_following_error_puts_out_the_lasers_of_its_path() {
     }
 }
 
-/// An alarm and a limit in one tick: the alarm is told, which lasts.
+/// An alarm and a limit in one tick: the alarm is published, which lasts.
 #[test]
 fn of_two_causes_in_one_tick_the_graver_is_told() {
     let mut bench = prepared(250);
@@ -207,8 +211,9 @@ fn of_two_causes_in_one_tick_the_graver_is_told() {
     assert_eq!(bench.view().lasers[0].fault, Cause::Alarm);
 }
 
-/// Of an axis that was taken out of its coordinate system, neither an alarm, nor a limit, nor its servo shuts off light there,
-/// and ClrSts of it clears nothing; nor does what happened before an axis was taken in, or a servo that is off already.
+/// For an axis that was removed from its coordinate system: neither an alarm, nor a limit, nor its
+/// servo shuts off light there, and ClrSts of it clears nothing. Nor does anything before an axis
+/// was mapped, or a servo that is off already.
 #[test]
 fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
     type Act = fn(&mut Bench);
@@ -225,7 +230,7 @@ fn an_axis_that_is_not_mapped_is_nothing_to_lasers() {
         bench.until(6 * MS);
         assert_eq!(told(&bench.view().lasers), [(Cause::None, true); 2], "{index}");
     }
-    // Clearing.
+    // ClrSts.
     let mut bench = prepared(250);
     bench.until(5 * MS);
     bench.tick.overrun();

@@ -231,7 +231,7 @@ fn a_width_just_below_the_period_loses_nothing() {
 
 #[test]
 fn a_full_duty_is_an_unbroken_level_behind_any_other() {
-    // Periods and widths of other settings have left over what they have left over: docs/laser.md, reading 13.
+    // Periods and widths of other settings keep their remainders: docs/laser.md, reading 13.
     let mut chance = Chance::new(9);
     for run in 0..200 {
         let (khz, percent) = (chance.log(20.0, 2000.0), chance.unit() * 100.0);
@@ -283,7 +283,7 @@ fn a_width_that_reaches_the_period_is_the_period() {
             assert_eq!(gaps.count() == 0, is_full, "{width:?} behind {before}");
         }
     }
-    // What a full train could not owe is not owed behind it.
+    // Counts that a full train could not owe are not owed after it.
     let mut pattern = Pattern::BEGIN;
     pattern.step(&Train { period, width: count(200, 0, 3) });
     assert_eq!(pattern.step(&Train { period, width: count(10, 0, 3) }).1, 10);

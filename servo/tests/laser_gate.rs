@@ -1,4 +1,5 @@
-//! Gate, delays, FPK, modes and safety of a channel: every edge to the ns, worked out by hand from SPEC 6.
+//! Gate, delays, first-pulse killer, modes and safety of a channel: every edge to the ns, worked
+//! out by hand from SPEC 6.
 mod chance;
 mod laser_bench;
 use laser_bench::*;
@@ -13,7 +14,7 @@ fn plain(period_us: u32) -> Bench {
     bench
 }
 
-/// Gives gate commands at instants (µs, a tick before each) and tells the switch's edges in µs.
+/// Gives gate commands at instants (µs, a tick before each) and returns the switch's edges in µs.
 fn edges(period_us: u32, delays: (u16, u16), commands: &[(u64, bool)]) -> Vec<(u64, bool)> {
     let mut bench = plain(period_us);
     bench.delays(delays.0, delays.1);
@@ -48,7 +49,7 @@ fn a_later_command_cancels_what_would_take_effect_at_or_after_it() {
         assert_eq!(edges(period, (100, 3100), &[(2000, true), (4000, false)]), []);
         // One exactly as long neither: the off edge falls on the on edge.
         assert_eq!(edges(period, (100, 3100), &[(2000, true), (5000, false)]), []);
-        // A longer one keeps the rest.
+        // A longer one keeps the remainder.
         assert_eq!(edges(period, (100, 3100), &[(2000, true), (6000, false)]), [(5100, true), (6100, false)]);
         // A mark of length 0 with the longer offDelay makes the difference of light.
         assert_eq!(edges(period, (3100, 100), &[(2000, true), (2000, false)]), [(2100, true), (5100, false)]);
@@ -335,7 +336,7 @@ fn the_interlock_rests_everything_at_once_until_it_is_cleared() {
     bench.until(3 * MS);
     bench.machine.interlock = true;
     let view = bench.tick();
-    // Seen in the tick at 3 ms, and at rest there.
+    // Sampled in the tick at 3 ms, and in the safe state there.
     assert_eq!(bench.switch(), [(1100 * US, true), (3 * MS, false)]);
     assert_eq!(view.fault, Cause::Interlock);
     assert!(view.cause_lasts && !view.commanded && !view.light && !view.switch, "{view:?}");
@@ -347,7 +348,7 @@ fn the_interlock_rests_everything_at_once_until_it_is_cleared() {
     bench.machine.interlock = false;
     assert_eq!(bench.tick().fault, Cause::Interlock, "it is latched");
     bench.forget();
-    // What comes before the fault is cleared is not remembered.
+    // A command before the fault is cleared is not remembered.
     bench.gate(true);
     bench.change(Change::ClearFault);
     let view = bench.until(10 * MS);
@@ -391,7 +392,7 @@ fn an_overrun_puts_out_both_channels() {
     assert_eq!(bench.tick().fault, Cause::Overrun, "the first cause is told");
     bench.change(Change::ClearFault);
     assert_eq!(bench.tick().fault, Cause::None);
-    // A clear on the tick that sees a cause does not hide it.
+    // A clear on the tick in which a cause appears does not hide it.
     bench.gate(true);
     bench.until(8 * MS);
     bench.tick.overrun();
@@ -428,7 +429,7 @@ fn a_full_queue_refuses_the_on_and_goes_dark() {
 
 #[test]
 fn a_full_queue_never_loses_an_off() {
-    // The light is on; off and on edges pend. The last place is for an off.
+    // The light is on; off and on edges pend. The last slot is for an off.
     let mut bench = plain(10);
     bench.gate(true);
     bench.tick();
@@ -458,7 +459,7 @@ fn an_on_without_a_place_for_its_off_is_refused() {
     }
     bench.gate(false);
     bench.tick();
-    // 255 edges pend: one place is left.
+    // 255 edges pend: one slot is left.
     bench.gate(true);
     let view = bench.tick();
     assert_eq!((view.fault, view.commanded, view.light), (Cause::Edges, false, false));

@@ -1,6 +1,7 @@
-//! Light and power that entries of paths change: every edge to the ns, worked out by hand from SPEC 6.
+//! Light and power under entries of paths: every edge to the ns, worked out by hand from SPEC 6.
 //!
-//! All paths here go along X with 1 pulse/ms², so that a speed is reached after as many ms and half its square in pulses.
+//! All paths here go along X with 1 pulse/ms²: a speed is reached after as many ms and half its
+//! square in pulses.
 mod laser_bench;
 use laser_bench::*;
 use servo::laser::{Bounds, Buffered, Cause, Change, Distance, Family, Lag, Mode, Power, Ratio, Ratios, Source};
@@ -147,7 +148,8 @@ fn the_power_follows_the_middle_of_the_interval() {
     }
 }
 
-/// With a minimum of 0 the energy of every stretch is the ratio times its length, at 1:100 of speeds.
+/// With a minimum of 0 the energy of every part of the path is the ratio times its length, at 1:100
+/// of speeds.
 #[test]
 fn energy_per_way_is_the_ratio() {
     for period in [10, 50, 250, 1000] {
@@ -164,7 +166,7 @@ fn energy_per_way_is_the_ratio() {
             energy += bench.pulses().iter().map(|(begin, end)| end - begin).sum::<u64>();
             bench.forget();
             let x = bench.view().axes[0].pos.0 as f64 / (1 << 22) as f64;
-            // A stretch is a tenth of the way so far, and 100 pulses at most.
+            // A part is a tenth of the length so far, and 100 pulses at most.
             if x - from >= (0.1 * from).clamp(0.125, 100.0) {
                 let per_pulse = energy as f64 / 1e6 * 100.0 / (x - from);
                 stretches.push((x, per_pulse));
@@ -193,7 +195,7 @@ fn speed_0_is_the_minimum() {
     ];
     bench.path(0, &entries);
     let zero = bench.start(1);
-    // 10 ms up, 10 ms down, 7 ms of rest.
+    // 10 ms up, 10 ms down, 7 ms of standstill.
     until(&mut bench, zero + 23 * MS);
     let published = bench.view().lasers[0];
     assert_eq!((published.light, number(published.power)), (true, 5.0));
@@ -204,7 +206,8 @@ fn speed_0_is_the_minimum() {
     assert_eq!(edges(&mut bench, zero), [(0, true), (47_000_000, false)]);
 }
 
-/// A Stop puts light out when the path is at rest, and CrdStart lights it again, both with their delays.
+/// A Stop shuts light off when the path is at rest, and CrdStart lights it again, both with their
+/// delays.
 #[test]
 fn a_stop_keeps_light_dark_until_the_path_goes_on() {
     for period in PERIODS {
@@ -232,7 +235,8 @@ fn a_stop_keeps_light_dark_until_the_path_goes_on() {
 /// What a Stop shuts off, and what brings it back.
 #[test]
 fn whose_light_goes_off_and_comes_back() {
-    // Stopped within its path, with light of an entry; what is done then; whether light is there after a CrdStart.
+    // Stopped within its path, with light of an entry; the action meanwhile; whether light is on
+    // after a CrdStart.
     let case = |before: &dyn Fn(&mut Bench), meanwhile: &dyn Fn(&mut Bench)| {
         let mut bench = prepared(250);
         bench.path(0, &[light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
@@ -256,7 +260,7 @@ fn whose_light_goes_off_and_comes_back() {
     assert_eq!(case(&|bench| bench.gate(true), &nothing), (false, true));
     // Off is off.
     assert_eq!(case(&nothing, &|bench| bench.gate(false)), (false, false));
-    // CrdClear ends what might go on.
+    // CrdClear ends what might continue.
     let anew = |bench: &mut Bench| {
         bench.clear_path(0);
         bench.tick();
@@ -268,14 +272,15 @@ fn whose_light_goes_off_and_comes_back() {
     // Another mode withdraws the command.
     let mode = |bench: &mut Bench| bench.mode(Mode::Frequency, 100.0, 0.0, true);
     assert_eq!(case(&nothing, &mode), (false, false));
-    // Ending what is no follow changes nothing.
+    // Ending a follow that does not exist changes nothing.
     let ending = |bench: &mut Bench| {
         bench.op(Op::FollowEnd { crds: CrdMask(1) });
         bench.tick();
         assert!(!bench.view().lasers[0].light);
     };
     assert_eq!(case(&nothing, &ending), (false, true));
-    // Ending a follow at rest lights nothing; what the Stop shut off comes back with the start that goes on.
+    // Ending a follow at rest lights nothing; the light that the Stop shut off comes back with the
+    // start that goes on.
     let mut bench = prepared(250);
     bench.path(0, &[follow(1.0, 1.0, 50.0), light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
     bench.start(1);
@@ -361,7 +366,7 @@ fn light_begins_with_the_power_that_follows() {
     }
 }
 
-/// Power 0 is no pulses, also in between, and is shown so; then the carrier is there again.
+/// Power 0 means no pulses, also in between, and is published so; then the carrier is there again.
 #[test]
 fn a_follow_passes_0() {
     let mut bench = prepared(250);
@@ -434,7 +439,8 @@ fn an_underrun_is_dark_at_its_instant() {
     }
 }
 
-/// Behind an underrun nothing more is planned, in any mode: no standby, no pre-voltage, no open switch.
+/// After an underrun nothing more is planned, in any mode: no standby, no pre-voltage, no open
+/// switch.
 #[test]
 fn nothing_is_planned_behind_an_underrun() {
     for (mode, period) in [Mode::Duty, Mode::Frequency, Mode::Analog, Mode::DutyOpen].into_iter().zip(PERIODS) {
@@ -450,7 +456,7 @@ fn nothing_is_planned_behind_an_underrun() {
         let last = bench.machine.outputs[0].last;
         let end = zero + 12 * MS;
         assert!(last <= end && end < last + u64::from(period) * US, "{mode:?}: {last} {end}");
-        // What was planned brings all outputs to rest there.
+        // The plan brings all outputs to the safe state there.
         assert!(bench.switch().last().is_none_or(|edge| *edge == (end, false)), "{mode:?}");
         assert!(bench.pulses().last().is_none_or(|pulse| pulse.1 <= end), "{mode:?}");
         assert!(bench.volts().last().is_none_or(|volts| *volts == (end, 0)), "{mode:?}");
@@ -472,8 +478,8 @@ fn an_underrun_takes_the_dac_to_0() {
     assert_eq!([on, off], [(zero, 16384), (zero + 12_000_000, 0)]);
 }
 
-/// A fault of an axis shuts off the channels that are mapped to its coordinate system, in the tick that sees it, and
-/// ClrSts of such an axis clears, once the cause is gone.
+/// A fault of an axis shuts off the channels that are mapped to its coordinate system, in the tick
+/// that samples it. ClrSts of such an axis clears, once the cause is gone.
 #[test]
 fn a_fault_of_an_axis_puts_out_what_its_coordinate_system_gates() {
     let lit = |map| {
@@ -557,7 +563,7 @@ fn light_comes_back_after_a_lost_link() {
     };
     assert!(lost(&[light(true), line([1000, 0], 10.0, 1.0, 0.0)]));
     let far = line([1000, 0], 10.0, 1.0, 0.0);
-    // So does another follow, which begins on the way: the light is not kept by rest.
+    // So does another follow, which begins during the motion: the light is not kept by standstill.
     assert!(lost(&[follow(1.0, 1.0, 50.0), light(true), line([170, 0], 10.0, 1.0, 10.0), follow(2.0, 1.0, 50.0), far]));
     // Not if the path goes on before the fault is cleared.
     let mut bench = prepared(250);
@@ -583,7 +589,8 @@ fn light_comes_back_after_a_lost_link() {
     assert!(!lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), light(true), far]));
 }
 
-/// A start that goes on, and the loss of the link behind it in the same tick: the light waits for the next start.
+/// A start that goes on, and the loss of the link after it in the same tick: the light waits for
+/// the next start.
 #[test]
 fn a_start_in_the_tick_that_loses_the_link_keeps_its_light_for_the_next() {
     let mut bench = prepared(250);

@@ -29,7 +29,7 @@ fn follow(ratio: f64, max: f64) -> Entry {
 /// Pulses of a path that goes along X from 0 to 150 pulses and back to rest: 1 pulse/ms² up to 10 pulse/ms in 10 ms, 5 ms of that, 10 ms down.
 const LENGTH: i128 = 150;
 
-/// How far it is after so many ms.
+/// The path length after this many ms.
 fn way(t: Number) -> Number {
     let n = |x: i128| Number::from_integer(x);
     if t < n(10) {
@@ -42,7 +42,8 @@ fn way(t: Number) -> Number {
     }
 }
 
-/// When a path is at a place, ns: between two ticks it goes with the mean speed of the interval, which is what the power follows.
+/// When a path is at a position, ns: between two ticks it moves with the mean speed of the
+/// interval, which is what the power follows.
 fn instant(place: Number, period_us: u32) -> Number {
     let period = Number::new(period_us.into(), 1000);
     let steps = (Number::from_integer(25) / period).ceil().to_integer();
@@ -85,7 +86,8 @@ fn pulses_under_a_follow_lie_at_equal_distances() {
     }
 }
 
-/// The pulse in progress ends a count before the next one, wherever the rate makes that come: pulses never touch. The view says so.
+/// The pulse in progress ends a count before the next one, whatever the rate is: pulses never
+/// touch. The view says so.
 #[test]
 fn pulses_whose_width_passes_the_period_do_not_touch() {
     let mut bench = prepared(10, 40);
@@ -122,7 +124,7 @@ fn pulses_of_a_follow_never_touch() {
     }
 }
 
-/// A stop at speed 0 in mid-pitch: the phase stands still with it.
+/// A stop at speed 0 in mid-pitch: the phase is kept.
 #[test]
 fn a_rest_of_the_path_holds_the_phase() {
     let mut bench = prepared(50, 1);
@@ -133,7 +135,8 @@ fn a_rest_of_the_path_holds_the_phase() {
     let zero = bench.start(1);
     bench.until_ms(zero / MS + 125);
     let pulses: Vec<u64> = bench.pulses().iter().map(|(begin, _)| begin - zero).collect();
-    // 0.5 pulses of the path in its first and its last ms, else one a ms: place x ≥ 0.5 comes at x + 0.5 ms, behind the delay 8 ms later.
+    // 0.5 pulses of the path in its first and its last ms, else one a ms: position x ≥ 0.5 comes at
+    // x + 0.5 ms, after the delay 8 ms later.
     let expected: Vec<u64> =
         (1..10).map(|k| if k <= 3 { k * 10 * MS + MS / 2 } else { k * 10 * MS + MS / 2 + 8 * MS }).collect();
     assert_eq!(pulses.len(), 10, "{pulses:?}");

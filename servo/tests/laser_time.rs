@@ -165,6 +165,6 @@ fn what_is_shown_is_of_its_tick() {
         })
         .collect();
     let (none, some) = (power(0.0), power(30.0));
-    // On from 250 + 400 µs on: shown at 750 µs.
+    // On from 250 + 400 µs on: published at 750 µs.
     assert_eq!(seen, [(true, false, none), (true, false, none), (true, true, some), (true, true, some)]);
 }

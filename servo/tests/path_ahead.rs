@@ -1,6 +1,7 @@
-//! What a path makes ahead is what it would have made on the spot: two paths, one of which makes nothing ahead, and one
-//! that takes the short way of a coordinate system where it can, through random motions, waits, gears and marks, data that
-//! comes late, Stops, overrides, and ticks in which there is no time. Every place, speed, instant and gear is the same to the bit.
+//! What a path makes ahead is the same as what it makes in its tick. Of two paths one makes nothing
+//! ahead; the other takes the fast path of a coordinate system where it can. They run through
+//! random motions, waits, gears and marks, data that comes late, Stops, overrides, and ticks
+//! without time. Every position, speed, instant and gear is the same to the bit.
 use servo::path::{Bend, Entry, Feed, Path, PathReport, Plane, Rate, Step, StepReport, Sweep};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
@@ -11,7 +12,7 @@ mod paths;
 use chance::Chance;
 use paths::{Heard, Script, mark, speeds};
 
-/// A path, what it shows, what it told.
+/// A path, what it publishes, what it reported.
 struct Seen {
     path: Path,
     step: Step,
@@ -34,7 +35,8 @@ impl Seen {
         (self.step.runs, self.step.fifo, self.step.done) = (runs, fifo, done);
     }
 
-    /// The same by the short way that a coordinate system takes where it can; boundaries that it went over.
+    /// The same by the fast path that a coordinate system takes where it can; returns the
+    /// boundaries that it passed.
     fn fast_step(&mut self, now: u64, period: u64, feed: Feed, script: &Script, ahead: bool) -> u32 {
         let (mut turns, next, period) = (0, Ns(now), Ns(period));
         if self.path.is_due(next) {

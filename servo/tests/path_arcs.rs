@@ -74,7 +74,7 @@ fn arcs_hold_their_radius_and_their_length() {
             worst = worst.max(error);
             assert!(error < 1e-3, "{case}: {error:e} off a radius of {radius}");
             if step.heading != [0; 4] {
-                // Across the way from the centre.
+                // Across the direction from the centre.
                 let side = if ccw { 1.0 } else { -1.0 };
                 let unit = |k: usize| step.heading[k] as f64 * 2f64.powi(-30);
                 let (u, v) = (-y / radius * side, x / radius * side);
@@ -92,7 +92,7 @@ fn arcs_hold_their_radius_and_their_length() {
         let signed = if ccw { sweep } else { -sweep };
         assert!((turned - signed).abs() < 1e-6 + 4.0 / radius, "{case}: turned {turned}, not {signed}");
         let error = (since(heard.marks[0].0) - total * 1e6).abs();
-        // 5 ns, and what doubles can tell; speeds of arcs have 38 and 32 bits.
+        // 5 ns, and the accuracy of doubles; speeds of arcs have 38 and 32 bits.
         let bound = 5.0 + total * 1e6 * 2f64.powi(-33);
         late = late.max(error / bound);
         assert!(error <= bound, "{case}: {error} ns in {total} ms");
@@ -132,7 +132,8 @@ fn full_circles_come_back_to_their_start() {
             last = Some(step.position);
         });
         assert_eq!(last, Some(from));
-        // A fifth of the time on, a counterclockwise circle lies left of the way from the centre to the start.
+        // A fifth of the time on, a counterclockwise circle lies left of the direction from the
+        // centre to the start.
         assert_eq!(quarter.unwrap() < 0.0, ccw, "{case}");
         assert!((since(heard.marks[0].0) - total * 1e6).abs() <= 5.0 + total * 1e6 * 2f64.powi(-33), "{case}");
     }
@@ -140,7 +141,7 @@ fn full_circles_come_back_to_their_start() {
     assert!(worst > 0.0 && worst < 1e-3, "{worst:e}");
 }
 
-/// What a line and an arc do not say stays; the plane decides the sense of rotation.
+/// Coordinates that a line or an arc does not name stay; the plane decides the sense of rotation.
 #[test]
 fn planes_turn_as_seen_from_their_third_axis() {
     for (plane, towards) in PLANES.into_iter().zip([[0, 1], [1, 2], [2, 0]]) {

@@ -65,7 +65,7 @@ impl Fix {
     }
 }
 
-/// A stretch of constant acceleration of the reference.
+/// An interval of constant acceleration of the reference.
 #[derive(Clone, Debug)]
 struct Stretch {
     v0: Fix,
@@ -81,14 +81,14 @@ impl Stretch {
     fn way(&self) -> Fix {
         self.v0.add(&self.v1).half().mul(&self.time)
     }
-    /// Way after t.
+    /// Length after t.
     fn at(&self, t: &Fix) -> Fix {
         let acc = self.v1.sub(&self.v0).div(&self.time);
         t.mul(&self.v0.add(&acc.mul(t).half()))
     }
 }
 
-/// What a motion may do, as the user gave it.
+/// The limits of a motion, as the user gave them.
 #[derive(Clone, Copy, Debug)]
 struct Speeds {
     vel: f64,
@@ -96,7 +96,7 @@ struct Speeds {
     end: f64,
 }
 
-/// The law: stretches of a motion over `length` entered at `v0`, which is to end at `end`.
+/// The law: intervals of a motion over `length` entered at `v0`, which is to end at `end`.
 fn law(v0: &Fix, length: &Fix, vel: &Fix, acc: &Fix, end: &Fix, even: &Fix) -> Vec<Stretch> {
     let swing = acc.mul(length).twice();
     let (slowest, fastest) = (v0.square().sub(&swing).root(), v0.square().add(&swing).root());
@@ -241,7 +241,8 @@ fn positions_on_lines_follow_the_law() {
         let mut path = Path::IDLE;
         path.position(from.map(Pos::pulses));
         let entry = if flat { Entry::planar([to[0], to[1]], along(speeds)) } else { line(to, speeds) };
-        // Numbers of 32 bits cost that much of the way of a ramp, and of the peak; ends of legs are told to 2⁻²¹ ns.
+        // Numbers of 32 bits cost that much of the length of a ramp, and of the peak; ends of
+        // phases are exact to 2⁻²¹ ns.
         let packed = if flat { 0.0 } else { 2f64.powi(-32) };
         let ramp = law[0].way().f64();
         run(&mut path, &Script(vec![entry]), period, |t, step| {

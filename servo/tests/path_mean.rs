@@ -1,5 +1,5 @@
-//! The mean speed of an interval, which a laser's power follows: times the period it is the way that is gone, whatever
-//! happens within the interval.
+//! The mean speed of an interval, which a laser's power follows: times the period it is the length
+//! covered, whatever happens within the interval.
 mod chance;
 mod paths;
 use chance::Chance;
@@ -10,14 +10,14 @@ use servo::segment::piece::{Motion, Recip};
 use servo::units::Ns;
 
 const BEGIN: u64 = 1_000_000;
-/// Rounding of a position, twice, and of what is beside it.
+/// Rounding of a position, twice, and of what comes with it.
 const TOLERANCE: f64 = 1.01 / (1u64 << 22) as f64;
 
 fn per_ms(speed: PathSpeed) -> f64 {
     speed.raw() as f64 / (1u64 << PathSpeed::FRAC_BITS) as f64
 }
 
-/// Lines along X, some entered at speed, some after rest or a wait.
+/// Lines along X, some entered at speed, some after a standstill or a wait.
 fn lines(chance: &mut Chance) -> Vec<Entry> {
     let mut to = 0;
     let mut entries = vec![];
@@ -35,7 +35,8 @@ fn lines(chance: &mut Chance) -> Vec<Entry> {
     entries
 }
 
-/// Runs entries and compares each mean with the way of its interval; where `stop` is given, a Stop comes there.
+/// Runs entries and compares each mean with the length of its interval; where `stop` is given, a
+/// Stop comes there.
 fn run(entries: Vec<Entry>, period: u64, stop: Option<u64>) -> u64 {
     let feed = Feed { ends: [entries.len() as u32, 0] };
     let (script, mut heard, mut path) = (Script(entries), Heard::default(), Path::IDLE);
@@ -50,7 +51,7 @@ fn run(entries: Vec<Entry>, period: u64, stop: Option<u64>) -> u64 {
         if let Some((from, mean)) = before {
             let way: f64 = x - from;
             let off: f64 = mean * period as f64 / 1e6 - way;
-            // Beside the rounding: of the speed over the period, and of the mean itself.
+            // Besides the rounding: of the speed over the period, and of the mean itself.
             assert!(
                 off.abs() <= TOLERANCE + way * 1e-9,
                 "{period} ns at {}: {mean} over {way}, off {off:e}",
@@ -91,7 +92,7 @@ fn at_rest_there_is_no_speed() {
     assert_eq!(PathSpeed::measured([0; 4], Ns(10_000)), PathSpeed::STANDSTILL);
 }
 
-/// A piece of 2¹⁷ ns that speeds up from 1 to 3 pulse/ms: what is asked for beyond it is its end.
+/// A piece of 2¹⁷ ns that speeds up from 1 to 3 pulse/ms: beyond its end, the end counts.
 #[test]
 fn a_piece_is_not_left() {
     // Over 2^17 ns at 1 pulse/ms it is 0.131072 pulses; so much more at the end is twice that.

@@ -1,7 +1,7 @@
-//! A start that was made ready while the path rested is the start that would have been made on the spot: two paths, one of
-//! which makes nothing ahead, through random FIFOs, Stops of both kinds, clearing, overrides, other names of places, data that
-//! comes while something is being made, and starts with the FIFO that nobody thought of. Every place, speed, instant and gear
-//! is the same to the bit.
+//! A prepared start is the same as a start planned in its tick. Of two paths one makes nothing
+//! ahead. They run through random FIFOs, Stops of both kinds, clearing, overrides, other user
+//! positions, data that comes while something is being made, and starts with the FIFO that was not
+//! expected. Every position, speed, instant and gear is the same to the bit.
 use servo::path::{Along, Bend, Entries, Entry, Feed, Path, PathReport, Plane, Rate, Step, StepReport, Sweep};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
@@ -30,7 +30,7 @@ impl Fifos {
     }
 }
 
-/// A path, what it shows, what it told.
+/// A path, what it publishes, what it reported.
 struct Seen {
     path: Path,
     step: Step,
@@ -77,7 +77,7 @@ fn entry(chance: &mut Chance) -> Entry {
     }
 }
 
-/// What may happen to a path at rest; the first of both gets something of a start ready now and then.
+/// What may happen to a path at rest; the first of both prepares a part of a start now and then.
 fn rest(both: &mut [Seen; 2], fifos: &mut Fifos, chance: &mut Chance) {
     let likely = chance.below(2) as u8;
     for _ in 0..chance.below(7) {
@@ -119,7 +119,7 @@ fn rest(both: &mut [Seen; 2], fifos: &mut Fifos, chance: &mut Chance) {
     }
 }
 
-/// Ready starts that began with a motion, and those that went on within one.
+/// Prepared starts that began with a motion, and those that went on within one.
 #[derive(Default)]
 struct Count {
     starts: u32,
@@ -157,7 +157,7 @@ fn case(chance: &mut Chance, case: u64, count: &mut Count) {
         let mut stop = Some(chance.below(60_000_000 / period)).filter(|_| chance.below(3) > 0);
         let (abrupt, often) = (chance.below(2) == 0, chance.below(4));
         for tick in 0u64.. {
-            // A long way is not gone to its end.
+            // A long path is not followed to its end.
             let abrupt = abrupt || tick > 3000;
             if stop == Some(tick) || tick == 4000 {
                 (stop, count.stops) = (None, count.stops + 1);

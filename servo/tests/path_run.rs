@@ -1,5 +1,5 @@
-//! What a path does besides going along: Stops, FIFOs, waits, effects, data that comes late, overrides.
-//! Expected figures are closed forms: v²/2a for a way of braking, v/a for its time.
+//! What a path does besides motion: Stops, FIFOs, waits, effects, data that comes late, overrides.
+//! Expected figures are closed forms: v²/2a for a braking distance, v/a for its time.
 use servo::op::DoGroup;
 use servo::path::{Along, Change, Effects, Entry, Feed, Fine, Path, PathStop, Rate, Refused, Step};
 use servo::segment::piece::{Motion, Scaled};
@@ -24,7 +24,7 @@ fn dec(a: f64) -> Accel {
     Accel::admit(a.to_bits()).unwrap()
 }
 
-/// A path with its entries and what it told; time goes on tick by tick.
+/// A path with its entries and its reports; time goes on tick by tick.
 struct Bench {
     path: Path,
     script: Script,
@@ -98,7 +98,7 @@ fn the_listing_of_the_manual_changes_power_at_the_corner() {
     }
 }
 
-/// A step shows its own tick; what it tells lies in the interval behind it.
+/// A step publishes its own tick; its reports lie in the interval after it.
 #[test]
 fn effects_are_told_for_the_coming_interval_only() {
     let mut bench = Bench::new(vec![Entry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 300_000);
@@ -141,8 +141,8 @@ fn speed_goes_through_a_corner_and_to_zero_where_nothing_or_a_wait_follows() {
     assert_eq!(bench.heard.rests[0].1, PathStop::Completed);
 }
 
-/// A motion too short to brake before a wait: what comes behind the wait begins at rest, however long there is for it
-/// to be made ahead.
+/// A motion too short to brake before a wait: the motion after the wait begins at rest, however
+/// long there is to make it ahead.
 #[test]
 fn a_motion_behind_a_wait_begins_at_rest() {
     let fast = speeds(10.0, 1.0, 10.0);
@@ -178,7 +178,8 @@ fn a_path_too_short_to_brake_ends_in_an_underrun_on_its_target() {
     assert!(!bench.path.runs() && bench.path.refuses_start(0, bench.feed));
 }
 
-/// A planner's speeds are rounded: what misses the rest by less than 2⁻¹⁶ pulse has come to rest.
+/// A planner's speeds are rounded: a motion that misses standstill by less than 2⁻¹⁶ pulse counts
+/// as stopped.
 #[test]
 fn an_end_that_only_rounding_keeps_from_rest_is_no_underrun() {
     let ideal = 140f64.sqrt();
@@ -196,7 +197,8 @@ fn an_end_that_only_rounding_keeps_from_rest_is_no_underrun() {
     }
 }
 
-/// Data that is there before braking must begin changes nothing; what comes later speeds up again.
+/// Data that comes before braking must begin changes nothing; data that comes later speeds it up
+/// again.
 #[test]
 fn data_that_comes_while_it_runs_is_taken_up() {
     let s = speeds(10.0, 1.0, 10.0);
@@ -222,7 +224,8 @@ fn data_that_comes_while_it_runs_is_taken_up() {
     assert!(near(speed(&step.motion), 6.0), "{}", speed(&step.motion));
     bench.feed.ends[0] = 21;
     bench.finish();
-    // The new end is seen a tick later, at 5.75 pulse/ms: back to 10 in 4.25 ms and 33.46875 pulses.
+    // The new end is found a tick later, at 5.75 pulse/ms: back to 10 in 4.25 ms and 33.46875
+    // pulses.
     let left = 2000.0 - (1000.0 - 5.75 * 5.75 / 2.0) - (100.0 - 5.75 * 5.75) / 2.0 - 50.0;
     let expected = 104.25 + 4.25 + left / 10.0 + 10.0;
     assert!(near(bench.marks()[0].0, expected), "{} {expected}", bench.marks()[0].0);
@@ -287,7 +290,7 @@ fn a_gentle_stop_still_brakes_for_corners() {
         }
     }
     assert!(fastest <= 2.0 + 1e-9, "{fastest}");
-    // From 2 pulse/ms at 0.01 pulse/ms²: 200 pulses behind the corner.
+    // From 2 pulse/ms at 0.01 pulse/ms²: 200 pulses after the corner.
     let step = bench.tick();
     assert!((pulses(step.position[1]) - 200.0).abs() < 1e-6, "{:?}", step.position);
     // A corner at 0 ends the Stop.
@@ -312,7 +315,7 @@ fn a_gentle_stop_still_brakes_for_corners() {
 fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
     let cases = [
         (0.01, 1000, 4.0),
-        // It comes to the end of the second, and rests in the third.
+        // It comes to the end of the second, and stops in the third.
         (0.005, 1000, 4.0),
         // The second brakes for its end, from 4 to 1 in 7.5 pulses.
         (0.01, 160, 1.0),
@@ -341,7 +344,8 @@ fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
     }
 }
 
-/// What comes while the motion before is under way counts for the next one, though that was planned to stop.
+/// Data that comes during the motion before counts for the next one, though that was planned to
+/// stop.
 #[test]
 fn data_that_comes_before_a_motion_is_entered_is_taken_up() {
     let s = speeds(10.0, 1.0, 10.0);
@@ -377,7 +381,8 @@ fn an_abrupt_stop_stands_still_on_its_tick() {
     assert_eq!(bench.finish().position[0], Pos::pulses(1000));
 }
 
-/// Random paths with a Stop at any tick, at any deceleration: never off the path, never faster than told, ends met.
+/// Random paths with a Stop at any tick, at any deceleration: never off the path, never faster than
+/// set, ends met.
 #[test]
 fn random_stops_stay_on_the_path_and_within_its_speeds() {
     let mut chance = Chance::new(9);
@@ -449,7 +454,7 @@ fn a_wait_that_is_stopped_goes_on_with_what_is_left() {
     assert_eq!(bench.path.done(0), 1);
 }
 
-/// FIFO 1 interrupts FIFO 0 between pulses and comes back to the very place.
+/// FIFO 1 interrupts FIFO 0 between pulses and comes back to exactly that position.
 #[test]
 fn fifo_1_interrupts_fifo_0_and_returns() {
     struct Two(Vec<Entry>, Vec<Entry>);
@@ -489,7 +494,7 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
         next = tick(&mut path, &source, feed, &mut heard).1;
     }
     assert!(!path.runs() && path.refuses_start(0, feed) && path.refuses_start(1, feed));
-    // Back: a line to the nearest pulse ends between pulses, on the place itself.
+    // Back: a line to the nearest pulse ends between pulses, at exactly that position.
     source.1.push(Entry::line(whole, s));
     feed.ends[1] = 3;
     path.start(Ns(next), 1, feed, &source);
@@ -511,7 +516,7 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
         }
     }
     assert_eq!(heard.marks.iter().map(|m| m.1).collect::<Vec<_>>(), [2, 1]);
-    // Cleared, it asks for nothing.
+    // Cleared, it needs nothing.
     path.clear(0);
     assert_eq!((path.done(0), path.released(0)), (0, 0));
 }
@@ -537,7 +542,7 @@ fn at_most_32_effects_run_in_a_tick() {
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
     bench.finish();
-    // 100 pulses from rest to rest take 20 ms; that is a tick, whose step tells the boundary.
+    // 100 pulses from rest to rest take 20 ms; that is a tick, whose step reports the boundary.
     let at: Vec<u64> = bench.marks().iter().map(|m| (m.0 * 1e6).round() as u64).collect();
     let expected: Vec<u64> = (0..80).map(|i| 20_000_000 + i / 32 * 250_000).collect();
     assert_eq!(at, expected);
@@ -554,7 +559,8 @@ fn at_most_32_effects_run_in_a_tick() {
     }
 }
 
-/// At eight instants of a tick there may be effects; at the ninth the path stands until the next tick, as before.
+/// At eight instants of a tick there may be effects; at the ninth the path holds until the next
+/// tick, as before.
 #[test]
 fn effects_of_a_tick_lie_at_eight_instants_at_most() {
     let s = speeds(1000.0, 1000.0, 1000.0);
@@ -629,7 +635,7 @@ fn a_modal_move_makes_the_path_wait() {
     assert!(near(bench.marks()[0].0, 23.0) && near(bench.marks()[1].0, 43.0), "{:?}", bench.marks());
 }
 
-/// An axis that goes along is where its share of the way is, and has all of it at the end.
+/// A geared axis has its share of the displacement, and all of it at the end.
 #[test]
 fn gears_go_along_with_one_motion() {
     let axis = |n| Axis::new(n).unwrap();

@@ -21,7 +21,7 @@ const BITS: usize = 320;
 
 struct Store(Vec<Segment>);
 
-/// What a slot holds that nobody has written.
+/// The content of a slot that was never written.
 fn unwritten() -> Segment {
     SegmentStore::new().segment(0)
 }
@@ -109,7 +109,7 @@ impl Truth {
     }
 }
 
-/// Admits data until one is refused; what is refused is drawn again as something slower.
+/// Admits data until one is refused; a refused datum is drawn again as something slower.
 fn draw(chance: &mut Chance, count: usize, longest: f64) -> (Vec<Datum>, Vec<Segment>) {
     let (mut data, mut words) = (Vec::new(), Vec::new());
     let mut chain = Chain::default();
@@ -218,7 +218,7 @@ fn compare(chance: &mut Chance, count: usize, longest: f64, origin: Exact, dynam
     let last = rows.last().unwrap();
     let end = big_exact(origin) + &last.start + &last.p;
     let step = run.step(Ns(begin + (last.begin + last.t) * MS), feed, &store);
-    // Slack: the part of a quotient below 2^-80 cannot be told from rest.
+    // Slack: the part of a quotient below 2^-80 cannot be distinguished from standstill.
     let at = match step.state {
         State::Ended { at } => at,
         State::Underrun { at } => {
@@ -466,8 +466,8 @@ fn words_hold_the_double() {
     }
 }
 
-/// What the tick prepares ahead is what it would have computed: positions, counts, looks ahead and ends
-/// are the same whenever it prepares.
+/// What the tick prepares ahead is the same as what it computes in time: positions, counts, looks
+/// ahead and ends are the same whenever it prepares.
 #[test]
 fn prepared_segments_are_the_same() {
     let mut chance = Chance::new(16);

@@ -1,5 +1,6 @@
-//! A PVT run: packing, delay, passes, switches, jumps, and that the way to an instant does not matter.
-//! Exactness of positions is held by the dispatcher's `tables_exact`, which builds the tables.
+//! A PVT run: packing, delay, passes, switches, jumps, and that the position at an instant does not
+//! depend on the ticks before. Exactness of positions is held by the dispatcher's `tables_exact`,
+//! which builds the tables.
 use servo::segment::profile::State;
 use servo::segment::pvt::{HEADER_WORDS, Header, PLACES, POINT_WORDS, Point, Tables};
 use servo::units::{Exact, Ns, Pos};
@@ -191,7 +192,8 @@ fn the_loop_count_may_change_while_running() {
     assert_eq!(run.step(Ns(1_000 * MS), 2, &shelf).state, State::Ended { at: Exact(200 << 64) });
 }
 
-/// However far behind its end somebody looks, and how often, a motion has run its passes and no more, and rests where they end.
+/// However late after its end it is sampled, and how often, a motion has run its passes and no
+/// more, and stays where they end.
 #[test]
 fn passes_end_with_the_loop() {
     let mut shelf = Shelf::default();
@@ -249,7 +251,7 @@ fn the_way_to_an_instant_does_not_matter() {
             assert_eq!(step, fresh, "{now} {knots:?}");
             let since = (now - 55).saturating_sub(delay);
             assert_eq!(run.passes() as u64, if now - 55 < delay { 0 } else { since / pass });
-            // At a knot, its position; at a jump, the velocity behind it.
+            // At a knot, its position; at a jump, the velocity after it.
             let at = since / pass * pass;
             let knot = chance.below(n - 1) as usize;
             let base = (at / pass) as i64 * knots[knots.len() - 1].1;
@@ -264,8 +266,8 @@ fn the_way_to_an_instant_does_not_matter() {
     }
 }
 
-/// Pieces made ahead, the first of the next pass too, are what would have been made, also where a table is selected or
-/// the number of passes changes after they were made.
+/// Pieces made ahead, the first of the next pass too, are the same as those made in time, also
+/// where a table is selected or the number of passes changes after they were made.
 #[test]
 fn what_was_made_ahead_is_taken_back_when_orders_change() {
     let mut chance = Chance::new(8);

@@ -143,7 +143,7 @@ fn position(step: &Step) -> Fix {
     Fix(BigInt::from(step.pos.0) << (BITS - 22))
 }
 
-/// Instants to look at: random ones, the knots and their neighbours, in order.
+/// Instants to check: random ones, the knots and their neighbours, in order.
 fn instants(chance: &mut Chance, laws: &[Law], end: u64) -> Vec<u64> {
     let mut all: Vec<u64> = (0..30).map(|_| chance.below(end.max(1))).collect();
     let mut t = fix(0.0);
@@ -301,7 +301,7 @@ struct Job {
     wait_us: u64,
 }
 
-/// The law of a Trap, in magnitudes along the way.
+/// The law of a Trap, in magnitudes along its distance.
 fn trap_laws(job: &Job) -> Vec<Law> {
     let w = Fix((BigInt::from(job.wait_us) << BITS) / 1000);
     let (acc, dec, top, zero) = (fix(job.acc), fix(job.dec), fix(job.speed), fix(0.0));
@@ -332,7 +332,7 @@ fn trap_laws(job: &Job) -> Vec<Law> {
     let peak = if full <= length {
         top.clone()
     } else if u < top {
-        // Bisection of the way of the triangle: no formula of the planner's.
+        // Bisection of the length of the triangle: no formula of the planner's.
         let (mut low, mut high) = (u.clone(), top.clone());
         for _ in 0..240 {
             let p = low.add(&high).half();
@@ -408,7 +408,7 @@ fn trap_follows_its_closed_form_and_ends_on_its_target() {
         for t in times {
             run.step(Ns(begin + t));
         }
-        // `end` is a double: allow for its rounding, and for the pieces of a long way.
+        // `end` is a double: allow for its rounding, and for the pieces of a long distance.
         let after = end + (end >> 50);
         let mut step = run.step(Ns(begin + after));
         for _ in 0..50 {
@@ -425,7 +425,7 @@ fn trap_follows_its_closed_form_and_ends_on_its_target() {
     assert!(shapes.iter().all(|&n| n > 300), "{shapes:?}");
 }
 
-/// Acceleration within its bound and velocity without jumps, seen from outside.
+/// Acceleration within its bound and velocity without jumps, measured from outside.
 #[test]
 fn trap_keeps_its_acceleration() {
     let mut chance = Chance::new(24);

@@ -1,5 +1,5 @@
-//! A board's step limit (SPEC 5), against rationals: what is faster is refused, what is not is taken; an axis that follows
-//! and would be faster stops.
+//! A board's step limit (SPEC 5), against rationals: faster data is refused, other data is taken; a
+//! slave that would be faster stops.
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
@@ -58,13 +58,13 @@ fn pt_data_at_the_limit_is_taken_and_a_step_above_it_is_not() {
             let refused = admit(sign * pos, 1, kind, &zero).unwrap_err();
             assert!(matches!(refused, Refused::TooFast { speed } if speed.unsigned_abs() > 1000 << 20), "{refused:?}");
         }
-        // NORMAL: what rounding may have added is let pass, 3 steps a segment.
+        // NORMAL: what rounding may have added is allowed, 3 steps a segment.
         let (_, up) = admit(sign * 500.0, 1, 0, &zero).unwrap();
         assert!(matches!(admit(sign * (500.0 + 2.0 * step), 1, 0, &zero), Err(Refused::TooFast { .. })));
         let (_, on) = admit(sign * 1500.0, 2, 0, &up).unwrap();
         assert!(matches!(admit(sign * (2500.0 + 5.0 * step), 3, 0, &on), Err(Refused::TooFast { .. })));
         assert!(admit(sign * 2500.0, 3, 0, &on).is_ok());
-        // Behind an EVEN segment it begins anew.
+        // After an EVEN segment it begins anew.
         let (_, even) = admit(sign * 2500.0, 3, 1, &on).unwrap();
         assert!(matches!(admit(sign * (3500.0 + 4.0 * step), 4, 0, &even), Err(Refused::TooFast { .. })));
     }
@@ -128,7 +128,8 @@ fn bench(period_us: u32) -> Bench {
     bench
 }
 
-/// A slave at exactly the limit goes on; a little above it stops, with its reason, event and status, and stands where it was.
+/// A slave at exactly the limit goes on; a little above it stops, with its reason, event and
+/// status, and stays where it was.
 #[test]
 fn a_slave_that_would_be_faster_stops() {
     for period in [50, 250, 1000] {
@@ -154,7 +155,7 @@ fn a_slave_that_would_be_faster_stops() {
             assert!(view.now.0 < 100 * MS, "{period}: it did not stop");
             before = view;
         };
-        // At rest at the place before, which no step had left faster than the limit.
+        // At rest at the position before, which it had reached at no more than the limit.
         assert_eq!(stopped.axes[1].pos, before.axes[1].pos);
         assert_eq!(stopped.axes[1].status & status::RUNNING, 0);
         match bench.event() {
@@ -169,7 +170,7 @@ fn a_slave_that_would_be_faster_stops() {
     }
 }
 
-/// The limit goes with the tick period.
+/// The limit scales with the tick period.
 #[test]
 fn another_tick_period_keeps_the_limit() {
     for (vel, stops) in [(9.99, false), (10.02, true)] {
@@ -185,8 +186,8 @@ fn another_tick_period_keeps_the_limit() {
     }
 }
 
-/// A smooth Stop of a slave is never faster than the limit: where it accelerates so hard that it would be in the tick behind,
-/// it stops at once.
+/// A smooth Stop of a slave is never faster than the limit: where it accelerates so hard that it
+/// would be in the tick after, it stops at once.
 #[test]
 fn a_smooth_stop_is_not_faster() {
     let (mut smooth, mut abrupt) = (0, 0);

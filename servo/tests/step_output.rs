@@ -1,11 +1,12 @@
-//! The words of the step output, played slot by slot into eight pairs of pins, against the planned pulses in exact integers.
+//! The words of the step output, output slot by slot at eight pairs of pins, against the planned
+//! pulses in exact integers.
 mod chance;
 use chance::Chance;
 use servo::output::step_generator::Slots;
 use servo::output::step_words::{AXES, RING, StepOutput};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// The port behind the ring, and what was seen at it.
+/// The port after the ring, and the levels recorded at it.
 struct Bench<const WIDTH: usize> {
     output: StepOutput<WIDTH>,
     ring: [AtomicU32; RING],
@@ -82,7 +83,8 @@ impl<const WIDTH: usize> Bench<WIDTH> {
     }
 }
 
-/// Each step at most a slot before its ideal instant, the middle of its share of the slots that there are.
+/// Each step at most a slot before its ideal instant, the middle of its share of the available
+/// slots.
 fn is_even(steps: &[u32], from: u32, slots: u32) {
     let (n, of) = (steps.len() as u64, u64::from(slots - from));
     for (k, slot) in (0..).zip(steps) {
@@ -93,7 +95,7 @@ fn is_even(steps: &[u32], from: u32, slots: u32) {
     }
 }
 
-/// Velocities that change at random: standing, constant, sudden and up to `most` steps a tick.
+/// Velocities that change at random: standstill, constant, sudden and up to `most` steps a tick.
 fn profile<const WIDTH: usize>(seed: u64, us: u32, set_up: u32, ticks: u32) {
     let slots = 2 * us;
     let most = i64::from(StepOutput::<WIDTH>::most(slots));
@@ -120,7 +122,7 @@ fn profile<const WIDTH: usize>(seed: u64, us: u32, set_up: u32, ticks: u32) {
             let count = bench.stands[axis] - before[axis];
             assert_eq!(count.unsigned_abs() as usize, steps[axis].len(), "one direction in a tick");
             assert_eq!(bench.stands[axis], bench.output.stands(axis));
-            // What is left of a set-up time at the begin of the tick.
+            // The remainder of a set-up time at the begin of the tick.
             let begin = bench.now - u64::from(slots);
             let from = bench.turned[axis].map_or(0, |at| (at + bench.set_up).saturating_sub(begin));
             let from = from.min(slots.into()) as u32;
@@ -197,7 +199,8 @@ fn eight_axes_at_a_megahertz() {
     }
 }
 
-/// More than there is room for comes later, and none is lost; directions change where they are to.
+/// Steps for which there is no room come later, and none is lost; directions change where they
+/// should.
 #[test]
 fn what_has_no_room_comes_later() {
     let mut bench = Bench::<2>::new(6);
@@ -206,7 +209,7 @@ fn what_has_no_room_comes_later() {
     let counts: Vec<usize> = (0..6).map(|_| bench.tick(&goes_to, 20)[3].len()).collect();
     assert_eq!(counts, [5, 5, 5, 5, 3, 0]);
     goes_to[3] = 20;
-    // Six slots of set-up: three steps in the 14 behind them.
+    // Six slots of set-up: three steps in the 14 after them.
     assert_eq!(bench.tick(&goes_to, 20)[3], [8, 12, 17]);
     assert_eq!(bench.turned[3], Some(bench.now - 20));
     assert_eq!(bench.stands[3], 20);

@@ -21,7 +21,7 @@ fn stops_are_smooth_or_abrupt() {
     assert_eq!(view.axes[1].pos, before.axes[1].pos);
     assert!(!has(&view.axes[1], RUNNING));
     assert_eq!(stopped(bench.event()), (1, StopReason::StopAbrupt));
-    // Smooth: it begins on that tick, v²/2a = 16 pulses and v/a = 4 ms later it rests.
+    // Smooth: it begins on that tick, v²/2a = 16 pulses and v/a = 4 ms later it has stopped.
     assert!(has(&view.axes[0], RUNNING));
     let end = bench.rest();
     assert_eq!(end.now.0, view.now.0 + 4 * MS);
@@ -32,7 +32,8 @@ fn stops_are_smooth_or_abrupt() {
     assert!(bench.event().is_none());
 }
 
-/// Wherever it begins: that tick is one of the motion before, the ticks behind it are of v·t − a·t²/2 from there.
+/// Wherever it begins: that tick belongs to the motion before, the ticks after it are of v·t −
+/// a·t²/2 from there.
 #[test]
 fn a_smooth_stop_begins_where_the_motion_is() {
     for ticks in 1..24 {
@@ -105,7 +106,7 @@ fn a_soft_limit_holds_exactly_and_lets_go_after_clear_status() {
     }
 }
 
-/// Set behind an axis that runs, it stops that where it is: no step back to the limit, in no mode.
+/// A limit set behind a running axis stops it where it is: no step back to the limit, in any mode.
 #[test]
 fn a_soft_limit_that_is_set_behind_an_axis_stops_it_where_it_is() {
     for way in [1, -1] {
@@ -163,7 +164,7 @@ fn a_limit_switch_stops_on_the_next_set_point_and_only_that_way() {
     assert!(has(&view.axes[0], LIMIT_POSITIVE) && !has(&view.axes[0], RUNNING));
     assert_eq!(view.axes[0].stop, StopReason::LimitPositive);
     assert!(has(&view.axes[1], LIMIT_POSITIVE | RUNNING), "away from the switch it goes on");
-    // Still on the switch: ClearStatus leaves the bit, but the way back is free.
+    // Still on the switch: ClearStatus leaves the bit, but moving back is allowed.
     bench.now(Op::ClearStatus { axes: all(&[0]) });
     let view = bench.tick();
     assert!(has(&view.axes[0], LIMIT_POSITIVE) && view.axes[0].blocked == 0);
@@ -188,7 +189,7 @@ fn pt_towards_a_switch_stops_when_it_moves_towards_it() {
     let zero = bench.tick().now.0;
     let view = bench.rest();
     assert_eq!(view.axes[0].stop, StopReason::LimitNegative);
-    // It may go away from the switch; the turn is what stops it.
+    // It may move away from the switch; reversing is what stops it.
     assert!(view.now.0 > zero + 9 * MS && pulses(view.axes[0].pos) > 9.0, "{:?}", view.axes[0].pos);
 }
 
@@ -345,7 +346,7 @@ fn home_captures_the_encoder_at_the_rising_edge() {
     assert_eq!(bench.tick().axes[0].captured, None, "home is no index");
 }
 
-/// PT and Trap that end between two ticks behind the limit, having been before it at the last tick.
+/// PT and Trap that end between two ticks beyond the limit, having been before it at the last tick.
 #[test]
 fn a_soft_limit_holds_the_end_of_a_motion() {
     for way in [1, -1] {
@@ -361,7 +362,8 @@ fn a_soft_limit_holds_the_end_of_a_motion() {
     }
 }
 
-/// At rest beyond a limit that is set now: told, and blocked until it is cleared; then only the way back is free.
+/// At rest beyond a limit that is set now: published, and blocked until it is cleared; then only
+/// moving back is allowed.
 #[test]
 fn a_soft_limit_behind_an_axis_at_rest_is_told() {
     for (way, bit) in [(1, LIMIT_POSITIVE), (-1, LIMIT_NEGATIVE)] {
@@ -411,7 +413,7 @@ fn a_following_error_is_more_than_its_limit_and_needs_the_servo() {
     assert!(has(&bench.ticks(3).axes[0], FOLLOWING_ERROR));
 }
 
-/// The band's time begins anew behind an error, a motion, and with a new band.
+/// The band's time begins anew after an error, a motion, and with a new band.
 #[test]
 fn the_time_in_the_band_begins_anew() {
     let band = Op::Band { axis: axis(0), band: 5, time: Ns(2 * MS) };
@@ -468,12 +470,12 @@ fn home_captures_at_the_falling_edge_where_low_is_active() {
 #[test]
 fn an_index_edge_captures_the_count_at_which_it_came() {
     let mut bench = Bench::prepared(250, Mode::Jog);
-    // The machine counts from 0, the encoder is named 1000 there.
+    // The machine counts from 0, the encoder reads 1000 there.
     bench.now(Op::SetEncoder { axis: axis(0), pulses: 1000 });
     bench.tick();
     bench.jog(0, 4.0, 4.0);
     bench.ticks(10);
-    // An edge in the tick that arms counts from its end on: what came before was not asked for.
+    // An edge in the tick that arms counts from its end on: earlier edges do not count.
     bench.machine.index[0] = Some(3);
     bench.now(Op::Capture { axis: axis(0), mode: 2 });
     assert_eq!(bench.tick().axes[0].captured, None);

@@ -12,7 +12,7 @@ fn output(bit: u32) -> Op {
     Op::Output { group: DoGroup::General, mask: 1 << bit, value: 1 << bit }
 }
 
-/// Ticks on until output `bit` is set; the instant of the tick from which on it is.
+/// Ticks on until output `bit` is set; returns the instant of the tick from which on it is.
 fn instant_of(bench: &mut Bench, bit: u32) -> u64 {
     for _ in 0..100_000 {
         let view = bench.tick();
@@ -48,7 +48,7 @@ fn a_call_acts_on_the_first_tick_strictly_after_its_instant() {
         assert_eq!(view.general_outputs & 1, 1);
         for (bit, instant) in instants.iter().enumerate().skip(1) {
             let tick = (instant / step + 1) * step;
-            // Some are on the tick that was just seen.
+            // Some are on the present tick.
             let now = bench.tick.now().0;
             let seen = if bench.machine.outputs.2 >> bit & 1 == 1 { now } else { instant_of(&mut bench, bit as u32) };
             assert_eq!(seen, zero + tick, "entry {bit} at {period} µs");
@@ -104,7 +104,7 @@ fn a_late_entry_acts_at_once_is_counted_and_shifts_nothing() {
     assert_eq!((view.general_outputs, view.late, view.worst_late), (3, 1, Ns(4 * MS)));
     bench.then(10 * MS, output(2));
     assert_eq!(instant_of(&mut bench, 2), zero + 16 * MS + 250 * US);
-    // A wait that comes late still knows since when the axis rests.
+    // A wait that comes late still has the instant since which the axis is at rest.
     let view = bench.until(zero + 30 * MS);
     assert_eq!((view.late, view.worst_late), (1, Ns(4 * MS)));
     bench.then(0, Op::WaitRest { axes: all(&[0]), crds: CrdMask(0) });

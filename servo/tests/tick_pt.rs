@@ -106,7 +106,7 @@ fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
     assert_eq!((published.epoch, published.released), (1, 0));
     assert!(!has(&published, status::RUNNING));
     assert_eq!(stopped(bench.event()), (0, StopReason::Underrun));
-    // A commit that was on its way to the stream that ended is refused; it starts nothing.
+    // A commit in flight for the stream that ended is refused; it starts nothing.
     let void = bench.now(Op::PtCommit { axis: axis(0), fifo: 0, end: 3, epoch: 0 });
     let seq = bench.start(&[0]);
     bench.tick();
@@ -208,8 +208,8 @@ fn a_mode_that_is_set_again_keeps_its_data() {
     assert!(!has(&bench.tick().axes[0], status::RUNNING), "another FIFO use clears the data");
 }
 
-/// Near pieces are told apart by 32 bits of time. Behind one that lasts longer than these tell, such a piece is not
-/// entered before its time.
+/// Fast-path pieces are distinguished by 32 bits of time. After a piece that lasts longer than
+/// these hold, such a piece is not entered before its time.
 #[test]
 fn a_long_segment_lasts_to_its_end() {
     for (first, second) in [(6000, 2000), (9000, 4000), (5000, 50)] {

@@ -1,5 +1,5 @@
-//! A start that was made ready while its axis rested is the start that would have been planned on the spot: two machines
-//! run the same commands, and on one of them every axis is touched in every tick, so that nothing is ever ready.
+//! A prepared start is the same as one planned in its tick. Two machines run the same commands; on
+//! one of them every axis is changed in every tick, so that nothing is ever prepared.
 mod chance;
 mod tick_bench;
 
@@ -14,10 +14,10 @@ use tick_bench::*;
 const MODES: [Mode; 7] =
     [Mode::PtStatic, Mode::PtDynamic, Mode::Pvt, Mode::Trap, Mode::Jog, Mode::Follow, Mode::FollowEx];
 
-/// Two machines under the same commands. The second one is never ready.
+/// Two machines under the same commands. The second one never has a prepared start.
 struct Both([Bench; 2]);
 
-/// An axis as its reader sees it, but for the counters of what was looked at.
+/// An axis as its reader sees it, but for the counters of internal changes.
 fn seen(axis: &AxisView) -> AxisView {
     AxisView { moves: 0, turns: 0, counts: 0, changes: 0, ..*axis }
 }
@@ -64,7 +64,7 @@ impl Both {
     }
 }
 
-/// A pass of segments that comes to rest, and one table of the same kind.
+/// A pass of segments that ends at standstill, and one table of the same kind.
 fn segments(chance: &mut Chance) -> Vec<(f64, i32, i16)> {
     let (mut time, count) = (0, 1 + chance.below(4));
     let mut data: Vec<_> = (0..count)
@@ -122,7 +122,8 @@ fn act(both: &mut Both, chance: &mut Chance, index: usize, mode: &mut Mode) {
             both.each(|bench| bench.pt(index, fifo, &data));
         }
         Mode::Pvt => {
-            // Tables are written without a word to the axis, which may have looked at the one before.
+            // Tables are written without a command to the axis, which may have prepared from the
+            // one before.
             let (table, delay, knots) = (chance.below(3) as u8, chance.below(3) * 2, knots(chance));
             both.each(|bench| bench.table(table, delay, &knots));
             if chance.below(2) == 0 {

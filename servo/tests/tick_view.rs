@@ -1,5 +1,5 @@
-//! What a view tells does not depend on how often it is read: three buffers take turns, and each catches up with what
-//! has changed since its last turn. And it is what the trace tells in the same tick.
+//! A view does not depend on how often it is read: three buffers take turns, and each catches up
+//! with the changes since its last turn. And it agrees with the trace of the same tick.
 mod chance;
 mod tick_bench;
 use chance::Chance;
@@ -181,7 +181,7 @@ fn a_view_tells_the_same_however_often_it_is_read() {
     }
 }
 
-/// The same of axes that a coordinate system drives, lets go and drives again.
+/// The same for axes that a coordinate system drives, releases and drives again.
 #[test]
 fn a_view_of_driven_axes_does_not_depend_on_who_reads_it() {
     let make = || {

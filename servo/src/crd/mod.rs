@@ -6,28 +6,25 @@
 //!
 //! | file | what it is |
 //! | --- | --- |
-//! | `axis_map` | which axes, and their zero |
 //! | `commands` | what operations do: set, clear, start, stop |
 //! | `drive` | a tick of those that run, before that of the axes |
 //! | `effects` | what entries do to the rest of the machine |
 //! | `soft_limits` | whether limits of axes are in the way of a path |
 //! | `feed_override` | the factor on its speeds |
-//! | `axis_motion` | the motion of one axis, for readers |
-mod axis_map;
-mod axis_motion;
+//!
+//! Which axes, and their zero: `path/axis_map.rs`. The motion of one axis, for readers: `view/axis_motion.rs`.
 mod commands;
 mod drive;
 mod effects;
 mod feed_override;
 mod soft_limits;
 
-use axis_map::Lanes;
-pub use axis_map::{Frame, Refused};
-pub(crate) use axis_motion::{share, share_speed};
 pub(crate) use commands::Halt;
 use soft_limits::Clearance;
 
 use crate::laser::EncoderSpeed;
+use crate::path::axis_map::Lanes;
+pub use crate::path::axis_map::{Frame, Refused};
 use crate::path::{Feed, Path, PathStores};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};

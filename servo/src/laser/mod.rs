@@ -44,6 +44,7 @@ mod safety;
 mod tests;
 mod velocity_follow;
 
+pub use crate::path::PathSpeed;
 pub use actions::{Action, Count, FINISH_NS, PLACES, Plan, Rate, Train};
 pub use buffered::Buffered;
 pub use distance_follow::{Distance, Ratios};
@@ -58,7 +59,7 @@ pub use power_law::Family;
 pub(crate) use power_tables::ANALOG;
 pub use power_tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, Tables};
 pub use safety::Cause;
-pub use velocity_follow::{PathSpeed, Ratio, Source};
+pub use velocity_follow::{Ratio, Source};
 
 use crate::axis::AxisState;
 use crate::path::{LASER_WORDS, PathStop};

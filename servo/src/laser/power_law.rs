@@ -13,8 +13,9 @@ use super::buffered::Buffered;
 use super::distance_follow::{Distance, Terms};
 use super::power::{Bounds, Power};
 use super::power_tables::{Curve, DISTANCES, Interval};
-use super::velocity_follow::{Gain, PathSpeed, Ratio, Source};
+use super::velocity_follow::{Gain, Ratio, Source};
 use super::{Mode, Surroundings};
+use crate::path::PathSpeed;
 use crate::units::{Crd, CrdMask};
 
 /// Which of the two laser manuals holds where they differ (SPEC 2).

@@ -12,10 +12,10 @@
 //! the two, and half a unit.
 use super::double::{nearest, product, scaled};
 use super::power::{Power, Refused};
-use super::velocity_follow::PathSpeed;
 use super::{CHANNELS, double};
 use crate::math::real::Real;
 use crate::math::wide::narrow;
+use crate::path::PathSpeed;
 use crate::units::Pos;
 use ring::Store;
 

@@ -3,8 +3,16 @@
 //! Each result is within a few 2⁻⁶³ of itself, if nothing else is said. Nothing overflows to nonsense: exponents hold every product of admitted
 //! speeds, accelerations and times; conversions to fixed point saturate.
 use super::wide::{mulhi_su, recip64, umul, umulhi};
-use crate::segment::piece::Scaled;
 use crate::units::Exact;
+
+/// A real number m·2^-e.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Scaled {
+    /// Mantissa.
+    pub m: i64,
+    /// Negative exponent.
+    pub e: i16,
+}
 
 /// ±m·2^e, with the top bit of `m` set, or 0. A word for the sign: a structure without gaps is copied in
 /// words.

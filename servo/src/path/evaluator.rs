@@ -23,12 +23,12 @@ pub use cursor::GEARS;
 pub use feed_override::Rate;
 pub use interface::{Effects, Feed, PathReport, PathStop, Rules, Step, StepReport, TrajectorySample};
 
+use super::PathSpeed;
 use super::entry::Along;
 use super::geometry::{Along as Geared, Bend, Draft, Shape};
 use super::speed_profile::{Phase, Plan, Sketch};
 use super::store::Entries;
 use super::{DIMENSIONS, Fine};
-use crate::laser::PathSpeed;
 use crate::math::real::Real;
 use crate::segment::piece::{Motion, Piece};
 use crate::units::{Axis, Exact, Ns, Pos};

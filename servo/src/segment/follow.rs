@@ -29,6 +29,7 @@ pub use master_path::{MasterPath, SPOTS, Spot, Track};
 pub(crate) use order::Order;
 pub use setup::Setup;
 pub use store::Entries;
+pub use velocity::Lead;
 pub(crate) use velocity::{compose, led, of as motion_of, straight};
 
 use crate::units::Axis;

@@ -12,6 +12,7 @@
 //! `tests/ramp_exact.rs`, the dispatcher's `tables_exact.rs`).
 mod fast;
 
+pub use crate::math::real::Scaled;
 pub use crate::math::wide::Recip;
 use crate::math::wide::{mulhi_su, narrow};
 use crate::units::{Exact, Ns, Pos};
@@ -32,15 +33,6 @@ pub struct Motion {
     /// ns since τ was `tau`. The tick publishes it for a fast-path piece, so that only readers take
     /// the product.
     pub t: u32,
-}
-
-/// A real number m·2^-e.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Scaled {
-    /// Mantissa.
-    pub m: i64,
-    /// Negative exponent.
-    pub e: i16,
 }
 
 /// 10⁶ ns in a ms, as a fraction of 2²⁰.

@@ -1,6 +1,6 @@
 //! What the tick publishes of a coordinate system.
 use super::StopReason;
-use crate::crd::Frame;
+use crate::path::axis_map::Frame;
 use crate::path::{Bend, DIMENSIONS, PathStop};
 use crate::segment::piece::{Motion, Scaled};
 use crate::units::{Crd, Pos};

@@ -3,8 +3,8 @@
 //! In: axes in one tick. Out: velocities; integers only, so every machine derives the same bits.
 //! Owns: those that were requested, and those of their masters. Work: a product for each link of a
 //! chain. Cannot fail.
+use super::axis_motion::share_speed;
 use super::{AxisView, CrdView};
-use crate::crd::share_speed;
 use crate::math::real::Real;
 use crate::segment::follow::{led, motion_of, straight};
 use crate::segment::piece::Motion;

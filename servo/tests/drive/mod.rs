@@ -1,4 +1,5 @@
-//! One motion on its own: a [`Profile`] as an axis has it, driven by a test through chosen instants.
+//! One motion on its own: a [`Profile`] as an axis has it, stepped by a test through chosen
+//! instants.
 #![allow(dead_code, reason = "every test drives one kind of motion")]
 use servo::segment::piece::Piece;
 use servo::segment::profile::{Generator, Profile, Step};

@@ -1,8 +1,10 @@
-//! Where a slave is, from its tables and the places of its master, as SPEC 5 tells it: nothing here is the servo's.
+//! The position of a slave, from its tables and the positions of its master, by the rules of SPEC
+//! 5: nothing here is the servo's.
 //!
-//! Positions are those of the machine in 2⁻⁴⁸ pulse, ratios exact fractions. Between two ticks a master may have gone further than
-//! at either ([`MasterPath`]): if that is not known exactly, a slave of one way is in a range, and if a pass may have ended
-//! or not, nothing is known any more.
+//! Positions are those of the machine in 2⁻⁴⁸ pulse, ratios exact fractions. Between two ticks a
+//! master may have moved further than at either ([`MasterPath`]). If that is not known exactly, a
+//! slave of one direction is in a range; if a pass may have ended or not, nothing is known any
+//! more.
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -35,7 +37,7 @@ struct Segment {
     to: i128,
     begin: i128,
     path: i128,
-    /// The way at the ratios at its begin and its end.
+    /// The displacement at the ratios at its begin and its end.
     first: i128,
     last: i128,
     percent: i128,
@@ -52,7 +54,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Behind a FIFO that ended at the ratio `carried`, per progress of this one.
+    /// After a FIFO that ended at the ratio `carried`, per progress of this one.
     pub fn new(data: &[Datum], carried: &BigRational) -> Table {
         let down = data[0].0 < 0;
         let (mut from, mut begin, mut ratio) = (0i64, 0i64, BigRational::zero());
@@ -131,28 +133,28 @@ impl Table {
 /// What begins it.
 pub enum Begin {
     Start,
-    /// Upwards or downwards, and where among the master's places.
+    /// Upwards or downwards, and where among the master's positions.
     Pass(bool, i128),
 }
 
-/// How a master went from a tick to the next.
+/// The motion of a master from a tick to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct MasterPath {
     pub from: i128,
     pub to: i128,
-    /// Its highest place is between these, its lowest, too.
+    /// Its highest position is between these, its lowest, too.
     pub high: (i128, i128),
     pub low: (i128, i128),
 }
 
 impl MasterPath {
-    /// Beyond both ends by so much at most.
+    /// Beyond both ends by this much at most.
     pub fn within(from: i128, to: i128, beyond: i128) -> MasterPath {
         let (low, high) = (from.min(to), from.max(to));
         MasterPath { from, to, high: (high, high + beyond), low: (low - beyond, low) }
     }
 
-    /// How far it goes in all, at most.
+    /// Its length in all, at most.
     pub fn length(&self) -> i128 {
         (self.from - self.to).abs()
             + 2 * (self.high.1 - self.high.0 + self.low.1 - self.low.0)
@@ -169,9 +171,9 @@ impl MasterPath {
     }
 }
 
-/// What is known of a slave behind a tick.
+/// What is known of a slave after a tick.
 pub enum Known {
-    /// It runs, between these places.
+    /// It runs, between these positions.
     Runs(i128, i128),
     /// It has ended there.
     Ended(i128),
@@ -192,7 +194,7 @@ pub struct Slave {
     data: [Option<Vec<Datum>>; 2],
     table: Table,
     fifo: usize,
-    /// 1 and −1 follow the furthest place in that direction.
+    /// 1 and −1 follow the furthest position in that direction.
     dir: i128,
     pub passes: u32,
     pub switching: bool,
@@ -234,7 +236,8 @@ impl Slave {
         self.far = (self.began, self.began);
     }
 
-    /// Its places from a progress to another of the pass that is in force, at most and at least, to 2⁻²⁰ pulse.
+    /// Its positions from a progress to another of the pass in force, at most and at least, to 2⁻²⁰
+    /// pulse.
     fn extremes(&self, from: i128, to: i128, all: &mut Vec<i128>) {
         let knots = self.table.segments.iter().map(|segment| segment.to);
         let inside = knots.filter(|knot| (from.min(to)..from.max(to)).contains(knot));
@@ -242,7 +245,8 @@ impl Slave {
         all.extend(inside.chain(steps).map(|x| self.origin + self.table.at(x)));
     }
 
-    /// The master has gone this way. The lowest and the highest place of the slave, if they are `wanted` and known.
+    /// The master has moved like this. Returns the lowest and the highest position of the slave, if
+    /// they are `wanted` and known.
     pub fn step(&mut self, path: &MasterPath, wanted: bool) -> (Known, Option<(i128, i128)>) {
         let was = (self.far, self.began, self.origin, self.switches, self.pass);
         let running = matches!(self.state, State::Runs);
@@ -309,7 +313,7 @@ impl Slave {
         let along = path.along(self.sign());
         let (mut least, mut most) = along.high;
         if begun.is_some_and(|sign| sign != self.sign()) {
-            // It came from there, and what was before the crossing does not count.
+            // It came from there; the motion before the crossing does not count.
             let further = most > along.from.max(along.to);
             least = self.began.max(along.to);
             most = if further { least.max(most) } else { least };
@@ -341,7 +345,7 @@ impl Slave {
                 let turns = self.dir == 0 && (data[0].0 < 0) != self.table.down;
                 self.table = Table::new(data, &if turns { -carried } else { carried });
                 if turns {
-                    // Progress goes the other way from here; the master came here on the way before.
+                    // Progress has the other sign from here; the master came here before.
                     self.began = -end;
                     let along = path.along(self.sign());
                     (now, least) = ((along.to, along.to), along.to.max(-end));

@@ -1,5 +1,5 @@
-//! A tick whose machine carries out laser plans by the letter of `laser::Plan`, with a timer of 1 GHz: what the
-//! outputs did is there to the ns.
+//! A tick whose machine carries out laser plans by the letter of `laser::Plan`, with a timer of 1
+//! GHz: outputs are recorded to the ns.
 #![allow(dead_code)] // each test file uses its part
 use ring::{Latest, Producer, Reader, Ring};
 use servo::crd::Frame;
@@ -26,7 +26,7 @@ pub const MS: u64 = 1_000_000;
 struct Pwm {
     train: Train,
     pattern: Pattern,
-    /// Of pulses that pause: what was left of their period.
+    /// Of pulses that pause: the remainder of their period.
     paused: Option<u64>,
     /// A period in progress: its beginning, the end of its pulse, its end.
     period: Option<(u64, u64, u64)>,
@@ -124,7 +124,7 @@ impl Pwm {
     }
 
     fn rate(&mut self, at: u64, rate: &Rate) {
-        // A period that stands still has its end beyond all time, and what is left of it aside.
+        // A paused period has its end beyond all time; its remainder is stored apart.
         let left = self.paused.or(self.period.map(|(_, _, end)| end - at)).unwrap_or(0);
         self.train = rate.train();
         if rate.is_pause() {
@@ -158,13 +158,13 @@ pub struct Output {
     queue: VecDeque<(u64, Action)>,
     switch: Vec<(u64, bool)>,
     volts: Vec<(u64, i16)>,
-    /// Switch edges that were told already.
+    /// Switch edges that were returned already.
     kept: usize,
     /// The most actions of a plan.
     pub most: usize,
     /// Beginning of the last interval in which there were any.
     pub last: u64,
-    /// Since which tick every plan says that all is to rest.
+    /// Since which tick every plan demands the safe state.
     pub rests: Option<u64>,
 }
 
@@ -323,7 +323,7 @@ impl Bench {
         Bench::with_clock(period_us, Clock::GHZ)
     }
 
-    /// With another clock, of which the plans are to be looked at, not carried out.
+    /// With another clock; its plans are checked, not carried out.
     pub fn with_clock(period_us: u32, clock: Clock) -> Bench {
         let (immediate, immediate_out) = leak(Ring::new()).split();
         let (_, program) = leak(Ring::new()).split();
@@ -473,7 +473,7 @@ impl Bench {
         self.pushed[index][0] = 0;
     }
 
-    /// CrdStart; its motion begins at the instant that is told.
+    /// CrdStart; returns the instant at which its motion begins.
     pub fn start(&mut self, crds: u8) -> u64 {
         self.op(Op::CrdStart { crds: CrdMask(crds), fifo1: CrdMask(0) });
         self.tick.now().0 + self.tick.period().0
@@ -507,7 +507,7 @@ impl Bench {
         }
     }
 
-    /// Ticks until that instant is past, or there.
+    /// Ticks until that instant is reached or past.
     pub fn until_ms(&mut self, ms: u64) {
         while self.tick.now().0 < ms * MS {
             self.tick();

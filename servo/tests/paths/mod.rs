@@ -1,4 +1,4 @@
-//! A host of paths for tests: entries in a list, everything told written down.
+//! A host of paths for tests: entries in a list, all reports written down.
 #![allow(dead_code)] // each test file uses its part
 use servo::path::{Along, Change, Effects, Entries, Entry, Feed, Fine, Path, PathStop, Step};
 use servo::segment::piece::Scaled;
@@ -12,7 +12,7 @@ impl Entries for Script {
     }
 }
 
-/// What a path told.
+/// The reports of a path.
 #[derive(Default)]
 pub struct Heard {
     pub marks: Vec<(Fine, u8)>,
@@ -49,7 +49,7 @@ pub fn speeds(vel: f64, acc: f64, end: f64) -> Along {
     Along::admit(vel.to_bits(), acc.to_bits(), end.to_bits()).unwrap()
 }
 
-/// Runs all entries from a start at 1 ms with this period; every tick's step is shown to `see`.
+/// Runs all entries from a start at 1 ms with this period; `see` gets every tick's step.
 pub fn run(path: &mut Path, script: &Script, period: u64, mut see: impl FnMut(u64, &Step)) -> Heard {
     let feed = Feed { ends: [script.0.len() as u32, 0] };
     let mut heard = Heard::default();

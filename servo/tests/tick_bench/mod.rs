@@ -1,4 +1,5 @@
-//! A tick on a bench: rings, a machine whose encoders follow at once, and hands to push things in.
+//! A tick on a bench: rings, a machine whose encoders follow at once, and functions that push
+//! operations.
 #![allow(dead_code)]
 use ring::{Consumer, Latest, Producer, Reader, Ring};
 use servo::crd::Frame;
@@ -29,7 +30,7 @@ pub struct Machine {
     pub outputs: (u64, u64, GeneralOutputs),
     pub analog_out: [i16; 8],
     pub general: GeneralInputs,
-    /// Digital outputs as they were told inside an interval: its tick, ns after it, levels.
+    /// Digital outputs inside an interval: its tick, ns after it, levels.
     pub edges: Vec<(u32, u64, u64, GeneralOutputs)>,
     pub analog_edges: Vec<(u32, usize, i16)>,
     /// The interlock is open.
@@ -402,7 +403,7 @@ impl Bench {
         self.entries[index][fifo as usize] = follow::Chain::default();
     }
 
-    /// Whom an axis follows, and that it starts.
+    /// Sets the master of an axis, and starts it.
     pub fn follows(&mut self, index: usize, master: usize, value: follow::Value) {
         let master = follow::Master { axis: axis(master), value };
         self.now(Op::FollowMaster { axis: axis(index), master });

@@ -15,8 +15,8 @@ use super::master_path::{MasterPath, Section, Spot, Track, bisect, is_plain};
 use super::{Entries, Input, Master};
 use crate::math::wide::{Recip, umulhi};
 use crate::segment::piece::Piece;
+use crate::status::StopReason;
 use crate::units::{Ns, Pos};
-use crate::view::StopReason;
 
 /// A master in one tick.
 #[derive(Debug, Clone, Copy)]

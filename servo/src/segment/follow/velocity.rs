@@ -5,7 +5,19 @@
 //! fail.
 use crate::math::real::Real;
 use crate::segment::piece::{Motion, Recip, Scaled};
-use crate::view::Lead;
+use crate::units::Axis;
+
+/// The master of an axis that follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Lead {
+    /// The axis whose planned motion it follows; none for an encoder or a filtered position, which
+    /// moves evenly within the tick.
+    pub axis: Option<Axis>,
+    /// Progress is the master's position with its sign changed.
+    pub down: bool,
+    /// Progress backwards has no effect.
+    pub one_way: bool,
+}
 
 /// 10⁶ has 44 leading zeros: 1/ms in ns.
 const PER_MS: Recip = Recip { m: (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64, shift: 44 };

@@ -1,7 +1,7 @@
 //! The axes that a coordinate system drives, and where its zero is.
 //!
 //! In: SetCrdPrm. Out: an admitted [`Frame`]. Fails: with the rule that is broken, [`Refused`].
-use crate::path::DIMENSIONS;
+use super::DIMENSIONS;
 use crate::units::{Axis, AxisMask};
 
 /// An admitted frame.
