@@ -85,18 +85,18 @@ impl CrdState {
     #[inline(never)]
     fn turn_up_to(&mut self, axes: &[AxisState]) -> bool {
         let Some(counts) = self.turn::<false>(axes) else { return false };
-        self.publish_new(counts);
+        self.update_view(counts);
         true
     }
 
     /// Publishes what is new but the position.
     #[inline(never)]
     fn publish_fresh(&mut self, counts: [u32; 2]) {
-        self.publish_new(counts);
+        self.update_view(counts);
     }
 
     #[inline(always)]
-    fn publish_new(&mut self, [now, motions]: [u32; 2]) {
+    fn update_view(&mut self, [now, motions]: [u32; 2]) {
         let CrdView { position, heading, bend, motion, turns, fifo, released, done, .. } = &mut self.published;
         self.path.publish_fresh(&mut PathReport { position, heading, bend, motion, turns });
         *fifo = self.path.fifo();
