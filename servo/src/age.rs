@@ -37,8 +37,8 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// As if each FIFO of a path had got and executed so many entries and motions more since it was
-    /// cleared, and each laser had been on for so many units of its on-time more. Nothing may be in
-    /// a FIFO; the thread's side must age alike.
+    /// cleared. Each laser is as if it had been on for so many units of its on-time more. Nothing
+    /// may be in a FIFO; the thread's side must age alike.
     pub fn age_counts(&mut self, by: u32) {
         self.crds.states.iter_mut().for_each(|crd| crd.age_counts(by));
         self.crds.moves = self.crds.moves.wrapping_add(1);

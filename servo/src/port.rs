@@ -71,7 +71,7 @@ pub enum Simulated {
     },
     /// The interlock or emergency-stop input; high wants every laser at rest.
     Interlock(bool),
-    /// The code of an analog input from 0, as [`Port::analog`] tells it.
+    /// The code of an analog input from 0, as [`Port::analog`] returns it.
     Analog {
         /// Which.
         channel: u8,

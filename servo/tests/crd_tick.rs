@@ -375,7 +375,7 @@ fn faults_and_limits_of_one_axis_stop_all() {
             assert!((79.9..=84.1).contains(&y), "{reason:?} {y}");
         }
         assert!(has(&view.axes[5], bits) && view.axes[2].status & status::LATCHED == 0);
-        // It is blocked while the reason stands.
+        // It is blocked while the reason lasts.
         bench.start_path(&[0]);
         bench.tick();
         assert!(matches!(bench.event(), Some(Event::Refused { .. })), "{reason:?}");

@@ -1,6 +1,7 @@
 //! Follow against exact arithmetic on the doubles as given (SPEC 11): positions and ratios of random tables, both ways, many passes.
 //!
-//! The reference counts in 2⁻³²⁰ and divides; it never approximates. The long run is asked for with FOLLOW_TABLES.
+//! The reference counts in 2⁻³²⁰ and divides; it never approximates. FOLLOW_TABLES asks for the
+//! long run.
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};

@@ -1,6 +1,6 @@
 //! Light and power under entries of paths: every edge to the ns, worked out by hand from SPEC 6.
 //!
-//! All paths here go along X with 1 pulse/ms²: a speed is reached after as many ms and half its
+//! All paths here run along X with 1 pulse/ms²: a speed is reached after as many ms and half its
 //! square in pulses.
 mod laser_bench;
 use laser_bench::*;

@@ -26,7 +26,8 @@ fn follow(ratio: f64, max: f64) -> Entry {
     buffered(Buffered::PrfFollow { ratio: Ratio::admit(ratio.to_bits()).unwrap(), bounds })
 }
 
-/// Pulses of a path that goes along X from 0 to 150 pulses and back to rest: 1 pulse/ms² up to 10 pulse/ms in 10 ms, 5 ms of that, 10 ms down.
+/// Pulses of a path that runs along X from 0 to 150 pulses and back to rest: 1 pulse/ms² up to 10
+/// pulse/ms in 10 ms, 5 ms of that, 10 ms down.
 const LENGTH: i128 = 150;
 
 /// The path length after this many ms.

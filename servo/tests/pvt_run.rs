@@ -266,8 +266,8 @@ fn the_way_to_an_instant_does_not_matter() {
     }
 }
 
-/// Pieces made ahead, the first of the next pass too, are the same as those made in time, also
-/// where a table is selected or the number of passes changes after they were made.
+/// Pieces made ahead, the first of the next pass too, are the same as those made in time. That also
+/// holds where a table is selected or the number of passes changes after they were made.
 #[test]
 fn what_was_made_ahead_is_taken_back_when_orders_change() {
     let mut chance = Chance::new(8);

@@ -16,7 +16,7 @@ use crate::axis::AxisState;
 use crate::path::DIMENSIONS;
 use crate::units::Pos;
 
-/// Whether a limit may lie in the way of a motion.
+/// Whether a limit may be reached within a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Clearance {
     /// Not checked.

@@ -1,9 +1,11 @@
 //! Sine and cosine of a turn.
 //!
-//! In: an angle as a fraction of a turn in 2⁻⁶⁴. Out: its sine and cosine in 2⁻⁶², each within 2⁻⁵⁰. Cannot fail.
-//! A table of 256 directions of the circle, and from the nearest one a short series: |δ| ≤ π/256, so that δ⁷/5040 in
-//! the sine is below 2⁻⁵⁶ and δ⁸/40320 in the cosine below 2⁻⁶⁶. What is small beside δ and 1 takes 32-bit products,
-//! of which the worst leaves 2⁻⁵⁰·⁴ (`proofs/sine.gappa`): on a circle of 2³¹ pulses 1.6·10⁻⁶ pulse (`proofs/arc.gappa`).
+//! In: an angle as a fraction of a turn in 2⁻⁶⁴. Out: its sine and cosine in 2⁻⁶², each within
+//! 2⁻⁵⁰. Cannot fail. A table holds 256 directions of the circle. From the nearest one a short
+//! series is used: |δ| ≤ π/256, so that δ⁷/5040 in the sine is below 2⁻⁵⁶ and δ⁸/40320 in the
+//! cosine below 2⁻⁶⁶. Terms that are small against δ and 1 take 32-bit products, of which the worst
+//! leaves 2⁻⁵⁰·⁴ (`proofs/sine.gappa`): on a circle of 2³¹ pulses 1.6·10⁻⁶ pulse
+//! (`proofs/arc.gappa`).
 use super::wide::{mulhi_near, umulhi};
 
 /// π in 2⁻¹²⁵.

@@ -125,7 +125,7 @@ impl Recip {
     }
 }
 
-/// A divisor of up to 31 bits, made ready to divide without a division instruction.
+/// A divisor of up to 31 bits, prepared for dividing without a division instruction.
 #[derive(Debug, Clone, Copy)]
 pub struct Divisor {
     d: u32,
@@ -143,7 +143,7 @@ impl Divisor {
         Divisor { d, v: recip32(d), shift }
     }
 
-    /// The same with its reciprocal at hand, as [`Divisor::inverse`] told it.
+    /// The same from its reciprocal, as [`Divisor::inverse`] returned it.
     #[inline(always)]
     pub fn again(n: u32, inverse: u32) -> Divisor {
         let n = if n == 0 || n >> 31 == 1 { 1 } else { n };
@@ -222,7 +222,7 @@ pub fn narrow(x: i128, k: i32) -> i64 {
     if k <= 0 {
         return (low << ((-k) as u32 & 63)) as i64;
     }
-    // Halfway rounding: one bit more than asked for, then half of (it + 1).
+    // Halfway rounding: one bit more than requested, then half of (it + 1).
     let s = (k - 1) as u32;
     let twice = if s >= 64 { high >> (s & 63) } else { (low >> s | (high as u64) << 1 << (63 - s)) as i64 };
     (twice >> 1).wrapping_add(twice & 1)

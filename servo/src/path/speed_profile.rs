@@ -302,7 +302,7 @@ impl Sketch {
         }
     }
 
-    /// Whether the time at the peak is shorter than asked for.
+    /// Whether the time at the peak is shorter than it has to be.
     fn is_uneven(&self) -> bool {
         let Means { vel, even, .. } = self.means;
         !even.is_zero() && !vel.is_less(self.v) && self.cruise.is_less(self.peak.mul(even))

@@ -78,8 +78,8 @@ enum Wait {
     Input { input: Input, index: u8, high: bool, until: Option<Fine> },
 }
 
-/// What a slave waits for, in 16 bits: 0 nothing, 1 PASS, 2 an input, whose level is bit 2, its time limit bit 3, its kind
-/// bits 4 to 6, its number the high byte.
+/// What a slave waits for, in 16 bits: 0 nothing, 1 PASS, 2 an input. Of an input, bit 2 is the
+/// level, bit 3 its time limit, bits 4 to 6 its kind, the high byte its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Awaits(u16);
 

@@ -1,4 +1,5 @@
-//! The memory of all tables: PVT places and headers, those of laser channels, written by the thread, read by the tick.
+//! The memory of all tables: PVT points and headers, those of laser channels, written by the
+//! thread, read by the tick.
 //!
 //! In: words of a table that no axis runs. Out: the same words. Owns nothing: the memory is the
 //! board's. Who may write when is agreed as for [`ring::Store`]: before the operation that first

@@ -163,9 +163,9 @@ impl RampRun {
         self.v = Real::from_scaled(from.velocity);
     }
 
-    /// The velocity goes to `target` with `acc` when it speeds up and `dec` (or `acc`, if `dec` is
-    /// 0) when it slows down, through 0 first where the sign changes, and stays there for ever. A
-    /// target of 0 ends the motion. `smooth` in 2⁻¹⁶.
+    /// The velocity goes to `target` and stays there for ever. It takes `acc` when it speeds up and
+    /// `dec` (or `acc`, if `dec` is 0) when it slows down; where the sign changes it goes through 0
+    /// first. A target of 0 ends the motion. `smooth` in 2⁻¹⁶.
     pub fn begin_jog(&mut self, now: Ns, from: Moving, target: Speed, acc: Accel, dec: Accel, smooth: u16) {
         let shape = if smooth == 0 {
             Shape::Plain
