@@ -15,7 +15,7 @@ use tick_bench::*;
 struct Both([Bench; 2]);
 
 /// As readers see them, but for the counters of internal changes.
-fn seen(axis: &AxisView) -> AxisView {
+fn as_read(axis: &AxisView) -> AxisView {
     AxisView { moves: 0, turns: 0, counts: 0, changes: 0, ..*axis }
 }
 
@@ -44,7 +44,7 @@ impl Both {
             }
             let [a, b] = [0, 1].map(|k| self.0[k].tick());
             for index in 0..AXES {
-                let (a, b) = (seen(&a.axes[index]), seen(&b.axes[index]));
+                let (a, b) = (as_read(&a.axes[index]), as_read(&b.axes[index]));
                 assert_eq!(format!("{a:?}"), format!("{b:?}"), "axis {index}");
             }
             for (index, (one, other)) in a.crds.iter().zip(&b.crds).enumerate() {

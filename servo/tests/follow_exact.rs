@@ -277,13 +277,13 @@ impl<'a> Bench<'a> {
     }
 
     fn pos(&self) -> i64 {
-        self.run.place().0.0
+        self.run.position().0.0
     }
 
     /// The ratio that readers derive: pulse per 10⁶ units of the master's position is what a
     /// velocity is here.
     fn ratio(&self) -> BigInt {
-        let Scaled { m, e } = Motion { tau: self.run.place().1, ..self.run.piece().motion }.velocity();
+        let Scaled { m, e } = Motion { tau: self.run.position().1, ..self.run.piece().motion }.velocity();
         let ratio = BigInt::from(m) << (BITS + 22);
         (if e < 0 { ratio << -e } else { ratio >> e }) / 1_000_000
     }

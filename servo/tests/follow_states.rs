@@ -6,7 +6,7 @@ use servo::units::Pos;
 use tick_bench::*;
 
 /// Positions of axes, in pulses of the machine.
-fn places(bench: &Bench) -> [f64; AXES] {
+fn positions(bench: &Bench) -> [f64; AXES] {
     bench.machine.set_points.map(pulses)
 }
 
@@ -29,12 +29,12 @@ fn a_slave_of_a_renamed_slave_stays_where_it_is() {
         for run in 0..2 {
             bench.now(Op::SetPosition { axis: axis(1), pos: Pos::pulses(150) });
             bench.tick();
-            let begin = places(&bench);
+            let begin = positions(&bench);
             bench.start_follow(&[1, 2]);
             bench.jog(0, 20.0, 1.0);
             for _ in 0..400 {
                 bench.tick();
-                let now = places(&bench);
+                let now = positions(&bench);
                 let path = now[0] - begin[0];
                 // Every NORMAL segment starts at 0, at 2, at 0: twice the length, half of it in
                 // between.
@@ -98,7 +98,7 @@ fn a_master_that_is_planned_again_while_it_brakes_is_never_further_than_it_went(
                 }
                 for _ in 0..100 {
                     bench.tick();
-                    let [master, slave, ..] = places(&bench);
+                    let [master, slave, ..] = positions(&bench);
                     assert!(
                         (slave - 3.0 * sign * master).abs() < 1e-4,
                         "{slave} behind {master}, {again} {after} {direction:?}"

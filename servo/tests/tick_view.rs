@@ -126,7 +126,7 @@ fn act(bench: &mut Bench, chance: &mut Chance, stream: &mut i32) {
 }
 
 /// An axis as a view has it, and its inputs.
-fn told(view: &View<AXES>, index: usize) -> String {
+fn described(view: &View<AXES>, index: usize) -> String {
     format!("{:?} {:?}", view.axes[index], view.inputs[index])
 }
 
@@ -152,7 +152,11 @@ fn a_view_tells_the_same_however_often_it_is_read() {
                 unread = reads.below(9);
                 let late = lazy.tick();
                 for index in 0..AXES {
-                    assert_eq!(told(&late, index), told(&view, index), "axis {index}, seed {seed}, round {round}");
+                    assert_eq!(
+                        described(&late, index),
+                        described(&view, index),
+                        "axis {index}, seed {seed}, round {round}"
+                    );
                 }
             }
             while eager.event().is_some() || lazy.event().is_some() || lazy.sample().is_some() {}
@@ -165,14 +169,14 @@ fn a_view_tells_the_same_however_often_it_is_read() {
             for (index, sample) in last.into_iter().enumerate() {
                 let (pos, motion) = sample.unwrap();
                 let published = &view.axes[index];
-                let told = (pos, motion.velocity());
-                assert_eq!((published.pos, view.velocity(published)), told, "axis {index}, round {round}");
+                let described = (pos, motion.velocity());
+                assert_eq!((published.pos, view.velocity(published)), described, "axis {index}, round {round}");
                 // The one with the acceleration is rounded with it.
-                let (alone, whole) = (real(told.1), view.motion(published));
+                let (alone, whole) = (real(described.1), view.motion(published));
                 let room = (alone.abs() + real(whole.acceleration()).abs()) * 2f64.powi(-48);
                 assert!(
                     (alone - real(whole.velocity())).abs() <= room,
-                    "axis {index}, round {round}: {told:?} {whole:?}"
+                    "axis {index}, round {round}: {described:?} {whole:?}"
                 );
                 moved += u64::from(published.status & servo::status::RUNNING != 0);
             }
@@ -223,7 +227,7 @@ fn a_view_of_driven_axes_does_not_depend_on_who_reads_it() {
             unread = chance.below(9);
             let late = lazy.tick();
             for index in 0..AXES {
-                assert_eq!(told(&late, index), told(&view, index), "axis {index}, round {round}");
+                assert_eq!(described(&late, index), described(&view, index), "axis {index}, round {round}");
             }
         }
         while eager.event().is_some() || lazy.event().is_some() {}

@@ -75,14 +75,14 @@ impl AxisState {
         let whole = period.0 << 32;
         let mut track = Track::begin(from);
         let mut last = 0;
-        for (at, place) in trajectory.knots() {
+        for (at, position) in trajectory.knots() {
             last = (at.saturating_sub((now.0 as Fine) << 32) as u64).min(whole);
-            let place = place.get(index).copied().unwrap_or_default();
-            track.push(last, Pos(place.0.wrapping_add(shift)));
+            let position = position.get(index).copied().unwrap_or_default();
+            track.push(last, Pos(position.0.wrapping_add(shift)));
         }
-        if let Some((share, place)) = trajectory.turn(index) {
+        if let Some((share, position)) = trajectory.turn(index) {
             let after = last.wrapping_add(umulhi(whole.wrapping_sub(last), share));
-            track.push(after, Pos(place.0.wrapping_add(shift)));
+            track.push(after, Pos(position.0.wrapping_add(shift)));
         }
         track.push(whole, self.set_point());
         self.track = track;

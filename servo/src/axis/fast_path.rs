@@ -79,7 +79,7 @@ impl AxisState {
             self.publish_entered();
         }
         let piece = self.profile.piece();
-        let (pos, Motion { tau, t, .. }) = piece.place(piece.elapsed(next));
+        let (pos, Motion { tau, t, .. }) = piece.sample(piece.elapsed(next));
         if self.is_barred(pos) {
             return FastStep::Barred;
         }

@@ -80,7 +80,7 @@ impl AxisState {
         let feed = self.feed();
         match self.profile.look(next, feed, source) {
             Ok(piece) => {
-                let (pos, motion) = piece.place(piece.held(next));
+                let (pos, motion) = piece.sample(piece.held(next));
                 // Until the step of this tick publishes its own.
                 self.published.motion = motion;
                 (Moving { pos: exact(pos), velocity: self.published.motion.velocity() }, true)
@@ -210,7 +210,7 @@ impl AxisState {
                 t = piece.held(next);
             }
         }
-        let (pos, Motion { tau, t, .. }) = piece.place(t);
+        let (pos, Motion { tau, t, .. }) = piece.sample(t);
         if (pos < self.lower || pos > self.upper)
             && let Some(reason) = self.stopped_at_barrier(next, pos)
         {

@@ -218,7 +218,7 @@ impl AxisState {
         let (source, level, actions) = context;
         let mut context = Context::new(&mut self.follow, source, level, actions);
         let state = follower.step(master_sample, led, from, &mut context);
-        let (pos, tau) = follower.run.place();
+        let (pos, tau) = follower.run.position();
         self.publish_run();
         match state {
             State::Running => {}

@@ -191,19 +191,19 @@ impl EventQueue {
         if self.first == self.len {
             (self.first, self.len) = (0, 0);
         }
-        let mut place = self.len;
-        if place >= EVENTS {
+        let mut slot = self.len;
+        if slot >= EVENTS {
             return Err(Full);
         }
-        while let Some(before) = place.checked_sub(1).filter(|before| *before >= self.first)
+        while let Some(before) = slot.checked_sub(1).filter(|before| *before >= self.first)
             && let Some(other) = self.events.get(before).copied().filter(|other| other.0 > at)
         {
-            if let Some(to) = self.events.get_mut(place) {
+            if let Some(to) = self.events.get_mut(slot) {
                 *to = other;
             }
-            place = before;
+            slot = before;
         }
-        if let Some(to) = self.events.get_mut(place) {
+        if let Some(to) = self.events.get_mut(slot) {
             *to = (at, event);
         }
         self.len = self.len.wrapping_add(1);

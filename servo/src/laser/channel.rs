@@ -370,8 +370,8 @@ impl Channel {
 
     /// The axes whose positions count by fixed ratios, if any do.
     #[inline(always)]
-    pub(super) fn places(&self) -> Option<u32> {
-        self.law.places()
+    pub(super) fn followed_axes(&self) -> Option<u32> {
+        self.law.followed_axes()
     }
 
     /// Ends a follow that one of these began.

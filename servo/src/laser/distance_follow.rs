@@ -109,10 +109,10 @@ impl Distance {
 
     /// Σ (position − reference)·factor.
     #[inline(never)]
-    fn sum(&self, places: [i64; DISTANCES]) -> i128 {
-        let axes = places.iter().zip(&self.reference).zip(&self.factors);
-        axes.fold(0, |sum, ((place, reference), factor)| {
-            sum.wrapping_add(product(place.wrapping_sub(*reference), *factor))
+    fn sum(&self, positions: [i64; DISTANCES]) -> i128 {
+        let axes = positions.iter().zip(&self.reference).zip(&self.factors);
+        axes.fold(0, |sum, ((position, reference), factor)| {
+            sum.wrapping_add(product(position.wrapping_sub(*reference), *factor))
         })
     }
 
@@ -121,11 +121,11 @@ impl Distance {
     pub(super) fn tabled(
         &self,
         channel: u8,
-        place: impl Fn(Axis, Source) -> Pos,
+        position: impl Fn(Axis, Source) -> Pos,
         tables: &Tables,
         stretches: &mut [Interval; DISTANCES],
     ) -> i64 {
-        let places = self.axes.map(|axis| place(axis, self.source).0);
+        let positions = self.axes.map(|axis| position(axis, self.source).0);
         let along = |bank: u8, index: u8, x: i64, interval: &mut Interval| {
             Curve::ratio(channel, bank, index).map_or(0, |curve| tables.at(curve, x, interval))
         };
@@ -133,14 +133,14 @@ impl Distance {
         match self.ratios {
             Ratios::Fixed => {}
             Ratios::Lines { bank } => {
-                for ((to, index), (x, interval)) in ratios.iter_mut().zip(0..).zip(places.iter().zip(stretches)) {
+                for ((to, index), (x, interval)) in ratios.iter_mut().zip(0..).zip(positions.iter().zip(stretches)) {
                     *to = along(bank, index, *x, interval);
                 }
             }
             Ratios::Plane { bank, axes } => {
                 let mut lines = [0i64; 2];
                 for ((to, axis), (index, interval)) in lines.iter_mut().zip(axes).zip((0..).zip(stretches)) {
-                    *to = along(bank, index, places.get(axis as usize).copied().unwrap_or(0), interval);
+                    *to = along(bank, index, positions.get(axis as usize).copied().unwrap_or(0), interval);
                 }
                 let [u, v] = lines;
                 let count = Curve::ratio(channel, bank, 0).map_or(0, |curve| tables.count(curve));
@@ -154,7 +154,7 @@ impl Distance {
         }
         let bank = self.bank().unwrap_or(0);
         let mut sum = 0i128;
-        let axes = places.iter().zip(self.reference).zip(self.factors.iter().zip(ratios));
+        let axes = positions.iter().zip(self.reference).zip(self.factors.iter().zip(ratios));
         for (axis, ((x, reference), (factor, ratio))) in (0..).zip(axes) {
             let by = x.wrapping_sub(reference);
             // In 2^-32 instead of the power's 2^-44.
@@ -215,15 +215,15 @@ impl Displacements {
         for (by, from) in self.by.iter_mut().zip(&mut self.from).rev() {
             let axis = axes.get((rest & ((1 << AXIS_BITS) - 1)) as usize);
             rest >>= AXIS_BITS;
-            let place =
+            let position =
                 axis.map_or(
                     0,
                     |axis| if encoder { axis.published.encoder << Pos::FRAC_BITS } else { axis.published.pos.0 },
                 );
-            let displacement = place.wrapping_sub(*from);
+            let displacement = position.wrapping_sub(*from);
             *by = displacement as i32;
             self.long |= (displacement >> 32) as i32 ^ *by >> (DISPLACEMENT_BITS - 1);
-            *from = place;
+            *from = position;
         }
     }
 }

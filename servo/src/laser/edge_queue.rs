@@ -57,7 +57,7 @@ impl Edges {
 
     /// A command that takes effect at `at`.
     pub(super) fn command(&mut self, at: Ns, on: bool) -> Result<(), Full> {
-        while self.len > 0 && self.place(self.len.wrapping_sub(1)).is_some_and(|last| *last >= at) {
+        while self.len > 0 && self.slot(self.len.wrapping_sub(1)).is_some_and(|last| *last >= at) {
             self.len = self.len.wrapping_sub(1);
         }
         // The level that the last pending edge leads to.
@@ -65,8 +65,8 @@ impl Edges {
         let fits = last == on || !on || self.len < EDGES - 1;
         if last != on && fits {
             let len = self.len;
-            if let Some(place) = self.place(len) {
-                *place = at;
+            if let Some(slot) = self.slot(len) {
+                *slot = at;
                 self.len = len.wrapping_add(1);
             }
         }
@@ -87,11 +87,11 @@ impl Edges {
     #[inline]
     fn look(&mut self) {
         let pending = self.len > 0;
-        self.next = self.place(0).map_or(NEVER, |next| if pending { *next } else { NEVER });
+        self.next = self.slot(0).map_or(NEVER, |next| if pending { *next } else { NEVER });
     }
 
     #[inline]
-    fn place(&mut self, index: usize) -> Option<&mut Ns> {
+    fn slot(&mut self, index: usize) -> Option<&mut Ns> {
         self.at.get_mut(self.first.wrapping_add(index) % EDGES)
     }
 }

@@ -168,18 +168,18 @@ pub(crate) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// One of the speeds of paths, [`Speeds::place`].
+    /// One of the speeds of paths, [`Speeds::index`].
     #[inline(always)]
-    fn speed(&self, place: usize) -> PathSpeed {
-        if self.speeds.fed >> (place & power_law::PLACES) & 1 == 0 {
+    fn speed(&self, index: usize) -> PathSpeed {
+        if self.speeds.fed >> (index & power_law::INDEX_MASK) & 1 == 0 {
             return PathSpeed::STANDSTILL;
         }
-        self.speeds.of.get(place).copied().unwrap_or_default()
+        self.speeds.of.get(index).copied().unwrap_or_default()
     }
 
     /// The planned position of an axis, or its last encoder sample.
     #[inline]
-    fn place(&self, axis: Axis, source: Source) -> Pos {
+    fn position(&self, axis: Axis, source: Source) -> Pos {
         let published = self.axes.get(axis.index()).map(|axis| &axis.published);
         published.map_or(Pos(0), |published| match source {
             Source::Planned => published.pos,
@@ -372,8 +372,8 @@ impl Lasers {
     /// that of its encoders in the last one ([`PathSpeed::measured`]). Speeds that are not fed are
     /// 0.
     pub(crate) fn feed(&mut self, crd: Crd, planned: PathSpeed, encoder: PathSpeed) {
-        self.speeds.put(Speeds::place(crd, false), planned);
-        self.speeds.put(Speeds::place(crd, true), encoder);
+        self.speeds.put(Speeds::index(crd, false), planned);
+        self.speeds.put(Speeds::index(crd, true), encoder);
     }
 
     /// A cause that is over as soon as it is reported.
@@ -409,7 +409,7 @@ impl Lasers {
         self.plan.lasts = period.0 as u32;
         for (index, (channel, displacements)) in self.channels.iter_mut().zip(&mut self.displacements).enumerate() {
             // If channels follow the same positions, one sample is enough.
-            if let Some(key) = channel.places().filter(|key| !around.displacements.are_of(*key)) {
+            if let Some(key) = channel.followed_axes().filter(|key| !around.displacements.are_of(*key)) {
                 displacements.look(key, axes);
                 around.displacements = displacements;
             }

@@ -68,7 +68,7 @@ struct Mix {
     low: i64,
     high: i64,
     part: Part,
-    /// Index of the speed: [`Speeds::place`].
+    /// Index of the speed: [`Speeds::index`].
     speed: usize,
     added: Added,
     /// The power may change in each tick.
@@ -262,14 +262,14 @@ impl Law {
         {
             (low, high) = (low.max(bounds.min().raw()), high.min(bounds.max().raw()));
         }
-        let speed = self.follow.map_or(0, |follow| Speeds::place(follow.crd, self.encoder.0 != 0));
+        let speed = self.follow.map_or(0, |follow| Speeds::index(follow.crd, self.encoder.0 != 0));
         let moves = self.follow.is_some() || self.distance.is_some();
         self.mix = Mix { base, low, high, part, speed, added, moves, held };
     }
 
     /// The axes whose positions count by fixed ratios, if any do.
     #[inline(always)]
-    pub(super) fn places(&self) -> Option<u32> {
+    pub(super) fn followed_axes(&self) -> Option<u32> {
         (self.mix.added == Added::Terms).then_some(self.terms.key)
     }
 
@@ -304,8 +304,8 @@ impl Law {
             Added::Terms => self.terms.power(),
             Added::Tables => match &self.distance {
                 Some(distance) => {
-                    let place = |axis, source| around.place(axis, source);
-                    distance.tabled(self.channel, place, around.tables, &mut self.stretches)
+                    let position = |axis, source| around.position(axis, source);
+                    distance.tabled(self.channel, position, around.tables, &mut self.stretches)
                 }
                 None => 0,
             },
@@ -328,20 +328,20 @@ impl Speeds {
 
     /// The index of the speed of a path.
     #[inline(always)]
-    pub(super) fn place(crd: Crd, encoder: bool) -> usize {
+    pub(super) fn index(crd: Crd, encoder: bool) -> usize {
         if encoder { Crd::MAX.wrapping_add(crd.index()) } else { crd.index() }
     }
 
     /// Feeds one.
     #[inline(always)]
-    pub(super) fn put(&mut self, place: usize, speed: PathSpeed) {
-        if let Some(to) = self.of.get_mut(place) {
+    pub(super) fn put(&mut self, index: usize, speed: PathSpeed) {
+        if let Some(to) = self.of.get_mut(index) {
             *to = speed;
-            self.fed |= 1 << (place & PLACES);
+            self.fed |= 1 << (index & INDEX_MASK);
         }
     }
 }
 
 /// The bits of an index.
-pub(super) const PLACES: usize = 2 * Crd::MAX - 1;
-const _: () = assert!(2 * Crd::MAX <= 32 && PLACES & (2 * Crd::MAX) == 0, "a bit of a word each");
+pub(super) const INDEX_MASK: usize = 2 * Crd::MAX - 1;
+const _: () = assert!(2 * Crd::MAX <= 32 && INDEX_MASK & (2 * Crd::MAX) == 0, "a bit of a word each");

@@ -295,7 +295,7 @@ fn added(distance: &Distance, tables: &Tables, axes: &[AxisState]) -> i64 {
         assert_eq!(terms.power(), afresh.power());
         return terms.power();
     }
-    distance.tabled(0, |axis, source| around.place(axis, source), tables, &mut [Interval::NONE; DISTANCES])
+    distance.tabled(0, |axis, source| around.position(axis, source), tables, &mut [Interval::NONE; DISTANCES])
 }
 
 #[test]
@@ -430,14 +430,14 @@ fn ratios_of_tables_are_those_of_the_place() {
 fn power_of(law: &mut Law, v: f64, x: f64) -> f64 {
     let mut speeds = Speeds::STANDSTILL;
     let [first, second] = [0, 1].map(|index| Crd::new(index).unwrap());
-    speeds.put(Speeds::place(first, false), speed(v));
-    speeds.put(Speeds::place(first, true), speed(2.0 * v));
-    speeds.put(Speeds::place(second, false), speed(1e6));
+    speeds.put(Speeds::index(first, false), speed(v));
+    speeds.put(Speeds::index(first, true), speed(2.0 * v));
+    speeds.put(Speeds::index(second, false), speed(1e6));
     let (tables, axes) = (Tables::new(), axes([x, 0.0, 0.0, 0.0]));
     power_table(&tables, &[(10.0, 20.0), (50.0, 60.0)]);
     let mut displacements = Displacements::begin(0);
     law.rest();
-    if let Some(key) = law.places() {
+    if let Some(key) = law.followed_axes() {
         displacements.look(key, &axes);
     }
     let around = Surroundings {

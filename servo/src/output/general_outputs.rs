@@ -88,18 +88,18 @@ impl Edges {
         {
             return;
         }
-        let mut place = self.count.min(ROOM - 1);
-        self.count = place + 1;
-        while place > 0
-            && let Some(&before) = self.list.get(place - 1)
+        let mut slot = self.count.min(ROOM - 1);
+        self.count = slot + 1;
+        while slot > 0
+            && let Some(&before) = self.list.get(slot - 1)
             && before.0 > at
         {
-            if let Some(here) = self.list.get_mut(place) {
+            if let Some(here) = self.list.get_mut(slot) {
                 *here = before;
             }
-            place -= 1;
+            slot -= 1;
         }
-        if let Some(here) = self.list.get_mut(place) {
+        if let Some(here) = self.list.get_mut(slot) {
             *here = (at, change);
         }
     }

@@ -449,7 +449,7 @@ impl Profile {
             return Step { pos: at.round(), motion: Motion::STANDSTILL, state };
         }
         let piece = self.piece();
-        let (pos, motion) = piece.place(piece.held(now));
+        let (pos, motion) = piece.sample(piece.held(now));
         Step { pos, motion, state: State::Running }
     }
 }

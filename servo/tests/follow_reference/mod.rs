@@ -182,7 +182,7 @@ pub enum Known {
 }
 
 enum State {
-    StepReport(Begin),
+    Starting(Begin),
     Waits(bool, i128),
     Runs,
     Ended(i128),
@@ -212,7 +212,7 @@ impl Slave {
     /// With the slave at `origin`; FIFO 0 runs.
     pub fn new(data: [Option<Vec<Datum>>; 2], dir: i128, passes: u32, begin: Begin, origin: i128) -> Slave {
         let table = Table::new(data[0].as_ref().unwrap(), &BigRational::zero());
-        let state = State::StepReport(begin);
+        let state = State::Starting(begin);
         let (pass, began, far) = (0, 0, (0, 0));
         Slave { data, table, fifo: 0, dir, passes, switching: false, state, pass, began, origin, far, switches: 0 }
     }
@@ -287,11 +287,11 @@ impl Slave {
             State::Ended(at) => return Known::Ended(at),
             State::Lost => return Known::Nothing,
             // It begins at the end of the tick of FollowStart.
-            State::StepReport(Begin::Start) => {
+            State::Starting(Begin::Start) => {
                 self.start(path.to);
                 return Known::Runs(self.origin, self.origin);
             }
-            State::StepReport(Begin::Pass(up, at)) => {
+            State::Starting(Begin::Pass(up, at)) => {
                 self.state = State::Waits(up, at);
                 return Known::Runs(self.origin, self.origin);
             }

@@ -327,7 +327,7 @@ impl FollowRun {
     }
 
     /// The present planned position, and the parameter in its piece.
-    pub fn place(&self) -> (Pos, u64) {
+    pub fn position(&self) -> (Pos, u64) {
         let t = (self.progress as u64).wrapping_sub(self.piece.begin.0);
         if t < self.piece.span { self.piece.at(t) } else { (self.piece.start, 0) }
     }
@@ -420,7 +420,7 @@ impl FollowRun {
             if self.progress != progress {
                 trail((&piece, progress), (&self.piece, self.progress), down, &section, track);
             }
-            track.push(section.to.after, self.place().0);
+            track.push(section.to.after, self.position().0);
         }
         end
     }
@@ -496,8 +496,8 @@ impl FollowRun {
                     DoGroup::Clear => 1,
                     DoGroup::General => 2,
                 };
-                if let Some(place) = context.actions.outputs.get_mut(context.actions.done.wrapping_sub(1)) {
-                    *place = Some((group, bit, high));
+                if let Some(position) = context.actions.outputs.get_mut(context.actions.done.wrapping_sub(1)) {
+                    *position = Some((group, bit, high));
                 }
                 return false;
             }

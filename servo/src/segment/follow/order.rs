@@ -42,15 +42,15 @@ impl<const AXES: usize> Order<AXES> {
             let waits = left;
             for axis in AxisMask(waits).axes() {
                 let free = master(axis).is_none_or(|master| master == axis || waits & master.mask().0 == 0);
-                if free && let Some(place) = places.next() {
-                    *place = axis.index() as u8;
+                if free && let Some(index) = places.next() {
+                    *index = axis.index() as u8;
                     left &= !axis.mask().0;
                 }
             }
             if left == waits {
                 for axis in AxisMask(waits).axes() {
-                    if let Some(place) = places.next() {
-                        *place = axis.index() as u8;
+                    if let Some(index) = places.next() {
+                        *index = axis.index() as u8;
                     }
                 }
                 break;
@@ -60,10 +60,10 @@ impl<const AXES: usize> Order<AXES> {
 
     /// The slave at an index of the order.
     #[inline(always)]
-    pub(crate) fn at(&self, place: usize) -> Option<Axis> {
-        if place >= self.count as usize {
+    pub(crate) fn at(&self, index: usize) -> Option<Axis> {
+        if index >= self.count as usize {
             return None;
         }
-        Axis::new(*self.axes.get(place)? as usize)
+        Axis::new(*self.axes.get(index)? as usize)
     }
 }

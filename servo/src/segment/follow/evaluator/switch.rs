@@ -31,11 +31,11 @@ impl FollowRun {
         if self.wait != Wait::No {
             self.resume(pos, context);
         }
-        let (place, tau) = self.place();
+        let (position, tau) = self.position();
         let moves = (self.progress as u64).wrapping_sub(self.piece.begin.0) < self.piece.span;
         let ratio = if moves { ratio_at(&self.piece.motion, tau) } else { 0 };
         let began = (self.progress as i128) << UNIT;
-        let origin = (place.0 as i128) << UNIT;
+        let origin = (position.0 as i128) << UNIT;
         if method == Method::Table {
             self.enter_other(began, origin, ratio, true, context);
             return true;
