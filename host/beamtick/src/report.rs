@@ -30,8 +30,8 @@ pub struct Report<'a> {
     pub lit: Vec<u8>,
     /// Calls that failed and were allowed to.
     pub warned: u32,
-    /// The PT streams as they were last, and the shortest time to dry that each showed since it first became shorter:
-    /// until then the axis is at rest and its data only grows.
+    /// The PT streams at the last report, and the shortest time to dry of each since it first
+    /// decreased: until then the axis is at standstill and its data only grows.
     pub streams: Vec<(Dry, Option<u32>)>,
 }
 

@@ -23,7 +23,7 @@ pub struct Run<'a> {
     pub source: &'a Source,
     /// The controller.
     pub client: &'a Client,
-    /// What was seen on the way.
+    /// What was observed during the job.
     pub report: &'a Report<'a>,
     /// Where the program was at its end.
     pub progress: &'a Progress,
@@ -241,7 +241,7 @@ fn path(state: &CrdState) -> String {
     if left == 0 { format!("{done} segments") } else { format!("{done} segments, {left} left") }
 }
 
-/// How a coordinate system came to rest.
+/// How a coordinate system came to standstill.
 fn path_end(state: &CrdState) -> String {
     match (state.run, state.rest) {
         (0, 0) => "never moved".to_owned(),
@@ -308,7 +308,8 @@ fn reason(number: u16) -> &'static str {
     }
 }
 
-/// How an axis came to rest: by the script's end, by its reason; latched status bits are named.
+/// How an axis came to standstill: by the script's end, by its reason; latched status bits are
+/// named.
 fn ended(report: &Report<'_>, axis: &Axis, item: &AxisItem) -> String {
     const BITS: [(u32, &str); 6] = [
         (1, "drive alarm"),

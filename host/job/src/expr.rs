@@ -264,7 +264,7 @@ fn integers(operator: &str, a: i64, b: i64) -> Result<i64, String> {
 }
 
 impl Reader<'_> {
-    /// Reads the words of a type, if they stand here.
+    /// Reads the words of a type, if they come next.
     pub(crate) fn type_words(&mut self) -> Option<Type> {
         let start = self.at();
         let (mut unsigned, mut of, mut any) = (false, None, false);

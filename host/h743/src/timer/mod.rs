@@ -40,7 +40,7 @@ const OPM: u32 = 1 << 3;
 const ARPE: u32 = 1 << 7;
 /// Down-counting, centre alignment: not modelled.
 const CR1_OTHER: u32 = 1 << 4 | 3 << 5;
-/// CR2.MMS: what the trigger output tells.
+/// CR2.MMS: source of the trigger output.
 const MMS_ENABLE: u32 = 1;
 const MMS_UPDATE: u32 = 2;
 const UIF: u32 = 1 << 0;
@@ -118,9 +118,10 @@ pub struct Timer {
     kernel: Time,
     /// While it counts: when it was 0.
     epoch: i64,
-    /// While it does not: what it holds. While it counts: where it was when it was last set, or 0 in a new round.
+    /// While it does not count: its value. While it counts: the value at the last write, or 0 in a
+    /// new cycle.
     held: u32,
-    /// The transfer of a burst through DMAR that comes next.
+    /// The next transfer of a burst through DMAR.
     burst: u32,
     /// The request that a burst repeats until its last transfer.
     burst_asks: u8,
@@ -192,7 +193,8 @@ impl Timer {
         if self.counts() { ((at as i64 - self.epoch) / self.step() as i64) as u32 } else { self.held }
     }
 
-    /// When the counter goes back to 0: behind the reload value, or behind the widest it can hold where it is past that.
+    /// The instant at which the counter wraps to 0: after the reload value, or after the largest
+    /// value if it is past that.
     fn wrap(&self, at: Time) -> Time {
         let top = if self.count(at) > self.top { self.widest() } else { self.top };
         self.after(Time::from(top) + 1)
@@ -239,7 +241,8 @@ impl Timer {
         }
     }
 
-    /// A rising edge at the input of a channel latches the count; one that nobody has fetched is lost (RM0433 39.3.5).
+    /// A rising edge at the input of a channel latches the count; one that was not read before is
+    /// lost (RM0433 39.3.5).
     fn capture(&mut self, n: usize) {
         if !self.is_encoder() {
             self.complain("a capture beside anything but an encoder");
@@ -278,7 +281,7 @@ impl Timer {
         }
     }
 
-    /// Works out the outputs and tells what changed.
+    /// Computes the outputs and signals the changes.
     fn publish(&mut self, at: Time, out: &mut Vec<Signal>) {
         let count = self.count(at);
         self.channels.iter_mut().for_each(|channel| channel.look(count));
@@ -330,7 +333,7 @@ impl Timer {
         }
     }
 
-    /// The counter has gone round.
+    /// The counter has wrapped.
     fn overflow(&mut self, at: Time, out: &mut Vec<Signal>) {
         self.epoch = at as i64;
         for channel in &mut self.channels {
@@ -376,7 +379,7 @@ impl Timer {
         }
     }
 
-    /// When a channel meets the counter, in this round.
+    /// The instant at which a channel meets the counter, in this cycle.
     fn meeting(&self, n: usize) -> Time {
         let channel = &self.channels[n];
         if channel.matched || channel.compare > self.top {
@@ -416,7 +419,7 @@ impl Timer {
         }
     }
 
-    /// Tells its slaves, if this is what they are told of.
+    /// Triggers its slaves, if this is their trigger.
     fn master(&self, mode: u32, out: &mut Vec<Signal>) {
         if self.cr2 >> 4 & 7 == mode {
             out.push(Signal::Trigger(self.kind.number));
