@@ -173,7 +173,7 @@ extern "C" fn faulted(stack: usize) -> ! {
 
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
-    restart(FaultKind::Interrupt, format_args!("interrupt {number} that nobody claims"))
+    restart(FaultKind::Interrupt, format_args!("interrupt {number} without a handler"))
 }
 
 /// The board's own reason, if it has one; else the watchdog was not fed. When the emulator's clock

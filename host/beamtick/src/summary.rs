@@ -86,7 +86,7 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
         );
         if item.mode.get() == MODE_PT {
             let state = client.call(GetPtState { core: axis.core.into(), profile: axis.axis.into() })?;
-            say!("    PT: {}, {} passes, {} places free", pt_state(state.state), state.loops, state.space0);
+            say!("    PT: {}, {} passes, {} slots free", pt_state(state.state), state.loops, state.space0);
         }
     }
     for crd in &run.source.job.crds {
@@ -111,7 +111,7 @@ pub fn print(run: &Run<'_>) -> Result<(), Failure> {
     for (dry, least) in &run.report.streams {
         let least = least.map_or(String::new(), |least| format!("; least seen {least} ms"));
         say!(
-            "  PT data of {}: at the last data {} places free, {} ms to dry{least}",
+            "  PT data of {}: at the last data {} slots free, {} ms to dry{least}",
             name(&Axis { core: dry.core, axis: dry.axis }),
             dry.space,
             dry.dry_ms
@@ -247,7 +247,7 @@ fn path_end(state: &CrdState) -> String {
         (0, 0) => "never moved".to_owned(),
         (0, 1) => "its entries ran out".to_owned(),
         (0, 2) => "UNDERRUN: its entries ran out at speed".to_owned(),
-        (0, _) => format!("{}; CrdStart goes on", reason(state.reason.get())),
+        (0, _) => format!("{}; CrdStart continues", reason(state.reason.get())),
         _ => "moving".to_owned(),
     }
 }

@@ -130,9 +130,9 @@ impl Axis {
                 let input = name(self.core, di_type.get(), index.get());
                 let level = if level.get() == 0 { "0 (low)" } else { "1 (high)" };
                 let limit = if limited == 0 { ", without a time limit" } else { ", or its time is over" };
-                Some(format!("{axis} rests until {input} is {level}{limit} (FollowDiBitEx)"))
+                Some(format!("{axis} waits until {input} is {level}{limit} (FollowDiBitEx)"))
             }
-            PASS => Some(format!("{axis} rests until its master passes the position of its PASS event")),
+            PASS => Some(format!("{axis} waits until its master passes the position of its PASS event")),
             _ if self.item.mode.get() == JOG => {
                 let vel = client.call(GetVel { core: self.core.into(), profile: self.axis.into() })?.value.get();
                 Some(format!("{axis} runs in Jog mode at {vel} pulse/ms, which a Stop, a limit or a fault ends"))

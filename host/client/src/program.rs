@@ -411,7 +411,7 @@ impl Run<'_> {
             if self.going_back && answer.code == 0 {
                 return Err(Error::new(
                     error::LINK_PROTOCOL,
-                    "the controller took an entry behind one that its queue had no room for",
+                    "the controller took an entry after one that its queue had no room for",
                 ));
             }
             self.note_stream(&sent.call, &answer);

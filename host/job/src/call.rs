@@ -244,7 +244,7 @@ impl Reader<'_> {
                 "more than {EFFECTS} entries stand between two motions of coordinate system {crd}: its path stops here, for a servo \
                  tick with every {EFFECTS} of them"
             );
-            self.warn(span.clone(), message, "a BufMove counts as four; put some of them at another place of the path");
+            self.warn(span.clone(), message, "a BufMove counts as four; move some of them to another part of the path");
         }
     }
 

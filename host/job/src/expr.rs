@@ -169,7 +169,7 @@ impl Reader<'_> {
             ("fmod", [x, y]) => x % y,
             (name, _) => {
                 let message = if name.starts_with("GT_") || name.starts_with("GTN_") {
-                    format!("{name} cannot stand inside an expression")
+                    format!("{name} is not allowed inside an expression")
                 } else {
                     format!("`{name}` with {} values is no function that scripts know", given.len())
                 };

@@ -46,7 +46,7 @@ pub(crate) struct Reader<'a> {
     pub(crate) warnings: Vec<Diagnostic>,
     pub(crate) errors: Vec<Diagnostic>,
     pub(crate) braces: Vec<Range<usize>>,
-    /// Behind `return`: nothing is executed any more.
+    /// After `return`: nothing is executed any more.
     pub(crate) ended: bool,
     /// In the body of `while(!kbhit())`.
     pub(crate) polling: bool,
@@ -260,10 +260,10 @@ impl<'a> Reader<'a> {
 
     /// A statement with an effect after `return`: reported once.
     pub(crate) fn executes(&mut self) {
-        if self.ended && !self.warnings.iter().any(|warning| warning.message.starts_with("behind `return`")) {
+        if self.ended && !self.warnings.iter().any(|warning| warning.message.starts_with("after `return`")) {
             self.warn(
                 self.here(),
-                "behind `return` nothing is executed".into(),
+                "after `return` nothing is executed".into(),
                 "remove the return, or what follows it",
             );
         }

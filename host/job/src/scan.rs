@@ -195,7 +195,7 @@ pub fn scan(text: &str) -> Scanned {
         }
     }
     for span in &broken {
-        let message = "this line is taken as the rest of the comment above".to_owned();
+        let message = "this line is taken as the remainder of the comment above".to_owned();
         let help = Some("put // before it".to_owned());
         problems.push(diagnostic(text, Severity::Warning, given(span), message, help));
     }
@@ -337,7 +337,7 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
     /// `#pragma family gus`: said once, or again with the same value.
     fn option(&mut self, name: &str, whole: &Range<usize>, rest: &[(Raw, Range<usize>)]) {
         let (Some(name), Some((_, first))) = (OPTIONS.into_iter().find(|known| *known == name), rest.first()) else {
-            return self.refuse(whole, format!("#pragma {name} needs a value"), "write it behind the name");
+            return self.refuse(whole, format!("#pragma {name} needs a value"), "write it after the name");
         };
         let value = self.flat[first.start..whole.end].trim().to_owned();
         let span = (self.given)(whole);

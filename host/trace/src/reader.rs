@@ -191,7 +191,7 @@ impl Made {
             let edge = AnalogEdge { t_ns, output: told.channel.saturating_add(1), code: told.value.get() };
             return sink(Item::Analog(edge));
         }
-        let unknown = TraceError::Damaged { after: self.rows, what: "a laser is told what this client does not know" };
+        let unknown = TraceError::Damaged { after: self.rows, what: "a laser action that this client does not know" };
         let Some(laser) = self.header.lasers.iter().position(|name| name.0 == told.channel) else {
             return Err(unknown);
         };

@@ -57,9 +57,9 @@ pub struct VcdWriter<W: Write> {
 }
 
 impl<W: Write> VcdWriter<W> {
-    /// Declares the signals: two for each axis of the header; one for each output (its number from
-    /// 1, and its level at the start); one for each analog output (its number from 1), which begin
-    /// at 0; three for each laser, which begin in the safe state.
+    /// Declares the signals: two for each axis of the header, and one for each output (its number
+    /// from 1, and its level at the start). Each analog output (its number from 1) has one, which
+    /// begins at 0. Each laser has three, which begin in the safe state.
     pub fn new(out: W, header: &Header, outputs: &[(u8, bool)], analog: &[u8]) -> Result<Self> {
         let mut out = vcd::Writer::new(out);
         out.timescale(1, TimescaleUnit::NS)?;

@@ -261,9 +261,9 @@ impl<const AXES: usize> Port for Machine<AXES> {
     }
 
     fn plan(&mut self, row: u16, due: Due, input: Simulated) {
-        let places = self.plan.places();
-        if places.len() <= usize::from(row) {
-            places.resize(usize::from(row) + 1, Row::NONE);
+        let slots = self.plan.slots();
+        if slots.len() <= usize::from(row) {
+            slots.resize(usize::from(row) + 1, Row::NONE);
         }
         self.plan.put(row, due, input);
     }

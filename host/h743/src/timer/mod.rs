@@ -1,9 +1,12 @@
-//! Timers TIM1 to TIM8 and TIM15 to TIM17 (RM0433 38 to 41): up-counting, output compare, complementary outputs with break,
-//! repetition, preload, DMA requests with bursts; of the slave modes the encoder's and the start by a trigger; capture beside an encoder.
+//! Timers TIM1 to TIM8 and TIM15 to TIM17 (RM0433 38 to 41): up-counting, output compare,
+//! complementary outputs with break, repetition, preload, DMA requests with bursts. Of the slave
+//! modes they have the encoder's and the start by a trigger, and capture together with an encoder.
 //!
-//! In: registers, instants, the break input, an encoder's levels, triggers. Out: the levels of outputs at exact instants,
-//! interrupts, DMA requests, triggers. The counter is not stepped: what it holds follows from when it was 0, so a period costs
-//! its events only. What is not modelled (down-counting, other triggers, other captures, dead time) is a complaint.
+//! In: registers, instants, the break input, an encoder's levels, triggers. Out: the levels of
+//! outputs at exact instants, interrupts, DMA requests, triggers. Owns the state of a timer. The
+//! counter is not stepped: its value follows from when it was 0, so a period costs its events only.
+//! Fails: what is not modelled (down-counting, other triggers, other captures, dead time) is a
+//! complaint.
 mod output;
 mod registers;
 
