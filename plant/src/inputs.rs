@@ -36,7 +36,7 @@ impl<S: AsRef<[Row]> + AsMut<[Row]>> Plan<S> {
     }
 
     /// The slots, to make more of them.
-    pub fn places(&mut self) -> &mut S {
+    pub fn slots(&mut self) -> &mut S {
         &mut self.rows
     }
 

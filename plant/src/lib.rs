@@ -1,16 +1,16 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! The machine of the boards that have none: every axis follows its set-point with a
-//! first-order lag.
+//! The machine of the boards that have none: every axis follows its set-point with a first-order
+//! lag.
 //!
-//! In: set-points in 2⁻²² pulse, one advance a tick. Out: encoder counts in whole pulses.
-//! Owns the lag's state and nothing else. All integer, so that the virtual and the emulated board
-//! read the same encoders to the bit. Fails never: every `i64` set-point is followed, and a settled
-//! axis is exactly at its set-point (there is no dead band).
+//! In: set-points in 2⁻²² pulse, one advance a tick. Out: encoder counts in whole pulses. Owns the
+//! lag's state and nothing else. All integer, so that the virtual and the emulated board read the
+//! same encoders to the bit. Fails never: every `i64` set-point is followed, and a settled axis is
+//! exactly at its set-point (there is no dead band).
 //!
-//! Between two ticks the set-point is held: with x the encoder shaft, s the set-point in force and
-//! T the tick period, `x(t + T) = s + (x(t) − s)·e^(−T/τ)`, which is the exact solution of
-//! `τ·x' = s − x` up to the rounding of one step (2⁻²² pulse).
+//! Between two ticks the set-point is held. With x the encoder shaft, s the set-point in force and
+//! T the tick period: `x(t + T) = s + (x(t) − s)·e^(−T/τ)`. This is the exact solution of `τ·x' = s
+//! − x` up to the rounding of one step (2⁻²² pulse).
 
 pub mod beam;
 pub mod inputs;

@@ -1,7 +1,8 @@
-//! The reference board's image: its files, what it takes of the chip's memories, and the way onto the board.
+//! The reference board's image: its files, its use of the chip's memories, and flashing.
 //!
-//! In: the workspace. Out: ELF, BIN and Intel HEX in `out/`, named with the version, with their checksums; a table of
-//! regions; a flashed board. Fails: with a sentence that says what is missing.
+//! In: the workspace. Out: ELF, BIN and Intel HEX in `out/`, named with the version, with their
+//! checksums; a table of regions; a flashed board. Owns nothing. Fails: with a sentence that says
+//! what is missing.
 use crate::floats;
 use crate::setup::compiler;
 use crate::shell::{self, Outcome, program, root, run, target, works};
@@ -19,10 +20,10 @@ pub const BIN: &str = "beamtick-h743";
 /// The board's map of memories.
 const MEMORY: &str = "hal/src/stm32h743/memory.x";
 
-/// How cargo is told of the board.
+/// Cargo's arguments for the board.
 pub const FEATURES: [&str; 3] = ["--no-default-features", "--features", "stm32h743"];
 
-/// Builds the image for an external DAC and tells where it is: not where the other one comes.
+/// Builds the image for an external DAC and returns its path, which is not that of the other image.
 pub fn build_for_dac() -> Outcome<PathBuf> {
     let compiler = compiler()?;
     let mut cargo = compiler.cargo();
@@ -34,7 +35,7 @@ pub fn build_for_dac() -> Outcome<PathBuf> {
     Ok(copy)
 }
 
-/// Builds the image and tells where it is.
+/// Builds the image and returns its path.
 pub fn build() -> Outcome<PathBuf> {
     let compiler = compiler()?;
     let mut cargo = compiler.cargo();

@@ -1,10 +1,10 @@
 //! The very first code after a reset: memory.
 //!
-//! In: the chip as the reset left it. Out: SRAM 1–3 with their clock (RM0433 2.4, 8.7.42); the
-//! backup SRAM with its clock and write access (8.7.44, 6.4.4); every RAM written once, which its
-//! ECC needs (RM0433 3.2); the state of the tick and its code, copied from flash. Owns nothing.
-//! Fails never. It touches no pin: all of them are analog after a reset (RM0433 11.4.1). It is
-//! assembly, since there is no memory yet that a function could use.
+//! In: the chip as the reset left it. Out: SRAM 1–3 with their clock (RM0433 2.4, 8.7.42), and the
+//! backup SRAM with its clock and write access (8.7.44, 6.4.4). Every RAM is written once, which
+//! its ECC needs (RM0433 3.2). The state of the tick and its code are copied from flash. Owns
+//! nothing. Fails never. It touches no pin: all of them are analog after a reset (RM0433 11.4.1).
+//! It is assembly, since there is no memory yet that a function could use.
 use core::arch::global_asm;
 
 global_asm!(

@@ -5,14 +5,18 @@
 //!
 //! Out, by semihosting: one line a tick, `CASE MARK COUNT`, as `ticks.rs` prints them. CASE is the
 //! number of coordinate systems, on a tick of twelve axes: eight for PVT, two for each. MARK says
-//! what the tick did: `crd-idle` (they are set and at standstill), `crd-line`, `crd-arc` (each
-//! stayed in its motion; the worst prepared the next one), `crd-turn` (each entered one),
-//! `crd-enter` (the tick after that), `crd-start`, `crd-ready` (a start that was prepared while
-//! they rested), `crd-once` (they are set, get their data and start, all in one tick); `crd-worst`
-//! is the tick of SPEC 11: eight axes enter segments of their tables, two coordinate systems enter
-//! motions, two lasers follow speed and distance; `crd-worst-inside` is any other tick of that.
-//! `laser-…`: CASE channels are in light while one coordinate system speeds up, with a power that
-//! follows nothing, its speed, positions, tables of both, or speed and positions.
+//! what the tick did:
+//!
+//! * `crd-idle`: they are set and at standstill.
+//! * `crd-line`, `crd-arc`: each stayed in its motion; the worst prepared the next one.
+//! * `crd-turn`: each entered one; `crd-enter`: the tick after that.
+//! * `crd-start`; `crd-ready`: a start that was prepared at standstill.
+//! * `crd-once`: they are set, get their data and start, all in one tick.
+//! * `crd-worst`: the tick of SPEC 11. Eight axes enter segments of their tables, two coordinate
+//!   systems enter motions, two lasers follow speed and distance. `crd-worst-inside` is any other
+//!   tick of that.
+//! * `laser-…`: CASE channels are in light while one coordinate system speeds up. Their power
+//!   follows nothing, its speed, positions, tables of both, or speed and positions.
 use cortex_m_semihosting::hprintln;
 use dispatcher::plan::pvt::{Draft, Fields, Kind, Scratch, SplineScratch};
 use hal as _; // the vector table
