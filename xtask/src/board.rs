@@ -225,9 +225,9 @@ fn named(script: &str) -> Vec<&str> {
 fn matches(pattern: &str, name: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,
-        Some((first, rest)) => name.strip_prefix(first).is_some_and(|behind| {
-            (0..=behind.len()).any(|at| behind.is_char_boundary(at) && matches(rest, &behind[at..]))
-        }),
+        Some((first, rest)) => name
+            .strip_prefix(first)
+            .is_some_and(|tail| (0..=tail.len()).any(|at| tail.is_char_boundary(at) && matches(rest, &tail[at..]))),
     }
 }
 
@@ -250,12 +250,12 @@ fn hot(elf: &[u8]) -> Outcome {
         return Err(format!("{MEMORY} puts {missing} into CODE, and there is no such function"));
     }
     println!("CODE:");
-    // What jumps into flash, which the linker adds.
-    let (ways, functions): (Vec<_>, Vec<_>) = functions.into_iter().partition(|(.., name)| name.contains("LongThunk"));
+    // Jumps into flash, which the linker adds.
+    let (jumps, functions): (Vec<_>, Vec<_>) = functions.into_iter().partition(|(.., name)| name.contains("LongThunk"));
     for (_, size, name) in functions {
         println!("{size:>8} {name}");
     }
-    println!("{:>8} {} ways into flash", ways.iter().map(|(_, size, _)| size).sum::<u64>(), ways.len());
+    println!("{:>8} {} jumps into flash", jumps.iter().map(|(_, size, _)| size).sum::<u64>(), jumps.len());
     Ok(())
 }
 
